@@ -1,0 +1,389 @@
+//! Precedence climbing from the text straight to the tape; constants are folded on the way.
+//!
+//! From loose to tight: comparisons (they do not chain), `+ -`, `* /`, unary `+ -`, `^` (right-associative).
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+
+use super::tape::{One, Op, Two};
+use super::{ExpressionError, Switch};
+
+/// Deepest nesting of parentheses, function calls, signs and powers.
+const DEEPEST: usize = 256;
+
+const COMPARISON: u8 = 1;
+const SUM: u8 = 2;
+const PRODUCT: u8 = 3;
+const SIGN: u8 = 4;
+const POWER: u8 = 5;
+
+/// Names with a fixed meaning.
+pub(super) const VARIABLES: [&str; 4] = ["x", "y", "s", "pi"];
+/// Names of the functions.
+pub(super) const FUNCTIONS: [&str; 12] =
+    ["abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "atan2", "min", "max", "if"];
+
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Token<'a> {
+    Number(f64),
+    Name(&'a str),
+    Sign(&'static str),
+    End,
+}
+
+/// What the parser leaves behind: the tape and its switches.
+pub(super) struct Parsed {
+    pub(super) ops: Vec<Op>,
+    pub(super) switches: Vec<Switch>,
+}
+
+struct Parser<'a> {
+    text: &'a str,
+    constants: &'a BTreeMap<String, f64>,
+    /// The token that comes next, and where it stands.
+    token: Token<'a>,
+    span: Range<usize>,
+    depth: usize,
+    out: Parsed,
+}
+
+pub(super) fn parse(text: &str, constants: &BTreeMap<String, f64>) -> Result<Parsed, ExpressionError> {
+    let out = Parsed { ops: Vec::new(), switches: Vec::new() };
+    let mut parser = Parser { text, constants, token: Token::End, span: 0..0, depth: 0, out };
+    parser.advance()?;
+    parser.expression(COMPARISON)?;
+    match parser.token {
+        Token::End => Ok(parser.out),
+        Token::Sign(")") => Err(parser.error("this ) closes nothing", "remove it, or open a parenthesis before it")),
+        Token::Sign(",") => Err(parser.error("a comma outside of a function", "write the decimal point as a point")),
+        _ => Err(parser.error("an operator is missing here", "write products with a star: 2*x")),
+    }
+}
+
+impl<'a> Parser<'a> {
+    fn error(&self, message: impl Into<String>, help: impl Into<String>) -> ExpressionError {
+        ExpressionError { message: message.into(), span: self.span.clone(), help: help.into() }
+    }
+
+    /// Reads the next token.
+    fn advance(&mut self) -> Result<(), ExpressionError> {
+        let rest = &self.text[self.span.end..];
+        let start = self.span.end + (rest.len() - rest.trim_start().len());
+        let rest = &self.text[start..];
+        let Some(first) = rest.chars().next() else {
+            (self.token, self.span) = (Token::End, start..start);
+            return Ok(());
+        };
+        if first.is_ascii_digit() || first == '.' {
+            let length = number_length(rest);
+            self.span = start..start + length;
+            self.token = match rest[..length].parse::<f64>() {
+                Ok(value) if value.is_finite() => Token::Number(value),
+                Ok(_) => return Err(self.error("this number is too large", "the largest number is about 1.8e308")),
+                Err(_) => return Err(self.error("this is not a number", "write numbers like 2, 0.5, .5 or 1e-3")),
+            };
+        } else if first.is_alphabetic() || first == '_' {
+            let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
+            (self.token, self.span) = (Token::Name(&rest[..length]), start..start + length);
+        } else {
+            const SIGNS: [&str; 14] = ["<=", ">=", "==", "!=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ","];
+            let Some(sign) = SIGNS.into_iter().find(|sign| rest.starts_with(sign)) else {
+                self.span = start..start + first.len_utf8();
+                let help = if first == '=' { "equality is written ==" } else { "operators are + - * / ^ ( ) , and < <= > >= == !=" };
+                return Err(self.error(format!("the character {first:?} has no meaning here"), help));
+            };
+            (self.token, self.span) = (Token::Sign(sign), start..start + sign.len());
+        }
+        Ok(())
+    }
+
+    fn expect(&mut self, sign: &'static str, help: &str) -> Result<(), ExpressionError> {
+        if self.token != Token::Sign(sign) {
+            let found = match self.token {
+                Token::End => "the expression ends".to_owned(),
+                _ => format!("{:?} stands", &self.text[self.span.clone()]),
+            };
+            return Err(self.error(format!("{found} where {sign:?} is expected"), help));
+        }
+        self.advance()
+    }
+
+    fn deeper(&mut self, level: u8) -> Result<(), ExpressionError> {
+        self.depth += 1;
+        if self.depth > DEEPEST {
+            return Err(self.error(
+                format!("nested deeper than {DEEPEST}"),
+                "name parts of the expression in [parameters], or simplify it",
+            ));
+        }
+        self.expression(level)?;
+        self.depth -= 1;
+        Ok(())
+    }
+
+    /// An operand and the operators that bind at least as tightly as `level`.
+    fn expression(&mut self, level: u8) -> Result<(), ExpressionError> {
+        let left = self.out.ops.len();
+        self.operand()?;
+        loop {
+            let Token::Sign(sign) = self.token else { return Ok(()) };
+            let (operator, binds) = match sign {
+                "<" => (Two::Less, COMPARISON),
+                "<=" => (Two::LessEqual, COMPARISON),
+                ">" => (Two::Greater, COMPARISON),
+                ">=" => (Two::GreaterEqual, COMPARISON),
+                "==" => (Two::Equal, COMPARISON),
+                "!=" => (Two::NotEqual, COMPARISON),
+                "+" => (Two::Add, SUM),
+                "-" => (Two::Subtract, SUM),
+                "*" => (Two::Multiply, PRODUCT),
+                "/" => (Two::Divide, PRODUCT),
+                "^" => (Two::Power, POWER),
+                _ => return Ok(()),
+            };
+            if binds < level {
+                return Ok(());
+            }
+            self.advance()?;
+            let right = self.out.ops.len();
+            match binds {
+                POWER => self.deeper(SIGN)?,
+                _ => self.expression(binds + 1)?,
+            }
+            self.two(operator, left, right);
+            if let (COMPARISON, Token::Sign("<" | "<=" | ">" | ">=" | "==" | "!=")) = (binds, self.token) {
+                return Err(self.error("comparisons do not chain", "write a < x and x < b as (a < x)*(x < b)"));
+            }
+        }
+    }
+
+    fn operand(&mut self) -> Result<(), ExpressionError> {
+        match self.token {
+            Token::Number(value) => {
+                self.out.ops.push(Op::Constant(value));
+                self.advance()
+            }
+            Token::Name(name) => {
+                let span = self.span.clone();
+                self.advance()?;
+                if self.token == Token::Sign("(") { self.call(name, span) } else { self.name(name, span) }
+            }
+            Token::Sign("(") => {
+                self.advance()?;
+                self.deeper(COMPARISON)?;
+                self.expect(")", "close the parenthesis")
+            }
+            Token::Sign("+") => {
+                self.advance()?;
+                self.deeper(SIGN)
+            }
+            Token::Sign("-") => {
+                self.advance()?;
+                let start = self.out.ops.len();
+                self.deeper(SIGN)?;
+                self.one(One::Negate, start);
+                Ok(())
+            }
+            Token::Sign(sign) => {
+                Err(self.error(format!("a value is missing before {sign:?}"), "write a number, a name or a parenthesis"))
+            }
+            Token::End if self.text.trim().is_empty() => {
+                Err(self.error("the expression is empty", "write \"0\" for nothing"))
+            }
+            Token::End => Err(self.error("the expression ends where a value is expected", "complete it")),
+        }
+    }
+
+    fn name(&mut self, name: &str, span: Range<usize>) -> Result<(), ExpressionError> {
+        let op = match name {
+            "x" => Op::X,
+            "y" => Op::Y,
+            "s" => Op::S,
+            "pi" => Op::Constant(std::f64::consts::PI),
+            _ => match self.constants.get(name) {
+                Some(&value) => Op::Constant(value),
+                None if FUNCTIONS.contains(&name) => {
+                    let message = format!("the function {name} needs its argument in parentheses");
+                    return Err(ExpressionError { message, span, help: format!("write {name}(...)") });
+                }
+                None => {
+                    let known = VARIABLES.into_iter().chain(self.constants.keys().map(String::as_str));
+                    let help = match nearest(name, known.clone().chain(FUNCTIONS)) {
+                        Some(near) => format!("did you mean {near}? Other names must be defined in [parameters]"),
+                        None => format!("define it in [parameters]; known are {}", known.collect::<Vec<_>>().join(", ")),
+                    };
+                    return Err(ExpressionError { message: format!("unknown name {name}"), span, help });
+                }
+            },
+        };
+        self.out.ops.push(op);
+        Ok(())
+    }
+
+    /// A function call; the next token is its opening parenthesis.
+    fn call(&mut self, name: &str, span: Range<usize>) -> Result<(), ExpressionError> {
+        if !FUNCTIONS.contains(&name) {
+            let known = VARIABLES.contains(&name) || self.constants.contains_key(name);
+            let help = match nearest(name, FUNCTIONS) {
+                _ if known => format!("write a product with a star: {name}*(...)"),
+                Some(near) => format!("did you mean {near}?"),
+                None => format!("the functions are {}", FUNCTIONS.join(", ")),
+            };
+            let message = if known { format!("{name} is not a function") } else { format!("unknown function {name}") };
+            return Err(ExpressionError { message, span, help });
+        }
+        self.advance()?;
+        let start = self.out.ops.len();
+        if name == "if" {
+            return self.conditional(start);
+        }
+        self.deeper(COMPARISON)?;
+        let one = match name {
+            "abs" => Some(One::Abs),
+            "sign" => Some(One::Sign),
+            "sqrt" => Some(One::Sqrt),
+            "exp" => Some(One::Exp),
+            "log" => Some(One::Log),
+            "sin" => Some(One::Sin),
+            "cos" => Some(One::Cos),
+            "tan" => Some(One::Tan),
+            _ => None,
+        };
+        if let Some(function) = one {
+            self.expect(")", &format!("{name} takes one argument"))?;
+            self.one(function, start);
+            return Ok(());
+        }
+        let (function, help) = match name {
+            "min" => (Two::Min, "min takes two or more arguments: min(a, b)"),
+            "max" => (Two::Max, "max takes two or more arguments: max(a, b)"),
+            _ => (Two::Atan2, "atan2 takes two arguments: atan2(y, x)"),
+        };
+        loop {
+            self.expect(",", help)?;
+            let right = self.out.ops.len();
+            self.deeper(COMPARISON)?;
+            self.two(function, start, right);
+            if self.token != Token::Sign(",") || function == Two::Atan2 {
+                return self.expect(")", help);
+            }
+        }
+    }
+
+    /// The three arguments of `if`; a branch that a constant condition rules out leaves nothing on the tape.
+    fn conditional(&mut self, start: usize) -> Result<(), ExpressionError> {
+        const HELP: &str = "if takes three arguments: if(condition, value, otherwise)";
+        self.deeper(COMPARISON)?;
+        let fixed = self.constant(start);
+        let condition = &self.out.ops[start..];
+        let compared = matches!(condition.last(), Some(Op::Two(two)) if two.is_comparison())
+            && !condition.iter().any(|op| matches!(op, Op::Branch { .. }));
+        if fixed.is_none() && !compared {
+            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None });
+        }
+        self.expect(",", HELP)?;
+        let branch = self.out.ops.len();
+        self.out.ops.push(Op::Branch { otherwise: 0, end: 0 });
+        let switches = self.out.switches.len();
+        self.deeper(COMPARISON)?;
+        self.expect(",", HELP)?;
+        let jump = self.out.ops.len();
+        self.out.ops.push(Op::Jump(0));
+        let second_switches = self.out.switches.len();
+        self.deeper(COMPARISON)?;
+        self.expect(")", HELP)?;
+        let end = self.out.ops.len();
+        let Some(condition) = fixed else {
+            self.out.ops[branch] = Op::Branch { otherwise: jump - branch, end: end - branch - 1 };
+            self.out.ops[jump] = Op::Jump(end - jump - 1);
+            return Ok(());
+        };
+        // Keep only the branch that is taken, moved to where the condition stood.
+        let (kept, kept_switches) = match condition {
+            c if c.is_nan() => {
+                self.out.ops[start] = Op::Constant(f64::NAN);
+                (start..start + 1, 0..0)
+            }
+            0.0 => (jump + 1..end, second_switches..self.out.switches.len()),
+            _ => (branch + 1..jump, switches..second_switches),
+        };
+        let moved = kept.start - start;
+        let moved_switches: Vec<Switch> =
+            self.out.switches[kept_switches].iter().map(|switch| switch.moved_back(moved)).collect();
+        self.out.switches.truncate(switches);
+        self.out.switches.extend(moved_switches);
+        self.out.ops.copy_within(kept.clone(), start);
+        self.out.ops.truncate(start + kept.len());
+        Ok(())
+    }
+
+    /// Value of the operand that starts at `start` and ends the tape, if it is constant.
+    fn constant(&self, start: usize) -> Option<f64> {
+        match self.out.ops[start..] {
+            [Op::Constant(value)] => Some(value),
+            _ => None,
+        }
+    }
+
+    /// Applies a function to the operand that starts at `start`.
+    fn one(&mut self, function: One, start: usize) {
+        if let Some(value) = self.constant(start) {
+            self.out.ops[start] = Op::Constant(function.apply(value));
+            return;
+        }
+        if matches!(function, One::Abs | One::Sign | One::Sqrt) {
+            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None });
+        }
+        self.out.ops.push(Op::One(function));
+    }
+
+    /// Applies a function to the operands that start at `left` and at `right`.
+    fn two(&mut self, function: Two, left: usize, right: usize) {
+        let end = self.out.ops.len();
+        let exponent = self.constant(right);
+        if let ([Op::Constant(a)], Some(b)) = (&self.out.ops[left..right], exponent) {
+            self.out.ops[left] = Op::Constant(function.apply(*a, b));
+            self.out.ops.truncate(left + 1);
+            return;
+        }
+        let switch = match function {
+            Two::Add | Two::Subtract | Two::Multiply | Two::Divide => None,
+            // A whole power is smooth, or has a pole; any other has a branch point where its base is 0.
+            Two::Power if exponent.is_some_and(|b| b.fract() == 0.0) => None,
+            // atan2(y, x) jumps across y = 0, x < 0.
+            Two::Power | Two::Atan2 => Some(Switch { left: left..right, right: None }),
+            _ => Some(Switch { left: left..right, right: Some(right..end) }),
+        };
+        self.out.switches.extend(switch.filter(|s| s.right.is_some() || !matches!(self.out.ops[left..right], [Op::Constant(_)])));
+        self.out.ops.push(Op::Two(function));
+    }
+}
+
+/// Length of the number at the start of `text`: digits, a point, an exponent.
+fn number_length(text: &str) -> usize {
+    let digits = |from: usize| from + text.as_bytes()[from..].iter().take_while(|b| b.is_ascii_digit()).count();
+    let byte = |at: usize| text.as_bytes().get(at);
+    let mut at = digits(0);
+    if byte(at) == Some(&b'.') {
+        at = digits(at + 1);
+    }
+    if matches!(byte(at), Some(b'e' | b'E')) {
+        let signed = at + 1 + usize::from(matches!(byte(at + 1), Some(b'+' | b'-')));
+        at = digits(signed);
+    }
+    at
+}
+
+/// The candidate most like `word`, if any is like it.
+pub(crate) fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = word.to_lowercase();
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::damerau_levenshtein(&lower, &candidate.to_lowercase()), candidate))
+        .filter(|&(distance, candidate)| {
+            let length = candidate.chars().count().max(word.chars().count());
+            distance < length && distance <= 1.max(length / 3)
+        })
+        .min_by_key(|&(distance, _)| distance)
+        .map(|(_, candidate)| candidate)
+}

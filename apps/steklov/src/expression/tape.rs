@@ -1,0 +1,174 @@
+//! The flat form of an expression: operations in postfix order, run on a small stack.
+
+/// Functions of one value.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum One {
+    Negate,
+    Abs,
+    Sign,
+    Sqrt,
+    Exp,
+    Log,
+    Sin,
+    Cos,
+    Tan,
+}
+
+/// Functions of two values.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Two {
+    Add,
+    Subtract,
+    Multiply,
+    Divide,
+    Power,
+    Atan2,
+    Min,
+    Max,
+    Less,
+    LessEqual,
+    Greater,
+    GreaterEqual,
+    Equal,
+    NotEqual,
+}
+
+/// One operation; jumps are relative, so that any operand of an operation is a tape of its own.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Op {
+    Constant(f64),
+    X,
+    Y,
+    S,
+    One(One),
+    Two(Two),
+    /// Takes a condition c: goes on if c is not 0, skips `otherwise` operations if c = 0, and for a NaN puts NaN and
+    /// skips `end` operations.
+    Branch {
+        otherwise: usize,
+        end: usize,
+    },
+    /// Skips that many operations.
+    Jump(usize),
+}
+
+impl One {
+    pub(super) fn apply(self, a: f64) -> f64 {
+        match self {
+            One::Negate => -a,
+            One::Abs => a.abs(),
+            One::Sign if a == 0.0 => 0.0,
+            One::Sign => a.signum(),
+            One::Sqrt => a.sqrt(),
+            One::Exp => a.exp(),
+            One::Log => a.ln(),
+            One::Sin => a.sin(),
+            One::Cos => a.cos(),
+            One::Tan => a.tan(),
+        }
+    }
+}
+
+impl Two {
+    /// A NaN operand gives NaN, also where the floating-point unit would choose the other operand or "false".
+    pub(super) fn apply(self, a: f64, b: f64) -> f64 {
+        let truth = |t: bool| if a.is_nan() || b.is_nan() { f64::NAN } else { f64::from(u8::from(t)) };
+        match self {
+            Two::Add => a + b,
+            Two::Subtract => a - b,
+            Two::Multiply => a * b,
+            Two::Divide => a / b,
+            Two::Power => power(a, b),
+            Two::Atan2 => a.atan2(b),
+            Two::Min if a.is_nan() || b.is_nan() => f64::NAN,
+            Two::Min => a.min(b),
+            Two::Max if a.is_nan() || b.is_nan() => f64::NAN,
+            Two::Max => a.max(b),
+            Two::Less => truth(a < b),
+            Two::LessEqual => truth(a <= b),
+            Two::Greater => truth(a > b),
+            Two::GreaterEqual => truth(a >= b),
+            Two::Equal => truth(a == b),
+            Two::NotEqual => truth(a != b),
+        }
+    }
+
+    pub(super) fn is_comparison(self) -> bool {
+        matches!(
+            self,
+            Two::Less | Two::LessEqual | Two::Greater | Two::GreaterEqual | Two::Equal | Two::NotEqual
+        )
+    }
+}
+
+/// aᵇ; squares and cubes, the common powers, by multiplication. NaN⁰ stays NaN.
+fn power(a: f64, b: f64) -> f64 {
+    if b == 2.0 {
+        a * a
+    } else if b == 3.0 {
+        a * a * a
+    } else if a.is_nan() || b.is_nan() {
+        f64::NAN
+    } else {
+        a.powf(b)
+    }
+}
+
+/// Largest height of the stack while `ops` run.
+pub(super) fn height(ops: &[Op]) -> usize {
+    let (mut now, mut top) = (0, 0);
+    for op in ops {
+        match op {
+            Op::Constant(_) | Op::X | Op::Y | Op::S => now += 1,
+            Op::One(_) => {}
+            // After a jump the other branch starts from where this one started.
+            Op::Two(_) | Op::Branch { .. } | Op::Jump(_) => now -= 1,
+        }
+        top = top.max(now);
+    }
+    top
+}
+
+/// Value of `ops` at (x, y, s); `height` is that of the stack.
+pub(super) fn run(ops: &[Op], height: usize, at: (f64, f64, f64)) -> f64 {
+    const USUAL: usize = 16;
+    if height <= USUAL { run_on(ops, &mut [0.0; USUAL], at) } else { run_on(ops, &mut vec![0.0; height], at) }
+}
+
+fn run_on(ops: &[Op], stack: &mut [f64], (x, y, s): (f64, f64, f64)) -> f64 {
+    let mut top = 0; // number of values on the stack
+    let mut next = 0;
+    while next < ops.len() {
+        match ops[next] {
+            Op::One(f) => stack[top - 1] = f.apply(stack[top - 1]),
+            Op::Two(f) => {
+                top -= 1;
+                stack[top - 1] = f.apply(stack[top - 1], stack[top]);
+            }
+            Op::Branch { otherwise, end } => {
+                let condition = stack[top - 1];
+                if condition.is_nan() {
+                    next += end;
+                } else {
+                    top -= 1;
+                    next += if condition == 0.0 { otherwise } else { 0 };
+                }
+            }
+            Op::Jump(by) => next += by,
+            Op::Constant(value) => {
+                stack[top] = value;
+                top += 1;
+            }
+            Op::X | Op::Y | Op::S => {
+                stack[top] = match ops[next] {
+                    Op::X => x,
+                    Op::Y => y,
+                    _ => s,
+                };
+                top += 1;
+            }
+        }
+        next += 1;
+    }
+    stack[0]
+}

@@ -1,0 +1,141 @@
+//! A field given at the corners of triangles, cut into bands of equal steps, and the colours of the bands.
+
+use kuva::plot::ColorMap;
+use kuva::render::color::Color;
+
+/// Number of bands: fine enough to look smooth.
+pub(super) const BANDS: usize = 32;
+
+/// Colour of band k: viridis, whose lightness rises with k.
+pub(super) fn colour(k: usize) -> Color {
+    Color::from(ColorMap::Viridis.map((k as f64 + 0.5) / BANDS as f64))
+}
+
+/// Interval [low, high] of the colours: from 0 to the largest value, or from the smallest one if the values vary by
+/// more than 1e-3 but less than half of the largest. [0, 1] if there is no positive value.
+pub(super) fn interval(values: &[f64]) -> [f64; 2] {
+    let finite = || values.iter().copied().filter(|v| v.is_finite());
+    let low = finite().fold(f64::INFINITY, f64::min);
+    let high = finite().fold(0.0, f64::max);
+    if high <= 0.0 {
+        [0.0, 1.0]
+    } else if low > 0.5 * high && high - low > 1e-3 * high {
+        [low, high]
+    } else {
+        [0.0, high]
+    }
+}
+
+/// The convex polygons in which the linear interpolant of `values` lies in band k of `interval`, for each k.
+///
+/// Values outside the interval count as its ends; a triangle with a NaN is left out.
+pub(super) fn bands(
+    points: &[[f64; 2]],
+    triangles: &[[usize; 3]],
+    values: &[f64],
+    [low, high]: [f64; 2],
+) -> Vec<Vec<Vec<[f64; 2]>>> {
+    let mut result = vec![Vec::new(); BANDS];
+    for t in triangles.iter().filter(|t| t.iter().all(|&i| !values[i].is_nan())) {
+        // In units of a band: band k is [k, k+1].
+        let level = |i: usize| (values[i] - low) / (high - low) * BANDS as f64;
+        let corner = t.map(|i| (points[i], level(i).clamp(0.0, BANDS as f64)));
+        let least = corner.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
+        let most = corner.iter().map(|c| c.1).fold(0.0, f64::max);
+        let first = (least as usize).min(BANDS - 1);
+        let last = (most.ceil() as usize).clamp(first + 1, BANDS);
+        for k in first..last {
+            let above = cut(&corner, k as f64, 1.0);
+            let piece = cut(&above, (k + 1) as f64, -1.0);
+            if piece.len() >= 3 {
+                result[k].push(piece.into_iter().map(|c| c.0).collect());
+            }
+        }
+    }
+    result
+}
+
+/// Part of a convex polygon where sign·(value - level) ≥ 0.
+fn cut(polygon: &[([f64; 2], f64)], level: f64, sign: f64) -> Vec<([f64; 2], f64)> {
+    let mut part = Vec::with_capacity(polygon.len() + 1);
+    for (i, &(p, v)) in polygon.iter().enumerate() {
+        let (q, w) = polygon[(i + 1) % polygon.len()];
+        let (a, b) = (sign * (v - level), sign * (w - level));
+        if a >= 0.0 {
+            part.push((p, v));
+        }
+        if a * b < 0.0 {
+            let s = a / (a - b);
+            part.push(([p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])], level));
+        }
+    }
+    part
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    fn area(polygon: &[[f64; 2]]) -> f64 {
+        let n = polygon.len();
+        (0..n).map(|i| (polygon[i], polygon[(i + 1) % n])).map(|(a, b)| (a[0] * b[1] - a[1] * b[0]) / 2.0).sum()
+    }
+
+    #[test]
+    fn a_linear_field_has_bands_of_equal_area() {
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let b = bands(&points, &[[0, 1, 2], [0, 2, 3]], &[0.0, 3.0, 3.0, 0.0], [0.0, 3.0]);
+        for band in b {
+            let total: f64 = band.iter().map(|p| area(p)).sum();
+            assert!((total - 1.0 / BANDS as f64).abs() < 1e-14);
+        }
+    }
+
+    #[test]
+    fn constants_zero_and_infinities() {
+        assert_eq!(interval(&[0.0, 0.0]), [0.0, 1.0]);
+        assert_eq!(interval(&[2.0, 2.0 + 1e-13]), [0.0, 2.0 + 1e-13]);
+        assert_eq!(interval(&[8.0, 9.0, f64::NAN, f64::INFINITY]), [8.0, 9.0]);
+        assert_eq!(interval(&[1.0, 9.0]), [0.0, 9.0]);
+        let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+        let whole = |v: [f64; 3], k: usize| {
+            let b = bands(&points, &[[0, 1, 2]], &v, [0.0, 1.0]);
+            assert_eq!(b[k].len(), 1);
+            assert_eq!(b.iter().map(Vec::len).sum::<usize>(), 1);
+        };
+        whole([0.0; 3], 0);
+        whole([1.0; 3], BANDS - 1);
+        whole([f64::INFINITY; 3], BANDS - 1);
+        assert!(bands(&points, &[[0, 1, 2]], &[0.0, f64::NAN, 1.0], [0.0, 1.0]).iter().all(Vec::is_empty));
+    }
+
+    #[test]
+    fn lightness_rises_from_dark_to_bright() {
+        let lightness: Vec<f64> = (0..BANDS)
+            .map(|k| match colour(k) {
+                Color::Rgb(r, g, b) => 0.2126 * f64::from(r) + 0.7152 * f64::from(g) + 0.0722 * f64::from(b),
+                other => panic!("not a plain colour: {other:?}"),
+            })
+            .collect();
+        assert!(lightness.windows(2).all(|w| w[1] > w[0]));
+        assert!(lightness[0] < 50.0 && lightness[BANDS - 1] > 200.0);
+    }
+
+    proptest! {
+        #[test]
+        fn bands_fill_the_triangle_and_hold_their_values(v in prop::array::uniform3(0.0f64..1.0)) {
+            // The values are the barycentric interpolant on the reference triangle, so each piece can be checked.
+            let points = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]];
+            let b = bands(&points, &[[0, 1, 2]], &v, [0.0, 1.0]);
+            let total: f64 = b.iter().flatten().map(|p| area(p)).sum();
+            prop_assert!((total - 0.5).abs() < 1e-13);
+            for (k, band) in b.iter().enumerate() {
+                for [x, y] in band.iter().flatten() {
+                    let value = (v[0] + x * (v[1] - v[0]) + y * (v[2] - v[0])) * BANDS as f64;
+                    prop_assert!(value > k as f64 - 1e-9 && value < (k + 1) as f64 + 1e-9);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,262 @@
+//! The deformed body, coloured by von Mises stress, over its undeformed outline and the obstacle.
+
+use super::axes::{Axes, BELOW, LABEL_TEXT, TICK_TEXT};
+use super::bands::{BANDS, bands, colour, interval};
+use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, WIDTH, clip, text_width, wrap};
+use super::scale::{exaggeration, short, ticks};
+use super::{Picture, PictureError};
+use kuva::render::render::TextAnchor;
+
+const TITLE_TEXT: u32 = 19;
+const TITLE_LINE: f64 = 25.0;
+const SUBTITLE_TEXT: u32 = 14;
+
+/// Widest and tallest plotting area, and the smallest side it may have.
+const WIDEST: f64 = 640.0;
+const TALLEST: f64 = 620.0;
+const SMALLEST: f64 = 210.0;
+
+/// Distance of the hatch lines of an obstacle.
+const HATCH: f64 = 9.0;
+
+/// The obstacle of one contact side, in traversal order of that side (body to the left).
+#[derive(Debug, Clone, Copy)]
+pub struct Obstacle<'a> {
+    /// Points x of the undeformed side.
+    pub points: &'a [[f64; 2]],
+    /// Gap vectors g n at these points: the obstacle is the line through x + g n.
+    pub gap: &'a [[f64; 2]],
+}
+
+/// What is drawn: P points, T triangles, in the units of the scene.
+#[derive(Debug, Clone, Copy)]
+pub struct Body<'a> {
+    /// Title, broken into at most three lines.
+    pub title: &'a str,
+    /// Undeformed points (P).
+    pub points: &'a [[f64; 2]],
+    /// Displacements (P).
+    pub displacement: &'a [[f64; 2]],
+    /// Triangles (T).
+    pub triangles: &'a [[usize; 3]],
+    /// Von Mises stress at the points (P). A triangle with a NaN stays white; an infinite value has the colour of the
+    /// largest finite one.
+    pub von_mises: &'a [f64],
+    /// Boundary segments, each loop in traversal order.
+    pub outline: &'a [[usize; 2]],
+    /// The obstacles, one for each stretch of contact side.
+    pub obstacles: &'a [Obstacle<'a>],
+}
+
+/// Draws the body with equal scales in x and y.
+///
+/// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch
+/// in truth: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
+/// 1, 2, 5 times a power of ten that brings it to at most 0.1. The subtitle states k. An obstacle further away than a
+/// quarter of the body is cut off at the frame.
+///
+/// # Errors
+/// [`PictureError::Raster`] if the pixels cannot be made.
+///
+/// # Panics
+/// If the lengths do not fit or a number of a point is out of range.
+pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
+    assert_eq!(b.points.len(), b.displacement.len(), "one displacement a point");
+    assert_eq!(b.points.len(), b.von_mises.len(), "one stress a point");
+    let bounds = Bounds::of(b.points.iter());
+    let largest = b.displacement.iter().map(|u| u[0].hypot(u[1])).filter(|u| u.is_finite()).fold(0.0, f64::max);
+    let factor = exaggeration(largest / bounds.size());
+    let deformed: Vec<_> = b.points.iter().zip(b.displacement).map(|(&p, &u)| moved(p, u, factor)).collect();
+    let walls: Vec<Vec<_>> =
+        b.obstacles.iter().map(|o| o.points.iter().zip(o.gap).map(|(&p, &g)| moved(p, g, factor)).collect()).collect();
+
+    let title = wrap(b.title, TITLE_TEXT, WIDTH - 40.0, 3);
+    let top = 26.0 + TITLE_LINE * title.len() as f64 + 22.0;
+    let axes = place(&view(bounds, &deformed, &walls), top);
+    let f = axes.frame;
+    let mut canvas = Canvas::new(f.bottom() + BELOW + 46.0);
+    for (i, line) in title.iter().enumerate() {
+        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
+    }
+    canvas.text(
+        [WIDTH / 2.0, top - 18.0],
+        &subtitle(factor, largest, !walls.is_empty()),
+        SUBTITLE_TEXT,
+        TextAnchor::Middle,
+    );
+
+    let colours = interval(b.von_mises);
+    for (k, band) in bands(&deformed, b.triangles, b.von_mises, colours).iter().enumerate() {
+        let placed: Vec<Vec<_>> = band.iter().map(|p| p.iter().map(|&q| axes.at(q)).collect()).collect();
+        canvas.fill(&placed, colour(k));
+    }
+    let through = |points: &[[f64; 2]]| -> Vec<Vec<[f64; 2]>> {
+        chains(b.outline)
+            .iter()
+            .flat_map(|c| clip(&c.iter().map(|&i| axes.at(points[i])).collect::<Vec<_>>(), f))
+            .collect()
+    };
+    canvas.lines(&through(&deformed), &Pen::solid(BLACK, 1.4));
+    canvas.lines(&through(b.points), &undeformed_pen());
+    for wall in &walls {
+        let line: Vec<_> = wall.iter().map(|&p| axes.at(p)).collect();
+        hatched(&mut canvas, &clip(&line, f), f);
+    }
+    axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
+    colour_bar(&mut canvas, f, colours);
+    key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
+    canvas.finish()
+}
+
+fn moved(p: [f64; 2], u: [f64; 2], factor: f64) -> [f64; 2] {
+    [p[0] + factor * u[0], p[1] + factor * u[1]]
+}
+
+fn undeformed_pen() -> Pen {
+    Pen::dashed(GREY, 1.1, 6.0, 4.0)
+}
+
+fn subtitle(factor: f64, largest: f64, obstacle: bool) -> String {
+    let largest = format!("the largest displacement is {}", short(largest, 3));
+    if factor == 1.0 {
+        return format!("drawn to scale; {largest}");
+    }
+    let what = if obstacle { "displacements and gaps" } else { "displacements" };
+    format!("{what} drawn {} times as large; {largest}", short(factor, 3))
+}
+
+/// Smallest box around points.
+#[derive(Debug, Clone, Copy)]
+struct Bounds {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Bounds {
+    fn of<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> Self {
+        let mut bounds = Self { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
+        for p in points.filter(|p| p[0].is_finite() && p[1].is_finite()) {
+            for i in 0..2 {
+                bounds.low[i] = bounds.low[i].min(p[i]);
+                bounds.high[i] = bounds.high[i].max(p[i]);
+            }
+        }
+        if bounds.low[0] > bounds.high[0] { Self { low: [0.0; 2], high: [1.0; 2] } } else { bounds }
+    }
+
+    /// Longer side.
+    fn size(&self) -> f64 {
+        (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
+    }
+}
+
+/// The part of the plane to show: body before and after, and as much of the obstacles as is near.
+fn view(undeformed: Bounds, deformed: &[[f64; 2]], walls: &[Vec<[f64; 2]>]) -> Bounds {
+    let body = Bounds::of(deformed.iter().chain([&undeformed.low, &undeformed.high]));
+    let near = 0.25 * body.size();
+    let mut shown = body;
+    for p in walls.iter().flatten().filter(|p| p[0].is_finite() && p[1].is_finite()) {
+        for i in 0..2 {
+            shown.low[i] = shown.low[i].min(p[i].max(body.low[i] - near));
+            shown.high[i] = shown.high[i].max(p[i].min(body.high[i] + near));
+        }
+    }
+    shown
+}
+
+/// Frame and intervals: equal scales, a margin of 6 % of the longer side, centred between the margins.
+fn place(shown: &Bounds, top: f64) -> Axes {
+    let size = shown.size();
+    let extent = [0, 1].map(|i| shown.high[i] - shown.low[i] + 0.12 * size);
+    let scale = (WIDEST / extent[0]).min(TALLEST / extent[1]);
+    let side = |i: usize| (scale * extent[i]).max(SMALLEST);
+    let interval = |i: usize| {
+        let (middle, half) = (shown.low[i] / 2.0 + shown.high[i] / 2.0, side(i) / scale / 2.0);
+        [middle - half, middle + half]
+    };
+    let mut axes =
+        Axes { frame: Rect { left: 0.0, top, width: side(0), height: side(1) }, x: interval(0), y: interval(1) };
+    // The colour bar and its labels take about 130 at the right.
+    let spare = WIDTH - axes.left_margin() - axes.frame.width - 130.0;
+    axes.frame.left = axes.left_margin() + (spare / 2.0).max(0.0);
+    axes
+}
+
+/// Point numbers of connected segments, joined into polylines.
+fn chains(segments: &[[usize; 2]]) -> Vec<Vec<usize>> {
+    let mut result: Vec<Vec<usize>> = Vec::new();
+    for &[a, b] in segments {
+        match result.last_mut() {
+            Some(chain) if chain.last() == Some(&a) => chain.push(b),
+            _ => result.push(vec![a, b]),
+        }
+    }
+    result
+}
+
+/// A line hatched on its right side in traversal order, which is the far side of an obstacle.
+fn hatched(canvas: &mut Canvas, pieces: &[Vec<[f64; 2]>], frame: Rect) {
+    let mut strokes = Vec::new();
+    for piece in pieces {
+        let mut next = HATCH / 2.0;
+        for w in piece.windows(2) {
+            let (d, length) = ([w[1][0] - w[0][0], w[1][1] - w[0][1]], (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]));
+            while next < length {
+                let (s, t) = (next / length, [d[0] / length, d[1] / length]);
+                let p = [w[0][0] + s * d[0], w[0][1] + s * d[1]];
+                // In the picture y points down, so the right side is the tangent turned by (x, y) → (-y, x).
+                let far = [p[0] - 6.0 * (t[0] + t[1]), p[1] + 6.0 * (t[0] - t[1])];
+                strokes.extend(clip(&[p, far], frame));
+                next += HATCH;
+            }
+            next -= length;
+        }
+    }
+    canvas.lines(&strokes, &Pen::solid(BLACK, 0.9));
+    canvas.lines(pieces, &Pen::solid(BLACK, 2.0));
+}
+
+/// The colours with their values, right of the frame.
+fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2]) {
+    let height = frame.height.min(400.0);
+    let bar = Rect { left: frame.right() + 26.0, top: frame.top + (frame.height - height) / 2.0, width: 18.0, height };
+    for k in 0..BANDS {
+        let step = height / BANDS as f64;
+        let (bottom, top) = (bar.bottom() - k as f64 * step, bar.bottom() - (k + 1) as f64 * step);
+        canvas.fill(&[vec![[bar.left, bottom], [bar.right(), bottom], [bar.right(), top], [bar.left, top]]], colour(k));
+    }
+    let (l, r, t, b) = (bar.left, bar.right(), bar.top, bar.bottom());
+    let pen = Pen::solid(BLACK, 1.0);
+    canvas.lines(&[vec![[l, t], [r, t], [r, b], [l, b], [l, t]]], &pen);
+    let marks = ticks(low, high, (height / 40.0) as usize);
+    let mut widest: f64 = 0.0;
+    for (v, label) in marks.values.iter().zip(&marks.labels) {
+        let y = b - (v - low) / (high - low) * height;
+        canvas.line([r, y], [r + 5.0, y], &pen);
+        canvas.text([r + 8.0, y + 4.5], label, TICK_TEXT, TextAnchor::Start);
+        widest = widest.max(text_width(label, TICK_TEXT));
+    }
+    canvas.text_upwards([r + widest + 28.0, t + height / 2.0], &marks.title("von Mises stress"), LABEL_TEXT);
+}
+
+/// What the lines mean, in a row centred on a point.
+fn key(canvas: &mut Canvas, centre: [f64; 2], obstacle: bool) {
+    let names = ["deformed", "undeformed", "obstacle"];
+    let shown = &names[..if obstacle { 3 } else { 2 }];
+    let width = |name: &str| 34.0 + 8.0 + text_width(name, TICK_TEXT) + 20.0;
+    let total: f64 = shown.iter().map(|n| width(n)).sum();
+    let mut x = (centre[0] - total / 2.0).max(20.0);
+    for (i, name) in shown.iter().enumerate() {
+        let line = vec![[x, centre[1] - 5.0], [x + 34.0, centre[1] - 5.0]];
+        match i {
+            0 => canvas.lines(&[line], &Pen::solid(BLACK, 1.4)),
+            1 => canvas.lines(&[line], &undeformed_pen()),
+            _ => {
+                let frame = Rect { left: x - 9.0, top: centre[1] - 20.0, width: 60.0, height: 40.0 };
+                hatched(canvas, &[line], frame);
+            }
+        }
+        canvas.text([x + 42.0, centre[1]], name, TICK_TEXT, TextAnchor::Start);
+        x += width(name);
+    }
+}

@@ -1,0 +1,104 @@
+//! Pictures of a solution, each as SVG text and as PNG bytes drawn from one list of shapes.
+//!
+//! Frame 900 units wide, PNG at two pixels a unit, letters from the font that kuva bundles: no display, no installed
+//! font and no browser is needed. Every curve that has a meaning of its own differs by line style or marker too, and
+//! the colour map rises in lightness, so all pictures can be read in grey.
+
+mod axes;
+mod bands;
+mod body;
+mod canvas;
+mod contact;
+mod scale;
+
+pub use body::{Body, Obstacle, body};
+pub use contact::{ContactSide, contact};
+
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+/// One drawing in both formats.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Picture {
+    /// Text of the SVG file.
+    pub svg: String,
+    /// Bytes of the PNG file.
+    pub png: Vec<u8>,
+}
+
+/// Why a picture could not be drawn or written.
+#[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
+pub enum PictureError {
+    /// The drawing could not be turned into pixels.
+    #[error("the picture could not be drawn as PNG: {0}")]
+    Raster(String),
+    /// A file could not be written.
+    #[error("{} could not be written: {source}", path.display())]
+    Write {
+        /// The file.
+        path: PathBuf,
+        /// What the system said.
+        source: std::io::Error,
+    },
+}
+
+/// Writes `name.svg` and `name.png` into the folder `dir` (made if missing) and returns their paths in that order.
+///
+/// Each file appears whole or not at all: it is written beside its place under another name, synced and renamed; an
+/// older file of that name is replaced.
+///
+/// # Errors
+/// [`PictureError::Write`] with the path and what the system said.
+pub fn write(dir: &Path, name: &str, picture: &Picture) -> Result<[PathBuf; 2], PictureError> {
+    std::fs::create_dir_all(dir).map_err(|source| PictureError::Write { path: dir.to_owned(), source })?;
+    let save = |extension: &str, bytes: &[u8]| {
+        let path = dir.join(format!("{name}.{extension}"));
+        match replace(dir, &path, bytes) {
+            Ok(()) => Ok(path),
+            Err(source) => Err(PictureError::Write { path, source }),
+        }
+    };
+    Ok([save("svg", picture.svg.as_bytes())?, save("png", &picture.png)?])
+}
+
+fn replace(dir: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    // tempfile makes private files; a picture gets the permissions of any other new file.
+    let mut builder = tempfile::Builder::new();
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt as _;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    let mut file = builder.tempfile_in(dir)?;
+    file.write_all(bytes)?;
+    file.as_file().sync_all()?;
+    file.persist(path)?;
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn both_files_appear_and_nothing_else_and_old_ones_are_replaced() {
+        let dir = tempfile::tempdir().unwrap();
+        let folder = dir.path().join("pictures");
+        for round in 0..2u8 {
+            let picture = Picture { svg: format!("<svg>{round}</svg>"), png: vec![round; 9] };
+            let [svg, png] = write(&folder, "body", &picture).unwrap();
+            assert_eq!(std::fs::read_to_string(&svg).unwrap(), picture.svg);
+            assert_eq!(std::fs::read(&png).unwrap(), picture.png);
+            assert_eq!((svg, png), (folder.join("body.svg"), folder.join("body.png")));
+            assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 2);
+        }
+    }
+
+    #[test]
+    fn a_folder_that_is_a_file_is_named_in_the_error() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let error = write(file.path(), "body", &Picture { svg: String::new(), png: Vec::new() }).unwrap_err();
+        assert!(error.to_string().contains(file.path().to_str().unwrap()), "{error}");
+    }
+}

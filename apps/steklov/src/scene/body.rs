@@ -1,0 +1,156 @@
+//! `[body]`, `[material]`, `[parameters]`, `[probe]`, `[body_force]`.
+
+use std::collections::BTreeMap;
+
+use steklov_bem_operators::{BemError, Location, Loop, Material, Plane, Polygon, PolygonError};
+
+use super::error::{Problem, SceneErrorKind as Kind, Source};
+use super::fields::{Context, Field, Fields};
+use crate::expression::{is_name, is_reserved};
+
+/// Names and values of `[parameters]`: numbers, or expressions of the ones above.
+pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<BTreeMap<String, f64>, Problem> {
+    let mut context = Context { source, constants: BTreeMap::new() };
+    for (key, place, value) in Fields::open(field)?.all() {
+        check_name(key, place)?;
+        let number = value.constant(&context)?;
+        if !number.is_finite() {
+            return Err(value.problem(format!("the parameter {key} is {number}"), "it must be finite"));
+        }
+        context.constants.insert(key.to_owned(), number);
+    }
+    Ok(context.constants)
+}
+
+/// Whether a name can stand in an expression for something new.
+pub(super) fn check_name(name: &str, place: crate::expression::Place) -> Result<(), Problem> {
+    if is_reserved(name) {
+        let message = format!("the name {name:?} has a meaning of its own in expressions");
+        return Err(Problem::new(Kind::Conflict, place, message, format!("choose another name, such as {name}0")));
+    }
+    if !is_name(name) {
+        let message = format!("the name {name:?} cannot be written in an expression");
+        return Err(Problem::new(Kind::Value, place, message, "use letters, digits and _, a letter first"));
+    }
+    Ok(())
+}
+
+/// Corners and sides of a loop as listed, for messages.
+struct Listed<'a> {
+    corners: Field<'a>,
+    sides: Field<'a>,
+}
+
+fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), Problem> {
+    let corners = fields.require("corners", "corners = [[x, y], ...]")?;
+    let sides = fields.require("sides", "sides = [\"name\", ...], one name for each edge")?;
+    let listed = Loop {
+        corners: corners.list()?.iter().map(Field::point).collect::<Result<_, _>>()?,
+        sides: sides.list()?.iter().map(|s| s.text().map(str::to_owned)).collect::<Result<_, _>>()?,
+    };
+    Ok((listed, Listed { corners, sides }))
+}
+
+/// The polygon of `[body]`.
+pub(super) fn body(field: &Field<'_>) -> Result<Polygon, Problem> {
+    let fields = Fields::new(field, &["corners", "sides", "holes"])?;
+    let (outer, first) = read_loop(&fields)?;
+    let (mut holes, mut listed) = (Vec::new(), vec![first]);
+    if let Some(list) = fields.get("holes") {
+        for hole in list.list()? {
+            let (corners, names) = read_loop(&Fields::new(&hole, &["corners", "sides"])?)?;
+            holes.push(corners);
+            listed.push(names);
+        }
+    }
+    Polygon::new(outer, holes).map_err(|e| geometry(e, &listed))
+}
+
+/// The place that a geometrical error means, and its remedy.
+fn geometry(error: PolygonError, listed: &[Listed<'_>]) -> Problem {
+    let corners = |l: usize| listed[l].corners.item.place;
+    let corner = |l: usize, k: usize| listed[l].corners.list().map_or(corners(l), |list| list[k].item.place);
+    let side = |l: usize, k: usize| listed[l].sides.list().map_or(listed[l].sides.item.place, |list| list[k].item.place);
+    let (place, help) = match &error {
+        PolygonError::TooFewCorners { loop_index, .. } => (corners(*loop_index), "list at least three corners"),
+        PolygonError::SideCount { loop_index, .. } => {
+            (listed[*loop_index].sides.item.place, "side k runs from corner k to the next; the last one closes the loop")
+        }
+        PolygonError::EmptySide { loop_index, edge } => (side(*loop_index, *edge), "give every side a name"),
+        PolygonError::NotFinite { loop_index, corner: k, .. } => (corner(*loop_index, *k), "write finite coordinates"),
+        PolygonError::ZeroEdge { edge, .. } => {
+            (corner(edge.loop_index, edge.corner), "remove one of the two corners, and its side")
+        }
+        PolygonError::ZeroArea { loop_index, .. } => (corners(*loop_index), "move a corner off the line"),
+        PolygonError::Clockwise { .. } => (
+            corners(0),
+            "reverse the corners; the sides then go in reverse too, each still running from its corner to the next",
+        ),
+        PolygonError::Spike { loop_index, corner: k, .. } => {
+            (corner(*loop_index, *k), "give the spike a width, or remove its tip")
+        }
+        PolygonError::Touching { loop_index, corner: k, .. } => {
+            (corner(*loop_index, *k), "move the corner away from the edge; each edge may meet only its two neighbours")
+        }
+        PolygonError::Crossing { second, .. } => {
+            (corner(second.loop_index, second.corner), "list the corners in the order in which the boundary visits them")
+        }
+        PolygonError::HoleOutside { loop_index, .. } => (corners(*loop_index), "move the hole into the body, or remove it"),
+        PolygonError::HoleInHole { loop_index, .. } => (corners(*loop_index), "remove the inner one: it is empty already"),
+        _ => (corners(0), "correct the corners"),
+    };
+    Problem::new(Kind::Geometry, place, error.to_string(), help)
+}
+
+/// Young's modulus, Poisson's ratio and the plane assumption of a table.
+pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -> Result<Material, Problem> {
+    let poisson = fields.require("poisson", "poisson = 0.3")?;
+    let plane = match fields.get("plane") {
+        Some(plane) => plane.choice(&[("strain", Plane::Strain), ("stress", Plane::Stress)])?,
+        None => Plane::Strain,
+    };
+    Material::new(young, poisson.constant(context)?, plane).map_err(|e| match e {
+        BemError::Young { .. } => {
+            let field = fields.get("young").unwrap_or(Field { name: String::new(), item: poisson.item });
+            field.problem(e.to_string(), "give a positive number in the scene's unit of stress")
+        }
+        _ => poisson.problem(e.to_string(), "give a number above -1 and below 0.5, such as 0.3 for steel"),
+    })
+}
+
+/// `[body_force]`: with boundary elements the same force everywhere; with a grid any expression.
+pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>, grid: bool) -> Result<Option<[f64; 2]>, Problem> {
+    let value = Fields::new(field, &["value"])?.require("value", "value = [\"0\", \"-9.81\"]")?;
+    let expressions = value.expressions(context)?;
+    let mut force = [0.0; 2];
+    for ((component, expression), field) in force.iter_mut().zip(&expressions).zip(value.pair()?) {
+        *component = match expression.constant() {
+            Some(number) if number.is_finite() => number,
+            Some(number) => {
+                return Err(field.problem(format!("{} is {number}: {:?}", field.name, expression.text()), "it must be finite"));
+            }
+            None if grid => return Ok(None),
+            None => {
+                let message =
+                    format!("{} depends on the place: {:?}; with boundary elements it cannot", field.name, expression.text());
+                return Err(field.problem(message, "give one constant force, or describe the body with a [grid]"));
+            }
+        };
+    }
+    Ok(Some(force))
+}
+
+/// `[probe]`: points of the body or of its boundary.
+pub(super) fn probe(field: &Field<'_>, polygon: &Polygon) -> Result<Vec<[f64; 2]>, Problem> {
+    let points = Fields::new(field, &["points"])?.require("points", "points = [[x, y], ...]")?;
+    let mut list = Vec::new();
+    for field in points.list()? {
+        let [x, y] = field.point()?;
+        if polygon.contains([x, y]) == Location::Outside {
+            let message = format!("the probe point ({x}, {y}) is not in the body");
+            return Err(field.problem(message, "move it into the body or onto its boundary, or remove it"));
+        }
+        list.push([x, y]);
+    }
+    Ok(list)
+}

@@ -1,0 +1,86 @@
+//! The data of every side, looked at along its edges before anything is solved.
+
+use super::error::{Problem, SceneError, SceneErrorKind as Kind};
+use super::sides::{Condition, Friction};
+use super::{Scene, Side};
+use crate::expression::Expression;
+
+/// Number of equal steps along an edge at which data are looked at.
+const STEPS: usize = 256;
+
+impl Scene {
+    /// Looks at every expression of every side in 257 points of each of its edges, at its kinks and beside them.
+    ///
+    /// # Errors
+    /// A value that is not finite, a negative bound or coefficient of friction: names side, point and expression.
+    pub fn check_data(&self) -> Result<(), SceneError> {
+        for (index, side) in self.sides.iter().enumerate() {
+            for (what, expression) in data(side) {
+                for edge in self.polygon.edges().iter().filter(|edge| edge.side == index) {
+                    let path = |s: f64| {
+                        let [x, y] = edge.point(s);
+                        (x, y, s)
+                    };
+                    let steps = (0..=STEPS).map(|k| k as f64 / STEPS as f64);
+                    let kinks = expression.kinks(|t| path((1.0 + t) / 2.0)).into_iter().map(|t| (1.0 + t) / 2.0);
+                    let beside = kinks.flat_map(|s| [(s - 1e-9).max(0.0), s, (s + 1e-9).min(1.0)]);
+                    for at in steps.chain(beside).map(path) {
+                        self.check_value(&side.name, what, expression, at)?;
+                    }
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The value of a side's datum at (x, y, s), if it is possible. `what` names the datum: "traction", "gap",
+    /// "friction bound", "friction coefficient", "displacement", "pressure".
+    ///
+    /// # Errors
+    /// A value that is not finite, a negative bound or coefficient of friction: names side, point and expression.
+    pub fn check_value(
+        &self,
+        side: &str,
+        what: &str,
+        expression: &Expression,
+        at: (f64, f64, f64),
+    ) -> Result<f64, SceneError> {
+        let (x, y, s) = at;
+        let value = expression.eval(x, y, s);
+        let negative = value < 0.0 && what.starts_with("friction");
+        if value.is_finite() && !negative {
+            return Ok(value);
+        }
+        let message = format!(
+            "the {what} of side {side:?} is {value} at the point ({x}, {y}), s = {s}: expression {:?}",
+            expression.text()
+        );
+        let help = match what {
+            "gap" if !negative => "a gap is a finite distance at every point; for a side that nothing can touch leave the contact out",
+            _ if negative => "friction cannot be negative: write max(0, ...), or correct the expression",
+            _ => "change the expression so that it is finite everywhere on the side; if(cond, a, b) takes only the branch it needs",
+        };
+        Err(self.source.error(Problem::new(Kind::Data, expression.place, message, help)))
+    }
+}
+
+/// The expressions of a side and their names.
+fn data(side: &Side) -> Vec<(&'static str, &Expression)> {
+    match &side.condition {
+        Condition::Free => Vec::new(),
+        Condition::Traction(traction) => traction.iter().map(|t| ("traction", t)).collect(),
+        Condition::Pressure(pressure) => vec![("pressure", pressure)],
+        Condition::Displacement { values, traction } => {
+            let values = values.iter().flatten().map(|u| ("displacement", u));
+            values.chain(traction.iter().flatten().map(|t| ("traction", t))).collect()
+        }
+        Condition::Contact { gap, friction } => {
+            let friction = match friction {
+                Friction::None => None,
+                Friction::Tresca(bound) => Some(("friction bound", bound)),
+                Friction::Coulomb(coefficient) => Some(("friction coefficient", coefficient)),
+            };
+            [("gap", gap)].into_iter().chain(friction).collect()
+        }
+    }
+}

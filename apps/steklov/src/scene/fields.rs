@@ -1,0 +1,189 @@
+//! Typed reading of tables, lists and values.
+
+use std::collections::BTreeMap;
+
+use super::error::{Problem, SceneErrorKind as Kind, Source};
+use super::tree::{Entry, Item, Value, suggestion, type_name};
+use crate::expression::{Expression, Place};
+
+/// What expressions are read with.
+pub(super) struct Context<'a> {
+    pub(super) source: &'a Source,
+    pub(super) constants: BTreeMap<String, f64>,
+}
+
+/// A table whose keys are all known.
+pub(super) struct Fields<'a> {
+    pub(super) path: String,
+    pub(super) place: Place,
+    entries: &'a [Entry],
+}
+
+/// A value and its full name.
+pub(super) struct Field<'a> {
+    pub(super) name: String,
+    pub(super) item: &'a Item,
+}
+
+impl<'a> Fields<'a> {
+    /// # Errors
+    /// The field is no table, or has a key that is not in `known`.
+    pub(super) fn new(field: &Field<'a>, known: &[&str]) -> Result<Self, Problem> {
+        let fields = Self::open(field)?;
+        match fields.entries.iter().find(|e| !known.contains(&e.key.as_str())) {
+            Some(entry) => {
+                let message = format!("unknown key {}", fields.name(&entry.key));
+                Err(Problem::new(Kind::UnknownKey, entry.key_place, message, suggestion(&entry.key, known.iter().copied())))
+            }
+            None => Ok(fields),
+        }
+    }
+
+    /// A table whose keys are names that the user chooses.
+    pub(super) fn open(field: &Field<'a>) -> Result<Self, Problem> {
+        match &field.item.value {
+            Value::Table(entries) => Ok(Self { path: field.name.clone(), place: field.item.place, entries }),
+            _ => Err(field.wrong_type("a table")),
+        }
+    }
+
+    fn name(&self, key: &str) -> String {
+        if self.path.is_empty() { key.to_owned() } else { format!("{}.{key}", self.path) }
+    }
+
+    pub(super) fn get(&self, key: &str) -> Option<Field<'a>> {
+        self.entries.iter().find(|e| e.key == key).map(|e| Field { name: self.name(key), item: &e.item })
+    }
+
+    /// # Errors
+    /// The key is missing; `example` shows how to write it.
+    pub(super) fn require(&self, key: &str, example: &str) -> Result<Field<'a>, Problem> {
+        self.get(key).ok_or_else(|| {
+            let message = format!("{} is missing", self.name(key));
+            Problem::new(Kind::MissingKey, self.place, message, format!("add {example}"))
+        })
+    }
+
+    /// All entries: key, its place, its value.
+    pub(super) fn all(&self) -> impl Iterator<Item = (&'a str, Place, Field<'a>)> + '_ {
+        self.entries.iter().map(|e| (e.key.as_str(), e.key_place, Field { name: self.name(&e.key), item: &e.item }))
+    }
+}
+
+impl<'a> Field<'a> {
+    pub(super) fn wrong_type(&self, wanted: &str) -> Problem {
+        let message = format!("{} is {}", self.name, type_name(&self.item.value));
+        Problem::new(Kind::WrongType, self.item.place, message, format!("{} takes {wanted}", self.name))
+    }
+
+    pub(super) fn problem(&self, message: impl Into<String>, help: impl Into<String>) -> Problem {
+        Problem::new(Kind::Value, self.item.place, message, help)
+    }
+
+    pub(super) fn text(&self) -> Result<&'a str, Problem> {
+        match &self.item.value {
+            Value::Text(text) => Ok(text),
+            _ => Err(self.wrong_type("a string in quotes")),
+        }
+    }
+
+    pub(super) fn number(&self) -> Result<f64, Problem> {
+        match self.item.value {
+            Value::Integer(n) => Ok(n as f64),
+            Value::Float(v) => Ok(v),
+            _ => Err(self.wrong_type("a number without quotes")),
+        }
+    }
+
+    /// A number for which `test` holds; `wanted` says it in words.
+    pub(super) fn number_where(&self, test: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, Problem> {
+        let value = self.number()?;
+        if test(value) { Ok(value) } else { Err(self.problem(format!("{} is {value}", self.name), format!("it must be {wanted}"))) }
+    }
+
+    /// A whole number between two bounds.
+    pub(super) fn whole(&self, least: usize, most: usize) -> Result<usize, Problem> {
+        let Value::Integer(value) = self.item.value else { return Err(self.wrong_type("a whole number")) };
+        match usize::try_from(value) {
+            Ok(n) if (least..=most).contains(&n) => Ok(n),
+            _ => Err(self.problem(
+                format!("{} is {value}", self.name),
+                format!("it must be a whole number from {least} to {most}"),
+            )),
+        }
+    }
+
+    /// One of the given words.
+    pub(super) fn choice<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, Problem> {
+        let text = self.text()?;
+        words.iter().find(|w| w.0 == text).map(|w| w.1).ok_or_else(|| {
+            let known = words.iter().map(|w| w.0);
+            let list = known.clone().collect::<Vec<_>>().join(", ");
+            let help = match suggestion(text, known) {
+                near if near.starts_with("did") => format!("{near} The choices are {list}"),
+                _ => format!("the choices are {list}"),
+            };
+            self.problem(format!("{} is {text:?}, which is not a choice", self.name), help)
+        })
+    }
+
+    pub(super) fn list(&self) -> Result<Vec<Field<'a>>, Problem> {
+        let Value::Array(list) = &self.item.value else { return Err(self.wrong_type("a list in brackets")) };
+        Ok(list.iter().enumerate().map(|(k, item)| Field { name: format!("{}[{k}]", self.name), item }).collect())
+    }
+
+    /// The two entries of a list.
+    pub(super) fn pair(&self) -> Result<[Field<'a>; 2], Problem> {
+        let list = self.list()?;
+        let count = list.len();
+        list.try_into().map_err(|_| {
+            self.problem(format!("{} has {count} entries", self.name), "it takes two, one for x and one for y")
+        })
+    }
+
+    /// A point or vector of two plain, finite numbers.
+    pub(super) fn point(&self) -> Result<[f64; 2], Problem> {
+        let [x, y] = self.pair()?;
+        Ok([x.number()?, y.number()?])
+    }
+
+    /// A number, or the text of an expression.
+    pub(super) fn expression(&self, context: &Context<'_>) -> Result<Expression, Problem> {
+        let mut expression = match &self.item.value {
+            Value::Integer(n) => Expression::number(*n as f64),
+            Value::Float(v) => Expression::number(*v),
+            Value::Text(text) => Expression::parse(text, &context.constants).map_err(|e| {
+                let Place { source, start, end } = self.item.place;
+                let raw = &context.source.text(source)[start..end];
+                let place = match raw.find(text.as_str()) {
+                    Some(offset) if e.span.start < e.span.end => {
+                        Place { source, start: start + offset + e.span.start, end: start + offset + e.span.end }
+                    }
+                    _ => self.item.place,
+                };
+                let message = format!("in the expression of {}: {}", self.name, e.message);
+                Problem::new(Kind::Expression, place, message, e.help)
+            })?,
+            _ => return Err(self.wrong_type("a number or an expression in quotes")),
+        };
+        expression.place = self.item.place;
+        Ok(expression)
+    }
+
+    /// The values of two expressions.
+    pub(super) fn expressions(&self, context: &Context<'_>) -> Result<[Expression; 2], Problem> {
+        let [x, y] = self.pair()?;
+        Ok([x.expression(context)?, y.expression(context)?])
+    }
+
+    /// A number, or an expression that does not depend on the place.
+    pub(super) fn constant(&self, context: &Context<'_>) -> Result<f64, Problem> {
+        let expression = self.expression(context)?;
+        expression.constant().ok_or_else(|| {
+            self.problem(
+                format!("{} depends on the place: {:?}", self.name, expression.text()),
+                "it must be one value: use numbers, pi and the names in [parameters] only",
+            )
+        })
+    }
+}

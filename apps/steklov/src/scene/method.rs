@@ -1,0 +1,216 @@
+//! `[method]` and `[expect]`.
+
+use super::error::Problem;
+use super::fields::{Field, Fields};
+use super::tree::Value;
+
+/// Discretisation that is asked for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Model {
+    /// The least one that the scene needs.
+    Auto,
+    /// Boundary elements.
+    Bem,
+    /// Finite elements on a grid.
+    Fem,
+    /// Multiscale finite elements.
+    Msfem,
+    /// Finite elements, boundary elements around them.
+    FemBem,
+    /// Multiscale finite elements, boundary elements around them.
+    MsfemBem,
+}
+
+/// How the mesh is refined.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Refine {
+    /// Adaptive in h and p.
+    Hp,
+    /// Adaptive in h and p by the decay of Legendre coefficients.
+    HpDecay,
+    /// Adaptive in h.
+    H,
+    /// All elements halved.
+    UniformH,
+    /// All degrees raised.
+    UniformP,
+    /// One mesh.
+    None,
+}
+
+/// Error indicator.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Indicator {
+    /// Hierarchical bubbles.
+    Bubble,
+    /// Residuals.
+    Residual,
+}
+
+/// Multiplier space of contact.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Multiplier {
+    /// Dual basis.
+    Biorthogonal,
+    /// Stabilised mixed form.
+    Stabilised,
+}
+
+/// Solver of contact; `auto` in the scene is [`Solver::Newton`].
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Solver {
+    /// Semi-smooth Newton.
+    Newton,
+    /// Active set.
+    ActiveSet,
+    /// Uzawa.
+    Uzawa,
+}
+
+/// Everything of `[method]`, defaults filled in.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Method {
+    /// Discretisation.
+    pub model: Model,
+    /// Wanted relative error in the energy norm, in (0, 1).
+    pub tolerance: f64,
+    /// Refinement; `None` where the scene does not name it.
+    pub refine: Option<Refine>,
+    /// Elements of the first mesh, at least 1.
+    pub elements: usize,
+    /// Degree of the first mesh, 1 to 64.
+    pub degree: usize,
+    /// Largest number of displacement unknowns.
+    pub max_dofs: usize,
+    /// Largest number of adaptive steps.
+    pub max_steps: usize,
+    /// Indicator of the error.
+    pub indicator: Indicator,
+    /// Dörfler's θ in (0, 1]; `None` is auto.
+    pub marking: Option<f64>,
+    /// δ in (0, 1] of the h-or-p decision.
+    pub smoothness: f64,
+    /// Multiplier space.
+    pub multiplier: Multiplier,
+    /// γ₀ > 0 (1/stress) of the stabilisation; `None` is auto.
+    pub gamma: Option<f64>,
+    /// Solver of contact.
+    pub solver: Solver,
+}
+
+impl Default for Method {
+    fn default() -> Self {
+        Self {
+            model: Model::Auto,
+            tolerance: 1e-3,
+            refine: None,
+            elements: 16,
+            degree: 1,
+            max_dofs: 20_000,
+            max_steps: 60,
+            indicator: Indicator::Bubble,
+            marking: None,
+            smoothness: 0.6,
+            multiplier: Multiplier::Biorthogonal,
+            gamma: None,
+            solver: Solver::Newton,
+        }
+    }
+}
+
+/// A number that a result must have.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Expectation {
+    /// Path in the JSON object, its keys joined by points: `contact.force.y`.
+    pub path: String,
+    /// The number.
+    pub value: f64,
+    /// How far the result may be from it.
+    pub tol: f64,
+    /// Where the number comes from.
+    pub source: String,
+}
+
+pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
+    let mut method = Method::default();
+    let Some(field) = field else { return Ok(method) };
+    let known = [
+        "model", "tolerance", "refine", "elements", "degree", "max_dofs", "max_steps", "indicator", "marking",
+        "smoothness", "multiplier", "gamma", "solver",
+    ];
+    for (key, _, field) in Fields::new(&field, &known)?.all() {
+        match key {
+            "model" => method.model = field.choice(&MODELS)?,
+            "tolerance" => method.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?,
+            "refine" => method.refine = Some(field.choice(&REFINES)?),
+            "elements" => method.elements = field.whole(1, 1_000_000)?,
+            "degree" => method.degree = field.whole(1, 64)?,
+            "max_dofs" => method.max_dofs = field.whole(1, 1_000_000)?,
+            "max_steps" => method.max_steps = field.whole(1, 1_000_000)?,
+            "indicator" => {
+                method.indicator = field.choice(&[("bubble", Indicator::Bubble), ("residual", Indicator::Residual)])?;
+            }
+            "marking" => method.marking = auto(&field, |v| v > 0.0 && v <= 1.0, "\"auto\", or a number above 0 and at most 1")?,
+            "smoothness" => method.smoothness = field.number_where(|v| v > 0.0 && v <= 1.0, "above 0 and at most 1")?,
+            "multiplier" => {
+                let words = [("biorthogonal", Multiplier::Biorthogonal), ("stabilised", Multiplier::Stabilised)];
+                method.multiplier = field.choice(&words)?;
+            }
+            "gamma" => method.gamma = auto(&field, |v| v > 0.0 && v.is_finite(), "\"auto\", or a number above 0")?,
+            _ => method.solver = field.choice(&SOLVERS)?,
+        }
+    }
+    Ok(method)
+}
+
+const MODELS: [(&str, Model); 6] = [
+    ("auto", Model::Auto),
+    ("bem", Model::Bem),
+    ("fem", Model::Fem),
+    ("msfem", Model::Msfem),
+    ("fem-bem", Model::FemBem),
+    ("msfem-bem", Model::MsfemBem),
+];
+const REFINES: [(&str, Refine); 6] = [
+    ("hp", Refine::Hp),
+    ("hp-decay", Refine::HpDecay),
+    ("h", Refine::H),
+    ("uniform-h", Refine::UniformH),
+    ("uniform-p", Refine::UniformP),
+    ("none", Refine::None),
+];
+const SOLVERS: [(&str, Solver); 4] =
+    [("auto", Solver::Newton), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
+
+/// A number, or `None` for the word "auto".
+fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, Problem> {
+    match &field.item.value {
+        Value::Text(text) if text == "auto" => Ok(None),
+        Value::Text(text) => Err(field.problem(format!("{} is {text:?}", field.name), format!("it must be {wanted}"))),
+        _ => field.number_where(test, wanted).map(Some),
+    }
+}
+
+/// The entries of `[expect]`, as quoted or as nested keys.
+pub(super) fn expect(field: &Field<'_>, path: &str, list: &mut Vec<Expectation>) -> Result<(), Problem> {
+    for (key, _, entry) in Fields::open(field)?.all() {
+        let path = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        let leaf = match &entry.item.value {
+            Value::Table(entries) => {
+                entries.is_empty() || entries.iter().any(|e| !matches!(e.item.value, Value::Table(_)))
+            }
+            _ => true,
+        };
+        if !leaf {
+            expect(&entry, &path, list)?;
+            continue;
+        }
+        let fields = Fields::new(&entry, &["value", "tol", "source"])?;
+        let value = fields.require("value", "value = the number to expect")?.number_where(f64::is_finite, "finite")?;
+        let tol = fields.require("tol", "tol = how far the result may be off, such as 1e-6")?;
+        let tol = tol.number_where(|v| v >= 0.0 && v.is_finite(), "finite and not negative")?;
+        let source = fields.get("source").map_or(Ok(""), |s| s.text())?.to_owned();
+        list.push(Expectation { path, value, tol, source });
+    }
+    Ok(())
+}

@@ -1,0 +1,196 @@
+//! Scenes: what a user asks for, read from TOML, checked, and refused with file, line and remedy where it is wrong.
+//!
+//! ```text
+//! text + overrides ─► tree of values with places ─► typed fields ─► Scene ─► data looked at along the sides
+//! ```
+//! Every key is read by hand, so that a wrong one can be answered with the nearest valid one.
+
+mod body;
+mod check;
+mod error;
+mod fields;
+mod grid;
+mod method;
+mod random;
+mod sides;
+mod tree;
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use steklov_bem_operators::{Material, Polygon};
+
+pub use error::{SceneError, SceneErrorKind, Source};
+pub use method::{Expectation, Indicator, Method, Model, Multiplier, Refine, Solver};
+pub use sides::{Condition, Friction, Side};
+
+use error::{Problem, SceneErrorKind as Kind};
+use fields::{Context, Field, Fields};
+use tree::Item;
+
+/// The commented scene that `steklov new` prints.
+pub const TEMPLATE: &str = include_str!("template.toml");
+
+/// A scene that has passed all checks. Any consistent units; everything is per unit thickness.
+#[derive(Debug, Clone)]
+pub struct Scene {
+    /// Title; the name of the file if the scene has none.
+    pub title: String,
+    /// The body.
+    pub polygon: Polygon,
+    /// Its material.
+    pub material: Material,
+    /// Names and values of `[parameters]`.
+    pub parameters: BTreeMap<String, f64>,
+    /// The sides in the order of [`Polygon::side_names`]; at least one is loaded, held or in contact.
+    pub sides: Vec<Side>,
+    /// Constant force per area.
+    pub body_force: Option<[f64; 2]>,
+    /// Points of the body or its boundary at which results are wanted.
+    pub probe: Vec<[f64; 2]>,
+    /// How to solve.
+    pub method: Method,
+    /// What the result must be.
+    pub expect: Vec<Expectation>,
+    /// The texts from which the scene was read.
+    pub source: Source,
+}
+
+impl Scene {
+    /// Reads the scene in the file `path` and applies overrides `KEY=VALUE`.
+    ///
+    /// # Errors
+    /// [`SceneErrorKind::Read`] if the file cannot be read; else those of [`Scene::parse`].
+    pub fn read(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
+        let name = path.display().to_string();
+        let bytes = std::fs::read(path)
+            .map_err(|e| SceneError::unreadable(&name, e, "check the path; `steklov new` prints a scene to start from"))?;
+        let text = String::from_utf8(bytes)
+            .map_err(|e| SceneError::unreadable(&name, e.utf8_error(), "a scene is TOML text in UTF-8; is this another file?"))?;
+        Self::parse(&text, &name, overrides)
+    }
+
+    /// Reads the scene in `text`; `name` is that of its file, for messages.
+    ///
+    /// # Errors
+    /// Whatever is wrong with it, and last, if nothing is, [`SceneErrorKind::NotYetAvailable`] for a feature that this
+    /// version does not have.
+    pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
+        let source = Source { name: name.to_owned(), text: text.to_owned(), overrides: overrides.to_vec() };
+        let root = tree::build(&source).map_err(|p| source.error(p))?;
+        let scene = scene(&root, &source).map_err(|p| source.error(p))?;
+        scene.check_data()?;
+        unavailable(&root).map_err(|p| source.error(p))?;
+        Ok(scene)
+    }
+}
+
+fn scene(root: &Item, source: &Source) -> Result<Scene, Problem> {
+    let known = [
+        "title", "body", "material", "parameters", "sides", "body_force", "probe", "method", "expect", "random",
+        "stochastic", "grid", "exterior",
+    ];
+    let fields = Fields::new(&Field { name: String::new(), item: root }, &known)?;
+    let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();
+    let parameters = fields.get("parameters").map_or_else(|| Ok(BTreeMap::new()), |p| body::parameters(&p, source))?;
+    let polygon = body::body(&fields.require("body", "a table [body] with corners and sides")?)?;
+    let mut context = Context { source, constants: parameters.clone() };
+    if let Some(field) = fields.get("random") {
+        random::random(&field, &polygon, &mut context)?;
+    }
+    if let Some(field) = fields.get("stochastic") {
+        random::stochastic(&field)?;
+    }
+    let material = material(&fields.require("material", "a table [material] with young and poisson")?, &context)?;
+    if let Some(field) = fields.get("grid") {
+        grid::grid(&field)?;
+    }
+    if let Some(field) = fields.get("exterior") {
+        grid::exterior(&field, &context)?;
+    }
+    let sides = sides::sides(fields.get("sides").as_ref(), &polygon, &context)?;
+    let on_grid = fields.get("grid").is_some();
+    let body_force = fields.get("body_force").map_or(Ok(None), |f| body::body_force(&f, &context, on_grid))?;
+    let probe = fields.get("probe").map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &polygon))?;
+    let method = method::method(fields.get("method"))?;
+    let mut expect = Vec::new();
+    if let Some(field) = fields.get("expect") {
+        method::expect(&field, "", &mut expect)?;
+    }
+    if sides.iter().all(|side| matches!(side.condition, Condition::Free)) {
+        let place = fields.get("sides").map_or(fields.place, |f| f.item.place);
+        let names = polygon.side_names().join(", ");
+        return Err(Problem::new(
+            Kind::MissingKey,
+            place,
+            "nothing loads, holds or touches the body",
+            format!("add a table [sides.NAME] with contact, displacement, traction or pressure; the sides are {names}"),
+        ));
+    }
+    Ok(Scene { title, polygon, material, parameters, sides, body_force, probe, method, expect, source: source.clone() })
+}
+
+/// `[material]`; with `cells` these give Young's modulus.
+fn material(field: &Field<'_>, context: &Context<'_>) -> Result<Material, Problem> {
+    let fields = Fields::new(field, &["young", "poisson", "plane", "cells"])?;
+    match (fields.get("cells"), fields.get("young")) {
+        (Some(cells), Some(young)) => Err(Problem::new(
+            Kind::Conflict,
+            young.item.place,
+            format!("{} stands beside {}", young.name, cells.name),
+            "the cells give Young's modulus: remove one of the two",
+        )),
+        (Some(cells), None) => {
+            grid::cells(&cells, context)?;
+            body::material(&fields, context, 1.0)
+        }
+        (None, _) => {
+            let young = fields.require("young", "young = 200.0, in the scene's unit of stress")?.constant(context)?;
+            body::material(&fields, context, young)
+        }
+    }
+}
+
+/// Refuses what is right, but not in this version.
+fn unavailable(root: &Item) -> Result<(), Problem> {
+    let refuse = |field: &Field<'_>, what: String, help: &str| {
+        Err(Problem::new(Kind::NotYetAvailable, field.item.place, format!("{what} is not yet available"), help))
+    };
+    let fields = Fields::open(&Field { name: String::new(), item: root })?;
+    for (table, what) in [
+        ("random", "random input"),
+        ("stochastic", "stochastic solving"),
+        ("grid", "a grid of finite elements"),
+        ("exterior", "an exterior material"),
+    ] {
+        if let Some(field) = fields.get(table) {
+            return refuse(&field, format!("[{table}], {what},"), "remove the table");
+        }
+    }
+    let open = |key: &str| fields.get(key).map(|f| Fields::open(&f)).transpose();
+    if let Some(cells) = open("material")?.and_then(|m| m.get("cells")) {
+        return refuse(&cells, "[material.cells]".into(), "give one Young's modulus as material.young");
+    }
+    if let Some(method) = open("method")? {
+        for (key, words, help) in [
+            ("model", &["fem", "msfem", "fem-bem", "msfem-bem"][..], "use \"bem\" or \"auto\""),
+            ("refine", &["hp", "hp-decay", "h"], "use \"uniform-h\", \"uniform-p\" or \"none\""),
+            ("multiplier", &["stabilised"], "use \"biorthogonal\""),
+        ] {
+            if let Some(field) = method.get(key)
+                && let Ok(word) = field.text()
+                && words.contains(&word)
+            {
+                return refuse(&field, format!("{key} = {word:?}"), help);
+            }
+        }
+    }
+    for (_, _, side) in open("sides")?.iter().flat_map(Fields::all) {
+        let contact = Fields::open(&side)?.get("contact").map(|c| Fields::open(&c)).transpose()?;
+        let friction = contact.and_then(|c| c.get("friction")).map(|f| Fields::open(&f)).transpose()?;
+        if let Some(coulomb) = friction.and_then(|f| f.get("coulomb")) {
+            return refuse(&coulomb, "Coulomb friction".into(), "use { tresca = \"bound\" }, or leave friction out");
+        }
+    }
+    Ok(())
+}

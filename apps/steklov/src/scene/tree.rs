@@ -1,0 +1,202 @@
+//! The scene as a tree of values that know their place in the text; overrides are put into it.
+
+use toml::Spanned;
+use toml::de::{DeTable, DeValue};
+
+use super::error::{Problem, SceneErrorKind as Kind, Source};
+use crate::expression::{Place, nearest};
+
+/// A TOML value.
+#[derive(Debug, Clone)]
+pub(super) enum Value {
+    Text(String),
+    Integer(i64),
+    Float(f64),
+    Boolean,
+    Date,
+    Array(Vec<Item>),
+    Table(Vec<Entry>),
+}
+
+/// A value and where it stands.
+#[derive(Debug, Clone)]
+pub(super) struct Item {
+    pub(super) value: Value,
+    pub(super) place: Place,
+}
+
+/// A key of a table and its value.
+#[derive(Debug, Clone)]
+pub(super) struct Entry {
+    pub(super) key: String,
+    pub(super) key_place: Place,
+    pub(super) item: Item,
+}
+
+/// The tree of the file with the overrides applied in order.
+pub(super) fn build(source: &Source) -> Result<Item, Problem> {
+    let mut root = document(&source.text, 0)?;
+    // What a message about a missing table points at: the first line that says something.
+    let first = source.text.lines().find(|l| !l.trim().is_empty()).unwrap_or("");
+    let start = source.text.find(first).unwrap_or(0);
+    root.place = Place { source: 0, start, end: start + first.len() };
+    for (k, text) in source.overrides.iter().enumerate() {
+        set(&mut root, text, k + 1)?;
+    }
+    Ok(root)
+}
+
+fn document(text: &str, source: usize) -> Result<Item, Problem> {
+    let table = DeTable::parse(text).map_err(|e| {
+        let span = e.span().unwrap_or(0..0);
+        let place = Place { source, start: span.start, end: span.end };
+        let message = e.message();
+        let help = match message {
+            m if m.contains("duplicate") => "keep one of the two entries of this name",
+            _ if source > 0 => "the value is typed as TOML; text needs quotes: --set 'method.refine=\"none\"'",
+            _ => "scenes are TOML: key = value, text in quotes, lists in brackets, each table header once",
+        };
+        Problem::new(Kind::Syntax, place, format!("this is not TOML: {message}"), help)
+    })?;
+    let span = table.span();
+    entries(table.get_ref(), source)
+        .map(|e| Item { value: Value::Table(e), place: Place { source, start: span.start, end: span.end } })
+}
+
+fn entries(table: &DeTable<'_>, source: usize) -> Result<Vec<Entry>, Problem> {
+    let mut entries = Vec::new();
+    for (key, value) in table {
+        let span = key.span();
+        let key_place = Place { source, start: span.start, end: span.end };
+        entries.push(Entry { key: key.get_ref().to_string(), key_place, item: item(value, source)? });
+    }
+    entries.sort_by_key(|e| e.key_place.start);
+    Ok(entries)
+}
+
+fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, Problem> {
+    let span = value.span();
+    let place = Place { source, start: span.start, end: span.end };
+    let value = match value.get_ref() {
+        DeValue::String(text) => Value::Text(text.to_string()),
+        DeValue::Integer(digits) => Value::Integer(i64::from_str_radix(digits.as_str(), digits.radix()).map_err(|_| {
+            Problem::new(Kind::Value, place, "this integer does not fit in 64 bits", "write large numbers as 1e20")
+        })?),
+        // The parser has checked the form; what is too large becomes infinite and is refused by its key.
+        DeValue::Float(digits) => Value::Float(digits.as_str().parse().unwrap_or(f64::NAN)),
+        DeValue::Boolean(_) => Value::Boolean,
+        DeValue::Datetime(_) => Value::Date,
+        DeValue::Array(list) => Value::Array(list.iter().map(|v| item(v, source)).collect::<Result<_, _>>()?),
+        DeValue::Table(table) => Value::Table(entries(table, source)?),
+    };
+    Ok(Item { value, place })
+}
+
+/// Applies the override `KEY=VALUE`.
+fn set(root: &mut Item, text: &str, source: usize) -> Result<(), Problem> {
+    let whole = Place { source, start: 0, end: text.len() };
+    let form = || {
+        Problem::new(
+            Kind::Syntax,
+            whole,
+            format!("the override {text:?} is not of the form KEY=VALUE"),
+            "write --set method.tolerance=1e-6; the value is TOML, text in quotes: --set 'method.refine=\"none\"'",
+        )
+    };
+    let equals = equals(text).ok_or_else(form)?;
+    let depth = depth(&document(&format!("{}=0", &text[..equals]), source).map_err(|_| form())?).ok_or_else(form)?;
+    let mut rest = document(text, source)?;
+    let mut path = Vec::new();
+    for _ in 0..depth {
+        match rest.value {
+            Value::Table(mut list) if list.len() == 1 => {
+                let Entry { key, key_place, item } = list.remove(0);
+                path.push((key, key_place));
+                rest = item;
+            }
+            _ => return Err(form()),
+        }
+    }
+    let mut target = root;
+    for k in 0..path.len() {
+        target = step(target, &path, k)?;
+    }
+    *target = rest;
+    Ok(())
+}
+
+/// Place of the first equals sign outside of quotes.
+fn equals(text: &str) -> Option<usize> {
+    let mut quote = None;
+    for (k, c) in text.char_indices() {
+        match (quote, c) {
+            (None, '=') => return Some(k),
+            (None, '"' | '\'') => quote = Some(c),
+            (Some(q), c) if c == q => quote = None,
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Number of keys on the way to the only value of nested tables.
+fn depth(item: &Item) -> Option<usize> {
+    match &item.value {
+        Value::Table(entries) if entries.len() == 1 => depth(&entries[0].item).map(|d| d + 1),
+        Value::Table(_) => None,
+        _ => Some(0),
+    }
+}
+
+/// The value of the k-th key of the path in `target`; a key that is not there is made, for its table to judge.
+fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<&'a mut Item, Problem> {
+    let (key, place) = (&path[k].0, path[k].1);
+    let parent = path[..k].iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(".");
+    match &mut target.value {
+        Value::Table(entries) => {
+            let at = entries.iter().position(|e| e.key == *key).unwrap_or_else(|| {
+                let item = Item { value: Value::Table(Vec::new()), place };
+                entries.push(Entry { key: key.clone(), key_place: place, item });
+                entries.len() - 1
+            });
+            entries[at].key_place = place;
+            Ok(&mut entries[at].item)
+        }
+        Value::Array(list) => {
+            let count = list.len();
+            key.parse::<usize>().ok().and_then(|index| list.get_mut(index)).ok_or_else(|| {
+                let message = format!("{parent} is a list of {count} entries and has no entry {key}");
+                let help = match count {
+                    0 => format!("set the whole list: --set '{parent}=[...]'"),
+                    _ => format!("count from 0 to {}", count - 1),
+                };
+                Problem::new(Kind::UnknownKey, place, message, help)
+            })
+        }
+        other => {
+            let message = format!("{parent} is {} and has no key {key}", type_name(other));
+            Err(Problem::new(Kind::WrongType, place, message, format!("set {parent} itself")))
+        }
+    }
+}
+
+/// Name of the type of a value, with its article.
+pub(super) fn type_name(value: &Value) -> &'static str {
+    match value {
+        Value::Text(_) => "a string",
+        Value::Integer(_) => "an integer",
+        Value::Float(_) => "a number",
+        Value::Boolean => "a boolean",
+        Value::Date => "a date",
+        Value::Array(_) => "a list",
+        Value::Table(_) => "a table",
+    }
+}
+
+/// Help for a name that is not among the known ones.
+pub(super) fn suggestion<'a>(word: &str, known: impl Iterator<Item = &'a str> + Clone) -> String {
+    match nearest(word, known.clone()) {
+        Some(near) => format!("did you mean {near}?"),
+        None => format!("known here: {}", known.collect::<Vec<_>>().join(", ")),
+    }
+}

@@ -1,0 +1,340 @@
+//! Expressions against a plain tree evaluator, closed forms of their kinks, and texts that must not be accepted.
+
+use std::collections::BTreeMap;
+
+use proptest::prelude::*;
+use steklov::expression::{Expression, ExpressionError};
+
+fn constants() -> BTreeMap<String, f64> {
+    [("F".to_owned(), 0.3), ("long_name".to_owned(), -2.0)].into()
+}
+
+fn parse(text: &str) -> Expression {
+    Expression::parse(text, &constants()).unwrap_or_else(|e| panic!("{text}: {e} at {:?}", e.span))
+}
+
+fn error(text: &str) -> ExpressionError {
+    Expression::parse(text, &constants()).err().unwrap_or_else(|| panic!("{text:?} was accepted"))
+}
+
+fn value(text: &str) -> f64 {
+    parse(text).eval(0.5, -0.25, 0.125)
+}
+
+#[test]
+fn precedence_is_that_of_the_contract() {
+    for (text, expected) in [
+        ("-2^2", -4.0),
+        ("2^-1", 0.5),
+        ("2^3^2", 512.0),
+        ("2^-2^2", 0.0625),
+        ("(2^3)^2", 64.0),
+        ("2*3^2", 18.0),
+        ("-x^2", -0.25),
+        ("8/4/2", 1.0),
+        ("8-4-2", 2.0),
+        ("2+3*4", 14.0),
+        ("2*-3", -6.0),
+        ("1--1", 2.0),
+        ("1+2 < 4", 1.0),
+        ("(1 < 2) + 1", 2.0),
+        ("1e-3", 0.001),
+        (".5", 0.5),
+        ("5.", 5.0),
+        ("1E+2", 100.0),
+        ("2*pi", std::f64::consts::TAU),
+        ("x+y*s", 0.5 - 0.25 * 0.125),
+        ("F*long_name", -0.6),
+        ("log(exp(2))", 2.0),
+        ("atan2(1, -1)", 0.75 * std::f64::consts::PI),
+        ("min(3, 1, 2)", 1.0),
+        ("max(3, 1, 2)", 3.0),
+        ("sign(0) + 2*sign(-3)", -2.0),
+        ("abs(-3) + sqrt(16)", 7.0),
+        ("if(x > 0, 1/x, 1/0)", 2.0),
+        ("if(x < 0, 1/0, 3)", 3.0),
+        ("if(0, 1/0, 7)", 7.0),
+        ("if(2, y, log(-1))", -0.25),
+    ] {
+        let got = value(text);
+        assert!((got - expected).abs() <= 1e-15 * expected.abs(), "{text} = {got}, not {expected}");
+    }
+}
+
+#[test]
+fn comparisons_give_zero_or_one() {
+    for (a, b) in [(1.0, 2.0), (2.0, 2.0), (2.0, 1.0)] {
+        for (sign, truth) in
+            [("<", a < b), ("<=", a <= b), (">", a > b), (">=", a >= b), ("==", a == b), ("!=", a != b)]
+        {
+            assert_eq!(value(&format!("{a} {sign} {b}")), if truth { 1.0 } else { 0.0 }, "{a} {sign} {b}");
+        }
+    }
+}
+
+#[test]
+fn values_without_meaning_are_not_hidden() {
+    for text in ["log(-x)", "sqrt(-x)", "min(1, log(-x))", "log(-x) < 1", "if(log(-x), 1, 2)", "if(log(-1), 1, 2)", "log(-1)^0"] {
+        assert!(value(text).is_nan(), "{text}");
+    }
+    assert_eq!(value("1/(x-0.5)"), f64::INFINITY);
+}
+
+#[test]
+fn constants_are_found() {
+    for (text, constant) in [("2*F^2", Some(0.18)), ("if(F > 0, 1, x)", Some(1.0)), ("if(F > 0, x, 1)", None), ("s", None)] {
+        let found = parse(text).constant();
+        assert_eq!(found.is_some(), constant.is_some(), "{text}");
+        assert!((found.unwrap_or(0.0) - constant.unwrap_or(0.0)).abs() < 1e-15, "{text}");
+    }
+}
+
+#[test]
+fn errors_point_at_the_place_and_name_the_remedy() {
+    for (text, span, message, help) in [
+        ("2*G", 2..3, "unknown name G", "known are x, y, s, pi, F, long_name"),
+        ("long_nme+1", 0..8, "unknown name long_nme", "did you mean long_name?"),
+        ("2*sqr(x)", 2..5, "unknown function sqr", "did you mean sqrt?"),
+        ("2x", 1..2, "an operator is missing", "2*x"),
+        ("x(2)", 0..1, "x is not a function", "x*(...)"),
+        ("sin x", 0..3, "needs its argument in parentheses", "sin(...)"),
+        ("sin(x", 5..5, "the expression ends", "one argument"),
+        ("sin(x,y)", 5..6, "\",\" stands", "one argument"),
+        ("atan2(x)", 7..8, "\")\" stands", "atan2(y, x)"),
+        ("if(x, 1)", 7..8, "\")\" stands", "three arguments"),
+        ("(1", 2..2, "ends where \")\"", "close the parenthesis"),
+        ("1)", 1..2, "closes nothing", "remove it"),
+        ("1,5", 1..2, "a comma outside", "decimal point"),
+        ("1+", 2..2, "ends where a value", "complete it"),
+        ("*2", 0..1, "a value is missing before \"*\"", "write a number"),
+        ("", 0..0, "empty", "\"0\""),
+        ("1 = 2", 2..3, "'='", "=="),
+        ("1e", 0..2, "not a number", "1e-3"),
+        (".", 0..1, "not a number", "1e-3"),
+        ("1e999", 0..5, "too large", "1.8e308"),
+        ("0 < x < 1", 6..7, "do not chain", "(a < x)*(x < b)"),
+        ("2 & 3", 2..3, "'&'", "operators are"),
+    ] {
+        let e = error(text);
+        assert_eq!(e.span, span, "{text}: {e}");
+        assert!(e.message.contains(message), "{text}: {e}");
+        assert!(e.help.contains(help), "{text}: {}", e.help);
+    }
+}
+
+#[test]
+fn nesting_ends_at_256_for_every_way_to_nest() {
+    let nested = |open: &str, inner: &str, close: &str, n: usize| open.repeat(n) + inner + &close.repeat(n);
+    for (open, inner, close) in
+        [("(", "x", ")"), ("-", "x", ""), ("+", "x", ""), ("1^", "x", ""), ("abs(", "x", ")"), ("1+2*(", "x", ")"), ("if(x,", "x", ",0)")]
+    {
+        parse(&nested(open, inner, close, 256));
+        for n in [257, 100_000] {
+            assert!(error(&nested(open, inner, close, n)).message.contains("256"), "{n} times {open}");
+        }
+    }
+    // A long sum is not deep.
+    assert_eq!(value(&("1".to_owned() + &"+1".repeat(99_999))), 100_000.0);
+    assert_eq!(value(&("s".to_owned() + &"*1".repeat(99_999))), 0.125);
+}
+
+fn assert_kinks(text: &str, expected: &[f64]) {
+    let found = parse(text).kinks(|t| (t, 0.5, (1.0 + t) / 2.0));
+    assert_eq!(found.len(), expected.len(), "{text}: {found:?}");
+    for (f, e) in found.iter().zip(expected) {
+        assert!((f - e).abs() < 1e-15, "{text}: {f} is not {e}");
+    }
+}
+
+#[test]
+fn kinks_are_where_the_closed_form_puts_them() {
+    assert_kinks("x^2 + exp(x)", &[]);
+    assert_kinks("abs(x)", &[0.0]);
+    assert_kinks("sign(x-0.3)", &[0.3]);
+    assert_kinks("abs(x+1) + abs(x-1)", &[-1.0, 1.0]);
+    assert_kinks("max(x^2, 0.5)", &[-0.5_f64.sqrt(), 0.5_f64.sqrt()]);
+    assert_kinks("min(x, 0.1, -y)", &[-0.5, 0.1]);
+    assert_kinks("if(x < 0.7, 1, 0)", &[0.7]);
+    assert_kinks("if((x > -0.2)*(x < 0.2), 1, 0)", &[-0.2, 0.2]);
+    assert_kinks("sqrt(x+0.6)", &[-0.6]);
+    assert_kinks("s^1.5", &[-1.0]);
+    assert_kinks("abs(sin(4*pi*x))", &[-1.0, -0.75, -0.5, -0.25, 0.0, 0.25, 0.5, 0.75, 1.0]);
+    assert_kinks("abs(max(x, 0.25) - 0.25)", &[0.25]);
+    assert_kinks("abs(1e-20*(x-0.3))", &[0.3]);
+    assert_kinks("abs((x-0.301)*(x-0.302))", &[0.301, 0.302]);
+    assert_kinks("abs(log(x-0.4))", &[0.4]);
+}
+
+#[test]
+fn a_switch_that_vanishes_on_the_path_has_no_kink() {
+    assert_kinks("abs(y-0.5)", &[]);
+    assert_kinks("max(x, x)", &[]);
+    // A slanted path on which x + y - 1 vanishes up to rounding.
+    let noise = parse("abs(x+y-1)").kinks(|t| (0.1 + 0.3 * (1.0 + t), 0.9 - 0.3 * (1.0 + t), 0.0));
+    assert!(noise.is_empty(), "{noise:?}");
+    let corner = parse("abs(x+y-1)").kinks(|t| (0.5 + 0.3 * t, 0.5, 0.0));
+    assert!(corner.len() == 1 && corner[0].abs() < 1e-15, "{corner:?}");
+}
+
+/// The reference: the same language as a tree, printed with the fewest parentheses.
+#[derive(Debug, Clone)]
+enum Tree {
+    Number(&'static str),
+    Name(&'static str),
+    Negate(Box<Tree>),
+    Infix(&'static str, Box<Tree>, Box<Tree>),
+    Call(&'static str, Vec<Tree>),
+}
+
+fn level(sign: &str) -> u8 {
+    match sign {
+        "+" | "-" => 2,
+        "*" | "/" => 3,
+        "^" => 5,
+        _ => 1,
+    }
+}
+
+impl Tree {
+    fn print(&self, least: u8) -> String {
+        let (own, text) = match self {
+            Tree::Number(text) | Tree::Name(text) => (6, (*text).to_owned()),
+            Tree::Negate(a) => (4, format!("-{}", a.print(4))),
+            // A sign may follow ^ directly; what stands before it must be an operand of its own.
+            Tree::Infix("^", a, b) => (5, format!("{}^{}", a.print(6), b.print(4))),
+            Tree::Infix(sign, a, b) => {
+                let l = level(sign);
+                (l, format!("{} {sign}{}", a.print(if l == 1 { 2 } else { l }), b.print(l + 1)))
+            }
+            Tree::Call(name, arguments) => {
+                let list: Vec<String> = arguments.iter().map(|a| a.print(1)).collect();
+                (6, format!("{name}({})", list.join(", ")))
+            }
+        };
+        if own < least { format!("({text})") } else { text }
+    }
+
+    fn eval(&self, p: [f64; 3]) -> f64 {
+        let truth = |t: bool, a: f64, b: f64| if (a + b).is_nan() && !(a.is_infinite() && b.is_infinite()) { f64::NAN } else { f64::from(t as u8) };
+        match self {
+            Tree::Number(text) => text.parse().unwrap(),
+            Tree::Name("x") => p[0],
+            Tree::Name("y") => p[1],
+            Tree::Name("s") => p[2],
+            Tree::Name("pi") => std::f64::consts::PI,
+            Tree::Name(name) => constants()[*name],
+            Tree::Negate(a) => -a.eval(p),
+            Tree::Infix(sign, a, b) => {
+                let (a, b) = (a.eval(p), b.eval(p));
+                match *sign {
+                    "+" => a + b,
+                    "-" => a - b,
+                    "*" => a * b,
+                    "/" => a / b,
+                    "^" if a.is_nan() || b.is_nan() => f64::NAN,
+                    "^" if b == 2.0 => a * a,
+                    "^" if b == 3.0 => a * a * a,
+                    "^" => a.powf(b),
+                    "<" => truth(a < b, a, b),
+                    "<=" => truth(a <= b, a, b),
+                    ">" => truth(a > b, a, b),
+                    ">=" => truth(a >= b, a, b),
+                    "==" => truth(a == b, a, b),
+                    _ => truth(a != b, a, b),
+                }
+            }
+            Tree::Call("if", list) => match list[0].eval(p) {
+                c if c.is_nan() => f64::NAN,
+                0.0 => list[2].eval(p),
+                _ => list[1].eval(p),
+            },
+            Tree::Call(name, list) => {
+                let v: Vec<f64> = list.iter().map(|a| a.eval(p)).collect();
+                let nan = v.iter().any(|v| v.is_nan());
+                match *name {
+                    _ if nan => f64::NAN,
+                    "abs" => v[0].abs(),
+                    "sign" => f64::from(i8::from(v[0] > 0.0) - i8::from(v[0] < 0.0)),
+                    "sqrt" => v[0].sqrt(),
+                    "exp" => v[0].exp(),
+                    "log" => v[0].ln(),
+                    "sin" => v[0].sin(),
+                    "cos" => v[0].cos(),
+                    "tan" => v[0].tan(),
+                    "atan2" => v[0].atan2(v[1]),
+                    "min" => v.iter().copied().fold(f64::INFINITY, f64::min),
+                    _ => v.iter().copied().fold(f64::NEG_INFINITY, f64::max),
+                }
+            }
+        }
+    }
+}
+
+fn trees() -> impl Strategy<Value = Tree> {
+    let leaf = prop_oneof![
+        prop::sample::select(vec!["0", "1", "2", "3", "0.5", ".25", "1e-3", "7.", "2.5E1"]).prop_map(Tree::Number),
+        prop::sample::select(vec!["x", "y", "s", "pi", "F", "long_name"]).prop_map(Tree::Name),
+    ];
+    leaf.prop_recursive(7, 60, 3, |inner| {
+        let signs = vec!["+", "-", "*", "/", "^", "<", "<=", ">", ">=", "==", "!="];
+        let one = vec!["abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tan"];
+        let list = |n: usize| prop::collection::vec(inner.clone(), n);
+        prop_oneof![
+            2 => inner.clone().prop_map(|a| Tree::Negate(Box::new(a))),
+            6 => (prop::sample::select(signs), inner.clone(), inner.clone())
+                .prop_map(|(sign, a, b)| Tree::Infix(sign, Box::new(a), Box::new(b))),
+            2 => (prop::sample::select(one), list(1)).prop_map(|(name, list)| Tree::Call(name, list)),
+            1 => list(2).prop_map(|list| Tree::Call("atan2", list)),
+            2 => (prop::sample::select(vec!["min", "max"]), prop::collection::vec(inner.clone(), 2..4))
+                .prop_map(|(name, list)| Tree::Call(name, list)),
+            1 => list(3).prop_map(|list| Tree::Call("if", list)),
+        ]
+    })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn the_tape_gives_the_bits_of_the_tree(tree in trees(), p in prop::array::uniform3(-2.0..2.0_f64)) {
+        let text = tree.print(0);
+        let (tape, plain) = (parse(&text).eval(p[0], p[1], p[2]), tree.eval(p));
+        prop_assert!(tape == plain || (tape.is_nan() && plain.is_nan()), "{text} = {tape}, tree {plain}");
+    }
+
+    #[test]
+    fn kinks_never_panic_and_are_few(tree in trees(), x in -1.0..1.0_f64) {
+        let kinks = parse(&tree.print(0)).kinks(|t| (x, t, (1.0 + t) / 2.0));
+        prop_assert!(kinks.iter().all(|t| (-1.0..=1.0).contains(t)));
+        prop_assert!(kinks.windows(2).all(|w| w[0] < w[1]));
+    }
+
+    #[test]
+    fn the_kink_of_a_shifted_modulus_is_its_shift(a in -0.99..0.99_f64, slope in 1e-6..1e6_f64) {
+        let kinks = parse(&format!("abs({slope:?}*(x - ({a:?}))) + y")).kinks(|t| (t, t, t));
+        prop_assert!(kinks.len() == 1 && (kinks[0] - a).abs() <= 2e-16, "{kinks:?}");
+    }
+
+    #[test]
+    fn no_text_panics(text in "\\PC*") {
+        check_text(&text)?;
+    }
+
+    #[test]
+    fn no_text_of_the_alphabet_panics(text in "[0-9.eExysFpi+*/^(),<>=! -]{0,40}|((sin|if|max|x|1|[-+*/^(),<=]){0,30})") {
+        check_text(&text)?;
+    }
+}
+
+fn check_text(text: &str) -> Result<(), TestCaseError> {
+    match Expression::parse(text, &constants()) {
+        Ok(expression) => {
+            expression.eval(0.1, 0.2, 0.3);
+        }
+        Err(e) => {
+            prop_assert!(text.get(e.span.clone()).is_some(), "{:?} is not in {text:?}", e.span);
+            prop_assert!(!e.help.is_empty());
+        }
+    }
+    Ok(())
+}

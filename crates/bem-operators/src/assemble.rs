@@ -1,0 +1,425 @@
+//! One pass over the unordered pairs of elements gives V, K and W.
+//!
+//! The pass works on blocks of rows of pairs so that the moments of a block fit a small buffer. In a block, first all
+//! moments are computed, in parallel over pairs; then every element adds what it contributes to its own columns of V,
+//! K and W, in parallel over columns and in a fixed order within each: the matrices have the same bits for any number
+//! of threads.
+
+use faer::Mat;
+use rayon::prelude::*;
+use sprs::{CsMat, TriMat};
+
+use crate::far::{Batch, Classifier, KINDS, LANES, kind_index};
+use crate::moments::{Geometry, Segment, Tables, first_is_outer, same, storage};
+use crate::near;
+use crate::{BemError, Material, Mesh, Space};
+
+/// Galerkin matrices of the single layer V, the double layer K and the hypersingular operator W, and the mass matrix M.
+///
+/// ```text
+/// V: traction × traction          <Vφ,ψ>      (length³ per stress, times 1/length²: its entries carry |d_a||d_b|/μ)
+/// K: traction × displacement      <Ku,ψ>      principal value
+/// W: displacement × displacement  <Wu,v>      (stress)
+/// M: traction × displacement      <u,ψ>       sparse
+/// ```
+/// Traction unknowns are Legendre coefficients by element, component fastest; displacement unknowns are nodal, component
+/// fastest (see [`Space`]).
+#[derive(Debug, Clone)]
+pub struct Operators {
+    /// Single layer matrix, symmetric.
+    pub v: Mat<f64>,
+    /// Double layer matrix.
+    pub k: Mat<f64>,
+    /// Hypersingular matrix, symmetric.
+    pub w: Mat<f64>,
+    /// Mass matrix.
+    pub mass: CsMat<f64>,
+    /// Length L in log(L/r).
+    pub length: f64,
+    /// Diameter of the boundary.
+    pub diameter: f64,
+}
+
+/// Doubles that the moments of one block of pairs may take: 32 MiB.
+const BLOCK_STORAGE: usize = 1 << 22;
+/// Pairs that one task computes, so that batches fill up.
+const TASK_PAIRS: usize = 1024;
+
+impl Operators {
+    /// Assembles V, K, W and M; `length` is L in log(L/r), by default the diameter of the boundary, which keeps V positive
+    /// definite at any size of the body.
+    ///
+    /// Cost: N²/(8p²) pairs of 0.1 to 1 µs for N unknowns of degree p; memory 3 N² doubles and a small buffer.
+    /// # Errors
+    /// [`BemError::Mesh`] when elements are not closed loops or have no length.
+    /// # Source
+    /// Hsiao, Wendland, *Boundary Integral Equations*, 2008, chapter 2 (kernels); integration by parts after Maue 1949 and Günter.
+    pub fn assemble(mesh: &Mesh, space: &Space, material: &Material, length: Option<f64>) -> Result<Self, BemError> {
+        mesh.check()?;
+        let diameter = mesh.diameter();
+        let length = length.unwrap_or(diameter);
+        let n = space.dofs();
+        let (mut v, mut k, mut w) = (Mat::zeros(n, n), Mat::zeros(n, n), Mat::zeros(n, n));
+        let pass = Pass::new(mesh, space, material, length);
+        let mut owners = pass.columns(&mut v, &mut k, &mut w);
+        let mut buffer = Vec::new();
+        for rows in pass.blocks() {
+            pass.moments(rows.clone(), &mut buffer);
+            let block = Block { base: pass.pair_base(rows.clone()), rows, moments: &buffer };
+            owners
+                .par_iter_mut()
+                .enumerate()
+                .for_each_init(Scratch::default, |scratch, (c, columns)| pass.add(c, columns, &block, scratch));
+        }
+        drop(owners);
+        Ok(Self { v, k, w, mass: mass(mesh, space), length, diameter })
+    }
+}
+
+/// <u,ψ> = Σ_a |d_a| 2/(2m+1) ψ_a[m]·û_a[m].
+fn mass(mesh: &Mesh, space: &Space) -> CsMat<f64> {
+    let n = space.dofs();
+    let mut triplets = TriMat::new((n, n));
+    for e in 0..mesh.len() {
+        let to_legendre = &space.basis(e).to_legendre;
+        for m in 0..space.degree(e) {
+            let scale = mesh.length(e) / (2 * m + 1) as f64;
+            for (j, node) in space.element_nodes(e).enumerate() {
+                for i in 0..2 {
+                    triplets.add_triplet(2 * (space.offset[e] + m) + i, 2 * node + i, scale * to_legendre[(m, j)]);
+                }
+            }
+        }
+    }
+    triplets.to_csr()
+}
+
+/// Constants of the kernels, with μ, κ and ν of plane strain.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Constants {
+    /// c_V = 1/(8πμ(1-ν)).
+    pub(crate) c_v: f64,
+    pub(crate) kappa: f64,
+    /// c_W = μ/(2π(1-ν)).
+    pub(crate) c_w: f64,
+    /// H = `h_log` LOG I + `h_rr` rr = 2μ c_V (-κ LOG I + rr) + LOG I/(2π).
+    pub(crate) h_log: f64,
+    pub(crate) h_rr: f64,
+}
+
+impl Constants {
+    pub(crate) fn new(material: &Material) -> Self {
+        let (mu, nu, kappa) = (material.mu(), material.nu(), material.kappa());
+        let pi = std::f64::consts::PI;
+        let c_v = 1.0 / (8.0 * pi * mu * (1.0 - nu));
+        let h_rr = 1.0 / (4.0 * pi * (1.0 - nu));
+        Self { c_v, kappa, c_w: mu / (2.0 * pi * (1.0 - nu)), h_log: 0.5 / pi - h_rr * kappa, h_rr }
+    }
+}
+
+/// The columns of V, K and W that belong to one element: its traction coefficients, its nodes but the last.
+struct Columns<'a> {
+    v: Vec<&'a mut [f64]>,
+    k: Vec<&'a mut [f64]>,
+    w: Vec<&'a mut [f64]>,
+}
+
+/// The moments of the pairs (a, b), a in `rows`, b ≥ a; those of row a start at `base[a - rows.start]`.
+struct Block<'a> {
+    rows: std::ops::Range<usize>,
+    base: Vec<usize>,
+    moments: &'a [f64],
+}
+
+#[derive(Default)]
+struct Scratch {
+    tables: Tables,
+    /// G̃ times the trial derivative, xx, yy, xy for each test degree.
+    g: Vec<[f64; 3]>,
+}
+
+/// Row-major copies of the small matrices of a degree.
+struct Local {
+    /// Legendre coefficients of the nodal basis, (p+1)×(p+1).
+    c: Vec<f64>,
+    /// Legendre coefficients of its derivative with respect to t, p×(p+1).
+    b: Vec<f64>,
+}
+
+struct Pass<'a> {
+    space: &'a Space,
+    segments: Vec<Segment>,
+    degree: Vec<usize>,
+    previous: Vec<usize>,
+    /// log(|d|/L) of each element.
+    log_half: Vec<f64>,
+    /// Σ (p+1) over the elements before e.
+    prefix: Vec<usize>,
+    /// Position of each degree in `locals`, and the classifiers by it.
+    local_of: Vec<usize>,
+    locals: Vec<Local>,
+    classifiers: Vec<Classifier>,
+    constants: Constants,
+}
+
+impl<'a> Pass<'a> {
+    fn new(mesh: &Mesh, space: &'a Space, material: &Material, length: f64) -> Self {
+        let segments: Vec<Segment> = (0..mesh.len()).map(|e| mesh.segment(e)).collect();
+        let log_half = segments.iter().map(|s| (s.half().norm() / length).ln()).collect();
+        let degree = mesh.degree.clone();
+        let mut prefix = vec![0];
+        let mut degrees = degree.clone();
+        degrees.sort_unstable();
+        degrees.dedup();
+        for &p in &degree {
+            prefix.push(prefix[prefix.len() - 1] + p + 1);
+        }
+        let local_of = degree.iter().map(|p| degrees.binary_search(p).unwrap_or(0)).collect();
+        let first_with = |p: usize| degree.iter().position(|&q| q == p).unwrap_or(0);
+        let locals = degrees.iter().map(|&p| Local::new(space, first_with(p))).collect();
+        let classifiers = degrees.iter().map(|&p| Classifier::new(p + 1)).collect();
+        let previous = mesh.previous();
+        let constants = Constants::new(material);
+        Self { space, segments, degree, previous, log_half, prefix, local_of, locals, classifiers, constants }
+    }
+
+    fn len(&self) -> usize {
+        self.segments.len()
+    }
+
+    /// Splits the matrices into the columns of each element.
+    fn columns<'m>(&self, v: &'m mut Mat<f64>, k: &'m mut Mat<f64>, w: &'m mut Mat<f64>) -> Vec<Columns<'m>> {
+        let mut v = column_slices(v);
+        let mut k = column_slices(k);
+        let mut w = column_slices(w);
+        self.degree
+            .iter()
+            .map(|p| Columns {
+                v: v.by_ref().take(2 * p).collect(),
+                k: k.by_ref().take(2 * p).collect(),
+                w: w.by_ref().take(2 * p).collect(),
+            })
+            .collect()
+    }
+
+    /// Where the moments of the pair (a, b), b ≥ a, start behind those of (a, a).
+    fn pair_offset(&self, a: usize, b: usize) -> usize {
+        let rows = self.degree[a] + 1;
+        (2 * rows + 1) * (self.prefix[b] - self.prefix[a]) + rows * (b - a)
+    }
+
+    /// Consecutive ranges of first elements whose pairs fit the buffer.
+    fn blocks(&self) -> Vec<std::ops::Range<usize>> {
+        let n = self.len();
+        let mut blocks = Vec::new();
+        let (mut start, mut used) = (0, 0);
+        for a in 0..n {
+            let size = self.pair_offset(a, n);
+            if used > 0 && used + size > BLOCK_STORAGE {
+                blocks.push(start..a);
+                (start, used) = (a, 0);
+            }
+            used += size;
+        }
+        blocks.push(start..n);
+        blocks
+    }
+
+    /// Moments of all pairs (a, b), a in `rows`, b ≥ a.
+    fn moments(&self, rows: std::ops::Range<usize>, buffer: &mut Vec<f64>) {
+        let n = self.len();
+        buffer.resize(rows.clone().map(|a| self.pair_offset(a, n)).sum(), 0.0);
+        let mut tasks: Vec<Vec<(usize, &mut [f64])>> = vec![Vec::new()];
+        let (mut rest, mut pairs) = (&mut buffer[..], 0);
+        for a in rows {
+            let (row, tail) = rest.split_at_mut(self.pair_offset(a, n));
+            rest = tail;
+            if pairs >= TASK_PAIRS {
+                tasks.push(Vec::new());
+                pairs = 0;
+            }
+            pairs += n - a;
+            let last = tasks.len() - 1;
+            tasks[last].push((a, row));
+        }
+        tasks.into_par_iter().for_each(|task| self.moments_of_rows(task));
+    }
+
+    fn moments_of_rows(&self, mut rows: Vec<(usize, &mut [f64])>) {
+        let arch = pulp::Arch::new();
+        let kinds = self.locals.len();
+        let mut open = vec![u32::MAX; kinds * kinds * KINDS];
+        let mut batches: Vec<(Batch, [(usize, usize); LANES])> = Vec::new();
+        let mut sums = Vec::new();
+        for r in 0..rows.len() {
+            let a = rows[r].0;
+            let pa = self.degree[a];
+            same(pa + 1, pa + 1, &mut rows[r].1[..storage(pa, pa)]);
+            for b in a + 1..self.len() {
+                let start = self.pair_offset(a, b);
+                let (outer, inner) =
+                    if first_is_outer(self.segments[a], self.segments[b]) { (a, b) } else { (b, a) };
+                let (so, si) = (self.segments[outer], self.segments[inner]);
+                let touching = self.previous[a] == b || self.previous[b] == a;
+                let kind = if touching { None } else { self.classifiers[self.local_of[outer]].kind(so, si) };
+                let (m, n) = (self.degree[outer] + 1, self.degree[inner] + 1);
+                let Some(kind) = kind else {
+                    near::moments(so, si, m, n, &mut rows[r].1[start..start + storage(m - 1, n - 1)]);
+                    continue;
+                };
+                let key = (self.local_of[outer] * kinds + self.local_of[inner]) * KINDS + kind_index(kind);
+                if open[key] == u32::MAX {
+                    open[key] = batches.len() as u32;
+                    batches.push((Batch::new(kind, m, n), [(0, 0); LANES]));
+                }
+                let (batch, places) = &mut batches[open[key] as usize];
+                places[batch.len()] = (r, start);
+                if batch.push(so, si) {
+                    arch.dispatch(|| batch.compute(&mut sums));
+                    for (lane, &(r, start)) in places.iter().enumerate() {
+                        batch.extract(&sums, lane, &mut rows[r].1[start..]);
+                    }
+                    batch.clear();
+                }
+            }
+        }
+        for (batch, places) in &batches {
+            if batch.len() > 0 {
+                arch.dispatch(|| batch.compute(&mut sums));
+                for (lane, &(r, start)) in places[..batch.len()].iter().enumerate() {
+                    batch.extract(&sums, lane, &mut rows[r].1[start..]);
+                }
+            }
+        }
+    }
+
+    /// Adds to the columns of element c what the pairs of a block contribute: c as trial element, and the end node of the
+    /// element before it, which is c's first node.
+    fn add(&self, c: usize, columns: &mut Columns<'_>, block: &Block<'_>, scratch: &mut Scratch) {
+        let rows = &block.rows;
+        for trial in [c, self.previous[c]] {
+            let tests = if trial < rows.start {
+                0..0
+            } else if rows.contains(&trial) {
+                rows.start..self.len()
+            } else {
+                rows.clone()
+            };
+            for test in tests {
+                let (first, second) = (test.min(trial), test.max(trial));
+                let start = block.base[first - rows.start] + self.pair_offset(first, second);
+                let first_outer = first_is_outer(self.segments[first], self.segments[second]);
+                let (outer, inner) = if first_outer { (first, second) } else { (second, first) };
+                let (m, n) = (self.degree[outer] + 1, self.degree[inner] + 1);
+                let geometry = Geometry::with_log(self.segments[outer], self.segments[inner], self.log_half[inner]);
+                let (pa, pc) = (self.degree[test], self.degree[trial]);
+                let moments = &block.moments[start..start + storage(m - 1, n - 1)];
+                scratch.tables.fill(&geometry, m, n, moments, outer == test, pa, pc);
+                if trial == c {
+                    self.add_single_layer(test, c, columns, &scratch.tables);
+                    self.add_nodes(test, c, 0..pc, columns, scratch);
+                } else {
+                    self.add_nodes(test, trial, pc..pc + 1, columns, scratch);
+                }
+            }
+        }
+    }
+
+    /// Start of each row's moments in a block's buffer.
+    fn pair_base(&self, rows: std::ops::Range<usize>) -> Vec<usize> {
+        let mut base = Vec::with_capacity(rows.len());
+        let mut start = 0;
+        for a in rows {
+            base.push(start);
+            start += self.pair_offset(a, self.len());
+        }
+        base
+    }
+
+    /// V_ab[m,n] = |d_a||d_b| c_V [ -κ LOG I + rr ], LOG of log(r/L).
+    fn add_single_layer(&self, a: usize, c: usize, columns: &mut Columns<'_>, t: &Tables) {
+        let constants = &self.constants;
+        let scale = self.segments[a].half().norm() * self.segments[c].half().norm() * constants.c_v;
+        let row0 = 2 * self.space.offset[a];
+        for n in 0..t.trial {
+            let [vx, vy] = &mut columns.v[2 * n..2 * n + 2] else { continue };
+            for m in 0..t.test {
+                let at = m * t.trial + n;
+                let yy = if m == 0 && n == 0 { 4.0 - t.xx[at] } else { -t.xx[at] };
+                let log = -constants.kappa * t.log[at];
+                let row = row0 + 2 * m;
+                vx[row] += scale * (log + t.xx[at]);
+                vx[row + 1] += scale * t.xy[at];
+                vy[row] += scale * t.xy[at];
+                vy[row + 1] += scale * (log + yy);
+            }
+        }
+    }
+
+    /// K and W for the trial element's local nodes `nodes`; the first of them is c's first column.
+    fn add_nodes(&self, a: usize, trial: usize, nodes: std::ops::Range<usize>, columns: &mut Columns<'_>, scratch: &mut Scratch) {
+        let Scratch { tables: t, g } = scratch;
+        let (k, half) = (&self.constants, self.segments[a].half().norm());
+        let (pa, pc) = (t.test, t.trial);
+        let local = &self.locals[self.local_of[trial]];
+        let test = &self.locals[self.local_of[a]];
+        let row0 = 2 * self.space.offset[a];
+        let last = 2 * self.space.node(a, pa);
+        g.resize(pa, [0.0; 3]);
+        for (column, j) in nodes.enumerate() {
+            let [kx, ky] = &mut columns.k[2 * column..2 * column + 2] else { continue };
+            let [wx, wy] = &mut columns.w[2 * column..2 * column + 2] else { continue };
+            for m in 0..pa {
+                let (mut log, mut xx, mut xy) = (0.0, 0.0, 0.0);
+                for n in 0..pc {
+                    let b = local.b[n * (pc + 1) + j];
+                    log += t.log[m * pc + n] * b;
+                    xx += t.xx[m * pc + n] * b;
+                    xy += t.xy[m * pc + n] * b;
+                }
+                let mut d = 0.0;
+                for n in 0..=pc {
+                    d += t.d[m * (pc + 1) + n] * local.c[n * (pc + 1) + j];
+                }
+                let yy = if m == 0 { 4.0 * local.b[j] - xx } else { -xx };
+                // |d_a| { D/(2π) + H J }, (HJ)_i0 = H_i1, (HJ)_i1 = -H_i0
+                d *= 0.5 / std::f64::consts::PI;
+                let row = row0 + 2 * m;
+                kx[row] += half * (d + k.h_rr * xy);
+                kx[row + 1] += half * (k.h_log * log + k.h_rr * yy);
+                ky[row] -= half * (k.h_log * log + k.h_rr * xx);
+                ky[row + 1] += half * (d - k.h_rr * xy);
+                g[m] = [k.c_w * (xx - log), k.c_w * (yy - log), k.c_w * xy];
+            }
+            for i in 0..=pa {
+                let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
+                for (m, g) in g.iter().enumerate() {
+                    let b = test.b[m * (pa + 1) + i];
+                    xx += b * g[0];
+                    yy += b * g[1];
+                    xy += b * g[2];
+                }
+                let row = if i < pa { row0 + 2 * i } else { last };
+                wx[row] += xx;
+                wx[row + 1] += xy;
+                wy[row] += xy;
+                wy[row + 1] += yy;
+            }
+        }
+    }
+}
+
+impl Local {
+    fn new(space: &Space, e: usize) -> Self {
+        let basis = space.basis(e);
+        let p = basis.degree;
+        let c = (0..=p).flat_map(|n| (0..=p).map(move |j| (n, j))).map(|at| basis.to_legendre[at]).collect();
+        let b = (0..p).flat_map(|n| (0..=p).map(move |j| (n, j))).map(|at| basis.derivative_to_legendre[at]).collect();
+        Self { c, b }
+    }
+}
+
+/// The columns of a matrix as slices.
+fn column_slices(a: &mut Mat<f64>) -> impl Iterator<Item = &mut [f64]> {
+    a.col_iter_mut().filter_map(|column| column.try_as_col_major_mut()).map(|column| column.as_slice_mut())
+}

@@ -1,0 +1,265 @@
+//! Elimination of the free unknowns, in the storage of S itself.
+
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::prelude::*;
+use faer::{Accum, Col, Mat, MatMut, Par};
+
+use crate::steklov::cholesky;
+use crate::{BemError, Dof};
+
+/// What becomes of the unknowns: each displacement unknown is eliminated, kept, or held at a value.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Partition {
+    /// Unknowns that stay, in the order of the condensed system (the contact unknowns).
+    pub kept: Vec<Dof>,
+    /// Unknowns whose value is prescribed, with the value.
+    pub held: Vec<(Dof, f64)>,
+    /// Nodes whose two unknowns are taken along other directions: unknown 2·node along the first, 2·node+1 along the
+    /// second of two orthonormal directions.
+    pub frames: Vec<(usize, [[f64; 2]; 2])>,
+}
+
+/// S with the free unknowns R eliminated and the kept unknowns K left: S_c = S_KK - S_KR S_RR⁻¹ S_RK.
+///
+/// Unknowns are reordered R, K, held, turned into their frames, and S_RR is factorised in the lower triangle of S's own
+/// storage, while its upper triangle still holds S.
+#[derive(Debug, Clone)]
+pub struct Condensation {
+    /// Strict upper triangle: S; lower triangle: L of S_RR, and S_KR L⁻ᵀ below it.
+    matrix: Mat<f64>,
+    diagonal: Vec<f64>,
+    /// Unknown at each position.
+    order: Vec<Dof>,
+    eliminated: usize,
+    kept: usize,
+    held: Vec<f64>,
+    frames: Vec<(usize, [[f64; 2]; 2])>,
+}
+
+/// A load reduced to the kept unknowns.
+#[derive(Debug, Clone)]
+pub struct CondensedLoad {
+    /// f_K - S_KR S_RR⁻¹ f_R - …, in the order of the kept unknowns.
+    pub kept: Vec<f64>,
+    /// L⁻¹ (f_R - S_RH u_H).
+    eliminated: Vec<f64>,
+}
+
+impl Condensation {
+    /// Eliminates all unknowns that `partition` neither keeps nor holds.
+    ///
+    /// `motions` are rigid motions (nodal vectors) that nothing resists: each is given a spring, so that the solution of
+    /// a balanced load is orthogonal to it. The spring does no work in that solution.
+    ///
+    /// Cost: n³/3 for n eliminated unknowns and n² per kept one; no memory beyond S_c.
+    /// # Errors
+    /// [`BemError::StiffnessSingular`] when the eliminated unknowns can still move rigidly.
+    /// # Panics
+    /// When an unknown is kept and held, or kept twice.
+    pub fn new(mut matrix: Mat<f64>, partition: &Partition, motions: &[Vec<f64>]) -> Result<Self, BemError> {
+        let n = matrix.nrows();
+        let par = Par::rayon(0);
+        add_springs(matrix.as_mut(), motions);
+        for &(node, frame) in &partition.frames {
+            rotate(matrix.as_mut(), node, frame);
+        }
+        let mut taken = vec![false; n];
+        for dof in partition.kept.iter().copied().chain(partition.held.iter().map(|h| h.0)) {
+            assert!(!std::mem::replace(&mut taken[dof], true), "unknown {dof} is kept or held twice");
+        }
+        let mut order: Vec<Dof> = (0..n).filter(|&dof| !taken[dof]).collect();
+        let (eliminated, kept) = (order.len(), partition.kept.len());
+        order.extend(&partition.kept);
+        order.extend(partition.held.iter().map(|h| h.0));
+        permute(matrix.as_mut(), &order);
+        let diagonal: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
+
+        cholesky(matrix.as_mut().submatrix_mut(0, 0, eliminated, eliminated), par)
+            .map_err(|pivot| BemError::StiffnessSingular { pivot, size: eliminated })?;
+        let smallest = (0..eliminated).map(|i| (i, matrix[(i, i)].powi(2) / diagonal[i])).min_by(|a, b| a.1.total_cmp(&b.1));
+        if let Some((pivot, ratio)) = smallest
+            && ratio < 1e-13
+        {
+            return Err(BemError::StiffnessSingular { pivot, size: eliminated });
+        }
+        let (upper, lower) = matrix.as_mut().split_at_row_mut(eliminated);
+        let factor = upper.rb().submatrix(0, 0, eliminated, eliminated);
+        let coupling = lower.submatrix_mut(0, 0, kept, eliminated);
+        solve_lower_triangular_in_place(factor, coupling.transpose_mut(), par);
+
+        let held = partition.held.iter().map(|h| h.1).collect();
+        Ok(Self { matrix, diagonal, order, eliminated, kept, held, frames: partition.frames.clone() })
+    }
+
+    /// S_c, kept × kept, full storage.
+    pub fn stiffness(&self) -> Mat<f64> {
+        let (r, k) = (self.eliminated, self.kept);
+        let coupling = self.coupling();
+        let mut condensed = Mat::from_fn(k, k, |i, j| self.entry(r + i.min(j), r + i.max(j)));
+        matmul(
+            condensed.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            coupling,
+            BlockStructure::Rectangular,
+            coupling.transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            Par::rayon(0),
+        );
+        crate::steklov::mirror_lower(condensed.as_mut());
+        condensed
+    }
+
+    /// Reduces a nodal load (interleaved x, y, all unknowns).
+    pub fn load(&self, load: &[f64]) -> CondensedLoad {
+        let (r, k) = (self.eliminated, self.kept);
+        let mut f = self.to_positions(load);
+        for (h, &value) in self.held.iter().enumerate() {
+            if value != 0.0 {
+                for i in 0..r + k {
+                    f[i] -= self.entry(i, r + k + h) * value;
+                }
+            }
+        }
+        let mut y = Col::from_fn(r, |i| f[i]);
+        solve_lower_triangular_in_place(self.factor(), y.as_mat_mut(), Par::Seq);
+        let correction = self.coupling() * &y;
+        CondensedLoad {
+            kept: (0..k).map(|i| f[r + i] - correction[i]).collect(),
+            eliminated: y.iter().copied().collect(),
+        }
+    }
+
+    /// Nodal displacement (interleaved x, y) of the kept values, in equilibrium with the load at the eliminated unknowns.
+    pub fn expand(&self, load: &CondensedLoad, kept: &[f64]) -> Vec<f64> {
+        let v = Col::from_fn(self.kept, |i| kept[i]);
+        let mut u = Col::from_fn(self.eliminated, |i| load.eliminated[i]);
+        u -= self.coupling().transpose() * &v;
+        solve_upper_triangular_in_place(self.factor().transpose(), u.as_mat_mut(), Par::Seq);
+        let positions: Vec<f64> = u.iter().chain(kept).chain(&self.held).copied().collect();
+        self.to_nodes(&positions)
+    }
+
+    /// S u of a nodal displacement (both interleaved x, y).
+    pub fn multiply(&self, displacement: &[f64]) -> Vec<f64> {
+        let u = self.to_positions(displacement);
+        let mut result: Vec<f64> = u.iter().zip(&self.diagonal).map(|(u, d)| u * d).collect();
+        for j in 1..u.len() {
+            let mut sum = 0.0;
+            for (i, &s) in self.matrix.col(j).subrows(0, j).iter().enumerate() {
+                sum += s * u[i];
+                result[i] += s * u[j];
+            }
+            result[j] += sum;
+        }
+        self.to_nodes(&result)
+    }
+
+    fn factor(&self) -> faer::MatRef<'_, f64> {
+        self.matrix.as_ref().submatrix(0, 0, self.eliminated, self.eliminated)
+    }
+
+    fn coupling(&self) -> faer::MatRef<'_, f64> {
+        self.matrix.as_ref().submatrix(self.eliminated, 0, self.kept, self.eliminated)
+    }
+
+    /// Entry of S at positions i ≤ j.
+    fn entry(&self, i: usize, j: usize) -> f64 {
+        if i == j { self.diagonal[i] } else { self.matrix[(i, j)] }
+    }
+
+    fn to_positions(&self, nodal: &[f64]) -> Vec<f64> {
+        let mut turned = nodal.to_vec();
+        for &(node, [a, b]) in &self.frames {
+            let (x, y) = (nodal[2 * node], nodal[2 * node + 1]);
+            turned[2 * node] = a[0] * x + a[1] * y;
+            turned[2 * node + 1] = b[0] * x + b[1] * y;
+        }
+        self.order.iter().map(|&dof| turned[dof]).collect()
+    }
+
+    fn to_nodes(&self, positions: &[f64]) -> Vec<f64> {
+        let mut nodal = vec![0.0; positions.len()];
+        for (&dof, &value) in self.order.iter().zip(positions) {
+            nodal[dof] = value;
+        }
+        for &(node, [a, b]) in &self.frames {
+            let (p, q) = (nodal[2 * node], nodal[2 * node + 1]);
+            nodal[2 * node] = a[0] * p + b[0] * q;
+            nodal[2 * node + 1] = a[1] * p + b[1] * q;
+        }
+        nodal
+    }
+}
+
+/// S + σ Σ r rᵀ with orthonormal r and σ the mean diagonal of S times the number of unknowns per motion.
+fn add_springs(mut s: MatMut<'_, f64>, motions: &[Vec<f64>]) {
+    let n = s.nrows();
+    let scale = (0..n).map(|i| s[(i, i)]).sum::<f64>() / n as f64;
+    let mut orthonormal: Vec<Vec<f64>> = Vec::new();
+    for motion in motions {
+        let mut r = motion.clone();
+        for other in &orthonormal {
+            let dot: f64 = other.iter().zip(&r).map(|(a, b)| a * b).sum();
+            r.iter_mut().zip(other).for_each(|(a, b)| *a -= dot * b);
+        }
+        let norm = r.iter().map(|v| v * v).sum::<f64>().sqrt();
+        r.iter_mut().for_each(|v| *v /= norm);
+        orthonormal.push(r);
+    }
+    for r in &orthonormal {
+        for j in 0..n {
+            let factor = scale * r[j];
+            for (s, r) in s.rb_mut().col_mut(j).iter_mut().zip(r) {
+                *s += factor * r;
+            }
+        }
+    }
+}
+
+/// Turns the two unknowns of a node: S := Rᵀ S R with the directions as columns of R.
+fn rotate(mut s: MatMut<'_, f64>, node: usize, [a, b]: [[f64; 2]; 2]) {
+    let (i, j) = (2 * node, 2 * node + 1);
+    for k in 0..s.nrows() {
+        let (x, y) = (s[(k, i)], s[(k, j)]);
+        s[(k, i)] = a[0] * x + a[1] * y;
+        s[(k, j)] = b[0] * x + b[1] * y;
+    }
+    for k in 0..s.ncols() {
+        let (x, y) = (s[(i, k)], s[(j, k)]);
+        s[(i, k)] = a[0] * x + a[1] * y;
+        s[(j, k)] = b[0] * x + b[1] * y;
+    }
+}
+
+/// S := S[order, order], in place: rows column by column, then columns along the cycles of the permutation.
+fn permute(mut s: MatMut<'_, f64>, order: &[usize]) {
+    let n = s.nrows();
+    let mut column = vec![0.0; n];
+    for j in 0..n {
+        column.iter_mut().zip(s.rb().col(j).iter()).for_each(|(c, v)| *c = *v);
+        s.rb_mut().col_mut(j).iter_mut().zip(order).for_each(|(v, &i)| *v = column[i]);
+    }
+    let mut done = vec![false; n];
+    for start in 0..n {
+        if done[start] {
+            continue;
+        }
+        column.iter_mut().zip(s.rb().col(start).iter()).for_each(|(c, v)| *c = *v);
+        let mut j = start;
+        loop {
+            done[j] = true;
+            let from = order[j];
+            if from == start {
+                s.rb_mut().col_mut(j).iter_mut().zip(&column).for_each(|(v, c)| *v = *c);
+                break;
+            }
+            for i in 0..n {
+                s[(i, j)] = s[(i, from)];
+            }
+            j = from;
+        }
+    }
+}

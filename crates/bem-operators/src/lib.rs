@@ -1,0 +1,50 @@
+//! hp boundary elements of two-dimensional linear elasticity.
+//!
+//! ```text
+//! Polygon ─► Mesh ─► Space ─┐
+//!                 Material ─┴─► moments ─► Operators (V, K, W, M) ─► Steklov (S) ─► Condensation ─► displacement
+//!                                                                        └─► traction ─► Potentials, trace
+//! ```
+//! A [`Polygon`] (with holes) is cut into a [`Mesh`] of straight elements with a polynomial degree each. The
+//! [`Space`] numbers the unknowns: displacement, continuous of degree p at Gauss-Lobatto points, and traction,
+//! discontinuous of degree p-1 in Legendre coefficients. [`Operators::assemble`] computes for every unordered pair
+//! of elements one complex table of moments of Legendre functions of the second kind, and from it V, K and W at once.
+//! [`Steklov`] is the symmetric Steklov-Poincaré matrix, [`Condensation`] eliminates what is neither held nor kept.
+//!
+//! Conventions: the boundary is traversed with the body to the left (outer loop counter-clockwise, holes clockwise);
+//! n points out of the body, the tangent is n turned by +90°; points are `[f64; 2]`; nodal fields are interleaved x, y;
+//! plane strain unless [`Plane::Stress`] is chosen; everything is per unit thickness.
+
+mod error;
+mod material;
+mod rigid;
+mod polygon;
+mod polygon_check;
+mod mesh;
+mod meshing;
+mod space;
+mod moments;
+mod near;
+mod far;
+mod assemble;
+mod steklov;
+mod condense;
+mod load;
+mod potential;
+
+#[cfg(feature = "proptest")]
+pub mod proptest;
+
+pub use assemble::Operators;
+pub use condense::{CondensedLoad, Condensation, Partition};
+pub use error::BemError;
+pub use material::{Material, Plane};
+pub use mesh::Mesh;
+pub use polygon::{Edge, Location, Loop, Polygon};
+pub use polygon_check::{EdgeName, PolygonError};
+pub use rigid::{RigidMotion, free_motions};
+pub use load::{Datum, Site, add_load, side_moments};
+pub use moments::{PairMoments, Segment, Tables};
+pub use potential::{BoundaryField, Trace};
+pub use space::{Dof, Space};
+pub use steklov::{Domain, Steklov, TractionMap};

@@ -1,0 +1,174 @@
+//! Integrals of given data (tractions, gaps) against the nodal basis.
+
+use steklov_quadrature::Rule;
+
+use crate::near::panel_rule;
+use crate::{BemError, Mesh, Space};
+
+/// A point of the boundary at which a datum is asked for.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Site {
+    /// Element on which the point lies.
+    pub element: usize,
+    /// Reference coordinate on the element, -1..1.
+    pub t: f64,
+    /// Edge parameter, 0..1.
+    pub s: f64,
+    /// The point.
+    pub point: [f64; 2],
+}
+
+impl Site {
+    /// The point at the reference coordinate t of an element.
+    pub fn new(mesh: &Mesh, element: usize, t: f64) -> Self {
+        Self { element, t, s: mesh.edge_parameter(element, t), point: mesh.point(element, t) }
+    }
+}
+
+/// A given function on the boundary, smooth on each element but at its kinks.
+#[derive(Clone, Copy)]
+pub struct Datum<'a> {
+    /// What it is, for messages: "gap", "traction x".
+    pub name: &'a str,
+    /// Its value.
+    pub value: &'a (dyn Fn(&Site) -> f64 + Sync),
+    /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps.
+    pub kinks: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
+}
+
+impl Datum<'_> {
+    /// The value, checked to be finite.
+    ///
+    /// # Errors
+    /// [`BemError::DataNotFinite`] with side and point.
+    pub fn at(&self, mesh: &Mesh, site: &Site) -> Result<f64, BemError> {
+        let value = (self.value)(site);
+        if value.is_finite() {
+            return Ok(value);
+        }
+        let side = mesh.side_names[mesh.side[site.element]].clone();
+        Err(BemError::DataNotFinite { name: self.name.into(), side, point: site.point, value })
+    }
+}
+
+/// Fewest Gauss points on a smooth piece; doubled up to [`MOST_POINTS`], then the piece is halved.
+const FEWEST_POINTS: usize = 16;
+const MOST_POINTS: usize = 128;
+/// Two rules must agree to this part of the integral of |f| over the side.
+const AGREEMENT: f64 = 1e-12;
+/// Halvings of a piece before it is given up.
+const DEEPEST: usize = 48;
+/// What all given-up pieces may be uncertain by, as part of the integral of |f|.
+const GIVEN_UP: f64 = 1e-9;
+
+/// Moments ∫ f φ_j ds (f times length) of every element of a side against its own nodal basis: (element, p+1 values).
+///
+/// Each element is cut at the datum's kinks; on each piece the number of Gauss points is doubled from 16 until two rules
+/// agree to 1e-12 of the integral of |f| over the side; pieces that do not come to that with 128 points are halved.
+/// # Errors
+/// [`BemError::DataNotFinite`] when f is not finite at a quadrature point; [`BemError::DataRough`] when the rules do not
+/// come to agree.
+pub fn side_moments(mesh: &Mesh, space: &Space, side: usize, datum: &Datum<'_>) -> Result<Vec<(usize, Vec<f64>)>, BemError> {
+    let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
+    let pieces: Vec<Vec<f64>> = elements.iter().map(|&e| breaks((datum.kinks)(e))).collect();
+    let mut whole = 0.0;
+    for (&e, breaks) in elements.iter().zip(&pieces) {
+        for piece in breaks.windows(2) {
+            let rule = panel_rule(FEWEST_POINTS);
+            for (t, w) in mapped(rule, piece[0], piece[1]) {
+                whole += w * mesh.length(e) / 2.0 * datum.at(mesh, &Site::new(mesh, e, t))?.abs();
+            }
+        }
+    }
+    let mut given_up = 0.0;
+    let mut moments = Vec::with_capacity(elements.len());
+    for (&e, breaks) in elements.iter().zip(&pieces) {
+        let mut sum = vec![0.0; space.degree(e) + 1];
+        for piece in breaks.windows(2) {
+            let mut stack = vec![(piece[0], piece[1], 0)];
+            while let Some((a, b, depth)) = stack.pop() {
+                let (values, difference) = agreed(mesh, space, e, datum, a, b, AGREEMENT * whole)?;
+                let middle = (a + b) / 2.0;
+                if difference <= AGREEMENT * whole || depth == DEEPEST || middle <= a || middle >= b {
+                    given_up += if difference <= AGREEMENT * whole { 0.0 } else { difference };
+                    sum.iter_mut().zip(&values).for_each(|(s, v)| *s += v);
+                } else {
+                    stack.push((middle, b, depth + 1));
+                    stack.push((a, middle, depth + 1));
+                }
+            }
+        }
+        moments.push((e, sum));
+    }
+    if given_up > GIVEN_UP * whole {
+        let side = mesh.side_names[side].clone();
+        return Err(BemError::DataRough { name: datum.name.into(), side, uncertainty: given_up, whole });
+    }
+    Ok(moments)
+}
+
+/// Adds the moments of a datum that acts along `direction(element)` to a nodal load (interleaved x, y).
+pub fn add_load(
+    load: &mut [f64],
+    space: &Space,
+    moments: &[(usize, Vec<f64>)],
+    direction: impl Fn(usize) -> [f64; 2],
+) {
+    for (e, values) in moments {
+        let [x, y] = direction(*e);
+        for (node, value) in space.element_nodes(*e).zip(values) {
+            load[2 * node] += x * value;
+            load[2 * node + 1] += y * value;
+        }
+    }
+}
+
+/// Moments of one piece by doubling, and the largest difference of the last two rules.
+fn agreed(
+    mesh: &Mesh,
+    space: &Space,
+    e: usize,
+    datum: &Datum<'_>,
+    a: f64,
+    b: f64,
+    tolerance: f64,
+) -> Result<(Vec<f64>, f64), BemError> {
+    let half_length = mesh.length(e) / 2.0;
+    let basis = space.basis(e);
+    let mut phi = vec![0.0; basis.degree + 1];
+    let mut sum = |n: usize| -> Result<Vec<f64>, BemError> {
+        let mut sum = vec![0.0; basis.degree + 1];
+        for (t, w) in mapped(panel_rule(n), a, b) {
+            let value = w * half_length * datum.at(mesh, &Site::new(mesh, e, t))?;
+            basis.evaluate(t, &mut phi);
+            sum.iter_mut().zip(&phi).for_each(|(s, p)| *s += value * p);
+        }
+        Ok(sum)
+    };
+    let mut n = FEWEST_POINTS.max((basis.degree + 2).next_power_of_two());
+    let mut coarse = sum(n)?;
+    loop {
+        n *= 2;
+        let fine = sum(n)?;
+        let difference = coarse.iter().zip(&fine).map(|(c, f)| (c - f).abs()).fold(0.0, f64::max);
+        if difference <= tolerance || n >= MOST_POINTS {
+            return Ok((fine, difference));
+        }
+        coarse = fine;
+    }
+}
+
+/// Ends of the smooth pieces of [-1, 1].
+fn breaks(mut kinks: Vec<f64>) -> Vec<f64> {
+    kinks.retain(|t| *t > -1.0 && *t < 1.0);
+    kinks.extend([-1.0, 1.0]);
+    kinks.sort_by(f64::total_cmp);
+    kinks.dedup();
+    kinks
+}
+
+/// Points and weights of a rule on [a, b].
+fn mapped(rule: &Rule, a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> + '_ {
+    let (middle, half) = ((a + b) / 2.0, (b - a) / 2.0);
+    rule.points.iter().zip(&rule.weights).map(move |(t, w)| (middle + half * t, half * w))
+}

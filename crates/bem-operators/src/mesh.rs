@@ -1,0 +1,154 @@
+//! hp meshes of the boundary: straight elements, each with a polynomial degree.
+
+use num_complex::Complex64;
+
+use crate::BemError;
+use crate::moments::Segment;
+
+/// Elements of all loops in the order of the polygon's edges, each loop traversed with the body to the left.
+///
+/// Element e runs from `vertices[e]` to `vertices[next[e]]`; vertex and element numbers coincide.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Mesh {
+    /// Start point of each element.
+    pub vertices: Vec<[f64; 2]>,
+    /// Element that follows e on its loop.
+    pub next: Vec<usize>,
+    /// Polynomial degree p ≥ 1 of the displacement on each element; the traction has degree p-1.
+    pub degree: Vec<usize>,
+    /// Polygon edge on which each element lies.
+    pub edge: Vec<usize>,
+    /// Side (an index into [`Mesh::side_names`]) to which that edge belongs.
+    pub side: Vec<usize>,
+    /// Edge parameter `[s_start, s_end]` of each element, in the direction in which the corners were listed:
+    /// rising in traversal order, or falling on a hole that was listed the other way round.
+    pub span: Vec<[f64; 2]>,
+    /// Names of the sides.
+    pub side_names: Vec<String>,
+}
+
+impl Mesh {
+    /// Number of elements.
+    pub fn len(&self) -> usize {
+        self.vertices.len()
+    }
+
+    /// Whether there is no element.
+    pub fn is_empty(&self) -> bool {
+        self.vertices.is_empty()
+    }
+
+    /// Start and end point of element e.
+    pub fn ends(&self, e: usize) -> [[f64; 2]; 2] {
+        [self.vertices[e], self.vertices[self.next[e]]]
+    }
+
+    /// Half the vector from start to end, d with y(t) = c + d t on t ∈ [-1, 1].
+    pub fn half(&self, e: usize) -> [f64; 2] {
+        let [a, b] = self.ends(e);
+        [(b[0] - a[0]) / 2.0, (b[1] - a[1]) / 2.0]
+    }
+
+    /// Length h = 2|d| of element e.
+    pub fn length(&self, e: usize) -> f64 {
+        let d = self.half(e);
+        2.0 * d[0].hypot(d[1])
+    }
+
+    /// Unit tangent of element e, in the direction of traversal.
+    pub fn tangent(&self, e: usize) -> [f64; 2] {
+        let d = self.half(e);
+        let r = d[0].hypot(d[1]);
+        [d[0] / r, d[1] / r]
+    }
+
+    /// Unit normal of element e, pointing out of the body: the tangent turned by -90°.
+    pub fn normal(&self, e: usize) -> [f64; 2] {
+        let t = self.tangent(e);
+        [t[1], -t[0]]
+    }
+
+    /// Point y(t) of element e, t ∈ [-1, 1], measured from the nearer end so that both ends are met exactly.
+    pub fn point(&self, e: usize, t: f64) -> [f64; 2] {
+        let ([a, b], d) = (self.ends(e), self.half(e));
+        if t <= 0.0 {
+            [a[0] + d[0] * (1.0 + t), a[1] + d[1] * (1.0 + t)]
+        } else {
+            [b[0] - d[0] * (1.0 - t), b[1] - d[1] * (1.0 - t)]
+        }
+    }
+
+    /// Edge parameter s ∈ [0, 1] at the reference point t of element e.
+    pub fn edge_parameter(&self, e: usize, t: f64) -> f64 {
+        let [a, b] = self.span[e];
+        if t <= 0.0 { a + (b - a) * (1.0 + t) / 2.0 } else { b - (b - a) * (1.0 - t) / 2.0 }
+    }
+
+    /// Element that precedes each element on its loop.
+    pub fn previous(&self) -> Vec<usize> {
+        let mut previous = vec![0; self.len()];
+        for (e, &n) in self.next.iter().enumerate() {
+            previous[n] = e;
+        }
+        previous
+    }
+
+    /// Largest distance of two vertices: the default length in log(L/r).
+    pub fn diameter(&self) -> f64 {
+        let mut d: f64 = 0.0;
+        for (i, a) in self.vertices.iter().enumerate() {
+            for b in &self.vertices[..i] {
+                d = d.max((a[0] - b[0]).hypot(a[1] - b[1]));
+            }
+        }
+        d
+    }
+
+    /// End points of element e as complex numbers.
+    pub fn segment(&self, e: usize) -> Segment {
+        let [a, b] = self.ends(e);
+        Segment { start: Complex64::new(a[0], a[1]), end: Complex64::new(b[0], b[1]) }
+    }
+
+    /// Checks that the elements are closed loops of at least three elements of positive, finite length and degree ≥ 1.
+    ///
+    /// # Errors
+    /// [`BemError::Mesh`] naming the first element at fault.
+    pub fn check(&self) -> Result<(), BemError> {
+        let n = self.len();
+        let fault = |what: String| Err(BemError::Mesh { what });
+        if n == 0 {
+            return fault("there is no element".into());
+        }
+        let lengths = [self.next.len(), self.degree.len(), self.edge.len(), self.side.len(), self.span.len()];
+        if lengths.iter().any(|&l| l != n) {
+            return fault(format!("{n} vertices but {lengths:?} successors, degrees, edges, sides, spans"));
+        }
+        let mut reached = vec![0; n];
+        for (e, &next) in self.next.iter().enumerate() {
+            if next >= n {
+                return fault(format!("element {e} is followed by {next}, but there are {n} elements"));
+            }
+            reached[next] += 1;
+            if self.next[next] == e || next == e {
+                return fault(format!("the loop of element {e} has fewer than three elements"));
+            }
+        }
+        for e in 0..n {
+            let length = self.length(e);
+            if reached[e] != 1 {
+                return fault(format!("element {e} follows {} elements instead of one", reached[e]));
+            }
+            if !(length > 0.0 && length.is_finite()) {
+                return fault(format!("element {e} has the length {length}"));
+            }
+            if self.degree[e] == 0 || self.degree[e] > Self::MAX_DEGREE {
+                return fault(format!("element {e} has degree {}, not 1 to {}", self.degree[e], Self::MAX_DEGREE));
+            }
+        }
+        Ok(())
+    }
+
+    /// Highest degree that the moments are computed for.
+    pub const MAX_DEGREE: usize = 64;
+}

@@ -1,0 +1,229 @@
+//! Straight-sided bodies, with holes: valid by construction.
+
+use std::ops::Range;
+
+use robust::{Coord, orient2d};
+
+use crate::polygon_check::{PolygonError, check, tolerance};
+
+/// A closed chain of corners as the user lists it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Loop {
+    /// Corner points (length), at least three.
+    pub corners: Vec<[f64; 2]>,
+    /// `sides[k]` names the edge from corner k to the next; edges of one name are one side, on any loop.
+    pub sides: Vec<String>,
+}
+
+/// One straight edge, in the direction of traversal (body to the left).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Edge {
+    /// First point in the direction of traversal.
+    pub start: [f64; 2],
+    /// Last point in the direction of traversal.
+    pub end: [f64; 2],
+    /// Index into [`Polygon::side_names`].
+    pub side: usize,
+    /// 0 for the outer loop, k for the k-th hole.
+    pub loop_index: usize,
+    /// Whether the corners were listed against the traversal: a hole listed counter-clockwise.
+    pub reversed: bool,
+}
+
+impl Edge {
+    /// Length of the edge.
+    pub fn length(&self) -> f64 {
+        distance(self.start, self.end)
+    }
+
+    /// First and second corner in the order in which they were listed.
+    pub fn listed(&self) -> [[f64; 2]; 2] {
+        if self.reversed { [self.end, self.start] } else { [self.start, self.end] }
+    }
+
+    /// Point at the edge parameter s ∈ [0, 1], which runs in the order in which the corners were listed.
+    /// Measured from the nearer corner, so that both corners are met exactly.
+    pub fn point(&self, s: f64) -> [f64; 2] {
+        let [a, b] = self.listed();
+        let d = [b[0] - a[0], b[1] - a[1]];
+        if s <= 0.5 { [a[0] + d[0] * s, a[1] + d[1] * s] } else { [b[0] - d[0] * (1.0 - s), b[1] - d[1] * (1.0 - s)] }
+    }
+}
+
+/// Where a point lies with respect to the body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Location {
+    /// In the open body.
+    Inside,
+    /// On the boundary, to within [`Polygon::tolerance`].
+    Boundary {
+        /// The nearest edge; at a corner the one with the lower number.
+        edge: usize,
+        /// Its edge parameter in [0, 1].
+        s: f64,
+    },
+    /// Outside of the outer loop or in a hole.
+    Outside,
+}
+
+/// A polygon with holes, the closure of a connected open set whose boundary is a set of disjoint simple loops.
+///
+/// Edges are numbered as listed: the outer loop first, then the holes in order. The outer loop is counter-clockwise;
+/// holes may be listed in either order and are traversed clockwise, so that the body is always to the left.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Polygon {
+    edges: Vec<Edge>,
+    loops: Vec<Range<usize>>,
+    side_names: Vec<String>,
+    area: f64,
+    diameter: f64,
+    centroid: [f64; 2],
+    tolerance: f64,
+}
+
+impl Polygon {
+    /// Checks the loops and takes them over.
+    ///
+    /// Every corner must keep a distance of more than [`Polygon::tolerance`] from every edge that does not end there;
+    /// slivers and near contacts above that are valid. Edges are compared in pairs, at a cost of n²/2 bounding boxes.
+    ///
+    /// # Errors
+    /// [`PolygonError`] names the first thing that is wrong, with loop, index and coordinates.
+    pub fn new(outer: Loop, holes: Vec<Loop>) -> Result<Polygon, PolygonError> {
+        let listed: Vec<Loop> = std::iter::once(outer).chain(holes).collect();
+        check(&listed)?;
+        let (diameter, tolerance) = tolerance(&listed);
+        let (mut edges, mut loops, mut side_names) = (Vec::new(), Vec::new(), Vec::<String>::new());
+        for (loop_index, Loop { corners, sides }) in listed.into_iter().enumerate() {
+            let first = edges.len();
+            let reversed = loop_index > 0 && signed_area(&corners) > 0.0;
+            for (k, name) in sides.into_iter().enumerate() {
+                let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
+                let (start, end) = if reversed { (b, a) } else { (a, b) };
+                let side = side_names.iter().position(|n| *n == name).unwrap_or_else(|| {
+                    side_names.push(name);
+                    side_names.len() - 1
+                });
+                edges.push(Edge { start, end, side, loop_index, reversed });
+            }
+            loops.push(first..edges.len());
+        }
+        let (area, centroid) = area_and_centroid(&edges);
+        Ok(Polygon { edges, loops, side_names, area, diameter, centroid, tolerance })
+    }
+
+    /// All edges by number.
+    pub fn edges(&self) -> &[Edge] {
+        &self.edges
+    }
+
+    /// Names of the sides in the order in which they first appear.
+    pub fn side_names(&self) -> &[String] {
+        &self.side_names
+    }
+
+    /// Edge numbers of each loop, the outer one first.
+    pub fn loops(&self) -> &[Range<usize>] {
+        &self.loops
+    }
+
+    /// Edge numbers of a loop in the order of traversal, each edge starting where the one before it ends; it begins at
+    /// the first corner listed.
+    pub fn traversal(&self, loop_index: usize) -> Vec<usize> {
+        let range = self.loops[loop_index].clone();
+        if self.edges[range.start].reversed { range.rev().collect() } else { range.collect() }
+    }
+
+    /// Area of the body, holes excluded.
+    pub fn area(&self) -> f64 {
+        self.area
+    }
+
+    /// Largest distance of two points of the body.
+    pub fn diameter(&self) -> f64 {
+        self.diameter
+    }
+
+    /// Centre of mass of the body; with holes or notches it may lie outside of it.
+    pub fn centroid(&self) -> [f64; 2] {
+        self.centroid
+    }
+
+    /// Distance below which points count as equal: 1e-12 diameters, or four roundings of the largest coordinate if the
+    /// body lies so far from the origin that this is more.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance
+    }
+
+    /// Where x lies: on the boundary if an edge is within [`Polygon::tolerance`], else by the winding number, whose
+    /// orientation tests are exact. A point that is not finite is outside.
+    pub fn contains(&self, x: [f64; 2]) -> Location {
+        let (mut nearest, mut on) = (self.tolerance, None);
+        let mut winding = 0;
+        for (k, edge) in self.edges.iter().enumerate() {
+            let ([a, b], (start, end)) = (edge.listed(), (edge.start, edge.end));
+            let (gap, s) = nearest_on_segment(x, a, b);
+            if gap < nearest || (gap == nearest && on.is_none()) {
+                (nearest, on) = (gap, Some((k, s)));
+            }
+            if start[1] <= x[1] && end[1] > x[1] && orientation(start, end, x) > 0.0 {
+                winding += 1;
+            } else if start[1] > x[1] && end[1] <= x[1] && orientation(start, end, x) < 0.0 {
+                winding -= 1;
+            }
+        }
+        match on {
+            Some((edge, s)) => Location::Boundary { edge, s },
+            None if winding == 1 => Location::Inside,
+            None => Location::Outside,
+        }
+    }
+}
+
+/// Twice the area of the triangle a, b, c: its sign is exact, positive when c is to the left of a → b.
+pub(crate) fn orientation(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
+    let coord = |p: [f64; 2]| Coord { x: p[0], y: p[1] };
+    orient2d(coord(a), coord(b), coord(c))
+}
+
+/// Distance of two points.
+pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Distance of x from the segment a → b, and the parameter s ∈ [0, 1] of the nearest point.
+pub(crate) fn nearest_on_segment(x: [f64; 2], a: [f64; 2], b: [f64; 2]) -> (f64, f64) {
+    let length = distance(a, b);
+    let t = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+    let (from_a, from_b) = ([x[0] - a[0], x[1] - a[1]], [x[0] - b[0], x[1] - b[1]]);
+    let (along, short) = (from_a[0] * t[0] + from_a[1] * t[1], -(from_b[0] * t[0] + from_b[1] * t[1]));
+    if along <= 0.0 {
+        (distance(x, a), 0.0)
+    } else if short <= 0.0 {
+        (distance(x, b), 1.0)
+    } else if along <= short {
+        ((t[0] * from_a[1] - t[1] * from_a[0]).abs(), along / length)
+    } else {
+        ((t[0] * from_b[1] - t[1] * from_b[0]).abs(), 1.0 - short / length)
+    }
+}
+
+/// Area of a closed chain of corners, positive when it is counter-clockwise.
+pub(crate) fn signed_area(corners: &[[f64; 2]]) -> f64 {
+    let o = corners[0];
+    let cross = |a: [f64; 2], b: [f64; 2]| (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
+    corners.windows(2).map(|w| cross(w[0], w[1])).sum::<f64>() / 2.0
+}
+
+/// Area and centre of mass as sums over the triangles that the edges span with one corner.
+fn area_and_centroid(edges: &[Edge]) -> (f64, [f64; 2]) {
+    let o = edges[0].start;
+    let (mut twice, mut first) = (0.0, [0.0; 2]);
+    for Edge { start, end, .. } in edges {
+        let (a, b) = ([start[0] - o[0], start[1] - o[1]], [end[0] - o[0], end[1] - o[1]]);
+        let cross = a[0] * b[1] - a[1] * b[0];
+        twice += cross;
+        first = [first[0] + cross * (a[0] + b[0]), first[1] + cross * (a[1] + b[1])];
+    }
+    (twice / 2.0, [o[0] + first[0] / (3.0 * twice), o[1] + first[1] / (3.0 * twice)])
+}

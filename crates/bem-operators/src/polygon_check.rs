@@ -1,0 +1,322 @@
+//! What a valid polygon is, and the errors that say where one is not.
+
+use std::fmt;
+
+use crate::polygon::{Loop, distance, nearest_on_segment, orientation, signed_area};
+
+/// An edge as the user lists it; loops and indices count from 0, loop 0 is the outer one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct EdgeName {
+    /// 0 for the outer loop, k for the k-th hole.
+    pub loop_index: usize,
+    /// The edge runs from this corner of the loop to the next.
+    pub corner: usize,
+    /// Name of its side.
+    pub side: String,
+}
+
+impl fmt::Display for EdgeName {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "edge {} (\"{}\") of {}", self.corner, self.side, name(&self.loop_index))
+    }
+}
+
+fn name(loop_index: &usize) -> String {
+    match loop_index {
+        0 => "the outer loop".into(),
+        k => format!("hole {k}"),
+    }
+}
+
+/// What is wrong with a list of corners. Corners and edges count from 0, holes from 1; loop 0 is the outer one.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum PolygonError {
+    /// A loop of fewer than three corners.
+    #[error("{} has {corners} corners; it needs at least 3", name(.loop_index))]
+    TooFewCorners {
+        /// The loop.
+        loop_index: usize,
+        /// Its number of corners.
+        corners: usize,
+    },
+    /// As many names of sides as corners are needed.
+    #[error("{} has {corners} corners but {sides} sides; name one side for each edge", name(.loop_index))]
+    SideCount {
+        /// The loop.
+        loop_index: usize,
+        /// Its number of corners.
+        corners: usize,
+        /// Its number of names.
+        sides: usize,
+    },
+    /// A side without a name.
+    #[error("side {edge} of {} has an empty name", name(.loop_index))]
+    EmptySide {
+        /// The loop.
+        loop_index: usize,
+        /// Index of the edge in the loop.
+        edge: usize,
+    },
+    /// A coordinate is NaN, infinite or beyond ±1e100.
+    #[error("corner {corner} of {} is ({}, {}); coordinates must be finite and within ±1e100", name(.loop_index), .at[0], .at[1])]
+    NotFinite {
+        /// The loop.
+        loop_index: usize,
+        /// Index of the corner in the loop.
+        corner: usize,
+        /// Its coordinates.
+        at: [f64; 2],
+    },
+    /// Two successive corners are the same point.
+    #[error("{edge} at ({}, {}) has length {length:e}, below the resolution {tolerance:e}; remove one of its two corners", .at[0], .at[1])]
+    ZeroEdge {
+        /// The edge.
+        edge: EdgeName,
+        /// Its first corner.
+        at: [f64; 2],
+        /// Its length.
+        length: f64,
+        /// The least length, relative to the diameter.
+        tolerance: f64,
+    },
+    /// All corners of a loop lie on a line.
+    #[error("the corners of {} lie on one line (width {width:e} of a length of {length:e}): it has no area", name(.loop_index))]
+    ZeroArea {
+        /// The loop.
+        loop_index: usize,
+        /// Largest distance of a corner from the line.
+        width: f64,
+        /// Extent of the loop along the line.
+        length: f64,
+    },
+    /// The outer loop must be counter-clockwise.
+    #[error("the corners of the outer loop are listed clockwise (signed area {area}); list them counter-clockwise")]
+    Clockwise {
+        /// Signed area of the outer loop.
+        area: f64,
+    },
+    /// Two successive edges fold back on each other: an interior angle of 0 or 360 degrees.
+    #[error("the edges at corner {corner} of {}, ({}, {}), fold back on each other; give the spike a width or remove it", name(.loop_index), .at[0], .at[1])]
+    Spike {
+        /// The loop.
+        loop_index: usize,
+        /// Index of the corner at the tip.
+        corner: usize,
+        /// Its coordinates.
+        at: [f64; 2],
+    },
+    /// A corner lies on an edge or corner that is not its own.
+    #[error("corner {corner} of {}, ({}, {}), touches {edge}; keep them apart", name(.loop_index), .at[0], .at[1])]
+    Touching {
+        /// The loop of the corner.
+        loop_index: usize,
+        /// Index of the corner in its loop.
+        corner: usize,
+        /// Its coordinates.
+        at: [f64; 2],
+        /// The edge that it touches.
+        edge: EdgeName,
+    },
+    /// Two edges cross.
+    #[error("{first} and {second} cross at ({}, {})", .at[0], .at[1])]
+    Crossing {
+        /// The edge with the lower number.
+        first: EdgeName,
+        /// The other one.
+        second: EdgeName,
+        /// The point of intersection.
+        at: [f64; 2],
+    },
+    /// A hole that is not in the outer loop.
+    #[error("hole {loop_index}, with a corner at ({}, {}), lies outside of the outer loop", .at[0], .at[1])]
+    HoleOutside {
+        /// Number of the hole, from 1.
+        loop_index: usize,
+        /// Its first corner.
+        at: [f64; 2],
+    },
+    /// A hole in another hole.
+    #[error("hole {loop_index}, with a corner at ({}, {}), lies in hole {within}", .at[0], .at[1])]
+    HoleInHole {
+        /// Number of the hole, from 1.
+        loop_index: usize,
+        /// Number of the hole around it, from 1.
+        within: usize,
+        /// Its first corner.
+        at: [f64; 2],
+    },
+}
+
+/// Diameter of all corners, and the distance below which points count as equal.
+pub(crate) fn tolerance(loops: &[Loop]) -> (f64, f64) {
+    let corners: Vec<[f64; 2]> = loops.iter().flat_map(|l| l.corners.iter().copied()).collect();
+    let mut square: f64 = 0.0;
+    for (i, a) in corners.iter().enumerate() {
+        for b in &corners[..i] {
+            square = square.max((a[0] - b[0]).powi(2) + (a[1] - b[1]).powi(2));
+        }
+    }
+    let far = corners.iter().flatten().fold(0.0, |m: f64, c| m.max(c.abs()));
+    (square.sqrt(), (1e-12 * square.sqrt()).max(4.0 * f64::EPSILON * far))
+}
+
+/// Accepts exactly the loops that bound a polygon with holes, the outer one counter-clockwise.
+pub(crate) fn check(loops: &[Loop]) -> Result<(), PolygonError> {
+    for (loop_index, l) in loops.iter().enumerate() {
+        check_list(loop_index, l)?;
+    }
+    let (_, tolerance) = tolerance(loops);
+    let segments = segments(loops);
+    for s in &segments {
+        let length = distance(s.a, s.b);
+        if length <= tolerance {
+            return Err(PolygonError::ZeroEdge { edge: s.name(loops), at: s.a, length, tolerance });
+        }
+    }
+    for (loop_index, l) in loops.iter().enumerate() {
+        check_width(loop_index, &l.corners)?;
+    }
+    for s in &segments {
+        check_corner(s, &segments[s.follower], tolerance)?;
+    }
+    for (i, s) in segments.iter().enumerate() {
+        for (j, t) in segments.iter().enumerate().skip(i + 1) {
+            if s.follower != j && t.follower != i {
+                check_pair(s, t, tolerance, loops)?;
+            }
+        }
+    }
+    let area = signed_area(&loops[0].corners);
+    if area < 0.0 {
+        return Err(PolygonError::Clockwise { area });
+    }
+    check_nesting(loops)
+}
+
+fn check_list(loop_index: usize, Loop { corners, sides }: &Loop) -> Result<(), PolygonError> {
+    if corners.len() < 3 {
+        return Err(PolygonError::TooFewCorners { loop_index, corners: corners.len() });
+    }
+    if sides.len() != corners.len() {
+        return Err(PolygonError::SideCount { loop_index, corners: corners.len(), sides: sides.len() });
+    }
+    if let Some(edge) = sides.iter().position(|s| s.trim().is_empty()) {
+        return Err(PolygonError::EmptySide { loop_index, edge });
+    }
+    // Squares and fourth powers of lengths must not overflow; NaN fails the comparison too.
+    let bad = |p: &[f64; 2]| !p.iter().all(|c| c.abs() <= 1e100);
+    match corners.iter().position(bad) {
+        Some(corner) => Err(PolygonError::NotFinite { loop_index, corner, at: corners[corner] }),
+        None => Ok(()),
+    }
+}
+
+fn check_width(loop_index: usize, corners: &[[f64; 2]]) -> Result<(), PolygonError> {
+    let a = corners[0];
+    let b = corners.iter().fold(a, |far, &c| if distance(a, c) > distance(a, far) { c } else { far });
+    let length = distance(a, b);
+    let t = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+    let width = corners.iter().map(|c| (t[0] * (c[1] - a[1]) - t[1] * (c[0] - a[0])).abs()).fold(0.0, f64::max);
+    if width <= 1e-12 * length {
+        return Err(PolygonError::ZeroArea { loop_index, width, length });
+    }
+    Ok(())
+}
+
+/// An edge from corner a to corner b of a loop, `corner` and `next` their indices.
+struct ListedEdge {
+    a: [f64; 2],
+    b: [f64; 2],
+    loop_index: usize,
+    corner: usize,
+    next: usize,
+    /// Number of the edge that begins at b.
+    follower: usize,
+}
+
+impl ListedEdge {
+    fn meets(&self, x: [f64; 2], tolerance: f64) -> bool {
+        nearest_on_segment(x, self.a, self.b).0 <= tolerance
+    }
+
+    fn name(&self, loops: &[Loop]) -> EdgeName {
+        let ListedEdge { loop_index, corner, .. } = *self;
+        EdgeName { loop_index, corner, side: loops[loop_index].sides[corner].clone() }
+    }
+}
+
+fn segments(loops: &[Loop]) -> Vec<ListedEdge> {
+    let mut segments = Vec::new();
+    for (loop_index, Loop { corners, .. }) in loops.iter().enumerate() {
+        let first = segments.len();
+        for corner in 0..corners.len() {
+            let next = (corner + 1) % corners.len();
+            let (a, b) = (corners[corner], corners[next]);
+            segments.push(ListedEdge { a, b, loop_index, corner, next, follower: first + next });
+        }
+    }
+    segments
+}
+
+/// Two successive edges share their corner and no other point.
+fn check_corner(s: &ListedEdge, t: &ListedEdge, tolerance: f64) -> Result<(), PolygonError> {
+    if s.meets(t.b, tolerance) || t.meets(s.a, tolerance) {
+        return Err(PolygonError::Spike { loop_index: t.loop_index, corner: t.corner, at: t.a });
+    }
+    Ok(())
+}
+
+/// Two edges that do not follow each other share no point.
+fn check_pair(s: &ListedEdge, t: &ListedEdge, tolerance: f64, loops: &[Loop]) -> Result<(), PolygonError> {
+    let apart = |c: usize| {
+        s.a[c].max(s.b[c]) + tolerance < t.a[c].min(t.b[c]) || t.a[c].max(t.b[c]) + tolerance < s.a[c].min(s.b[c])
+    };
+    if apart(0) || apart(1) {
+        return Ok(());
+    }
+    for (own, other) in [(t, s), (s, t)] {
+        for (corner, at) in [(own.corner, own.a), (own.next, own.b)] {
+            if other.meets(at, tolerance) {
+                return Err(PolygonError::Touching { loop_index: own.loop_index, corner, at, edge: other.name(loops) });
+            }
+        }
+    }
+    let (sa, sb) = (orientation(t.a, t.b, s.a), orientation(t.a, t.b, s.b));
+    let (ta, tb) = (orientation(s.a, s.b, t.a), orientation(s.a, s.b, t.b));
+    if (sa > 0.0) != (sb > 0.0) && (ta > 0.0) != (tb > 0.0) {
+        let r = sa / (sa - sb);
+        let at = [s.a[0] + r * (s.b[0] - s.a[0]), s.a[1] + r * (s.b[1] - s.a[1])];
+        return Err(PolygonError::Crossing { first: s.name(loops), second: t.name(loops), at });
+    }
+    Ok(())
+}
+
+/// Loops that do not meet are nested or apart, and one corner tells which.
+fn check_nesting(loops: &[Loop]) -> Result<(), PolygonError> {
+    for (loop_index, hole) in loops.iter().enumerate().skip(1) {
+        let at = hole.corners[0];
+        if !surrounds(&loops[0].corners, at) {
+            return Err(PolygonError::HoleOutside { loop_index, at });
+        }
+        for (within, other) in loops.iter().enumerate().skip(1) {
+            if within != loop_index && surrounds(&other.corners, at) {
+                return Err(PolygonError::HoleInHole { loop_index, within, at });
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Whether a simple loop, in either order, has x in its inside; x is not on it.
+fn surrounds(corners: &[[f64; 2]], x: [f64; 2]) -> bool {
+    let mut inside = false;
+    for (k, &a) in corners.iter().enumerate() {
+        let b = corners[(k + 1) % corners.len()];
+        let (low, high) = if a[1] <= b[1] { (a, b) } else { (b, a) };
+        if low[1] <= x[1] && x[1] < high[1] && orientation(low, high, x) > 0.0 {
+            inside = !inside;
+        }
+    }
+    inside
+}

@@ -1,0 +1,298 @@
+//! Displacement and stress inside the body, as close to the boundary as one likes, and traces on the boundary.
+//!
+//! With z = (x - c_b)/d_b every inner integral is exact:
+//!
+//! ```text
+//! ∫ P_n log|x-y| dt = Re(2 Q_1 + log(z²-1)) (n = 0),  2/(2n+1) Re(Q_(n+1) - Q_(n-1)) (n ≥ 1),  plus 2 δ_n0 log|d|
+//! ∫ P_n e^(2i arg(x-y)) dt = (d/d̄) ( 2 δ_n0 + 4i Im z conj Q_n ),      ∫ P_n (x-y)·n_y |d|/r² dt = 2 Im Q_n
+//! ```
+//! Gradients are taken after integration by parts along the closed curve, so that nothing stronger than a logarithm at
+//! the element ends is left.
+
+use num_complex::Complex64;
+use steklov_quadrature::{legendre_dq, legendre_p, legendre_q, legendre_q_cut};
+
+use crate::assemble::Constants;
+use crate::moments::Segment;
+use crate::near::MAX_ORDER;
+use crate::{Material, Mesh, Space};
+
+/// The elastic field of a displacement and a traction on the boundary: u = V t - K u inside the body.
+#[derive(Debug, Clone)]
+pub struct BoundaryField {
+    material: Material,
+    constants: Constants,
+    elements: Vec<Piece>,
+}
+
+/// Legendre coefficients of one element.
+#[derive(Debug, Clone)]
+struct Piece {
+    segment: Segment,
+    /// log(|d|/L).
+    log_half: f64,
+    /// û[n], n = 0..=p.
+    displacement: Vec<[f64; 2]>,
+    /// Coefficients of du/dt, n = 0..p.
+    derivative: Vec<[f64; 2]>,
+    /// ψ[n], n = 0..p.
+    traction: Vec<[f64; 2]>,
+}
+
+/// Values on the boundary at a point of one element, from the inside.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Trace {
+    /// Displacement.
+    pub displacement: [f64; 2],
+    /// Traction σ(u)n, of the traction space.
+    pub traction: [f64; 2],
+    /// Stress σ_xx, σ_yy, σ_xy from the traction and the tangential derivative of the displacement.
+    pub stress: [f64; 3],
+}
+
+impl BoundaryField {
+    /// Field of a nodal displacement and Legendre coefficients of a traction (interleaved, as [`Space`] numbers them).
+    /// `length` is L in log(L/r): inside the body the field does not depend on it when the traction has no resultant.
+    pub fn new(
+        mesh: &Mesh,
+        space: &Space,
+        material: &Material,
+        displacement: &[f64],
+        traction: &[f64],
+        length: f64,
+    ) -> Self {
+        let elements = (0..mesh.len()).map(|e| {
+            let basis = space.basis(e);
+            let p = basis.degree;
+            let combine = |row: usize, a: &faer::Mat<f64>| {
+                let mut sum = [0.0; 2];
+                for (j, node) in space.element_nodes(e).enumerate() {
+                    sum[0] += a[(row, j)] * displacement[2 * node];
+                    sum[1] += a[(row, j)] * displacement[2 * node + 1];
+                }
+                sum
+            };
+            let segment = mesh.segment(e);
+            let at = 2 * space.offset[e];
+            Piece {
+                segment,
+                log_half: (segment.half().norm() / length).ln(),
+                displacement: (0..=p).map(|n| combine(n, &basis.to_legendre)).collect(),
+                derivative: (0..p).map(|n| combine(n, &basis.derivative_to_legendre)).collect(),
+                traction: (0..p).map(|n| [traction[at + 2 * n], traction[at + 2 * n + 1]]).collect(),
+            }
+        });
+        Self { material: *material, constants: Constants::new(material), elements: elements.collect() }
+    }
+
+    /// Displacement at a point inside the body (not on the boundary).
+    pub fn displacement(&self, x: [f64; 2]) -> [f64; 2] {
+        let x = Complex64::new(x[0], x[1]);
+        let k = &self.constants;
+        let mut u = [0.0; 2];
+        for piece in &self.elements {
+            let at = AtPoint::new(piece, x);
+            let half = piece.segment.half().norm();
+            for n in 0..piece.traction.len() {
+                let (log, [xx, yy, xy]) = (at.log(n), at.direction(n));
+                let t = piece.traction[n];
+                let scale = half * k.c_v;
+                u[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
+                u[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
+                // H J û', J û' = (-û'_y, û'_x)
+                let d = piece.derivative[n];
+                let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
+                u[0] -= -hxx * d[1] + hxy * d[0];
+                u[1] -= -hxy * d[1] + hyy * d[0];
+            }
+            for (n, c) in piece.displacement.iter().enumerate() {
+                let double = at.q[n].im / std::f64::consts::PI;
+                u[0] -= double * c[0];
+                u[1] -= double * c[1];
+            }
+        }
+        u
+    }
+
+    /// Displacement gradient [[∂x u_x, ∂y u_x], [∂x u_y, ∂y u_y]] at a point inside the body (not on the boundary).
+    pub fn gradient(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
+        let x = Complex64::new(x[0], x[1]);
+        let k = &self.constants;
+        let mut gradient = [[0.0; 2]; 2];
+        for piece in &self.elements {
+            let at = AtPoint::with_derivative(piece, x);
+            let half = piece.segment.half().norm();
+            for (axis, along) in [Complex64::ONE, Complex64::I].into_iter().enumerate() {
+                let mut sum = [0.0; 2];
+                for n in 0..piece.traction.len() {
+                    let (log, [xx, yy, xy]) = at.slope(n, along);
+                    let t = piece.traction[n];
+                    let scale = half * k.c_v;
+                    sum[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
+                    sum[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
+                    let d = piece.derivative[n];
+                    let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
+                    let double = (along * at.inverse * at.q[n]).im / std::f64::consts::PI;
+                    sum[0] -= -hxx * d[1] + hxy * d[0] + double * d[0];
+                    sum[1] -= -hxy * d[1] + hyy * d[0] + double * d[1];
+                }
+                gradient[0][axis] += sum[0];
+                gradient[1][axis] += sum[1];
+            }
+        }
+        gradient
+    }
+
+    /// Stress σ_xx, σ_yy, σ_xy at a point inside the body (not on the boundary).
+    pub fn stress(&self, x: [f64; 2]) -> [f64; 3] {
+        self.material.stress(self.gradient(x))
+    }
+
+    /// Values on the boundary at the reference coordinate t of element e.
+    pub fn trace(&self, e: usize, t: f64) -> Trace {
+        let piece = &self.elements[e];
+        let mut p = [0.0; MAX_ORDER];
+        let p = &mut p[..piece.displacement.len()];
+        legendre_p(t, p);
+        let sum = |c: &[[f64; 2]]| {
+            c.iter().zip(&*p).fold([0.0; 2], |s, (c, p)| [s[0] + c[0] * p, s[1] + c[1] * p])
+        };
+        let traction = sum(&piece.traction);
+        let half = piece.segment.half();
+        let along = sum(&piece.derivative).map(|d| d / half.norm());
+        Trace {
+            displacement: sum(&piece.displacement),
+            traction,
+            stress: self.boundary_stress(half / half.norm(), traction, along),
+        }
+    }
+
+    /// σ_nn, σ_nt from the traction, σ_tt = 2μ/(1-ν) ε_tt + ν/(1-ν) σ_nn, turned to x, y.
+    fn boundary_stress(&self, tangent: Complex64, traction: [f64; 2], along: [f64; 2]) -> [f64; 3] {
+        let (t, n) = ([tangent.re, tangent.im], [tangent.im, -tangent.re]);
+        let (nu, mu) = (self.material.nu(), self.material.mu());
+        let nn = traction[0] * n[0] + traction[1] * n[1];
+        let nt = traction[0] * t[0] + traction[1] * t[1];
+        let tt = (2.0 * mu * (along[0] * t[0] + along[1] * t[1]) + nu * nn) / (1.0 - nu);
+        [
+            nn * n[0] * n[0] + 2.0 * nt * n[0] * t[0] + tt * t[0] * t[0],
+            nn * n[1] * n[1] + 2.0 * nt * n[1] * t[1] + tt * t[1] * t[1],
+            nn * n[0] * n[1] + nt * (n[0] * t[1] + n[1] * t[0]) + tt * t[0] * t[1],
+        ]
+    }
+
+    /// Pointwise Steklov-Poincaré trace σ^h = W u + K'ψ + ψ/2 at the reference coordinate -1 < t < 1 of element e.
+    ///
+    /// ∫ σ^h·φ = (S u)_φ; σ^h has logarithmic singularities at all element ends, so it wants rules graded to them.
+    pub fn steklov_trace(&self, e: usize, t: f64) -> [f64; 2] {
+        let own = &self.elements[e];
+        let k = &self.constants;
+        let Segment { start, end } = own.segment;
+        let tangent = own.segment.half() / own.segment.half().norm();
+        let normal = -Complex64::I * tangent;
+        let mut hypersingular = [0.0; 2];
+        let mut adjoint = [0.0; 2];
+        let mut slope = [0.0; 2];
+        for (b, piece) in self.elements.iter().enumerate() {
+            let at = if b == e {
+                AtPoint::on_cut(piece, t)
+            } else {
+                let (before, after) = ((1.0 + t) / 2.0, (1.0 - t) / 2.0);
+                let inverse = 1.0 / piece.segment.half();
+                let from = |y: Complex64| ((start - y) * after + (end - y) * before) * inverse;
+                AtPoint::from_ends(piece, from(piece.segment.end), from(piece.segment.start), true)
+            };
+            let half = piece.segment.half().norm();
+            for n in 0..piece.traction.len() {
+                let (log, [xx, yy, xy]) = at.slope(n, tangent);
+                let d = piece.derivative[n];
+                hypersingular[0] -= k.c_w * ((xx - log) * d[0] + xy * d[1]);
+                hypersingular[1] -= k.c_w * (xy * d[0] + (yy - log) * d[1]);
+                let s = piece.traction[n].map(|c| half * c);
+                if b != e {
+                    let double = (normal * at.inverse * at.q[n]).re / std::f64::consts::PI;
+                    adjoint[0] -= double * s[0];
+                    adjoint[1] -= double * s[1];
+                }
+                slope[0] += (k.h_log * log + k.h_rr * xx) * s[0] + k.h_rr * xy * s[1];
+                slope[1] += k.h_rr * xy * s[0] + (k.h_log * log + k.h_rr * yy) * s[1];
+            }
+        }
+        let traction = self.trace(e, t).traction;
+        [
+            hypersingular[0] + adjoint[0] - slope[1] + 0.5 * traction[0],
+            hypersingular[1] + adjoint[1] + slope[0] + 0.5 * traction[1],
+        ]
+    }
+}
+
+/// Legendre functions of one element at one point.
+struct AtPoint {
+    q: [Complex64; MAX_ORDER],
+    dq: [Complex64; MAX_ORDER],
+    /// 1/d.
+    inverse: Complex64,
+    /// d/d̄.
+    turn: Complex64,
+    z_im: f64,
+    /// ∫ log|x-y| dt less 2 log L.
+    log0: f64,
+}
+
+impl AtPoint {
+    fn new(piece: &Piece, x: Complex64) -> Self {
+        let inverse = 1.0 / piece.segment.half();
+        Self::from_ends(piece, (x - piece.segment.end) * inverse, (x - piece.segment.start) * inverse, false)
+    }
+
+    fn with_derivative(piece: &Piece, x: Complex64) -> Self {
+        let inverse = 1.0 / piece.segment.half();
+        Self::from_ends(piece, (x - piece.segment.end) * inverse, (x - piece.segment.start) * inverse, true)
+    }
+
+    /// From z - 1 and z + 1.
+    fn from_ends(piece: &Piece, from_end: Complex64, from_start: Complex64, derivative: bool) -> Self {
+        let mut q = [Complex64::ZERO; MAX_ORDER];
+        let mut dq = [Complex64::ZERO; MAX_ORDER];
+        let count = piece.displacement.len();
+        legendre_q(from_end, from_start, &mut q[..count]);
+        if derivative {
+            legendre_dq(from_end, from_start, &q[..count], &mut dq[..count]);
+        }
+        let d = piece.segment.half();
+        let z_im = if from_end.norm_sqr() < from_start.norm_sqr() { from_end.im } else { from_start.im };
+        let log0 = 2.0 * q[1].re + from_end.norm().ln() + from_start.norm().ln() + 2.0 * piece.log_half;
+        Self { q, dq, inverse: 1.0 / d, turn: d / d.conj(), z_im, log0 }
+    }
+
+    /// On the element itself: principal values.
+    fn on_cut(piece: &Piece, t: f64) -> Self {
+        let mut real = [0.0; MAX_ORDER];
+        legendre_q_cut(t, &mut real[..piece.displacement.len()]);
+        let d = piece.segment.half();
+        let q = real.map(|q| Complex64::new(q, 0.0));
+        let log0 = 2.0 * real[1] + (1.0 - t).ln() + (1.0 + t).ln() + 2.0 * piece.log_half;
+        Self { q, dq: [Complex64::ZERO; MAX_ORDER], inverse: 1.0 / d, turn: d / d.conj(), z_im: 0.0, log0 }
+    }
+
+    /// ∫ P_n log(|x-y|/L) dt.
+    fn log(&self, n: usize) -> f64 {
+        if n == 0 { self.log0 } else { 2.0 / (2 * n + 1) as f64 * (self.q[n + 1].re - self.q[n - 1].re) }
+    }
+
+    /// ∫ P_n r_i r_j/r² dt: xx, yy, xy.
+    fn direction(&self, n: usize) -> [f64; 3] {
+        let one = if n == 0 { 2.0 } else { 0.0 };
+        let e = self.turn * (one + Complex64::new(0.0, 4.0 * self.z_im) * self.q[n].conj());
+        [(one + e.re) / 2.0, (one - e.re) / 2.0, e.im / 2.0]
+    }
+
+    /// Derivatives of `log` and `direction` along a direction.
+    fn slope(&self, n: usize, along: Complex64) -> (f64, [f64; 3]) {
+        let dz = along * self.inverse;
+        let log = 2.0 * (self.q[n] * dz).re;
+        let inner = self.q[n].conj() * dz.im + (self.dq[n] * dz).conj() * self.z_im;
+        let e = self.turn * Complex64::new(0.0, 4.0) * inner;
+        (log, [e.re / 2.0, -e.re / 2.0, e.im / 2.0])
+    }
+}

@@ -1,0 +1,126 @@
+//! The symmetric Steklov-Poincaré matrix.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::{Accum, Col, Mat, MatMut, Par};
+
+use crate::{BemError, Operators};
+
+/// On which side of the boundary the elastic body lies.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Domain {
+    /// The body is the polygon: V t = (½ + K) u.
+    Interior,
+    /// The body is the rest of the plane, n still points out of the polygon: V t = (K - ½) u.
+    Exterior,
+}
+
+/// Steklov-Poincaré matrix S = W + Hᵀ V⁻¹ H with H = ½M + K (interior) or H = ½M - K (exterior).
+///
+/// S is displacement × displacement (stress), symmetric and positive semi-definite. Interior: t = S u, rigid motions
+/// span the kernel, S does not depend on L. Exterior: t = -S u with n out of the polygon; S depends on L, which selects
+/// the condition at infinity.
+#[derive(Debug, Clone)]
+pub struct Steklov {
+    /// S, full storage.
+    pub matrix: Mat<f64>,
+    /// From displacement to traction.
+    pub traction: TractionMap,
+}
+
+/// ψ = V⁻¹ H u by the Cholesky factor of V, with the sign of the domain.
+#[derive(Debug, Clone)]
+pub struct TractionMap {
+    /// L of V = L Lᵀ in the lower triangle; what stands above it is V.
+    factor: Mat<f64>,
+    /// L⁻¹ H, traction × displacement.
+    solved: Mat<f64>,
+    domain: Domain,
+}
+
+impl Steklov {
+    /// Takes the operators apart and works in their storage: no other N² memory is used.
+    ///
+    /// Cost: N³/3 for V, N³ for L⁻¹H, N³ for (L⁻¹H)ᵀ(L⁻¹H) (one triangle), N unknowns.
+    /// # Errors
+    /// [`BemError::SingleLayerIndefinite`] when V has no Cholesky factor (L too small).
+    /// # Source
+    /// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987 (the symmetric form).
+    pub fn new(operators: Operators, domain: Domain) -> Result<Self, BemError> {
+        let Operators { v: mut factor, k: mut solved, w: mut matrix, mass, length, diameter } = operators;
+        let par = Par::rayon(0);
+        if domain == Domain::Exterior {
+            solved *= -1.0;
+        }
+        for (&value, (row, column)) in &mass {
+            solved[(row, column)] += 0.5 * value;
+        }
+        cholesky(factor.as_mut(), par).map_err(|pivot| BemError::SingleLayerIndefinite {
+            pivot,
+            size: factor.nrows(),
+            length,
+            diameter,
+        })?;
+        solve_lower_triangular_in_place(factor.as_ref(), solved.as_mut(), par);
+        matmul(
+            matrix.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            solved.as_ref().transpose(),
+            BlockStructure::Rectangular,
+            solved.as_ref(),
+            BlockStructure::Rectangular,
+            1.0,
+            par,
+        );
+        mirror_lower(matrix.as_mut());
+        Ok(Self { matrix, traction: TractionMap { factor, solved, domain } })
+    }
+}
+
+impl TractionMap {
+    /// Legendre coefficients of the traction t = σ(u)n of a nodal displacement, interleaved as [`crate::Space`] says.
+    pub fn apply(&self, displacement: &[f64]) -> Vec<f64> {
+        let u = Col::from_fn(displacement.len(), |i| displacement[i]);
+        let mut t = &self.solved * &u;
+        if self.domain == Domain::Exterior {
+            t *= -1.0;
+        }
+        solve_upper_triangular_in_place(self.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);
+        t.iter().copied().collect()
+    }
+
+    /// For each traction right-hand side of the single layer, b -> V⁻¹ b.
+    pub fn invert_single_layer(&self, right: &[f64]) -> Vec<f64> {
+        let mut t = Col::from_fn(right.len(), |i| right[i]);
+        solve_lower_triangular_in_place(self.factor.as_ref(), t.as_mat_mut(), Par::Seq);
+        solve_upper_triangular_in_place(self.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);
+        t.iter().copied().collect()
+    }
+}
+
+/// Cholesky factor in the lower triangle; the strict upper triangle keeps its values. The error is the failing pivot.
+pub(crate) fn cholesky(a: MatMut<'_, f64>, par: Par) -> Result<(), usize> {
+    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(a.nrows(), par, Default::default()));
+    match cholesky_in_place(a, LltRegularization::default(), par, MemStack::new(&mut memory), Default::default()) {
+        Ok(_) => Ok(()),
+        Err(LltError::NonPositivePivot { index }) => Err(index),
+    }
+}
+
+/// Copies the lower triangle onto the upper one, by tiles.
+pub(crate) fn mirror_lower(mut a: MatMut<'_, f64>) {
+    const TILE: usize = 64;
+    let n = a.nrows();
+    for j0 in (0..n).step_by(TILE) {
+        for i0 in (j0..n).step_by(TILE) {
+            for j in j0..(j0 + TILE).min(n) {
+                for i in i0.max(j + 1)..(i0 + TILE).min(n) {
+                    a[(j, i)] = a[(i, j)];
+                }
+            }
+        }
+    }
+}

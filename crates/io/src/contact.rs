@@ -1,0 +1,159 @@
+//! [`Persist`] for the types of `steklov-contact`: flat arrays with a row for each node or condition.
+
+use hdf5::Group;
+use steklov_contact::{Condition, ContactNode, Problem, Solution, Status};
+
+use crate::array::{load_integers, load_points, load_vector, save_integers, save_points, save_vector};
+use crate::dataset::Label;
+use crate::error::{IoError, invalid, mismatch};
+use crate::matrix::save_dense;
+use crate::persist::Persist;
+use crate::quadrature::{check_length, load_sized};
+
+fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
+    Label { unit, meaning, axes }
+}
+
+/// One number of each condition: name, unit, meaning.
+const OF_CONDITION: [(&str, &str, &str); 5] = [
+    ("normal_weight", "length", "D_n, 0 without a normal multiplier"),
+    ("tangent_weight", "length", "D_t, 0 without a tangential multiplier"),
+    ("gap", "length", "weighted gap g"),
+    ("slip_offset", "length", "what a held neighbour adds to the tangential displacement"),
+    ("bound", "stress", "friction bound F, infinite for full stick"),
+];
+
+impl Persist for Problem {
+    const KIND: &'static str = "condensed contact problem";
+    const VERSION: u32 = 1;
+
+    fn write(&self, at: &Group) -> Result<(), IoError> {
+        save_dense(at, "stiffness", self.stiffness.as_ref(), &label("stress", "S", &["unknown", "unknown"]))?;
+        save_vector(at, "load", &self.load, &label("force/length", "f", &["unknown"]))?;
+        let integers = |name, meaning, value: &dyn Fn(&ContactNode) -> usize| {
+            let values: Vec<usize> = self.nodes.iter().map(value).collect();
+            save_integers(at, name, &values, &label("1", meaning, &["node"]))
+        };
+        integers("first", "first unknown of each node", &|n| n.first)?;
+        integers("unknowns", "number of its unknowns", &|n| n.unknowns)?;
+        integers("conditions", "number of its conditions", &|n| n.conditions.len())?;
+
+        let conditions: Vec<&Condition> = self.nodes.iter().flat_map(|n| &n.conditions).collect();
+        let pair = |name, meaning, value: &dyn Fn(&Condition) -> [f64; 2]| {
+            let values: Vec<[f64; 2]> = conditions.iter().map(|c| value(c)).collect();
+            save_points(at, name, &values, &label("1", meaning, &["condition", "unknown of the node"]))
+        };
+        pair("normal", "coefficients of the normal displacement", &|c| c.normal)?;
+        pair("tangent", "coefficients of the tangential displacement", &|c| c.tangent)?;
+        for (i, (name, unit, meaning)) in OF_CONDITION.into_iter().enumerate() {
+            let value = |c: &&Condition| [c.normal_weight, c.tangent_weight, c.gap, c.slip_offset, c.bound][i];
+            let values: Vec<f64> = conditions.iter().map(value).collect();
+            save_vector(at, name, &values, &label(unit, meaning, &["condition"]))?;
+        }
+        Ok(())
+    }
+
+    fn read(at: &Group) -> Result<Self, IoError> {
+        let load = load_vector(at, "load")?;
+        let m = load.len();
+        let stiffness = load_sized(at, "stiffness", m, m)?;
+        let (first, unknowns, counts) =
+            (load_integers(at, "first")?, load_integers(at, "unknowns")?, load_integers(at, "conditions")?);
+        check_length(at, "unknowns", unknowns.len(), first.len())?;
+        check_length(at, "conditions", counts.len(), first.len())?;
+
+        let (normal, tangent) = (load_points(at, "normal")?, load_points(at, "tangent")?);
+        check_length(at, "tangent", tangent.len(), normal.len())?;
+        let mut columns = Vec::new();
+        for (name, _, _) in OF_CONDITION {
+            let column = load_vector(at, name)?;
+            check_length(at, name, column.len(), normal.len())?;
+            columns.push(column);
+        }
+        let mut conditions = (0..normal.len()).map(|i| Condition {
+            normal: normal[i],
+            tangent: tangent[i],
+            normal_weight: columns[0][i],
+            tangent_weight: columns[1][i],
+            gap: columns[2][i],
+            slip_offset: columns[3][i],
+            bound: columns[4][i],
+        });
+
+        let mut owned = vec![false; m];
+        let mut nodes = Vec::new();
+        for (i, &first) in first.iter().enumerate() {
+            let (unknowns, count) = (unknowns[i], counts[i]);
+            if !(1..=2).contains(&unknowns) || !(1..=2).contains(&count) {
+                return Err(invalid(at, "unknowns", format!("node {i} has {unknowns} unknowns, {count} conditions")));
+            }
+            for unknown in (first..=first.saturating_add(unknowns - 1)).take(unknowns) {
+                if unknown >= m || std::mem::replace(&mut owned[unknown], true) {
+                    return Err(invalid(at, "first", format!("node {i} claims unknown {unknown} of {m}")));
+                }
+            }
+            let conditions: Vec<Condition> = conditions.by_ref().take(count).collect();
+            check_length(at, "conditions", conditions.len(), count)?;
+            nodes.push(ContactNode { first, unknowns, conditions });
+        }
+        if let Some(unknown) = owned.iter().position(|&o| !o) {
+            return Err(invalid(at, "first", format!("no node has unknown {unknown}")));
+        }
+        check_length(at, "normal", normal.len(), counts.iter().sum())?;
+        Ok(Self { stiffness, load, nodes })
+    }
+}
+
+impl Persist for Solution {
+    const KIND: &'static str = "contact solution";
+    const VERSION: u32 = 1;
+
+    fn write(&self, at: &Group) -> Result<(), IoError> {
+        save_vector(at, "displacement", &self.displacement, &label("length", "unknowns v", &["unknown"]))?;
+        let axes = ["condition", "normal, tangential"];
+        save_points(at, "multipliers", &self.multipliers, &label("stress", "pressure and shear", &axes))?;
+        let code = |status: &Status| match status {
+            Status::Apart => 0,
+            Status::Stick => 1,
+            Status::SlipPlus => 2,
+            Status::SlipMinus => 3,
+        };
+        let status: Vec<usize> = self.status.iter().map(code).collect();
+        let meaning = "0 apart, 1 stick, 2 slip along +t, 3 slip along -t";
+        save_integers(at, "status", &status, &label("1", meaning, &["condition"]))?;
+        save_integers(at, "iterations", &[self.iterations], &label("1", "iterations done", &["value"]))?;
+        let converged = [usize::from(self.converged)];
+        save_integers(at, "converged", &converged, &label("1", "1 if the criterion was reached", &["value"]))?;
+        save_vector(at, "history", &self.history, &label("1", "error measure before each iteration", &["iteration"]))
+    }
+
+    fn read(at: &Group) -> Result<Self, IoError> {
+        let multipliers = load_points(at, "multipliers")?;
+        let status = |code: usize| match code {
+            0 => Ok(Status::Apart),
+            1 => Ok(Status::Stick),
+            2 => Ok(Status::SlipPlus),
+            3 => Ok(Status::SlipMinus),
+            _ => Err(invalid(at, "status", format!("{code} is no status"))),
+        };
+        let status: Vec<Status> = load_integers(at, "status")?.into_iter().map(status).collect::<Result<_, _>>()?;
+        check_length(at, "status", status.len(), multipliers.len())?;
+        let one = |name| match load_integers(at, name)?[..] {
+            [value] => Ok(value),
+            ref other => Err(mismatch(at, name, "one number", format!("{} numbers", other.len()))),
+        };
+        let converged = match one("converged")? {
+            0 => false,
+            1 => true,
+            other => return Err(mismatch(at, "converged", "0 or 1", other)),
+        };
+        Ok(Self {
+            displacement: load_vector(at, "displacement")?,
+            multipliers,
+            status,
+            iterations: one("iterations")?,
+            converged,
+            history: load_vector(at, "history")?,
+        })
+    }
+}

@@ -1,0 +1,193 @@
+//! Arrays of numbers: typed, labelled, under a checksum.
+
+use hdf5::types::{H5Type, TypeDescriptor};
+use hdf5::{Dataset, Group};
+use ndarray::{ArrayView2, s};
+
+use crate::attribute::{read_names_attribute, read_text_attribute, write_names_attribute, write_text_attribute};
+use crate::error::{IoError, damaged, invalid, mismatch, missing, write_error};
+use crate::raw::byte_sizes;
+
+/// What the numbers of a dataset are; stored in its attributes `unit`, `meaning` and `axes`.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Label<'a> {
+    /// Unit in terms of the scene's own (`length`, `stress`, `force/length`), `1` for pure numbers.
+    pub unit: &'a str,
+    /// What it is, with its sign convention.
+    pub meaning: &'a str,
+    /// A name for each axis.
+    pub axes: &'a [&'a str],
+}
+
+/// Attributes `unit`, `meaning` and `axes` as they were read.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct StoredLabel {
+    /// Unit.
+    pub unit: String,
+    /// Meaning.
+    pub meaning: String,
+    /// Names of the axes.
+    pub axes: Vec<String>,
+}
+
+/// Values in a chunk, at most: 1 MiB of f64. Each chunk has a Fletcher-32 checksum.
+const CHUNK: usize = 1 << 17;
+
+/// Makes a dataset of any type: chunked under a checksum, or without storage if it is empty (the checksum of the object
+/// header covers the extents).
+pub(crate) fn create(
+    at: &Group,
+    name: &str,
+    kind: TypeDescriptor,
+    shape: &[usize],
+    label: &Label<'_>,
+) -> Result<Dataset, IoError> {
+    if label.axes.len() != shape.len() {
+        return Err(write_error(at, name, format!("it has {} axes and {} names", shape.len(), label.axes.len())));
+    }
+    let builder = at.new_dataset_builder().obj_track_times(false).empty_as(kind).shape(shape.to_vec());
+    let builder = if shape.is_empty() || shape.contains(&0) {
+        builder.no_chunk()
+    } else {
+        let columns: usize = shape[1..].iter().product();
+        let mut chunk = shape.to_vec();
+        chunk[0] = (CHUNK / columns).clamp(1, shape[0]);
+        if let Some(last) = chunk[1..].last_mut() {
+            *last = (*last).min(CHUNK);
+        }
+        builder.chunk(chunk).fletcher32()
+    };
+    let dataset = builder.create(name).map_err(|e| write_error(at, name, e))?;
+    write_text_attribute(&dataset, "unit", label.unit)?;
+    write_text_attribute(&dataset, "meaning", label.meaning)?;
+    if !label.axes.is_empty() {
+        write_names_attribute(&dataset, "axes", label.axes)?;
+    }
+    Ok(dataset)
+}
+
+/// Opens a dataset whose content is wholly in the file, so that a size from a damaged header is never allocated.
+pub(crate) fn open(at: &Group, name: &str) -> Result<Dataset, IoError> {
+    if !at.link_exists(name) {
+        // A damaged list of links is no missing dataset.
+        at.member_names().map_err(|e| damaged(at, "", e))?;
+        return Err(missing(at, name));
+    }
+    if at.loc_type_by_name(name).map_err(|e| damaged(at, name, e))? != hdf5::LocationType::Dataset {
+        return Err(mismatch(at, name, "a dataset", "another object"));
+    }
+    let dataset = at.dataset(name).map_err(|e| damaged(at, name, e))?;
+    let (_, wanted) = byte_sizes(&dataset).map_err(|e| damaged(at, name, e))?;
+    let stored = dataset.storage_size();
+    let filters = dataset.dcpl().and_then(|d| d.get_filters()).map_err(|e| damaged(at, name, e))?;
+    let compressed = filters.iter().any(|f| !matches!(f, hdf5::filters::Filter::Fletcher32));
+    let file = at.file().map_err(|e| damaged(at, name, e))?.size();
+    if compressed {
+        return Err(mismatch(at, name, "plain data", "compressed or filtered data"));
+    }
+    if stored > file || (wanted as u64) > stored {
+        return Err(damaged(at, name, format!("{wanted} bytes are wanted, {stored} stored, the file has {file}")));
+    }
+    Ok(dataset)
+}
+
+/// Writes numbers given row by row.
+pub(crate) fn write_numbers<T: H5Type>(
+    at: &Group,
+    name: &str,
+    shape: &[usize],
+    data: &[T],
+    label: &Label<'_>,
+) -> Result<(), IoError> {
+    let dataset = create(at, name, T::type_descriptor(), shape, label)?;
+    if data.is_empty() {
+        return Ok(());
+    }
+    dataset.write_raw(data).map_err(|e| write_error(at, name, e))
+}
+
+/// Reads shape and numbers, row by row, of a dataset of exactly this type and rank.
+pub(crate) fn read_numbers<T: H5Type>(at: &Group, name: &str, rank: usize) -> Result<(Vec<usize>, Vec<T>), IoError> {
+    let dataset = open_numbers::<T>(at, name, rank)?;
+    let data = dataset.read_raw().map_err(|e| damaged(at, name, e))?;
+    Ok((dataset.shape(), data))
+}
+
+fn open_numbers<T: H5Type>(at: &Group, name: &str, rank: usize) -> Result<Dataset, IoError> {
+    let dataset = open(at, name)?;
+    let found = dataset.dtype().and_then(|t| t.to_descriptor()).map_err(|e| damaged(at, name, e))?;
+    if found != T::type_descriptor() {
+        return Err(mismatch(at, name, T::type_descriptor(), found));
+    }
+    if dataset.ndim() != rank {
+        return Err(mismatch(at, name, format!("{rank} dimensions"), dataset.ndim()));
+    }
+    Ok(dataset)
+}
+
+/// Writes an n×m array that `rows` delivers in blocks of whole rows, so that no second copy of it is needed.
+pub(crate) fn write_rows(
+    at: &Group,
+    name: &str,
+    [n, m]: [usize; 2],
+    label: &Label<'_>,
+    mut rows: impl FnMut(std::ops::Range<usize>) -> Vec<f64>,
+) -> Result<(), IoError> {
+    let dataset = create(at, name, f64::type_descriptor(), &[n, m], label)?;
+    if n == 0 || m == 0 {
+        return Ok(());
+    }
+    let step = (CHUNK / m).clamp(1, n);
+    for start in (0..n).step_by(step) {
+        let end = (start + step).min(n);
+        let block = rows(start..end);
+        let view = ArrayView2::from_shape((end - start, m), &block).map_err(|e| write_error(at, name, e))?;
+        dataset.write_slice(view, s![start..end, ..]).map_err(|e| write_error(at, name, e))?;
+    }
+    Ok(())
+}
+
+/// Reads an n×m array in blocks of rows: `start(n, m)` makes what `row(i, values)` fills.
+pub(crate) fn read_rows<A>(
+    at: &Group,
+    name: &str,
+    start: impl FnOnce(usize, usize) -> A,
+    mut row: impl FnMut(&mut A, usize, &[f64]),
+) -> Result<A, IoError> {
+    let dataset = open_numbers::<f64>(at, name, 2)?;
+    let shape = dataset.shape();
+    let (n, m) = (shape[0], shape[1]);
+    let mut all = start(n, m);
+    if n > 0 && m > 0 {
+        let step = (CHUNK / m).clamp(1, n);
+        for first in (0..n).step_by(step) {
+            let end = (first + step).min(n);
+            let block = dataset.read_slice_2d::<f64, _>(s![first..end, ..]).map_err(|e| damaged(at, name, e))?;
+            for (i, values) in block.rows().into_iter().enumerate() {
+                row(
+                    &mut all,
+                    first + i,
+                    values.as_slice().ok_or_else(|| damaged(at, name, "rows are not contiguous"))?,
+                );
+            }
+        }
+    }
+    Ok(all)
+}
+
+/// Reads the attributes `unit`, `meaning` and `axes` of the dataset `name` in `at`.
+///
+/// # Errors
+/// [`IoError::Missing`], [`IoError::Mismatch`], [`IoError::Damaged`], [`IoError::Invalid`].
+pub fn load_label(at: &Group, name: &str) -> Result<StoredLabel, IoError> {
+    let dataset = open(at, name)?;
+    let axes = if dataset.ndim() == 0 { vec![] } else { read_names_attribute(&dataset, "axes")? };
+    if axes.len() != dataset.ndim() {
+        return Err(invalid(at, name, format!("{} dimensions but {} names of axes", dataset.ndim(), axes.len())));
+    }
+    Ok(StoredLabel {
+        unit: read_text_attribute(&dataset, "unit")?,
+        meaning: read_text_attribute(&dataset, "meaning")?,
+        axes,
+    })
+}

@@ -1,0 +1,113 @@
+//! Result files: written whole or not at all, checked on opening.
+
+use std::fs;
+use std::io::ErrorKind;
+use std::path::{Path, PathBuf};
+
+use hdf5::File;
+use hdf5::file::{FileBuilder, FileCloseDegree, LibraryVersion};
+
+use crate::attribute::{read_text_attribute, write_integer_attribute, write_text_attribute};
+use crate::error::IoError;
+use crate::persist::check_version;
+
+/// Value of the root attribute `format`.
+pub const FORMAT: &str = "steklov";
+/// Value of the root attribute `format_version`.
+pub const FORMAT_VERSION: u32 = 1;
+
+/// HDF5 of version 1.10, whatever the library: all of its structures carry checksums, and every reader knows it. Closing
+/// the file closes whatever the caller left open in it.
+///
+/// No locks, here and in [`open`]: a file is never written under its own name, and a lock outlives the file in a process
+/// that was started meanwhile.
+fn builder() -> FileBuilder {
+    let mut builder = File::with_options();
+    builder.with_fapl(|access| {
+        access
+            .libver_bounds(LibraryVersion::V110, LibraryVersion::V110)
+            .fclose_degree(FileCloseDegree::Strong)
+            .file_locking(false)
+    });
+    builder.with_fcpl(|create| create.obj_track_times(false));
+    builder
+}
+
+/// Writes the file `path` as a whole: `fill` gets a new HDF5 file beside it that is closed, synced and then renamed.
+///
+/// The file has the root attributes `format` and `format_version`; equal content gives equal bytes. On any error no file
+/// stays, and an existing one is untouched.
+///
+/// # Errors
+/// [`IoError::Exists`] when `path` exists and `overwrite` is false, also when it appears meanwhile; [`IoError::System`]
+/// when the folder cannot be written; [`IoError::Write`] when the disk is full; the errors of `fill`.
+pub fn create_atomically(
+    path: impl AsRef<Path>,
+    overwrite: bool,
+    fill: impl FnOnce(&File) -> Result<(), IoError>,
+) -> Result<(), IoError> {
+    let path = path.as_ref();
+    let exists = || IoError::Exists { path: path.to_owned() };
+    let system = |action, path: &Path, source| IoError::System { action, path: path.to_owned(), source };
+    let library = |e: hdf5::Error| IoError::Write {
+        file: path.display().to_string(),
+        object: "/".to_owned(),
+        why: e.to_string(),
+    };
+
+    if !overwrite && path.symlink_metadata().is_ok() {
+        return Err(exists());
+    }
+    let Some(name) = path.file_name() else {
+        return Err(system("write", path, std::io::Error::new(ErrorKind::InvalidInput, "it names no file")));
+    };
+    let folder = match path.parent() {
+        Some(folder) if folder != Path::new("") => folder.to_owned(),
+        _ => PathBuf::from("."),
+    };
+    let mut beside = tempfile::Builder::new();
+    let prefix = format!(".{}.", name.to_string_lossy());
+    beside.prefix(&prefix).suffix(".part");
+    #[cfg(unix)]
+    beside.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    let temporary = beside.tempfile_in(&folder).map_err(|e| system("write in the folder", &folder, e))?;
+
+    let file = builder().create(temporary.path()).map_err(library)?;
+    write_text_attribute(&file, "format", FORMAT)
+        .and_then(|()| write_integer_attribute(&file, "format_version", &[i64::from(FORMAT_VERSION)]))
+        .and_then(|()| fill(&file))?;
+    file.flush().map_err(library)?;
+    file.close().map_err(library)?;
+    temporary.as_file().sync_all().map_err(|e| system("sync", path, e))?;
+    let renamed = if overwrite { temporary.persist(path) } else { temporary.persist_noclobber(path) };
+    renamed.map_err(|e| match e.error.kind() {
+        ErrorKind::AlreadyExists => exists(),
+        _ => system("write", path, e.error),
+    })?;
+    // The file is complete; a folder that cannot be synced (some network disks) is no reason to call it lost.
+    #[cfg(unix)]
+    let _ = fs::File::open(&folder).and_then(|folder| folder.sync_all());
+    Ok(())
+}
+
+/// Opens a result file for reading and checks that it is one.
+///
+/// # Errors
+/// [`IoError::System`] when it cannot be opened, [`IoError::NotHdf5`] when it is no HDF5 file, truncated or altered,
+/// [`IoError::Foreign`] for another program's file, [`IoError::Version`] for another version of the format.
+pub fn open(path: impl AsRef<Path>) -> Result<File, IoError> {
+    let path = path.as_ref();
+    fs::File::open(path).map_err(|source| IoError::System { action: "open", path: path.to_owned(), source })?;
+    let opened = File::with_options().with_fapl(|access| access.file_locking(false)).open(path);
+    let file = opened.map_err(|e| IoError::NotHdf5 { path: path.to_owned(), why: e.to_string() })?;
+    let foreign = |found| IoError::Foreign { file: path.display().to_string(), found };
+    match read_text_attribute(&file, "format") {
+        Ok(format) if format == FORMAT => {}
+        Ok(format) => return Err(foreign(format!("is {format:?}"))),
+        Err(IoError::Missing { .. }) => return Err(foreign("there is none".to_owned())),
+        Err(IoError::Mismatch { found, .. }) => return Err(foreign(format!("is of type {found}"))),
+        Err(other) => return Err(other),
+    }
+    check_version(&file, "format_version", FORMAT_VERSION)?;
+    Ok(file)
+}

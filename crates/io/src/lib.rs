@@ -1,0 +1,46 @@
+//! Result files: HDF5 with checksums, read back to the same bits, and VTKHDF for ParaView.
+//!
+//! ```text
+//! create_atomically(path, |file| { save(file, "mesh", &mesh)?; save_text(file, "scene", ..)?; vtkhdf::write(file, ..) })
+//! open(path) ─► load::<Mesh>(&file, "mesh")     load_dense, load_sparse, load_vector, load_points, load_text ..
+//! ```
+//! A type is stored by [`Persist`], as a group with the attributes `kind` and `version`. Below it are functions for arrays;
+//! each dataset has the attributes `unit`, `meaning` and `axes` ([`Label`]). Arrays are row-major, indices are integers of
+//! 64 bits, texts are UTF-8 of fixed length, numbers keep their bits (NaN and infinities too).
+//!
+//! *Integrity*: arrays lie in chunks under Fletcher-32 checksums, texts under FNV-1a, all else (extents, types,
+//! attributes, links) under the checksums of HDF5 1.10's structures. Fletcher-32 sees every changed byte, but not a pair of
+//! zero bytes that becomes 0xffff at an even place, or the reverse. Files of other programs are read with the same
+//! care: sizes are compared with what the file holds before memory is asked for, and structure is checked before use.
+//!
+//! HDF5 prints nothing; its reasons are part of [`IoError`]. One lock serialises all calls into the library.
+
+mod error;
+mod raw;
+mod attribute;
+mod dataset;
+mod persist;
+mod array;
+mod matrix;
+mod text;
+mod file;
+pub mod vtkhdf;
+#[cfg(feature = "quadrature")]
+mod quadrature;
+#[cfg(feature = "bem-operators")]
+mod bem_operators;
+#[cfg(feature = "contact")]
+mod contact;
+
+pub use array::{
+    load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,
+    save_points, save_vector,
+};
+pub use attribute::{read_integer_attribute, read_text_attribute, write_integer_attribute, write_text_attribute};
+pub use dataset::{Label, StoredLabel, load_label};
+pub use error::{IoError, invalid};
+pub use file::{FORMAT, FORMAT_VERSION, create_atomically, open};
+pub use hdf5::{File, Group};
+pub use matrix::{load_dense, load_sparse, save_dense, save_sparse};
+pub use persist::{Persist, create_group, load, open_group, save};
+pub use text::{load_text, load_texts, save_text, save_texts};

@@ -1,0 +1,210 @@
+//! Every type of the numerics comes back with the same bits, and a file with parts that do not fit is refused.
+
+mod common;
+
+use common::{check_round_trip, written};
+use faer::Mat;
+use proptest::prelude::*;
+use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon, Space};
+use steklov_contact::{Condition, ContactNode, Problem, Solution, Status};
+use steklov_io::*;
+use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Rule2, Series, gauss_legendre, tensor};
+
+fn ring(side: f64, corners: &[[f64; 2]], names: &[&str]) -> Loop {
+    Loop {
+        corners: corners.iter().map(|c| [side * c[0], side * c[1]]).collect(),
+        sides: names.iter().map(|&n| n.to_owned()).collect(),
+    }
+}
+
+/// A square with a hole, the hole listed in either order.
+fn polygon(side: f64, clockwise: bool) -> Polygon {
+    let outer = ring(side, &[[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], &["floor", "right", "top", "links ü"]);
+    let mut hole = vec![[0.3, 0.3], [0.6, 0.3], [0.4, 0.7]];
+    if clockwise {
+        hole.reverse();
+    }
+    Polygon::new(outer, vec![ring(side, &hole, &["hole", "top", "hole"])]).unwrap()
+}
+
+fn mesh() -> Mesh {
+    let mesh = Mesh::uniform(&polygon(1.0, false), 9, 2);
+    let marked: Vec<bool> = (0..mesh.len()).map(|e| e % 3 == 0).collect();
+    mesh.raised(&marked)
+}
+
+fn condition(i: usize, values: &[f64]) -> Condition {
+    let v = |k: usize| values[(7 * i + k) % values.len()];
+    Condition {
+        normal: [v(0), v(1)],
+        tangent: [v(2), v(3)],
+        normal_weight: v(4),
+        tangent_weight: v(5),
+        gap: v(6),
+        slip_offset: v(0),
+        bound: f64::INFINITY,
+    }
+}
+
+/// Three nodes: ordinary, a corner with two conditions, one with a held component.
+fn problem(values: &[f64]) -> Problem {
+    let node = |first, unknowns, conditions: &[usize]| ContactNode {
+        first,
+        unknowns,
+        conditions: conditions.iter().map(|&i| condition(i, values)).collect(),
+    };
+    Problem {
+        stiffness: Mat::from_fn(5, 5, |i, j| values[(i * j + i + j) % values.len()]),
+        load: (0..5).map(|i| values[i % values.len()]).collect(),
+        nodes: vec![node(3, 2, &[0]), node(0, 2, &[1, 2]), node(2, 1, &[3])],
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(24))]
+
+    #[test]
+    fn rules_and_bases(n in 1_usize..20, coefficients in prop::collection::vec(any::<f64>(), 0..30)) {
+        let rule = gauss_legendre(n);
+        prop_assert_eq!(&check_round_trip(&rule), &rule);
+        let square = tensor(&rule, &gauss_legendre(3));
+        prop_assert_eq!(&check_round_trip(&square), &square);
+        let series = Series { coefficients };
+        check_round_trip(&series);
+        let basis = LobattoBasis::new(n);
+        check_round_trip(&basis);
+        check_round_trip(&BiorthogonalBasis::new(&basis));
+    }
+
+    #[test]
+    fn bodies_and_materials(side in 1e-6_f64..1e6, clockwise: bool, poisson in -0.99_f64..0.499, strain: bool) {
+        let body = polygon(side, clockwise);
+        prop_assert_eq!(&check_round_trip(&body), &body);
+        let mesh = Mesh::uniform(&body, 20, 3);
+        prop_assert_eq!(&check_round_trip(&mesh), &mesh);
+        let plane = if strain { Plane::Strain } else { Plane::Stress };
+        let material = Material::new(side, poisson, plane).unwrap();
+        prop_assert_eq!(check_round_trip(&material), material);
+    }
+
+    #[test]
+    fn contact(values in prop::collection::vec(any::<f64>(), 1..40), codes in prop::collection::vec(0_usize..4, 0..20)) {
+        check_round_trip(&problem(&values));
+        let states = [Status::Apart, Status::Stick, Status::SlipPlus, Status::SlipMinus];
+        check_round_trip(&Solution {
+            displacement: values.clone(),
+            multipliers: codes.iter().map(|&c| [values[c % values.len()], -0.0]).collect(),
+            status: codes.iter().map(|&c| states[c]).collect(),
+            iterations: codes.len(),
+            converged: codes.len() % 2 == 0,
+            history: vec![f64::NAN, 1e-300],
+        });
+    }
+}
+
+#[test]
+fn operators() {
+    let mesh = mesh();
+    let material = Material::new(200.0, 0.3, Plane::Strain).unwrap();
+    let operators = Operators::assemble(&mesh, &Space::new(&mesh), &material, None).unwrap();
+    let back = check_round_trip(&operators);
+    assert!(back.v == operators.v && back.k == operators.k && back.w == operators.w && back.mass == operators.mass);
+}
+
+#[test]
+fn another_kind_or_version_is_refused() {
+    let rule = gauss_legendre(3);
+    let (_folder, file) = written(|f| {
+        save(f, "rule", &rule)?;
+        let later = create_group(f, "later")?;
+        write_text_attribute(&later, "kind", Rule::KIND)?;
+        write_integer_attribute(&later, "version", &[i64::from(Rule::VERSION) + 1])?;
+        rule.write(&later)
+    });
+    let error = load::<Series>(&file, "rule").unwrap_err();
+    assert!(matches!(&error, IoError::Mismatch { found, .. } if found.contains(Rule::KIND)), "{error}");
+    let error = load::<Rule>(&file, "later").unwrap_err();
+    assert!(matches!(&error, IoError::Version { object, found: 2, known: 1, .. } if object == "/later"), "{error}");
+    assert!(matches!(load::<Rule>(&file, "none"), Err(IoError::Missing { .. })));
+    assert!(matches!(load::<Rule>(&file, "rule/points"), Err(IoError::Mismatch { .. })));
+    assert_eq!(load::<Rule>(&file, "rule").unwrap(), rule);
+}
+
+/// Writes `value`, replaces one of its parts and reads: the error that comes.
+fn spoiled<T: Persist>(value: &T, part: &str, replace: impl FnOnce(&Group) -> Result<(), IoError>) -> String {
+    let (_folder, file) = written(|f| {
+        save(f, "value", value)?;
+        let group = f.group("value").unwrap();
+        group.unlink(part).unwrap();
+        replace(&group)
+    });
+    let error = load::<T>(&file, "value").map(drop).expect_err(part);
+    assert!(matches!(error, IoError::Invalid { .. } | IoError::Mismatch { .. }), "{part}: {error:?}");
+    error.to_string()
+}
+
+#[test]
+fn parts_that_do_not_fit_are_refused() {
+    let one = Label { unit: "1", meaning: "wrong", axes: &["entry"] };
+    let two = Label { unit: "1", meaning: "wrong", axes: &["entry", "xy"] };
+    let integers = |name, v: Vec<usize>| move |g: &Group| save_integers(g, name, &v, &one);
+    let vector = |name, v: Vec<f64>| move |g: &Group| save_vector(g, name, &v, &one);
+    let square = |name, n| move |g: &Group| save_dense(g, name, Mat::zeros(n, n).as_ref(), &two);
+
+    let rule = gauss_legendre(3);
+    assert!(spoiled(&rule, "weights", vector("weights", vec![1.0])).contains("1 entries where 3"));
+    assert!(spoiled(&rule, "degree", integers("degree", vec![])).contains("one degree"));
+    let plane: Rule2 = tensor(&rule, &rule);
+    assert!(spoiled(&plane, "weights", vector("weights", vec![])).contains("0 entries where 9"));
+    let basis = LobattoBasis::new(2);
+    assert!(spoiled(&basis, "degree", integers("degree", vec![3])).contains("degree 3"));
+    assert!(spoiled(&basis, "to_legendre", square("to_legendre", 2)).contains("3×3"));
+    let dual = BiorthogonalBasis::new(&basis);
+    assert!(spoiled(&dual, "coefficients", square("coefficients", 1)).contains("1×1"));
+
+    let body = polygon(1.0, true);
+    let pairs = |name, v: Vec<[usize; 2]>| move |g: &Group| save_pairs(g, name, &v, &two);
+    assert!(spoiled(&body, "loops", pairs("loops", vec![[0, 99]])).contains("/value/loops"));
+    assert!(spoiled(&body, "loops", pairs("loops", vec![])).contains("there is none"));
+    assert!(spoiled(&body, "side", integers("side", vec![9; 7])).contains("/value/side"));
+    assert!(spoiled(&body, "corners", |g| save_points(g, "corners", &[[0.0; 2]; 7], &two)).contains("/value/corners"));
+
+    let mesh = mesh();
+    let n = mesh.len();
+    let mut open_chain: Vec<[usize; 2]> = (0..n).map(|e| [e, mesh.next[e]]).collect();
+    open_chain[1] = open_chain[0];
+    assert!(spoiled(&mesh, "elements", pairs("elements", open_chain)).contains("row 1"));
+    assert!(spoiled(&mesh, "degree", integers("degree", vec![0; n])).contains("/value/degree"));
+    assert!(spoiled(&mesh, "side", integers("side", vec![77; n])).contains("side 77"));
+    assert!(spoiled(&mesh, "span", |g| save_points(g, "span", &[], &two)).contains("0 entries"));
+
+    let material = Material::new(200.0, 0.3, Plane::Stress).unwrap();
+    assert!(spoiled(&material, "poisson", vector("poisson", vec![0.5])).contains("Poisson"));
+    assert!(spoiled(&material, "plane", |g| save_text(g, "plane", "strains", "wrong")).contains("strains"));
+
+    let operators = Operators::assemble(&mesh, &Space::new(&mesh), &material, None).unwrap();
+    assert!(spoiled(&operators, "K", square("K", 3)).contains("/value/K"));
+    assert!(spoiled(&operators, "V", |g| save_dense(g, "V", Mat::zeros(2, 3).as_ref(), &two)).contains("square"));
+    assert!(spoiled(&operators, "M", |g| save_sparse(g, "M", &common::sparse(3, 3), &two)).contains("/value/M"));
+
+    let problem = problem(&[0.5, 1.5]);
+    assert!(spoiled(&problem, "stiffness", square("stiffness", 4)).contains("5×5"));
+    assert!(spoiled(&problem, "first", integers("first", vec![3, 0, 4])).contains("unknown 4 of 5"));
+    assert!(spoiled(&problem, "first", integers("first", vec![3, 0, usize::MAX >> 1])).contains("of 5"));
+    assert!(spoiled(&problem, "unknowns", integers("unknowns", vec![2, 1, 1])).contains("no node has unknown 1"));
+    assert!(spoiled(&problem, "unknowns", integers("unknowns", vec![3, 1, 1])).contains("3 unknowns"));
+    assert!(spoiled(&problem, "conditions", integers("conditions", vec![1, 1, 1])).contains("/value/normal"));
+    assert!(spoiled(&problem, "conditions", integers("conditions", vec![2, 2, 2])).contains("/value/conditions"));
+    assert!(spoiled(&problem, "gap", vector("gap", vec![0.0; 3])).contains("/value/gap"));
+    let solution = Solution {
+        displacement: vec![0.0; 2],
+        multipliers: vec![[1.0, 0.5]],
+        status: vec![Status::Stick],
+        iterations: 3,
+        converged: true,
+        history: vec![1.0],
+    };
+    assert!(spoiled(&solution, "status", integers("status", vec![4])).contains("4 is no status"));
+    assert!(spoiled(&solution, "status", integers("status", vec![0, 0])).contains("2 entries"));
+    assert!(spoiled(&solution, "converged", integers("converged", vec![2])).contains("0 or 1"));
+}
