@@ -9,7 +9,7 @@ use faer::Mat;
 use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
-use crate::far::{Batch, Classifier, KINDS, LANES, kind_index};
+use crate::far::{Batch, Classifier, KINDS, LANES, flush, kind_index};
 use crate::moments::{Geometry, Segment, Tables, first_is_outer, same, storage};
 use crate::near;
 use crate::{BemError, Material, Mesh, Space};
@@ -257,8 +257,7 @@ impl<'a> Pass<'a> {
             same(pa + 1, pa + 1, &mut rows[r].1[..storage(pa, pa)]);
             for b in a + 1..self.len() {
                 let start = self.pair_offset(a, b);
-                let (outer, inner) =
-                    if first_is_outer(self.segments[a], self.segments[b]) { (a, b) } else { (b, a) };
+                let (outer, inner) = if first_is_outer(self.segments[a], self.segments[b]) { (a, b) } else { (b, a) };
                 let (so, si) = (self.segments[outer], self.segments[inner]);
                 let touching = self.previous[a] == b || self.previous[b] == a;
                 let kind = if touching { None } else { self.classifiers[self.local_of[outer]].kind(so, si) };
@@ -275,21 +274,16 @@ impl<'a> Pass<'a> {
                 let (batch, places) = &mut batches[open[key] as usize];
                 places[batch.len()] = (r, start);
                 if batch.push(so, si) {
-                    arch.dispatch(|| batch.compute(&mut sums));
-                    for (lane, &(r, start)) in places.iter().enumerate() {
-                        batch.extract(&sums, lane, &mut rows[r].1[start..]);
-                    }
-                    batch.clear();
+                    flush(arch, batch, places, &mut sums, |(r, start): (usize, usize), batch, lane, sums| {
+                        batch.extract(sums, lane, &mut rows[r].1[start..]);
+                    });
                 }
             }
         }
-        for (batch, places) in &batches {
-            if batch.len() > 0 {
-                arch.dispatch(|| batch.compute(&mut sums));
-                for (lane, &(r, start)) in places[..batch.len()].iter().enumerate() {
-                    batch.extract(&sums, lane, &mut rows[r].1[start..]);
-                }
-            }
+        for (batch, places) in &mut batches {
+            flush(arch, batch, places, &mut sums, |(r, start): (usize, usize), batch, lane, sums| {
+                batch.extract(sums, lane, &mut rows[r].1[start..]);
+            });
         }
     }
 
@@ -357,7 +351,14 @@ impl<'a> Pass<'a> {
     }
 
     /// K and W for the trial element's local nodes `nodes`; the first of them is c's first column.
-    fn add_nodes(&self, a: usize, trial: usize, nodes: std::ops::Range<usize>, columns: &mut Columns<'_>, scratch: &mut Scratch) {
+    fn add_nodes(
+        &self,
+        a: usize,
+        trial: usize,
+        nodes: std::ops::Range<usize>,
+        columns: &mut Columns<'_>,
+        scratch: &mut Scratch,
+    ) {
         let Scratch { tables: t, g } = scratch;
         let (k, half) = (&self.constants, self.segments[a].half().norm());
         let (pa, pc) = (t.test, t.trial);

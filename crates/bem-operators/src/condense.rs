@@ -77,7 +77,8 @@ impl Condensation {
 
         cholesky(matrix.as_mut().submatrix_mut(0, 0, eliminated, eliminated), par)
             .map_err(|pivot| BemError::StiffnessSingular { pivot, size: eliminated })?;
-        let smallest = (0..eliminated).map(|i| (i, matrix[(i, i)].powi(2) / diagonal[i])).min_by(|a, b| a.1.total_cmp(&b.1));
+        let smallest =
+            (0..eliminated).map(|i| (i, matrix[(i, i)].powi(2) / diagonal[i])).min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((pivot, ratio)) = smallest
             && ratio < 1e-13
         {

@@ -40,7 +40,9 @@ pub enum BemError {
         diameter: f64,
     },
     /// The stiffness of the eliminated unknowns has no Cholesky factor.
-    #[error("the stiffness of the free unknowns is not positive definite (pivot {pivot} of {size}): a rigid motion is not held")]
+    #[error(
+        "the stiffness of the free unknowns is not positive definite (pivot {pivot} of {size}): a rigid motion is not held"
+    )]
     StiffnessSingular {
         /// Index of the pivot that was not positive.
         pivot: usize,

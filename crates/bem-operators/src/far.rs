@@ -7,14 +7,62 @@
 
 use std::sync::OnceLock;
 
-
 use crate::moments::Segment;
 use crate::near::{MAX_ORDER, gauss_points, panel_rule};
 use steklov_quadrature::legendre_p;
 
 /// Pairs computed side by side.
 pub(crate) const LANES: usize = 8;
-type Lane = [f64; LANES];
+pub(crate) type Lane = [f64; LANES];
+
+/// l0 and q (layout l0[m], then re and im of q[m,n]) of pairs of one degree, in their order, the first element outer.
+///
+/// For benches and tests of the batched kernel: [`crate::Operators::assemble`] batches by itself.
+/// # Panics
+/// When a pair is not well separated.
+pub fn far_moments(pairs: &[(Segment, Segment)], degree: usize, out: &mut Vec<f64>) {
+    let arch = pulp::Arch::new();
+    let order = degree + 1;
+    let size = order + 2 * order * order;
+    out.clear();
+    out.resize(pairs.len() * size, 0.0);
+    let classifier = Classifier::new(order);
+    let mut open: Vec<Option<(Batch, [usize; LANES])>> = (0..KINDS).map(|_| None).collect();
+    let mut sums = Vec::new();
+    for (i, &(outer, inner)) in pairs.iter().enumerate() {
+        let Some(kind) = classifier.kind(outer, inner) else { panic!("pair {i} is not well separated") };
+        let (batch, places) =
+            open[kind_index(kind)].get_or_insert_with(|| (Batch::new(kind, order, order), [0; LANES]));
+        places[batch.len()] = i;
+        if batch.push(outer, inner) {
+            flush(arch, batch, places, &mut sums, |i, batch, lane, sums| {
+                batch.extract(sums, lane, &mut out[i * size..]);
+            });
+        }
+    }
+    for (batch, places) in open.iter_mut().flatten() {
+        flush(arch, batch, places, &mut sums, |i, batch, lane, sums| {
+            batch.extract(sums, lane, &mut out[i * size..]);
+        });
+    }
+}
+
+/// Computes a batch and hands each lane's place to `store`.
+pub(crate) fn flush<T: Copy>(
+    arch: pulp::Arch,
+    batch: &mut Batch,
+    places: &[T; LANES],
+    sums: &mut Vec<Lane>,
+    mut store: impl FnMut(T, &Batch, usize, &[Lane]),
+) {
+    if batch.filled > 0 {
+        arch.dispatch(|| batch.compute(sums));
+        for (lane, &place) in places[..batch.filled].iter().enumerate() {
+            store(place, batch, lane, sums);
+        }
+        batch.filled = 0;
+    }
+}
 
 /// Numbers of Gauss points that are used: the needed one is rounded up to the next of these.
 const RULES: [usize; 18] = [3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 14, 16, 18, 20, 24, 28, 34, 42];
@@ -117,10 +165,6 @@ impl Batch {
 
     pub(crate) fn len(&self) -> usize {
         self.filled
-    }
-
-    pub(crate) fn clear(&mut self) {
-        self.filled = 0;
     }
 
     /// Computes all lanes; `sums` holds re and im of q[m,n] and then l0[m], one [`Lane`] each.

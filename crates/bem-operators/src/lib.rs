@@ -31,20 +31,23 @@ mod steklov;
 mod condense;
 mod load;
 mod potential;
+mod particular;
 
 #[cfg(feature = "proptest")]
 pub mod proptest;
 
 pub use assemble::Operators;
-pub use condense::{CondensedLoad, Condensation, Partition};
+pub use condense::{Condensation, CondensedLoad, Partition};
 pub use error::BemError;
+pub use far::far_moments;
+pub use load::{Datum, Site, add_load, side_moments};
 pub use material::{Material, Plane};
 pub use mesh::Mesh;
+pub use moments::{PairMoments, Segment, Tables};
+pub use particular::BodyForce;
 pub use polygon::{Edge, Location, Loop, Polygon};
 pub use polygon_check::{EdgeName, PolygonError};
-pub use rigid::{RigidMotion, free_motions};
-pub use load::{Datum, Site, add_load, side_moments};
-pub use moments::{PairMoments, Segment, Tables};
 pub use potential::{BoundaryField, Trace};
+pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};

@@ -68,7 +68,12 @@ const GIVEN_UP: f64 = 1e-9;
 /// # Errors
 /// [`BemError::DataNotFinite`] when f is not finite at a quadrature point; [`BemError::DataRough`] when the rules do not
 /// come to agree.
-pub fn side_moments(mesh: &Mesh, space: &Space, side: usize, datum: &Datum<'_>) -> Result<Vec<(usize, Vec<f64>)>, BemError> {
+pub fn side_moments(
+    mesh: &Mesh,
+    space: &Space,
+    side: usize,
+    datum: &Datum<'_>,
+) -> Result<Vec<(usize, Vec<f64>)>, BemError> {
     let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
     let pieces: Vec<Vec<f64>> = elements.iter().map(|&e| breaks((datum.kinks)(e))).collect();
     let mut whole = 0.0;
@@ -108,12 +113,7 @@ pub fn side_moments(mesh: &Mesh, space: &Space, side: usize, datum: &Datum<'_>) 
 }
 
 /// Adds the moments of a datum that acts along `direction(element)` to a nodal load (interleaved x, y).
-pub fn add_load(
-    load: &mut [f64],
-    space: &Space,
-    moments: &[(usize, Vec<f64>)],
-    direction: impl Fn(usize) -> [f64; 2],
-) {
+pub fn add_load(load: &mut [f64], space: &Space, moments: &[(usize, Vec<f64>)], direction: impl Fn(usize) -> [f64; 2]) {
     for (e, values) in moments {
         let [x, y] = direction(*e);
         for (node, value) in space.element_nodes(*e).zip(values) {

@@ -26,18 +26,18 @@ pub(crate) fn moments(outer: Segment, inner: Segment, rows: usize, cols: usize, 
     assert!(rows <= MAX_ORDER && cols <= MAX_ORDER, "degrees above {} are not supported", MAX_ORDER - 2);
     out[..rows + 2 * rows * cols].fill(0.0);
     let point = PointSum::new(outer, inner, rows, cols);
-    if let Some(shared) = Shared::of(outer, inner) {
-        if let Some((power, n)) = shared.substitution(outer, inner, rows) {
-            let rule = substitution_rule(n, power);
-            for (&sigma, &w) in rule.points.iter().zip(&rule.weights) {
-                let (before, after) = match shared.outer_end {
-                    End::Start => (sigma, 1.0 - sigma),
-                    End::End => (1.0 - sigma, sigma),
-                };
-                point.add(before, after, 2.0 * w, out);
-            }
-            return;
+    if let Some(shared) = Shared::of(outer, inner)
+        && let Some((power, n)) = shared.substitution(outer, inner, rows)
+    {
+        let rule = substitution_rule(n, power);
+        for (&sigma, &w) in rule.points.iter().zip(&rule.weights) {
+            let (before, after) = match shared.outer_end {
+                End::Start => (sigma, 1.0 - sigma),
+                End::End => (1.0 - sigma, sigma),
+            };
+            point.add(before, after, 2.0 * w, out);
         }
+        return;
     }
     let [s1, s2] = singular_points(outer, inner);
     let n = gauss_points(rows, PANEL_BERNSTEIN.ln());
@@ -136,8 +136,8 @@ impl Shared {
     /// The integrand is A(σ) + B(σ) log σ with σ the distance to the shared vertex over the outer length. A is analytic
     /// up to the far end of the inner element, so the rule needs that end well away from the outer element.
     fn substitution(&self, outer: Segment, inner: Segment, rows: usize) -> Option<(u32, usize)> {
-        let cosine = (self.along_outer * self.along_inner.conj()).re
-            / (self.along_outer.norm() * self.along_inner.norm());
+        let cosine =
+            (self.along_outer * self.along_inner.conj()).re / (self.along_outer.norm() * self.along_inner.norm());
         let ratio = outer.half().norm() / inner.half().norm();
         let extra = rows.saturating_sub(14);
         // cos 45°, cos 20°

@@ -154,9 +154,7 @@ impl BoundaryField {
         let mut p = [0.0; MAX_ORDER];
         let p = &mut p[..piece.displacement.len()];
         legendre_p(t, p);
-        let sum = |c: &[[f64; 2]]| {
-            c.iter().zip(&*p).fold([0.0; 2], |s, (c, p)| [s[0] + c[0] * p, s[1] + c[1] * p])
-        };
+        let sum = |c: &[[f64; 2]]| c.iter().zip(&*p).fold([0.0; 2], |s, (c, p)| [s[0] + c[0] * p, s[1] + c[1] * p]);
         let traction = sum(&piece.traction);
         let half = piece.segment.half();
         let along = sum(&piece.derivative).map(|d| d / half.norm());

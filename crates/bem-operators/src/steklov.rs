@@ -4,6 +4,7 @@ use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::prelude::*;
 use faer::{Accum, Col, Mat, MatMut, Par};
 
 use crate::{BemError, Operators};
@@ -101,13 +102,44 @@ impl TractionMap {
     }
 }
 
+/// Columns that are factorised at a time.
+const PANEL: usize = 256;
+
 /// Cholesky factor in the lower triangle; the strict upper triangle keeps its values. The error is the failing pivot.
-pub(crate) fn cholesky(a: MatMut<'_, f64>, par: Par) -> Result<(), usize> {
-    let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(a.nrows(), par, Default::default()));
-    match cholesky_in_place(a, LltRegularization::default(), par, MemStack::new(&mut memory), Default::default()) {
-        Ok(_) => Ok(()),
-        Err(LltError::NonPositivePivot { index }) => Err(index),
+///
+/// Panel by panel: the diagonal block is factorised in a copy, because the library's own factorisation may use the
+/// storage above the diagonal.
+pub(crate) fn cholesky(mut a: MatMut<'_, f64>, par: Par) -> Result<(), usize> {
+    let n = a.nrows();
+    for start in (0..n).step_by(PANEL) {
+        let size = PANEL.min(n - start);
+        let (mut block, _, mut below, mut rest) = a.rb_mut().get_mut(start.., start..).split_at_mut(size, size);
+        let mut factor = block.to_owned();
+        let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(size, par, Default::default()));
+        let stack = MemStack::new(&mut memory);
+        match cholesky_in_place(factor.as_mut(), LltRegularization::default(), par, stack, Default::default()) {
+            Ok(_) => {}
+            Err(LltError::NonPositivePivot { index }) => return Err(start + index),
+        }
+        for j in 0..size {
+            for i in j..size {
+                block[(i, j)] = factor[(i, j)];
+            }
+        }
+        solve_lower_triangular_in_place(factor.as_ref(), below.rb_mut().transpose_mut(), par);
+        matmul(
+            rest.rb_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Add,
+            below.rb(),
+            BlockStructure::Rectangular,
+            below.rb().transpose(),
+            BlockStructure::Rectangular,
+            -1.0,
+            par,
+        );
     }
+    Ok(())
 }
 
 /// Copies the lower triangle onto the upper one, by tiles.

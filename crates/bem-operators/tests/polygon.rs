@@ -247,7 +247,7 @@ proptest! {
         let outer = [[0, 0], [4, 0], [8, 0], [8, 8], [0, 8]];
         let apart = |l: &[[i64; 2]], m: &[[i64; 2]]| sides(l).iter().all(|s| sides(m).iter().all(|t| !meet(*s, *t)));
         let valid = simple(&a) && simple(&b) && apart(&outer, &a) && apart(&outer, &b) && apart(&a, &b)
-            && !inside(&a, b[0]) && !inside(&b, a[0]);
+            && inside(&outer, a[0]) && inside(&outer, b[0]) && !inside(&a, b[0]) && !inside(&b, a[0]);
         let verdict = Polygon::new(float(&outer), vec![float(&a), float(&b)]);
         prop_assert_eq!(verdict.is_ok(), valid, "{:?}", verdict);
         if let Ok(p) = verdict {

@@ -116,7 +116,8 @@ proptest! {
 fn the_pointwise_steklov_trace_has_the_weak_one_as_moments() {
     let material = Gold::read().material();
     let solved = solve(Mesh::uniform(&polygon(&SQUARE, &[]), 8, 5), &material, "exp");
-    let rule = steklov_quadrature::graded(&steklov_quadrature::gauss_legendre(14), 12, 0.15, steklov_quadrature::End::Both);
+    let rule =
+        steklov_quadrature::graded(&steklov_quadrature::gauss_legendre(14), 12, 0.15, steklov_quadrature::End::Both);
     let mut moments = vec![0.0; solved.space.dofs()];
     for e in 0..solved.mesh.len() {
         let basis = solved.space.basis(e);

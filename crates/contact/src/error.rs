@@ -10,4 +10,34 @@ pub enum ContactError {
         /// What does not fit.
         what: String,
     },
+    /// The load does work on a motion that needs no energy and that neither contact nor friction stops.
+    #[error(
+        "the load does work {work:.3e} on a motion that nothing stops (the scale of that work is {scale:.3e}): \
+         hold a displacement, balance the load, or raise the friction bound"
+    )]
+    NotHeld {
+        /// The motion, one value for each unknown, largest entry 1.
+        motion: Vec<f64>,
+        /// Work of the load and of the contact forces on it.
+        work: f64,
+        /// Sum of |load|·|motion|.
+        scale: f64,
+    },
+    /// Uzawa's iteration needs a positive definite stiffness.
+    #[error(
+        "Uzawa's iteration needs a positive definite stiffness, but its eigenvalues run from {smallest:.3e} to \
+         {largest:.3e}: a rigid motion is free; hold a displacement, or choose newton or active-set"
+    )]
+    NotCoercive {
+        /// Smallest eigenvalue of S.
+        smallest: f64,
+        /// Largest eigenvalue of S.
+        largest: f64,
+    },
+    /// An eigenvalue or singular value iteration of a dense matrix failed.
+    #[error("the eigenvalues of a {size}×{size} matrix were not found; its entries are probably too large or too small")]
+    Decomposition {
+        /// Number of rows.
+        size: usize,
+    },
 }

@@ -2,6 +2,10 @@
 
 use faer::Mat;
 
+use crate::ContactError;
+use crate::law::{Law, cross, norm};
+use crate::linear::product;
+
 /// One side's contact conditions at a node, in the node's own unknowns v:
 ///
 /// ```text
@@ -69,6 +73,17 @@ pub enum Status {
     SlipMinus,
 }
 
+/// How a solver ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Outcome {
+    /// The solver's own criterion was reached.
+    Converged,
+    /// The iteration limit was reached before.
+    IterationLimit,
+    /// The error grew, or would not shrink under a step beyond the safe one: the iterate is useless.
+    Diverged,
+}
+
 /// What a solver returns, converged or not.
 #[derive(Debug, Clone)]
 pub struct Solution {
@@ -80,8 +95,149 @@ pub struct Solution {
     pub status: Vec<Status>,
     /// Iterations done.
     pub iterations: usize,
-    /// Whether the solver's own criterion was reached.
-    pub converged: bool,
+    /// How the solver ended.
+    pub outcome: Outcome,
     /// The solver's own measure of the error before each iteration and at the end.
     pub history: Vec<f64>,
+}
+
+impl Solution {
+    /// Whether the solver's own criterion was reached.
+    pub fn converged(&self) -> bool {
+        self.outcome == Outcome::Converged
+    }
+}
+
+impl Condition {
+    /// u_n = normal·w of a node's unknowns w.
+    fn normal_displacement(&self, w: [f64; 2]) -> f64 {
+        self.normal[0] * w[0] + self.normal[1] * w[1]
+    }
+
+    /// g - u_n, the distance that is left.
+    pub fn opening(&self, w: [f64; 2]) -> f64 {
+        self.gap - self.normal_displacement(w)
+    }
+
+    /// u_t = tangent·w + slip_offset.
+    pub fn slip(&self, w: [f64; 2]) -> f64 {
+        self.tangent[0] * w[0] + self.tangent[1] * w[1] + self.slip_offset
+    }
+}
+
+impl ContactNode {
+    /// The node's entries of a vector of all unknowns; the second is 0 for a node with one unknown.
+    ///
+    /// # Panics
+    /// If v is too short.
+    pub fn pick(&self, v: &[f64]) -> [f64; 2] {
+        [v[self.first], if self.unknowns == 2 { v[self.first + 1] } else { 0.0 }]
+    }
+}
+
+impl Problem {
+    /// ½ vᵀ S v - fᵀ v + Σ D_t F |u_t|, what the solution minimises (force per thickness times length).
+    pub fn energy(&self, v: &[f64]) -> f64 {
+        let elastic = product(&self.stiffness, v);
+        let work: f64 = v.iter().zip(elastic).zip(&self.load).map(|((v, s), f)| v * (0.5 * s - f)).sum();
+        work + self.friction_work(v)
+    }
+
+    /// Σ D_t F |u_t| over all conditions, those apart included; an infinite bound, where u_t = 0, adds nothing.
+    pub fn friction_work(&self, v: &[f64]) -> f64 {
+        let conditions = self.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)));
+        conditions
+            .filter(|(_, c)| c.bound.is_finite())
+            .map(|(n, c)| c.tangent_weight * c.bound * c.slip(n.pick(v)).abs())
+            .sum()
+    }
+
+    /// Whether the parts fit together and all numbers are usable.
+    ///
+    /// # Errors
+    /// [`ContactError::Inconsistent`] for wrong sizes, a matrix that is not symmetric to 1e-9 or has a diagonal entry
+    /// that is not positive, numbers that are not finite (but for infinite bounds), negative weights or bounds,
+    /// unknowns that belong to no or to two nodes, more conditions than [`ContactNode`] allows, and conditions of a
+    /// node that no displacement satisfies (an overlap that full stick does not let go, say).
+    pub fn check(&self) -> Result<(), ContactError> {
+        let refuse = |what: String| Err(ContactError::Inconsistent { what });
+        let (m, s) = (self.load.len(), &self.stiffness);
+        if s.nrows() != m || s.ncols() != m {
+            return refuse(format!("the stiffness is {}×{} but the load has {m} entries", s.nrows(), s.ncols()));
+        }
+        for i in 0..m {
+            if !self.load[i].is_finite() {
+                return refuse(format!("load {i} is {}", self.load[i]));
+            }
+            for j in 0..m {
+                if !s[(i, j)].is_finite() {
+                    return refuse(format!("the stiffness ({i}, {j}) is {}", s[(i, j)]));
+                }
+            }
+            if s[(i, i)] <= 0.0 {
+                return refuse(format!("the stiffness has the diagonal entry {} in row {i}; it must be positive", s[(i, i)]));
+            }
+        }
+        let scale = (0..m).fold(0.0f64, |a, i| a.max(s[(i, i)]));
+        for i in 0..m {
+            for j in 0..i {
+                let difference = (s[(i, j)] - s[(j, i)]).abs();
+                if difference > 1e-9 * scale {
+                    return refuse(format!("the stiffness is not symmetric: ({i}, {j}) differs from ({j}, {i}) by {difference:.3e}"));
+                }
+            }
+        }
+        let mut used = vec![false; m];
+        for (number, node) in self.nodes.iter().enumerate() {
+            let allowed = if node.unknowns == 2 { 1..=2 } else { 1..=1 };
+            if !(1..=2).contains(&node.unknowns) || !allowed.contains(&node.conditions.len()) {
+                let (k, c) = (node.unknowns, node.conditions.len());
+                return refuse(format!("contact node {number} has {k} unknowns and {c} conditions; it may have 1 and 1, 2 and 1, or 2 and 2"));
+            }
+            for i in node.first..node.first + node.unknowns {
+                if i >= m || std::mem::replace(&mut used[i], true) {
+                    return refuse(format!("unknown {i} of contact node {number} is beyond {m} or belongs to two nodes"));
+                }
+            }
+            if let Some(what) = node.conditions.iter().find_map(|c| c.fault(node.unknowns)) {
+                return refuse(format!("contact node {number}: {what}"));
+            }
+            if let [a, b] = node.conditions.as_slice()
+                && a.normal_weight > 0.0
+                && b.normal_weight > 0.0
+                && cross(a.normal, b.normal).abs() <= 1e-12 * norm(a.normal) * norm(b.normal)
+            {
+                return refuse(format!("contact node {number}: the normals of the two conditions are parallel"));
+            }
+            if !Law::new(node, [1.0, 1.0]).is_feasible() {
+                return refuse(format!("no displacement of contact node {number} satisfies all its conditions"));
+            }
+        }
+        match used.iter().position(|u| !u) {
+            Some(i) => refuse(format!("unknown {i} belongs to no contact node")),
+            None => Ok(()),
+        }
+    }
+}
+
+impl Condition {
+    /// What is wrong with the numbers of a condition on a node with so many unknowns.
+    fn fault(&self, unknowns: usize) -> Option<String> {
+        let numbers = [self.normal[0], self.normal[1], self.tangent[0], self.tangent[1], self.gap, self.slip_offset];
+        if let Some(x) = numbers.iter().find(|x| !x.is_finite()) {
+            return Some(format!("a direction, gap or offset is {x}"));
+        }
+        if let Some(w) = [self.normal_weight, self.tangent_weight].iter().find(|w| !(w.is_finite() && **w >= 0.0)) {
+            return Some(format!("a weight is {w}; it must be finite and at least 0"));
+        }
+        if self.bound.is_nan() || self.bound < 0.0 {
+            return Some(format!("the friction bound is {}; it must be at least 0", self.bound));
+        }
+        for (weight, d) in [(self.normal_weight, self.normal), (self.tangent_weight, self.tangent)] {
+            if weight > 0.0 && (d[0].hypot(d[1]) == 0.0 || unknowns == 1 && (d[0] == 0.0 || d[1] != 0.0)) {
+                return Some(format!("the direction [{}, {}] has a weight but does not fit {unknowns} unknowns", d[0], d[1]));
+            }
+        }
+        None
+    }
 }

@@ -74,29 +74,23 @@ impl Persist for Mesh {
 
     fn read(at: &Group) -> Result<Self, IoError> {
         let (vertices, elements) = (load_points(at, "nodes")?, load_pairs(at, "elements")?);
-        let n = vertices.len();
-        check_length(at, "elements", elements.len(), n)?;
-        let mut reached = vec![false; n];
-        for (e, &[start, end]) in elements.iter().enumerate() {
-            if start != e || end >= n || std::mem::replace(&mut reached[end], true) {
-                return Err(invalid(at, "elements", format!("[{start}, {end}] in row {e} makes no closed loop")));
-            }
+        if let Some(e) = elements.iter().enumerate().position(|(e, element)| element[0] != e) {
+            return Err(invalid(at, "elements", format!("element {e} starts at node {}", elements[e][0])));
         }
-        let list = |name| -> Result<Vec<usize>, IoError> {
-            let list = load_integers(at, name)?;
-            check_length(at, name, list.len(), n).map(|()| list)
+        let mesh = Self {
+            vertices,
+            next: elements.iter().map(|element| element[1]).collect(),
+            degree: load_integers(at, "degree")?,
+            edge: load_integers(at, "edge")?,
+            side: load_integers(at, "side")?,
+            span: load_points(at, "span")?,
+            side_names: load_texts(at, "side_names")?,
         };
-        let (degree, edge, side, side_names) =
-            (list("degree")?, list("edge")?, list("side")?, load_texts(at, "side_names")?);
-        if degree.contains(&0) {
-            return Err(invalid(at, "degree", "a degree is 0"));
+        mesh.check().map_err(|e| invalid(at, "", e))?;
+        if let Some(side) = mesh.side.iter().find(|&&side| side >= mesh.side_names.len()) {
+            return Err(invalid(at, "side", format!("side {side} of {}", mesh.side_names.len())));
         }
-        if let Some(s) = side.iter().find(|&&s| s >= side_names.len()) {
-            return Err(invalid(at, "side", format!("side {s} of {}", side_names.len())));
-        }
-        let span = load_points(at, "span")?;
-        check_length(at, "span", span.len(), n)?;
-        Ok(Self { vertices, next: elements.iter().map(|e| e[1]).collect(), degree, edge, side, span, side_names })
+        Ok(mesh)
     }
 }
 

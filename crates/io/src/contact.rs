@@ -1,14 +1,17 @@
 //! [`Persist`] for the types of `steklov-contact`: flat arrays with a row for each node or condition.
 
 use hdf5::Group;
-use steklov_contact::{Condition, ContactNode, Problem, Solution, Status};
+use steklov_contact::{Condition, ContactNode, Kkt, Outcome, Problem, Solution, Status};
 
-use crate::array::{load_integers, load_points, load_vector, save_integers, save_points, save_vector};
+use crate::array::{
+    load_integers, load_number, load_points, load_vector, save_integers, save_number, save_points, save_vector,
+};
 use crate::dataset::Label;
 use crate::error::{IoError, invalid, mismatch};
 use crate::matrix::save_dense;
 use crate::persist::Persist;
 use crate::quadrature::{check_length, load_sized};
+use crate::text::{load_text, save_text};
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }
@@ -79,28 +82,16 @@ impl Persist for Problem {
             slip_offset: columns[3][i],
             bound: columns[4][i],
         });
-
-        let mut owned = vec![false; m];
         let mut nodes = Vec::new();
         for (i, &first) in first.iter().enumerate() {
-            let (unknowns, count) = (unknowns[i], counts[i]);
-            if !(1..=2).contains(&unknowns) || !(1..=2).contains(&count) {
-                return Err(invalid(at, "unknowns", format!("node {i} has {unknowns} unknowns, {count} conditions")));
-            }
-            for unknown in (first..=first.saturating_add(unknowns - 1)).take(unknowns) {
-                if unknown >= m || std::mem::replace(&mut owned[unknown], true) {
-                    return Err(invalid(at, "first", format!("node {i} claims unknown {unknown} of {m}")));
-                }
-            }
-            let conditions: Vec<Condition> = conditions.by_ref().take(count).collect();
-            check_length(at, "conditions", conditions.len(), count)?;
-            nodes.push(ContactNode { first, unknowns, conditions });
+            let conditions: Vec<Condition> = conditions.by_ref().take(counts[i]).collect();
+            check_length(at, "conditions", conditions.len(), counts[i])?;
+            nodes.push(ContactNode { first, unknowns: unknowns[i], conditions });
         }
-        if let Some(unknown) = owned.iter().position(|&o| !o) {
-            return Err(invalid(at, "first", format!("no node has unknown {unknown}")));
-        }
-        check_length(at, "normal", normal.len(), counts.iter().sum())?;
-        Ok(Self { stiffness, load, nodes })
+        check_length(at, "normal", normal.len(), normal.len() - conditions.len())?;
+        let problem = Self { stiffness, load, nodes };
+        problem.check().map_err(|e| invalid(at, "", e))?;
+        Ok(problem)
     }
 }
 
@@ -122,8 +113,12 @@ impl Persist for Solution {
         let meaning = "0 apart, 1 stick, 2 slip along +t, 3 slip along -t";
         save_integers(at, "status", &status, &label("1", meaning, &["condition"]))?;
         save_integers(at, "iterations", &[self.iterations], &label("1", "iterations done", &["value"]))?;
-        let converged = [usize::from(self.converged)];
-        save_integers(at, "converged", &converged, &label("1", "1 if the criterion was reached", &["value"]))?;
+        let outcome = match self.outcome {
+            Outcome::Converged => "converged",
+            Outcome::IterationLimit => "iteration limit",
+            Outcome::Diverged => "diverged",
+        };
+        save_text(at, "outcome", outcome, "how the solver ended")?;
         save_vector(at, "history", &self.history, &label("1", "error measure before each iteration", &["iteration"]))
     }
 
@@ -138,22 +133,41 @@ impl Persist for Solution {
         };
         let status: Vec<Status> = load_integers(at, "status")?.into_iter().map(status).collect::<Result<_, _>>()?;
         check_length(at, "status", status.len(), multipliers.len())?;
-        let one = |name| match load_integers(at, name)?[..] {
-            [value] => Ok(value),
-            ref other => Err(mismatch(at, name, "one number", format!("{} numbers", other.len()))),
+        let iterations = match load_integers(at, "iterations")?[..] {
+            [iterations] => iterations,
+            ref other => return Err(mismatch(at, "iterations", "one number", format!("{} numbers", other.len()))),
         };
-        let converged = match one("converged")? {
-            0 => false,
-            1 => true,
-            other => return Err(mismatch(at, "converged", "0 or 1", other)),
+        let outcome = match load_text(at, "outcome")?.as_str() {
+            "converged" => Outcome::Converged,
+            "iteration limit" => Outcome::IterationLimit,
+            "diverged" => Outcome::Diverged,
+            other => return Err(mismatch(at, "outcome", "converged, iteration limit or diverged", other)),
         };
+        let (displacement, history) = (load_vector(at, "displacement")?, load_vector(at, "history")?);
+        Ok(Self { displacement, multipliers, status, iterations, outcome, history })
+    }
+}
+
+impl Persist for Kkt {
+    const KIND: &'static str = "audit of a contact solution";
+    const VERSION: u32 = 1;
+
+    fn write(&self, at: &Group) -> Result<(), IoError> {
+        let violation = |name, value| save_number(at, name, value, "1", "relative violation");
+        violation("equilibrium", self.equilibrium)?;
+        violation("penetration", self.penetration)?;
+        violation("tension", self.tension)?;
+        violation("complementarity", self.complementarity)?;
+        violation("friction", self.friction)
+    }
+
+    fn read(at: &Group) -> Result<Self, IoError> {
         Ok(Self {
-            displacement: load_vector(at, "displacement")?,
-            multipliers,
-            status,
-            iterations: one("iterations")?,
-            converged,
-            history: load_vector(at, "history")?,
+            equilibrium: load_number(at, "equilibrium")?,
+            penetration: load_number(at, "penetration")?,
+            tension: load_number(at, "tension")?,
+            complementarity: load_number(at, "complementarity")?,
+            friction: load_number(at, "friction")?,
         })
     }
 }

@@ -9,7 +9,7 @@ use crate::error::{IoError, damaged, invalid, mismatch, missing, write_error};
 use crate::raw::byte_sizes;
 
 /// What the numbers of a dataset are; stored in its attributes `unit`, `meaning` and `axes`.
-#[derive(Debug, Clone, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Label<'a> {
     /// Unit in terms of the scene's own (`length`, `stress`, `force/length`), `1` for pure numbers.
     pub unit: &'a str,

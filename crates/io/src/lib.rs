@@ -8,6 +8,19 @@
 //! each dataset has the attributes `unit`, `meaning` and `axes` ([`Label`]). Arrays are row-major, indices are integers of
 //! 64 bits, texts are UTF-8 of fixed length, numbers keep their bits (NaN and infinities too).
 //!
+//! ```
+//! use steklov_io::{IoError, Label, create_atomically, load_vector, open, save_vector};
+//!
+//! let folder = tempfile::tempdir().unwrap();
+//! let path = folder.path().join("block.vtkhdf");
+//! let pressure = Label { unit: "stress", meaning: "contact pressure, positive in compression", axes: &["contact node"] };
+//! create_atomically(&path, false, |file| save_vector(file, "pressure", &[0.0, 18.8], &pressure))?;
+//!
+//! assert_eq!(load_vector(&open(&path)?, "pressure")?, [0.0, 18.8]);
+//! assert!(matches!(create_atomically(&path, false, |_| Ok(())), Err(IoError::Exists { .. })));
+//! # Ok::<(), IoError>(())
+//! ```
+//!
 //! *Integrity*: arrays lie in chunks under Fletcher-32 checksums, texts under FNV-1a, all else (extents, types,
 //! attributes, links) under the checksums of HDF5 1.10's structures. Fletcher-32 sees every changed byte, but not a pair of
 //! zero bytes that becomes 0xffff at an even place, or the reverse. Files of other programs are read with the same

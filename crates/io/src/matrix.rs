@@ -47,7 +47,7 @@ pub fn save_sparse(at: &Group, name: &str, a: &CsMat<f64>, label: &Label<'_>) ->
     save_integers(&group, "shape", &[a.rows(), a.cols()], &index(&rows_and_columns, axes))?;
     save_integers(&group, "indptr", &indptr, &index("start of each row in indices and data", &["row"]))?;
     save_integers(&group, "indices", a.indices(), &index("column of each nonzero, rising in a row", &["nonzero"]))?;
-    save_vector(&group, "data", a.data(), &Label { axes: &["nonzero"], ..label.clone() })
+    save_vector(&group, "data", a.data(), &Label { axes: &["nonzero"], ..*label })
 }
 
 /// Reads what [`save_sparse`] or scipy wrote (in scipy `sort_indices` and `sum_duplicates` first).

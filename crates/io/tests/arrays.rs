@@ -126,7 +126,8 @@ fn what_cannot_be_written_is_refused() {
     let too_large = |f: &hdf5::File| save_integers(f, "v", &[usize::MAX], &ONE);
     let with_nul = |f: &hdf5::File| save_text(f, "v", "a\0b", "text");
     let twice = |f: &hdf5::File| save_vector(f, "v", &[1.0], &ONE).and_then(|()| save_vector(f, "v", &[1.0], &ONE));
-    let cases: [(&dyn Fn(&hdf5::File) -> Result<(), IoError>, &str); 4] =
+    type Fill<'a> = &'a dyn Fn(&hdf5::File) -> Result<(), IoError>;
+    let cases: [(Fill<'_>, &str); 4] =
         [(&wrong_axes, "1 axes and 2 names"), (&too_large, "63 bits"), (&with_nul, "NUL"), (&twice, "/v")];
     for (fill, wanted) in cases {
         let (folder, path) = common::place();
@@ -191,7 +192,8 @@ fn a_wrong_sparse_structure_is_refused() {
     };
     let (_folder, file) = store(&good);
     assert_eq!(load_sparse(&file, "a").unwrap().get(2, 1), Some(&3.0));
-    let wrong: [(&str, &str, &dyn Fn(&mut Parts)); 10] = [
+    type Spoil<'a> = &'a dyn Fn(&mut Parts);
+    let wrong: [(&str, &str, Spoil<'_>); 10] = [
         ("three extents", "shape", &|p| p.0.push(1)),
         ("huge row count", "indptr", &|p| p.0[0] = i64::MAX as usize),
         ("a row too many", "indptr", &|p| p.0[0] = 4),

@@ -6,7 +6,7 @@ use common::{check_round_trip, written};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon, Space};
-use steklov_contact::{Condition, ContactNode, Problem, Solution, Status};
+use steklov_contact::{Condition, ContactNode, Outcome, Problem, Solution, Status, active_set, kkt};
 use steklov_io::*;
 use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Rule2, Series, gauss_legendre, tensor};
 
@@ -33,30 +33,25 @@ fn mesh() -> Mesh {
     mesh.raised(&marked)
 }
 
-fn condition(i: usize, values: &[f64]) -> Condition {
-    let v = |k: usize| values[(7 * i + k) % values.len()];
-    Condition {
-        normal: [v(0), v(1)],
-        tangent: [v(2), v(3)],
-        normal_weight: v(4),
-        tangent_weight: v(5),
-        gap: v(6),
-        slip_offset: v(0),
-        bound: f64::INFINITY,
-    }
-}
-
-/// Three nodes: ordinary, a corner with two conditions, one with a held component.
-fn problem(values: &[f64]) -> Problem {
-    let node = |first, unknowns, conditions: &[usize]| ContactNode {
-        first,
-        unknowns,
-        conditions: conditions.iter().map(|&i| condition(i, values)).collect(),
+/// Two nodes: an ordinary one, and a corner with two conditions.
+fn problem() -> Problem {
+    let condition = |normal, tangent, bound| Condition {
+        normal,
+        tangent,
+        normal_weight: 0.5,
+        tangent_weight: 0.25,
+        gap: 0.125,
+        slip_offset: -0.0,
+        bound,
     };
+    let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
     Problem {
-        stiffness: Mat::from_fn(5, 5, |i, j| values[(i * j + i + j) % values.len()]),
-        load: (0..5).map(|i| values[i % values.len()]).collect(),
-        nodes: vec![node(3, 2, &[0]), node(0, 2, &[1, 2]), node(2, 1, &[3])],
+        stiffness: Mat::from_fn(4, 4, |i, j| if i == j { 4.0 } else { 1.0 / (1.0 + (i + j) as f64) }),
+        load: vec![1.0, -2.0, 0.5, 0.0],
+        nodes: vec![
+            ContactNode { first: 2, unknowns: 2, conditions: vec![condition(x, y, f64::INFINITY)] },
+            ContactNode { first: 0, unknowns: 2, conditions: vec![condition(x, y, 0.3), condition(y, x, 0.0)] },
+        ],
     }
 }
 
@@ -88,16 +83,20 @@ proptest! {
     }
 
     #[test]
-    fn contact(values in prop::collection::vec(any::<f64>(), 1..40), codes in prop::collection::vec(0_usize..4, 0..20)) {
-        check_round_trip(&problem(&values));
+    fn contact(problem in steklov_contact::proptest::mixed(8), codes in prop::collection::vec(0_usize..4, 0..20)) {
+        check_round_trip(&problem);
+        let solution = active_set(&problem, None).unwrap();
+        check_round_trip(&solution);
+        let audit = kkt(&problem, &solution);
+        prop_assert_eq!(check_round_trip(&audit), audit);
         let states = [Status::Apart, Status::Stick, Status::SlipPlus, Status::SlipMinus];
+        let outcomes = [Outcome::Converged, Outcome::IterationLimit, Outcome::Diverged];
         check_round_trip(&Solution {
-            displacement: values.clone(),
-            multipliers: codes.iter().map(|&c| [values[c % values.len()], -0.0]).collect(),
+            multipliers: codes.iter().map(|&c| [-0.0, c as f64]).collect(),
             status: codes.iter().map(|&c| states[c]).collect(),
-            iterations: codes.len(),
-            converged: codes.len() % 2 == 0,
+            outcome: outcomes[codes.len() % 3],
             history: vec![f64::NAN, 1e-300],
+            ..solution
         });
     }
 }
@@ -173,10 +172,12 @@ fn parts_that_do_not_fit_are_refused() {
     let n = mesh.len();
     let mut open_chain: Vec<[usize; 2]> = (0..n).map(|e| [e, mesh.next[e]]).collect();
     open_chain[1] = open_chain[0];
-    assert!(spoiled(&mesh, "elements", pairs("elements", open_chain)).contains("row 1"));
-    assert!(spoiled(&mesh, "degree", integers("degree", vec![0; n])).contains("/value/degree"));
+    assert!(spoiled(&mesh, "elements", pairs("elements", open_chain)).contains("element 1 starts"));
+    let short = (0..n).map(|e| [e, 0]).collect();
+    assert!(spoiled(&mesh, "elements", pairs("elements", short)).contains("loop"));
+    assert!(spoiled(&mesh, "degree", integers("degree", vec![0; n])).contains("degree 0"));
     assert!(spoiled(&mesh, "side", integers("side", vec![77; n])).contains("side 77"));
-    assert!(spoiled(&mesh, "span", |g| save_points(g, "span", &[], &two)).contains("0 entries"));
+    assert!(spoiled(&mesh, "span", |g| save_points(g, "span", &[], &two)).contains("spans"));
 
     let material = Material::new(200.0, 0.3, Plane::Stress).unwrap();
     assert!(spoiled(&material, "poisson", vector("poisson", vec![0.5])).contains("Poisson"));
@@ -187,24 +188,20 @@ fn parts_that_do_not_fit_are_refused() {
     assert!(spoiled(&operators, "V", |g| save_dense(g, "V", Mat::zeros(2, 3).as_ref(), &two)).contains("square"));
     assert!(spoiled(&operators, "M", |g| save_sparse(g, "M", &common::sparse(3, 3), &two)).contains("/value/M"));
 
-    let problem = problem(&[0.5, 1.5]);
-    assert!(spoiled(&problem, "stiffness", square("stiffness", 4)).contains("5×5"));
-    assert!(spoiled(&problem, "first", integers("first", vec![3, 0, 4])).contains("unknown 4 of 5"));
-    assert!(spoiled(&problem, "first", integers("first", vec![3, 0, usize::MAX >> 1])).contains("of 5"));
-    assert!(spoiled(&problem, "unknowns", integers("unknowns", vec![2, 1, 1])).contains("no node has unknown 1"));
-    assert!(spoiled(&problem, "unknowns", integers("unknowns", vec![3, 1, 1])).contains("3 unknowns"));
-    assert!(spoiled(&problem, "conditions", integers("conditions", vec![1, 1, 1])).contains("/value/normal"));
-    assert!(spoiled(&problem, "conditions", integers("conditions", vec![2, 2, 2])).contains("/value/conditions"));
-    assert!(spoiled(&problem, "gap", vector("gap", vec![0.0; 3])).contains("/value/gap"));
-    let solution = Solution {
-        displacement: vec![0.0; 2],
-        multipliers: vec![[1.0, 0.5]],
-        status: vec![Status::Stick],
-        iterations: 3,
-        converged: true,
-        history: vec![1.0],
-    };
-    assert!(spoiled(&solution, "status", integers("status", vec![4])).contains("4 is no status"));
+    let problem = problem();
+    check_round_trip(&problem);
+    assert!(spoiled(&problem, "stiffness", square("stiffness", 3)).contains("4×4"));
+    assert!(spoiled(&problem, "first", integers("first", vec![3, 0])).contains("unknown 4"));
+    assert!(spoiled(&problem, "first", integers("first", vec![i64::MAX as usize, 0])).contains("beyond 4"));
+    assert!(spoiled(&problem, "unknowns", integers("unknowns", vec![3, 2])).contains("3 unknowns"));
+    assert!(spoiled(&problem, "unknowns", integers("unknowns", vec![2])).contains("/value/unknowns"));
+    assert!(spoiled(&problem, "conditions", integers("conditions", vec![1, 1])).contains("/value/normal"));
+    assert!(spoiled(&problem, "conditions", integers("conditions", vec![2, 2])).contains("/value/conditions"));
+    assert!(spoiled(&problem, "gap", vector("gap", vec![0.0; 2])).contains("/value/gap"));
+    assert!(spoiled(&problem, "bound", vector("bound", vec![-1.0; 3])).contains("bound"));
+    let solution = active_set(&problem, None).unwrap();
+    assert!(spoiled(&solution, "status", integers("status", vec![0, 0, 4])).contains("4 is no status"));
     assert!(spoiled(&solution, "status", integers("status", vec![0, 0])).contains("2 entries"));
-    assert!(spoiled(&solution, "converged", integers("converged", vec![2])).contains("0 or 1"));
+    assert!(spoiled(&solution, "iterations", integers("iterations", vec![])).contains("one number"));
+    assert!(spoiled(&solution, "outcome", |g| save_text(g, "outcome", "lost", "wrong")).contains("lost"));
 }

@@ -148,7 +148,7 @@ mod tests {
             assert!(rule.weights[i] > 0.0);
             assert!(i == 0 || rule.points[i - 1] < rule.points[i]);
         }
-        assert!(n % 2 == 0 || rule.points[n / 2] == 0.0);
+        assert!(n.is_multiple_of(2) || rule.points[n / 2] == 0.0);
     }
 
     #[test]

@@ -43,7 +43,7 @@ pub fn graded(base: &Rule, layers: usize, ratio: f64, end: End) -> Rule {
     Rule { points, weights, degree: base.degree }
 }
 
-/// Composite rule on [0,1] with panels cut at ratio^layers, .., ratio², ratio: graded towards 0.
+/// Composite rule on `[0,1]` with panels cut at ratio^layers, .., ratio², ratio: graded towards 0.
 ///
 /// The points are the distances to the singular end, with full relative accuracy. `base` is a rule on [-1,1].
 ///
@@ -63,7 +63,7 @@ pub fn graded_unit(base: &Rule, layers: usize, ratio: f64) -> Rule {
     rule
 }
 
-/// Rule on [0,1] for f(σ) = A(σ) + B(σ) log σ with smooth A and B: σ = τ^power and n Gauss-Legendre points in τ.
+/// Rule on `[0,1]` for f(σ) = A(σ) + B(σ) log σ with smooth A and B: σ = τ^power and n Gauss-Legendre points in τ.
 ///
 /// ∫_0^1 f dσ = ∫_0^1 f(τ^power) power τ^(power-1) dτ; the factor τ^(power-1) tames the logarithm. Points keep full
 /// relative accuracy next to 0. Degree in σ: ⌊2n/power⌋ - 1 without logarithm; powers 5 and 7 are of use.

@@ -11,15 +11,15 @@ use num_complex::Complex64;
 /// Q_0 = ½ log((z+1)/(z-1)) uses both distances, so it is accurate however close z is to ±1. The recurrence
 /// (k+1) Q_{k+1} = (2k+1) z Q_k - k Q_{k-1} is run in terms of δ = z-1 (for Re z ≥ 0, the rest by reflection), because the
 /// rounding of z alone would cost N² units next to an end. Forward it multiplies errors by ϱ^(2N) (see [`bernstein`])
-/// and is used only if 2N log ϱ < 1.5; otherwise the ratios r_k = Q_k/Q_{k-1} = k / ((2k+1) z - (k+1) r_{k+1}) are run
-/// downwards from r = 0 at ⌈19/log ϱ⌉+1 degrees above N, which costs e^(-38). No allocation; cost O(N + 1/log ϱ), O(N)
-/// at most.
+/// and is used only if 2N log ϱ < 1.5; otherwise it is run downwards from Q = 0 at ⌈19/log ϱ⌉+2 degrees above N, which
+/// costs e^(-38), and scaled to Q_0. No allocation; cost O(N + 1/log ϱ), O(N) at most.
 ///
 /// On the cut the sign of a zero imaginary part picks the limit Q_n(x ± i0) = Q_n(x) ∓ iπ/2 P_n(x). At z = ±1 all Q_n
-/// are infinite and the result is not finite. Values too small for a number become 0 (far away |Q_n| ~ |2z|^-(n+1)).
+/// are infinite and the result is not finite. Values below 1e-304 become 0 (far away |Q_n| ~ |2z|^-(n+1)); |z| may be up
+/// to 1e50.
 ///
 /// # Source
-/// NIST DLMF 14.10.3; Gautschi, SIAM Review 9 (1967), for the downward ratios.
+/// NIST DLMF 14.10.3; Gautschi, SIAM Review 9 (1967), for the downward recurrence.
 pub fn legendre_q(zm1: Complex64, zp1: Complex64, out: &mut [Complex64]) {
     if zm1.re + zp1.re < 0.0 {
         // Q_n(z) = (-1)^(n+1) Q_n(-z)
@@ -36,7 +36,7 @@ pub fn legendre_q(zm1: Complex64, zp1: Complex64, out: &mut [Complex64]) {
     if 2.0 * (last as f64) * log_rho < 1.5 {
         forward(zm1, out);
     } else {
-        backward(zm1, last + (19.0 / log_rho).ceil() as usize + 1, out);
+        backward(zm1, log_rho, out);
     }
 }
 
@@ -50,23 +50,27 @@ fn forward(zm1: Complex64, out: &mut [Complex64]) {
     }
 }
 
-/// Ratios r_k = 1 - e_k = k/(k+s), e_k = s/(k+s) with s = (2k+1) (z-1) + (k+1) e_{k+1}, from k = top downwards, then
-/// products with Q_0 in `out`.
-fn backward(zm1: Complex64, top: usize, out: &mut [Complex64]) {
-    let mut e = Complex64::ONE;
+/// y_{k-1} = y_k + f_k/k, f_k = f_{k+1} + (2k+1) (z-1) y_k: the recurrence for multiples y_k of Q_k, from y_k = 0 just
+/// above `top` downwards, then scaled to Q_0 in `out`. For Re z ≥ 0 there is no cancellation.
+fn backward(zm1: Complex64, log_rho: f64, out: &mut [Complex64]) {
+    // Q_n ~ ϱ^-(n+1) is below 1e-304 from n = 700/log ϱ on (and NaN if Q_0 is).
+    let last = (out.len() - 1).min((700.0 / log_rho) as usize);
+    let q_zero = out[0];
+    out[last + 1..].fill(0.0 * q_zero);
+    let top = last + (19.0 / log_rho).ceil() as usize + 1;
+    let mut y = Complex64::from(1e-290);
+    let mut f = (top + 1) as f64 * y;
     for k in (1..=top).rev() {
-        let kf = k as f64;
-        let s = (2.0 * kf + 1.0) * zm1 + (kf + 1.0) * e;
-        let d = s + kf;
-        let inverse = d.conj() * (1.0 / d.norm_sqr());
-        e = s * inverse;
-        if k < out.len() {
-            out[k] = kf * inverse;
+        f += (2 * k + 1) as f64 * zm1 * y;
+        y += f * (1.0 / k as f64);
+        if k <= last + 1 {
+            out[k - 1] = y;
         }
     }
-    for k in 1..out.len() {
-        out[k] *= out[k - 1];
-    }
+    let size = y.l1_norm();
+    let scale = q_zero / size / (y / size);
+    out[..=last].iter_mut().for_each(|q| *q *= scale);
+    out[0] = q_zero;
 }
 
 /// [`legendre_q`] from z alone.

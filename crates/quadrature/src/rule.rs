@@ -29,7 +29,7 @@ impl Rule {
         self.points.iter().zip(&self.weights).map(|(&x, &w)| w * f(x)).sum()
     }
 
-    /// The rule moved from [-1,1] to [a,b] by x ↦ (a+b)/2 + x (b-a)/2; weights are multiplied by (b-a)/2.
+    /// The rule moved from [-1,1] to `[a,b]` by x ↦ (a+b)/2 + x (b-a)/2; weights are multiplied by (b-a)/2.
     ///
     /// Meant for ω = 1 and a < b. For another ω the moved rule has the weight function ω(x(y)).
     pub fn mapped(&self, a: f64, b: f64) -> Rule {

@@ -20,7 +20,7 @@ fn state(value: f64) -> State {
     match value {
         v if v < 0.0 => State::Negative,
         v if v > 0.0 => State::Positive,
-        v if v == 0.0 => State::Zero,
+        0.0 => State::Zero,
         _ => State::Undefined,
     }
 }

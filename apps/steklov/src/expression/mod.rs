@@ -11,9 +11,10 @@
 //! # Ok::<(), steklov::expression::ExpressionError>(())
 //! ```
 
-mod kinks;
-mod parse;
+mod token;
 mod tape;
+mod parse;
+mod kinks;
 
 use std::collections::BTreeMap;
 use std::ops::Range;

@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::tape::{One, Op, Two};
+use super::token::{Token, next_token};
 use super::{ExpressionError, Switch};
 
 /// Deepest nesting of parentheses, function calls, signs and powers.
@@ -22,14 +23,6 @@ pub(super) const VARIABLES: [&str; 4] = ["x", "y", "s", "pi"];
 /// Names of the functions.
 pub(super) const FUNCTIONS: [&str; 12] =
     ["abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "atan2", "min", "max", "if"];
-
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Token<'a> {
-    Number(f64),
-    Name(&'a str),
-    Sign(&'static str),
-    End,
-}
 
 /// What the parser leaves behind: the tape and its switches.
 pub(super) struct Parsed {
@@ -67,33 +60,7 @@ impl<'a> Parser<'a> {
 
     /// Reads the next token.
     fn advance(&mut self) -> Result<(), ExpressionError> {
-        let rest = &self.text[self.span.end..];
-        let start = self.span.end + (rest.len() - rest.trim_start().len());
-        let rest = &self.text[start..];
-        let Some(first) = rest.chars().next() else {
-            (self.token, self.span) = (Token::End, start..start);
-            return Ok(());
-        };
-        if first.is_ascii_digit() || first == '.' {
-            let length = number_length(rest);
-            self.span = start..start + length;
-            self.token = match rest[..length].parse::<f64>() {
-                Ok(value) if value.is_finite() => Token::Number(value),
-                Ok(_) => return Err(self.error("this number is too large", "the largest number is about 1.8e308")),
-                Err(_) => return Err(self.error("this is not a number", "write numbers like 2, 0.5, .5 or 1e-3")),
-            };
-        } else if first.is_alphabetic() || first == '_' {
-            let length = rest.find(|c: char| !(c.is_alphanumeric() || c == '_')).unwrap_or(rest.len());
-            (self.token, self.span) = (Token::Name(&rest[..length]), start..start + length);
-        } else {
-            const SIGNS: [&str; 14] = ["<=", ">=", "==", "!=", "<", ">", "+", "-", "*", "/", "^", "(", ")", ","];
-            let Some(sign) = SIGNS.into_iter().find(|sign| rest.starts_with(sign)) else {
-                self.span = start..start + first.len_utf8();
-                let help = if first == '=' { "equality is written ==" } else { "operators are + - * / ^ ( ) , and < <= > >= == !=" };
-                return Err(self.error(format!("the character {first:?} has no meaning here"), help));
-            };
-            (self.token, self.span) = (Token::Sign(sign), start..start + sign.len());
-        }
+        (self.token, self.span) = next_token(self.text, self.span.end)?;
         Ok(())
     }
 
@@ -185,7 +152,8 @@ impl<'a> Parser<'a> {
                 Ok(())
             }
             Token::Sign(sign) => {
-                Err(self.error(format!("a value is missing before {sign:?}"), "write a number, a name or a parenthesis"))
+                Err(self
+                    .error(format!("a value is missing before {sign:?}"), "write a number, a name or a parenthesis"))
             }
             Token::End if self.text.trim().is_empty() => {
                 Err(self.error("the expression is empty", "write \"0\" for nothing"))
@@ -210,7 +178,9 @@ impl<'a> Parser<'a> {
                     let known = VARIABLES.into_iter().chain(self.constants.keys().map(String::as_str));
                     let help = match nearest(name, known.clone().chain(FUNCTIONS)) {
                         Some(near) => format!("did you mean {near}? Other names must be defined in [parameters]"),
-                        None => format!("define it in [parameters]; known are {}", known.collect::<Vec<_>>().join(", ")),
+                        None => {
+                            format!("define it in [parameters]; known are {}", known.collect::<Vec<_>>().join(", "))
+                        }
                     };
                     return Err(ExpressionError { message: format!("unknown name {name}"), span, help });
                 }
@@ -259,8 +229,14 @@ impl<'a> Parser<'a> {
             "max" => (Two::Max, "max takes two or more arguments: max(a, b)"),
             _ => (Two::Atan2, "atan2 takes two arguments: atan2(y, x)"),
         };
+        let mut count = 1;
         loop {
             self.expect(",", help)?;
+            count += 1;
+            if count > DEEPEST {
+                let message = format!("more than {DEEPEST} arguments");
+                return Err(self.error(message, "nest a few calls: max(max(a, b, ...), max(c, d, ...))"));
+            }
             let right = self.out.ops.len();
             self.deeper(COMPARISON)?;
             self.two(function, start, right);
@@ -354,24 +330,11 @@ impl<'a> Parser<'a> {
             Two::Power | Two::Atan2 => Some(Switch { left: left..right, right: None }),
             _ => Some(Switch { left: left..right, right: Some(right..end) }),
         };
-        self.out.switches.extend(switch.filter(|s| s.right.is_some() || !matches!(self.out.ops[left..right], [Op::Constant(_)])));
+        self.out
+            .switches
+            .extend(switch.filter(|s| s.right.is_some() || !matches!(self.out.ops[left..right], [Op::Constant(_)])));
         self.out.ops.push(Op::Two(function));
     }
-}
-
-/// Length of the number at the start of `text`: digits, a point, an exponent.
-fn number_length(text: &str) -> usize {
-    let digits = |from: usize| from + text.as_bytes()[from..].iter().take_while(|b| b.is_ascii_digit()).count();
-    let byte = |at: usize| text.as_bytes().get(at);
-    let mut at = digits(0);
-    if byte(at) == Some(&b'.') {
-        at = digits(at + 1);
-    }
-    if matches!(byte(at), Some(b'e' | b'E')) {
-        let signed = at + 1 + usize::from(matches!(byte(at + 1), Some(b'+' | b'-')));
-        at = digits(signed);
-    }
-    at
 }
 
 /// The candidate most like `word`, if any is like it.

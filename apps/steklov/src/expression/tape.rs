@@ -94,10 +94,7 @@ impl Two {
     }
 
     pub(super) fn is_comparison(self) -> bool {
-        matches!(
-            self,
-            Two::Less | Two::LessEqual | Two::Greater | Two::GreaterEqual | Two::Equal | Two::NotEqual
-        )
+        matches!(self, Two::Less | Two::LessEqual | Two::Greater | Two::GreaterEqual | Two::Equal | Two::NotEqual)
     }
 }
 

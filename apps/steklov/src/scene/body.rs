@@ -70,12 +70,14 @@ pub(super) fn body(field: &Field<'_>) -> Result<Polygon, Problem> {
 fn geometry(error: PolygonError, listed: &[Listed<'_>]) -> Problem {
     let corners = |l: usize| listed[l].corners.item.place;
     let corner = |l: usize, k: usize| listed[l].corners.list().map_or(corners(l), |list| list[k].item.place);
-    let side = |l: usize, k: usize| listed[l].sides.list().map_or(listed[l].sides.item.place, |list| list[k].item.place);
+    let side =
+        |l: usize, k: usize| listed[l].sides.list().map_or(listed[l].sides.item.place, |list| list[k].item.place);
     let (place, help) = match &error {
         PolygonError::TooFewCorners { loop_index, .. } => (corners(*loop_index), "list at least three corners"),
-        PolygonError::SideCount { loop_index, .. } => {
-            (listed[*loop_index].sides.item.place, "side k runs from corner k to the next; the last one closes the loop")
-        }
+        PolygonError::SideCount { loop_index, .. } => (
+            listed[*loop_index].sides.item.place,
+            "side k runs from corner k to the next; the last one closes the loop",
+        ),
         PolygonError::EmptySide { loop_index, edge } => (side(*loop_index, *edge), "give every side a name"),
         PolygonError::NotFinite { loop_index, corner: k, .. } => (corner(*loop_index, *k), "write finite coordinates"),
         PolygonError::ZeroEdge { edge, .. } => {
@@ -92,11 +94,16 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>]) -> Problem {
         PolygonError::Touching { loop_index, corner: k, .. } => {
             (corner(*loop_index, *k), "move the corner away from the edge; each edge may meet only its two neighbours")
         }
-        PolygonError::Crossing { second, .. } => {
-            (corner(second.loop_index, second.corner), "list the corners in the order in which the boundary visits them")
+        PolygonError::Crossing { second, .. } => (
+            corner(second.loop_index, second.corner),
+            "list the corners in the order in which the boundary visits them",
+        ),
+        PolygonError::HoleOutside { loop_index, .. } => {
+            (corners(*loop_index), "move the hole into the body, or remove it")
         }
-        PolygonError::HoleOutside { loop_index, .. } => (corners(*loop_index), "move the hole into the body, or remove it"),
-        PolygonError::HoleInHole { loop_index, .. } => (corners(*loop_index), "remove the inner one: it is empty already"),
+        PolygonError::HoleInHole { loop_index, .. } => {
+            (corners(*loop_index), "remove the inner one: it is empty already")
+        }
         _ => (corners(0), "correct the corners"),
     };
     Problem::new(Kind::Geometry, place, error.to_string(), help)
@@ -127,12 +134,17 @@ pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>, grid: bool) -
         *component = match expression.constant() {
             Some(number) if number.is_finite() => number,
             Some(number) => {
-                return Err(field.problem(format!("{} is {number}: {:?}", field.name, expression.text()), "it must be finite"));
+                return Err(
+                    field.problem(format!("{} is {number}: {:?}", field.name, expression.text()), "it must be finite")
+                );
             }
             None if grid => return Ok(None),
             None => {
-                let message =
-                    format!("{} depends on the place: {:?}; with boundary elements it cannot", field.name, expression.text());
+                let message = format!(
+                    "{} depends on the place: {:?}; with boundary elements it cannot",
+                    field.name,
+                    expression.text()
+                );
                 return Err(field.problem(message, "give one constant force, or describe the body with a [grid]"));
             }
         };

@@ -56,9 +56,13 @@ impl Scene {
             expression.text()
         );
         let help = match what {
-            "gap" if !negative => "a gap is a finite distance at every point; for a side that nothing can touch leave the contact out",
+            "gap" if !negative => {
+                "a gap is a finite distance at every point; for a side that nothing can touch leave the contact out"
+            }
             _ if negative => "friction cannot be negative: write max(0, ...), or correct the expression",
-            _ => "change the expression so that it is finite everywhere on the side; if(cond, a, b) takes only the branch it needs",
+            _ => {
+                "change the expression so that it is finite everywhere on the side; if(cond, a, b) takes only the branch it needs"
+            }
         };
         Err(self.source.error(Problem::new(Kind::Data, expression.place, message, help)))
     }

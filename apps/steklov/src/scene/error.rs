@@ -139,12 +139,7 @@ pub(super) struct Problem {
 }
 
 impl Problem {
-    pub(super) fn new(
-        kind: SceneErrorKind,
-        place: Place,
-        message: impl Into<String>,
-        help: impl Into<String>,
-    ) -> Self {
+    pub(super) fn new(kind: SceneErrorKind, place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
         let label = match kind {
             SceneErrorKind::UnknownKey => "not known",
             SceneErrorKind::MissingKey => "incomplete",

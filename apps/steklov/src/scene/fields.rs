@@ -33,7 +33,12 @@ impl<'a> Fields<'a> {
         match fields.entries.iter().find(|e| !known.contains(&e.key.as_str())) {
             Some(entry) => {
                 let message = format!("unknown key {}", fields.name(&entry.key));
-                Err(Problem::new(Kind::UnknownKey, entry.key_place, message, suggestion(&entry.key, known.iter().copied())))
+                Err(Problem::new(
+                    Kind::UnknownKey,
+                    entry.key_place,
+                    message,
+                    suggestion(&entry.key, known.iter().copied()),
+                ))
             }
             None => Ok(fields),
         }
@@ -98,7 +103,11 @@ impl<'a> Field<'a> {
     /// A number for which `test` holds; `wanted` says it in words.
     pub(super) fn number_where(&self, test: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, Problem> {
         let value = self.number()?;
-        if test(value) { Ok(value) } else { Err(self.problem(format!("{} is {value}", self.name), format!("it must be {wanted}"))) }
+        if test(value) {
+            Ok(value)
+        } else {
+            Err(self.problem(format!("{} is {value}", self.name), format!("it must be {wanted}")))
+        }
     }
 
     /// A whole number between two bounds.

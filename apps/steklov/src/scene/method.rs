@@ -135,8 +135,19 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
     let mut method = Method::default();
     let Some(field) = field else { return Ok(method) };
     let known = [
-        "model", "tolerance", "refine", "elements", "degree", "max_dofs", "max_steps", "indicator", "marking",
-        "smoothness", "multiplier", "gamma", "solver",
+        "model",
+        "tolerance",
+        "refine",
+        "elements",
+        "degree",
+        "max_dofs",
+        "max_steps",
+        "indicator",
+        "marking",
+        "smoothness",
+        "multiplier",
+        "gamma",
+        "solver",
     ];
     for (key, _, field) in Fields::new(&field, &known)?.all() {
         match key {
@@ -150,7 +161,9 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
             "indicator" => {
                 method.indicator = field.choice(&[("bubble", Indicator::Bubble), ("residual", Indicator::Residual)])?;
             }
-            "marking" => method.marking = auto(&field, |v| v > 0.0 && v <= 1.0, "\"auto\", or a number above 0 and at most 1")?,
+            "marking" => {
+                method.marking = auto(&field, |v| v > 0.0 && v <= 1.0, "\"auto\", or a number above 0 and at most 1")?
+            }
             "smoothness" => method.smoothness = field.number_where(|v| v > 0.0 && v <= 1.0, "above 0 and at most 1")?,
             "multiplier" => {
                 let words = [("biorthogonal", Multiplier::Biorthogonal), ("stabilised", Multiplier::Stabilised)];

@@ -5,15 +5,15 @@
 //! ```
 //! Every key is read by hand, so that a wrong one can be answered with the nearest valid one.
 
-mod body;
-mod check;
 mod error;
+mod tree;
 mod fields;
-mod grid;
+mod body;
+mod sides;
 mod method;
 mod random;
-mod sides;
-mod tree;
+mod grid;
+mod check;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -63,10 +63,12 @@ impl Scene {
     /// [`SceneErrorKind::Read`] if the file cannot be read; else those of [`Scene::parse`].
     pub fn read(path: &Path, overrides: &[String]) -> Result<Self, SceneError> {
         let name = path.display().to_string();
-        let bytes = std::fs::read(path)
-            .map_err(|e| SceneError::unreadable(&name, e, "check the path; `steklov new` prints a scene to start from"))?;
-        let text = String::from_utf8(bytes)
-            .map_err(|e| SceneError::unreadable(&name, e.utf8_error(), "a scene is TOML text in UTF-8; is this another file?"))?;
+        let bytes = std::fs::read(path).map_err(|e| {
+            SceneError::unreadable(&name, e, "check the path; `steklov new` prints a scene to start from")
+        })?;
+        let text = String::from_utf8(bytes).map_err(|e| {
+            SceneError::unreadable(&name, e.utf8_error(), "a scene is TOML text in UTF-8; is this another file?")
+        })?;
         Self::parse(&text, &name, overrides)
     }
 
@@ -87,8 +89,19 @@ impl Scene {
 
 fn scene(root: &Item, source: &Source) -> Result<Scene, Problem> {
     let known = [
-        "title", "body", "material", "parameters", "sides", "body_force", "probe", "method", "expect", "random",
-        "stochastic", "grid", "exterior",
+        "title",
+        "body",
+        "material",
+        "parameters",
+        "sides",
+        "body_force",
+        "probe",
+        "method",
+        "expect",
+        "random",
+        "stochastic",
+        "grid",
+        "exterior",
     ];
     let fields = Fields::new(&Field { name: String::new(), item: root }, &known)?;
     let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();

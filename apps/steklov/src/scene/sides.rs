@@ -84,7 +84,9 @@ fn condition(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Prob
             Kind::Conflict,
             other.item.place,
             format!("{} has both {first} and {second}; a side has one condition", field.name),
-            format!("remove {first} or {second}; only a displacement with a \"free\" component may have a traction beside it"),
+            format!(
+                "remove {first} or {second}; only a displacement with a \"free\" component may have a traction beside it"
+            ),
         )),
     }
 }

@@ -79,9 +79,11 @@ fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, Problem> {
     let place = Place { source, start: span.start, end: span.end };
     let value = match value.get_ref() {
         DeValue::String(text) => Value::Text(text.to_string()),
-        DeValue::Integer(digits) => Value::Integer(i64::from_str_radix(digits.as_str(), digits.radix()).map_err(|_| {
-            Problem::new(Kind::Value, place, "this integer does not fit in 64 bits", "write large numbers as 1e20")
-        })?),
+        DeValue::Integer(digits) => {
+            Value::Integer(i64::from_str_radix(digits.as_str(), digits.radix()).map_err(|_| {
+                Problem::new(Kind::Value, place, "this integer does not fit in 64 bits", "write large numbers as 1e20")
+            })?)
+        }
         // The parser has checked the form; what is too large becomes infinite and is refused by its key.
         DeValue::Float(digits) => Value::Float(digits.as_str().parse().unwrap_or(f64::NAN)),
         DeValue::Boolean(_) => Value::Boolean,

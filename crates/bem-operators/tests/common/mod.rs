@@ -109,7 +109,13 @@ impl GoldPair {
 
 /// Blocks V, W, K of test element a and trial element b in Legendre coefficients, index [m][n][i][j], as the gold data
 /// define them, straight from the formulas.
-pub fn blocks_of(material: &Material, length: f64, t: &Tables, a: Segment, b: Segment) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+pub fn blocks_of(
+    material: &Material,
+    length: f64,
+    t: &Tables,
+    a: Segment,
+    b: Segment,
+) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let pi = std::f64::consts::PI;
     let (mu, nu, kappa) = (material.mu(), material.nu(), material.kappa());
     let c_v = 1.0 / (8.0 * pi * mu * (1.0 - nu));
@@ -166,10 +172,13 @@ impl Field {
     pub fn new(name: &str, material: &Material) -> Self {
         let (kappa, mu) = (material.kappa(), material.mu());
         let (phi, psi): (fn(Complex64) -> [Complex64; 3], fn(Complex64) -> [Complex64; 2]) = match name {
-            "linear" => (|z| [z * 0.7, Complex64::new(0.7, 0.0), Complex64::ZERO], |z| {
-                let a = Complex64::new(0.3, 0.4);
-                [a * z, a]
-            }),
+            "linear" => (
+                |z| [z * 0.7, Complex64::new(0.7, 0.0), Complex64::ZERO],
+                |z| {
+                    let a = Complex64::new(0.3, 0.4);
+                    [a * z, a]
+                },
+            ),
             "cubic" => (
                 |z| {
                     let a = Complex64::new(1.0, 2.0);

@@ -1,0 +1,174 @@
+//! Every mistake in a scene is answered with the file, the line, the text that is meant and a remedy.
+
+mod broken;
+
+use std::path::Path;
+
+use broken::{CASES, SOUND};
+use proptest::prelude::*;
+use steklov::scene::{Condition, Expectation, Friction, Method, Refine, Scene, SceneErrorKind, Solver, TEMPLATE};
+
+fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov::scene::SceneError> {
+    let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
+    Scene::parse(text, "broken.toml", &overrides)
+}
+
+fn sound(text: &str, overrides: &[&str]) -> Scene {
+    parse(text, overrides).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+#[test]
+fn every_mistake_is_named_with_its_line_and_remedy() {
+    let mut wrong = String::new();
+    for case in CASES {
+        let text = case.scene();
+        let Err(error) = parse(&text, case.set) else {
+            wrong += &format!("accepted: {:?} {:?}\n", case.edit.1, case.set);
+            continue;
+        };
+        let shown = error.render();
+        let file = if case.set.is_empty() { "broken.toml" } else { "--set" };
+        let line = if case.set.is_empty() { text.lines().nth(case.line - 1) } else { case.set.last().copied() };
+        for (what, there) in [
+            ("file and line", shown.contains(&format!("{file}:{}:", case.line))),
+            ("line", error.line() == Some(case.line) && error.file() == file),
+            ("line's text", shown.contains(line.unwrap_or("?"))),
+            ("offending text", error.offending().starts_with(case.offending)),
+            ("message", error.message.contains(case.message) && shown.contains(&error.message)),
+            ("remedy", error.help.contains(case.remedy) && shown.contains(&error.help)),
+        ] {
+            if !there {
+                wrong += &format!(
+                    "{what} wrong for {:?} {:?}: offending {:?}\n{shown}\n",
+                    case.edit.1,
+                    case.set,
+                    error.offending()
+                );
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong}");
+}
+
+#[test]
+fn the_sound_scene_and_the_template_are_read() {
+    let scene = sound(SOUND, &[]);
+    assert_eq!((scene.title.as_str(), scene.polygon.side_names().len()), ("Sound", 4));
+    assert_eq!(scene.probe, [[1.0, 0.5]]);
+    assert_eq!(scene.method.refine, Some(Refine::UniformH));
+    let names: Vec<&str> = scene.sides.iter().map(|s| s.name.as_str()).collect();
+    assert_eq!(names, ["floor", "right", "top", "left"]);
+    let Condition::Contact { gap, friction: Friction::Tresca(bound) } = &scene.sides[0].condition else { panic!() };
+    assert_eq!((gap.constant(), bound.constant()), (Some(0.0), Some(0.3)));
+    assert!(matches!(scene.sides[1].condition, Condition::Free));
+    let template = sound(TEMPLATE, &[]);
+    assert_eq!(template.method, Method::default());
+    // Every line that is commented out is a line that can be used.
+    let all: String = TEMPLATE
+        .lines()
+        .map(|l| match l.strip_prefix('#') {
+            Some(rest) if !rest.starts_with(' ') => format!("{rest}\n"),
+            _ => format!("{l}\n"),
+        })
+        .collect();
+    let all = sound(&all, &[]);
+    assert_eq!((all.expect.len(), all.probe.len(), all.polygon.loops().len()), (1, 1, 2));
+    assert_eq!(Method { refine: None, ..all.method }, Method::default());
+}
+
+#[test]
+fn defaults_are_those_of_the_contract() {
+    let text = "[body]\ncorners = [[0,0],[1,0],[0,1]]\nsides = [\"a\",\"a\",\"b\"]\n[material]\nyoung = \"2*100\"\npoisson = 0.3\n[sides.a]\npressure = 1\n";
+    let scene = sound(text, &[]);
+    let m = scene.method;
+    assert_eq!(
+        (m.tolerance, m.elements, m.degree, m.max_dofs, m.max_steps, m.smoothness),
+        (1e-3, 16, 1, 20_000, 60, 0.6)
+    );
+    assert_eq!((m.refine, m.marking, m.gamma, m.solver), (None, None, None, Solver::Newton));
+    assert_eq!((scene.material.young, scene.title.as_str(), scene.sides.len()), (200.0, "broken.toml", 2));
+    assert!(scene.body_force.is_none() && scene.probe.is_empty() && scene.expect.is_empty());
+}
+
+#[test]
+fn overrides_change_any_key() {
+    let hole = "[[body.holes]]\ncorners = [[0.5, 0.5], [0.6, 0.5], [0.6, 0.6]]\nsides = [\"h\", \"h\", \"h\"]\n";
+    let scene = sound(
+        &(SOUND.to_owned() + hole),
+        &[
+            "method.tolerance=1e-6",
+            "method.refine=\"none\"",
+            "parameters.F = 2",
+            "body.holes.0.corners.2=[0.7, 0.6]",
+            "sides.\"right\".pressure=\"F\"",
+            "sides.top={ displacement = [0, \"free\"] }",
+            "body_force.value=[0, \"-9.81*F\"]",
+            "expect.\"contact.force.y\".value=3",
+            "expect.\"contact.force.y\".tol=1e-3",
+            "expect.audit.friction={ value = 0, tol = 1, source = \"none\" }",
+        ],
+    );
+    assert_eq!((scene.method.tolerance, scene.method.refine), (1e-6, Some(Refine::None)));
+    assert_eq!(scene.polygon.edges()[5].listed(), [[0.6, 0.5], [0.7, 0.6]]);
+    assert!(matches!(&scene.sides[1].condition, Condition::Pressure(p) if p.constant() == Some(2.0)));
+    let Condition::Displacement { values: [Some(u), None], traction: None } = &scene.sides[2].condition else {
+        panic!()
+    };
+    assert_eq!(u.constant(), Some(0.0));
+    assert_eq!(scene.body_force, Some([0.0, -9.81 * 2.0]));
+    let expected =
+        |path: &str, value, tol, source: &str| Expectation { path: path.into(), value, tol, source: source.into() };
+    assert_eq!(
+        scene.expect,
+        [expected("contact.force.y", 3.0, 1e-3, ""), expected("audit.friction", 0.0, 1.0, "none")]
+    );
+    assert_eq!(scene.source.overrides.len(), 10);
+}
+
+#[test]
+fn features_to_come_are_refused_only_after_all_other_checks() {
+    let random = "[random.xi]\ndistribution = \"beta\"\nalpha = 2\nbeta = 2\nlow = 0.1\nhigh = 1\n\
+                  [random.rough]\ncovariance = \"matern32\"\ncorrelation = [0.3, 0.1]\non = \"floor\"\nmodes = 6\nvariables = \"normal\"\n";
+    let text = SOUND.replace("tresca = \"F\"", "tresca = \"xi*exp(rough)\"") + random;
+    assert_eq!(parse(&text, &[]).unwrap_err().kind, SceneErrorKind::NotYetAvailable);
+    // xi is 0.55 in its middle: 0.5 - xi is a negative bound there.
+    let negative = text.replace("xi*exp(rough)", "0.5-xi");
+    assert_eq!(parse(&negative, &[]).unwrap_err().kind, SceneErrorKind::Data);
+    let both = parse(&text, &["method.elements=0"]).unwrap_err();
+    assert_eq!(both.kind, SceneErrorKind::Value);
+}
+
+#[test]
+fn files_that_cannot_be_read_are_named() {
+    for path in ["no/such/scene.toml", env!("CARGO_MANIFEST_DIR")] {
+        let error = Scene::read(Path::new(path), &[]).unwrap_err();
+        assert_eq!((error.kind, error.line()), (SceneErrorKind::Read, None));
+        assert!(error.render().contains(path) && error.help.contains("steklov new"));
+    }
+}
+
+#[test]
+fn a_value_at_a_quadrature_point_is_judged_like_the_samples() {
+    let scene = sound(&SOUND.replace("\"-1\"", "\"1/(x-0.3)\""), &[]);
+    let Condition::Traction([_, load]) = &scene.sides[2].condition else { panic!() };
+    assert_eq!(scene.check_value("top", "traction", load, (1.3, 1.0, 0.5)).unwrap(), 1.0);
+    let error = scene.check_value("top", "traction", load, (0.3, 1.0, 0.5)).unwrap_err();
+    assert_eq!((error.kind, error.line(), error.offending()), (SceneErrorKind::Data, Some(13), "\"1/(x-0.3)\""));
+}
+
+proptest! {
+    #[test]
+    fn damaged_scenes_never_panic(at in 0..SOUND.len(), length in 0..20_usize, put in "\\PC{0,6}") {
+        let end = (at + length).min(SOUND.len());
+        if let Err(error) = parse(&(SOUND[..at].to_owned() + &put + &SOUND[end..]), &[]) {
+            prop_assert!(error.render().contains("broken.toml") && !error.help.is_empty());
+        }
+    }
+
+    #[test]
+    fn no_override_panics(text in "\\PC*|(method|body|sides|[.=\"'\\[\\]{}0-9\n]){0,12}") {
+        if let Err(error) = parse(SOUND, &[&text]) {
+            prop_assert!(!error.render().is_empty());
+        }
+    }
+}

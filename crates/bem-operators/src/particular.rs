@@ -1,0 +1,98 @@
+//! A constant body force, carried by a particular solution.
+
+use crate::{Material, Mesh, Space};
+
+/// Particular solution of div σ(u) + b = 0 for a constant force b per area:
+///
+/// ```text
+/// u_p(x) = -(ξ²/2) b/(λ+2μ),    ξ = b·(x - x_0)/|b|
+/// ```
+/// The strain is uniaxial along b, so the solution turns with the scene, and it stays bounded as ν → ½.
+#[derive(Debug, Clone, Copy)]
+pub struct BodyForce {
+    force: [f64; 2],
+    centre: [f64; 2],
+    material: Material,
+}
+
+impl BodyForce {
+    /// Force per area, and the point x_0 at which the particular solution and its stress vanish.
+    pub fn new(force: [f64; 2], centre: [f64; 2], material: &Material) -> Self {
+        Self { force, centre, material: *material }
+    }
+
+    /// b/|b| and ξ; zero without a force.
+    fn along(&self, x: [f64; 2]) -> ([f64; 2], f64) {
+        let norm = self.force[0].hypot(self.force[1]);
+        let unit = if norm > 0.0 { self.force.map(|b| b / norm) } else { [0.0; 2] };
+        (unit, unit[0] * (x[0] - self.centre[0]) + unit[1] * (x[1] - self.centre[1]))
+    }
+
+    /// u_p.
+    pub fn displacement(&self, x: [f64; 2]) -> [f64; 2] {
+        let modulus = self.material.lambda() + 2.0 * self.material.mu();
+        let xi = self.along(x).1;
+        self.force.map(|b| -0.5 * xi * xi * b / modulus)
+    }
+
+    /// Gradient [[∂x u_x, ∂y u_x], [∂x u_y, ∂y u_y]] of u_p.
+    pub fn gradient(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
+        let modulus = self.material.lambda() + 2.0 * self.material.mu();
+        let (unit, xi) = self.along(x);
+        self.force.map(|b| unit.map(|e| -xi * b * e / modulus))
+    }
+
+    /// σ(u_p): σ_xx, σ_yy, σ_xy, linear in x.
+    pub fn stress(&self, x: [f64; 2]) -> [f64; 3] {
+        self.material.stress(self.gradient(x))
+    }
+
+    /// σ(u_p) n.
+    pub fn traction(&self, x: [f64; 2], n: [f64; 2]) -> [f64; 2] {
+        let [xx, yy, xy] = self.stress(x);
+        [xx * n[0] + xy * n[1], xy * n[0] + yy * n[1]]
+    }
+
+    /// ∫ σ(u_p) n · φ over the whole boundary, for each displacement unknown.
+    pub fn traction_load(&self, mesh: &Mesh, space: &Space) -> Vec<f64> {
+        let mut load = vec![0.0; space.dofs()];
+        for e in 0..mesh.len() {
+            let (n, half) = (mesh.normal(e), mesh.length(e) / 2.0);
+            let basis = space.basis(e);
+            // linear traction times φ: the Lobatto rule is exact from p = 2, Simpson's weights of φ_j for p = 1
+            let ends = [-1.0, 1.0].map(|t| self.traction(mesh.point(e, t), n));
+            for (j, node) in space.element_nodes(e).enumerate() {
+                for i in 0..2 {
+                    let (mean, slope) = ((ends[0][i] + ends[1][i]) / 2.0, (ends[1][i] - ends[0][i]) / 2.0);
+                    // ∫φ_j dt = w_j and ∫ t φ_j dt = w_j t_j, or 1/3 of the sign for p = 1
+                    let first =
+                        if basis.degree == 1 { basis.nodes[j] / 3.0 } else { basis.weights[j] * basis.nodes[j] };
+                    load[2 * node + i] += half * (mean * basis.weights[j] + slope * first);
+                }
+            }
+        }
+        load
+    }
+
+    /// (a(u_p, u_p), ∫_Ω b·u_p): twice the strain energy of u_p and the work of b on it, as boundary integrals.
+    pub fn energies(&self, mesh: &Mesh) -> (f64, f64) {
+        let mut work_of_force = 0.0;
+        let mut work_of_traction = 0.0;
+        let modulus = self.material.lambda() + 2.0 * self.material.mu();
+        let b2 = self.force[0].powi(2) + self.force[1].powi(2);
+        let rule = steklov_quadrature::gauss_legendre(4);
+        for e in 0..mesh.len() {
+            let (n, half) = (mesh.normal(e), mesh.length(e) / 2.0);
+            for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+                let x = mesh.point(e, t);
+                let (unit, xi) = self.along(x);
+                // ∫_Ω ξ² = ∮ ξ³/3 unit·n
+                let flux = xi.powi(3) / 3.0 * (unit[0] * n[0] + unit[1] * n[1]);
+                work_of_force -= w * half * 0.5 * b2 / modulus * flux;
+                let (t, u) = (self.traction(x, n), self.displacement(x));
+                work_of_traction += w * half * (t[0] * u[0] + t[1] * u[1]);
+            }
+        }
+        (work_of_traction + work_of_force, work_of_force)
+    }
+}

@@ -1,0 +1,87 @@
+//! The judge: how well a displacement and multipliers obey all conditions, whatever computed them.
+
+use crate::linear::{largest, product};
+use crate::{Problem, Solution};
+
+/// Relative violation of each condition of a contact problem; all 0 for an exact solution. A scale of 0 gives 0.
+///
+/// With u the unknowns v, g the gaps, F the finite friction bounds, λ the multipliers:
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Kkt {
+    /// max |S v + Bᵀλ - f| / (max |S v| + max |f|).
+    pub equilibrium: f64,
+    /// max (u_n - g)⁺ / (max |u| + max |g|).
+    pub penetration: f64,
+    /// max (-λ_n)⁺ / max |λ|.
+    pub tension: f64,
+    /// max |λ_n (g - u_n)| / (max |λ| (max |u| + max |g|)).
+    pub complementarity: f64,
+    /// The largest of (|λ_t| - F)⁺ / (max |λ| + max F) and of |F|u_t| - λ_t u_t| / ((max |λ| + max F)(max |u| + max |g|));
+    /// for an infinite F, |u_t| / (max |u| + max |g|).
+    pub friction: f64,
+}
+
+impl Kkt {
+    /// The largest of the five; NaN if one of them is.
+    pub fn worst(&self) -> f64 {
+        largest([self.equilibrium, self.penetration, self.tension, self.complementarity, self.friction])
+    }
+}
+
+/// Judges `solution` against `problem`. A condition whose weight is 0 is not judged, and its multiplier has no force.
+///
+/// # Panics
+/// If the sizes of the solution are not those of the problem.
+pub fn kkt(problem: &Problem, solution: &Solution) -> Kkt {
+    let v = &solution.displacement;
+    let conditions = || problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)));
+    assert_eq!(v.len(), problem.load.len(), "one displacement for each unknown");
+    assert_eq!(conditions().count(), solution.multipliers.len(), "one pair of multipliers for each condition");
+    let elastic = product(&problem.stiffness, v);
+    let mut residual: Vec<f64> = elastic.iter().zip(&problem.load).map(|(s, f)| s - f).collect();
+    for ((node, c), &[normal, shear]) in conditions().zip(&solution.multipliers) {
+        for i in 0..node.unknowns {
+            residual[node.first + i] +=
+                c.normal_weight * normal * c.normal[i] + c.tangent_weight * shear * c.tangent[i];
+        }
+    }
+    let pairs = || conditions().zip(&solution.multipliers);
+    let length = largest(v.iter().copied())
+        + largest(conditions().filter(|(_, c)| c.normal_weight > 0.0).map(|(_, c)| c.gap));
+    let lambda = largest(solution.multipliers.iter().flatten().copied());
+    let bounds = conditions().filter(|(_, c)| c.tangent_weight > 0.0 && c.bound.is_finite()).map(|(_, c)| c.bound);
+    let stress = lambda + largest(bounds);
+    let (mut penetration, mut tension, mut complementarity, mut friction) = (vec![], vec![], vec![], vec![]);
+    for ((node, c), &[normal, shear]) in pairs() {
+        let w = node.pick(v);
+        if c.normal_weight > 0.0 {
+            let opening = c.opening(w);
+            penetration.push(relative((-opening).max(0.0), length));
+            tension.push(relative((-normal).max(0.0), lambda));
+            complementarity.push(relative(normal * opening, lambda * length));
+        }
+        if c.tangent_weight > 0.0 {
+            let slip = c.slip(w);
+            if c.bound.is_finite() {
+                friction.push(relative((shear.abs() - c.bound).max(0.0), stress));
+                friction.push(relative(c.bound * slip.abs() - shear * slip, stress * length));
+            } else {
+                friction.push(relative(slip, length));
+            }
+        }
+    }
+    Kkt {
+        equilibrium: relative(
+            largest(residual),
+            largest(elastic) + largest(problem.load.iter().copied()),
+        ),
+        penetration: largest(penetration),
+        tension: largest(tension),
+        complementarity: largest(complementarity),
+        friction: largest(friction),
+    }
+}
+
+fn relative(value: f64, scale: f64) -> f64 {
+    if scale == 0.0 { 0.0 } else { value / scale }
+}

@@ -1,0 +1,109 @@
+//! Dense linear systems that may be singular.
+
+use faer::prelude::*;
+use faer::{Mat, Side};
+
+use crate::ContactError;
+
+/// Squared Cholesky pivot over diagonal entry, or relative pivot of a triangular factor, below which a matrix is not
+/// trusted to be regular and its spectrum decides.
+const PIVOT: f64 = 1e-10;
+/// Eigenvalues and singular values below this part of the largest count as zero.
+const CUTOFF: f64 = 1e-13;
+
+/// Solves K x = b with K symmetric and positive semi-definite; the solution of least norm (of least residual when b is
+/// outside the range) if K is numerically singular.
+pub(crate) fn solve_semidefinite(k: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, ContactError> {
+    let n = b.len();
+    if n == 0 {
+        return Ok(Vec::new());
+    }
+    if let Ok(factor) = k.llt(Side::Lower) {
+        let l = factor.L();
+        if (0..n).all(|i| l[(i, i)].powi(2) > PIVOT * k[(i, i)]) {
+            return Ok(column(&factor.solve(to_matrix(b))));
+        }
+    }
+    let eigen = k.self_adjoint_eigen(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
+    let (u, s) = (eigen.U(), eigen.S());
+    let largest = (0..n).fold(0.0f64, |m, j| m.max(s[j].abs()));
+    let mut coefficients = u.transpose() * to_matrix(b);
+    for j in 0..n {
+        coefficients[(j, 0)] = if s[j].abs() > CUTOFF * largest { coefficients[(j, 0)] / s[j] } else { 0.0 };
+    }
+    Ok(column(&(u * coefficients)))
+}
+
+/// Solves A x = b with A square; the least-squares solution of least norm if A is numerically singular.
+pub(crate) fn solve_general(a: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, ContactError> {
+    let n = b.len();
+    let factor = a.partial_piv_lu();
+    let u = factor.U();
+    let largest = (0..n).fold(0.0f64, |m, i| m.max(u[(i, i)].abs()));
+    if (0..n).all(|i| u[(i, i)].abs() > PIVOT * largest) {
+        return Ok(column(&factor.solve(to_matrix(b))));
+    }
+    let svd = a.svd().map_err(|_| ContactError::Decomposition { size: n })?;
+    let (u, v, s) = (svd.U(), svd.V(), svd.S());
+    let mut coefficients = u.transpose() * to_matrix(b);
+    for j in 0..n {
+        coefficients[(j, 0)] = if s[j] > CUTOFF * s[0] { coefficients[(j, 0)] / s[j] } else { 0.0 };
+    }
+    Ok(column(&(v * coefficients)))
+}
+
+/// S v, with the sums in the order of the columns.
+pub(crate) fn product(s: &Mat<f64>, v: &[f64]) -> Vec<f64> {
+    let mut sum = vec![0.0; s.nrows()];
+    for (j, x) in v.iter().enumerate() {
+        sum.iter_mut().zip(s.col_as_slice(j)).for_each(|(sum, s)| *sum += s * x);
+    }
+    sum
+}
+
+/// Largest absolute value, 0 of nothing, NaN if there is one.
+pub(crate) fn largest(values: impl IntoIterator<Item = f64>) -> f64 {
+    values.into_iter().map(f64::abs).fold(0.0, |m, x| if x > m || x.is_nan() { x } else { m })
+}
+
+fn to_matrix(b: &[f64]) -> Mat<f64> {
+    Mat::from_fn(b.len(), 1, |i, _| b[i])
+}
+
+fn column(x: &Mat<f64>) -> Vec<f64> {
+    (0..x.nrows()).map(|i| x[(i, 0)]).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_singular_matrix_gives_the_solution_of_least_norm() {
+        // K = [1 -1; -1 1]: K x = (1, -1) has the solutions (s, s - 1); the shortest is (1/2, -1/2)
+        let k = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { -1.0 });
+        for x in [solve_semidefinite(&k, &[1.0, -1.0]).unwrap(), solve_general(&k, &[1.0, -1.0]).unwrap()] {
+            assert!((x[0] - 0.5).abs() < 1e-15 && (x[1] + 0.5).abs() < 1e-15, "{x:?}");
+        }
+        // a part outside the range is left alone, never divided by roundoff
+        for x in [solve_semidefinite(&k, &[2.0, 0.0]).unwrap(), solve_general(&k, &[2.0, 0.0]).unwrap()] {
+            assert!((x[0] - 0.5).abs() < 1e-15 && (x[1] + 0.5).abs() < 1e-15, "{x:?}");
+        }
+    }
+
+    #[test]
+    fn a_regular_matrix_is_solved() {
+        let k = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 1.0 / (1.0 + (i + j) as f64) });
+        let x = [1.0, -2.0, 3.0];
+        let b = product(&k, &x);
+        for y in [solve_semidefinite(&k, &b).unwrap(), solve_general(&k, &b).unwrap()] {
+            assert!(largest((0..3).map(|i| x[i] - y[i])) < 1e-14);
+        }
+    }
+
+    #[test]
+    fn a_nan_is_not_hidden() {
+        assert!(largest([1.0, f64::NAN, 2.0]).is_nan());
+        assert_eq!(largest([1.0, -3.0, 2.0]), 3.0);
+    }
+}

@@ -1,0 +1,7 @@
+//! Tests that compare all solvers with each other and with oracles.
+
+mod floating;
+mod laws;
+mod oracle;
+mod refusals;
+mod solvers;

@@ -1,0 +1,83 @@
+//! Brute force over all active sets.
+
+use faer::Mat;
+
+use crate::Problem;
+
+/// The solution v of a problem with a positive definite stiffness, by trying every combination of contact or apart, and
+/// stick or slip either way: linear systems in v and the multipliers of what is on, kept when all inequalities hold.
+pub fn brute_force(problem: &Problem) -> Vec<f64> {
+    // (first unknown, unknowns, direction, at, low, high, states to try)
+    let mut rows = Vec::new();
+    for node in &problem.nodes {
+        for c in &node.conditions {
+            rows.push((node.first, node.unknowns, c.normal, c.gap, 0.0, f64::INFINITY, vec![0, 1]));
+            let high = c.tangent_weight * c.bound;
+            let states = if high == 0.0 { vec![2] } else if high.is_infinite() { vec![0] } else { vec![0, 1, 2] };
+            rows.push((node.first, node.unknowns, c.tangent, -c.slip_offset, -high, high, states));
+        }
+    }
+    let combinations: usize = rows.iter().map(|r| r.6.len()).product();
+    let m = problem.load.len();
+    let mut best: Option<(f64, Vec<f64>)> = None;
+    for mut number in 0..combinations {
+        let states: Vec<usize> = rows
+            .iter()
+            .map(|r| {
+                let s = r.6[number % r.6.len()];
+                number /= r.6.len();
+                s
+            })
+            .collect(); // 0 on, 1 below, 2 above
+        let on: Vec<usize> = (0..rows.len()).filter(|&i| states[i] == 0).collect();
+        let size = m + on.len();
+        let mut a = Mat::zeros(size, size);
+        let mut b = Mat::zeros(size, 1);
+        for i in 0..m {
+            b[(i, 0)] = problem.load[i];
+            for j in 0..m {
+                a[(i, j)] = problem.stiffness[(i, j)];
+            }
+        }
+        for (i, row) in rows.iter().enumerate() {
+            let x = [f64::NAN, row.4, row.5][states[i]];
+            for k in 0..row.1 {
+                if let Some(p) = on.iter().position(|&o| o == i) {
+                    a[(row.0 + k, m + p)] = row.2[k];
+                    a[(m + p, row.0 + k)] = row.2[k];
+                    b[(m + p, 0)] = row.3;
+                } else {
+                    b[(row.0 + k, 0)] -= x * row.2[k];
+                }
+            }
+        }
+        let singular = a.singular_values().unwrap();
+        if singular[size - 1] < 1e-11 * singular[0] {
+            continue; // dependent conditions: fewer of them carry the same forces
+        }
+        use faer::prelude::*;
+        let z = a.full_piv_lu().solve(&b);
+        let (mut wrong, stress) = (0.0f64, (0..m).fold(0.0f64, |s, i| s.max(problem.load[i].abs())));
+        for (i, row) in rows.iter().enumerate() {
+            let s = (0..row.1).map(|k| row.2[k] * z[(row.0 + k, 0)]).sum::<f64>() - row.3;
+            wrong = wrong.max(match states[i] {
+                0 => {
+                    let x = z[(m + on.iter().position(|&o| o == i).unwrap(), 0)];
+                    (x - row.5).max(row.4 - x) / stress
+                }
+                1 => s,
+                _ => -s,
+            });
+        }
+        if best.as_ref().is_none_or(|b| wrong < b.0) {
+            best = Some((wrong, (0..m).map(|i| z[(i, 0)]).collect()));
+        }
+    }
+    let (wrong, v) = best.expect("some combination is regular");
+    assert!(wrong < 1e-9, "no combination satisfies all inequalities: the best misses by {wrong:e}");
+    v
+}
+
+pub fn distance(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |m, (a, b)| m.max((a - b).abs()))
+}

@@ -1,0 +1,99 @@
+//! All solvers against brute force, and limits of the law.
+
+use proptest::prelude::*;
+
+use super::oracle::{brute_force, distance};
+use crate::proptest::{Friction, mixed, ordinary};
+use crate::{ContactNode, Problem, Solution, Start, active_set, kkt, newton, uzawa};
+
+/// The three answers; each must have converged and pass the judge.
+fn all(problem: &Problem) -> Vec<Solution> {
+    let answers =
+        vec![active_set(problem, None).unwrap(), newton(problem, None).unwrap(), uzawa(problem, None, None).unwrap()];
+    for (i, answer) in answers.iter().enumerate() {
+        let judged = kkt(problem, answer);
+        assert!(answer.converged(), "solver {i}: {:?} {:?}", answer.outcome, answer.history);
+        assert!(judged.worst() <= if i == 2 { 1e-9 } else { 1e-10 }, "solver {i}: {judged:?}");
+    }
+    answers
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(96))]
+
+    #[test]
+    fn ordinary_nodes_equal_brute_force(problem in ordinary(4, Friction::Tresca)) {
+        let exact = brute_force(&problem);
+        for answer in all(&problem) {
+            prop_assert!(distance(&answer.displacement, &exact) < 1e-9, "{:?} {exact:?}", answer);
+        }
+    }
+
+    #[test]
+    fn eight_nodes_without_friction_equal_brute_force(problem in ordinary(8, Friction::None)) {
+        let exact = brute_force(&problem);
+        for answer in all(&problem) {
+            prop_assert!(distance(&answer.displacement, &exact) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn eight_nodes_in_full_stick_equal_brute_force(problem in ordinary(8, Friction::Stick)) {
+        let exact = brute_force(&problem);
+        for answer in all(&problem) {
+            prop_assert!(distance(&answer.displacement, &exact) < 1e-9);
+        }
+    }
+
+    #[test]
+    fn corners_and_oblique_nodes_equal_brute_force(problem in mixed(2)) {
+        let exact = brute_force(&problem);
+        for answer in all(&problem) {
+            prop_assert!(distance(&answer.displacement, &exact) < 1e-9, "{answer:?} {exact:?}");
+        }
+    }
+
+    #[test]
+    fn larger_mixed_problems_have_one_answer(problem in mixed(8)) {
+        let answers = all(&problem);
+        for answer in &answers[1..] {
+            prop_assert!(distance(&answer.displacement, &answers[0].displacement) < 1e-9);
+        }
+        let least = problem.energy(&answers[0].displacement);
+        for answer in &answers {
+            prop_assert!((problem.energy(&answer.displacement) - least).abs() <= 1e-9 * problem.stiffness[(0, 0)]);
+        }
+    }
+
+    #[test]
+    fn a_huge_bound_is_stick_and_a_weightless_shear_is_frictionless(problem in ordinary(8, Friction::Tresca)) {
+        let with = |change: &dyn Fn(&mut crate::Condition)| {
+            let mut p = problem.clone();
+            p.nodes.iter_mut().flat_map(|n: &mut ContactNode| &mut n.conditions).for_each(change);
+            active_set(&p, None).unwrap().displacement
+        };
+        let huge = with(&|c| c.bound = 1e6 * problem.stiffness.norm_max() / c.tangent_weight);
+        prop_assert!(distance(&huge, &with(&|c| c.bound = f64::INFINITY)) < 1e-9);
+        prop_assert!(distance(&with(&|c| c.bound = 0.0), &with(&|c| c.tangent_weight = 0.0)) < 1e-9);
+    }
+
+    #[test]
+    fn a_solution_is_its_own_start(problem in mixed(6)) {
+        let cold = active_set(&problem, None).unwrap();
+        let start = Start { displacement: &cold.displacement, multipliers: &cold.multipliers };
+        let warm = active_set(&problem, Some(start)).unwrap();
+        prop_assert!(warm.iterations <= 2 && distance(&warm.displacement, &cold.displacement) < 1e-9);
+        let warm = newton(&problem, Some(start)).unwrap();
+        prop_assert!(warm.iterations <= 2 && distance(&warm.displacement, &cold.displacement) < 1e-9);
+    }
+
+    #[test]
+    fn the_answer_has_the_least_energy(problem in mixed(6), other in proptest::collection::vec(-1.0..1.0f64, 12), t in 0.0..1.0f64) {
+        let v = active_set(&problem, None).unwrap().displacement;
+        let w: Vec<f64> = v.iter().zip(&other).map(|(v, o)| v + t * o).collect();
+        let open = problem.nodes.iter().all(|n| n.conditions.iter().all(|c| c.opening(n.pick(&w)) >= 0.0));
+        if open {
+            prop_assert!(problem.energy(&w) >= problem.energy(&v) - 1e-10 * problem.stiffness.norm_max());
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! Uzawa's iteration: projected gradient on the dual.
+
+use faer::linalg::solvers::DenseSolveCore;
+use faer::{Mat, Side};
+
+use crate::linear::{largest, product};
+use crate::multipliers::status;
+use crate::{ContactError, Outcome, Problem, Solution, Start};
+
+/// Relative displacement residual at which the iteration ends.
+const TOLERANCE: f64 = 1e-11;
+/// Most iterations.
+const LIMIT: usize = 200_000;
+/// S counts as singular below this part of its largest eigenvalue.
+const COERCIVE: f64 = 1e-12;
+/// The iteration is given up when the residual has grown by this factor.
+const GROWTH: f64 = 1e6;
+
+/// Solves the problem by λ ← P(λ + ρ (B v - g)), v = S⁻¹(f - Bᵀ D λ).
+///
+/// B v are the normal and tangential displacements of all conditions, P is the projection on λ_n ≥ 0 and |λ_t| ≤ F. The
+/// step is ρ = 1.9/λ_max(Q), Q = D^½ B S⁻¹ Bᵀ D^½; the iteration contracts for 0 < ρ < 2/λ_max(Q). `step` overrides it (stress over
+/// length). It ends when the projected gradient is below 1e-11 of the displacements and gaps. Where multipliers are not unique (corners) it finds some.
+///
+/// *Use when*: as an independent reference. *Fails when*: S is singular; a forced step is too large ([`Outcome::Diverged`]);
+/// the condition number of Q is so large that 200 000 iterations do not do. *Cost*: an eigenvalue decomposition
+/// of Q, then one product with Q an iteration, and as many iterations as Q's condition number times ten.
+///
+/// # Errors
+/// [`ContactError::NotCoercive`] if S is singular; [`ContactError::Inconsistent`] from [`Problem::check`], a start of wrong size or
+/// a step that is not positive and finite.
+///
+/// Source: Glowinski, Lions and Trémolières, Numerical Analysis of Variational Inequalities (1981), chapter 2.
+pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
+    problem.check()?;
+    let rows = rows(problem);
+    let mut lambda = vec![0.0; rows.len()];
+    if let Some(start) = start {
+        start.nodal_force(problem)?;
+        lambda = start.multipliers.as_flattened().to_vec();
+    }
+    if let Some(step) = step
+        && !(step > 0.0 && step.is_finite())
+    {
+        return Err(ContactError::Inconsistent { what: format!("Uzawa's step is {step}; it must be positive and finite") });
+    }
+    let (n, m) = (rows.len(), problem.load.len());
+    let inverse = coercive_inverse(problem)?;
+    let b = Mat::from_fn(n, m, |k, j| rows[k].entry(j));
+    let mut dual = &b * &inverse * b.transpose(); // B S⁻¹ Bᵀ
+    for i in 0..n {
+        for j in 0..n {
+            dual[(i, j)] *= rows[j].weight;
+        }
+    }
+    let load = Mat::from_fn(m, 1, |i, _| problem.load[i]);
+    let unloaded = &b * &inverse * &load;
+    let scaled = Mat::from_fn(n, n, |i, j| {
+        if rows[j].weight == 0.0 { 0.0 } else { dual[(i, j)] * (rows[i].weight / rows[j].weight).sqrt() }
+    });
+    let spectrum = scaled.self_adjoint_eigenvalues(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
+    let top = largest(spectrum);
+    let safe = if top > 0.0 { 2.0 / top } else { 1.0 };
+    let step = step.unwrap_or(0.95 * safe);
+    let gaps = largest(rows.iter().filter(|r| r.weight > 0.0 && r.low == 0.0).map(|r| r.at));
+    let (mut history, mut outcome) = (Vec::new(), Outcome::IterationLimit);
+    for _ in 0..LIMIT {
+        let applied = product(&dual, &lambda);
+        let (mut change, mut size) = (0.0f64, gaps);
+        for (i, row) in rows.iter().enumerate() {
+            let u = unloaded[(i, 0)] - applied[i];
+            let next = if row.weight > 0.0 { (lambda[i] + step * (u - row.at)).max(row.low).min(row.high) } else { 0.0 };
+            change = change.max((next - lambda[i]).abs() / step);
+            size = size.max(u.abs());
+            lambda[i] = next;
+        }
+        history.push(if size == 0.0 { 0.0 } else { change / size });
+        if change <= TOLERANCE * size {
+            outcome = Outcome::Converged;
+            break;
+        }
+        if !change.is_finite() || change / size > GROWTH * history[0] {
+            outcome = Outcome::Diverged;
+            break;
+        }
+    }
+    if outcome == Outcome::IterationLimit && step >= safe {
+        outcome = Outcome::Diverged;
+    }
+    let unbalanced = Mat::from_fn(m, 1, |j, _| {
+        problem.load[j] - (0..n).map(|k| rows[k].entry(j) * rows[k].weight * lambda[k]).sum::<f64>()
+    });
+    let displacement: Vec<f64> = (inverse * unbalanced).col_as_slice(0).to_vec();
+    let multipliers = lambda.as_chunks().0.to_vec();
+    let status = status(problem, &displacement, &multipliers);
+    Ok(Solution { displacement, multipliers, status, iterations: history.len(), outcome, history })
+}
+
+/// One multiplier: its row of B, its weight, the displacement it prescribes and its bounds.
+struct Row {
+    first: usize,
+    unknowns: usize,
+    direction: [f64; 2],
+    weight: f64,
+    at: f64,
+    low: f64,
+    high: f64,
+}
+
+impl Row {
+    fn entry(&self, unknown: usize) -> f64 {
+        let own = self.first..self.first + self.unknowns;
+        if own.contains(&unknown) { self.direction[unknown - self.first] } else { 0.0 }
+    }
+}
+
+/// Normal and tangential row of every condition.
+fn rows(problem: &Problem) -> Vec<Row> {
+    let mut rows = Vec::new();
+    for node in &problem.nodes {
+        let (first, unknowns) = (node.first, node.unknowns);
+        for c in &node.conditions {
+            let (direction, weight, at) = (c.normal, c.normal_weight, c.gap);
+            rows.push(Row { first, unknowns, direction, weight, at, low: 0.0, high: f64::INFINITY });
+            let (direction, weight, at) = (c.tangent, c.tangent_weight, -c.slip_offset);
+            rows.push(Row { first, unknowns, direction, weight, at, low: -c.bound, high: c.bound });
+        }
+    }
+    rows
+}
+
+/// S⁻¹, or the refusal of a singular S.
+fn coercive_inverse(problem: &Problem) -> Result<Mat<f64>, ContactError> {
+    let size = problem.load.len();
+    let failed = |_| ContactError::Decomposition { size };
+    let s = problem.stiffness.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
+    let smallest = s.iter().copied().fold(f64::INFINITY, f64::min);
+    let largest = s.iter().copied().fold(0.0, f64::max);
+    if smallest <= COERCIVE * largest {
+        return Err(ContactError::NotCoercive { smallest, largest });
+    }
+    let factor = problem.stiffness.llt(Side::Lower).map_err(|_| ContactError::NotCoercive { smallest, largest })?;
+    Ok(factor.inverse())
+}
