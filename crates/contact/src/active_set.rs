@@ -13,6 +13,11 @@ const TOLERANCE: f64 = 1e-12;
 const ACCEPTED: f64 = 1e-10;
 /// Steps without fewer changes before one node is changed at a time.
 const PATIENCE: usize = 8;
+/// Steps, besides two for each node, before the stiffness is regularised.
+const LIMIT: usize = 60;
+/// Regularised problems that are tried, and the first regularisation, relative to the diagonal of S.
+const ROUNDS: i32 = 30;
+const REGULARISATION: f64 = 1e-2;
 
 /// Where a solver starts: a displacement and multipliers of the shapes of [`Solution`].
 #[derive(Debug, Clone, Copy)]
@@ -29,11 +34,12 @@ pub struct Start<'a> {
 /// the others. The linear system of all pieces gives v and R = f - S v; then each node that violates its piece takes
 /// the one on which v + C⁻¹R lies, C = diag S (for an ordinary node: λ_n + c(u_n - g) > 0 is contact,
 /// λ_t + c u_t outside [-F, F] is slip, c = S_ii/D_i). It ends when no node does. If the number of changes has not
-/// fallen for 8 steps, only the last node that is wrong changes (Murty's rule). Without a start all nodes begin in contact
-/// and stick.
+/// fallen for 8 steps, only the last node that is wrong changes, by one line (Murty's rule), and if that does not end either (which semi-definite S
+/// allows), the sets of problems with a slightly increased stiffness, centred at the last iterate (proximal points), are
+/// tried. Without a start all nodes begin in contact and stick.
 ///
 /// *Use when*: always a good choice; 2 to 7 steps are usual. *Fails when*: it cycles beyond the iteration limit (then the best iterate is
-/// returned, marked). A singular system (a floating body) is solved in the least norm; a load on its free motion moves
+/// returned, marked so). A singular system (a floating body) is solved in the least norm; a load on its free motion moves
 /// the body along it until the first condition stops it. *Cost*: one dense factorisation a step.
 ///
 /// # Errors
@@ -163,12 +169,55 @@ pub(crate) fn violations(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &
         .collect()
 }
 
-/// The method itself, from given pieces.
-pub(crate) fn iterate(problem: &Problem, laws: &[Law], mut pieces: Vec<Piece>) -> Result<Solution, ContactError> {
-    let limit = 100 + 10 * problem.nodes.len();
-    let (mut fewest, mut waited, mut history) = (usize::MAX, 0, Vec::new());
-    let mut best: Option<(f64, Vec<Piece>, Linear)> = None;
-    let (measure, pieces, linear) = loop {
+/// The method itself, from given pieces; if it does not settle, by way of regularised problems.
+pub(crate) fn iterate(problem: &Problem, laws: &[Law], pieces: Vec<Piece>) -> Result<Solution, ContactError> {
+    let mut history = Vec::new();
+    let mut best = settle(problem, laws, pieces, &mut history)?;
+    let mut centre = best.linear.displacement.clone();
+    for round in 0..ROUNDS {
+        if best.measure <= ACCEPTED {
+            break;
+        }
+        let regular = regularised(problem, &centre, REGULARISATION * 0.1f64.powi(round.min(6)));
+        let near = settle(&regular, laws, best.pieces.clone(), &mut history)?;
+        let tried = settle(problem, laws, near.pieces, &mut history)?;
+        centre = near.linear.displacement;
+        if tried.measure < best.measure {
+            best = tried;
+        }
+    }
+    let outcome = if best.measure <= ACCEPTED { Outcome::Converged } else { Outcome::IterationLimit };
+    Ok(solution(problem, laws, &best.pieces, best.linear.displacement, &best.linear.force, history, outcome))
+}
+
+/// The problem with ½ ε (v - centre)ᵀ C (v - centre) added, whose stiffness is positive definite.
+fn regularised(problem: &Problem, centre: &[f64], epsilon: f64) -> Problem {
+    let mut regular = problem.clone();
+    for (i, v) in centre.iter().enumerate() {
+        let c = epsilon * problem.stiffness[(i, i)];
+        regular.stiffness[(i, i)] += c;
+        regular.load[i] += c * v;
+    }
+    regular
+}
+
+/// Pieces, the solution of their linear system, and how much it violates the law.
+struct Settled {
+    measure: f64,
+    pieces: Vec<Piece>,
+    linear: Linear,
+}
+
+/// Changes pieces until none is violated or the limit is reached; the best iterate.
+fn settle(
+    problem: &Problem,
+    laws: &[Law],
+    mut pieces: Vec<Piece>,
+    history: &mut Vec<f64>,
+) -> Result<Settled, ContactError> {
+    let limit = LIMIT + 2 * pieces.len();
+    let (mut fewest, mut waited, mut best) = (usize::MAX, 0, None::<Settled>);
+    for _ in 0..limit {
         let linear = solve_pieces(problem, laws, &pieces)?;
         let (v, r) = (&linear.displacement, &linear.force);
         let wrong = violations(problem, laws, &pieces, v, r);
@@ -179,27 +228,30 @@ pub(crate) fn iterate(problem: &Problem, laws: &[Law], mut pieces: Vec<Piece>) -
         let measure = largest(wrong).max(unbalanced);
         history.push(measure);
         let mut next = pieces.clone();
-        if changes.is_empty() && unbalanced > ACCEPTED {
+        if unbalanced > ACCEPTED {
             let (n, i) = stopped(problem, laws, &pieces, &linear)?;
-            next[n][i] = Branch::On;
+            if changes.is_empty() {
+                next[n][i] = Branch::On;
+            }
         }
-        let last = if waited > PATIENCE { changes.len().saturating_sub(1) } else { 0 };
-        for &i in &changes[last..] {
-            next[i] = proposed[i].clone();
+        if waited <= PATIENCE {
+            changes.iter().for_each(|&i| next[i] = proposed[i].clone());
+        } else if let Some(&i) = changes.last() {
+            let node = &problem.nodes[i];
+            let neighbour = laws[i].neighbour(&pieces[i], node.pick(v), node.pick(r));
+            next[i] = neighbour.unwrap_or_else(|| proposed[i].clone());
         }
         let settled = next == pieces;
         let current = std::mem::replace(&mut pieces, next);
-        if settled || best.as_ref().is_none_or(|b| measure < b.0) {
-            best = Some((measure, current, linear));
+        if settled || best.as_ref().is_none_or(|b| measure < b.measure) {
+            best = Some(Settled { measure, pieces: current, linear });
         }
         (fewest, waited) = if changes.len() < fewest { (changes.len(), 0) } else { (fewest, waited + 1) };
-        let good = best.as_ref().is_some_and(|b| b.0 <= ACCEPTED);
-        if settled || waited > 2 * PATIENCE && good || history.len() == limit {
-            break best.expect("the first step is the best so far");
+        if settled || waited > 2 * PATIENCE && best.as_ref().is_some_and(|b| b.measure <= ACCEPTED) {
+            break;
         }
-    };
-    let outcome = if measure <= ACCEPTED { Outcome::Converged } else { Outcome::IterationLimit };
-    Ok(solution(problem, laws, &pieces, linear.displacement, &linear.force, history, outcome))
+    }
+    Ok(best.expect("at least one step is done"))
 }
 
 /// Largest part of the load that no condition and no stiffness carries, relative.

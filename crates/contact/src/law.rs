@@ -189,6 +189,27 @@ impl Law {
         (length, force)
     }
 
+    /// The neighbouring piece across the last line that (v, R) violates: a kink that is off goes on, one that is on goes
+    /// off to the side of its force. None if that would put too many lines on.
+    pub fn neighbour(&self, piece: &[Branch], v: [f64; 2], r: [f64; 2]) -> Option<Piece> {
+        let forces = self.forces(piece, r);
+        let moves = |i: usize| {
+            let (kink, x) = (self.kinks[i], forces[i]);
+            let distance = dot(kink.direction, v) - kink.at;
+            match piece[i] {
+                Below => (distance > 0.0).then_some(On),
+                Above => (distance < 0.0).then_some(On),
+                On if x > kink.high => Some(Above),
+                On if x < kink.low => Some(Below),
+                On => None,
+            }
+        };
+        let (i, branch) = (0..piece.len()).rev().find_map(|i| Some((i, moves(i)?)))?;
+        let mut next = piece.to_vec();
+        next[i] = branch;
+        self.pieces.contains(&next).then_some(next)
+    }
+
     /// The value w of the affine map of `piece` at z.
     fn apply(&self, piece: &[Branch], z: [f64; 2]) -> [f64; 2] {
         let (c, off) = (self.metric, self.off_force(piece));

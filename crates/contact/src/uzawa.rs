@@ -20,7 +20,7 @@ const GROWTH: f64 = 1e6;
 ///
 /// B v are the normal and tangential displacements of all conditions, P is the projection on λ_n ≥ 0 and |λ_t| ≤ F. The
 /// step is ρ = 1.9/λ_max(Q), Q = D^½ B S⁻¹ Bᵀ D^½; the iteration contracts for 0 < ρ < 2/λ_max(Q). `step` overrides it (stress over
-/// length). It ends when the projected gradient is below 1e-11 of the displacements and gaps. Where multipliers are not unique (corners) it finds some.
+/// length). It ends when the projected gradient is below 1e-11 of the gaps and the displacements without contact. Where multipliers are not unique (corners) it finds some.
 ///
 /// *Use when*: as an independent reference. *Fails when*: S is singular; a forced step is too large ([`Outcome::Diverged`]);
 /// the condition number of Q is so large that 200 000 iterations do not do. *Cost*: an eigenvalue decomposition
@@ -63,15 +63,16 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
     let safe = if top > 0.0 { 2.0 / top } else { 1.0 };
     let step = step.unwrap_or(0.95 * safe);
     let gaps = largest(rows.iter().filter(|r| r.weight > 0.0 && r.low == 0.0).map(|r| r.at));
+    // the displacement without contact is the scale: in full contact and stick the true one vanishes
+    let size = gaps + largest((0..n).map(|i| unloaded[(i, 0)]));
     let (mut history, mut outcome) = (Vec::new(), Outcome::IterationLimit);
     for _ in 0..LIMIT {
         let applied = product(&dual, &lambda);
-        let (mut change, mut size) = (0.0f64, gaps);
+        let mut change = 0.0f64;
         for (i, row) in rows.iter().enumerate() {
             let u = unloaded[(i, 0)] - applied[i];
             let next = if row.weight > 0.0 { (lambda[i] + step * (u - row.at)).max(row.low).min(row.high) } else { 0.0 };
             change = change.max((next - lambda[i]).abs() / step);
-            size = size.max(u.abs());
             lambda[i] = next;
         }
         history.push(if size == 0.0 { 0.0 } else { change / size });
@@ -79,7 +80,7 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
             outcome = Outcome::Converged;
             break;
         }
-        if !change.is_finite() || change / size > GROWTH * history[0] {
+        if !change.is_finite() || change > GROWTH * size {
             outcome = Outcome::Diverged;
             break;
         }

@@ -16,7 +16,8 @@
 //! let pressure = Label { unit: "stress", meaning: "contact pressure, positive in compression", axes: &["contact node"] };
 //! create_atomically(&path, false, |file| save_vector(file, "pressure", &[0.0, 18.8], &pressure))?;
 //!
-//! assert_eq!(load_vector(&open(&path)?, "pressure")?, [0.0, 18.8]);
+//! let file = open(&path)?;
+//! assert_eq!(load_vector(&file, "pressure")?, [0.0, 18.8]);
 //! assert!(matches!(create_atomically(&path, false, |_| Ok(())), Err(IoError::Exists { .. })));
 //! # Ok::<(), IoError>(())
 //! ```

@@ -80,7 +80,7 @@ pub fn legendre_q_at(z: Complex64, out: &mut [Complex64]) {
 
 /// Principal values Q_0(x), .., Q_N(x), N = `out.len()`-1, on the cut -1 < x < 1: half of p.v. ∫ P_n(t)/(x-t) dt.
 ///
-/// Infinite at ±1, not a number outside [-1,1].
+/// Not finite at ±1, not a number outside [-1,1].
 pub fn legendre_q_cut(x: f64, out: &mut [f64]) {
     legendre_q_cut_from(1.0 - x, 1.0 + x, out);
 }

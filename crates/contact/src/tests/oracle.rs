@@ -66,6 +66,7 @@ pub fn brute_force(problem: &Problem) -> Vec<f64> {
                     (x - row.5).max(row.4 - x) / stress
                 }
                 1 => s,
+                _ if row.5 == 0.0 => 0.0, // without friction either way of slip is right
                 _ => -s,
             });
         }

@@ -44,7 +44,7 @@ proptest! {
         let mut apart = problem.clone();
         apart.nodes.iter_mut().for_each(|n| n.conditions[0].gap = 1e3);
         for answer in [active_set(&apart, None).unwrap(), newton(&apart, None).unwrap(), uzawa(&apart, None, None).unwrap()] {
-            prop_assert!(answer.converged() && answer.status.iter().all(|s| *s == Status::Apart));
+            prop_assert!(answer.converged() && answer.status.iter().all(|s| *s == Status::Apart), "{answer:?}");
             prop_assert!(answer.multipliers.iter().all(|l| l[0].abs() < 1e-12 * apart.stiffness.norm_max()));
         }
         // all gaps lowered far below where the load alone would bring the nodes: an overlap that all nodes must leave
