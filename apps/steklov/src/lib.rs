@@ -1,6 +1,24 @@
-//! apps/steklov
+//! The command `steklov` as a library: from a scene file to a result file and its pictures.
+//!
+//! ```text
+//! Scene ─► plan ─► run ─► solve (mesh by mesh) ─► Record ─► store (HDF5), summary (JSON), pictures
+//!                                                   ▲
+//!                                    show ─► read ──┘
+//! ```
 
 pub mod expression;
 pub mod scene;
-pub mod picture;
+pub mod plan;
+mod data;
+mod supports;
+mod body_load;
+pub mod solve;
+pub mod run;
 pub mod triangulate;
+pub mod picture;
+pub mod summary;
+pub mod report;
+pub mod record;
+pub mod store;
+pub mod draw;
+pub mod cli;

@@ -4,16 +4,16 @@ use std::time::Instant;
 
 use faer::Mat;
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Condensation, Datum, Domain, Mesh, Operators, Partition, RigidMotion, Site, Space,
-    Steklov, add_load, free_motions, side_moments,
+    BemError, BodyForce, BoundaryField, Condensation, Domain, Mesh, Operators, Partition, RigidMotion, Space, Steklov,
 };
 use steklov_contact::{
-    ContactBoundary, ContactError, Kkt, Outcome, Problem, SideData, Solution, active_set, contact_boundary, kkt, newton,
-    resisted_motions, uzawa,
+    ContactBoundary, ContactEdge, ContactError, Kkt, Problem, Solution, active_set, kkt, newton, resisted_motions, uzawa,
 };
 
-use crate::expression::Expression;
-use crate::scene::{Condition, Friction, Scene, SceneError, Solver};
+use crate::body_load::{Particular, energies};
+use crate::data::Data;
+use crate::scene::{Condition, Scene, SceneError, Solver};
+use crate::supports::{Held, Supports};
 
 /// What a run hands to its observer while it has it.
 pub enum Stage<'a> {
@@ -108,6 +108,8 @@ pub struct ContactResult {
     pub solution: Solution,
     /// The judge's measures; equilibrium over all unknowns of the body.
     pub audit: Kkt,
+    /// Σ D_i F_i |u_t,i|.
+    pub friction_work: f64,
 }
 
 /// A solved mesh.
@@ -174,10 +176,10 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
     let candidates = supports.free_motions();
     let free = match &boundary {
         None => balanced(&space, &load, &candidates)?,
-        Some(boundary) => resisted_motions(boundary, &candidates, |r| work(&space, &load, r))?,
+        Some(boundary) => resisted_motions(&candidates, &edges(boundary), |r| work(&space, &load, r))?,
     };
     let partition = Partition {
-        kept: boundary.as_ref().map_or(Vec::new(), ContactBoundary::unknowns),
+        kept: boundary.as_ref().map_or(Vec::new(), ContactBoundary::kept),
         held: supports.dofs(),
         frames: boundary.as_ref().map_or(Vec::new(), ContactBoundary::frames),
     };
@@ -192,22 +194,22 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
         None => (condensation.expand(&condensed, &[]), None),
         Some(boundary) => {
             let problem =
-                Problem { stiffness: condensation.stiffness(), load: condensed.kept.clone(), nodes: boundary.nodes() };
+                Problem { stiffness: condensation.stiffness(), load: condensed.kept.clone(), nodes: boundary.contact.clone() };
             let solution = match scene.method.solver {
                 Solver::Newton => newton(&problem, None)?,
                 Solver::ActiveSet => active_set(&problem, None)?,
                 Solver::Uzawa => uzawa(&problem, None, None)?,
             };
             let audit = kkt(&problem, &solution);
+            let friction_work = problem.friction_work(&solution.displacement);
             let displacement = condensation.expand(&condensed, &solution.displacement);
-            (displacement, Some(ContactResult { boundary, solution, audit }))
+            (displacement, Some(ContactResult { boundary, solution, audit, friction_work }))
         }
     };
     let forces = condensation.multiply(&displacement);
     let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(s, f)| s - f).collect();
-    let contact_forces = contact.as_ref().map(|c| c.boundary.nodal_forces(&c.solution.multipliers, space.nodes()));
-    if let Some(lambda) = &contact_forces {
-        residual.iter_mut().zip(lambda).for_each(|(r, l)| *r += l);
+    if let Some(c) = &contact {
+        add_contact_forces(&mut residual, c, &mesh, &space, &held);
     }
     let equilibrium = supports.equilibrium(&residual, &forces, &load);
     let contact = contact.map(|mut c| {
@@ -221,14 +223,16 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
     };
     let traction = traction_map.apply(&homogeneous);
     let field = BoundaryField::new(&mesh, &space, &scene.material, &homogeneous, &traction, length);
-    let friction_work = contact.as_ref().map_or(0.0, |c| c.boundary.friction_work(&displacement));
-    let energies = energies(&displacement, &homogeneous, &forces, &tractions, &load, particular.as_ref(), friction_work);
+    let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
+    let energies = energies(&displacement, &forces, &tractions, particular.as_ref(), friction_work);
     let mut reactions = supports.reactions(&residual, &mesh, &scene.sides, |e, j| {
         data.traction_moment(&field, body_force.as_ref(), e, j)
     });
     if let Some(c) = &contact {
-        for (side, force) in c.boundary.resultants(&c.solution.multipliers) {
-            reactions.push((side, force.map(|f| -f)));
+        for (side, condition) in scene.sides.iter().enumerate() {
+            if matches!(condition.condition, Condition::Contact { .. }) {
+                reactions.push((side, c.boundary.force(side, &c.solution.multipliers)));
+            }
         }
     }
     reactions.sort_by_key(|r| r.0);
@@ -247,4 +251,87 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
         mesh,
         space,
     })
+}
+
+/// L(r) of a load and the scale Σ |f||r|.
+fn work(space: &Space, load: &[f64], motion: &RigidMotion) -> (f64, f64) {
+    let r = motion.nodal(&space.points);
+    load.iter().zip(&r).fold((0.0, 0.0), |(sum, scale), (f, r)| (sum + f * r, scale + (f * r).abs()))
+}
+
+/// Without contact: all free motions, if the loads do no work on any of them.
+fn balanced(space: &Space, load: &[f64], candidates: &[RigidMotion]) -> Result<Vec<RigidMotion>, SolveError> {
+    let works: Vec<(f64, f64)> = candidates.iter().map(|r| work(space, load, r)).collect();
+    let driven = |(work, scale): &(f64, f64)| work.abs() > 1e-9 * scale;
+    let worst = works.iter().filter(|w| driven(w)).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
+    match worst {
+        Some(&(work, scale)) => Err(BemError::RigidMotion { modes: candidates.to_vec(), work: work.abs(), scale }.into()),
+        None => Ok(candidates.to_vec()),
+    }
+}
+
+/// The straight parts of the contact boundary: consecutive conditions with one normal.
+fn edges(boundary: &ContactBoundary) -> Vec<ContactEdge> {
+    let mut edges: Vec<ContactEdge> = Vec::new();
+    for (node, contact) in boundary.nodes.iter().zip(&boundary.contact) {
+        for (c, condition) in node.conditions.iter().zip(&contact.conditions) {
+            let friction = condition.tangent_weight * condition.bound;
+            let friction = if friction.is_nan() { 0.0 } else { friction };
+            let offset = |x: [f64; 2]| (x[0] - node.point[0]) * c.normal[0] + (x[1] - node.point[1]) * c.normal[1];
+            let length = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+            let aligned = |e: &&mut ContactEdge| {
+                (e.normal[0] - c.normal[0]).hypot(e.normal[1] - c.normal[1]) < 1e-9
+                    && offset(e.ends[0]).abs() <= 1e-9 * length(e.ends[0], node.point)
+            };
+            match edges.iter_mut().find(aligned) {
+                Some(edge) => {
+                    edge.friction += friction;
+                    // the farthest pair of nodes on the line
+                    let (a, b) = (length(edge.ends[0], node.point), length(edge.ends[1], node.point));
+                    if a.max(b) > length(edge.ends[0], edge.ends[1]) {
+                        edge.ends[usize::from(a >= b)] = node.point;
+                    }
+                }
+                None => edges.push(ContactEdge { ends: [node.point; 2], normal: c.normal, friction }),
+            }
+        }
+    }
+    edges
+}
+
+/// Adds Bᵀλ; what a held end of a contact side carries of the multiplier beside it goes to that node.
+fn add_contact_forces(residual: &mut [f64], c: &ContactResult, mesh: &Mesh, space: &Space, held: &[Held]) {
+    let ends = held_ends(mesh, space, held);
+    let mut number = 0;
+    for (node, contact) in c.boundary.nodes.iter().zip(&c.boundary.contact) {
+        for (plane, condition) in node.conditions.iter().zip(&contact.conditions) {
+            let [pressure, shear] = c.solution.multipliers[number];
+            number += 1;
+            let whole = plane.shares.iter().fold([0.0; 2], |s, share| [s[0] + share.normal, s[1] + share.tangent]);
+            let own = [condition.normal_weight, condition.tangent_weight];
+            let mut add = |at: usize, weights: [f64; 2]| {
+                for i in 0..2 {
+                    residual[2 * at + i] += weights[0] * pressure * plane.normal[i] + weights[1] * shear * plane.tangent[i];
+                }
+            };
+            add(node.node, own);
+            if let Some(&(_, end)) = ends.iter().find(|(neighbour, _)| *neighbour == node.node) {
+                add(end, [whole[0] - own[0], whole[1] - own[1]]);
+            }
+        }
+    }
+}
+
+/// (neighbour in the same element, end node) of every held node at an end of an element.
+fn held_ends(mesh: &Mesh, space: &Space, held: &[Held]) -> Vec<(usize, usize)> {
+    let mut ends = Vec::new();
+    for e in 0..mesh.len() {
+        let p = space.degree(e);
+        for (end, next) in [(space.node(e, 0), space.node(e, 1)), (space.node(e, p), space.node(e, p - 1))] {
+            if held[end] != Held::default() && held[next] == Held::default() {
+                ends.push((next, end));
+            }
+        }
+    }
+    ends
 }

@@ -34,6 +34,7 @@ fn builder() -> FileBuilder {
 }
 
 /// Writes the file `path` as a whole: `fill` gets a new HDF5 file beside it that is closed, synced and then renamed.
+/// Returns what `fill` returns.
 ///
 /// The file has the root attributes `format` and `format_version`; equal content gives equal bytes. On any error no file
 /// stays, and an existing one is untouched.
@@ -41,11 +42,11 @@ fn builder() -> FileBuilder {
 /// # Errors
 /// [`IoError::Exists`] when `path` exists and `overwrite` is false, also when it appears meanwhile; [`IoError::System`]
 /// when the folder cannot be written; [`IoError::Write`] when the disk is full; the errors of `fill`.
-pub fn create_atomically(
+pub fn create_atomically<T, E: From<IoError>>(
     path: impl AsRef<Path>,
     overwrite: bool,
-    fill: impl FnOnce(&File) -> Result<(), IoError>,
-) -> Result<(), IoError> {
+    fill: impl FnOnce(&File) -> Result<T, E>,
+) -> Result<T, E> {
     let path = path.as_ref();
     let exists = || IoError::Exists { path: path.to_owned() };
     let system = |action, path: &Path, source| IoError::System { action, path: path.to_owned(), source };
@@ -56,10 +57,10 @@ pub fn create_atomically(
     };
 
     if !overwrite && path.symlink_metadata().is_ok() {
-        return Err(exists());
+        return Err(exists().into());
     }
     let Some(name) = path.file_name() else {
-        return Err(system("write", path, std::io::Error::new(ErrorKind::InvalidInput, "it names no file")));
+        return Err(system("write", path, std::io::Error::new(ErrorKind::InvalidInput, "it names no file")).into());
     };
     let folder = match path.parent() {
         Some(folder) if folder != Path::new("") => folder.to_owned(),
@@ -74,8 +75,8 @@ pub fn create_atomically(
 
     let file = builder().create(temporary.path()).map_err(library)?;
     write_text_attribute(&file, "format", FORMAT)
-        .and_then(|()| write_integer_attribute(&file, "format_version", &[i64::from(FORMAT_VERSION)]))
-        .and_then(|()| fill(&file))?;
+        .and_then(|()| write_integer_attribute(&file, "format_version", &[i64::from(FORMAT_VERSION)]))?;
+    let filled = fill(&file)?;
     file.flush().map_err(library)?;
     file.close().map_err(library)?;
     temporary.as_file().sync_all().map_err(|e| system("sync", path, e))?;
@@ -87,7 +88,7 @@ pub fn create_atomically(
     // The file is complete; a folder that cannot be synced (some network disks) is no reason to call it lost.
     #[cfg(unix)]
     let _ = fs::File::open(&folder).and_then(|folder| folder.sync_all());
-    Ok(())
+    Ok(filled)
 }
 
 /// Opens a result file for reading and checks that it is one.

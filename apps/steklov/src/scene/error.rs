@@ -30,6 +30,8 @@ pub enum SceneErrorKind {
     Geometry,
     /// An expression has an impossible value at a point of its side.
     Data,
+    /// Neither supports nor contact hold the body.
+    Unsupported,
     /// The scene is right, but asks for what this version does not have.
     NotYetAvailable,
 }

@@ -20,6 +20,8 @@ use std::path::Path;
 
 use steklov_bem_operators::{Material, Polygon};
 
+use crate::expression::{Expression, Place};
+
 pub use error::{SceneError, SceneErrorKind, Source};
 pub use method::{Expectation, Indicator, Method, Model, Multiplier, Refine, Solver};
 pub use sides::{Condition, Friction, Side};
@@ -84,6 +86,24 @@ impl Scene {
         scene.check_data()?;
         unavailable(&root).map_err(|p| source.error(p))?;
         Ok(scene)
+    }
+}
+
+impl Scene {
+    /// An error about an expression of the scene, at its place.
+    pub(crate) fn data_error(&self, expression: &Expression, message: &str) -> SceneError {
+        let message = format!("{message}: expression {:?}", expression.text());
+        let help = "write jumps and kinks with abs, sign, min, max or if, and keep the values bounded";
+        self.source.error(Problem::new(Kind::Data, expression.place, message, help))
+    }
+
+    /// An error about what holds the body, at the first table of sides.
+    pub fn support_error(&self, message: String) -> SceneError {
+        let start = self.source.text.find("[sides").unwrap_or(0);
+        let end = self.source.text[start..].find(']').map_or(start, |n| start + n + 1);
+        let place = Place { source: 0, start, end };
+        let help = "hold a displacement of a side, or balance the loads so that their force and moment vanish";
+        self.source.error(Problem::new(Kind::Unsupported, place, message, help))
     }
 }
 

@@ -1,0 +1,67 @@
+//! A constant body force in the discrete problem: u = w + u_p, w without body force.
+
+use faer::{Col, Mat};
+use steklov_bem_operators::{BodyForce, Mesh, Space};
+
+use crate::solve::Energies;
+
+/// The particular solution on a mesh.
+///
+/// With U the nodal values of u_p and T = ∫ σ(u_p)n·φ, the functional of the nodal displacement u is
+/// ½ uᵀSu - (f + S U - T)·u plus a constant.
+pub(crate) struct Particular {
+    /// U.
+    pub(crate) displacement: Vec<f64>,
+    /// S U - T.
+    pub(crate) load: Vec<f64>,
+    /// S U.
+    stiff: Vec<f64>,
+    /// T.
+    traction: Vec<f64>,
+    /// a(u_p, u_p).
+    energy: f64,
+    /// ∫ b·u_p.
+    work: f64,
+}
+
+impl Particular {
+    pub(crate) fn new(force: &BodyForce, mesh: &Mesh, space: &Space, stiffness: &Mat<f64>) -> Self {
+        let displacement = space.interpolate(|x| force.displacement(x));
+        let product = stiffness * Col::from_fn(displacement.len(), |i| displacement[i]);
+        let stiff: Vec<f64> = product.iter().copied().collect();
+        let traction = force.traction_load(mesh, space);
+        let load = stiff.iter().zip(&traction).map(|(s, t)| s - t).collect();
+        let (energy, work) = force.energies(mesh);
+        Self { displacement, load, stiff, traction, energy, work }
+    }
+}
+
+/// Energies of a nodal displacement u: `forces` = S u, `tractions` = f without the particular load.
+///
+/// ```text
+/// ∫ b·u = wᵀ S U - T·w + ∫ b·u_p                                   (Betti), w = u - U
+/// J - friction = ½ wᵀ S w + T·w + ½ a(u_p,u_p) - f·u - ∫ b·u_p
+/// ```
+pub(crate) fn energies(
+    displacement: &[f64],
+    forces: &[f64],
+    tractions: &[f64],
+    particular: Option<&Particular>,
+    friction_work: f64,
+) -> Energies {
+    let traction_work = dot(tractions, displacement);
+    let Some(p) = particular else {
+        let strain = 0.5 * dot(displacement, forces);
+        return Energies { total: strain - traction_work + friction_work, strain, load_work: traction_work, friction_work };
+    };
+    let w: Vec<f64> = displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
+    let stiff: Vec<f64> = forces.iter().zip(&p.stiff).map(|(s, p)| s - p).collect();
+    let traction = dot(&p.traction, &w);
+    let load_work = traction_work + dot(&w, &p.stiff) - traction + p.work;
+    let elastic = 0.5 * dot(&w, &stiff) + traction + 0.5 * p.energy - traction_work - p.work;
+    Energies { total: elastic + friction_work, strain: elastic + load_work, load_work, friction_work }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,338 @@
+//! Arguments, messages and exit statuses of the command.
+
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use steklov_io::{IoError, create_atomically, open};
+
+use crate::draw;
+use crate::plan::{Plan, plan};
+use crate::record::Record;
+use crate::run::run;
+use crate::scene::{Scene, TEMPLATE};
+use crate::solve::{SolveError, Stage};
+use crate::store::{self, Stored};
+use crate::summary::{Summary, peak_memory_bytes};
+
+/// Exit status: the scene or a file is wrong, or the problem has no solution.
+const WRONG: u8 = 1;
+/// Exit status: the tolerance or the solver's criterion was not reached, or the run was interrupted; the result is stored.
+const NOT_REACHED: u8 = 3;
+
+/// Frictional contact of 2D elastic bodies by boundary elements.
+#[derive(Parser)]
+#[command(name = "steklov", version, arg_required_else_help = true)]
+pub struct Cli {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Solve a scene and store the result
+    Solve(SolveArgs),
+    /// Say what would be modelled and why, what is left out, what it costs; solve nothing
+    Plan(PlanArgs),
+    /// Show a stored result: summary, pictures, tables
+    Show(ShowArgs),
+    /// Print a commented scene to start from
+    New,
+}
+
+#[derive(Args)]
+struct SolveArgs {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// Result file; default: the scene's name with .vtkhdf in the current folder
+    #[arg(long, value_name = "FILE")]
+    out: Option<PathBuf>,
+    /// Change a key of the scene, the value typed as TOML; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Store V, K, W, M and S as well
+    #[arg(long, value_enum)]
+    save: Option<Save>,
+    /// Draw pictures into this folder
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// Number of threads; default: one a processor
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Print one JSON object instead of a summary
+    #[arg(long)]
+    json: bool,
+    /// No progress on stderr
+    #[arg(long)]
+    quiet: bool,
+    /// Replace an existing result file
+    #[arg(long)]
+    force: bool,
+    /// Go on from a stored result
+    #[arg(long)]
+    resume: bool,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+enum Save {
+    Matrices,
+}
+
+#[derive(Args)]
+struct PlanArgs {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// Change a key of the scene, the value typed as TOML; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Print one JSON object
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Args)]
+struct ShowArgs {
+    /// Result file
+    file: PathBuf,
+    /// Draw pictures into this folder
+    #[arg(long, value_name = "DIR")]
+    plots: Option<PathBuf>,
+    /// Write tables as CSV into this folder
+    #[arg(long, value_name = "DIR")]
+    csv: Option<PathBuf>,
+    /// Print one JSON object instead of a summary
+    #[arg(long)]
+    json: bool,
+}
+
+/// A message for stderr; the status is 1.
+struct Failure(String);
+
+impl<E: std::error::Error> From<E> for Failure {
+    fn from(error: E) -> Self {
+        Self(format!("error: {error}"))
+    }
+}
+
+impl Cli {
+    /// Runs the command and returns its exit status.
+    pub fn run(self) -> u8 {
+        let status = match self.command {
+            Command::Solve(args) => solve_scene(&args),
+            Command::Plan(args) => show_plan(&args),
+            Command::Show(args) => show(&args),
+            Command::New => {
+                say(TEMPLATE.trim_end());
+                Ok(0)
+            }
+        };
+        status.unwrap_or_else(|Failure(message)| {
+            eprintln!("{}", message.trim_end());
+            WRONG
+        })
+    }
+}
+
+/// Prints to stdout; a reader that has gone away is no error.
+fn say(text: &str) {
+    use std::io::Write as _;
+    let _ = writeln!(std::io::stdout(), "{text}");
+}
+
+fn read_scene(path: &Path, overrides: &[String]) -> Result<Scene, Failure> {
+    Scene::read(path, overrides).map_err(|e| Failure(e.render()))
+}
+
+fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
+    let scene = read_scene(&args.scene, &args.overrides)?;
+    let plan = plan(&scene);
+    say(&if args.json { serde_json::to_string_pretty(&plan)? } else { format!("{}\n{plan}", scene.title) });
+    Ok(0)
+}
+
+fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
+    let clock = Instant::now();
+    let scene = read_scene(&args.scene, &args.overrides)?;
+    let out = args.out.clone().unwrap_or_else(|| {
+        let stem = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
+        PathBuf::from(stem).with_extension("vtkhdf")
+    });
+    if args.resume {
+        return Err(Failure("error: --resume is not yet available: only adaptive runs have steps to go on from".into()));
+    }
+    check_output(&out, args.force)?;
+    let plan = plan(&scene);
+    if plan.cost.dofs > scene.method.max_dofs {
+        let message = format!(
+            "error: the first mesh has {} dofs, more than method.max_dofs = {}: ask for fewer elements, a lower degree or more dofs",
+            plan.cost.dofs, scene.method.max_dofs
+        );
+        return Err(Failure(format!("{message} ({})", args.scene.display())));
+    }
+    set_threads(args.threads)?;
+    let interrupts = Arc::new(AtomicUsize::new(0));
+    let presses = Arc::clone(&interrupts);
+    ctrlc::set_handler(move || {
+        let before = presses.fetch_add(1, Ordering::Relaxed);
+        eprintln!("{}", if before == 0 { "finishing this step; again to stop at once" } else { "stopping" });
+    })?;
+    let progress = Progress::new(args.quiet);
+    let reading = clock.elapsed().as_secs_f64();
+    let record = create_atomically(&out, args.force, |file| -> Result<Record, SolveError> {
+        let run = run(&scene, &interrupts, &mut |number, stage| {
+            progress.show(number, &stage);
+            if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
+        })?;
+        let mut record = Record::new(&scene, plan, run, &out, reading);
+        let writing = Instant::now();
+        record.summary.peak_memory_bytes = peak_memory_bytes();
+        store::write(file, &record)?;
+        record.summary.seconds.write += writing.elapsed().as_secs_f64();
+        Ok(record)
+    });
+    progress.finish();
+    let mut record = record.map_err(|e| explain(&scene, e))?;
+    record.summary.seconds.total = clock.elapsed().as_secs_f64();
+    let converged = record.summary.converged;
+    let summary = record.summary.clone();
+    let files = match &args.plots {
+        Some(folder) => pictures(&record.stored(), folder, &out)?,
+        None => Vec::new(),
+    };
+    if args.json {
+        say(&serde_json::to_string_pretty(&summary)?);
+    } else {
+        print_summary(&summary);
+        files.iter().for_each(|f| say(&format!("picture {}", f.display())));
+    }
+    Ok(if converged { 0 } else { NOT_REACHED })
+}
+
+/// An output that cannot be written is said before anything is solved.
+fn check_output(out: &Path, force: bool) -> Result<(), Failure> {
+    if out.is_dir() {
+        return Err(Failure(format!("error: {} is a folder; name a file with --out", out.display())));
+    }
+    if !force && out.symlink_metadata().is_ok() {
+        let error = IoError::Exists { path: out.to_owned() };
+        return Err(Failure(format!("error: {error}; choose another --out, or --force to replace it")));
+    }
+    Ok(())
+}
+
+fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let threads = threads.map_or(0, usize::from);
+    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?)
+}
+
+/// Errors of supports and data are told with the scene's text.
+fn explain(scene: &Scene, error: SolveError) -> Failure {
+    match error {
+        SolveError::Scene(error) => Failure(error.render()),
+        SolveError::Interrupted | SolveError::Io(_) => Failure(format!("error: {error}")),
+        other => Failure(scene.support_error(other.to_string()).render()),
+    }
+}
+
+fn show(args: &ShowArgs) -> Result<u8, Failure> {
+    let mut stored = store::read(&open(&args.file)?)?;
+    stored.summary.file = args.file.display().to_string();
+    if args.json {
+        say(&serde_json::to_string_pretty(&stored.summary)?);
+    } else {
+        say(&format!("{}", stored.plan));
+        print_summary(&stored.summary);
+    }
+    let mut files = Vec::new();
+    if let Some(folder) = &args.plots {
+        files.extend(pictures(&stored, folder, &args.file)?);
+    }
+    if let Some(folder) = &args.csv {
+        files.extend(draw::tables(&stored, folder, &stem(&args.file)).map_err(|e| {
+            Failure(format!("error: the tables cannot be written into {}: {e}", folder.display()))
+        })?);
+    }
+    if !args.json {
+        files.iter().for_each(|f| say(&format!("wrote {}", f.display())));
+    }
+    Ok(0)
+}
+
+fn stem(path: &Path) -> String {
+    path.file_stem().map_or_else(|| "result".into(), |s| s.to_string_lossy().into_owned())
+}
+
+fn pictures(stored: &Stored, folder: &Path, file: &Path) -> Result<Vec<PathBuf>, Failure> {
+    Ok(draw::pictures(stored, folder, &stem(file))?)
+}
+
+fn print_summary(s: &Summary) {
+    say(&s.title);
+    say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
+    if !s.converged {
+        say(&format!("reason      {}", s.reason));
+    }
+    say(&format!("energy J    {:.12e}", s.energy));
+    say(&format!("            strain {:.6e}, load work {:.6e}, friction work {:.6e}", s.strain_energy, s.load_work, s.friction_work));
+    if let Some(c) = &s.contact {
+        let note = if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
+        say(&format!("contact     length {:.6e}, stick {:.6e}, slip {:.6e}, {} iterations", c.length, c.stick, c.slip, s.iterations));
+        say(&format!("            largest pressure {:.6e}{note}", c.max_pressure));
+        say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
+    }
+    if let Some(a) = &s.audit {
+        say(&format!(
+            "audit       equilibrium {:.1e}, penetration {:.1e}, tension {:.1e}, complementarity {:.1e}, friction {:.1e}",
+            a.equilibrium, a.penetration, a.tension, a.complementarity, a.friction
+        ));
+    }
+    for (side, [x, y]) in &s.reactions {
+        say(&format!("reaction    {side}: ({x:.6e}, {y:.6e})"));
+    }
+    for p in &s.probe {
+        let ([x, y], [u, v], [xx, yy, xy]) = (p.point, p.displacement, p.stress);
+        say(&format!("probe       ({x}, {y}): u = ({u:.6e}, {v:.6e}), stress = ({xx:.6e}, {yy:.6e}, {xy:.6e})"));
+    }
+    say(&format!("seconds     {:.3}, peak memory {:.1} MiB", s.seconds.total, s.peak_memory_bytes as f64 / f64::from(1 << 20)));
+    say(&format!("result      {}", s.file));
+}
+
+/// A bar on a terminal, plain lines elsewhere, for what takes longer than a second; nothing when quiet.
+struct Progress {
+    bar: Option<ProgressBar>,
+    start: Instant,
+    quiet: bool,
+}
+
+impl Progress {
+    fn new(quiet: bool) -> Self {
+        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+            let bar = ProgressBar::with_draw_target(Some(100), ProgressDrawTarget::stderr());
+            let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} step {prefix} {msg}");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar
+        });
+        Self { bar, start: Instant::now(), quiet }
+    }
+
+    fn show(&self, step: usize, stage: &Stage<'_>) {
+        let Stage::Progress(what, share) = stage else { return };
+        if let Some(bar) = &self.bar {
+            bar.set_prefix((step + 1).to_string());
+            bar.set_message(*what);
+            bar.set_position((100.0 * share) as u64);
+        } else if !self.quiet && self.start.elapsed().as_secs_f64() > 1.0 {
+            eprintln!("{:6.1} s  step {}  {what}", self.start.elapsed().as_secs_f64(), step + 1);
+        }
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
+
+use steklov_bem_operators::{BemError, BodyForce, BoundaryField, Datum, Location, Mesh, Site, Space, add_load, side_moments};
+use steklov_contact::{ContactBoundary, SideData, contact_boundary};
+
+use crate::expression::Expression;
+use crate::scene::{Condition, Friction, Scene};
+use crate::solve::SolveError;
+use crate::supports::Held;
+
+/// A scene on a mesh.
+pub(crate) struct Data<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) space: &'a Space,
+}
+
+impl Data<'_> {
+    /// Prescribed displacement of every node.
+    pub(crate) fn held(&self) -> Result<Vec<Held>, SolveError> {
+        let (mesh, space) = (self.mesh, self.space);
+        let mut held = vec![Held::default(); space.nodes()];
+        for e in 0..mesh.len() {
+            let side = &self.scene.sides[mesh.side[e]];
+            let Condition::Displacement { values, .. } = &side.condition else { continue };
+            for (j, node) in space.element_nodes(e).enumerate() {
+                let site = Site::new(mesh, e, space.basis(e).nodes[j]);
+                for (component, value) in values.iter().enumerate() {
+                    let Some(expression) = value else { continue };
+                    let at = (site.point[0], site.point[1], site.s);
+                    let value = self.scene.check_value(&side.name, "displacement", expression, at)?;
+                    self.hold(&mut held[node], component, value, mesh.side[e], site.point)?;
+                }
+            }
+        }
+        Ok(held)
+    }
+
+    /// Holds a component; a second side must agree up to rounding.
+    fn hold(&self, held: &mut Held, component: usize, value: f64, side: usize, point: [f64; 2]) -> Result<(), SolveError> {
+        if let Some((other, first)) = held.components[component]
+            && (other - value).abs() > 1e-9 * other.abs().max(value.abs())
+        {
+            let name = |side: usize| self.mesh.side_names[side].clone();
+            return Err(SolveError::Incompatible {
+                first: name(first),
+                second: name(side),
+                point,
+                component: ['x', 'y'][component],
+                a: other,
+                b: value,
+            });
+        }
+        held.components[component].get_or_insert((value, side));
+        Ok(())
+    }
+
+    /// ∫ t·φ of the tractions and pressures.
+    pub(crate) fn load(&self) -> Result<Vec<f64>, SolveError> {
+        let mut load = vec![0.0; self.space.dofs()];
+        for (index, side) in self.scene.sides.iter().enumerate() {
+            match &side.condition {
+                Condition::Traction(traction) | Condition::Displacement { traction: Some(traction), .. } => {
+                    for (expression, direction) in traction.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
+                        if expression.constant() != Some(0.0) {
+                            let moments = self.moments(index, "traction", expression)?;
+                            add_load(&mut load, self.space, &moments, |_| direction);
+                        }
+                    }
+                }
+                Condition::Pressure(pressure) => {
+                    let moments = self.moments(index, "pressure", pressure)?;
+                    add_load(&mut load, self.space, &moments, |e| self.mesh.normal(e).map(|n| -n));
+                }
+                _ => {}
+            }
+        }
+        Ok(load)
+    }
+
+    /// Contact nodes, weights and conditions; none without a contact side.
+    pub(crate) fn contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
+        struct Side<'a> {
+            index: usize,
+            gap: &'a Expression,
+            bound: Option<&'a Expression>,
+        }
+        let sides: Vec<Side<'_>> = self
+            .scene
+            .sides
+            .iter()
+            .enumerate()
+            .filter_map(|(index, side)| match &side.condition {
+                Condition::Contact { gap, friction } => {
+                    let bound = match friction {
+                        Friction::Tresca(bound) => Some(bound),
+                        Friction::None | Friction::Coulomb(_) => None,
+                    };
+                    Some(Side { index, gap, bound })
+                }
+                _ => None,
+            })
+            .collect();
+        if sides.is_empty() {
+            return Ok(None);
+        }
+        for side in &sides {
+            if let Some(bound) = side.bound {
+                self.check_at_nodes(side.index, "friction bound", bound)?;
+            }
+        }
+        let functions: Vec<_> = sides.iter().map(|s| (self.function(s.gap), s.bound.map(|b| self.function(b)))).collect();
+        let data: Vec<SideData<'_>> = sides
+            .iter()
+            .zip(&functions)
+            .map(|(side, (gap, bound))| SideData {
+                side: side.index,
+                gap: gap.datum("gap"),
+                bound: bound.as_ref().map(|b| b.datum("friction bound")),
+            })
+            .collect();
+        let values = |node: usize| held[node].components.map(|c| c.map(|(value, _)| value));
+        let boundary = contact_boundary(self.mesh, self.space, &data, &values);
+        boundary.map(Some).map_err(|error| match error {
+            steklov_contact::ContactError::Data(error) => self.located(error),
+            error => error.into(),
+        })
+    }
+
+    /// The bound of a Tresca law is used at the nodes, from both sides of each.
+    fn check_at_nodes(&self, side: usize, what: &str, expression: &Expression) -> Result<(), SolveError> {
+        for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side) {
+            for &t in &self.space.basis(e).nodes {
+                let site = Site::new(self.mesh, e, t);
+                let at = (site.point[0], site.point[1], site.s);
+                self.scene.check_value(&self.mesh.side_names[side], what, expression, at)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// ∫ f φ_j of an expression on a side.
+    fn moments(&self, side: usize, name: &str, expression: &Expression) -> Result<Vec<(usize, Vec<f64>)>, SolveError> {
+        let function = self.function(expression);
+        side_moments(self.mesh, self.space, side, &function.datum(name)).map_err(|error| self.located(error))
+    }
+
+    fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
+        let mesh = self.mesh;
+        Function {
+            value: Box::new(move |site: &Site| expression.eval(site.point[0], site.point[1], site.s)),
+            kinks: Box::new(move |e: usize| {
+                expression.kinks(|t| {
+                    let site = Site::new(mesh, e, t);
+                    (site.point[0], site.point[1], site.s)
+                })
+            }),
+        }
+    }
+
+    /// An error of the numerics about a datum, told with its place in the scene.
+    fn located(&self, error: BemError) -> SolveError {
+        let (BemError::DataNotFinite { name, side, .. } | BemError::DataRough { name, side, .. }) = &error else {
+            return error.into();
+        };
+        let Some(at) = self.scene.sides.iter().find(|s| s.name == *side) else { return error.into() };
+        for expression in expressions(&at.condition, name) {
+            if let BemError::DataNotFinite { point, .. } = &error {
+                let Location::Boundary { s, .. } = self.scene.polygon.contains(*point) else { continue };
+                if let Err(error) = self.scene.check_value(side, name, expression, (point[0], point[1], s)) {
+                    return error.into();
+                }
+            } else {
+                return self.scene.data_error(expression, &error.to_string()).into();
+            }
+        }
+        error.into()
+    }
+
+    /// ∫ t φ_j over element e of the whole traction, for its local node j.
+    pub(crate) fn traction_moment(&self, field: &BoundaryField, body: Option<&BodyForce>, e: usize, j: usize) -> [f64; 2] {
+        let basis = self.space.basis(e);
+        let rule = steklov_quadrature::gauss_legendre(basis.degree + 2);
+        let mut phi = vec![0.0; basis.degree + 1];
+        let mut sum = [0.0; 2];
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            basis.evaluate(t, &mut phi);
+            let mut traction = field.trace(e, t).traction;
+            if let Some(body) = body {
+                let extra = body.traction(self.mesh.point(e, t), self.mesh.normal(e));
+                traction = [traction[0] + extra[0], traction[1] + extra[1]];
+            }
+            for i in 0..2 {
+                sum[i] += w * self.mesh.length(e) / 2.0 * phi[j] * traction[i];
+            }
+        }
+        sum
+    }
+}
+
+/// An expression as a datum of the numerics.
+struct Function<'a> {
+    value: Box<dyn Fn(&Site) -> f64 + Sync + 'a>,
+    kinks: Box<dyn Fn(usize) -> Vec<f64> + Sync + 'a>,
+}
+
+impl Function<'_> {
+    fn datum<'a>(&'a self, name: &'a str) -> Datum<'a> {
+        Datum { name, value: &*self.value, kinks: &*self.kinks }
+    }
+}
+
+/// Expressions of a condition that go by a name in messages.
+fn expressions<'a>(condition: &'a Condition, name: &str) -> Vec<&'a Expression> {
+    match (condition, name) {
+        (Condition::Traction(t) | Condition::Displacement { traction: Some(t), .. }, "traction") => t.iter().collect(),
+        (Condition::Pressure(p), "pressure") => vec![p],
+        (Condition::Contact { gap, .. }, "gap") => vec![gap],
+        (Condition::Contact { friction: Friction::Tresca(bound), .. }, _) => vec![bound],
+        _ => Vec::new(),
+    }
+}

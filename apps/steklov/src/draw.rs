@@ -1,0 +1,142 @@
+//! The pictures and tables of a stored result.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use steklov_io::vtkhdf::Field;
+
+use crate::picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, write};
+use crate::report::ContactRow;
+use crate::store::Stored;
+
+/// Draws the deformed body and each contact side into a folder; returns the files.
+///
+/// # Errors
+/// When a picture cannot be drawn or written.
+pub fn pictures(stored: &Stored, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
+    let mut files = Vec::new();
+    files.extend(write(folder, &format!("{name}-body"), &body_picture(stored)?)?);
+    for (side, side_name) in stored.mesh.side_names.iter().enumerate() {
+        let rows: Vec<&ContactRow> = stored.contact.iter().filter(|r| r.side == side).collect();
+        if !rows.is_empty() {
+            let picture = contact_picture(stored, side_name, &rows)?;
+            files.extend(write(folder, &format!("{name}-contact-{}", file_name(side_name)), &picture)?);
+        }
+    }
+    Ok(files)
+}
+
+/// A side's name as a part of a file name.
+fn file_name(side: &str) -> String {
+    side.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
+}
+
+fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
+    let grid = &stored.grid;
+    let values = |name: &str| grid.point_data.iter().find(|f| f.name == name);
+    let planar = |f: &Field| -> Vec<[f64; 2]> { f.values.chunks(f.components.max(1)).map(|v| [v[0], v[1]]).collect() };
+    let n = grid.points.len();
+    let displacement = values("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
+    let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
+    let stretches = stretches(&stored.contact);
+    let lines: Vec<(Vec<[f64; 2]>, Vec<[f64; 2]>)> = stretches
+        .iter()
+        .map(|rows| rows.iter().map(|r| (r.point, [r.gap * r.normal[0], r.gap * r.normal[1]])).unzip())
+        .collect();
+    let obstacles: Vec<Obstacle<'_>> = lines.iter().map(|(points, gap)| Obstacle { points, gap }).collect();
+    body(&Body {
+        title: &stored.summary.title,
+        points: &grid.points,
+        displacement: &displacement,
+        triangles: &grid.triangles,
+        von_mises: &von_mises,
+        outline: &grid.lines,
+        obstacles: &obstacles,
+    })
+}
+
+/// The contact table cut where the side or the normal changes.
+fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
+    let mut stretches: Vec<Vec<ContactRow>> = Vec::new();
+    for row in rows {
+        let continues = stretches.last().and_then(|s| s.last()).is_some_and(|last| {
+            let along = [row.point[0] - last.point[0], row.point[1] - last.point[1]];
+            let ahead = last.normal[0] * along[1] - last.normal[1] * along[0];
+            last.normal == row.normal && last.side == row.side && ahead > 0.0
+        });
+        match stretches.last_mut() {
+            Some(last) if continues => last.push(*row),
+            _ => stretches.push(vec![*row]),
+        }
+    }
+    stretches
+}
+
+fn contact_picture(stored: &Stored, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
+    // a straight horizontal or vertical side is drawn against x or y, any other against its arc length
+    let same = |i: usize| rows.iter().all(|r| (r.point[i] - rows[0].point[i]).abs() < 1e-12 * r.point[i].abs().max(1.0));
+    let (label, position): (String, Vec<f64>) = if same(1) {
+        ("x".into(), rows.iter().map(|r| r.point[0]).collect())
+    } else if same(0) {
+        ("y".into(), rows.iter().map(|r| r.point[1]).collect())
+    } else {
+        let mut length = 0.0;
+        let mut last = rows[0].point;
+        let arc = rows.iter().map(|r| {
+            length += (r.point[0] - last[0]).hypot(r.point[1] - last[1]);
+            last = r.point;
+            length
+        });
+        (format!("arc length along {side}"), arc.collect())
+    };
+    let collect = |f: fn(&ContactRow) -> f64| rows.iter().map(|r| f(r)).collect::<Vec<f64>>();
+    let bound = if rows.iter().any(|r| r.bound > 0.0) { collect(|r| r.bound) } else { Vec::new() };
+    contact(&ContactSide {
+        title: &format!("{}: contact on {side}", stored.summary.title),
+        x_label: &label,
+        position: &position,
+        pressure: &collect(|r| r.pressure),
+        shear: &collect(|r| r.shear),
+        bound: &bound,
+    })
+}
+
+/// Writes the tables of a result as CSV files into a folder; returns them.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec<PathBuf>> {
+    std::fs::create_dir_all(folder)?;
+    let mut files = Vec::new();
+    let mut save = |table: &str, text: String| -> std::io::Result<()> {
+        let path = folder.join(format!("{name}-{table}.csv"));
+        let mut file = tempfile::NamedTempFile::new_in(folder)?;
+        std::io::Write::write_all(&mut file, text.as_bytes())?;
+        file.persist(&path).map_err(|e| e.error)?;
+        files.push(path);
+        Ok(())
+    };
+    save("displacement", pairs("x,y,ux,uy", &stored.points, &stored.displacement))?;
+    save("traction", pairs("x,y,tx,ty", &stored.traction_points, &stored.traction))?;
+    if !stored.contact.is_empty() {
+        let mut text = String::from("side,x,y,gap,u_n,u_t,pressure,shear,bound,weight,status\n");
+        for r in &stored.contact {
+            let side = stored.mesh.side_names[r.side].replace('"', "\"\"");
+            let [x, y] = r.point;
+            let numbers = [x, y, r.gap, r.normal_displacement, r.tangential_displacement, r.pressure, r.shear, r.bound, r.weight];
+            let _ = write!(text, "\"{side}\"");
+            numbers.iter().for_each(|v| drop(write!(text, ",{v:?}")));
+            let _ = writeln!(text, ",{}", r.status);
+        }
+        save("contact", text)?;
+    }
+    Ok(files)
+}
+
+fn pairs(head: &str, points: &[[f64; 2]], values: &[[f64; 2]]) -> String {
+    let mut text = format!("{head}\n");
+    for (x, u) in points.iter().zip(values) {
+        let _ = writeln!(text, "{:?},{:?},{:?},{:?}", x[0], x[1], u[0], u[1]);
+    }
+    text
+}

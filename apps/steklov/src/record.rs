@@ -1,0 +1,239 @@
+//! Everything about a result that is stored and shown.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use steklov_bem_operators::{Location, Mesh};
+use steklov_io::vtkhdf::{Field, Grid};
+
+use crate::plan::Plan;
+use crate::report::{ContactRow, contact_rows, contact_summary};
+use crate::run::{Run, Step};
+use crate::scene::Scene;
+use crate::solve::Solved;
+use crate::store::Stored;
+use crate::summary::{Audit, Probe, SecondsSummary, Summary, peak_memory_bytes};
+use crate::triangulate::{Triangulation, triangulate};
+
+/// A result: the arrays of the result file and the numbers of its summary.
+#[derive(Debug, Clone)]
+pub struct Record {
+    /// The numbers.
+    pub summary: Summary,
+    /// Text of the scene file.
+    pub scene: String,
+    /// The overrides, `KEY=VALUE`.
+    pub overrides: Vec<String>,
+    /// What was modelled.
+    pub plan: Plan,
+    /// The last mesh.
+    pub mesh: Mesh,
+    /// Nodal points.
+    pub points: Vec<[f64; 2]>,
+    /// Nodal displacement.
+    pub displacement: Vec<[f64; 2]>,
+    /// p Gauss points of each element.
+    pub traction_points: Vec<[f64; 2]>,
+    /// The element of each.
+    pub traction_element: Vec<usize>,
+    /// Traction σ(u)n there.
+    pub traction: Vec<[f64; 2]>,
+    /// Rows of the contact table.
+    pub contact: Vec<ContactRow>,
+    /// The steps.
+    pub steps: Vec<Step>,
+    /// Boundary lines and the triangulated body with displacement, stress and von Mises stress.
+    pub grid: Grid,
+}
+
+/// Points of the triangulated body, about.
+const BODY_POINTS: usize = 500;
+
+impl Record {
+    /// Gathers a run. `file` is the name of the result file, `total` the seconds since the command began.
+    pub fn new(scene: &Scene, plan: Plan, run: Run, file: &Path, reading: f64) -> Self {
+        let clock = std::time::Instant::now();
+        let solved = &run.last;
+        let grid = body_grid(scene, solved);
+        let (mut traction_points, mut traction_element, mut traction) = (Vec::new(), Vec::new(), Vec::new());
+        for e in 0..solved.mesh.len() {
+            let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
+            for &t in &rule.points {
+                traction_points.push(solved.mesh.point(e, t));
+                traction_element.push(e);
+                traction.push(solved.traction(e, t));
+            }
+        }
+        let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(c, &solved.displacement));
+        let mut summary = summary(scene, &run, &contact, file);
+        summary.seconds.write = clock.elapsed().as_secs_f64();
+        summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();
+        let Run { last: solved, steps, .. } = run;
+        Self {
+            summary,
+            scene: scene.source.text.clone(),
+            overrides: scene.source.overrides.clone(),
+            plan,
+            points: solved.space.points.clone(),
+            displacement: solved.displacement.chunks_exact(2).map(|u| [u[0], u[1]]).collect(),
+            traction_points,
+            traction_element,
+            traction,
+            contact,
+            steps,
+            grid,
+            mesh: solved.mesh,
+        }
+    }
+}
+
+impl Record {
+    /// The part of the record that a stored file gives back.
+    pub fn stored(self) -> Stored {
+        Stored {
+            summary: self.summary,
+            plan: self.plan,
+            mesh: self.mesh,
+            points: self.points,
+            displacement: self.displacement,
+            traction_points: self.traction_points,
+            traction: self.traction,
+            contact: self.contact,
+            grid: self.grid,
+        }
+    }
+}
+
+fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summary {
+    let solved = &run.last;
+    let contact = solved.contact.as_ref();
+    let part = |k: usize| run.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
+    Summary {
+        title: scene.title.clone(),
+        model: "bem".into(),
+        file: file.display().to_string(),
+        converged: run.converged(),
+        reason: run.reason.word().into(),
+        dofs: solved.space.dofs(),
+        steps: run.steps.len(),
+        energy: solved.energies.total,
+        energy_extrapolated: None,
+        strain_energy: solved.energies.strain,
+        load_work: solved.energies.load_work,
+        friction_work: solved.energies.friction_work,
+        estimate: None,
+        estimate_relative: None,
+        iterations: contact.map_or(0, |c| c.solution.iterations),
+        contact: contact.map(|c| contact_summary(scene, solved, c, rows)),
+        audit: contact.map(|c| Audit {
+            equilibrium: c.audit.equilibrium,
+            penetration: c.audit.penetration,
+            tension: c.audit.tension,
+            complementarity: c.audit.complementarity,
+            friction: c.audit.friction,
+        }),
+        reactions: solved.reactions.iter().cloned().collect(),
+        probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
+        stochastic: None,
+        seconds: SecondsSummary {
+            set_up: part(0),
+            assemble: part(1),
+            factorise: part(2),
+            solve: part(3),
+            ..Default::default()
+        },
+        peak_memory_bytes: peak_memory_bytes(),
+    }
+}
+
+fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
+    let (displacement, stress) = match scene.polygon.contains(x) {
+        Location::Boundary { edge, s } => solved.on_edge(edge, s),
+        _ => solved.inside(x),
+    };
+    Probe { point: x, displacement, stress }
+}
+
+impl Solved {
+    /// Displacement and stress at a point inside the body.
+    pub fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        let (mut u, mut stress) = (self.field.displacement(x), self.field.stress(x));
+        if let Some(body) = &self.body_force {
+            let (v, sigma) = (body.displacement(x), body.stress(x));
+            (0..2).for_each(|i| u[i] += v[i]);
+            (0..3).for_each(|i| stress[i] += sigma[i]);
+        }
+        (u, stress)
+    }
+
+    /// Displacement and stress on the boundary, at the reference coordinate t of element e.
+    pub fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
+        let trace = self.field.trace(e, t);
+        let (mut u, mut stress) = (trace.displacement, trace.stress);
+        if let Some(body) = &self.body_force {
+            let x = self.mesh.point(e, t);
+            let (v, sigma) = (body.displacement(x), body.stress(x));
+            (0..2).for_each(|i| u[i] += v[i]);
+            (0..3).for_each(|i| stress[i] += sigma[i]);
+        }
+        (u, stress)
+    }
+
+    /// Traction at the reference coordinate t of element e.
+    pub fn traction(&self, e: usize, t: f64) -> [f64; 2] {
+        let traction = self.field.trace(e, t).traction;
+        let extra = self.body_force.map_or([0.0; 2], |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e)));
+        [traction[0] + extra[0], traction[1] + extra[1]]
+    }
+
+    /// Displacement and stress at the edge parameter s of an edge of the polygon.
+    pub fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
+        let within = |e: &usize| {
+            let [a, b] = self.mesh.span[*e];
+            self.mesh.edge[*e] == edge && a.min(b) <= s && s <= a.max(b)
+        };
+        let e = (0..self.mesh.len()).find(within).unwrap_or(0);
+        let [a, b] = self.mesh.span[e];
+        self.on_boundary(e, (2.0 * (s - a) / (b - a) - 1.0).clamp(-1.0, 1.0))
+    }
+}
+
+/// The body with its fields; without triangles where the outline cannot be triangulated.
+fn body_grid(scene: &Scene, solved: &Solved) -> Grid {
+    let polygon = &scene.polygon;
+    let order: Vec<usize> = (0..polygon.loops().len()).flat_map(|l| polygon.traversal(l)).collect();
+    let edges: Vec<_> = order.iter().map(|&k| &polygon.edges()[k]).map(|e| (e.start, e.end, e.loop_index)).collect();
+    let body = triangulate(&edges, BODY_POINTS).unwrap_or_else(|_| Triangulation {
+        points: edges.iter().map(|e| e.0).collect(),
+        triangles: Vec::new(),
+        boundary: (0..edges.len()).map(|k| Some((k, 0.0))).collect(),
+        outline: Vec::new(),
+    });
+    let values: Vec<([f64; 2], [f64; 3])> = (0..body.points.len())
+        .into_par_iter()
+        .map(|i| match body.boundary[i] {
+            Some((k, s)) => {
+                let edge = &polygon.edges()[order[k]];
+                solved.on_edge(order[k], if edge.reversed { 1.0 - s } else { s })
+            }
+            None => solved.inside(body.points[i]),
+        })
+        .collect();
+    let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
+        name: name.into(),
+        unit: unit.into(),
+        components,
+        values,
+    };
+    Grid {
+        point_data: vec![
+            field("displacement", "length", 3, values.iter().flat_map(|(u, _)| [u[0], u[1], 0.0]).collect()),
+            field("stress", "stress", 3, values.iter().flat_map(|(_, s)| *s).collect()),
+            field("von_mises", "stress", 1, values.iter().map(|(_, s)| scene.material.von_mises(*s)).collect()),
+        ],
+        cell_data: Vec::new(),
+        points: body.points,
+        lines: body.outline,
+        triangles: body.triangles,
+    }
+}

@@ -1,0 +1,155 @@
+//! Contact in numbers and as a table, from a solved mesh.
+
+use steklov_bem_operators::Mesh;
+use steklov_contact::Status;
+
+use crate::scene::{Condition, Scene};
+use crate::solve::{ContactResult, Solved};
+use crate::summary::ContactSummary;
+
+/// A condition of a contact node: one row of `/contact`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactRow {
+    /// The node's point.
+    pub point: [f64; 2],
+    /// Normal of the condition, out of the body.
+    pub normal: [f64; 2],
+    /// Weighted gap.
+    pub gap: f64,
+    /// u_n.
+    pub normal_displacement: f64,
+    /// u_t.
+    pub tangential_displacement: f64,
+    /// λ_n.
+    pub pressure: f64,
+    /// λ_t.
+    pub shear: f64,
+    /// Friction bound F_i; 0 without friction.
+    pub bound: f64,
+    /// ∫ψ_i, the length that the node stands for.
+    pub weight: f64,
+    /// 0 apart, 1 stick, 2 slip along +t, 3 slip along -t.
+    pub status: usize,
+    /// Side.
+    pub side: usize,
+}
+
+/// λ_n below this part of the largest is no contact.
+const TOUCHING: f64 = 1e-12;
+
+/// One row for each condition of each contact node.
+pub fn contact_rows(contact: &ContactResult, displacement: &[f64]) -> Vec<ContactRow> {
+    let solution = &contact.solution;
+    let mut rows = Vec::with_capacity(solution.multipliers.len());
+    for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
+        let u = [displacement[2 * node.node], displacement[2 * node.node + 1]];
+        for (plane, condition) in node.conditions.iter().zip(&condensed.conditions) {
+            let along = |d: [f64; 2]| u[0] * d[0] + u[1] * d[1];
+            let [pressure, shear] = solution.multipliers[rows.len()];
+            let share = plane.shares.iter().max_by(|a, b| a.normal.total_cmp(&b.normal));
+            rows.push(ContactRow {
+                point: node.point,
+                normal: plane.normal,
+                // a held component adds to the gap in the node's own unknowns what it takes from u_n
+                gap: condition.gap + along(plane.normal) - own(condensed.pick(&solution.displacement), condition.normal),
+                normal_displacement: along(plane.normal),
+                tangential_displacement: along(plane.tangent),
+                pressure,
+                shear,
+                bound: condition.bound,
+                weight: plane.shares.iter().map(|s| s.normal.max(s.tangent)).sum(),
+                status: match solution.status[rows.len()] {
+                    Status::Apart => 0,
+                    Status::Stick => 1,
+                    Status::SlipPlus => 2,
+                    Status::SlipMinus => 3,
+                },
+                side: share.map_or(0, |s| s.side),
+            });
+        }
+    }
+    rows
+}
+
+fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
+    unknowns[0] * direction[0] + unknowns[1] * direction[1]
+}
+
+/// Lengths, largest pressure and resultant.
+pub fn contact_summary(scene: &Scene, solved: &Solved, contact: &ContactResult, rows: &[ContactRow]) -> ContactSummary {
+    let max_pressure = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
+    let touches = |r: &&ContactRow| r.pressure > TOUCHING * max_pressure;
+    let length: f64 = rows.iter().filter(touches).map(|r| r.weight).sum();
+    let sticks = |r: &&ContactRow| r.shear.abs() < r.bound * (1.0 - 1e-12);
+    let stick: f64 = rows.iter().filter(touches).filter(sticks).map(|r| r.weight).sum();
+    let mut force = [0.0; 2];
+    for side in 0..scene.sides.len() {
+        let part = contact.boundary.force(side, &contact.solution.multipliers);
+        force = [force[0] + part[0], force[1] + part[1]];
+    }
+    ContactSummary {
+        length,
+        stick,
+        slip: length - stick,
+        max_pressure,
+        max_pressure_unbounded: unbounded(scene, &solved.mesh, rows, max_pressure),
+        force,
+        ends: None,
+    }
+}
+
+/// Whether the exact pressure is infinite: where the gap has a convex kink in contact (a ridge of the obstacle), or where
+/// contact reaches an end of the contact boundary at which the body goes on under more than a right angle (under any
+/// angle where it sticks or is held).
+fn unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow], max_pressure: f64) -> bool {
+    let pressed = |x: [f64; 2], reach: f64| {
+        rows.iter().any(|r| {
+            r.pressure > TOUCHING * max_pressure && (r.point[0] - x[0]).hypot(r.point[1] - x[1]) <= reach
+        })
+    };
+    let sticks = |x: [f64; 2]| {
+        rows.iter().any(|r| r.point == x && r.pressure > TOUCHING * max_pressure && r.shear.abs() < r.bound)
+    };
+    let contact = |e: usize| match &scene.sides[mesh.side[e]].condition {
+        Condition::Contact { gap, .. } => Some(gap),
+        _ => None,
+    };
+    let previous = mesh.previous();
+    for e in 0..mesh.len() {
+        let h = mesh.length(e);
+        if let Some(gap) = contact(e) {
+            let value = |t: f64| {
+                let x = mesh.point(e, t);
+                gap.eval(x[0], x[1], mesh.edge_parameter(e, t))
+            };
+            let kinks = gap.kinks(|t| {
+                let x = mesh.point(e, t);
+                (x[0], x[1], mesh.edge_parameter(e, t))
+            });
+            for t in kinks {
+                // at an end of the element the other side of the kink lies on the next one: same straight edge or none
+                let step = 1e-4;
+                let bend = (value(t + step) - 2.0 * value(t) + value(t - step)) / step;
+                if bend > 1e-3 * h && pressed(mesh.point(e, t), 0.5 * h) {
+                    return true;
+                }
+            }
+        }
+        let before = previous[e];
+        if contact(e).is_some() == contact(before).is_some() {
+            continue;
+        }
+        let (a, b) = (mesh.tangent(before), mesh.tangent(e));
+        // turning to the left is a convex corner: interior angle π - turn
+        let turn = (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
+        let angle = std::f64::consts::PI - turn;
+        let corner = mesh.vertices[e];
+        let other = if contact(e).is_some() { before } else { e };
+        let held = matches!(scene.sides[mesh.side[other]].condition, Condition::Displacement { .. });
+        let obtuse = angle > std::f64::consts::FRAC_PI_2 * (1.0 + 1e-9);
+        if pressed(corner, 0.0) && (sticks(corner) || obtuse) || held && obtuse && pressed(corner, h) {
+            return true;
+        }
+    }
+    false
+}

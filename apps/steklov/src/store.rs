@@ -1,0 +1,224 @@
+//! The layout of the result file.
+
+use steklov_bem_operators::Mesh;
+use steklov_io::{
+    File, Group, IoError, Label, create_group, invalid, load, load_integers, load_points, load_text, load_texts, load_vector,
+    open_group, save, save_dense, save_integers, save_number, save_points, save_text, save_texts, save_vector,
+    vtkhdf, write_integer_attribute, write_text_attribute,
+};
+
+use crate::plan::Plan;
+use crate::record::Record;
+use crate::report::ContactRow;
+use crate::run::Step;
+use crate::solve::Stage;
+use crate::summary::Summary;
+
+/// What `show` reads of a result file.
+#[derive(Debug, Clone)]
+pub struct Stored {
+    /// The numbers.
+    pub summary: Summary,
+    /// What was modelled.
+    pub plan: Plan,
+    /// The last mesh.
+    pub mesh: Mesh,
+    /// Nodal points and displacement.
+    pub points: Vec<[f64; 2]>,
+    /// Nodal displacement.
+    pub displacement: Vec<[f64; 2]>,
+    /// Boundary points with a traction.
+    pub traction_points: Vec<[f64; 2]>,
+    /// Traction σ(u)n there.
+    pub traction: Vec<[f64; 2]>,
+    /// Rows of the contact table.
+    pub contact: Vec<ContactRow>,
+    /// The body with its fields.
+    pub grid: vtkhdf::Grid,
+}
+
+fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
+    Label { unit, meaning, axes }
+}
+
+/// `/steps/NNN`, made when it is not there.
+fn step_group(file: &File, number: usize) -> Result<Group, IoError> {
+    let steps = if file.link_exists("steps") { open_group(file, "steps")? } else { create_group(file, "steps")? };
+    let name = format!("{number:03}");
+    if steps.link_exists(&name) { open_group(&steps, &name) } else { create_group(&steps, &name) }
+}
+
+/// Stores the matrices of a step while they exist, as `/steps/NNN/matrices`.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), IoError> {
+    let step = step_group(file, number)?;
+    const DISPLACEMENT: &str = "displacement unknown: nodes in the order of /solution/points, component fastest";
+    match stage {
+        Stage::Operators(operators) => save(&step, "matrices", *operators),
+        Stage::Steklov(s) => {
+            let meaning = label("stress", "Steklov-Poincare operator <S u, v>", &[DISPLACEMENT, DISPLACEMENT]);
+            save_dense(&open_group(&step, "matrices")?, "S", s.as_ref(), &meaning)
+        }
+        Stage::Progress(..) => Ok(()),
+    }
+}
+
+/// Writes everything of a record into a new file.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
+    write_text_attribute(file, "program", concat!("steklov ", env!("CARGO_PKG_VERSION")))?;
+    write_integer_attribute(file, "threads", &[rayon::current_num_threads() as i64])?;
+    save_text(file, "scene", &record.scene, "text of the scene file")?;
+    save_texts(file, "overrides", &record.overrides, "keys changed on the command line, KEY=VALUE", "override")?;
+    save_text(file, "summary", &json(&record.summary), "the JSON object of solve --json")?;
+    save_text(file, "plan", &json(&record.plan), "what was modelled, what was left out and why, as JSON")?;
+    save(file, "mesh", &record.mesh)?;
+    save_solution(&create_group(file, "solution")?, record)?;
+    if record.summary.contact.is_some() {
+        save_contact(&create_group(file, "contact")?, &record.contact)?;
+    }
+    for (number, step) in record.steps.iter().enumerate() {
+        save_step(&step_group(file, number)?, step)?;
+    }
+    let last = format!("/steps/{:03}/matrices", record.steps.len().saturating_sub(1));
+    if file.link_exists(&last) {
+        file.link_hard(&last, "/matrices").map_err(|e| invalid(file, "matrices", e.to_string()))?;
+    }
+    vtkhdf::write(file, &record.grid)
+}
+
+fn json<T: serde::Serialize>(value: &T) -> String {
+    serde_json::to_string_pretty(value).unwrap_or_else(|e| unreachable!("plain data has a JSON text: {e}"))
+}
+
+fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
+    let node = &["node", "component"];
+    save_points(at, "points", &record.points, &label("length", "displacement nodes", node))?;
+    save_points(at, "displacement", &record.displacement, &label("length", "nodal displacement", node))?;
+    let point = &["point", "component"];
+    let place = label("length", "p Gauss points of each element", point);
+    save_points(at, "traction_points", &record.traction_points, &place)?;
+    let element = label("1", "element of each traction point", &["point"]);
+    save_integers(at, "traction_element", &record.traction_element, &element)?;
+    save_points(at, "traction", &record.traction, &label("stress", "traction sigma(u) n", point))?;
+    let reactions = create_group(at, "reactions")?;
+    for (side, force) in &record.summary.reactions {
+        // a side's name may hold a slash, which HDF5 takes for a path
+        let meaning = format!("force on the body from side {side}");
+        save_vector(&reactions, &side.replace('/', "_"), force, &label("force/thickness", &meaning, &["component"]))?;
+    }
+    let probes = &record.summary.probe;
+    if !probes.is_empty() {
+        let at = create_group(at, "probe")?;
+        let collect = |f: fn(&crate::summary::Probe) -> [f64; 2]| probes.iter().map(f).collect::<Vec<_>>();
+        save_points(&at, "points", &collect(|p| p.point), &label("length", "probe points", point))?;
+        let displacement = label("length", "displacement", point);
+        save_points(&at, "displacement", &collect(|p| p.displacement), &displacement)?;
+        let stress = faer::Mat::from_fn(probes.len(), 3, |i, j| probes[i].stress[j]);
+        save_dense(&at, "stress", stress.as_ref(), &label("stress", "sigma_xx, sigma_yy, sigma_xy", point))?;
+    }
+    Ok(())
+}
+
+/// Columns of the contact table that are numbers: name, unit, meaning, value.
+type Column = (&'static str, &'static str, &'static str, fn(&ContactRow) -> f64);
+const COLUMNS: [Column; 7] = [
+    ("gap", "length", "weighted gap g_i", |r| r.gap),
+    ("normal_displacement", "length", "u_n", |r| r.normal_displacement),
+    ("tangential_displacement", "length", "u_t, along the normal turned by +90 degrees", |r| r.tangential_displacement),
+    ("pressure", "stress", "lambda_n,i, positive in compression", |r| r.pressure),
+    ("shear", "stress", "lambda_t,i", |r| r.shear),
+    ("bound", "stress", "friction bound F_i", |r| r.bound),
+    ("weight", "length", "length that the node stands for, the integral of its multiplier function", |r| r.weight),
+];
+
+fn save_contact(at: &Group, rows: &[ContactRow]) -> Result<(), IoError> {
+    let plane = &["contact node", "component"];
+    let points: Vec<_> = rows.iter().map(|r| r.point).collect();
+    let normals: Vec<_> = rows.iter().map(|r| r.normal).collect();
+    save_points(at, "points", &points, &label("length", "contact nodes", plane))?;
+    save_points(at, "normal", &normals, &label("1", "normal out of the body", plane))?;
+    for (name, unit, meaning, value) in COLUMNS {
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        save_vector(at, name, &values, &label(unit, meaning, &["contact node"]))?;
+    }
+    let status: Vec<usize> = rows.iter().map(|r| r.status).collect();
+    let meaning = "0 apart, 1 stick, 2 slip along +t, 3 slip along -t";
+    save_integers(at, "status", &status, &label("1", meaning, &["contact node"]))?;
+    let side: Vec<usize> = rows.iter().map(|r| r.side).collect();
+    save_integers(at, "side", &side, &label("1", "index into /mesh/side_names", &["contact node"]))
+}
+
+fn load_contact(at: &Group) -> Result<Vec<ContactRow>, IoError> {
+    let points = load_points(at, "points")?;
+    let normals = load_points(at, "normal")?;
+    let mut columns = Vec::new();
+    for (name, ..) in COLUMNS {
+        columns.push(load_vector(at, name)?);
+    }
+    let (status, side) = (load_integers(at, "status")?, load_integers(at, "side")?);
+    let n = points.len();
+    let lengths = columns.iter().map(Vec::len).chain([normals.len(), status.len(), side.len()]);
+    if lengths.into_iter().any(|l| l != n) {
+        return Err(invalid(at, "points", "the columns of the contact table have different lengths"));
+    }
+    let row = |i: usize| ContactRow {
+        point: points[i],
+        normal: normals[i],
+        gap: columns[0][i],
+        normal_displacement: columns[1][i],
+        tangential_displacement: columns[2][i],
+        pressure: columns[3][i],
+        shear: columns[4][i],
+        bound: columns[5][i],
+        weight: columns[6][i],
+        status: status[i],
+        side: side[i],
+    };
+    Ok((0..n).map(row).collect())
+}
+
+fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
+    save(at, "mesh", &step.mesh)?;
+    save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
+    save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
+    let history = label("1", "the contact solver's measure of the error before each iteration and at the end", &["iteration"]);
+    save_vector(at, "history", &step.history, &history)?;
+    let parts = label("seconds", "set-up, assembly, factorisation, solution", &["part"]);
+    save_vector(at, "seconds", &step.seconds, &parts)
+}
+
+/// Reads what `show` needs, and checks that the parts fit.
+///
+/// # Errors
+/// A file that is not one of this program's, truncated or altered.
+pub fn read(file: &File) -> Result<Stored, IoError> {
+    let summary: Summary = parse(file, "summary")?;
+    let plan: Plan = parse(file, "plan")?;
+    let mesh: Mesh = load(file, "mesh")?;
+    load_text(file, "scene")?;
+    load_texts(file, "overrides")?;
+    let solution = open_group(file, "solution")?;
+    let points = load_points(&solution, "points")?;
+    let displacement = load_points(&solution, "displacement")?;
+    let traction_points = load_points(&solution, "traction_points")?;
+    let traction = load_points(&solution, "traction")?;
+    if points.len() != displacement.len() || traction_points.len() != traction.len() {
+        return Err(invalid(&solution, "displacement", "its points and values differ in number"));
+    }
+    let contact = if summary.contact.is_some() { load_contact(&open_group(file, "contact")?)? } else { Vec::new() };
+    if let Some(row) = contact.iter().find(|r| r.side >= mesh.side_names.len()) {
+        let why = format!("side {} of {}", row.side, mesh.side_names.len());
+        return Err(invalid(file, "contact/side", why));
+    }
+    let grid = vtkhdf::read(file)?;
+    Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid })
+}
+
+fn parse<T: serde::de::DeserializeOwned>(file: &File, name: &str) -> Result<T, IoError> {
+    serde_json::from_str(&load_text(file, name)?).map_err(|e| invalid(file, name, e.to_string()))
+}

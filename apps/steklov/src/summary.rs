@@ -1,0 +1,149 @@
+//! The JSON object of `solve --json` and `show --json`.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+
+/// What a result is, in numbers. Lengths, stresses and forces per thickness in the units of the scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Summary {
+    /// Title of the scene.
+    pub title: String,
+    /// Discretisation: "bem".
+    pub model: String,
+    /// The result file.
+    pub file: String,
+    /// Whether what was asked for is reached.
+    pub converged: bool,
+    /// solved, tolerance, max_dofs, max_steps, solver or interrupted.
+    pub reason: String,
+    /// Displacement unknowns of the last mesh, held ones included.
+    pub dofs: usize,
+    /// Number of meshes solved.
+    pub steps: usize,
+    /// J = strain energy - load work + friction work.
+    pub energy: f64,
+    /// J extrapolated; null until there is an indicator.
+    pub energy_extrapolated: Option<f64>,
+    /// ½ a(u, u).
+    pub strain_energy: f64,
+    /// Work of tractions and body force, without that of reactions.
+    pub load_work: f64,
+    /// Σ D_i F_i |u_t,i| over the whole contact boundary.
+    pub friction_work: f64,
+    /// Estimated error in the energy norm; null until there is an indicator.
+    pub estimate: Option<f64>,
+    /// Estimate over (2 strain energy)^½; null until there is an indicator.
+    pub estimate_relative: Option<f64>,
+    /// Iterations of the contact solver in the last step; 0 without contact.
+    pub iterations: usize,
+    /// Contact; null without a contact side.
+    pub contact: Option<ContactSummary>,
+    /// How well the contact conditions hold; null without a contact side.
+    pub audit: Option<Audit>,
+    /// Force on the body from each held or contacting side.
+    pub reactions: BTreeMap<String, [f64; 2]>,
+    /// Results at the probe points.
+    pub probe: Vec<Probe>,
+    /// Statistics; null for one outcome.
+    pub stochastic: Option<serde_json::Value>,
+    /// Wall seconds.
+    pub seconds: SecondsSummary,
+    /// Largest resident memory of the process.
+    pub peak_memory_bytes: u64,
+}
+
+/// Contact in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ContactSummary {
+    /// Length in contact, Σ D_i over nodes with λ_n,i > 1e-12 of the largest.
+    pub length: f64,
+    /// Part of it with |λ_t| < F_i.
+    pub stick: f64,
+    /// The rest.
+    pub slip: f64,
+    /// Largest nodal λ_n.
+    pub max_pressure: f64,
+    /// Whether the exact one is infinite, so that `max_pressure` grows with the mesh.
+    pub max_pressure_unbounded: bool,
+    /// Force of the obstacle on the body.
+    pub force: [f64; 2],
+    /// Ends of contact that were located; null until there is adaptivity.
+    pub ends: Option<Vec<[f64; 2]>>,
+}
+
+/// The judge's measures, each relative to its scale.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Audit {
+    /// max |S u + Bᵀλ - f| / (max |S u| + max |f|).
+    pub equilibrium: f64,
+    /// max (u_n - g)⁺ / (max |u| + max |g|).
+    pub penetration: f64,
+    /// max (-λ_n)⁺ / max |λ|.
+    pub tension: f64,
+    /// max λ_n |g - u_n| over the scales of both.
+    pub complementarity: f64,
+    /// Excess of |λ_t| over F and violation of the slip rule.
+    pub friction: f64,
+}
+
+/// Displacement and stress at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Probe {
+    /// The point.
+    pub point: [f64; 2],
+    /// Displacement.
+    pub displacement: [f64; 2],
+    /// σ_xx, σ_yy, σ_xy.
+    pub stress: [f64; 3],
+}
+
+/// Wall seconds of the parts, summed over the steps.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
+pub struct SecondsSummary {
+    /// All of it, reading the scene and writing the file included.
+    pub total: f64,
+    /// Meshes, loads, supports.
+    pub set_up: f64,
+    /// V, K, W.
+    pub assemble: f64,
+    /// S and its condensation.
+    pub factorise: f64,
+    /// Contact and back substitution.
+    pub solve: f64,
+    /// Error estimate.
+    pub estimate: f64,
+    /// Fields in the body and the result file.
+    pub write: f64,
+}
+
+impl Summary {
+    /// The number at a path of keys joined by points: `contact.force.y`, `probe.0.stress.xx`, `reactions.floor.x`.
+    pub fn at(&self, path: &str) -> Option<f64> {
+        let root = serde_json::to_value(self).ok()?;
+        let mut value = &root;
+        for key in path.split('.') {
+            value = match value {
+                serde_json::Value::Array(items) => {
+                    let index = match (items.len(), key) {
+                        (_, "x" | "xx") => 0,
+                        (_, "y" | "yy") => 1,
+                        (_, "xy") => 2,
+                        _ => key.parse().ok()?,
+                    };
+                    items.get(index)?
+                }
+                other => other.get(key)?,
+            };
+        }
+        value.as_bool().map(|b| f64::from(u8::from(b))).or_else(|| value.as_f64())
+    }
+}
+
+/// Largest resident memory of this process so far, in bytes; 0 where the system does not tell.
+pub fn peak_memory_bytes() -> u64 {
+    let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
+    let line = status.lines().find(|l| l.starts_with("VmHWM:"));
+    let kib = line.and_then(|l| l.split_whitespace().nth(1)).and_then(|n| n.parse::<u64>().ok());
+    kib.unwrap_or(0) * 1024
+}
