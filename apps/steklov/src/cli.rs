@@ -11,7 +11,8 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_io::{IoError, create_atomically, open};
 
 use crate::draw;
-use crate::plan::{Plan, plan};
+use crate::explain::{explain, too_many_dofs};
+use crate::plan::plan;
 use crate::record::Record;
 use crate::run::run;
 use crate::scene::{Scene, TEMPLATE};
@@ -164,21 +165,19 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     if args.resume {
         return Err(Failure("error: --resume is not yet available: only adaptive runs have steps to go on from".into()));
     }
-    check_output(&out, args.force)?;
+    check_output(&out, &args.scene, args.force)?;
     let plan = plan(&scene);
     if plan.cost.dofs > scene.method.max_dofs {
-        let message = format!(
-            "error: the first mesh has {} dofs, more than method.max_dofs = {}: ask for fewer elements, a lower degree or more dofs",
-            plan.cost.dofs, scene.method.max_dofs
-        );
-        return Err(Failure(format!("{message} ({})", args.scene.display())));
+        return Err(Failure(too_many_dofs(&scene, plan.cost.dofs).render()));
     }
     set_threads(args.threads)?;
     let interrupts = Arc::new(AtomicUsize::new(0));
-    let presses = Arc::clone(&interrupts);
+    let (presses, quiet) = (Arc::clone(&interrupts), args.quiet);
     ctrlc::set_handler(move || {
         let before = presses.fetch_add(1, Ordering::Relaxed);
-        eprintln!("{}", if before == 0 { "finishing this step; again to stop at once" } else { "stopping" });
+        if !quiet {
+            eprintln!("{}", if before == 0 { "finishing this step; again to stop at once" } else { "stopping" });
+        }
     })?;
     let progress = Progress::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
@@ -195,7 +194,10 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         Ok(record)
     });
     progress.finish();
-    let mut record = record.map_err(|e| explain(&scene, e))?;
+    let mut record = record.map_err(|error| match explain(&scene, error) {
+        Ok(error) => Failure(error.render()),
+        Err(error) => error.into(),
+    })?;
     record.summary.seconds.total = clock.elapsed().as_secs_f64();
     let converged = record.summary.converged;
     let summary = record.summary.clone();
@@ -213,7 +215,12 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
 }
 
 /// An output that cannot be written is said before anything is solved.
-fn check_output(out: &Path, force: bool) -> Result<(), Failure> {
+fn check_output(out: &Path, scene: &Path, force: bool) -> Result<(), Failure> {
+    if let (Ok(a), Ok(b)) = (out.canonicalize(), scene.canonicalize())
+        && a == b
+    {
+        return Err(Failure(format!("error: {} is the scene itself; name another file with --out", out.display())));
+    }
     if out.is_dir() {
         return Err(Failure(format!("error: {} is a folder; name a file with --out", out.display())));
     }
@@ -227,15 +234,6 @@ fn check_output(out: &Path, force: bool) -> Result<(), Failure> {
 fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
     let threads = threads.map_or(0, usize::from);
     Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?)
-}
-
-/// Errors of supports and data are told with the scene's text.
-fn explain(scene: &Scene, error: SolveError) -> Failure {
-    match error {
-        SolveError::Scene(error) => Failure(error.render()),
-        SolveError::Interrupted | SolveError::Io(_) => Failure(format!("error: {error}")),
-        other => Failure(scene.support_error(other.to_string()).render()),
-    }
 }
 
 fn show(args: &ShowArgs) -> Result<u8, Failure> {

@@ -23,6 +23,9 @@ impl Data<'_> {
         for e in 0..mesh.len() {
             let side = &self.scene.sides[mesh.side[e]];
             let Condition::Displacement { values, .. } = &side.condition else { continue };
+            for expression in values.iter().flatten() {
+                self.check_continuous(&side.name, e, expression)?;
+            }
             for (j, node) in space.element_nodes(e).enumerate() {
                 let site = Site::new(mesh, e, space.basis(e).nodes[j]);
                 for (component, value) in values.iter().enumerate() {
@@ -122,9 +125,24 @@ impl Data<'_> {
         let values = |node: usize| held[node].components.map(|c| c.map(|(value, _)| value));
         let boundary = contact_boundary(self.mesh, self.space, &data, &values);
         boundary.map(Some).map_err(|error| match error {
-            steklov_contact::ContactError::Data(error) => self.located(error),
+            steklov_contact::ContactError::Data(error) => match self.contact_expression(&error) {
+                Some(expression) => self.located(error, expression),
+                None => error.into(),
+            },
             error => error.into(),
         })
+    }
+
+    /// The gap or the friction bound that an error is about.
+    fn contact_expression(&self, error: &BemError) -> Option<&Expression> {
+        let (BemError::DataNotFinite { name, side, .. } | BemError::DataRough { name, side, .. }) = error else {
+            return None;
+        };
+        match &self.scene.sides.iter().find(|s| s.name == *side)?.condition {
+            Condition::Contact { gap, .. } if name == "gap" => Some(gap),
+            Condition::Contact { friction: Friction::Tresca(bound), .. } => Some(bound),
+            _ => None,
+        }
     }
 
     /// The bound of a Tresca law is used at the nodes, from both sides of each.
@@ -142,7 +160,7 @@ impl Data<'_> {
     /// ∫ f φ_j of an expression on a side.
     fn moments(&self, side: usize, name: &str, expression: &Expression) -> Result<Vec<(usize, Vec<f64>)>, SolveError> {
         let function = self.function(expression);
-        side_moments(self.mesh, self.space, side, &function.datum(name)).map_err(|error| self.located(error))
+        side_moments(self.mesh, self.space, side, &function.datum(name)).map_err(|error| self.located(error, expression))
     }
 
     fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
@@ -158,23 +176,20 @@ impl Data<'_> {
         }
     }
 
-    /// An error of the numerics about a datum, told with its place in the scene.
-    fn located(&self, error: BemError) -> SolveError {
-        let (BemError::DataNotFinite { name, side, .. } | BemError::DataRough { name, side, .. }) = &error else {
-            return error.into();
-        };
-        let Some(at) = self.scene.sides.iter().find(|s| s.name == *side) else { return error.into() };
-        for expression in expressions(&at.condition, name) {
-            if let BemError::DataNotFinite { point, .. } = &error {
-                let Location::Boundary { s, .. } = self.scene.polygon.contains(*point) else { continue };
-                if let Err(error) = self.scene.check_value(side, name, expression, (point[0], point[1], s)) {
-                    return error.into();
+    /// An error of the numerics about an expression, told with its place in the scene.
+    fn located(&self, error: BemError, expression: &Expression) -> SolveError {
+        match &error {
+            BemError::DataNotFinite { name, side, point, .. } => {
+                let Location::Boundary { s, .. } = self.scene.polygon.contains(*point) else { return error.into() };
+                match self.scene.check_value(side, name, expression, (point[0], point[1], s)) {
+                    Err(error) => error.into(),
+                    // rounding of s or of the point: the value was not finite all the same
+                    Ok(_) => self.scene.data_error(expression, &error.to_string()).into(),
                 }
-            } else {
-                return self.scene.data_error(expression, &error.to_string()).into();
             }
+            BemError::DataRough { .. } => self.scene.data_error(expression, &error.to_string()).into(),
+            _ => error.into(),
         }
-        error.into()
     }
 
     /// ∫ t φ_j over element e of the whole traction, for its local node j.
@@ -207,16 +222,5 @@ struct Function<'a> {
 impl Function<'_> {
     fn datum<'a>(&'a self, name: &'a str) -> Datum<'a> {
         Datum { name, value: &*self.value, kinks: &*self.kinks }
-    }
-}
-
-/// Expressions of a condition that go by a name in messages.
-fn expressions<'a>(condition: &'a Condition, name: &str) -> Vec<&'a Expression> {
-    match (condition, name) {
-        (Condition::Traction(t) | Condition::Displacement { traction: Some(t), .. }, "traction") => t.iter().collect(),
-        (Condition::Pressure(p), "pressure") => vec![p],
-        (Condition::Contact { gap, .. }, "gap") => vec![gap],
-        (Condition::Contact { friction: Friction::Tresca(bound), .. }, _) => vec![bound],
-        _ => Vec::new(),
     }
 }

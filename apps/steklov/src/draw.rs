@@ -125,7 +125,9 @@ pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec
             let [x, y] = r.point;
             let numbers = [x, y, r.gap, r.normal_displacement, r.tangential_displacement, r.pressure, r.shear, r.bound, r.weight];
             let _ = write!(text, "\"{side}\"");
-            numbers.iter().for_each(|v| drop(write!(text, ",{v:?}")));
+            for v in numbers {
+                let _ = write!(text, ",{v:?}");
+            }
             let _ = writeln!(text, ",{}", r.status);
         }
         save("contact", text)?;

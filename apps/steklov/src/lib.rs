@@ -21,4 +21,5 @@ pub mod report;
 pub mod record;
 pub mod store;
 pub mod draw;
+mod explain;
 pub mod cli;

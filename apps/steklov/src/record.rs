@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use steklov_bem_operators::{Location, Mesh};
+use steklov_bem_operators::{Inside, Location, Mesh};
 use steklov_io::vtkhdf::{Field, Grid};
 
 use crate::plan::Plan;
@@ -157,7 +157,7 @@ fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
 impl Solved {
     /// Displacement and stress at a point inside the body.
     pub fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-        let (mut u, mut stress) = (self.field.displacement(x), self.field.stress(x));
+        let Inside { displacement: mut u, mut stress, .. } = self.field.inside(x);
         if let Some(body) = &self.body_force {
             let (v, sigma) = (body.displacement(x), body.stress(x));
             (0..2).for_each(|i| u[i] += v[i]);

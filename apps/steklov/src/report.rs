@@ -79,9 +79,9 @@ fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
 pub fn contact_summary(scene: &Scene, solved: &Solved, contact: &ContactResult, rows: &[ContactRow]) -> ContactSummary {
     let max_pressure = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let touches = |r: &&ContactRow| r.pressure > TOUCHING * max_pressure;
-    let length: f64 = rows.iter().filter(touches).map(|r| r.weight).sum();
+    let length: f64 = rows.iter().filter(touches).map(|r| r.weight).fold(0.0, |a, b| a + b); // sum() of nothing is -0
     let sticks = |r: &&ContactRow| r.shear.abs() < r.bound * (1.0 - 1e-12);
-    let stick: f64 = rows.iter().filter(touches).filter(sticks).map(|r| r.weight).sum();
+    let stick: f64 = rows.iter().filter(touches).filter(sticks).map(|r| r.weight).fold(0.0, |a, b| a + b);
     let mut force = [0.0; 2];
     for side in 0..scene.sides.len() {
         let part = contact.boundary.force(side, &contact.solution.multipliers);

@@ -74,7 +74,7 @@ impl Run {
 }
 
 /// Solves a scene. `interrupts` counts the user's wishes to stop: after one the step that runs is finished and kept,
-/// after two the run ends at once.
+/// after two the run ends at once with the steps before it.
 ///
 /// # Errors
 /// As [`solve`]; [`SolveError::Interrupted`] if there is nothing to keep.
@@ -86,13 +86,19 @@ pub fn run(
     let clock = Instant::now();
     let mut mesh = first_mesh(scene);
     let mut steps = Vec::new();
+    let mut last: Option<Solved> = None;
     loop {
         let number = steps.len();
         let mut watched = |stage: Stage<'_>| match interrupts.load(Ordering::Relaxed) {
             0 | 1 => observe(number, stage),
             _ => Err(SolveError::Interrupted),
         };
-        let solved = solve(scene, mesh, &mut watched)?;
+        let solved = match (solve(scene, mesh, &mut watched), last) {
+            (Err(SolveError::Interrupted), Some(last)) => {
+                return Ok(Run { last, steps, reason: Reason::Interrupted, clock });
+            }
+            (solved, _) => solved?,
+        };
         let step = step(&solved);
         let stuck = !step.converged;
         steps.push(step);
@@ -107,7 +113,7 @@ pub fn run(
         };
         match (reason, next) {
             (Some(reason), _) => return Ok(Run { last: solved, steps, reason, clock }),
-            (None, Some(next)) => mesh = next,
+            (None, Some(next)) => (mesh, last) = (next, Some(solved)),
             (None, None) => unreachable!("without a next mesh there is a reason to end"),
         }
     }

@@ -84,6 +84,11 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
     for (number, step) in record.steps.iter().enumerate() {
         save_step(&step_group(file, number)?, step)?;
     }
+    // the matrices of a step that was stopped
+    let unfinished = format!("/steps/{:03}", record.steps.len());
+    if file.link_exists(&unfinished) {
+        file.unlink(&unfinished).map_err(|e| invalid(file, "steps", e.to_string()))?;
+    }
     let last = format!("/steps/{:03}/matrices", record.steps.len().saturating_sub(1));
     if file.link_exists(&last) {
         file.link_hard(&last, "/matrices").map_err(|e| invalid(file, "matrices", e.to_string()))?;

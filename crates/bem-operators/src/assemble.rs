@@ -63,13 +63,13 @@ impl Operators {
         let pass = Pass::new(mesh, space, material, length);
         let mut owners = pass.columns(&mut v, &mut k, &mut w);
         let mut buffer = Vec::new();
+        let arch = pulp::Arch::new();
         for rows in pass.blocks() {
             pass.moments(rows.clone(), &mut buffer);
             let block = Block { base: pass.pair_base(rows.clone()), rows, moments: &buffer };
-            owners
-                .par_iter_mut()
-                .enumerate()
-                .for_each_init(Scratch::default, |scratch, (c, columns)| pass.add(c, columns, &block, scratch));
+            owners.par_iter_mut().for_each_init(Scratch::default, |scratch, columns| {
+                arch.dispatch(|| pass.add(columns, &block, scratch));
+            });
         }
         drop(owners);
         Ok(Self { v, k, w, mass: mass(mesh, space), length, diameter })
@@ -117,8 +117,10 @@ impl Constants {
     }
 }
 
-/// The columns of V, K and W that belong to one element: its traction coefficients, its nodes but the last.
+/// The columns of V, K and W that belong to a group of consecutive elements: their traction coefficients, and their
+/// nodes but the last one of each.
 struct Columns<'a> {
+    elements: std::ops::Range<usize>,
     v: Vec<&'a mut [f64]>,
     k: Vec<&'a mut [f64]>,
     w: Vec<&'a mut [f64]>,
@@ -134,17 +136,34 @@ struct Block<'a> {
 #[derive(Default)]
 struct Scratch {
     tables: Tables,
-    /// G̃ times the trial derivative, xx, yy, xy for each test degree.
-    g: Vec<[f64; 3]>,
+    /// G̃ times the trial derivative for each test degree.
+    g_xx: Vec<f64>,
+    g_yy: Vec<f64>,
+    g_xy: Vec<f64>,
 }
 
-/// Row-major copies of the small matrices of a degree.
+/// The small matrices of a degree, node by node.
 struct Local {
-    /// Legendre coefficients of the nodal basis, (p+1)×(p+1).
-    c: Vec<f64>,
-    /// Legendre coefficients of its derivative with respect to t, p×(p+1).
-    b: Vec<f64>,
+    /// Legendre coefficients n = 0..=p of each nodal function.
+    values: Vec<f64>,
+    /// Legendre coefficients n = 0..p of its derivative with respect to t.
+    derivatives: Vec<f64>,
 }
+
+impl Local {
+    fn new(space: &Space, e: usize) -> Self {
+        let basis = space.basis(e);
+        let p = basis.degree;
+        let pairs = |count: usize| (0..=p).flat_map(move |j| (0..count).map(move |n| (n, j)));
+        Self {
+            values: pairs(p + 1).map(|at| basis.to_legendre[at]).collect(),
+            derivatives: pairs(p).map(|at| basis.derivative_to_legendre[at]).collect(),
+        }
+    }
+}
+
+/// Columns that one task owns, at least; neighbours in a group share their tables.
+const TASK_COLUMNS: usize = 24;
 
 struct Pass<'a> {
     space: &'a Space,
@@ -187,19 +206,26 @@ impl<'a> Pass<'a> {
         self.segments.len()
     }
 
-    /// Splits the matrices into the columns of each element.
+    /// Splits the matrices into the columns of groups of elements.
     fn columns<'m>(&self, v: &'m mut Mat<f64>, k: &'m mut Mat<f64>, w: &'m mut Mat<f64>) -> Vec<Columns<'m>> {
         let mut v = column_slices(v);
         let mut k = column_slices(k);
         let mut w = column_slices(w);
-        self.degree
-            .iter()
-            .map(|p| Columns {
-                v: v.by_ref().take(2 * p).collect(),
-                k: k.by_ref().take(2 * p).collect(),
-                w: w.by_ref().take(2 * p).collect(),
-            })
-            .collect()
+        let mut groups = Vec::new();
+        let (mut start, mut count) = (0, 0);
+        for e in 0..self.len() {
+            count += 2 * self.degree[e];
+            if count >= TASK_COLUMNS || e + 1 == self.len() {
+                groups.push(Columns {
+                    elements: start..e + 1,
+                    v: v.by_ref().take(count).collect(),
+                    k: k.by_ref().take(count).collect(),
+                    w: w.by_ref().take(count).collect(),
+                });
+                (start, count) = (e + 1, 0);
+            }
+        }
+        groups
     }
 
     /// Where the moments of the pair (a, b), b ≥ a, start behind those of (a, a).
@@ -287,21 +313,20 @@ impl<'a> Pass<'a> {
         }
     }
 
-    /// Adds to the columns of element c what the pairs of a block contribute: c as trial element, and the end node of the
-    /// element before it, which is c's first node.
-    fn add(&self, c: usize, columns: &mut Columns<'_>, block: &Block<'_>, scratch: &mut Scratch) {
-        let rows = &block.rows;
-        for trial in [c, self.previous[c]] {
-            let tests = if trial < rows.start {
-                0..0
-            } else if rows.contains(&trial) {
-                rows.start..self.len()
-            } else {
-                rows.clone()
-            };
-            for test in tests {
+    /// Adds to the columns of a group what the pairs of a block contribute: its elements as trial elements, and of the
+    /// elements before them the end node, which is a first node of the group.
+    #[inline(always)]
+    fn add(&self, columns: &mut Columns<'_>, block: &Block<'_>, scratch: &mut Scratch) {
+        let group = columns.elements.clone();
+        let before = group.clone().map(|e| self.previous[e]).filter(|e| !group.contains(e));
+        let trials: Vec<usize> = before.chain(group.clone()).collect();
+        for test in block.rows.start..self.len() {
+            for &trial in &trials {
                 let (first, second) = (test.min(trial), test.max(trial));
-                let start = block.base[first - rows.start] + self.pair_offset(first, second);
+                if !block.rows.contains(&first) {
+                    continue;
+                }
+                let start = block.base[first - block.rows.start] + self.pair_offset(first, second);
                 let first_outer = first_is_outer(self.segments[first], self.segments[second]);
                 let (outer, inner) = if first_outer { (first, second) } else { (second, first) };
                 let (m, n) = (self.degree[outer] + 1, self.degree[inner] + 1);
@@ -309,11 +334,17 @@ impl<'a> Pass<'a> {
                 let (pa, pc) = (self.degree[test], self.degree[trial]);
                 let moments = &block.moments[start..start + storage(m - 1, n - 1)];
                 scratch.tables.fill(&geometry, m, n, moments, outer == test, pa, pc);
-                if trial == c {
-                    self.add_single_layer(test, c, columns, &scratch.tables);
-                    self.add_nodes(test, c, 0..pc, columns, scratch);
-                } else {
-                    self.add_nodes(test, trial, pc..pc + 1, columns, scratch);
+                if group.contains(&trial) {
+                    let column = 2 * (self.space.offset[trial] - self.space.offset[group.start]);
+                    self.add_single_layer(test, trial, &mut columns.v[column..column + 2 * pc], &scratch.tables);
+                    let (k, w) = (&mut columns.k[column..], &mut columns.w[column..]);
+                    self.add_nodes(test, trial, 0..pc, k, w, scratch);
+                }
+                let next = self.space.next[trial];
+                if group.contains(&next) {
+                    let column = 2 * (self.space.offset[next] - self.space.offset[group.start]);
+                    let (k, w) = (&mut columns.k[column..], &mut columns.w[column..]);
+                    self.add_nodes(test, trial, pc..pc + 1, k, w, scratch);
                 }
             }
         }
@@ -331,75 +362,74 @@ impl<'a> Pass<'a> {
     }
 
     /// V_ab[m,n] = |d_a||d_b| c_V [ -κ LOG I + rr ], LOG of log(r/L).
-    fn add_single_layer(&self, a: usize, c: usize, columns: &mut Columns<'_>, t: &Tables) {
+    #[inline(always)]
+    fn add_single_layer(&self, a: usize, c: usize, v: &mut [&mut [f64]], t: &Tables) {
         let constants = &self.constants;
         let scale = self.segments[a].half().norm() * self.segments[c].half().norm() * constants.c_v;
         let row0 = 2 * self.space.offset[a];
         for n in 0..t.trial {
-            let [vx, vy] = &mut columns.v[2 * n..2 * n + 2] else { continue };
-            for m in 0..t.test {
+            let [vx, vy] = &mut v[2 * n..2 * n + 2] else { continue };
+            let rows = row0..row0 + 2 * t.test;
+            let pairs = vx[rows.clone()].chunks_exact_mut(2).zip(vy[rows].chunks_exact_mut(2));
+            for (m, (vx, vy)) in pairs.enumerate() {
                 let at = m * t.trial + n;
-                let yy = if m == 0 && n == 0 { 4.0 - t.xx[at] } else { -t.xx[at] };
+                let (xx, xy) = (t.xx[at], t.xy[at]);
+                let yy = if m == 0 && n == 0 { 4.0 - xx } else { -xx };
                 let log = -constants.kappa * t.log[at];
-                let row = row0 + 2 * m;
-                vx[row] += scale * (log + t.xx[at]);
-                vx[row + 1] += scale * t.xy[at];
-                vy[row] += scale * t.xy[at];
-                vy[row + 1] += scale * (log + yy);
+                vx[0] += scale * (log + xx);
+                vx[1] += scale * xy;
+                vy[0] += scale * xy;
+                vy[1] += scale * (log + yy);
             }
         }
     }
 
-    /// K and W for the trial element's local nodes `nodes`; the first of them is c's first column.
+    /// K and W for the trial element's local nodes `nodes`, into columns of which the first two belong to the first node.
+    #[inline(always)]
     fn add_nodes(
         &self,
         a: usize,
         trial: usize,
         nodes: std::ops::Range<usize>,
-        columns: &mut Columns<'_>,
+        k: &mut [&mut [f64]],
+        w: &mut [&mut [f64]],
         scratch: &mut Scratch,
     ) {
-        let Scratch { tables: t, g } = scratch;
-        let (k, half) = (&self.constants, self.segments[a].half().norm());
+        let Scratch { tables: t, g_xx, g_yy, g_xy } = scratch;
+        let (constants, half) = (&self.constants, self.segments[a].half().norm());
         let (pa, pc) = (t.test, t.trial);
         let local = &self.locals[self.local_of[trial]];
         let test = &self.locals[self.local_of[a]];
         let row0 = 2 * self.space.offset[a];
         let last = 2 * self.space.node(a, pa);
-        g.resize(pa, [0.0; 3]);
+        for g in [&mut *g_xx, &mut *g_yy, &mut *g_xy] {
+            g.resize(pa, 0.0);
+        }
         for (column, j) in nodes.enumerate() {
-            let [kx, ky] = &mut columns.k[2 * column..2 * column + 2] else { continue };
-            let [wx, wy] = &mut columns.w[2 * column..2 * column + 2] else { continue };
-            for m in 0..pa {
-                let (mut log, mut xx, mut xy) = (0.0, 0.0, 0.0);
-                for n in 0..pc {
-                    let b = local.b[n * (pc + 1) + j];
-                    log += t.log[m * pc + n] * b;
-                    xx += t.xx[m * pc + n] * b;
-                    xy += t.xy[m * pc + n] * b;
-                }
-                let mut d = 0.0;
-                for n in 0..=pc {
-                    d += t.d[m * (pc + 1) + n] * local.c[n * (pc + 1) + j];
-                }
-                let yy = if m == 0 { 4.0 * local.b[j] - xx } else { -xx };
+            let [kx, ky] = &mut k[2 * column..2 * column + 2] else { continue };
+            let [wx, wy] = &mut w[2 * column..2 * column + 2] else { continue };
+            let derivative = &local.derivatives[j * pc..][..pc];
+            let value = &local.values[j * (pc + 1)..][..pc + 1];
+            let rows = row0..row0 + 2 * pa;
+            let pairs = kx[rows.clone()].chunks_exact_mut(2).zip(ky[rows].chunks_exact_mut(2));
+            for (m, (kx, ky)) in pairs.enumerate() {
+                let log = dot(&t.log[m * pc..][..pc], derivative);
+                let xx = dot(&t.xx[m * pc..][..pc], derivative);
+                let xy = dot(&t.xy[m * pc..][..pc], derivative);
+                let d = 0.5 / std::f64::consts::PI * dot(&t.d[m * (pc + 1)..][..pc + 1], value);
+                let yy = if m == 0 { 4.0 * derivative[0] - xx } else { -xx };
                 // |d_a| { D/(2π) + H J }, (HJ)_i0 = H_i1, (HJ)_i1 = -H_i0
-                d *= 0.5 / std::f64::consts::PI;
-                let row = row0 + 2 * m;
-                kx[row] += half * (d + k.h_rr * xy);
-                kx[row + 1] += half * (k.h_log * log + k.h_rr * yy);
-                ky[row] -= half * (k.h_log * log + k.h_rr * xx);
-                ky[row + 1] += half * (d - k.h_rr * xy);
-                g[m] = [k.c_w * (xx - log), k.c_w * (yy - log), k.c_w * xy];
+                kx[0] += half * (d + constants.h_rr * xy);
+                kx[1] += half * (constants.h_log * log + constants.h_rr * yy);
+                ky[0] -= half * (constants.h_log * log + constants.h_rr * xx);
+                ky[1] += half * (d - constants.h_rr * xy);
+                g_xx[m] = constants.c_w * (xx - log);
+                g_yy[m] = constants.c_w * (yy - log);
+                g_xy[m] = constants.c_w * xy;
             }
             for i in 0..=pa {
-                let (mut xx, mut yy, mut xy) = (0.0, 0.0, 0.0);
-                for (m, g) in g.iter().enumerate() {
-                    let b = test.b[m * (pa + 1) + i];
-                    xx += b * g[0];
-                    yy += b * g[1];
-                    xy += b * g[2];
-                }
+                let b = &test.derivatives[i * pa..][..pa];
+                let (xx, yy, xy) = (dot(b, g_xx), dot(b, g_yy), dot(b, g_xy));
                 let row = if i < pa { row0 + 2 * i } else { last };
                 wx[row] += xx;
                 wx[row + 1] += xy;
@@ -410,14 +440,9 @@ impl<'a> Pass<'a> {
     }
 }
 
-impl Local {
-    fn new(space: &Space, e: usize) -> Self {
-        let basis = space.basis(e);
-        let p = basis.degree;
-        let c = (0..=p).flat_map(|n| (0..=p).map(move |j| (n, j))).map(|at| basis.to_legendre[at]).collect();
-        let b = (0..p).flat_map(|n| (0..=p).map(move |j| (n, j))).map(|at| basis.derivative_to_legendre[at]).collect();
-        Self { c, b }
-    }
+#[inline(always)]
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The columns of a matrix as slices.

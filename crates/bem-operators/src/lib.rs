@@ -47,7 +47,7 @@ pub use moments::{PairMoments, Segment, Tables};
 pub use particular::BodyForce;
 pub use polygon::{Edge, Location, Loop, Polygon};
 pub use polygon_check::{EdgeName, PolygonError};
-pub use potential::{BoundaryField, Trace};
+pub use potential::{BoundaryField, Inside, Trace};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};

@@ -137,6 +137,7 @@ impl Tables {
     }
 
     /// From a buffer laid out as [`storage`] says.
+    #[inline(always)]
     pub(crate) fn fill(
         &mut self,
         g: &Geometry,
@@ -221,6 +222,7 @@ impl Geometry {
     }
 
     /// As `new`, with log|d_b| known.
+    #[inline(always)]
     pub(crate) fn with_log(outer: Segment, inner: Segment, log_inner: f64) -> Self {
         let (da, db) = (outer.half(), inner.half());
         let inverse = 1.0 / db.norm_sqr();

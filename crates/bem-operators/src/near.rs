@@ -139,10 +139,10 @@ impl Shared {
         let cosine =
             (self.along_outer * self.along_inner.conj()).re / (self.along_outer.norm() * self.along_inner.norm());
         let ratio = outer.half().norm() / inner.half().norm();
-        let extra = rows.saturating_sub(14);
+        let extra = rows.saturating_sub(10);
         // cos 45°, cos 20°
         if cosine < std::f64::consts::FRAC_1_SQRT_2 || ratio <= 0.25 {
-            Some((5, 40 + extra))
+            Some((5, 40 + 3 * extra))
         } else if cosine < 0.94 {
             Some((7, 80 + 2 * extra))
         } else {

@@ -29,6 +29,8 @@ pub struct BoundaryField {
 #[derive(Debug, Clone)]
 struct Piece {
     segment: Segment,
+    /// 1/d.
+    inverse: Complex64,
     /// log(|d|/L).
     log_half: f64,
     /// û[n], n = 0..=p.
@@ -37,6 +39,17 @@ struct Piece {
     derivative: Vec<[f64; 2]>,
     /// ψ[n], n = 0..p.
     traction: Vec<[f64; 2]>,
+}
+
+/// Values at a point inside the body.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Inside {
+    /// Displacement.
+    pub displacement: [f64; 2],
+    /// [[∂x u_x, ∂y u_x], [∂x u_y, ∂y u_y]].
+    pub gradient: [[f64; 2]; 2],
+    /// Stress σ_xx, σ_yy, σ_xy.
+    pub stress: [f64; 3],
 }
 
 /// Values on the boundary at a point of one element, from the inside.
@@ -76,6 +89,7 @@ impl BoundaryField {
             let at = 2 * space.offset[e];
             Piece {
                 segment,
+                inverse: 1.0 / segment.half(),
                 log_half: (segment.half().norm() / length).ln(),
                 displacement: (0..=p).map(|n| combine(n, &basis.to_legendre)).collect(),
                 derivative: (0..p).map(|n| combine(n, &basis.derivative_to_legendre)).collect(),
@@ -85,25 +99,34 @@ impl BoundaryField {
         Self { material: *material, constants: Constants::new(material), elements: elements.collect() }
     }
 
-    /// Displacement at a point inside the body (not on the boundary).
-    pub fn displacement(&self, x: [f64; 2]) -> [f64; 2] {
+    /// Displacement, its gradient and the stress at a point inside the body (not on the boundary).
+    pub fn inside(&self, x: [f64; 2]) -> Inside {
         let x = Complex64::new(x[0], x[1]);
         let k = &self.constants;
-        let mut u = [0.0; 2];
+        let (mut u, mut gradient) = ([0.0; 2], [[0.0; 2]; 2]);
+        let mut at = AtPoint::default();
         for piece in &self.elements {
-            let at = AtPoint::new(piece, x);
-            let half = piece.segment.half().norm();
+            at.off_cut(piece, (x - piece.segment.end) * piece.inverse, (x - piece.segment.start) * piece.inverse);
+            let scale = piece.segment.half().norm() * k.c_v;
             for n in 0..piece.traction.len() {
-                let (log, [xx, yy, xy]) = (at.log(n), at.direction(n));
-                let t = piece.traction[n];
-                let scale = half * k.c_v;
-                u[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
-                u[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
-                // H J û', J û' = (-û'_y, û'_x)
-                let d = piece.derivative[n];
-                let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
-                u[0] -= -hxx * d[1] + hxy * d[0];
-                u[1] -= -hxy * d[1] + hyy * d[0];
+                let (t, d) = (piece.traction[n], piece.derivative[n]);
+                let add = |sum: &mut [f64; 2], log: f64, [xx, yy, xy]: [f64; 3]| {
+                    sum[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
+                    sum[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
+                    // H J û', J û' = (-û'_y, û'_x)
+                    let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
+                    sum[0] -= -hxx * d[1] + hxy * d[0];
+                    sum[1] -= -hxy * d[1] + hyy * d[0];
+                };
+                add(&mut u, at.log(n), at.direction(n));
+                for (axis, along) in [Complex64::ONE, Complex64::I].into_iter().enumerate() {
+                    let (log, rr) = at.slope(n, along);
+                    let mut sum = [0.0; 2];
+                    add(&mut sum, log, rr);
+                    let double = (along * at.inverse * at.q[n]).im / std::f64::consts::PI;
+                    gradient[0][axis] += sum[0] - double * d[0];
+                    gradient[1][axis] += sum[1] - double * d[1];
+                }
             }
             for (n, c) in piece.displacement.iter().enumerate() {
                 let double = at.q[n].im / std::f64::consts::PI;
@@ -111,41 +134,7 @@ impl BoundaryField {
                 u[1] -= double * c[1];
             }
         }
-        u
-    }
-
-    /// Displacement gradient [[∂x u_x, ∂y u_x], [∂x u_y, ∂y u_y]] at a point inside the body (not on the boundary).
-    pub fn gradient(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
-        let x = Complex64::new(x[0], x[1]);
-        let k = &self.constants;
-        let mut gradient = [[0.0; 2]; 2];
-        for piece in &self.elements {
-            let at = AtPoint::with_derivative(piece, x);
-            let half = piece.segment.half().norm();
-            for (axis, along) in [Complex64::ONE, Complex64::I].into_iter().enumerate() {
-                let mut sum = [0.0; 2];
-                for n in 0..piece.traction.len() {
-                    let (log, [xx, yy, xy]) = at.slope(n, along);
-                    let t = piece.traction[n];
-                    let scale = half * k.c_v;
-                    sum[0] += scale * ((xx - k.kappa * log) * t[0] + xy * t[1]);
-                    sum[1] += scale * (xy * t[0] + (yy - k.kappa * log) * t[1]);
-                    let d = piece.derivative[n];
-                    let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
-                    let double = (along * at.inverse * at.q[n]).im / std::f64::consts::PI;
-                    sum[0] -= -hxx * d[1] + hxy * d[0] + double * d[0];
-                    sum[1] -= -hxy * d[1] + hyy * d[0] + double * d[1];
-                }
-                gradient[0][axis] += sum[0];
-                gradient[1][axis] += sum[1];
-            }
-        }
-        gradient
-    }
-
-    /// Stress σ_xx, σ_yy, σ_xy at a point inside the body (not on the boundary).
-    pub fn stress(&self, x: [f64; 2]) -> [f64; 3] {
-        self.material.stress(self.gradient(x))
+        Inside { displacement: u, gradient, stress: self.material.stress(gradient) }
     }
 
     /// Values on the boundary at the reference coordinate t of element e.
@@ -191,15 +180,15 @@ impl BoundaryField {
         let mut hypersingular = [0.0; 2];
         let mut adjoint = [0.0; 2];
         let mut slope = [0.0; 2];
+        let mut at = AtPoint::default();
         for (b, piece) in self.elements.iter().enumerate() {
-            let at = if b == e {
-                AtPoint::on_cut(piece, t)
+            if b == e {
+                at.on_cut(piece, t);
             } else {
                 let (before, after) = ((1.0 + t) / 2.0, (1.0 - t) / 2.0);
-                let inverse = 1.0 / piece.segment.half();
-                let from = |y: Complex64| ((start - y) * after + (end - y) * before) * inverse;
-                AtPoint::from_ends(piece, from(piece.segment.end), from(piece.segment.start), true)
-            };
+                let from = |y: Complex64| ((start - y) * after + (end - y) * before) * piece.inverse;
+                at.off_cut(piece, from(piece.segment.end), from(piece.segment.start));
+            }
             let half = piece.segment.half().norm();
             for n in 0..piece.traction.len() {
                 let (log, [xx, yy, xy]) = at.slope(n, tangent);
@@ -237,40 +226,42 @@ struct AtPoint {
     log0: f64,
 }
 
+impl Default for AtPoint {
+    fn default() -> Self {
+        let zeros = [Complex64::ZERO; MAX_ORDER];
+        Self { q: zeros, dq: zeros, inverse: Complex64::ONE, turn: Complex64::ONE, z_im: 0.0, log0: 0.0 }
+    }
+}
+
 impl AtPoint {
-    fn new(piece: &Piece, x: Complex64) -> Self {
-        let inverse = 1.0 / piece.segment.half();
-        Self::from_ends(piece, (x - piece.segment.end) * inverse, (x - piece.segment.start) * inverse, false)
-    }
-
-    fn with_derivative(piece: &Piece, x: Complex64) -> Self {
-        let inverse = 1.0 / piece.segment.half();
-        Self::from_ends(piece, (x - piece.segment.end) * inverse, (x - piece.segment.start) * inverse, true)
-    }
-
-    /// From z - 1 and z + 1.
-    fn from_ends(piece: &Piece, from_end: Complex64, from_start: Complex64, derivative: bool) -> Self {
-        let mut q = [Complex64::ZERO; MAX_ORDER];
-        let mut dq = [Complex64::ZERO; MAX_ORDER];
+    /// A point off the element, from z - 1 and z + 1.
+    fn off_cut(&mut self, piece: &Piece, from_end: Complex64, from_start: Complex64) {
         let count = piece.displacement.len();
-        legendre_q(from_end, from_start, &mut q[..count]);
-        if derivative {
-            legendre_dq(from_end, from_start, &q[..count], &mut dq[..count]);
-        }
-        let d = piece.segment.half();
-        let z_im = if from_end.norm_sqr() < from_start.norm_sqr() { from_end.im } else { from_start.im };
-        let log0 = 2.0 * q[1].re + from_end.norm().ln() + from_start.norm().ln() + 2.0 * piece.log_half;
-        Self { q, dq, inverse: 1.0 / d, turn: d / d.conj(), z_im, log0 }
+        legendre_q(from_end, from_start, &mut self.q[..count]);
+        legendre_dq(from_end, from_start, &self.q[..count], &mut self.dq[..count]);
+        self.z_im = if from_end.norm_sqr() < from_start.norm_sqr() { from_end.im } else { from_start.im };
+        self.set(piece, 0.5 * (from_end.norm_sqr() * from_start.norm_sqr()).ln());
     }
 
-    /// On the element itself: principal values.
-    fn on_cut(piece: &Piece, t: f64) -> Self {
+    /// The point t of the element itself: principal values.
+    fn on_cut(&mut self, piece: &Piece, t: f64) {
         let mut real = [0.0; MAX_ORDER];
-        legendre_q_cut(t, &mut real[..piece.displacement.len()]);
+        let real = &mut real[..piece.displacement.len()];
+        legendre_q_cut(t, real);
+        for (n, &q) in real.iter().enumerate() {
+            self.q[n] = Complex64::new(q, 0.0);
+            self.dq[n] = Complex64::ZERO;
+        }
+        self.z_im = 0.0;
+        self.set(piece, (1.0 - t).ln() + (1.0 + t).ln());
+    }
+
+    /// `log_ends` = log|z-1| + log|z+1|.
+    fn set(&mut self, piece: &Piece, log_ends: f64) {
         let d = piece.segment.half();
-        let q = real.map(|q| Complex64::new(q, 0.0));
-        let log0 = 2.0 * real[1] + (1.0 - t).ln() + (1.0 + t).ln() + 2.0 * piece.log_half;
-        Self { q, dq: [Complex64::ZERO; MAX_ORDER], inverse: 1.0 / d, turn: d / d.conj(), z_im: 0.0, log0 }
+        self.inverse = piece.inverse;
+        self.turn = d * d / d.norm_sqr();
+        self.log0 = 2.0 * self.q[1].re + log_ends + 2.0 * piece.log_half;
     }
 
     /// ∫ P_n log(|x-y|/L) dt.

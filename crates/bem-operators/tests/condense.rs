@@ -178,3 +178,52 @@ fn held_meshes_of_random_bodies_are_not_singular() {
         assert!(Condensation::new(s, &hold(&[a]), &[]).is_err());
     }
 }
+
+#[test]
+fn several_panels_of_columns_multiply_and_expand_like_the_full_matrix() {
+    // 702 unknowns: the factorisation of the eliminated ones goes over three panels of 256 columns
+    let mesh = Mesh::uniform(&polygon(&L_SHAPE, &[&[[0.2, 0.1], [0.3, 0.1], [0.25, 0.3]]]), 117, 3);
+    let space = Space::new(&mesh);
+    let n = space.dofs();
+    assert_eq!(n, 702);
+    let operators = Operators::assemble(&mesh, &space, &Gold::read().material(), None).expect("operators");
+    let s = Steklov::new(operators, Domain::Interior).expect("S").matrix;
+    // held, kept, turned and eliminated nodes all over the numbering
+    let mut partition = Partition::default();
+    for node in 0..n / 2 {
+        let (si, c) = (node as f64).sin_cos();
+        match node % 9 {
+            0 => partition.held.push((2 * node + node / 9 % 2, 0.1 * c)),
+            1 => {
+                partition.frames.push((node, [[c, si], [-si, c]]));
+                partition.kept.extend([2 * node + 1, 2 * node]);
+            }
+            _ => {}
+        }
+    }
+    let eliminated = n - partition.held.len() - partition.kept.len();
+    assert!(eliminated > 512, "{eliminated}");
+    let f: Vec<f64> = (0..n).map(|i| (0.7 * i as f64).sin()).collect();
+    let condensation = Condensation::new(s.clone(), &partition, &[]).expect("condensation");
+    let load = condensation.load(&f);
+    let kept = Col::from_fn(load.kept.len(), |i| load.kept[i]);
+    let v = condensation.stiffness().llt(Side::Lower).expect("positive definite").solve(&kept);
+    let u = condensation.expand(&load, &v.iter().copied().collect::<Vec<_>>());
+
+    // the full system without the held unknowns, by another factorisation
+    let held: std::collections::BTreeMap<usize, f64> = partition.held.iter().copied().collect();
+    let free: Vec<usize> = (0..n).filter(|dof| !held.contains_key(dof)).collect();
+    let matrix = Mat::from_fn(free.len(), free.len(), |i, j| s[(free[i], free[j])]);
+    let right = Col::from_fn(free.len(), |i| f[free[i]] - held.iter().map(|(&h, v)| s[(free[i], h)] * v).sum::<f64>());
+    let want = matrix.partial_piv_lu().solve(&right);
+    let scale = max_abs(&u);
+    let error = (0..free.len()).map(|i| (u[free[i]] - want[i]).abs()).fold(0.0, f64::max) / scale;
+    println!("expand {error:e}");
+    assert!(error < 1e-10, "{error:e}");
+    assert!(held.iter().all(|(&h, v)| (u[h] - v).abs() < 1e-15));
+
+    let (got, want) = (condensation.multiply(&u), product(&s, &u));
+    let error = got.iter().zip(&want).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max) / (s.norm_max() * scale);
+    println!("multiply {error:e}");
+    assert!(error < 1e-13, "{error:e}");
+}

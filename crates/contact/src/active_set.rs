@@ -33,19 +33,21 @@ pub struct Start<'a> {
 /// Every node holds a piece of its law: which of its contact and stick lines are on, and the known friction force of
 /// the others. The linear system of all pieces gives v and R = f - S v; then each node that violates its piece takes
 /// the one on which v + C⁻¹R lies, C = diag S (for an ordinary node: λ_n + c(u_n - g) > 0 is contact,
-/// λ_t + c u_t outside [-F, F] is slip, c = S_ii/D_i). It ends when no node does. If the number of changes has not
-/// fallen for 8 steps, only the last node that is wrong changes, by one line (Murty's rule), and if that does not end either (which semi-definite S
-/// allows), the sets of problems with a slightly increased stiffness, centred at the last iterate (proximal points), are
-/// tried. Without a start all nodes begin in contact and stick.
+/// λ_t + c u_t outside [-F, F] is slip, c = S_ii/D_i; slip the other way is stick first). It ends when no node does. If
+/// the number of changes has not fallen for 8 steps, only the last node that is wrong changes, by one line (Murty's
+/// rule), and if that does not end either (which semi-definite S allows), the sets of problems with a slightly
+/// increased stiffness, centred at the last iterate (proximal points), are tried. Without a start all nodes begin in
+/// contact and stick.
 ///
-/// *Use when*: always a good choice; 2 to 7 steps are usual. *Fails when*: it cycles beyond the iteration limit (then the best iterate is
-/// returned, marked so). A singular system (a floating body) is solved in the least norm; a load on its free motion moves
-/// the body along it until the first condition stops it. *Cost*: one dense factorisation a step.
+/// *Use when*: always a good choice; 2 to 7 steps are usual. *Fails when*: it cycles beyond the iteration limit (then
+/// the best iterate is returned, marked so). A singular system (a floating body) is solved in the least norm; a load on
+/// its free motion moves the body along it until the first condition stops it. *Cost*: one dense factorisation a step.
 ///
 /// # Errors
-/// [`ContactError::Inconsistent`] from [`Problem::check`] or a start of wrong size; [`ContactError::NotHeld`] if nothing ever stops that motion.
+/// [`ContactError::Inconsistent`] from [`Problem::check`] or a start of wrong size; [`ContactError::NotHeld`] if
+/// nothing ever stops that motion.
 ///
-/// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); Murty, Linear Algebra Appl. 7 (1974).
+/// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); Murty, Opsearch 11 (1974).
 pub fn active_set(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
     let laws = laws(problem);
@@ -77,7 +79,8 @@ impl Start<'_> {
         let conditions = problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)));
         for ((node, c), [normal, shear]) in conditions.zip(self.multipliers) {
             for i in 0..node.unknowns {
-                force[node.first + i] += c.normal_weight * normal * c.normal[i] + c.tangent_weight * shear * c.tangent[i];
+                force[node.first + i] +=
+                    c.normal_weight * normal * c.normal[i] + c.tangent_weight * shear * c.tangent[i];
             }
         }
         Ok(force)
@@ -148,9 +151,11 @@ pub(crate) fn solve_pieces(problem: &Problem, laws: &[Law], pieces: &[Piece]) ->
 /// Relative violation of the current piece at each node.
 pub(crate) fn violations(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &[f64], r: &[f64]) -> Vec<f64> {
     let length = largest(v.iter().copied()) + largest(laws.iter().flat_map(|l| &l.kinks).map(|k| k.at));
-    let weights: Vec<f64> = problem.nodes.iter().map(|n| {
-        n.conditions.iter().fold(0.0f64, |m, c| m.max(c.normal_weight).max(c.tangent_weight))
-    }).collect();
+    let weights: Vec<f64> = problem
+        .nodes
+        .iter()
+        .map(|n| n.conditions.iter().fold(0.0f64, |m, c| m.max(c.normal_weight).max(c.tangent_weight)))
+        .collect();
     let stress = problem.nodes.iter().zip(&weights).filter(|(_, w)| **w > 0.0).fold(0.0f64, |m, (n, w)| {
         let f = n.pick(r);
         m.max(f[0].hypot(f[1]) / w)
@@ -215,7 +220,7 @@ fn settle(
     mut pieces: Vec<Piece>,
     history: &mut Vec<f64>,
 ) -> Result<Settled, ContactError> {
-    let limit = LIMIT + 2 * pieces.len();
+    let limit = LIMIT + 4 * pieces.len();
     let (mut fewest, mut waited, mut best) = (usize::MAX, 0, None::<Settled>);
     for _ in 0..limit {
         let linear = solve_pieces(problem, laws, &pieces)?;
@@ -235,7 +240,7 @@ fn settle(
             }
         }
         if waited <= PATIENCE {
-            changes.iter().for_each(|&i| next[i] = proposed[i].clone());
+            changes.iter().for_each(|&i| next[i] = laws[i].towards(&pieces[i], &proposed[i]));
         } else if let Some(&i) = changes.last() {
             let node = &problem.nodes[i];
             let neighbour = laws[i].neighbour(&pieces[i], node.pick(v), node.pick(r));
@@ -290,7 +295,13 @@ fn stopped(problem: &Problem, laws: &[Law], pieces: &[Piece], linear: &Linear) -
 
 /// Multipliers and states added to a displacement and its pieces.
 pub(crate) fn solution(
-    problem: &Problem, laws: &[Law], pieces: &[Piece], displacement: Vec<f64>, force: &[f64], history: Vec<f64>, outcome: Outcome,
+    problem: &Problem,
+    laws: &[Law],
+    pieces: &[Piece],
+    displacement: Vec<f64>,
+    force: &[f64],
+    history: Vec<f64>,
+    outcome: Outcome,
 ) -> Solution {
     let multipliers = multipliers(problem, laws, pieces, &displacement, force);
     let status = status(problem, &displacement, &multipliers);

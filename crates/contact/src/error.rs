@@ -1,5 +1,7 @@
 //! What can go wrong in a contact problem.
 
+use steklov_bem_operators::{BemError, RigidMotion};
+
 /// Errors of this crate; each carries the numbers that tell what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
@@ -10,6 +12,9 @@ pub enum ContactError {
         /// What does not fit.
         what: String,
     },
+    /// A gap or friction bound is not finite somewhere, or cannot be integrated.
+    #[error(transparent)]
+    Data(#[from] BemError),
     /// The load does work on a motion that needs no energy and that neither contact nor friction stops.
     #[error(
         "the load does work {work:.3e} on a motion that nothing stops (the scale of that work is {scale:.3e}): \
@@ -20,6 +25,21 @@ pub enum ContactError {
         motion: Vec<f64>,
         /// Work of the load and of the contact forces on it.
         work: f64,
+        /// Sum of |load|·|motion|.
+        scale: f64,
+    },
+    /// Nothing holds the body against a rigid motion: neither supports nor contact nor friction.
+    #[error(
+        "nothing holds the body against {motion}: the loads do work {work:.3e} on it (of a scale of {scale:.3e}) and \
+         friction resists with {resistance:.3e}; hold a displacement, balance the loads, or raise the friction bound"
+    )]
+    RigidMotion {
+        /// The motion.
+        motion: RigidMotion,
+        /// Work of the loads on it, L(r).
+        work: f64,
+        /// Work of full friction on it, j(r).
+        resistance: f64,
         /// Sum of |load|·|motion|.
         scale: f64,
     },
@@ -35,7 +55,9 @@ pub enum ContactError {
         largest: f64,
     },
     /// An eigenvalue or singular value iteration of a dense matrix failed.
-    #[error("the eigenvalues of a {size}×{size} matrix were not found; its entries are probably too large or too small")]
+    #[error(
+        "the eigenvalues of a {size}×{size} matrix were not found; its entries are probably too large or too small"
+    )]
     Decomposition {
         /// Number of rows.
         size: usize,

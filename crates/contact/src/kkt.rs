@@ -16,8 +16,8 @@ pub struct Kkt {
     pub tension: f64,
     /// max |λ_n (g - u_n)| / (max |λ| (max |u| + max |g|)).
     pub complementarity: f64,
-    /// The largest of (|λ_t| - F)⁺ / (max |λ| + max F) and of |F|u_t| - λ_t u_t| / ((max |λ| + max F)(max |u| + max |g|));
-    /// for an infinite F, |u_t| / (max |u| + max |g|).
+    /// The largest of (|λ_t| - F)⁺ / (max |λ| + max F) and of |F|u_t| - λ_t u_t| / ((max |λ| + max F)(max |u| + max
+    /// |g|)); for an infinite F, |u_t| / (max |u| + max |g|).
     pub friction: f64,
 }
 
@@ -46,8 +46,8 @@ pub fn kkt(problem: &Problem, solution: &Solution) -> Kkt {
         }
     }
     let pairs = || conditions().zip(&solution.multipliers);
-    let length = largest(v.iter().copied())
-        + largest(conditions().filter(|(_, c)| c.normal_weight > 0.0).map(|(_, c)| c.gap));
+    let length =
+        largest(v.iter().copied()) + largest(conditions().filter(|(_, c)| c.normal_weight > 0.0).map(|(_, c)| c.gap));
     let lambda = largest(solution.multipliers.iter().flatten().copied());
     let bounds = conditions().filter(|(_, c)| c.tangent_weight > 0.0 && c.bound.is_finite()).map(|(_, c)| c.bound);
     let stress = lambda + largest(bounds);
@@ -71,10 +71,7 @@ pub fn kkt(problem: &Problem, solution: &Solution) -> Kkt {
         }
     }
     Kkt {
-        equilibrium: relative(
-            largest(residual),
-            largest(elastic) + largest(problem.load.iter().copied()),
-        ),
+        equilibrium: relative(largest(residual), largest(elastic) + largest(problem.load.iter().copied())),
         penetration: largest(penetration),
         tension: largest(tension),
         complementarity: largest(complementarity),

@@ -145,10 +145,7 @@ impl Law {
     fn intersection(&self, i: usize, j: usize) -> [f64; 2] {
         let (a, b) = (self.kinks[i], self.kinks[j]);
         let det = cross(a.direction, b.direction);
-        [
-            (a.at * b.direction[1] - b.at * a.direction[1]) / det,
-            (b.at * a.direction[0] - a.at * b.direction[0]) / det,
-        ]
+        [(a.at * b.direction[1] - b.at * a.direction[1]) / det, (b.at * a.direction[0] - a.at * b.direction[0]) / det]
     }
 
     /// Force of each kink under `piece` when the whole nodal force is R: the bounds off the lines, and on them the
@@ -156,7 +153,8 @@ impl Law {
     pub fn forces(&self, piece: &[Branch], r: [f64; 2]) -> Vec<f64> {
         let off = self.off_force(piece);
         let rest = [r[0] - off[0], r[1] - off[1]];
-        let mut x: Vec<f64> = (self.kinks.iter().zip(piece)).map(|(k, b)| if *b == Below { k.low } else { k.high }).collect();
+        let mut x: Vec<f64> =
+            (self.kinks.iter().zip(piece)).map(|(k, b)| if *b == Below { k.low } else { k.high }).collect();
         match self.on(piece).as_slice() {
             [] => {}
             &[i] => {
@@ -189,8 +187,15 @@ impl Law {
         (length, force)
     }
 
-    /// The neighbouring piece across the last line that (v, R) violates: a kink that is off goes on, one that is on goes
-    /// off to the side of its force. None if that would put too many lines on.
+    /// `target`, but on the line between where a kink would pass from one side to the other, if that is a piece.
+    pub fn towards(&self, piece: &[Branch], target: &Piece) -> Piece {
+        let passes = |(a, b): (&Branch, &Branch)| if *a != *b && *a != On && *b != On { On } else { *b };
+        let halfway: Piece = piece.iter().zip(target).map(passes).collect();
+        if self.pieces.contains(&halfway) { halfway } else { target.clone() }
+    }
+
+    /// The neighbouring piece across the last line that (v, R) violates: a kink that is off goes on, one that is on
+    /// goes off to the side of its force. None if that would put too many lines on.
     pub fn neighbour(&self, piece: &[Branch], v: [f64; 2], r: [f64; 2]) -> Option<Piece> {
         let forces = self.forces(piece, r);
         let moves = |i: usize| {

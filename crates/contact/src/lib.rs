@@ -2,7 +2,8 @@
 //!
 //! ```text
 //! Mesh, Space, gap, friction bound ─► ContactBoundary (weights, frames, conditions) ─┐
-//!                                        condensed stiffness and load ──────────────┴─► Problem ─► newton | active_set | uzawa ─► Solution ─► kkt
+//!                                        condensed stiffness and load ──────────────┴─► Problem
+//! Problem ─► newton | active_set | uzawa ─► Solution ─► kkt
 //! ```
 //! Solvers see a [`Problem`] only: a symmetric matrix, a load, and for each contact node the conditions on its two
 //! (or one) unknowns. They never see a mesh.
@@ -14,24 +15,32 @@
 //! use faer::Mat;
 //! use steklov_contact::{Condition, ContactNode, Problem, active_set, kkt};
 //!
-//! // a spring of stiffness 2 in both directions, pushed with (3, 1) against a wall at distance 1
+//! // a spring of stiffness 4 in both directions, pushed with (6, 1.5) against a wall at distance 1
 //! let wall = Condition {
-//!     normal: [1.0, 0.0], tangent: [0.0, 1.0], normal_weight: 1.0, tangent_weight: 1.0, gap: 1.0, slip_offset: 0.0, bound: 0.4,
+//!     normal: [1.0, 0.0],
+//!     tangent: [0.0, 1.0],
+//!     normal_weight: 1.0,
+//!     tangent_weight: 1.0,
+//!     gap: 1.0,
+//!     slip_offset: 0.0,
+//!     bound: 0.5,
 //! };
 //! let problem = Problem {
-//!     stiffness: Mat::from_fn(2, 2, |i, j| if i == j { 2.0 } else { 0.0 }),
-//!     load: vec![3.0, 1.0],
+//!     stiffness: Mat::from_fn(2, 2, |i, j| if i == j { 4.0 } else { 0.0 }),
+//!     load: vec![6.0, 1.5],
 //!     nodes: vec![ContactNode { first: 0, unknowns: 2, conditions: vec![wall] }],
 //! };
 //! let solution = active_set(&problem, None)?;
-//! assert_eq!(solution.displacement, [1.0, 0.3]); // it touches, and slips under the friction 0.4
-//! assert_eq!(solution.multipliers, [[1.0, 0.4]]);
+//! assert_eq!(solution.displacement, [1.0, 0.25]); // it touches, and slips under the friction 0.5
+//! assert_eq!(solution.multipliers, [[2.0, 0.5]]);
 //! assert!(kkt(&problem, &solution).worst() < 1e-15);
 //! # Ok::<(), steklov_contact::ContactError>(())
 //! ```
 
 mod error;
 mod problem;
+mod sides;
+mod boundary;
 mod law;
 mod linear;
 mod multipliers;
@@ -39,14 +48,18 @@ mod kkt;
 mod active_set;
 mod newton;
 mod uzawa;
+mod motions;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 #[cfg(test)]
 mod tests;
 
 pub use active_set::{Start, active_set};
+pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, contact_boundary};
 pub use error::ContactError;
 pub use kkt::{Kkt, kkt};
+pub use motions::{ContactEdge, resisted_motions};
 pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
+pub use sides::SideData;
 pub use uzawa::uzawa;

@@ -14,7 +14,13 @@ const PRESSURE: f64 = 1e-12;
 /// Where more lines meet in v than the node has unknowns (a corner in contact, say) the multipliers are not unique:
 /// of those that obey the bounds and add up to R the ones with the least Σλ_t² are returned, so that the shears are 0
 /// when the pressures alone can carry R.
-pub(crate) fn multipliers(problem: &Problem, laws: &[Law], pieces: &[Vec<Branch>], v: &[f64], r: &[f64]) -> Vec<[f64; 2]> {
+pub(crate) fn multipliers(
+    problem: &Problem,
+    laws: &[Law],
+    pieces: &[Vec<Branch>],
+    v: &[f64],
+    r: &[f64],
+) -> Vec<[f64; 2]> {
     let touch = TOUCH * (largest(v.iter().copied()) + largest(laws.iter().flat_map(|l| &l.kinks).map(|k| k.at)));
     let mut all = Vec::new();
     for ((node, law), piece) in problem.nodes.iter().zip(laws).zip(pieces) {

@@ -20,24 +20,27 @@ const SHORTEST: f64 = 1e-5;
 
 /// Solves the problem by a semi-smooth Newton method with line search.
 ///
-/// The multipliers are eliminated by equilibrium, λ = D⁻¹(f - S v), and v solves one equation for each unknown: at an ordinary
-/// node, with c = S_ii/D_i,
+/// The multipliers are eliminated by equilibrium, λ = D⁻¹(f - S v), and v solves one equation for each unknown: at an
+/// ordinary node, with c = S_ii/D_i,
 ///
 /// ```text
 /// φ(λ_n, c(g - u_n)) = 0,   φ(a, b) = m (a + b - √(a²+b²)) + (1 - m) a₊ b₊,   m = 0.9
 /// λ_t - clip(λ_t + c u_t, -F, F) = 0
 /// ```
-/// and at a corner, or where the unknowns do not separate the conditions, v = prox(v + C⁻¹R). Armijo's rule on the squared
-/// residual, relative residual 1e-11. The answer is then polished by one solve on the contact and stick sets that it found.
+/// and at a corner, or where the unknowns do not separate the conditions, v = prox(v + C⁻¹R). Armijo's rule on the
+/// squared residual, relative residual 1e-11. The answer is then polished by one solve on the contact and stick sets
+/// that it found.
 ///
-/// *Use when*: always a good choice, also from a good start. *Fails when*: the line search stalls far from the solution; the active
-/// set method then goes on from there, and its outcome is reported (the history is that of both). A singular Jacobian gives the step of least norm.
+/// *Use when*: always a good choice, also from a good start. *Fails when*: the line search stalls far from the
+/// solution; the active set method then goes on from there, and its outcome is reported (the history is that of both).
+/// A singular Jacobian gives the step of least norm.
 /// *Cost*: one dense LU factorisation a step.
 ///
 /// # Errors
 /// As [`crate::active_set`].
 ///
-/// Source: Chen, Chen and Kanzow, Math. Program. 88 (2000) (penalised function); Christensen, Klarbring, Pang and Strömberg, Int. J. Numer. Methods Eng. 42 (1998).
+/// Source: Chen, Chen and Kanzow, Math. Program. 88 (2000) (penalised function); Christensen, Klarbring, Pang and
+/// Strömberg, Int. J. Numer. Methods Eng. 42 (1998).
 pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
     let laws = laws(problem);
@@ -221,9 +224,12 @@ mod tests {
             prop_assert!(fischer_burmeister(a, -b).0 < 0.0 && fischer_burmeister(-b, a).0 < 0.0);
         }
 
-        /// Clip, corner and normal equations at once; points next to a kink, where there is no derivative, are left out.
+        /// Clip, corner and normal equations at once; points next to a kink, where there is no derivative, are left
+        /// out.
         #[test]
-        fn the_jacobian_is_the_difference_of_the_residual(problem in mixed(4), v in proptest::collection::vec(-1.0..1.0f64, 8)) {
+        fn the_jacobian_is_the_difference_of_the_residual(
+            problem in mixed(4), v in proptest::collection::vec(-1.0..1.0f64, 8)
+        ) {
             let laws = laws(&problem);
             let equations = Equations { problem: &problem, laws: &laws };
             let v = &v[..problem.load.len()];
@@ -244,7 +250,8 @@ mod tests {
                     let scale = jacobian.norm_max();
                     let difference = (up[i] - down[i]) / (2.0 * h);
                     // the curvature of φ grows next to its origin
-                    prop_assert!((jacobian[(i, j)] - difference).abs() < 1e-5 * scale, "{} {difference}", jacobian[(i, j)]);
+                    let found = jacobian[(i, j)];
+                    prop_assert!((found - difference).abs() < 1e-5 * scale, "{found} {difference}");
                 }
             }
         }

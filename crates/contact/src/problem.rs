@@ -175,7 +175,10 @@ impl Problem {
                 }
             }
             if s[(i, i)] <= 0.0 {
-                return refuse(format!("the stiffness has the diagonal entry {} in row {i}; it must be positive", s[(i, i)]));
+                return refuse(format!(
+                    "the stiffness has the diagonal entry {} in row {i}; it must be positive",
+                    s[(i, i)]
+                ));
             }
         }
         let scale = (0..m).fold(0.0f64, |a, i| a.max(s[(i, i)]));
@@ -183,7 +186,9 @@ impl Problem {
             for j in 0..i {
                 let difference = (s[(i, j)] - s[(j, i)]).abs();
                 if difference > 1e-9 * scale {
-                    return refuse(format!("the stiffness is not symmetric: ({i}, {j}) differs from ({j}, {i}) by {difference:.3e}"));
+                    return refuse(format!(
+                        "the stiffness is not symmetric: ({i}, {j}) differs from ({j}, {i}) by {difference:.3e}"
+                    ));
                 }
             }
         }
@@ -192,11 +197,16 @@ impl Problem {
             let allowed = if node.unknowns == 2 { 1..=2 } else { 1..=1 };
             if !(1..=2).contains(&node.unknowns) || !allowed.contains(&node.conditions.len()) {
                 let (k, c) = (node.unknowns, node.conditions.len());
-                return refuse(format!("contact node {number} has {k} unknowns and {c} conditions; it may have 1 and 1, 2 and 1, or 2 and 2"));
+                return refuse(format!(
+                    "contact node {number} has {k} unknowns and {c} conditions; \
+                     it may have 1 and 1, 2 and 1, or 2 and 2"
+                ));
             }
             for i in node.first..node.first + node.unknowns {
                 if i >= m || std::mem::replace(&mut used[i], true) {
-                    return refuse(format!("unknown {i} of contact node {number} is beyond {m} or belongs to two nodes"));
+                    return refuse(format!(
+                        "unknown {i} of contact node {number} is beyond {m} or belongs to two nodes"
+                    ));
                 }
             }
             if let Some(what) = node.conditions.iter().find_map(|c| c.fault(node.unknowns)) {
@@ -235,7 +245,10 @@ impl Condition {
         }
         for (weight, d) in [(self.normal_weight, self.normal), (self.tangent_weight, self.tangent)] {
             if weight > 0.0 && (d[0].hypot(d[1]) == 0.0 || unknowns == 1 && (d[0] == 0.0 || d[1] != 0.0)) {
-                return Some(format!("the direction [{}, {}] has a weight but does not fit {unknowns} unknowns", d[0], d[1]));
+                return Some(format!(
+                    "the direction [{}, {}] has a weight but does not fit {unknowns} unknowns",
+                    d[0], d[1]
+                ));
             }
         }
         None

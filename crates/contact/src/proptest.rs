@@ -67,7 +67,8 @@ pub fn floating(nodes_at_most: usize, friction: Friction) -> impl Strategy<Value
             let mut load = crate::linear::product(&stiffness, &w);
             for (i, c) in nodes.iter().flat_map(|n| &n.conditions).enumerate() {
                 load[2 * i] += c.normal_weight * share[i].0;
-                load[2 * i + 1] += if c.bound.is_finite() { c.tangent_weight * c.bound * share[i].1 } else { share[i].1 };
+                load[2 * i + 1] +=
+                    if c.bound.is_finite() { c.tangent_weight * c.bound * share[i].1 } else { share[i].1 };
             }
             Problem { stiffness, load, nodes }
         })

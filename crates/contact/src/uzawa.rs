@@ -19,16 +19,18 @@ const GROWTH: f64 = 1e6;
 /// Solves the problem by λ ← P(λ + ρ (B v - g)), v = S⁻¹(f - Bᵀ D λ).
 ///
 /// B v are the normal and tangential displacements of all conditions, P is the projection on λ_n ≥ 0 and |λ_t| ≤ F. The
-/// step is ρ = 1.9/λ_max(Q), Q = D^½ B S⁻¹ Bᵀ D^½; the iteration contracts for 0 < ρ < 2/λ_max(Q). `step` overrides it (stress over
-/// length). It ends when the projected gradient is below 1e-11 of the gaps and the displacements without contact. Where multipliers are not unique (corners) it finds some.
+/// step is ρ = 1.9/λ_max(Q), Q = D^½ B S⁻¹ Bᵀ D^½; the iteration contracts for 0 < ρ < 2/λ_max(Q). `step` overrides it
+/// (stress over length). It ends when the projected gradient is below 1e-11 of the gaps and the displacements without
+/// contact. Where multipliers are not unique (corners) it finds some.
 ///
-/// *Use when*: as an independent reference. *Fails when*: S is singular; a forced step is too large ([`Outcome::Diverged`]);
-/// the condition number of Q is so large that 200 000 iterations do not do. *Cost*: an eigenvalue decomposition
-/// of Q, then one product with Q an iteration, and as many iterations as Q's condition number times ten.
+/// *Use when*: as an independent reference. *Fails when*: S is singular; a forced step is too large
+/// ([`Outcome::Diverged`]); the condition number of Q is so large that 200 000 iterations do not do. *Cost*: an
+/// eigenvalue decomposition of Q, then one product with Q an iteration, and as many iterations as Q's condition number
+/// times ten.
 ///
 /// # Errors
-/// [`ContactError::NotCoercive`] if S is singular; [`ContactError::Inconsistent`] from [`Problem::check`], a start of wrong size or
-/// a step that is not positive and finite.
+/// [`ContactError::NotCoercive`] if S is singular; [`ContactError::Inconsistent`] from [`Problem::check`], a start of
+/// wrong size or a step that is not positive and finite.
 ///
 /// Source: Glowinski, Lions and Trémolières, Numerical Analysis of Variational Inequalities (1981), chapter 2.
 pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
@@ -42,7 +44,9 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
     if let Some(step) = step
         && !(step > 0.0 && step.is_finite())
     {
-        return Err(ContactError::Inconsistent { what: format!("Uzawa's step is {step}; it must be positive and finite") });
+        return Err(ContactError::Inconsistent {
+            what: format!("Uzawa's step is {step}; it must be positive and finite"),
+        });
     }
     let (n, m) = (rows.len(), problem.load.len());
     let inverse = coercive_inverse(problem)?;
@@ -71,7 +75,8 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
         let mut change = 0.0f64;
         for (i, row) in rows.iter().enumerate() {
             let u = unloaded[(i, 0)] - applied[i];
-            let next = if row.weight > 0.0 { (lambda[i] + step * (u - row.at)).max(row.low).min(row.high) } else { 0.0 };
+            let next =
+                if row.weight > 0.0 { (lambda[i] + step * (u - row.at)).max(row.low).min(row.high) } else { 0.0 };
             change = change.max((next - lambda[i]).abs() / step);
             lambda[i] = next;
         }

@@ -18,7 +18,7 @@
 //!
 //! let file = open(&path)?;
 //! assert_eq!(load_vector(&file, "pressure")?, [0.0, 18.8]);
-//! assert!(matches!(create_atomically(&path, false, |_| Ok(())), Err(IoError::Exists { .. })));
+//! assert!(matches!(create_atomically(&path, false, |_| Ok::<(), IoError>(())), Err(IoError::Exists { .. })));
 //! # Ok::<(), IoError>(())
 //! ```
 //!

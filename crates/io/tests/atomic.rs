@@ -53,7 +53,7 @@ fn a_file_that_appears_meanwhile_is_kept() {
 fn an_error_or_panic_on_the_way_leaves_everything_as_it_was() {
     let (folder, path) = place();
     fs::write(&path, b"old").unwrap();
-    let stop = |f: &hdf5::File| {
+    let stop = |f: &hdf5::File| -> Result<(), IoError> {
         save_vector(f, "v", &[1.0; 100_000], &LABEL)?;
         Err(steklov_io::invalid(f, "v", "enough"))
     };
@@ -73,7 +73,7 @@ fn handles_left_open_do_no_harm() {
         let group = steklov_io::create_group(f, "g")?;
         save_vector(&group, "v", &[1.0], &LABEL)?;
         kept = Some((group.dataset("v").unwrap(), group));
-        Ok(())
+        Ok::<(), IoError>(())
     })
     .unwrap();
     assert_eq!(load_vector(&open(&path).unwrap().group("g").unwrap(), "v").unwrap(), [1.0]);

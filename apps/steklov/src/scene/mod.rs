@@ -97,13 +97,12 @@ impl Scene {
         self.source.error(Problem::new(Kind::Data, expression.place, message, help))
     }
 
-    /// An error about what holds the body, at the first table of sides.
-    pub fn support_error(&self, message: String) -> SceneError {
-        let start = self.source.text.find("[sides").unwrap_or(0);
-        let end = self.source.text[start..].find(']').map_or(start, |n| start + n + 1);
-        let place = Place { source: 0, start, end };
-        let help = "hold a displacement of a side, or balance the loads so that their force and moment vanish";
-        self.source.error(Problem::new(Kind::Unsupported, place, message, help))
+    /// An error at the value of the first of these keys that the scene has, or at its first line.
+    pub(crate) fn error_at(&self, kind: Kind, keys: &[Vec<&str>], message: String, help: &str) -> SceneError {
+        let place = tree::build(&self.source).map_or(Place::default(), |root| {
+            keys.iter().find_map(|key| root.at(key)).unwrap_or(&root).place
+        });
+        self.source.error(Problem::new(kind, place, message, help))
     }
 }
 

@@ -25,6 +25,19 @@ pub(super) struct Item {
     pub(super) place: Place,
 }
 
+impl Item {
+    /// The value at a path of keys and positions in lists.
+    pub(super) fn at(&self, path: &[&str]) -> Option<&Item> {
+        let Some((key, rest)) = path.split_first() else { return Some(self) };
+        let next = match &self.value {
+            Value::Table(entries) => entries.iter().find(|e| e.key == *key).map(|e| &e.item),
+            Value::Array(list) => key.parse::<usize>().ok().and_then(|k| list.get(k)),
+            _ => None,
+        };
+        next?.at(rest)
+    }
+}
+
 /// A key of a table and its value.
 #[derive(Debug, Clone)]
 pub(super) struct Entry {

@@ -37,7 +37,9 @@ proptest! {
     }
 
     #[test]
-    fn a_load_that_nothing_stops_is_named(problem in floating(8, Friction::None), push in 0.1..1.0f64, lift in 0.0..2.0f64) {
+    fn a_load_that_nothing_stops_is_named(
+        problem in floating(8, Friction::None), push in 0.1..1.0f64, lift in 0.0..2.0f64
+    ) {
         let mut sideways = problem.clone();
         sideways.load.iter_mut().skip(1).step_by(2).for_each(|f| *f += push);
         let mut away = problem.clone();

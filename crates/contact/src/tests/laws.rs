@@ -15,14 +15,21 @@ fn phi(law: &Law, w: [f64; 2]) -> f64 {
     let theta = |k: &crate::law::Kink| {
         let s = dot(k.direction, w) - k.at;
         // the indicator forgives roundoff
-        if s.abs() < 1e-12 { 0.0 } else if s < 0.0 { if k.low == 0.0 { 0.0 } else { k.low * s } } else { k.high * s }
+        if s.abs() < 1e-12 {
+            0.0
+        } else if s < 0.0 {
+            if k.low == 0.0 { 0.0 } else { k.low * s }
+        } else {
+            k.high * s
+        }
     };
     law.kinks.iter().map(theta).sum()
 }
 
 proptest! {
     #[test]
-    fn prox_minimises_its_functional(problem in mixed(1), z in (-3.0..3.0f64, -3.0..3.0f64), y in (-1.0..1.0f64, -1.0..1.0f64),
+    fn prox_minimises_its_functional(problem in mixed(1), z in (-3.0..3.0f64, -3.0..3.0f64),
+                                     y in (-1.0..1.0f64, -1.0..1.0f64),
                                      c in (0.1..10.0f64, 0.1..10.0f64), t in 1e-6..1.0f64) {
         let node = &problem.nodes[0];
         let two = node.unknowns == 2;
@@ -65,11 +72,13 @@ proptest! {
     }
 
     #[test]
-    fn pressures_alone_carry_a_corner_pressed_inwards(angle in -3.0..3.0f64, opening in 0.2..2.8f64, share in (0.01..1.0f64, 0.01..1.0f64),
+    fn pressures_alone_carry_a_corner_pressed_inwards(angle in -3.0..3.0f64, opening in 0.2..2.8f64,
+                                                      share in (0.01..1.0f64, 0.01..1.0f64),
                                                       bound in 0.01..2.0f64) {
         let (n, m) = ([angle.cos(), angle.sin()], [(angle + opening).cos(), (angle + opening).sin()]);
         let load = vec![share.0 * n[0] + share.1 * m[0], share.0 * n[1] + share.1 * m[1]];
-        let nodes = vec![ContactNode { first: 0, unknowns: 2, conditions: vec![condition(n, bound, 0.0), condition(m, bound, 0.0)] }];
+        let conditions = vec![condition(n, bound, 0.0), condition(m, bound, 0.0)];
+        let nodes = vec![ContactNode { first: 0, unknowns: 2, conditions }];
         let problem = Problem { stiffness: faer::Mat::identity(2, 2), load, nodes };
         let answer = active_set(&problem, None).unwrap();
         for (found, pressure) in answer.multipliers.iter().zip([share.0, share.1]) {
@@ -81,7 +90,8 @@ proptest! {
 /// Shears appear at a corner only as far as pressures cannot carry the load, and no smaller ones would do.
 #[test]
 fn a_corner_pulled_outwards_is_held_by_the_least_shears() {
-    // normals +x and +y; a pull (-0.1, -0.2) needs shears -x = tangent of the second, -y = minus the tangent of the first
+    // normals +x and +y; a pull (-0.1, -0.2) needs shears -x = tangent of the second, -y = minus the tangent of the
+    // first
     let nodes = vec![ContactNode {
         first: 0,
         unknowns: 2,

@@ -3,5 +3,6 @@
 mod floating;
 mod laws;
 mod oracle;
+mod boundaries;
 mod refusals;
 mod solvers;

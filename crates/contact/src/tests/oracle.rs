@@ -1,7 +1,5 @@
 //! Brute force over all active sets.
 
-use faer::Mat;
-
 use crate::Problem;
 
 /// The solution v of a problem with a positive definite stiffness, by trying every combination of contact or apart, and
@@ -13,7 +11,13 @@ pub fn brute_force(problem: &Problem) -> Vec<f64> {
         for c in &node.conditions {
             rows.push((node.first, node.unknowns, c.normal, c.gap, 0.0, f64::INFINITY, vec![0, 1]));
             let high = c.tangent_weight * c.bound;
-            let states = if high == 0.0 { vec![2] } else if high.is_infinite() { vec![0] } else { vec![0, 1, 2] };
+            let states = if high == 0.0 {
+                vec![2]
+            } else if high.is_infinite() {
+                vec![0]
+            } else {
+                vec![0, 1, 2]
+            };
             rows.push((node.first, node.unknowns, c.tangent, -c.slip_offset, -high, high, states));
         }
     }

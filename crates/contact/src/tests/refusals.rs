@@ -21,7 +21,9 @@ fn refused(problem: &Problem) -> bool {
 
 proptest! {
     #[test]
-    fn one_bad_number_anywhere_is_refused(problem in mixed(4), place in 0..9usize, bad in prop_oneof![Just(f64::NAN), Just(f64::NEG_INFINITY)]) {
+    fn one_bad_number_anywhere_is_refused(
+        problem in mixed(4), place in 0..9usize, bad in prop_oneof![Just(f64::NAN), Just(f64::NEG_INFINITY)]
+    ) {
         let mut p = problem;
         let m = p.load.len();
         let c = &mut p.nodes[0].conditions[0];
@@ -43,7 +45,7 @@ proptest! {
     fn contact_nowhere_and_everywhere(problem in ordinary(8, Friction::Tresca)) {
         let mut apart = problem.clone();
         apart.nodes.iter_mut().for_each(|n| n.conditions[0].gap = 1e3);
-        for answer in [active_set(&apart, None).unwrap(), newton(&apart, None).unwrap(), uzawa(&apart, None, None).unwrap()] {
+        for answer in [active_set(&apart, None), newton(&apart, None), uzawa(&apart, None, None)].map(Result::unwrap) {
             prop_assert!(answer.converged() && answer.status.iter().all(|s| *s == Status::Apart), "{answer:?}");
             prop_assert!(answer.multipliers.iter().all(|l| l[0].abs() < 1e-12 * apart.stiffness.norm_max()));
         }
@@ -72,7 +74,8 @@ proptest! {
     #[test]
     fn a_step_beyond_the_safe_one_is_reported(size in 0.1..10.0f64, force in 0.5..3.0f64) {
         // S = size, D = 1, Q = 1/size: safe below 2 size; λ -> λ + ρ (force - λ)/size
-        let problem = Problem { stiffness: Mat::from_fn(1, 1, |_, _| size), load: vec![force], nodes: vec![wall(0, 1, 0.0, 0.0)] };
+        let stiffness = Mat::from_fn(1, 1, |_, _| size);
+        let problem = Problem { stiffness, load: vec![force], nodes: vec![wall(0, 1, 0.0, 0.0)] };
         let safe = uzawa(&problem, Some(1.99 * size), None).unwrap();
         prop_assert!(safe.converged() && (safe.multipliers[0][0] - force).abs() < 1e-9);
         let forced = uzawa(&problem, Some(2.01 * size), None).unwrap();
@@ -82,7 +85,11 @@ proptest! {
 
 #[test]
 fn sizes_and_unknowns_must_fit() {
-    let good = Problem { stiffness: Mat::identity(4, 4), load: vec![1.0; 4], nodes: vec![wall(0, 2, 0.0, 1.0), wall(2, 2, 0.0, 1.0)] };
+    let good = Problem {
+        stiffness: Mat::identity(4, 4),
+        load: vec![1.0; 4],
+        nodes: vec![wall(0, 2, 0.0, 1.0), wall(2, 2, 0.0, 1.0)],
+    };
     assert_eq!(good.check(), Ok(()));
     let change = |change: &dyn Fn(&mut Problem)| {
         let mut p = good.clone();

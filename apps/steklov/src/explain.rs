@@ -1,0 +1,87 @@
+//! Errors of the solver, told with the text of the scene that causes them.
+
+use steklov_bem_operators::BemError;
+use steklov_contact::ContactError;
+
+use crate::scene::{Condition, Friction, Scene, SceneError, SceneErrorKind};
+use crate::solve::SolveError;
+
+/// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
+pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, SolveError> {
+    use SceneErrorKind::{Conflict, Unsupported, Value};
+    let message = error.to_string();
+    let at = |kind, keys: &[Vec<&str>], help: &str| Ok(scene.error_at(kind, keys, message.clone(), help));
+    match &error {
+        SolveError::Scene(error) => Ok((**error).clone()),
+        SolveError::Io(_) | SolveError::Interrupted => Err(error),
+        SolveError::Incompatible { first, second, component, .. } => {
+            let entry = if *component == 'x' { "0" } else { "1" };
+            at(
+                Conflict,
+                &[vec!["sides", second, "displacement", entry], vec!["sides", first, "displacement", entry]],
+                "give both sides the same value at their common point, or write \"free\" for this component on one of them",
+            )
+        }
+        SolveError::Contact(ContactError::RigidMotion { resistance, .. }) if *resistance > 0.0 => at(
+            Unsupported,
+            &friction(scene),
+            "raise the friction bound, balance the loads, or hold this motion: displacement = [\"0\", \"free\"] on a side",
+        ),
+        SolveError::Bem(BemError::RigidMotion { .. } | BemError::StiffnessSingular { .. })
+        | SolveError::Contact(ContactError::RigidMotion { .. } | ContactError::NotHeld { .. }) => at(
+            Unsupported,
+            &loads(scene),
+            "hold a side: displacement = [\"0\", \"0\"], \"free\" for a component that may move; or change the loads so that \
+             their force and moment vanish or press the body on its obstacle",
+        ),
+        SolveError::Contact(ContactError::NotCoercive { .. }) => at(
+            Value,
+            &[vec!["method", "solver"]],
+            "uzawa is for bodies that are held: set solver = \"newton\", or hold a displacement",
+        ),
+        SolveError::Contact(ContactError::Inconsistent { .. }) => at(
+            Value,
+            &[vec!["method", "degree"], vec!["method", "elements"], vec!["method"]],
+            "raise method.degree to 2 or more, or ask for more method.elements",
+        ),
+        SolveError::Contact(ContactError::Decomposition { .. }) => at(
+            Value,
+            &[vec!["material", "young"]],
+            "choose units in which lengths and Young's modulus are nearer to 1",
+        ),
+        SolveError::Bem(_) | SolveError::Contact(_) => at(
+            Value,
+            &[vec!["body", "corners"]],
+            "look for sides that nearly touch, very acute corners and very small or large lengths",
+        ),
+    }
+}
+
+/// The first mesh is larger than the scene allows.
+pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
+    let message = format!("the first mesh has {dofs} dofs, more than method.max_dofs = {}", scene.method.max_dofs);
+    let keys = [vec!["method", "max_dofs"], vec!["method", "elements"], vec!["method", "degree"], vec!["body", "corners"]];
+    scene.error_at(SceneErrorKind::Value, &keys, message, "allow more dofs, or ask for fewer elements or a lower degree")
+}
+
+/// Keys of the friction bounds.
+fn friction(scene: &Scene) -> Vec<Vec<&str>> {
+    let rubs = |c: &Condition| matches!(c, Condition::Contact { friction: Friction::Tresca(_), .. });
+    let sides = scene.sides.iter().filter(|s| rubs(&s.condition));
+    sides.map(|s| vec!["sides", &s.name, "contact", "friction", "tresca"]).collect()
+}
+
+/// Keys of what drives the body.
+fn loads(scene: &Scene) -> Vec<Vec<&str>> {
+    let mut keys: Vec<_> = scene
+        .sides
+        .iter()
+        .filter_map(|s| match s.condition {
+            Condition::Traction(_) | Condition::Displacement { traction: Some(_), .. } => Some(vec!["sides", &s.name, "traction"]),
+            Condition::Pressure(_) => Some(vec!["sides", &s.name, "pressure"]),
+            _ => None,
+        })
+        .collect();
+    keys.extend([vec!["body_force", "value"], vec!["sides"]]);
+    keys
+}

@@ -1,0 +1,320 @@
+//! From the sides of a mesh to the conditions of a [`Problem`](crate::Problem).
+
+use steklov_bem_operators::{Dof, Mesh, Space};
+
+use crate::law::{cross, dot};
+use crate::sides::{ContactElement, SideData, contact_elements};
+use crate::{Condition, ContactError, ContactNode};
+
+/// Components smaller than this count as zero: normals that agree, directions in which a node cannot move.
+const ALIGNED: f64 = 1e-12;
+
+/// What a condition's multipliers add to the force on one side: λ_n `normal` n + λ_t `tangent` t.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Share {
+    /// Side of the mesh.
+    pub side: usize,
+    /// ∫ ψ̃_i of the normal multiplier over the side (length).
+    pub normal: f64,
+    /// ∫ ψ̃_i of the tangential multiplier over the side (length).
+    pub tangent: f64,
+}
+
+/// One condition of a boundary node, in the frame of the plane.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundaryCondition {
+    /// Outward unit normal n.
+    pub normal: [f64; 2],
+    /// Unit tangent, n turned by +90°.
+    pub tangent: [f64; 2],
+    /// Its shares, one for each side (two where straight edges of two contact sides meet).
+    pub shares: Vec<Share>,
+}
+
+/// A node that carries contact conditions.
+#[derive(Debug, Clone, PartialEq)]
+pub struct BoundaryNode {
+    /// Number of the displacement node in the space.
+    pub node: usize,
+    /// The point.
+    pub point: [f64; 2],
+    /// Unit directions of its unknowns: (n, t); x and y at a corner; the free one of x and y if the other is held.
+    pub directions: Vec<[f64; 2]>,
+    /// Its conditions, as many as those of the contact node.
+    pub conditions: Vec<BoundaryCondition>,
+}
+
+/// The contact nodes of a mesh and their conditions; entry i of `nodes` and of `contact` belong together.
+///
+/// Each node j of a contact element has the weight D_j = ∫ φ_j = w_j |d| > 0 and the dual function ψ_j,
+/// ∫ ψ_i φ_j = δ_ij D_j, Σ ψ_j = 1. With sums over the contact elements at the node, g_i = (1/D_i) ∫ g ψ_i, and
+/// F_i is the mean of F(x_i) weighted by D (the limits from both sides where F jumps), so that Σ D_i F_i |u_t,i| is the
+/// Lobatto rule of ∫ F |u_t|.
+///
+/// - Where the contact boundary bends, the node has the unknowns (u_x, u_y) and a condition for each side of it.
+/// - A node that is held has no multiplier in the directions in which it cannot move. Its ψ is then added to that of
+///   the nearest node of the same element, ψ̃_next = ψ_next + ψ_end, so that Σ ψ̃_i = 1 still; the condition there is
+///   D_next u_n,next + D_end u_n,end ≤ ∫ g ψ̃_next, and the held u_t,end appears as `slip_offset`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactBoundary {
+    /// Where the nodes are.
+    pub nodes: Vec<BoundaryNode>,
+    /// What a [`Problem`](crate::Problem) needs to know of them.
+    pub contact: Vec<ContactNode>,
+}
+
+impl ContactBoundary {
+    /// The displacement unknowns in the order of the problem's unknowns, numbered along [`Self::frames`] (for
+    /// `Partition::kept`).
+    pub fn kept(&self) -> Vec<Dof> {
+        let of = |n: &BoundaryNode| -> Vec<Dof> {
+            match n.directions.as_slice() {
+                &[d] => vec![2 * n.node + usize::from(d[0] == 0.0)],
+                _ => vec![2 * n.node, 2 * n.node + 1],
+            }
+        };
+        self.nodes.iter().flat_map(of).collect()
+    }
+
+    /// Nodes whose unknowns are along (n, t) (for `Partition::frames`).
+    pub fn frames(&self) -> Vec<(usize, [[f64; 2]; 2])> {
+        let frame = |n: &BoundaryNode| match n.directions.as_slice() {
+            &[a, b] if n.conditions.len() == 1 => Some((n.node, [a, b])),
+            _ => None,
+        };
+        self.nodes.iter().filter_map(frame).collect()
+    }
+
+    /// Force of the obstacle on the body over one side, -∫ (λ_n n + λ_t t) ds (force per thickness), of the
+    /// multipliers `[λ_n, λ_t]` of all conditions.
+    pub fn force(&self, side: usize, multipliers: &[[f64; 2]]) -> [f64; 2] {
+        let conditions = self.nodes.iter().flat_map(|n| &n.conditions);
+        let mut force = [0.0; 2];
+        for (c, [normal, shear]) in conditions.zip(multipliers) {
+            for share in c.shares.iter().filter(|s| s.side == side) {
+                for i in 0..2 {
+                    force[i] -= share.normal * normal * c.normal[i] + share.tangent * shear * c.tangent[i];
+                }
+            }
+        }
+        force
+    }
+}
+
+/// Contact conditions of the given sides. `held(node)` tells the prescribed values of u_x and u_y at a node.
+///
+/// # Errors
+/// [`ContactError::Data`] when a gap or bound is not finite or cannot be integrated; [`ContactError::Inconsistent`] for
+/// a negative bound, a side given twice, a held node inside the contact boundary, and an element that is left without a
+/// node for its multiplier: of degree 1 between two held ends.
+pub fn contact_boundary(
+    mesh: &Mesh,
+    space: &Space,
+    sides: &[SideData<'_>],
+    held: &dyn Fn(usize) -> [Option<f64>; 2],
+) -> Result<ContactBoundary, ContactError> {
+    let elements = contact_elements(mesh, space, sides)?;
+    let mut drafts: Vec<Draft> = Vec::new();
+    let mut draft_of = vec![None; space.nodes()];
+    for element in &elements {
+        for (j, node) in space.element_nodes(element.element).enumerate() {
+            let d = *draft_of[node].get_or_insert_with(|| {
+                drafts.push(Draft { node, held: held(node), conditions: Vec::new() });
+                drafts.len() - 1
+            });
+            drafts[d].add(mesh, element, j);
+        }
+    }
+    for d in 0..drafts.len() {
+        if drafts[d].held == [None, None] {
+            continue;
+        }
+        if drafts[d].elements() > 1 {
+            let [x, y] = space.points[drafts[d].node];
+            let what = format!("the node at ({x}, {y}) inside the contact boundary is held; only its ends may be");
+            return Err(ContactError::Inconsistent { what });
+        }
+        for functional in [Functional::Normal, Functional::Tangent] {
+            if let Some(known) = drafts[d].immovable(functional) {
+                let part = drafts[d].conditions[0].take(functional);
+                let (e, node) = (drafts[d].conditions[0].elements[0], drafts[d].node);
+                let p = space.degree(e);
+                let next = if space.node(e, 0) == node { space.node(e, 1) } else { space.node(e, p - 1) };
+                let receiver = draft_of[next].and_then(|r: usize| drafts[r].receiver(e, functional));
+                let Some(receiver) = receiver else {
+                    let side = &mesh.side_names[mesh.side[e]];
+                    let what = format!(
+                        "an element of degree {p} on side \"{side}\" has no node that can move for its multiplier: \
+                         raise its degree or divide it"
+                    );
+                    return Err(ContactError::Inconsistent { what });
+                };
+                receiver.receive(functional, part, known);
+            }
+        }
+    }
+    let mut boundary = ContactBoundary { nodes: Vec::new(), contact: Vec::new() };
+    let mut first = 0;
+    for draft in drafts.iter().filter(|d| !d.held.iter().all(Option::is_some)) {
+        let (node, contact) = draft.finish(space, first);
+        first += contact.unknowns;
+        boundary.nodes.push(node);
+        boundary.contact.push(contact);
+    }
+    Ok(boundary)
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Functional {
+    Normal,
+    Tangent,
+}
+
+/// What one functional of a condition has gathered.
+#[derive(Clone, Default)]
+struct Part {
+    /// D.
+    weight: f64,
+    /// ∫ ψ̃ by side.
+    shares: Vec<(usize, f64)>,
+    /// Normal: ∫ g ψ̃ - D_end u_n,end; tangential: D_end u_t,end.
+    moment: f64,
+}
+
+struct DraftCondition {
+    normal: [f64; 2],
+    tangent: [f64; 2],
+    elements: Vec<usize>,
+    parts: [Part; 2],
+    /// Σ D F.
+    bound: f64,
+    /// Σ D, also where the multiplier is gone.
+    weight: f64,
+}
+
+struct Draft {
+    node: usize,
+    held: [Option<f64>; 2],
+    conditions: Vec<DraftCondition>,
+}
+
+impl Draft {
+    fn add(&mut self, mesh: &Mesh, element: &ContactElement, j: usize) {
+        let e = element.element;
+        let (normal, tangent) = (mesh.normal(e), mesh.tangent(e));
+        let aligned = |c: &DraftCondition| cross(c.normal, normal).abs() <= ALIGNED && dot(c.normal, normal) > 0.0;
+        let k = self.conditions.iter().position(aligned).unwrap_or_else(|| {
+            let (elements, parts) = (Vec::new(), <[Part; 2]>::default());
+            self.conditions.push(DraftCondition { normal, tangent, elements, parts, bound: 0.0, weight: 0.0 });
+            self.conditions.len() - 1
+        });
+        let (c, weight) = (&mut self.conditions[k], element.weights[j]);
+        c.elements.push(e);
+        c.weight += weight;
+        c.bound += weight * element.bounds[j];
+        for part in &mut c.parts {
+            part.weight += weight;
+            part.share(element.side, weight);
+        }
+        c.parts[0].moment += element.gaps[j];
+    }
+
+    fn elements(&self) -> usize {
+        self.conditions.iter().map(|c| c.elements.len()).sum()
+    }
+
+    /// The known displacement of a held node in a direction in which it cannot move; None if it can.
+    fn immovable(&self, functional: Functional) -> Option<f64> {
+        let d = self.conditions[0].direction(functional);
+        let movable = (0..2).any(|i| self.held[i].is_none() && d[i].abs() > ALIGNED);
+        (!movable).then(|| (0..2).map(|i| d[i] * self.held[i].unwrap_or(0.0)).sum())
+    }
+
+    /// The condition on element e, if the functional is not itself one in which the node cannot move.
+    fn receiver(&mut self, e: usize, functional: Functional) -> Option<&mut DraftCondition> {
+        if self.held != [None, None] && self.immovable(functional).is_some() {
+            return None;
+        }
+        self.conditions.iter_mut().find(|c| c.elements.contains(&e))
+    }
+
+    fn finish(&self, space: &Space, first: usize) -> (BoundaryNode, ContactNode) {
+        let axes = [[1.0, 0.0], [0.0, 1.0]];
+        let directions: Vec<[f64; 2]> = match self.conditions.as_slice() {
+            [c] if self.held == [None, None] => vec![c.normal, c.tangent],
+            _ => (0..2).filter(|&i| self.held[i].is_none()).map(|i| axes[i]).collect(),
+        };
+        let in_unknowns = |d: [f64; 2]| {
+            let mut c = [0.0; 2];
+            directions.iter().zip(&mut c).for_each(|(e, c)| *c = if *e == d { 1.0 } else { dot(*e, d) });
+            c
+        };
+        let ordinary = self.held == [None, None] && self.conditions.len() == 1;
+        let condition = |c: &DraftCondition| {
+            let known = |d: [f64; 2]| (0..2).map(|i| d[i] * self.held[i].unwrap_or(0.0)).sum::<f64>();
+            let [normal, tangent] = &c.parts;
+            let mean = |p: &Part| if p.weight > 0.0 { p.moment / p.weight } else { 0.0 };
+            Condition {
+                normal: if ordinary { [1.0, 0.0] } else { in_unknowns(c.normal) },
+                tangent: if ordinary { [0.0, 1.0] } else { in_unknowns(c.tangent) },
+                normal_weight: normal.weight,
+                tangent_weight: tangent.weight,
+                gap: mean(normal) - known(c.normal),
+                slip_offset: mean(tangent) + known(c.tangent),
+                bound: c.bound / c.weight,
+            }
+        };
+        let described = |c: &DraftCondition| {
+            let (normal, tangent, mut shares) = (c.normal, c.tangent, Vec::<Share>::new());
+            for (k, part) in c.parts.iter().enumerate() {
+                for &(side, length) in &part.shares {
+                    let at = shares.iter().position(|s| s.side == side).unwrap_or_else(|| {
+                        shares.push(Share { side, normal: 0.0, tangent: 0.0 });
+                        shares.len() - 1
+                    });
+                    if k == 0 { shares[at].normal += length } else { shares[at].tangent += length }
+                }
+            }
+            BoundaryCondition { normal, tangent, shares }
+        };
+        let contact = ContactNode {
+            first,
+            unknowns: directions.len(),
+            conditions: self.conditions.iter().map(condition).collect(),
+        };
+        let conditions = self.conditions.iter().map(described).collect();
+        (BoundaryNode { node: self.node, point: space.points[self.node], directions, conditions }, contact)
+    }
+}
+
+impl DraftCondition {
+    fn direction(&self, functional: Functional) -> [f64; 2] {
+        if functional == Functional::Normal { self.normal } else { self.tangent }
+    }
+
+    fn part(&mut self, functional: Functional) -> &mut Part {
+        &mut self.parts[if functional == Functional::Normal { 0 } else { 1 }]
+    }
+
+    /// Leaves the condition without this multiplier.
+    fn take(&mut self, functional: Functional) -> Part {
+        std::mem::take(self.part(functional))
+    }
+
+    /// Adds the dual function of an end whose displacement is `known`.
+    fn receive(&mut self, functional: Functional, end: Part, known: f64) {
+        let part = self.part(functional);
+        let sign = if functional == Functional::Normal { -1.0 } else { 1.0 };
+        part.moment += end.moment + sign * end.weight * known;
+        end.shares.iter().for_each(|&(side, length)| part.share(side, length));
+    }
+}
+
+impl Part {
+    fn share(&mut self, side: usize, length: f64) {
+        match self.shares.iter_mut().find(|s| s.0 == side) {
+            Some(share) => share.1 += length,
+            None => self.shares.push((side, length)),
+        }
+    }
+}

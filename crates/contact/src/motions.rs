@@ -1,0 +1,153 @@
+//! Rigid motions that supports leave free: whether contact and friction hold them.
+
+use steklov_bem_operators::RigidMotion;
+
+use crate::ContactError;
+
+/// A straight part of the contact boundary, as far as rigid motions are concerned: on it u_n is linear and u_t constant.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ContactEdge {
+    /// First and last contact node.
+    pub ends: [[f64; 2]; 2],
+    /// Normal, out of the body.
+    pub normal: [f64; 2],
+    /// ∫ F ds = Σ D_i F_i (force per thickness).
+    pub friction: f64,
+}
+
+/// What counts as zero, relative to the scale of the quantity.
+const ZERO: f64 = 1e-9;
+
+/// The motions among the span of `candidates` that nothing resists and no load drives; each of them needs a spring.
+///
+/// With R_K = {rigid r: r_n ≤ 0 on the contact boundary} and j(r) = Σ ∫F |r_t|, a solution exists if L(r) < j(r) for all
+/// r ≠ 0 in R_K. L - j is linear on the cones into which the planes r_n = 0 (at the ends of the edges) and r_t = 0 (on the
+/// edges) cut R_K, so the rays in which these planes meet decide. L(r) = j(r) is allowed for a subspace with j = 0: those
+/// are the motions returned. `work` gives L(r) and the scale Σ |f||r|.
+///
+/// # Errors
+/// [`ContactError::RigidMotion`] with the worst motion when L(r) > j(r), or when L(r) = j(r) but not for -r too: then
+/// nothing says how far the body goes.
+pub fn resisted_motions(
+    candidates: &[RigidMotion],
+    edges: &[ContactEdge],
+    work: impl Fn(&RigidMotion) -> (f64, f64),
+) -> Result<Vec<RigidMotion>, ContactError> {
+    let mut free: Vec<Vec<f64>> = Vec::new();
+    let mut worst: Option<(f64, ContactError)> = None;
+    let rows = Rows::new(candidates, edges);
+    for ray in rays(&rows.planes(), candidates.len()) {
+        let motion = combine(candidates, &ray);
+        if !rows.normal.iter().all(|row| dot(row, &ray) <= ZERO * rows.scale) {
+            continue;
+        }
+        let (driven, scale) = work(&motion);
+        let slips = rows.tangential.iter().zip(edges);
+        let resisted: f64 = slips
+            .map(|(row, edge)| match dot(row, &ray).abs() {
+                slip if slip <= ZERO * rows.scale => 0.0,
+                slip => edge.friction * slip,
+            })
+            .sum();
+        let zero = ZERO * (scale + if resisted.is_finite() { resisted } else { 0.0 });
+        let excess = driven - resisted;
+        let reversible = rows.normal.iter().all(|row| dot(row, &ray) >= -ZERO * rows.scale);
+        if excess < -zero {
+            continue;
+        }
+        if excess <= zero && reversible && resisted == 0.0 {
+            add_independent(&mut free, &ray);
+        } else if worst.as_ref().is_none_or(|w| excess > w.0) {
+            let error = ContactError::RigidMotion { motion, work: driven, resistance: resisted, scale };
+            worst = Some((excess, error));
+        }
+    }
+    match worst {
+        Some((_, error)) => Err(error),
+        None => Ok(free.iter().map(|ray| combine(candidates, ray)).collect()),
+    }
+}
+
+/// u_n at the ends of the edges and u_t on the edges, as linear functions of the candidates' coefficients.
+struct Rows {
+    normal: Vec<Vec<f64>>,
+    tangential: Vec<Vec<f64>>,
+    /// Largest entry.
+    scale: f64,
+}
+
+impl Rows {
+    fn new(candidates: &[RigidMotion], edges: &[ContactEdge]) -> Self {
+        let row = |x: [f64; 2], d: [f64; 2]| -> Vec<f64> {
+            candidates.iter().map(|r| r.at(x)).map(|u| u[0] * d[0] + u[1] * d[1]).collect()
+        };
+        let normal: Vec<_> = edges.iter().flat_map(|e| e.ends.map(|x| row(x, e.normal))).collect();
+        let tangential: Vec<_> = edges.iter().map(|e| row(e.ends[0], [-e.normal[1], e.normal[0]])).collect();
+        let scale = normal.iter().chain(&tangential).flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
+        Self { normal, tangential, scale }
+    }
+
+    /// Planes through the origin that cut the cone; rows that vanish are left out.
+    fn planes(&self) -> Vec<Vec<f64>> {
+        let size = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>().sqrt();
+        let rows = self.normal.iter().chain(&self.tangential).filter(|row| size(row) > ZERO * self.scale);
+        rows.map(|row| row.iter().map(|v| v / size(row)).collect()).collect()
+    }
+}
+
+/// Unit vectors along the lines in which k - 1 of the planes meet, both ways.
+fn rays(planes: &[Vec<f64>], k: usize) -> Vec<Vec<f64>> {
+    let mut lines: Vec<Vec<f64>> = Vec::new();
+    match k {
+        0 => {}
+        1 => lines.push(vec![1.0]),
+        2 => lines.extend(planes.iter().map(|p| vec![-p[1], p[0]])),
+        _ => {
+            for (i, p) in planes.iter().enumerate() {
+                for q in &planes[..i] {
+                    lines.push(vec![p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]);
+                }
+            }
+        }
+    }
+    let mut rays = Vec::new();
+    for line in lines {
+        let size = dot(&line, &line).sqrt();
+        if size > ZERO {
+            for sign in [1.0, -1.0] {
+                rays.push(line.iter().map(|v| sign * v / size).collect());
+            }
+        }
+    }
+    rays
+}
+
+/// Σ c_i r_i, about the centre of a rotation among them.
+fn combine(candidates: &[RigidMotion], coefficients: &[f64]) -> RigidMotion {
+    let centre = candidates.iter().find(|r| r.rotation != 0.0).map_or([0.0; 2], |r| r.centre);
+    let mut motion = RigidMotion { translation: [0.0; 2], rotation: 0.0, centre };
+    for (r, c) in candidates.iter().zip(coefficients) {
+        let at = r.at(centre);
+        motion.translation[0] += c * at[0];
+        motion.translation[1] += c * at[1];
+        motion.rotation += c * r.rotation;
+    }
+    motion
+}
+
+/// Adds a ray's direction if the ones that are there do not span it.
+fn add_independent(basis: &mut Vec<Vec<f64>>, ray: &[f64]) {
+    let mut rest = ray.to_vec();
+    for b in basis.iter() {
+        let c = dot(b, &rest);
+        rest.iter_mut().zip(b).for_each(|(r, b)| *r -= c * b);
+    }
+    let size = dot(&rest, &rest).sqrt();
+    if size > 1e-6 {
+        basis.push(rest.iter().map(|v| v / size).collect());
+    }
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}

@@ -1,0 +1,102 @@
+//! Scenes solved in process.
+
+use std::path::Path;
+
+use steklov::plan::first_mesh;
+use steklov::report::{ContactRow, contact_rows, contact_summary};
+use steklov::scene::{Scene, SceneError};
+use steklov::solve::{SolveError, Solved, solve};
+use steklov::summary::ContactSummary;
+use steklov_bem_operators::Mesh;
+
+/// A solved scene with its contact table.
+pub struct Answer {
+    /// The scene.
+    pub scene: Scene,
+    /// The solved mesh.
+    pub solved: Solved,
+    /// Rows of the contact table; none without contact.
+    pub rows: Vec<ContactRow>,
+    /// Contact in numbers; none without contact.
+    pub summary: Option<ContactSummary>,
+}
+
+impl Answer {
+    /// Contact in numbers.
+    ///
+    /// # Panics
+    /// If the scene has no contact side.
+    pub fn contact(&self) -> &ContactSummary {
+        self.summary.as_ref().expect("the scene has a contact side")
+    }
+
+    /// Iterations of the contact solver and the worst of the judge's five measures.
+    ///
+    /// # Panics
+    /// If the scene has no contact side.
+    pub fn judged(&self) -> (usize, f64) {
+        let contact = self.solved.contact.as_ref().expect("the scene has a contact side");
+        (contact.solution.iterations, contact.audit.worst())
+    }
+
+    /// Whether the contact solver reached its criterion; true without contact.
+    pub fn converged(&self) -> bool {
+        self.solved.contact.as_ref().is_none_or(|c| c.solution.converged())
+    }
+}
+
+/// A scene from TOML text and overrides `KEY=VALUE`.
+///
+/// # Errors
+/// Those of [`Scene::parse`].
+pub fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Scene::parse(text, "test.toml", &overrides)
+}
+
+/// A scene of the gallery, `scenes/NAME.toml` or `scenes/NN-NAME.toml`, with overrides.
+///
+/// # Panics
+/// If there is no such scene or it is wrong.
+pub fn scene(name: &str, overrides: &[&str]) -> Scene {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    let files = std::fs::read_dir(&folder).expect("the folder of scenes");
+    let mut paths = files.map(|f| f.expect("an entry of the folder").path());
+    let wanted = |stem: &str| stem == name || stem.strip_suffix(name).is_some_and(|number| number.ends_with('-'));
+    let path = paths.find(|p| p.file_stem().and_then(|s| s.to_str()).is_some_and(wanted)).expect("the scene exists");
+    let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
+    Scene::read(&path, &overrides).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+/// Solves a scene on a mesh.
+///
+/// # Errors
+/// Those of [`solve`].
+pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
+    let solved = solve(scene, mesh, &mut |_| Ok(()))?;
+    let (rows, summary) = match &solved.contact {
+        None => (Vec::new(), None),
+        Some(contact) => {
+            let rows = contact_rows(contact, &solved.displacement);
+            let summary = contact_summary(scene, &solved, contact, &rows);
+            (rows, Some(summary))
+        }
+    };
+    Ok(Answer { scene: scene.clone(), solved, rows, summary })
+}
+
+/// Solves a scene on a mesh.
+///
+/// # Panics
+/// If it has no solution.
+pub fn answer_on(scene: &Scene, mesh: Mesh) -> Answer {
+    attempt(scene, mesh).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Solves a scene on its first mesh.
+///
+/// # Panics
+/// If it has no solution.
+pub fn answer(scene: &Scene) -> Answer {
+    answer_on(scene, first_mesh(scene))
+}
