@@ -15,7 +15,7 @@ use steklov_quadrature::legendre_p;
 pub(crate) const LANES: usize = 8;
 pub(crate) type Lane = [f64; LANES];
 
-/// l0 and q (layout l0[m], then re and im of q[m,n]) of pairs of one degree, in their order, the first element outer.
+/// l0 and q (layout l0(m), then re and im of q(m,n)) of pairs of one degree, in their order, the first element outer.
 ///
 /// For benches and tests of the batched kernel: [`crate::Operators::assemble`] batches by itself.
 /// # Panics
@@ -167,7 +167,7 @@ impl Batch {
         self.filled
     }
 
-    /// Computes all lanes; `sums` holds re and im of q[m,n] and then l0[m], one [`Lane`] each.
+    /// Computes all lanes; `sums` holds re and im of q(m,n) and then l0(m), one [`Lane`] each.
     #[inline(always)]
     pub(crate) fn compute(&self, sums: &mut Vec<Lane>) {
         let (rows, cols) = (self.rows, self.cols);

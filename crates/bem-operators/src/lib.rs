@@ -3,7 +3,7 @@
 //! ```text
 //! Polygon ─► Mesh ─► Space ─┐
 //!                 Material ─┴─► moments ─► Operators (V, K, W, M) ─► Steklov (S) ─► Condensation ─► displacement
-//!                                                                        └─► traction ─► Potentials, trace
+//!                                                                        └─► traction ─► BoundaryField (inside, traces)
 //! ```
 //! A [`Polygon`] (with holes) is cut into a [`Mesh`] of straight elements with a polynomial degree each. The
 //! [`Space`] numbers the unknowns: displacement, continuous of degree p at Gauss-Lobatto points, and traction,
@@ -26,6 +26,9 @@ mod space;
 mod moments;
 mod near;
 mod far;
+mod kernel;
+mod pass;
+mod columns;
 mod assemble;
 mod steklov;
 mod condense;
@@ -51,3 +54,7 @@ pub use potential::{BoundaryField, Inside, Trace};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};
+
+#[cfg(doctest)]
+#[doc = include_str!("../../../README.md")]
+struct Readme;

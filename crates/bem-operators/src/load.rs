@@ -32,7 +32,8 @@ pub struct Datum<'a> {
     pub name: &'a str,
     /// Its value.
     pub value: &'a (dyn Fn(&Site) -> f64 + Sync),
-    /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps.
+    /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps. A kink that is not named is
+    /// found by halving; a jump must be named, as one next to the end of a piece may lie between all quadrature points.
     pub kinks: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
 }
 

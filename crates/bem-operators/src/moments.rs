@@ -39,9 +39,9 @@ pub struct PairMoments {
     pub rows: usize,
     /// Number of columns.
     pub cols: usize,
-    /// l0[m], `rows` entries.
+    /// l0(m), `rows` entries.
     pub l0: Vec<f64>,
-    /// q[m,n] at m*cols + n.
+    /// q(m,n) at m*cols + n.
     pub q: Vec<Complex64>,
 }
 
@@ -57,7 +57,7 @@ impl PairMoments {
         Self::from_buffer(outer, inner, rows, cols, &buffer)
     }
 
-    /// Moments of an element with itself, in closed form: q[m,n] = 2/((m-n)(m+n+1)) for m+n odd.
+    /// Moments of an element with itself, in closed form: q(m,n) = 2/((m-n)(m+n+1)) for m+n odd.
     pub fn same(a: Segment, degree: usize) -> Self {
         let mut buffer = vec![0.0; storage(degree, degree)];
         same(degree + 1, degree + 1, &mut buffer);
@@ -75,7 +75,7 @@ pub(crate) fn first_is_outer(a: Segment, b: Segment) -> bool {
     a.half().norm_sqr() <= b.half().norm_sqr()
 }
 
-/// Length of the buffer `l0, re q[0,0], im q[0,0], re q[0,1], …` of degrees `0..=m` and `0..=n`, whichever is outer.
+/// Length of the buffer `l0, re q(0,0), im q(0,0), re q(0,1), …` of degrees `0..=m` and `0..=n`, whichever is outer.
 pub(crate) fn storage(m: usize, n: usize) -> usize {
     2 * (m + 1) * (n + 1) + (m + 1) + (n + 1)
 }

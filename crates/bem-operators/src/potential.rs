@@ -12,7 +12,7 @@
 use num_complex::Complex64;
 use steklov_quadrature::{legendre_dq, legendre_p, legendre_q, legendre_q_cut};
 
-use crate::assemble::Constants;
+use crate::kernel::Constants;
 use crate::moments::Segment;
 use crate::near::MAX_ORDER;
 use crate::{Material, Mesh, Space};

@@ -51,19 +51,19 @@ impl fmt::Display for RigidMotion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ([a, b], w, c) = (self.translation, self.rotation, self.centre);
         if w != 0.0 {
-            write!(f, "rotation about {}", point([c[0] - b / w, c[1] + a / w]))
+            let size = [c[0], c[1], a / w, b / w].iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+            write!(f, "rotation about {}", point([c[0] - b / w, c[1] + a / w], size))
         } else if a == 0.0 && b == 0.0 {
             write!(f, "no motion")
         } else {
             let length = a.hypot(b);
-            write!(f, "translation along {}", point([a / length, b / length]))
+            write!(f, "translation along {}", point([a / length, b / length], 1.0))
         }
     }
 }
 
-/// Coordinates to six digits, without the rounding errors of a zero.
-fn point(x: [f64; 2]) -> String {
-    let size = x[0].abs().max(x[1].abs());
+/// Coordinates to six digits, without the rounding errors of a zero; `size` is that of the numbers they come from.
+fn point(x: [f64; 2], size: f64) -> String {
     let short = |v: f64| if v.abs() <= 1e-9 * size { 0.0 } else { format!("{v:.5e}").parse().unwrap_or(v) };
     format!("({}, {})", short(x[0]), short(x[1]))
 }

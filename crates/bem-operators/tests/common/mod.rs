@@ -154,10 +154,13 @@ pub fn blocks_of(
     (v, w, k)
 }
 
+/// A potential and its derivatives.
+type Potential<const N: usize> = fn(Complex64) -> [Complex64; N];
+
 /// Displacement and traction fields from Kolosov-Muskhelishvili potentials: 2μ(u+iv) = κφ - z conj(φ') - conj(ψ).
 pub struct Field {
-    phi: fn(Complex64) -> [Complex64; 3],
-    psi: fn(Complex64) -> [Complex64; 2],
+    phi: Potential<3>,
+    psi: Potential<2>,
     kappa: f64,
     mu: f64,
     kelvin: bool,
@@ -171,7 +174,7 @@ impl Field {
     /// "linear", "cubic", "exp" or "kelvin".
     pub fn new(name: &str, material: &Material) -> Self {
         let (kappa, mu) = (material.kappa(), material.mu());
-        let (phi, psi): (fn(Complex64) -> [Complex64; 3], fn(Complex64) -> [Complex64; 2]) = match name {
+        let (phi, psi): (Potential<3>, Potential<2>) = match name {
             "linear" => (
                 |z| [z * 0.7, Complex64::new(0.7, 0.0), Complex64::ZERO],
                 |z| {
