@@ -32,8 +32,8 @@ pub struct Datum<'a> {
     pub name: &'a str,
     /// Its value.
     pub value: &'a (dyn Fn(&Site) -> f64 + Sync),
-    /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps. A kink that is not named is
-    /// found by halving; a jump must be named, as one next to the end of a piece may lie between all quadrature points.
+    /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps. One that is not named is
+    /// found by halving unless it hides next to the end of an element, before the first quadrature point.
     pub kinks: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
 }
 

@@ -57,8 +57,9 @@ proptest! {
     }
 
     #[test]
-    // not to 1e-12: it may hide between the end of a piece and the first quadrature point
-    fn a_kink_that_is_not_named_is_found_by_halving(at in 0.01..0.99f64, elements in 1..4usize, degree in 1..5usize) {
+    fn a_kink_that_is_not_named_is_found_by_halving(within in 0.02..0.98f64, elements in 1..4usize, degree in 1..5usize) {
+        // not next to an end of an element, where it may hide from all quadrature points
+        let at = within / elements as f64;
         let kink = integrate(&|s| (s - at).abs(), elements, degree, &[]).expect("a kink");
         prop_assert!((kink - (at * at + (1.0 - at) * (1.0 - at)) / 2.0).abs() < 1e-8);
     }
