@@ -59,6 +59,8 @@ const MOST_POINTS: usize = 128;
 const AGREEMENT: f64 = 1e-12;
 /// Halvings of a piece before it is given up.
 const DEEPEST: usize = 48;
+/// Pieces of an element after which it is given up.
+const MOST_PIECES: usize = 2000;
 /// What all given-up pieces may be uncertain by, as part of the integral of |f|.
 const GIVEN_UP: f64 = 1e-9;
 
@@ -92,11 +94,14 @@ pub fn side_moments(
         let mut sum = vec![0.0; space.degree(e) + 1];
         for piece in breaks.windows(2) {
             let mut stack = vec![(piece[0], piece[1], 0)];
+            let mut pieces = 0;
             while let Some((a, b, depth)) = stack.pop() {
+                pieces += 1;
                 let (values, difference) = agreed(mesh, space, e, datum, a, b, AGREEMENT * whole)?;
                 let middle = (a + b) / 2.0;
-                if difference <= AGREEMENT * whole || depth == DEEPEST || middle <= a || middle >= b {
-                    given_up += if difference <= AGREEMENT * whole { 0.0 } else { difference };
+                let agrees = difference <= AGREEMENT * whole;
+                if agrees || depth == DEEPEST || pieces > MOST_PIECES || middle <= a || middle >= b {
+                    given_up += if agrees { 0.0 } else { difference };
                     sum.iter_mut().zip(&values).for_each(|(s, v)| *s += v);
                 } else {
                     stack.push((middle, b, depth + 1));
@@ -106,7 +111,8 @@ pub fn side_moments(
         }
         moments.push((e, sum));
     }
-    if given_up > GIVEN_UP * whole {
+    // an overflow is no agreement either
+    if given_up.is_nan() || given_up > GIVEN_UP * whole || !whole.is_finite() {
         let side = mesh.side_names[side].clone();
         return Err(BemError::DataRough { name: datum.name.into(), side, uncertainty: given_up, whole });
     }
