@@ -1,6 +1,6 @@
 //! Integrals of given data (tractions, gaps) against the nodal basis.
 
-use steklov_quadrature::Rule;
+use steklov_quadrature::{Rule, legendre_p};
 
 use crate::near::panel_rule;
 use crate::{BemError, Mesh, Space};
@@ -33,7 +33,7 @@ pub struct Datum<'a> {
     /// Its value.
     pub value: &'a (dyn Fn(&Site) -> f64 + Sync),
     /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps. One that is not named is
-    /// found by halving unless it hides next to the end of an element, before the first quadrature point.
+    /// found by halving, at a cost.
     pub kinks: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
 }
 
@@ -130,7 +130,8 @@ pub fn add_load(load: &mut [f64], space: &Space, moments: &[(usize, Vec<f64>)], 
     }
 }
 
-/// Moments of one piece by doubling, and the largest difference of the last two rules.
+/// Moments of one piece by doubling, and what they are uncertain by: the largest difference of the last two rules, or what
+/// a kink between the last point and an end of the piece would hide.
 fn agreed(
     mesh: &Mesh,
     space: &Space,
@@ -143,26 +144,57 @@ fn agreed(
     let half_length = mesh.length(e) / 2.0;
     let basis = space.basis(e);
     let mut phi = vec![0.0; basis.degree + 1];
-    let mut sum = |n: usize| -> Result<Vec<f64>, BemError> {
+    let mut values = Vec::new();
+    let mut sum = |n: usize, values: &mut Vec<f64>| -> Result<Vec<f64>, BemError> {
         let mut sum = vec![0.0; basis.degree + 1];
+        values.clear();
         for (t, w) in mapped(panel_rule(n), a, b) {
-            let value = w * half_length * datum.at(mesh, &Site::new(mesh, e, t))?;
+            values.push(datum.at(mesh, &Site::new(mesh, e, t))?);
+            let weighted = w * half_length * values[values.len() - 1];
             basis.evaluate(t, &mut phi);
-            sum.iter_mut().zip(&phi).for_each(|(s, p)| *s += value * p);
+            sum.iter_mut().zip(&phi).for_each(|(s, p)| *s += weighted * p);
         }
         Ok(sum)
     };
     let mut n = FEWEST_POINTS.max((basis.degree + 2).next_power_of_two());
-    let mut coarse = sum(n)?;
+    let mut coarse = sum(n, &mut values)?;
     loop {
         n *= 2;
-        let fine = sum(n)?;
+        let fine = sum(n, &mut values)?;
         let difference = coarse.iter().zip(&fine).map(|(c, f)| (c - f).abs()).fold(0.0, f64::max);
-        if difference <= tolerance || n >= MOST_POINTS {
+        if difference <= tolerance {
+            let hidden = half_length * hidden_at_ends(mesh, e, datum, a, b, &values)?;
+            return Ok((fine, difference.max(hidden)));
+        }
+        if n >= MOST_POINTS {
             return Ok((fine, difference));
         }
         coarse = fine;
     }
+}
+
+/// Next to both ends, the value less that of the polynomial through the Gauss points, times the distance to the last of
+/// them: what the integral over t misses if the datum bends there.
+fn hidden_at_ends(mesh: &Mesh, e: usize, datum: &Datum<'_>, a: f64, b: f64, values: &[f64]) -> Result<f64, BemError> {
+    let rule = panel_rule(values.len());
+    let gap = 1.0 - rule.points[rule.len() - 1];
+    let mut p = vec![0.0; values.len()];
+    let (mut start, mut end) = (0.0, 0.0);
+    // Legendre series of the polynomial at 1 - gap/1000, and at its mirror image
+    let near = 1.0 - 1e-3 * gap;
+    let mut at_end = vec![0.0; values.len()];
+    legendre_p(near, &mut at_end);
+    for ((&x, &w), &f) in rule.points.iter().zip(&rule.weights).zip(values) {
+        legendre_p(x, &mut p);
+        for (k, (p, q)) in p.iter().zip(&at_end).enumerate() {
+            let term = (2 * k + 1) as f64 / 2.0 * w * f * p * q;
+            end += term;
+            start += if k % 2 == 0 { term } else { -term };
+        }
+    }
+    let (middle, half) = ((a + b) / 2.0, (b - a) / 2.0);
+    let value = |x: f64| datum.at(mesh, &Site::new(mesh, e, middle + half * x));
+    Ok(gap * half * (value(near)? - end).abs().max((value(-near)? - start).abs()))
 }
 
 /// Ends of the smooth pieces of [-1, 1].
