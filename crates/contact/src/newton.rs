@@ -54,7 +54,7 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
             solve_pieces(problem, &laws, &closed)?.displacement
         }
     };
-    let equations = Equations { problem, laws: &laws };
+    let equations = Equations { problem, laws: &laws, unit: unit(problem, &v) };
     let mut history = Vec::new();
     let mut state = equations.at(&v);
     for _ in 0..LIMIT {
@@ -100,6 +100,16 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
 struct Equations<'a> {
     problem: &'a Problem,
     laws: &'a [Law],
+    /// Stress in which the Fischer-Burmeister function is taken: its two terms have different dimensions.
+    unit: f64,
+}
+
+/// Σ |nodal force| / Σ D, a mean contact stress; 1 without forces.
+fn unit(problem: &Problem, v: &[f64]) -> f64 {
+    let elastic = product(&problem.stiffness, v);
+    let force: f64 = problem.load.iter().zip(elastic).map(|(f, s)| (f - s).abs()).sum();
+    let mean = force / problem.nodes.iter().map(weight).sum::<f64>();
+    if mean > 0.0 { mean } else { 1.0 }
 }
 
 struct State {
@@ -153,7 +163,7 @@ impl Equations<'_> {
                 scale = scale.max(self.problem.load[i].abs() / d + elastic[i].abs() / d);
             }
             if let Some((axis, gap)) = separate(node, law) {
-                residual[node.first + axis] = fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis])).0;
+                residual[node.first + axis] = fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis]), self.unit).0;
             }
         }
         State { force, residual, scale }
@@ -178,7 +188,7 @@ impl Equations<'_> {
             }
             if let Some((axis, gap)) = separate(node, law) {
                 let i = node.first + axis;
-                let (_, by_pressure, by_opening) = fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis]));
+                let (_, by_pressure, by_opening) = fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis]), self.unit);
                 for j in 0..m {
                     jacobian[(i, j)] = -by_pressure * s[(i, j)] / d;
                 }
@@ -191,10 +201,10 @@ impl Equations<'_> {
 
 /// φ(a, b) = m (a + b - √(a²+b²)) + (1 - m) a₊ b₊ and its derivatives by a and b; at the origin those of the direction
 /// a = b > 0. Zero exactly where a, b ≥ 0 and a b = 0.
-fn fischer_burmeister(a: f64, b: f64) -> (f64, f64, f64) {
+fn fischer_burmeister(a: f64, b: f64, unit: f64) -> (f64, f64, f64) {
     let (m, r) = (WEIGHT, a.hypot(b));
     let (ra, rb) = if r > 0.0 { (a / r, b / r) } else { (0.5f64.sqrt(), 0.5f64.sqrt()) };
-    let both = if a > 0.0 && b > 0.0 { 1.0 - m } else { 0.0 };
+    let both = if a > 0.0 && b > 0.0 { (1.0 - m) / unit } else { 0.0 };
     let value = if a > 0.0 && b > 0.0 { 2.0 * a * b / (a + b + r) } else { a + b - r };
     (m * value + both * a * b, m * (1.0 - ra) + both * b, m * (1.0 - rb) + both * a)
 }
@@ -209,19 +219,19 @@ mod tests {
         #[test]
         fn the_derivatives_of_fischer_burmeister_are_its_differences(a in -2.0..2.0f64, b in -2.0..2.0f64) {
             prop_assume!(a.hypot(b) > 0.05 && a.abs() > 1e-4 && b.abs() > 1e-4);
-            let (_, da, db) = fischer_burmeister(a, b);
+            let (_, da, db) = fischer_burmeister(a, b, 1.0);
             let h = 1e-6;
-            let by_a = (fischer_burmeister(a + h, b).0 - fischer_burmeister(a - h, b).0) / (2.0 * h);
-            let by_b = (fischer_burmeister(a, b + h).0 - fischer_burmeister(a, b - h).0) / (2.0 * h);
+            let by_a = (fischer_burmeister(a + h, b, 1.0).0 - fischer_burmeister(a - h, b, 1.0).0) / (2.0 * h);
+            let by_b = (fischer_burmeister(a, b + h, 1.0).0 - fischer_burmeister(a, b - h, 1.0).0) / (2.0 * h);
             prop_assert!((da - by_a).abs() < 1e-7 && (db - by_b).abs() < 1e-7, "{da} {by_a} {db} {by_b}");
         }
 
         #[test]
         fn fischer_burmeister_vanishes_on_complementarity_only(a in 0.0..2.0f64, b in 0.001..2.0f64) {
-            prop_assert_eq!(fischer_burmeister(a, 0.0).0, 0.0);
-            prop_assert_eq!(fischer_burmeister(0.0, a).0, 0.0);
-            prop_assert!(fischer_burmeister(a + 0.001, b).0 > 0.0);
-            prop_assert!(fischer_burmeister(a, -b).0 < 0.0 && fischer_burmeister(-b, a).0 < 0.0);
+            prop_assert_eq!(fischer_burmeister(a, 0.0, 1.0).0, 0.0);
+            prop_assert_eq!(fischer_burmeister(0.0, a, 1.0).0, 0.0);
+            prop_assert!(fischer_burmeister(a + 0.001, b, 1.0).0 > 0.0);
+            prop_assert!(fischer_burmeister(a, -b, 1.0).0 < 0.0 && fischer_burmeister(-b, a, 1.0).0 < 0.0);
         }
 
         /// Clip, corner and normal equations at once; points next to a kink, where there is no derivative, are left
@@ -231,7 +241,7 @@ mod tests {
             problem in mixed(4), v in proptest::collection::vec(-1.0..1.0f64, 8)
         ) {
             let laws = laws(&problem);
-            let equations = Equations { problem: &problem, laws: &laws };
+            let equations = Equations { problem: &problem, laws: &laws, unit: 0.7 };
             let v = &v[..problem.load.len()];
             let force = equations.at(v).force;
             let jacobian = equations.jacobian(v, &force);
