@@ -117,6 +117,8 @@ struct State {
     force: Vec<f64>,
     /// One equation for each unknown (stress).
     residual: Vec<f64>,
+    /// Weight (length) of each equation in the squared residual, which then is the integral of a squared stress.
+    weights: Vec<f64>,
     /// Size of the stresses that make up the residual.
     scale: f64,
 }
@@ -127,7 +129,7 @@ impl State {
     }
 
     fn squared(&self) -> f64 {
-        self.residual.iter().map(|r| r * r).sum()
+        self.residual.iter().zip(&self.weights).map(|(r, w)| w * r * r).sum()
     }
 }
 
@@ -153,20 +155,21 @@ impl Equations<'_> {
     fn at(&self, v: &[f64]) -> State {
         let elastic = product(&self.problem.stiffness, v);
         let force: Vec<f64> = self.problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
-        let (mut residual, mut scale) = (vec![0.0; v.len()], 0.0f64);
+        let (mut residual, mut weights, mut scale) = (vec![0.0; v.len()], vec![0.0; v.len()], 0.0f64);
         for (node, law) in self.problem.nodes.iter().zip(self.laws) {
             let (w, r, c, d) = (node.pick(v), node.pick(&force), law.metric, weight(node));
             let (prox, ..) = law.prox([w[0] + r[0] / c[0], w[1] + r[1] / c[1]]);
             for i in 0..node.unknowns {
                 residual[node.first + i] = c[i] * (w[i] - prox[i]) / d;
                 let i = node.first + i;
+                weights[i] = d;
                 scale = scale.max(self.problem.load[i].abs() / d + elastic[i].abs() / d);
             }
             if let Some((axis, gap)) = separate(node, law) {
                 residual[node.first + axis] = fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis]), self.unit).0;
             }
         }
-        State { force, residual, scale }
+        State { force, residual, weights, scale }
     }
 
     /// Derivative of the residual by v, m×m, not symmetric.
