@@ -11,6 +11,8 @@ pub enum On {
     Pressure(String),
     /// Both components of the displacement.
     Held([String; 2]),
+    /// One component of the displacement, the other one "free", and the traction beside it; only in the plain view.
+    Partly([String; 2], [String; 2]),
     /// Contact: gap and bound of friction, none for frictionless.
     Contact(String, Option<String>),
 }
@@ -149,6 +151,10 @@ impl Case {
                 On::Held(u) => {
                     let [x, y] = turned(view, view.length, u);
                     writeln!(text, "displacement = [\"{x}\", \"{y}\"]")
+                }
+                On::Partly([u, v], [x, y]) => {
+                    assert_eq!(*view, View::PLAIN, "held components have their axes");
+                    writeln!(text, "displacement = [\"{u}\", \"{v}\"]\ntraction = [\"{x}\", \"{y}\"]")
                 }
                 On::Pressure(p) => writeln!(text, "pressure = \"{}\"", scalar(view, view.stress, p)),
                 On::Contact(gap, bound) => {

@@ -159,8 +159,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let clock = Instant::now();
     let scene = read_scene(&args.scene, &args.overrides)?;
     let out = args.out.clone().unwrap_or_else(|| {
-        let stem = args.scene.file_stem().unwrap_or(args.scene.as_os_str());
-        PathBuf::from(stem).with_extension("vtkhdf")
+        let mut name = args.scene.file_stem().unwrap_or(args.scene.as_os_str()).to_owned();
+        name.push(".vtkhdf"); // not with_extension: that would cut "a.b" to "a"
+        PathBuf::from(name)
     });
     if args.resume {
         return Err(Failure("error: --resume is not yet available: only adaptive runs have steps to go on from".into()));
@@ -239,12 +240,6 @@ fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
 fn show(args: &ShowArgs) -> Result<u8, Failure> {
     let mut stored = store::read(&open(&args.file)?)?;
     stored.summary.file = args.file.display().to_string();
-    if args.json {
-        say(&serde_json::to_string_pretty(&stored.summary)?);
-    } else {
-        say(&format!("{}", stored.plan));
-        print_summary(&stored.summary);
-    }
     let mut files = Vec::new();
     if let Some(folder) = &args.plots {
         files.extend(pictures(&stored, folder, &args.file)?);
@@ -254,7 +249,11 @@ fn show(args: &ShowArgs) -> Result<u8, Failure> {
             Failure(format!("error: the tables cannot be written into {}: {e}", folder.display()))
         })?);
     }
-    if !args.json {
+    if args.json {
+        say(&serde_json::to_string_pretty(&stored.summary)?);
+    } else {
+        say(&format!("{}", stored.plan));
+        print_summary(&stored.summary);
         files.iter().for_each(|f| say(&format!("wrote {}", f.display())));
     }
     Ok(0)

@@ -20,12 +20,16 @@ impl Data<'_> {
     pub(crate) fn held(&self) -> Result<Vec<Held>, SolveError> {
         let (mesh, space) = (self.mesh, self.space);
         let mut held = vec![Held::default(); space.nodes()];
+        for (index, side) in self.scene.sides.iter().enumerate() {
+            let Condition::Displacement { values, .. } = &side.condition else { continue };
+            for expression in values.iter().flatten().filter(|e| e.constant().is_none()) {
+                // only for its errors: the nodes alone do not see a pole between them
+                self.moments(index, "displacement", expression)?;
+            }
+        }
         for e in 0..mesh.len() {
             let side = &self.scene.sides[mesh.side[e]];
             let Condition::Displacement { values, .. } = &side.condition else { continue };
-            for expression in values.iter().flatten() {
-                self.check_continuous(&side.name, e, expression)?;
-            }
             for (j, node) in space.element_nodes(e).enumerate() {
                 let site = Site::new(mesh, e, space.basis(e).nodes[j]);
                 for (component, value) in values.iter().enumerate() {

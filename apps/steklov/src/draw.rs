@@ -20,7 +20,11 @@ pub fn pictures(stored: &Stored, folder: &Path, name: &str) -> Result<Vec<PathBu
         let rows: Vec<&ContactRow> = stored.contact.iter().filter(|r| r.side == side).collect();
         if !rows.is_empty() {
             let picture = contact_picture(stored, side_name, &rows)?;
-            files.extend(write(folder, &format!("{name}-contact-{}", file_name(side_name)), &picture)?);
+            let mut part = file_name(side_name);
+            if stored.mesh.side_names[..side].iter().any(|other| file_name(other) == part) {
+                part += &format!("-{side}");
+            }
+            files.extend(write(folder, &format!("{name}-contact-{part}"), &picture)?);
         }
     }
     Ok(files)
@@ -62,7 +66,9 @@ fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
         let continues = stretches.last().and_then(|s| s.last()).is_some_and(|last| {
             let along = [row.point[0] - last.point[0], row.point[1] - last.point[1]];
             let ahead = last.normal[0] * along[1] - last.normal[1] * along[0];
-            last.normal == row.normal && last.side == row.side && ahead > 0.0
+            // equal up to the rounding of an oblique side's elements
+            let turn = (last.normal[0] - row.normal[0]).hypot(last.normal[1] - row.normal[1]);
+            turn < 1e-9 && last.side == row.side && ahead > 0.0
         });
         match stretches.last_mut() {
             Some(last) if continues => last.push(*row),

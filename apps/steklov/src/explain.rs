@@ -3,6 +3,7 @@
 use steklov_bem_operators::BemError;
 use steklov_contact::ContactError;
 
+use crate::expression::Expression;
 use crate::scene::{Condition, Friction, Scene, SceneError, SceneErrorKind};
 use crate::solve::SolveError;
 
@@ -44,11 +45,9 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
             &[vec!["method", "degree"], vec!["method", "elements"], vec!["method"]],
             "raise method.degree to 2 or more, or ask for more method.elements",
         ),
-        SolveError::Contact(ContactError::Decomposition { .. }) => at(
-            Value,
-            &[vec!["material", "young"]],
-            "choose units in which lengths and Young's modulus are nearer to 1",
-        ),
+        SolveError::Contact(ContactError::Decomposition { .. }) => {
+            at(Value, &[vec!["material", "young"]], "choose units in which lengths and Young's modulus are nearer to 1")
+        }
         SolveError::Bem(_) | SolveError::Contact(_) => at(
             Value,
             &[vec!["body", "corners"]],
@@ -60,8 +59,14 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
 /// The first mesh is larger than the scene allows.
 pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
     let message = format!("the first mesh has {dofs} dofs, more than method.max_dofs = {}", scene.method.max_dofs);
-    let keys = [vec!["method", "max_dofs"], vec!["method", "elements"], vec!["method", "degree"], vec!["body", "corners"]];
-    scene.error_at(SceneErrorKind::Value, &keys, message, "allow more dofs, or ask for fewer elements or a lower degree")
+    let keys =
+        [vec!["method", "max_dofs"], vec!["method", "elements"], vec!["method", "degree"], vec!["body", "corners"]];
+    scene.error_at(
+        SceneErrorKind::Value,
+        &keys,
+        message,
+        "allow more dofs, or ask for fewer elements or a lower degree",
+    )
 }
 
 /// Keys of the friction bounds.
@@ -73,12 +78,15 @@ fn friction(scene: &Scene) -> Vec<Vec<&str>> {
 
 /// Keys of what drives the body.
 fn loads(scene: &Scene) -> Vec<Vec<&str>> {
+    let loaded = |t: &[Expression; 2]| t.iter().any(|t| t.constant() != Some(0.0));
     let mut keys: Vec<_> = scene
         .sides
         .iter()
-        .filter_map(|s| match s.condition {
-            Condition::Traction(_) | Condition::Displacement { traction: Some(_), .. } => Some(vec!["sides", &s.name, "traction"]),
-            Condition::Pressure(_) => Some(vec!["sides", &s.name, "pressure"]),
+        .filter_map(|side| match &side.condition {
+            Condition::Traction(t) | Condition::Displacement { traction: Some(t), .. } if loaded(t) => {
+                Some(vec!["sides", &side.name, "traction"])
+            }
+            Condition::Pressure(_) => Some(vec!["sides", &side.name, "pressure"]),
             _ => None,
         })
         .collect();

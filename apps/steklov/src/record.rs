@@ -47,7 +47,7 @@ pub struct Record {
 }
 
 /// Points of the triangulated body, about.
-const BODY_POINTS: usize = 500;
+const BODY_POINTS: usize = 800;
 
 impl Record {
     /// Gathers a run. `file` is the name of the result file, `total` the seconds since the command began.
@@ -186,7 +186,8 @@ impl Solved {
         [traction[0] + extra[0], traction[1] + extra[1]]
     }
 
-    /// Displacement and stress at the edge parameter s of an edge of the polygon.
+    /// Displacement and stress at the edge parameter s of an edge of the polygon; at a corner or another vertex, where
+    /// stresses of the elements beside it differ, their mean.
     pub fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
         let within = |e: &usize| {
             let [a, b] = self.mesh.span[*e];
@@ -194,7 +195,15 @@ impl Solved {
         };
         let e = (0..self.mesh.len()).find(within).unwrap_or(0);
         let [a, b] = self.mesh.span[e];
-        self.on_boundary(e, (2.0 * (s - a) / (b - a) - 1.0).clamp(-1.0, 1.0))
+        let t = (2.0 * (s - a) / (b - a) - 1.0).clamp(-1.0, 1.0);
+        let (displacement, stress) = self.on_boundary(e, t);
+        // at a vertex the mean of the stresses of its two elements
+        let other = match t {
+            1.0 => self.on_boundary(self.mesh.next[e], -1.0).1,
+            -1.0 => (0..self.mesh.len()).find(|&f| self.mesh.next[f] == e).map_or(stress, |f| self.on_boundary(f, 1.0).1),
+            _ => stress,
+        };
+        (displacement, [0, 1, 2].map(|i| (stress[i] + other[i]) / 2.0))
     }
 }
 

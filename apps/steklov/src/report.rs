@@ -57,7 +57,7 @@ pub fn contact_rows(contact: &ContactResult, displacement: &[f64]) -> Vec<Contac
                 pressure,
                 shear,
                 bound: condition.bound,
-                weight: plane.shares.iter().map(|s| s.normal.max(s.tangent)).sum(),
+                weight: plane.shares.iter().map(|s| if s.normal > 0.0 { s.normal } else { s.tangent }).sum(),
                 status: match solution.status[rows.len()] {
                     Status::Apart => 0,
                     Status::Stick => 1,

@@ -59,6 +59,12 @@ pub enum SolveError {
         /// Value on the second side.
         b: f64,
     },
+    /// Displacements or energies beyond the range of floating point.
+    #[error("the displacements or the energy ({energy}) leave the range of floating point numbers")]
+    NotFinite {
+        /// J as computed.
+        energy: f64,
+    },
     /// The observer failed to store what it was given.
     #[error(transparent)]
     Io(#[from] steklov_io::IoError),
@@ -225,6 +231,10 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
     let field = BoundaryField::new(&mesh, &space, &scene.material, &homogeneous, &traction, length);
     let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
     let energies = energies(&displacement, &forces, &tractions, particular.as_ref(), friction_work);
+    let Energies { total, strain, load_work, .. } = energies;
+    if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
+        return Err(SolveError::NotFinite { energy: total });
+    }
     let mut reactions = supports.reactions(&residual, &mesh, &scene.sides, |e, j| {
         data.traction_moment(&field, body_force.as_ref(), e, j)
     });

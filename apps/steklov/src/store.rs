@@ -112,9 +112,13 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
     save_points(at, "traction", &record.traction, &label("stress", "traction sigma(u) n", point))?;
     let reactions = create_group(at, "reactions")?;
     for (side, force) in &record.summary.reactions {
-        // a side's name may hold a slash, which HDF5 takes for a path
+        // HDF5 takes a slash for a path and a point for the group itself
+        let mut name = if side == "." { "_".into() } else { side.replace('/', "_") };
+        while reactions.link_exists(&name) {
+            name.push('_');
+        }
         let meaning = format!("force on the body from side {side}");
-        save_vector(&reactions, &side.replace('/', "_"), force, &label("force/thickness", &meaning, &["component"]))?;
+        save_vector(&reactions, &name, force, &label("force/thickness", &meaning, &["component"]))?;
     }
     let probes = &record.summary.probe;
     if !probes.is_empty() {

@@ -192,7 +192,8 @@ impl PointSum {
     }
 }
 
-const CACHED_RULES: usize = 256;
+/// One more than the points of the largest rule, that of a load on an element of degree 64.
+const CACHED_RULES: usize = 257;
 
 /// Gauss-Legendre rules, made once.
 pub(crate) fn panel_rule(n: usize) -> &'static Rule {

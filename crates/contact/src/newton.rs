@@ -15,8 +15,8 @@ const TOLERANCE: f64 = 1e-11;
 const LIMIT: usize = 60;
 /// Armijo's constant, on the square of the residual.
 const ARMIJO: f64 = 2e-4;
-/// Shortest step.
-const SHORTEST: f64 = 1e-5;
+/// Shortest step; where it does not do, the active set method takes over.
+const SHORTEST: f64 = 1e-2;
 
 /// Solves the problem by a semi-smooth Newton method with line search.
 ///
@@ -72,7 +72,7 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
             }
             t *= 0.5;
         };
-        if next.squared().partial_cmp(&before) != Some(std::cmp::Ordering::Less) {
+        if t < SHORTEST {
             break; // stalled
         }
         (v, state) = (moved, next);

@@ -96,14 +96,14 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
     draw(&mut canvas, &panels[1], &shear, &shear_pen(), Some(Marker::Square));
 
     let mut key = Key { canvas: &mut canvas, right: WIDTH - RIGHT, y: panels[0].frame.top - 10.0 };
-    key.entry("pressure on the body, in the unit of E", &pressure_pen(), Some(Marker::Disc));
+    key.entry("pressure λₙ, in the unit of E", &pressure_pen(), Some(Marker::Disc));
     key.y = panels[1].frame.top - 10.0;
     key.right = WIDTH - RIGHT;
     if !bounds.is_empty() {
         let beyond = if far { " (beyond this panel)" } else { "" };
         key.entry(&format!("friction bound ±F{beyond}"), &bound_pen(), None);
     }
-    key.entry("shear along the tangent, in the unit of E", &shear_pen(), Some(Marker::Square));
+    key.entry("shear λₜ of the body on the obstacle, in the unit of E", &shear_pen(), Some(Marker::Square));
     canvas.finish()
 }
 

@@ -12,7 +12,8 @@ impl Scene {
     /// Looks at every expression of every side in 257 points of each of its edges, at its kinks and beside them.
     ///
     /// # Errors
-    /// A value that is not finite, a negative bound or coefficient of friction: names side, point and expression.
+    /// A value that is not finite, a negative bound or coefficient of friction, a displacement that jumps: names side,
+    /// point and expression.
     pub fn check_data(&self) -> Result<(), SceneError> {
         for (index, side) in self.sides.iter().enumerate() {
             for (what, expression) in data(side) {
@@ -24,10 +25,42 @@ impl Scene {
                     let steps = (0..=STEPS).map(|k| k as f64 / STEPS as f64);
                     let kinks = expression.kinks(|t| path((1.0 + t) / 2.0)).into_iter().map(|t| (1.0 + t) / 2.0);
                     let beside = kinks.flat_map(|s| [(s - 1e-9).max(0.0), s, (s + 1e-9).min(1.0)]);
+                    let mut largest: f64 = 0.0;
                     for at in steps.chain(beside).map(path) {
-                        self.check_value(&side.name, what, expression, at)?;
+                        largest = largest.max(self.check_value(&side.name, what, expression, at)?.abs());
+                    }
+                    if what == "displacement" {
+                        self.check_continuous(&side.name, expression, largest, path)?;
                     }
                 }
+            }
+        }
+        Ok(())
+    }
+
+    /// A displacement does not jump at its kinks: that would need infinite energy. `largest` is its size.
+    fn check_continuous(
+        &self,
+        side: &str,
+        expression: &Expression,
+        largest: f64,
+        path: impl Fn(f64) -> (f64, f64, f64),
+    ) -> Result<(), SceneError> {
+        let value = |s: f64| {
+            let (x, y, s) = path(s.clamp(0.0, 1.0));
+            expression.eval(x, y, s)
+        };
+        for t in expression.kinks(|t| path((1.0 + t) / 2.0)) {
+            let s = (1.0 + t) / 2.0;
+            let (before, after) = (value(s - 1e-9), value(s + 1e-9));
+            if (after - before).abs() > 1e-2 * largest {
+                let (x, y, _) = path(s);
+                let message = format!(
+                    "the displacement of side {side:?} jumps from {before} to {after} at the point ({x}, {y}), s = {s}: expression {:?}",
+                    expression.text()
+                );
+                let help = "the body does not tear: prescribe a continuous displacement, or use two sides with a free one between them";
+                return Err(self.source.error(Problem::new(Kind::Data, expression.place, message, help)));
             }
         }
         Ok(())

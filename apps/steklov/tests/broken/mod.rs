@@ -265,6 +265,14 @@ pub const CASES: &[Case] = &[
         "the displacement of side \"top\" is inf",
         "finite everywhere",
     ),
+    edit(
+        "traction = [\"0\", \"-1\"]",
+        "displacement = [\"sign(x-0.31)\", 0]",
+        13,
+        "\"sign(x-0.31)\"",
+        "the displacement of side \"top\" jumps from 1 to -1 at the point (0.31",
+        "a continuous displacement",
+    ),
     // Expectations
     edit("", "[expect]\nenergy = 5\n", 21, "5", "expect.energy is an integer", "takes a table"),
     edit("", "[expect]\nenergy = { value = 5 }\n", 21, "{ value = 5 }", "expect.energy.tol is missing", "add tol"),

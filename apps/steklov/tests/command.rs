@@ -1,0 +1,361 @@
+//! The command `steklov`: arguments, exit statuses, the JSON object, the output file.
+
+mod place;
+
+use place::{Place, Ran};
+use serde_json::{Map, Value, json};
+
+/// The names of an object's keys, sorted as the list is.
+fn keys(value: &Value) -> Vec<&str> {
+    value.as_object().unwrap().keys().map(String::as_str).collect()
+}
+
+fn sorted(list: &'static str) -> Vec<&'static str> {
+    let mut keys: Vec<&str> = list.split(' ').collect();
+    keys.sort_unstable();
+    keys
+}
+
+const KEYS: &str = "title model file converged reason dofs steps energy energy_extrapolated strain_energy load_work \
+                    friction_work estimate estimate_relative iterations contact audit reactions probe stochastic seconds \
+                    peak_memory_bytes";
+
+/// Every key, its type, and what must hold between the numbers.
+#[test]
+fn the_json_object_has_all_keys_and_they_agree() {
+    let place = Place::new();
+    let ran = place.run(["solve", "block.toml", "--json"]).demand(0);
+    let o = ran.json();
+    assert_eq!(keys(&o), sorted(KEYS));
+    let contact = "length stick slip max_pressure max_pressure_unbounded force ends";
+    assert_eq!(keys(&o["contact"]), sorted(contact));
+    assert_eq!(keys(&o["audit"]), sorted("equilibrium penetration tension complementarity friction"));
+    assert_eq!(keys(&o["seconds"]), sorted("total set_up assemble factorise solve estimate write"));
+    for (key, value) in [
+        ("title", json!("A block")),
+        ("model", json!("bem")),
+        ("file", json!("block.vtkhdf")),
+        ("converged", json!(true)),
+        ("reason", json!("solved")),
+        ("dofs", json!(16)),
+        ("steps", json!(1)),
+        ("energy_extrapolated", Value::Null),
+        ("estimate", Value::Null),
+        ("estimate_relative", Value::Null),
+        ("stochastic", Value::Null),
+    ] {
+        assert_eq!(o[key], value, "{key}");
+    }
+    assert_eq!(o["contact"]["ends"], Value::Null);
+    assert!(o["contact"]["max_pressure_unbounded"].is_boolean());
+    assert!(o["iterations"].as_u64().unwrap() > 0 && o["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
+    let number = |path: &str| {
+        let value = o.pointer(path).and_then(Value::as_f64);
+        value.unwrap_or_else(|| panic!("{path} is no number"))
+    };
+    let close = |a: f64, b: f64| assert!((a - b).abs() <= 1e-11 * a.abs().max(b.abs()).max(1e-3), "{a} is not {b}");
+    // J = strain energy - load work + friction work; the load on the top has the resultant (0, -2).
+    close(number("/energy"), number("/strain_energy") - number("/load_work") + number("/friction_work"));
+    close(number("/contact/force/0"), 0.0);
+    close(number("/contact/force/1"), 2.0);
+    close(number("/contact/length"), number("/contact/stick") + number("/contact/slip"));
+    close(number("/contact/length"), 2.0);
+    assert_eq!(o["reactions"], json!({ "floor": o["contact"]["force"] }));
+    for key in keys(&o["audit"]) {
+        assert!((0.0..1e-10).contains(&number(&format!("/audit/{key}"))), "{key}");
+    }
+    let parts: f64 =
+        ["set_up", "assemble", "factorise", "solve", "write"].map(|k| number(&format!("/seconds/{k}"))).iter().sum();
+    assert!(0.0 < parts && parts <= number("/seconds/total"));
+    assert_eq!(number("/seconds/estimate"), 0.0);
+    let probe = o["probe"].as_array().unwrap();
+    assert_eq!(probe.iter().map(|p| p["point"].clone()).collect::<Vec<_>>(), [json!([1.0, 0.5]), json!([2.0, 0.5])]);
+    for p in probe {
+        assert_eq!(keys(p), sorted("point displacement stress"));
+        assert_eq!((p["displacement"].as_array().unwrap().len(), p["stress"].as_array().unwrap().len()), (2, 3));
+    }
+    assert_eq!(place.names(), ["block.toml", "block.vtkhdf"]);
+}
+
+#[test]
+fn without_contact_the_parts_of_contact_are_null() {
+    let place = Place::new();
+    let held = ["block.toml", "--set", "sides.floor={ displacement = [0, 0] }"];
+    let o = place.json(0, &held);
+    assert_eq!(keys(&o), sorted(KEYS));
+    assert_eq!((&o["contact"], &o["audit"], &o["iterations"]), (&Value::Null, &Value::Null, &json!(0)));
+    let [x, y] = [0, 1].map(|i| o["reactions"]["floor"][i].as_f64().unwrap());
+    assert!(x.abs() < 1e-12 && (y - 2.0).abs() < 1e-12, "({x}, {y})");
+    let o = place.json(0, &[&held[..], &["--set", "probe.points=[]"]].concat());
+    assert_eq!(o["probe"], json!([]));
+}
+
+/// A block on rollers under a uniform load: σ_yy = -1, u = (ν(1+ν) x, -(1-ν²) y)/E in plane strain, exact on any mesh.
+#[test]
+fn a_linear_field_is_exact() {
+    let place = Place::new();
+    let rollers = ["sides.floor={ displacement = [\"free\", 0] }", "sides.left.displacement=[0, \"free\"]"];
+    let o = place.json(0, &["block.toml", "--set", rollers[0], "--set", rollers[1]]);
+    for p in o["probe"].as_array().unwrap() {
+        let value = |key: &str, i: usize| p[key][i].as_f64().unwrap();
+        let [x, y] = [0, 1].map(|i| value("point", i));
+        let exact = [0.39 * x / 200.0, -0.91 * y / 200.0];
+        assert!((0..2).all(|i| (value("displacement", i) - exact[i]).abs() < 1e-14), "{p} is not {exact:?}");
+        assert!((0..3).all(|i| (value("stress", i) - [0.0, -1.0, 0.0][i]).abs() < 1e-11), "{p}");
+    }
+    // J = -½ load work = -½ · 2 · 0.91/200
+    assert!((o["energy"].as_f64().unwrap() + 0.91 / 200.0).abs() < 1e-15, "{}", o["energy"]);
+    let close = |side: &str, i: usize, wanted: f64| (o["reactions"][side][i].as_f64().unwrap() - wanted).abs() < 1e-12;
+    assert!(close("floor", 0, 0.0) && close("floor", 1, 2.0) && close("left", 0, 0.0), "{}", o["reactions"]);
+}
+
+/// 3: the solver's criterion is not reached, the result is stored all the same and says why.
+#[test]
+fn a_solver_that_gives_up_is_status_3_with_a_result() {
+    let place = Place::new();
+    // an obstacle so far away that rounding hides the forces
+    let o = place.json(3, &["block.toml", "--set", "sides.floor.contact.gap=1e9"]);
+    assert_eq!((&o["converged"], &o["reason"]), (&json!(false), &json!("solver")));
+    assert_eq!(keys(&o), sorted(KEYS));
+    let shown = place.run(["show", "block.vtkhdf"]).demand(0);
+    assert!(shown.out.contains("NOT CONVERGED") && shown.out.contains("solver"), "{}", shown.out);
+}
+
+#[test]
+fn wrong_usage_is_status_2() {
+    let place = Place::new();
+    for arguments in [
+        &[][..],
+        &["solve"],
+        &["show"],
+        &["plan"],
+        &["solve", "block.toml", "second.toml"],
+        &["solve", "block.toml", "--tolerance", "1"],
+        &["solve", "block.toml", "--out"],
+        &["solve", "block.toml", "--set"],
+        &["solve", "block.toml", "--save", "everything"],
+        &["solve", "block.toml", "--threads", "0"],
+        &["solve", "block.toml", "--threads", "two"],
+        &["plan", "block.toml", "--out", "x.vtkhdf"],
+        &["new", "block.toml"],
+        // not in this version
+        &["study", "block.toml"],
+        &["gallery"],
+    ] {
+        let ran = place.run(arguments).demand(2);
+        assert!(ran.err.contains("--help") || ran.err.contains("Usage"), "{arguments:?}: {}", ran.err);
+    }
+    assert_eq!(place.names(), ["block.toml"]);
+    for arguments in [&["--help"][..], &["help"], &["solve", "--help"], &["--version"]] {
+        let ran = place.run(arguments).demand(0);
+        assert!(ran.err.is_empty() && !ran.out.is_empty());
+        for word in ["study", "gallery", "inf-sup", "--strategies"] {
+            assert!(!ran.out.contains(word), "the help of {arguments:?} promises {word}");
+        }
+    }
+}
+
+#[test]
+fn resume_says_that_it_is_not_yet_available() {
+    let place = Place::new();
+    let ran = place.run(["solve", "block.toml", "--resume"]).demand(1);
+    assert!(ran.err.contains("--resume is not yet available"), "{}", ran.err);
+    assert_eq!(place.names(), ["block.toml"]);
+}
+
+/// Integers, numbers, texts, lists, tables, and keys that need quotes.
+#[test]
+fn overrides_of_every_type_reach_the_solver() {
+    let place = Place::new();
+    let solve = |sets: &[&str]| {
+        let arguments: Vec<&str> = ["block.toml"].into_iter().chain(sets.iter().flat_map(|s| ["--set", s])).collect();
+        place.json(0, &arguments)
+    };
+    assert_eq!(solve(&["method.elements=12", "method.degree = 2"])["dofs"], 48);
+    assert_eq!(solve(&["title='Größe \"1\"'"])["title"], "Größe \"1\"");
+    assert_eq!(solve(&["probe.points=[[0.5, 0.5]]"])["probe"][0]["point"], json!([0.5, 0.5]));
+    assert_eq!(solve(&["body.corners.2=[2, 1]", "sides.\"left\"={ pressure = 0 }"])["dofs"], 16);
+    let force = |o: &Value| o["contact"]["force"][1].as_f64().unwrap();
+    assert!((force(&solve(&["sides.top.traction=[0, \"-3*F\"]", "parameters.F=0.5"])) - 3.0).abs() < 1e-11);
+    // the last of two wins
+    assert!((force(&solve(&["sides.top.traction.1=-2", "sides.top.traction.1=-4.0"])) - 8.0).abs() < 1e-11);
+    let solvers =
+        ["newton", "active-set"].map(|s| solve(&[&format!("method.solver=\"{s}\"")])["energy"].as_f64().unwrap());
+    assert!((solvers[0] - solvers[1]).abs() < 1e-10 * solvers[0].abs(), "{solvers:?}");
+}
+
+#[test]
+fn wrong_overrides_are_status_1() {
+    let place = Place::new();
+    for (set, parts) in [
+        ("method.elements=\"8\"", ["method.elements is a string", "a whole number"]),
+        ("method.elements=8.5", ["method.elements is a number", "a whole number"]),
+        ("method.solver=newton", ["not TOML", "text needs quotes"]),
+        ("method.solver=\"newtn\"", ["not a choice", "did you mean newton?"]),
+        ("methd.elements=8", ["unknown key methd", "did you mean method?"]),
+        ("method.elements", ["not of the form KEY=VALUE", "--set"]),
+        ("=8", ["not of the form KEY=VALUE", "--set"]),
+        ("", ["not of the form KEY=VALUE", "--set"]),
+        ("sides.top.traction=[0, -1, 0]", ["has 3 entries", "one for x and one for y"]),
+        ("sides.roof.traction=[0, -1]", ["no side \"roof\"", "floor, right, top, left"]),
+    ] {
+        let ran = place.run(["solve", "block.toml", "--set", set]).demand(1);
+        for part in ["--set:1:"].iter().chain(&parts) {
+            assert!(ran.err.contains(part), "{set}: no {part:?} in\n{}", ran.err);
+        }
+        assert_eq!(place.run(["plan", "block.toml", "--set", set]).demand(1).err, ran.err);
+    }
+    assert_eq!(place.names(), ["block.toml"]);
+}
+
+/// Two threads give the numbers of one.
+#[test]
+fn the_number_of_threads_changes_nothing() {
+    let place = Place::new();
+    let scene = "block.toml";
+    let solve = |threads: &str| {
+        place.json(0, &[scene, "--threads", threads, "--set", "method.elements=32", "--set", "method.degree=3"])
+    };
+    let (one, two) = (solve("1"), solve("2"));
+    fn compare(path: &str, a: &Value, b: &Value, scale: f64) {
+        match (a, b) {
+            (Value::Object(a), Value::Object(b)) => {
+                assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
+                a.iter().for_each(|(key, value)| compare(&format!("{path}/{key}"), value, &b[key], scale));
+            }
+            (Value::Array(a), Value::Array(b)) => {
+                let size = a.iter().filter_map(Value::as_f64).fold(0.0, |m: f64, v| m.max(v.abs()));
+                a.iter().zip(b).for_each(|(a, b)| compare(path, a, b, size));
+            }
+            (Value::Number(a), Value::Number(b)) => {
+                let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
+                assert!((a - b).abs() <= 1e-13 * scale.max(a.abs()).max(b.abs()), "{path}: {a} and {b}");
+            }
+            _ => assert_eq!(a, b, "{path}"),
+        }
+    }
+    let physics = |value: &Value| -> Map<String, Value> {
+        let keep = |key: &str| !["seconds", "peak_memory_bytes", "audit"].contains(&key);
+        value.as_object().unwrap().iter().filter(|(key, _)| keep(key)).map(|(k, v)| (k.clone(), v.clone())).collect()
+    };
+    compare("", &Value::Object(physics(&one)), &Value::Object(physics(&two)), 0.0);
+}
+
+/// Progress goes to stderr, and nowhere under --quiet.
+#[test]
+fn progress_is_on_stderr_only() {
+    let place = Place::new();
+    let long =
+        ["solve", "block.toml", "--force", "--set", "method.refine=\"uniform-h\"", "--set", "method.max_dofs=2500"];
+    let loud = place.run(long).demand(0);
+    assert!(loud.out.starts_with("A block\n") && !loud.out.contains("step 1 "), "{}", loud.out);
+    for line in loud.err.lines() {
+        assert!(line.contains(" s  step "), "{line}");
+    }
+    let quiet = place.run(long.iter().chain(&["--quiet"])).demand(0);
+    assert_eq!(quiet.err, "");
+    assert!(quiet.out.starts_with("A block\n"));
+}
+
+/// Uniform strategies have no target: they end at a limit with status 0, every step is stored.
+#[test]
+fn uniform_strategies_end_at_their_limits() {
+    let place = Place::new();
+    let dofs = |steps: usize| -> Vec<usize> {
+        let file = steklov_io::open(place.path("block.vtkhdf")).unwrap();
+        let all = file.group("steps").unwrap().member_names().unwrap();
+        assert_eq!(all, (0..steps).map(|k| format!("{k:03}")).collect::<Vec<_>>());
+        let mut dofs = Vec::new();
+        for name in &all {
+            let step = file.group(&format!("steps/{name}")).unwrap();
+            let mesh: steklov_bem_operators::Mesh = steklov_io::load(&step, "mesh").unwrap();
+            dofs.push(steklov_io::load_integers(&step, "dofs").unwrap()[0]);
+            assert_eq!(2 * mesh.degree.iter().sum::<usize>(), dofs[dofs.len() - 1]);
+            assert!(steklov_io::load_number(&step, "energy").unwrap() < 0.0);
+            assert!(!steklov_io::load_vector(&step, "history").unwrap().is_empty());
+            assert_eq!(steklov_io::load_vector(&step, "seconds").unwrap().len(), 4);
+        }
+        dofs
+    };
+    for (refine, limit, reason, expected) in [
+        ("uniform-h", "method.max_dofs=64", "max_dofs", &[16, 32, 64][..]),
+        ("uniform-h", "method.max_dofs=63", "max_dofs", &[16, 32]),
+        ("uniform-h", "method.max_steps=2", "max_steps", &[16, 32]),
+        ("uniform-p", "method.max_dofs=48", "max_dofs", &[16, 32, 48]),
+        ("uniform-p", "method.max_steps=1", "max_steps", &[16]),
+        ("none", "method.max_steps=5", "solved", &[16]),
+    ] {
+        let o = place.json(0, &["block.toml", "--set", &format!("method.refine=\"{refine}\""), "--set", limit]);
+        assert_eq!((&o["reason"], &o["converged"]), (&json!(reason), &json!(true)), "{refine} {limit}");
+        assert_eq!((&o["steps"], &o["dofs"]), (&json!(expected.len()), &json!(expected[expected.len() - 1])));
+        assert_eq!(dofs(expected.len()), expected);
+    }
+}
+
+#[test]
+fn a_scene_that_names_no_refinement_is_solved_once() {
+    let place = Place::new();
+    assert!(!place::BLOCK.contains("refine"));
+    let o = place.json(0, &["block.toml"]);
+    assert_eq!((&o["steps"], &o["reason"]), (&json!(1), &json!("solved")));
+    let plan = place.run(["plan", "block.toml", "--json"]).demand(0).json();
+    let find = |what: &str| plan["modelled"].as_array().unwrap().iter().find(|d| d["what"] == what).unwrap().clone();
+    let refinement = find("refinement");
+    assert_eq!(refinement["choice"], "none");
+    assert!(refinement["why"].as_str().unwrap().contains("the scene names none"), "{refinement}");
+    assert_eq!(find("elements")["choice"], "8");
+    assert_eq!((&plan["cost"]["dofs"], &plan["cost"]["elements"]), (&json!(16), &json!(8)));
+    assert_eq!(keys(&plan), sorted("model modelled left_out cost"));
+    // Fewer elements than edges are raised, and the plan says so.
+    let few = place.run(["plan", "block.toml", "--set", "method.elements=1"]).demand(0).out;
+    assert!(few.contains("4 elements instead of 1") && few.starts_with("A block\n"), "{few}");
+    // The plan solves nothing and writes nothing.
+    assert_eq!(place.names(), ["block.toml", "block.vtkhdf"]);
+}
+
+#[test]
+fn new_prints_a_scene_that_can_be_solved() {
+    let place = Place::new();
+    let new = place.run(["new"]).demand(0);
+    assert!(new.err.is_empty() && new.out.starts_with('#'));
+    place.write("first.toml", &new.out);
+    let o = place.json(0, &["first.toml"]);
+    assert_eq!((&o["file"], &o["title"]), (&json!("first.vtkhdf"), &json!("Block on a rigid floor")));
+}
+
+/// A reader that goes away early, as `head` does, is no error.
+#[test]
+fn a_closed_pipe_is_no_error() {
+    let place = Place::new();
+    for arguments in [&["new"][..], &["solve", "block.toml", "--quiet"]] {
+        let mut child = place
+            .command()
+            .args(arguments)
+            .stdout(std::process::Stdio::piped())
+            .stderr(std::process::Stdio::piped())
+            .spawn()
+            .unwrap();
+        drop(child.stdout.take());
+        let ran = Ran::new(child.wait_with_output().unwrap());
+        assert_eq!((ran.status, ran.err.as_str()), (0, ""));
+    }
+}
+
+#[test]
+fn every_text_encoding_of_a_scene_is_read_or_refused() {
+    let place = Place::new();
+    let energy = |o: Value| o["energy"].as_f64().unwrap();
+    let wanted = energy(place.json(0, &["block.toml"]));
+    place.write("windows.toml", place::BLOCK.replace('\n', "\r\n"));
+    place.write("marked.toml", format!("\u{feff}{}", place::BLOCK));
+    for scene in ["windows.toml", "marked.toml"] {
+        let o = energy(place.json(0, &[scene]));
+        assert!((o - wanted).abs() <= 1e-13 * wanted.abs(), "{scene}: {o} is not {wanted}");
+    }
+    place.write("wide.toml", place::BLOCK.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>());
+    let ran = place.run(["solve", "wide.toml"]).demand(1);
+    assert!(ran.err.contains("wide.toml"), "{}", ran.err);
+    place.write("latin.toml", b"title = \"Gr\xf6\xdfe\"\n");
+    let ran = place.run(["solve", "latin.toml"]).demand(1);
+    assert!(ran.err.contains("latin.toml") && ran.err.contains("UTF-8"), "{}", ran.err);
+}

@@ -1,0 +1,283 @@
+//! The result file of the command: it appears whole or not at all, harms no other file, and is shown again.
+
+mod place;
+
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::time::{Duration, Instant};
+
+use place::{Place, Ran, names};
+use serde_json::json;
+
+#[test]
+fn an_existing_file_is_refused_unless_forced() {
+    let place = Place::new();
+    place.write("block.vtkhdf", "old");
+    let before = fs::metadata(place.path("block.vtkhdf")).unwrap().modified().unwrap();
+    let ran = place.run(["solve", "block.toml"]).demand(1);
+    assert!(ran.err.contains("block.vtkhdf exists") && ran.err.contains("--force"), "{}", ran.err);
+    assert_eq!(place.read("block.vtkhdf"), b"old");
+    assert_eq!(fs::metadata(place.path("block.vtkhdf")).unwrap().modified().unwrap(), before);
+    place.run(["solve", "block.toml", "--force"]).demand(0);
+    steklov_io::open(place.path("block.vtkhdf")).unwrap();
+    place.run(["solve", "block.toml"]).demand(1);
+    place.run(["solve", "block.toml", "--out", "other.vtkhdf"]).demand(0);
+    assert_eq!(place.names(), ["block.toml", "block.vtkhdf", "other.vtkhdf"]);
+}
+
+/// The default name is that of the scene, in the current folder and not in the scene's.
+#[test]
+fn the_result_is_written_into_the_current_folder() {
+    let place = Place::new();
+    fs::create_dir(place.path("scenes")).unwrap();
+    place.write("scenes/two.words.toml", place::BLOCK);
+    let o = place.json(0, &["scenes/two.words.toml"]);
+    assert_eq!(o["file"], "two.words.vtkhdf");
+    assert_eq!(place.names(), ["block.toml", "scenes", "two.words.vtkhdf"]);
+    assert_eq!(names(&place.path("scenes")), ["two.words.toml"]);
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_named_before_anything_is_solved() {
+    let place = Place::new();
+    fs::create_dir(place.path("folder")).unwrap();
+    let mut cases = vec![("none/x.vtkhdf", "none"), ("folder", "is a folder"), ("block.toml/x.vtkhdf", "block.toml")];
+    if cfg!(target_os = "linux") {
+        cases.push(("/proc/x.vtkhdf", "/proc")); // closed to root too
+    }
+    for (out, part) in cases {
+        for force in [&[][..], &["--force"]] {
+            let ran = place.run(["solve", "block.toml", "--out", out].iter().chain(force)).demand(1);
+            assert!(ran.err.starts_with("error: ") && ran.err.contains(part), "{out}: {}", ran.err);
+        }
+    }
+    assert_eq!(place.names(), ["block.toml", "folder"]);
+    // The scene itself is never replaced, whatever its name looks like.
+    for out in ["block.toml", "./folder/../block.toml"] {
+        let ran = place.run(["solve", "block.toml", "--force", "--out", out]).demand(1);
+        assert!(ran.err.contains("is the scene itself"), "{}", ran.err);
+    }
+    assert_eq!(place.read("block.toml"), place::BLOCK.as_bytes());
+}
+
+/// A disk that fills up, played by a limit on the size of files.
+#[cfg(unix)]
+#[test]
+fn a_full_disk_leaves_nothing() {
+    let place = Place::new();
+    for old in [false, true] {
+        if old {
+            place.write("block.vtkhdf", "old");
+        }
+        let mut shell = Command::new("sh");
+        shell.args(["-c", "trap '' XFSZ; ulimit -f 40; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_steklov")]);
+        shell.args(["solve", "block.toml", "--force"]).current_dir(place.path(""));
+        let ran = Ran::new(shell.output().unwrap()).demand(1);
+        assert!(ran.err.contains("cannot write") && ran.err.contains("block.vtkhdf"), "{}", ran.err);
+        assert_eq!(place.names().len(), 1 + usize::from(old), "{:?}", place.names());
+    }
+    assert_eq!(place.read("block.vtkhdf"), b"old");
+}
+
+/// A run of many steps, and the signal of Ctrl-C.
+#[cfg(unix)]
+struct Long(Child);
+
+#[cfg(unix)]
+impl Long {
+    fn start(place: &Place) -> Self {
+        let many = ["--set", "method.refine=\"uniform-h\"", "--set", "method.max_dofs=100000", "--save", "matrices"];
+        let mut command = place.command();
+        command.args(["solve", "block.toml", "--json", "--quiet"]).args(many);
+        Self(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
+    }
+
+    /// Waits until the half-written file is there and large enough to hold some steps.
+    fn wait_for_steps(&self, place: &Place) {
+        let start = Instant::now();
+        let grown = |name: &String| {
+            name.ends_with(".part") && fs::metadata(place.path(name)).is_ok_and(|file| file.len() > 1 << 20)
+        };
+        while !place.names().iter().any(grown) {
+            assert!(start.elapsed() < Duration::from_secs(60), "no step is written: {:?}", place.names());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    fn interrupt(&self) {
+        let kill = Command::new("sh").args(["-c", "kill -INT \"$0\"", &self.0.id().to_string()]).status().unwrap();
+        assert!(kill.success());
+    }
+
+    fn end(self) -> Ran {
+        Ran::new(self.0.wait_with_output().unwrap())
+    }
+}
+
+#[cfg(unix)]
+fn check_interrupted(place: &Place, ran: &Ran) {
+    let o = ran.json();
+    assert_eq!(
+        (&o["reason"], &o["converged"], &o["file"]),
+        (&json!("interrupted"), &json!(false), &json!("block.vtkhdf"))
+    );
+    assert_eq!(ran.err, "", "quiet");
+    assert_eq!(place.names(), ["block.toml", "block.vtkhdf"]);
+    let shown = place.run(["show", "block.vtkhdf", "--json"]).demand(0).json();
+    assert_eq!((&shown["reason"], &shown["dofs"], &shown["energy"]), (&o["reason"], &o["dofs"], &o["energy"]));
+    let file = steklov_io::open(place.path("block.vtkhdf")).unwrap();
+    let steps = file.group("steps").unwrap().member_names().unwrap();
+    assert_eq!(json!(steps.len()), o["steps"]);
+    assert!(file.link_exists("matrices/S") && file.link_exists("solution/displacement"));
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_stores_the_step_that_it_finishes() {
+    let place = Place::new();
+    let run = Long::start(&place);
+    run.wait_for_steps(&place);
+    run.interrupt();
+    check_interrupted(&place, &run.end().demand(3));
+}
+
+/// The second Ctrl-C does not wait for the step; the steps before it are stored, and nothing half-written stays.
+#[cfg(unix)]
+#[test]
+fn a_run_interrupted_twice_stores_the_steps_before() {
+    let place = Place::new();
+    let run = Long::start(&place);
+    run.wait_for_steps(&place);
+    run.interrupt();
+    std::thread::sleep(Duration::from_millis(20)); // two equal signals at once are one
+    run.interrupt();
+    check_interrupted(&place, &run.end().demand(3));
+}
+
+/// What `show` says of a file is what `solve` said, but for the file's name and the seconds that writing it took.
+#[test]
+fn show_tells_what_solve_told() {
+    let place = Place::new();
+    let solved = place.run(["solve", "block.toml", "--json"]).demand(0).out;
+    fs::rename(place.path("block.vtkhdf"), place.path("renamed.vtkhdf")).unwrap();
+    let shown = place.run(["show", "renamed.vtkhdf", "--json"]).demand(0).out;
+    assert!(shown.contains("\"file\": \"renamed.vtkhdf\""));
+    assert_eq!(solved.lines().count(), shown.lines().count());
+    for (told, stored) in solved.lines().zip(shown.lines()).filter(|(told, stored)| told != stored) {
+        let key = told.split(':').next().unwrap().trim();
+        assert!(["\"file\"", "\"total\"", "\"write\""].contains(&key), "{told} and {stored}");
+    }
+    let text = place.run(["show", "renamed.vtkhdf"]).demand(0).out;
+    for part in
+        ["A block", "boundary elements", "floor with Tresca friction F", "16 dofs, 1 step(s): solved", "renamed.vtkhdf"]
+    {
+        assert!(text.contains(part), "no {part:?} in\n{text}");
+    }
+}
+
+#[test]
+fn pictures_and_tables_are_written() {
+    let place = Place::new();
+    let solved = place.run(["solve", "block.toml", "--plots", "drawn"]).demand(0);
+    let wanted = ["block-body.png", "block-body.svg", "block-contact-floor.png", "block-contact-floor.svg"];
+    assert_eq!(names(&place.path("drawn")), wanted);
+    assert!(wanted.iter().all(|name| solved.out.contains(name)), "{}", solved.out);
+    let shown = place.run(["show", "block.vtkhdf", "--plots", "new/shown", "--csv", "tables"]).demand(0);
+    assert_eq!(names(&place.path("new/shown")), wanted);
+    for name in wanted {
+        assert!(place.read(&format!("drawn/{name}")) == place.read(&format!("new/shown/{name}")), "{name} differs");
+        let start = if name.ends_with("png") { &b"\x89PNG\r\n\x1a\n"[..] } else { b"<" };
+        assert!(place.read(&format!("drawn/{name}")).starts_with(start), "{name}");
+    }
+    let tables = ["block-contact.csv", "block-displacement.csv", "block-traction.csv"];
+    assert_eq!(names(&place.path("tables")), tables);
+    assert!(tables.iter().all(|name| shown.out.contains(name)), "{}", shown.out);
+    // The table holds the contact force: Σ pressure weight = 2.
+    let table = String::from_utf8(place.read("tables/block-contact.csv")).unwrap();
+    let (head, rows) = table.split_once('\n').unwrap();
+    assert_eq!(head, "side,x,y,gap,u_n,u_t,pressure,shear,bound,weight,status");
+    let force: f64 = rows
+        .lines()
+        .map(|row| row.split(',').skip(1).map(|v| v.parse::<f64>().unwrap()).collect::<Vec<_>>())
+        .map(|row| row[5] * row[8])
+        .sum();
+    assert!((force - 2.0).abs() < 1e-12, "{force}");
+    // A file is no folder.
+    for option in ["--plots", "--csv"] {
+        let ran = place.run(["show", "block.vtkhdf", "--json", option, "block.toml"]);
+        assert_eq!((ran.status, ran.out.as_str()), (1, ""), "{option}: {}", ran.err);
+        assert!(ran.err.contains("block.toml"), "{}", ran.err);
+    }
+}
+
+/// A side's name is free text; in file names and HDF5 paths it must not lead elsewhere.
+#[test]
+fn names_of_sides_are_no_paths() {
+    let place = Place::new();
+    let text = place::BLOCK.replace("\"floor\"", "\"../a/b c\"").replace("[sides.floor]", "[sides.\"../a/b c\"]");
+    let text = text.replace("\"left\"", "\".\"").replace("\"right\"", "\".._a_b c\"");
+    place.write(
+        "odd.toml",
+        text + "[sides.\".\"]\ndisplacement = [0, \"free\"]\n[sides.\".._a_b c\"]\ncontact = { gap = \"1 + s\" }\n",
+    );
+    let o = place.json(0, &["odd.toml", "--plots", "drawn"]);
+    let mut sides: Vec<&String> = o["reactions"].as_object().unwrap().keys().collect();
+    sides.sort();
+    assert_eq!(sides, [".", "../a/b c", ".._a_b c"]);
+    assert_eq!(place.names(), ["block.toml", "drawn", "odd.toml", "odd.vtkhdf"]);
+    assert_eq!(names(&place.path("drawn")).len(), 6);
+    let shown = place.run(["show", "odd.vtkhdf", "--json"]).demand(0).json();
+    assert_eq!(shown["reactions"], o["reactions"]);
+}
+
+#[test]
+fn files_that_are_no_results_are_refused() {
+    let place = Place::new();
+    place.run(["solve", "block.toml"]).demand(0);
+    let whole = place.read("block.vtkhdf");
+    place.write("empty.vtkhdf", "");
+    place.write("text.vtkhdf", "no HDF5 at all");
+    for (name, end) in [("cut1.vtkhdf", whole.len() / 2), ("cut2.vtkhdf", whole.len() - 1), ("cut3.vtkhdf", 100)] {
+        place.write(name, &whole[..end]);
+    }
+    for name in
+        ["none.vtkhdf", ".", "empty.vtkhdf", "text.vtkhdf", "block.toml", "cut1.vtkhdf", "cut2.vtkhdf", "cut3.vtkhdf"]
+    {
+        for json in [&[][..], &["--json"]] {
+            let ran = place.run(["show", name].iter().chain(json)).demand(1);
+            assert!(ran.err.starts_with("error: ") && ran.err.contains(name), "{name}: {}", ran.err);
+        }
+    }
+    // A file of another program, and one that has our mark but no result.
+    steklov_io::File::create(place.path("foreign.vtkhdf")).unwrap();
+    steklov_io::create_atomically(place.path("bare.vtkhdf"), false, |_| Ok::<(), steklov_io::IoError>(())).unwrap();
+    for (name, part) in [("foreign.vtkhdf", "no result of steklov"), ("bare.vtkhdf", "has no /summary")] {
+        let ran = place.run(["show", name]).demand(1);
+        assert!(ran.err.contains(name) && ran.err.contains(part), "{}", ran.err);
+    }
+}
+
+/// One byte altered anywhere: either it is noticed, or what is shown is the same to the last digit.
+#[test]
+fn altered_bytes_are_noticed_or_do_no_harm() {
+    let place = Place::new();
+    place.run(["solve", "block.toml"]).demand(0);
+    let whole = place.read("block.vtkhdf");
+    let truth = place.run(["show", "block.vtkhdf", "--json"]).demand(0).out;
+    let (mut noticed, count) = (0, 60);
+    for k in 0..count {
+        let mut bytes = whole.clone();
+        let at = (k * 7919 + 13) * whole.len() / (count * 7919 + 26);
+        bytes[at] ^= 0x55;
+        place.write("block.vtkhdf", &bytes);
+        let ran = place.run(["show", "block.vtkhdf", "--json"]);
+        match ran.status {
+            0 => assert_eq!(ran.out, truth, "byte {at}"),
+            _ => {
+                noticed += 1;
+                assert!(ran.demand(1).err.contains("block.vtkhdf"), "byte {at}");
+            }
+        }
+    }
+    assert!(noticed > 0, "no altered byte was noticed");
+}

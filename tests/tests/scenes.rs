@@ -1,0 +1,211 @@
+//! The gallery: every scene of `scenes/` is solved and compared with the numbers of its `[expect]` table.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicUsize;
+
+use steklov::plan::{Plan, plan};
+use steklov::record::Record;
+use steklov::run::run;
+use steklov::scene::Scene;
+use steklov::summary::{Audit, Summary};
+
+/// Measures of the audit and of equilibrium may be at most this.
+const EXACT: f64 = 1e-10;
+
+fn folder() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes")
+}
+
+/// The scenes in order; links to them are left out.
+fn gallery() -> Vec<PathBuf> {
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(folder())
+        .expect("the folder of the scenes")
+        .map(|entry| entry.expect("an entry").path())
+        .filter(|path| path.extension().is_some_and(|e| e == "toml") && !path.is_symlink())
+        .collect();
+    paths.sort();
+    assert!(!paths.is_empty(), "no scene in {}", folder().display());
+    paths
+}
+
+fn name(path: &Path) -> String {
+    path.file_stem().expect("a file name").to_string_lossy().into_owned()
+}
+
+fn read(path: &Path, overrides: &[&str]) -> Scene {
+    let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
+    Scene::read(path, &overrides).unwrap_or_else(|e| panic!("{}: {}", name(path), e.render()))
+}
+
+/// The summary of a solved scene, and the residual of equilibrium over the scale of forces.
+fn solved(scene: &Scene) -> (Summary, f64) {
+    let run = run(scene, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+    let equilibrium = run.last.equilibrium;
+    (Record::new(scene, plan(scene), run, Path::new("none.vtkhdf"), 0.0).summary, equilibrium)
+}
+
+fn numbered(number: &str) -> PathBuf {
+    gallery().into_iter().find(|p| name(p).starts_with(number)).unwrap_or_else(|| panic!("no scene {number}"))
+}
+
+fn worst(audit: &Audit) -> f64 {
+    let Audit { equilibrium, penetration, tension, complementarity, friction } = *audit;
+    [equilibrium, penetration, tension, complementarity, friction].into_iter().fold(0.0, f64::max)
+}
+
+#[test]
+fn every_scene_gives_the_numbers_that_it_promises() {
+    let mut wrong = Vec::new();
+    for path in gallery() {
+        let name = name(&path);
+        let scene = read(&path, &[]);
+        if scene.expect.is_empty() {
+            wrong.push(format!("{name}: no [expect] table"));
+            continue;
+        }
+        let (summary, equilibrium) = solved(&scene);
+        let residual = summary.audit.as_ref().map_or(equilibrium, worst);
+        println!("{name}: {} dofs, converged {}, residual {residual:.1e}", summary.dofs, summary.converged);
+        if !summary.converged || residual.is_nan() || residual > EXACT {
+            wrong.push(format!("{name}: converged {}, residual {residual:e}", summary.converged));
+        }
+        for expected in &scene.expect {
+            let path = &expected.path;
+            if expected.source.is_empty() {
+                wrong.push(format!("{name}: {path} has no source"));
+            }
+            let Some(got) = summary.at(path) else {
+                wrong.push(format!("{name}: the result has no number at {path}"));
+                continue;
+            };
+            let difference = got - expected.value;
+            let line =
+                format!("{path:28} {:>22.15e} {got:>22.15e} {difference:>9.1e} {:>7.0e}", expected.value, expected.tol);
+            println!("  {line}");
+            if difference.is_nan() || difference.abs() > expected.tol {
+                wrong.push(format!("{name}: {line}"));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{} wrong:\n{}", wrong.len(), wrong.join("\n"));
+}
+
+#[test]
+fn scenes_are_numbered_and_their_plain_names_are_links() {
+    for (k, path) in gallery().iter().enumerate() {
+        let name = name(path);
+        assert_eq!(name.split('-').next(), Some(format!("{:02}", k + 1).as_str()), "{name}");
+        let readme = std::fs::read_to_string(folder().join("README.md")).expect("scenes/README.md");
+        assert!(readme.contains(&format!("{name}.toml")), "{name} is not in the table of scenes/README.md");
+    }
+    for (link, target) in [("block-on-floor", "15-block-on-floor"), ("wedge-gap", "17-wedge-gap")] {
+        let found = std::fs::read_link(folder().join(format!("{link}.toml"))).expect(link);
+        assert_eq!(found, Path::new(&format!("{target}.toml")));
+    }
+}
+
+/// choice by what is decided about
+fn choices(decisions: &[steklov::plan::Decision]) -> BTreeMap<&str, &str> {
+    decisions.iter().map(|d| (d.what.as_str(), d.choice.as_str())).collect()
+}
+
+#[test]
+fn plans_are_the_least_model() {
+    for path in gallery() {
+        let name = name(&path);
+        let scene = read(&path, &[]);
+        let found: Plan = plan(&scene);
+        assert_eq!(found, plan(&scene), "{name}: a plan is a function of the scene");
+        let (modelled, left_out) = (choices(&found.modelled), choices(&found.left_out));
+        // what the file says, read without the scene's own reader
+        let text = std::fs::read_to_string(&path).expect("the scene");
+        let table: toml::Table = text.parse().expect("TOML");
+        let sides = table["sides"].as_table().expect("a table of sides");
+        let touches = sides.values().any(|side| side.get("contact").is_some());
+
+        assert_eq!(found.model, "bem", "{name}: one material");
+        assert_eq!(left_out.get("grid in the body"), Some(&"none"), "{name}");
+        assert_eq!(left_out.get("random input"), Some(&"one solve"), "{name}");
+        assert_eq!(modelled.contains_key("contact solver"), touches, "{name}");
+        assert_eq!(left_out.get("contact"), (!touches).then_some(&"no contact solver"), "{name}");
+        let heavy = table.contains_key("body_force");
+        assert_eq!(modelled.contains_key("body force"), heavy, "{name}");
+        assert_eq!(left_out.contains_key("body force"), !heavy, "{name}");
+        assert!(modelled.keys().all(|what| !left_out.contains_key(what)), "{name}: modelled and left out at once");
+        let held = sides.values().any(|side| side.get("displacement").is_some());
+        assert!(held || modelled["supports"].contains("free"), "{name}: {}", modelled["supports"]);
+    }
+}
+
+#[test]
+fn active_set_and_newton_agree() {
+    let mut compared = 0;
+    for path in gallery() {
+        let [newton, active] = ["newton", "active-set"].map(|solver| {
+            let (solver, refine) = (format!("method.solver=\"{solver}\""), "method.refine=\"none\"");
+            solved(&read(&path, &[&solver, refine])).0
+        });
+        let Some(audit) = &active.audit else { continue };
+        compared += 1;
+        let difference = (newton.energy - active.energy).abs() / newton.energy.abs();
+        let (n, a) = (newton.iterations, active.iterations);
+        println!("{:24} {difference:.1e}, audit {:.1e}, steps {n} and {a}", name(&path), worst(audit));
+        assert!(active.converged && worst(audit) <= EXACT && difference <= 1e-9, "{}: {difference:e}", name(&path));
+    }
+    assert!(compared >= 10, "only {compared} scenes with contact");
+}
+
+/// A turned scene has the same mesh, and so the same numbers but for rounding.
+#[test]
+fn turned_scenes_give_the_same_numbers() {
+    for (straight, turned) in [("08", "09"), ("17", "18")] {
+        let [a, b] = [straight, turned].map(|n| solved(&read(&numbered(n), &["method.refine=\"none\""])).0);
+        for path in ["energy", "strain_energy", "friction_work", "contact.length", "contact.max_pressure"] {
+            let (a, b) = (a.at(path).expect(path), b.at(path).expect(path));
+            assert!((a - b).abs() <= 1e-10 * a.abs(), "{turned} {path}: {b} instead of {a}");
+        }
+    }
+}
+
+/// Half of a symmetric problem has half of its energy; the axis is meshed too, so that the two differ by its
+/// discretisation error, far below that of contact.
+#[test]
+fn half_a_block_has_half_the_energy() {
+    let [whole, half] = ["15", "16"].map(|n| solved(&read(&numbered(n), &["method.refine=\"none\""])).0);
+    for path in ["energy", "strain_energy", "friction_work", "contact.length", "contact.force.y"] {
+        let (whole, half) = (whole.at(path).expect(path), half.at(path).expect(path));
+        println!("{path}: {whole:.12e} and twice {half:.12e}");
+        assert!((whole - 2.0 * half).abs() <= 1e-6 * whole.abs(), "{path}: {whole} and twice {half}");
+    }
+}
+
+/// Scene 06 with n edges for the circle: the displacement at a corner on the circle is wrong by O(n⁻²), and so is the work.
+#[test]
+fn polygonal_hole_converges_to_the_circle() {
+    let text = std::fs::read_to_string(numbered("06")).expect("the scene");
+    let error = |n: usize| {
+        let mut table: toml::Table = text.parse().expect("TOML");
+        let corner = |k: usize| {
+            let angle = std::f64::consts::TAU * k as f64 / n as f64;
+            vec![angle.cos(), angle.sin()]
+        };
+        let mut hole = toml::Table::new();
+        hole.insert("corners".into(), (0..n).map(corner).collect::<Vec<_>>().into());
+        hole.insert("sides".into(), vec!["hole"; n].into());
+        table["body"].as_table_mut().expect("a table").insert("holes".into(), vec![hole].into());
+        table["method"].as_table_mut().expect("a table").insert("elements".into(), (2 * n as i64).into());
+        let scene = Scene::parse(&table.to_string(), "hole.toml", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        let (summary, _) = solved(&scene);
+        let error = |path: &str, exact: f64| (summary.at(path).expect(path) / exact - 1.0).abs();
+        // exact, with p = 10, μ = 400, radius 1: u_r = p/(2μ), work p u_r over the circle
+        let (u, work) = (0.0125, std::f64::consts::FRAC_PI_4);
+        [error("probe.1.displacement.y", u), error("load_work", work)]
+    };
+    let (coarse, fine) = (error(16), error(64));
+    for (coarse, fine) in coarse.into_iter().zip(fine) {
+        let rate = (coarse / fine).ln() / 4f64.ln();
+        println!("{coarse:.2e} -> {fine:.2e}: rate {rate:.2}");
+        assert!((1.85..2.1).contains(&rate) && fine < 2.5e-3, "{coarse:e} -> {fine:e}: rate {rate}");
+    }
+}

@@ -1,0 +1,249 @@
+//! Where methods fail: each case reaches its tolerance or returns its named error.
+
+use faer::Mat;
+use steklov::plan::first_mesh;
+use steklov::scene::{Scene, SceneErrorKind};
+use steklov::solve::SolveError;
+use steklov_bem_operators::{Condensation, Datum, Domain, Mesh, Operators, Partition, Space, Steklov};
+use steklov_contact::{Outcome, Problem, SideData, contact_boundary, kkt, newton, uzawa};
+use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
+
+const SOLVERS: [&str; 2] = ["newton", "active-set"];
+
+fn parsed(case: &Case) -> Scene {
+    parse(&case.toml(&View::PLAIN), &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+/// max |a - b| / max |a| of the nodal displacements.
+fn off(a: &Answer, b: &Answer) -> f64 {
+    let (a, b) = (&a.solved.displacement, &b.solved.displacement);
+    let scale = a.iter().fold(0.0, |m: f64, x| m.max(x.abs()));
+    a.iter().zip(b).fold(0.0, |m: f64, (x, y)| m.max((x - y).abs())) / scale
+}
+
+/// Both solvers converge within so many iterations, to one answer that satisfies all conditions.
+fn both(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2]) -> Answer {
+    let mut scene = scene.clone();
+    let answers = [steklov::scene::Solver::Newton, steklov::scene::Solver::ActiveSet].map(|solver| {
+        scene.method.solver = solver;
+        answer_on(&scene, mesh.clone())
+    });
+    let [a, b] = &answers;
+    let (judged, off) = ([a.judged(), b.judged()], off(a, b));
+    println!("{what}: newton, active-set: {judged:.1?} {:.1e} {:.1e}, one answer to {off:.1e}", judged[0].1, judged[1].1);
+    for (k, a) in answers.iter().enumerate() {
+        let (iterations, worst) = a.judged();
+        assert!(a.converged() && worst <= 1e-10, "{what} by {}: {worst:e}", SOLVERS[k]);
+        assert!(iterations <= most[k], "{what} by {}: {iterations} iterations", SOLVERS[k]);
+    }
+    assert!(off <= 1e-9, "{what}: {off:e}");
+    let [a, _] = answers;
+    a
+}
+
+/// The error of J does not grow as the body becomes incompressible.
+#[test]
+fn nearly_incompressible_bodies_in_contact() {
+    let error = |poisson: &str| {
+        let on = |elements: &str, degree: &str| {
+            let material = format!("material.poisson={poisson}");
+            let scene = scene("wedge-gap", &[elements, degree, &material]);
+            let a = both(&format!("ν = {poisson}"), &scene, &first_mesh(&scene), [15, 15]);
+            a.solved.energies.total
+        };
+        let fine = on("method.elements=256", "method.degree=2");
+        (on("method.elements=64", "method.degree=1") / fine - 1.0).abs()
+    };
+    let ordinary = error("0.3");
+    for poisson in ["0.49", "0.499", "0.4999", "0.4999999"] {
+        let error = error(poisson);
+        println!("ν = {poisson}: error {error:.2e}, at 0.3 {ordinary:.2e}");
+        assert!(error < 2.0 * ordinary, "ν = {poisson}: {error:e} against {ordinary:e}");
+    }
+}
+
+/// Uniform stress in thin, sharp and slit bodies on a smooth floor: the pressure is the load's.
+#[test]
+fn slivers_sharp_corners_and_slits() {
+    let strip = [[0.0, 0.0], [1.0, 0.0], [1.0, 1e-3], [0.0, 1e-3]];
+    let needle = [[0.0, 0.0], [1.0, 0.0], [1.0, 1f64.to_radians().tan()]];
+    let slit = [[-0.5, 0.0], [0.5, 0.0], [0.5, 1.0], [5e-7, 1.0], [5e-7, 0.5], [-5e-7, 0.5], [-5e-7, 1.0], [-0.5, 1.0]];
+    for (what, corners) in [("strip", &strip[..]), ("needle", &needle), ("slit", &slit)] {
+        for (elements, degree) in [(12, 1), (24, 3), (30, 6)] {
+            let names: Vec<String> = (0..corners.len()).map(|k| format!("e{k}")).collect();
+            let case = Case::new(corners, &names.iter().map(String::as_str).collect::<Vec<_>>(), 0.3);
+            // σ = -(1, 1) q: pressure all around
+            let case = names.iter().enumerate().fold(case, |case, (k, name)| {
+                let strain = -3.0 * 1.3 * 0.4 / 200.0;
+                let gap = format!("{strain:?}*({:?} - y)", corners[0][1]);
+                case.on(name, if k == 0 { On::smooth(&gap) } else { On::pressure("3") })
+            });
+            let scene = parsed(&case.method(&format!("elements = {elements}\ndegree = {degree}")));
+            let a = both(what, &scene, &first_mesh(&scene), [12, 12]);
+            let off = a.rows.iter().fold(0.0, |m: f64, r| m.max((r.pressure / 3.0 - 1.0).abs()));
+            println!("{what}, {elements} elements of degree {degree}: pressure off by {off:.1e}");
+            assert!(off <= 1e-9, "{what}: {off:e}");
+        }
+    }
+}
+
+/// Neighbouring elements from 1/4 down to 1e-6 of the side, at corners, ends of contact and the gap's kink.
+#[test]
+fn graded_meshes_of_length_ratio_a_million() {
+    for (name, half) in [("block-on-floor", 0.42901463), ("wedge-gap", 0.25999231)] {
+        let scene = scene(name, &[]);
+        let inner = [0.5 - half, 0.5, 0.5 + half].map(|s| (0, s));
+        let towards: Vec<(usize, f64)> = (0..4).map(|k| (k, 0.0)).chain(inner).collect();
+        for (degree, linear) in [(1, false), (3, false), (6, false), (1, true)] {
+            let of_layer = |j: usize| if linear { degree + j } else { degree };
+            let mesh = Mesh::graded(&scene.polygon, &towards, 8, 0.17, of_layer).expect("a valid mesh");
+            let lengths = (0..mesh.len()).map(|e| mesh.length(e));
+            let ratio = lengths.clone().fold(0.0, f64::max) / lengths.fold(1.0, f64::min);
+            assert!(ratio > 1e6);
+            both(&format!("{name}, degree {degree}, linear {linear}, ratio {ratio:.0e}"), &scene, &mesh, [200, 60]);
+        }
+    }
+}
+
+#[test]
+fn degree_sixteen() {
+    for (name, energy) in [("block-on-floor", -2.9933291930708), ("wedge-gap", 0.6471940159869)] {
+        let scene = scene(name, &["method.elements=16", "method.degree=16"]);
+        let a = both(name, &scene, &first_mesh(&scene), [15, 15]);
+        let error = (a.solved.energies.total / energy - 1.0).abs();
+        println!("{name}: relative error of J {error:.1e}");
+        assert!(error < 1e-5, "{error:e}");
+    }
+}
+
+/// Bounds of zero, of jumps and of any size side by side.
+#[test]
+fn friction_bounds_from_nothing_to_infinity() {
+    for bound in ["max(0, x)", "if(x > 0, 1e100, 0)", "1e8*x^2", "if(abs(x) < 0.2, 0, 0.5)"] {
+        for (elements, degree) in [(64, 1), (32, 3), (16, 8)] {
+            let case = Case::square(0.3)
+                .on("floor", On::rough("0.01*x^2 - 0.002", bound))
+                .on("top", On::held("0.001*y", "-0.001"))
+                .on("right", On::traction("1", "0.5"))
+                .method(&format!("elements = {elements}\ndegree = {degree}"));
+            let scene = parsed(&case);
+            let a = both(&format!("F = {bound}, p = {degree}"), &scene, &first_mesh(&scene), [15, 15]);
+            assert!(a.rows.iter().filter(|r| r.bound == 0.0).all(|r| r.shear == 0.0), "no bound, no shear");
+        }
+    }
+}
+
+/// Many small contact zones, where sets of active nodes change a lot.
+#[test]
+fn waves_do_not_make_the_solvers_cycle() {
+    for waves in [10, 40, 100] {
+        for (elements, degree) in [(64, 1), (128, 1), (64, 2), (32, 5), (16, 10)] {
+            let case = Case::square(0.3)
+                .on("floor", On::rough(&format!("0.003*sin({waves}*x)"), "0.3*abs(sin(7*x))"))
+                .on("top", On::traction("5*y", "-40 + 30*x"))
+                .on("left", On::held("0", "0"))
+                .method(&format!("elements = {elements}\ndegree = {degree}"));
+            let scene = parsed(&case);
+            both(&format!("{waves} waves, {elements} of degree {degree}"), &scene, &first_mesh(&scene), [20, 20]);
+        }
+    }
+}
+
+/// A condensed problem: the square, its top clamped, its floor in smooth contact with an overlap.
+fn condensed() -> Problem {
+    let scene = parsed(&Case::square(0.3).on("floor", On::smooth("0")).on("top", On::held("0", "0")));
+    let mesh = Mesh::uniform(&scene.polygon, 24, 2);
+    let space = Space::new(&mesh);
+    let gap = |site: &steklov_bem_operators::Site| 0.02 * site.point[0].powi(2) - 0.001;
+    let gap = Datum { name: "gap", value: &gap, kinks: &|_| Vec::new() };
+    let boundary = contact_boundary(&mesh, &space, &[SideData { side: 0, gap, bound: None }], &|_| [None, None]);
+    let boundary = boundary.expect("a floor");
+    let operators = Operators::assemble(&mesh, &space, &scene.material, None).expect("a valid mesh");
+    let matrix: Mat<f64> = Steklov::new(operators, Domain::Interior).expect("V is positive").matrix;
+    let held = (0..space.dofs()).filter(|d| space.points[d / 2][1] == 0.5).map(|d| (d, 0.0)).collect();
+    let partition = Partition { kept: boundary.kept(), held, frames: boundary.frames() };
+    let condensation = Condensation::new(matrix, &partition, &[]).expect("the top is held");
+    let load = condensation.load(&vec![0.0; space.dofs()]).kept;
+    Problem { stiffness: condensation.stiffness(), load, nodes: boundary.contact }
+}
+
+/// The safe step converges and is known: 1.9/2 of it does too, a step beyond it is reported as diverged.
+#[test]
+fn uzawa_with_a_step_that_is_too_large() {
+    let problem = condensed();
+    let exact = newton(&problem, None).expect("a solution");
+    let safe = uzawa(&problem, None, None).expect("a positive definite stiffness");
+    assert!(safe.outcome == Outcome::Converged && kkt(&problem, &safe).worst() < 1e-9);
+    let far = exact.displacement.iter().zip(&safe.displacement).fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
+    assert!(far <= 1e-9 * 0.001, "{far:e}");
+    // the default step is 1.9/λ, the limit 2/λ; find it by the outcome of forced steps
+    let mut works: f64 = 1e-9;
+    let mut fails: f64 = 1e12;
+    while fails / works > 1.2 {
+        let step = (works * fails).sqrt();
+        let forced = uzawa(&problem, Some(step), None).expect("a positive definite stiffness");
+        if forced.outcome == Outcome::Diverged {
+            fails = step;
+        } else {
+            works = step;
+        }
+    }
+    let forced = |step: f64| uzawa(&problem, Some(step), None).expect("a positive definite stiffness");
+    let near = forced(works / 1.3);
+    println!("steps from {works:.3e} work, from {fails:.3e} fail; {} iterations near the limit, {} by default", near.iterations, safe.iterations);
+    assert!(near.converged() && kkt(&problem, &near).worst() < 1e-9);
+    assert!(forced(10.0 * fails).outcome == Outcome::Diverged && !forced(10.0 * fails).converged());
+}
+
+/// Data that are not finite are refused with side, point and expression, whether a look along the side sees them or a
+/// quadrature point does.
+#[test]
+fn data_that_are_not_finite() {
+    for (condition, words) in [
+        (On::smooth("sqrt(x)"), ["floor", "sqrt(x)"]),
+        (On::smooth("1/x"), ["floor", "1/x"]),
+        (On::smooth("exp(1e4*x)"), ["floor", "exp(1e4*x)"]),
+        (On::rough("0", "log(x)"), ["floor", "log(x)"]),
+        (On::rough("0", "0 - 1"), ["floor", "0 - 1"]),
+        (On::traction("0", "atan2(0, 0)/0"), ["floor", "atan2(0, 0)/0"]),
+        (On::traction("1/(x - 0.123456)", "0"), ["floor", "1/(x - 0.123456)"]),
+        (On::held("1/(x + 0.5)", "0"), ["floor", "1/(x + 0.5)"]),
+        (On::pressure("log(abs(x - 0.25))/abs(x - 0.25)"), ["floor", "log(abs(x - 0.25))"]),
+    ] {
+        let case = Case::square(0.3).on("top", On::held("0", "0")).on("floor", condition.clone());
+        let case = case.method("elements = 20\ndegree = 3");
+        let message = match parse(&case.toml(&View::PLAIN), &[]) {
+            Err(error) => {
+                assert_eq!(error.kind, SceneErrorKind::Data, "{}", error.render());
+                error.render()
+            }
+            Ok(scene) => match attempt(&scene, first_mesh(&scene)).err() {
+                Some(SolveError::Scene(error)) => error.render(),
+                other => panic!("{condition:?}: {other:?}"),
+            },
+        };
+        println!("{}", message.lines().next().unwrap_or_default());
+        assert!(words.iter().all(|w| message.contains(w)), "{message}");
+    }
+}
+
+/// Young's modulus and lengths at the ends of what numbers can be.
+#[test]
+fn very_soft_and_very_stiff_bodies() {
+    let on = |view: View| {
+        let case = Case::square(0.3)
+            .on("floor", On::rough("0.01*x^2 - 0.002", "0.5"))
+            .on("top", On::held("0", "0"))
+            .method("elements = 24\ndegree = 2");
+        let scene = parse(&case.toml(&view), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        let a = answer(&scene);
+        assert!(a.converged() && a.judged().1 <= 1e-10, "{view:?}: {:?}", a.judged());
+        println!("{view:?}: {:?}", a.judged());
+        a.solved.energies.total / (view.stress * view.length.powi(2))
+    };
+    let plain = on(View::PLAIN);
+    for (length, stress) in [(1.0, 1e-30), (1.0, 1e30), (1e-12, 1.0), (1e12, 1.0), (1e-6, 1e20)] {
+        let j = on(View { angle: 0.0, length, stress });
+        assert!((j / plain - 1.0).abs() <= 1e-10, "{length} {stress}: {j} and {plain}");
+    }
+}
