@@ -125,7 +125,8 @@ fn contact_nowhere_and_everywhere_are_linear_problems() {
 fn touching_at_zero_gap() {
     for solver in ["newton", "active-set"] {
         let on_top = |top: On| {
-            let case = Case::square(0.3).on("left", On::held("0", "0")).on("floor", On::rough("0", "0.3")).on("top", top);
+            let case =
+                Case::square(0.3).on("left", On::held("0", "0")).on("floor", On::rough("0", "0.3")).on("top", top);
             solved(&case.method(&format!("elements = 24\ndegree = 3\nsolver = \"{solver}\"")))
         };
         let rest = on_top(On::traction("0", "0"));
@@ -205,10 +206,30 @@ fn forces_balance_beside_a_held_side() {
                 let (_, worst) = a.judged();
                 let sum = a.solved.reactions.iter().fold(load, |s, r| [s[0] + r.1[0], s[1] + r.1[1]]);
                 let rest = sum[0].abs().max(sum[1].abs()) / load[1].abs();
-                println!("p {degree} {words} F {friction}: sum {rest:.1e}, judge {worst:.1e}, {:?}", a.solved.reactions);
+                println!(
+                    "p {degree} {words} F {friction}: sum {rest:.1e}, judge {worst:.1e}, {:?}",
+                    a.solved.reactions
+                );
                 assert!(rest <= 1e-11 && worst <= 1e-10, "p {degree} {words} F {friction}: {rest:e} {worst:e}");
             }
         }
+    }
+}
+
+/// A held displacement that is 0 but for rounding changes nothing, also where it holds an oblique side's end.
+#[test]
+fn rounding_in_a_held_displacement_does_no_harm() {
+    let on_left = |u: &str| {
+        let case =
+            Case::new(&[[0.0, 0.0], [1.0, -0.3], [1.0, 1.0], [0.0, 1.0]], &["floor", "right", "top", "left"], 0.3)
+                .on("floor", On::rough("0", "0.5"))
+                .on("left", On::Partly([u.into(), "free".into()], ["0".into(), "0".into()]))
+                .on("top", On::traction("-2", "-8"));
+        solved(&case.method("elements = 20\ndegree = 2"))
+    };
+    let exact = on_left("0");
+    for noise in ["1.3e-19", "-1.3e-19", "7e-19", "-7e-19", "3e-18", "-3e-18", "1e-25", "-1e-25"] {
+        close(noise, off(&exact.solved.displacement, &on_left(noise).solved.displacement), 1e-10);
     }
 }
 
@@ -311,9 +332,10 @@ fn a_roller_beside_a_floor_is_exact() {
                 .method(&format!("elements = 15\ndegree = {degree}"));
             let a = solved(&case);
             close("pressures", off(&vec![8.0; a.rows.len()], &pressures(&a)), 1e-11);
-            let exact = a.solved.space.interpolate(|x| {
-                [0.04 * 1.3 * 0.3 * (x[0] + 0.5), -0.01 - 0.04 * 1.3 * 0.7 * (x[1] + 0.5)]
-            });
+            let exact = a
+                .solved
+                .space
+                .interpolate(|x| [0.04 * 1.3 * 0.3 * (x[0] + 0.5), -0.01 - 0.04 * 1.3 * 0.7 * (x[1] + 0.5)]);
             close("displacement", off(&exact, &a.solved.displacement), 1e-11);
             close("roller", a.solved.reactions.iter().fold(0.0, |m: f64, r| m.max(r.1[0].abs())), 1e-11 * 8.0);
         }

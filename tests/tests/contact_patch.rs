@@ -57,6 +57,13 @@ fn frame(a: [f64; 2], b: [f64; 2]) -> ([f64; 2], [f64; 2]) {
     ([d[1] / l, -d[0] / l], [d[0] / l, d[1] / l])
 }
 
+/// Smallest sine of the angle between neighbouring edges.
+fn flattest(corners: &[[f64; 2]]) -> f64 {
+    let tangents: Vec<[f64; 2]> = (0..corners.len()).map(|k| edge(corners, k)).map(|[a, b]| frame(a, b).1).collect();
+    let next = tangents.iter().cycle().skip(1);
+    tangents.iter().zip(next).fold(1.0, |m: f64, (s, t)| m.min((s[0] * t[1] - s[1] * t[0]).abs()))
+}
+
 fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
     a[0] * b[0] + a[1] * b[1]
 }
@@ -85,16 +92,32 @@ fn mesh(scene: &Scene, cuts: &Cuts) -> Mesh {
     Mesh::from_breaks(&scene.polygon, &breaks, &degrees).expect("rising breaks")
 }
 
-/// Largest error of a patch relative to E max|A|, the size of the terms that add up to the stress.
-const PATCH: f64 = 1e-11;
+/// Largest error of nodal forces, displacements and energies of a patch, relative to the terms that add up to them:
+/// rounding of sums over a hundred nodes.
+const PATCH: f64 = 1e-12;
 
-/// All pressures and shears but those at the points `but` are as given, and the judge agrees.
-fn uniform(a: &Answer, field: &Linear, pressure: f64, shear: f64, but: &[[f64; 2]]) -> Result<(), TestCaseError> {
-    let rows = a.rows.iter().filter(|r| but.iter().all(|x| (r.point[0] - x[0]).hypot(r.point[1] - x[1]) > 1e-9));
-    let off = rows.fold(0.0, |m: f64, r| m.max((r.pressure - pressure).abs()).max((r.shear - shear).abs()));
-    let scale = YOUNG * field.gradient.iter().flatten().fold(0.0, |m: f64, g| m.max(g.abs()));
-    println!("patch: pressure {pressure:.2} off by {:.1e} of {scale:.2}", off / scale);
-    prop_assert!(off <= PATCH * scale, "off by {off:e} of {scale}");
+/// All pressures and shears but those at the points `but` are as given, and the judge agrees. A multiplier is a nodal
+/// force over a nodal weight, so that at the small end weights of short elements of high degree less is asked of it.
+fn uniform(
+    a: &Answer,
+    field: &Linear,
+    pressure: f64,
+    shear: f64,
+    but: &[[f64; 2]],
+    flat: f64,
+) -> Result<(), TestCaseError> {
+    // at a corner inside the contact boundary two pressures share one force: their normals' sine divides its rounding
+    let scale = YOUNG / flat * field.gradient.iter().flatten().fold(0.0, |m: f64, g| m.max(g.abs()));
+    let (mut stress, mut force) = (0.0f64, 0.0f64);
+    for r in &a.rows {
+        if but.iter().any(|x| (r.point[0] - x[0]).hypot(r.point[1] - x[1]) < 1e-9) {
+            continue;
+        }
+        let off = (r.pressure - pressure).abs().max((r.shear - shear).abs()) / scale;
+        (stress, force) = (stress.max(off), force.max(off * r.weight));
+    }
+    println!("patch: stress off by {stress:.1e}, nodal force by {force:.1e}, judge {:.1e}", a.judged().1);
+    prop_assert!(force <= PATCH && stress <= 100.0 * PATCH, "stress off by {stress:e}, force by {force:e}");
     prop_assert!(a.converged() && a.judged().1 <= 1e-10, "{:?}", a.judged());
     Ok(())
 }
@@ -120,7 +143,7 @@ fn edge(corners: &[[f64; 2]], k: usize) -> [[f64; 2]; 2] {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(500))]
 
     /// A floating body under uniform stress, one oblique side on a smooth obstacle that follows its shape: uniform
     /// pressure q, shear 0, strain energy ½ σ:ε |Ω|, whatever mesh, degrees and ν. The free translation along the
@@ -148,7 +171,7 @@ proptest! {
         let scene = scene(&case);
         let mesh = mesh(&scene, &cuts);
         let a = answer_on(&scene, mesh);
-        uniform(&a, &field, q, 0.0, &[])?;
+        uniform(&a, &field, q, 0.0, &[], 1.0)?;
         prop_assert_eq!(a.solved.free_motions.len(), 1);
         let energy = field.energy(scene.polygon.area());
         prop_assert!((a.solved.energies.strain - energy).abs() <= PATCH * energy, "{} and {energy}", a.solved.energies.strain);
@@ -169,7 +192,7 @@ proptest! {
         let gradient = if slips {
             gradient.map(|row| row.map(|g| 0.01 * g))
         } else {
-            // no displacement along the contact side at all: u = v (x - a)·n
+            // one displacement all along the contact side: u = v (x - a)·n
             [0, 1].map(|i| [0, 1].map(|l| (-0.005 * (1.2 + gradient[0][0]) * n[i] + 0.01 * gradient[0][1] * t[i]) * n[l]))
         };
         let mut field = Linear::new(gradient, [0.0; 2], &material);
@@ -179,10 +202,10 @@ proptest! {
         let (ua, ub) = (field.at(a), field.at(b));
         // slip goes along the shear: u_t at least 0.01 times its sign all along the side
         let lift = if slips { shear.signum() * 0.01 - if shear > 0.0 { dot(ua, t).min(dot(ub, t)) } else { dot(ua, t).max(dot(ub, t)) } } else { -dot(ua, t) };
-        let drop = if slips { 0.0 } else { -dot(ua, n) };
+        let drop = if slips { 0.0 } else { 0.01 - dot(ua, n) };
         field.shift = [0, 1].map(|i| lift * t[i] + drop * n[i]);
         let bound = if slips { shear.abs() } else { 2.0 * shear.abs() + 0.1 };
-        let gap = if slips { field.along(n) } else { "0".into() };
+        let gap = field.along(n);
         let held = if slips { 0 } else { held };
         let mut case = polygon_case(&corners, poisson);
         for (i, name) in names(count).iter().enumerate() {
@@ -206,12 +229,12 @@ proptest! {
                 prop_assert!(cuts[k].len() == 1 && cuts[k][0].1 == 1, "{what}");
                 return Ok(());
             }
-            other => other.unwrap_or_else(|e| panic!("{e} {} {k} {j} {cuts:?}", case.toml(&View::PLAIN))),
+            other => other.unwrap_or_else(|e| panic!("{e}")),
         };
         // where a held component leaves an oblique contact side's node one direction, its force has one component, which
         // pressure and shear share: only the sum is determined
         let but = if held == 0 { vec![] } else { edge(&corners, j).to_vec() };
-        uniform(&a, &field, pressure, shear, &but)?;
+        uniform(&a, &field, pressure, shear, &but, 1.0)?;
         let exact = a.solved.space.interpolate(|x| field.at(x));
         let size = exact.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
         let off = exact.iter().zip(&a.solved.displacement).fold(0.0, |m: f64, (u, v)| m.max((u - v).abs()));
@@ -228,6 +251,7 @@ proptest! {
         let material = Material::new(YOUNG, poisson, Plane::Strain).expect("in range");
         let rate = -q / (2.0 * (material.lambda() + material.mu()));
         let field = Linear::new([[rate, 0.0], [0.0, rate]], [0.0; 2], &material);
+        let flat = holes.iter().chain([&outer]).fold(1.0, |m: f64, l| m.min(flattest(&l.corners)));
         let mut case = polygon_case(&outer.corners, poisson);
         let mut number = 0;
         let mut contact = 0;
@@ -254,7 +278,7 @@ proptest! {
         let scene = scene(&case);
         let mesh = mesh(&scene, &cuts);
         let a = answer_on(&scene, mesh);
-        uniform(&a, &field, q, 0.0, &[])?;
+        uniform(&a, &field, q, 0.0, &[], flat)?;
         let energy = field.energy(scene.polygon.area());
         prop_assert!((a.solved.energies.strain - energy).abs() <= PATCH * energy, "{} and {energy}, {contact} in contact", a.solved.energies.strain);
     }

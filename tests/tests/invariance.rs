@@ -45,7 +45,8 @@ fn difference(plain: &Answer, seen: &Answer, view: &View, probes: &[[f64; 2]]) -
             rows.chain([contact.max_pressure / unit]).collect()
         };
         worst.of(&stresses(plain, 1.0), &stresses(seen, s));
-        let lengths = |a: &Answer, unit: f64| [a.contact().length, a.contact().stick, a.contact().slip].map(|x| x / unit);
+        let lengths =
+            |a: &Answer, unit: f64| [a.contact().length, a.contact().stick, a.contact().slip].map(|x| x / unit);
         worst.of(&lengths(plain, 1.0), &lengths(seen, l));
         let status = |a: &Answer| a.rows.iter().map(|r| r.status).collect::<Vec<_>>();
         assert_eq!(status(plain), status(seen), "states of the nodes");
@@ -58,7 +59,10 @@ fn difference(plain: &Answer, seen: &Answer, view: &View, probes: &[[f64; 2]]) -
         u.of(&u0, &back(u1, l));
         // σ turned back column by column, then row by row
         let columns = [back([s1[0], s1[2]], s), back([s1[2], s1[1]], s)];
-        let rows = [rotated([columns[0][0], columns[1][0]], -view.angle), rotated([columns[0][1], columns[1][1]], -view.angle)];
+        let rows = [
+            rotated([columns[0][0], columns[1][0]], -view.angle),
+            rotated([columns[0][1], columns[1][1]], -view.angle),
+        ];
         sigma.of(&s0, &[rows[0][0], rows[1][1], rows[0][1]]);
     }
     worst.0.max(u.0).max(sigma.0)

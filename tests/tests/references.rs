@@ -46,8 +46,13 @@ fn on_meshes(name: &str, table: &[(usize, usize, f64)]) {
             let a = uniform(name, n, p, solver);
             let (iterations, worst) = a.judged();
             let off = (a.solved.energies.total - energy).abs();
-            println!("{name} n {n:2} p {p:2} {solver:10}: off by {off:.1e}, {iterations} iterations, judge {worst:.1e}");
-            assert!(a.converged() && off <= 1e-9 && iterations <= 12 && worst <= 1e-10, "n {n} p {p} {solver}: {off:e}");
+            println!(
+                "{name} n {n:2} p {p:2} {solver:10}: off by {off:.1e}, {iterations} iterations, judge {worst:.1e}"
+            );
+            assert!(
+                a.converged() && off <= 1e-9 && iterations <= 12 && worst <= 1e-10,
+                "n {n} p {p} {solver}: {off:e}"
+            );
         }
     }
 }

@@ -23,17 +23,21 @@ fn off(a: &Answer, b: &Answer) -> f64 {
 
 /// Both solvers converge within so many iterations, to one answer that satisfies all conditions.
 fn both(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2]) -> Answer {
+    both_judged(what, scene, mesh, most, 1e-10)
+}
+
+fn both_judged(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2], judge: f64) -> Answer {
     let mut scene = scene.clone();
     let answers = [steklov::scene::Solver::Newton, steklov::scene::Solver::ActiveSet].map(|solver| {
         scene.method.solver = solver;
         answer_on(&scene, mesh.clone())
     });
     let [a, b] = &answers;
-    let (judged, off) = ([a.judged(), b.judged()], off(a, b));
-    println!("{what}: newton, active-set: {judged:.1?} {:.1e} {:.1e}, one answer to {off:.1e}", judged[0].1, judged[1].1);
+    let ((i, x), (j, y), off) = (a.judged(), b.judged(), off(a, b));
+    println!("{what}: {i} and {j} iterations, judge {x:.1e} and {y:.1e}, one answer to {off:.1e}");
     for (k, a) in answers.iter().enumerate() {
         let (iterations, worst) = a.judged();
-        assert!(a.converged() && worst <= 1e-10, "{what} by {}: {worst:e}", SOLVERS[k]);
+        assert!(a.converged() && worst <= judge, "{what} by {}: {worst:e}", SOLVERS[k]);
         assert!(iterations <= most[k], "{what} by {}: {iterations} iterations", SOLVERS[k]);
     }
     assert!(off <= 1e-9, "{what}: {off:e}");
@@ -41,14 +45,17 @@ fn both(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2]) -> Answer {
     a
 }
 
-/// The error of J does not grow as the body becomes incompressible.
+/// The error of J does not grow as the body becomes incompressible. Stresses carry rounding times λ/μ = 2ν/(1-2ν), and
+/// the judge sees that.
 #[test]
 fn nearly_incompressible_bodies_in_contact() {
     let error = |poisson: &str| {
         let on = |elements: &str, degree: &str| {
             let material = format!("material.poisson={poisson}");
             let scene = scene("wedge-gap", &[elements, degree, &material]);
-            let a = both(&format!("ν = {poisson}"), &scene, &first_mesh(&scene), [15, 15]);
+            let rounding = 1e-16 / (1.0 - 2.0 * scene.material.poisson);
+            let judge = (10.0 * rounding).max(1e-10);
+            let a = both_judged(&format!("ν = {poisson}"), &scene, &first_mesh(&scene), [15, 15], judge);
             a.solved.energies.total
         };
         let fine = on("method.elements=256", "method.degree=2");
@@ -100,7 +107,7 @@ fn graded_meshes_of_length_ratio_a_million() {
             let lengths = (0..mesh.len()).map(|e| mesh.length(e));
             let ratio = lengths.clone().fold(0.0, f64::max) / lengths.fold(1.0, f64::min);
             assert!(ratio > 1e6);
-            both(&format!("{name}, degree {degree}, linear {linear}, ratio {ratio:.0e}"), &scene, &mesh, [200, 60]);
+            both(&format!("{name}, degree {degree}, linear {linear}, ratio {ratio:.0e}"), &scene, &mesh, [40, 40]);
         }
     }
 }
@@ -190,7 +197,10 @@ fn uzawa_with_a_step_that_is_too_large() {
     }
     let forced = |step: f64| uzawa(&problem, Some(step), None).expect("a positive definite stiffness");
     let near = forced(works / 1.3);
-    println!("steps from {works:.3e} work, from {fails:.3e} fail; {} iterations near the limit, {} by default", near.iterations, safe.iterations);
+    println!(
+        "steps from {works:.3e} work, from {fails:.3e} fail; {} iterations near the limit, {} by default",
+        near.iterations, safe.iterations
+    );
     assert!(near.converged() && kkt(&problem, &near).worst() < 1e-9);
     assert!(forced(10.0 * fails).outcome == Outcome::Diverged && !forced(10.0 * fails).converged());
 }

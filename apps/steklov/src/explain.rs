@@ -28,6 +28,14 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
             &friction(scene),
             "raise the friction bound, balance the loads, or hold this motion: displacement = [\"0\", \"free\"] on a side",
         ),
+        SolveError::NotFinite { .. } => {
+            at(Value, &loads(scene), "choose units in which lengths, loads and Young's modulus are nearer to 1")
+        }
+        SolveError::Bem(BemError::StiffnessSingular { .. }) if scene.material.poisson > 0.49999 => at(
+            Value,
+            &[vec!["material", "poisson"]],
+            "so near to 1/2 the stiffness drowns in rounding errors: take a smaller ratio, as 0.4999999",
+        ),
         SolveError::Bem(BemError::RigidMotion { .. } | BemError::StiffnessSingular { .. })
         | SolveError::Contact(ContactError::RigidMotion { .. } | ContactError::NotHeld { .. }) => at(
             Unsupported,

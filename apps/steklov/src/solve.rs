@@ -13,7 +13,7 @@ use steklov_contact::{
 use crate::body_load::{Particular, energies};
 use crate::data::Data;
 use crate::scene::{Condition, Scene, SceneError, Solver};
-use crate::supports::{Held, Supports};
+use crate::supports::Supports;
 
 /// What a run hands to its observer while it has it.
 pub enum Stage<'a> {
@@ -215,7 +215,10 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
     let forces = condensation.multiply(&displacement);
     let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(s, f)| s - f).collect();
     if let Some(c) = &contact {
-        add_contact_forces(&mut residual, c, &mesh, &space, &held);
+        for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
+            residual[2 * node] += force[0];
+            residual[2 * node + 1] += force[1];
+        }
     }
     let equilibrium = supports.equilibrium(&residual, &forces, &load);
     let contact = contact.map(|mut c| {
@@ -263,10 +266,12 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
     })
 }
 
-/// L(r) of a load and the scale Σ |f||r|.
+/// L(r) of a load and the scale Σ |f||r| over the nodes.
 fn work(space: &Space, load: &[f64], motion: &RigidMotion) -> (f64, f64) {
     let r = motion.nodal(&space.points);
-    load.iter().zip(&r).fold((0.0, 0.0), |(sum, scale), (f, r)| (sum + f * r, scale + (f * r).abs()))
+    load.chunks_exact(2).zip(r.chunks_exact(2)).fold((0.0, 0.0), |(sum, scale), (f, r)| {
+        (sum + f[0] * r[0] + f[1] * r[1], scale + f[0].hypot(f[1]) * r[0].hypot(r[1]))
+    })
 }
 
 /// Without contact: all free motions, if the loads do no work on any of them.
@@ -307,41 +312,4 @@ fn edges(boundary: &ContactBoundary) -> Vec<ContactEdge> {
         }
     }
     edges
-}
-
-/// Adds Bᵀλ; what a held end of a contact side carries of the multiplier beside it goes to that node.
-fn add_contact_forces(residual: &mut [f64], c: &ContactResult, mesh: &Mesh, space: &Space, held: &[Held]) {
-    let ends = held_ends(mesh, space, held);
-    let mut number = 0;
-    for (node, contact) in c.boundary.nodes.iter().zip(&c.boundary.contact) {
-        for (plane, condition) in node.conditions.iter().zip(&contact.conditions) {
-            let [pressure, shear] = c.solution.multipliers[number];
-            number += 1;
-            let whole = plane.shares.iter().fold([0.0; 2], |s, share| [s[0] + share.normal, s[1] + share.tangent]);
-            let own = [condition.normal_weight, condition.tangent_weight];
-            let mut add = |at: usize, weights: [f64; 2]| {
-                for i in 0..2 {
-                    residual[2 * at + i] += weights[0] * pressure * plane.normal[i] + weights[1] * shear * plane.tangent[i];
-                }
-            };
-            add(node.node, own);
-            if let Some(&(_, end)) = ends.iter().find(|(neighbour, _)| *neighbour == node.node) {
-                add(end, [whole[0] - own[0], whole[1] - own[1]]);
-            }
-        }
-    }
-}
-
-/// (neighbour in the same element, end node) of every held node at an end of an element.
-fn held_ends(mesh: &Mesh, space: &Space, held: &[Held]) -> Vec<(usize, usize)> {
-    let mut ends = Vec::new();
-    for e in 0..mesh.len() {
-        let p = space.degree(e);
-        for (end, next) in [(space.node(e, 0), space.node(e, 1)), (space.node(e, p), space.node(e, p - 1))] {
-            if held[end] != Held::default() && held[next] == Held::default() {
-                ends.push((next, end));
-            }
-        }
-    }
-    ends
 }

@@ -140,6 +140,17 @@ const HIDDEN: &[Hidden] = &[
         line: 13,
         parts: &["displacement on side \"top\" cannot be integrated", "\"1/(x-0.3)\"", "keep the values bounded"],
     },
+    // Numbers at the end of the range
+    Hidden {
+        edits: &[(LOAD, "traction = [0, -1e300]")],
+        line: 13,
+        parts: &["range of floating point", "[0, -1e300]", "choose units"],
+    },
+    Hidden {
+        edits: &[("poisson = 0.3", "poisson = 0.4999999999999999")],
+        line: 7,
+        parts: &["not positive definite", "0.4999999999999999", "a smaller ratio"],
+    },
     // Meshes
     Hidden {
         edits: &[("elements = 8", "max_dofs = 31")],

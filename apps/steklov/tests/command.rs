@@ -95,7 +95,12 @@ fn without_contact_the_parts_of_contact_are_null() {
 fn a_linear_field_is_exact() {
     let place = Place::new();
     let rollers = ["sides.floor={ displacement = [\"free\", 0] }", "sides.left.displacement=[0, \"free\"]"];
-    let o = place.json(0, &["block.toml", "--set", rollers[0], "--set", rollers[1]]);
+    let solve = |mesh: &str| place.json(0, &["block.toml", "--set", rollers[0], "--set", rollers[1], "--set", mesh]);
+    // the highest degree there is
+    let o = solve("method={ elements = 4, degree = 64 }");
+    assert_eq!(o["dofs"], 512);
+    assert!((o["energy"].as_f64().unwrap() + 0.91 / 200.0).abs() < 1e-12, "{}", o["energy"]);
+    let o = solve("method.elements=8");
     for p in o["probe"].as_array().unwrap() {
         let value = |key: &str, i: usize| p[key][i].as_f64().unwrap();
         let [x, y] = [0, 1].map(|i| value("point", i));
@@ -107,6 +112,20 @@ fn a_linear_field_is_exact() {
     assert!((o["energy"].as_f64().unwrap() + 0.91 / 200.0).abs() < 1e-15, "{}", o["energy"]);
     let close = |side: &str, i: usize, wanted: f64| (o["reactions"][side][i].as_f64().unwrap() - wanted).abs() < 1e-12;
     assert!(close("floor", 0, 0.0) && close("floor", 1, 2.0) && close("left", 0, 0.0), "{}", o["reactions"]);
+}
+
+/// Contact that never closes is solved: no length, no force but the prescribed friction's, and zeros without a sign.
+#[test]
+fn contact_that_never_closes_is_solved() {
+    let place = Place::new();
+    let apart = ["--set", "sides.floor.contact={ gap = 1 }", "--set", "sides.left.displacement=[0, 0]"];
+    let ran = place.run(["solve", "block.toml", "--json"].iter().chain(&apart)).demand(0);
+    assert!(!ran.out.contains("-0.0,") && !ran.out.contains("-0.0\n"), "{}", ran.out);
+    let contact = &ran.json()["contact"];
+    for key in ["length", "stick", "slip", "max_pressure"] {
+        assert_eq!(contact[key], json!(0.0), "{key}");
+    }
+    assert_eq!((&contact["force"], &contact["max_pressure_unbounded"]), (&json!([0.0, 0.0]), &json!(false)));
 }
 
 /// 3: the solver's criterion is not reached, the result is stored all the same and says why.

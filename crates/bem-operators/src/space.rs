@@ -73,11 +73,6 @@ impl Space {
         &self.bases[&self.degree(e)]
     }
 
-    /// Highest degree of the mesh.
-    pub fn max_degree(&self) -> usize {
-        self.bases.keys().next_back().copied().unwrap_or(1)
-    }
-
     /// Nodal values of a function of the point: interleaved x, y.
     pub fn interpolate(&self, f: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
         self.points.iter().flat_map(|&x| f(x)).collect()

@@ -92,14 +92,6 @@ impl TractionMap {
         solve_upper_triangular_in_place(self.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);
         t.iter().copied().collect()
     }
-
-    /// For each traction right-hand side of the single layer, b -> V⁻¹ b.
-    pub fn invert_single_layer(&self, right: &[f64]) -> Vec<f64> {
-        let mut t = Col::from_fn(right.len(), |i| right[i]);
-        solve_lower_triangular_in_place(self.factor.as_ref(), t.as_mat_mut(), Par::Seq);
-        solve_upper_triangular_in_place(self.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);
-        t.iter().copied().collect()
-    }
 }
 
 /// Columns that are factorised at a time.

@@ -61,9 +61,46 @@ pub struct ContactBoundary {
     pub nodes: Vec<BoundaryNode>,
     /// What a [`Problem`](crate::Problem) needs to know of them.
     pub contact: Vec<ContactNode>,
+    /// What held ends carry of their neighbours' multipliers.
+    pub transfers: Vec<Transfer>,
+}
+
+/// A held end whose dual function went to a neighbour: the obstacle presses on it with -`weight` λ `direction`, λ being
+/// the neighbour's multiplier.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transfer {
+    /// Number of the displacement node of the held end.
+    pub node: usize,
+    /// Number of the neighbour's condition in the order of the multipliers.
+    pub condition: usize,
+    /// 0 for λ_n, 1 for λ_t.
+    pub functional: usize,
+    /// D_end (length).
+    pub weight: f64,
+    /// The normal or tangent there.
+    pub direction: [f64; 2],
 }
 
 impl ContactBoundary {
+    /// Bᵀλ: the force of the body on the obstacle at each displacement node (force per thickness), nodes with several
+    /// contributions several times.
+    pub fn nodal_forces(&self, multipliers: &[[f64; 2]]) -> Vec<(usize, [f64; 2])> {
+        let mut forces = Vec::new();
+        for (node, contact) in self.nodes.iter().zip(&self.contact) {
+            for (plane, condition) in node.conditions.iter().zip(&contact.conditions) {
+                let [pressure, shear] = multipliers[forces.len()];
+                let (n, t) = (condition.normal_weight * pressure, condition.tangent_weight * shear);
+                forces.push((node.node, [0, 1].map(|i| n * plane.normal[i] + t * plane.tangent[i])));
+            }
+        }
+        let carried = self.transfers.iter().map(|t| {
+            let force = t.weight * multipliers[t.condition][t.functional];
+            (t.node, t.direction.map(|d| force * d))
+        });
+        forces.extend(carried);
+        forces
+    }
+
     /// The displacement unknowns in the order of the problem's unknowns, numbered along [`Self::frames`] (for
     /// `Partition::kept`).
     pub fn kept(&self) -> Vec<Dof> {
@@ -125,6 +162,8 @@ pub fn contact_boundary(
             drafts[d].add(mesh, element, j);
         }
     }
+    // draft and condition that receive, and the transfer
+    let mut received: Vec<(usize, usize, Transfer)> = Vec::new();
     for d in 0..drafts.len() {
         if drafts[d].held == [None, None] {
             continue;
@@ -140,8 +179,8 @@ pub fn contact_boundary(
                 let (e, node) = (drafts[d].conditions[0].elements[0], drafts[d].node);
                 let p = space.degree(e);
                 let next = if space.node(e, 0) == node { space.node(e, 1) } else { space.node(e, p - 1) };
-                let receiver = draft_of[next].and_then(|r: usize| drafts[r].receiver(e, functional));
-                let Some(receiver) = receiver else {
+                let receiver = draft_of[next].and_then(|r: usize| Some((r, drafts[r].receiver(e, functional)?)));
+                let Some((r, c)) = receiver else {
                     let side = &mesh.side_names[mesh.side[e]];
                     let what = format!(
                         "an element of degree {p} on side \"{side}\" has no node that can move for its multiplier: \
@@ -149,14 +188,21 @@ pub fn contact_boundary(
                     );
                     return Err(ContactError::Inconsistent { what });
                 };
+                let receiver = &mut drafts[r].conditions[c];
+                let (weight, direction) = (part.weight, receiver.direction(functional));
+                let index = usize::from(functional == Functional::Tangent);
+                received.push((r, c, Transfer { node, condition: 0, functional: index, weight, direction }));
                 receiver.receive(functional, part, known);
             }
         }
     }
-    let mut boundary = ContactBoundary { nodes: Vec::new(), contact: Vec::new() };
-    let mut first = 0;
-    for draft in drafts.iter().filter(|d| !d.held.iter().all(Option::is_some)) {
+    let mut boundary = ContactBoundary { nodes: Vec::new(), contact: Vec::new(), transfers: Vec::new() };
+    let (mut first, mut conditions) = (0, 0);
+    for (d, draft) in drafts.iter().enumerate().filter(|(_, d)| !d.held.iter().all(Option::is_some)) {
         let (node, contact) = draft.finish(space, first);
+        let mine = received.iter().filter(|(r, ..)| *r == d);
+        boundary.transfers.extend(mine.map(|&(_, c, transfer)| Transfer { condition: conditions + c, ..transfer }));
+        conditions += contact.conditions.len();
         first += contact.unknowns;
         boundary.nodes.push(node);
         boundary.contact.push(contact);
@@ -230,12 +276,12 @@ impl Draft {
         (!movable).then(|| (0..2).map(|i| d[i] * self.held[i].unwrap_or(0.0)).sum())
     }
 
-    /// The condition on element e, if the functional is not itself one in which the node cannot move.
-    fn receiver(&mut self, e: usize, functional: Functional) -> Option<&mut DraftCondition> {
+    /// Index of the condition on element e, if the functional is not itself one in which the node cannot move.
+    fn receiver(&self, e: usize, functional: Functional) -> Option<usize> {
         if self.held != [None, None] && self.immovable(functional).is_some() {
             return None;
         }
-        self.conditions.iter_mut().find(|c| c.elements.contains(&e))
+        self.conditions.iter().position(|c| c.elements.contains(&e))
     }
 
     fn finish(&self, space: &Space, first: usize) -> (BoundaryNode, ContactNode) {

@@ -55,7 +55,7 @@ pub mod proptest;
 mod tests;
 
 pub use active_set::{Start, active_set};
-pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, contact_boundary};
+pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, Transfer, contact_boundary};
 pub use error::ContactError;
 pub use kkt::{Kkt, kkt};
 pub use motions::{ContactEdge, resisted_motions};

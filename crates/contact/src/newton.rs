@@ -24,12 +24,12 @@ const SHORTEST: f64 = 1e-2;
 /// ordinary node, with c = S_ii/D_i,
 ///
 /// ```text
-/// φ(λ_n, c(g - u_n)) = 0,   φ(a, b) = m (a + b - √(a²+b²)) + (1 - m) a₊ b₊,   m = 0.9
+/// φ(λ_n, c(g - u_n)) = 0,   φ(a, b) = m (a + b - √(a²+b²)) + (1 - m) a₊ b₊ / s,   m = 0.9
 /// λ_t - clip(λ_t + c u_t, -F, F) = 0
 /// ```
-/// and at a corner, or where the unknowns do not separate the conditions, v = prox(v + C⁻¹R). Armijo's rule on the
-/// squared residual, relative residual 1e-11. The answer is then polished by one solve on the contact and stick sets
-/// that it found.
+/// with s the mean stress of the start, so that units do not matter, and at a corner, or where the unknowns do not
+/// separate the conditions, v = prox(v + C⁻¹R). Armijo's rule on the sum of the squared residuals times D_i, relative
+/// residual 1e-11. The answer is then polished by one solve on the contact and stick sets that it found.
 ///
 /// *Use when*: always a good choice, also from a good start. *Fails when*: the line search stalls far from the
 /// solution; the active set method then goes on from there, and its outcome is reported (the history is that of both).
@@ -166,7 +166,8 @@ impl Equations<'_> {
                 scale = scale.max(self.problem.load[i].abs() / d + elastic[i].abs() / d);
             }
             if let Some((axis, gap)) = separate(node, law) {
-                residual[node.first + axis] = fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis]), self.unit).0;
+                residual[node.first + axis] =
+                    fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis]), self.unit).0;
             }
         }
         State { force, residual, weights, scale }
@@ -191,7 +192,8 @@ impl Equations<'_> {
             }
             if let Some((axis, gap)) = separate(node, law) {
                 let i = node.first + axis;
-                let (_, by_pressure, by_opening) = fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis]), self.unit);
+                let (_, by_pressure, by_opening) =
+                    fischer_burmeister(r[axis] / d, c[axis] / d * (gap - w[axis]), self.unit);
                 for j in 0..m {
                     jacobian[(i, j)] = -by_pressure * s[(i, j)] / d;
                 }
@@ -202,7 +204,7 @@ impl Equations<'_> {
     }
 }
 
-/// φ(a, b) = m (a + b - √(a²+b²)) + (1 - m) a₊ b₊ and its derivatives by a and b; at the origin those of the direction
+/// φ(a, b) = m (a + b - √(a²+b²)) + (1 - m) a₊ b₊ / unit and its derivatives by a and b; at the origin those of the direction
 /// a = b > 0. Zero exactly where a, b ≥ 0 and a b = 0.
 fn fischer_burmeister(a: f64, b: f64, unit: f64) -> (f64, f64, f64) {
     let (m, r) = (WEIGHT, a.hypot(b));
