@@ -43,7 +43,7 @@ pub use assemble::Operators;
 pub use condense::{Condensation, CondensedLoad, Partition};
 pub use error::BemError;
 pub use far::far_moments;
-pub use load::{Datum, Site, add_load, side_moments};
+pub use load::{Datum, ElementMoments, Site, add_load, side_moments};
 pub use material::{Material, Plane};
 pub use mesh::Mesh;
 pub use moments::{PairMoments, Segment, Tables};

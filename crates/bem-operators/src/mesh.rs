@@ -93,11 +93,13 @@ impl Mesh {
         previous
     }
 
-    /// Largest distance of two vertices: the default length in log(L/r).
+    /// Largest distance of two vertices, which are corners: the default length in log(L/r).
     pub fn diameter(&self) -> f64 {
+        let corners = self.next.iter().enumerate().filter(|&(e, &next)| self.edge[e] != self.edge[next]);
+        let corners: Vec<[f64; 2]> = corners.map(|(_, &next)| self.vertices[next]).collect();
         let mut d: f64 = 0.0;
-        for (i, a) in self.vertices.iter().enumerate() {
-            for b in &self.vertices[..i] {
+        for (i, a) in corners.iter().enumerate() {
+            for b in &corners[..i] {
                 d = d.max((a[0] - b[0]).hypot(a[1] - b[1]));
             }
         }

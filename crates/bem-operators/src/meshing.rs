@@ -17,8 +17,15 @@ impl Mesh {
     pub fn uniform(polygon: &Polygon, elements: usize, degree: usize) -> Mesh {
         assert!(degree > 0, "the degree of an element is at least 1");
         let lengths: Vec<f64> = polygon.edges().iter().map(Edge::length).collect();
-        let mut count = vec![1; lengths.len()];
-        for _ in lengths.len()..elements {
+        // the rule gives every edge at least the whole part of its share of what the others leave
+        let perimeter: f64 = lengths.iter().sum();
+        let shared = elements.saturating_sub(lengths.len()) as f64;
+        let mut count: Vec<usize> =
+            lengths.iter().map(|l| ((shared * l / perimeter * (1.0 - 1e-9)) as usize).max(1)).collect();
+        for (count, length) in count.iter_mut().zip(&lengths) {
+            *count = (*count).min((length / polygon.tolerance() / 4.0) as usize + 1);
+        }
+        for _ in count.iter().sum::<usize>()..elements {
             let length = |k: usize| lengths[k] / count[k] as f64;
             let longest = (0..lengths.len()).map(length).fold(0.0, f64::max);
             if longest <= 2.0 * polygon.tolerance() {

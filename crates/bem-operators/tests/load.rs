@@ -81,6 +81,24 @@ fn integrable_singularities_come_out_right_and_poles_are_refused() {
 }
 
 #[test]
+fn narrow_peaks_and_noise_come_out_right() {
+    for k in [1e4, 1e5, 1e6] {
+        let peak = integrate(&|s| (-k * (s - 0.537f64).powi(2)).exp(), 1, 1, &[]).expect("a peak");
+        assert!((peak * (k / std::f64::consts::PI).sqrt() - 1.0).abs() < 1e-10, "k = {k}: {peak}");
+    }
+    // a flat cylinder, its height lost in cancellation to 1e-7
+    for radius in [1e3, 1e4, 1e5] {
+        let gap = integrate(&|s| radius - (radius * radius - (s - 0.5) * (s - 0.5)).sqrt(), 4, 4, &[]).expect("a gap");
+        assert!((gap * 24.0 * radius - 1.0).abs() < 0.04 / (radius * radius) + 1e-15 * radius * radius, "R = {radius}: {gap}");
+    }
+}
+
+#[test]
+fn the_highest_degree_can_be_loaded() {
+    assert!((integrate(&|s| s.sin(), 1, Mesh::MAX_DEGREE, &[]).expect("a load") - (1.0 - 1.0f64.cos())).abs() < 1e-13);
+}
+
+#[test]
 fn a_side_without_load_and_a_tiny_load_are_no_trouble() {
     assert_eq!(integrate(&|_| 0.0, 3, 2, &[]).expect("zero"), 0.0);
     let tiny = integrate(&|s| 1e-300 * (5.0 * s).sin(), 3, 2, &[]).expect("tiny");

@@ -36,32 +36,32 @@ pub fn resisted_motions(
     let mut free: Vec<Vec<f64>> = Vec::new();
     let mut worst: Option<(f64, ContactError)> = None;
     let rows = Rows::new(candidates, edges);
-    for ray in rays(&rows.planes(), candidates.len()) {
-        let motion = combine(candidates, &ray);
-        if !rows.normal.iter().all(|row| dot(row, &ray) <= ZERO * rows.scale) {
-            continue;
+    for_each_ray(&rows.planes(), candidates.len(), |ray| {
+        if !rows.normal.iter().all(|row| dot(row, ray) <= ZERO * rows.scale) {
+            return;
         }
+        let motion = combine(candidates, ray);
         let (driven, scale) = work(&motion);
         let slips = rows.tangential.iter().zip(edges);
         let resisted: f64 = slips
-            .map(|(row, edge)| match dot(row, &ray).abs() {
+            .map(|(row, edge)| match dot(row, ray).abs() {
                 slip if slip <= ZERO * rows.scale => 0.0,
                 slip => edge.friction * slip,
             })
             .sum();
         let zero = ZERO * (scale + if resisted.is_finite() { resisted } else { 0.0 });
         let excess = driven - resisted;
-        let reversible = rows.normal.iter().all(|row| dot(row, &ray) >= -ZERO * rows.scale);
+        let reversible = rows.normal.iter().all(|row| dot(row, ray) >= -ZERO * rows.scale);
         if excess < -zero {
-            continue;
+            return;
         }
         if excess <= zero && reversible && resisted == 0.0 {
-            add_independent(&mut free, &ray);
+            add_independent(&mut free, ray);
         } else if worst.as_ref().is_none_or(|w| excess > w.0) {
             let error = ContactError::RigidMotion { motion, work: driven, resistance: resisted, scale };
             worst = Some((excess, error));
         }
-    }
+    });
     match worst {
         Some((_, error)) => Err(error),
         None => Ok(free.iter().map(|ray| combine(candidates, ray)).collect()),
@@ -96,30 +96,27 @@ impl Rows {
 }
 
 /// Unit vectors along the lines in which k - 1 of the planes meet, both ways.
-fn rays(planes: &[Vec<f64>], k: usize) -> Vec<Vec<f64>> {
-    let mut lines: Vec<Vec<f64>> = Vec::new();
+fn for_each_ray(planes: &[Vec<f64>], k: usize, mut visit: impl FnMut(&[f64])) {
+    let mut both_ways = |line: &[f64]| {
+        let size = dot(line, line).sqrt();
+        if size > ZERO {
+            for sign in [1.0, -1.0] {
+                visit(&line.iter().map(|v| sign * v / size).collect::<Vec<f64>>());
+            }
+        }
+    };
     match k {
         0 => {}
-        1 => lines.push(vec![1.0]),
-        2 => lines.extend(planes.iter().map(|p| vec![-p[1], p[0]])),
+        1 => both_ways(&[1.0]),
+        2 => planes.iter().for_each(|p| both_ways(&[-p[1], p[0]])),
         _ => {
             for (i, p) in planes.iter().enumerate() {
                 for q in &planes[..i] {
-                    lines.push(vec![p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]);
+                    both_ways(&[p[1] * q[2] - p[2] * q[1], p[2] * q[0] - p[0] * q[2], p[0] * q[1] - p[1] * q[0]]);
                 }
             }
         }
     }
-    let mut rays = Vec::new();
-    for line in lines {
-        let size = dot(&line, &line).sqrt();
-        if size > ZERO {
-            for sign in [1.0, -1.0] {
-                rays.push(line.iter().map(|v| sign * v / size).collect());
-            }
-        }
-    }
-    rays
 }
 
 /// Σ c_i r_i, about the centre of a rotation among them.
