@@ -62,7 +62,7 @@ const DEEPEST: usize = 48;
 /// Pieces of an element after which it is given up.
 const MOST_PIECES: usize = 400;
 /// What all given-up pieces may be uncertain by, as part of the integral of |f|: the noise of data with cancellation passes.
-const GIVEN_UP: f64 = 1e-6;
+const GIVEN_UP: f64 = 1e-5;
 /// Points on a side at least, whatever its number of elements: what is narrower than a few of their distances is not seen.
 const SIDE_POINTS: usize = 512;
 

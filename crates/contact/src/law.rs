@@ -76,7 +76,7 @@ impl Law {
     /// Whether some displacement satisfies all conditions.
     pub fn is_feasible(&self) -> bool {
         // finite friction forbids no displacement, and its forces would blur what is compared with tiny gaps
-        let hard: Vec<Kink> = self.kinks.to_vec();
+        let hard: Vec<Kink> = self.kinks.iter().filter(|k| k.high.is_infinite()).copied().collect();
         let scale = hard.iter().fold(0.0f64, |m, k| m.max(k.at.abs() / norm(k.direction)));
         let law = Self::of_kinks(self.unknowns, hard, Vec::new(), self.metric);
         !law.pieces.is_empty() && law.prox([0.0; 2]).2 <= 1e-9 * scale
