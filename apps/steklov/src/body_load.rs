@@ -1,7 +1,8 @@
 //! A constant body force in the discrete problem: u = w + u_p, w without body force.
 
 use faer::{Col, Mat};
-use steklov_bem_operators::{BodyForce, Mesh, Space};
+use steklov_bem_operators::{BodyForce, BoundaryField, Mesh, Space};
+use steklov_quadrature::gauss_legendre;
 
 use crate::solve::Energies;
 
@@ -36,10 +37,10 @@ impl Particular {
     }
 }
 
-/// Energies of a nodal displacement u: `forces` = S u, `tractions` = f without the particular load.
+/// Energies of a nodal displacement u: `forces` = S u, `tractions` = f without the particular load, `crossed` = ∮ t(w)·u_p.
 ///
 /// ```text
-/// ∫ b·u = wᵀ S U - T·w + ∫ b·u_p                                   (Betti), w = u - U
+/// ∫ b·u = ∮ t(w)·u_p - T·w + ∫ b·u_p                               (Betti), w = u - U
 /// J - friction = ½ wᵀ S w + T·w + ½ a(u_p,u_p) - f·u - ∫ b·u_p
 /// ```
 pub(crate) fn energies(
@@ -47,6 +48,7 @@ pub(crate) fn energies(
     forces: &[f64],
     tractions: &[f64],
     particular: Option<&Particular>,
+    crossed: f64,
     friction_work: f64,
 ) -> Energies {
     let traction_work = dot(tractions, displacement);
@@ -57,11 +59,24 @@ pub(crate) fn energies(
     let w: Vec<f64> = displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
     let stiff: Vec<f64> = forces.iter().zip(&p.stiff).map(|(s, p)| s - p).collect();
     let traction = dot(&p.traction, &w);
-    let load_work = traction_work + dot(&w, &p.stiff) - traction + p.work;
+    let load_work = traction_work + crossed - traction + p.work;
     let elastic = 0.5 * dot(&w, &stiff) + traction + 0.5 * p.energy - traction_work - p.work;
     Energies { total: elastic + friction_work, strain: elastic + load_work, load_work, friction_work }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// ∮ t(w)·u_p with the traction of w of its own space.
+pub(crate) fn crossed_work(field: &BoundaryField, force: &BodyForce, mesh: &Mesh, space: &Space) -> f64 {
+    let mut work = 0.0;
+    for e in 0..mesh.len() {
+        let rule = gauss_legendre(space.degree(e) + 2);
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            let (traction, u) = (field.trace(e, t).traction, force.displacement(mesh.point(e, t)));
+            work += w * mesh.length(e) / 2.0 * (traction[0] * u[0] + traction[1] * u[1]);
+        }
+    }
+    work
 }

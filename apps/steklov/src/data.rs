@@ -27,6 +27,7 @@ impl Data<'_> {
                 self.moments(index, "displacement", expression)?;
             }
         }
+        let mut prescribed = Vec::new();
         for e in 0..mesh.len() {
             let side = &self.scene.sides[mesh.side[e]];
             let Condition::Displacement { values, .. } = &side.condition else { continue };
@@ -36,30 +37,27 @@ impl Data<'_> {
                     let Some(expression) = value else { continue };
                     let at = (site.point[0], site.point[1], site.s);
                     let value = self.scene.check_value(&side.name, "displacement", expression, at)?;
-                    self.hold(&mut held[node], component, value, mesh.side[e], site.point)?;
+                    prescribed.push((node, component, value, mesh.side[e]));
                 }
             }
         }
-        Ok(held)
-    }
-
-    /// Holds a component; a second side must agree up to rounding.
-    fn hold(&self, held: &mut Held, component: usize, value: f64, side: usize, point: [f64; 2]) -> Result<(), SolveError> {
-        if let Some((other, first)) = held.components[component]
-            && (other - value).abs() > 1e-9 * other.abs().max(value.abs())
-        {
-            let name = |side: usize| self.mesh.side_names[side].clone();
-            return Err(SolveError::Incompatible {
-                first: name(first),
-                second: name(side),
-                point,
-                component: ['x', 'y'][component],
-                a: other,
-                b: value,
-            });
+        let largest = prescribed.iter().fold(0.0, |m: f64, p| m.max(p.2.abs()));
+        for (node, component, value, side) in prescribed {
+            // where two sides hold a node they must agree up to rounding
+            let (first_value, first) = *held[node].components[component].get_or_insert((value, side));
+            if (first_value - value).abs() > 1e-9 * largest {
+                let name = |side: usize| mesh.side_names[side].clone();
+                return Err(SolveError::Incompatible {
+                    first: name(first),
+                    second: name(side),
+                    point: space.points[node],
+                    component: ['x', 'y'][component],
+                    a: first_value,
+                    b: value,
+                });
+            }
         }
-        held.components[component].get_or_insert((value, side));
-        Ok(())
+        Ok(held)
     }
 
     /// ∫ t·φ of the tractions and pressures.

@@ -17,6 +17,7 @@ pub mod run;
 pub mod triangulate;
 pub mod picture;
 pub mod summary;
+mod unbounded;
 pub mod report;
 pub mod record;
 pub mod store;

@@ -1,11 +1,11 @@
 //! Contact in numbers and as a table, from a solved mesh.
 
-use steklov_bem_operators::Mesh;
 use steklov_contact::Status;
 
-use crate::scene::{Condition, Scene};
+use crate::scene::Scene;
 use crate::solve::{ContactResult, Solved};
 use crate::summary::ContactSummary;
+use crate::unbounded::is_unbounded;
 
 /// A condition of a contact node: one row of `/contact`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,7 +35,7 @@ pub struct ContactRow {
 }
 
 /// λ_n below this part of the largest is no contact.
-const TOUCHING: f64 = 1e-12;
+pub(crate) const TOUCHING: f64 = 1e-12;
 
 /// One row for each condition of each contact node.
 pub fn contact_rows(contact: &ContactResult, displacement: &[f64]) -> Vec<ContactRow> {
@@ -92,64 +92,8 @@ pub fn contact_summary(scene: &Scene, solved: &Solved, contact: &ContactResult, 
         stick,
         slip: length - stick,
         max_pressure,
-        max_pressure_unbounded: unbounded(scene, &solved.mesh, rows, max_pressure),
+        max_pressure_unbounded: is_unbounded(scene, &solved.mesh, rows),
         force,
         ends: None,
     }
-}
-
-/// Whether the exact pressure is infinite: where the gap has a convex kink in contact (a ridge of the obstacle), or where
-/// contact reaches an end of the contact boundary at which the body goes on under more than a right angle (under any
-/// angle where it sticks or is held).
-fn unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow], max_pressure: f64) -> bool {
-    let pressed = |x: [f64; 2], reach: f64| {
-        rows.iter().any(|r| {
-            r.pressure > TOUCHING * max_pressure && (r.point[0] - x[0]).hypot(r.point[1] - x[1]) <= reach
-        })
-    };
-    let sticks = |x: [f64; 2]| {
-        rows.iter().any(|r| r.point == x && r.pressure > TOUCHING * max_pressure && r.shear.abs() < r.bound)
-    };
-    let contact = |e: usize| match &scene.sides[mesh.side[e]].condition {
-        Condition::Contact { gap, .. } => Some(gap),
-        _ => None,
-    };
-    let previous = mesh.previous();
-    for e in 0..mesh.len() {
-        let h = mesh.length(e);
-        if let Some(gap) = contact(e) {
-            let value = |t: f64| {
-                let x = mesh.point(e, t);
-                gap.eval(x[0], x[1], mesh.edge_parameter(e, t))
-            };
-            let kinks = gap.kinks(|t| {
-                let x = mesh.point(e, t);
-                (x[0], x[1], mesh.edge_parameter(e, t))
-            });
-            for t in kinks {
-                // at an end of the element the other side of the kink lies on the next one: same straight edge or none
-                let step = 1e-4;
-                let bend = (value(t + step) - 2.0 * value(t) + value(t - step)) / step;
-                if bend > 1e-3 * h && pressed(mesh.point(e, t), 0.5 * h) {
-                    return true;
-                }
-            }
-        }
-        let before = previous[e];
-        if contact(e).is_some() == contact(before).is_some() {
-            continue;
-        }
-        let (a, b) = (mesh.tangent(before), mesh.tangent(e));
-        // turning to the left is a convex corner: interior angle π - turn
-        let turn = (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
-        let angle = std::f64::consts::PI - turn;
-        let corner = mesh.vertices[e];
-        let other = if contact(e).is_some() { before } else { e };
-        let held = matches!(scene.sides[mesh.side[other]].condition, Condition::Displacement { .. });
-        let obtuse = angle > std::f64::consts::FRAC_PI_2 * (1.0 + 1e-9);
-        if pressed(corner, 0.0) && (sticks(corner) || obtuse) || held && obtuse && pressed(corner, h) {
-            return true;
-        }
-    }
-    false
 }

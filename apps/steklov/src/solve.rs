@@ -10,7 +10,7 @@ use steklov_contact::{
     ContactBoundary, ContactEdge, ContactError, Kkt, Problem, Solution, active_set, kkt, newton, resisted_motions, uzawa,
 };
 
-use crate::body_load::{Particular, energies};
+use crate::body_load::{Particular, crossed_work, energies};
 use crate::data::Data;
 use crate::scene::{Condition, Scene, SceneError, Solver};
 use crate::supports::Supports;
@@ -233,7 +233,8 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
     let traction = traction_map.apply(&homogeneous);
     let field = BoundaryField::new(&mesh, &space, &scene.material, &homogeneous, &traction, length);
     let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
-    let energies = energies(&displacement, &forces, &tractions, particular.as_ref(), friction_work);
+    let crossed = body_force.map_or(0.0, |b| crossed_work(&field, &b, &mesh, &space));
+    let energies = energies(&displacement, &forces, &tractions, particular.as_ref(), crossed, friction_work);
     let Energies { total, strain, load_work, .. } = energies;
     if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
         return Err(SolveError::NotFinite { energy: total });
