@@ -43,11 +43,12 @@ fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
     let displacement = values("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
     let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
     let stretches = stretches(&stored.contact);
-    let lines: Vec<(Vec<[f64; 2]>, Vec<[f64; 2]>)> = stretches
-        .iter()
-        .map(|rows| rows.iter().map(|r| (r.point, [r.gap * r.normal[0], r.gap * r.normal[1]])).unzip())
-        .collect();
-    let obstacles: Vec<Obstacle<'_>> = lines.iter().map(|(points, gap)| Obstacle { points, gap }).collect();
+    let on_stretches = |f: fn(&ContactRow) -> [f64; 2]| -> Vec<Vec<[f64; 2]>> {
+        stretches.iter().map(|rows| rows.iter().map(f).collect()).collect()
+    };
+    let lines = on_stretches(|r| r.point);
+    let gaps = on_stretches(|r| r.normal.map(|n| r.gap * n));
+    let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     body(&Body {
         title: &stored.summary.title,
         points: &grid.points,

@@ -7,7 +7,7 @@ use steklov_bem_operators::{
     BemError, BodyForce, BoundaryField, Condensation, Domain, Mesh, Operators, Partition, RigidMotion, Space, Steklov,
 };
 use steklov_contact::{
-    ContactBoundary, ContactEdge, ContactError, Kkt, Problem, Solution, active_set, kkt, newton, resisted_motions, uzawa,
+    ContactBoundary, ContactEdge, ContactError, Kkt, Problem, Solution, active_set, kkt_in_body, newton, resisted_motions, uzawa,
 };
 
 use crate::body_load::{Particular, crossed_work, energies};
@@ -206,9 +206,10 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
                 Solver::ActiveSet => active_set(&problem, None)?,
                 Solver::Uzawa => uzawa(&problem, None, None)?,
             };
-            let audit = kkt(&problem, &solution);
             let friction_work = problem.friction_work(&solution.displacement);
             let displacement = condensation.expand(&condensed, &solution.displacement);
+            let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+            let audit = kkt_in_body(&problem, &solution, largest);
             (displacement, Some(ContactResult { boundary, solution, audit, friction_work }))
         }
     };

@@ -33,6 +33,15 @@ impl Kkt {
 /// # Panics
 /// If the sizes of the solution are not those of the problem.
 pub fn kkt(problem: &Problem, solution: &Solution) -> Kkt {
+    kkt_in_body(problem, solution, 0.0)
+}
+
+/// As [`kkt`], of a body whose displacement is `body_displacement` somewhere: max |u| is at least that. Where a body sticks
+/// at zero gap its contact displacements are roundoff and no scale of their own.
+///
+/// # Panics
+/// If the sizes of the solution are not those of the problem.
+pub fn kkt_in_body(problem: &Problem, solution: &Solution, body_displacement: f64) -> Kkt {
     let v = &solution.displacement;
     let conditions = || problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)));
     assert_eq!(v.len(), problem.load.len(), "one displacement for each unknown");
@@ -46,8 +55,8 @@ pub fn kkt(problem: &Problem, solution: &Solution) -> Kkt {
         }
     }
     let pairs = || conditions().zip(&solution.multipliers);
-    let length =
-        largest(v.iter().copied()) + largest(conditions().filter(|(_, c)| c.normal_weight > 0.0).map(|(_, c)| c.gap));
+    let length = largest(v.iter().copied().chain([body_displacement]))
+        + largest(conditions().filter(|(_, c)| c.normal_weight > 0.0).map(|(_, c)| c.gap));
     let lambda = largest(solution.multipliers.iter().flatten().copied());
     let bounds = conditions().filter(|(_, c)| c.tangent_weight > 0.0 && c.bound.is_finite()).map(|(_, c)| c.bound);
     let stress = lambda + largest(bounds);

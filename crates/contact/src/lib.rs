@@ -57,7 +57,7 @@ mod tests;
 pub use active_set::{Start, active_set};
 pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, Transfer, contact_boundary};
 pub use error::ContactError;
-pub use kkt::{Kkt, kkt};
+pub use kkt::{Kkt, kkt, kkt_in_body};
 pub use motions::{ContactEdge, resisted_motions};
 pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
