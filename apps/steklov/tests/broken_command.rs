@@ -142,7 +142,7 @@ const HIDDEN: &[Hidden] = &[
     },
     // Numbers at the end of the range
     Hidden {
-        edits: &[(LOAD, "traction = [0, -1e300]")],
+        edits: &[(CONTACT, "displacement = [0, 0]"), (LOAD, "traction = [0, -1e300]")],
         line: 13,
         parts: &["range of floating point", "[0, -1e300]", "choose units"],
     },

@@ -94,14 +94,18 @@ pub fn side_moments(
             }
         }
     }
+    let mut grown = false;
     loop {
         let (moments, given_up) = at_tolerance(mesh, space, &elements, &pieces, datum, AGREEMENT * whole)?;
         let found: f64 = moments.iter().flat_map(|(_, m)| m).map(|m| m.abs()).sum();
         // more was found than the first look saw: a peak between its points
         if found > 4.0 * whole && found.is_finite() {
-            whole = found;
+            (whole, grown) = (found, true);
             continue;
         }
+        // a peak is found again at the tolerance of its own size, a pole is not
+        let lost = if grown && found < 0.5 * whole { whole - found } else { 0.0 };
+        let given_up = given_up + lost;
         // an overflow is no agreement either
         if given_up.is_nan() || given_up > GIVEN_UP * whole || !whole.is_finite() {
             let side = mesh.side_names[side].clone();
