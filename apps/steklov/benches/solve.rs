@@ -13,7 +13,9 @@ fn main() {
     let scene = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes/block-on-floor.toml");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let out = folder.path().join("block.vtkhdf");
-    println!("block-on-floor, median of 9 runs of `steklov solve --json`: wall milliseconds, energy error |J - J*|/|J*|");
+    println!(
+        "block-on-floor, median of 9 runs of `steklov solve --json`: wall milliseconds, energy error |J - J*|/|J*|"
+    );
     for (degree, elements) in [(1, 64), (1, 256), (2, 152), (4, 76), (4, 152), (8, 76)] {
         let mut times = Vec::new();
         let mut energy = 0.0;
@@ -38,6 +40,9 @@ fn main() {
         }
         times.sort_by(f64::total_cmp);
         let error = ((energy - EXACT) / EXACT).abs();
-        println!("  p = {degree}, {dofs:5} dofs: {:7.1} ms ({:.1} to {:.1}), {error:.1e}", times[4], times[0], times[8]);
+        println!(
+            "  p = {degree}, {dofs:5} dofs: {:7.1} ms ({:.1} to {:.1}), {error:.1e}",
+            times[4], times[0], times[8]
+        );
     }
 }

@@ -54,7 +54,12 @@ pub(crate) fn energies(
     let traction_work = dot(tractions, displacement);
     let Some(p) = particular else {
         let strain = 0.5 * dot(displacement, forces);
-        return Energies { total: strain - traction_work + friction_work, strain, load_work: traction_work, friction_work };
+        return Energies {
+            total: strain - traction_work + friction_work,
+            strain,
+            load_work: traction_work,
+            friction_work,
+        };
     };
     let w: Vec<f64> = displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
     let stiff: Vec<f64> = forces.iter().zip(&p.stiff).map(|(s, p)| s - p).collect();

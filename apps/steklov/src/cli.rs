@@ -164,7 +164,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         PathBuf::from(name)
     });
     if args.resume {
-        return Err(Failure("error: --resume is not yet available: only adaptive runs have steps to go on from".into()));
+        return Err(Failure(
+            "error: --resume is not yet available: only adaptive runs have steps to go on from".into(),
+        ));
     }
     check_output(&out, &args.scene, args.force)?;
     let plan = plan(&scene);
@@ -245,9 +247,10 @@ fn show(args: &ShowArgs) -> Result<u8, Failure> {
         files.extend(pictures(&stored, folder, &args.file)?);
     }
     if let Some(folder) = &args.csv {
-        files.extend(draw::tables(&stored, folder, &stem(&args.file)).map_err(|e| {
-            Failure(format!("error: the tables cannot be written into {}: {e}", folder.display()))
-        })?);
+        files.extend(
+            draw::tables(&stored, folder, &stem(&args.file))
+                .map_err(|e| Failure(format!("error: the tables cannot be written into {}: {e}", folder.display())))?,
+        );
     }
     if args.json {
         say(&serde_json::to_string_pretty(&stored.summary)?);
@@ -274,10 +277,17 @@ fn print_summary(s: &Summary) {
         say(&format!("reason      {}", s.reason));
     }
     say(&format!("energy J    {:.12e}", s.energy));
-    say(&format!("            strain {:.6e}, load work {:.6e}, friction work {:.6e}", s.strain_energy, s.load_work, s.friction_work));
+    say(&format!(
+        "            strain {:.6e}, load work {:.6e}, friction work {:.6e}",
+        s.strain_energy, s.load_work, s.friction_work
+    ));
     if let Some(c) = &s.contact {
-        let note = if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
-        say(&format!("contact     length {:.6e}, stick {:.6e}, slip {:.6e}, {} iterations", c.length, c.stick, c.slip, s.iterations));
+        let note =
+            if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
+        say(&format!(
+            "contact     length {:.6e}, stick {:.6e}, slip {:.6e}, {} iterations",
+            c.length, c.stick, c.slip, s.iterations
+        ));
         say(&format!("            largest pressure {:.6e}{note}", c.max_pressure));
         say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
     }
@@ -294,7 +304,11 @@ fn print_summary(s: &Summary) {
         let ([x, y], [u, v], [xx, yy, xy]) = (p.point, p.displacement, p.stress);
         say(&format!("probe       ({x}, {y}): u = ({u:.6e}, {v:.6e}), stress = ({xx:.6e}, {yy:.6e}, {xy:.6e})"));
     }
-    say(&format!("seconds     {:.3}, peak memory {:.1} MiB", s.seconds.total, s.peak_memory_bytes as f64 / f64::from(1 << 20)));
+    say(&format!(
+        "seconds     {:.3}, peak memory {:.1} MiB",
+        s.seconds.total,
+        s.peak_memory_bytes as f64 / f64::from(1 << 20)
+    ));
     say(&format!("result      {}", s.file));
 }
 

@@ -1,6 +1,8 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
-use steklov_bem_operators::{BemError, BodyForce, BoundaryField, Datum, Location, Mesh, Site, Space, add_load, side_moments};
+use steklov_bem_operators::{
+    BemError, BodyForce, BoundaryField, Datum, Location, Mesh, Site, Space, add_load, side_moments,
+};
 use steklov_contact::{ContactBoundary, SideData, contact_boundary};
 
 use crate::expression::Expression;
@@ -114,7 +116,8 @@ impl Data<'_> {
                 self.check_at_nodes(side.index, "friction bound", bound)?;
             }
         }
-        let functions: Vec<_> = sides.iter().map(|s| (self.function(s.gap), s.bound.map(|b| self.function(b)))).collect();
+        let functions: Vec<_> =
+            sides.iter().map(|s| (self.function(s.gap), s.bound.map(|b| self.function(b)))).collect();
         let data: Vec<SideData<'_>> = sides
             .iter()
             .zip(&functions)
@@ -162,7 +165,8 @@ impl Data<'_> {
     /// ∫ f φ_j of an expression on a side.
     fn moments(&self, side: usize, name: &str, expression: &Expression) -> Result<Vec<(usize, Vec<f64>)>, SolveError> {
         let function = self.function(expression);
-        side_moments(self.mesh, self.space, side, &function.datum(name)).map_err(|error| self.located(error, expression))
+        side_moments(self.mesh, self.space, side, &function.datum(name))
+            .map_err(|error| self.located(error, expression))
     }
 
     fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
@@ -195,7 +199,13 @@ impl Data<'_> {
     }
 
     /// ∫ t φ_j over element e of the whole traction, for its local node j.
-    pub(crate) fn traction_moment(&self, field: &BoundaryField, body: Option<&BodyForce>, e: usize, j: usize) -> [f64; 2] {
+    pub(crate) fn traction_moment(
+        &self,
+        field: &BoundaryField,
+        body: Option<&BodyForce>,
+        e: usize,
+        j: usize,
+    ) -> [f64; 2] {
         let basis = self.space.basis(e);
         let rule = steklov_quadrature::gauss_legendre(basis.degree + 2);
         let mut phi = vec![0.0; basis.degree + 1];

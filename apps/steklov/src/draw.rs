@@ -81,7 +81,8 @@ fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
 
 fn contact_picture(stored: &Stored, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
     // a straight horizontal or vertical side is drawn against x or y, any other against its arc length
-    let same = |i: usize| rows.iter().all(|r| (r.point[i] - rows[0].point[i]).abs() < 1e-12 * r.point[i].abs().max(1.0));
+    let same =
+        |i: usize| rows.iter().all(|r| (r.point[i] - rows[0].point[i]).abs() < 1e-12 * r.point[i].abs().max(1.0));
     let (label, position): (String, Vec<f64>) = if same(1) {
         ("x".into(), rows.iter().map(|r| r.point[0]).collect())
     } else if same(0) {
@@ -130,7 +131,8 @@ pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec
         for r in &stored.contact {
             let side = stored.mesh.side_names[r.side].replace('"', "\"\"");
             let [x, y] = r.point;
-            let numbers = [x, y, r.gap, r.normal_displacement, r.tangential_displacement, r.pressure, r.shear, r.bound, r.weight];
+            let numbers =
+                [x, y, r.gap, r.normal_displacement, r.tangential_displacement, r.pressure, r.shear, r.bound, r.weight];
             let _ = write!(text, "\"{side}\"");
             for v in numbers {
                 let _ = write!(text, ",{v:?}");

@@ -104,7 +104,11 @@ pub fn plan(scene: &Scene) -> Plan {
     }
     left_out.push(decision("random input", "one solve".into(), "no random name is used"));
     left_out.push(decision("grid in the body", "none".into(), "the material is the same everywhere"));
-    left_out.push(decision("error estimate", "none".into(), "uniform strategies and single meshes have no indicator yet"));
+    left_out.push(decision(
+        "error estimate",
+        "none".into(),
+        "uniform strategies and single meshes have no indicator yet",
+    ));
 
     let n = dofs as f64;
     let cost = Cost {
@@ -185,6 +189,10 @@ impl std::fmt::Display for Plan {
         lines(f, &self.left_out)?;
         let Cost { elements, dofs, memory_bytes, operations } = &self.cost;
         let memory = *memory_bytes as f64 / f64::from(1 << 20);
-        write!(f, "first mesh\n  {elements} elements, {dofs} dofs, {memory:.1} MiB of matrices, {:.2} Gflop", operations / 1e9)
+        write!(
+            f,
+            "first mesh\n  {elements} elements, {dofs} dofs, {memory:.1} MiB of matrices, {:.2} Gflop",
+            operations / 1e9
+        )
     }
 }

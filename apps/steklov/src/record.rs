@@ -200,7 +200,9 @@ impl Solved {
         // at a vertex the mean of the stresses of its two elements
         let other = match t {
             1.0 => self.on_boundary(self.mesh.next[e], -1.0).1,
-            -1.0 => (0..self.mesh.len()).find(|&f| self.mesh.next[f] == e).map_or(stress, |f| self.on_boundary(f, 1.0).1),
+            -1.0 => {
+                (0..self.mesh.len()).find(|&f| self.mesh.next[f] == e).map_or(stress, |f| self.on_boundary(f, 1.0).1)
+            }
             _ => stress,
         };
         (displacement, [0, 1, 2].map(|i| (stress[i] + other[i]) / 2.0))

@@ -51,7 +51,8 @@ pub fn contact_rows(contact: &ContactResult, displacement: &[f64]) -> Vec<Contac
                 point: node.point,
                 normal: plane.normal,
                 // a held component adds to the gap in the node's own unknowns what it takes from u_n
-                gap: condition.gap + along(plane.normal) - own(condensed.pick(&solution.displacement), condition.normal),
+                gap: condition.gap + along(plane.normal)
+                    - own(condensed.pick(&solution.displacement), condition.normal),
                 normal_displacement: along(plane.normal),
                 tangential_displacement: along(plane.tangent),
                 pressure,

@@ -7,7 +7,8 @@ use steklov_bem_operators::{
     BemError, BodyForce, BoundaryField, Condensation, Domain, Mesh, Operators, Partition, RigidMotion, Space, Steklov,
 };
 use steklov_contact::{
-    ContactBoundary, ContactEdge, ContactError, Kkt, Problem, Solution, active_set, kkt_in_body, newton, resisted_motions, uzawa,
+    ContactBoundary, ContactEdge, ContactError, Kkt, Problem, Solution, active_set, kkt_in_body, newton,
+    resisted_motions, uzawa,
 };
 
 use crate::body_load::{Particular, crossed_work, energies};
@@ -148,7 +149,11 @@ pub struct Solved {
 ///
 /// # Errors
 /// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.
-pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>) -> Result<Solved, SolveError> {
+pub fn solve(
+    scene: &Scene,
+    mesh: Mesh,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<Solved, SolveError> {
     let clock = Instant::now();
     let mut seconds = Seconds::default();
     observe(Stage::Progress("loads and supports", 0.0))?;
@@ -199,8 +204,11 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
     let (displacement, contact) = match boundary {
         None => (condensation.expand(&condensed, &[]), None),
         Some(boundary) => {
-            let problem =
-                Problem { stiffness: condensation.stiffness(), load: condensed.kept.clone(), nodes: boundary.contact.clone() };
+            let problem = Problem {
+                stiffness: condensation.stiffness(),
+                load: condensed.kept.clone(),
+                nodes: boundary.contact.clone(),
+            };
             let solution = match scene.method.solver {
                 Solver::Newton => newton(&problem, None)?,
                 Solver::ActiveSet => active_set(&problem, None)?,
@@ -240,9 +248,8 @@ pub fn solve(scene: &Scene, mesh: Mesh, observe: &mut dyn FnMut(Stage<'_>) -> Re
     if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
         return Err(SolveError::NotFinite { energy: total });
     }
-    let mut reactions = supports.reactions(&residual, &mesh, &scene.sides, |e, j| {
-        data.traction_moment(&field, body_force.as_ref(), e, j)
-    });
+    let mut reactions = supports
+        .reactions(&residual, &mesh, &scene.sides, |e, j| data.traction_moment(&field, body_force.as_ref(), e, j));
     if let Some(c) = &contact {
         for (side, condition) in scene.sides.iter().enumerate() {
             if matches!(condition.condition, Condition::Contact { .. }) {
@@ -282,7 +289,9 @@ fn balanced(space: &Space, load: &[f64], candidates: &[RigidMotion]) -> Result<V
     let driven = |(work, scale): &(f64, f64)| work.abs() > 1e-9 * scale;
     let worst = works.iter().filter(|w| driven(w)).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     match worst {
-        Some(&(work, scale)) => Err(BemError::RigidMotion { modes: candidates.to_vec(), work: work.abs(), scale }.into()),
+        Some(&(work, scale)) => {
+            Err(BemError::RigidMotion { modes: candidates.to_vec(), work: work.abs(), scale }.into())
+        }
         None => Ok(candidates.to_vec()),
     }
 }

@@ -2,9 +2,9 @@
 
 use steklov_bem_operators::Mesh;
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load, load_integers, load_points, load_text, load_texts, load_vector,
-    open_group, save, save_dense, save_integers, save_number, save_points, save_text, save_texts, save_vector,
-    vtkhdf, write_integer_attribute, write_text_attribute,
+    File, Group, IoError, Label, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
+    load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_text, save_texts,
+    save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
 
 use crate::plan::Plan;
@@ -195,7 +195,8 @@ fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
     save(at, "mesh", &step.mesh)?;
     save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
     save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
-    let history = label("1", "the contact solver's measure of the error before each iteration and at the end", &["iteration"]);
+    let history =
+        label("1", "the contact solver's measure of the error before each iteration and at the end", &["iteration"]);
     save_vector(at, "history", &step.history, &history)?;
     let parts = label("seconds", "set-up, assembly, factorisation, solution", &["part"]);
     save_vector(at, "seconds", &step.seconds, &parts)

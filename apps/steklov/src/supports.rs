@@ -55,9 +55,7 @@ impl Supports<'_> {
         sides: &[Side],
         traction: impl Fn(usize, usize) -> [f64; 2],
     ) -> Vec<(usize, [f64; 2])> {
-        let holds = |side: usize, component: usize| {
-            matches!(&sides[side].condition, Condition::Displacement { values, .. } if values[component].is_some())
-        };
+        let holds = |side: usize, component: usize| matches!(&sides[side].condition, Condition::Displacement { values, .. } if values[component].is_some());
         let previous = mesh.previous();
         let mut reactions = vec![[0.0; 2]; sides.len()];
         for e in 0..mesh.len() {

@@ -89,7 +89,10 @@ fn narrow_peaks_and_noise_come_out_right() {
     // a flat cylinder, its height lost in cancellation to 1e-7
     for radius in [1e3, 1e4, 1e5] {
         let gap = integrate(&|s| radius - (radius * radius - (s - 0.5) * (s - 0.5)).sqrt(), 4, 4, &[]).expect("a gap");
-        assert!((gap * 24.0 * radius - 1.0).abs() < 0.04 / (radius * radius) + 1e-15 * radius * radius, "R = {radius}: {gap}");
+        assert!(
+            (gap * 24.0 * radius - 1.0).abs() < 0.04 / (radius * radius) + 1e-15 * radius * radius,
+            "R = {radius}: {gap}"
+        );
     }
 }
 

@@ -99,9 +99,8 @@ impl Scene {
 
     /// An error at the value of the first of these keys that the scene has, or at its first line.
     pub(crate) fn error_at(&self, kind: Kind, keys: &[Vec<&str>], message: String, help: &str) -> SceneError {
-        let place = tree::build(&self.source).map_or(Place::default(), |root| {
-            keys.iter().find_map(|key| root.at(key)).unwrap_or(&root).place
-        });
+        let place = tree::build(&self.source)
+            .map_or(Place::default(), |root| keys.iter().find_map(|key| root.at(key)).unwrap_or(&root).place);
         self.source.error(Problem::new(kind, place, message, help))
     }
 }
