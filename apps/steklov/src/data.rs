@@ -6,7 +6,7 @@ use steklov_bem_operators::{
 use steklov_contact::{ContactBoundary, SideData, contact_boundary};
 
 use crate::expression::Expression;
-use crate::scene::{Condition, Friction, Scene};
+use crate::scene::{Condition, Friction, Scene, SceneErrorKind};
 use crate::solve::SolveError;
 use crate::supports::Held;
 
@@ -116,6 +116,9 @@ impl Data<'_> {
                 self.check_at_nodes(side.index, "friction bound", bound)?;
             }
         }
+        for side in &sides {
+            self.check_held_ends(side.index, side.gap, held)?;
+        }
         let functions: Vec<_> =
             sides.iter().map(|s| (self.function(s.gap), s.bound.map(|b| self.function(b)))).collect();
         let data: Vec<SideData<'_>> = sides
@@ -136,6 +139,34 @@ impl Data<'_> {
             },
             error => error.into(),
         })
+    }
+
+    /// A held end of a contact side must not be held inside the obstacle: no traction could do that at a point.
+    fn check_held_ends(&self, side: usize, gap: &Expression, held: &[Held]) -> Result<(), SolveError> {
+        for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side) {
+            let n = self.mesh.normal(e);
+            for (t, node) in [(-1.0, self.space.node(e, 0)), (1.0, self.space.node(e, self.space.degree(e)))] {
+                let components = held[node].components;
+                let movable = (0..2).any(|i| components[i].is_none() && n[i].abs() > 1e-12);
+                let Some((_, holder)) = components.iter().flatten().next() else { continue };
+                let site = Site::new(self.mesh, e, t);
+                let gap = gap.eval(site.point[0], site.point[1], site.s);
+                let u_n: f64 = (0..2).map(|i| components[i].map_or(0.0, |(value, _)| n[i] * value)).sum();
+                if !movable && u_n - gap > 1e-9 * u_n.abs().max(gap.abs()) {
+                    let (name, holder) = (&self.mesh.side_names[side], &self.mesh.side_names[*holder]);
+                    let [x, y] = site.point;
+                    let message = format!(
+                        "the point ({x}, {y}) at the end of side {name:?} is held at u_n = {u_n}, inside the obstacle, \
+                         whose gap there is {gap}"
+                    );
+                    let keys = [vec!["sides", holder, "displacement"]];
+                    let help =
+                        "hold it outside of the obstacle, free the component along the normal, or change the gap";
+                    return Err(self.scene.error_at(SceneErrorKind::Conflict, &keys, message, help).into());
+                }
+            }
+        }
+        Ok(())
     }
 
     /// The gap or the friction bound that an error is about.

@@ -46,7 +46,7 @@ pub struct Step {
     pub dofs: usize,
     /// J.
     pub energy: f64,
-    /// Whether the contact solver reached its criterion.
+    /// Whether the contact solver reached its criterion and the forces balance.
     pub converged: bool,
     /// The contact solver's measure of the error, iteration by iteration; empty without contact.
     pub history: Vec<f64>,
@@ -126,7 +126,7 @@ fn step(solved: &Solved) -> Step {
         mesh: solved.mesh.clone(),
         dofs: solved.space.dofs(),
         energy: solved.energies.total,
-        converged: contact.is_none_or(|c| c.solution.converged()),
+        converged: solved.balanced && contact.is_none_or(|c| c.solution.converged()),
         history: contact.map_or(Vec::new(), |c| c.solution.history.clone()),
         seconds: [s.set_up, s.assemble, s.factorise, s.solve],
     }

@@ -135,8 +135,10 @@ pub struct Solved {
     pub energies: Energies,
     /// Contact, if there is any.
     pub contact: Option<ContactResult>,
-    /// Largest residual of equilibrium at unknowns without contact over the scale of forces.
+    /// Largest residual of equilibrium over the scale of forces.
     pub equilibrium: f64,
+    /// Whether that is as small as rounding allows: else too many digits were lost to call the answer one.
+    pub balanced: bool,
     /// Force of the support or obstacle on the body for each held or contacting side.
     pub reactions: Vec<(String, [f64; 2])>,
     /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
@@ -144,6 +146,9 @@ pub struct Solved {
     /// Wall seconds.
     pub seconds: Seconds,
 }
+
+/// Relative residual of equilibrium beyond which an answer has lost too many digits.
+const UNBALANCED: f64 = 1e-7;
 
 /// Solves the scene on a mesh.
 ///
@@ -229,7 +234,12 @@ pub fn solve(
             residual[2 * node + 1] += force[1];
         }
     }
-    let equilibrium = supports.equilibrium(&residual, &forces, &load);
+    let equilibrium = supports.equilibrium(&residual, &forces, &load, 0.0);
+    // without a load a body may move as a whole: forces that cancel to nothing are no scale of their own
+    let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let unloaded = largest(&load) == 0.0;
+    let floor = if unloaded { 1e-6 * condensation.largest_diagonal() * largest(&displacement) } else { 0.0 };
+    let balanced = supports.equilibrium(&residual, &forces, &load, floor) <= UNBALANCED;
     let contact = contact.map(|mut c| {
         c.audit.equilibrium = c.audit.equilibrium.max(equilibrium);
         c
@@ -267,6 +277,7 @@ pub fn solve(
         energies,
         contact,
         equilibrium,
+        balanced,
         reactions,
         free_motions: free,
         seconds,

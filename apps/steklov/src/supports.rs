@@ -37,10 +37,10 @@ impl Supports<'_> {
         free_motions(&self.space.points, &constraints)
     }
 
-    /// Largest residual at unknowns that are not held over (max |S u| + max |f|).
-    pub(crate) fn equilibrium(&self, residual: &[f64], forces: &[f64], load: &[f64]) -> f64 {
+    /// Largest residual at unknowns that are not held over max |S u| + max |f| + `floor`.
+    pub(crate) fn equilibrium(&self, residual: &[f64], forces: &[f64], load: &[f64], floor: f64) -> f64 {
         let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        let scale = largest(forces) + largest(load);
+        let scale = largest(forces) + largest(load) + floor;
         let free = residual.iter().enumerate().filter(|(dof, _)| self.held[dof / 2].components[dof % 2].is_none());
         let worst = free.fold(0.0, |m: f64, (_, r)| m.max(r.abs()));
         if scale > 0.0 { worst / scale } else { 0.0 }

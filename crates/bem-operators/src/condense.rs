@@ -143,6 +143,11 @@ impl Condensation {
         self.to_nodes(&positions)
     }
 
+    /// Largest diagonal entry of S: the scale of S u is this times that of u.
+    pub fn largest_diagonal(&self) -> f64 {
+        self.diagonal.iter().fold(0.0, |m: f64, d| m.max(*d))
+    }
+
     /// S u of a nodal displacement (both interleaved x, y).
     pub fn multiply(&self, displacement: &[f64]) -> Vec<f64> {
         let u = self.to_positions(displacement);

@@ -68,6 +68,17 @@ pub enum PolygonError {
         /// Its coordinates.
         at: [f64; 2],
     },
+    /// The body is so far from the origin that its coordinates have lost its shape in rounding.
+    #[error(
+        "the body lies {distance:e} from the origin but is only {diameter:e} wide: its shape drowns in the rounding of its \
+         coordinates; move the origin of the coordinates to the body"
+    )]
+    FarFromOrigin {
+        /// Largest coordinate.
+        distance: f64,
+        /// Diameter of the corners.
+        diameter: f64,
+    },
     /// Two successive corners are the same point.
     #[error("{edge} at ({}, {}) has length {length:e}, below the resolution {tolerance:e}; remove one of its two corners", .at[0], .at[1])]
     ZeroEdge {
@@ -161,12 +172,20 @@ pub(crate) fn tolerance(loops: &[Loop]) -> (f64, f64) {
     (square.sqrt(), (1e-12 * square.sqrt()).max(4.0 * f64::EPSILON * far))
 }
 
+/// Diameters from the origin at which a body still has nine digits of its shape, and beyond which it is refused.
+const FARTHEST: f64 = 1e7;
+
 /// Accepts exactly the loops that bound a polygon with holes, the outer one counter-clockwise.
 pub(crate) fn check(loops: &[Loop]) -> Result<(), PolygonError> {
     for (loop_index, l) in loops.iter().enumerate() {
         check_list(loop_index, l)?;
     }
-    let (_, tolerance) = tolerance(loops);
+    let (diameter, tolerance) = tolerance(loops);
+    let coordinates = loops.iter().flat_map(|l| l.corners.iter().flatten());
+    let distance_to_origin = coordinates.fold(0.0, |m: f64, c| m.max(c.abs()));
+    if distance_to_origin > FARTHEST * diameter && diameter > 0.0 {
+        return Err(PolygonError::FarFromOrigin { distance: distance_to_origin, diameter });
+    }
     let segments = segments(loops);
     for s in &segments {
         let length = distance(s.a, s.b);

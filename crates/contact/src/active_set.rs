@@ -87,9 +87,12 @@ impl Start<'_> {
     }
 }
 
-/// The laws of all nodes with the metric C = diag S.
+/// The laws of all nodes with the metric C = diag S, but positive where the stiffness of an unknown vanishes (a floating
+/// body that touches with one element).
 pub(crate) fn laws(problem: &Problem) -> Vec<Law> {
-    let s = |i: usize| problem.stiffness[(i, i)];
+    let diagonal = |i: usize| problem.stiffness[(i, i)];
+    let largest = (0..problem.load.len()).map(diagonal).fold(0.0, f64::max);
+    let s = |i: usize| diagonal(i).max(1e-6 * largest);
     problem.nodes.iter().map(|n| Law::new(n, [s(n.first), s(n.first + n.unknowns - 1)])).collect()
 }
 

@@ -156,7 +156,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`ContactError::Inconsistent`] for wrong sizes, a matrix that is not symmetric to 1e-9 or has a diagonal entry
-    /// that is not positive, numbers that are not finite (but for infinite bounds), negative weights or bounds,
+    /// that is negative, numbers that are not finite (but for infinite bounds), negative weights or bounds,
     /// unknowns that belong to no or to two nodes, more conditions than [`ContactNode`] allows, and conditions of a
     /// node that no displacement satisfies (an overlap that full stick does not let go, say).
     pub fn check(&self) -> Result<(), ContactError> {
@@ -174,14 +174,14 @@ impl Problem {
                     return refuse(format!("the stiffness ({i}, {j}) is {}", s[(i, j)]));
                 }
             }
-            if s[(i, i)] <= 0.0 {
-                return refuse(format!(
-                    "the stiffness has the diagonal entry {} in row {i}; it must be positive",
-                    s[(i, i)]
-                ));
-            }
         }
         let scale = (0..m).fold(0.0f64, |a, i| a.max(s[(i, i)]));
+        if let Some(i) = (0..m).find(|&i| s[(i, i)] < -1e-9 * scale || scale <= 0.0) {
+            let entry = s[(i, i)];
+            return refuse(format!(
+                "the stiffness has the diagonal entry {entry} in row {i}, of a largest one of {scale}"
+            ));
+        }
         for i in 0..m {
             for j in 0..i {
                 let difference = (s[(i, j)] - s[(j, i)]).abs();

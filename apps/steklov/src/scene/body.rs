@@ -83,6 +83,7 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>]) -> Problem {
         PolygonError::ZeroEdge { edge, .. } => {
             (corner(edge.loop_index, edge.corner), "remove one of the two corners, and its side")
         }
+        PolygonError::FarFromOrigin { .. } => (corners(0), "move the origin of the coordinates to the body"),
         PolygonError::ZeroArea { loop_index, .. } => (corners(*loop_index), "move a corner off the line"),
         PolygonError::Clockwise { .. } => (
             corners(0),

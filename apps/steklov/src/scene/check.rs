@@ -81,7 +81,8 @@ impl Scene {
         let (x, y, s) = at;
         let value = expression.eval(x, y, s);
         let negative = value < 0.0 && what.starts_with("friction");
-        if value.is_finite() && !negative {
+        let huge = what == "gap" && value.abs() > 1e12 * self.polygon.diameter();
+        if value.is_finite() && !negative && !huge {
             return Ok(value);
         }
         let message = format!(

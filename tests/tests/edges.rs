@@ -1,0 +1,125 @@
+//! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
+
+use steklov::run::run;
+use steklov::scene::SceneErrorKind;
+use steklov::solve::SolveError;
+use steklov_tests::{answer, attempt, parse};
+
+/// A unit square of E = 10, ν = 0.3 with the given tables of sides and method.
+fn square(corners: &str, tables: &str) -> String {
+    format!(
+        "[body]\ncorners = {corners}\nsides = [\"floor\", \"right\", \"top\", \"left\"]\n\
+         [material]\nyoung = 10.0\npoisson = 0.3\n{tables}"
+    )
+}
+
+const UNIT: &str = "[[0, 0], [1, 0], [1, 1], [0, 1]]";
+const PRESSED: &str = "[sides.top]\ntraction = [\"0\", \"-1\"]\n";
+
+fn method(elements: usize, degree: usize) -> String {
+    format!("[method]\nelements = {elements}\ndegree = {degree}\n")
+}
+
+/// Largest entry of loads + reactions, (0, -1) being the load.
+fn imbalance(reactions: &[(String, [f64; 2])]) -> f64 {
+    let sum = reactions.iter().fold([0.0, -1.0], |s, (_, r)| [s[0] + r[0], s[1] + r[1]]);
+    sum[0].abs().max(sum[1].abs())
+}
+
+#[test]
+fn reactions_balance_where_one_node_carries_both_held_ends() {
+    let sides = "[sides.floor]\ncontact = { gap = \"0\", friction = { tresca = \"0.1\" } }\n\
+                 [sides.left]\ndisplacement = [\"0\", \"-0.01\"]\n[sides.right]\ndisplacement = [\"0\", \"-0.01\"]\n";
+    for (elements, degree) in [(4, 2), (8, 1), (4, 3), (8, 2)] {
+        // the walls press the ends to the floor, which lies 0.01 below them
+        let sides = sides.replace("gap = \"0\"", "gap = \"0.01\"");
+        let scene =
+            parse(&square(UNIT, &format!("{sides}{PRESSED}{}", method(elements, degree))), &[]).expect("a scene");
+        let reactions = answer(&scene).solved.reactions;
+        let of = |name: &str| reactions.iter().find(|r| r.0 == name).expect("a reaction").1;
+        assert!(imbalance(&reactions) < 1e-12, "{reactions:?}");
+        // mirror images
+        assert!((of("left")[1] - of("right")[1]).abs() < 1e-12 && (of("left")[0] + of("right")[0]).abs() < 1e-12);
+    }
+}
+
+#[test]
+fn reactions_balance_where_the_neighbour_is_itself_half_held() {
+    let sides = "[sides.floor]\ncontact = { gap = \"0\", friction = { tresca = \"0.1\" } }\n\
+                 [sides.left]\ndisplacement = [\"0\", \"0\"]\n[sides.right]\ndisplacement = [\"0\", \"free\"]\n";
+    let sloped = "[[0, 0], [1, -0.5], [1, 1], [0, 1]]";
+    for (elements, degree) in [(4, 1), (8, 1), (4, 2), (4, 4)] {
+        let scene =
+            parse(&square(sloped, &format!("{sides}{PRESSED}{}", method(elements, degree))), &[]).expect("a scene");
+        assert!(imbalance(&answer(&scene).solved.reactions) < 1e-12);
+    }
+}
+
+#[test]
+fn an_end_held_inside_the_obstacle_is_refused() {
+    let sides = "[sides.floor]\ncontact = { gap = \"0\" }\n[sides.left]\ndisplacement = [\"0\", \"-0.02\"]\n\
+                 [sides.right]\ndisplacement = [\"0\", \"free\"]\n";
+    let scene = parse(&square(UNIT, &format!("{sides}{PRESSED}{}", method(8, 2))), &[]).expect("a scene");
+    let error = attempt(&scene, steklov::plan::first_mesh(&scene)).err().expect("no solution has finite energy");
+    assert!(matches!(&error, SolveError::Scene(e) if e.kind == SceneErrorKind::Conflict), "{error}");
+    // at the obstacle it may be held
+    let fine = square(UNIT, &format!("{sides}{PRESSED}{}", method(8, 2))).replace("-0.02", "0");
+    assert!(answer(&parse(&fine, &[]).expect("a scene")).converged());
+}
+
+#[test]
+fn a_floating_body_on_one_element_is_solved() {
+    for degree in [1, 2] {
+        let text = square(UNIT, &format!("[sides.floor]\ncontact = {{ gap = \"0\" }}\n{PRESSED}{}", method(1, degree)));
+        let answer = answer(&parse(&text, &[]).expect("a scene"));
+        let contact = answer.summary.as_ref().expect("contact");
+        assert!(answer.converged());
+        assert!((contact.force[1] - 1.0).abs() < 1e-12 && (contact.max_pressure - 1.0).abs() < 1e-11);
+    }
+}
+
+#[test]
+fn loads_that_cancel_up_to_rounding_hold_a_floating_body() {
+    // (cos(pi/2), -1): the horizontal force is 6e-17
+    let text = square(
+        UNIT,
+        &format!(
+            "[sides.floor]\ncontact = {{ gap = \"0\" }}\n[sides.top]\ntraction = [\"cos(pi/2)\", \"-sin(pi/2)\"]\n{}",
+            method(8, 2)
+        ),
+    );
+    assert!(answer(&parse(&text, &[]).expect("a scene")).converged());
+}
+
+#[test]
+fn infinite_pressure_is_told_at_ridges_and_steps_in_any_unit() {
+    let held = "[sides.top]\ndisplacement = [\"0\", \"-0.01\"]\n";
+    for (gap, unbounded) in [
+        ("abs(x - 0.5)/10", true),
+        ("1e-6*abs(x - 0.5)", true),
+        ("if(x < 0.5, 0, 0.002)", true),
+        ("if(x > 0.5, 0, 0.002)", true),
+        ("(x - 0.5)^2/10", false),
+        ("0.002 - abs(x - 0.5)/1000", false),
+        ("1e-6*(x - 0.5)^2", false),
+    ] {
+        let text = square(UNIT, &format!("[sides.floor]\ncontact = {{ gap = \"{gap}\" }}\n{held}{}", method(32, 2)));
+        let contact = answer(&parse(&text, &[]).expect("a scene")).summary.expect("contact");
+        assert_eq!(contact.max_pressure_unbounded, unbounded, "{gap}");
+    }
+}
+
+#[test]
+fn lost_digits_are_no_solution() {
+    let text = square(UNIT, &format!("[sides.floor]\ndisplacement = [\"0\", \"0\"]\n{PRESSED}{}", method(16, 2)));
+    for (poisson, solved) in [("0.4999999", true), ("0.499999999999999", false)] {
+        let text = text.replace("poisson = 0.3", &format!("poisson = {poisson}"));
+        let scene = parse(&text, &[]).expect("a scene");
+        let converged =
+            run(&scene, &std::sync::atomic::AtomicUsize::new(0), &mut |_, _| Ok(())).is_ok_and(|r| r.converged());
+        assert_eq!(converged, solved, "{poisson}");
+    }
+    // far from the origin the body has no shape left
+    let far = square("[[1e12, 0], [1000000000001, 0], [1000000000001, 1], [1e12, 1]]", PRESSED);
+    assert!(parse(&far, &[]).is_err());
+}
