@@ -172,8 +172,8 @@ pub(crate) fn tolerance(loops: &[Loop]) -> (f64, f64) {
     (square.sqrt(), (1e-12 * square.sqrt()).max(4.0 * f64::EPSILON * far))
 }
 
-/// Diameters from the origin at which a body still has nine digits of its shape, and beyond which it is refused.
-const FARTHEST: f64 = 1e7;
+/// Diameters from the origin at which a body still has six digits of its shape, and beyond which it is refused.
+const FARTHEST: f64 = 1e10;
 
 /// Accepts exactly the loops that bound a polygon with holes, the outer one counter-clockwise.
 pub(crate) fn check(loops: &[Loop]) -> Result<(), PolygonError> {

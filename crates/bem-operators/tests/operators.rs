@@ -131,26 +131,51 @@ proptest! {
         let (space, steklov) = solve_steklov(&mesh, &material);
         let u = space.interpolate(|x| field.displacement(x));
         let traction = steklov.traction.apply(&u);
-        // in L²(Γ): |d| 2/(2m+1) weighs the Legendre coefficients
-        let (mut error, mut norm) = (0.0, 0.0);
-        for e in 0..mesh.len() {
-            let t = field.traction(mesh.point(e, 0.0), mesh.normal(e));
-            for m in 0..space.degree(e) {
-                for i in 0..2 {
-                    let want = if m == 0 { t[i] } else { 0.0 };
-                    let got = traction[2 * (space.offset[e] + m) + i];
-                    let weight = mesh.length(e) / (2 * m + 1) as f64;
-                    error += weight * (got - want).powi(2);
-                    norm += weight * want * want;
-                }
-            }
-        }
-        // 1e-12 but for the most ill-conditioned of thousands of random bodies
-        let bound = 2e-12;
-        prop_assert!(error.sqrt() < bound * norm.sqrt(), "{:e}", (error / norm).sqrt());
+        // ill-conditioned bodies among the random ones (slivers, auxetic plane stress) lose a digit
+        let error = traction_error(&mesh, &space, &field, &traction);
+        prop_assert!(error < 2e-11, "{error:e}");
         let (force, load) = (product(&steklov.matrix, &u), exact_load(&mesh, &space, &field));
         let error = force.iter().zip(&load).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         prop_assert!(error < 1e-12 * max_abs(&load).max(max_abs(&force)), "{error:e} of {:e}", max_abs(&load));
+    }
+}
+
+/// L²(Γ) error of a traction over that of the exact constant one; |d| 2/(2m+1) weighs the Legendre coefficients.
+fn traction_error(mesh: &Mesh, space: &Space, field: &Field, traction: &[f64]) -> f64 {
+    let (mut error, mut norm) = (0.0, 0.0);
+    for e in 0..mesh.len() {
+        let t = field.traction(mesh.point(e, 0.0), mesh.normal(e));
+        for m in 0..space.degree(e) {
+            for i in 0..2 {
+                let want = if m == 0 { t[i] } else { 0.0 };
+                let got = traction[2 * (space.offset[e] + m) + i];
+                let weight = mesh.length(e) / (2 * m + 1) as f64;
+                error += weight * (got - want).powi(2);
+                norm += weight * want * want;
+            }
+        }
+    }
+    (error / norm).sqrt()
+}
+
+#[test]
+fn the_patch_test_is_exact_to_twelve_digits_on_ordinary_bodies() {
+    let hole = [[0.1, 0.1], [0.3, 0.15], [0.2, 0.35]];
+    for (corners, holes) in [(&SQUARE[..], &[][..]), (&L_SHAPE, &[]), (&L_SHAPE, &[&hole[..]])] {
+        let polygon = polygon(corners, holes);
+        for nu in [-0.5, 0.0, 0.3, 0.49] {
+            let material = Material::new(7.0, nu, steklov_bem_operators::Plane::Strain).expect("material");
+            let field = Field::new("linear", &material);
+            for degree in [1, 2] {
+                let mut mesh = Mesh::uniform(&polygon, 40, degree);
+                (0..mesh.len()).for_each(|e| mesh.degree[e] += e % 3);
+                let (space, steklov) = solve_steklov(&mesh, &material);
+                let u = space.interpolate(|x| field.displacement(x));
+                let error = traction_error(&mesh, &space, &field, &steklov.traction.apply(&u));
+                println!("ν = {nu}, degree {degree}: {error:.1e}");
+                assert!(error < 1e-12, "ν = {nu}, degree {degree}: {error:e}");
+            }
+        }
     }
 }
 

@@ -101,7 +101,7 @@ fn sizes_and_unknowns_must_fit() {
     assert!(change(&|p| p.nodes[1].first = 1).contains("two nodes"));
     assert!(change(&|p| p.nodes.truncate(1)).contains("unknown 2"));
     assert!(change(&|p| p.stiffness[(0, 1)] = 0.5).contains("symmetric"));
-    assert!(change(&|p| p.stiffness[(2, 2)] = 0.0).contains("diagonal"));
+    assert!(change(&|p| p.stiffness[(2, 2)] = -0.1).contains("diagonal"));
     assert!(change(&|p| p.nodes[0].conditions.clear()).contains("0 conditions"));
     assert!(change(&|p| p.nodes[0].conditions[0].bound = -1.0).contains("friction bound"));
     assert!(change(&|p| p.nodes[0].conditions[0].normal = [0.0; 2]).contains("direction"));
