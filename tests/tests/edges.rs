@@ -110,6 +110,22 @@ fn infinite_pressure_is_told_at_ridges_and_steps_in_any_unit() {
 }
 
 #[test]
+fn an_unloaded_body_far_from_its_obstacle_rests() {
+    for friction in ["", ", friction = { tresca = \"0.3\" }"] {
+        let contact = format!("[sides.floor]\ncontact = {{ gap = \"1\"{friction} }}\n");
+        for lowered in ["0", "-0.01"] {
+            let held = format!("[sides.top]\ndisplacement = [\"0\", \"{lowered}\"]\n");
+            let text = square(UNIT, &format!("{contact}{held}{}", method(16, 1)));
+            let scene = parse(&text, &[]).expect("a scene");
+            let run = run(&scene, &std::sync::atomic::AtomicUsize::new(0), &mut |_, _| Ok(())).expect("a rest");
+            assert!(run.converged(), "{friction} {lowered}");
+            // rounding of E u²
+            assert!(run.last.energies.total.abs() < 1e-14 * 10.0 * 0.01f64.powi(2), "{}", run.last.energies.total);
+        }
+    }
+}
+
+#[test]
 fn lost_digits_are_no_solution() {
     let text = square(UNIT, &format!("[sides.floor]\ndisplacement = [\"0\", \"0\"]\n{PRESSED}{}", method(16, 2)));
     for (poisson, solved) in [("0.4999999", true), ("0.499999999999999", false)] {

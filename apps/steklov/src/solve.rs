@@ -235,10 +235,12 @@ pub fn solve(
         }
     }
     let equilibrium = supports.equilibrium(&residual, &forces, &load, 0.0);
-    // without a load a body may move as a whole: forces that cancel to nothing are no scale of their own
+    // without a load a body may move as a whole or not at all: forces of roundoff are no scale of their own
     let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     let unloaded = largest(&load) == 0.0;
-    let floor = if unloaded { 1e-6 * condensation.largest_diagonal() * largest(&displacement) } else { 0.0 };
+    let gap = contact.as_ref().map_or(0.0, |c| c.boundary.largest_gap());
+    let moved = largest(&displacement) + gap;
+    let floor = if unloaded { 1e-6 * condensation.largest_diagonal() * moved } else { 0.0 };
     let balanced = supports.equilibrium(&residual, &forces, &load, floor) <= UNBALANCED;
     let contact = contact.map(|mut c| {
         c.audit.equilibrium = c.audit.equilibrium.max(equilibrium);

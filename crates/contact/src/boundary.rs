@@ -82,6 +82,12 @@ pub struct Transfer {
 }
 
 impl ContactBoundary {
+    /// max |g| over all conditions (length).
+    pub fn largest_gap(&self) -> f64 {
+        let conditions = self.contact.iter().flat_map(|node| &node.conditions);
+        conditions.fold(0.0, |m: f64, c| m.max(c.gap.abs()))
+    }
+
     /// Bᵀλ: the force of the body on the obstacle at each displacement node (force per thickness), nodes with several
     /// contributions several times.
     pub fn nodal_forces(&self, multipliers: &[[f64; 2]]) -> Vec<(usize, [f64; 2])> {
