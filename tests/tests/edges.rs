@@ -126,6 +126,28 @@ fn an_unloaded_body_far_from_its_obstacle_rests() {
 }
 
 #[test]
+fn a_tiny_load_under_a_wide_gap_is_solved_to_the_last_digit() {
+    // linear: J / q² does not depend on q
+    let energy = |load: f64, solver: &str| {
+        let sides = format!(
+            "[sides.floor]\ncontact = {{ gap = \"1\" }}\n[sides.top]\ndisplacement = [\"0\", \"0\"]\n\
+             [sides.left]\ntraction = [\"{load:e}\", \"0\"]\n"
+        );
+        let text = square(UNIT, &format!("{sides}{}solver = \"{solver}\"\n", method(16, 1)));
+        let answer = answer(&parse(&text, &[]).expect("a scene"));
+        assert!(answer.converged() && answer.solved.balanced, "{solver}, {load:e}");
+        answer.solved.energies.total / (load * load)
+    };
+    let exact = energy(1e-3, "active-set");
+    for solver in ["newton", "active-set"] {
+        for load in [1e-6, 1e-9, 1e-12] {
+            let error = energy(load, solver) / exact - 1.0;
+            assert!(error.abs() < 1e-10, "{solver}, load {load:e}: {error:e}");
+        }
+    }
+}
+
+#[test]
 fn lost_digits_are_no_solution() {
     let text = square(UNIT, &format!("[sides.floor]\ndisplacement = [\"0\", \"0\"]\n{PRESSED}{}", method(16, 2)));
     for (poisson, solved) in [("0.4999999", true), ("0.499999999999999", false)] {
