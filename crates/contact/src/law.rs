@@ -107,6 +107,11 @@ impl Law {
         pieces
     }
 
+    /// Whether a choice of branches is one of the pieces.
+    pub fn allows(&self, piece: &[Branch]) -> bool {
+        self.pieces.iter().any(|p| p == piece)
+    }
+
     /// Indices of the kinks that are on.
     pub fn on(&self, piece: &[Branch]) -> Vec<usize> {
         (0..piece.len()).filter(|&i| piece[i] == On).collect()

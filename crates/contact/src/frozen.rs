@@ -1,0 +1,144 @@
+//! Contact problems with given sets: which conditions are closed, which stick, which slip.
+
+use faer::Mat;
+
+use crate::active_set::{laws, nearest_pieces};
+use crate::law::{Branch, Law, Piece};
+use crate::linear::{Semidefinite, product};
+use crate::{ContactError, Problem, Solution, Start};
+
+/// State of each condition, in the order of the multipliers.
+#[derive(Debug, Clone)]
+pub struct Sets {
+    laws: Vec<Law>,
+    pieces: Vec<Piece>,
+    /// Node and number within the node of each condition.
+    place: Vec<(usize, usize)>,
+}
+
+impl Sets {
+    /// The sets of a solution: a condition is closed where λ_n + c(u_n - g) > 0 and slips where |λ_t + c u_t| > F.
+    ///
+    /// # Errors
+    /// [`ContactError::Inconsistent`] when the solution is not one of this problem.
+    pub fn new(problem: &Problem, solution: &Solution) -> Result<Self, ContactError> {
+        let start = Start { displacement: &solution.displacement, multipliers: &solution.multipliers };
+        let force = start.nodal_force(problem)?;
+        let laws = laws(problem);
+        let pieces = nearest_pieces(problem, &laws, &solution.displacement, &force);
+        let nodes = problem.nodes.iter().enumerate();
+        let place = nodes.flat_map(|(n, node)| (0..node.conditions.len()).map(move |c| (n, c))).collect();
+        Ok(Self { laws, pieces, place })
+    }
+
+    /// Whether u_n = g at a condition.
+    pub fn closed(&self, condition: usize) -> bool {
+        self.branch(condition, false).is_some_and(|b| b == Branch::On)
+    }
+
+    /// 0 where a condition sticks, 1 or -1 where it slips along ±t; None without friction.
+    pub fn slip(&self, condition: usize) -> Option<i8> {
+        self.branch(condition, true).map(|b| match b {
+            Branch::Below => -1,
+            Branch::On => 0,
+            Branch::Above => 1,
+        })
+    }
+
+    /// Closes or opens a condition; nothing happens where that is not one of the node's states.
+    pub fn set_closed(&mut self, condition: usize, closed: bool) {
+        self.change(condition, false, if closed { Branch::On } else { Branch::Below });
+    }
+
+    /// Lets a condition stick (0) or slip (1, -1); nothing happens where that is not one of the node's states.
+    pub fn set_slip(&mut self, condition: usize, slip: i8) {
+        self.change(condition, true, match slip {
+            0 => Branch::On,
+            1.. => Branch::Above,
+            _ => Branch::Below,
+        });
+    }
+
+    fn branch(&self, condition: usize, tangential: bool) -> Option<Branch> {
+        let (n, c) = self.place[condition];
+        let kink = self.laws[n].source.iter().position(|&s| s == (c, tangential))?;
+        Some(self.pieces[n][kink])
+    }
+
+    fn change(&mut self, condition: usize, tangential: bool, branch: Branch) {
+        let (n, c) = self.place[condition];
+        if let Some(kink) = self.laws[n].source.iter().position(|&s| s == (c, tangential)) {
+            let mut piece = self.pieces[n].clone();
+            piece[kink] = branch;
+            if self.laws[n].allows(&piece) {
+                self.pieces[n] = piece;
+            }
+        }
+    }
+}
+
+/// The linear problem of given sets: u_n = g where closed, u_t = 0 where sticking, λ_t = ±F where slipping.
+pub struct Frozen<'a> {
+    problem: &'a Problem,
+    /// First unknown and number of unknowns of the node, and the direction, of each free coordinate.
+    free: Vec<(usize, usize, [f64; 2])>,
+    fixed: Vec<f64>,
+    known: Vec<f64>,
+    factor: Option<Semidefinite>,
+}
+
+impl<'a> Frozen<'a> {
+    /// Factorises the stiffness of what the sets leave free.
+    ///
+    /// # Errors
+    /// [`ContactError::Decomposition`].
+    pub fn new(problem: &'a Problem, sets: &Sets) -> Result<Self, ContactError> {
+        let (m, s) = (problem.load.len(), &problem.stiffness);
+        let (mut fixed, mut known, mut free) = (vec![0.0; m], vec![0.0; m], Vec::new());
+        for ((node, law), piece) in problem.nodes.iter().zip(&sets.laws).zip(&sets.pieces) {
+            let ((point, directions), off) = (law.free(piece), law.off_force(piece));
+            fixed[node.first..node.first + node.unknowns].copy_from_slice(&point[..node.unknowns]);
+            known[node.first..node.first + node.unknowns].copy_from_slice(&off[..node.unknowns]);
+            free.extend(directions.into_iter().map(|e| (node.first, node.unknowns, e)));
+        }
+        let matrix = Mat::from_fn(free.len(), free.len(), |a, b| {
+            let ((i, ki, e), (j, kj, d)) = (free[a], free[b]);
+            (0..ki).map(|p| (0..kj).map(|q| e[p] * s[(i + p, j + q)] * d[q]).sum::<f64>()).sum()
+        });
+        let factor = if free.is_empty() { None } else { Some(Semidefinite::new(&matrix)?) };
+        Ok(Self { problem, free, fixed, known, factor })
+    }
+
+    /// The displacement under the problem's load.
+    pub fn displacement(&self) -> Vec<f64> {
+        let elastic = product(&self.problem.stiffness, &self.fixed);
+        let rest: Vec<f64> =
+            (0..elastic.len()).map(|i| self.problem.load[i] - elastic[i] - self.known[i]).collect();
+        self.correction(&rest).iter().zip(&self.fixed).map(|(a, b)| a + b).collect()
+    }
+
+    /// The change of the displacement under an additional load, with the sets as they are.
+    pub fn correction(&self, load: &[f64]) -> Vec<f64> {
+        let mut v = vec![0.0; load.len()];
+        if let Some(factor) = &self.factor {
+            let moved = factor.solve(&self.project(load));
+            for (&(first, k, e), x) in self.free.iter().zip(moved) {
+                (0..k).for_each(|i| v[first + i] += e[i] * x);
+            }
+        }
+        v
+    }
+
+    /// The part of a vector in the free directions.
+    pub fn free_part(&self, vector: &[f64]) -> Vec<f64> {
+        let mut v = vec![0.0; vector.len()];
+        for (&(first, k, e), x) in self.free.iter().zip(self.project(vector)) {
+            (0..k).for_each(|i| v[first + i] += e[i] * x);
+        }
+        v
+    }
+
+    fn project(&self, x: &[f64]) -> Vec<f64> {
+        self.free.iter().map(|&(first, k, e)| (0..k).map(|i| e[i] * x[first + i]).sum()).collect()
+    }
+}
