@@ -14,7 +14,7 @@ use crate::draw;
 use crate::explain::{explain, too_many_dofs};
 use crate::plan::plan;
 use crate::record::Record;
-use crate::run::run;
+use crate::run::{Progress, run};
 use crate::scene::{Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::store::{self, Stored};
@@ -182,11 +182,11 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
             eprintln!("{}", if before == 0 { "finishing this step; again to stop at once" } else { "stopping" });
         }
     })?;
-    let progress = Progress::new(args.quiet);
+    let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
     let record = create_atomically(&out, args.force, |file| -> Result<Record, SolveError> {
-        let run = run(&scene, &interrupts, &mut |number, stage| {
-            progress.show(number, &stage);
+        let run = run(&scene, Progress::first(&scene), &interrupts, &mut |number, stage| {
+            bar.show(number, &stage);
             if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
         })?;
         let mut record = Record::new(&scene, plan, run, &out, reading);
@@ -196,7 +196,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         record.summary.seconds.write += writing.elapsed().as_secs_f64();
         Ok(record)
     });
-    progress.finish();
+    bar.finish();
     let mut record = record.map_err(|error| match explain(&scene, error) {
         Ok(error) => Failure(error.render()),
         Err(error) => error.into(),
@@ -281,6 +281,17 @@ fn print_summary(s: &Summary) {
         "            strain {:.6e}, load work {:.6e}, friction work {:.6e}",
         s.strain_energy, s.load_work, s.friction_work
     ));
+    if let (Some(error), Some(relative)) = (s.estimate, s.estimate_relative) {
+        let doubts = if s.estimate_doubts.is_empty() {
+            String::new()
+        } else {
+            format!(" (not reliable: {})", s.estimate_doubts.join(", "))
+        };
+        say(&format!("error       {error:.3e} estimated in the energy norm, relative {relative:.3e}{doubts}"));
+    }
+    if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
+        say(&format!("            J extrapolated {energy:.12e} ± {uncertainty:.1e}"));
+    }
     if let Some(c) = &s.contact {
         let note =
             if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
@@ -313,13 +324,13 @@ fn print_summary(s: &Summary) {
 }
 
 /// A bar on a terminal, plain lines elsewhere, for what takes longer than a second; nothing when quiet.
-struct Progress {
+struct Bar {
     bar: Option<ProgressBar>,
     start: Instant,
     quiet: bool,
 }
 
-impl Progress {
+impl Bar {
     fn new(quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(100), ProgressDrawTarget::stderr());

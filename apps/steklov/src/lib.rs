@@ -13,6 +13,8 @@ mod data;
 mod supports;
 mod body_load;
 pub mod solve;
+pub mod estimate;
+pub mod adapt;
 pub mod run;
 pub mod triangulate;
 pub mod picture;

@@ -74,8 +74,8 @@ pub struct Method {
     pub model: Model,
     /// Wanted relative error in the energy norm, in (0, 1).
     pub tolerance: f64,
-    /// Refinement; `None` where the scene does not name it.
-    pub refine: Option<Refine>,
+    /// Refinement.
+    pub refine: Refine,
     /// Elements of the first mesh, at least 1.
     pub elements: usize,
     /// Degree of the first mesh, 1 to 64.
@@ -103,7 +103,7 @@ impl Default for Method {
         Self {
             model: Model::Auto,
             tolerance: 1e-3,
-            refine: None,
+            refine: Refine::Hp,
             elements: 16,
             degree: 1,
             max_dofs: 20_000,
@@ -153,7 +153,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
         match key {
             "model" => method.model = field.choice(&MODELS)?,
             "tolerance" => method.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?,
-            "refine" => method.refine = Some(field.choice(&REFINES)?),
+            "refine" => method.refine = field.choice(&REFINES)?,
             "elements" => method.elements = field.whole(1, 1_000_000)?,
             "degree" => method.degree = field.whole(1, 64)?,
             "max_dofs" => method.max_dofs = field.whole(1, 1_000_000)?,
