@@ -129,8 +129,10 @@ impl Layout {
             marked.into_iter().enumerate().map(mark).collect()
         };
         let high = Grading { max_degree: Mesh::MAX_DEGREE, ..Grading::default() };
-        let by_mark =
-            |marks: &[Mark]| Layout { subdivision: Subdivision::new(mesh, marks).refined_by_mark(&high), tips: Vec::new() };
+        let by_mark = |marks: &[Mark]| Layout {
+            subdivision: Subdivision::new(mesh, marks).refined_by_mark(&high),
+            tips: Vec::new(),
+        };
         match method.refine {
             Refine::None => Ok((self.clone(), Vec::new())),
             Refine::UniformH => Ok((by_mark(&vec![Mark::Rough; mesh.len()]), Vec::new())),
@@ -138,9 +140,8 @@ impl Layout {
             Refine::H => Ok((by_mark(&marked(0.5, &|_| true)), Vec::new())),
             Refine::HpDecay => {
                 let corners = singular_points(scene, false);
-                let touches = |e: usize| {
-                    corners[mesh.edge[e]].iter().any(|c| mesh.span[e].iter().any(|s| (s - c).abs() < 1e-12))
-                };
+                let touches =
+                    |e: usize| corners[mesh.edge[e]].iter().any(|c| mesh.span[e].iter().any(|s| (s - c).abs() < 1e-12));
                 let rough = |e: usize| decay(e).map_or(touches(e), |d| d > method.smoothness);
                 Ok((by_mark(&marked(0.5, &rough)), Vec::new()))
             }

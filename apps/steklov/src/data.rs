@@ -3,9 +3,7 @@
 use steklov_bem_operators::{
     BemError, BodyForce, BoundaryField, Datum, ElementMoments, Location, Mesh, Site, Space, add_load, side_moments,
 };
-use steklov_contact::{
-    ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles, oscillation,
-};
+use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles, oscillation};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::expression::Expression;
@@ -121,7 +119,8 @@ impl Data<'_> {
             .collect();
         let none = Function { value: Box::new(|_| 0.0), kinks: Box::new(|_| Vec::new()) };
         let gap = |side: usize| functions[side].as_ref().map_or(&none, |f| &f.0).datum("gap");
-        let bound = |side: usize| functions[side].as_ref().and_then(|f| f.1.as_ref()).map(|b| b.datum("friction bound"));
+        let bound =
+            |side: usize| functions[side].as_ref().and_then(|f| f.1.as_ref()).map(|b| b.datum("friction bound"));
         Ok(contact_bubbles(self.mesh, self.space, boundary, sets, &gap, &bound)?)
     }
 

@@ -96,7 +96,9 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Est
     let modulus = 2.0 * material.mu() / (1.0 - material.nu());
     let data = Data { scene, mesh, space };
     let bubbles = match (&solved.contact, &factors.contact) {
-        (Some(contact), Some(part)) => data.contact_bubbles(&contact.boundary, &part.sets, solved.body_force.as_ref())?,
+        (Some(contact), Some(part)) => {
+            data.contact_bubbles(&contact.boundary, &part.sets, solved.body_force.as_ref())?
+        }
         _ => Vec::new(),
     };
     let frames = frames(scene, mesh, &bubbles);

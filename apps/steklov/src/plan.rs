@@ -75,14 +75,19 @@ pub fn plan(scene: &Scene) -> Plan {
     ));
     let theta = |auto: f64| format!("marks θ = {} of the squared error", method.marking.unwrap_or(auto));
     modelled.push(match method.refine {
-        Refine::Hp => decision("refinement", "hp".into(), &format!(
-            "{}; cuts towards corners, kinks of the data and ends of contact and stick, raises degrees elsewhere",
-            theta(0.95)
-        )),
-        Refine::HpDecay => decision("refinement", "hp-decay".into(), &format!(
-            "{}; degree or halving by the decay of Legendre coefficients",
-            theta(0.5)
-        )),
+        Refine::Hp => decision(
+            "refinement",
+            "hp".into(),
+            &format!(
+                "{}; cuts towards corners, kinks of the data and ends of contact and stick, raises degrees elsewhere",
+                theta(0.95)
+            ),
+        ),
+        Refine::HpDecay => decision(
+            "refinement",
+            "hp-decay".into(),
+            &format!("{}; degree or halving by the decay of Legendre coefficients", theta(0.5)),
+        ),
         Refine::H => decision("refinement", "h".into(), &format!("{}; halves", theta(0.5))),
         Refine::UniformH => decision("refinement", "uniform-h".into(), "all elements are halved in each step"),
         Refine::UniformP => decision("refinement", "uniform-p".into(), "all degrees rise by one in each step"),

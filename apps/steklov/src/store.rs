@@ -7,6 +7,9 @@ use steklov_io::{
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
 
+use steklov_contact::{Located, Tip, TipKind};
+
+use crate::estimate::{Bubble, Estimate};
 use crate::plan::Plan;
 use crate::record::Record;
 use crate::report::ContactRow;
@@ -191,6 +194,14 @@ fn load_contact(at: &Group) -> Result<Vec<ContactRow>, IoError> {
     Ok((0..n).map(row).collect())
 }
 
+/// A term of the indicators: name, meaning, value.
+type Term = (&'static str, &'static str, fn(&Bubble) -> f64);
+const BUBBLE_TERMS: [Term; 3] = [
+    ("displacement", "eta_u squared of the displacement bubble", |b| b.displacement),
+    ("traction", "eta_psi squared of the top traction", |b| b.traction),
+    ("oscillation", "eta_g squared: data less their interpolants", |b| b.oscillation),
+];
+
 fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
     save(at, "mesh", &step.mesh)?;
     save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
@@ -198,8 +209,69 @@ fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
     let history =
         label("1", "the contact solver's measure of the error before each iteration and at the end", &["iteration"]);
     save_vector(at, "history", &step.history, &history)?;
-    let parts = label("seconds", "set-up, assembly, factorisation, solution", &["part"]);
-    save_vector(at, "seconds", &step.seconds, &parts)
+    let parts = label("seconds", "set-up, assembly, factorisation, solution, estimate", &["part"]);
+    save_vector(at, "seconds", &step.seconds, &parts)?;
+    save_number(at, "strain_energy", step.strain, "force*length/thickness", "half of a(u, u)")?;
+    save_estimate(at, &step.estimate)?;
+    save_tips(&create_group(at, "tips")?, &step.tips)?;
+    save_transitions(&create_group(at, "transitions")?, &step.located)
+}
+
+const KINDS: &str = "0 end of contact, 1 end of stick, 2 reversal of slip";
+const REGULAR: &str =
+    "1 if the open or slipping side has the larger edge parameter, -1 if the smaller one, 0 for a reversal";
+
+fn kind_number(kind: TipKind) -> usize {
+    match kind {
+        TipKind::ContactEnd => 0,
+        TipKind::StickEnd => 1,
+        TipKind::SlipReversal => 2,
+    }
+}
+
+/// The vertices that follow transitions.
+fn save_tips(at: &Group, tips: &[Tip]) -> Result<(), IoError> {
+    let column = |f: fn(&Tip) -> usize| tips.iter().map(f).collect::<Vec<_>>();
+    let axes = &["tip"];
+    save_integers(at, "edge", &column(|t| t.edge), &label("1", "edge of the polygon", axes))?;
+    save_integers(at, "kind", &column(|t| kind_number(t.kind)), &label("1", KINDS, axes))?;
+    let places: Vec<f64> = tips.iter().map(|t| t.s).collect();
+    save_vector(at, "s", &places, &label("1", "edge parameter of the vertex", axes))?;
+    let regular: Vec<f64> = tips.iter().map(|t| f64::from(t.regular)).collect();
+    save_vector(at, "regular", &regular, &label("1", REGULAR, axes))
+}
+
+/// Where transitions are believed to be.
+fn save_transitions(at: &Group, located: &[Located]) -> Result<(), IoError> {
+    let column = |f: fn(&Located) -> usize| located.iter().map(f).collect::<Vec<_>>();
+    let numbers = |f: fn(&Located) -> f64| located.iter().map(f).collect::<Vec<_>>();
+    let axes = &["transition"];
+    save_integers(at, "edge", &column(|t| t.edge), &label("1", "edge of the polygon", axes))?;
+    save_integers(at, "kind", &column(|t| kind_number(t.kind)), &label("1", KINDS, axes))?;
+    let vertex = label("1", "1 if the mesh has a vertex for it", axes);
+    save_integers(at, "at_vertex", &column(|t| usize::from(t.at_vertex)), &vertex)?;
+    save_vector(at, "s", &numbers(|t| t.s), &label("1", "edge parameter", axes))?;
+    let off = "how far that is from its vertex, or half of its bracket (edge parameter)";
+    save_vector(at, "off", &numbers(|t| t.off), &label("1", off, axes))?;
+    let curvature = "B of the gap or slip B d^(3/2), d in edge parameters; -1 where it was not fitted";
+    save_vector(at, "curvature", &numbers(|t| t.curvature.unwrap_or(-1.0)), &label("length", curvature, axes))
+}
+
+fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
+    let energy = "force*length/thickness";
+    save_number(at, "estimate", estimate.error, "(force*length/thickness)^(1/2)", "estimated error, energy norm")?;
+    save_number(at, "estimate_relative", estimate.relative, "1", "estimate over (2 strain energy)^(1/2)")?;
+    save_number(at, "energy_extrapolated", estimate.energy, energy, "J of the spaces of one degree more")?;
+    let meaning = "how far the exact J may be from the extrapolated one";
+    save_number(at, "energy_uncertainty", estimate.uncertainty, energy, meaning)?;
+    let doubts: Vec<String> = estimate.doubts.iter().map(|d| d.word().to_owned()).collect();
+    save_texts(at, "doubts", &doubts, "why the estimate is not reliable", "doubt")?;
+    let indicators = create_group(at, "indicators")?;
+    for (name, meaning, term) in BUBBLE_TERMS {
+        let values: Vec<f64> = estimate.indicators.iter().map(term).collect();
+        save_vector(&indicators, name, &values, &label(energy, meaning, &["element"]))?;
+    }
+    Ok(())
 }
 
 /// Reads what `show` needs, and checks that the parts fit.

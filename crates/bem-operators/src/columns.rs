@@ -251,12 +251,15 @@ impl Pass<'_> {
             let d = 0.5 / std::f64::consts::PI * dot(&t.d[m * (nc + 1)..][..nc + 1], value);
             let yy = if m == 0 { 4.0 * derivative[0] - xx } else { -xx };
             // |d_a| { D/(2π) + H J }, (HJ)_i0 = H_i1, (HJ)_i1 = -H_i0
-            add(m, [
-                half * (d + constants.h_rr * xy),
-                half * (constants.h_log * log + constants.h_rr * yy),
-                -half * (constants.h_log * log + constants.h_rr * xx),
-                half * (d - constants.h_rr * xy),
-            ]);
+            add(
+                m,
+                [
+                    half * (d + constants.h_rr * xy),
+                    half * (constants.h_log * log + constants.h_rr * yy),
+                    -half * (constants.h_log * log + constants.h_rr * xx),
+                    half * (d - constants.h_rr * xy),
+                ],
+            );
             g_xx[m] = constants.c_w * (xx - log);
             g_yy[m] = constants.c_w * (yy - log);
             g_xy[m] = constants.c_w * xy;

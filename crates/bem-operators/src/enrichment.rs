@@ -57,12 +57,7 @@ impl Enrichment {
 
 impl Pass<'_> {
     /// Adds all pairs of elements to the matrices.
-    pub(crate) fn fill(
-        &self,
-        operators: &mut Operators,
-        enrichment: Option<&mut Enrichment>,
-        cache: &mut PairCache,
-    ) {
+    pub(crate) fn fill(&self, operators: &mut Operators, enrichment: Option<&mut Enrichment>, cache: &mut PairCache) {
         let mut owners = self.columns(operators, enrichment);
         let arch = pulp::Arch::new();
         let mut add = |rows: std::ops::Range<usize>, moments: &[f64]| {

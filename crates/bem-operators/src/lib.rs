@@ -62,8 +62,8 @@ pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
-pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
 pub use steklov::{Domain, Steklov, TractionMap};
+pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

@@ -39,9 +39,7 @@ pub fn legendre_decay(mesh: &Mesh, space: &Space, e: usize, displacement: &[f64]
         let coefficient = |i: usize| -> f64 {
             let nodes = space.element_nodes(e).enumerate();
             nodes
-                .map(|(j, k)| {
-                    basis.to_legendre[(i, j)] * (d[0] * displacement[2 * k] + d[1] * displacement[2 * k + 1])
-                })
+                .map(|(j, k)| basis.to_legendre[(i, j)] * (d[0] * displacement[2 * k] + d[1] * displacement[2 * k + 1]))
                 .sum()
         };
         (1..=basis.degree).map(coefficient).collect()
@@ -61,8 +59,7 @@ pub fn legendre_decay(mesh: &Mesh, space: &Space, e: usize, displacement: &[f64]
         }
         let count = points.len() as f64;
         let (x, y) = points.iter().fold((0.0, 0.0), |s, p| (s.0 + p.0 / count, s.1 + p.1 / count));
-        let (xy, xx) =
-            points.iter().fold((0.0, 0.0), |s, p| (s.0 + (p.0 - x) * (p.1 - y), s.1 + (p.0 - x).powi(2)));
+        let (xy, xx) = points.iter().fold((0.0, 0.0), |s, p| (s.0 + (p.0 - x) * (p.1 - y), s.1 + (p.0 - x).powi(2)));
         slowest = Some(slowest.unwrap_or(0.0).max((xy / xx).exp()));
     }
     slowest

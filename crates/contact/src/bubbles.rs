@@ -41,7 +41,8 @@ pub fn contact_bubbles<'d>(
     let mut bubbles = Vec::new();
     for element in boundary.elements(mesh, space) {
         let e = element.element;
-        let states: Vec<_> = element.points.iter().flatten().map(|p| (sets.closed(p.index), sets.slip(p.index))).collect();
+        let states: Vec<_> =
+            element.points.iter().flatten().map(|p| (sets.closed(p.index), sets.slip(p.index))).collect();
         let inner = if states.len() > 2 { &states[1..states.len() - 1] } else { &states };
         let count = states.iter().filter(|s| s.0).count();
         let closed = count == states.len() && count > 0;
@@ -84,8 +85,7 @@ fn against_bubble(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Result
 /// [`ContactError::Data`] where f is not finite.
 pub fn oscillation(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Result<f64, ContactError> {
     let basis = space.basis(e);
-    let nodal: Vec<f64> =
-        basis.nodes.iter().map(|&t| f.at(mesh, &Site::new(mesh, e, t))).collect::<Result<_, _>>()?;
+    let nodal: Vec<f64> = basis.nodes.iter().map(|&t| f.at(mesh, &Site::new(mesh, e, t))).collect::<Result<_, _>>()?;
     let largest = nodal.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     let mut phi = vec![0.0; basis.degree + 1];
     let rule = rule();

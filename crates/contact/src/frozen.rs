@@ -52,11 +52,15 @@ impl Sets {
 
     /// Lets a condition stick (0) or slip (1, -1); nothing happens where that is not one of the node's states.
     pub fn set_slip(&mut self, condition: usize, slip: i8) {
-        self.change(condition, true, match slip {
-            0 => Branch::On,
-            1.. => Branch::Above,
-            _ => Branch::Below,
-        });
+        self.change(
+            condition,
+            true,
+            match slip {
+                0 => Branch::On,
+                1.. => Branch::Above,
+                _ => Branch::Below,
+            },
+        );
     }
 
     fn branch(&self, condition: usize, tangential: bool) -> Option<Branch> {
@@ -112,8 +116,7 @@ impl<'a> Frozen<'a> {
     /// The displacement under the problem's load.
     pub fn displacement(&self) -> Vec<f64> {
         let elastic = product(&self.problem.stiffness, &self.fixed);
-        let rest: Vec<f64> =
-            (0..elastic.len()).map(|i| self.problem.load[i] - elastic[i] - self.known[i]).collect();
+        let rest: Vec<f64> = (0..elastic.len()).map(|i| self.problem.load[i] - elastic[i] - self.known[i]).collect();
         self.correction(&rest).iter().zip(&self.fixed).map(|(a, b)| a + b).collect()
     }
 

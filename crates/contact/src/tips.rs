@@ -78,15 +78,20 @@ pub fn relocate(
     let mut located = Vec::new();
     for line in lines {
         let edge = line.edge;
-        let found = transitions(line, sets);
-        let mut used = vec![false; found.len()];
         let mut mine: Vec<Tip> = tips.iter().copied().filter(|t| t.edge == edge).collect();
+        let found = without_flicker(transitions(line, sets), &mine);
+        let mut used = vec![false; found.len()];
         tips.retain(|t| t.edge != edge);
         let mut i = 0;
         while i < mine.len() {
             let tip = mine[i];
-            let others: Vec<f64> =
-                mine.iter().enumerate().filter(|(j, _)| *j != i).map(|(_, t)| t.s).chain(singular[edge].clone()).collect();
+            let others: Vec<f64> = mine
+                .iter()
+                .enumerate()
+                .filter(|(j, _)| *j != i)
+                .map(|(_, t)| t.s)
+                .chain(singular[edge].clone())
+                .collect();
             match follow(tip, line, &found, &used, solved, &others)? {
                 None => {
                     mine.remove(i);
@@ -119,6 +124,43 @@ pub fn relocate(
         tips.extend(mine);
     }
     Ok(located)
+}
+
+/// Nodes of a run at most that may be flicker.
+const FLICKER_NODES: usize = 3;
+/// Length of such a run at most, as part of those beside it.
+const FLICKER_LENGTH: f64 = 0.25;
+
+/// Leaves out pairs of transitions at a tip that enclose a run of few nodes, short beside its neighbours: next to the
+/// exact transition the states of single nodes alternate, as the multipliers are averages.
+fn without_flicker(mut found: Vec<Transition>, tips: &[Tip]) -> Vec<Transition> {
+    for kind in [TipKind::ContactEnd, TipKind::StickEnd] {
+        loop {
+            let of_kind: Vec<usize> = (0..found.len()).filter(|&i| found[i].kind == kind).collect();
+            let middle = |i: usize| (found[i].bracket[0] + found[i].bracket[1]) / 2.0;
+            let flicker = of_kind.windows(2).enumerate().find(|(k, pair)| {
+                let (a, b) = (pair[0], pair[1]);
+                let length = middle(b) - middle(a);
+                let before = middle(a) - k.checked_sub(1).map_or(0.0, |k| middle(of_kind[k]));
+                let after = of_kind.get(k + 2).map_or(1.0, |&i| middle(i)) - middle(b);
+                let near = |tip: &Tip| {
+                    tip.kind == kind && tip.s > middle(a) - 2.0 * length && tip.s < middle(b) + 2.0 * length
+                };
+                found[a].regular == -found[b].regular
+                    && found[b].point - found[a].point <= FLICKER_NODES
+                    && length < FLICKER_LENGTH * before.min(after)
+                    && tips.iter().any(near)
+            });
+            match flicker.map(|(_, pair)| [pair[0], pair[1]]) {
+                Some([a, b]) => {
+                    found.remove(b);
+                    found.remove(a);
+                }
+                None => break,
+            }
+        }
+    }
+    found
 }
 
 /// The transition that a tip takes, and where that is; none if there is none for it.
@@ -183,5 +225,7 @@ fn new_vertex(
         s = vertices.filter(|v| (v - s).abs() < 1e-9).last().unwrap_or(s);
     }
     let margin = (NEAR * (high - low)).max(1e-6);
-    points.iter().all(|p| (p - s).abs() >= margin).then_some(s)
+    // the guess keeps its own distance from the ends of the edge
+    let inner = |p: &&f64| **p > SAME_PLACE && **p < 1.0 - SAME_PLACE;
+    points.iter().filter(inner).all(|p| (p - s).abs() >= margin).then_some(s)
 }

@@ -49,8 +49,7 @@ pub fn transitions(line: &ContactLine, sets: &Sets) -> Vec<Transition> {
         if let (Some(a), Some(b)) = (slip(i), slip(i + 1))
             && a != b
         {
-            let new =
-                |last: usize, kind, regular| Transition { bracket: [s(i), s(last)], kind, regular, point: i };
+            let new = |last: usize, kind, regular| Transition { bracket: [s(i), s(last)], kind, regular, point: i };
             if a * b < 0 {
                 found.push(new(i + 1, TipKind::SlipReversal, 0));
             } else if b == 0 && i + 2 < count && slip(i + 2).is_some_and(|c| a * c < 0) {
@@ -76,12 +75,7 @@ fn condition<'a>(problem: &'a Problem, line: &ContactLine, i: usize) -> &'a Cond
 /// λ_n and F - |λ_t| vanish like the square root of the distance from the closed, the sticking side: the zero of the line
 /// through the squares of the last two values there, within the middle 70 % of the bracket. A reversal is where u_t,
 /// linear in between, vanishes.
-pub fn first_guess(
-    line: &ContactLine,
-    transition: &Transition,
-    problem: &Problem,
-    solution: &Solution,
-) -> f64 {
+pub fn first_guess(line: &ContactLine, transition: &Transition, problem: &Problem, solution: &Solution) -> f64 {
     let [low, high] = transition.bracket;
     let i = transition.point;
     let s = |i: usize| line.points[i].s;
@@ -98,11 +92,7 @@ pub fn first_guess(
     }
     let value = |i: usize| {
         let [pressure, shear] = solution.multipliers[line.points[i].index];
-        if transition.kind == TipKind::ContactEnd {
-            pressure
-        } else {
-            condition(problem, line, i).bound - shear.abs()
-        }
+        if transition.kind == TipKind::ContactEnd { pressure } else { condition(problem, line, i).bound - shear.abs() }
     };
     let (last, before) = if transition.regular > 0 { (i, i.checked_sub(1)) } else { (i + 1, Some(i + 2)) };
     let before = before.filter(|&j| j < line.points.len());
@@ -144,9 +134,8 @@ pub fn tip_fit(
 ) -> Result<Option<TipFit>, ContactError> {
     let side = f64::from(regular);
     let distance = |x: f64| (x - s) * side;
-    let nearest = |sign: f64| {
-        singular.iter().map(|&x| sign * distance(x)).filter(|&d| d > 1e-12).fold(f64::INFINITY, f64::min)
-    };
+    let nearest =
+        |sign: f64| singular.iter().map(|&x| sign * distance(x)).filter(|&d| d > 1e-12).fold(f64::INFINITY, f64::min);
     let (next, previous) = (nearest(1.0), nearest(-1.0));
     let near = |d: f64| if d > 1e-12 { d < 0.6 * next } else { d > -0.6 * previous };
     let mut sets = sets.clone();
