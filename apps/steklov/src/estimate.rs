@@ -38,6 +38,10 @@ impl Bubble {
 pub struct Estimate {
     /// Indicators of the elements.
     pub indicators: Vec<Bubble>,
+    /// ⟨S₊e₊, e₊⟩ of the correction e₊ that the enriched spaces add.
+    pub correction: f64,
+    /// Energy of what the mesh's vertices miss of the transitions.
+    pub tips: f64,
     /// Estimated ‖u - u_h‖ in the energy norm.
     pub error: f64,
     /// `error` over `scale`.
@@ -152,7 +156,8 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Est
     let scale = scale(energies.strain, factors);
     let uncertainty = 0.5 * (energy - energies.total).abs() + 0.1 * error * error;
     let doubts = Vec::new();
-    Ok(Estimate { indicators, error, relative: ratio(error, scale), scale, energy, uncertainty, doubts })
+    let relative = ratio(error, scale);
+    Ok(Estimate { indicators, correction: squared, tips: 0.0, error, relative, scale, energy, uncertainty, doubts })
 }
 
 impl Estimate {
@@ -160,8 +165,8 @@ impl Estimate {
     /// those of the step before.
     pub(crate) fn add_transitions(&mut self, scene: &Scene, located: &[Located], settled: bool) {
         let modulus = 2.0 * scene.material.mu() / (1.0 - scene.material.nu());
-        let tips: f64 = located.iter().map(|tip| tip_energy(modulus, tip)).sum();
-        self.error = self.error.hypot(tips.sqrt());
+        self.tips = located.iter().map(|tip| tip_energy(modulus, tip)).sum();
+        self.error = self.error.hypot(self.tips.sqrt());
         self.relative = ratio(self.error, self.scale);
         if located.iter().any(|tip| !tip.at_vertex) {
             self.doubts.push(Doubt::Transition);

@@ -16,6 +16,8 @@ pub mod solve;
 pub mod estimate;
 pub mod adapt;
 pub mod run;
+pub mod reference;
+pub mod study;
 pub mod triangulate;
 pub mod picture;
 pub mod summary;

@@ -145,6 +145,7 @@ pub fn run(
             }
             (next, _) => next?,
         };
+        observe(number, Stage::Step { solved: &solved, seconds: clock.elapsed().as_secs_f64() })?;
         let unchanged = layout.subdivision == progress.next.subdivision;
         progress.steps.push(step);
         progress.next = layout;

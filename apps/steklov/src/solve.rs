@@ -23,6 +23,13 @@ pub enum Stage<'a> {
     Operators(&'a Operators),
     /// S.
     Steklov(&'a Mat<f64>),
+    /// A step is solved and estimated, so many seconds after the run began.
+    Step {
+        /// The solution.
+        solved: &'a Solved,
+        /// Wall seconds.
+        seconds: f64,
+    },
     /// A part of the work begins; the number is its share of the work of the step that is then done, 0 to 1.
     Progress(&'static str, f64),
 }

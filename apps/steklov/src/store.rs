@@ -64,7 +64,7 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
             let meaning = label("stress", "Steklov-Poincare operator <S u, v>", &[DISPLACEMENT, DISPLACEMENT]);
             save_dense(&open_group(&step, "matrices")?, "S", s.as_ref(), &meaning)
         }
-        Stage::Progress(..) => Ok(()),
+        Stage::Progress(..) | Stage::Step { .. } => Ok(()),
     }
 }
 
