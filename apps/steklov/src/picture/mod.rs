@@ -8,11 +8,17 @@ mod axes;
 mod bands;
 mod body;
 mod canvas;
+mod chart;
 mod contact;
+mod graph;
+mod guides;
+mod markers;
 mod scale;
 
 pub use body::{Body, Obstacle, body};
+pub use chart::{Axis, Band, Chart, Curve, Guide, Series, chart};
 pub use contact::{ContactSide, contact};
+pub use graph::Scale;
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
