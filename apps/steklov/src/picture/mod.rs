@@ -13,12 +13,15 @@ mod contact;
 mod graph;
 mod guides;
 mod markers;
+mod mesh;
 mod scale;
+mod strips;
 
 pub use body::{Body, Obstacle, body};
 pub use chart::{Axis, Band, Chart, Curve, Guide, Series, chart};
 pub use contact::{ContactSide, contact};
 pub use graph::Scale;
+pub use mesh::{MeshFigure, MeshPanel, meshes};
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
