@@ -115,9 +115,13 @@ pub fn relocate(
                 subdivision.insert(edge, s, &points, SNAP);
                 mine.push(Tip { edge, s, kind: transition.kind, regular: transition.regular });
                 let [low, high] = transition.bracket;
-                let off = (high - low) / 2.0;
-                let kind = transition.kind;
-                located.push(Located { edge, s, kind, off, curvature: None, at_vertex: false });
+                let (off, kind) = ((high - low) / 2.0, transition.kind);
+                let fit = match kind {
+                    TipKind::SlipReversal => None,
+                    _ => tip_fit(line, kind, transition.regular, s, &points, problem, sets)?,
+                };
+                let curvature = fit.map(|f| f.curvature);
+                located.push(Located { edge, s, kind, off, curvature, at_vertex: false });
             }
         }
         mine.sort_by(|a, b| a.s.total_cmp(&b.s));
