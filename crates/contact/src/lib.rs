@@ -49,6 +49,8 @@ mod active_set;
 mod newton;
 mod uzawa;
 mod motions;
+mod multiplier_trace;
+mod residual;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 #[cfg(test)]
@@ -59,7 +61,9 @@ pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, Tran
 pub use error::ContactError;
 pub use kkt::{Kkt, kkt, kkt_in_body};
 pub use motions::{ContactEdge, resisted_motions};
+pub use multiplier_trace::multiplier_trace;
 pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
+pub use residual::{ContactResidual, ContactSolution, contact_residuals};
 pub use sides::SideData;
 pub use uzawa::uzawa;
