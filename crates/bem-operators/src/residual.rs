@@ -40,8 +40,8 @@ impl BoundaryResidual {
 /// and the traction that is left for it is t - σ(u_p)n.
 ///
 /// *Use when* an indicator is wanted that needs no unknowns of higher degree. *Fails when* the traction is rough on the
-/// scale of an element: a jump that is no mesh vertex is integrated to about 10 %.
-/// *Cost*: points × elements; 80 elements of degree 6 take about 0.1 s on two cores. Parallel over elements, the same
+/// scale of an element: a jump that is no mesh vertex is integrated to 10 % of the element.
+/// *Cost*: points × elements; 80 elements take one core 50 ms (p = 2) to 110 ms (p = 10). Parallel over elements, the same
 /// bits for any number of threads.
 ///
 /// # Errors

@@ -141,6 +141,9 @@ fn panels_cover_the_element_and_stop_at_kinks() {
         let exact = (1.3f64.powi(2) + 0.7f64.powi(2)) / 2.0; // ∫ |t - 0.3|
         let error = (all(&|t| (t - 0.3).abs()) - exact).abs();
         assert!(if kinks.is_empty() { error > 1e-4 } else { error < 1e-15 }, "{error:e}");
+        // a jump anywhere is integrated to 10 % of the element
+        let jump = |a: f64| (all(&|t| f64::from(t > a)) - (1.0 - a)).abs() / 2.0;
+        assert!((-99..100).all(|k| jump(f64::from(k) / 100.0) < 0.1));
     }
 }
 
