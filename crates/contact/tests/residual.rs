@@ -4,7 +4,7 @@ mod solved;
 
 use proptest::prelude::*;
 use solved::{Case, Field, square};
-use steklov_bem_operators::{BodyForce, BoundaryField, Datum, Material, Mesh, Plane, Site, Space};
+use steklov_bem_operators::{BodyForce, BoundaryField, Datum, Loop, Material, Mesh, Plane, Polygon, Site, Space};
 use steklov_contact::{
     ContactError, ContactResidual, ContactSolution, SideData, contact_boundary, contact_residuals, multiplier_trace,
 };
@@ -190,6 +190,7 @@ fn each_term_alone() {
         // w = 0.2 s - 0.1 + 0.1 = 0.2 s: ∫w² = 0.04/3, ∫w'² = 0.04
         let penetration = 0.5 * (degree * young * 0.04 / 3.0 + young / degree * 0.04);
         check(of(0.0, &|s| 0.2 * s - 0.1, [0.0; 2], -0.1, 1.0), [0.0, 0.0, 0.0, penetration, 0.0, 0.0]);
+        check(of(0.0, &|s| 0.2 * s - 0.1, [3.0, 0.0], -0.1, 1.0), [stress(3.0), 0.0, 0.0, penetration, 0.0, 0.0]);
         // pressure 3 at a gap: the lesser energy of taking the pressure or the gap away
         check(of(0.0, &flat, [3.0, 0.0], 0.01, 1.0), [stress(3.0), length(0.01), 0.0, 0.0, 0.0, 0.0]);
         check(of(0.0, &flat, [3.0, 0.0], 100.0, 1.0), [stress(3.0), stress(3.0), 0.0, 0.0, 0.0, 0.0]);
@@ -201,6 +202,23 @@ fn each_term_alone() {
         // a bound beyond any shear is full stick
         check(of(0.01, &flat, [0.0, 1.0], 0.0, 1e100), [stress(1.0), 0.0, 0.0, 0.0, 0.0, length(0.01)]);
     }
+}
+
+/// A straight floor of which one part is in contact: the multiplier ends where that part ends.
+#[test]
+fn the_multiplier_stays_on_its_side() {
+    let corners = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
+    let sides = ["contact", "free", "right", "top", "left"].map(String::from).to_vec();
+    let polygon = Polygon::new(Loop { corners, sides }, Vec::new()).expect("a rectangle");
+    let mesh = Mesh::uniform(&polygon, 5, 3);
+    let space = Space::new(&mesh);
+    let boundary = contact_boundary(&mesh, &space, &[SideData { side: 0, gap: NONE, bound: None }], &|_| [None, None]);
+    let trace = |e: usize| {
+        let boundary = boundary.as_ref().expect("a boundary");
+        multiplier_trace(&mesh, &space, boundary, &vec![[2.0, -1.0]; boundary.nodes.len()], e)
+    };
+    assert!(trace(0).iter().all(|l| (l[0] - 2.0).abs() < 1e-14 && (l[1] + 1.0).abs() < 1e-14));
+    assert!((1..mesh.len()).all(|e| trace(e) == [[0.0; 2]; 4]));
 }
 
 /// The gap counts with its slope, not with its values at nodes: u = 0, g = -s², so w = s² and w' = 2s.
