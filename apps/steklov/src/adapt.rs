@@ -117,7 +117,7 @@ impl Layout {
     ) -> Result<(Self, Vec<Located>), SolveError> {
         let method = &scene.method;
         let Solved { mesh, space, .. } = solved;
-        let squared: Vec<f64> = estimate.indicators.iter().map(|i| i.total()).collect();
+        let squared = estimate.squared();
         let decay = |e: usize| legendre_decay(mesh, space, e, &solved.displacement);
         let marked = |theta: f64, rough: &dyn Fn(usize) -> bool| -> Vec<Mark> {
             let marked = doerfler(&squared, method.marking.unwrap_or(theta));
