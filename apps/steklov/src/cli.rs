@@ -1,5 +1,7 @@
 //! Arguments, messages and exit statuses of the command.
 
+mod study;
+
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -39,6 +41,8 @@ enum Command {
     Solve(SolveArgs),
     /// Say what would be modelled and why, what is left out, what it costs; solve nothing
     Plan(PlanArgs),
+    /// Compare strategies of refinement: true errors and estimates over unknowns and seconds
+    Study(study::StudyArgs),
     /// Show a stored result: summary, pictures, tables
     Show(ShowArgs),
     /// Print a commented scene to start from
@@ -125,6 +129,7 @@ impl Cli {
         let status = match self.command {
             Command::Solve(args) => solve_scene(&args),
             Command::Plan(args) => show_plan(&args),
+            Command::Study(args) => study::study(&args),
             Command::Show(args) => show(&args),
             Command::New => {
                 say(TEMPLATE.trim_end());
@@ -174,14 +179,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         return Err(Failure(too_many_dofs(&scene, plan.cost.dofs).render()));
     }
     set_threads(args.threads)?;
-    let interrupts = Arc::new(AtomicUsize::new(0));
-    let (presses, quiet) = (Arc::clone(&interrupts), args.quiet);
-    ctrlc::set_handler(move || {
-        let before = presses.fetch_add(1, Ordering::Relaxed);
-        if !quiet {
-            eprintln!("{}", if before == 0 { "finishing this step; again to stop at once" } else { "stopping" });
-        }
-    })?;
+    let interrupts = interrupts(args.quiet)?;
     let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
     let record = create_atomically(&out, args.force, |file| -> Result<Record, SolveError> {
@@ -197,10 +195,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         Ok(record)
     });
     bar.finish();
-    let mut record = record.map_err(|error| match explain(&scene, error) {
-        Ok(error) => Failure(error.render()),
-        Err(error) => error.into(),
-    })?;
+    let mut record = record.map_err(|error| explained(&scene, error))?;
     record.summary.seconds.total = clock.elapsed().as_secs_f64();
     let converged = record.summary.converged;
     let summary = record.summary.clone();
@@ -232,6 +227,27 @@ fn check_output(out: &Path, scene: &Path, force: bool) -> Result<(), Failure> {
         return Err(Failure(format!("error: {error}; choose another --out, or --force to replace it")));
     }
     Ok(())
+}
+
+/// Counts the user's wishes to stop.
+fn interrupts(quiet: bool) -> Result<Arc<AtomicUsize>, Failure> {
+    let interrupts = Arc::new(AtomicUsize::new(0));
+    let presses = Arc::clone(&interrupts);
+    ctrlc::set_handler(move || {
+        let before = presses.fetch_add(1, Ordering::Relaxed);
+        if !quiet {
+            eprintln!("{}", if before == 0 { "finishing this step; again to stop at once" } else { "stopping" });
+        }
+    })?;
+    Ok(interrupts)
+}
+
+/// An error of the solver, told with the text of the scene that causes it.
+fn explained(scene: &Scene, error: SolveError) -> Failure {
+    match explain(scene, error) {
+        Ok(error) => Failure(error.render()),
+        Err(error) => error.into(),
+    }
 }
 
 fn set_threads(threads: Option<u16>) -> Result<(), Failure> {

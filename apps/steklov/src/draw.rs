@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use steklov_io::vtkhdf::Field;
 
-use crate::picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, write};
+use crate::picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 use crate::report::ContactRow;
 use crate::store::Stored;
 
@@ -16,15 +16,29 @@ use crate::store::Stored;
 pub fn pictures(stored: &Stored, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
     let mut files = Vec::new();
     files.extend(write(folder, &format!("{name}-body"), &body_picture(stored)?)?);
-    for (side, side_name) in stored.mesh.side_names.iter().enumerate() {
-        let rows: Vec<&ContactRow> = stored.contact.iter().filter(|r| r.side == side).collect();
+    let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
+    files.extend(contact_pictures(title, sides, &stored.contact, folder, &format!("{name}-contact"))?);
+    Ok(files)
+}
+
+/// Draws each contact side, into files that begin with `name`.
+pub(crate) fn contact_pictures(
+    title: &str,
+    side_names: &[String],
+    rows: &[ContactRow],
+    folder: &Path,
+    name: &str,
+) -> Result<Vec<PathBuf>, PictureError> {
+    let mut files = Vec::new();
+    for (side, side_name) in side_names.iter().enumerate() {
+        let rows: Vec<&ContactRow> = rows.iter().filter(|r| r.side == side).collect();
         if !rows.is_empty() {
-            let picture = contact_picture(stored, side_name, &rows)?;
+            let picture = contact_picture(title, side_name, &rows)?;
             let mut part = file_name(side_name);
-            if stored.mesh.side_names[..side].iter().any(|other| file_name(other) == part) {
+            if side_names[..side].iter().any(|other| file_name(other) == part) {
                 part += &format!("-{side}");
             }
-            files.extend(write(folder, &format!("{name}-contact-{part}"), &picture)?);
+            files.extend(write(folder, &format!("{name}-{part}"), &picture)?);
         }
     }
     Ok(files)
@@ -79,7 +93,7 @@ fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
     stretches
 }
 
-fn contact_picture(stored: &Stored, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
+fn contact_picture(title: &str, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
     // a straight horizontal or vertical side is drawn against x or y, any other against its arc length
     let same =
         |i: usize| rows.iter().all(|r| (r.point[i] - rows[0].point[i]).abs() < 1e-12 * r.point[i].abs().max(1.0));
@@ -100,7 +114,7 @@ fn contact_picture(stored: &Stored, side: &str, rows: &[&ContactRow]) -> Result<
     let collect = |f: fn(&ContactRow) -> f64| rows.iter().map(|r| f(r)).collect::<Vec<f64>>();
     let bound = if rows.iter().any(|r| r.bound > 0.0) { collect(|r| r.bound) } else { Vec::new() };
     contact(&ContactSide {
-        title: &format!("{}: contact on {side}", stored.summary.title),
+        title: &format!("{title}: contact on {side}"),
         x_label: &label,
         position: &position,
         pressure: &collect(|r| r.pressure),
@@ -118,9 +132,7 @@ pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec
     let mut files = Vec::new();
     let mut save = |table: &str, text: String| -> std::io::Result<()> {
         let path = folder.join(format!("{name}-{table}.csv"));
-        let mut file = tempfile::NamedTempFile::new_in(folder)?;
-        std::io::Write::write_all(&mut file, text.as_bytes())?;
-        file.persist(&path).map_err(|e| e.error)?;
+        replace(folder, &path, text.as_bytes())?;
         files.push(path);
         Ok(())
     };

@@ -71,8 +71,9 @@ pub fn write(dir: &Path, name: &str, picture: &Picture) -> Result<[PathBuf; 2], 
     Ok([save("svg", picture.svg.as_bytes())?, save("png", &picture.png)?])
 }
 
-fn replace(dir: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
-    // tempfile makes private files; a picture gets the permissions of any other new file.
+/// Writes a file of the folder `dir` that appears whole or not at all.
+pub(crate) fn replace(dir: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+    // tempfile makes private files; this one gets the permissions of any other new file.
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
     {

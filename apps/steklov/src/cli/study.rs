@@ -1,0 +1,210 @@
+//! The subcommand `study`.
+
+use std::cell::Cell;
+use std::io::IsTerminal;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+
+use clap::{Args, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use steklov_io::{IoError, create_atomically};
+
+use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, set_threads, stem};
+use crate::explain::too_many_dofs;
+use crate::picture;
+use crate::plan::plan;
+use crate::reference::{Reference, ReferenceError};
+use crate::scene::{Refine, Scene};
+use crate::solve::Stage;
+use crate::study::{NAMES, Study, csv, json, pictures, settings, strategy, text, write};
+
+#[derive(Args)]
+pub(super) struct StudyArgs {
+    /// Scene file (TOML)
+    scene: PathBuf,
+    /// Strategies to compare, separated by commas; default: all
+    #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
+    strategies: Vec<Name>,
+    /// What to study
+    #[arg(long, value_enum, default_value = "convergence")]
+    what: What,
+    /// Runs of each strategy, of which the seconds are medians
+    #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..=1000))]
+    repeat: u16,
+    /// Folder for the files; default: the scene's name with -study in the current folder
+    #[arg(long, value_name = "DIR")]
+    out: Option<PathBuf>,
+    /// Change a key of the scene, the value typed as TOML; may be repeated
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    overrides: Vec<String>,
+    /// Number of threads; default: one a processor
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+    /// Print one JSON object instead of a table
+    #[arg(long)]
+    json: bool,
+    /// No progress on stderr
+    #[arg(long)]
+    quiet: bool,
+    /// Write into a folder that is not empty, over the files of an older study
+    #[arg(long)]
+    force: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum Name {
+    UniformH,
+    UniformP,
+    H,
+    HpDecay,
+    Hp,
+}
+
+impl Name {
+    fn strategy(self) -> (&'static str, Refine) {
+        NAMES[self as usize]
+    }
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum What {
+    Convergence,
+    #[value(hide = true)]
+    InfSup,
+    #[value(hide = true)]
+    Stability,
+}
+
+/// Compares strategies on a scene and stores what comes out.
+pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
+    if args.what != What::Convergence {
+        let what = args.what.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
+        return Err(Failure(format!(
+            "error: --what {what} is not yet available: only convergence, which is the default"
+        )));
+    }
+    let scene = scene(args)?;
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-study", stem(&args.scene))));
+    check_folder(&out, args.force)?;
+    let cost = plan(&scene).cost;
+    if cost.dofs > scene.method.max_dofs {
+        return Err(Failure(too_many_dofs(&scene, cost.dofs).render()));
+    }
+    set_threads(args.threads)?;
+    let mut names: Vec<(&str, Refine)> = args.strategies.iter().map(|n| n.strategy()).collect();
+    if names.is_empty() {
+        names = NAMES.to_vec();
+    }
+    names.sort_by_key(|n| NAMES.iter().position(|m| m == n));
+    names.dedup();
+    let repeat = usize::from(args.repeat);
+    let stop = interrupts(args.quiet)?;
+    let watch = Watch::new(args.quiet, 1 + names.len() * (repeat + 1));
+    let reference = Reference::new(&scene, &stop, &mut |step, stage| {
+        if let Stage::Progress(part, _) = stage {
+            watch.show("reference", &format!("step {}, {part}", step + 1));
+        }
+        Ok(())
+    });
+    let reference = reference.map_err(|error| match error {
+        ReferenceError::Solve(error) => explained(&scene, error),
+        error @ ReferenceError::NotSolved { .. } => error.into(),
+    })?;
+    let mut strategies = Vec::new();
+    for name in names {
+        if stop.load(Ordering::Relaxed) == 0 {
+            let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
+            strategies.push(strategy(&scene, name, &reference, repeat, &stop, tell));
+        }
+    }
+    watch.show("files", "");
+    let interrupted = stop.load(Ordering::Relaxed) > 0;
+    let study = Study { scene: &scene, reference: &reference, strategies: &strategies, repeat, interrupted };
+    let files = store(&study, &out)?;
+    watch.finish();
+    if args.json {
+        let mut object = json(&study);
+        object["files"] = files.iter().map(|f| f.display().to_string()).collect();
+        say(&serde_json::to_string_pretty(&object)?);
+    } else {
+        say(text(&study).trim_end());
+        say(&format!("files       {} in {}", files.len(), out.display()));
+    }
+    Ok(if study.complete() { 0 } else { NOT_REACHED })
+}
+
+/// The scene with the settings of a study; first as it is, so that its own faults are told at their places.
+fn scene(args: &StudyArgs) -> Result<Scene, Failure> {
+    let source = read_scene(&args.scene, &args.overrides)?.source;
+    let all = settings(&source.text, &args.overrides);
+    Scene::parse(&source.text, &source.name, &all).map_err(|e| Failure(e.render()))
+}
+
+/// A folder that cannot take the files is said before anything is solved.
+fn check_folder(out: &Path, force: bool) -> Result<(), Failure> {
+    if out.symlink_metadata().is_err() {
+        return Ok(());
+    }
+    if !out.is_dir() {
+        return Err(Failure(format!("error: {} is not a folder; name another one with --out", out.display())));
+    }
+    if !force && std::fs::read_dir(out)?.next().is_some() {
+        let error = IoError::Exists { path: out.to_owned() };
+        return Err(Failure(format!("error: {error}; choose another --out, or --force to replace what is in it")));
+    }
+    Ok(())
+}
+
+/// Writes `study.h5`, `study.csv` and the pictures.
+fn store(study: &Study<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
+    let failed = |e: std::io::Error| Failure(format!("error: the study cannot be written into {}: {e}", out.display()));
+    std::fs::create_dir_all(out).map_err(failed)?;
+    let mut files = vec![out.join("study.h5"), out.join("study.csv")];
+    create_atomically(&files[0], true, |file| -> Result<(), IoError> { write(file, study) })?;
+    picture::replace(out, &files[1], csv(study).as_bytes()).map_err(failed)?;
+    files.extend(pictures(study, out)?);
+    Ok(files)
+}
+
+/// A bar on a terminal; elsewhere a line for each run; nothing when quiet.
+struct Watch {
+    bar: Option<ProgressBar>,
+    start: Instant,
+    quiet: bool,
+    /// What was shown last.
+    last: Cell<String>,
+}
+
+impl Watch {
+    /// For so many runs and measurements.
+    fn new(quiet: bool, number: usize) -> Self {
+        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
+            let bar = ProgressBar::with_draw_target(Some(number as u64), ProgressDrawTarget::stderr());
+            let style = ProgressStyle::with_template("{elapsed:>4} {bar:20} {msg}");
+            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+            bar
+        });
+        Self { bar, start: Instant::now(), quiet, last: Cell::default() }
+    }
+
+    fn show(&self, what: &str, detail: &str) {
+        let last = self.last.take();
+        let new = last != what;
+        if let Some(bar) = &self.bar {
+            if new && !last.is_empty() {
+                bar.inc(1);
+            }
+            bar.set_message(format!("{what}: {detail}"));
+        } else if new && !self.quiet {
+            eprintln!("{:6.1} s  {what}", self.start.elapsed().as_secs_f64());
+        }
+        self.last.set(what.to_owned());
+    }
+
+    fn finish(&self) {
+        if let Some(bar) = &self.bar {
+            bar.finish_and_clear();
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The pictures of a study.
+
+use std::path::{Path, PathBuf};
+
+use super::strategy::{Point, Strategy};
+use super::{Law, Study};
+use crate::draw::contact_pictures;
+use crate::picture::{
+    Axis, Band, Chart, Curve, MeshFigure, MeshPanel, PictureError, Scale, Series, chart, meshes, write,
+};
+
+/// Meshes of a strategy in one figure at most.
+const PANELS: usize = 6;
+
+/// A quantity of a chart: its name and its value at a step.
+type Quantity = (&'static str, fn(&Point) -> f64);
+
+const ERROR: Quantity = ("true error", |p| p.error);
+const ESTIMATE: Quantity = ("estimate", |p| p.estimate);
+const ENERGY_ERROR: Quantity = ("energy error", |p| p.energy_error);
+const EFFECTIVITY: Quantity = ("estimate / error", Point::effectivity);
+
+const DOFS: Axis<'static> = Axis { label: "degrees of freedom N", scale: Scale::Log };
+const ROOT: Axis<'static> = Axis { label: "degrees of freedom N", scale: Scale::SquareRoot };
+
+/// Draws the charts, the meshes of each strategy and the contact sides of the last one that has any into a folder;
+/// returns the files.
+///
+/// # Errors
+/// When a picture cannot be drawn or written.
+pub fn pictures(study: &Study<'_>, folder: &Path) -> Result<Vec<PathBuf>, PictureError> {
+    let seconds = format!(
+        "seconds ({})",
+        if study.repeat > 1 { format!("median of {} runs", study.repeat) } else { "one run".into() }
+    );
+    let seconds = Axis { label: &seconds, scale: Scale::Log };
+    let error = Axis { label: "relative error, energy norm", scale: Scale::Log };
+    let energy = Axis { label: "energy error (|J - J_ref| / |J_ref|)^1/2", scale: Scale::Log };
+    let ratio = Axis { label: EFFECTIVITY.0, scale: Scale::Linear };
+    let dofs: fn(&Point) -> f64 = |p| p.dofs as f64;
+    let time: fn(&Point) -> f64 = |p| p.seconds;
+    let both = &[ERROR, ESTIMATE][..];
+    let within = Band { label: "within 25 %", y: [0.8, 1.25] };
+    let mut files = Vec::new();
+    let mut draw = |name: &str, c: &Comparison<'_>| -> Result<(), PictureError> {
+        files.extend(write(folder, name, &comparison(study, c)?)?);
+        Ok(())
+    };
+    let law = Some(Law::Algebraic);
+    draw("error-dofs", &Comparison { x: DOFS, cost: dofs, y: error, quantities: both, law, band: None })?;
+    let law = Some(Law::SquareRoot);
+    draw("error-root-dofs", &Comparison { x: ROOT, cost: dofs, y: error, quantities: both, law, band: None })?;
+    let law = None;
+    draw("error-seconds", &Comparison { x: seconds, cost: time, y: error, quantities: both, law, band: None })?;
+    let quantities = &[ENERGY_ERROR][..];
+    draw("energy-dofs", &Comparison { x: DOFS, cost: dofs, y: energy, quantities, law, band: None })?;
+    draw("energy-seconds", &Comparison { x: seconds, cost: time, y: energy, quantities, law, band: None })?;
+    let quantities = &[EFFECTIVITY][..];
+    draw("effectivity", &Comparison { x: DOFS, cost: dofs, y: ratio, quantities, law, band: Some(within) })?;
+    for strategy in study.strategies.iter().filter(|s| !s.points.is_empty()) {
+        files.extend(mesh_pictures(study, strategy, folder)?);
+    }
+    if let Some(strategy) = study.strategies.iter().rev().find(|s| !s.contact.is_empty()) {
+        let title =
+            format!("{}, {} step {}", study.scene.title, strategy.name, strategy.points.len().saturating_sub(1));
+        let names = study.scene.polygon.side_names();
+        files.extend(contact_pictures(&title, names, &strategy.contact, folder, "contact")?);
+    }
+    Ok(files)
+}
+
+/// What a chart compares.
+struct Comparison<'a> {
+    x: Axis<'a>,
+    cost: fn(&Point) -> f64,
+    y: Axis<'a>,
+    quantities: &'a [Quantity],
+    /// The fitted law that the key names.
+    law: Option<Law>,
+    band: Option<Band<'a>>,
+}
+
+fn comparison(study: &Study<'_>, c: &Comparison<'_>) -> Result<crate::picture::Picture, PictureError> {
+    let values = |s: &Strategy| -> Vec<Vec<[f64; 2]>> {
+        let curve = |q: &Quantity| s.points.iter().map(|p| [(c.cost)(p), (q.1)(p)]).collect();
+        c.quantities.iter().map(curve).collect()
+    };
+    let points: Vec<Vec<Vec<[f64; 2]>>> = study.strategies.iter().map(values).collect();
+    let flags: Vec<Vec<bool>> =
+        study.strategies.iter().map(|s| s.points.iter().map(|p| !p.doubts.is_empty()).collect()).collect();
+    let curves: Vec<Vec<Curve<'_>>> = points
+        .iter()
+        .zip(&flags)
+        .map(|(all, flags)| {
+            // doubts are about estimates
+            let flags = |q: &Quantity| if [ESTIMATE.0, EFFECTIVITY.0].contains(&q.0) { &flags[..] } else { &[] };
+            all.iter().zip(c.quantities).map(|(points, q)| Curve { points, flagged: flags(q) }).collect()
+        })
+        .collect();
+    let names: Vec<String> = study.strategies.iter().map(|s| name(s, c.law)).collect();
+    let series: Vec<Series<'_>> = names.iter().zip(&curves).map(|(name, curves)| Series { name, curves }).collect();
+    let quantities: Vec<&str> = c.quantities.iter().map(|q| q.0).collect();
+    chart(&Chart {
+        title: &study.scene.title,
+        x: c.x,
+        y: c.y,
+        quantities: &quantities,
+        series: &series,
+        flag: "estimate not reliable",
+        guides: &[],
+        band: c.band,
+    })
+}
+
+/// A strategy's name with the law of its errors, if it is of that sort.
+fn name(strategy: &Strategy, law: Option<Law>) -> String {
+    match strategy.fits().iter().find(|f| Some(f.law) == law) {
+        Some(fit) => format!("{}: {}", strategy.name, fit.law.with_rate(fit.rate)),
+        None => strategy.name.into(),
+    }
+}
+
+fn mesh_pictures(study: &Study<'_>, strategy: &Strategy, folder: &Path) -> Result<[PathBuf; 2], PictureError> {
+    let steps = strategy.some(PANELS);
+    let elements: Vec<Vec<[[f64; 2]; 2]>> = steps
+        .iter()
+        .map(|&k| &strategy.points[k].mesh)
+        .map(|mesh| (0..mesh.len()).map(|e| mesh.ends(e)).collect())
+        .collect();
+    let captions: Vec<String> = steps
+        .iter()
+        .map(|&k| (k, &strategy.points[k]))
+        .map(|(k, p)| format!("step {k}: {} elements, {} dofs", p.mesh.len(), p.dofs))
+        .collect();
+    let panels: Vec<MeshPanel<'_>> = steps
+        .iter()
+        .zip(elements.iter().zip(&captions))
+        .map(|(&k, (elements, caption))| {
+            let mesh = &strategy.points[k].mesh;
+            MeshPanel { caption, elements, degree: &mesh.degree, side: &mesh.side }
+        })
+        .collect();
+    let title = format!("{}: meshes of {}", study.scene.title, strategy.name);
+    let figure = MeshFigure { title: &title, side_names: study.scene.polygon.side_names(), panels: &panels };
+    write(folder, &format!("meshes-{}", strategy.name), &meshes(&figure)?)
+}

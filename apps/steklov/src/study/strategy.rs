@@ -1,0 +1,228 @@
+//! One strategy: its runs, its seconds, its true errors.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use steklov_bem_operators::Mesh;
+
+use super::fit::{Fit, Law, fit};
+use super::{MEASURED, chosen};
+use crate::reference::Reference;
+use crate::report::{ContactRow, contact_rows};
+use crate::run::{Progress, Reason, Run, Step, run};
+use crate::scene::{Refine, Scene};
+use crate::solve::{SolveError, Stage};
+
+/// The strategies and their names in scenes.
+pub const NAMES: [(&str, Refine); 5] = [
+    ("uniform-h", Refine::UniformH),
+    ("uniform-p", Refine::UniformP),
+    ("h", Refine::H),
+    ("hp-decay", Refine::HpDecay),
+    ("hp", Refine::Hp),
+];
+
+/// A step of a strategy.
+#[derive(Debug, Clone)]
+pub struct Point {
+    /// Its mesh.
+    pub mesh: Mesh,
+    /// Displacement unknowns.
+    pub dofs: usize,
+    /// Seconds from the beginning of the run to the end of this step, the median of the repeated runs.
+    pub seconds: f64,
+    /// J.
+    pub energy: f64,
+    /// (|J - J_ref|/|J_ref|)^½.
+    pub energy_error: f64,
+    /// ⟨S e, e⟩^½ over that of the reference solution; NaN where it was not measured.
+    pub error: f64,
+    /// Its estimate, over the same.
+    pub estimate: f64,
+    /// J of the enriched spaces and how far the exact one may be from it.
+    pub extrapolated: [f64; 2],
+    /// Parts of the estimate, over the same: correction, oscillation, tips.
+    pub parts: [f64; 3],
+    /// Why the estimate is in doubt; empty if it is not.
+    pub doubts: Vec<&'static str>,
+}
+
+impl Point {
+    /// Estimate over error; NaN where the error was not measured.
+    pub fn effectivity(&self) -> f64 {
+        self.estimate / self.error
+    }
+
+    /// Highest degree of its mesh.
+    pub fn max_degree(&self) -> usize {
+        self.mesh.degree.iter().copied().max().unwrap_or(0)
+    }
+
+    fn new(step: &Step, error: Option<f64>, reference: &Reference, mut times: Vec<f64>) -> Self {
+        let (estimate, norm) = (&step.estimate, reference.norm);
+        let oscillation: f64 = estimate.indicators.iter().map(|i| i.oscillation).sum();
+        Self {
+            mesh: step.mesh.clone(),
+            dofs: step.dofs,
+            seconds: median(&mut times),
+            energy: step.energy,
+            energy_error: reference.energy_error(step.energy),
+            error: error.map_or(f64::NAN, |e| e / norm),
+            estimate: estimate.error / norm,
+            extrapolated: [estimate.energy, estimate.uncertainty],
+            parts: [estimate.correction, oscillation, estimate.tips].map(|p| p.max(0.0).sqrt() / norm),
+            doubts: estimate.doubts.iter().map(|d| d.word()).collect(),
+        }
+    }
+}
+
+/// How a strategy ended.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub enum End {
+    /// As a run ends.
+    Run(Reason),
+    /// With an error; the steps before it are kept.
+    Failed(String),
+}
+
+impl End {
+    /// The word of the JSON object.
+    pub fn word(&self) -> &'static str {
+        match self {
+            Self::Run(reason) => reason.word(),
+            Self::Failed(_) => "failed",
+        }
+    }
+}
+
+/// A strategy and its steps.
+#[derive(Debug, Clone)]
+pub struct Strategy {
+    /// Its name in scenes.
+    pub name: &'static str,
+    /// The steps.
+    pub points: Vec<Point>,
+    /// How it ended.
+    pub end: End,
+    /// The contact table of the last step; empty without contact.
+    pub contact: Vec<ContactRow>,
+}
+
+impl Strategy {
+    /// Some of the steps, at most so many: the first, the last and some between.
+    pub(super) fn some(&self, most: usize) -> Vec<usize> {
+        chosen(&self.points.iter().map(|p| p.dofs).collect::<Vec<_>>(), most)
+    }
+
+    /// Whether it went on to its tolerance, to rounding errors or to a limit.
+    pub fn complete(&self) -> bool {
+        !matches!(self.end, End::Failed(_) | End::Run(Reason::Interrupted | Reason::Solver))
+    }
+
+    /// Laws fitted to its true errors: one of powers, for hp strategies those of exponentials.
+    pub fn fits(&self) -> Vec<Fit> {
+        let laws = if self.name.starts_with("hp") { &[Law::SquareRoot, Law::CubeRoot][..] } else { &[Law::Algebraic] };
+        let errors: Vec<(usize, f64)> = self.points.iter().map(|p| (p.dofs, p.error)).collect();
+        laws.iter().filter_map(|&law| fit(law, &errors)).collect()
+    }
+}
+
+/// Runs a strategy `repeat` times and measures the errors of some of its steps, evenly spaced in log N. `tell` hears what is being done and which part
+/// of that. After a wish to stop nothing more is run or measured.
+///
+/// An error of the solver ends the strategy, not the study: [`End::Failed`].
+pub fn strategy(
+    scene: &Scene,
+    (name, refine): (&'static str, Refine),
+    reference: &Reference,
+    repeat: usize,
+    interrupts: &AtomicUsize,
+    tell: &mut dyn FnMut(&str, &str),
+) -> Strategy {
+    let mut scene = scene.clone();
+    scene.method.refine = refine;
+    let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+    let what = |k: usize| format!("{name}, run {k} of {}", repeat.max(1));
+    let mut first = Round::new(&scene, interrupts, &what(1), tell);
+    let mut failure = None;
+    if let Err(error) = &first.run {
+        failure = Some(match error {
+            SolveError::Interrupted => End::Run(Reason::Interrupted),
+            error => End::Failed(error.to_string()),
+        });
+        if !first.ends.is_empty() && !stopped() {
+            // the steps before the error once more, to keep them
+            scene.method.max_steps = first.ends.len();
+            first = Round::new(&scene, interrupts, &what(1), tell);
+        }
+    }
+    let Ok(run) = &first.run else {
+        let end = failure.unwrap_or(End::Run(Reason::Interrupted));
+        return Strategy { name, points: Vec::new(), end, contact: Vec::new() };
+    };
+    let mut ends = vec![first.ends];
+    while ends.len() < repeat && !stopped() {
+        ends.push(Round::new(&scene, interrupts, &what(ends.len() + 1), tell).ends);
+    }
+    let steps = &run.progress.steps;
+    let dofs: Vec<usize> = steps.iter().map(|s| s.dofs).collect();
+    let measured = chosen(&dofs, MEASURED);
+    let mut points = Vec::with_capacity(steps.len());
+    for (k, (step, displacement)) in steps.iter().zip(&first.displacements).enumerate() {
+        // an error that cannot be measured is not known: the point has its estimate still
+        let error = (measured.contains(&k) && !stopped()).then(|| {
+            tell(&format!("{name}, true errors"), &format!("step {} of {}", k + 1, steps.len()));
+            reference.true_error(&scene, step, displacement, interrupts).ok().flatten()
+        });
+        let times = ends.iter().filter_map(|e| e.get(k).copied()).collect();
+        points.push(Point::new(step, error.flatten(), reference, times));
+    }
+    let contact = run.last.contact.as_ref().map_or(Vec::new(), |c| contact_rows(c, &run.last.displacement));
+    Strategy { name, points, end: failure.unwrap_or(End::Run(run.reason)), contact }
+}
+
+/// One run, and what its steps leave.
+struct Round {
+    run: Result<Run, SolveError>,
+    /// Nodal displacement of each step.
+    displacements: Vec<Vec<f64>>,
+    /// Seconds from the beginning of the run to the end of each step.
+    ends: Vec<f64>,
+}
+
+impl Round {
+    fn new(scene: &Scene, interrupts: &AtomicUsize, what: &str, tell: &mut dyn FnMut(&str, &str)) -> Self {
+        let (mut displacements, mut ends) = (Vec::new(), Vec::new());
+        let run = run(scene, Progress::first(scene), interrupts, &mut |step, stage| {
+            match stage {
+                Stage::Progress(part, _) => tell(what, &format!("step {}, {part}", step + 1)),
+                Stage::Step { solved, seconds } => {
+                    displacements.push(solved.displacement.clone());
+                    ends.push(seconds);
+                }
+                Stage::Operators(_) | Stage::Steklov(_) => {}
+            }
+            Ok(())
+        });
+        Self { run, displacements, ends }
+    }
+}
+
+/// The median; of an even number the mean of the two in the middle; NaN of none.
+fn median(values: &mut [f64]) -> f64 {
+    values.sort_by(f64::total_cmp);
+    let n = values.len();
+    if n == 0 { f64::NAN } else { (values[(n - 1) / 2] + values[n / 2]) / 2.0 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn medians() {
+        assert_eq!(median(&mut [3.0]), 3.0);
+        assert_eq!(median(&mut [9.0, 1.0, 2.0]), 2.0);
+        assert_eq!(median(&mut [9.0, 1.0, 2.0, 4.0]), 3.0);
+        assert!(median(&mut []).is_nan());
+    }
+}
