@@ -158,6 +158,7 @@ pub fn contact_boundary(
     held: &dyn Fn(usize) -> [Option<f64>; 2],
 ) -> Result<ContactBoundary, ContactError> {
     let elements = contact_elements(mesh, space, sides)?;
+    let frames = mesh.edge_frames();
     let mut drafts: Vec<Draft> = Vec::new();
     let mut draft_of = vec![None; space.nodes()];
     for element in &elements {
@@ -166,7 +167,7 @@ pub fn contact_boundary(
                 drafts.push(Draft { node, held: held(node), conditions: Vec::new() });
                 drafts.len() - 1
             });
-            drafts[d].add(mesh, element, j);
+            drafts[d].add(frames[element.element], element, j);
         }
     }
     // draft and condition that receive, and the transfer
@@ -254,9 +255,8 @@ struct Draft {
 }
 
 impl Draft {
-    fn add(&mut self, mesh: &Mesh, element: &ContactElement, j: usize) {
+    fn add(&mut self, [normal, tangent]: [[f64; 2]; 2], element: &ContactElement, j: usize) {
         let e = element.element;
-        let (normal, tangent) = (mesh.normal(e), mesh.tangent(e));
         let aligned = |c: &DraftCondition| cross(c.normal, normal).abs() <= ALIGNED && dot(c.normal, normal) > 0.0;
         let k = self.conditions.iter().position(aligned).unwrap_or_else(|| {
             let (elements, parts) = (Vec::new(), <[Part; 2]>::default());
