@@ -123,41 +123,7 @@ impl Barrier {
         let (stiffness, load) = (free.stiffness(&problem.stiffness), free.project(&rest));
         let size = load.len();
         let largest = largest((0..problem.load.len()).map(|i| problem.stiffness[(i, i)]));
-        let mut lines = Vec::new();
-        let mut first = 0;
-        for (n, (node, law)) in problem.nodes.iter().zip(laws).enumerate() {
-            let own: Vec<[f64; 2]> =
-                free.directions[first..].iter().take_while(|d| d.0 == node.first).map(|d| d.2).collect();
-            for (k, kink) in law.kinks.iter().enumerate().filter(|(_, kink)| !is_hard(kink)) {
-                let mut direction = [0.0; 2];
-                own.iter().zip(&mut direction).for_each(|(e, d)| *d = dot(kink.direction, *e));
-                if norm(direction) <= FREE * norm(kink.direction) {
-                    continue;
-                }
-                let (condition, tangential) = law.source[k];
-                let c = &node.conditions[condition];
-                let weight = if tangential { c.tangent_weight } else { c.normal_weight };
-                let mut line = Line {
-                    node: n,
-                    kink: k,
-                    first,
-                    unknowns: own.len(),
-                    direction,
-                    at: kink.at - dot(kink.direction, node.pick(&free.fixed)),
-                    weight,
-                    stiffness: 0.0,
-                };
-                let block = |i: usize| (0..own.len()).map(move |j| (i, j));
-                let energy: f64 = (0..own.len())
-                    .flat_map(block)
-                    .map(|(i, j)| direction[i] * direction[j] * stiffness[(first + i, first + j)])
-                    .sum();
-                let square = dot(direction, direction);
-                line.stiffness = energy.max(1e-6 * largest * square) / (square * square * weight);
-                lines.push(line);
-            }
-            first += own.len();
-        }
+        let lines = lines(problem, laws, &free, &stiffness, largest);
         let memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(size, Par::Seq, Default::default()));
         let mut barrier =
             Self { free, matrix: Mat::zeros(size, size), stiffness, load, lines, largest, scale: (0.0, 0.0), memory };
@@ -200,7 +166,7 @@ impl Barrier {
                 let lambda = wanted.clamp(-0.5 * bound, 0.5 * bound);
                 let away = length * (stress / bound).min(1.0);
                 for (sign, bound) in [(1.0, bound), (-1.0, -bound)] {
-                    let slack = (sign * at).max(0.0) + away;
+                    let slack = away + (sign * at).clamp(0.0, away);
                     pairs.push(Pair { line: number, sign, bound, slack, force: sign * (bound - lambda) });
                 }
             }
@@ -220,14 +186,14 @@ impl Barrier {
         let scale = largest(self.load.iter().copied()) + largest(elastic);
         let (f, l) = (largest(force.iter().copied()), largest(length.iter().copied()));
         let feasibility = (f / scale.max(f64::MIN_POSITIVE)).max(l / self.scale.0);
-        let gap = self.mean(products(point, None).into_iter(), point) / (self.scale.0 * self.scale.1);
+        let gap = self.mean(&products(point), point) / (self.scale.0 * self.scale.1);
         Residual { force, length, gap, feasibility }
     }
 
     /// λ of each line, from the pair that is nearer to its bound.
     fn stresses(&self, point: &Point) -> Vec<f64> {
         let mut nearest = vec![(f64::INFINITY, 0.0); self.lines.len()];
-        for p in point.pairs.iter() {
+        for p in &point.pairs {
             if p.force < nearest[p.line].0 {
                 nearest[p.line] = (p.force, p.bound - p.sign * p.force);
             }
@@ -236,8 +202,8 @@ impl Barrier {
     }
 
     /// Mean over the pairs, weighted by D.
-    fn mean(&self, products: impl Iterator<Item = f64>, point: &Point) -> f64 {
-        let weighted = products.zip(&point.pairs).map(|(x, p)| (self.lines[p.line].weight, x));
+    fn mean(&self, values: &[f64], point: &Point) -> f64 {
+        let weighted = values.iter().zip(&point.pairs).map(|(x, p)| (self.lines[p.line].weight, x));
         let (sum, weights) = weighted.fold((0.0, 0.0), |(sum, all), (w, x)| (sum + w * x, all + w));
         sum / weights
     }
@@ -249,13 +215,13 @@ impl Barrier {
         if !self.factorise(&theta) {
             return None;
         }
-        let product = products(point, None);
+        let product = products(point);
         let wanted: Vec<f64> = product.iter().map(|x| -x).collect();
         let affine = self.direction(point, residual, &theta, &wanted);
-        let after = products(point, Some((&affine, step_length(point, &affine, 1.0))));
-        let (mu, after) = (self.mean(product.iter().copied(), point), self.mean(after.into_iter(), point));
+        let after = products_after(point, &affine, step_length(point, &affine, 1.0));
+        let (mu, after) = (self.mean(&product, point), self.mean(&after, point));
         let share: Vec<f64> = point.pairs.iter().map(|p| self.lines[p.line].weight.powf(SHARE)).collect();
-        let centre = mu * (after / mu).clamp(1e-3, 1.0).powi(3) / self.mean(share.iter().copied(), point);
+        let centre = mu * (after / mu).clamp(1e-3, 1.0).powi(3) / self.mean(&share, point);
         let target: Vec<f64> = share.iter().map(|share| centre * share).collect();
         let second = affine.slack.iter().zip(&affine.force).map(|(s, z)| s * z);
         let mut wanted: Vec<f64> =
@@ -263,7 +229,7 @@ impl Barrier {
         let mut direction = self.direction(point, residual, &theta, &wanted);
         let mut alpha = step_length(point, &direction, TO_BOUNDARY);
         for _ in 0..CORRECTIONS {
-            let ahead = products(point, Some((&direction, (alpha + REACH).min(1.0))));
+            let ahead = products_after(point, &direction, (alpha + REACH).min(1.0));
             let corrections =
                 ahead.iter().zip(&target).map(|(x, t)| (x.max(t / SPREAD).min(t * SPREAD) - x).max(-t * SPREAD));
             let corrected: Vec<f64> = wanted.iter().zip(corrections).map(|(w, c)| w + c).collect();
@@ -361,6 +327,42 @@ impl Barrier {
     }
 }
 
+/// All lines: the kinks but those of infinite friction and those that these leave no direction.
+fn lines(problem: &Problem, laws: &[Law], free: &Free, stiffness: &Mat<f64>, largest: f64) -> Vec<Line> {
+    let mut lines = Vec::new();
+    let mut first = 0;
+    for (n, (node, law)) in problem.nodes.iter().zip(laws).enumerate() {
+        let own = free.directions[first..].iter().take_while(|d| d.0 == node.first);
+        let own: Vec<[f64; 2]> = own.map(|d| d.2).collect();
+        for (k, kink) in law.kinks.iter().enumerate().filter(|(_, kink)| !is_hard(kink)) {
+            let mut direction = [0.0; 2];
+            own.iter().zip(&mut direction).for_each(|(e, d)| *d = dot(kink.direction, *e));
+            if norm(direction) <= FREE * norm(kink.direction) {
+                continue;
+            }
+            let (condition, tangential) = law.source[k];
+            let c = &node.conditions[condition];
+            let weight = if tangential { c.tangent_weight } else { c.normal_weight };
+            let row = |i: usize| (0..own.len()).map(|j| stiffness[(first + i, first + j)] * direction[j]).sum::<f64>();
+            let energy: f64 = (0..own.len()).map(|i| direction[i] * row(i)).sum();
+            let square = dot(direction, direction);
+            lines.push(Line {
+                node: n,
+                kink: k,
+                first,
+                unknowns: own.len(),
+                direction,
+                at: kink.at - dot(kink.direction, node.pick(&free.fixed)),
+                weight,
+                // as for the laws, positive where the node has none
+                stiffness: energy.max(1e-6 * largest * square) / (square * square * weight),
+            });
+        }
+        first += own.len();
+    }
+    lines
+}
+
 fn is_hard(kink: &Kink) -> bool {
     kink.low.is_infinite() && kink.high.is_infinite()
 }
@@ -373,15 +375,15 @@ fn hard_lines(law: &Law) -> Piece {
     piece
 }
 
-/// The products s z of all pairs, after a step of given length along a direction.
-fn products(point: &Point, step: Option<(&Direction, f64)>) -> Vec<f64> {
-    let pairs = point.pairs.iter().enumerate();
-    match step {
-        None => pairs.map(|(_, p)| p.slack * p.force).collect(),
-        Some((d, alpha)) => {
-            pairs.map(|(i, p)| (p.slack + alpha * d.slack[i]) * (p.force + alpha * d.force[i])).collect()
-        }
-    }
+/// The products s z of all pairs.
+fn products(point: &Point) -> Vec<f64> {
+    point.pairs.iter().map(|p| p.slack * p.force).collect()
+}
+
+/// The products s z after a step of length alpha.
+fn products_after(point: &Point, d: &Direction, alpha: f64) -> Vec<f64> {
+    let moved = point.pairs.iter().zip(d.slack.iter().zip(&d.force));
+    moved.map(|(p, (s, z))| (p.slack + alpha * s) * (p.force + alpha * z)).collect()
 }
 
 /// The largest step of at most 1 that stays inside all bounds, times `part` where they limit it.

@@ -23,10 +23,12 @@ fn extreme(nodes: usize) -> impl Strategy<Value = Problem> {
     (mixed(nodes), proptest::collection::vec((0..8usize, 0..8usize), 2 * nodes)).prop_filter_map(
         "conditions that no displacement satisfies",
         |(mut problem, kinds)| {
-            for (c, (bound, weight)) in conditions(&mut problem).zip(kinds) {
+            let corner = problem.nodes.iter().flat_map(|n| n.conditions.iter().map(|_| n.conditions.len() > 1));
+            let corner: Vec<bool> = corner.collect();
+            for ((c, (bound, weight)), corner) in conditions(&mut problem).zip(kinds).zip(corner) {
                 match bound {
                     0 | 1 => c.bound = f64::INFINITY,
-                    2 => c.bound *= 1e6,
+                    2 if !corner => c.bound *= 1e6, // at a corner it would have to give way to an overlap
                     3 => c.bound *= 1e-6,
                     4 => c.bound = 0.0,
                     _ => {}
@@ -101,10 +103,12 @@ proptest! {
     }
 
     #[test]
-    fn larger_problems_equal_the_active_set(problem in prop_oneof![extreme(30), ordinary(40, Friction::Tresca).boxed()]) {
-        let answer = solved(&problem);
-        prop_assert!(answer.iterations <= 40, "{:?}", answer.history);
-        prop_assert!(distance(&answer.displacement, &active_set(&problem, None).unwrap().displacement) < 1e-9);
+    fn larger_problems_equal_the_active_set(rough in extreme(30), plain in ordinary(40, Friction::Tresca)) {
+        for problem in [&rough, &plain] {
+            let other = active_set(problem, None).unwrap();
+            prop_assert!(distance(&solved(problem).displacement, &other.displacement) < 1e-9);
+        }
+        prop_assert!(solved(&plain).iterations <= 25);
     }
 
     #[test]
@@ -156,7 +160,7 @@ proptest! {
             }
         }
         let (a, b) = (solved(&problem), solved(&scaled));
-        prop_assert_eq!(a.iterations, b.iterations);
+        prop_assert_eq!(a.iterations, b.iterations, "{:?} {:?}", a.history, b.history);
         let back: Vec<f64> = b.displacement.iter().map(|v| v / length).collect();
         prop_assert!(distance(&a.displacement, &back) < 1e-9);
     }
