@@ -40,6 +40,7 @@ mod condense;
 mod load;
 mod potential;
 mod particular;
+mod residual;
 
 #[cfg(feature = "proptest")]
 pub mod proptest;
@@ -60,6 +61,7 @@ pub use particular::BodyForce;
 pub use polygon::{Edge, Location, Loop, Polygon};
 pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};
+pub use residual::{BoundaryResidual, boundary_residuals, residual_panels};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};

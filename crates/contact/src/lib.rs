@@ -54,6 +54,8 @@ mod active_set;
 mod newton;
 mod uzawa;
 mod motions;
+mod multiplier_trace;
+mod residual;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 #[cfg(test)]
@@ -67,8 +69,10 @@ pub use frozen::{Frozen, Sets};
 pub use kkt::{Kkt, kkt, kkt_in_body};
 pub use lines::{ContactLine, ElementConditions, LinePoint};
 pub use motions::{ContactEdge, resisted_motions};
+pub use multiplier_trace::multiplier_trace;
 pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
+pub use residual::{ContactResidual, ContactSolution, contact_residuals};
 pub use sides::SideData;
 pub use tips::{Located, Solved, Tip, relocate};
 pub use transitions::{TipFit, TipKind, Transition, first_guess, tip_fit, transitions};
