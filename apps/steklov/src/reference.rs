@@ -64,9 +64,8 @@ fn common_refinement(coarse: &Subdivision, fine: &Subdivision) -> Subdivision {
         let extra = b.iter().map(|p| p.start).filter(|s| a.iter().all(|p| (p.start - s).abs() > CLOSE));
         knots.extend(extra.filter(|s| *s < 1.0 - CLOSE));
         knots.sort_by(f64::total_cmp);
-        let degree_at = |pieces: &[Piece], s: f64| {
-            pieces.iter().find(|p| p.start <= s && s < p.end).map_or(1, |p| p.degree)
-        };
+        let degree_at =
+            |pieces: &[Piece], s: f64| pieces.iter().find(|p| p.start <= s && s < p.end).map_or(1, |p| p.degree);
         let pieces = knots.windows(2).map(|k| {
             let middle = (k[0] + k[1]) / 2.0;
             let degree = degree_at(a, middle).max(degree_at(b, middle)) + 1;
@@ -93,7 +92,11 @@ fn prolong(mesh: &Mesh, displacement: &[f64], reference: &Solved) -> Vec<f64> {
         let [s0, s1] = mesh.span[c];
         // reference coordinates of both ends within the coarse element, from the nearer of its ends
         let place = |s: f64| {
-            if (s - s0).abs() < (s - s1).abs() { -1.0 + 2.0 * (s - s0) / (s1 - s0) } else { 1.0 - 2.0 * (s1 - s) / (s1 - s0) }
+            if (s - s0).abs() < (s - s1).abs() {
+                -1.0 + 2.0 * (s - s0) / (s1 - s0)
+            } else {
+                1.0 - 2.0 * (s1 - s) / (s1 - s0)
+            }
         };
         let (t0, t1) = (place(a), place(b));
         let basis = space.basis(c);

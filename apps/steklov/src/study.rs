@@ -129,7 +129,12 @@ pub fn strategy(
             error: truth.error / truth.norm,
             estimate: step.estimate.error / truth.norm,
             extrapolated: [step.estimate.energy, step.estimate.uncertainty],
-            parts: [step.estimate.correction, step.estimate.indicators.iter().map(|i| i.oscillation).sum(), step.estimate.tips].map(|p: f64| p.sqrt() / truth.norm),
+            parts: [
+                step.estimate.correction,
+                step.estimate.indicators.iter().map(|i| i.oscillation).sum(),
+                step.estimate.tips,
+            ]
+            .map(|p: f64| p.sqrt() / truth.norm),
             doubts: step.estimate.doubts.iter().map(|d| d.word()).collect(),
             mesh: step.mesh,
         });
