@@ -1,14 +1,19 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Datum, ElementMoments, Location, Mesh, Site, Space, add_load, side_moments,
+    BemError, BodyForce, BoundaryField, Datum, ElementMoments, Location, Mesh, Site, Space, add_load,
+    boundary_residuals, side_moments,
 };
-use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles, oscillation};
+use steklov_contact::{
+    ContactBoundary, ContactBubble, ContactSolution, Sets, SideData, contact_boundary, contact_bubbles,
+    contact_residuals, oscillation,
+};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
+use crate::estimate::Residual;
 use crate::expression::Expression;
 use crate::scene::{Condition, Friction, Scene, SceneErrorKind};
-use crate::solve::SolveError;
+use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
 
 /// A scene on a mesh.
@@ -159,29 +164,78 @@ impl Data<'_> {
         Function { value: Box::new(value), kinks: Box::new(|_| Vec::new()) }
     }
 
-    /// Contact nodes, weights and conditions; none without a contact side.
-    pub(crate) fn contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
-        struct Side<'a> {
-            index: usize,
-            gap: &'a Expression,
-            bound: Option<&'a Expression>,
-        }
-        let sides: Vec<Side<'_>> = self
-            .scene
-            .sides
-            .iter()
-            .enumerate()
+    fn contact_sides(&self) -> Vec<ContactSide<'_>> {
+        let sides = self.scene.sides.iter().enumerate();
+        sides
             .filter_map(|(index, side)| match &side.condition {
                 Condition::Contact { gap, friction } => {
                     let bound = match friction {
                         Friction::Tresca(bound) => Some(bound),
                         Friction::None | Friction::Coulomb(_) => None,
                     };
-                    Some(Side { index, gap, bound })
+                    Some(ContactSide { index, gap, bound })
                 }
                 _ => None,
             })
-            .collect();
+            .collect()
+    }
+
+    /// Residual indicators of all elements.
+    pub(crate) fn residuals(&self, solved: &Solved) -> Result<Vec<Residual>, SolveError> {
+        let body = solved.body_force.as_ref();
+        let traction = |site: &Site| -> [Option<f64>; 2] {
+            let e = site.element;
+            let value = |f: &Expression| f.eval(site.point[0], site.point[1], site.s);
+            let given = match &self.scene.sides[self.mesh.side[e]].condition {
+                Condition::Contact { .. } => return [None; 2],
+                Condition::Free => [Some(0.0); 2],
+                Condition::Traction(t) => [Some(value(&t[0])), Some(value(&t[1]))],
+                Condition::Pressure(p) => self.mesh.normal(e).map(|n| Some(-n * value(p))),
+                Condition::Displacement { values, traction } => [0, 1].map(|i| match (&values[i], traction) {
+                    (Some(_), _) => None,
+                    (None, Some(t)) => Some(value(&t[i])),
+                    (None, None) => Some(0.0),
+                }),
+            };
+            let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e)));
+            [0, 1].map(|i| given[i].map(|t| t - particular[i]))
+        };
+        let boundary = boundary_residuals(self.mesh, &solved.field, &traction)?;
+        let mut residuals: Vec<Residual> =
+            boundary.into_iter().map(|boundary| Residual { boundary, ..Default::default() }).collect();
+        if let Some(contact) = &solved.contact {
+            let functions: Vec<_> = self
+                .contact_sides()
+                .into_iter()
+                .map(|s| (s.index, self.function(s.gap), s.bound.map(|b| self.function(b))))
+                .collect();
+            let sides: Vec<SideData<'_>> = functions
+                .iter()
+                .map(|(side, gap, bound)| SideData {
+                    side: *side,
+                    gap: gap.datum("gap"),
+                    bound: bound.as_ref().map(|b| b.datum("friction bound")),
+                })
+                .collect();
+            let solution = ContactSolution {
+                mesh: self.mesh,
+                space: self.space,
+                displacement: &solved.displacement,
+                boundary: &contact.boundary,
+                multipliers: &contact.solution.multipliers,
+                field: &solved.field,
+                body_force: body,
+            };
+            for residual in contact_residuals(&solution, &sides)? {
+                residuals[residual.element].contact = residual;
+            }
+        }
+        Ok(residuals)
+    }
+
+    /// Contact nodes, weights and conditions; none without a contact side.
+    pub(crate) fn contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
+        let sides = self.contact_sides();
         if sides.is_empty() {
             return Ok(None);
         }
@@ -354,6 +408,13 @@ fn to_hierarchical(basis: &LobattoBasis, raised: &LobattoBasis, moments: &mut Ve
     }
     *moments = nodal;
     bubble
+}
+
+/// A contact side of the scene.
+struct ContactSide<'a> {
+    index: usize,
+    gap: &'a Expression,
+    bound: Option<&'a Expression>,
 }
 
 /// An expression as a datum of the numerics.

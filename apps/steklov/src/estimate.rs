@@ -8,11 +8,11 @@
 //! The indicators steer the refinement. The estimate is the energy of e₊, the displacement that S₊ of the enriched spaces
 //! adds with the contact sets as they are.
 
-use steklov_bem_operators::{Condensation, Enriched, EnrichedSteklov, Mesh};
-use steklov_contact::{ContactBubble, Frozen, Located};
+use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Mesh};
+use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located};
 
 use crate::data::Data;
-use crate::scene::{Condition, Scene};
+use crate::scene::{Condition, Indicator, Scene};
 use crate::solve::{Factors, SolveError, Solved};
 
 /// The part of an estimate on one element; each an energy (force*length/thickness).
@@ -33,11 +33,29 @@ impl Bubble {
     }
 }
 
+/// The residual indicator of one element.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Residual {
+    /// What is left of the boundary equations.
+    pub boundary: BoundaryResidual,
+    /// What is left of the contact conditions.
+    pub contact: ContactResidual,
+}
+
+impl Residual {
+    /// η².
+    pub fn total(&self) -> f64 {
+        self.boundary.total() + self.contact.total()
+    }
+}
+
 /// Estimate of the error of a solved mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Estimate {
     /// Indicators of the elements.
     pub indicators: Vec<Bubble>,
+    /// Residual indicators, where these are asked for; else empty.
+    pub residuals: Vec<Residual>,
     /// ⟨S₊e₊, e₊⟩ of the correction e₊ that the enriched spaces add.
     pub correction: f64,
     /// Energy of what the mesh's vertices miss of the transitions.
@@ -84,7 +102,7 @@ const SATURATION: f64 = 1.03;
 /// Energy of a tip that is off by δ: 0.3 E* B² |δ|³.
 const TIP: f64 = 0.3;
 /// A tip farther from its vertex than this part of its edge: the contact sets are not those of the solution yet.
-const FAR: f64 = 0.02;
+const FAR: f64 = 0.01;
 /// Relative error (energy norm) below which rounding decides.
 pub const ROUNDOFF: f64 = 1e-7;
 /// Reduction of the squared energy of the rest at which the correction is good enough.
@@ -135,6 +153,11 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Est
         indicators[e].oscillation += modulus / 2.0 * oscillation;
     }
 
+    let residuals = match scene.method.indicator {
+        Indicator::Bubble => Vec::new(),
+        Indicator::Residual => data.residuals(solved)?,
+    };
+
     // the enriched problem: r = f₊ - S₊(u, 0)
     let excess = enriched.excess(u);
     let gained: f64 = u.iter().zip(&excess.base).map(|(u, s)| u * s).sum();
@@ -161,10 +184,30 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Est
     let uncertainty = 0.5 * (energy - energies.total).abs() + 0.4 * error * error;
     let doubts = Vec::new();
     let relative = ratio(error, scale);
-    Ok(Estimate { indicators, correction: squared, tips: 0.0, error, relative, scale, energy, uncertainty, doubts })
+    Ok(Estimate {
+        indicators,
+        residuals,
+        correction: squared,
+        tips: 0.0,
+        error,
+        relative,
+        scale,
+        energy,
+        uncertainty,
+        doubts,
+    })
 }
 
 impl Estimate {
+    /// η² of each element: what steers the refinement.
+    pub fn squared(&self) -> Vec<f64> {
+        if self.residuals.is_empty() {
+            self.indicators.iter().map(Bubble::total).collect()
+        } else {
+            self.indicators.iter().zip(&self.residuals).map(|(b, r)| r.total() + b.oscillation).collect()
+        }
+    }
+
     /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `settled`: the transitions are
     /// those of the step before.
     pub(crate) fn add_transitions(&mut self, scene: &Scene, located: &[Located], settled: bool) {

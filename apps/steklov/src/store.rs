@@ -9,7 +9,7 @@ use steklov_io::{
 
 use steklov_contact::{Located, Tip, TipKind};
 
-use crate::estimate::{Bubble, Estimate};
+use crate::estimate::{Bubble, Estimate, Residual};
 use crate::plan::Plan;
 use crate::record::Record;
 use crate::report::ContactRow;
@@ -195,8 +195,18 @@ fn load_contact(at: &Group) -> Result<Vec<ContactRow>, IoError> {
 }
 
 /// A term of the indicators: name, meaning, value.
-type Term = (&'static str, &'static str, fn(&Bubble) -> f64);
-const BUBBLE_TERMS: [Term; 3] = [
+type Term<T> = (&'static str, &'static str, fn(&T) -> f64);
+const RESIDUAL_TERMS: [Term<Residual>; 8] = [
+    ("neumann", "h/(pE) |t - S u|^2 where t is prescribed", |r| r.boundary.neumann),
+    ("equation", "hE/p |d/ds((K+1/2)u - V psi)|^2", |r| r.boundary.equation),
+    ("contact", "h/(pE) |lambda + S u|^2", |r| r.contact.contact),
+    ("complementarity", "pressure where the gap is open", |r| r.contact.complementarity),
+    ("tension", "negative pressure", |r| r.contact.tension),
+    ("penetration", "overlap", |r| r.contact.penetration),
+    ("bound", "shear beyond the friction bound", |r| r.contact.bound),
+    ("friction", "slip below the bound or against the shear", |r| r.contact.friction),
+];
+const BUBBLE_TERMS: [Term<Bubble>; 3] = [
     ("displacement", "eta_u squared of the displacement bubble", |b| b.displacement),
     ("traction", "eta_psi squared of the top traction", |b| b.traction),
     ("oscillation", "eta_g squared: data less their interpolants", |b| b.oscillation),
@@ -270,6 +280,12 @@ fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
     for (name, meaning, term) in BUBBLE_TERMS {
         let values: Vec<f64> = estimate.indicators.iter().map(term).collect();
         save_vector(&indicators, name, &values, &label(energy, meaning, &["element"]))?;
+    }
+    if !estimate.residuals.is_empty() {
+        for (name, meaning, term) in RESIDUAL_TERMS {
+            let values: Vec<f64> = estimate.residuals.iter().map(term).collect();
+            save_vector(&indicators, name, &values, &label(energy, meaning, &["element"]))?;
+        }
     }
     Ok(())
 }

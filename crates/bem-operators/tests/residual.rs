@@ -97,7 +97,7 @@ fn the_single_layer_of_one_element_in_closed_form() {
     let c_v = 1.0 / (8.0 * pi * material.mu() * 0.7);
     let slope = (c_v * material.kappa()).powi(2) * (c[0] * c[0] + c[1] * c[1]) * 2.0 * pi * pi / 3.0;
     let h = mesh.length(2);
-    let want = h * 2.5 * (h / 2.0) * slope;
+    let want = h * 2.5 / 3.0 * (h / 2.0) * slope;
     println!("{:.5}", got.equation / want);
     assert!((got.equation / want - 1.0).abs() < 0.02 && got.neumann == 0.0);
 }
