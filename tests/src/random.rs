@@ -69,12 +69,12 @@ fn around(random: &mut Random, centre: [f64; 2], n: usize, radius: impl Fn(&mut 
 fn outline(random: &mut Random) -> Corners {
     match random.below(3) {
         0 => {
-            let (n, flat, turn) = (3 + random.below(5), random.between(0.4, 1.0), random.between(0.0, PI));
+            let (n, flat, turn) = (3 + random.below(4), random.between(0.4, 1.0), random.between(0.0, PI));
             let circle = around(random, [0.0; 2], n, |_| 1.0);
             circle.into_iter().map(|[x, y]| crate::rotated([x, flat * y], turn)).collect()
         }
         1 => {
-            let n = 5 + random.below(4);
+            let n = 5 + random.below(3);
             around(random, [0.0; 2], n, |r| r.between(0.45, 1.0))
         }
         _ => {
@@ -95,7 +95,7 @@ fn holes(random: &mut Random, outer: &Corners, wanted: usize) -> Vec<Corners> {
             break;
         }
         let centre = [random.between(-0.6, 0.6), random.between(-0.6, 0.6)];
-        let (n, size) = (3 + random.below(4), random.between(0.05, 0.2));
+        let (n, size) = (3 + random.below(3), random.between(0.05, 0.2));
         let hole = around(random, centre, n, |_| size);
         let wide = hole.iter().map(|x| [0, 1].map(|i| centre[i] + 1.4 * (x[i] - centre[i]))).collect();
         let all: Vec<Corners> = holes.iter().cloned().chain([wide]).collect();
@@ -169,7 +169,7 @@ pub fn random_case(random: &mut Random) -> Case {
             break outer;
         }
     };
-    let wanted = random.below(3);
+    let wanted = [0, 0, 0, 1, 1, 2][random.below(6)];
     let holes = holes(random, &outer, wanted);
     let n = outer.len();
     let names: Vec<String> = (0..n).map(|k| format!("side{k}")).collect();
@@ -197,8 +197,11 @@ pub fn random_case(random: &mut Random) -> Case {
         let other = (floor + 1 + random.below(n - 1)) % n;
         roles[other] = Some(On::Contact(gap(random, strain), bound(random, stress)));
     }
-    let open: Vec<usize> = (0..n).filter(|&k| roles[k].is_none()).collect();
-    let held = !open.is_empty() && random.chance(0.65);
+    // what is held at the end of a contact side may stand in the obstacle: mostly not so
+    let apart = |k: usize| roles[(k + 1) % n].is_none() && roles[(k + n - 1) % n].is_none();
+    let anywhere = random.chance(0.15);
+    let open: Vec<usize> = (0..n).filter(|&k| roles[k].is_none() && (anywhere || apart(k))).collect();
+    let held = !open.is_empty() && random.chance(0.8);
     if held {
         roles[open[random.below(open.len())]] = Some(support(random, strain));
     }

@@ -10,7 +10,7 @@ use std::time::Instant;
 
 use steklov::reference::true_error;
 use steklov::run::{Progress, Reason, Run, run};
-use steklov::scene::Scene;
+use steklov::scene::{Scene, SceneErrorKind};
 use steklov::solve::{SolveError, Stage};
 use steklov_bem_operators::{BemError, Mark, Subdivision};
 use steklov_contact::ContactError;
@@ -38,9 +38,10 @@ struct Outcome {
     failure: Option<String>,
 }
 
-/// The kind of an error that a scene may end with: nothing holds the body.
+/// The kind of an error that a scene may end with: nothing holds the body, or it is held inside the obstacle.
 fn expected(error: &SolveError) -> Option<&'static str> {
     match error {
+        SolveError::Scene(error) if error.kind == SceneErrorKind::Conflict => Some("conflict"),
         SolveError::Bem(BemError::RigidMotion { .. }) => Some("rigid motion"),
         SolveError::Contact(ContactError::RigidMotion { .. } | ContactError::NotHeld { .. }) => Some("rigid motion"),
         _ => None,
