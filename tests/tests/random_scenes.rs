@@ -101,7 +101,7 @@ fn judge(number: u64, scene: &Scene, full: bool) -> Outcome {
     if run.reason == Reason::Solver || run.reason == Reason::MaxSteps {
         outcome.failure = Some(format!("ended by {}", run.reason.word()));
     }
-    if !full && number % 3 != 0 {
+    if !full && !number.is_multiple_of(3) {
         return outcome;
     }
     let measured: Vec<usize> = if full { (0..=last).collect() } else { vec![last / 2, last] };
