@@ -121,13 +121,13 @@ impl Layout {
         let decay = |e: usize| legendre_decay(mesh, space, e, &solved.displacement);
         let marked = |theta: f64, rough: &dyn Fn(usize) -> bool| -> Vec<Mark> {
             let marked = doerfler(&squared, method.marking.unwrap_or(theta));
-            let mark = |(e, marked): (usize, bool)| match (marked, marked && rough(e)) {
-                (false, _) => Mark::Keep,
-                (_, true) => Mark::Rough,
-                (_, false) => Mark::Smooth,
+            let mark = |(e, excess): (usize, Option<f64>)| match excess {
+                None => Mark::Keep,
+                Some(excess) => Mark::Refine { rough: rough(e), excess },
             };
             marked.into_iter().enumerate().map(mark).collect()
         };
+        let all = |rough: bool| vec![Mark::Refine { rough, excess: 1.0 }; mesh.len()];
         let high = Grading { max_degree: Mesh::MAX_DEGREE, ..Grading::default() };
         let by_mark = |marks: &[Mark]| Layout {
             subdivision: Subdivision::new(mesh, marks).refined_by_mark(&high),
@@ -135,8 +135,8 @@ impl Layout {
         };
         match method.refine {
             Refine::None => Ok((self.clone(), Vec::new())),
-            Refine::UniformH => Ok((by_mark(&vec![Mark::Rough; mesh.len()]), Vec::new())),
-            Refine::UniformP => Ok((by_mark(&vec![Mark::Smooth; mesh.len()]), Vec::new())),
+            Refine::UniformH => Ok((by_mark(&all(true)), Vec::new())),
+            Refine::UniformP => Ok((by_mark(&all(false)), Vec::new())),
             Refine::H => Ok((by_mark(&marked(0.5, &|_| true)), Vec::new())),
             Refine::HpDecay => {
                 let corners = singular_points(scene, false);

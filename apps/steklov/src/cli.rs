@@ -77,7 +77,7 @@ struct SolveArgs {
     /// Replace an existing result file
     #[arg(long)]
     force: bool,
-    /// Go on from a stored result
+    /// Go on from the last step of the result file, if there is one
     #[arg(long)]
     resume: bool,
 }
@@ -168,12 +168,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         name.push(".vtkhdf"); // not with_extension: that would cut "a.b" to "a"
         PathBuf::from(name)
     });
-    if args.resume {
-        return Err(Failure(
-            "error: --resume is not yet available: only adaptive runs have steps to go on from".into(),
-        ));
-    }
-    check_output(&out, &args.scene, args.force)?;
+    check_output(&out, &args.scene, args.force || args.resume)?;
     let plan = plan(&scene);
     if plan.cost.dofs > scene.method.max_dofs {
         return Err(Failure(too_many_dofs(&scene, plan.cost.dofs).render()));
@@ -182,8 +177,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let interrupts = interrupts(args.quiet)?;
     let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
-    let record = create_atomically(&out, args.force, |file| -> Result<Record, SolveError> {
-        let run = run(&scene, Progress::first(&scene), &interrupts, &mut |number, stage| {
+    let first = first_progress(&scene, &out, args.resume)?;
+    let record = create_atomically(&out, args.force || args.resume, |file| -> Result<Record, SolveError> {
+        let run = run(&scene, first, &interrupts, &mut |number, stage| {
             bar.show(number, &stage);
             if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
         })?;
@@ -210,6 +206,15 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         files.iter().for_each(|f| say(&format!("picture {}", f.display())));
     }
     Ok(if converged { 0 } else { NOT_REACHED })
+}
+
+/// Where a run begins: with the first mesh, or with the last one of a stored result.
+fn first_progress(scene: &Scene, out: &Path, resume: bool) -> Result<Progress, Failure> {
+    if !resume || out.symlink_metadata().is_err() {
+        return Ok(Progress::first(scene));
+    }
+    let steps = store::read_steps(&open(out)?, scene)?;
+    Ok(Progress::before_last(steps).unwrap_or_else(|| Progress::first(scene)))
 }
 
 /// An output that cannot be written is said before anything is solved.

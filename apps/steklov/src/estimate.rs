@@ -102,7 +102,7 @@ const SATURATION: f64 = 1.03;
 /// Energy of a tip that is off by δ: 0.3 E* B² |δ|³.
 const TIP: f64 = 0.3;
 /// A tip farther from its vertex than this part of its edge: the contact sets are not those of the solution yet.
-const FAR: f64 = 0.02;
+const FAR: f64 = 0.01;
 /// Relative error (energy norm) below which rounding decides.
 pub const ROUNDOFF: f64 = 1e-7;
 /// Reduction of the squared energy of the rest at which the correction is good enough.

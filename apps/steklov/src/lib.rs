@@ -24,6 +24,7 @@ pub mod summary;
 mod unbounded;
 pub mod report;
 pub mod record;
+mod steps;
 pub mod store;
 pub mod draw;
 mod explain;

@@ -163,7 +163,8 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
         why: "biorthogonal multipliers: conditions node by node, all other unknowns eliminated".into(),
     });
     let (choice, why) = match scene.method.solver {
-        Solver::Newton => ("newton", "semi-smooth Newton: a few steps, from any start"),
+        Solver::Auto => ("interior-point", "finds the contact sets on any mesh; active sets make them exact"),
+        Solver::Newton => ("newton", "as the scene says"),
         Solver::ActiveSet => ("active-set", "as the scene says"),
         Solver::Uzawa => ("uzawa", "as the scene says: a reference, slow, and only for supported bodies"),
     };

@@ -8,8 +8,8 @@ use steklov_bem_operators::{
     Partition, RigidMotion, Space, Steklov,
 };
 use steklov_contact::{
-    ContactBoundary, ContactEdge, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, kkt_in_body,
-    newton, resisted_motions, uzawa,
+    ContactBoundary, ContactEdge, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, interior_point,
+    kkt_in_body, newton, resisted_motions, uzawa,
 };
 
 use crate::body_load::{Particular, crossed_work, energies};
@@ -251,6 +251,7 @@ pub fn solve(
                 nodes: boundary.contact.clone(),
             };
             let solution = match scene.method.solver {
+                Solver::Auto => interior_point(&problem)?,
                 Solver::Newton => newton(&problem, None)?,
                 Solver::ActiveSet => active_set(&problem, None)?,
                 Solver::Uzawa => uzawa(&problem, None, None)?,

@@ -3,18 +3,17 @@
 use steklov_bem_operators::Mesh;
 use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
-    load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_text, save_texts,
-    save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
+    load_vector, open_group, save, save_dense, save_integers, save_points, save_text, save_texts, save_vector, vtkhdf,
+    write_integer_attribute, write_text_attribute,
 };
 
-use steklov_contact::{Located, Tip, TipKind};
-
-use crate::estimate::{Bubble, Estimate, Residual};
 use crate::plan::Plan;
 use crate::record::Record;
 use crate::report::ContactRow;
 use crate::run::Step;
+use crate::scene::Scene;
 use crate::solve::Stage;
+use crate::steps;
 use crate::summary::Summary;
 
 /// What `show` reads of a result file.
@@ -85,7 +84,7 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
     }
     for (number, step) in record.steps.iter().enumerate() {
-        save_step(&step_group(file, number)?, step)?;
+        steps::save(&step_group(file, number)?, step)?;
     }
     // the matrices of a step that was stopped
     let unfinished = format!("/steps/{:03}", record.steps.len());
@@ -194,102 +193,6 @@ fn load_contact(at: &Group) -> Result<Vec<ContactRow>, IoError> {
     Ok((0..n).map(row).collect())
 }
 
-/// A term of the indicators: name, meaning, value.
-type Term<T> = (&'static str, &'static str, fn(&T) -> f64);
-const RESIDUAL_TERMS: [Term<Residual>; 8] = [
-    ("neumann", "h/(pE) |t - S u|^2 where t is prescribed", |r| r.boundary.neumann),
-    ("equation", "hE/p |d/ds((K+1/2)u - V psi)|^2", |r| r.boundary.equation),
-    ("contact", "h/(pE) |lambda + S u|^2", |r| r.contact.contact),
-    ("complementarity", "pressure where the gap is open", |r| r.contact.complementarity),
-    ("tension", "negative pressure", |r| r.contact.tension),
-    ("penetration", "overlap", |r| r.contact.penetration),
-    ("bound", "shear beyond the friction bound", |r| r.contact.bound),
-    ("friction", "slip below the bound or against the shear", |r| r.contact.friction),
-];
-const BUBBLE_TERMS: [Term<Bubble>; 3] = [
-    ("displacement", "eta_u squared of the displacement bubble", |b| b.displacement),
-    ("traction", "eta_psi squared of the top traction", |b| b.traction),
-    ("oscillation", "eta_g squared: data less their interpolants", |b| b.oscillation),
-];
-
-fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
-    save(at, "mesh", &step.mesh)?;
-    save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
-    save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
-    let history =
-        label("1", "the contact solver's measure of the error before each iteration and at the end", &["iteration"]);
-    save_vector(at, "history", &step.history, &history)?;
-    let parts = label("seconds", "set-up, assembly, factorisation, solution, estimate", &["part"]);
-    save_vector(at, "seconds", &step.seconds, &parts)?;
-    save_number(at, "strain_energy", step.strain, "force*length/thickness", "half of a(u, u)")?;
-    save_estimate(at, &step.estimate)?;
-    save_tips(&create_group(at, "tips")?, &step.tips)?;
-    save_transitions(&create_group(at, "transitions")?, &step.located)
-}
-
-const KINDS: &str = "0 end of contact, 1 end of stick, 2 reversal of slip";
-const REGULAR: &str =
-    "1 if the open or slipping side has the larger edge parameter, -1 if the smaller one, 0 for a reversal";
-
-fn kind_number(kind: TipKind) -> usize {
-    match kind {
-        TipKind::ContactEnd => 0,
-        TipKind::StickEnd => 1,
-        TipKind::SlipReversal => 2,
-    }
-}
-
-/// The vertices that follow transitions.
-fn save_tips(at: &Group, tips: &[Tip]) -> Result<(), IoError> {
-    let column = |f: fn(&Tip) -> usize| tips.iter().map(f).collect::<Vec<_>>();
-    let axes = &["tip"];
-    save_integers(at, "edge", &column(|t| t.edge), &label("1", "edge of the polygon", axes))?;
-    save_integers(at, "kind", &column(|t| kind_number(t.kind)), &label("1", KINDS, axes))?;
-    let places: Vec<f64> = tips.iter().map(|t| t.s).collect();
-    save_vector(at, "s", &places, &label("1", "edge parameter of the vertex", axes))?;
-    let regular: Vec<f64> = tips.iter().map(|t| f64::from(t.regular)).collect();
-    save_vector(at, "regular", &regular, &label("1", REGULAR, axes))
-}
-
-/// Where transitions are believed to be.
-fn save_transitions(at: &Group, located: &[Located]) -> Result<(), IoError> {
-    let column = |f: fn(&Located) -> usize| located.iter().map(f).collect::<Vec<_>>();
-    let numbers = |f: fn(&Located) -> f64| located.iter().map(f).collect::<Vec<_>>();
-    let axes = &["transition"];
-    save_integers(at, "edge", &column(|t| t.edge), &label("1", "edge of the polygon", axes))?;
-    save_integers(at, "kind", &column(|t| kind_number(t.kind)), &label("1", KINDS, axes))?;
-    let vertex = label("1", "1 if the mesh has a vertex for it", axes);
-    save_integers(at, "at_vertex", &column(|t| usize::from(t.at_vertex)), &vertex)?;
-    save_vector(at, "s", &numbers(|t| t.s), &label("1", "edge parameter", axes))?;
-    let off = "how far that is from its vertex, or half of its bracket (edge parameter)";
-    save_vector(at, "off", &numbers(|t| t.off), &label("1", off, axes))?;
-    let curvature = "B of the gap or slip B d^(3/2), d in edge parameters; -1 where it was not fitted";
-    save_vector(at, "curvature", &numbers(|t| t.curvature.unwrap_or(-1.0)), &label("length", curvature, axes))
-}
-
-fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
-    let energy = "force*length/thickness";
-    save_number(at, "estimate", estimate.error, "(force*length/thickness)^(1/2)", "estimated error, energy norm")?;
-    save_number(at, "estimate_relative", estimate.relative, "1", "estimate over (2 strain energy)^(1/2)")?;
-    save_number(at, "energy_extrapolated", estimate.energy, energy, "J of the spaces of one degree more")?;
-    let meaning = "how far the exact J may be from the extrapolated one";
-    save_number(at, "energy_uncertainty", estimate.uncertainty, energy, meaning)?;
-    let doubts: Vec<String> = estimate.doubts.iter().map(|d| d.word().to_owned()).collect();
-    save_texts(at, "doubts", &doubts, "why the estimate is not reliable", "doubt")?;
-    let indicators = create_group(at, "indicators")?;
-    for (name, meaning, term) in BUBBLE_TERMS {
-        let values: Vec<f64> = estimate.indicators.iter().map(term).collect();
-        save_vector(&indicators, name, &values, &label(energy, meaning, &["element"]))?;
-    }
-    if !estimate.residuals.is_empty() {
-        for (name, meaning, term) in RESIDUAL_TERMS {
-            let values: Vec<f64> = estimate.residuals.iter().map(term).collect();
-            save_vector(&indicators, name, &values, &label(energy, meaning, &["element"]))?;
-        }
-    }
-    Ok(())
-}
-
 /// Reads what `show` needs, and checks that the parts fit.
 ///
 /// # Errors
@@ -315,6 +218,28 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
     }
     let grid = vtkhdf::read(file)?;
     Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid })
+}
+
+/// Reads the steps from which a run goes on, and checks that they are those of this scene: of the overrides only
+/// the tolerance and the limits may differ.
+///
+/// # Errors
+/// A file that is not one of this program's, truncated or altered, or of another scene.
+pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
+    if load_text(file, "scene")? != scene.source.text {
+        return Err(invalid(file, "scene", "it holds the result of another scene, or the scene has been edited since"));
+    }
+    let goal = |o: &String| {
+        ["tolerance", "max_dofs", "max_steps"]
+            .iter()
+            .any(|key| o.replace(' ', "").starts_with(&format!("method.{key}=")))
+    };
+    let kept = |all: Vec<String>| -> Vec<String> { all.into_iter().filter(|o| !goal(o)).collect() };
+    if kept(load_texts(file, "overrides")?) != kept(scene.source.overrides.clone()) {
+        let why = "it was solved with other overrides; only method.tolerance, max_dofs and max_steps may change";
+        return Err(invalid(file, "overrides", why));
+    }
+    steps::load_all(file)
 }
 
 fn parse<T: serde::de::DeserializeOwned>(file: &File, name: &str) -> Result<T, IoError> {

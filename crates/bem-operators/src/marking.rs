@@ -5,13 +5,14 @@ use crate::{Mesh, Space};
 /// Indicators that differ by less than this part are equal, so that rounding breaks no symmetry.
 const TIE: f64 = 1e-6;
 
-/// Marks the smallest set of elements with Σ η² ≥ θ times the whole, and those whose η² equals that of the last of them.
+/// Marks the smallest set of elements with Σ η² ≥ θ times the whole, and those whose η² equals that of the last of them. A
+/// marked element gets its η over the smallest marked one.
 ///
 /// # Source
 /// Dörfler, *A convergent adaptive algorithm for Poisson's equation*, SIAM J. Numer. Anal. 33 (1996), with η² for η.
 /// # Panics
 /// If an indicator is NaN.
-pub fn doerfler(squared: &[f64], theta: f64) -> Vec<bool> {
+pub fn doerfler(squared: &[f64], theta: f64) -> Vec<Option<f64>> {
     assert!(squared.iter().all(|e| !e.is_nan()), "an indicator is NaN");
     let mut order: Vec<f64> = squared.to_vec();
     order.sort_by(|a, b| b.total_cmp(a));
@@ -21,8 +22,8 @@ pub fn doerfler(squared: &[f64], theta: f64) -> Vec<bool> {
         sum += e;
         sum >= theta * whole
     });
-    let threshold = last.copied().unwrap_or(0.0) * (1.0 - TIE);
-    squared.iter().map(|&e| e >= threshold && e > 0.0).collect()
+    let last = last.copied().unwrap_or(0.0);
+    squared.iter().map(|&e| (e >= last * (1.0 - TIE) && e > 0.0).then(|| (e / last).sqrt().max(1.0))).collect()
 }
 
 /// exp(-m) of a displacement on element e: the rate at which its Legendre coefficients fall,

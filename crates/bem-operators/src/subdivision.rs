@@ -3,15 +3,18 @@
 use crate::{BemError, Mesh, Polygon};
 
 /// What is to become of an element.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Mark {
     /// It stays.
     #[default]
     Keep,
-    /// Its error is large, its solution smooth.
-    Smooth,
-    /// Its error is large, its solution or a datum is not smooth.
-    Rough,
+    /// Its error is large.
+    Refine {
+        /// Whether its solution or a datum is not smooth.
+        rough: bool,
+        /// Its indicator over the smallest one that is marked, at least 1.
+        excess: f64,
+    },
 }
 
 /// An element of an edge.
@@ -46,6 +49,11 @@ pub struct Subdivision {
 
 /// Two edge parameters closer than this are one.
 pub const SAME_PLACE: f64 = 1e-12;
+
+/// Excess from which two degrees are added at once: each is expected to divide the error by 4.
+const TWO_DEGREES: f64 = 4.0;
+/// Excess from which two layers are cut off at once, as a power of 1/σ: each divides the error by σ^-0.8.
+const TWO_LAYERS: f64 = 0.8;
 
 /// How [`Subdivision::refined`] cuts and raises.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -149,7 +157,8 @@ impl Subdivision {
     /// A piece with a singular point at one end gets degree `tip_degree`, then it is cut at σ times its length from it, the
     /// part at the point keeping the degree, the other one having one more; with singular points at both ends it is
     /// halved. So the degrees become linear in the layer. Elsewhere the degree rises, but a rough piece, and one of
-    /// the highest degree, is halved.
+    /// the highest degree, is halved. Where the indicator is far above the smallest marked one, two cuts or two degrees
+    /// are made at once.
     pub fn refined(&self, singular: &[Vec<f64>], grading: &Grading) -> Self {
         let Grading { sigma, tip_degree, max_degree, shortest } = *grading;
         let mut edges = Vec::with_capacity(self.edges.len());
@@ -157,28 +166,45 @@ impl Subdivision {
             let at = |s: f64| points.iter().any(|p| (p - s).abs() < SAME_PLACE);
             let mut refined = Vec::new();
             for piece in pieces {
-                let raised = (piece.degree + 1).min(max_degree);
+                let Piece { start, end, degree, .. } = *piece;
+                let Mark::Refine { rough, excess } = piece.mark else {
+                    refined.push(*piece);
+                    continue;
+                };
                 let divisible = piece.length() >= shortest;
+                let raised = |by: usize| (degree + by).min(max_degree);
                 let new = |start: f64, end: f64, degree: usize| Piece { start, end, degree, mark: Mark::Keep };
-                let Piece { start, end, degree, mark } = *piece;
                 let halves = [new(start, piece.middle(), degree), new(piece.middle(), end, degree)];
-                match (mark, at(start), at(end)) {
-                    (Mark::Keep, ..) => refined.push(*piece),
-                    (_, a, b) if (a || b) && (degree < tip_degree || !divisible) => {
-                        refined.push(new(start, end, raised));
+                match (at(start), at(end)) {
+                    (a, b) if (a || b) && (degree < tip_degree || !divisible) => {
+                        refined.push(new(start, end, raised(1)));
                     }
-                    (_, true, true) => refined.extend(halves),
-                    (_, true, false) => {
-                        let cut = start + sigma * piece.length();
-                        refined.extend([new(start, cut, degree), new(cut, end, raised)]);
+                    (true, true) => refined.extend(halves),
+                    (false, false) if divisible && (rough || degree >= max_degree) => refined.extend(halves),
+                    (false, false) => refined.push(new(start, end, raised(if excess >= TWO_DEGREES { 2 } else { 1 }))),
+                    (at_start, _) => {
+                        let layers = if excess >= sigma.powf(-TWO_LAYERS) { 2 } else { 1 };
+                        let cut = |layer: i32| match (layer, at_start) {
+                            (0, true) => start,
+                            (0, false) => end,
+                            (_, true) => start + piece.length() * sigma.powi(layers + 1 - layer),
+                            (_, false) => end - piece.length() * sigma.powi(layers + 1 - layer),
+                        };
+                        let mut parts: Vec<Piece> = (0..=layers)
+                            .map(|j| {
+                                let degree = raised(j as usize);
+                                let last = j == layers;
+                                match at_start {
+                                    true => new(cut(j), if last { end } else { cut(j + 1) }, degree),
+                                    false => new(if last { start } else { cut(j + 1) }, cut(j), degree),
+                                }
+                            })
+                            .collect();
+                        if !at_start {
+                            parts.reverse();
+                        }
+                        refined.extend(parts);
                     }
-                    (_, false, true) => {
-                        let cut = end - sigma * piece.length();
-                        refined.extend([new(start, cut, raised), new(cut, end, degree)]);
-                    }
-                    (Mark::Rough, ..) if divisible => refined.extend(halves),
-                    _ if degree >= max_degree && divisible => refined.extend(halves),
-                    _ => refined.push(new(start, end, raised)),
                 }
             }
             edges.push(refined);

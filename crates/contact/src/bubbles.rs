@@ -5,6 +5,7 @@ use std::sync::OnceLock;
 use steklov_bem_operators::{Datum, Mesh, Site, Space};
 use steklov_quadrature::{Rule, gauss_legendre, legendre_p, project};
 
+use crate::sides::from_within;
 use crate::{ContactBoundary, ContactError, Sets};
 
 /// The bubble b = (P_(p+1) - P_(p-1))/(2p+1) of a contact element, its components along n and t.
@@ -85,7 +86,11 @@ fn against_bubble(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Result
 /// [`ContactError::Data`] where f is not finite.
 pub fn oscillation(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Result<f64, ContactError> {
     let basis = space.basis(e);
-    let nodal: Vec<f64> = basis.nodes.iter().map(|&t| f.at(mesh, &Site::new(mesh, e, t))).collect::<Result<_, _>>()?;
+    let nodal: Vec<f64> = basis
+        .nodes
+        .iter()
+        .map(|&t| f.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t))))
+        .collect::<Result<_, _>>()?;
     let largest = nodal.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
     let mut phi = vec![0.0; basis.degree + 1];
     let rule = rule();

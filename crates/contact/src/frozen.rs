@@ -1,8 +1,7 @@
 //! Contact problems with given sets: which conditions are closed, which stick, which slip.
 
-use faer::Mat;
-
 use crate::active_set::{laws, nearest_pieces};
+use crate::free::Free;
 use crate::law::{Branch, Law, Piece};
 use crate::linear::{Semidefinite, product};
 use crate::{ContactError, Problem, Solution, Start};
@@ -84,9 +83,8 @@ impl Sets {
 /// The linear problem of given sets: u_n = g where closed, u_t = 0 where sticking, λ_t = ±F where slipping.
 pub struct Frozen<'a> {
     problem: &'a Problem,
-    /// First unknown and number of unknowns of the node, and the direction, of each free coordinate.
-    free: Vec<(usize, usize, [f64; 2])>,
-    fixed: Vec<f64>,
+    free: Free,
+    /// Forces of the kinks that are off their lines.
     known: Vec<f64>,
     factor: Option<Semidefinite>,
 }
@@ -97,51 +95,28 @@ impl<'a> Frozen<'a> {
     /// # Errors
     /// [`ContactError::Decomposition`].
     pub fn new(problem: &'a Problem, sets: &Sets) -> Result<Self, ContactError> {
-        let (m, s) = (problem.load.len(), &problem.stiffness);
-        let (mut fixed, mut known, mut free) = (vec![0.0; m], vec![0.0; m], Vec::new());
+        let free = Free::new(problem, &sets.laws, &sets.pieces);
+        let mut known = vec![0.0; problem.load.len()];
         for ((node, law), piece) in problem.nodes.iter().zip(&sets.laws).zip(&sets.pieces) {
-            let ((point, directions), off) = (law.free(piece), law.off_force(piece));
-            fixed[node.first..node.first + node.unknowns].copy_from_slice(&point[..node.unknowns]);
-            known[node.first..node.first + node.unknowns].copy_from_slice(&off[..node.unknowns]);
-            free.extend(directions.into_iter().map(|e| (node.first, node.unknowns, e)));
+            known[node.first..node.first + node.unknowns].copy_from_slice(&law.off_force(piece)[..node.unknowns]);
         }
-        let matrix = Mat::from_fn(free.len(), free.len(), |a, b| {
-            let ((i, ki, e), (j, kj, d)) = (free[a], free[b]);
-            (0..ki).map(|p| (0..kj).map(|q| e[p] * s[(i + p, j + q)] * d[q]).sum::<f64>()).sum()
-        });
-        let factor = if free.is_empty() { None } else { Some(Semidefinite::new(&matrix)?) };
-        Ok(Self { problem, free, fixed, known, factor })
+        let stiffness = free.stiffness(&problem.stiffness);
+        let factor = if stiffness.nrows() == 0 { None } else { Some(Semidefinite::new(&stiffness)?) };
+        Ok(Self { problem, free, known, factor })
     }
 
     /// The displacement under the problem's load.
     pub fn displacement(&self) -> Vec<f64> {
-        let elastic = product(&self.problem.stiffness, &self.fixed);
+        let elastic = product(&self.problem.stiffness, &self.free.fixed);
         let rest: Vec<f64> = (0..elastic.len()).map(|i| self.problem.load[i] - elastic[i] - self.known[i]).collect();
-        self.correction(&rest).iter().zip(&self.fixed).map(|(a, b)| a + b).collect()
+        self.correction(&rest).iter().zip(&self.free.fixed).map(|(a, b)| a + b).collect()
     }
 
     /// The change of the displacement under an additional load, with the sets as they are.
     pub fn correction(&self, load: &[f64]) -> Vec<f64> {
-        let mut v = vec![0.0; load.len()];
-        if let Some(factor) = &self.factor {
-            let moved = factor.solve(&self.project(load));
-            for (&(first, k, e), x) in self.free.iter().zip(moved) {
-                (0..k).for_each(|i| v[first + i] += e[i] * x);
-            }
+        match &self.factor {
+            Some(factor) => self.free.expand(&factor.solve(&self.free.project(load))),
+            None => vec![0.0; load.len()],
         }
-        v
-    }
-
-    /// The part of a vector in the free directions.
-    pub fn free_part(&self, vector: &[f64]) -> Vec<f64> {
-        let mut v = vec![0.0; vector.len()];
-        for (&(first, k, e), x) in self.free.iter().zip(self.project(vector)) {
-            (0..k).for_each(|i| v[first + i] += e[i] * x);
-        }
-        v
-    }
-
-    fn project(&self, x: &[f64]) -> Vec<f64> {
-        self.free.iter().map(|&(first, k, e)| (0..k).map(|i| e[i] * x[first + i]).sum()).collect()
     }
 }

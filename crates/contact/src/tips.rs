@@ -225,8 +225,8 @@ fn new_vertex(
         if fixed.iter().any(|p| low - 1e-9 <= *p && *p <= high + 1e-9) {
             return None;
         }
-        let vertices = subdivision.edges[edge].iter().map(|p| p.start);
-        s = vertices.filter(|v| (v - s).abs() < 1e-9).last().unwrap_or(s);
+        let mut vertices = subdivision.edges[edge].iter().map(|p| p.start);
+        s = vertices.rfind(|v| (v - s).abs() < 1e-9).unwrap_or(s);
     }
     let margin = (NEAR * (high - low)).max(1e-6);
     // the guess keeps its own distance from the ends of the edge

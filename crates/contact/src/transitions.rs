@@ -152,10 +152,10 @@ pub fn tip_fit(
         }
     }
     let v = Frozen::new(problem, &sets)?.displacement();
-    let within = |part: f64| -> Vec<(f64, f64)> {
+    let within = |reach: f64| -> Vec<(f64, f64)> {
         let points = (0..line.points.len()).filter(|&i| {
             let d = distance(line.points[i].s);
-            d > 1e-12 && d < part * next
+            d > 1e-12 && d < reach
         });
         points
             .map(|i| {
@@ -165,9 +165,13 @@ pub fn tip_fit(
             })
             .collect()
     };
-    let mut points = within(0.5);
+    // the expansion holds up to the nearest singular point on either side
+    let mut points = within(0.5 * next.min(previous));
     if points.len() < 3 {
-        points = within(0.99);
+        points = within(0.5 * next);
+    }
+    if points.len() < 3 {
+        points = within(0.99 * next);
     }
     if points.len() < 2 {
         return Ok(None);

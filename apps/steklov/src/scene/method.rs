@@ -56,9 +56,11 @@ pub enum Multiplier {
     Stabilised,
 }
 
-/// Solver of contact; `auto` in the scene is [`Solver::Newton`].
+/// Solver of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solver {
+    /// Interior point, polished by active sets.
+    Auto,
     /// Semi-smooth Newton.
     Newton,
     /// Active set.
@@ -113,7 +115,7 @@ impl Default for Method {
             smoothness: 0.6,
             multiplier: Multiplier::Biorthogonal,
             gamma: None,
-            solver: Solver::Newton,
+            solver: Solver::Auto,
         }
     }
 }
@@ -193,7 +195,7 @@ const REFINES: [(&str, Refine); 6] = [
     ("none", Refine::None),
 ];
 const SOLVERS: [(&str, Solver); 4] =
-    [("auto", Solver::Newton), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
+    [("auto", Solver::Auto), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
 
 /// A number, or `None` for the word "auto".
 fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, Problem> {
