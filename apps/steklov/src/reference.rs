@@ -1,6 +1,6 @@
 //! True errors: the distance to a solution on a mesh that contains both the mesh in question and a fine one.
 //!
-//! The fine meshes are the steps of an hp run down to a very small error. A mesh is compared with the first of them whose
+//! The fine meshes are the steps of an hp run down to an error well below the tolerance. A mesh is compared with the first of them whose
 //! error is small beside its own, so that coarse meshes are measured cheaply.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -76,7 +76,9 @@ pub enum ReferenceError {
     },
 }
 
-/// Relative error (energy norm) that the reference aims at.
+/// Relative error (energy norm) that the reference aims at: this part of the tolerance of the strategies, or the number
+/// after it where rounding would be in the way.
+const SHARPER: f64 = 0.02;
 const TOLERANCE: f64 = 3e-8;
 /// Unknowns of the reference at most: this many, or half as many again as the strategies may have.
 const DOFS: usize = 1650;
@@ -92,7 +94,7 @@ const ROUNDING: f64 = 1e-12;
 const CLOSE: f64 = 1e-7;
 
 impl Reference {
-    /// Runs the hp strategy to a very small error. `observe` sees the stages of its steps.
+    /// Runs the hp strategy to an error well below the tolerance of the scene. `observe` sees the stages of its steps.
     ///
     /// # Errors
     /// As [`run`]; [`SolveError::Interrupted`] also after a first wish to stop; [`ReferenceError::NotSolved`].
@@ -104,7 +106,7 @@ impl Reference {
         let mut fine = scene.clone();
         fine.method.refine = Refine::Hp;
         fine.method.marking = None;
-        fine.method.tolerance = TOLERANCE;
+        fine.method.tolerance = TOLERANCE.max(SHARPER * scene.method.tolerance);
         fine.method.max_dofs = DOFS.max(scene.method.max_dofs + scene.method.max_dofs / 2);
         let run = run(&fine, Progress::first(&fine), interrupts, observe)?;
         if run.reason == Reason::Interrupted {

@@ -143,22 +143,26 @@ fn scene(args: &StudyArgs) -> Result<Scene, Failure> {
 
 /// A folder that cannot take the files is said before anything is solved.
 fn check_folder(out: &Path, force: bool) -> Result<(), Failure> {
-    if out.symlink_metadata().is_err() {
-        return Ok(());
-    }
-    if !out.is_dir() {
+    let here = Path::new(".");
+    let existing = out.ancestors().find(|a| a.symlink_metadata().is_ok()).unwrap_or(here);
+    if existing == out && !out.is_dir() {
         return Err(Failure(format!("error: {} is not a folder; name another one with --out", out.display())));
     }
-    if !force && std::fs::read_dir(out)?.next().is_some() {
+    tempfile::tempfile_in(existing).map_err(|e| not_written(out, &e))?;
+    if !force && existing == out && std::fs::read_dir(out)?.next().is_some() {
         let error = IoError::Exists { path: out.to_owned() };
         return Err(Failure(format!("error: {error}; choose another --out, or --force to replace what is in it")));
     }
     Ok(())
 }
 
+fn not_written(out: &Path, why: &std::io::Error) -> Failure {
+    Failure(format!("error: the study cannot be written into {}: {why}", out.display()))
+}
+
 /// Writes `study.h5`, `study.csv` and the pictures.
 fn store(study: &Study<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
-    let failed = |e: std::io::Error| Failure(format!("error: the study cannot be written into {}: {e}", out.display()));
+    let failed = |e: std::io::Error| not_written(out, &e);
     std::fs::create_dir_all(out).map_err(failed)?;
     let mut files = vec![out.join("study.h5"), out.join("study.csv")];
     create_atomically(&files[0], true, |file| -> Result<(), IoError> { write(file, study) })?;

@@ -81,21 +81,11 @@ struct Comparison<'a> {
 }
 
 fn comparison(study: &Study<'_>, c: &Comparison<'_>) -> Result<crate::picture::Picture, PictureError> {
-    let values = |s: &Strategy| -> Vec<Vec<[f64; 2]>> {
-        let curve = |q: &Quantity| s.points.iter().map(|p| [(c.cost)(p), (q.1)(p)]).collect();
-        c.quantities.iter().map(curve).collect()
-    };
-    let points: Vec<Vec<Vec<[f64; 2]>>> = study.strategies.iter().map(values).collect();
-    let flags: Vec<Vec<bool>> =
-        study.strategies.iter().map(|s| s.points.iter().map(|p| !p.doubts.is_empty()).collect()).collect();
-    let curves: Vec<Vec<Curve<'_>>> = points
+    let drawn: Vec<Vec<Drawn>> =
+        study.strategies.iter().map(|s| c.quantities.iter().map(|q| drawn(s, c.cost, q)).collect()).collect();
+    let curves: Vec<Vec<Curve<'_>>> = drawn
         .iter()
-        .zip(&flags)
-        .map(|(all, flags)| {
-            // doubts are about estimates
-            let flags = |q: &Quantity| if [ESTIMATE.0, EFFECTIVITY.0].contains(&q.0) { &flags[..] } else { &[] };
-            all.iter().zip(c.quantities).map(|(points, q)| Curve { points, flagged: flags(q) }).collect()
-        })
+        .map(|all| all.iter().map(|d| Curve { points: &d.points, flagged: &d.flagged }).collect())
         .collect();
     let names: Vec<String> = study.strategies.iter().map(|s| name(s, c.law)).collect();
     let series: Vec<Series<'_>> = names.iter().zip(&curves).map(|(name, curves)| Series { name, curves }).collect();
@@ -110,6 +100,21 @@ fn comparison(study: &Study<'_>, c: &Comparison<'_>) -> Result<crate::picture::P
         guides: &[],
         band: c.band,
     })
+}
+
+/// The points of a curve, and which of them are in doubt.
+struct Drawn {
+    points: Vec<[f64; 2]>,
+    flagged: Vec<bool>,
+}
+
+/// A quantity where it is known: true errors are measured at some steps only.
+fn drawn(strategy: &Strategy, cost: fn(&Point) -> f64, quantity: &Quantity) -> Drawn {
+    // doubts are about estimates
+    let of_estimate = [ESTIMATE.0, EFFECTIVITY.0].contains(&quantity.0);
+    let known = strategy.points.iter().filter(|p| (quantity.1)(p).is_finite());
+    let (points, flagged) = known.map(|p| ([cost(p), (quantity.1)(p)], of_estimate && !p.doubts.is_empty())).unzip();
+    Drawn { points, flagged }
 }
 
 /// A strategy's name with the law of its errors, if it is of that sort.

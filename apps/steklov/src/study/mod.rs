@@ -52,8 +52,7 @@ impl Study<'_> {
             EnergySource::Expected { source } if source.is_empty() => "the scene's [expect]".into(),
             EnergySource::Expected { source } => format!("the scene's [expect]: {source}"),
             EnergySource::Contradicted { expected } => format!(
-                "the study's own finest solution, which contradicts the scene's [expect] energy = {expected:.12e} \
-                 by {:.1e}",
+                "the study's own finest solution; the scene's [expect] energy = {expected:?} is {:.1e} off",
                 (expected - self.reference.own_energy).abs()
             ),
         }

@@ -7,8 +7,8 @@ const TOLERANCE: &str = "method.tolerance=1e-6";
 /// Largest number of displacement unknowns, if the scene does not allow fewer.
 const MAX_DOFS: usize = 1100;
 
-/// The overrides of a study: a coarse first mesh, and limits that let all strategies end within a minute or two; then
-/// those of the user, which win. `text` is that of the scene.
+/// The overrides of a study: a coarse first mesh, and limits that let all strategies end within a minute or two, where
+/// the user sets nothing else; then those of the user. `text` is that of the scene.
 pub fn settings(text: &str, user: &[String]) -> Vec<String> {
     let scene = text.parse::<toml::Table>().unwrap_or_default();
     let named = |key: &str| scene.get("method").and_then(|m| m.get(key));
@@ -19,6 +19,8 @@ pub fn settings(text: &str, user: &[String]) -> Vec<String> {
     if named("max_dofs").and_then(toml::Value::as_integer).is_none_or(|n| n > MAX_DOFS as i64) {
         all.push(format!("method.max_dofs={MAX_DOFS}"));
     }
+    let key = |o: &str| o.split('=').next().unwrap_or_default().trim().to_owned();
+    all.retain(|o| user.iter().all(|u| key(u) != key(o)));
     all.extend_from_slice(user);
     all
 }
@@ -29,10 +31,10 @@ mod tests {
 
     #[test]
     fn the_scene_keeps_its_tolerance_and_lower_limits_and_the_user_wins() {
-        let user = ["method.degree=3".to_owned()];
-        let first = ["method.elements=16", "method.degree=1"];
+        let user = ["method.degree =3".to_owned()];
+        let first = ["method.elements=16"];
         let of = |text: &str, more: &[&str]| {
-            let expected: Vec<&str> = first.iter().chain(more).copied().chain(["method.degree=3"]).collect();
+            let expected: Vec<&str> = first.iter().chain(more).copied().chain(["method.degree =3"]).collect();
             assert_eq!(settings(text, &user), expected);
         };
         of("", &["method.tolerance=1e-6", "method.max_dofs=1100"]);

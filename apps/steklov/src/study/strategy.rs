@@ -126,8 +126,8 @@ impl Strategy {
     }
 }
 
-/// Runs a strategy `repeat` times and measures the errors of some of its steps, evenly spaced in log N. `tell` hears what is being done and which part
-/// of that. After a wish to stop nothing more is run or measured.
+/// Runs a strategy `repeat` times and measures the errors of some of its steps, evenly spaced in log N. `tell` hears what
+/// is being done and which part of that. After a wish to stop nothing more is run or measured.
 ///
 /// An error of the solver ends the strategy, not the study: [`End::Failed`].
 pub fn strategy(

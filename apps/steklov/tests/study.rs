@@ -1,0 +1,455 @@
+//! The command `study`: rates against theory, energies against closed forms, files that agree with each other, refusals.
+
+mod place;
+
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_1_SQRT_2, PI};
+use std::fs;
+use std::io::{BufRead, BufReader};
+use std::process::{Command, Stdio};
+use std::sync::atomic::AtomicUsize;
+
+use place::{Place, Ran, names};
+use serde_json::{Value, json};
+use steklov::reference::Reference;
+use steklov::scene::{Refine, Scene};
+use steklov::study::{End, NAMES, Study, csv, strategy, text};
+use steklov_bem_operators::Mesh;
+use steklov_quadrature::gauss_legendre;
+
+/// sin(3π/2 λ) = λ: the symmetric singularity of a free re-entrant corner of 270 degrees.
+const LAMBDA: f64 = 0.5444837367824640;
+const YOUNG: f64 = 1.0;
+const POISSON: f64 = 0.3;
+
+/// A field of the stress functions φ = z^λ/λ and ψ = b z^λ/λ (Muskhelishvili, plane strain), z = (x - origin) + iy, with b
+/// such that the rays at ±135 degrees are free of traction.
+struct Wedge {
+    origin: f64,
+}
+
+impl Wedge {
+    fn b() -> f64 {
+        -((1.5 * PI * LAMBDA).cos() + LAMBDA * (1.5 * PI).cos())
+    }
+
+    fn polar(&self, [x, y]: [f64; 2]) -> (f64, f64) {
+        ((x - self.origin).hypot(y), y.atan2(x - self.origin))
+    }
+
+    /// u, from 2μ(u_x + iu_y) = κφ - z φ'* - ψ*.
+    fn displacement(&self, point: [f64; 2]) -> [f64; 2] {
+        let (r, t) = self.polar(point);
+        let (mu, kappa, b) = (YOUNG / (2.0 * (1.0 + POISSON)), 3.0 - 4.0 * POISSON, Self::b());
+        let scale = r.powf(LAMBDA) / (2.0 * mu);
+        let (l, m) = (LAMBDA * t, (2.0 - LAMBDA) * t);
+        [scale * ((kappa - b) / LAMBDA * l.cos() - m.cos()), scale * ((kappa + b) / LAMBDA * l.sin() - m.sin())]
+    }
+
+    /// σ_xx, σ_yy, σ_xy, from σ_xx + σ_yy = 4 Re φ' and σ_yy - σ_xx + 2iσ_xy = 2(z*φ'' + ψ').
+    fn stress(&self, point: [f64; 2]) -> [f64; 3] {
+        let (r, t) = self.polar(point);
+        let (scale, m, b) = (r.powf(LAMBDA - 1.0), LAMBDA - 1.0, Self::b());
+        let (near, far) = (m * t, (LAMBDA - 3.0) * t);
+        let (sum, difference) = (4.0 * near.cos(), 2.0 * (m * far.cos() + b * near.cos()));
+        [(sum - difference) / 2.0, (sum + difference) / 2.0, m * far.sin() + b * near.sin()].map(|s| scale * s)
+    }
+
+    /// The same stresses as texts for a scene.
+    fn texts(&self) -> [String; 3] {
+        let (m, b, shifted) = (LAMBDA - 1.0, Self::b(), format!("(x-({}))", self.origin));
+        let (power, t) = (format!("({shifted}^2+y^2)^({})", m / 2.0), format!("atan2(y,{shifted})"));
+        let (near, far) = (format!("({m})*{t}"), format!("({})*{t}", LAMBDA - 3.0));
+        let normal = |sign: &str| format!("{power}*(2*cos({near}){sign}(({m})*cos({far})+({b})*cos({near})))");
+        [normal("-"), normal("+"), format!("{power}*(({m})*sin({far})+({b})*sin({near}))")]
+    }
+
+    /// J = -½ ∫ t·u over straight sides with their normals.
+    fn energy(&self, sides: &[([f64; 2], [f64; 2], [f64; 2])]) -> f64 {
+        let rule = gauss_legendre(40);
+        let work = sides.iter().map(|(a, b, n)| {
+            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            let at = |x: f64| [0, 1].map(|i| a[i] + (b[i] - a[i]) * (1.0 + x) / 2.0);
+            let density = |x: f64| {
+                let (u, [xx, yy, xy]) = (self.displacement(at(x)), self.stress(at(x)));
+                (xx * n[0] + xy * n[1]) * u[0] + (xy * n[0] + yy * n[1]) * u[1]
+            };
+            length / 2.0 * rule.points.iter().zip(&rule.weights).map(|(x, w)| w * density(*x)).sum::<f64>()
+        });
+        -work.sum::<f64>() / 2.0
+    }
+}
+
+const BOX: [[f64; 2]; 4] = [[-0.4, -0.4], [0.4, -0.4], [0.4, 0.4], [-0.4, 0.4]];
+
+/// A scene whose exact solution is the singular field at the tip of a notch, and its J.
+fn notch() -> (String, f64) {
+    let field = Wedge { origin: 0.0 };
+    let [xx, yy, xy] = field.texts();
+    let text = format!(
+        r#"title = "Notch"
+[body]
+corners = [[0, 0], [-0.4, -0.4], [0.4, -0.4], [0.4, 0.4], [-0.4, 0.4]]
+sides = ["notch", "bottom", "right", "top", "notch"]
+[material]
+young = {YOUNG}
+poisson = {POISSON}
+[sides.bottom]
+traction = ["-({xy})", "-({yy})"]
+[sides.right]
+traction = ["{xx}", "{xy}"]
+[sides.top]
+traction = ["{xy}", "{yy}"]
+"#
+    );
+    let [a, b, c, d] = BOX;
+    (text, field.energy(&[(a, b, [0.0, -1.0]), (b, c, [1.0, 0.0]), (c, d, [0.0, 1.0])]))
+}
+
+/// A square in the same field, with the tip outside: its solution is smooth.
+fn smooth() -> (String, f64) {
+    let field = Wedge { origin: -1.2 };
+    let [xx, yy, xy] = field.texts();
+    let text = format!(
+        r#"title = "Smooth"
+[body]
+corners = [[-0.4, -0.4], [0.4, -0.4], [0.4, 0.4], [-0.4, 0.4]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+young = {YOUNG}
+poisson = {POISSON}
+[sides.bottom]
+traction = ["-({xy})", "-({yy})"]
+[sides.right]
+traction = ["{xx}", "{xy}"]
+[sides.top]
+traction = ["{xy}", "{yy}"]
+[sides.left]
+traction = ["-({xx})", "-({xy})"]
+"#
+    );
+    let [a, b, c, d] = BOX;
+    let sides = [(a, b, [0.0, -1.0]), (b, c, [1.0, 0.0]), (c, d, [0.0, 1.0]), (d, a, [-1.0, 0.0])];
+    (text, field.energy(&sides))
+}
+
+/// The closed form itself: the notch is free of traction, and strains times Hooke are the stresses.
+#[test]
+fn the_closed_form_is_one() {
+    assert!(((1.5 * PI * LAMBDA).sin() - LAMBDA).abs() < 1e-15);
+    let field = Wedge { origin: 0.0 };
+    for (point, n) in [([-0.3, 0.3], [-FRAC_1_SQRT_2, -FRAC_1_SQRT_2]), ([-0.1, -0.1], [-FRAC_1_SQRT_2, FRAC_1_SQRT_2])]
+    {
+        let [xx, yy, xy] = field.stress(point);
+        assert!((xx * n[0] + xy * n[1]).abs() < 1e-14 * xx.abs() && (xy * n[0] + yy * n[1]).abs() < 1e-14 * xx.abs());
+    }
+    let (h, [x, y]) = (1e-5, [0.2, 0.3]);
+    let slope = |i: usize| {
+        let step = |s: f64| field.displacement([x + if i == 0 { s } else { 0.0 }, y + if i == 1 { s } else { 0.0 }]);
+        [0, 1].map(|k| (step(h)[k] - step(-h)[k]) / (2.0 * h))
+    };
+    let (dx, dy) = (slope(0), slope(1));
+    let mu = YOUNG / (2.0 * (1.0 + POISSON));
+    let pressure = 2.0 * mu * POISSON / (1.0 - 2.0 * POISSON) * (dx[0] + dy[1]);
+    let hooke = [pressure + 2.0 * mu * dx[0], pressure + 2.0 * mu * dy[1], mu * (dx[1] + dy[0])];
+    let stress = field.stress([x, y]);
+    assert!((0..3).all(|k| (hooke[k] - stress[k]).abs() < 1e-8), "{hooke:?} {stress:?}");
+}
+
+/// The strategy of a study's JSON object.
+fn of<'a>(o: &'a Value, name: &str) -> &'a Value {
+    o["strategies"].as_array().unwrap().iter().find(|s| s["name"] == name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn fit<'a>(o: &'a Value, name: &str, law: &str) -> &'a Value {
+    of(o, name)["fits"].as_array().unwrap().iter().find(|f| f["law"] == law).unwrap_or_else(|| panic!("no {law}"))
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+/// Uniform h: N^-λ at the corner whatever the degree, N^-(p+½) without one; adaptive h: N^-(p+½) at the corner too; hp:
+/// exponential. J and its errors are those of the closed form.
+#[test]
+fn rates_and_energies_of_closed_forms() {
+    let place = Place::new();
+    for (what, (text, energy), degree, theory) in [
+        ("notch, degree 1", notch(), 1, LAMBDA),
+        ("notch, degree 3", notch(), 3, LAMBDA),
+        ("smooth, degree 1", smooth(), 1, 1.5),
+        ("smooth, degree 2", smooth(), 2, 2.5),
+    ] {
+        place.write("scene.toml", &text);
+        let settings = ["elements=8", "max_dofs=400", "tolerance=1e-5", &format!("degree={degree}")];
+        let settings = settings.map(|s| format!("--set=method.{s}"));
+        let all = what == "notch, degree 1";
+        let strategies = if all { "uniform-h,h,hp" } else { "uniform-h" };
+        let arguments =
+            ["study", "scene.toml", "--repeat=1", "--json", "--quiet", "--force", "--strategies", strategies];
+        let o = place.run(arguments.into_iter().chain(settings.iter().map(String::as_str))).demand(0).json();
+        check_energies(what, &o, energy);
+        let check = |strategy: &str, theory: f64, least: f64| {
+            let fit = fit(&o, strategy, "algebraic");
+            let (rate, r_squared) = (-number(&fit["rate"]), number(&fit["r_squared"]));
+            assert!((rate - theory).abs() < 0.1 * theory, "{what}, {strategy}: N^-{rate}, not N^-{theory}");
+            assert!(r_squared > least, "{what}, {strategy}: {fit}");
+        };
+        check("uniform-h", theory, 0.999);
+        if all {
+            check("h", 1.5, 0.98);
+            let root = fit(&o, "hp", "square_root");
+            assert!(number(&root["rate"]) < -0.5 && number(&root["r_squared"]) > 0.99, "{what}: {root}");
+        }
+    }
+}
+
+/// J of the reference and the energy errors of all steps against the exact J.
+fn check_energies(what: &str, o: &Value, exact: f64) {
+    let reference = &o["reference"];
+    let off = (number(&reference["own_energy"]) - exact).abs();
+    assert!(
+        off <= number(&reference["uncertainty"]) && off <= 1e-9 * exact.abs(),
+        "{what}: off by {off:e}, {reference}"
+    );
+    for step in o["strategies"].as_array().unwrap().iter().flat_map(|s| s["steps"].as_array().unwrap()) {
+        let error = ((number(&step["energy"]) - exact) / exact).abs();
+        let found = number(&step["energy_error"]).powi(2);
+        assert!((found - error).abs() <= 1.01 * off / exact.abs() + 1e-15, "{what}: {error:e}, {step}");
+    }
+}
+
+const FILES: &str = "contact-floor.png contact-floor.svg effectivity.png effectivity.svg energy-dofs.png energy-dofs.svg \
+                     energy-seconds.png energy-seconds.svg error-dofs.png error-dofs.svg error-root-dofs.png \
+                     error-root-dofs.svg error-seconds.png error-seconds.svg meshes-h.png meshes-h.svg \
+                     meshes-hp-decay.png meshes-hp-decay.svg meshes-hp.png meshes-hp.svg meshes-uniform-h.png \
+                     meshes-uniform-h.svg meshes-uniform-p.png meshes-uniform-p.svg study.csv study.h5";
+
+const NUMBERS: [&str; 8] = [
+    "seconds",
+    "error",
+    "energy",
+    "energy_error",
+    "estimate",
+    "effectivity",
+    "energy_extrapolated",
+    "energy_uncertainty",
+];
+
+/// The rows of a CSV table by strategy, each by column; empty numbers are NaN.
+fn rows(table: &str) -> BTreeMap<String, Vec<BTreeMap<String, f64>>> {
+    let (head, body) = table.split_once('\n').unwrap();
+    let names: Vec<&str> = head.split(',').collect();
+    let mut rows: BTreeMap<String, Vec<BTreeMap<String, f64>>> = BTreeMap::new();
+    for line in body.lines() {
+        let cells: Vec<&str> = line.split(',').collect();
+        assert_eq!(cells.len(), names.len(), "{line}");
+        let number = |cell: &str| if cell.is_empty() { f64::NAN } else { cell.parse().unwrap_or(f64::INFINITY) };
+        let row = names.iter().zip(&cells).skip(1).map(|(n, c)| ((*n).to_owned(), number(c))).collect();
+        rows.entry(cells[0].to_owned()).or_default().push(row);
+    }
+    rows
+}
+
+/// Slope of the least squares line by Cramer's rule.
+fn slope(points: &[[f64; 2]]) -> f64 {
+    let sum = |f: fn(&[f64; 2]) -> f64| points.iter().map(f).sum::<f64>();
+    let (n, x, y) = (points.len() as f64, sum(|p| p[0]), sum(|p| p[1]));
+    (n * sum(|p| p[0] * p[1]) - x * y) / (n * sum(|p| p[0] * p[0]) - x * x)
+}
+
+/// HDF5, CSV, JSON object and table of one study tell the same, and what they tell fits together.
+#[test]
+fn the_files_of_a_study_agree() {
+    let place = Place::new();
+    let arguments = ["study", "block.toml", "--repeat", "2", "--quiet", "--set", "method.max_dofs=130"];
+    let ran = place.run(arguments).demand(0);
+    assert_eq!(ran.err, "", "quiet");
+    assert_eq!(place.names(), ["block-study", "block.toml"]);
+    assert_eq!(names(&place.path("block-study")).join(" "), FILES);
+    for name in FILES.split_whitespace().filter(|n| n.ends_with("png") || n.ends_with("svg")) {
+        let start = if name.ends_with("png") { &b"\x89PNG\r\n\x1a\n"[..] } else { b"<" };
+        assert!(place.read(&format!("block-study/{name}")).starts_with(start), "{name}");
+    }
+    let file = steklov_io::open(place.path("block-study/study.h5")).unwrap();
+    let o: Value = serde_json::from_str(&steklov_io::load_text(&file, "summary").unwrap()).unwrap();
+    assert_eq!((&o["complete"], &o["interrupted"], &o["repeat"]), (&json!(true), &json!(false), &json!(2)));
+    let table = rows(&String::from_utf8(place.read("block-study/study.csv")).unwrap());
+    let wanted = NAMES.map(|(name, _)| name);
+    assert_eq!(steklov_io::load_texts(&file, "strategy_names").unwrap(), wanted);
+    assert_eq!(table.len(), wanted.len());
+    let reference = file.group("reference").unwrap();
+    let [energy, own] = ["energy", "own_energy"].map(|n| steklov_io::load_number(&reference, n).unwrap());
+    assert_eq!(energy, own, "the scene expects nothing");
+    for name in wanted {
+        let (rows, group) = (&table[name], file.group(&format!("strategies/{name}")).unwrap());
+        check_columns(name, rows, &group, of(&o, name));
+        check_numbers(name, rows, energy);
+        check_fits(name, rows, of(&o, name));
+        // the floor carries the load on the top
+        let contact = group.group("contact").unwrap();
+        let [pressure, weight] = ["pressure", "weight"].map(|n| steklov_io::load_vector(&contact, n).unwrap());
+        let force: f64 = pressure.iter().zip(&weight).map(|(p, w)| p * w).sum();
+        assert!((force - 2.0).abs() < 1e-10, "{name}: {force}");
+        // what is printed
+        let last = rows.last().unwrap();
+        let dofs = format!("{}", last["dofs"]);
+        let line =
+            ran.out.lines().skip_while(|l| !l.starts_with(name)).find(|l| l.split_whitespace().any(|w| w == dofs));
+        let estimate = format!("{:.2e}", last["estimate"]);
+        assert!(line.is_some_and(|l| l.contains(&estimate)), "{name}: {dofs}, {estimate} in\n{}", ran.out);
+    }
+    for part in ["A block", "method.max_dofs=130", "tolerance", "max_dofs", "R²", "26 in block-study"] {
+        assert!(ran.out.contains(part), "no {part} in\n{}", ran.out);
+    }
+}
+
+/// Bit by bit the columns of the CSV are those of HDF5 and of the JSON object; the meshes are those of the steps.
+fn check_columns(name: &str, rows: &[BTreeMap<String, f64>], group: &steklov_io::Group, o: &Value) {
+    let column = |n: &str| rows.iter().map(|r| r[n]).collect::<Vec<f64>>();
+    let bits = |v: &[f64]| v.iter().map(|x| if x.is_nan() { 0 } else { x.to_bits() }).collect::<Vec<_>>();
+    for n in NUMBERS {
+        assert_eq!(bits(&column(n)), bits(&steklov_io::load_vector(group, n).unwrap()), "{name}: {n}");
+        let told: Vec<f64> = o["steps"].as_array().unwrap().iter().map(|s| s[n].as_f64().unwrap_or(f64::NAN)).collect();
+        assert_eq!(bits(&column(n)), bits(&told), "{name}: {n}");
+        assert!(!steklov_io::load_label(group, n).unwrap().meaning.is_empty());
+    }
+    for n in ["dofs", "elements", "max_degree"] {
+        let stored: Vec<f64> = steklov_io::load_integers(group, n).unwrap().into_iter().map(|k| k as f64).collect();
+        assert_eq!(column(n), stored, "{name}: {n}");
+    }
+    for (k, row) in rows.iter().enumerate() {
+        let mesh: Mesh = steklov_io::load(&group.group(&format!("steps/{k:03}")).unwrap(), "mesh").unwrap();
+        // on a closed boundary p nodes an element, two unknowns each
+        let (dofs, highest) = (2 * mesh.degree.iter().sum::<usize>(), mesh.degree.iter().max().unwrap());
+        assert_eq!([row["dofs"], row["elements"], row["max_degree"]], [dofs, mesh.len(), *highest].map(|n| n as f64));
+    }
+}
+
+/// Effectivity and energy error by their definitions; seconds that rise; enough errors that are known.
+fn check_numbers(name: &str, rows: &[BTreeMap<String, f64>], reference: f64) {
+    for (k, row) in rows.iter().enumerate() {
+        assert_eq!(row["step"], k as f64);
+        assert!(row["error"].is_nan() == row["effectivity"].is_nan());
+        assert!(row["error"].is_nan() || row["effectivity"] == row["estimate"] / row["error"], "{name}: {row:?}");
+        let error = ((row["energy"] - reference).abs() / reference.abs()).sqrt();
+        assert!((row["energy_error"] - error).abs() <= 1e-12 * error, "{name}: {row:?}");
+        assert!(row["seconds"] > if k == 0 { 0.0 } else { rows[k - 1]["seconds"] }, "{name}: {row:?}");
+    }
+    let known: Vec<f64> = rows.iter().map(|r| r["error"]).filter(|e| e.is_finite()).collect();
+    assert!(known.len() >= 3 && rows[0]["error"].is_finite(), "{name}: {known:?}");
+    assert!(known.windows(2).all(|e| e[1] < e[0]), "{name}: errors rise, {known:?}");
+}
+
+/// The fitted rates follow from the columns.
+fn check_fits(name: &str, rows: &[BTreeMap<String, f64>], o: &Value) {
+    let laws: &[(&str, fn(f64) -> f64)] = if name.starts_with("hp") {
+        &[("square_root", f64::sqrt), ("cube_root", f64::cbrt)]
+    } else {
+        &[("algebraic", f64::ln)]
+    };
+    let fits = o["fits"].as_array().unwrap();
+    assert_eq!(fits.len(), laws.len(), "{name}");
+    for (fit, (law, abscissa)) in fits.iter().zip(laws) {
+        assert_eq!(fit["law"], *law);
+        let known: Vec<[f64; 2]> =
+            rows.iter().filter(|r| r["error"].is_finite()).map(|r| [abscissa(r["dofs"]), r["error"].ln()]).collect();
+        let last = &known[known.len() - fit["points"].as_u64().unwrap() as usize..];
+        let rate = slope(last);
+        assert!((number(&fit["rate"]) - rate).abs() < 1e-9 * rate.abs(), "{name}: {rate}, {fit}");
+    }
+}
+
+/// Energy errors are taken from the scene's energy where the study confirms it; where not, it says so.
+#[test]
+fn an_expected_energy_is_used_if_it_is_confirmed() {
+    let place = Place::new();
+    let (text, energy) = smooth();
+    for (value, part, used) in [(energy, "by hand", true), (energy * (1.0 + 1e-6), "off", false)] {
+        let expect = format!("[expect]\nenergy = {{ value = {value:?}, tol = 1e-3, source = \"by hand\" }}\n");
+        place.write("scene.toml", text.clone() + &expect);
+        let arguments = ["study", "scene.toml", "--strategies", "hp", "--repeat", "1", "--json", "--force"];
+        let o = place.run(arguments.into_iter().chain(["--set", "method.tolerance=1e-5"])).demand(0).json();
+        let reference = &o["reference"];
+        assert!(reference["energy_source"].as_str().unwrap().contains(part), "{reference}");
+        assert_eq!(number(&reference["energy"]) == value, used, "{reference}");
+    }
+}
+
+/// A strategy that fails is told, and the others are there; one that is stopped keeps its step.
+#[test]
+fn strategies_that_fail_or_are_stopped_are_told() {
+    let scene = |solver: &str| {
+        let set = [format!("method.solver=\"{solver}\""), "method.tolerance=1e-2".into()];
+        Scene::parse(place::BLOCK, "block.toml", &set).unwrap()
+    };
+    let (good, bad) = (scene("auto"), scene("uzawa"));
+    let reference = Reference::new(&good, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
+    let run =
+        |scene, stops| strategy(scene, ("hp", Refine::Hp), &reference, 1, &AtomicUsize::new(stops), &mut |_, _| {});
+    let strategies = [run(&bad, 0), run(&good, 1), run(&good, 0)];
+    // Uzawa needs a body that is held
+    let End::Failed(why) = &strategies[0].end else { panic!("{:?}", strategies[0].end) };
+    assert!(strategies[0].points.is_empty() && !why.is_empty());
+    assert_eq!((strategies[1].end.word(), strategies[1].points.len()), ("interrupted", 1));
+    assert_eq!(strategies[2].end.word(), "tolerance");
+    assert_eq!(strategies.each_ref().map(|s| s.complete()), [false, false, true]);
+    let study =
+        |interrupted| Study { scene: &good, reference: &reference, strategies: &strategies, repeat: 1, interrupted };
+    assert!(!study(false).complete() && text(&study(false)).contains(&format!("FAILED after 0 steps: {why}")));
+    assert!(text(&study(true)).contains("interrupted: what was finished is here"));
+    assert_eq!(csv(&study(false)).lines().count(), 1 + 1 + strategies[2].points.len());
+}
+
+#[test]
+fn a_study_that_cannot_be_made_is_refused_before_anything_is_solved() {
+    let place = Place::new();
+    fs::create_dir(place.path("empty")).unwrap();
+    fs::create_dir(place.path("full")).unwrap();
+    place.write("full/study.csv", "old");
+    for (arguments, status, parts) in [
+        (&["--what", "inf-sup"][..], 1, &["--what inf-sup is not yet available"][..]),
+        (&["--what", "stability"], 1, &["--what stability is not yet available"]),
+        (&["--what", "speed"], 2, &["speed"]),
+        (&["--strategies", "hp,best"], 2, &["best", "hp-decay"]),
+        (&["--repeat", "0"], 2, &["0"]),
+        (&["--out", "full"], 1, &["full exists", "--force"]),
+        (&["--out", "block.toml"], 1, &["block.toml is not a folder"]),
+        (&["--out", "block.toml/x"], 1, &["cannot be written into block.toml/x"]),
+        (&["--set", "method.degre=1"], 1, &["degre", "degree"]),
+        (&["--set", "method.max_dofs=8"], 1, &["max_dofs"]),
+    ] {
+        let ran = place.run(["study", "block.toml", "--quiet"].iter().chain(arguments)).demand(status);
+        assert!(parts.iter().all(|part| ran.err.contains(part)), "{arguments:?}: {}", ran.err);
+    }
+    assert_eq!(place.names(), ["block.toml", "empty", "full"]);
+    assert_eq!(place.read("full/study.csv"), b"old");
+    let quick = ["--strategies", "hp", "--repeat", "1", "--set", "method.tolerance=0.1"];
+    place.run(["study", "block.toml", "--out", "empty"].iter().chain(&quick)).demand(0);
+    let forced = place.run(["study", "block.toml", "--out", "full", "--force"].iter().chain(&quick)).demand(0);
+    assert!(place.read("full/study.csv").starts_with(b"strategy,step,"));
+    let told: Vec<&str> = forced.err.lines().filter_map(|l| l.split_once(" s  ")).map(|(_, what)| what).collect();
+    assert_eq!(told, ["reference", "hp, run 1 of 1", "hp, true errors", "files"]);
+}
+
+/// Ctrl-C in a long run: the step is finished, and what there is is stored, marked and drawn.
+#[cfg(unix)]
+#[test]
+fn an_interrupted_study_stores_what_is_finished() {
+    let place = Place::new();
+    let long = ["study", "block.toml", "--strategies", "uniform-h,hp", "--json", "--set", "method.max_dofs=100000"];
+    let mut child = place.command().args(long).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    let mut told = BufReader::new(child.stderr.take().unwrap()).lines().map(Result::unwrap);
+    assert!(told.any(|line| line.ends_with("uniform-h, run 1 of 3")), "the first strategy does not begin");
+    let kill = Command::new("sh").args(["-c", "kill -INT \"$0\"", &child.id().to_string()]).status().unwrap();
+    assert!(kill.success() && told.any(|line| line == "finishing this step; again to stop at once"));
+    let o = Ran::new(child.wait_with_output().unwrap()).demand(3).json();
+    assert_eq!((&o["interrupted"], &o["complete"]), (&json!(true), &json!(false)));
+    let strategies = o["strategies"].as_array().unwrap();
+    assert_eq!((strategies.len(), &strategies[0]["reason"]), (1, &json!("interrupted")));
+    let steps = strategies[0]["steps"].as_array().unwrap().len();
+    let stored = steklov_io::open(place.path("block-study/study.h5")).unwrap();
+    let dofs = stored.group("strategies/uniform-h").unwrap();
+    assert_eq!(steklov_io::load_integers(&dofs, "dofs").unwrap().len(), steps);
+    assert!(names(&place.path("block-study")).contains(&"error-dofs.png".to_owned()));
+}
