@@ -4,6 +4,7 @@
 //! Scene ─► plan ─► run ─► solve (mesh by mesh) ─► Record ─► store (HDF5), summary (JSON), pictures
 //!                                                   ▲
 //!                                    show ─► read ──┘
+//! Scene ─► Reference, then run by run (strategy by strategy) ─► Study ─► HDF5, CSV, JSON, charts and meshes
 //! ```
 
 pub mod expression;

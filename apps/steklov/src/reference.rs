@@ -161,8 +161,7 @@ impl Reference {
         interrupts: &AtomicUsize,
     ) -> Result<Option<f64>, SolveError> {
         let Some(level) = self.level_for(step.estimate.error / self.norm) else { return Ok(None) };
-        let coarse = Subdivision::new(&step.mesh, &vec![Mark::Keep; step.mesh.len()]);
-        let common = common_refinement(&coarse, &level.subdivision, restricted);
+        let common = common_refinement(&step.mesh, &level.subdivision);
         if common.dofs() > COMMON_DOFS {
             return Ok(None);
         }
@@ -170,15 +169,8 @@ impl Reference {
             0 | 1 => Ok(()),
             _ => Err(SolveError::Interrupted),
         };
-        let (exact, factors) = solve(scene, common.mesh(&scene.polygon)?, &mut PairCache::default(), &mut watch)?;
-        if !exact.balanced || exact.contact.as_ref().is_some_and(|c| !c.solution.converged()) {
-            return Ok(None);
-        }
-        let mut difference = prolong(&step.mesh, displacement, &exact);
-        difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
-        remove_motions(&mut difference, &exact);
-        let stiff = factors.condensation.multiply(&difference);
-        Ok(Some(dot(&difference, &stiff).max(0.0).sqrt()))
+        let truth = distance(scene, &step.mesh, displacement, &common, &mut watch)?;
+        Ok(truth.converged.then_some(truth.error))
     }
 
     /// The first level that is fine enough for a relative error; else the finest, if that is better at all.
@@ -208,8 +200,53 @@ fn remove_motions(difference: &mut [f64], exact: &Solved) {
     motions.iter().for_each(|r| remove(difference, r));
 }
 
+/// True error of a solved mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrueError {
+    /// ⟨S e, e⟩^½ of e = u_h - u, with u and S of the common refinement.
+    pub error: f64,
+    /// ⟨S u, u⟩^½.
+    pub norm: f64,
+    /// Whether u meets the criterion of the contact solver.
+    pub converged: bool,
+}
+
+/// The true error of a nodal displacement on a mesh, measured on the common refinement with `fine`.
+///
+/// # Errors
+/// As [`solve`].
+pub fn true_error(
+    scene: &Scene,
+    mesh: &Mesh,
+    displacement: &[f64],
+    fine: &Subdivision,
+) -> Result<TrueError, SolveError> {
+    distance(scene, mesh, displacement, &common_refinement(mesh, fine), &mut |_| Ok(()))
+}
+
+/// The distance to the solution on a refinement of the mesh.
+fn distance(
+    scene: &Scene,
+    mesh: &Mesh,
+    displacement: &[f64],
+    refinement: &Subdivision,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<TrueError, SolveError> {
+    let (exact, factors) = solve(scene, refinement.mesh(&scene.polygon)?, &mut PairCache::default(), observe)?;
+    let mut difference = prolong(mesh, displacement, &exact);
+    difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
+    remove_motions(&mut difference, &exact);
+    let norm = |v: &[f64]| dot(v, &factors.condensation.multiply(v)).max(0.0).sqrt();
+    Ok(TrueError {
+        error: norm(&difference),
+        norm: norm(&exact.displacement),
+        converged: exact.balanced && exact.contact.as_ref().is_none_or(|c| c.solution.converged()),
+    })
+}
+
 /// The vertices of both, those of `fine` next to one of `coarse` left out; one degree more than both need there.
-fn common_refinement(coarse: &Subdivision, fine: &Subdivision, needed: fn(&Piece, f64) -> usize) -> Subdivision {
+fn common_refinement(mesh: &Mesh, fine: &Subdivision) -> Subdivision {
+    let coarse = Subdivision::new(mesh, &vec![Mark::Keep; mesh.len()]);
     let edges = coarse.edges.iter().zip(&fine.edges).map(|(a, b)| {
         let mut knots: Vec<f64> = a.iter().map(|p| p.start).chain([1.0]).collect();
         let extra = b.iter().map(|p| p.start).filter(|s| a.iter().all(|p| (p.start - s).abs() > CLOSE));
@@ -218,7 +255,7 @@ fn common_refinement(coarse: &Subdivision, fine: &Subdivision, needed: fn(&Piece
         let pieces = knots.windows(2).map(|k| {
             let (middle, length) = ((k[0] + k[1]) / 2.0, k[1] - k[0]);
             let needed = |pieces: &[Piece]| {
-                pieces.iter().find(|p| p.start <= middle && middle < p.end).map_or(1, |p| needed(p, length))
+                pieces.iter().find(|p| p.start <= middle && middle < p.end).map_or(1, |p| restricted(p, length))
             };
             let degree = (needed(a).max(needed(b)) + 1).min(Mesh::MAX_DEGREE);
             Piece { start: k[0], end: k[1], degree, mark: Mark::Keep }
