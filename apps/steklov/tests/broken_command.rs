@@ -100,7 +100,7 @@ const HIDDEN: &[Hidden] = &[
     },
     Hidden {
         edits: &[("elements = 8", "elements = 8\nsolver = \"uzawa\"")],
-        line: 18,
+        line: 19,
         parts: &["positive definite", "\"uzawa\"", "set solver = \"newton\""],
     },
     // Held sides that do not agree at their corner
@@ -154,7 +154,7 @@ const HIDDEN: &[Hidden] = &[
     // Meshes
     Hidden {
         edits: &[("elements = 8", "max_dofs = 31")],
-        line: 17,
+        line: 18,
         parts: &["the first mesh has 32 dofs", "max_dofs = 31", "fewer elements or a lower degree"],
     },
     Hidden {
@@ -162,7 +162,7 @@ const HIDDEN: &[Hidden] = &[
             "elements = 8",
             "elements = 4\n[sides.left]\ndisplacement = [0, 0]\n[sides.right]\ndisplacement = [0, 0]",
         )],
-        line: 17,
+        line: 18,
         parts: &["degree 1", "side \"floor\"", "elements = 4", "raise method.degree to 2"],
     },
 ];

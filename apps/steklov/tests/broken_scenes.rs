@@ -55,7 +55,7 @@ fn the_sound_scene_and_the_template_are_read() {
     let scene = sound(SOUND, &[]);
     assert_eq!((scene.title.as_str(), scene.polygon.side_names().len()), ("Sound", 4));
     assert_eq!(scene.probe, [[1.0, 0.5]]);
-    assert_eq!(scene.method.refine, Some(Refine::UniformH));
+    assert_eq!(scene.method.refine, Refine::UniformH);
     let names: Vec<&str> = scene.sides.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["floor", "right", "top", "left"]);
     let Condition::Contact { gap, friction: Friction::Tresca(bound) } = &scene.sides[0].condition else { panic!() };
@@ -73,7 +73,7 @@ fn the_sound_scene_and_the_template_are_read() {
         .collect();
     let all = sound(&all, &[]);
     assert_eq!((all.expect.len(), all.probe.len(), all.polygon.loops().len()), (1, 1, 2));
-    assert_eq!(Method { refine: None, ..all.method }, Method::default());
+    assert_eq!(all.method, Method::default());
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn defaults_are_those_of_the_contract() {
         (m.tolerance, m.elements, m.degree, m.max_dofs, m.max_steps, m.smoothness),
         (1e-3, 16, 1, 20_000, 60, 0.6)
     );
-    assert_eq!((m.refine, m.marking, m.gamma, m.solver), (None, None, None, Solver::Newton));
+    assert_eq!((m.refine, m.marking, m.gamma, m.solver), (Refine::Hp, None, None, Solver::Auto));
     assert_eq!((scene.material.young, scene.title.as_str(), scene.sides.len()), (200.0, "broken.toml", 2));
     assert!(scene.body_force.is_none() && scene.probe.is_empty() && scene.expect.is_empty());
 }
@@ -108,7 +108,7 @@ fn overrides_change_any_key() {
             "expect.audit.friction={ value = 0, tol = 1, source = \"none\" }",
         ],
     );
-    assert_eq!((scene.method.tolerance, scene.method.refine), (1e-6, Some(Refine::None)));
+    assert_eq!((scene.method.tolerance, scene.method.refine), (1e-6, Refine::None));
     assert_eq!(scene.polygon.edges()[5].listed(), [[0.6, 0.5], [0.7, 0.6]]);
     assert!(matches!(&scene.sides[1].condition, Condition::Pressure(p) if p.constant() == Some(2.0)));
     let Condition::Displacement { values: [Some(u), None], traction: None } = &scene.sides[2].condition else {

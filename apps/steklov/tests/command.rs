@@ -16,8 +16,8 @@ fn sorted(list: &'static str) -> Vec<&'static str> {
     keys
 }
 
-const KEYS: &str = "title model file converged reason dofs steps energy energy_extrapolated strain_energy load_work \
-                    friction_work estimate estimate_relative iterations contact audit reactions probe stochastic seconds \
+const KEYS: &str = "title model file converged reason dofs steps energy energy_extrapolated energy_uncertainty \
+                    strain_energy load_work friction_work estimate estimate_relative estimate_doubts iterations contact audit reactions probe stochastic seconds \
                     peak_memory_bytes";
 
 /// Every key, its type, and what must hold between the numbers.
@@ -39,14 +39,11 @@ fn the_json_object_has_all_keys_and_they_agree() {
         ("reason", json!("solved")),
         ("dofs", json!(16)),
         ("steps", json!(1)),
-        ("energy_extrapolated", Value::Null),
-        ("estimate", Value::Null),
-        ("estimate_relative", Value::Null),
         ("stochastic", Value::Null),
     ] {
         assert_eq!(o[key], value, "{key}");
     }
-    assert_eq!(o["contact"]["ends"], Value::Null);
+    assert_eq!(o["contact"]["ends"], Value::Null); // only refinement by hp locates them
     assert!(o["contact"]["max_pressure_unbounded"].is_boolean());
     assert!(o["iterations"].as_u64().unwrap() > 0 && o["peak_memory_bytes"].as_u64().unwrap() > 1 << 20);
     let number = |path: &str| {
@@ -64,17 +61,26 @@ fn the_json_object_has_all_keys_and_they_agree() {
     for key in keys(&o["audit"]) {
         assert!((0.0..1e-10).contains(&number(&format!("/audit/{key}"))), "{key}");
     }
-    let parts: f64 =
-        ["set_up", "assemble", "factorise", "solve", "write"].map(|k| number(&format!("/seconds/{k}"))).iter().sum();
+    let parts: f64 = ["set_up", "assemble", "factorise", "solve", "estimate", "write"]
+        .map(|k| number(&format!("/seconds/{k}")))
+        .iter()
+        .sum();
     assert!(0.0 < parts && parts <= number("/seconds/total"));
-    assert_eq!(number("/seconds/estimate"), 0.0);
+    // the estimate over (2 strain energy)^½; J on a much finer mesh is within the uncertainty
+    close(number("/estimate_relative"), number("/estimate") / (2.0 * number("/strain_energy")).sqrt());
+    let (coarse, uncertainty) = (number("/energy_extrapolated"), number("/energy_uncertainty"));
+    let fine = ["method.refine=\"hp\"", "method.tolerance=1e-5"].map(|s| ["--set", s]).concat();
+    let fine = place.json(0, &[&["block.toml", "--out", "fine.vtkhdf"], &fine[..]].concat());
+    let off = (coarse - fine["energy"].as_f64().unwrap()).abs();
+    assert!(off < uncertainty && uncertainty < 30.0 * off, "{off} {uncertainty}");
+    assert_eq!(o["estimate_doubts"], json!(["sets"]));
     let probe = o["probe"].as_array().unwrap();
     assert_eq!(probe.iter().map(|p| p["point"].clone()).collect::<Vec<_>>(), [json!([1.0, 0.5]), json!([2.0, 0.5])]);
     for p in probe {
         assert_eq!(keys(p), sorted("point displacement stress"));
         assert_eq!((p["displacement"].as_array().unwrap().len(), p["stress"].as_array().unwrap().len()), (2, 3));
     }
-    assert_eq!(place.names(), ["block.toml", "block.vtkhdf"]);
+    assert_eq!(place.names(), ["block.toml", "block.vtkhdf", "fine.vtkhdf"]);
 }
 
 #[test]
@@ -174,11 +180,23 @@ fn wrong_usage_is_status_2() {
 }
 
 #[test]
-fn resume_says_that_it_is_not_yet_available() {
+fn a_stored_run_goes_on_to_the_bits_of_an_uninterrupted_one() {
     let place = Place::new();
-    let ran = place.run(["solve", "block.toml", "--resume"]).demand(1);
-    assert!(ran.err.contains("--resume is not yet available"), "{}", ran.err);
-    assert_eq!(place.names(), ["block.toml"]);
+    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-4\n"));
+    let whole = place.json(0, &["block.toml", "--resume"]); // there is nothing to go on from
+    assert_eq!(whole["contact"]["ends"], json!([])); // the floor is in contact all along it
+    for steps in [1, 3] {
+        let limit = format!("method.max_steps={steps}");
+        let first = place.json(3, &["block.toml", "--set", &limit]);
+        assert_eq!((&first["steps"], &first["reason"]), (&json!(steps), &json!("max_steps")));
+        let rest = place.json(0, &["block.toml", "--resume"]);
+        for key in ["energy", "energy_extrapolated", "estimate", "dofs", "steps", "contact", "audit", "probe"] {
+            assert_eq!(rest[key], whole[key], "{key}");
+        }
+    }
+    // another scene is not the one that was stored
+    let other = place.run(["solve", "block.toml", "--resume", "--set", "material.young=100"]).demand(1);
+    assert!(other.err.contains("other overrides"), "{}", other.err);
 }
 
 /// Integers, numbers, texts, lists, tables, and keys that need quotes.
@@ -264,13 +282,13 @@ fn the_number_of_threads_changes_nothing() {
 fn progress_is_on_stderr_only() {
     let place = Place::new();
     let long =
-        ["solve", "block.toml", "--force", "--set", "method.refine=\"uniform-h\"", "--set", "method.max_dofs=2500"];
-    let loud = place.run(long).demand(0);
+        ["solve", "block.toml", "--force", "--set", "method.refine=\"uniform-h\"", "--set", "method.max_dofs=1500"];
+    let loud = place.run(long).demand(3);
     assert!(loud.out.starts_with("A block\n") && !loud.out.contains("step 1 "), "{}", loud.out);
     for line in loud.err.lines() {
         assert!(line.contains(" s  step "), "{line}");
     }
-    let quiet = place.run(long.iter().chain(&["--quiet"])).demand(0);
+    let quiet = place.run(long.iter().chain(&["--quiet"])).demand(3);
     assert_eq!(quiet.err, "");
     assert!(quiet.out.starts_with("A block\n"));
 }
@@ -291,7 +309,7 @@ fn uniform_strategies_end_at_their_limits() {
             assert_eq!(2 * mesh.degree.iter().sum::<usize>(), dofs[dofs.len() - 1]);
             assert!(steklov_io::load_number(&step, "energy").unwrap() < 0.0);
             assert!(!steklov_io::load_vector(&step, "history").unwrap().is_empty());
-            assert_eq!(steklov_io::load_vector(&step, "seconds").unwrap().len(), 4);
+            assert_eq!(steklov_io::load_vector(&step, "seconds").unwrap().len(), 5);
         }
         dofs
     };
@@ -303,24 +321,26 @@ fn uniform_strategies_end_at_their_limits() {
         ("uniform-p", "method.max_steps=1", "max_steps", &[16]),
         ("none", "method.max_steps=5", "solved", &[16]),
     ] {
-        let o = place.json(0, &["block.toml", "--set", &format!("method.refine=\"{refine}\""), "--set", limit]);
-        assert_eq!((&o["reason"], &o["converged"]), (&json!(reason), &json!(true)), "{refine} {limit}");
+        let done = reason == "solved";
+        let status = if done { 0 } else { 3 };
+        let o = place.json(status, &["block.toml", "--set", &format!("method.refine=\"{refine}\""), "--set", limit]);
+        assert_eq!((&o["reason"], &o["converged"]), (&json!(reason), &json!(done)), "{refine} {limit}");
         assert_eq!((&o["steps"], &o["dofs"]), (&json!(expected.len()), &json!(expected[expected.len() - 1])));
         assert_eq!(dofs(expected.len()), expected);
     }
 }
 
 #[test]
-fn a_scene_that_names_no_refinement_is_solved_once() {
+fn a_scene_that_names_no_refinement_is_refined_to_its_tolerance() {
     let place = Place::new();
-    assert!(!place::BLOCK.contains("refine"));
+    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-2\n"));
     let o = place.json(0, &["block.toml"]);
-    assert_eq!((&o["steps"], &o["reason"]), (&json!(1), &json!("solved")));
+    assert_eq!(o["reason"], json!("tolerance"));
+    let relative = o["estimate_relative"].as_f64().unwrap();
+    assert!(o["steps"].as_u64().unwrap() > 1 && 0.0 < relative && relative <= 1e-2, "{o}");
     let plan = place.run(["plan", "block.toml", "--json"]).demand(0).json();
     let find = |what: &str| plan["modelled"].as_array().unwrap().iter().find(|d| d["what"] == what).unwrap().clone();
-    let refinement = find("refinement");
-    assert_eq!(refinement["choice"], "none");
-    assert!(refinement["why"].as_str().unwrap().contains("the scene names none"), "{refinement}");
+    assert_eq!(find("refinement")["choice"], "hp");
     assert_eq!(find("elements")["choice"], "8");
     assert_eq!((&plan["cost"]["dofs"], &plan["cost"]["elements"]), (&json!(16), &json!(8)));
     assert_eq!(keys(&plan), sorted("model modelled left_out cost"));

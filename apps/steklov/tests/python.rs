@@ -25,10 +25,19 @@ fn python(script: &str, place: &Place, arguments: &[&str]) {
 fn block_on_floor() -> Place {
     let place = Place::new();
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenes/block-on-floor.toml");
-    let steps = ["--set", "method.refine=\"uniform-h\"", "--set", "method.max_steps=2", "--set", "method.elements=32"];
+    let steps = [
+        "--set",
+        "method.refine=\"uniform-h\"",
+        "--set",
+        "method.max_steps=2",
+        "--set",
+        "method.elements=32",
+        "--set",
+        "method.degree=4",
+    ];
     let probe = ["--set", "probe.points=[[0, 0], [0.5, 0.1]]", "--save", "matrices"];
     let solve = ["solve", scene, "--json", "--quiet", "--out", "block.vtkhdf"];
-    let told = place.run([&solve[..], &steps, &probe].concat()).demand(0).out;
+    let told = place.run([&solve[..], &steps, &probe].concat()).demand(3).out;
     place.write("told.json", told);
     place
 }

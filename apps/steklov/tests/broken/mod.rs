@@ -285,8 +285,6 @@ pub const CASES: &[Case] = &[
     set(&["method.elements=4", "method.elements=\"x\""], "\"x\"", "method.elements is a string", "a whole number"),
     set(&["material.poisson=0.5"], "0.5", "Poisson's ratio is 0.5", "below 0.5"),
     // The full language is known, also where it is not yet available
-    edit("uniform-h", "hp", 18, "\"hp\"", "refine = \"hp\" is not yet available", "\"uniform-h\""),
-    edit("uniform-h", "hp-decay", 18, "\"hp-decay\"", "refine = \"hp-decay\" is not yet available", "\"uniform-h\""),
     edit("elements = 8", "model = \"fem\"", 19, "\"fem\"", "model = \"fem\" is not yet available", "\"bem\""),
     edit(
         "elements = 8",

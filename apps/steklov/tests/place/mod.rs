@@ -24,6 +24,7 @@ traction = ["0", "-1"]
 [probe]
 points = [[1.0, 0.5], [2.0, 0.5]]
 [method]
+refine = "none"
 elements = 8
 "#;
 

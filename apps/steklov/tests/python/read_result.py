@@ -126,10 +126,20 @@ for number, elements in [("000", 32), ("001", 64)]:
     assert read(at + "dofs", (1,), I8, "1", ["value"])[0] == 2 * p * elements
     history = file[at + "history"][()]
     assert len(history) >= 2 and history[-1] < 1e-9 * max(1, history[0])
-    seconds = read(at + "seconds", (4,), F8, "seconds", ["part"])
+    seconds = read(at + "seconds", (5,), F8, "seconds", ["part"])
     assert np.all(seconds > 0)
+    # the estimate is a mean of the two-level sum, which has the error of the traction in it, and of the correction
+    joule = "force*length/thickness"
+    number = lambda name, unit: read(at + name, (1,), F8, unit, ["value"])[0]
+    estimate, scale = (number(name, f"({joule})^(1/2)") for name in ("estimate", "scale"))
+    names = ("displacement", "traction", "oscillation")
+    terms = [read(at + "indicators/" + name, (elements,), F8, joule, ["element"]) for name in names]
+    assert np.all(np.array(terms) >= 0)
+    assert 0.9 * number("correction", joule) <= estimate**2 <= 1.1 * np.sum(terms)
+    close(number("estimate_relative", "1") * scale, estimate, 1e-15)
 energy = [float(np.squeeze(file[f"steps/{n}/energy"][()])) for n in ("000", "001")]
 assert energy[1] == told["energy"]
+assert estimate == told["estimate"]
 # verification.md: J; the finer step is the better one
 errors = [abs(j + 2.9933291930708) for j in energy]
 assert errors[1] < errors[0] and errors[1] < 1e-5, errors
