@@ -18,7 +18,7 @@ use steklov_bem_operators::Mesh;
 use steklov_quadrature::gauss_legendre;
 
 /// sin(3π/2 λ) = λ: the symmetric singularity of a free re-entrant corner of 270 degrees.
-const LAMBDA: f64 = 0.5444837367824640;
+const LAMBDA: f64 = 0.544_483_736_782_464;
 const YOUNG: f64 = 1.0;
 const POISSON: f64 = 0.3;
 
@@ -341,9 +341,12 @@ fn check_numbers(name: &str, rows: &[BTreeMap<String, f64>], reference: f64) {
     assert!(known.windows(2).all(|e| e[1] < e[0]), "{name}: errors rise, {known:?}");
 }
 
+/// What the logarithm of an error is linear in.
+type Abscissa = fn(f64) -> f64;
+
 /// The fitted rates follow from the columns.
 fn check_fits(name: &str, rows: &[BTreeMap<String, f64>], o: &Value) {
-    let laws: &[(&str, fn(f64) -> f64)] = if name.starts_with("hp") {
+    let laws: &[(&str, Abscissa)] = if name.starts_with("hp") {
         &[("square_root", f64::sqrt), ("cube_root", f64::cbrt)]
     } else {
         &[("algebraic", f64::ln)]
