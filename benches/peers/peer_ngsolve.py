@@ -55,7 +55,7 @@ class Body:
         form = ng.BilinearForm(self.space, symmetric=True, condense=True)
         form += InnerProduct(su, Grad(v)) * dx
         # skeleton: gradients of the whole element, not only along the side
-        form += contact.Compile() * ds(skeleton=True, definedon=self.mesh.Boundaries("bottom"), bonus_intorder=2)
+        form += contact.Compile() * ds(skeleton=True, definedon=self.mesh.Boundaries("bottom"), bonus_intorder=4)
         return form
 
     def loads(self):

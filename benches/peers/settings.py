@@ -23,7 +23,7 @@ def uniform(order, *cells):
 PEERS = {
     "NGSolve": [
         adaptive(4, 0.8, 8),
-        adaptive(4, 0.8, 0),
+        adaptive(5, 0.9, 4),
         adaptive(5, 0.9, 8),
         adaptive(6, 0.9, 8),
         adaptive(6, 0.95, 0),
