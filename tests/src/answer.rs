@@ -1,13 +1,16 @@
 //! Scenes solved in process.
 
 use std::path::Path;
+use std::sync::atomic::AtomicUsize;
 
+use steklov::adapt::Layout;
 use steklov::plan::first_mesh;
 use steklov::report::{ContactRow, contact_rows, contact_summary};
-use steklov::scene::{Scene, SceneError};
-use steklov::solve::{SolveError, Solved, solve};
+use steklov::run::{Progress, Run, run};
+use steklov::scene::{Refine, Scene, SceneError};
+use steklov::solve::{SolveError, Solved};
 use steklov::summary::ContactSummary;
-use steklov_bem_operators::Mesh;
+use steklov_bem_operators::{Mark, Mesh, Subdivision};
 
 /// A solved scene with its contact table.
 pub struct Answer {
@@ -68,21 +71,33 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
     Scene::read(&path, &overrides).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
+/// Solves a scene as its method says, mesh by mesh.
+///
+/// # Errors
+/// Those of [`run`].
+pub fn adapt(scene: &Scene) -> Result<Run, SolveError> {
+    run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
+}
+
 /// Solves a scene on a mesh.
 ///
 /// # Errors
-/// Those of [`solve`].
+/// Those of [`run`].
 pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
-    let solved = solve(scene, mesh, &mut |_| Ok(()))?;
-    let (rows, summary) = match &solved.contact {
+    let mut once = scene.clone();
+    once.method.refine = Refine::None;
+    let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
+    let progress = Progress { steps: Vec::new(), next: Layout { subdivision, tips: Vec::new() } };
+    let run = run(&once, progress, &AtomicUsize::new(0), &mut |_, _| Ok(()))?;
+    let (rows, summary) = match &run.last.contact {
         None => (Vec::new(), None),
         Some(contact) => {
-            let rows = contact_rows(contact, &solved.displacement);
-            let summary = contact_summary(scene, &solved, contact, &rows);
+            let rows = contact_rows(contact, &run.last.displacement);
+            let summary = contact_summary(&once, &run.last, contact, &rows, run.step());
             (rows, Some(summary))
         }
     };
-    Ok(Answer { scene: scene.clone(), solved, rows, summary })
+    Ok(Answer { scene: scene.clone(), solved: run.last, rows, summary })
 }
 
 /// Solves a scene on a mesh.

@@ -2,6 +2,8 @@
 
 mod answer;
 mod case;
+mod random;
 
-pub use answer::{Answer, answer, answer_on, attempt, parse, scene};
+pub use answer::{Answer, adapt, answer, answer_on, attempt, parse, scene};
 pub use case::{Case, On, View, point_of, rotated};
+pub use random::{Random, random_case};

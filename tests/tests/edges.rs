@@ -1,9 +1,8 @@
 //! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
 
-use steklov::run::run;
 use steklov::scene::SceneErrorKind;
 use steklov::solve::SolveError;
-use steklov_tests::{answer, attempt, parse};
+use steklov_tests::{adapt, answer, attempt, parse};
 
 /// A unit square of E = 10, ν = 0.3 with the given tables of sides and method.
 fn square(corners: &str, tables: &str) -> String {
@@ -117,7 +116,7 @@ fn an_unloaded_body_far_from_its_obstacle_rests() {
             let held = format!("[sides.top]\ndisplacement = [\"0\", \"{lowered}\"]\n");
             let text = square(UNIT, &format!("{contact}{held}{}", method(16, 1)));
             let scene = parse(&text, &[]).expect("a scene");
-            let run = run(&scene, &std::sync::atomic::AtomicUsize::new(0), &mut |_, _| Ok(())).expect("a rest");
+            let run = adapt(&scene).expect("a rest");
             assert!(run.converged(), "{friction} {lowered}");
             // rounding of E u²
             assert!(run.last.energies.total.abs() < 1e-14 * 10.0 * 0.01f64.powi(2), "{}", run.last.energies.total);
@@ -153,8 +152,7 @@ fn lost_digits_are_no_solution() {
     for (poisson, solved) in [("0.4999999", true), ("0.499999999999999", false)] {
         let text = text.replace("poisson = 0.3", &format!("poisson = {poisson}"));
         let scene = parse(&text, &[]).expect("a scene");
-        let converged =
-            run(&scene, &std::sync::atomic::AtomicUsize::new(0), &mut |_, _| Ok(())).is_ok_and(|r| r.converged());
+        let converged = adapt(&scene).is_ok_and(|r| r.converged());
         assert_eq!(converged, solved, "{poisson}");
     }
     // far from the origin the body has no shape left

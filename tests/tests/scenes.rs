@@ -2,13 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::AtomicUsize;
 
 use steklov::plan::{Plan, plan};
 use steklov::record::Record;
-use steklov::run::run;
 use steklov::scene::Scene;
 use steklov::summary::{Audit, Summary};
+use steklov_tests::adapt;
 
 /// Measures of the audit and of equilibrium may be at most this.
 const EXACT: f64 = 1e-10;
@@ -40,7 +39,7 @@ fn read(path: &Path, overrides: &[&str]) -> Scene {
 
 /// The summary of a solved scene, and the residual of equilibrium over the scale of forces.
 fn solved(scene: &Scene) -> (Summary, f64) {
-    let run = run(scene, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+    let run = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     let equilibrium = run.last.equilibrium;
     (Record::new(scene, plan(scene), run, Path::new("none.vtkhdf"), 0.0).summary, equilibrium)
 }

@@ -14,7 +14,7 @@ use crate::draw;
 use crate::explain::{explain, too_many_dofs};
 use crate::plan::plan;
 use crate::record::Record;
-use crate::run::run;
+use crate::run::{Progress, run};
 use crate::scene::{Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::store::{self, Stored};
@@ -73,7 +73,7 @@ struct SolveArgs {
     /// Replace an existing result file
     #[arg(long)]
     force: bool,
-    /// Go on from a stored result
+    /// Go on from the last step of the result file, if there is one
     #[arg(long)]
     resume: bool,
 }
@@ -163,12 +163,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         name.push(".vtkhdf"); // not with_extension: that would cut "a.b" to "a"
         PathBuf::from(name)
     });
-    if args.resume {
-        return Err(Failure(
-            "error: --resume is not yet available: only adaptive runs have steps to go on from".into(),
-        ));
-    }
-    check_output(&out, &args.scene, args.force)?;
+    check_output(&out, &args.scene, args.force || args.resume)?;
     let plan = plan(&scene);
     if plan.cost.dofs > scene.method.max_dofs {
         return Err(Failure(too_many_dofs(&scene, plan.cost.dofs).render()));
@@ -182,11 +177,12 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
             eprintln!("{}", if before == 0 { "finishing this step; again to stop at once" } else { "stopping" });
         }
     })?;
-    let progress = Progress::new(args.quiet);
+    let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
-    let record = create_atomically(&out, args.force, |file| -> Result<Record, SolveError> {
-        let run = run(&scene, &interrupts, &mut |number, stage| {
-            progress.show(number, &stage);
+    let first = first_progress(&scene, &out, args.resume)?;
+    let record = create_atomically(&out, args.force || args.resume, |file| -> Result<Record, SolveError> {
+        let run = run(&scene, first, &interrupts, &mut |number, stage| {
+            bar.show(number, &stage);
             if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
         })?;
         let mut record = Record::new(&scene, plan, run, &out, reading);
@@ -196,7 +192,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         record.summary.seconds.write += writing.elapsed().as_secs_f64();
         Ok(record)
     });
-    progress.finish();
+    bar.finish();
     let mut record = record.map_err(|error| match explain(&scene, error) {
         Ok(error) => Failure(error.render()),
         Err(error) => error.into(),
@@ -215,6 +211,15 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         files.iter().for_each(|f| say(&format!("picture {}", f.display())));
     }
     Ok(if converged { 0 } else { NOT_REACHED })
+}
+
+/// Where a run begins: with the first mesh, or with the last one of a stored result.
+fn first_progress(scene: &Scene, out: &Path, resume: bool) -> Result<Progress, Failure> {
+    if !resume || out.symlink_metadata().is_err() {
+        return Ok(Progress::first(scene));
+    }
+    let steps = store::read_steps(&open(out)?, scene)?;
+    Ok(Progress::before_last(steps).unwrap_or_else(|| Progress::first(scene)))
 }
 
 /// An output that cannot be written is said before anything is solved.
@@ -281,6 +286,17 @@ fn print_summary(s: &Summary) {
         "            strain {:.6e}, load work {:.6e}, friction work {:.6e}",
         s.strain_energy, s.load_work, s.friction_work
     ));
+    if let (Some(error), Some(relative)) = (s.estimate, s.estimate_relative) {
+        let doubts = if s.estimate_doubts.is_empty() {
+            String::new()
+        } else {
+            format!(" (not reliable: {})", s.estimate_doubts.join(", "))
+        };
+        say(&format!("error       {error:.3e} estimated in the energy norm, relative {relative:.3e}{doubts}"));
+    }
+    if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
+        say(&format!("            J extrapolated {energy:.12e} ± {uncertainty:.1e}"));
+    }
     if let Some(c) = &s.contact {
         let note =
             if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
@@ -313,13 +329,13 @@ fn print_summary(s: &Summary) {
 }
 
 /// A bar on a terminal, plain lines elsewhere, for what takes longer than a second; nothing when quiet.
-struct Progress {
+struct Bar {
     bar: Option<ProgressBar>,
     start: Instant,
     quiet: bool,
 }
 
-impl Progress {
+impl Bar {
     fn new(quiet: bool) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(100), ProgressDrawTarget::stderr());

@@ -1,13 +1,19 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Datum, Location, Mesh, Site, Space, add_load, side_moments,
+    BemError, BodyForce, BoundaryField, Datum, ElementMoments, Location, Mesh, Site, Space, add_load,
+    boundary_residuals, side_moments,
 };
-use steklov_contact::{ContactBoundary, SideData, contact_boundary};
+use steklov_contact::{
+    ContactBoundary, ContactBubble, ContactSolution, Sets, SideData, contact_boundary, contact_bubbles,
+    contact_residuals, oscillation,
+};
+use steklov_quadrature::{LobattoBasis, legendre_p};
 
+use crate::estimate::Residual;
 use crate::expression::Expression;
 use crate::scene::{Condition, Friction, Scene, SceneErrorKind};
-use crate::solve::SolveError;
+use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
 
 /// A scene on a mesh.
@@ -62,52 +68,174 @@ impl Data<'_> {
         Ok(held)
     }
 
-    /// ∫ t·φ of the tractions and pressures.
-    pub(crate) fn load(&self) -> Result<Vec<f64>, SolveError> {
-        let mut load = vec![0.0; self.space.dofs()];
+    /// ∫ t·φ of the tractions and pressures for the nodal functions, and for the bubbles (two for each element).
+    pub(crate) fn load(&self) -> Result<(Vec<f64>, Vec<f64>), SolveError> {
+        let (mut load, mut extra) = (vec![0.0; self.space.dofs()], vec![0.0; 2 * self.mesh.len()]);
+        let raised = Space::new(&self.mesh.raised(&vec![true; self.mesh.len()]));
+        let mut add = |index: usize, name: &str, expression: &Expression, direction: &dyn Fn(usize) -> [f64; 2]| {
+            let mut moments = self.moments_in(&raised, index, name, expression)?;
+            for (e, moments) in &mut moments {
+                let bubble = to_hierarchical(self.space.basis(*e), raised.basis(*e), moments);
+                let d = direction(*e);
+                (0..2).for_each(|i| extra[2 * *e + i] += d[i] * bubble);
+            }
+            add_load(&mut load, self.space, &moments, direction);
+            Ok::<(), SolveError>(())
+        };
         for (index, side) in self.scene.sides.iter().enumerate() {
             match &side.condition {
                 Condition::Traction(traction) | Condition::Displacement { traction: Some(traction), .. } => {
                     for (expression, direction) in traction.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                         if expression.constant() != Some(0.0) {
-                            let moments = self.moments(index, "traction", expression)?;
-                            add_load(&mut load, self.space, &moments, |_| direction);
+                            add(index, "traction", expression, &|_| direction)?;
                         }
                     }
                 }
                 Condition::Pressure(pressure) => {
-                    let moments = self.moments(index, "pressure", pressure)?;
-                    add_load(&mut load, self.space, &moments, |e| self.mesh.normal(e).map(|n| -n));
+                    add(index, "pressure", pressure, &|e| self.mesh.normal(e).map(|n| -n))?;
                 }
                 _ => {}
             }
         }
-        Ok(load)
+        Ok((load, extra))
     }
 
-    /// Contact nodes, weights and conditions; none without a contact side.
-    pub(crate) fn contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
-        struct Side<'a> {
-            index: usize,
-            gap: &'a Expression,
-            bound: Option<&'a Expression>,
-        }
-        let sides: Vec<Side<'_>> = self
+    /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.
+    pub(crate) fn contact_bubbles(
+        &self,
+        boundary: &ContactBoundary,
+        sets: &Sets,
+        body: Option<&BodyForce>,
+    ) -> Result<Vec<ContactBubble>, SolveError> {
+        let functions: Vec<_> = self
             .scene
             .sides
             .iter()
-            .enumerate()
+            .map(|side| match &side.condition {
+                Condition::Contact { gap, friction } => {
+                    let bound = match friction {
+                        Friction::Tresca(bound) => Some(self.function(bound)),
+                        Friction::None | Friction::Coulomb(_) => None,
+                    };
+                    Some((self.less_particular(gap, body, |e| self.mesh.normal(e)), bound))
+                }
+                _ => None,
+            })
+            .collect();
+        let none = Function { value: Box::new(|_| 0.0), kinks: Box::new(|_| Vec::new()) };
+        let gap = |side: usize| functions[side].as_ref().map_or(&none, |f| &f.0).datum("gap");
+        let bound =
+            |side: usize| functions[side].as_ref().and_then(|f| f.1.as_ref()).map(|b| b.datum("friction bound"));
+        Ok(contact_bubbles(self.mesh, self.space, boundary, sets, &gap, &bound)?)
+    }
+
+    /// ‖w‖ ‖dw/ds‖ of the held displacements less their interpolants, summed over the components: (element, length²).
+    pub(crate) fn held_oscillation(&self, body: Option<&BodyForce>) -> Result<Vec<(usize, f64)>, SolveError> {
+        let mut found = Vec::new();
+        for (index, side) in self.scene.sides.iter().enumerate() {
+            let Condition::Displacement { values, .. } = &side.condition else { continue };
+            for (expression, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
+                let Some(expression) = expression else { continue };
+                if expression.constant().is_some() && body.is_none() {
+                    continue;
+                }
+                let function = self.less_particular(expression, body, |_| direction);
+                for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == index) {
+                    found.push((e, oscillation(self.mesh, self.space, e, &function.datum("displacement"))?));
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// An expression less the particular solution along a direction.
+    fn less_particular<'e>(
+        &'e self,
+        expression: &'e Expression,
+        body: Option<&'e BodyForce>,
+        direction: impl Fn(usize) -> [f64; 2] + Sync + 'e,
+    ) -> Function<'e> {
+        let plain = self.function(expression);
+        let Some(body) = body else { return plain };
+        let value = move |site: &Site| {
+            let (u, d) = (body.displacement(site.point), direction(site.element));
+            (plain.value)(site) - u[0] * d[0] - u[1] * d[1]
+        };
+        Function { value: Box::new(value), kinks: Box::new(|_| Vec::new()) }
+    }
+
+    fn contact_sides(&self) -> Vec<ContactSide<'_>> {
+        let sides = self.scene.sides.iter().enumerate();
+        sides
             .filter_map(|(index, side)| match &side.condition {
                 Condition::Contact { gap, friction } => {
                     let bound = match friction {
                         Friction::Tresca(bound) => Some(bound),
                         Friction::None | Friction::Coulomb(_) => None,
                     };
-                    Some(Side { index, gap, bound })
+                    Some(ContactSide { index, gap, bound })
                 }
                 _ => None,
             })
-            .collect();
+            .collect()
+    }
+
+    /// Residual indicators of all elements.
+    pub(crate) fn residuals(&self, solved: &Solved) -> Result<Vec<Residual>, SolveError> {
+        let body = solved.body_force.as_ref();
+        let traction = |site: &Site| -> [Option<f64>; 2] {
+            let e = site.element;
+            let value = |f: &Expression| f.eval(site.point[0], site.point[1], site.s);
+            let given = match &self.scene.sides[self.mesh.side[e]].condition {
+                Condition::Contact { .. } => return [None; 2],
+                Condition::Free => [Some(0.0); 2],
+                Condition::Traction(t) => [Some(value(&t[0])), Some(value(&t[1]))],
+                Condition::Pressure(p) => self.mesh.normal(e).map(|n| Some(-n * value(p))),
+                Condition::Displacement { values, traction } => [0, 1].map(|i| match (&values[i], traction) {
+                    (Some(_), _) => None,
+                    (None, Some(t)) => Some(value(&t[i])),
+                    (None, None) => Some(0.0),
+                }),
+            };
+            let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e)));
+            [0, 1].map(|i| given[i].map(|t| t - particular[i]))
+        };
+        let boundary = boundary_residuals(self.mesh, &solved.field, &traction)?;
+        let mut residuals: Vec<Residual> =
+            boundary.into_iter().map(|boundary| Residual { boundary, ..Default::default() }).collect();
+        if let Some(contact) = &solved.contact {
+            let functions: Vec<_> = self
+                .contact_sides()
+                .into_iter()
+                .map(|s| (s.index, self.function(s.gap), s.bound.map(|b| self.function(b))))
+                .collect();
+            let sides: Vec<SideData<'_>> = functions
+                .iter()
+                .map(|(side, gap, bound)| SideData {
+                    side: *side,
+                    gap: gap.datum("gap"),
+                    bound: bound.as_ref().map(|b| b.datum("friction bound")),
+                })
+                .collect();
+            let solution = ContactSolution {
+                mesh: self.mesh,
+                space: self.space,
+                displacement: &solved.displacement,
+                boundary: &contact.boundary,
+                multipliers: &contact.solution.multipliers,
+                field: &solved.field,
+                body_force: body,
+            };
+            for residual in contact_residuals(&solution, &sides)? {
+                residuals[residual.element].contact = residual;
+            }
+        }
+        Ok(residuals)
+    }
+
+    /// Contact nodes, weights and conditions; none without a contact side.
+    pub(crate) fn contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
+        let sides = self.contact_sides();
         if sides.is_empty() {
             return Ok(None);
         }
@@ -194,10 +322,20 @@ impl Data<'_> {
     }
 
     /// ∫ f φ_j of an expression on a side.
-    fn moments(&self, side: usize, name: &str, expression: &Expression) -> Result<Vec<(usize, Vec<f64>)>, SolveError> {
+    fn moments(&self, side: usize, name: &str, expression: &Expression) -> Result<Vec<ElementMoments>, SolveError> {
+        self.moments_in(self.space, side, name, expression)
+    }
+
+    /// ∫ f φ_j against the nodal functions of a space on the mesh.
+    fn moments_in(
+        &self,
+        space: &Space,
+        side: usize,
+        name: &str,
+        expression: &Expression,
+    ) -> Result<Vec<ElementMoments>, SolveError> {
         let function = self.function(expression);
-        side_moments(self.mesh, self.space, side, &function.datum(name))
-            .map_err(|error| self.located(error, expression))
+        side_moments(self.mesh, space, side, &function.datum(name)).map_err(|error| self.located(error, expression))
     }
 
     fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
@@ -254,6 +392,29 @@ impl Data<'_> {
         }
         sum
     }
+}
+
+/// Moments against the nodal functions of degree p+1 become those against the nodal functions of degree p; returns that
+/// against the bubble (P_(p+1) - P_(p-1))/(2p+1).
+fn to_hierarchical(basis: &LobattoBasis, raised: &LobattoBasis, moments: &mut Vec<f64>) -> f64 {
+    let p = basis.degree;
+    let (mut phi, mut legendre) = (vec![0.0; p + 1], vec![0.0; p + 2]);
+    let (mut nodal, mut bubble) = (vec![0.0; p + 1], 0.0);
+    for (&t, &moment) in raised.nodes.iter().zip(moments.iter()) {
+        basis.evaluate(t, &mut phi);
+        legendre_p(t, &mut legendre);
+        nodal.iter_mut().zip(&phi).for_each(|(sum, phi)| *sum += phi * moment);
+        bubble += (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64 * moment;
+    }
+    *moments = nodal;
+    bubble
+}
+
+/// A contact side of the scene.
+struct ContactSide<'a> {
+    index: usize,
+    gap: &'a Expression,
+    bound: Option<&'a Expression>,
 }
 
 /// An expression as a datum of the numerics.

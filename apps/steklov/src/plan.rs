@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Mesh, RigidMotion, free_motions};
 
+use crate::adapt::Layout;
 use crate::scene::{Condition, Friction, Refine, Scene, Solver};
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
@@ -36,7 +37,7 @@ pub struct Cost {
     pub elements: usize,
     /// Displacement unknowns, held ones included.
     pub dofs: usize,
-    /// Bytes of the three matrices of dofs squared that are held at once.
+    /// Bytes of the matrices that are held at once.
     pub memory_bytes: u64,
     /// Floating point operations of the dense algebra.
     pub operations: f64,
@@ -72,11 +73,25 @@ pub fn plan(scene: &Scene) -> Plan {
         format!("{} for displacements, {} for tractions", method.degree, method.degree - 1),
         "as the scene says",
     ));
+    let theta = |auto: f64| format!("marks θ = {} of the squared error", method.marking.unwrap_or(auto));
     modelled.push(match method.refine {
-        None => decision("refinement", "none".into(), "the scene names none: one mesh is solved"),
-        Some(Refine::UniformH) => decision("refinement", "uniform-h".into(), "all elements are halved in each step"),
-        Some(Refine::UniformP) => decision("refinement", "uniform-p".into(), "all degrees rise by one in each step"),
-        Some(_) => decision("refinement", "none".into(), "one mesh is solved"),
+        Refine::Hp => decision(
+            "refinement",
+            "hp".into(),
+            &format!(
+                "{}; cuts towards corners, kinks of the data and ends of contact and stick, raises degrees elsewhere",
+                theta(0.95)
+            ),
+        ),
+        Refine::HpDecay => decision(
+            "refinement",
+            "hp-decay".into(),
+            &format!("{}; degree or halving by the decay of Legendre coefficients", theta(0.5)),
+        ),
+        Refine::H => decision("refinement", "h".into(), &format!("{}; halves", theta(0.5))),
+        Refine::UniformH => decision("refinement", "uniform-h".into(), "all elements are halved in each step"),
+        Refine::UniformP => decision("refinement", "uniform-p".into(), "all degrees rise by one in each step"),
+        Refine::None => decision("refinement", "none".into(), "one mesh is solved"),
     });
     modelled.push(decision(
         "length in log(L/r)",
@@ -104,18 +119,18 @@ pub fn plan(scene: &Scene) -> Plan {
     }
     left_out.push(decision("random input", "one solve".into(), "no random name is used"));
     left_out.push(decision("grid in the body", "none".into(), "the material is the same everywhere"));
-    left_out.push(decision(
+    modelled.push(decision(
         "error estimate",
-        "none".into(),
-        "uniform strategies and single meshes have no indicator yet",
+        "spaces of one degree more".into(),
+        "bubbles and top tractions on every element: indicators, and the energy of what they add",
     ));
 
-    let n = dofs as f64;
+    let (n, x) = (dofs as f64, 2.0 * mesh.len() as f64);
     let cost = Cost {
         elements: mesh.len(),
         dofs,
-        memory_bytes: 24 * (dofs as u64).pow(2),
-        operations: n * n * n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0),
+        memory_bytes: (8.0 * (3.0 * n * n + 4.0 * n * x + 3.0 * x * x)) as u64,
+        operations: n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x),
     };
     Plan { model: "bem".into(), modelled, left_out, cost }
 }
@@ -148,7 +163,8 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
         why: "biorthogonal multipliers: conditions node by node, all other unknowns eliminated".into(),
     });
     let (choice, why) = match scene.method.solver {
-        Solver::Newton => ("newton", "semi-smooth Newton: a few steps, from any start"),
+        Solver::Auto => ("interior-point", "finds the contact sets on any mesh; active sets make them exact"),
+        Solver::Newton => ("newton", "as the scene says"),
         Solver::ActiveSet => ("active-set", "as the scene says"),
         Solver::Uzawa => ("uzawa", "as the scene says: a reference, slow, and only for supported bodies"),
     };
@@ -157,7 +173,8 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
 
 /// The mesh of the first step.
 pub fn first_mesh(scene: &Scene) -> Mesh {
-    Mesh::uniform(&scene.polygon, scene.method.elements, scene.method.degree)
+    let uniform = || Mesh::uniform(&scene.polygon, scene.method.elements, scene.method.degree);
+    Layout::first(scene).subdivision.mesh(&scene.polygon).unwrap_or_else(|_| uniform())
 }
 
 /// Rigid motions that the held sides leave free.

@@ -68,7 +68,7 @@ impl Record {
         let mut summary = summary(scene, &run, &contact, file);
         summary.seconds.write = clock.elapsed().as_secs_f64();
         summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();
-        let Run { last: solved, steps, .. } = run;
+        let Run { last: solved, progress, .. } = run;
         Self {
             summary,
             scene: scene.source.text.clone(),
@@ -80,7 +80,7 @@ impl Record {
             traction_element,
             traction,
             contact,
-            steps,
+            steps: progress.steps,
             grid,
             mesh: solved.mesh,
         }
@@ -107,7 +107,8 @@ impl Record {
 fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summary {
     let solved = &run.last;
     let contact = solved.contact.as_ref();
-    let part = |k: usize| run.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
+    let estimate = &run.step().estimate;
+    let part = |k: usize| run.progress.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
     Summary {
         title: scene.title.clone(),
         model: "bem".into(),
@@ -115,16 +116,18 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         converged: run.converged(),
         reason: run.reason.word().into(),
         dofs: solved.space.dofs(),
-        steps: run.steps.len(),
+        steps: run.progress.steps.len(),
         energy: solved.energies.total,
-        energy_extrapolated: None,
+        energy_extrapolated: Some(estimate.energy),
+        energy_uncertainty: Some(estimate.uncertainty),
         strain_energy: solved.energies.strain,
         load_work: solved.energies.load_work,
         friction_work: solved.energies.friction_work,
-        estimate: None,
-        estimate_relative: None,
+        estimate: Some(estimate.error),
+        estimate_relative: Some(estimate.relative),
+        estimate_doubts: estimate.doubts.iter().map(|d| d.word().to_owned()).collect(),
         iterations: contact.map_or(0, |c| c.solution.iterations),
-        contact: contact.map(|c| contact_summary(scene, solved, c, rows)),
+        contact: contact.map(|c| contact_summary(scene, solved, c, rows, run.step())),
         audit: contact.map(|c| Audit {
             equilibrium: c.audit.equilibrium,
             penetration: c.audit.penetration,
@@ -140,6 +143,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
             assemble: part(1),
             factorise: part(2),
             solve: part(3),
+            estimate: part(4),
             ..Default::default()
         },
         peak_memory_bytes: peak_memory_bytes(),

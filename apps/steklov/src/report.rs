@@ -1,8 +1,9 @@
 //! Contact in numbers and as a table, from a solved mesh.
 
-use steklov_contact::Status;
+use steklov_contact::{Located, Status, TipKind};
 
-use crate::scene::Scene;
+use crate::run::Step;
+use crate::scene::{Condition, Refine, Scene};
 use crate::solve::{ContactResult, Solved};
 use crate::summary::ContactSummary;
 use crate::unbounded::is_unbounded;
@@ -77,7 +78,13 @@ fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
 }
 
 /// Lengths, largest pressure and resultant.
-pub fn contact_summary(scene: &Scene, solved: &Solved, contact: &ContactResult, rows: &[ContactRow]) -> ContactSummary {
+pub fn contact_summary(
+    scene: &Scene,
+    solved: &Solved,
+    contact: &ContactResult,
+    rows: &[ContactRow],
+    step: &Step,
+) -> ContactSummary {
     let max_pressure = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let touches = |r: &&ContactRow| r.pressure > TOUCHING * max_pressure;
     let length: f64 = rows.iter().filter(touches).map(|r| r.weight).fold(0.0, |a, b| a + b); // sum() of nothing is -0
@@ -88,6 +95,12 @@ pub fn contact_summary(scene: &Scene, solved: &Solved, contact: &ContactResult, 
         let part = contact.boundary.force(side, &contact.solution.multipliers);
         force = [force[0] + part[0], force[1] + part[1]];
     }
+    let ends = located_ends(scene, step);
+    let length = match &ends {
+        Some(ends) => located_length(scene, solved, ends, rows, max_pressure).unwrap_or(length),
+        None => length,
+    };
+    let stick = stick.min(length);
     ContactSummary {
         length,
         stick,
@@ -95,6 +108,67 @@ pub fn contact_summary(scene: &Scene, solved: &Solved, contact: &ContactResult, 
         max_pressure,
         max_pressure_unbounded: is_unbounded(scene, &solved.mesh, rows),
         force,
-        ends: None,
+        ends: ends.map(|ends| ends.into_iter().map(|(edge, s)| scene.polygon.edges()[edge].point(s)).collect()),
     }
+}
+
+/// Edge and edge parameter of the ends of contact; none where one has no vertex.
+fn located_ends(scene: &Scene, step: &Step) -> Option<Vec<(usize, f64)>> {
+    if scene.method.refine != Refine::Hp {
+        return None;
+    }
+    let ends: Vec<&Located> = step.located.iter().filter(|l| l.kind == TipKind::ContactEnd).collect();
+    if ends.iter().any(|l| !l.at_vertex) {
+        return None;
+    }
+    let mut ends: Vec<(usize, f64)> = ends.iter().map(|l| (l.edge, l.s)).collect();
+    ends.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    Some(ends)
+}
+
+/// Length in contact between the located ends: of each contact edge the parts on which most of the weight is pressed.
+/// None where a part is neither.
+fn located_length(
+    scene: &Scene,
+    solved: &Solved,
+    ends: &[(usize, f64)],
+    rows: &[ContactRow],
+    max_pressure: f64,
+) -> Option<f64> {
+    let mut length = 0.0;
+    for (k, edge) in scene.polygon.edges().iter().enumerate() {
+        if !matches!(scene.sides[edge.side].condition, Condition::Contact { .. }) {
+            continue;
+        }
+        let direction = [edge.end[0] - edge.start[0], edge.end[1] - edge.start[1]];
+        let norm = edge.length();
+        let parameter = |x: [f64; 2]| {
+            ((x[0] - edge.start[0]) * direction[0] + (x[1] - edge.start[1]) * direction[1]) / (norm * norm)
+        };
+        let normal = solved.mesh.normal((0..solved.mesh.len()).find(|&e| solved.mesh.edge[e] == k)?);
+        let on_edge = |r: &&ContactRow| {
+            let off = (r.point[0] - edge.start[0]) * normal[0] + (r.point[1] - edge.start[1]) * normal[1];
+            r.normal[0] * normal[0] + r.normal[1] * normal[1] > 1.0 - 1e-9 && off.abs() < 1e-9 * norm
+        };
+        let mut knots = vec![0.0];
+        knots.extend(ends.iter().filter(|e| e.0 == k).map(|e| e.1));
+        knots.push(1.0);
+        for part in knots.windows(2) {
+            let inside = rows.iter().filter(on_edge).filter(|r| {
+                let s = parameter(r.point);
+                part[0] < s && s < part[1]
+            });
+            let (mut pressed, mut all) = (0.0, 0.0);
+            for row in inside {
+                all += row.weight;
+                pressed += if row.pressure > TOUCHING * max_pressure { row.weight } else { 0.0 };
+            }
+            match pressed {
+                _ if pressed > 0.9 * all => length += (part[1] - part[0]) * norm,
+                _ if pressed < 0.1 * all || all == 0.0 => {}
+                _ => return None,
+            }
+        }
+    }
+    Some(length)
 }

@@ -3,9 +3,11 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use steklov_bem_operators::Mesh;
+use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
+use steklov_contact::{Located, Tip, TipKind};
 
-use crate::plan::first_mesh;
+use crate::adapt::Layout;
+use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate};
 use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
 
@@ -14,10 +16,14 @@ use crate::solve::{SolveError, Solved, Stage, solve};
 pub enum Reason {
     /// The one mesh that was asked for is solved.
     Solved,
+    /// The estimated error is down at the tolerance.
+    Tolerance,
     /// The next mesh would have more unknowns than allowed.
     MaxDofs,
     /// As many steps as allowed are done.
     MaxSteps,
+    /// Rounding errors leave nothing to refine.
+    Roundoff,
     /// The contact solver did not reach its criterion.
     Solver,
     /// The user stopped it.
@@ -29,8 +35,10 @@ impl Reason {
     pub fn word(self) -> &'static str {
         match self {
             Self::Solved => "solved",
+            Self::Tolerance => "tolerance",
             Self::MaxDofs => "max_dofs",
             Self::MaxSteps => "max_steps",
+            Self::Roundoff => "roundoff",
             Self::Solver => "solver",
             Self::Interrupted => "interrupted",
         }
@@ -38,7 +46,7 @@ impl Reason {
 }
 
 /// What is kept of every step.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, PartialEq)]
 pub struct Step {
     /// Its mesh.
     pub mesh: Mesh,
@@ -46,20 +54,52 @@ pub struct Step {
     pub dofs: usize,
     /// J.
     pub energy: f64,
+    /// Half of a(u, u).
+    pub strain: f64,
     /// Whether the contact solver reached its criterion and the forces balance.
     pub converged: bool,
     /// The contact solver's measure of the error, iteration by iteration; empty without contact.
     pub history: Vec<f64>,
-    /// Wall seconds: set-up, assembly, factorisation, solution.
-    pub seconds: [f64; 4],
+    /// Estimate of the error.
+    pub estimate: Estimate,
+    /// The vertices of the mesh that follow transitions of contact and stick.
+    pub tips: Vec<Tip>,
+    /// Where the transitions are believed to be.
+    pub located: Vec<Located>,
+    /// Wall seconds: set-up, assembly, factorisation, solution, estimate.
+    pub seconds: [f64; 5],
+}
+
+/// Steps that are done, and the layout that they lead to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Progress {
+    /// All steps.
+    pub steps: Vec<Step>,
+    /// What is to be solved next.
+    pub next: Layout,
+}
+
+impl Progress {
+    /// The beginning of a run.
+    pub fn first(scene: &Scene) -> Self {
+        Self { steps: Vec::new(), next: Layout::first(scene) }
+    }
+
+    /// The state before the last of these steps was solved; None of no steps. Solving it again gives the same bits, and
+    /// what they lead to.
+    pub fn before_last(mut steps: Vec<Step>) -> Option<Self> {
+        let Step { mesh, tips, .. } = steps.pop()?;
+        let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
+        Some(Self { steps, next: Layout { subdivision, tips } })
+    }
 }
 
 /// A finished run.
 pub struct Run {
     /// The last step.
     pub last: Solved,
-    /// All steps.
-    pub steps: Vec<Step>,
+    /// The steps and what comes next.
+    pub progress: Progress,
     /// Why it ended.
     pub reason: Reason,
     /// Wall seconds so far.
@@ -67,9 +107,14 @@ pub struct Run {
 }
 
 impl Run {
-    /// Whether everything that was asked for is reached: uniform strategies have no target.
+    /// Whether everything that was asked for is reached.
     pub fn converged(&self) -> bool {
-        !matches!(self.reason, Reason::Solver | Reason::Interrupted)
+        matches!(self.reason, Reason::Solved | Reason::Tolerance)
+    }
+
+    /// The last step.
+    pub fn step(&self) -> &Step {
+        self.progress.steps.last().unwrap_or_else(|| unreachable!("a run has at least one step"))
     }
 }
 
@@ -80,68 +125,108 @@ impl Run {
 /// As [`solve`]; [`SolveError::Interrupted`] if there is nothing to keep.
 pub fn run(
     scene: &Scene,
+    mut progress: Progress,
     interrupts: &AtomicUsize,
     observe: &mut dyn FnMut(usize, Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<Run, SolveError> {
     let clock = Instant::now();
-    let mut mesh = first_mesh(scene);
-    let mut steps = Vec::new();
+    let mut cache = PairCache::default();
     let mut last: Option<Solved> = None;
     loop {
-        let number = steps.len();
+        let number = progress.steps.len();
         let mut watched = |stage: Stage<'_>| match interrupts.load(Ordering::Relaxed) {
             0 | 1 => observe(number, stage),
             _ => Err(SolveError::Interrupted),
         };
-        let solved = match (solve(scene, mesh, &mut watched), last) {
+        let next = advance(scene, &progress, &mut cache, &mut watched);
+        let (solved, step, layout) = match (next, last) {
             (Err(SolveError::Interrupted), Some(last)) => {
-                return Ok(Run { last, steps, reason: Reason::Interrupted, clock });
+                return Ok(Run { last, progress, reason: Reason::Interrupted, clock });
             }
-            (solved, _) => solved?,
+            (next, _) => next?,
         };
-        let step = step(&solved);
-        let stuck = !step.converged;
-        steps.push(step);
-        let next = refined(scene, &solved.mesh);
-        let reason = match next {
-            _ if stuck => Some(Reason::Solver),
-            None => Some(Reason::Solved),
-            _ if steps.len() >= scene.method.max_steps => Some(Reason::MaxSteps),
-            Some(ref next) if dofs(next) > scene.method.max_dofs => Some(Reason::MaxDofs),
-            _ if interrupts.load(Ordering::Relaxed) > 0 => Some(Reason::Interrupted),
-            _ => None,
-        };
-        match (reason, next) {
-            (Some(reason), _) => return Ok(Run { last: solved, steps, reason, clock }),
-            (None, Some(next)) => (mesh, last) = (next, Some(solved)),
-            (None, None) => unreachable!("without a next mesh there is a reason to end"),
+        observe(number, Stage::Step { solved: &solved, seconds: clock.elapsed().as_secs_f64() })?;
+        let unchanged = layout.subdivision == progress.next.subdivision;
+        progress.steps.push(step);
+        progress.next = layout;
+        let interrupted = interrupts.load(Ordering::Relaxed) > 0;
+        if let Some(reason) = reason(scene, &progress, unchanged, interrupted) {
+            return Ok(Run { last: solved, progress, reason, clock });
         }
+        last = Some(solved);
     }
 }
 
-fn step(solved: &Solved) -> Step {
+/// Solves and estimates the next layout; the one after it.
+fn advance(
+    scene: &Scene,
+    progress: &Progress,
+    cache: &mut PairCache,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(Solved, Step, Layout), SolveError> {
+    let mesh = progress.next.subdivision.mesh(&scene.polygon)?;
+    let (solved, factors) = solve(scene, mesh, cache, observe)?;
+    let clock = Instant::now();
+    observe(Stage::Progress("estimate", 0.97))?;
+    let mut estimate = estimate(scene, &solved, &factors)?;
+    let (layout, located) = progress.next.next(scene, &solved, &factors, &estimate)?;
+    let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
+    estimate.add_transitions(scene, &located, solved.contact.is_none() || fixed);
     let s = &solved.seconds;
+    let seconds = [s.set_up, s.assemble, s.factorise, s.solve, clock.elapsed().as_secs_f64()];
     let contact = solved.contact.as_ref();
-    Step {
+    let step = Step {
         mesh: solved.mesh.clone(),
         dofs: solved.space.dofs(),
         energy: solved.energies.total,
+        strain: solved.energies.strain,
         converged: solved.balanced && contact.is_none_or(|c| c.solution.converged()),
         history: contact.map_or(Vec::new(), |c| c.solution.history.clone()),
-        seconds: [s.set_up, s.assemble, s.factorise, s.solve],
-    }
+        estimate,
+        tips: progress.next.tips.clone(),
+        located,
+        seconds,
+    };
+    Ok((solved, step, layout))
 }
 
-fn dofs(mesh: &Mesh) -> usize {
-    2 * mesh.degree.iter().sum::<usize>()
+/// Whether two steps have the same transitions, wherever these are.
+fn same_transitions(a: &[Located], b: &[Located]) -> bool {
+    let kinds = |located: &[Located]| -> Vec<(usize, u8)> {
+        let mut kinds: Vec<_> = located
+            .iter()
+            .map(|l| {
+                let kind = match l.kind {
+                    TipKind::ContactEnd => 0,
+                    TipKind::StickEnd => 1,
+                    TipKind::SlipReversal => 2,
+                };
+                (l.edge, kind)
+            })
+            .collect();
+        kinds.sort_unstable();
+        kinds
+    };
+    kinds(a) == kinds(b)
 }
 
-/// The mesh of the next step; none if there is none.
-fn refined(scene: &Scene, mesh: &Mesh) -> Option<Mesh> {
-    let all = vec![true; mesh.len()];
-    match scene.method.refine {
-        Some(Refine::UniformH) => Some(mesh.bisected(&all).0).filter(|next| next.len() > mesh.len()),
-        Some(Refine::UniformP) if mesh.degree.iter().all(|&p| p < Mesh::MAX_DEGREE) => Some(mesh.raised(&all)),
-        _ => None,
-    }
+/// Why the run ends after the last of the steps, if it does.
+fn reason(scene: &Scene, progress: &Progress, unchanged: bool, interrupted: bool) -> Option<Reason> {
+    let method = &scene.method;
+    let steps = &progress.steps;
+    let step = steps.last()?;
+    let reached = |s: &Step| s.estimate.relative <= method.tolerance;
+    let doubted = |s: &Step| s.estimate.doubts.iter().any(|d| matches!(d, Doubt::Transition | Doubt::Sets));
+    // an estimate that is in doubt has to be confirmed by the next step
+    let confirmed = !doubted(step) || steps.len() > 1 && reached(&steps[steps.len() - 2]);
+    Some(match method.refine {
+        _ if !step.converged => Reason::Solver,
+        Refine::None => Reason::Solved,
+        _ if reached(step) && confirmed => Reason::Tolerance,
+        _ if unchanged || step.estimate.relative < ROUNDOFF => Reason::Roundoff,
+        _ if steps.len() >= method.max_steps => Reason::MaxSteps,
+        _ if progress.next.dofs() > method.max_dofs => Reason::MaxDofs,
+        _ if interrupted => Reason::Interrupted,
+        _ => return None,
+    })
 }

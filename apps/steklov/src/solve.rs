@@ -4,11 +4,12 @@ use std::time::Instant;
 
 use faer::Mat;
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Condensation, Domain, Mesh, Operators, Partition, RigidMotion, Space, Steklov,
+    BemError, BodyForce, BoundaryField, Condensation, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache,
+    Partition, RigidMotion, Space, Steklov,
 };
 use steklov_contact::{
-    ContactBoundary, ContactEdge, ContactError, Kkt, Problem, Solution, active_set, kkt_in_body, newton,
-    resisted_motions, uzawa,
+    ContactBoundary, ContactEdge, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, interior_point,
+    kkt_in_body, newton, resisted_motions, uzawa,
 };
 
 use crate::body_load::{Particular, crossed_work, energies};
@@ -22,6 +23,13 @@ pub enum Stage<'a> {
     Operators(&'a Operators),
     /// S.
     Steklov(&'a Mat<f64>),
+    /// A step is solved and estimated, so many seconds after the run began.
+    Step {
+        /// The solution.
+        solved: &'a Solved,
+        /// Wall seconds.
+        seconds: f64,
+    },
     /// A part of the work begins; the number is its share of the work of the step that is then done, 0 to 1.
     Progress(&'static str, f64),
 }
@@ -150,41 +158,69 @@ pub struct Solved {
 /// Relative residual of equilibrium beyond which an answer has lost too many digits.
 const UNBALANCED: f64 = 1e-7;
 
-/// Solves the scene on a mesh.
+/// What is left of a solution's matrices, for its estimate and the next mesh.
+pub struct Factors {
+    /// S, the free unknowns eliminated.
+    pub condensation: Condensation,
+    /// What S₊ of the enriched spaces needs besides.
+    pub enriched: EnrichedSteklov,
+    /// Nodal displacement without the body force's particular solution.
+    pub homogeneous: Vec<f64>,
+    /// Load of the bubbles, less that of the particular solution.
+    pub extra_load: Vec<f64>,
+    /// The condensed contact problem.
+    pub contact: Option<ContactFactors>,
+}
+
+/// The condensed contact problem and what its solution says along the edges.
+pub struct ContactFactors {
+    /// The problem.
+    pub problem: Problem,
+    /// States of the conditions.
+    pub sets: Sets,
+    /// The conditions by edges.
+    pub lines: Vec<ContactLine>,
+}
+
+/// Solves the scene on a mesh. Moments of pairs of elements are taken from `cache` where it has them.
 ///
 /// # Errors
 /// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.
 pub fn solve(
     scene: &Scene,
     mesh: Mesh,
+    cache: &mut PairCache,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<Solved, SolveError> {
+) -> Result<(Solved, Factors), SolveError> {
     let clock = Instant::now();
     let mut seconds = Seconds::default();
     observe(Stage::Progress("loads and supports", 0.0))?;
     let space = Space::new(&mesh);
     let data = Data { scene, mesh: &mesh, space: &space };
     let held = data.held()?;
-    let tractions = data.load()?;
+    let (tractions, mut extra_load) = data.load()?;
     let boundary = data.contact(&held)?;
     seconds.set_up = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
     observe(Stage::Progress("assembling V, K, W", 0.05))?;
-    let operators = Operators::assemble(&mesh, &space, &scene.material, None)?;
+    let (operators, enrichment) = Enrichment::assemble(&mesh, &space, &scene.material, None, cache)?;
     let length = operators.length;
     seconds.assemble = clock.elapsed().as_secs_f64();
     observe(Stage::Operators(&operators))?;
 
     let clock = Instant::now();
     observe(Stage::Progress("Steklov-Poincaré matrix", 0.3))?;
-    let Steklov { matrix, traction: traction_map } = Steklov::new(operators, Domain::Interior)?;
+    let (Steklov { matrix, traction: traction_map }, enriched) = Steklov::enriched(operators, enrichment)?;
     observe(Stage::Steklov(&matrix))?;
     let body_force = scene.body_force.map(|b| BodyForce::new(b, scene.polygon.centroid(), &scene.material));
     let particular = body_force.map(|b| Particular::new(&b, &mesh, &space, &matrix));
     let mut load = tractions.clone();
     if let Some(p) = &particular {
         load.iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
+    }
+    if let Some(b) = &body_force {
+        extra_load.iter_mut().zip(b.bubble_load(&mesh, &space)).for_each(|(f, t)| *f -= t);
     }
 
     observe(Stage::Progress("condensation", 0.75))?;
@@ -206,8 +242,8 @@ pub fn solve(
 
     let clock = Instant::now();
     observe(Stage::Progress("contact", 0.95))?;
-    let (displacement, contact) = match boundary {
-        None => (condensation.expand(&condensed, &[]), None),
+    let (displacement, contact, contact_factors) = match boundary {
+        None => (condensation.expand(&condensed, &[]), None, None),
         Some(boundary) => {
             let problem = Problem {
                 stiffness: condensation.stiffness(),
@@ -215,6 +251,7 @@ pub fn solve(
                 nodes: boundary.contact.clone(),
             };
             let solution = match scene.method.solver {
+                Solver::Auto => interior_point(&problem)?,
                 Solver::Newton => newton(&problem, None)?,
                 Solver::ActiveSet => active_set(&problem, None)?,
                 Solver::Uzawa => uzawa(&problem, None, None)?,
@@ -223,7 +260,10 @@ pub fn solve(
             let displacement = condensation.expand(&condensed, &solution.displacement);
             let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
             let audit = kkt_in_body(&problem, &solution, largest);
-            (displacement, Some(ContactResult { boundary, solution, audit, friction_work }))
+            let sets = Sets::new(&problem, &solution)?;
+            let lines = boundary.lines(&mesh, &space);
+            let factors = ContactFactors { problem, sets, lines };
+            (displacement, Some(ContactResult { boundary, solution, audit, friction_work }), Some(factors))
         }
     };
     let forces = condensation.multiply(&displacement);
@@ -272,7 +312,8 @@ pub fn solve(
     reactions.sort_by_key(|r| r.0);
     let reactions = reactions.into_iter().map(|(side, force)| (mesh.side_names[side].clone(), force)).collect();
     seconds.solve = clock.elapsed().as_secs_f64();
-    Ok(Solved {
+    let factors = Factors { condensation, enriched, homogeneous, extra_load, contact: contact_factors };
+    let solved = Solved {
         displacement,
         field,
         body_force,
@@ -285,7 +326,8 @@ pub fn solve(
         seconds,
         mesh,
         space,
-    })
+    };
+    Ok((solved, factors))
 }
 
 /// L(r) of a load and the scale Σ |f||r| over the nodes.

@@ -3,15 +3,17 @@
 use steklov_bem_operators::Mesh;
 use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
-    load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_text, save_texts,
-    save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
+    load_vector, open_group, save, save_dense, save_integers, save_points, save_text, save_texts, save_vector, vtkhdf,
+    write_integer_attribute, write_text_attribute,
 };
 
 use crate::plan::Plan;
 use crate::record::Record;
 use crate::report::ContactRow;
 use crate::run::Step;
+use crate::scene::Scene;
 use crate::solve::Stage;
+use crate::steps;
 use crate::summary::Summary;
 
 /// What `show` reads of a result file.
@@ -61,7 +63,7 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
             let meaning = label("stress", "Steklov-Poincare operator <S u, v>", &[DISPLACEMENT, DISPLACEMENT]);
             save_dense(&open_group(&step, "matrices")?, "S", s.as_ref(), &meaning)
         }
-        Stage::Progress(..) => Ok(()),
+        Stage::Progress(..) | Stage::Step { .. } => Ok(()),
     }
 }
 
@@ -82,7 +84,7 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
     }
     for (number, step) in record.steps.iter().enumerate() {
-        save_step(&step_group(file, number)?, step)?;
+        steps::save(&step_group(file, number)?, step)?;
     }
     // the matrices of a step that was stopped
     let unfinished = format!("/steps/{:03}", record.steps.len());
@@ -191,17 +193,6 @@ fn load_contact(at: &Group) -> Result<Vec<ContactRow>, IoError> {
     Ok((0..n).map(row).collect())
 }
 
-fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
-    save(at, "mesh", &step.mesh)?;
-    save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
-    save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
-    let history =
-        label("1", "the contact solver's measure of the error before each iteration and at the end", &["iteration"]);
-    save_vector(at, "history", &step.history, &history)?;
-    let parts = label("seconds", "set-up, assembly, factorisation, solution", &["part"]);
-    save_vector(at, "seconds", &step.seconds, &parts)
-}
-
 /// Reads what `show` needs, and checks that the parts fit.
 ///
 /// # Errors
@@ -227,6 +218,28 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
     }
     let grid = vtkhdf::read(file)?;
     Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid })
+}
+
+/// Reads the steps from which a run goes on, and checks that they are those of this scene: of the overrides only
+/// the tolerance and the limits may differ.
+///
+/// # Errors
+/// A file that is not one of this program's, truncated or altered, or of another scene.
+pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
+    if load_text(file, "scene")? != scene.source.text {
+        return Err(invalid(file, "scene", "it holds the result of another scene, or the scene has been edited since"));
+    }
+    let goal = |o: &String| {
+        ["tolerance", "max_dofs", "max_steps"]
+            .iter()
+            .any(|key| o.replace(' ', "").starts_with(&format!("method.{key}=")))
+    };
+    let kept = |all: Vec<String>| -> Vec<String> { all.into_iter().filter(|o| !goal(o)).collect() };
+    if kept(load_texts(file, "overrides")?) != kept(scene.source.overrides.clone()) {
+        let why = "it was solved with other overrides; only method.tolerance, max_dofs and max_steps may change";
+        return Err(invalid(file, "overrides", why));
+    }
+    steps::load_all(file)
 }
 
 fn parse<T: serde::de::DeserializeOwned>(file: &File, name: &str) -> Result<T, IoError> {

@@ -15,7 +15,7 @@ pub struct Summary {
     pub file: String,
     /// Whether what was asked for is reached.
     pub converged: bool,
-    /// solved, tolerance, max_dofs, max_steps, solver or interrupted.
+    /// solved, tolerance, max_dofs, max_steps, roundoff, solver or interrupted.
     pub reason: String,
     /// Displacement unknowns of the last mesh, held ones included.
     pub dofs: usize,
@@ -23,18 +23,25 @@ pub struct Summary {
     pub steps: usize,
     /// J = strain energy - load work + friction work.
     pub energy: f64,
-    /// J extrapolated; null until there is an indicator.
+    /// J of the spaces of one degree more.
     pub energy_extrapolated: Option<f64>,
+    /// How far the exact J may be from that.
+    #[serde(default)]
+    pub energy_uncertainty: Option<f64>,
     /// ½ a(u, u).
     pub strain_energy: f64,
     /// Work of tractions and body force, without that of reactions.
     pub load_work: f64,
     /// Σ D_i F_i |u_t,i| over the whole contact boundary.
     pub friction_work: f64,
-    /// Estimated error in the energy norm; null until there is an indicator.
+    /// Estimated error ⟨S e, e⟩^½ in the energy norm.
     pub estimate: Option<f64>,
-    /// Estimate over (2 strain energy)^½; null until there is an indicator.
+    /// Estimate over (2 strain energy)^½.
     pub estimate_relative: Option<f64>,
+    /// Why the estimate is not to be trusted: transition (one lies inside an element), sets (contact still changes from
+    /// mesh to mesh), roundoff; empty if it is.
+    #[serde(default)]
+    pub estimate_doubts: Vec<String>,
     /// Iterations of the contact solver in the last step; 0 without contact.
     pub iterations: usize,
     /// Contact; null without a contact side.
@@ -68,7 +75,7 @@ pub struct ContactSummary {
     pub max_pressure_unbounded: bool,
     /// Force of the obstacle on the body.
     pub force: [f64; 2],
-    /// Ends of contact that were located; null until there is adaptivity.
+    /// Ends of contact, where adaptivity has located them.
     pub ends: Option<Vec<[f64; 2]>>,
 }
 

@@ -1,7 +1,10 @@
 //! Pictures of made-up fields, from plain to extreme. With `STEKLOV_PICTURES=DIR` the files stay in DIR to be looked at.
 
 use std::path::PathBuf;
-use steklov::picture::{Body, ContactSide, Obstacle, Picture, body, contact, write};
+use steklov::picture::{
+    Axis, Band, Body, Chart, ContactSide, Curve, Guide, MeshFigure, MeshPanel, Obstacle, Picture, Scale, Series, body,
+    chart, contact, meshes, write,
+};
 use steklov::triangulate::{Triangulation, triangulate};
 
 fn loops(corners: &[&[[f64; 2]]]) -> Vec<([f64; 2], [f64; 2], usize)> {
@@ -15,6 +18,11 @@ fn rectangle(low: [f64; 2], high: [f64; 2]) -> [[f64; 2]; 4] {
 
 /// Every number that the SVG places something at lies in the frame, and every text too, by its estimated width.
 fn check(name: &str, picture: &Picture) {
+    check_up_to(name, picture, 900.0);
+}
+
+/// The same for a picture that may be as high as `highest`.
+fn check_up_to(name: &str, picture: &Picture, highest: f64) {
     let svg = &picture.svg;
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
     let attribute = |line: &str, key: &str| -> Option<f64> {
@@ -22,7 +30,7 @@ fn check(name: &str, picture: &Picture) {
         rest.split('"').next()?.parse().ok()
     };
     let height = attribute(svg.lines().next().unwrap(), "height").unwrap();
-    assert!((200.0..900.0).contains(&height), "{name}: height {height}");
+    assert!((200.0..highest).contains(&height), "{name}: height {height}");
     for line in svg.lines() {
         if let Some(path) = line.split(" d=\"").nth(1).or(line.split("<path d=\"").nth(1)) {
             let numbers = path.split('"').next().unwrap().split(['M', 'L', 'Z', ' ']).filter(|s| !s.is_empty());
@@ -222,4 +230,271 @@ fn contact_without_points_or_values() {
         ..empty
     };
     check("contact-broken", &contact(&broken).unwrap());
+}
+
+/// Ends of the elements of a unit interval, refined by `layers` towards each of the given shares with a factor 0.15.
+fn graded(towards: &[f64], layers: usize) -> Vec<f64> {
+    let mut cuts = vec![0.0, 0.5, 1.0];
+    for &c in towards {
+        let layer = |k: usize, sign: f64| c + sign * 0.25 * 0.15f64.powi(k as i32);
+        cuts.extend((0..layers).flat_map(|k| [layer(k, -1.0), layer(k, 1.0)]).chain([c]));
+    }
+    cuts.retain(|s| (0.0..=1.0).contains(s));
+    cuts.sort_by(f64::total_cmp);
+    cuts.dedup();
+    cuts
+}
+
+type Elements = (Vec<[[f64; 2]; 2]>, Vec<usize>, Vec<usize>);
+
+/// A mesh of a closed polygon, each side cut at given shares; degrees rise by one from element to element off a cut.
+fn mesh(corners: &[[f64; 2]], cuts: impl Fn(usize) -> Vec<f64>) -> Elements {
+    let (mut elements, mut degree, mut side) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, a) in corners.iter().enumerate() {
+        let b = corners[(i + 1) % corners.len()];
+        let at = |s: f64| [a[0] + s * (b[0] - a[0]), a[1] + s * (b[1] - a[1])];
+        for w in cuts(i).windows(2) {
+            elements.push([at(w[0]), at(w[1])]);
+            degree.push((10.0 + (w[1] - w[0]).log10() / -0.15f64.log10()).clamp(1.0, 12.0).round() as usize);
+            side.push(i);
+        }
+    }
+    (elements, degree, side)
+}
+
+fn panel<'a>(caption: &'a str, (elements, degree, side): &'a Elements) -> MeshPanel<'a> {
+    MeshPanel { caption, elements, degree, side }
+}
+
+#[test]
+fn steps_of_a_refinement_towards_corners_and_contact_ends() {
+    let square = rectangle([-0.5, -0.5], [0.5, 0.5]);
+    let steps: Vec<Elements> = (0..5)
+        .map(|n| {
+            mesh(&square, |side| match side {
+                0 => graded(&[0.0, 0.18, 0.31, 0.69, 0.82, 1.0], 2 * n),
+                1 => graded(&[0.0], 2 * n),
+                2 => graded(&[], 0),
+                _ => graded(&[1.0], 2 * n),
+            })
+        })
+        .collect();
+    let captions: Vec<String> = (0..5).map(|n| format!("step {n}: {} elements, 282 dofs", steps[n].0.len())).collect();
+    let panels: Vec<MeshPanel<'_>> = captions.iter().zip(&steps).map(|(c, m)| panel(c, m)).collect();
+    let side_names = ["floor", "right", "top", "left"].map(String::from);
+    let figure = MeshFigure { title: "Block on a floor: hp", side_names: &side_names, panels: &panels };
+    let picture = meshes(&figure).unwrap();
+    check_up_to("mesh-steps", &picture, 1400.0);
+    let texts = [">degree<", ">length / side<", ">floor<", ">left<", ">10⁻⁶<"];
+    for text in texts.into_iter().map(String::from).chain(captions.iter().map(|c| format!(">{c}<"))) {
+        assert!(picture.svg.contains(&text), "{text}");
+    }
+    // The top is not refined: it has no bars, and its name stands nowhere.
+    assert!(!picture.svg.contains(">top<"));
+    // The first step alone has no short element, so no bars.
+    let first = meshes(&MeshFigure { panels: &panels[..1], ..figure }).unwrap();
+    check("mesh-first", &first);
+    assert!(!first.svg.contains("length / side") && first.svg.contains(">degree<"));
+}
+
+#[test]
+fn meshes_without_short_elements_stand_in_rows() {
+    let corners = [[0.0, 0.0], [1.0, 0.0], [1.0, -1.0], [2.0, -1.0], [2.0, 1.0], [0.0, 1.0]];
+    let all: Vec<Elements> = (1..=6)
+        .map(|n| {
+            let (e, _, s) = mesh(&corners, |_| (0..=n).map(|k| k as f64 / n as f64).collect());
+            let degree = (0..e.len()).map(|i| 1 + i % (2 * n)).collect();
+            (e, degree, s)
+        })
+        .collect();
+    let panels: Vec<MeshPanel<'_>> = all.iter().map(|m| panel("step 1: 6 elements", m)).collect();
+    let side_names = ["a", "b", "c", "d", "e", "f"].map(String::from);
+    for count in [1, 2, 3, 4, 6] {
+        let figure = MeshFigure { title: "L-shape", side_names: &side_names, panels: &panels[..count] };
+        let picture = meshes(&figure).unwrap();
+        check(&format!("mesh-rows-{count}"), &picture);
+        assert_eq!(picture.svg.matches(">step 1: 6 elements<").count(), count);
+        if count == 1 {
+            // Degrees 1 and 2 by turns: both colours and both figures at three elements and in the key.
+            for text in [">1<", ">2<", "fill=\"#f3e51e\"", "fill=\"#45065a\""] {
+                assert_eq!(picture.svg.matches(text).count(), 4, "{text}");
+            }
+        }
+    }
+}
+
+#[test]
+fn meshes_of_unusual_bodies() {
+    // A ring whose 48 edges are one side each, a hole traversed with the body on the left.
+    let circle = |n: i32, middle: f64, r: f64, turn: f64| -> Vec<[f64; 2]> {
+        let angles = (0..n).map(|i| turn * f64::from(i) / f64::from(n));
+        angles.map(|a| [middle + r * a.cos(), middle + r * a.sin()]).collect()
+    };
+    let mut outer = mesh(&circle(48, 0.0, 2.0, std::f64::consts::TAU), |_| vec![0.0, 1.0]);
+    let inner = mesh(&circle(48, 0.0, 0.7, -std::f64::consts::TAU), |_| vec![0.0, 0.5, 1.0]);
+    outer.0.extend(&inner.0);
+    outer.1.extend(&inner.1);
+    outer.2.extend(inner.2.iter().map(|s| s + 48));
+    let many: Vec<String> = (0..96).map(|i| format!("edge {i}")).collect();
+    let ring = MeshFigure { title: "Ring", side_names: &many, panels: &[panel("a ring", &outer)] };
+    check("mesh-ring", &meshes(&ring).unwrap());
+
+    // Every side refined, more than can be drawn, with long names; a strip; far from the origin.
+    let all = mesh(&circle(12, 1e6, 1.0, std::f64::consts::TAU), |_| graded(&[0.0, 1.0], 5));
+    let long: Vec<String> = (0..12).map(|i| format!("the side with the number {i} of the polygon")).collect();
+    let figure = MeshFigure { title: "Polygon", side_names: &long, panels: &[panel("all corners", &all)] };
+    let picture = meshes(&figure).unwrap();
+    check("mesh-many", &picture);
+    assert!(picture.svg.contains(">4 more sides "));
+    let strip = mesh(&rectangle([0.0, 0.0], [10.0, 0.1]), |s| graded(&[0.0, 1.0], if s % 2 == 0 { 9 } else { 1 }));
+    let sides = ["bottom", "right", "top", "left"].map(String::from);
+    let caption = "step 12: 45 elements, 282 dofs, and a caption that goes on for longer than there is room for it";
+    let panels = [panel(caption, &strip), panel("", &strip)];
+    check("mesh-strip", &meshes(&MeshFigure { title: "Strip", side_names: &sides, panels: &panels }).unwrap());
+}
+
+#[test]
+fn meshes_that_are_empty_or_broken() {
+    let sides = ["only"].map(String::from);
+    check("mesh-none", &meshes(&MeshFigure { title: "", side_names: &[], panels: &[] }).unwrap());
+    let (empty, point) = ((vec![], vec![], vec![]), (vec![[[1.0, 1.0]; 2]], vec![0], vec![0]));
+    let broken = (
+        vec![[[0.0, 0.0], [1.0, 0.0]], [[1.0, 0.0], [f64::NAN, 2.0]], [[1.0, 0.0], [1.0, 1e-300]], [[1.0, 0.0]; 2]],
+        vec![1, 2, 300, 4],
+        vec![0; 4],
+    );
+    let wide = (vec![[[-1e200, 0.0], [1e200, 0.0]], [[1e200, 0.0], [-1e200, 1e-200]]], vec![1, 1], vec![0; 2]);
+    for (name, m) in [("mesh-empty", &empty), ("mesh-point", &point), ("mesh-broken", &broken), ("mesh-wide", &wide)] {
+        check(name, &meshes(&MeshFigure { title: name, side_names: &sides, panels: &[panel(name, m)] }).unwrap());
+    }
+}
+
+const DOFS: Axis<'_> = Axis { label: "degrees of freedom", scale: Scale::Log };
+const ERROR: Axis<'_> = Axis { label: "relative error in the energy norm", scale: Scale::Log };
+
+const BARE: Chart<'_> = Chart {
+    title: "",
+    x: DOFS,
+    y: ERROR,
+    quantities: &["error"],
+    series: &[],
+    flag: "not reliable",
+    guides: &[],
+    band: None,
+};
+
+/// Errors and estimates of made-up strategies over 12 dofs: algebraic for even k, exponential in √N for odd k.
+fn histories(count: usize) -> Vec<[Vec<[f64; 2]>; 2]> {
+    let dofs = |i: usize| 32.0 * 1.35f64.powi(i as i32);
+    let error = |k: usize, n: f64| match (k.is_multiple_of(2), k as f64) {
+        (true, k) => 2.0 * n.powf(-0.5 - 0.1 * k),
+        (false, k) => (-(0.2 + 0.04 * k) * n.sqrt()).exp(),
+    };
+    let history = |k: usize| {
+        let error = |i: usize| [dofs(i), error(k, dofs(i)) * (1.0 + 0.2 * ((i * (k + 3)) as f64).sin())];
+        let estimate = |i: usize| [dofs(i), error(i)[1] * (0.8 + 0.1 * k as f64 + 0.8 / (1.0 + i as f64))];
+        [(0..12).map(error).collect(), (0..12).map(estimate).collect()]
+    };
+    (0..count).map(history).collect()
+}
+
+#[test]
+fn convergence_of_strategies_with_estimates() {
+    let data = histories(5);
+    let flags: Vec<bool> = (0..12).map(|i| i < 3).collect();
+    let curves: Vec<[Curve<'_>; 2]> =
+        data.iter().map(|[e, f]| [Curve { points: e, flagged: &[] }, Curve { points: f, flagged: &flags }]).collect();
+    let names = ["uniform h", "uniform p", "h-adaptive", "hp by Legendre decay", "hp, geometric towards found ends"];
+    let series: Vec<Series<'_>> = names.iter().zip(&curves).map(|(name, curves)| Series { name, curves }).collect();
+    let guides = [Guide { label: "N^-0.5", slope: -0.5 }, Guide { label: "N^-1.5", slope: -1.5 }];
+    let all = Chart {
+        title: "Block on a floor: five strategies",
+        quantities: &["error", "estimate"],
+        series: &series,
+        guides: &guides,
+        ..BARE
+    };
+    let picture = chart(&all).unwrap();
+    check("chart-loglog", &picture);
+    for text in [DOFS.label, ERROR.label, "estimate", "not reliable", "N^-0.5", "10⁻³", names[0], names[3]] {
+        assert!(picture.svg.contains(&format!(">{text}<")), "{text}");
+    }
+    assert!(!picture.svg.contains("left out"));
+    // Open markers: three flags of each strategy and the key. The others of each strategy: 12 errors, 9 estimates, key.
+    assert_eq!(picture.svg.matches("fill=\"#ffffff\"").count(), 3 * 5 + 1);
+    assert_eq!(picture.svg.matches("fill=\"#005493\"").count(), 12 + 9 + 1);
+
+    let root = Axis { scale: Scale::SquareRoot, ..DOFS };
+    let guides = [Guide { label: "exp(−0.3 √N)", slope: -0.3 }];
+    let picture = chart(&Chart { x: root, guides: &guides, ..all }).unwrap();
+    check("chart-root", &picture);
+    assert!(picture.svg.contains(">degrees of freedom (square-root scale)<") && picture.svg.contains(">100<"));
+    let one = Chart { x: Axis { label: "time in s", ..DOFS }, series: &series[3..4], guides: &[], ..all };
+    check("chart-one", &chart(&one).unwrap());
+}
+
+#[test]
+fn effectivity_with_its_band() {
+    let ratio = |[e, f]: [Vec<[f64; 2]>; 2]| e.iter().zip(f).map(|(e, f)| [e[0], f[1] / e[1]]).collect();
+    let mut ratios: Vec<Vec<[f64; 2]>> = histories(4).into_iter().map(ratio).collect();
+    ratios[0][0][1] = 60.0;
+    let curves: Vec<[Curve<'_>; 1]> = ratios.iter().map(|points| [Curve { points, flagged: &[] }]).collect();
+    let names = ["P1", "P2", "P1u", "L"];
+    let series: Vec<Series<'_>> = names.iter().zip(&curves).map(|(name, curves)| Series { name, curves }).collect();
+    let picture = chart(&Chart {
+        title: "Estimate over error",
+        y: Axis { label: "estimate / error", scale: Scale::Linear },
+        series: &series,
+        band: Some(Band { label: "0.9 to 1.3", y: [0.9, 1.3] }),
+        ..BARE
+    })
+    .unwrap();
+    check("chart-effectivity", &picture);
+    for text in [">estimate / error<", ">0.9 to 1.3<", ">1 point lies above the frame.<", ">1.0<"] {
+        assert!(picture.svg.contains(text), "{text}");
+    }
+    assert!(!picture.svg.contains(">error<"), "a single quantity is not in the key");
+}
+
+#[test]
+fn twelve_and_thirty_strategies() {
+    for count in [12, 30] {
+        let data = histories(count);
+        let curves: Vec<[Curve<'_>; 1]> = data.iter().map(|d| [Curve { points: &d[0], flagged: &[] }]).collect();
+        let names: Vec<String> =
+            (0..count).map(|k| format!("strategy {k} with a name of more than one line")).collect();
+        let series: Vec<Series<'_>> = names.iter().zip(&curves).map(|(name, curves)| Series { name, curves }).collect();
+        let many = Chart { title: "Many", series: &series, guides: &[Guide { label: "N^-1", slope: -1.0 }], ..BARE };
+        check_up_to(&format!("chart-{count}"), &chart(&many).unwrap(), 1500.0);
+    }
+}
+
+#[test]
+fn charts_of_extreme_values() {
+    let draw = |name: &str, x: Scale, y: Scale, points: &[[f64; 2]], flagged: &[bool]| {
+        let (x, y) = (Axis { scale: x, ..DOFS }, Axis { scale: y, ..ERROR });
+        let series = [Series { name: "s", curves: &[Curve { points, flagged }] }];
+        let guides = [Guide { label: "N^-1", slope: -1.0 }, Guide { label: "∞", slope: f64::INFINITY }];
+        let picture = chart(&Chart { x, y, title: name, series: &series, guides: &guides, ..BARE }).unwrap();
+        check(name, &picture);
+        picture.svg
+    };
+    let (log, linear, root) = (Scale::Log, Scale::Linear, Scale::SquareRoot);
+    for (name, x, y) in [("log", log, log), ("root", root, log), ("linear", linear, linear), ("mixed", linear, log)] {
+        let draw = |case: &str, points: &[[f64; 2]]| draw(&format!("chart-{name}-{case}"), x, y, points, &[]);
+        draw("none", &[]);
+        assert!(!draw("point", &[[100.0, 1e-3]]).contains("left out"));
+        draw("wide", &[[1.0, 1e3], [10.0, 1e-14], [1e5, 1.0]]);
+        draw("upright", &[[100.0, 1.0], [100.0, 1e-3], [100.0, 1e-6]]);
+        draw("level", &[[10.0, 0.1], [1000.0, 0.1], [1e5, 0.1 + 1e-15]]);
+        draw("widest", &[[f64::MIN_POSITIVE, 1e-300], [1e299, 1e299]]);
+        draw("close", &[[1e6, 1.0], [1e6 + 1.0, 1.0 + 1e-9]]);
+        let bad = [[10.0, 0.1], [20.0, f64::NAN], [30.0, f64::INFINITY], [f64::NAN, 0.1], [40.0, 0.05]];
+        assert!(draw("bad", &bad).contains(">3 points are left out"));
+    }
+    let negative = draw("chart-negative", log, log, &[[10.0, 0.1], [20.0, 0.0], [-1.0, 1.0]], &[false, true, true]);
+    assert!(negative.contains(">2 points are left out"));
+    assert!(negative.contains(">N^-1<") != negative.contains("slope N^-1"), "a slope is drawn or excused");
+    assert!(negative.contains("No room for the slope ∞."));
+    check("chart-empty", &chart(&BARE).unwrap());
 }

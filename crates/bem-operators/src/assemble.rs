@@ -6,11 +6,10 @@
 //! of threads.
 
 use faer::Mat;
-use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
-use crate::columns::Scratch;
-use crate::pass::{Block, Pass};
+use crate::cache::PairCache;
+use crate::pass::Pass;
 use crate::{BemError, Material, Mesh, Space};
 
 /// Galerkin matrices of the single layer V, the double layer K and the hypersingular operator W, and the mass matrix M.
@@ -49,24 +48,20 @@ impl Operators {
     /// # Source
     /// Hsiao, Wendland, *Boundary Integral Equations*, 2008, chapter 2 (kernels); integration by parts after Maue 1949 and Günter.
     pub fn assemble(mesh: &Mesh, space: &Space, material: &Material, length: Option<f64>) -> Result<Self, BemError> {
+        let mut operators = Self::empty(mesh, space, length)?;
+        let pass = Pass::new(mesh, space, material, operators.length, false);
+        pass.fill(&mut operators, None, &mut PairCache::default());
+        Ok(operators)
+    }
+
+    /// The mass matrix, and V, K, W still zero.
+    pub(crate) fn empty(mesh: &Mesh, space: &Space, length: Option<f64>) -> Result<Self, BemError> {
         mesh.check()?;
         let diameter = mesh.diameter();
-        let length = length.unwrap_or(diameter);
         let n = space.dofs();
-        let (mut v, mut k, mut w) = (Mat::zeros(n, n), Mat::zeros(n, n), Mat::zeros(n, n));
-        let pass = Pass::new(mesh, space, material, length);
-        let mut owners = pass.columns(&mut v, &mut k, &mut w);
-        let mut buffer = Vec::new();
-        let arch = pulp::Arch::new();
-        for rows in pass.blocks() {
-            pass.moments(rows.clone(), &mut buffer);
-            let block = Block { base: pass.pair_base(rows.clone()), rows, moments: &buffer };
-            owners.par_iter_mut().for_each_init(Scratch::default, |scratch, columns| {
-                arch.dispatch(|| pass.add(columns, &block, scratch));
-            });
-        }
-        drop(owners);
-        Ok(Self { v, k, w, mass: mass(mesh, space), length, diameter })
+        let zeros = || Mat::zeros(n, n);
+        let mass = mass(mesh, space);
+        Ok(Self { v: zeros(), k: zeros(), w: zeros(), mass, length: length.unwrap_or(diameter), diameter })
     }
 }
 

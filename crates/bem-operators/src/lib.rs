@@ -23,6 +23,8 @@ mod polygon_check;
 mod mesh;
 mod meshing;
 mod space;
+mod subdivision;
+mod marking;
 mod moments;
 mod near;
 mod far;
@@ -30,20 +32,28 @@ mod kernel;
 mod pass;
 mod columns;
 mod assemble;
+mod cache;
+mod enrichment;
 mod steklov;
+mod enriched;
 mod condense;
 mod load;
 mod potential;
 mod particular;
+mod residual;
 
 #[cfg(feature = "proptest")]
 pub mod proptest;
 
 pub use assemble::Operators;
+pub use cache::PairCache;
 pub use condense::{Condensation, CondensedLoad, Partition};
+pub use enriched::{Enriched, EnrichedSteklov};
+pub use enrichment::Enrichment;
 pub use error::BemError;
 pub use far::far_moments;
 pub use load::{Datum, ElementMoments, Site, add_load, side_moments};
+pub use marking::{doerfler, legendre_decay};
 pub use material::{Material, Plane};
 pub use mesh::Mesh;
 pub use moments::{PairMoments, Segment, Tables};
@@ -51,9 +61,11 @@ pub use particular::BodyForce;
 pub use polygon::{Edge, Location, Loop, Polygon};
 pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};
+pub use residual::{BoundaryResidual, boundary_residuals, residual_panels};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};
+pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

@@ -68,6 +68,31 @@ impl Mesh {
         [t[1], -t[0]]
     }
 
+    /// Unit normal and tangent of each element as those of its whole edge: small elements of an oblique edge lose digits of
+    /// their own.
+    pub fn edge_frames(&self) -> Vec<[[f64; 2]; 2]> {
+        // per edge: start of its first and end of its last element in the order of traversal
+        let edges = self.edge.iter().max().map_or(0, |k| k + 1);
+        let mut ends = vec![[[0.0; 2]; 2]; edges];
+        let previous = self.previous();
+        for e in 0..self.len() {
+            let [a, b] = self.ends(e);
+            if self.edge[previous[e]] != self.edge[e] {
+                ends[self.edge[e]][0] = a;
+            }
+            if self.edge[self.next[e]] != self.edge[e] {
+                ends[self.edge[e]][1] = b;
+            }
+        }
+        let frame = |[a, b]: [[f64; 2]; 2]| {
+            let d = [b[0] - a[0], b[1] - a[1]];
+            let r = d[0].hypot(d[1]);
+            let t = [d[0] / r, d[1] / r];
+            [[t[1], -t[0]], t]
+        };
+        self.edge.iter().map(|&k| frame(ends[k])).collect()
+    }
+
     /// Point y(t) of element e, t ∈ [-1, 1], measured from the nearer end so that both ends are met exactly.
     pub fn point(&self, e: usize, t: f64) -> [f64; 2] {
         let ([a, b], d) = (self.ends(e), self.half(e));

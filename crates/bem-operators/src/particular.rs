@@ -74,6 +74,25 @@ impl BodyForce {
         load
     }
 
+    /// ∫ σ(u_p) n · b over the bubbles b = (P_(p+1) - P_(p-1))/(2p+1), two for each element; 0 from p = 3 on.
+    pub fn bubble_load(&self, mesh: &Mesh, space: &Space) -> Vec<f64> {
+        let mut load = vec![0.0; 2 * mesh.len()];
+        for e in 0..mesh.len() {
+            let (n, half, p) = (mesh.normal(e), mesh.length(e) / 2.0, space.degree(e));
+            let ends = [-1.0, 1.0].map(|t| self.traction(mesh.point(e, t), n));
+            for i in 0..2 {
+                // P_(p-1) against mean + slope t
+                let moment = match p {
+                    1 => ends[0][i] + ends[1][i],
+                    2 => (ends[1][i] - ends[0][i]) / 3.0,
+                    _ => 0.0,
+                };
+                load[2 * e + i] = -half * moment / (2 * p + 1) as f64;
+            }
+        }
+        load
+    }
+
     /// (a(u_p, u_p), ∫_Ω b·u_p): twice the strain energy of u_p and the work of b on it, as boundary integrals.
     pub fn energies(&self, mesh: &Mesh) -> (f64, f64) {
         let mut work_of_force = 0.0;

@@ -25,38 +25,58 @@ pub(crate) struct Block<'a> {
 pub(crate) struct Pass<'a> {
     pub(crate) space: &'a Space,
     pub(crate) segments: Vec<Segment>,
+    /// Degree p of each element.
     pub(crate) degree: Vec<usize>,
+    /// Highest degree of the moments of each element, at least p, or p + 1 for an enrichment.
+    pub(crate) order: Vec<usize>,
+    /// Whether every element has a bubble and a top traction besides.
+    pub(crate) enriched: bool,
     pub(crate) previous: Vec<usize>,
     /// log(|d|/L) of each element.
     pub(crate) log_half: Vec<f64>,
-    /// Σ (p+1) over the elements before e.
+    /// Σ (order+1) over the elements before e.
     pub(crate) prefix: Vec<usize>,
-    /// Position of each degree in `locals`, and the classifiers by it.
+    /// Position of each degree in `locals`.
     pub(crate) local_of: Vec<usize>,
     pub(crate) locals: Vec<Local>,
-    pub(crate) classifiers: Vec<Classifier>,
+    /// Position of each order in `classifiers`.
+    order_of: Vec<usize>,
+    classifiers: Vec<Classifier>,
     pub(crate) constants: Constants,
 }
 
 impl<'a> Pass<'a> {
-    pub(crate) fn new(mesh: &Mesh, space: &'a Space, material: &Material, length: f64) -> Self {
+    pub(crate) fn new(mesh: &Mesh, space: &'a Space, material: &Material, length: f64, enriched: bool) -> Self {
         let segments: Vec<Segment> = (0..mesh.len()).map(|e| mesh.segment(e)).collect();
         let log_half = segments.iter().map(|s| (s.half().norm() / length).ln()).collect();
         let degree = mesh.degree.clone();
+        let order: Vec<usize> = degree.iter().map(|&p| if enriched { enriched_order(p) } else { p }).collect();
         let mut prefix = vec![0];
-        let mut degrees = degree.clone();
-        degrees.sort_unstable();
-        degrees.dedup();
-        for &p in &degree {
-            prefix.push(prefix[prefix.len() - 1] + p + 1);
+        for &order in &order {
+            prefix.push(prefix[prefix.len() - 1] + order + 1);
         }
-        let local_of = degree.iter().map(|p| degrees.binary_search(p).unwrap_or(0)).collect();
+        let (degrees, local_of) = distinct(&degree);
+        let (orders, order_of) = distinct(&order);
         let first_with = |p: usize| degree.iter().position(|&q| q == p).unwrap_or(0);
-        let locals = degrees.iter().map(|&p| Local::new(space, first_with(p))).collect();
-        let classifiers = degrees.iter().map(|&p| Classifier::new(p + 1)).collect();
+        let locals = degrees.iter().map(|&p| Local::new(space, first_with(p), enriched)).collect();
+        let classifiers = orders.iter().map(|&p| Classifier::new(p + 1)).collect();
         let previous = mesh.previous();
         let constants = Constants::new(material);
-        Self { space, segments, degree, previous, log_half, prefix, local_of, locals, classifiers, constants }
+        Self {
+            space,
+            segments,
+            degree,
+            order,
+            enriched,
+            previous,
+            log_half,
+            prefix,
+            local_of,
+            locals,
+            order_of,
+            classifiers,
+            constants,
+        }
     }
 
     pub(crate) fn len(&self) -> usize {
@@ -65,7 +85,7 @@ impl<'a> Pass<'a> {
 
     /// Where the moments of the pair (a, b), b ≥ a, start behind those of (a, a).
     pub(crate) fn pair_offset(&self, a: usize, b: usize) -> usize {
-        let rows = self.degree[a] + 1;
+        let rows = self.order[a] + 1;
         (2 * rows + 1) * (self.prefix[b] - self.prefix[a]) + rows * (b - a)
     }
 
@@ -86,8 +106,13 @@ impl<'a> Pass<'a> {
         blocks
     }
 
-    /// Moments of all pairs (a, b), a in `rows`, b ≥ a.
-    pub(crate) fn moments(&self, rows: std::ops::Range<usize>, buffer: &mut Vec<f64>) {
+    /// Moments of all pairs (a, b), a in `rows`, b ≥ a; `known` gives those that need not be computed.
+    pub(crate) fn moments<'k>(
+        &self,
+        rows: std::ops::Range<usize>,
+        buffer: &mut Vec<f64>,
+        known: &(dyn Fn(usize, usize) -> Option<&'k [f64]> + Sync),
+    ) {
         let n = self.len();
         buffer.resize(rows.clone().map(|a| self.pair_offset(a, n)).sum(), 0.0);
         let mut tasks: Vec<Vec<(usize, &mut [f64])>> = vec![Vec::new()];
@@ -103,31 +128,40 @@ impl<'a> Pass<'a> {
             let last = tasks.len() - 1;
             tasks[last].push((a, row));
         }
-        tasks.into_par_iter().for_each(|task| self.moments_of_rows(task));
+        tasks.into_par_iter().for_each(|task| self.moments_of_rows(task, known));
     }
 
-    fn moments_of_rows(&self, mut rows: Vec<(usize, &mut [f64])>) {
+    fn moments_of_rows<'k>(
+        &self,
+        mut rows: Vec<(usize, &mut [f64])>,
+        known: &(dyn Fn(usize, usize) -> Option<&'k [f64]> + Sync),
+    ) {
         let arch = pulp::Arch::new();
-        let kinds = self.locals.len();
+        let kinds = self.classifiers.len();
         let mut open = vec![u32::MAX; kinds * kinds * KINDS];
         let mut batches: Vec<(Batch, [(usize, usize); LANES])> = Vec::new();
         let mut sums = Vec::new();
         for r in 0..rows.len() {
             let a = rows[r].0;
-            let pa = self.degree[a];
+            let pa = self.order[a];
             same(pa + 1, pa + 1, &mut rows[r].1[..storage(pa, pa)]);
             for b in a + 1..self.len() {
                 let start = self.pair_offset(a, b);
+                if let Some(moments) = known(a, b) {
+                    let size = storage(self.order[a], self.order[b]);
+                    rows[r].1[start..start + size].copy_from_slice(&moments[..size]);
+                    continue;
+                }
                 let (outer, inner) = if first_is_outer(self.segments[a], self.segments[b]) { (a, b) } else { (b, a) };
                 let (so, si) = (self.segments[outer], self.segments[inner]);
                 let touching = self.previous[a] == b || self.previous[b] == a;
-                let kind = if touching { None } else { self.classifiers[self.local_of[outer]].kind(so, si) };
-                let (m, n) = (self.degree[outer] + 1, self.degree[inner] + 1);
+                let kind = if touching { None } else { self.classifiers[self.order_of[outer]].kind(so, si) };
+                let (m, n) = (self.order[outer] + 1, self.order[inner] + 1);
                 let Some(kind) = kind else {
                     near::moments(so, si, m, n, &mut rows[r].1[start..start + storage(m - 1, n - 1)]);
                     continue;
                 };
-                let key = (self.local_of[outer] * kinds + self.local_of[inner]) * KINDS + kind_index(kind);
+                let key = (self.order_of[outer] * kinds + self.order_of[inner]) * KINDS + kind_index(kind);
                 if open[key] == u32::MAX {
                     open[key] = batches.len() as u32;
                     batches.push((Batch::new(kind, m, n), [(0, 0); LANES]));
@@ -158,4 +192,18 @@ impl<'a> Pass<'a> {
         }
         base
     }
+}
+
+/// The orders of moments are even, so that every second rise of a degree keeps the moments.
+pub(crate) fn enriched_order(degree: usize) -> usize {
+    (degree + 1).next_multiple_of(2)
+}
+
+/// The distinct values, rising, and the position of each value among them.
+fn distinct(values: &[usize]) -> (Vec<usize>, Vec<usize>) {
+    let mut sorted = values.to_vec();
+    sorted.sort_unstable();
+    sorted.dedup();
+    let position = values.iter().map(|v| sorted.binary_search(v).unwrap_or(0)).collect();
+    (sorted, position)
 }

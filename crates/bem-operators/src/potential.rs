@@ -143,12 +143,11 @@ impl BoundaryField {
         let mut p = [0.0; MAX_ORDER];
         let p = &mut p[..piece.displacement.len()];
         legendre_p(t, p);
-        let sum = |c: &[[f64; 2]]| c.iter().zip(&*p).fold([0.0; 2], |s, (c, p)| [s[0] + c[0] * p, s[1] + c[1] * p]);
-        let traction = sum(&piece.traction);
+        let traction = series(&piece.traction, p);
         let half = piece.segment.half();
-        let along = sum(&piece.derivative).map(|d| d / half.norm());
+        let along = series(&piece.derivative, p).map(|d| d / half.norm());
         Trace {
-            displacement: sum(&piece.displacement),
+            displacement: series(&piece.displacement, p),
             traction,
             stress: self.boundary_stress(half / half.norm(), traction, along),
         }
@@ -172,14 +171,39 @@ impl BoundaryField {
     ///
     /// ∫ σ^h·φ = (S u)_φ; σ^h has logarithmic singularities at all element ends, so it wants rules graded to them.
     pub fn steklov_trace(&self, e: usize, t: f64) -> [f64; 2] {
+        self.boundary_derivatives(e, t).0
+    }
+
+    /// Derivative by arc length (dimensionless) of w = (K+½)u - Vψ at the reference coordinate -1 < t < 1 of element e:
+    ///
+    /// ```text
+    /// w' = -K'_Δ u' + d/ds (2μV - V_Δ) J u' + ½ u' - d/ds Vψ,    K'_Δ u'(x) = -(1/2π) ∫ n_x·(x-y)/r² u' ds
+    /// ```
+    /// w is the displacement less the limit of [`Self::inside`]. It vanishes if u and ψ belong to one elastic field of the
+    /// body, and with ψ = V⁻¹(K+½)u its moments against the traction space do. w' has logarithmic singularities at all
+    /// element ends.
+    pub fn equation_slope(&self, e: usize, t: f64) -> [f64; 2] {
+        self.boundary_derivatives(e, t).1
+    }
+
+    /// Material of the body.
+    pub fn material(&self) -> &Material {
+        &self.material
+    }
+
+    /// [`Self::steklov_trace`] and [`Self::equation_slope`] at once: they share the Legendre functions, which cost most.
+    pub(crate) fn boundary_derivatives(&self, e: usize, t: f64) -> ([f64; 2], [f64; 2]) {
         let own = &self.elements[e];
         let k = &self.constants;
         let Segment { start, end } = own.segment;
-        let tangent = own.segment.half() / own.segment.half().norm();
+        let half_own = own.segment.half().norm();
+        let tangent = own.segment.half() / half_own;
         let normal = -Complex64::I * tangent;
         let mut hypersingular = [0.0; 2];
-        let mut adjoint = [0.0; 2];
-        let mut slope = [0.0; 2];
+        // K'_Δ and d/ds (2μV - V_Δ) of ψ, and of u' and J u'
+        let (mut adjoint, mut slope) = ([0.0; 2], [0.0; 2]);
+        let (mut adjoint_u, mut slope_u) = ([0.0; 2], [0.0; 2]);
+        let mut single = [0.0; 2];
         let mut at = AtPoint::default();
         for (b, piece) in self.elements.iter().enumerate() {
             if b == e {
@@ -198,19 +222,34 @@ impl BoundaryField {
                 let s = piece.traction[n].map(|c| half * c);
                 if b != e {
                     let double = (normal * at.inverse * at.q[n]).re / std::f64::consts::PI;
-                    adjoint[0] -= double * s[0];
-                    adjoint[1] -= double * s[1];
+                    for i in 0..2 {
+                        adjoint[i] -= double * s[i];
+                        adjoint_u[i] -= double * d[i];
+                    }
                 }
-                slope[0] += (k.h_log * log + k.h_rr * xx) * s[0] + k.h_rr * xy * s[1];
-                slope[1] += k.h_rr * xy * s[0] + (k.h_log * log + k.h_rr * yy) * s[1];
+                let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
+                slope[0] += hxx * s[0] + hxy * s[1];
+                slope[1] += hxy * s[0] + hyy * s[1];
+                slope_u[0] += hxy * d[0] - hxx * d[1];
+                slope_u[1] += hyy * d[0] - hxy * d[1];
+                single[0] += k.c_v * ((xx - k.kappa * log) * s[0] + xy * s[1]);
+                single[1] += k.c_v * (xy * s[0] + (yy - k.kappa * log) * s[1]);
             }
         }
-        let traction = self.trace(e, t).traction;
-        [
-            hypersingular[0] + adjoint[0] - slope[1] + 0.5 * traction[0],
-            hypersingular[1] + adjoint[1] + slope[0] + 0.5 * traction[1],
-        ]
+        let mut p = [0.0; MAX_ORDER];
+        let p = &mut p[..own.traction.len()];
+        legendre_p(t, p);
+        let (traction, along) = (series(&own.traction, p), series(&own.derivative, p).map(|d| d / half_own));
+        let turned = [-slope[1], slope[0]];
+        let steklov = |i: usize| hypersingular[i] + adjoint[i] + turned[i] + 0.5 * traction[i];
+        let equation = |i: usize| slope_u[i] - adjoint_u[i] + 0.5 * along[i] - single[i];
+        ([steklov(0), steklov(1)], [equation(0), equation(1)])
     }
+}
+
+/// Σ c_n P_n.
+fn series(c: &[[f64; 2]], p: &[f64]) -> [f64; 2] {
+    c.iter().zip(p).fold([0.0; 2], |s, (c, p)| [s[0] + c[0] * p, s[1] + c[1] * p])
 }
 
 /// Legendre functions of one element at one point.

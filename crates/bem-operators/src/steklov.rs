@@ -5,7 +5,7 @@ use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
-use faer::{Accum, Col, Mat, MatMut, Par};
+use faer::{Accum, Col, Mat, MatMut, MatRef, Par};
 
 use crate::{BemError, Operators};
 
@@ -82,6 +82,11 @@ impl Steklov {
 }
 
 impl TractionMap {
+    /// L of V = L Lᵀ (in the lower triangle) and L⁻¹H.
+    pub(crate) fn factors(&self) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
+        (self.factor.as_ref(), self.solved.as_ref())
+    }
+
     /// Legendre coefficients of the traction t = σ(u)n of a nodal displacement, interleaved as [`crate::Space`] says.
     pub fn apply(&self, displacement: &[f64]) -> Vec<f64> {
         let u = Col::from_fn(displacement.len(), |i| displacement[i]);

@@ -108,8 +108,72 @@ proptest! {
             let want = solved.field.traction(y, n);
             let got = solved.boundary.steklov_trace(e, t);
             prop_assert!((got[0] - want[0]).hypot(got[1] - want[1]) < 1e-8 * stress_scale, "{got:?} {want:?}");
+            let [x, y] = solved.boundary.equation_slope(e, t);
+            prop_assert!(x.hypot(y) < 1e-8 * stress_scale / material.young, "{x} {y}");
         }
     }
+
+    /// A displacement and a traction that have nothing to do with each other: w' is the difference quotient of
+    /// u less the field just inside, in which derivatives of the kernels do not occur.
+    #[test]
+    fn the_slope_of_the_equation_is_the_difference_of_the_field_inside(
+        (polygon, mesh) in polygon_and_mesh(4), material in material(), t in -0.9..0.9f64,
+        values in proptest::collection::vec(-1.0..1.0f64, 64),
+    ) {
+        let space = Space::new(&mesh);
+        let size = mesh.diameter();
+        let value = |i: usize| values[i % 64] + 0.3 * values[(i / 64) % 64];
+        let displacement: Vec<f64> = (0..space.dofs()).map(|i| size * value(i)).collect();
+        let traction: Vec<f64> = (0..space.dofs()).map(|i| material.mu() * value(i + 7)).collect();
+        let field = BoundaryField::new(&mesh, &space, &material, &displacement, &traction, size);
+        for e in 0..mesh.len() {
+            let (n, half) = (mesh.normal(e), mesh.length(e) / 2.0);
+            let residual = |t: f64| {
+                let (y, u) = (mesh.point(e, t), field.trace(e, t).displacement);
+                let inside = field.inside([0, 1].map(|i| y[i] - 1e-9 * half * n[i])).displacement;
+                [u[0] - inside[0], u[1] - inside[1]]
+            };
+            let y = mesh.point(e, t);
+            prop_assume!(polygon.contains([0, 1].map(|i| y[i] - 1e-9 * half * n[i])) == Location::Inside);
+            let step = 1e-4;
+            let (up, down) = (residual(t + step), residual(t - step));
+            let got = field.equation_slope(e, t);
+            // the size of the terms that make up w'
+            let scale = size / half * (1.0 + 1.0 / (1.0 - 2.0 * material.nu()));
+            for i in 0..2 {
+                let want = (up[i] - down[i]) / (2.0 * step * half);
+                prop_assert!((got[i] - want).abs() < 1e-5 * scale, "{} {want} {scale}", got[i]);
+            }
+        }
+    }
+}
+
+/// ∫ w A ds with A' = P_m, A = 0 at both ends, is -∫ w P_m, which is 0 for 1 ≤ m < p and for no more.
+#[test]
+fn the_equation_has_no_moments_against_the_traction_space() {
+    let material = Gold::read().material();
+    let p = 5;
+    let solved = solve(Mesh::uniform(&polygon(&L_SHAPE, &[]), 9, p), &material, "exp");
+    let rule =
+        steklov_quadrature::graded(&steklov_quadrature::gauss_legendre(14), 12, 0.15, steklov_quadrature::End::Both);
+    let (mut worst, mut next, mut size) = (0.0f64, f64::INFINITY, 0.0f64);
+    let mut legendre = vec![0.0; p + 2];
+    for e in 0..solved.mesh.len() {
+        let mut moments = vec![[0.0; 2]; p + 1];
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            steklov_quadrature::legendre_p(t, &mut legendre);
+            let slope = solved.boundary.equation_slope(e, t);
+            size = size.max(slope[0].hypot(slope[1]));
+            for m in 1..=p {
+                let a = (legendre[m + 1] - legendre[m - 1]) / (2 * m + 1) as f64;
+                (0..2).for_each(|i| moments[m][i] += w * a * slope[i]);
+            }
+        }
+        worst = moments[..p].iter().flatten().fold(worst, |m, v| m.max(v.abs()));
+        next = next.min(moments[p][0].hypot(moments[p][1]));
+    }
+    println!("largest moment {worst:e}, smallest one of degree p {next:e}, of slopes up to {size:e}");
+    assert!(worst < 1e-13 && next > 1e-9, "{worst:e} {next:e}");
 }
 
 #[test]

@@ -1,7 +1,6 @@
 //! Primal-dual active set: semi-smooth Newton on the proximal map of the law.
 
-use faer::Mat;
-
+use crate::free::Free;
 use crate::law::{Branch, Law, Piece, dot};
 use crate::linear::{largest, product, solve_semidefinite};
 use crate::multipliers::{multipliers, status};
@@ -10,7 +9,7 @@ use crate::{ContactError, Outcome, Problem, Solution};
 /// A node keeps its piece while it violates it by less than this, relative.
 const TOLERANCE: f64 = 1e-12;
 /// What is accepted when roundoff keeps some node from settling.
-const ACCEPTED: f64 = 1e-10;
+pub(crate) const ACCEPTED: f64 = 1e-10;
 /// Steps without fewer changes before one node is changed at a time.
 const PATIENCE: usize = 8;
 /// Steps, besides two for each node, before the stiffness is regularised.
@@ -119,36 +118,20 @@ pub(crate) struct Linear {
 
 /// v on all lines that are on, R equal to the known forces in the directions that are free.
 pub(crate) fn solve_pieces(problem: &Problem, laws: &[Law], pieces: &[Piece]) -> Result<Linear, ContactError> {
-    let (m, s) = (problem.load.len(), &problem.stiffness);
-    let (mut fixed, mut known, mut free) = (vec![0.0; m], vec![0.0; m], Vec::new());
+    let s = &problem.stiffness;
+    let free = Free::new(problem, laws, pieces);
+    let mut known = vec![0.0; problem.load.len()];
     for ((node, law), piece) in problem.nodes.iter().zip(laws).zip(pieces) {
-        let ((point, directions), off) = (law.free(piece), law.off_force(piece));
-        fixed[node.first..node.first + node.unknowns].copy_from_slice(&point[..node.unknowns]);
-        known[node.first..node.first + node.unknowns].copy_from_slice(&off[..node.unknowns]);
-        free.extend(directions.into_iter().map(|e| (node.first, node.unknowns, e)));
+        known[node.first..node.first + node.unknowns].copy_from_slice(&law.off_force(piece)[..node.unknowns]);
     }
-    let project = |x: &[f64]| -> Vec<f64> {
-        free.iter().map(|&(first, k, e)| (0..k).map(|i| e[i] * x[first + i]).sum()).collect()
-    };
-    let expand = |x: &[f64]| {
-        let mut v = vec![0.0; m];
-        for (&(first, k, e), x) in free.iter().zip(x) {
-            (0..k).for_each(|i| v[first + i] += e[i] * x);
-        }
-        v
-    };
-    let elastic = product(s, &fixed);
-    let rest: Vec<f64> = (0..m).map(|i| problem.load[i] - elastic[i] - known[i]).collect();
-    let matrix = Mat::from_fn(free.len(), free.len(), |a, b| {
-        let ((i, ki, e), (j, kj, d)) = (free[a], free[b]);
-        (0..ki).map(|p| (0..kj).map(|q| e[p] * s[(i + p, j + q)] * d[q]).sum::<f64>()).sum()
-    });
-    let moved = expand(&solve_semidefinite(&matrix, &project(&rest))?);
-    let displacement: Vec<f64> = fixed.iter().zip(moved).map(|(a, b)| a + b).collect();
+    let elastic = product(s, &free.fixed);
+    let rest: Vec<f64> = (0..known.len()).map(|i| problem.load[i] - elastic[i] - known[i]).collect();
+    let moved = free.expand(&solve_semidefinite(&free.stiffness(s), &free.project(&rest))?);
+    let displacement: Vec<f64> = free.fixed.iter().zip(moved).map(|(a, b)| a + b).collect();
     let elastic = product(s, &displacement);
     let force: Vec<f64> = problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
     let excess: Vec<f64> = force.iter().zip(&known).map(|(r, k)| r - k).collect();
-    Ok(Linear { displacement, unbalanced: expand(&project(&excess)), force })
+    Ok(Linear { displacement, unbalanced: free.expand(&free.project(&excess)), force })
 }
 
 /// Relative violation of the current piece at each node.
@@ -168,7 +151,8 @@ pub(crate) fn violations(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &
         .map(|(((node, law), piece), weight)| {
             let (distance, excess) = law.violation(piece, node.pick(v), node.pick(r));
             let rows = node.first..node.first + node.unknowns;
-            let terms = rows.map(|i| (0..v.len()).map(|j| (problem.stiffness[(i, j)] * v[j]).abs()).sum::<f64>());
+            let columns = rows.map(|i| problem.stiffness.col_as_slice(i)); // S = Sᵀ
+            let terms = columns.map(|s| s.iter().zip(v).map(|(s, v)| (s * v).abs()).sum::<f64>());
             let noise = 1e-15 * terms.fold(0.0f64, f64::max);
             let length = if distance > 0.0 { distance / length } else { 0.0 };
             let force = if excess > noise { (excess - noise) / (weight * stress) } else { 0.0 };
@@ -179,16 +163,16 @@ pub(crate) fn violations(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &
 
 /// The method itself, from given pieces; if it does not settle, by way of regularised problems.
 pub(crate) fn iterate(problem: &Problem, laws: &[Law], pieces: Vec<Piece>) -> Result<Solution, ContactError> {
-    let mut history = Vec::new();
-    let mut best = settle(problem, laws, pieces, &mut history)?;
+    let (mut history, limit) = (Vec::new(), LIMIT + 4 * pieces.len());
+    let mut best = settle(problem, laws, pieces, limit, &mut history)?;
     let mut centre = best.linear.displacement.clone();
     for round in 0..ROUNDS {
         if best.measure <= ACCEPTED {
             break;
         }
         let regular = regularised(problem, &centre, REGULARISATION * 0.1f64.powi(round.min(6)));
-        let near = settle(&regular, laws, best.pieces.clone(), &mut history)?;
-        let tried = settle(problem, laws, near.pieces, &mut history)?;
+        let near = settle(&regular, laws, best.pieces.clone(), limit, &mut history)?;
+        let tried = settle(problem, laws, near.pieces, limit, &mut history)?;
         centre = near.linear.displacement;
         if tried.measure < best.measure {
             best = tried;
@@ -210,20 +194,21 @@ fn regularised(problem: &Problem, centre: &[f64], epsilon: f64) -> Problem {
 }
 
 /// Pieces, the solution of their linear system, and how much it violates the law.
-struct Settled {
-    measure: f64,
-    pieces: Vec<Piece>,
-    linear: Linear,
+pub(crate) struct Settled {
+    /// Largest relative violation.
+    pub measure: f64,
+    pub pieces: Vec<Piece>,
+    pub linear: Linear,
 }
 
-/// Changes pieces until none is violated or the limit is reached; the best iterate.
-fn settle(
+/// Changes pieces until none is violated or `limit` steps are done, at least one; the best iterate.
+pub(crate) fn settle(
     problem: &Problem,
     laws: &[Law],
     mut pieces: Vec<Piece>,
+    limit: usize,
     history: &mut Vec<f64>,
 ) -> Result<Settled, ContactError> {
-    let limit = LIMIT + 4 * pieces.len();
     let (mut fewest, mut waited, mut best) = (usize::MAX, 0, None::<Settled>);
     for _ in 0..limit {
         let linear = solve_pieces(problem, laws, &pieces)?;

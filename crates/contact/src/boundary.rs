@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Dof, Mesh, Space};
 
 use crate::law::{cross, dot};
-use crate::sides::{ContactElement, SideData, contact_elements};
+use crate::sides::{ContactElement, JUMP, SideData, contact_elements};
 use crate::{Condition, ContactError, ContactNode};
 
 /// Components smaller than this count as zero: normals that agree, directions in which a node cannot move.
@@ -51,6 +51,7 @@ pub struct BoundaryNode {
 /// F_i is the mean of F(x_i) weighted by D (the limits from both sides where F jumps), so that Σ D_i F_i |u_t,i| is the
 /// Lobatto rule of ∫ F |u_t|.
 ///
+/// - Where g jumps between two elements, g_i is that of the lower side alone: u_n, which is continuous, obeys it.
 /// - Where the contact boundary bends, the node has the unknowns (u_x, u_y) and a condition for each side of it.
 /// - A node that is held has no multiplier in the directions in which it cannot move. Its ψ is then added to that of
 ///   the nearest node of the same element, ψ̃_next = ψ_next + ψ_end, so that Σ ψ̃_i = 1 still; the condition there is
@@ -157,6 +158,7 @@ pub fn contact_boundary(
     held: &dyn Fn(usize) -> [Option<f64>; 2],
 ) -> Result<ContactBoundary, ContactError> {
     let elements = contact_elements(mesh, space, sides)?;
+    let frames = mesh.edge_frames();
     let mut drafts: Vec<Draft> = Vec::new();
     let mut draft_of = vec![None; space.nodes()];
     for element in &elements {
@@ -165,7 +167,7 @@ pub fn contact_boundary(
                 drafts.push(Draft { node, held: held(node), conditions: Vec::new() });
                 drafts.len() - 1
             });
-            drafts[d].add(mesh, element, j);
+            drafts[d].add(frames[element.element], element, j);
         }
     }
     // draft and condition that receive, and the transfer
@@ -238,6 +240,8 @@ struct DraftCondition {
     tangent: [f64; 2],
     elements: Vec<usize>,
     parts: [Part; 2],
+    /// g from within, ∫ g ψ and ∫ φ of each element.
+    gaps: Vec<[f64; 3]>,
     /// Σ D F.
     bound: f64,
     /// Σ D, also where the multiplier is gone.
@@ -251,13 +255,13 @@ struct Draft {
 }
 
 impl Draft {
-    fn add(&mut self, mesh: &Mesh, element: &ContactElement, j: usize) {
+    fn add(&mut self, [normal, tangent]: [[f64; 2]; 2], element: &ContactElement, j: usize) {
         let e = element.element;
-        let (normal, tangent) = (mesh.normal(e), mesh.tangent(e));
         let aligned = |c: &DraftCondition| cross(c.normal, normal).abs() <= ALIGNED && dot(c.normal, normal) > 0.0;
         let k = self.conditions.iter().position(aligned).unwrap_or_else(|| {
             let (elements, parts) = (Vec::new(), <[Part; 2]>::default());
-            self.conditions.push(DraftCondition { normal, tangent, elements, parts, bound: 0.0, weight: 0.0 });
+            let gaps = Vec::new();
+            self.conditions.push(DraftCondition { normal, tangent, elements, parts, gaps, bound: 0.0, weight: 0.0 });
             self.conditions.len() - 1
         });
         let (c, weight) = (&mut self.conditions[k], element.weights[j]);
@@ -268,7 +272,9 @@ impl Draft {
             part.weight += weight;
             part.share(element.side, weight);
         }
-        c.parts[0].moment += element.gaps[j];
+        let limit = element.limits[usize::from(j > 0)];
+        c.gaps.push([limit, element.gaps[j], weight]);
+        c.parts[0].moment = c.gap_moment();
     }
 
     fn elements(&self) -> usize {
@@ -340,6 +346,17 @@ impl Draft {
 }
 
 impl DraftCondition {
+    /// ∫ g ψ of both elements; where g jumps between them, that of the lower side over the weights of both.
+    fn gap_moment(&self) -> f64 {
+        let whole: f64 = self.gaps.iter().map(|g| g[1]).sum();
+        let [a, b] = self.gaps.as_slice() else { return whole };
+        if (a[0] - b[0]).abs() <= JUMP * a[0].abs().max(b[0].abs()) {
+            return whole;
+        }
+        let lower = if a[0] < b[0] { a } else { b };
+        lower[1] / lower[2] * (a[2] + b[2])
+    }
+
     fn direction(&self, functional: Functional) -> [f64; 2] {
         if functional == Functional::Normal { self.normal } else { self.tangent }
     }

@@ -98,10 +98,7 @@ impl Law {
         }
         pieces.retain(|piece| match self.on(piece).as_slice() {
             [] | [_] => true,
-            &[i, j] => {
-                let (a, b) = (self.kinks[i].direction, self.kinks[j].direction);
-                self.unknowns == 2 && cross(a, b).abs() > 1e-12 * norm(a) * norm(b)
-            }
+            &[i, j] => self.independent(i, j),
             _ => false,
         });
         pieces
@@ -190,11 +187,35 @@ impl Law {
         (length, force)
     }
 
+    /// Whether `piece` is one of the law's: finite forces off the lines and independent directions on them.
+    pub fn allows(&self, piece: &Piece) -> bool {
+        self.pieces.contains(piece)
+    }
+
+    /// Whether the lines of kinks i and j meet in one point.
+    fn independent(&self, i: usize, j: usize) -> bool {
+        let (a, b) = (self.kinks[i].direction, self.kinks[j].direction);
+        self.unknowns == 2 && cross(a, b).abs() > 1e-12 * norm(a) * norm(b)
+    }
+
+    /// Those of the lines, in their order, on which a piece may be: all but those that depend on earlier ones.
+    pub fn basis(&self, lines: impl Iterator<Item = usize>) -> Vec<usize> {
+        let mut basis: Vec<usize> = Vec::new();
+        for i in lines {
+            match basis.as_slice() {
+                [] => basis.push(i),
+                &[j] if self.independent(i, j) => basis.push(i),
+                _ => {}
+            }
+        }
+        basis
+    }
+
     /// `target`, but on the line between where a kink would pass from one side to the other, if that is a piece.
     pub fn towards(&self, piece: &[Branch], target: &Piece) -> Piece {
         let passes = |(a, b): (&Branch, &Branch)| if *a != *b && *a != On && *b != On { On } else { *b };
         let halfway: Piece = piece.iter().zip(target).map(passes).collect();
-        if self.pieces.contains(&halfway) { halfway } else { target.clone() }
+        if self.allows(&halfway) { halfway } else { target.clone() }
     }
 
     /// The neighbouring piece across the last line that (v, R) violates: a kink that is off goes on, one that is on
@@ -215,7 +236,7 @@ impl Law {
         let (i, branch) = (0..piece.len()).rev().find_map(|i| Some((i, moves(i)?)))?;
         let mut next = piece.to_vec();
         next[i] = branch;
-        self.pieces.contains(&next).then_some(next)
+        self.allows(&next).then_some(next)
     }
 
     /// The value w of the affine map of `piece` at z.

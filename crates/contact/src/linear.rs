@@ -1,5 +1,6 @@
 //! Dense linear systems that may be singular.
 
+use faer::linalg::solvers::Llt;
 use faer::prelude::*;
 use faer::{Mat, Side};
 
@@ -11,27 +12,46 @@ const PIVOT: f64 = 1e-10;
 /// Eigenvalues and singular values below this part of the largest count as zero.
 const CUTOFF: f64 = 1e-13;
 
-/// Solves K x = b with K symmetric and positive semi-definite; the solution of least norm (of least residual when b is
-/// outside the range) if K is numerically singular.
-pub(crate) fn solve_semidefinite(k: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, ContactError> {
-    let n = b.len();
-    if n == 0 {
-        return Ok(Vec::new());
+/// A factorised symmetric, positive semi-definite matrix.
+pub(crate) enum Semidefinite {
+    /// Regular: its Cholesky factor.
+    Regular(Llt<f64>),
+    /// Numerically singular: its spectrum, the negligible part zero.
+    Singular { vectors: Mat<f64>, inverse: Vec<f64> },
+}
+
+impl Semidefinite {
+    pub(crate) fn new(k: &Mat<f64>) -> Result<Self, ContactError> {
+        let n = k.nrows();
+        if let Ok(factor) = k.llt(Side::Lower) {
+            let l = factor.L();
+            if (0..n).all(|i| l[(i, i)].powi(2) > PIVOT * k[(i, i)]) {
+                return Ok(Self::Regular(factor));
+            }
+        }
+        let eigen = k.self_adjoint_eigen(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
+        let s = eigen.S();
+        let largest = (0..n).fold(0.0f64, |m, j| m.max(s[j].abs()));
+        let inverse = (0..n).map(|j| if s[j].abs() > CUTOFF * largest { 1.0 / s[j] } else { 0.0 }).collect();
+        Ok(Self::Singular { vectors: eigen.U().to_owned(), inverse })
     }
-    if let Ok(factor) = k.llt(Side::Lower) {
-        let l = factor.L();
-        if (0..n).all(|i| l[(i, i)].powi(2) > PIVOT * k[(i, i)]) {
-            return Ok(column(&factor.solve(to_matrix(b))));
+
+    /// The solution of least norm (of least residual when b is outside the range) if the matrix is singular.
+    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
+        match self {
+            Self::Regular(factor) => column(&factor.solve(to_matrix(b))),
+            Self::Singular { vectors, inverse } => {
+                let mut coefficients = vectors.transpose() * to_matrix(b);
+                inverse.iter().enumerate().for_each(|(j, inverse)| coefficients[(j, 0)] *= inverse);
+                column(&(vectors * coefficients))
+            }
         }
     }
-    let eigen = k.self_adjoint_eigen(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
-    let (u, s) = (eigen.U(), eigen.S());
-    let largest = (0..n).fold(0.0f64, |m, j| m.max(s[j].abs()));
-    let mut coefficients = u.transpose() * to_matrix(b);
-    for j in 0..n {
-        coefficients[(j, 0)] = if s[j].abs() > CUTOFF * largest { coefficients[(j, 0)] / s[j] } else { 0.0 };
-    }
-    Ok(column(&(u * coefficients)))
+}
+
+/// Solves K x = b with K symmetric and positive semi-definite, as [`Semidefinite`].
+pub(crate) fn solve_semidefinite(k: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, ContactError> {
+    if b.is_empty() { Ok(Vec::new()) } else { Ok(Semidefinite::new(k)?.solve(b)) }
 }
 
 /// Solves A x = b with A square; the least-squares solution of least norm if A is numerically singular.

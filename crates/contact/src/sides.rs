@@ -24,12 +24,14 @@ pub(crate) struct ContactElement {
     pub weights: Vec<f64>,
     /// ∫ g ψ_j.
     pub gaps: Vec<f64>,
+    /// g at the start and the end, the limits from within.
+    pub limits: [f64; 2],
     /// F at the node, seen from this element.
     pub bounds: Vec<f64>,
 }
 
-/// A bound that changes by more than this part of its largest value next to a node jumps there.
-const JUMP: f64 = 1e-4;
+/// A bound or a gap that changes by more than this part of its largest value next to a node jumps there.
+pub(crate) const JUMP: f64 = 1e-4;
 
 /// All contact elements, each loop in the order of traversal, beginning where the contact boundary begins.
 pub(crate) fn contact_elements(
@@ -59,7 +61,9 @@ pub(crate) fn contact_elements(
                 .map(|i| (0..=basis.degree).map(|j| dual.coefficients[(i, j)] * moments[j]).sum())
                 .collect();
             let weights = basis.weights.iter().map(|w| w * half).collect();
-            found[e] = Some(ContactElement { element: e, side: data.side, weights, gaps, bounds });
+            let limit = |t: f64| data.gap.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t)));
+            let limits = [limit(-1.0)?, limit(1.0)?];
+            found[e] = Some(ContactElement { element: e, side: data.side, weights, gaps, limits, bounds });
         }
     }
     let previous = mesh.previous();
@@ -75,14 +79,25 @@ pub(crate) fn contact_elements(
     Ok(ordered)
 }
 
+/// Distance on the reference element below which points are one, up to the rounding of their coordinates.
+fn nearness(mesh: &Mesh, e: usize) -> f64 {
+    let [x, y] = mesh.vertices[e];
+    (4e-15 * (x.abs() + y.abs()) / mesh.length(e)).clamp(1e-12, 1e-3)
+}
+
+/// A reference coordinate, at an end of the element moved just inside: where a datum jumps there, its limit from within.
+pub(crate) fn from_within(mesh: &Mesh, e: usize, t: f64) -> f64 {
+    let inside = 1.0 - nearness(mesh, e);
+    t.clamp(-inside, inside)
+}
+
 /// Values of F at the nodes of the elements of a side. Where F jumps: inside an element the mean of the limits from
 /// both sides, at its ends the limit from within.
 fn side_bounds(mesh: &Mesh, space: &Space, side: usize, bound: &Datum<'_>) -> Result<Vec<Vec<f64>>, ContactError> {
     let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
     let mut samples = Vec::new(); // for each element and node: F there, and close to it on one or two sides
     for &e in &elements {
-        let [x, y] = mesh.vertices[e];
-        let near = (4e-15 * (x.abs() + y.abs()) / mesh.length(e)).clamp(1e-12, 1e-3);
+        let near = nearness(mesh, e);
         let value = |t: f64| -> Result<f64, ContactError> {
             let site = Site::new(mesh, e, t);
             let f = bound.at(mesh, &site)?;

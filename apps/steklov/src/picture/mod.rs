@@ -8,11 +8,20 @@ mod axes;
 mod bands;
 mod body;
 mod canvas;
+mod chart;
 mod contact;
+mod graph;
+mod guides;
+mod markers;
+mod mesh;
 mod scale;
+mod strips;
 
 pub use body::{Body, Obstacle, body};
+pub use chart::{Axis, Band, Chart, Curve, Guide, Series, chart};
 pub use contact::{ContactSide, contact};
+pub use graph::Scale;
+pub use mesh::{MeshFigure, MeshPanel, meshes};
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

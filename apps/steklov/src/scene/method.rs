@@ -56,9 +56,11 @@ pub enum Multiplier {
     Stabilised,
 }
 
-/// Solver of contact; `auto` in the scene is [`Solver::Newton`].
+/// Solver of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Solver {
+    /// Interior point, polished by active sets.
+    Auto,
     /// Semi-smooth Newton.
     Newton,
     /// Active set.
@@ -74,8 +76,8 @@ pub struct Method {
     pub model: Model,
     /// Wanted relative error in the energy norm, in (0, 1).
     pub tolerance: f64,
-    /// Refinement; `None` where the scene does not name it.
-    pub refine: Option<Refine>,
+    /// Refinement.
+    pub refine: Refine,
     /// Elements of the first mesh, at least 1.
     pub elements: usize,
     /// Degree of the first mesh, 1 to 64.
@@ -103,7 +105,7 @@ impl Default for Method {
         Self {
             model: Model::Auto,
             tolerance: 1e-3,
-            refine: None,
+            refine: Refine::Hp,
             elements: 16,
             degree: 1,
             max_dofs: 20_000,
@@ -113,7 +115,7 @@ impl Default for Method {
             smoothness: 0.6,
             multiplier: Multiplier::Biorthogonal,
             gamma: None,
-            solver: Solver::Newton,
+            solver: Solver::Auto,
         }
     }
 }
@@ -153,7 +155,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
         match key {
             "model" => method.model = field.choice(&MODELS)?,
             "tolerance" => method.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?,
-            "refine" => method.refine = Some(field.choice(&REFINES)?),
+            "refine" => method.refine = field.choice(&REFINES)?,
             "elements" => method.elements = field.whole(1, 1_000_000)?,
             "degree" => method.degree = field.whole(1, 64)?,
             "max_dofs" => method.max_dofs = field.whole(1, 1_000_000)?,
@@ -193,7 +195,7 @@ const REFINES: [(&str, Refine); 6] = [
     ("none", Refine::None),
 ];
 const SOLVERS: [(&str, Solver); 4] =
-    [("auto", Solver::Newton), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
+    [("auto", Solver::Auto), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
 
 /// A number, or `None` for the word "auto".
 fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, Problem> {

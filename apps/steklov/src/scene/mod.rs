@@ -205,7 +205,6 @@ fn unavailable(root: &Item) -> Result<(), Problem> {
     if let Some(method) = open("method")? {
         for (key, words, help) in [
             ("model", &["fem", "msfem", "fem-bem", "msfem-bem"][..], "use \"bem\" or \"auto\""),
-            ("refine", &["hp", "hp-decay", "h"], "use \"uniform-h\", \"uniform-p\" or \"none\""),
             ("multiplier", &["stabilised"], "use \"biorthogonal\""),
         ] {
             if let Some(field) = method.get(key)

@@ -4,5 +4,6 @@ mod floating;
 mod laws;
 mod oracle;
 mod boundaries;
+mod interior_points;
 mod refusals;
 mod solvers;

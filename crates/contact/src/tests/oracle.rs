@@ -9,8 +9,10 @@ pub fn brute_force(problem: &Problem) -> Vec<f64> {
     let mut rows = Vec::new();
     for node in &problem.nodes {
         for c in &node.conditions {
-            rows.push((node.first, node.unknowns, c.normal, c.gap, 0.0, f64::INFINITY, vec![0, 1]));
-            let high = c.tangent_weight * c.bound;
+            if c.normal_weight > 0.0 {
+                rows.push((node.first, node.unknowns, c.normal, c.gap, 0.0, f64::INFINITY, vec![0, 1]));
+            }
+            let high = if c.tangent_weight > 0.0 { c.tangent_weight * c.bound } else { 0.0 };
             let states = if high == 0.0 {
                 vec![2]
             } else if high.is_infinite() {

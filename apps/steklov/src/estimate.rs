@@ -1,0 +1,351 @@
+//! How large the error is, and where: two-level indicators, and the correction of the enriched spaces.
+//!
+//! ```text
+//! bubble residual  ρ_u = f(b) - <λ,b> - <Wu + (K'+½)ψ, b>     η_u² = ρ_uᵀ [W_bb]⁻¹ ρ_u
+//! traction residual ρ_ψ = <(K+½)u - Vψ, P_p>                  η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ
+//! oscillation       w = g - I_p g, or u_D - I_p u_D           η_g² = E*/2 ‖w‖ ‖dw/ds‖
+//! ```
+//! The indicators steer the refinement. The estimate is the energy of e₊, the displacement that S₊ of the enriched spaces
+//! adds with the contact sets as they are.
+
+use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Mesh};
+use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located};
+
+use crate::data::Data;
+use crate::scene::{Condition, Indicator, Scene};
+use crate::solve::{Factors, SolveError, Solved};
+
+/// The part of an estimate on one element; each an energy (force*length/thickness).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Bubble {
+    /// η_u².
+    pub displacement: f64,
+    /// η_ψ².
+    pub traction: f64,
+    /// η_g².
+    pub oscillation: f64,
+}
+
+impl Bubble {
+    /// η².
+    pub fn total(&self) -> f64 {
+        self.displacement + self.traction + self.oscillation
+    }
+}
+
+/// The residual indicator of one element.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Residual {
+    /// What is left of the boundary equations.
+    pub boundary: BoundaryResidual,
+    /// What is left of the contact conditions.
+    pub contact: ContactResidual,
+}
+
+impl Residual {
+    /// η².
+    pub fn total(&self) -> f64 {
+        self.boundary.total() + self.contact.total()
+    }
+}
+
+/// Estimate of the error of a solved mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Estimate {
+    /// Indicators of the elements.
+    pub indicators: Vec<Bubble>,
+    /// Residual indicators, where these are asked for; else empty.
+    pub residuals: Vec<Residual>,
+    /// ⟨S₊e₊, e₊⟩ of the correction e₊ that the enriched spaces add.
+    pub correction: f64,
+    /// Energy of what the mesh's vertices miss of the transitions.
+    pub tips: f64,
+    /// Estimated ‖u - u_h‖ in the energy norm.
+    pub error: f64,
+    /// `error` over `scale`.
+    pub relative: f64,
+    /// (2 strain energy)^½.
+    pub scale: f64,
+    /// J of the enriched spaces.
+    pub energy: f64,
+    /// How far the exact J may be from that.
+    pub uncertainty: f64,
+    /// What makes the estimate unreliable; empty if nothing does.
+    pub doubts: Vec<Doubt>,
+}
+
+/// Why an estimate is not to be trusted.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Doubt {
+    /// A transition of contact or stick lies inside an element: the frozen sets hide its error.
+    Transition,
+    /// The contact sets are still changing from mesh to mesh.
+    Sets,
+    /// The error is down at rounding errors.
+    Roundoff,
+}
+
+impl Doubt {
+    /// The word of the JSON object.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Transition => "transition",
+            Self::Sets => "sets",
+            Self::Roundoff => "roundoff",
+        }
+    }
+}
+
+/// Error over the geometric mean of η and of the correction, measured: the correction alone sees 0.6 to 0.95 of the error, η,
+/// which has the error of the traction in it, is 0.95 to 1.6 of it, and their mean 0.88 to 1.07.
+const SATURATION: f64 = 1.03;
+/// Energy of a tip that is off by δ: 0.3 E* B² |δ|³.
+const TIP: f64 = 0.3;
+/// A tip farther from its vertex than this part of its edge: the contact sets are not those of the solution yet.
+const FAR: f64 = 0.01;
+/// Relative error (energy norm) below which rounding decides.
+pub const ROUNDOFF: f64 = 1e-7;
+/// Reduction of the squared energy of the rest at which the correction is good enough.
+const ENOUGH: f64 = 1e-4;
+/// Steps of conjugate gradients at most.
+const STEPS: usize = 40;
+
+/// Estimates the error of a solved mesh, transitions of contact and stick left out.
+///
+/// # Errors
+/// Data that are not finite.
+pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Estimate, SolveError> {
+    let Solved { mesh, space, .. } = solved;
+    let enriched = &factors.enriched;
+    let material = &scene.material;
+    let modulus = 2.0 * material.mu() / (1.0 - material.nu());
+    let data = Data { scene, mesh, space };
+    let bubbles = match (&solved.contact, &factors.contact) {
+        (Some(contact), Some(part)) => {
+            data.contact_bubbles(&contact.boundary, &part.sets, solved.body_force.as_ref())?
+        }
+        _ => Vec::new(),
+    };
+    let frames = frames(scene, mesh, &bubbles);
+    let u = &factors.homogeneous;
+    let force = enriched.bubble_force(u);
+    let top = enriched.traction_residual(u);
+    let mut residual: Vec<f64> = factors.extra_load.iter().zip(&force).map(|(f, s)| f - s).collect();
+    for bubble in &bubbles {
+        let (e, n, t) = (bubble.element, mesh.normal(bubble.element), mesh.tangent(bubble.element));
+        for i in 0..2 {
+            residual[2 * e + i] += bubble.load[0] * n[i] + bubble.load[1] * t[i];
+        }
+    }
+    let mut indicators = Vec::with_capacity(mesh.len());
+    for e in 0..mesh.len() {
+        let rho = [residual[2 * e], residual[2 * e + 1]];
+        indicators.push(Bubble {
+            displacement: frames[e].energy(enriched.hypersingular_block(e), rho),
+            traction: Frame::FREE.energy(enriched.single_layer_block(e), [top[2 * e], top[2 * e + 1]]),
+            oscillation: 0.0,
+        });
+    }
+    for bubble in &bubbles {
+        indicators[bubble.element].oscillation += modulus / 2.0 * bubble.oscillation;
+    }
+    for (e, oscillation) in data.held_oscillation(solved.body_force.as_ref())? {
+        indicators[e].oscillation += modulus / 2.0 * oscillation;
+    }
+
+    let residuals = match scene.method.indicator {
+        Indicator::Bubble => Vec::new(),
+        Indicator::Residual => data.residuals(solved)?,
+    };
+
+    // the enriched problem: r = f₊ - S₊(u, 0)
+    let excess = enriched.excess(u);
+    let gained: f64 = u.iter().zip(&excess.base).map(|(u, s)| u * s).sum();
+    let r = Enriched {
+        base: excess.base.iter().map(|s| -s).collect(),
+        extra: residual.iter().zip(&force).zip(&excess.extra).map(|((r, f), s)| r + f - s).collect(),
+    };
+    let frozen = factors.contact.as_ref().map(|c| Frozen::new(&c.problem, &c.sets)).transpose()?;
+    let system = System {
+        condensation: &factors.condensation,
+        enriched,
+        frozen: frozen.as_ref(),
+        frames: &frames,
+        blocks: (0..mesh.len()).map(|e| enriched.stiffness_block(e)).collect(),
+    };
+    let squared = system.energy_of_correction(&r);
+
+    let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
+    let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
+    let error = (SATURATION.powi(2) * (squared * two_level).sqrt() + oscillation).sqrt();
+    let energies = &solved.energies;
+    let energy = energies.total + 0.5 * gained - 0.5 * squared;
+    let scale = scale(energies.strain, factors);
+    let uncertainty = 0.5 * (energy - energies.total).abs() + 0.4 * error * error;
+    let doubts = Vec::new();
+    let relative = ratio(error, scale);
+    Ok(Estimate {
+        indicators,
+        residuals,
+        correction: squared,
+        tips: 0.0,
+        error,
+        relative,
+        scale,
+        energy,
+        uncertainty,
+        doubts,
+    })
+}
+
+impl Estimate {
+    /// η² of each element: what steers the refinement.
+    pub fn squared(&self) -> Vec<f64> {
+        if self.residuals.is_empty() {
+            self.indicators.iter().map(Bubble::total).collect()
+        } else {
+            self.indicators.iter().zip(&self.residuals).map(|(b, r)| r.total() + b.oscillation).collect()
+        }
+    }
+
+    /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `settled`: the transitions are
+    /// those of the step before.
+    pub(crate) fn add_transitions(&mut self, scene: &Scene, located: &[Located], settled: bool) {
+        let modulus = 2.0 * scene.material.mu() / (1.0 - scene.material.nu());
+        self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum();
+        self.error = self.error.hypot(self.tips.sqrt());
+        self.relative = ratio(self.error, self.scale);
+        if located.iter().any(|tip| !tip.at_vertex) {
+            self.doubts.push(Doubt::Transition);
+        }
+        if !settled || located.iter().any(|tip| tip.off.abs() > FAR) {
+            self.doubts.push(Doubt::Sets);
+        }
+        if self.relative < ROUNDOFF {
+            self.doubts.push(Doubt::Roundoff);
+        }
+    }
+}
+
+fn ratio(error: f64, scale: f64) -> f64 {
+    if error == 0.0 { 0.0 } else { error / scale }
+}
+
+/// (2 strain energy)^½; where there is no strain, that of roundoff.
+fn scale(strain: f64, factors: &Factors) -> f64 {
+    let largest = factors.homogeneous.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    let floor = 1e-20 * factors.condensation.largest_diagonal() * largest * largest;
+    (2.0 * strain).max(floor).sqrt()
+}
+
+/// 0.3 E* B² |δ|³, in which the unit of d and δ cancels; 0 for a transition without a fit.
+fn tip_energy(modulus: f64, tip: &Located) -> f64 {
+    tip.curvature.map_or(0.0, |b| TIP * modulus * b * b * tip.off.abs().powi(3))
+}
+
+/// The directions in which the bubble of an element is free.
+#[derive(Debug, Clone, Copy)]
+struct Frame {
+    directions: [[f64; 2]; 2],
+    free: [bool; 2],
+}
+
+impl Frame {
+    const FREE: Self = Self { directions: [[1.0, 0.0], [0.0, 1.0]], free: [true; 2] };
+
+    /// x = A⁻¹ρ in the free directions.
+    fn solve(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> [f64; 2] {
+        let [d, t] = self.directions;
+        let form = |x: [f64; 2], y: [f64; 2]| {
+            x[0] * (a[0][0] * y[0] + a[0][1] * y[1]) + x[1] * (a[1][0] * y[0] + a[1][1] * y[1])
+        };
+        let along = |x: [f64; 2]| x[0] * rho[0] + x[1] * rho[1];
+        let one = |x: [f64; 2]| x.map(|c| c * along(x) / form(x, x));
+        match self.free {
+            [false, false] => [0.0; 2],
+            [true, false] => one(d),
+            [false, true] => one(t),
+            [true, true] => {
+                let det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+                [(a[1][1] * rho[0] - a[0][1] * rho[1]) / det, (a[0][0] * rho[1] - a[1][0] * rho[0]) / det]
+            }
+        }
+    }
+
+    /// ρᵀA⁻¹ρ in the free directions.
+    fn energy(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> f64 {
+        let x = self.solve(a, rho);
+        (x[0] * rho[0] + x[1] * rho[1]).max(0.0)
+    }
+}
+
+/// What is free of every bubble: all, less what is held, less what the contact state prescribes.
+fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble]) -> Vec<Frame> {
+    let mut frames: Vec<Frame> = (0..mesh.len())
+        .map(|e| match &scene.sides[mesh.side[e]].condition {
+            Condition::Displacement { values, .. } => {
+                Frame { free: [values[0].is_none(), values[1].is_none()], ..Frame::FREE }
+            }
+            _ => Frame::FREE,
+        })
+        .collect();
+    for bubble in bubbles {
+        let e = bubble.element;
+        frames[e] = Frame { directions: [mesh.normal(e), mesh.tangent(e)], free: bubble.free };
+    }
+    frames
+}
+
+/// S₊ on what the supports and the contact sets leave free, and S with single bubbles as its preconditioner.
+struct System<'a> {
+    condensation: &'a Condensation,
+    enriched: &'a EnrichedSteklov,
+    frozen: Option<&'a Frozen<'a>>,
+    frames: &'a [Frame],
+    /// ⟨S₊ b, b⟩ of each bubble.
+    blocks: Vec<[[f64; 2]; 2]>,
+}
+
+impl System<'_> {
+    fn multiply(&self, v: &Enriched) -> Enriched {
+        self.enriched.multiply(v, &self.condensation.multiply(&v.base))
+    }
+
+    fn precondition(&self, r: &Enriched) -> Enriched {
+        let load = self.condensation.load_of_correction(&r.base);
+        let kept = self.frozen.map_or(Vec::new(), |f| f.correction(&load.kept));
+        let base = self.condensation.expand_correction(&load, &kept);
+        let extra = (0..self.frames.len()).flat_map(|e| {
+            let rho = [r.extra[2 * e], r.extra[2 * e + 1]];
+            self.frames[e].solve(self.blocks[e], rho)
+        });
+        Enriched { base, extra: extra.collect() }
+    }
+
+    /// ⟨S₊e, e⟩ of the solution of S₊e = r, by conjugate gradients.
+    fn energy_of_correction(&self, r: &Enriched) -> f64 {
+        let mut r = r.clone();
+        let mut z = self.precondition(&r);
+        let mut p = z.clone();
+        let mut rz = r.dot(&z);
+        let mut energy = 0.0;
+        for _ in 0..STEPS {
+            let s = self.multiply(&p);
+            let step = rz / p.dot(&s);
+            if rz <= 0.0 || !step.is_finite() {
+                break;
+            }
+            energy += step * rz;
+            if step * rz <= ENOUGH * energy {
+                break;
+            }
+            r.add(-step, &s);
+            z = self.precondition(&r);
+            let next = r.dot(&z);
+            let mut direction = z.clone();
+            direction.add(next / rz, &p);
+            (p, rz) = (direction, next);
+        }
+        energy
+    }
+}

@@ -1,0 +1,108 @@
+//! What a discrete solution leaves of the boundary equations, element by element: a residual error indicator.
+//!
+//! With ψ = V⁻¹(K+½)u in the traction space, σ^h = S_hp u taken pointwise, E Young's modulus, h and p length and degree
+//! of an element I:
+//!
+//! ```text
+//! neumann(I)  = h/(pE) ‖t - σ^h‖²_I             where t is prescribed
+//! equation(I) = hE/p ‖d/ds [(K+½)u - Vψ]‖²_I    on all elements, held ones too
+//! ```
+//! Both are energies (force per thickness times length). The root of their sum follows the energy norm of the error: on
+//! smooth solutions it is 2.3 to 3.2 times the error for p = 1 to 8 and all ν up to ½ (with h in place of h/p in the second
+//! term that factor grows like √p: the residual of the equation has no moments against the tractions, which gains
+//! the power of p). Not seen: how well held displacements are met by their nodal values, and what contact adds.
+
+use rayon::prelude::*;
+use steklov_quadrature::{Rule, gauss_legendre};
+
+use crate::{BemError, BoundaryField, Mesh, Site};
+
+/// Squared residuals of one element (energy: force per thickness times length).
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct BoundaryResidual {
+    /// h/(pE) ‖t - σ^h‖² over the components whose traction is prescribed; 0 elsewhere.
+    pub neumann: f64,
+    /// hE/p ‖d/ds [(K+½)u - Vψ]‖².
+    pub equation: f64,
+}
+
+impl BoundaryResidual {
+    /// Sum of the terms.
+    pub fn total(&self) -> f64 {
+        self.neumann + self.equation
+    }
+}
+
+/// Residuals of all elements, in the order of the mesh.
+///
+/// `traction` tells the prescribed traction at a point (stress), component by component in x and y; `None` where the
+/// displacement is held or contact decides. Of a body force, `field` is the part without the particular solution u_p,
+/// and the traction that is left for it is t - σ(u_p)n.
+///
+/// *Use when* an indicator is wanted that needs no unknowns of higher degree. *Fails when* the traction is rough on the
+/// scale of an element: a jump that is no mesh vertex is integrated to 10 % of the element.
+/// *Cost*: points × elements; 80 elements take one core 50 ms (p = 2) to 110 ms (p = 10). Parallel over elements, the same
+/// bits for any number of threads.
+///
+/// # Errors
+/// [`BemError::DataNotFinite`] where a prescribed traction is not finite.
+/// # Source
+/// Carstensen and Stephan, *A posteriori error estimates for boundary element methods*, Math. Comp. 64 (1995).
+pub fn boundary_residuals(
+    mesh: &Mesh,
+    field: &BoundaryField,
+    traction: &(dyn Fn(&Site) -> [Option<f64>; 2] + Sync),
+) -> Result<Vec<BoundaryResidual>, BemError> {
+    let all: Vec<_> = (0..mesh.len()).into_par_iter().map(|e| element_residual(mesh, field, traction, e)).collect();
+    all.into_iter().collect()
+}
+
+fn element_residual(
+    mesh: &Mesh,
+    field: &BoundaryField,
+    traction: &(dyn Fn(&Site) -> [Option<f64>; 2] + Sync),
+    e: usize,
+) -> Result<BoundaryResidual, BemError> {
+    let (mut neumann, mut equation) = (0.0, 0.0);
+    for panel in residual_panels(mesh.degree[e], &[]) {
+        for (&t, &w) in panel.points.iter().zip(&panel.weights) {
+            let site = Site::new(mesh, e, t);
+            let (steklov, slope) = field.boundary_derivatives(e, t);
+            equation += w * (slope[0] * slope[0] + slope[1] * slope[1]);
+            for (given, steklov) in traction(&site).into_iter().zip(steklov) {
+                let Some(value) = given else { continue };
+                if !value.is_finite() {
+                    let (name, side) = ("traction".into(), mesh.side_names[mesh.side[e]].clone());
+                    return Err(BemError::DataNotFinite { name, side, point: site.point, value });
+                }
+                neumann += w * (value - steklov).powi(2);
+            }
+        }
+    }
+    let (h, p, young) = (mesh.length(e), mesh.degree[e] as f64, field.material().young);
+    // ds = h/2 dt
+    let (neumann, equation) = (h / (p * young) * (h / 2.0) * neumann, h * young / p * (h / 2.0) * equation);
+    Ok(BoundaryResidual { neumann, equation })
+}
+
+/// Layers towards each end of an element, and their ratio.
+const LAYERS: usize = 3;
+const RATIO: f64 = 0.15;
+/// Gauss points on a layer.
+const POINTS: usize = 5;
+
+/// Rules for squared residuals on an element of degree p: panels of [-1, 1] that get smaller towards both ends, where
+/// σ^h and w' have logarithmic singularities, cut at the given kinks of the data too.
+///
+/// Three layers of ratio 0.15 with 5 points, and 5 + p/2 on each half of what is left, miss about 1 % of the norm.
+pub fn residual_panels(degree: usize, kinks: &[f64]) -> Vec<Rule> {
+    let layer = |k: usize| RATIO.powi(k as i32);
+    let mut breaks: Vec<f64> = (1..=LAYERS).flat_map(|k| [layer(k) - 1.0, 1.0 - layer(k)]).collect();
+    breaks.extend([-1.0, 0.0, 1.0]);
+    breaks.extend(kinks.iter().filter(|t| t.abs() < 1.0));
+    breaks.sort_by(f64::total_cmp);
+    breaks.dedup();
+    let (inner, outer) = (gauss_legendre(POINTS + degree / 2), gauss_legendre(POINTS));
+    let base = |middle: f64| if middle.abs() < 1.0 - RATIO { &inner } else { &outer };
+    breaks.windows(2).map(|b| base((b[0] + b[1]) / 2.0).mapped(b[0], b[1])).collect()
+}

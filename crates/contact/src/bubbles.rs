@@ -1,0 +1,116 @@
+//! Contact on the displacement bubbles: what the state of an element leaves of them, and what its data leave out.
+
+use std::sync::OnceLock;
+
+use steklov_bem_operators::{Datum, Mesh, Site, Space};
+use steklov_quadrature::{Rule, gauss_legendre, legendre_p, project};
+
+use crate::sides::from_within;
+use crate::{ContactBoundary, ContactError, Sets};
+
+/// The bubble b = (P_(p+1) - P_(p-1))/(2p+1) of a contact element, its components along n and t.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactBubble {
+    /// Element of the mesh.
+    pub element: usize,
+    /// Whether the solution may move along n and along t: not where all nodes are closed, not where all stick.
+    pub free: [bool; 2],
+    /// Contact forces -∫λ b along n and t (force/thickness): the bound's where all nodes slip one way, else 0.
+    pub load: [f64; 2],
+    /// ‖w‖ ‖dw/ds‖ of w = g - I_p g in L2 of the element (length²), 0 where it is open.
+    pub oscillation: f64,
+}
+
+/// Gauss points on an element.
+const POINTS: usize = 40;
+
+/// The bubbles of all contact elements. `gap(side)` and `bound(side)` are the data of a side of the mesh; a bound is
+/// asked for only where there is friction.
+///
+/// An element is closed when all its nodes are, open when none inside it is and at most one at its ends; an element of
+/// neither kind keeps all its bubbles, without load.
+/// # Errors
+/// [`ContactError::Data`] where a datum is not finite.
+pub fn contact_bubbles<'d>(
+    mesh: &Mesh,
+    space: &Space,
+    boundary: &ContactBoundary,
+    sets: &Sets,
+    gap: &dyn Fn(usize) -> Datum<'d>,
+    bound: &dyn Fn(usize) -> Option<Datum<'d>>,
+) -> Result<Vec<ContactBubble>, ContactError> {
+    let mut bubbles = Vec::new();
+    for element in boundary.elements(mesh, space) {
+        let e = element.element;
+        let states: Vec<_> =
+            element.points.iter().flatten().map(|p| (sets.closed(p.index), sets.slip(p.index))).collect();
+        let inner = if states.len() > 2 { &states[1..states.len() - 1] } else { &states };
+        let count = states.iter().filter(|s| s.0).count();
+        let closed = count == states.len() && count > 0;
+        let open = count == 0 || states.len() > 2 && count <= 1 && inner.iter().all(|s| !s.0);
+        let stick = !states.is_empty() && states.iter().all(|s| s.1 == Some(0));
+        let turns: Vec<i8> = inner.iter().filter_map(|s| s.1).filter(|&s| states.len() > 2 || s != 0).collect();
+        let sum: i32 = turns.iter().map(|&s| i32::from(s)).sum();
+        let sliding = !turns.is_empty() && sum.unsigned_abs() as usize == turns.len();
+        let mut load = [0.0; 2];
+        if let Some(bound) = bound(mesh.side[e])
+            && sliding
+        {
+            load[1] = -f64::from(sum.signum()) * against_bubble(mesh, space, e, &bound)?;
+        }
+        let oscillation = if open { 0.0 } else { oscillation(mesh, space, e, &gap(mesh.side[e]))? };
+        bubbles.push(ContactBubble { element: e, free: [!closed, !stick], load, oscillation });
+    }
+    Ok(bubbles)
+}
+
+/// ∫ f b ds over an element.
+fn against_bubble(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Result<f64, ContactError> {
+    let p = space.degree(e);
+    let mut legendre = vec![0.0; p + 2];
+    let mut sum = 0.0;
+    let rule = rule();
+    for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+        legendre_p(t, &mut legendre);
+        let bubble = (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64;
+        sum += w * mesh.length(e) / 2.0 * bubble * f.at(mesh, &Site::new(mesh, e, t))?;
+    }
+    Ok(sum)
+}
+
+/// ‖w‖ ‖dw/ds‖ of w = f - I_p f, with the nodal interpolant I_p, in L2 of an element.
+///
+/// E*/2 times this is the energy of w as a displacement of the boundary; 0 where f is a polynomial of degree p up to
+/// rounding.
+/// # Errors
+/// [`ContactError::Data`] where f is not finite.
+pub fn oscillation(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Result<f64, ContactError> {
+    let basis = space.basis(e);
+    let nodal: Vec<f64> = basis
+        .nodes
+        .iter()
+        .map(|&t| f.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t))))
+        .collect::<Result<_, _>>()?;
+    let largest = nodal.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let mut phi = vec![0.0; basis.degree + 1];
+    let rule = rule();
+    let mut w = Vec::with_capacity(POINTS);
+    for &t in &rule.points {
+        basis.evaluate(t, &mut phi);
+        let interpolant: f64 = phi.iter().zip(&nodal).map(|(p, v)| p * v).sum();
+        w.push(f.at(mesh, &Site::new(mesh, e, t))? - interpolant);
+    }
+    if w.iter().all(|w| w.abs() <= 1e-13 * largest) {
+        return Ok(0.0);
+    }
+    // both norms in t: the half lengths cancel in their product
+    let mut values = w.iter().copied();
+    let series = project(|_| values.next().unwrap_or(0.0), POINTS - 1, rule);
+    Ok(series.norm() * series.derivative().norm())
+}
+
+/// The Gauss rule on an element.
+fn rule() -> &'static Rule {
+    static RULE: OnceLock<Rule> = OnceLock::new();
+    RULE.get_or_init(|| gauss_legendre(POINTS))
+}

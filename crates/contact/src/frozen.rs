@@ -1,0 +1,122 @@
+//! Contact problems with given sets: which conditions are closed, which stick, which slip.
+
+use crate::active_set::{laws, nearest_pieces};
+use crate::free::Free;
+use crate::law::{Branch, Law, Piece};
+use crate::linear::{Semidefinite, product};
+use crate::{ContactError, Problem, Solution, Start};
+
+/// State of each condition, in the order of the multipliers.
+#[derive(Debug, Clone)]
+pub struct Sets {
+    laws: Vec<Law>,
+    pieces: Vec<Piece>,
+    /// Node and number within the node of each condition.
+    place: Vec<(usize, usize)>,
+}
+
+impl Sets {
+    /// The sets of a solution: a condition is closed where λ_n + c(u_n - g) > 0 and slips where |λ_t + c u_t| > F.
+    ///
+    /// # Errors
+    /// [`ContactError::Inconsistent`] when the solution is not one of this problem.
+    pub fn new(problem: &Problem, solution: &Solution) -> Result<Self, ContactError> {
+        let start = Start { displacement: &solution.displacement, multipliers: &solution.multipliers };
+        let force = start.nodal_force(problem)?;
+        let laws = laws(problem);
+        let pieces = nearest_pieces(problem, &laws, &solution.displacement, &force);
+        let nodes = problem.nodes.iter().enumerate();
+        let place = nodes.flat_map(|(n, node)| (0..node.conditions.len()).map(move |c| (n, c))).collect();
+        Ok(Self { laws, pieces, place })
+    }
+
+    /// Whether u_n = g at a condition.
+    pub fn closed(&self, condition: usize) -> bool {
+        self.branch(condition, false).is_some_and(|b| b == Branch::On)
+    }
+
+    /// 0 where a condition sticks, 1 or -1 where it slips along ±t; None without friction.
+    pub fn slip(&self, condition: usize) -> Option<i8> {
+        self.branch(condition, true).map(|b| match b {
+            Branch::Below => -1,
+            Branch::On => 0,
+            Branch::Above => 1,
+        })
+    }
+
+    /// Closes or opens a condition; nothing happens where that is not one of the node's states.
+    pub fn set_closed(&mut self, condition: usize, closed: bool) {
+        self.change(condition, false, if closed { Branch::On } else { Branch::Below });
+    }
+
+    /// Lets a condition stick (0) or slip (1, -1); nothing happens where that is not one of the node's states.
+    pub fn set_slip(&mut self, condition: usize, slip: i8) {
+        self.change(
+            condition,
+            true,
+            match slip {
+                0 => Branch::On,
+                1.. => Branch::Above,
+                _ => Branch::Below,
+            },
+        );
+    }
+
+    fn branch(&self, condition: usize, tangential: bool) -> Option<Branch> {
+        let (n, c) = self.place[condition];
+        let kink = self.laws[n].source.iter().position(|&s| s == (c, tangential))?;
+        Some(self.pieces[n][kink])
+    }
+
+    fn change(&mut self, condition: usize, tangential: bool, branch: Branch) {
+        let (n, c) = self.place[condition];
+        if let Some(kink) = self.laws[n].source.iter().position(|&s| s == (c, tangential)) {
+            let mut piece = self.pieces[n].clone();
+            piece[kink] = branch;
+            if self.laws[n].allows(&piece) {
+                self.pieces[n] = piece;
+            }
+        }
+    }
+}
+
+/// The linear problem of given sets: u_n = g where closed, u_t = 0 where sticking, λ_t = ±F where slipping.
+pub struct Frozen<'a> {
+    problem: &'a Problem,
+    free: Free,
+    /// Forces of the kinks that are off their lines.
+    known: Vec<f64>,
+    factor: Option<Semidefinite>,
+}
+
+impl<'a> Frozen<'a> {
+    /// Factorises the stiffness of what the sets leave free.
+    ///
+    /// # Errors
+    /// [`ContactError::Decomposition`].
+    pub fn new(problem: &'a Problem, sets: &Sets) -> Result<Self, ContactError> {
+        let free = Free::new(problem, &sets.laws, &sets.pieces);
+        let mut known = vec![0.0; problem.load.len()];
+        for ((node, law), piece) in problem.nodes.iter().zip(&sets.laws).zip(&sets.pieces) {
+            known[node.first..node.first + node.unknowns].copy_from_slice(&law.off_force(piece)[..node.unknowns]);
+        }
+        let stiffness = free.stiffness(&problem.stiffness);
+        let factor = if stiffness.nrows() == 0 { None } else { Some(Semidefinite::new(&stiffness)?) };
+        Ok(Self { problem, free, known, factor })
+    }
+
+    /// The displacement under the problem's load.
+    pub fn displacement(&self) -> Vec<f64> {
+        let elastic = product(&self.problem.stiffness, &self.free.fixed);
+        let rest: Vec<f64> = (0..elastic.len()).map(|i| self.problem.load[i] - elastic[i] - self.known[i]).collect();
+        self.correction(&rest).iter().zip(&self.free.fixed).map(|(a, b)| a + b).collect()
+    }
+
+    /// The change of the displacement under an additional load, with the sets as they are.
+    pub fn correction(&self, load: &[f64]) -> Vec<f64> {
+        match &self.factor {
+            Some(factor) => self.free.expand(&factor.solve(&self.free.project(load))),
+            None => vec![0.0; load.len()],
+        }
+    }
+}

@@ -1,0 +1,196 @@
+//! Where contact ends, where stick ends, where slip turns: read off the states of the nodes, then fitted.
+
+use faer::Mat;
+use faer::prelude::*;
+
+use crate::frozen::{Frozen, Sets};
+use crate::{Condition, ContactError, ContactLine, Problem, Solution};
+
+/// Kind of a transition.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TipKind {
+    /// From closed to open.
+    ContactEnd,
+    /// From stick to slip.
+    StickEnd,
+    /// From slip along t to slip along -t, with no stick between or a single node of it.
+    SlipReversal,
+}
+
+/// A change of state between neighbouring conditions of a line.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Transition {
+    /// Edge parameters between which it lies.
+    pub bracket: [f64; 2],
+    /// What changes.
+    pub kind: TipKind,
+    /// 1 if the regular side (open, slipping) has the larger edge parameter, -1 if the smaller one, 0 for a reversal.
+    pub regular: i8,
+    /// The point of the line at the lower end of the bracket.
+    pub point: usize,
+}
+
+/// The transitions along a line, rising.
+pub fn transitions(line: &ContactLine, sets: &Sets) -> Vec<Transition> {
+    let closed = |i: usize| sets.closed(line.points[i].index);
+    let slip = |i: usize| sets.slip(line.points[i].index);
+    let s = |i: usize| line.points[i].s;
+    let count = line.points.len();
+    let mut found = Vec::new();
+    for i in 1..count {
+        if closed(i - 1) != closed(i) {
+            let regular = if closed(i) { -1 } else { 1 };
+            let kind = TipKind::ContactEnd;
+            found.push(Transition { bracket: [s(i - 1), s(i)], kind, regular, point: i - 1 });
+        }
+    }
+    let mut i = 0;
+    while i + 1 < count {
+        if let (Some(a), Some(b)) = (slip(i), slip(i + 1))
+            && a != b
+        {
+            let new = |last: usize, kind, regular| Transition { bracket: [s(i), s(last)], kind, regular, point: i };
+            if a * b < 0 {
+                found.push(new(i + 1, TipKind::SlipReversal, 0));
+            } else if b == 0 && i + 2 < count && slip(i + 2).is_some_and(|c| a * c < 0) {
+                found.push(new(i + 2, TipKind::SlipReversal, 0));
+                i += 1;
+            } else {
+                found.push(new(i + 1, TipKind::StickEnd, if a == 0 { 1 } else { -1 }));
+            }
+        }
+        i += 1;
+    }
+    found.sort_by(|a, b| a.bracket[0].total_cmp(&b.bracket[0]));
+    found
+}
+
+/// The condition of a point of a line.
+fn condition<'a>(problem: &'a Problem, line: &ContactLine, i: usize) -> &'a Condition {
+    &problem.nodes[line.points[i].node].conditions[line.points[i].condition]
+}
+
+/// A first guess of the edge parameter of a transition from nodal values.
+///
+/// λ_n and F - |λ_t| vanish like the square root of the distance from the closed, the sticking side: the zero of the line
+/// through the squares of the last two values there, within the middle 70 % of the bracket. A reversal is where u_t,
+/// linear in between, vanishes.
+pub fn first_guess(line: &ContactLine, transition: &Transition, problem: &Problem, solution: &Solution) -> f64 {
+    let [low, high] = transition.bracket;
+    let i = transition.point;
+    let s = |i: usize| line.points[i].s;
+    if transition.kind == TipKind::SlipReversal {
+        if s(i + 1) < high {
+            return s(i + 1); // the one node that sticks
+        }
+        let slip = |i: usize| {
+            let node = &problem.nodes[line.points[i].node];
+            condition(problem, line, i).slip(node.pick(&solution.displacement)).abs()
+        };
+        let (a, b) = (slip(i), slip(i + 1));
+        return if a + b > 0.0 { low + (high - low) * a / (a + b) } else { (low + high) / 2.0 };
+    }
+    let value = |i: usize| {
+        let [pressure, shear] = solution.multipliers[line.points[i].index];
+        if transition.kind == TipKind::ContactEnd { pressure } else { condition(problem, line, i).bound - shear.abs() }
+    };
+    let (last, before) = if transition.regular > 0 { (i, i.checked_sub(1)) } else { (i + 1, Some(i + 2)) };
+    let before = before.filter(|&j| j < line.points.len());
+    let zero = before.map_or(f64::NAN, |j| {
+        let (a, b) = (value(last).powi(2), value(j).powi(2));
+        if b > a && value(last) > 0.0 { s(last) + (s(last) - s(j)) * a / (b - a) } else { f64::NAN }
+    });
+    let margin = 0.15 * (high - low);
+    if zero.is_nan() { (low + high) / 2.0 } else { zero.clamp(low + margin, high - margin) }
+}
+
+/// Where a fitted transition lies.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TipFit {
+    /// Edge parameter of the transition less that of its vertex.
+    pub shift: f64,
+    /// B of w ~ B d^(3/2), d in edge parameters (length).
+    pub curvature: f64,
+}
+
+/// The shift of a transition from the vertex at `s`, to first order.
+///
+/// With the sets changed so that the transition is at the vertex, the gap w = g - u_n (contact) or w = |u_t| (stick) on the
+/// regular side is A d^(1/2) + B d^(3/2) + C d^(5/2), while w ~ B (d - δ)^(3/2) with the transition in its place: the
+/// regular side begins at δ = -A/(1.5 B). The sets are changed up to 0.6 of the distance to the neighbouring singular points
+/// (`singular`, the ends of the edge included), the fit is on the nodes up to half of that distance. None if B ≤ 0
+/// or there are fewer than two nodes.
+///
+/// # Errors
+/// [`ContactError::Decomposition`].
+pub fn tip_fit(
+    line: &ContactLine,
+    kind: TipKind,
+    regular: i8,
+    s: f64,
+    singular: &[f64],
+    problem: &Problem,
+    sets: &Sets,
+) -> Result<Option<TipFit>, ContactError> {
+    let side = f64::from(regular);
+    let distance = |x: f64| (x - s) * side;
+    let nearest =
+        |sign: f64| singular.iter().map(|&x| sign * distance(x)).filter(|&d| d > 1e-12).fold(f64::INFINITY, f64::min);
+    let (next, previous) = (nearest(1.0), nearest(-1.0));
+    let near = |d: f64| if d > 1e-12 { d < 0.6 * next } else { d > -0.6 * previous };
+    let mut sets = sets.clone();
+    let turn: i32 = (0..line.points.len())
+        .filter(|&i| distance(line.points[i].s) > 1e-12 && near(distance(line.points[i].s)))
+        .map(|i| i32::from(sets.slip(line.points[i].index).unwrap_or(0)))
+        .sum();
+    for point in line.points.iter().filter(|p| near(distance(p.s))) {
+        let on_regular = distance(point.s) > 1e-12;
+        match kind {
+            TipKind::ContactEnd => sets.set_closed(point.index, !on_regular),
+            _ if on_regular => sets.set_slip(point.index, if turn < 0 { -1 } else { 1 }),
+            _ => sets.set_slip(point.index, 0),
+        }
+    }
+    let v = Frozen::new(problem, &sets)?.displacement();
+    let within = |reach: f64| -> Vec<(f64, f64)> {
+        let points = (0..line.points.len()).filter(|&i| {
+            let d = distance(line.points[i].s);
+            d > 1e-12 && d < reach
+        });
+        points
+            .map(|i| {
+                let (c, w) = (condition(problem, line, i), problem.nodes[line.points[i].node].pick(&v));
+                let value = if kind == TipKind::ContactEnd { c.opening(w) } else { c.slip(w).abs() };
+                (distance(line.points[i].s), value)
+            })
+            .collect()
+    };
+    // the expansion holds up to the nearest singular point on either side
+    let mut points = within(0.5 * next.min(previous));
+    if points.len() < 3 {
+        points = within(0.5 * next);
+    }
+    if points.len() < 3 {
+        points = within(0.99 * next);
+    }
+    if points.len() < 2 {
+        return Ok(None);
+    }
+    let [a, b] = square_root_fit(&points);
+    if !(b > 0.0 && a.is_finite()) {
+        return Ok(None);
+    }
+    let shift = (-a / (1.5 * b)).clamp(-0.4 * previous, 0.4 * next);
+    Ok(Some(TipFit { shift: shift * side, curvature: b }))
+}
+
+/// A and B of w = A d^(1/2) + B d^(3/2) (+ C d^(5/2) from four points on), least squares with the weight 1/d.
+fn square_root_fit(points: &[(f64, f64)]) -> [f64; 2] {
+    let terms = if points.len() >= 4 { 3 } else { 2 };
+    // divided by d^(1/2) it is a polynomial in d, here in d over the largest one
+    let largest = points.iter().fold(0.0, |m: f64, p| m.max(p.0));
+    let matrix = Mat::from_fn(points.len(), terms, |i, j| (points[i].0 / largest).powi(j as i32));
+    let values = Mat::from_fn(points.len(), 1, |i, _| points[i].1 / points[i].0.sqrt());
+    let x = matrix.qr().solve_lstsq(values);
+    [x[(0, 0)], x[(1, 0)] / largest]
+}
