@@ -99,7 +99,7 @@ def run_peer(code, problem, setting, threads, seconds):
     lines = [line for line in out.splitlines() if line.startswith("{") and line.endswith("}")]
     records = [dict(json.loads(line), mesh=i) for i, line in enumerate(lines)]
     if records and not records[-1]["converged"]:
-        records[-1]["failure"] = f"no convergence in {records[-1]['iterations']} iterations"
+        records[-1]["failure"] = "no convergence"
     elif failure:
         records.append(dict(mesh=len(records), failure=failure, message=errors[-500:]))
     return records
@@ -136,7 +136,10 @@ def main():
             lines.write(json.dumps(record) + "\n")
             lines.flush()
 
-        put(dict(processor=processor(), threads=options.threads, versions=found, load=os.getloadavg()[0]))
+        load = os.getloadavg()[0]
+        put(dict(processor=processor(), threads=options.threads, versions=found, load=load))
+        if load > 0.5:
+            print(f"the machine is busy (load {load:.1f}): NGSolve's seconds will be far too large", file=sys.stderr)
         slow = set()
         for number, seconds in enumerate(SECONDS[-1:] if options.quick else SECONDS):
             for code, problem, family, setting in turns(codes, problems, options.quick):
@@ -147,10 +150,9 @@ def main():
                     records = run_steklov(options.steklov, problem, setting, options.threads)
                 else:
                     records = run_peer(code, problem, setting, options.threads, seconds)
+                common = dict(code=code, problem=problem.name, family=family, setting=setting, round=number)
                 for record in records:
-                    error = problem.error(record["energy"]) if record.get("energy") is not None else None
-                    common = dict(code=code, problem=problem.name, family=family, setting=setting, round=number)
-                    put(dict(common, error=error, **record))
+                    put(dict(common, **record))
                 # long single solves are not repeated
                 if not setting.get("theta") and records and records[-1].get("seconds", TIMEOUT) > SECONDS[-1]:
                     slow.add(key)
