@@ -1,7 +1,7 @@
-# make build, demo, test, bench, doc. Each gets what is missing by scripts/setup, which says what it does.
+# make build, demo, test, bench, peers, doc. Each gets what is missing by scripts/setup, which says what it does.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build demo test bench doc
+.PHONY: build demo test bench peers doc
 
 setup = scripts/setup && source target/setup.env
 
@@ -19,6 +19,10 @@ test:
 
 bench:
 	$(setup) && cargo bench --workspace "$${STEKLOV_FEATURES[@]}"
+
+# seconds against error beside other codes, a quarter of an hour; for less: make peers ARGS=--quick
+peers: build
+	benches/peers/setup && target/peers-env/bin/python benches/peers/run.py $(ARGS)
 
 doc:
 	$(setup) && cargo doc --workspace --no-deps "$${STEKLOV_FEATURES[@]}"

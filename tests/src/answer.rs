@@ -71,6 +71,23 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
     Scene::read(&path, &overrides).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
+/// The scenes of the gallery by name, in order; links to them are left out.
+///
+/// # Panics
+/// If one is wrong.
+pub fn gallery() -> Vec<(String, Scene)> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
+    let files = std::fs::read_dir(&folder).expect("the folder of scenes");
+    let mut paths: Vec<_> = files.map(|f| f.expect("an entry of the folder").path()).collect();
+    paths.retain(|path| path.extension().is_some_and(|e| e == "toml") && !path.is_symlink());
+    paths.sort();
+    let named = paths.iter().map(|path| {
+        let name = path.file_stem().expect("a file name").to_string_lossy().into_owned();
+        (name, Scene::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+    });
+    named.collect()
+}
+
 /// Solves a scene as its method says, mesh by mesh.
 ///
 /// # Errors

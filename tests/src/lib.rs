@@ -3,7 +3,9 @@
 mod answer;
 mod case;
 mod random;
+mod adaptive;
 
-pub use answer::{Answer, adapt, answer, answer_on, attempt, parse, scene};
+pub use adaptive::{Judged, finer, judged, line, solved_in_steps, step_below};
+pub use answer::{Answer, adapt, answer, answer_on, attempt, gallery, parse, scene};
 pub use case::{Case, On, View, point_of, rotated};
 pub use random::{Random, random_case};

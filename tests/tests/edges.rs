@@ -1,5 +1,6 @@
 //! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
 
+use steklov::run::Reason;
 use steklov::scene::SceneErrorKind;
 use steklov::solve::SolveError;
 use steklov_tests::{adapt, answer, attempt, parse};
@@ -117,7 +118,11 @@ fn an_unloaded_body_far_from_its_obstacle_rests() {
             let text = square(UNIT, &format!("{contact}{held}{}", method(16, 1)));
             let scene = parse(&text, &[]).expect("a scene");
             let run = adapt(&scene).expect("a rest");
-            assert!(run.converged(), "{friction} {lowered}");
+            assert!(
+                matches!(run.reason, Reason::Tolerance | Reason::Roundoff),
+                "{friction} {lowered}: {:?}",
+                run.reason
+            );
             // rounding of E u²
             assert!(run.last.energies.total.abs() < 1e-14 * 10.0 * 0.01f64.powi(2), "{}", run.last.energies.total);
         }

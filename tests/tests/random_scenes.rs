@@ -1,22 +1,25 @@
 //! Random scenes by the adaptive loop: each reaches its tolerance or says why not, and the estimate holds.
 //!
-//! With `STEKLOV_RANDOM=full` the true error of every step of every scene is measured, else of the last step and one
-//! other of every third scene. Scenes that fail are written where the message says.
+//! With `STEKLOV_RANDOM=full` all scenes are solved and the true error of every step is measured, else every other scene, and
+//! of every 24th the true error of its last step and one other. `STEKLOV_RANDOM_SCENE=NUMBER` takes one scene alone.
+//! Scenes that fail are written where the message says.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
-use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
 use steklov::reference::true_error;
-use steklov::run::{Progress, Reason, Run, run};
+use steklov::run::Reason;
 use steklov::scene::{Scene, SceneErrorKind};
-use steklov::solve::{SolveError, Stage};
-use steklov_bem_operators::{BemError, Mark, Subdivision};
+use steklov::solve::SolveError;
+use steklov_bem_operators::BemError;
 use steklov_contact::ContactError;
-use steklov_tests::{Random, View, adapt, parse, random_case};
+use steklov_tests::{Random, View, finer, parse, random_case, solved_in_steps};
 
 const SCENES: u64 = 200;
+/// Without `full`, each of so many scenes is solved, and each of so many measured.
+const SOLVED: u64 = 2;
+const MEASURED: u64 = 24;
 const SEED: u64 = 20_260_131;
 /// The estimate is at least this part of the true error.
 const HALF: f64 = 0.5;
@@ -48,27 +51,6 @@ fn expected(error: &SolveError) -> Option<&'static str> {
     }
 }
 
-/// The run and the displacement of each step.
-fn solved(scene: &Scene) -> Result<(Run, Vec<Vec<f64>>), SolveError> {
-    let mut displacements = Vec::new();
-    let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, stage| {
-        if let Stage::Step { solved, .. } = stage {
-            displacements.push(solved.displacement.clone());
-        }
-        Ok(())
-    })?;
-    Ok((run, displacements))
-}
-
-/// A mesh an order finer than the tolerance asks for.
-fn fine(scene: &Scene) -> Result<Subdivision, SolveError> {
-    let mut fine = scene.clone();
-    fine.method.tolerance *= 0.1;
-    fine.method.max_dofs = REFERENCE_DOFS;
-    let mesh = adapt(&fine)?.last.mesh;
-    Ok(Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]))
-}
-
 fn judge(number: u64, scene: &Scene, full: bool) -> Outcome {
     let clock = Instant::now();
     let mut outcome = Outcome {
@@ -81,7 +63,7 @@ fn judge(number: u64, scene: &Scene, full: bool) -> Outcome {
         reached: f64::NAN,
         failure: None,
     };
-    let result = solved(scene);
+    let result = solved_in_steps(scene);
     outcome.seconds = clock.elapsed().as_secs_f64();
     let (run, displacements) = match result {
         Ok(solved) => solved,
@@ -101,11 +83,11 @@ fn judge(number: u64, scene: &Scene, full: bool) -> Outcome {
     if run.reason == Reason::Solver || run.reason == Reason::MaxSteps {
         outcome.failure = Some(format!("ended by {}", run.reason.word()));
     }
-    if !full && !number.is_multiple_of(3) {
+    if !full && !number.is_multiple_of(MEASURED) {
         return outcome;
     }
     let measured: Vec<usize> = if full { (0..=last).collect() } else { vec![last / 2, last] };
-    let fine = match fine(scene) {
+    let fine = match finer(scene, REFERENCE_DOFS) {
         Ok(fine) => fine,
         Err(error) => {
             outcome.failure = Some(format!("the reference: {error}"));
@@ -153,7 +135,7 @@ fn random_scenes_reach_their_tolerance_or_say_why_not() {
     println!("seed {SEED}");
     let mut outcomes = Vec::new();
     for number in 0..SCENES {
-        if only.is_some_and(|only| only != number) {
+        if only.map_or(!full && !number.is_multiple_of(SOLVED), |only| only != number) {
             continue;
         }
         let case = random_case(&mut Random::new(SEED.wrapping_mul(SCENES).wrapping_add(number)));

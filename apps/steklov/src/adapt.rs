@@ -123,7 +123,8 @@ impl Layout {
             let marked = doerfler(&squared, method.marking.unwrap_or(theta));
             let mark = |(e, excess): (usize, Option<f64>)| match excess {
                 None => Mark::Keep,
-                Some(excess) => Mark::Refine { rough: rough(e), excess },
+                Some(excess) if method.refine == Refine::Hp => Mark::Refine { rough: rough(e), excess },
+                Some(_) => Mark::Refine { rough: rough(e), excess: 1.0 }, // one cut or degree at a time
             };
             marked.into_iter().enumerate().map(mark).collect()
         };

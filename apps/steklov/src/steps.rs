@@ -1,10 +1,11 @@
 //! The steps of a run in the result file, and back.
 
+use faer::Mat;
 use steklov_bem_operators::BoundaryResidual;
 use steklov_contact::{ContactResidual, Located, Tip, TipKind};
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load, load_integers, load_number, load_texts, load_vector,
-    open_group, save as save_as, save_integers, save_number, save_texts, save_vector,
+    File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_texts,
+    load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
 
 use crate::estimate::{Bubble, Doubt, Estimate, Residual};
@@ -47,13 +48,9 @@ pub(crate) fn save(at: &Group, step: &Step) -> Result<(), IoError> {
     save_vector(at, "seconds", &step.seconds, &parts)?;
     save_number(at, "strain_energy", step.strain, "force*length/thickness", "half of a(u, u)")?;
     save_estimate(at, &step.estimate)?;
-    save_tips(&create_group(at, "tips")?, &step.tips)?;
-    save_transitions(&create_group(at, "transitions")?, &step.located)
+    save_tips(at, &step.tips)?;
+    save_transitions(at, &step.located)
 }
-
-const KINDS: &str = "0 end of contact, 1 end of stick, 2 reversal of slip";
-const REGULAR: &str =
-    "1 if the open or slipping side has the larger edge parameter, -1 if the smaller one, 0 for a reversal";
 
 fn kind_number(kind: TipKind) -> usize {
     match kind {
@@ -65,30 +62,37 @@ fn kind_number(kind: TipKind) -> usize {
 
 /// The vertices that follow transitions.
 fn save_tips(at: &Group, tips: &[Tip]) -> Result<(), IoError> {
-    let column = |f: fn(&Tip) -> usize| tips.iter().map(f).collect::<Vec<_>>();
-    let axes = &["tip"];
-    save_integers(at, "edge", &column(|t| t.edge), &label("1", "edge of the polygon", axes))?;
-    save_integers(at, "kind", &column(|t| kind_number(t.kind)), &label("1", KINDS, axes))?;
-    let places: Vec<f64> = tips.iter().map(|t| t.s).collect();
-    save_vector(at, "s", &places, &label("1", "edge parameter of the vertex", axes))?;
-    let regular: Vec<f64> = tips.iter().map(|t| f64::from(t.regular)).collect();
-    save_vector(at, "regular", &regular, &label("1", REGULAR, axes))
+    let rows: Vec<_> =
+        tips.iter().map(|t| [t.edge as f64, kind_number(t.kind) as f64, t.s, f64::from(t.regular)]).collect();
+    let meaning = "vertices that follow transitions; kind: 0 end of contact, 1 end of stick, 2 reversal of slip; regular: \
+                   1 if the open or slipping side has the larger edge parameter, -1 if the smaller one, 0 for a reversal";
+    let columns = "edge of the polygon, kind, edge parameter, regular";
+    save_table(at, "tips", &rows, meaning, &["tip", columns])
 }
 
 /// Where transitions are believed to be.
 fn save_transitions(at: &Group, located: &[Located]) -> Result<(), IoError> {
-    let column = |f: fn(&Located) -> usize| located.iter().map(f).collect::<Vec<_>>();
-    let numbers = |f: fn(&Located) -> f64| located.iter().map(f).collect::<Vec<_>>();
-    let axes = &["transition"];
-    save_integers(at, "edge", &column(|t| t.edge), &label("1", "edge of the polygon", axes))?;
-    save_integers(at, "kind", &column(|t| kind_number(t.kind)), &label("1", KINDS, axes))?;
-    let vertex = label("1", "1 if the mesh has a vertex for it", axes);
-    save_integers(at, "at_vertex", &column(|t| usize::from(t.at_vertex)), &vertex)?;
-    save_vector(at, "s", &numbers(|t| t.s), &label("1", "edge parameter", axes))?;
-    let off = "how far that is from its vertex, or half of its bracket (edge parameter)";
-    save_vector(at, "off", &numbers(|t| t.off), &label("1", off, axes))?;
-    let curvature = "B of the gap or slip B d^(3/2), d in edge parameters; -1 where it was not fitted";
-    save_vector(at, "curvature", &numbers(|t| t.curvature.unwrap_or(-1.0)), &label("length", curvature, axes))
+    let row = |t: &Located| {
+        let (edge, kind, curvature) = (t.edge as f64, kind_number(t.kind) as f64, t.curvature.unwrap_or(-1.0));
+        [edge, kind, t.s, t.off, curvature, f64::from(u8::from(t.at_vertex))]
+    };
+    let rows: Vec<_> = located.iter().map(row).collect();
+    let meaning = "transitions of contact and stick; kind: 0 end of contact, 1 end of stick, 2 reversal of slip; off: how \
+                   far from its vertex, or half of its bracket (edge parameter); curvature: B (length) of the gap or slip \
+                   B d^(3/2), d in edge parameters, -1 where it was not fitted; vertex: 1 if the mesh has one for it";
+    let columns = "edge of the polygon, kind, edge parameter, off, curvature, vertex";
+    save_table(at, "transitions", &rows, meaning, &["transition", columns])
+}
+
+fn save_table<const M: usize>(
+    at: &Group,
+    name: &str,
+    rows: &[[f64; M]],
+    meaning: &str,
+    axes: &[&str],
+) -> Result<(), IoError> {
+    let table = Mat::from_fn(rows.len(), M, |i, j| rows[i][j]);
+    save_dense(at, name, table.as_ref(), &label("1", meaning, axes))
 }
 
 fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
@@ -145,8 +149,8 @@ fn load_step(at: &Group) -> Result<Step, IoError> {
         converged: true,
         history: load_vector(at, "history")?,
         estimate,
-        tips: load_tips(&open_group(at, "tips")?)?,
-        located: load_transitions(&open_group(at, "transitions")?)?,
+        tips: load_tips(at)?,
+        located: load_transitions(at)?,
         seconds,
         mesh,
     })
@@ -206,41 +210,38 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
     })
 }
 
-fn kind(at: &Group, number: usize) -> Result<TipKind, IoError> {
-    match number {
-        0 => Ok(TipKind::ContactEnd),
-        1 => Ok(TipKind::StickEnd),
-        2 => Ok(TipKind::SlipReversal),
-        _ => Err(invalid(at, "kind", format!("unknown kind {number}"))),
+fn kind(at: &Group, name: &str, number: f64) -> Result<TipKind, IoError> {
+    let kinds = [TipKind::ContactEnd, TipKind::StickEnd, TipKind::SlipReversal];
+    let found = kinds.into_iter().find(|k| kind_number(*k) as f64 == number);
+    found.ok_or_else(|| invalid(at, name, format!("unknown kind {number}")))
+}
+
+/// The rows of a table of M columns.
+fn load_table<const M: usize>(at: &Group, name: &str) -> Result<Vec<[f64; M]>, IoError> {
+    let table = load_dense(at, name)?;
+    if table.ncols() != M {
+        return Err(invalid(at, name, format!("{} columns, not {M}", table.ncols())));
     }
+    Ok((0..table.nrows()).map(|i| std::array::from_fn(|j| table[(i, j)])).collect())
 }
 
 fn load_tips(at: &Group) -> Result<Vec<Tip>, IoError> {
-    let (edge, kinds, s) = (load_integers(at, "edge")?, load_integers(at, "kind")?, load_vector(at, "s")?);
-    let regular = load_vector(at, "regular")?;
-    if [kinds.len(), s.len(), regular.len()] != [edge.len(); 3] {
-        return Err(invalid(at, "s", "the columns differ in length"));
-    }
-    let tip = |i: usize| Ok(Tip { edge: edge[i], s: s[i], kind: kind(at, kinds[i])?, regular: regular[i] as i8 });
-    (0..edge.len()).map(tip).collect()
+    let tip = |[edge, number, s, regular]: [f64; 4]| {
+        Ok(Tip { edge: edge as usize, s, kind: kind(at, "tips", number)?, regular: regular as i8 })
+    };
+    load_table(at, "tips")?.into_iter().map(tip).collect()
 }
 
 fn load_transitions(at: &Group) -> Result<Vec<Located>, IoError> {
-    let (edge, kinds) = (load_integers(at, "edge")?, load_integers(at, "kind")?);
-    let (vertex, s) = (load_integers(at, "at_vertex")?, load_vector(at, "s")?);
-    let (off, curvature) = (load_vector(at, "off")?, load_vector(at, "curvature")?);
-    if [kinds.len(), vertex.len(), s.len(), off.len(), curvature.len()] != [edge.len(); 5] {
-        return Err(invalid(at, "s", "the columns differ in length"));
-    }
-    let transition = |i: usize| {
+    let transition = |[edge, number, s, off, curvature, vertex]: [f64; 6]| {
         Ok(Located {
-            edge: edge[i],
-            s: s[i],
-            kind: kind(at, kinds[i])?,
-            off: off[i],
-            curvature: (curvature[i] >= 0.0).then_some(curvature[i]),
-            at_vertex: vertex[i] == 1,
+            edge: edge as usize,
+            s,
+            kind: kind(at, "transitions", number)?,
+            off,
+            curvature: (curvature >= 0.0).then_some(curvature),
+            at_vertex: vertex == 1.0,
         })
     };
-    (0..edge.len()).map(transition).collect()
+    load_table(at, "transitions")?.into_iter().map(transition).collect()
 }

@@ -1,5 +1,7 @@
 //! Integrals of given data (tractions, gaps) against the nodal basis.
 
+use std::sync::OnceLock;
+
 use steklov_quadrature::{Rule, legendre_p};
 
 use crate::near::panel_rule;
@@ -83,8 +85,9 @@ pub fn side_moments(
     datum: &Datum<'_>,
 ) -> Result<Vec<ElementMoments>, BemError> {
     let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
-    let parts = SIDE_POINTS.div_ceil(FEWEST_POINTS * elements.len().max(1));
-    let pieces: Vec<Vec<f64>> = elements.iter().map(|&e| breaks((datum.kinks)(e), parts)).collect();
+    let side_length: f64 = elements.iter().map(|&e| mesh.length(e)).sum();
+    let parts = |e: usize| (mesh.length(e) / side_length * (SIDE_POINTS / FEWEST_POINTS) as f64).ceil() as usize;
+    let pieces: Vec<Vec<f64>> = elements.iter().map(|&e| breaks((datum.kinks)(e), parts(e))).collect();
     let mut whole = 0.0;
     for (&e, breaks) in elements.iter().zip(&pieces) {
         for piece in breaks.windows(2) {
@@ -207,25 +210,31 @@ fn agreed(
 /// Next to both ends, the value less that of the polynomial through the Gauss points, times the distance to the last of
 /// them: what the integral over t misses if the datum bends there.
 fn hidden_at_ends(mesh: &Mesh, e: usize, datum: &Datum<'_>, a: f64, b: f64, values: &[f64]) -> Result<f64, BemError> {
-    let rule = panel_rule(values.len());
-    let gap = 1.0 - rule.points[rule.len() - 1];
-    let mut p = vec![0.0; values.len()];
-    let (mut start, mut end) = (0.0, 0.0);
-    // Legendre series of the polynomial at 1 - gap/1000, and at its mirror image
-    let near = 1.0 - 1e-3 * gap;
-    let mut at_end = vec![0.0; values.len()];
-    legendre_p(near, &mut at_end);
-    for ((&x, &w), &f) in rule.points.iter().zip(&rule.weights).zip(values) {
-        legendre_p(x, &mut p);
-        for (k, (p, q)) in p.iter().zip(&at_end).enumerate() {
-            let term = (2 * k + 1) as f64 / 2.0 * w * f * p * q;
-            end += term;
-            start += if k % 2 == 0 { term } else { -term };
-        }
-    }
+    let &(near, ref weights) = next_to_end(values.len());
+    let end: f64 = weights.iter().zip(values).map(|(w, f)| w * f).sum();
+    let start: f64 = weights.iter().rev().zip(values).map(|(w, f)| w * f).sum();
     let (middle, half) = ((a + b) / 2.0, (b - a) / 2.0);
     let value = |x: f64| datum.at(mesh, &Site::new(mesh, e, middle + half * x));
+    let gap = 1.0 - panel_rule(values.len()).points[values.len() - 1];
     Ok(gap * half * (value(near)? - end).abs().max((value(-near)? - start).abs()))
+}
+
+/// The point a thousandth of the way from 1 to the last of n Gauss points, and the weights of their values in the
+/// polynomial there: w_i Σ_k (2k+1)/2 P_k(t_i) P_k.
+fn next_to_end(n: usize) -> &'static (f64, Vec<f64>) {
+    static WEIGHTS: [OnceLock<(f64, Vec<f64>)>; 2 * MOST_POINTS + 1] = [const { OnceLock::new() }; 2 * MOST_POINTS + 1];
+    WEIGHTS[n].get_or_init(|| {
+        let rule = panel_rule(n);
+        let near = 1.0 - 1e-3 * (1.0 - rule.points[n - 1]);
+        let (mut at_end, mut p) = (vec![0.0; n], vec![0.0; n]);
+        legendre_p(near, &mut at_end);
+        let weight = |(&x, &w): (&f64, &f64)| {
+            legendre_p(x, &mut p);
+            let terms = p.iter().zip(&at_end).enumerate();
+            w * terms.map(|(k, (p, q))| (2 * k + 1) as f64 / 2.0 * p * q).sum::<f64>()
+        };
+        (near, rule.points.iter().zip(&rule.weights).map(weight).collect())
+    })
 }
 
 /// Ends of the smooth pieces of [-1, 1], also cut into equal parts.

@@ -36,9 +36,7 @@ pub(crate) fn unpack(size: usize, bytes: &[u8]) -> Result<Vec<String>, String> {
 
 fn write_strings(at: &Location, name: &str, shape: &[usize], texts: &[&str], ascii: bool) -> Result<(), IoError> {
     let (size, bytes) = pack(texts).map_err(|why| write_error(at, name, why))?;
-    let kind = if ascii { TypeDescriptor::FixedAscii(size) } else { TypeDescriptor::FixedUnicode(size) };
-    let new = at.new_attr_builder().empty_as(kind).shape(shape.to_vec());
-    new.create(name).and_then(|a| raw::write_attribute(&a, &bytes)).map_err(|e| write_error(at, name, e))
+    raw::create_attribute(at, name, (size, ascii), shape, &bytes).map_err(|e| write_error(at, name, e))
 }
 
 /// Writes the text attribute `name` of `at`, UTF-8 of fixed length. h5py shows it as bytes.

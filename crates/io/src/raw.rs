@@ -4,7 +4,8 @@
 //! HDF5's global heap, which has no checksum and which the library trusts; so ours have a fixed length, known at run time.
 #![allow(unsafe_code)]
 
-use hdf5::{Attribute, Container, Dataset};
+use hdf5::types::TypeDescriptor;
+use hdf5::{Attribute, Container, Dataset, Datatype, Location};
 use hdf5_sys::h5a::{H5Aread, H5Awrite};
 use hdf5_sys::h5d::{H5Dread, H5Dwrite};
 use hdf5_sys::h5p::H5P_DEFAULT;
@@ -30,11 +31,23 @@ fn outcome(status: i32) -> hdf5::Result<()> {
     if status < 0 { Err(hdf5::Error::query()?) } else { Ok(()) }
 }
 
-pub(crate) fn write_attribute(to: &Attribute, bytes: &[u8]) -> hdf5::Result<()> {
+/// Makes an attribute of fixed-length strings of `size` bytes each.
+pub(crate) fn create_attribute(
+    at: &Location,
+    name: &str,
+    (size, ascii): (usize, bool),
+    shape: &[usize],
+    bytes: &[u8],
+) -> hdf5::Result<()> {
+    let kind = if ascii { TypeDescriptor::FixedAscii(size) } else { TypeDescriptor::FixedUnicode(size) };
+    if shape.iter().try_fold(size, |n, &m| n.checked_mul(m)) != Some(bytes.len()) {
+        return Err("its size is not that of the buffer".into());
+    }
     hdf5::sync::sync(|| {
-        check(to, bytes.len())?;
-        // SAFETY: under the library's lock, with the attribute's own type, from a buffer of its exact size.
-        outcome(unsafe { H5Awrite(to.id(), to.dtype()?.id(), bytes.as_ptr().cast()) })
+        let kind = Datatype::from_descriptor(&kind)?;
+        let to = at.new_attr_builder().empty_as(&kind).shape(shape.to_vec()).create(name)?;
+        // SAFETY: under the library's lock, with the type it was made with, from a buffer of its exact size.
+        outcome(unsafe { H5Awrite(to.id(), kind.id(), bytes.as_ptr().cast()) })
     })
 }
 

@@ -1,0 +1,96 @@
+//! The estimate beside the true error, step by step, on the six problems with known energies and on every scene of the
+//! gallery.
+
+use steklov::reference::true_error;
+use steklov::scene::{Refine, Scene};
+use steklov_tests::{finer, gallery, judged, solved_in_steps};
+
+/// Estimate over true error in the first four steps and from the fifth on.
+const BOUNDS: [[f64; 2]; 2] = [[0.8, 4.0], [0.9, 1.3]];
+
+/// What holds where that does not.
+const LOOSER: [(&str, [[f64; 2]; 2]); 6] = [
+    // each element has a singular point at either end: its error is odd or even, and one bubble has the other parity
+    ("06-pressurised-hole", [[0.25, 4.0], [0.9, 1.3]]),
+    ("07-kirsch", [[0.45, 4.0], [0.9, 1.3]]),
+    // the opposite face is closer than any element is long
+    ("20-crack", [[0.75, 4.0], [0.85, 1.3]]),
+    // a contact end that has just found its vertex
+    ("21-hertz-block", [[0.8, 4.0], [0.6, 1.5]]),
+    ("stick", [[0.8, 4.0], [0.9, 1.5]]),
+    // the first elements at the punch's edge are as short as they may be
+    ("22-flat-punch", [[0.8, 4.0], [0.45, 1.3]]),
+];
+
+/// Scenes of the gallery that are among the six problems, or one of them turned.
+const AMONG_THE_SIX: [&str; 6] = ["15-", "17-", "18-", "19-", "23-", "24-"];
+
+/// Steps with more unknowns than this are not measured.
+const DOFS: usize = 600;
+/// Unknowns of the meshes that true errors are measured with, at most.
+const REFERENCE_DOFS: usize = 1200;
+
+/// Effectivities of the steps whose estimate is not in doubt and whose error is more than rounding.
+fn effectivities(name: &str, scene: &Scene) -> Vec<(usize, f64)> {
+    let mut scene = scene.clone();
+    scene.method.refine = Refine::Hp;
+    scene.method.max_dofs = DOFS;
+    let (run, displacements) = solved_in_steps(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
+    if run.step().estimate.relative < 1e-9 {
+        println!("{name}: exact");
+        return Vec::new();
+    }
+    let fine = finer(&scene, REFERENCE_DOFS).unwrap_or_else(|e| panic!("{name}: {e}"));
+    println!("{name}: {}", run.reason.word());
+    let mut effectivities = Vec::new();
+    for (k, (step, displacement)) in run.progress.steps.iter().zip(&displacements).enumerate() {
+        if !step.estimate.doubts.is_empty() {
+            println!("    {k:2} {:4} dofs, estimate {:.1e}, in doubt", step.dofs, step.estimate.relative);
+            continue;
+        }
+        let truth = true_error(&scene, &step.mesh, displacement, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let effectivity = step.estimate.error / truth.error;
+        println!(
+            "    {k:2} {:4} dofs, error {:.2e}, estimate over it {effectivity:.2}",
+            step.dofs,
+            truth.error / truth.norm
+        );
+        effectivities.push((k, effectivity));
+    }
+    effectivities
+}
+
+/// Steps outside the bounds, and how many steps were measured.
+fn outside(name: &str, scene: &Scene) -> (Vec<String>, usize) {
+    let effectivities = effectivities(name, scene);
+    let bounds = LOOSER.iter().find(|l| l.0 == name).map_or(BOUNDS, |l| l.1);
+    let inside = |k: usize, e: f64| {
+        let [low, high] = bounds[usize::from(k >= 4)];
+        low <= e && e <= high
+    };
+    let wrong = effectivities.iter().filter(|&&(k, e)| !inside(k, e));
+    (wrong.map(|(k, e)| format!("{name} step {k}: {e:.2}")).collect(), effectivities.len())
+}
+
+#[test]
+fn the_estimate_is_the_error_on_problems_with_known_energies() {
+    for problem in judged() {
+        let (wrong, measured) = outside(problem.name, &problem.scene);
+        assert!(wrong.is_empty() && measured >= 4, "{measured} measured, outside: {wrong:?}");
+    }
+}
+
+#[test]
+fn the_estimate_is_the_error_on_the_gallery() {
+    let mut wrong = Vec::new();
+    let mut measured = 0;
+    for (name, scene) in gallery() {
+        if AMONG_THE_SIX.iter().any(|number| name.starts_with(number)) {
+            continue;
+        }
+        let (more, steps) = outside(&name, &scene);
+        wrong.extend(more);
+        measured += steps;
+    }
+    assert!(wrong.is_empty() && measured >= 20, "{measured} measured, outside: {wrong:#?}");
+}
