@@ -9,17 +9,9 @@ use steklov_tests::{finer, gallery, judged, solved_in_steps};
 const BOUNDS: [[f64; 2]; 2] = [[0.8, 4.0], [0.9, 1.3]];
 
 /// What holds where that does not.
-const LOOSER: [(&str, [[f64; 2]; 2]); 6] = [
-    // each element has a singular point at either end: its error is odd or even, and one bubble has the other parity
-    ("06-pressurised-hole", [[0.25, 4.0], [0.9, 1.3]]),
-    ("07-kirsch", [[0.45, 4.0], [0.9, 1.3]]),
+const LOOSER: [(&str, [[f64; 2]; 2]); 1] = [
     // the opposite face is closer than any element is long
     ("20-crack", [[0.75, 4.0], [0.85, 1.3]]),
-    // a contact end that has just found its vertex
-    ("21-hertz-block", [[0.8, 4.0], [0.6, 1.5]]),
-    ("stick", [[0.8, 4.0], [0.9, 1.5]]),
-    // the first elements at the punch's edge are as short as they may be
-    ("22-flat-punch", [[0.8, 4.0], [0.45, 1.3]]),
 ];
 
 /// Scenes of the gallery that are among the six problems, or one of them turned.
@@ -76,7 +68,7 @@ fn outside(name: &str, scene: &Scene) -> (Vec<String>, usize) {
 fn the_estimate_is_the_error_on_problems_with_known_energies() {
     for problem in judged() {
         let (wrong, measured) = outside(problem.name, &problem.scene);
-        assert!(wrong.is_empty() && measured >= 4, "{measured} measured, outside: {wrong:?}");
+        assert!(wrong.is_empty() && measured >= 3, "{measured} measured, outside: {wrong:?}");
     }
 }
 
@@ -92,5 +84,5 @@ fn the_estimate_is_the_error_on_the_gallery() {
         wrong.extend(more);
         measured += steps;
     }
-    assert!(wrong.is_empty() && measured >= 20, "{measured} measured, outside: {wrong:#?}");
+    assert!(wrong.is_empty() && measured >= 15, "{measured} measured, outside: {wrong:#?}");
 }

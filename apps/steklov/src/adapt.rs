@@ -1,6 +1,6 @@
 //! From the estimate of one mesh to the next mesh.
 
-use steklov_bem_operators::{Grading, Mark, Mesh, Subdivision, doerfler, legendre_decay};
+use steklov_bem_operators::{Grading, Mark, Mesh, SAME_PLACE, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Located, Tip, relocate};
 
 use crate::estimate::Estimate;
@@ -66,6 +66,13 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
         points.dedup_by(|b, a| *b - *a < 1e-9);
     }
     points
+}
+
+/// The elements between two of these points. The error of one may have the parity that the one bubble of an estimate has
+/// not.
+pub fn coarse_elements(mesh: &Mesh, singular: &[Vec<f64>]) -> Vec<usize> {
+    let at = |e: usize, s: f64| singular[mesh.edge[e]].iter().any(|p| (p - s).abs() < SAME_PLACE);
+    (0..mesh.len()).filter(|&e| mesh.span[e].iter().all(|&s| at(e, s))).collect()
 }
 
 /// The expressions of a condition.
@@ -141,8 +148,9 @@ impl Layout {
             Refine::H => Ok((by_mark(&marked(0.5, &|_| true)), Vec::new())),
             Refine::HpDecay => {
                 let corners = singular_points(scene, false);
-                let touches =
-                    |e: usize| corners[mesh.edge[e]].iter().any(|c| mesh.span[e].iter().any(|s| (s - c).abs() < 1e-12));
+                let touches = |e: usize| {
+                    corners[mesh.edge[e]].iter().any(|c| mesh.span[e].iter().any(|s| (s - c).abs() < SAME_PLACE))
+                };
                 let rough = |e: usize| decay(e).map_or(touches(e), |d| d > method.smoothness);
                 Ok((by_mark(&marked(0.5, &rough)), Vec::new()))
             }
@@ -152,8 +160,14 @@ impl Layout {
                     p >= TELLING && decay(e).is_some_and(|d| d > method.smoothness)
                         || p >= RESOLVING && i.oscillation > 0.5 * i.total()
                 };
-                let mut subdivision = Subdivision::new(mesh, &marked(0.95, &rough));
                 let mut singular = singular_points(scene, true);
+                let mut marks = marked(0.95, &rough);
+                for e in coarse_elements(mesh, &singular) {
+                    if marks[e] == Mark::Keep {
+                        marks[e] = Mark::Refine { rough: true, excess: 1.0 };
+                    }
+                }
+                let mut subdivision = Subdivision::new(mesh, &marks);
                 let mut tips = self.tips.clone();
                 let located = match (&solved.contact, &factors.contact) {
                     (Some(contact), Some(part)) => {

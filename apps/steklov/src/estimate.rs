@@ -9,7 +9,7 @@
 //! adds with the contact sets as they are.
 
 use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Mesh};
-use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located};
+use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
 
 use crate::data::Data;
 use crate::scene::{Condition, Indicator, Scene};
@@ -81,6 +81,8 @@ pub enum Doubt {
     Transition,
     /// The contact sets are still changing from mesh to mesh.
     Sets,
+    /// An element lies between two singular points: its error may have the parity that the one bubble has not.
+    Coarse,
     /// The error is down at rounding errors.
     Roundoff,
 }
@@ -91,6 +93,7 @@ impl Doubt {
         match self {
             Self::Transition => "transition",
             Self::Sets => "sets",
+            Self::Coarse => "coarse",
             Self::Roundoff => "roundoff",
         }
     }
@@ -101,8 +104,13 @@ impl Doubt {
 const SATURATION: f64 = 1.03;
 /// Energy of a tip that is off by δ: 0.3 E* B² |δ|³.
 const TIP: f64 = 0.3;
-/// A tip farther from its vertex than this part of its edge: the contact sets are not those of the solution yet.
-const FAR: f64 = 0.01;
+/// A tip farther from its vertex than this part of its edge, or a contact end farther than this part of the zone beside it:
+/// the contact sets are not those of the solution yet.
+const FAR: f64 = 0.006;
+const FAR_IN_ZONE: f64 = 0.025;
+/// Energy norm that vertices off their transitions may cost by themselves, over the estimated error, beyond which that is in
+/// doubt.
+const UNDONE: f64 = 10.0;
 /// Relative error (energy norm) below which rounding decides.
 pub const ROUNDOFF: f64 = 1e-7;
 /// Reduction of the squared energy of the rest at which the correction is good enough.
@@ -209,17 +217,26 @@ impl Estimate {
     }
 
     /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `settled`: the transitions are
-    /// those of the step before.
-    pub(crate) fn add_transitions(&mut self, scene: &Scene, located: &[Located], settled: bool) {
+    /// those of the step before; `coarse`: an element lies between two singular points.
+    pub(crate) fn add_transitions(&mut self, scene: &Scene, located: &[Located], settled: bool, coarse: bool) {
         let modulus = 2.0 * scene.material.mu() / (1.0 - scene.material.nu());
-        self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum();
+        let [at_vertices, inside] = [true, false].map(|at_vertex| {
+            let tips = located.iter().filter(|tip| tip.at_vertex == at_vertex);
+            tips.map(|tip| tip_energy(modulus, tip)).sum::<f64>()
+        });
+        self.tips = inside;
+        // a vertex that is off moves the sets of the nodes about it, which undoes most of that
+        let lost = at_vertices > (UNDONE * self.error).powi(2);
         self.error = self.error.hypot(self.tips.sqrt());
         self.relative = ratio(self.error, self.scale);
-        if located.iter().any(|tip| !tip.at_vertex) {
+        if lost || located.iter().any(|tip| !tip.at_vertex) {
             self.doubts.push(Doubt::Transition);
         }
-        if !settled || located.iter().any(|tip| tip.off.abs() > FAR) {
+        if !settled || located.iter().any(|tip| tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR)) {
             self.doubts.push(Doubt::Sets);
+        }
+        if coarse {
+            self.doubts.push(Doubt::Coarse);
         }
         if self.relative < ROUNDOFF {
             self.doubts.push(Doubt::Roundoff);
@@ -236,6 +253,16 @@ fn scale(strain: f64, factors: &Factors) -> f64 {
     let largest = factors.homogeneous.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let floor = 1e-20 * factors.condensation.largest_diagonal() * largest * largest;
     (2.0 * strain).max(floor).sqrt()
+}
+
+/// Distance (edge parameter) of a contact end to the next one or the end of the edge; infinite for others.
+fn zone(tip: &Located, located: &[Located]) -> f64 {
+    if tip.kind != TipKind::ContactEnd {
+        return f64::INFINITY;
+    }
+    let ends = located.iter().filter(|l| l.kind == tip.kind && l.edge == tip.edge).map(|l| l.s);
+    let distances = ends.chain([0.0, 1.0]).map(|s| (s - tip.s).abs());
+    distances.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
 }
 
 /// 0.3 E* B² |δ|³, in which the unit of d and δ cancels; 0 for a transition without a fit.

@@ -6,7 +6,7 @@ use std::time::Instant;
 use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
 use steklov_contact::{Located, Tip, TipKind};
 
-use crate::adapt::Layout;
+use crate::adapt::{Layout, coarse_elements, singular_points};
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate};
 use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
@@ -171,7 +171,8 @@ fn advance(
     let mut estimate = estimate(scene, &solved, &factors)?;
     let (layout, located) = progress.next.next(scene, &solved, &factors, &estimate)?;
     let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
-    estimate.add_transitions(scene, &located, solved.contact.is_none() || fixed);
+    let coarse = !coarse_elements(&solved.mesh, &singular_points(scene, scene.method.refine == Refine::Hp)).is_empty();
+    estimate.add_transitions(scene, &located, solved.contact.is_none() || fixed, coarse);
     let s = &solved.seconds;
     let seconds = [s.set_up, s.assemble, s.factorise, s.solve, clock.elapsed().as_secs_f64()];
     let contact = solved.contact.as_ref();
@@ -216,14 +217,15 @@ fn reason(scene: &Scene, progress: &Progress, unchanged: bool, interrupted: bool
     let steps = &progress.steps;
     let step = steps.last()?;
     let reached = |s: &Step| s.estimate.relative <= method.tolerance;
-    let doubted = |s: &Step| s.estimate.doubts.iter().any(|d| matches!(d, Doubt::Transition | Doubt::Sets));
-    // an estimate that is in doubt has to be confirmed by the next step
-    let confirmed = !doubted(step) || steps.len() > 1 && reached(&steps[steps.len() - 2]);
+    let exact = step.estimate.relative < ROUNDOFF;
+    // an estimate that is in doubt has to be confirmed by the next step, if there is any
+    let doubted = step.estimate.doubts.iter().any(|d| *d != Doubt::Roundoff);
+    let confirmed = !doubted || exact || unchanged || steps.len() > 1 && reached(&steps[steps.len() - 2]);
     Some(match method.refine {
         _ if !step.converged => Reason::Solver,
         Refine::None => Reason::Solved,
         _ if reached(step) && confirmed => Reason::Tolerance,
-        _ if unchanged || step.estimate.relative < ROUNDOFF => Reason::Roundoff,
+        _ if unchanged || exact => Reason::Roundoff,
         _ if steps.len() >= method.max_steps => Reason::MaxSteps,
         _ if progress.next.dofs() > method.max_dofs => Reason::MaxDofs,
         _ if interrupted => Reason::Interrupted,

@@ -191,7 +191,7 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
         Vec::new()
     };
     let doubts = load_texts(at, "doubts")?.into_iter().map(|word| {
-        let all = [Doubt::Transition, Doubt::Sets, Doubt::Roundoff];
+        let all = [Doubt::Transition, Doubt::Sets, Doubt::Coarse, Doubt::Roundoff];
         all.into_iter()
             .find(|d| d.word() == word)
             .ok_or_else(|| invalid(at, "doubts", format!("unknown doubt {word:?}")))

@@ -87,7 +87,8 @@ pub fn side_moments(
     let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
     let side_length: f64 = elements.iter().map(|&e| mesh.length(e)).sum();
     let parts = |e: usize| (mesh.length(e) / side_length * (SIDE_POINTS / FEWEST_POINTS) as f64).ceil() as usize;
-    let pieces: Vec<Vec<f64>> = elements.iter().map(|&e| breaks((datum.kinks)(e), parts(e))).collect();
+    let pieces: Vec<Vec<f64>> =
+        elements.iter().map(|&e| breaks((datum.kinks)(e), mesh.resolution(e), parts(e))).collect();
     let mut whole = 0.0;
     for (&e, breaks) in elements.iter().zip(&pieces) {
         for piece in breaks.windows(2) {
@@ -237,9 +238,9 @@ fn next_to_end(n: usize) -> &'static (f64, Vec<f64>) {
     })
 }
 
-/// Ends of the smooth pieces of [-1, 1], also cut into equal parts.
-fn breaks(mut kinks: Vec<f64>, parts: usize) -> Vec<f64> {
-    kinks.retain(|t| *t > -1.0 && *t < 1.0);
+/// Ends of the smooth pieces of [-1, 1], also cut into equal parts. Kinks that rounding put beside an end are there.
+fn breaks(mut kinks: Vec<f64>, resolution: f64, parts: usize) -> Vec<f64> {
+    kinks.retain(|t| t.abs() < 1.0 - resolution);
     kinks.extend((1..parts).map(|k| 2.0 * k as f64 / parts as f64 - 1.0));
     kinks.extend([-1.0, 1.0]);
     kinks.sort_by(f64::total_cmp);

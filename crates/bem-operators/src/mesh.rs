@@ -55,6 +55,12 @@ impl Mesh {
         2.0 * d[0].hypot(d[1])
     }
 
+    /// Distance on the reference element of e below which points are one, up to the rounding of their coordinates.
+    pub fn resolution(&self, e: usize) -> f64 {
+        let [x, y] = self.vertices[e];
+        (4e-15 * (x.abs() + y.abs()) / self.length(e)).clamp(1e-12, 1e-3)
+    }
+
     /// Unit tangent of element e, in the direction of traversal.
     pub fn tangent(&self, e: usize) -> [f64; 2] {
         let d = self.half(e);

@@ -79,15 +79,9 @@ pub(crate) fn contact_elements(
     Ok(ordered)
 }
 
-/// Distance on the reference element below which points are one, up to the rounding of their coordinates.
-fn nearness(mesh: &Mesh, e: usize) -> f64 {
-    let [x, y] = mesh.vertices[e];
-    (4e-15 * (x.abs() + y.abs()) / mesh.length(e)).clamp(1e-12, 1e-3)
-}
-
 /// A reference coordinate, at an end of the element moved just inside: where a datum jumps there, its limit from within.
 pub(crate) fn from_within(mesh: &Mesh, e: usize, t: f64) -> f64 {
-    let inside = 1.0 - nearness(mesh, e);
+    let inside = 1.0 - mesh.resolution(e);
     t.clamp(-inside, inside)
 }
 
@@ -97,7 +91,7 @@ fn side_bounds(mesh: &Mesh, space: &Space, side: usize, bound: &Datum<'_>) -> Re
     let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
     let mut samples = Vec::new(); // for each element and node: F there, and close to it on one or two sides
     for &e in &elements {
-        let near = nearness(mesh, e);
+        let near = mesh.resolution(e);
         let value = |t: f64| -> Result<f64, ContactError> {
             let site = Site::new(mesh, e, t);
             let f = bound.at(mesh, &site)?;
