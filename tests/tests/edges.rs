@@ -1,6 +1,5 @@
 //! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
 
-use steklov::run::Reason;
 use steklov::scene::SceneErrorKind;
 use steklov::solve::SolveError;
 use steklov_tests::{adapt, answer, attempt, parse};

@@ -1,7 +1,7 @@
 //! From the estimate of one mesh to the next mesh.
 
 use steklov_bem_operators::{Grading, Mark, Mesh, SAME_PLACE, Subdivision, doerfler, legendre_decay};
-use steklov_contact::{Located, Tip, relocate};
+use steklov_contact::{Located, Tip, relocate, unlocated};
 
 use crate::estimate::Estimate;
 use crate::expression::Expression;
@@ -111,7 +111,7 @@ impl Layout {
         self.subdivision.dofs()
     }
 
-    /// The layout to solve next, and where the transitions of this one are believed to be (hp only).
+    /// The layout to solve next, and where the transitions of this one are believed to be.
     ///
     /// # Errors
     /// A decomposition that fails.
@@ -124,6 +124,15 @@ impl Layout {
     ) -> Result<(Self, Vec<Located>), SolveError> {
         let method = &scene.method;
         let Solved { mesh, space, .. } = solved;
+        let state = match (&solved.contact, &factors.contact) {
+            (Some(contact), Some(part)) => Some(steklov_contact::Solved {
+                problem: &part.problem,
+                solution: &contact.solution,
+                sets: &part.sets,
+                lines: &part.lines,
+            }),
+            _ => None,
+        };
         let squared = estimate.squared();
         let decay = |e: usize| legendre_decay(mesh, space, e, &solved.displacement);
         let marked = |theta: f64, rough: &dyn Fn(usize) -> bool| -> Vec<Mark> {
@@ -141,18 +150,19 @@ impl Layout {
             subdivision: Subdivision::new(mesh, marks).refined_by_mark(&high),
             tips: Vec::new(),
         };
+        let located = || state.map_or(Vec::new(), unlocated);
         match method.refine {
-            Refine::None => Ok((self.clone(), Vec::new())),
-            Refine::UniformH => Ok((by_mark(&all(true)), Vec::new())),
-            Refine::UniformP => Ok((by_mark(&all(false)), Vec::new())),
-            Refine::H => Ok((by_mark(&marked(0.5, &|_| true)), Vec::new())),
+            Refine::None => Ok((self.clone(), located())),
+            Refine::UniformH => Ok((by_mark(&all(true)), located())),
+            Refine::UniformP => Ok((by_mark(&all(false)), located())),
+            Refine::H => Ok((by_mark(&marked(0.5, &|_| true)), located())),
             Refine::HpDecay => {
                 let corners = singular_points(scene, false);
                 let touches = |e: usize| {
                     corners[mesh.edge[e]].iter().any(|c| mesh.span[e].iter().any(|s| (s - c).abs() < SAME_PLACE))
                 };
                 let rough = |e: usize| decay(e).map_or(touches(e), |d| d > method.smoothness);
-                Ok((by_mark(&marked(0.5, &rough)), Vec::new()))
+                Ok((by_mark(&marked(0.5, &rough)), located()))
             }
             Refine::Hp => {
                 let rough = |e: usize| {
@@ -169,17 +179,9 @@ impl Layout {
                 }
                 let mut subdivision = Subdivision::new(mesh, &marks);
                 let mut tips = self.tips.clone();
-                let located = match (&solved.contact, &factors.contact) {
-                    (Some(contact), Some(part)) => {
-                        let state = steklov_contact::Solved {
-                            problem: &part.problem,
-                            solution: &contact.solution,
-                            sets: &part.sets,
-                            lines: &part.lines,
-                        };
-                        relocate(&mut tips, &mut subdivision, state, &singular)?
-                    }
-                    _ => Vec::new(),
+                let located = match state {
+                    Some(state) => relocate(&mut tips, &mut subdivision, state, &singular)?,
+                    None => Vec::new(),
                 };
                 tips.iter().for_each(|tip| singular[tip.edge].push(tip.s));
                 Ok((Self { subdivision: subdivision.refined(&singular, &Grading::default()), tips }, located))

@@ -8,11 +8,12 @@
 //! The indicators steer the refinement. The estimate is the energy of e₊, the displacement that S₊ of the enriched spaces
 //! adds with the contact sets as they are.
 
-use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Mesh};
+use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
 
+use crate::adapt::{coarse_elements, singular_points};
 use crate::data::Data;
-use crate::scene::{Condition, Indicator, Scene};
+use crate::scene::{Condition, Indicator, Refine, Scene};
 use crate::solve::{Factors, SolveError, Solved};
 
 /// The part of an estimate on one element; each an energy (force*length/thickness).
@@ -81,7 +82,9 @@ pub enum Doubt {
     Transition,
     /// The contact sets are still changing from mesh to mesh.
     Sets,
-    /// An element lies between two singular points: its error may have the parity that the one bubble has not.
+    /// The mesh is too coarse about singular points for one bubble an element to show the error: an element lies between two of
+    /// them, where its error may have the other parity, or one next to them is of high degree, where the next one adds
+    /// little.
     Coarse,
     /// The error is down at rounding errors.
     Roundoff,
@@ -111,6 +114,9 @@ const FAR_IN_ZONE: f64 = 0.025;
 /// Energy norm that vertices off their transitions may cost by themselves, over the estimated error, beyond which that is in
 /// doubt.
 const UNDONE: f64 = 10.0;
+/// Next to a singular point e_p falls like p^-2λ: beyond this degree a bubble shows less than half of the error.
+const SLOW: usize = 8;
+const SLOW_PART: f64 = 0.1;
 /// Relative error (energy norm) below which rounding decides.
 pub const ROUNDOFF: f64 = 1e-7;
 /// Reduction of the squared energy of the rest at which the correction is good enough.
@@ -216,9 +222,21 @@ impl Estimate {
         }
     }
 
+    /// Whether an element may have much more error than its bubble shows: between two singular points, or of high degree next to
+    /// one with a good part of the estimate.
+    fn is_coarse(&self, mesh: &Mesh, singular: &[Vec<f64>]) -> bool {
+        let total: f64 = self.indicators.iter().map(Bubble::total).sum();
+        let touches = |e: usize| {
+            let points = &singular[mesh.edge[e]];
+            points.iter().any(|p| mesh.span[e].iter().any(|s| (s - p).abs() < SAME_PLACE))
+        };
+        let slow = |e: usize| mesh.degree[e] > SLOW && self.indicators[e].total() > SLOW_PART * total && touches(e);
+        !coarse_elements(mesh, singular).is_empty() || (0..mesh.len()).any(slow)
+    }
+
     /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `settled`: the transitions are
-    /// those of the step before; `coarse`: an element lies between two singular points.
-    pub(crate) fn add_transitions(&mut self, scene: &Scene, located: &[Located], settled: bool, coarse: bool) {
+    /// those of the step before.
+    pub(crate) fn add_transitions(&mut self, scene: &Scene, mesh: &Mesh, located: &[Located], settled: bool) {
         let modulus = 2.0 * scene.material.mu() / (1.0 - scene.material.nu());
         let [at_vertices, inside] = [true, false].map(|at_vertex| {
             let tips = located.iter().filter(|tip| tip.at_vertex == at_vertex);
@@ -229,13 +247,18 @@ impl Estimate {
         let lost = at_vertices > (UNDONE * self.error).powi(2);
         self.error = self.error.hypot(self.tips.sqrt());
         self.relative = ratio(self.error, self.scale);
-        if lost || located.iter().any(|tip| !tip.at_vertex) {
+        // linear elements follow a transition as well as they do anything
+        let hp = scene.method.refine == Refine::Hp;
+        let hidden = |tip: &Located| !tip.at_vertex && (hp || degree_at(mesh, tip) > 1);
+        if lost || located.iter().any(hidden) {
             self.doubts.push(Doubt::Transition);
         }
-        if !settled || located.iter().any(|tip| tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR)) {
+        if !settled
+            || located.iter().any(|tip| tip.at_vertex && tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR))
+        {
             self.doubts.push(Doubt::Sets);
         }
-        if coarse {
+        if self.is_coarse(mesh, &singular_points(scene, hp)) {
             self.doubts.push(Doubt::Coarse);
         }
         if self.relative < ROUNDOFF {
@@ -253,6 +276,17 @@ fn scale(strain: f64, factors: &Factors) -> f64 {
     let largest = factors.homogeneous.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let floor = 1e-20 * factors.condensation.largest_diagonal() * largest * largest;
     (2.0 * strain).max(floor).sqrt()
+}
+
+/// Degree of the element in which a transition lies.
+fn degree_at(mesh: &Mesh, tip: &Located) -> usize {
+    let inside = |e: &usize| {
+        mesh.edge[*e] == tip.edge && {
+            let [a, b] = mesh.span[*e];
+            (a - tip.s) * (b - tip.s) <= 0.0
+        }
+    };
+    (0..mesh.len()).find(inside).map_or(1, |e| mesh.degree[e])
 }
 
 /// Distance (edge parameter) of a contact end to the next one or the end of the edge; infinite for others.

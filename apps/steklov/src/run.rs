@@ -6,7 +6,7 @@ use std::time::Instant;
 use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
 use steklov_contact::{Located, Tip, TipKind};
 
-use crate::adapt::{Layout, coarse_elements, singular_points};
+use crate::adapt::Layout;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate};
 use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
@@ -171,8 +171,7 @@ fn advance(
     let mut estimate = estimate(scene, &solved, &factors)?;
     let (layout, located) = progress.next.next(scene, &solved, &factors, &estimate)?;
     let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
-    let coarse = !coarse_elements(&solved.mesh, &singular_points(scene, scene.method.refine == Refine::Hp)).is_empty();
-    estimate.add_transitions(scene, &located, solved.contact.is_none() || fixed, coarse);
+    estimate.add_transitions(scene, &solved.mesh, &located, solved.contact.is_none() || fixed);
     let s = &solved.seconds;
     let seconds = [s.set_up, s.assemble, s.factorise, s.solve, clock.elapsed().as_secs_f64()];
     let contact = solved.contact.as_ref();

@@ -78,6 +78,6 @@ pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
 pub use residual::{ContactResidual, ContactSolution, contact_residuals};
 pub use sides::SideData;
-pub use tips::{Located, Solved, Tip, relocate};
+pub use tips::{Located, Solved, Tip, relocate, unlocated};
 pub use transitions::{TipFit, TipKind, Transition, first_guess, tip_fit, transitions};
 pub use uzawa::uzawa;

@@ -130,6 +130,18 @@ pub fn relocate(
     Ok(located)
 }
 
+/// The transitions of a mesh that has no vertices for them: each with half of its bracket as what it may be off.
+pub fn unlocated(solved: Solved<'_>) -> Vec<Located> {
+    let Solved { problem, solution, sets, lines } = solved;
+    let place = |line: &ContactLine, transition: &Transition| {
+        let [low, high] = transition.bracket;
+        let s = first_guess(line, transition, problem, solution);
+        let (edge, kind, off) = (line.edge, transition.kind, (high - low) / 2.0);
+        Located { edge, s, kind, off, curvature: None, at_vertex: false }
+    };
+    lines.iter().flat_map(|line| transitions(line, sets).iter().map(|t| place(line, t)).collect::<Vec<_>>()).collect()
+}
+
 /// Nodes of a run at most that may be flicker.
 const FLICKER_NODES: usize = 3;
 /// Length of such a run at most, as part of those beside it.
