@@ -28,7 +28,7 @@ fn effectivities(name: &str, scene: &Scene) -> Vec<(usize, f64)> {
     scene.method.refine = Refine::Hp;
     scene.method.max_dofs = DOFS;
     let (run, displacements) = solved_in_steps(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
-    if run.step().estimate.relative < 1e-9 {
+    if run.step().estimate().relative < 1e-9 {
         println!("{name}: exact");
         return Vec::new();
     }
@@ -36,12 +36,12 @@ fn effectivities(name: &str, scene: &Scene) -> Vec<(usize, f64)> {
     println!("{name}: {}", run.reason.word());
     let mut effectivities = Vec::new();
     for (k, (step, displacement)) in run.progress.steps.iter().zip(&displacements).enumerate() {
-        if !step.estimate.doubts.is_empty() {
-            println!("    {k:2} {:4} dofs, estimate {:.1e}, in doubt", step.dofs, step.estimate.relative);
+        if !step.estimate().doubts.is_empty() {
+            println!("    {k:2} {:4} dofs, estimate {:.1e}, in doubt", step.dofs, step.estimate().relative);
             continue;
         }
         let truth = true_error(&scene, &step.mesh, displacement, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let effectivity = step.estimate.error / truth.error;
+        let effectivity = step.estimate().error / truth.error;
         println!(
             "    {k:2} {:4} dofs, error {:.2e}, estimate over it {effectivity:.2}",
             step.dofs,

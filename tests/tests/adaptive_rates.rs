@@ -48,7 +48,7 @@ fn octaves(problem: &Judged, degree: usize, sides: &[usize], meshes: usize) -> V
             scene.method.elements = 4 * (side + k * side / meshes);
             let run = adapt(&scene).unwrap_or_else(|e| panic!("{}: {e}", problem.name));
             sums[0] += problem.energy_error(run.step()).powi(2);
-            sums[1] += run.step().estimate.relative.powi(2);
+            sums[1] += run.step().estimate().relative.powi(2);
         }
         sums.map(|s| (s / meshes as f64).sqrt())
     };

@@ -139,7 +139,7 @@ fn errors_fall_exponentially() {
         let run = problem.solved();
         assert_eq!(run.reason, Reason::Tolerance, "{name}: down to 1e-6");
         let steps = &run.progress.steps;
-        let estimates: Vec<f64> = steps.iter().map(|s| s.estimate.relative.ln()).collect();
+        let estimates: Vec<f64> = steps.iter().map(|s| s.estimate().relative.ln()).collect();
         let energies: Vec<f64> = steps[3..].iter().map(|s| problem.energy_error(s).ln()).collect();
         for power in [1.0 / 2.0, 1.0 / 3.0] {
             let dofs: Vec<f64> = steps.iter().map(|s| (s.dofs as f64).powf(power)).collect();
@@ -192,7 +192,7 @@ fn speed(scene: &Scene) -> f64 {
     assert_eq!(run.reason, Reason::Tolerance);
     let steps = &run.progress.steps[2..];
     let roots: Vec<f64> = steps.iter().map(|s| (s.dofs as f64).sqrt()).collect();
-    let logs: Vec<f64> = steps.iter().map(|s| s.estimate.relative.ln()).collect();
+    let logs: Vec<f64> = steps.iter().map(|s| s.estimate().relative.ln()).collect();
     line(&roots, &logs).0
 }
 
@@ -230,7 +230,7 @@ fn limits_are_kept_and_named() {
             match reason {
                 Reason::MaxDofs => assert!(run.progress.next.dofs() > scene.method.max_dofs),
                 Reason::MaxSteps => assert_eq!(steps.len(), scene.method.max_steps),
-                _ => assert!(run.step().estimate.relative < 1e-6, "{:e}", run.step().estimate.relative),
+                _ => assert!(run.step().estimate().relative < 1e-6, "{:e}", run.step().estimate().relative),
             }
         }
     }

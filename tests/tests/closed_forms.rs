@@ -116,7 +116,7 @@ fn a_flat_punch_has_its_singularity() {
 
     let steps = &run.progress.steps;
     let dofs: Vec<f64> = steps.iter().map(|s| (s.dofs as f64).sqrt()).collect();
-    let (slope, straight) = line(&dofs, &steps.iter().map(|s| s.estimate.relative.ln()).collect::<Vec<_>>());
+    let (slope, straight) = line(&dofs, &steps.iter().map(|s| s.estimate().relative.ln()).collect::<Vec<_>>());
     println!("log estimate over dofs^½: slope {slope:.3}, R² {straight:.4}");
     assert!(slope < 0.0 && straight >= 0.97 && steps.len() >= 8);
 }

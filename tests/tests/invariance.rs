@@ -177,7 +177,7 @@ fn threads_change_no_bit_of_the_operators() {
             let first = [&operators.v, &operators.k, &operators.w].map(bits);
             let s = Steklov::new(operators, Domain::Interior).expect("V is positive definite").matrix;
             let mut stages = 0;
-            let solved = steklov::solve::solve(&scene, mesh, &mut PairCache::default(), &mut |stage| {
+            let solved = steklov::solve::solve(&scene, mesh, true, &mut PairCache::default(), &mut |stage| {
                 if let Stage::Steklov(again) = stage {
                     stages += usize::from(bits(again) == bits(&s));
                 }

@@ -103,17 +103,19 @@ fn judge(number: u64, scene: &Scene, full: bool) -> Outcome {
                 return outcome;
             }
         };
-        let doubted = !step.estimate.doubts.is_empty();
+        let doubted = !step.estimate().doubts.is_empty();
         // an exact answer leaves rounding
         if truth.error <= 1e-7 * truth.norm {
             continue;
         }
-        let effectivity = step.estimate.error / truth.error;
+        let effectivity = step.estimate().error / truth.error;
         outcome.effectivities.push((effectivity, doubted));
         if effectivity < HALF && !doubted {
             outcome.failure = Some(format!(
                 "step {k} of {last}: estimate {:.2e}, true error {:.2e} of {:.2e}, effectivity {effectivity:.2}",
-                step.estimate.error, truth.error, truth.norm
+                step.estimate().error,
+                truth.error,
+                truth.norm
             ));
         }
         if k == last {

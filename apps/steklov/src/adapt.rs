@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Grading, Mark, Mesh, SAME_PLACE, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Located, Tip, relocate, unlocated};
 
-use crate::estimate::Estimate;
+use crate::estimate::{Bubble, Estimate};
 use crate::expression::Expression;
 use crate::scene::{Condition, Friction, Refine, Scene};
 use crate::solve::{Factors, SolveError, Solved};
@@ -120,7 +120,7 @@ impl Layout {
         scene: &Scene,
         solved: &Solved,
         factors: &Factors,
-        estimate: &Estimate,
+        estimate: Option<&Estimate>,
     ) -> Result<(Self, Vec<Located>), SolveError> {
         let method = &scene.method;
         let Solved { mesh, space, .. } = solved;
@@ -133,7 +133,7 @@ impl Layout {
             }),
             _ => None,
         };
-        let squared = estimate.squared();
+        let squared = estimate.map_or(vec![0.0; mesh.len()], Estimate::squared);
         let decay = |e: usize| legendre_decay(mesh, space, e, &solved.displacement);
         let marked = |theta: f64, rough: &dyn Fn(usize) -> bool| -> Vec<Mark> {
             let marked = doerfler(&squared, method.marking.unwrap_or(theta));
@@ -166,9 +166,10 @@ impl Layout {
             }
             Refine::Hp => {
                 let rough = |e: usize| {
-                    let (p, i) = (mesh.degree[e], &estimate.indicators[e]);
+                    let p = mesh.degree[e];
+                    let unresolved = |i: &Bubble| i.oscillation > 0.5 * i.total();
                     p >= TELLING && decay(e).is_some_and(|d| d > method.smoothness)
-                        || p >= RESOLVING && i.oscillation > 0.5 * i.total()
+                        || p >= RESOLVING && estimate.is_some_and(|all| unresolved(&all.indicators[e]))
                 };
                 let mut singular = singular_points(scene, true);
                 let mut marks = marked(0.95, &rough);

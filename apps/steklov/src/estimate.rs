@@ -124,13 +124,22 @@ const ENOUGH: f64 = 1e-4;
 /// Steps of conjugate gradients at most.
 const STEPS: usize = 40;
 
-/// Estimates the error of a solved mesh, transitions of contact and stick left out.
+/// Unknowns of a single mesh beyond which the estimate is left out: it takes up to six times the time and three times the
+/// memory of the solution.
+const LARGEST_SINGLE: usize = 4000;
+
+/// Whether meshes of so many unknowns are estimated.
+pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
+    scene.method.refine != Refine::None || dofs <= LARGEST_SINGLE
+}
+
+/// Estimates the error of a solved mesh, transitions of contact and stick left out; none without [`Factors::enriched`].
 ///
 /// # Errors
 /// Data that are not finite.
-pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Estimate, SolveError> {
+pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Option<Estimate>, SolveError> {
     let Solved { mesh, space, .. } = solved;
-    let enriched = &factors.enriched;
+    let Some(enriched) = &factors.enriched else { return Ok(None) };
     let material = &scene.material;
     let modulus = 2.0 * material.mu() / (1.0 - material.nu());
     let data = Data { scene, mesh, space };
@@ -198,7 +207,7 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Est
     let uncertainty = 0.5 * (energy - energies.total).abs() + 0.4 * error * error;
     let doubts = Vec::new();
     let relative = ratio(error, scale);
-    Ok(Estimate {
+    Ok(Some(Estimate {
         indicators,
         residuals,
         correction: squared,
@@ -209,7 +218,7 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Est
         energy,
         uncertainty,
         doubts,
-    })
+    }))
 }
 
 impl Estimate {

@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Mesh, RigidMotion, free_motions};
 
 use crate::adapt::Layout;
+use crate::estimate::is_estimated;
 use crate::scene::{Condition, Friction, Refine, Scene, Solver};
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
@@ -119,13 +120,22 @@ pub fn plan(scene: &Scene) -> Plan {
     }
     left_out.push(decision("random input", "one solve".into(), "no random name is used"));
     left_out.push(decision("grid in the body", "none".into(), "the material is the same everywhere"));
-    modelled.push(decision(
-        "error estimate",
-        "spaces of one degree more".into(),
-        "bubbles and top tractions on every element: indicators, and the energy of what they add",
-    ));
+    let estimated = is_estimated(scene, dofs);
+    if estimated {
+        modelled.push(decision(
+            "error estimate",
+            "spaces of one degree more".into(),
+            "bubbles and top tractions on every element: indicators, and the energy of what they add",
+        ));
+    } else {
+        left_out.push(decision(
+            "error estimate",
+            "none".into(),
+            "one large mesh: it would take several times the time and memory of the solution; any other refine has one",
+        ));
+    }
 
-    let (n, x) = (dofs as f64, 2.0 * mesh.len() as f64);
+    let (n, x) = (dofs as f64, if estimated { 2.0 * mesh.len() as f64 } else { 0.0 });
     let cost = Cost {
         elements: mesh.len(),
         dofs,

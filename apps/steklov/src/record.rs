@@ -107,7 +107,7 @@ impl Record {
 fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summary {
     let solved = &run.last;
     let contact = solved.contact.as_ref();
-    let estimate = &run.step().estimate;
+    let estimate = run.step().estimate.as_ref();
     let part = |k: usize| run.progress.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
     Summary {
         title: scene.title.clone(),
@@ -118,14 +118,14 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         dofs: solved.space.dofs(),
         steps: run.progress.steps.len(),
         energy: solved.energies.total,
-        energy_extrapolated: Some(estimate.energy),
-        energy_uncertainty: Some(estimate.uncertainty),
+        energy_extrapolated: estimate.map(|e| e.energy),
+        energy_uncertainty: estimate.map(|e| e.uncertainty),
         strain_energy: solved.energies.strain,
         load_work: solved.energies.load_work,
         friction_work: solved.energies.friction_work,
-        estimate: Some(estimate.error),
-        estimate_relative: Some(estimate.relative),
-        estimate_doubts: estimate.doubts.iter().map(|d| d.word().to_owned()).collect(),
+        estimate: estimate.map(|e| e.error),
+        estimate_relative: estimate.map(|e| e.relative),
+        estimate_doubts: estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned()).collect(),
         iterations: contact.map_or(0, |c| c.solution.iterations),
         contact: contact.map(|c| contact_summary(scene, solved, c, rows, run.step())),
         audit: contact.map(|c| Audit {

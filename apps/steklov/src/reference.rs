@@ -116,13 +116,14 @@ impl Reference {
         let Some(last) = steps.iter().rev().find(|s| s.converged) else {
             return Err(ReferenceError::NotSolved { steps: steps.len() });
         };
-        let settled =
-            |s: &&Step| s.converged && !s.estimate.doubts.iter().any(|d| matches!(d, Doubt::Transition | Doubt::Sets));
+        let settled = |s: &&Step| {
+            s.converged && !s.estimate().doubts.iter().any(|d| matches!(d, Doubt::Transition | Doubt::Sets))
+        };
         let mut levels: Vec<Level> = steps.iter().filter(settled).map(Level::of).collect();
         if levels.last().is_none_or(|l| l.dofs != last.dofs) {
             levels.push(Level::of(last));
         }
-        let estimate = &last.estimate;
+        let estimate = last.estimate();
         let uncertainty =
             (estimate.uncertainty + (estimate.energy - last.energy).abs()).max(ROUNDING * last.energy.abs());
         let expected = scene.expect.iter().find(|e| e.path == "energy");
@@ -160,7 +161,7 @@ impl Reference {
         displacement: &[f64],
         interrupts: &AtomicUsize,
     ) -> Result<Option<f64>, SolveError> {
-        let Some(level) = self.level_for(step.estimate.error / self.norm) else { return Ok(None) };
+        let Some(level) = self.level_for(step.estimate().error / self.norm) else { return Ok(None) };
         let common = common_refinement(&step.mesh, &level.subdivision);
         if common.dofs() > COMMON_DOFS {
             return Ok(None);
@@ -183,7 +184,7 @@ impl Reference {
 impl Level {
     fn of(step: &Step) -> Self {
         let subdivision = Subdivision::new(&step.mesh, &vec![Mark::Keep; step.mesh.len()]);
-        Self { subdivision, dofs: step.dofs, estimate: step.estimate.relative }
+        Self { subdivision, dofs: step.dofs, estimate: step.estimate().relative }
     }
 }
 
@@ -232,7 +233,7 @@ fn distance(
     refinement: &Subdivision,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<TrueError, SolveError> {
-    let (exact, factors) = solve(scene, refinement.mesh(&scene.polygon)?, &mut PairCache::default(), observe)?;
+    let (exact, factors) = solve(scene, refinement.mesh(&scene.polygon)?, false, &mut PairCache::default(), observe)?;
     let mut difference = prolong(mesh, displacement, &exact);
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
     remove_motions(&mut difference, &exact);

@@ -7,7 +7,7 @@ use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
 use steklov_contact::{Located, Tip, TipKind};
 
 use crate::adapt::Layout;
-use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate};
+use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
 
@@ -60,14 +60,24 @@ pub struct Step {
     pub converged: bool,
     /// The contact solver's measure of the error, iteration by iteration; empty without contact.
     pub history: Vec<f64>,
-    /// Estimate of the error.
-    pub estimate: Estimate,
+    /// Estimate of the error; none of a single mesh of thousands of unknowns.
+    pub estimate: Option<Estimate>,
     /// The vertices of the mesh that follow transitions of contact and stick.
     pub tips: Vec<Tip>,
     /// Where the transitions are believed to be.
     pub located: Vec<Located>,
     /// Wall seconds: set-up, assembly, factorisation, solution, estimate.
     pub seconds: [f64; 5],
+}
+
+impl Step {
+    /// Estimate of the error.
+    ///
+    /// # Panics
+    /// If the mesh was too large for one.
+    pub fn estimate(&self) -> &Estimate {
+        self.estimate.as_ref().expect("meshes that lead to others are estimated")
+    }
 }
 
 /// Steps that are done, and the layout that they lead to.
@@ -165,13 +175,16 @@ fn advance(
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<(Solved, Step, Layout), SolveError> {
     let mesh = progress.next.subdivision.mesh(&scene.polygon)?;
-    let (solved, factors) = solve(scene, mesh, cache, observe)?;
+    let estimated = is_estimated(scene, progress.next.dofs());
+    let (solved, factors) = solve(scene, mesh, estimated, cache, observe)?;
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.97))?;
     let mut estimate = estimate(scene, &solved, &factors)?;
-    let (layout, located) = progress.next.next(scene, &solved, &factors, &estimate)?;
+    let (layout, located) = progress.next.next(scene, &solved, &factors, estimate.as_ref())?;
     let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
-    estimate.add_transitions(scene, &solved.mesh, &located, solved.contact.is_none() || fixed);
+    if let Some(estimate) = &mut estimate {
+        estimate.add_transitions(scene, &solved.mesh, &located, solved.contact.is_none() || fixed);
+    }
     let s = &solved.seconds;
     let seconds = [s.set_up, s.assemble, s.factorise, s.solve, clock.elapsed().as_secs_f64()];
     let contact = solved.contact.as_ref();
@@ -215,10 +228,10 @@ fn reason(scene: &Scene, progress: &Progress, unchanged: bool, interrupted: bool
     let method = &scene.method;
     let steps = &progress.steps;
     let step = steps.last()?;
-    let reached = |s: &Step| s.estimate.relative <= method.tolerance;
-    let exact = step.estimate.relative < ROUNDOFF;
+    let reached = |s: &Step| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance);
+    let exact = step.estimate.as_ref().is_some_and(|e| e.relative < ROUNDOFF);
     // an estimate that is in doubt has to be confirmed by the next step, if there is any
-    let doubted = step.estimate.doubts.iter().any(|d| *d != Doubt::Roundoff);
+    let doubted = step.estimate.iter().flat_map(|e| &e.doubts).any(|d| *d != Doubt::Roundoff);
     let confirmed = !doubted || exact || unchanged || steps.len() > 1 && reached(&steps[steps.len() - 2]);
     Some(match method.refine {
         _ if !step.converged => Reason::Solver,

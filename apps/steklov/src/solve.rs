@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use faer::Mat;
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Condensation, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache,
+    BemError, BodyForce, BoundaryField, Condensation, Domain, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache,
     Partition, RigidMotion, Space, Steklov,
 };
 use steklov_contact::{
@@ -162,8 +162,8 @@ const UNBALANCED: f64 = 1e-7;
 pub struct Factors {
     /// S, the free unknowns eliminated.
     pub condensation: Condensation,
-    /// What S₊ of the enriched spaces needs besides.
-    pub enriched: EnrichedSteklov,
+    /// What S₊ of the enriched spaces needs besides, if the solution is to be estimated.
+    pub enriched: Option<EnrichedSteklov>,
     /// Nodal displacement without the body force's particular solution.
     pub homogeneous: Vec<f64>,
     /// Load of the bubbles, less that of the particular solution.
@@ -182,13 +182,15 @@ pub struct ContactFactors {
     pub lines: Vec<ContactLine>,
 }
 
-/// Solves the scene on a mesh. Moments of pairs of elements are taken from `cache` where it has them.
+/// Solves the scene on a mesh; `estimated`: with what an estimate needs. Moments of pairs of elements are taken from `cache`
+/// where it has them.
 ///
 /// # Errors
 /// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.
 pub fn solve(
     scene: &Scene,
     mesh: Mesh,
+    estimated: bool,
     cache: &mut PairCache,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<(Solved, Factors), SolveError> {
@@ -204,14 +206,25 @@ pub fn solve(
 
     let clock = Instant::now();
     observe(Stage::Progress("assembling V, K, W", 0.05))?;
-    let (operators, enrichment) = Enrichment::assemble(&mesh, &space, &scene.material, None, cache)?;
+    let (operators, enrichment) = if estimated {
+        let (operators, enrichment) = Enrichment::assemble(&mesh, &space, &scene.material, None, cache)?;
+        (operators, Some(enrichment))
+    } else {
+        (Operators::assemble(&mesh, &space, &scene.material, None)?, None)
+    };
     let length = operators.length;
     seconds.assemble = clock.elapsed().as_secs_f64();
     observe(Stage::Operators(&operators))?;
 
     let clock = Instant::now();
     observe(Stage::Progress("Steklov-Poincaré matrix", 0.3))?;
-    let (Steklov { matrix, traction: traction_map }, enriched) = Steklov::enriched(operators, enrichment)?;
+    let (Steklov { matrix, traction: traction_map }, enriched) = match enrichment {
+        None => (Steklov::new(operators, Domain::Interior)?, None),
+        Some(enrichment) => {
+            let (steklov, enriched) = Steklov::enriched(operators, enrichment)?;
+            (steklov, Some(enriched))
+        }
+    };
     observe(Stage::Steklov(&matrix))?;
     let body_force = scene.body_force.map(|b| BodyForce::new(b, scene.polygon.centroid(), &scene.material));
     let particular = body_force.map(|b| Particular::new(&b, &mesh, &space, &matrix));

@@ -47,7 +47,9 @@ pub(crate) fn save(at: &Group, step: &Step) -> Result<(), IoError> {
     let parts = label("seconds", "set-up, assembly, factorisation, solution, estimate", &["part"]);
     save_vector(at, "seconds", &step.seconds, &parts)?;
     save_number(at, "strain_energy", step.strain, "force*length/thickness", "half of a(u, u)")?;
-    save_estimate(at, &step.estimate)?;
+    if let Some(estimate) = &step.estimate {
+        save_estimate(at, estimate)?;
+    }
     save_tips(at, &step.tips)?;
     save_transitions(at, &step.located)
 }
@@ -140,7 +142,7 @@ fn load_step(at: &Group) -> Result<Step, IoError> {
         return Err(invalid(at, "seconds", "one number of dofs and five of seconds belong here"));
     };
     let mesh: steklov_bem_operators::Mesh = load(at, "mesh")?;
-    let estimate = load_estimate(at, mesh.len())?;
+    let estimate = if at.link_exists("estimate") { Some(load_estimate(at, mesh.len())?) } else { None };
     Ok(Step {
         dofs: *dofs,
         energy: load_number(at, "energy")?,

@@ -344,6 +344,16 @@ fn a_scene_that_names_no_refinement_is_refined_to_its_tolerance() {
     assert_eq!(find("elements")["choice"], "8");
     assert_eq!((&plan["cost"]["dofs"], &plan["cost"]["elements"]), (&json!(16), &json!(8)));
     assert_eq!(keys(&plan), sorted("model modelled left_out cost"));
+    // One large mesh is not estimated; the plan says so, and that it costs less.
+    let cost = |elements: usize| {
+        let elements = format!("method.elements={elements}");
+        let single = ["--set", "method.refine=\"none\"", "--set", &elements];
+        let plan = place.run([&["plan", "block.toml", "--json"], &single[..]].concat()).demand(0).json();
+        let left_out = plan["left_out"].as_array().unwrap().iter().any(|d| d["what"] == "error estimate");
+        (left_out, plan["cost"]["memory_bytes"].as_f64().unwrap() / (elements.len() as f64))
+    };
+    let (few, many) = (cost(2000), cost(2001));
+    assert!(!few.0 && many.0 && many.1 < 0.5 * few.1, "{few:?} {many:?}");
     // Fewer elements than edges are raised, and the plan says so.
     let few = place.run(["plan", "block.toml", "--set", "method.elements=1"]).demand(0).out;
     assert!(few.contains("4 elements instead of 1") && few.starts_with("A block\n"), "{few}");

@@ -58,7 +58,7 @@ impl Point {
     }
 
     fn new(step: &Step, error: Option<f64>, reference: &Reference, mut times: Vec<f64>) -> Self {
-        let (estimate, norm) = (&step.estimate, reference.norm);
+        let (estimate, norm) = (step.estimate(), reference.norm);
         let oscillation: f64 = estimate.indicators.iter().map(|i| i.oscillation).sum();
         Self {
             mesh: step.mesh.clone(),
