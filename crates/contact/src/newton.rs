@@ -103,10 +103,10 @@ struct Equations<'a> {
     unit: f64,
 }
 
-/// Σ |nodal force| / Σ D, a mean contact stress; 1 without forces.
+/// Σ (|f| + |S v|) / Σ D, a mean stress; 1 without forces. That of f - S v would be rounding where nothing touches.
 fn unit(problem: &Problem, v: &[f64]) -> f64 {
     let elastic = product(&problem.stiffness, v);
-    let force: f64 = problem.load.iter().zip(elastic).map(|(f, s)| (f - s).abs()).sum();
+    let force: f64 = problem.load.iter().zip(elastic).map(|(f, s)| f.abs() + s.abs()).sum();
     let mean = force / problem.nodes.iter().map(weight).sum::<f64>();
     if mean > 0.0 { mean } else { 1.0 }
 }
