@@ -112,7 +112,10 @@ impl<'a> Frozen<'a> {
     /// The change of the displacement under an additional load, with the sets as they are.
     pub fn correction(&self, load: &[f64]) -> Vec<f64> {
         match &self.factor {
-            Some(factor) => self.free.expand(&factor.solve(&self.free.project(load))),
+            Some(factor) => {
+                let load = self.free.project(load);
+                self.free.expand(&factor.solve(&load, &vec![0.0; load.len()]))
+            }
             None => vec![0.0; load.len()],
         }
     }

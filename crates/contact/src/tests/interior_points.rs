@@ -129,6 +129,28 @@ proptest! {
         as_active_set(&problem, &solved(&problem))?;
     }
 
+    /// Closed under λ_n = 1 and slipping everywhere, the way w goes: friction and load balance, the body may lie anywhere
+    /// between the next changes of direction.
+    #[test]
+    fn a_body_that_slips_everywhere_is_found(
+        drawn in floating(12, Friction::Tresca), w in proptest::collection::vec(-1.0..1.0f64, 24)
+    ) {
+        // nodes about 0 and nodes about 1: not what balances the displacements themselves
+        let w: Vec<f64> = w[..drawn.load.len()].iter().map(|w| if *w > -0.3 { w + 1.0 } else { *w }).collect();
+        let mut problem = drawn;
+        problem.load = product(&problem.stiffness, &w);
+        for (i, node) in problem.nodes.iter_mut().enumerate() {
+            let c = &mut node.conditions[0];
+            (c.gap, c.slip_offset) = (w[2 * i], 0.0);
+            problem.load[2 * i] += c.normal_weight;
+            problem.load[2 * i + 1] += c.tangent_weight * c.bound * w[2 * i + 1].signum();
+        }
+        let answer = solved(&problem);
+        let (a, b) = (problem.energy(&answer.displacement), problem.energy(&w));
+        prop_assert!((a - b).abs() <= 1e-9 * (a.abs() + problem.stiffness.norm_max()), "{a} {b}");
+        prop_assert!(answer.iterations <= 30, "{:?}", answer.history);
+    }
+
     /// u_n → u_n + d and g → g + d changes nothing else in a body that nothing holds.
     #[test]
     fn a_floating_body_is_pressed_at_any_distance(problem in floating(8, Friction::Tresca), exponent in -6.0..6.0f64) {
