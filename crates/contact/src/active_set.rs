@@ -1,6 +1,8 @@
 //! Primal-dual active set: semi-smooth Newton on the proximal map of the law.
 
-use crate::free::Free;
+use std::ops::Range;
+
+use crate::free::{Free, off_forces};
 use crate::law::{Branch, Law, Piece, dot};
 use crate::linear::{largest, product, solve_semidefinite};
 use crate::multipliers::{multipliers, status};
@@ -39,8 +41,8 @@ pub struct Start<'a> {
 /// contact and stick.
 ///
 /// *Use when*: always a good choice; 2 to 7 steps are usual. *Fails when*: it cycles beyond the iteration limit (then
-/// the best iterate is returned, marked so). A singular system (a floating body) is solved in the least norm; a load on
-/// its free motion moves the body along it until the first condition stops it. *Cost*: one dense factorisation a step.
+/// the best iterate is returned, marked so). Of the solutions of a singular system (a floating body) the one nearest to
+/// the start is taken; a load on its free motion moves the body along it until the first condition stops it. *Cost*: one dense factorisation a step.
 ///
 /// # Errors
 /// [`ContactError::Inconsistent`] from [`Problem::check`] or a start of wrong size; [`ContactError::NotHeld`] if
@@ -50,14 +52,17 @@ pub struct Start<'a> {
 pub fn active_set(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
     let laws = laws(problem);
-    let pieces = match start {
-        None => laws.iter().map(|law| law.closed().clone()).collect(),
+    match start {
+        None => {
+            let pieces = laws.iter().map(|law| law.closed().clone()).collect();
+            iterate(problem, &laws, pieces, &vec![0.0; problem.load.len()])
+        }
         Some(start) => {
             let force = start.nodal_force(problem)?;
-            nearest_pieces(problem, &laws, start.displacement, &force)
+            let pieces = nearest_pieces(problem, &laws, start.displacement, &force);
+            iterate(problem, &laws, pieces, start.displacement)
         }
-    };
-    iterate(problem, &laws, pieces)
+    }
 }
 
 impl Start<'_> {
@@ -116,17 +121,20 @@ pub(crate) struct Linear {
     unbalanced: Vec<f64>,
 }
 
-/// v on all lines that are on, R equal to the known forces in the directions that are free.
-pub(crate) fn solve_pieces(problem: &Problem, laws: &[Law], pieces: &[Piece]) -> Result<Linear, ContactError> {
+/// v on all lines that are on, R equal to the known forces in the directions that are free; if that leaves a motion free
+/// (a body that slips everywhere, say), the v nearest to `near`.
+pub(crate) fn solve_pieces(
+    problem: &Problem,
+    laws: &[Law],
+    pieces: &[Piece],
+    near: &[f64],
+) -> Result<Linear, ContactError> {
     let s = &problem.stiffness;
     let free = Free::new(problem, laws, pieces);
-    let mut known = vec![0.0; problem.load.len()];
-    for ((node, law), piece) in problem.nodes.iter().zip(laws).zip(pieces) {
-        known[node.first..node.first + node.unknowns].copy_from_slice(&law.off_force(piece)[..node.unknowns]);
-    }
+    let known = off_forces(problem, laws, pieces);
     let elastic = product(s, &free.fixed);
     let rest: Vec<f64> = (0..known.len()).map(|i| problem.load[i] - elastic[i] - known[i]).collect();
-    let moved = free.expand(&solve_semidefinite(&free.stiffness(s), &free.project(&rest))?);
+    let moved = free.expand(&solve_semidefinite(&free.stiffness(s), &free.project(&rest), &free.project(near))?);
     let displacement: Vec<f64> = free.fixed.iter().zip(moved).map(|(a, b)| a + b).collect();
     let elastic = product(s, &displacement);
     let force: Vec<f64> = problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
@@ -150,10 +158,7 @@ pub(crate) fn violations(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &
     nodes
         .map(|(((node, law), piece), weight)| {
             let (distance, excess) = law.violation(piece, node.pick(v), node.pick(r));
-            let rows = node.first..node.first + node.unknowns;
-            let columns = rows.map(|i| problem.stiffness.col_as_slice(i)); // S = Sᵀ
-            let terms = columns.map(|s| s.iter().zip(v).map(|(s, v)| (s * v).abs()).sum::<f64>());
-            let noise = 1e-15 * terms.fold(0.0f64, f64::max);
+            let noise = noise(problem, node.first..node.first + node.unknowns, v);
             let length = if distance > 0.0 { distance / length } else { 0.0 };
             let force = if excess > noise { (excess - noise) / (weight * stress) } else { 0.0 };
             length.max(force)
@@ -161,19 +166,31 @@ pub(crate) fn violations(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &
         .collect()
 }
 
-/// The method itself, from given pieces; if it does not settle, by way of regularised problems.
-pub(crate) fn iterate(problem: &Problem, laws: &[Law], pieces: Vec<Piece>) -> Result<Solution, ContactError> {
+/// Rounding errors of S v in the given rows.
+fn noise(problem: &Problem, rows: Range<usize>, v: &[f64]) -> f64 {
+    let columns = rows.map(|i| problem.stiffness.col_as_slice(i)); // S = Sᵀ
+    let terms = columns.map(|s| s.iter().zip(v).map(|(s, v)| (s * v).abs()).sum::<f64>());
+    1e-15 * terms.fold(0.0f64, f64::max)
+}
+
+/// The method itself, from given pieces and a displacement; if it does not settle, by way of regularised problems.
+pub(crate) fn iterate(
+    problem: &Problem,
+    laws: &[Law],
+    pieces: Vec<Piece>,
+    start: &[f64],
+) -> Result<Solution, ContactError> {
     let (mut history, limit) = (Vec::new(), LIMIT + 4 * pieces.len());
-    let mut best = settle(problem, laws, pieces, limit, &mut history)?;
+    let mut best = settle(problem, laws, pieces, start, limit, &mut history)?;
     let mut centre = best.linear.displacement.clone();
     for round in 0..ROUNDS {
         if best.measure <= ACCEPTED {
             break;
         }
         let regular = regularised(problem, &centre, REGULARISATION * 0.1f64.powi(round.min(6)));
-        let near = settle(&regular, laws, best.pieces.clone(), limit, &mut history)?;
-        let tried = settle(problem, laws, near.pieces, limit, &mut history)?;
+        let near = settle(&regular, laws, best.pieces.clone(), &centre, limit, &mut history)?;
         centre = near.linear.displacement;
+        let tried = settle(problem, laws, near.pieces, &centre, limit, &mut history)?;
         if tried.measure < best.measure {
             best = tried;
         }
@@ -201,17 +218,19 @@ pub(crate) struct Settled {
     pub linear: Linear,
 }
 
-/// Changes pieces until none is violated or `limit` steps are done, at least one; the best iterate.
+/// Changes pieces until none is violated or `limit` steps are done, at least one; the best iterate. Motions that pieces
+/// leave free are as in `near`.
 pub(crate) fn settle(
     problem: &Problem,
     laws: &[Law],
     mut pieces: Vec<Piece>,
+    near: &[f64],
     limit: usize,
     history: &mut Vec<f64>,
 ) -> Result<Settled, ContactError> {
     let (mut fewest, mut waited, mut best) = (usize::MAX, 0, None::<Settled>);
     for _ in 0..limit {
-        let linear = solve_pieces(problem, laws, &pieces)?;
+        let linear = solve_pieces(problem, laws, &pieces, near)?;
         let (v, r) = (&linear.displacement, &linear.force);
         let wrong = violations(problem, laws, &pieces, v, r);
         let proposed = nearest_pieces(problem, laws, v, r);
@@ -252,7 +271,10 @@ fn imbalance(problem: &Problem, linear: &Linear) -> f64 {
     let load = largest(problem.load.iter().copied());
     let elastic = problem.load.iter().zip(&linear.force).map(|(f, r)| f - r);
     let scale = load + largest(elastic);
-    if scale == 0.0 { 0.0 } else { largest(linear.unbalanced.iter().copied()) / scale }
+    let unbalanced = largest(linear.unbalanced.iter().copied());
+    // a body far from its place in the frame of v has rounding errors beyond its loads
+    let noise = noise(problem, 0..problem.load.len(), &linear.displacement);
+    if unbalanced > noise { (unbalanced - noise) / scale } else { 0.0 }
 }
 
 /// The first kink (node, index) that stops the motion of the unbalanced load, along which no energy is spent.

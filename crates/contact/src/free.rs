@@ -53,3 +53,12 @@ impl Free {
         matrix
     }
 }
+
+/// The forces of all kinks that are off their lines, m entries.
+pub(crate) fn off_forces(problem: &Problem, laws: &[Law], pieces: &[Piece]) -> Vec<f64> {
+    let mut known = vec![0.0; problem.load.len()];
+    for ((node, law), piece) in problem.nodes.iter().zip(laws).zip(pieces) {
+        known[node.first..node.first + node.unknowns].copy_from_slice(&law.off_force(piece)[..node.unknowns]);
+    }
+    known
+}

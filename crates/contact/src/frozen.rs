@@ -1,7 +1,7 @@
 //! Contact problems with given sets: which conditions are closed, which stick, which slip.
 
 use crate::active_set::{laws, nearest_pieces};
-use crate::free::Free;
+use crate::free::{Free, off_forces};
 use crate::law::{Branch, Law, Piece};
 use crate::linear::{Semidefinite, product};
 use crate::{ContactError, Problem, Solution, Start};
@@ -96,10 +96,7 @@ impl<'a> Frozen<'a> {
     /// [`ContactError::Decomposition`].
     pub fn new(problem: &'a Problem, sets: &Sets) -> Result<Self, ContactError> {
         let free = Free::new(problem, &sets.laws, &sets.pieces);
-        let mut known = vec![0.0; problem.load.len()];
-        for ((node, law), piece) in problem.nodes.iter().zip(&sets.laws).zip(&sets.pieces) {
-            known[node.first..node.first + node.unknowns].copy_from_slice(&law.off_force(piece)[..node.unknowns]);
-        }
+        let known = off_forces(problem, &sets.laws, &sets.pieces);
         let stiffness = free.stiffness(&problem.stiffness);
         let factor = if stiffness.nrows() == 0 { None } else { Some(Semidefinite::new(&stiffness)?) };
         Ok(Self { problem, free, known, factor })
@@ -115,7 +112,10 @@ impl<'a> Frozen<'a> {
     /// The change of the displacement under an additional load, with the sets as they are.
     pub fn correction(&self, load: &[f64]) -> Vec<f64> {
         match &self.factor {
-            Some(factor) => self.free.expand(&factor.solve(&self.free.project(load))),
+            Some(factor) => {
+                let load = self.free.project(load);
+                self.free.expand(&factor.solve(&load, &vec![0.0; load.len()]))
+            }
             None => vec![0.0; load.len()],
         }
     }

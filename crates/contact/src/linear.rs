@@ -36,13 +36,17 @@ impl Semidefinite {
         Ok(Self::Singular { vectors: eigen.U().to_owned(), inverse })
     }
 
-    /// The solution of least norm (of least residual when b is outside the range) if the matrix is singular.
-    pub(crate) fn solve(&self, b: &[f64]) -> Vec<f64> {
+    /// If the matrix is singular, of the solutions (of least residual when b is outside the range) the one nearest to
+    /// `near`.
+    pub(crate) fn solve(&self, b: &[f64], near: &[f64]) -> Vec<f64> {
         match self {
             Self::Regular(factor) => column(&factor.solve(to_matrix(b))),
             Self::Singular { vectors, inverse } => {
-                let mut coefficients = vectors.transpose() * to_matrix(b);
-                inverse.iter().enumerate().for_each(|(j, inverse)| coefficients[(j, 0)] *= inverse);
+                let (mut coefficients, kept) =
+                    (vectors.transpose() * to_matrix(b), vectors.transpose() * to_matrix(near));
+                for (j, &inverse) in inverse.iter().enumerate() {
+                    coefficients[(j, 0)] = if inverse == 0.0 { kept[(j, 0)] } else { inverse * coefficients[(j, 0)] };
+                }
                 column(&(vectors * coefficients))
             }
         }
@@ -50,8 +54,8 @@ impl Semidefinite {
 }
 
 /// Solves K x = b with K symmetric and positive semi-definite, as [`Semidefinite`].
-pub(crate) fn solve_semidefinite(k: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, ContactError> {
-    if b.is_empty() { Ok(Vec::new()) } else { Ok(Semidefinite::new(k)?.solve(b)) }
+pub(crate) fn solve_semidefinite(k: &Mat<f64>, b: &[f64], near: &[f64]) -> Result<Vec<f64>, ContactError> {
+    if b.is_empty() { Ok(Vec::new()) } else { Ok(Semidefinite::new(k)?.solve(b, near)) }
 }
 
 /// Solves A x = b with A square; the least-squares solution of least norm if A is numerically singular.
@@ -99,14 +103,20 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_singular_matrix_gives_the_solution_of_least_norm() {
-        // K = [1 -1; -1 1]: K x = (1, -1) has the solutions (s, s - 1); the shortest is (1/2, -1/2)
+    fn a_singular_matrix_gives_the_nearest_solution() {
+        // K = [1 -1; -1 1]: K x = (1, -1) has the solutions (s, s - 1); the nearest to the origin is (1/2, -1/2)
         let k = Mat::from_fn(2, 2, |i, j| if i == j { 1.0 } else { -1.0 });
-        for x in [solve_semidefinite(&k, &[1.0, -1.0]).unwrap(), solve_general(&k, &[1.0, -1.0]).unwrap()] {
+        let zero = [0.0; 2];
+        // and the nearest to (5, 2) is (4, 3), (2, 0) having the part (1, -1) in the range
+        for b in [[1.0, -1.0], [2.0, 0.0]] {
+            let x = solve_semidefinite(&k, &b, &[5.0, 2.0]).unwrap();
+            assert!((x[0] - 4.0).abs() < 1e-14 && (x[1] - 3.0).abs() < 1e-14, "{x:?}");
+        }
+        for x in [solve_semidefinite(&k, &[1.0, -1.0], &zero).unwrap(), solve_general(&k, &[1.0, -1.0]).unwrap()] {
             assert!((x[0] - 0.5).abs() < 1e-15 && (x[1] + 0.5).abs() < 1e-15, "{x:?}");
         }
         // a part outside the range is left alone, never divided by roundoff
-        for x in [solve_semidefinite(&k, &[2.0, 0.0]).unwrap(), solve_general(&k, &[2.0, 0.0]).unwrap()] {
+        for x in [solve_semidefinite(&k, &[2.0, 0.0], &zero).unwrap(), solve_general(&k, &[2.0, 0.0]).unwrap()] {
             assert!((x[0] - 0.5).abs() < 1e-15 && (x[1] + 0.5).abs() < 1e-15, "{x:?}");
         }
     }
@@ -116,7 +126,7 @@ mod tests {
         let k = Mat::from_fn(3, 3, |i, j| if i == j { 2.0 } else { 1.0 / (1.0 + (i + j) as f64) });
         let x = [1.0, -2.0, 3.0];
         let b = product(&k, &x);
-        for y in [solve_semidefinite(&k, &b).unwrap(), solve_general(&k, &b).unwrap()] {
+        for y in [solve_semidefinite(&k, &b, &[7.0; 3]).unwrap(), solve_general(&k, &b).unwrap()] {
             assert!(largest((0..3).map(|i| x[i] - y[i])) < 1e-14);
         }
     }

@@ -44,6 +44,7 @@ const SHORTEST: f64 = 1e-2;
 pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
     let laws = laws(problem);
+    let origin = vec![0.0; problem.load.len()];
     let mut v = match start {
         Some(start) => {
             start.nodal_force(problem)?;
@@ -51,7 +52,7 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
         }
         None => {
             let closed: Vec<_> = laws.iter().map(|law| law.closed().clone()).collect();
-            solve_pieces(problem, &laws, &closed)?.displacement
+            solve_pieces(problem, &laws, &closed, &origin)?.displacement
         }
     };
     let equations = Equations { problem, laws: &laws, unit: unit(problem, &v) };
@@ -79,12 +80,12 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
     }
     let pieces = nearest_pieces(problem, &laws, &v, &state.force);
     if history.last().is_none_or(|h| *h > TOLERANCE) {
-        let mut rest = iterate(problem, &laws, pieces)?;
+        let mut rest = iterate(problem, &laws, pieces, &origin)?; // v may have run away
         history.append(&mut rest.history);
         return Ok(Solution { iterations: history.len(), history, ..rest });
     }
     // the polished answer counts where it confirms the sets it was computed on, which weakly active nodes may not
-    let Linear { displacement, force, .. } = solve_pieces(problem, &laws, &pieces)?;
+    let Linear { displacement, force, .. } = solve_pieces(problem, &laws, &pieces, &origin)?;
     let wrong = largest(violations(problem, &laws, &pieces, &displacement, &force));
     let change = largest(displacement.iter().zip(&v).map(|(a, b)| a - b));
     // displacements far below the gaps carry the rounding of these until they are polished
@@ -103,10 +104,10 @@ struct Equations<'a> {
     unit: f64,
 }
 
-/// Σ |nodal force| / Σ D, a mean contact stress; 1 without forces.
+/// Σ (|f| + |S v|) / Σ D, a mean stress; 1 without forces. That of f - S v would be rounding where nothing touches.
 fn unit(problem: &Problem, v: &[f64]) -> f64 {
     let elastic = product(&problem.stiffness, v);
-    let force: f64 = problem.load.iter().zip(elastic).map(|(f, s)| (f - s).abs()).sum();
+    let force: f64 = problem.load.iter().zip(elastic).map(|(f, s)| f.abs() + s.abs()).sum();
     let mean = force / problem.nodes.iter().map(weight).sum::<f64>();
     if mean > 0.0 { mean } else { 1.0 }
 }

@@ -115,8 +115,8 @@ pub struct TipFit {
 
 /// The shift of a transition from the vertex at `s`, to first order.
 ///
-/// With the sets changed so that the transition is at the vertex, the gap w = g - u_n (contact) or w = |u_t| (stick) on the
-/// regular side is A d^(1/2) + B d^(3/2) + C d^(5/2), while w ~ B (d - δ)^(3/2) with the transition in its place: the
+/// With the sets changed so that the transition is at the vertex, the gap w = g - u_n (contact) or the slip w = ±u_t (stick, in the
+/// direction of most nodes there) on the regular side is A d^(1/2) + B d^(3/2) + C d^(5/2), while w ~ B (d - δ)^(3/2) with the transition in its place: the
 /// regular side begins at δ = -A/(1.5 B). The sets are changed up to 0.6 of the distance to the neighbouring singular points
 /// (`singular`, the ends of the edge included), the fit is on the nodes up to half of that distance. None if B ≤ 0
 /// or there are fewer than two nodes.
@@ -139,15 +139,14 @@ pub fn tip_fit(
     let (next, previous) = (nearest(1.0), nearest(-1.0));
     let near = |d: f64| if d > 1e-12 { d < 0.6 * next } else { d > -0.6 * previous };
     let mut sets = sets.clone();
-    let turn: i32 = (0..line.points.len())
-        .filter(|&i| distance(line.points[i].s) > 1e-12 && near(distance(line.points[i].s)))
-        .map(|i| i32::from(sets.slip(line.points[i].index).unwrap_or(0)))
-        .sum();
+    let beyond = line.points.iter().filter(|p| distance(p.s) > 1e-12 && near(distance(p.s)));
+    let slips: i32 = beyond.map(|p| i32::from(sets.slip(p.index).unwrap_or(0))).sum();
+    let turn = if slips < 0 { -1 } else { 1 };
     for point in line.points.iter().filter(|p| near(distance(p.s))) {
         let on_regular = distance(point.s) > 1e-12;
         match kind {
             TipKind::ContactEnd => sets.set_closed(point.index, !on_regular),
-            _ if on_regular => sets.set_slip(point.index, if turn < 0 { -1 } else { 1 }),
+            _ if on_regular => sets.set_slip(point.index, turn),
             _ => sets.set_slip(point.index, 0),
         }
     }
@@ -160,7 +159,8 @@ pub fn tip_fit(
         points
             .map(|i| {
                 let (c, w) = (condition(problem, line, i), problem.nodes[line.points[i].node].pick(&v));
-                let value = if kind == TipKind::ContactEnd { c.opening(w) } else { c.slip(w).abs() };
+                // either is negative beyond a vertex that lies on the closed, the sticking side
+                let value = if kind == TipKind::ContactEnd { c.opening(w) } else { f64::from(turn) * c.slip(w) };
                 (distance(line.points[i].s), value)
             })
             .collect()

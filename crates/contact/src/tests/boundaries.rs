@@ -6,7 +6,7 @@ use steklov_bem_operators::{Datum, Loop, Mesh, Polygon, Site, Space};
 use crate::{ContactBoundary, ContactError, SideData, contact_boundary};
 
 /// Corners of a kite-like quadrilateral none of whose sides is along an axis but the first, and its sides' names.
-fn mesh(names: [&str; 5], elements: usize, degree: usize) -> (Mesh, Space) {
+pub fn mesh(names: [&str; 5], elements: usize, degree: usize) -> (Mesh, Space) {
     // the first two edges are one straight line
     let corners = vec![[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [3.5, 2.0], [-0.5, 1.5]];
     let outer = Loop { corners, sides: names.map(String::from).to_vec() };
@@ -19,9 +19,9 @@ fn mesh(names: [&str; 5], elements: usize, degree: usize) -> (Mesh, Space) {
     (mesh, space)
 }
 
-type Field<'a> = &'a (dyn Fn(&Site) -> f64 + Sync);
+pub type Field<'a> = &'a (dyn Fn(&Site) -> f64 + Sync);
 
-fn build(
+pub fn build(
     (mesh, space): &(Mesh, Space),
     sides: &[&str],
     gap: Field<'_>,
@@ -38,7 +38,7 @@ fn build(
     contact_boundary(mesh, space, &sides, held)
 }
 
-fn free(_: usize) -> [Option<f64>; 2] {
+pub fn free(_: usize) -> [Option<f64>; 2] {
     [None, None]
 }
 
@@ -48,7 +48,7 @@ fn lengths(boundary: &ContactBoundary, side: usize) -> [f64; 2] {
     shares.fold([0.0; 2], |sum, s| [sum[0] + s.normal, sum[1] + s.tangent])
 }
 
-fn near(x: [f64; 2], a: [f64; 2]) -> bool {
+pub fn near(x: [f64; 2], a: [f64; 2]) -> bool {
     (x[0] - a[0]).hypot(x[1] - a[1]) < 1e-12
 }
 

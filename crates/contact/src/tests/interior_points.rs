@@ -4,12 +4,19 @@ use faer::Mat;
 use proptest::prelude::*;
 
 use super::oracle::{brute_force, distance};
+use crate::linear::{largest, product};
 use crate::proptest::{Friction, floating, mixed, ordinary};
 use crate::{Condition, ContactError, ContactNode, Problem, Solution, Status, active_set, interior_point, kkt};
 
+/// The answer, which must pass the judge to 1e-10 but for the rounding of S v, which counts far from v = 0 only.
 fn solved(problem: &Problem) -> Solution {
     let answer = interior_point(problem).unwrap();
-    let judged = kkt(problem, &answer);
+    let (v, s) = (&answer.displacement, &problem.stiffness);
+    let terms = largest((0..v.len()).map(|i| (0..v.len()).map(|j| (s[(i, j)] * v[j]).abs()).sum()));
+    let scale = largest(product(s, v)) + largest(problem.load.iter().copied());
+    let rounding = if scale > 0.0 { 1e-15 * terms / scale } else { 0.0 };
+    let mut judged = kkt(problem, &answer);
+    judged.equilibrium = (judged.equilibrium - rounding).max(0.0);
     assert!(answer.converged() && judged.worst() <= 1e-10, "{:?} {judged:?} {:?}", answer.outcome, answer.history);
     answer
 }
@@ -23,12 +30,14 @@ fn extreme(nodes: usize) -> impl Strategy<Value = Problem> {
     (mixed(nodes), proptest::collection::vec((0..8usize, 0..8usize), 2 * nodes)).prop_filter_map(
         "conditions that no displacement satisfies",
         |(mut problem, kinds)| {
-            let corner = problem.nodes.iter().flat_map(|n| n.conditions.iter().map(|_| n.conditions.len() > 1));
-            let corner: Vec<bool> = corner.collect();
-            for ((c, (bound, weight)), corner) in conditions(&mut problem).zip(kinds).zip(corner) {
+            let ordinary = |n: &ContactNode| n.unknowns == 2 && n.conditions.len() == 1;
+            let ordinary: Vec<bool> =
+                problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |_| ordinary(n))).collect();
+            for ((c, (bound, weight)), ordinary) in conditions(&mut problem).zip(kinds).zip(ordinary) {
                 match bound {
                     0 | 1 => c.bound = f64::INFINITY,
-                    2 if !corner => c.bound *= 1e6, // at a corner it would have to give way to an overlap
+                    // elsewhere an overlap makes it slip, and the loads get lost in the rounding of its force
+                    2 if ordinary => c.bound *= 1e6,
                     3 => c.bound *= 1e-6,
                     4 => c.bound = 0.0,
                     _ => {}
@@ -120,6 +129,28 @@ proptest! {
         as_active_set(&problem, &solved(&problem))?;
     }
 
+    /// Closed under λ_n = 1 and slipping everywhere, the way w goes: friction and load balance, the body may lie anywhere
+    /// between the next changes of direction.
+    #[test]
+    fn a_body_that_slips_everywhere_is_found(
+        drawn in floating(12, Friction::Tresca), w in proptest::collection::vec(-1.0..1.0f64, 24)
+    ) {
+        // nodes about 0 and nodes about 1: not what balances the displacements themselves
+        let w: Vec<f64> = w[..drawn.load.len()].iter().map(|w| if *w > -0.3 { w + 1.0 } else { *w }).collect();
+        let mut problem = drawn;
+        problem.load = product(&problem.stiffness, &w);
+        for (i, node) in problem.nodes.iter_mut().enumerate() {
+            let c = &mut node.conditions[0];
+            (c.gap, c.slip_offset) = (w[2 * i], 0.0);
+            problem.load[2 * i] += c.normal_weight;
+            problem.load[2 * i + 1] += c.tangent_weight * c.bound * w[2 * i + 1].signum();
+        }
+        let answer = solved(&problem);
+        let (a, b) = (problem.energy(&answer.displacement), problem.energy(&w));
+        prop_assert!((a - b).abs() <= 1e-9 * (a.abs() + problem.stiffness.norm_max()), "{a} {b}");
+        prop_assert!(answer.iterations <= 30, "{:?}", answer.history);
+    }
+
     /// u_n → u_n + d and g → g + d changes nothing else in a body that nothing holds.
     #[test]
     fn a_floating_body_is_pressed_at_any_distance(problem in floating(8, Friction::Tresca), exponent in -6.0..6.0f64) {
@@ -128,7 +159,7 @@ proptest! {
         conditions(&mut moved).for_each(|c| c.gap += far);
         let (near, far_answer) = (solved(&problem), solved(&moved));
         for (a, b) in near.multipliers.as_flattened().iter().zip(far_answer.multipliers.as_flattened()) {
-            prop_assert!((a - b).abs() <= 1e-8 * (1.0 + far), "{near:?} {far_answer:?}");
+            prop_assert!((a - b).abs() <= 1e-12 * (1.0 + far), "{near:?} {far_answer:?}");
         }
     }
 
@@ -189,8 +220,8 @@ proptest! {
         for free in [sideways, away] {
             match interior_point(&free) {
                 Err(ContactError::NotHeld { motion, work, .. }) => {
-                    let elastic = crate::linear::product(&free.stiffness, &motion);
-                    prop_assert!(work > 0.0 && crate::linear::largest(elastic) < 1e-9);
+                    let elastic = product(&free.stiffness, &motion);
+                    prop_assert!(work > 0.0 && largest(elastic) < 1e-9);
                 }
                 other => prop_assert!(false, "{other:?}"),
             }

@@ -1,9 +1,15 @@
-//! Tests that compare all solvers with each other and with oracles.
+//! Tests that compare all solvers with each other and with oracles, and tests of what follows the contact sets.
 
-mod floating;
-mod laws;
 mod oracle;
+mod rows;
 mod boundaries;
+mod bubbles;
+mod floating;
+mod frozen;
 mod interior_points;
+mod laws;
+mod lines;
 mod refusals;
 mod solvers;
+mod tips;
+mod transitions;
