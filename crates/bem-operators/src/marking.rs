@@ -27,8 +27,9 @@ pub fn doerfler(squared: &[f64], theta: f64) -> Vec<Option<f64>> {
 }
 
 /// exp(-m) of a displacement on element e: the rate at which its Legendre coefficients fall,
-/// |a_i| ~ exp(-(m i + b)), fitted over i = 1..=p to each of the components along n and t; the larger of the two. None with
-/// fewer than two coefficients above roundoff (always for p = 1).
+/// |a_i| ~ exp(-(m i + b)), fitted over i = 1..=p to each of the components along n and t; the larger of the two, but for a
+/// component whose coefficients are below a thousandth of the other's. None with fewer than two coefficients above the
+/// roundoff of the displacement (always for p = 1).
 ///
 /// a_0, a translation, does not count, and the fit does not depend on units or directions.
 /// # Source
@@ -47,12 +48,14 @@ pub fn legendre_decay(mesh: &Mesh, space: &Space, e: usize, displacement: &[f64]
     };
     let components = [coefficients(n), coefficients(t)];
     let largest = components.iter().flatten().fold(0.0, |m: f64, a| m.max(a.abs()));
+    let values = space.element_nodes(e).flat_map(|k| [displacement[2 * k], displacement[2 * k + 1]]);
+    let roundoff = 1e-14 * values.fold(0.0, |m: f64, u| m.max(u.abs()));
     let mut slowest: Option<f64> = None;
     for a in &components {
         let peak = a.iter().fold(0.0, |m: f64, a| m.max(a.abs()));
         let points: Vec<(f64, f64)> = (1..)
             .zip(a)
-            .filter(|(_, a)| a.abs() > 1e-14 * largest)
+            .filter(|(_, a)| a.abs() > roundoff)
             .map(|(i, a)| (f64::from(i), (a.abs() / largest).ln()))
             .collect();
         if peak < 1e-3 * largest || points.len() < 2 {

@@ -62,7 +62,7 @@ pub struct Grading {
     pub sigma: f64,
     /// Degree up to which a piece at a singular point is raised before it is cut.
     pub tip_degree: usize,
-    /// Highest degree.
+    /// Degree up to which degrees are raised; a higher one stays.
     pub max_degree: usize,
     /// Shortest piece (part of its edge) that is still cut.
     pub shortest: f64,
@@ -133,7 +133,9 @@ impl Subdivision {
     /// all vertices between the neighbouring points of `fixed` (and the ends of the edge) piecewise linearly.
     pub fn shift(&mut self, edge: usize, from: f64, to: f64, fixed: &[f64]) {
         let pieces = &mut self.edges[edge];
-        let Some(i) = pieces.iter().position(|p| p.start == from).filter(|&i| i > 0) else { return };
+        let there = |p: &Piece| (p.start - from).abs() < SAME_PLACE;
+        let Some(i) = pieces.iter().position(there).filter(|&i| i > 0) else { return };
+        let from = pieces[i].start;
         if -0.3 * pieces[i - 1].length() < to - from && to - from < 0.3 * pieces[i].length() {
             (pieces[i - 1].end, pieces[i].start) = (to, to);
             return;
@@ -141,7 +143,7 @@ impl Subdivision {
         let before = fixed.iter().copied().filter(|f| *f < from - SAME_PLACE).fold(0.0, f64::max);
         let after = fixed.iter().copied().filter(|f| *f > from + SAME_PLACE).fold(1.0, f64::min);
         let map = |s: f64| match s {
-            _ if s <= before || s >= after => s,
+            _ if s < before + SAME_PLACE || s > after - SAME_PLACE => s,
             _ if s == from => to,
             _ if s < from => to - (from - s) * ((to - before) / (from - before)),
             _ => to + (s - from) * ((after - to) / (after - from)),
@@ -172,7 +174,7 @@ impl Subdivision {
                     continue;
                 };
                 let divisible = piece.length() >= shortest;
-                let raised = |by: usize| (degree + by).min(max_degree);
+                let raised = |by: usize| (degree + by).min(max_degree).max(degree);
                 let new = |start: f64, end: f64, degree: usize| Piece { start, end, degree, mark: Mark::Keep };
                 let halves = [new(start, piece.middle(), degree), new(piece.middle(), end, degree)];
                 match (at(start), at(end)) {
@@ -212,7 +214,7 @@ impl Subdivision {
         Self { edges }
     }
 
-    /// The subdivision after smooth marked pieces got one degree more and rough ones were halved, unmarked.
+    /// [`Self::refined`] without singular points: smooth marked pieces get a higher degree, rough ones are halved.
     pub fn refined_by_mark(&self, grading: &Grading) -> Self {
         self.refined(&vec![Vec::new(); self.edges.len()], grading)
     }
