@@ -5,7 +5,7 @@ use steklov_bem_operators::BoundaryResidual;
 use steklov_contact::{ContactResidual, Located, Tip, TipKind};
 use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_texts,
-    load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
+    load_vector, open_group, save_dense, save_integers, save_number, save_texts, save_vector,
 };
 
 use crate::estimate::{Bubble, Doubt, Estimate, Residual};
@@ -33,12 +33,11 @@ const BUBBLE_TERMS: [Term<Bubble>; 3] = [
     ("oscillation", "eta_g squared: data less their interpolants", |b| b.oscillation),
 ];
 
-/// Writes a step into its group.
+/// Writes a step into its group, but for its mesh.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub(crate) fn save(at: &Group, step: &Step) -> Result<(), IoError> {
-    save_as(at, "mesh", &step.mesh)?;
     save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
     save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
     let history =
@@ -97,16 +96,15 @@ fn save_table<const M: usize>(
     save_dense(at, name, table.as_ref(), &label("1", meaning, axes))
 }
 
+const ESTIMATE_TERMS: &str = "estimate over (2 strain energy)^(1/2), that scale ((force*length/thickness)^(1/2)), energy that the spaces of \
+                              one degree more add, energy that vertices miss of transitions, J extrapolated, its uncertainty";
+
 fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
     let energy = "force*length/thickness";
     save_number(at, "estimate", estimate.error, "(force*length/thickness)^(1/2)", "estimated error, energy norm")?;
-    save_number(at, "estimate_relative", estimate.relative, "1", "estimate over (2 strain energy)^(1/2)")?;
-    save_number(at, "energy_extrapolated", estimate.energy, energy, "J of the spaces of one degree more")?;
-    let meaning = "how far the exact J may be from the extrapolated one";
-    save_number(at, "energy_uncertainty", estimate.uncertainty, energy, meaning)?;
-    save_number(at, "correction", estimate.correction, energy, "energy of what the spaces of one degree more add")?;
-    save_number(at, "tip_energy", estimate.tips, energy, "what the vertices miss of transitions of contact and stick")?;
-    save_number(at, "scale", estimate.scale, "(force*length/thickness)^(1/2)", "(2 strain energy)^(1/2)")?;
+    let terms =
+        [estimate.relative, estimate.scale, estimate.correction, estimate.tips, estimate.energy, estimate.uncertainty];
+    save_vector(at, "estimate_terms", &terms, &label("as named", "what belongs to the estimate", &[ESTIMATE_TERMS]))?;
     let doubts: Vec<String> = estimate.doubts.iter().map(|d| d.word().to_owned()).collect();
     save_texts(at, "doubts", &doubts, "why the estimate is not reliable", "doubt")?;
     let indicators = create_group(at, "indicators")?;
@@ -192,6 +190,10 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
     } else {
         Vec::new()
     };
+    let terms = load_vector(at, "estimate_terms")?;
+    let &[relative, scale, correction, tips, energy, uncertainty] = terms.as_slice() else {
+        return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
+    };
     let doubts = load_texts(at, "doubts")?.into_iter().map(|word| {
         let all = [Doubt::Transition, Doubt::Sets, Doubt::Coarse, Doubt::Roundoff];
         all.into_iter()
@@ -201,13 +203,13 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
     Ok(Estimate {
         indicators,
         residuals,
-        correction: load_number(at, "correction")?,
-        tips: load_number(at, "tip_energy")?,
+        correction,
+        tips,
         error: load_number(at, "estimate")?,
-        relative: load_number(at, "estimate_relative")?,
-        scale: load_number(at, "scale")?,
-        energy: load_number(at, "energy_extrapolated")?,
-        uncertainty: load_number(at, "energy_uncertainty")?,
+        relative,
+        scale,
+        energy,
+        uncertainty,
         doubts: doubts.collect::<Result<_, _>>()?,
     })
 }

@@ -84,7 +84,13 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
     }
     for (number, step) in record.steps.iter().enumerate() {
-        steps::save(&step_group(file, number)?, step)?;
+        let at = step_group(file, number)?;
+        steps::save(&at, step)?;
+        if number + 1 == record.steps.len() {
+            at.link_hard("/mesh", "mesh").map_err(|e| invalid(file, "mesh", e.to_string()))?;
+        } else {
+            save(&at, "mesh", &step.mesh)?;
+        }
     }
     // the matrices of a step that was stopped
     let unfinished = format!("/steps/{:03}", record.steps.len());

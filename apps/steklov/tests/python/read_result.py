@@ -131,12 +131,14 @@ for number, elements in [("000", 32), ("001", 64)]:
     # the estimate is a mean of the two-level sum, which has the error of the traction in it, and of the correction
     joule = "force*length/thickness"
     number = lambda name, unit: read(at + name, (1,), F8, unit, ["value"])[0]
-    estimate, scale = (number(name, f"({joule})^(1/2)") for name in ("estimate", "scale"))
+    estimate = number("estimate", f"({joule})^(1/2)")
+    relative, scale, correction, tips, _, uncertainty = file[at + "estimate_terms"][()]
     names = ("displacement", "traction", "oscillation")
     terms = [read(at + "indicators/" + name, (elements,), F8, joule, ["element"]) for name in names]
     assert np.all(np.array(terms) >= 0)
-    assert 0.9 * number("correction", joule) <= estimate**2 <= 1.1 * np.sum(terms)
-    close(number("estimate_relative", "1") * scale, estimate, 1e-15)
+    assert 0.9 * correction <= estimate**2 <= 1.1 * np.sum(terms)
+    close(relative * scale, estimate, 1e-15)
+    assert tips == 0 and uncertainty > 0
 energy = [float(np.squeeze(file[f"steps/{n}/energy"][()])) for n in ("000", "001")]
 assert energy[1] == told["energy"]
 assert estimate == told["estimate"]
