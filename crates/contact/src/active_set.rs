@@ -42,7 +42,8 @@ pub struct Start<'a> {
 ///
 /// *Use when*: always a good choice; 2 to 7 steps are usual. *Fails when*: it cycles beyond the iteration limit (then
 /// the best iterate is returned, marked so). Of the solutions of a singular system (a floating body) the one nearest to
-/// the start is taken; a load on its free motion moves the body along it until the first condition stops it. *Cost*: one dense factorisation a step.
+/// the start is taken; a load on its free motion moves the body along it until the first condition stops it. *Cost*:
+/// one dense factorisation a step.
 ///
 /// # Errors
 /// [`ContactError::Inconsistent`] from [`Problem::check`] or a start of wrong size; [`ContactError::NotHeld`] if

@@ -15,7 +15,8 @@ pub struct ContactBubble {
     pub element: usize,
     /// Whether the solution may move along n and along t: not where all nodes are closed, not where all stick.
     pub free: [bool; 2],
-    /// Contact forces -∫λ b along n and t (force/thickness): the bound's where all nodes slip one way, else 0.
+    /// Contact forces -∫λ b along n and t (force/thickness): the bound's where all nodes inside the element slip one way
+    /// (of degree 1: its ends, or the one that does not stick), else 0.
     pub load: [f64; 2],
     /// ‖w‖ ‖dw/ds‖ of w = g - I_p g in L2 of the element (length²), 0 where it is open.
     pub oscillation: f64,

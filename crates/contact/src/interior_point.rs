@@ -34,7 +34,8 @@ const WORK: f64 = 1e-7;
 /// S + Σ D (Σ s/z)⁻¹ d dᵀ: the barrier makes it definite also for a body that nothing else holds. The weights make all
 /// that an average over the contact boundary, so that short elements cost few steps. As soon as two points agree on the
 /// sets (z > c s, c the stiffness of the node) these are handed to the active set method. Where that settles in two
-/// steps its answer, exact but for rounding, is returned; else the interior point method goes on. The history is that
+/// steps its answer, exact but for rounding, is returned; else the interior point method goes on. A motion that the sets
+/// leave free is 0, or where that violates them (all nodes slip) as in the interior point. The history is that
 /// of both: the larger of gap and residuals before each interior point step, the violation before each active set step.
 ///
 /// *Use when*: always; in a loop over meshes, and where a body is held by friction or contact only, it is the one that
@@ -88,8 +89,7 @@ pub fn interior_point(problem: &Problem) -> Result<Solution, ContactError> {
     Ok(Solution { iterations: history.len(), history, ..rest })
 }
 
-/// What the active set method makes of the sets, if it settles. Where they leave a motion free (all nodes slip), that is
-/// 0, or as in v if 0 lies outside the sets.
+/// What the active set method makes of the sets, if it settles: with a motion that they leave free 0, else as in v.
 fn polished(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &[f64], history: &mut Vec<f64>) -> Option<Settled> {
     [&vec![0.0; v.len()], v].into_iter().find_map(|near| {
         // an error is one of these sets, not of the problem

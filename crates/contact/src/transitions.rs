@@ -115,11 +115,12 @@ pub struct TipFit {
 
 /// The shift of a transition from the vertex at `s`, to first order.
 ///
-/// With the sets changed so that the transition is at the vertex, the gap w = g - u_n (contact) or the slip w = ±u_t (stick, in the
-/// direction of most nodes there) on the regular side is A d^(1/2) + B d^(3/2) + C d^(5/2), while w ~ B (d - δ)^(3/2) with the transition in its place: the
-/// regular side begins at δ = -A/(1.5 B). The sets are changed up to 0.6 of the distance to the neighbouring singular points
-/// (`singular`, the ends of the edge included), the fit is on the nodes up to half of that distance. None if B ≤ 0
-/// or there are fewer than two nodes.
+/// With the sets changed so that the transition is at the vertex, the gap w = g - u_n (contact) or the slip w = ±u_t
+/// (stick, in the direction of most nodes there) on the regular side is A d^(1/2) + B d^(3/2) + C d^(5/2), while
+/// w ~ B (d - δ)^(3/2) with the transition in its place: the regular side begins at δ = -A/(1.5 B). The sets are changed
+/// up to 0.6 of the distance to the singular points next to the vertex (`singular`, the ends of the edge included), the
+/// fit is on the nodes up to half of the distance to the nearer one, or to that on the regular side where these are
+/// fewer than three. None if B ≤ 0 or there are fewer than two nodes.
 ///
 /// # Errors
 /// [`ContactError::Decomposition`].

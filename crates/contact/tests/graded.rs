@@ -80,3 +80,18 @@ fn friction_alone_holds_a_block_on_any_mesh() {
         assert!(matches!(pulled, Err(ContactError::NotHeld { .. })), "{pulled:?}");
     }
 }
+
+/// Three quarters of the floor slip against the pull and one with it: (3/4 - 1/4) 0.02 is the pull. With 50 elements that is
+/// between two nodes: all slip, and the body may lie anywhere between two changes of direction.
+#[test]
+fn friction_that_is_used_up_balances_the_pull() {
+    for elements in [12, 50] {
+        let breaks = (1..elements).map(|i| f64::from(i) / f64::from(elements)).collect();
+        let problem = block((breaks, vec![1; elements as usize]), 0.02, -0.01);
+        let answer = interior_point(&problem).unwrap();
+        assert!(answer.converged() && kkt(&problem, &answer).worst() <= 1e-10, "{:?}", answer.history);
+        let all_slip = answer.multipliers.iter().all(|l| (l[1].abs() - 0.02).abs() < 1e-9);
+        assert!(all_slip == (elements == 50), "{:?}", answer.multipliers);
+        assert!(answer.iterations <= 20, "{:?}", answer.history);
+    }
+}

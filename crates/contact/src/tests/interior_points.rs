@@ -129,19 +129,19 @@ proptest! {
         as_active_set(&problem, &solved(&problem))?;
     }
 
-    /// Closed under λ_n = 1 and slipping everywhere, the way w goes: friction and load balance, the body may lie anywhere
-    /// between the next changes of direction.
+    /// Closed under λ_n = 1 and slipping everywhere, the first node backwards: friction and load balance, the body may lie
+    /// anywhere between the next changes of direction. With the mean slip 0 many would go the wrong way.
     #[test]
     fn a_body_that_slips_everywhere_is_found(
-        drawn in floating(12, Friction::Tresca), w in proptest::collection::vec(-1.0..1.0f64, 24)
+        drawn in floating(12, Friction::Tresca), w in proptest::collection::vec(0.01..2.0f64, 24)
     ) {
-        // nodes about 0 and nodes about 1: not what balances the displacements themselves
-        let w: Vec<f64> = w[..drawn.load.len()].iter().map(|w| if *w > -0.3 { w + 1.0 } else { *w }).collect();
         let mut problem = drawn;
+        let mut w = w[..problem.load.len()].to_vec();
+        w[1] = -w[1];
         problem.load = product(&problem.stiffness, &w);
         for (i, node) in problem.nodes.iter_mut().enumerate() {
             let c = &mut node.conditions[0];
-            (c.gap, c.slip_offset) = (w[2 * i], 0.0);
+            (c.gap, c.slip_offset, c.bound) = (w[2 * i], 0.0, c.bound.max(0.01));
             problem.load[2 * i] += c.normal_weight;
             problem.load[2 * i + 1] += c.tangent_weight * c.bound * w[2 * i + 1].signum();
         }
@@ -153,13 +153,15 @@ proptest! {
 
     /// u_n → u_n + d and g → g + d changes nothing else in a body that nothing holds.
     #[test]
-    fn a_floating_body_is_pressed_at_any_distance(problem in floating(8, Friction::Tresca), exponent in -6.0..6.0f64) {
+    fn a_floating_body_is_pressed_at_any_distance(problem in floating(8, Friction::Tresca), exponent in -6.0..8.0f64) {
         let far = 10f64.powf(exponent);
         let mut moved = problem.clone();
         conditions(&mut moved).for_each(|c| c.gap += far);
         let (near, far_answer) = (solved(&problem), solved(&moved));
+        // lengths are right to 1e-10 of the distance; weights are 0.1 at least
+        let tolerance = 1e-10 * (1.0 + far) * problem.stiffness.norm_max() / 0.1;
         for (a, b) in near.multipliers.as_flattened().iter().zip(far_answer.multipliers.as_flattened()) {
-            prop_assert!((a - b).abs() <= 1e-12 * (1.0 + far), "{near:?} {far_answer:?}");
+            prop_assert!((a - b).abs() <= tolerance, "{near:?} {far_answer:?}");
         }
     }
 

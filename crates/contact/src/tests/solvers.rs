@@ -4,7 +4,7 @@ use proptest::prelude::*;
 
 use super::oracle::{brute_force, distance};
 use crate::proptest::{Friction, mixed, ordinary};
-use crate::{ContactNode, Outcome, Problem, Solution, Start, active_set, kkt, newton, uzawa};
+use crate::{ContactNode, Outcome, Problem, Solution, Start, active_set, interior_point, kkt, newton, uzawa};
 
 /// The three answers; each must have converged and pass the judge. Uzawa's iteration may reach its limit at a corner,
 /// whose two normals and two tangents are dependent, and is left out then.
@@ -89,7 +89,7 @@ proptest! {
 
     #[test]
     fn a_solution_is_its_own_start(problem in mixed(6)) {
-        let cold = active_set(&problem, None).unwrap();
+        let cold = interior_point(&problem).unwrap();
         let start = Start { displacement: &cold.displacement, multipliers: &cold.multipliers };
         let warm = active_set(&problem, Some(start)).unwrap();
         prop_assert!(warm.iterations <= 2, "{cold:?} {warm:?}");
@@ -97,6 +97,22 @@ proptest! {
         let warm = newton(&problem, Some(start)).unwrap();
         prop_assert!(warm.iterations <= 2, "{cold:?} {warm:?}");
         prop_assert!(distance(&warm.displacement, &cold.displacement) < 1e-9, "{cold:?} {warm:?}");
+    }
+
+    /// Where nothing touches, the contact stress is rounding and no measure of anything.
+    #[test]
+    fn an_untouched_body_is_its_own_start(problem in mixed(6)) {
+        let mut apart = problem;
+        let mut at = |gap: f64| {
+            apart.nodes.iter_mut().flat_map(|n| &mut n.conditions).for_each(|c| (c.gap, c.bound) = (gap, 0.0));
+            (active_set(&apart, None).unwrap(), apart.clone())
+        };
+        let size = at(1e3).0.displacement.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let (cold, apart) = at(10.0 * size);
+        prop_assert!(cold.multipliers.as_flattened().iter().all(|l| *l == 0.0));
+        let start = Start { displacement: &cold.displacement, multipliers: &cold.multipliers };
+        let warm = newton(&apart, Some(start)).unwrap();
+        prop_assert!(warm.iterations == 0, "{cold:?} {warm:?}");
     }
 
     #[test]

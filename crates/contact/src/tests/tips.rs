@@ -106,7 +106,8 @@ proptest! {
         // λ ~ (a - s)^½ is continued to its zero without error, but within the middle of the bracket
         let margin = 0.15 * (high - low);
         let guess = a.clamp(low + margin, high - margin);
-        prop_assert!(tips.len() == 1 && (tips[0].s - guess).abs() < 1e-9 && (tips[0].kind, tips[0].regular) == (kind, regular));
+        prop_assert!(tips.len() == 1 && (tips[0].s - guess).abs() < 1e-9);
+        prop_assert_eq!((tips[0].kind, tips[0].regular), (kind, regular));
         prop_assert!(located.len() == 1 && !located[0].at_vertex && located[0].s == tips[0].s);
         prop_assert!((located[0].off - (high - low) / 2.0).abs() < 1e-15);
         prop_assert!(vertices(&mesh).contains(&tips[0].s));

@@ -45,7 +45,8 @@ proptest! {
                     let (stick, slips) = if t.regular > 0 { (a, b) } else { (b, a) };
                     prop_assert!(b == a + 1 && slip(stick) == 0 && slip(slips) != 0);
                     // a single node that sticks between both directions would be a reversal
-                    let beyond = if t.regular > 0 { a.checked_sub(1) } else { Some(b + 1).filter(|&i| i < states.len()) };
+                    let next = Some(b + 1).filter(|&i| i < states.len());
+                    let beyond = if t.regular > 0 { a.checked_sub(1) } else { next };
                     prop_assert!(beyond.is_none_or(|i| slip(i) * slip(slips) >= 0));
                 }
                 _ => {
@@ -131,7 +132,7 @@ fn an_end_of_a_single_closed_node_is_guessed_in_the_middle() {
     assert_eq!(first_guess(&row.line, &transition, &row.problem, &solution), 0.5);
 }
 
-/// A vertex with nodes at distances `d` on its regular side and two on the other.
+/// A vertex for a contact or stick end.
 #[derive(Debug, Clone, Copy)]
 struct Vertex {
     s: f64,
@@ -146,8 +147,7 @@ impl Vertex {
         (s - self.s) * f64::from(self.regular)
     }
 
-    /// Nodes whose gap or slip is w(d) at their distance d if the sets let them; at the start all are closed and stick but
-    /// for the direction in which they slip farther away.
+    /// Nodes whose gap or slip is w(d) at their distance d if the sets let them.
     fn row(&self, d: &[f64], w: impl Fn(f64) -> f64) -> Row {
         let mut s: Vec<f64> = d.iter().map(|d| self.s + d * f64::from(self.regular)).collect();
         s.extend([0.0, 0.05, 0.1].map(|d| self.s - d * f64::from(self.regular)));
@@ -203,7 +203,9 @@ proptest! {
 
     /// w = B (d - δ)^(3/2): right to first order, so that half of δ leaves a quarter of the error.
     #[test]
-    fn a_small_shift_is_right_to_first_order(v in vertex(), delta in 1e-5..2e-5f64, b in 0.1..10.0f64, left in any::<bool>()) {
+    fn a_small_shift_is_right_to_first_order(
+        v in vertex(), delta in 1e-5..2e-5f64, b in 0.1..10.0f64, left in any::<bool>()
+    ) {
         let error = |delta: f64| {
             let fit = v.fit_closed_form(&GRADED, |d| b * (d - delta).max(0.0).powf(1.5)).unwrap();
             (fit.shift * f64::from(v.regular) - delta).abs()
@@ -224,7 +226,9 @@ proptest! {
 
     /// Half of the way to the nearer one of the two neighbouring singular points.
     #[test]
-    fn nodes_count_up_to_half_of_the_nearest_singular_point(v in vertex(), near in 0.05..0.1f64, before in any::<bool>()) {
+    fn nodes_count_up_to_half_of_the_nearest_singular_point(
+        v in vertex(), near in 0.05..0.1f64, before in any::<bool>()
+    ) {
         let side = if before { -1.0 } else { 1.0 } * f64::from(v.regular);
         let singular = [0.0, 1.0, v.s + side * near];
         let fit = |at: f64| {
