@@ -253,3 +253,46 @@ fn mapped(rule: &Rule, a: f64, b: f64) -> impl Iterator<Item = (f64, f64)> + '_ 
     let (middle, half) = ((a + b) / 2.0, (b - a) / 2.0);
     rule.points.iter().zip(&rule.weights).map(move |(t, w)| (middle + half * t, half * w))
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Σ w_i f(t_i) next to both ends is f there for P_0, .., P_(n-1), and 0 for P_n, which the points do not see.
+    #[test]
+    fn values_next_to_an_end_are_those_of_the_polynomial() {
+        for n in [16, 32, 128, 256] {
+            let &(near, ref weights) = next_to_end(n);
+            let points = &panel_rule(n).points;
+            let gap = 1.0 - points[n - 1];
+            assert!(((1.0 - near) / gap - 1e-3).abs() < 1e-10 && weights.len() == n);
+            let legendre = |x: f64| {
+                let mut p = vec![0.0; n + 1];
+                legendre_p(x, &mut p);
+                p
+            };
+            let (mut end, mut start) = (vec![0.0; n + 1], vec![0.0; n + 1]);
+            for i in 0..n {
+                for (k, p) in legendre(points[i]).iter().enumerate() {
+                    end[k] += weights[i] * p;
+                    start[k] += weights[n - 1 - i] * p;
+                }
+            }
+            let size: f64 = weights.iter().map(|w| w.abs()).sum();
+            for (k, (value, other)) in legendre(near).iter().zip(legendre(-near)).enumerate() {
+                let (want, mirror) = if k < n { (*value, other) } else { (0.0, 0.0) };
+                assert!((end[k] - want).abs() < 1e-12 * size, "n = {n}, P_{k}: {} {want}", end[k]);
+                assert!((start[k] - mirror).abs() < 1e-12 * size);
+            }
+        }
+    }
+
+    #[test]
+    fn kinks_within_the_resolution_of_an_end_are_there() {
+        let kinks = |at: f64| vec![-at, 0.25, f64::NAN, at, 0.25, 1.7];
+        let near = [1.0, 1.0 - 0.99e-9, 1.0 + 1e-16, 1.0 + 1e-3].map(|at| breaks(kinks(at), 1e-9, 1));
+        assert!(near.iter().all(|b| *b == [-1.0, 0.25, 1.0]), "{near:?}");
+        let far = 1.0 - 1.01e-9;
+        assert_eq!(breaks(kinks(far), 1e-9, 2), [-1.0, -far, 0.0, 0.25, far, 1.0]);
+    }
+}

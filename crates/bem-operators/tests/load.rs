@@ -2,8 +2,11 @@
 
 mod common;
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use common::{SQUARE, max_abs, polygon};
 use proptest::prelude::*;
+use steklov_bem_operators::proptest::mesh;
 use steklov_bem_operators::{BemError, Datum, Mesh, Site, Space, add_load, side_moments};
 
 fn integrate(
@@ -62,6 +65,94 @@ proptest! {
         prop_assert!((kink - (at * at + (1.0 - at) * (1.0 - at)) / 2.0).abs() < 1e-9);
         let jump = integrate(&|s| if s < at { 1.0 } else { -2.0 }, elements, degree, &[]).expect("a jump");
         prop_assert!((jump - (3.0 * at - 2.0)).abs() < 1e-9, "{:e}", jump - (3.0 * at - 2.0));
+    }
+}
+
+/// The square with a vertex at v of each edge and elements of length h on both sides of it.
+fn with_vertex(v: f64, h: f64, degree: usize) -> Mesh {
+    let breaks = vec![vec![v - h, v, v + h]; 4];
+    Mesh::from_breaks(&polygon(&SQUARE, &[]), &breaks, &vec![vec![degree; 4]; 4]).expect("a mesh")
+}
+
+/// Moments on side 1 of a function with a kink or a jump at c, named where the elements see it, and how often it is asked.
+fn bent(mesh: &Mesh, c: f64, value: fn(f64) -> f64, named: bool) -> (Vec<f64>, usize) {
+    let asked = AtomicUsize::new(0);
+    let value = |site: &Site| {
+        asked.fetch_add(1, Ordering::Relaxed);
+        value(site.s - c)
+    };
+    let kinks = |e: usize| {
+        let [a, b] = mesh.span[e];
+        if named { vec![2.0 * (c - a) / (b - a) - 1.0] } else { Vec::new() }
+    };
+    let datum = Datum { name: "bent", value: &value, kinks: &kinks };
+    let moments = side_moments(mesh, &Space::new(mesh), 1, &datum).expect("moments");
+    (moments.into_iter().flat_map(|(_, m)| m).collect(), asked.into_inner())
+}
+
+proptest! {
+    /// A kink and a jump that rounding put beside a vertex have the load of those at it, at the same cost.
+    #[test]
+    fn a_kink_an_ulp_beside_a_vertex_is_at_the_vertex(
+        v in 0.1..0.9f64, ten in -8.0..-1.1f64, degree in 1..6usize, ulps in 1..3i64, after: bool,
+    ) {
+        let mesh = with_vertex(v, 10f64.powf(ten), degree);
+        let c = f64::from_bits(v.to_bits().wrapping_add_signed(if after { ulps } else { -ulps }));
+        for value in [f64::abs, |x: f64| if x < 0.0 { -2.0 } else { 1.0 }] {
+            let ((at, cost), (beside, more)) = (bent(&mesh, v, value, true), bent(&mesh, c, value, true));
+            prop_assert!(at.iter().zip(&beside).all(|(a, b)| (a - b).abs() < 1e-12), "{at:?} {beside:?}");
+            prop_assert_eq!(cost, more);
+        }
+        let exact = (v * v + (1.0 - v) * (1.0 - v)) / 2.0;
+        prop_assert!((bent(&mesh, c, f64::abs, true).0.iter().sum::<f64>() - exact).abs() < 1e-14);
+    }
+
+    /// A kink between the last Gauss point and a vertex, that nobody named.
+    #[test]
+    fn a_kink_next_to_a_vertex_is_found(v in 0.2..0.8f64, ten in -9.0..-4.0f64, after: bool, degree in 1..6usize) {
+        let mesh = with_vertex(v, 0.1, degree);
+        let c = if after { v + 10f64.powf(ten) } else { v - 10f64.powf(ten) };
+        let exact = (c * c + (1.0 - c) * (1.0 - c)) / 2.0;
+        let error = bent(&mesh, c, f64::abs, false).0.iter().sum::<f64>() - exact;
+        prop_assert!(error.abs() < 3e-11, "{error:e}");
+    }
+
+    /// Points are one with an end exactly if rounding of coordinates can have put them apart: within some 30 ulps.
+    #[test]
+    fn the_resolution_is_that_of_the_coordinates(
+        mesh in mesh(1), ten in -12.0..0.0f64, at in 0.01..0.9f64, ulps in [-2..=2i64, -2..=2i64],
+    ) {
+        // the vertex after a small element, on which it lies at t = 1, off by some ulps
+        let h = 10f64.powf(ten);
+        let mut small = mesh.clone();
+        let [a, b] = mesh.ends(0);
+        small.vertices[0] = [0, 1].map(|i| a[i] + at * (b[i] - a[i]));
+        small.vertices[small.next[0]] = [0, 1].map(|i| a[i] + (at + 0.1 * h) * (b[i] - a[i]));
+        let ([start, end], length) = (small.ends(0), small.length(0));
+        prop_assume!(length > 0.0);
+        let off = [0, 1].map(|i| f64::from_bits(end[i].to_bits().wrapping_add_signed(ulps[i])));
+        let resolution = small.resolution(0);
+        let t = small.tangent(0);
+        let distance = 2.0 * ((off[0] - end[0]) * t[0] + (off[1] - end[1]) * t[1]).abs() / length;
+        prop_assert!(distance <= resolution || resolution == 1e-3, "{distance:e} {resolution:e}");
+        let ulp = f64::EPSILON * (start[0].abs() + start[1].abs()) / length;
+        prop_assert!(resolution <= (32.0 * ulp).max(1e-12) && (1e-12..=1e-3).contains(&resolution));
+    }
+}
+
+/// The points of a side are shared out by length: a peak is seen however many small elements there are elsewhere.
+#[test]
+fn small_elements_take_no_points_from_a_large_one() {
+    let breaks: Vec<f64> = (1..40).rev().map(|k| 0.6f64.powi(k)).collect();
+    let (breaks, degrees) = (vec![breaks; 4], vec![vec![2; 40]; 4]);
+    let mesh = Mesh::from_breaks(&polygon(&SQUARE, &[]), &breaks, &degrees).expect("a mesh");
+    let k = 1e6;
+    for at in (0..=40).map(|i| 0.61 + 0.0095 * f64::from(i)) {
+        let value = |site: &Site| 1.0 + (-k * (site.s - at).powi(2)).exp();
+        let datum = Datum { name: "a peak", value: &value, kinks: &|_| Vec::new() };
+        let moments = side_moments(&mesh, &Space::new(&mesh), 0, &datum).expect("moments");
+        let whole: f64 = moments.iter().flat_map(|(_, m)| m).sum();
+        assert!((whole - 1.0 - (std::f64::consts::PI / k).sqrt()).abs() < 1e-11, "{at}: {whole}");
     }
 }
 

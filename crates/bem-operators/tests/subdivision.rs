@@ -316,7 +316,7 @@ proptest! {
     /// The mark of an element is that of the piece with its ends.
     #[test]
     fn marks_follow_their_elements((_, mesh) in polygon_and_mesh(3)) {
-        let of = |e: usize| Mark::Refine { rough: e % 2 == 0, excess: 1.0 + e as f64 };
+        let of = |e: usize| Mark::Refine { rough: e.is_multiple_of(2), excess: 1.0 + e as f64 };
         let subdivision = Subdivision::new(&mesh, &(0..mesh.len()).map(of).collect::<Vec<_>>());
         prop_assert_eq!(subdivision.edges.iter().map(Vec::len).sum::<usize>(), mesh.len());
         for e in 0..mesh.len() {
