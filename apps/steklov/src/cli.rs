@@ -127,9 +127,9 @@ impl Cli {
     /// Runs the command and returns its exit status.
     pub fn run(self) -> u8 {
         let status = match self.command {
-            Command::Solve(args) => solve_scene(&args),
+            Command::Solve(args) => on_threads(args.threads, || solve_scene(&args)),
             Command::Plan(args) => show_plan(&args),
-            Command::Study(args) => study::study(&args),
+            Command::Study(args) => on_threads(args.threads(), || study::study(&args)),
             Command::Show(args) => show(&args),
             Command::New => {
                 say(TEMPLATE.trim_end());
@@ -173,7 +173,6 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     if plan.cost.dofs > scene.method.max_dofs {
         return Err(Failure(too_many_dofs(&scene, plan.cost.dofs).render()));
     }
-    set_threads(args.threads)?;
     let interrupts = interrupts(args.quiet)?;
     let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
@@ -255,9 +254,15 @@ fn explained(scene: &Scene, error: SolveError) -> Failure {
     }
 }
 
-fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
+/// Stack of each thread, as large as that of a process usually is.
+const STACK: usize = 8 << 20;
+
+/// Does work on one of so many threads (as many as there are processors): from outside of them, every parallel loop would
+/// have to wake two.
+fn on_threads(threads: Option<u16>, work: impl FnOnce() -> Result<u8, Failure> + Send) -> Result<u8, Failure> {
     let threads = threads.map_or(0, usize::from);
-    Ok(rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?)
+    rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build_global()?;
+    rayon::scope(|_| work())
 }
 
 fn show(args: &ShowArgs) -> Result<u8, Failure> {

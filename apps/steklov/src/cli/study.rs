@@ -10,7 +10,7 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_io::{IoError, create_atomically};
 
-use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, set_threads, stem};
+use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
 use crate::picture;
 use crate::plan::plan;
@@ -52,6 +52,13 @@ pub(super) struct StudyArgs {
     force: bool,
 }
 
+impl StudyArgs {
+    /// Threads to use; none for as many as there are processors.
+    pub(super) fn threads(&self) -> Option<u16> {
+        self.threads
+    }
+}
+
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum Name {
     UniformH,
@@ -91,7 +98,6 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     if cost.dofs > scene.method.max_dofs {
         return Err(Failure(too_many_dofs(&scene, cost.dofs).render()));
     }
-    set_threads(args.threads)?;
     let mut names: Vec<(&str, Refine)> = args.strategies.iter().map(|n| n.strategy()).collect();
     if names.is_empty() {
         names = NAMES.to_vec();
