@@ -182,8 +182,11 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
             bar.show(number, &stage);
             if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
         })?;
-        let mut record = Record::new(&scene, plan, run, &out, reading);
-        let writing = Instant::now();
+        let steps = run.progress.steps.clone();
+        let (record, written) =
+            rayon::join(|| Record::new(&scene, plan, run, &out, reading), || store::write_steps(file, &steps));
+        written?;
+        let (mut record, writing) = (record, Instant::now());
         record.summary.peak_memory_bytes = peak_memory_bytes();
         store::write(file, &record)?;
         record.summary.seconds.write += writing.elapsed().as_secs_f64();

@@ -5,7 +5,7 @@ use steklov_bem_operators::BoundaryResidual;
 use steklov_contact::{ContactResidual, Located, Tip, TipKind};
 use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_texts,
-    load_vector, open_group, save_dense, save_integers, save_number, save_texts, save_vector,
+    load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
 
 use crate::estimate::{Bubble, Doubt, Estimate, Residual};
@@ -33,11 +33,12 @@ const BUBBLE_TERMS: [Term<Bubble>; 3] = [
     ("oscillation", "eta_g squared: data less their interpolants", |b| b.oscillation),
 ];
 
-/// Writes a step into its group, but for its mesh.
+/// Writes a step into its group.
 ///
 /// # Errors
 /// When the file cannot be written.
 pub(crate) fn save(at: &Group, step: &Step) -> Result<(), IoError> {
+    save_as(at, "mesh", &step.mesh)?;
     save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
     save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
     let history =

@@ -67,7 +67,15 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
     }
 }
 
-/// Writes everything of a record into a new file.
+/// Writes the steps of a run into a new file.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write_steps(file: &File, steps: &[Step]) -> Result<(), IoError> {
+    steps.iter().enumerate().try_for_each(|(number, step)| steps::save(&step_group(file, number)?, step))
+}
+
+/// Writes everything else of a record into the file that has its steps.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -78,28 +86,20 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
     save_texts(file, "overrides", &record.overrides, "keys changed on the command line, KEY=VALUE", "override")?;
     save_text(file, "summary", &json(&record.summary), "the JSON object of solve --json")?;
     save_text(file, "plan", &json(&record.plan), "what was modelled, what was left out and why, as JSON")?;
-    save(file, "mesh", &record.mesh)?;
+    let last = format!("/steps/{:03}", record.steps.len().saturating_sub(1));
+    file.link_hard(&format!("{last}/mesh"), "/mesh").map_err(|e| invalid(file, "mesh", e.to_string()))?;
     save_solution(&create_group(file, "solution")?, record)?;
     if record.summary.contact.is_some() {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
-    }
-    for (number, step) in record.steps.iter().enumerate() {
-        let at = step_group(file, number)?;
-        steps::save(&at, step)?;
-        if number + 1 == record.steps.len() {
-            at.link_hard("/mesh", "mesh").map_err(|e| invalid(file, "mesh", e.to_string()))?;
-        } else {
-            save(&at, "mesh", &step.mesh)?;
-        }
     }
     // the matrices of a step that was stopped
     let unfinished = format!("/steps/{:03}", record.steps.len());
     if file.link_exists(&unfinished) {
         file.unlink(&unfinished).map_err(|e| invalid(file, "steps", e.to_string()))?;
     }
-    let last = format!("/steps/{:03}/matrices", record.steps.len().saturating_sub(1));
-    if file.link_exists(&last) {
-        file.link_hard(&last, "/matrices").map_err(|e| invalid(file, "matrices", e.to_string()))?;
+    let matrices = format!("{last}/matrices");
+    if file.link_exists(&matrices) {
+        file.link_hard(&matrices, "/matrices").map_err(|e| invalid(file, "matrices", e.to_string()))?;
     }
     vtkhdf::write(file, &record.grid)
 }
