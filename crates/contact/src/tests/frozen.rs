@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use super::oracle::distance;
 use super::rows::Row;
 use crate::proptest::{Friction, mixed, ordinary};
-use crate::{Condition, ContactNode, Frozen, Problem, Sets, Status, active_set};
+use crate::{Condition, ContactNode, Frozen, Problem, Sets, Status, interior_point};
 
 fn conditions(problem: &Problem) -> impl Iterator<Item = (&ContactNode, &Condition)> {
     problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)))
@@ -14,7 +14,7 @@ fn conditions(problem: &Problem) -> impl Iterator<Item = (&ContactNode, &Conditi
 proptest! {
     #[test]
     fn the_sets_of_a_solution_give_it_back(problem in mixed(6)) {
-        let solution = active_set(&problem, None).unwrap();
+        let solution = interior_point(&problem).unwrap();
         let sets = Sets::new(&problem, &solution).unwrap();
         let again = Frozen::new(&problem, &sets).unwrap().displacement();
         prop_assert!(distance(&again, &solution.displacement) < 1e-10, "{again:?} {solution:?}");
@@ -22,7 +22,7 @@ proptest! {
 
     #[test]
     fn the_sets_are_the_states(problem in ordinary(8, Friction::Tresca)) {
-        let solution = active_set(&problem, None).unwrap();
+        let solution = interior_point(&problem).unwrap();
         let sets = Sets::new(&problem, &solution).unwrap();
         for (i, (_, c)) in conditions(&problem).enumerate() {
             let [pressure, shear] = solution.multipliers[i];
@@ -44,7 +44,7 @@ proptest! {
     fn a_correction_is_the_change_of_the_displacement(
         problem in mixed(6), more in proptest::collection::vec(-1.0..1.0f64, 12)
     ) {
-        let sets = Sets::new(&problem, &active_set(&problem, None).unwrap()).unwrap();
+        let sets = Sets::new(&problem, &interior_point(&problem).unwrap()).unwrap();
         let more = &more[..problem.load.len()];
         let scale = problem.stiffness.norm_max();
         let more: Vec<f64> = more.iter().map(|f| f * scale).collect();

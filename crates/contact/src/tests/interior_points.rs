@@ -77,6 +77,14 @@ fn right_angle() -> impl Strategy<Value = Problem> {
     )
 }
 
+/// To 1e-9, of the largest displacement where that is above 1: full stick nearly along an overlapped wall takes a node far.
+fn equals_brute_force(problem: &Problem) -> Result<(), TestCaseError> {
+    let exact = brute_force(problem);
+    let off = distance(&solved(problem).displacement, &exact);
+    prop_assert!(off < 1e-9 * largest(exact.iter().copied()).max(1.0), "{off:e} {exact:?}");
+    Ok(())
+}
+
 /// The energy and the displacement of the active set method, which stops at the same tolerance.
 fn as_active_set(problem: &Problem, answer: &Solution) -> Result<(), TestCaseError> {
     let other = active_set(problem, None).unwrap();
@@ -90,25 +98,25 @@ proptest! {
 
     #[test]
     fn ordinary_nodes_equal_brute_force(problem in ordinary(4, Friction::Tresca)) {
-        prop_assert!(distance(&solved(&problem).displacement, &brute_force(&problem)) < 1e-9);
+        equals_brute_force(&problem)?;
     }
 
     #[test]
     fn eight_nodes_equal_brute_force(a in ordinary(8, Friction::None), b in ordinary(8, Friction::Stick)) {
-        for problem in [a, b] {
-            prop_assert!(distance(&solved(&problem).displacement, &brute_force(&problem)) < 1e-9);
+        for problem in [&a, &b] {
+            equals_brute_force(problem)?;
         }
     }
 
     #[test]
     fn all_kinds_of_nodes_and_bounds_equal_brute_force(problem in extreme(2)) {
-        prop_assert!(distance(&solved(&problem).displacement, &brute_force(&problem)) < 1e-9);
+        equals_brute_force(&problem)?;
     }
 
     #[test]
     fn a_right_angle_equals_brute_force(problem in right_angle()) {
         prop_assume!(problem.check().is_ok());
-        prop_assert!(distance(&solved(&problem).displacement, &brute_force(&problem)) < 1e-9);
+        equals_brute_force(&problem)?;
     }
 
     #[test]
