@@ -16,7 +16,7 @@ use crate::draw;
 use crate::explain::{explain, too_many_dofs};
 use crate::plan::plan;
 use crate::record::Record;
-use crate::run::{Progress, run};
+use crate::run::{Progress, Step, run};
 use crate::scene::{Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::store::{self, Stored};
@@ -178,14 +178,24 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let reading = clock.elapsed().as_secs_f64();
     let first = first_progress(&scene, &out, args.resume)?;
     let record = create_atomically(&out, args.force || args.resume, |file| -> Result<Record, SolveError> {
-        let run = run(&scene, first, &interrupts, &mut |number, stage| {
-            bar.show(number, &stage);
-            if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
+        let queue = store::StepQueue::new(file);
+        let record = rayon::scope_fifo(|scope| {
+            let put = |step: &Step| {
+                queue.push(step.clone());
+                // the stages that are saved go into the file in between: equal content has to give equal bytes
+                if args.save.is_some() { queue.write_next() } else { scope.spawn_fifo(|_| queue.write_next()) }
+            };
+            first.steps.iter().for_each(put);
+            let run = run(&scene, first, &interrupts, &mut |number, stage| {
+                bar.show(number, &stage);
+                if let Stage::Step { step, .. } = stage {
+                    put(step);
+                }
+                if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
+            })?;
+            Ok::<_, SolveError>(Record::new(&scene, plan, run, &out, reading))
         })?;
-        let steps = run.progress.steps.clone();
-        let (record, written) =
-            rayon::join(|| Record::new(&scene, plan, run, &out, reading), || store::write_steps(file, &steps));
-        written?;
+        queue.finish()?;
         let (mut record, writing) = (record, Instant::now());
         record.summary.peak_memory_bytes = peak_memory_bytes();
         store::write(file, &record)?;

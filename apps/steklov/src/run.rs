@@ -155,7 +155,7 @@ pub fn run(
             }
             (next, _) => next?,
         };
-        observe(number, Stage::Step { solved: &solved, seconds: clock.elapsed().as_secs_f64() })?;
+        observe(number, Stage::Step { solved: &solved, step: &step, seconds: clock.elapsed().as_secs_f64() })?;
         let unchanged = layout.subdivision == progress.next.subdivision;
         progress.steps.push(step);
         progress.next = layout;

@@ -14,6 +14,7 @@ use steklov_contact::{
 
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::data::Data;
+use crate::run::Step;
 use crate::scene::{Condition, Scene, SceneError, Solver};
 use crate::supports::Supports;
 
@@ -27,6 +28,8 @@ pub enum Stage<'a> {
     Step {
         /// The solution.
         solved: &'a Solved,
+        /// What is kept of it.
+        step: &'a Step,
         /// Wall seconds.
         seconds: f64,
     },

@@ -1,5 +1,8 @@
 //! The layout of the result file.
 
+use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
 use steklov_bem_operators::Mesh;
 use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
@@ -67,12 +70,45 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
     }
 }
 
-/// Writes the steps of a run into a new file.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn write_steps(file: &File, steps: &[Step]) -> Result<(), IoError> {
-    steps.iter().enumerate().try_for_each(|(number, step)| steps::save(&step_group(file, number)?, step))
+/// Steps on their way into a new file: written in their order, each by a thread that has nothing else to do.
+pub struct StepQueue<'a> {
+    file: &'a File,
+    waiting: Mutex<VecDeque<Step>>,
+    written: Mutex<Result<usize, IoError>>,
+}
+
+impl<'a> StepQueue<'a> {
+    /// No step yet.
+    pub fn new(file: &'a File) -> Self {
+        Self { file, waiting: Mutex::default(), written: Mutex::new(Ok(0)) }
+    }
+
+    /// The next step of the run. One call of [`Self::write_next`] has to follow.
+    pub fn push(&self, step: Step) {
+        lock(&self.waiting).push_back(step);
+    }
+
+    /// Writes the first of the steps that wait; none after an error.
+    pub fn write_next(&self) {
+        let mut written = lock(&self.written); // taken first: the order of the file is that of the queue
+        let Some(step) = lock(&self.waiting).pop_front() else { return };
+        if let Ok(number) = *written {
+            *written = step_group(self.file, number).and_then(|at| steps::save(&at, &step)).map(|()| number + 1);
+        }
+    }
+
+    /// Whether all went well.
+    ///
+    /// # Errors
+    /// When the file could not be written.
+    pub fn finish(self) -> Result<(), IoError> {
+        self.written.into_inner().unwrap_or_else(PoisonError::into_inner).map(|_| ())
+    }
+}
+
+/// A thread that panicked ends the program: what it left is not read.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// Writes everything else of a record into the file that has its steps.

@@ -195,7 +195,7 @@ impl Round {
         let run = run(scene, Progress::first(scene), interrupts, &mut |step, stage| {
             match stage {
                 Stage::Progress(part, _) => tell(what, &format!("step {}, {part}", step + 1)),
-                Stage::Step { solved, seconds } => {
+                Stage::Step { solved, seconds, .. } => {
                     displacements.push(solved.displacement.clone());
                     ends.push(seconds);
                 }
