@@ -39,6 +39,7 @@ mod enriched;
 mod condense;
 mod load;
 mod potential;
+mod trace_rows;
 mod particular;
 mod residual;
 
@@ -65,6 +66,7 @@ pub use residual::{BoundaryResidual, boundary_residuals, residual_panels};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};
+pub use trace_rows::steklov_trace_rows;
 pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
 
 #[cfg(doctest)]

@@ -21,14 +21,14 @@ use crate::{Material, Mesh, Space};
 #[derive(Debug, Clone)]
 pub struct BoundaryField {
     material: Material,
-    constants: Constants,
-    elements: Vec<Piece>,
+    pub(crate) constants: Constants,
+    pub(crate) elements: Vec<Piece>,
 }
 
 /// Legendre coefficients of one element.
 #[derive(Debug, Clone)]
-struct Piece {
-    segment: Segment,
+pub(crate) struct Piece {
+    pub(crate) segment: Segment,
     /// 1/d.
     inverse: Complex64,
     /// log(|d|/L).
@@ -38,7 +38,7 @@ struct Piece {
     /// Coefficients of du/dt, n = 0..p.
     derivative: Vec<[f64; 2]>,
     /// ψ[n], n = 0..p.
-    traction: Vec<[f64; 2]>,
+    pub(crate) traction: Vec<[f64; 2]>,
 }
 
 /// Values at a point inside the body.
@@ -195,10 +195,8 @@ impl BoundaryField {
     pub(crate) fn boundary_derivatives(&self, e: usize, t: f64) -> ([f64; 2], [f64; 2]) {
         let own = &self.elements[e];
         let k = &self.constants;
-        let Segment { start, end } = own.segment;
         let half_own = own.segment.half().norm();
         let tangent = own.segment.half() / half_own;
-        let normal = -Complex64::I * tangent;
         let mut hypersingular = [0.0; 2];
         // K'_Δ and d/ds (2μV - V_Δ) of ψ, and of u' and J u'
         let (mut adjoint, mut slope) = ([0.0; 2], [0.0; 2]);
@@ -206,13 +204,7 @@ impl BoundaryField {
         let mut single = [0.0; 2];
         let mut at = AtPoint::default();
         for (b, piece) in self.elements.iter().enumerate() {
-            if b == e {
-                at.on_cut(piece, t);
-            } else {
-                let (before, after) = ((1.0 + t) / 2.0, (1.0 - t) / 2.0);
-                let from = |y: Complex64| ((start - y) * after + (end - y) * before) * piece.inverse;
-                at.off_cut(piece, from(piece.segment.end), from(piece.segment.start));
-            }
+            at.from_boundary(piece, own, b == e, t);
             let half = piece.segment.half().norm();
             for n in 0..piece.traction.len() {
                 let (log, [xx, yy, xy]) = at.slope(n, tangent);
@@ -221,10 +213,10 @@ impl BoundaryField {
                 hypersingular[1] -= k.c_w * (xy * d[0] + (yy - log) * d[1]);
                 let s = piece.traction[n].map(|c| half * c);
                 if b != e {
-                    let double = (normal * at.inverse * at.q[n]).re / std::f64::consts::PI;
+                    let double = at.adjoint(n, tangent);
                     for i in 0..2 {
-                        adjoint[i] -= double * s[i];
-                        adjoint_u[i] -= double * d[i];
+                        adjoint[i] += double * s[i];
+                        adjoint_u[i] += double * d[i];
                     }
                 }
                 let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
@@ -253,7 +245,7 @@ fn series(c: &[[f64; 2]], p: &[f64]) -> [f64; 2] {
 }
 
 /// Legendre functions of one element at one point.
-struct AtPoint {
+pub(crate) struct AtPoint {
     q: [Complex64; MAX_ORDER],
     dq: [Complex64; MAX_ORDER],
     /// 1/d.
@@ -273,6 +265,17 @@ impl Default for AtPoint {
 }
 
 impl AtPoint {
+    /// The point t of the element `own` of the boundary, which may be the piece itself.
+    pub(crate) fn from_boundary(&mut self, piece: &Piece, own: &Piece, same: bool, t: f64) {
+        if same {
+            return self.on_cut(piece, t);
+        }
+        let Segment { start, end } = own.segment;
+        let (before, after) = ((1.0 + t) / 2.0, (1.0 - t) / 2.0);
+        let from = |y: Complex64| ((start - y) * after + (end - y) * before) * piece.inverse;
+        self.off_cut(piece, from(piece.segment.end), from(piece.segment.start));
+    }
+
     /// A point off the element, from z - 1 and z + 1.
     fn off_cut(&mut self, piece: &Piece, from_end: Complex64, from_start: Complex64) {
         let count = piece.displacement.len();
@@ -315,8 +318,14 @@ impl AtPoint {
         [(one + e.re) / 2.0, (one - e.re) / 2.0, e.im / 2.0]
     }
 
+    /// -(1/2π) ∫ P_n n_x·(x-y)/r² dt of a point off the element on a boundary with this tangent.
+    pub(crate) fn adjoint(&self, n: usize, tangent: Complex64) -> f64 {
+        let normal = -Complex64::I * tangent;
+        -(normal * self.inverse * self.q[n]).re / std::f64::consts::PI
+    }
+
     /// Derivatives of `log` and `direction` along a direction.
-    fn slope(&self, n: usize, along: Complex64) -> (f64, [f64; 3]) {
+    pub(crate) fn slope(&self, n: usize, along: Complex64) -> (f64, [f64; 3]) {
         let dz = along * self.inverse;
         let log = 2.0 * (self.q[n] * dz).re;
         let inner = self.q[n].conj() * dz.im + (self.dq[n] * dz).conj() * self.z_im;
