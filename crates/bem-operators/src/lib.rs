@@ -62,12 +62,12 @@ pub use particular::BodyForce;
 pub use polygon::{Edge, Location, Loop, Polygon};
 pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};
-pub use residual::{BoundaryResidual, boundary_residuals, residual_panels};
+pub use residual::{BoundaryResidual, boundary_residuals, graded_panels, residual_panels};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};
-pub use trace_rows::steklov_trace_rows;
 pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
+pub use trace_rows::steklov_trace_rows;
 
 #[cfg(doctest)]
 #[doc = include_str!("../../../README.md")]

@@ -96,13 +96,19 @@ const POINTS: usize = 5;
 ///
 /// Three layers of ratio 0.15 with 5 points, and 5 + p/2 on each half of what is left, miss about 1 % of the norm.
 pub fn residual_panels(degree: usize, kinks: &[f64]) -> Vec<Rule> {
+    graded_panels(LAYERS, POINTS, degree, kinks)
+}
+
+/// Rules on panels of [-1, 1] that get smaller towards both ends by layers of ratio 0.15, cut at the given points: so many
+/// points on a layer, and p/2 more on each half of what is left.
+pub fn graded_panels(layers: usize, points: usize, degree: usize, cuts: &[f64]) -> Vec<Rule> {
     let layer = |k: usize| RATIO.powi(k as i32);
-    let mut breaks: Vec<f64> = (1..=LAYERS).flat_map(|k| [layer(k) - 1.0, 1.0 - layer(k)]).collect();
+    let mut breaks: Vec<f64> = (1..=layers).flat_map(|k| [layer(k) - 1.0, 1.0 - layer(k)]).collect();
     breaks.extend([-1.0, 0.0, 1.0]);
-    breaks.extend(kinks.iter().filter(|t| t.abs() < 1.0));
+    breaks.extend(cuts.iter().filter(|t| t.abs() < 1.0));
     breaks.sort_by(f64::total_cmp);
     breaks.dedup();
-    let (inner, outer) = (gauss_legendre(POINTS + degree / 2), gauss_legendre(POINTS));
+    let (inner, outer) = (gauss_legendre(points + degree / 2), gauss_legendre(points));
     let base = |middle: f64| if middle.abs() < 1.0 - RATIO { &inner } else { &outer };
     breaks.windows(2).map(|b| base((b[0] + b[1]) / 2.0).mapped(b[0], b[1])).collect()
 }

@@ -54,6 +54,17 @@ pub enum ContactError {
         /// Largest eigenvalue of S.
         largest: f64,
     },
+    /// The stabilisation takes more energy than the body has.
+    #[error(
+        "the stabilisation γ₀ = {gamma:.6e} is not between 0 and its critical value {critical:.6e} on this mesh, beyond which \
+         the stabilised form is not coercive: lower gamma, or leave it at \"auto\", half of the critical value"
+    )]
+    StabilisationNotCoercive {
+        /// γ₀ in γ = γ₀ h/p² (1/stress).
+        gamma: f64,
+        /// The largest γ₀ for which <S v, v> - ∫ γ |σ^h(v)|² is not negative.
+        critical: f64,
+    },
     /// An eigenvalue or singular value iteration of a dense matrix failed.
     #[error(
         "the eigenvalues of a {size}×{size} matrix were not found; its entries are probably too large or too small"

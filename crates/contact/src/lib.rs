@@ -59,6 +59,8 @@ mod uzawa;
 mod motions;
 mod multiplier_trace;
 mod residual;
+mod multiplier_space;
+mod stabilised;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 #[cfg(test)]
@@ -73,11 +75,15 @@ pub use interior_point::interior_point;
 pub use kkt::{Kkt, kkt, kkt_in_body};
 pub use lines::{ContactLine, ElementConditions, LinePoint};
 pub use motions::{ContactEdge, resisted_motions};
+pub use multiplier_space::{
+    MultiplierCell, MultiplierDegree, MultiplierElement, MultiplierMesh, MultiplierNode, MultiplierSpace,
+};
 pub use multiplier_trace::multiplier_trace;
 pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
 pub use residual::{ContactResidual, ContactSolution, contact_residuals};
 pub use sides::SideData;
+pub use stabilised::{Loading, Stabilised, StabilisedForms};
 pub use tips::{Located, Solved, Tip, relocate, unlocated};
 pub use transitions::{TipFit, TipKind, Transition, first_guess, tip_fit, transitions};
 pub use uzawa::uzawa;

@@ -1,0 +1,399 @@
+//! Stabilised mixed hp boundary elements: multipliers on a mesh of their own.
+//!
+//! ```text
+//! <S u, v> + b(λ, v) - ∫ γ (λ + σ^h(u) + τ)·σ^h(v) = L(v)              γ = γ₀ h/p² on every element of T_h
+//! b(μ-λ, u) - ∫ γ (μ-λ)·(λ + σ^h(u) + τ) ≤ <g, μ_n-λ_n>                 for λ, μ that obey the signs at the nodes
+//! ```
+//! σ^h(u) = S_hp u pointwise, τ the traction of a body force's particular solution (0 without), b(μ, v) = ∫ μ_n v_n +
+//! μ_t v_t. With E = B - C, B_γ = ∫ γ σ^h·σ^h, C = ∫ γ μ·σ^h, D = ∫ γ μ·μ the form is
+//!
+//! ```text
+//! [ S - B_γ   Eᵀ ] [u]   [ f + ∫γτσ^h ]             r = E u - D λ - ∫ γ μ·τ - g
+//! [ E        -D  ] [λ]                              λ_n ≥ 0,  r_n ≤ 0,  λ_n r_n = 0, friction likewise
+//! ```
+//! Let y = E u - D λ. Then λ = D⁻¹(E u - y), and u is eliminated: with Z = S - B_γ + EᵀD⁻¹E
+//!
+//! ```text
+//! (D⁻¹ - D⁻¹E Z⁻¹ EᵀD⁻¹) y + λ = D⁻¹E Z⁻¹ f
+//! ```
+//! which with y = weight · displacement is a [`Problem`] with one node for each node of the multipliers: all its solvers
+//! apply, floating bodies included (Z is regular even if S is not).
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::solvers::Llt;
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::prelude::*;
+use faer::{Accum, Mat, Par, Side};
+use steklov_bem_operators::{
+    BodyForce, Datum, Dof, Material, Mesh, Site, Space, TractionMap, graded_panels, steklov_trace_rows,
+};
+use steklov_quadrature::gauss_legendre;
+
+use crate::law::dot;
+use crate::{Condition, ContactError, ContactNode, MultiplierSpace, Problem, SideData};
+
+/// The forms of the stabilisation with γ₀ = 1. All integrals of γ share one rule, graded to the ends of the elements of T_h, so that
+/// ∫ γ |λ + σ^h|² is a sum of squares whatever its points.
+pub struct StabilisedForms {
+    /// Quadrature points: element of T_h, reference coordinate.
+    points: Vec<(usize, f64)>,
+    /// (w h/p²)^½ at the points.
+    weights: Vec<f64>,
+    /// (w h/p²)^½ n·σ^h and t·σ^h: points × displacements.
+    trace: [Mat<f64>; 2],
+    /// (w h/p²)^½ μ: points × nodes of the multipliers.
+    values: Mat<f64>,
+    /// ∫ μ n·φ and ∫ μ t·φ: nodes of the multipliers × displacements.
+    pairing: [Mat<f64>; 2],
+}
+
+/// A stabilised problem, condensed to the multipliers.
+pub struct Stabilised {
+    /// Unknowns y/weight along n and t at each node of the multipliers; its multipliers are their values there.
+    pub problem: Problem,
+    /// γ₀ (1/stress).
+    pub gamma: f64,
+    /// Displacement unknowns that are not held.
+    free: Vec<Dof>,
+    /// Z.
+    factor: Llt<f64>,
+    /// EᵀD⁻¹ weight: free displacements × unknowns of the problem.
+    coupling: Mat<f64>,
+    load: Vec<f64>,
+    /// Displacement of the held unknowns, 0 elsewhere.
+    held: Vec<f64>,
+}
+
+/// What a displacement is subject to besides contact.
+pub struct Loading<'a> {
+    /// S, full storage.
+    pub stiffness: &'a Mat<f64>,
+    /// f, nodal, without contact; of a body force with S u_p - t_p, so that S u = f.
+    pub load: &'a [f64],
+    /// Unknowns with a prescribed value.
+    pub held: &'a [(Dof, f64)],
+    /// Rigid motions that nothing resists and no load drives (nodal vectors): the solution is orthogonal to them.
+    pub motions: &'a [Vec<f64>],
+    /// The particular solution of a body force.
+    pub body_force: Option<&'a BodyForce>,
+}
+
+/// Layers towards the ends of an element, and Gauss points on each: 1e-3 of ∫ |σ^h|².
+const LAYERS: usize = 4;
+const POINTS: usize = 6;
+/// Gauss points for data on a smooth part.
+const DATA_POINTS: usize = 24;
+/// A node is moved inwards by this part of its element where its data are taken.
+const INWARDS: f64 = 1e-9;
+
+impl StabilisedForms {
+    /// The forms on the contact sides of a mesh.
+    ///
+    /// *Cost*: m ≈ 60 + p points an element of these and n unknowns: 6 m n² operations, 16 m n bytes.
+    pub fn new(
+        mesh: &Mesh,
+        space: &Space,
+        material: &Material,
+        traction: &TractionMap,
+        multipliers: &MultiplierSpace,
+    ) -> Self {
+        let (n, nodes) = (space.dofs(), multipliers.nodes.len());
+        let cells = multipliers.cells(mesh);
+        let (mut points, mut weights, mut owners) = (Vec::new(), Vec::new(), Vec::new());
+        let mut pairing = [Mat::zeros(nodes, n), Mat::zeros(nodes, n)];
+        for cell in &cells {
+            let (e, p) = (cell.element, mesh.degree[cell.element]);
+            let [a, b] = cell.span;
+            for panel in graded_panels(LAYERS, POINTS, p, &[a, b]) {
+                let middle = panel.points.iter().sum::<f64>() / panel.len() as f64;
+                if middle < a || middle > b {
+                    continue;
+                }
+                for (&t, &w) in panel.points.iter().zip(&panel.weights) {
+                    points.push((e, t));
+                    let gamma = mesh.length(e) / (p * p) as f64;
+                    weights.push((w * mesh.length(e) / 2.0 * gamma).sqrt());
+                    owners.push(cell.multiplier);
+                }
+            }
+            let element = &multipliers.elements[cell.multiplier];
+            let rule = gauss_legendre((p + element.degree) / 2 + 1).mapped(a, b);
+            let frame = multipliers.nodes[element.nodes[0]].frame;
+            let basis = space.basis(e);
+            let mut phi = vec![0.0; p + 1];
+            for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+                basis.evaluate(t, &mut phi);
+                let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));
+                for (&k, mu) in element.nodes.iter().zip(mu) {
+                    for (node, phi) in space.element_nodes(e).zip(&phi) {
+                        let value = w * mesh.length(e) / 2.0 * mu * phi;
+                        for (matrix, d) in pairing.iter_mut().zip(frame) {
+                            matrix[(k, 2 * node)] += value * d[0];
+                            matrix[(k, 2 * node + 1)] += value * d[1];
+                        }
+                    }
+                }
+            }
+        }
+        let rows = steklov_trace_rows(mesh, space, material, traction, &points);
+        let trace = [0, 1].map(|k| {
+            let direction = |i: usize| multipliers.nodes[multipliers.elements[owners[i]].nodes[0]].frame[k];
+            Mat::from_fn(points.len(), n, |i, j| {
+                let d = direction(i);
+                weights[i] * (d[0] * rows[(2 * i, j)] + d[1] * rows[(2 * i + 1, j)])
+            })
+        });
+        let mut values = Mat::zeros(points.len(), nodes);
+        for (i, &(e, t)) in points.iter().enumerate() {
+            let mu = multipliers.basis(owners[i], mesh.edge_parameter(e, t));
+            multipliers.elements[owners[i]].nodes.iter().zip(mu).for_each(|(&k, mu)| values[(i, k)] = weights[i] * mu);
+        }
+        Self { points, weights, trace, values, pairing }
+    }
+
+    /// ∫ (h/p²) σ^h·σ^h over the displacements: B_γ of γ₀ = 1.
+    fn trace_form(&self) -> Mat<f64> {
+        let mut b = Mat::zeros(self.trace[0].ncols(), self.trace[0].ncols());
+        for t in &self.trace {
+            matmul(b.as_mut(), Accum::Add, t.transpose(), t, 1.0, Par::rayon(0));
+        }
+        b
+    }
+
+    /// The largest γ₀ (1/stress) for which <S v, v> - ∫ γ |σ^h(v)|² is not negative: 1/λ_max of ∫ (h/p²) σ^h·σ^h against S on the
+    /// unknowns that are not held. Infinite without multipliers.
+    ///
+    /// `rigid`: the rigid motions that the supports leave (nodal vectors); neither form sees them.
+    ///
+    /// # Errors
+    /// [`ContactError::Decomposition`] when S is not positive on the rest.
+    pub fn critical_gamma(
+        &self,
+        stiffness: &Mat<f64>,
+        held: &[(Dof, f64)],
+        rigid: &[Vec<f64>],
+    ) -> Result<f64, ContactError> {
+        let free = free_unknowns(stiffness.nrows(), held);
+        let n = free.len();
+        let mut s = Mat::from_fn(n, n, |i, j| stiffness[(free[i], free[j])]);
+        add_springs(&mut s, &free, rigid);
+        let failed = ContactError::Decomposition { size: n };
+        let factor = s.llt(Side::Lower).map_err(|_| failed.clone())?;
+        // X = L⁻¹ Tᵀ: T S⁻¹ Tᵀ and X Xᵀ share their spectrum
+        let form = self.trace_form();
+        let mut x = Mat::from_fn(n, n, |i, j| form[(free[i], free[j])]);
+        solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+        let mut x = x.transpose().to_owned();
+        solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+        let values = x.self_adjoint_eigenvalues(Side::Lower).map_err(|_| failed)?;
+        Ok(1.0 / values[n - 1])
+    }
+
+    /// The problem of γ = γ₀ h/p², condensed. `sides`: gap and bound of every contact side.
+    ///
+    /// # Errors
+    /// [`ContactError::StabilisationNotCoercive`] when γ₀ is not below `critical`; [`ContactError::Data`] for data that are
+    /// not finite.
+    pub fn condense(
+        &self,
+        mesh: &Mesh,
+        multipliers: &MultiplierSpace,
+        sides: &[SideData<'_>],
+        loading: &Loading<'_>,
+        gamma: f64,
+        critical: f64,
+    ) -> Result<Stabilised, ContactError> {
+        let refused = ContactError::StabilisationNotCoercive { gamma, critical };
+        if gamma <= 0.0 || gamma >= critical || gamma.is_nan() {
+            return Err(refused);
+        }
+        let free = free_unknowns(loading.load.len(), loading.held);
+        let (n, nodes) = (free.len(), multipliers.nodes.len());
+        let mut held = vec![0.0; loading.load.len()];
+        loading.held.iter().for_each(|&(dof, value)| held[dof] = value);
+        let tau = self.particular(mesh, multipliers, loading.body_force);
+
+        // D, the same for both components, and E
+        let mut d = Mat::zeros(nodes, nodes);
+        matmul(d.as_mut(), Accum::Replace, self.values.transpose(), &self.values, gamma, Par::rayon(0));
+        let d_factor = d.llt(Side::Lower).map_err(|_| ContactError::Decomposition { size: nodes })?;
+        let coupled = [0, 1].map(|k| {
+            let mut e = self.pairing[k].clone();
+            matmul(e.as_mut(), Accum::Add, self.values.transpose(), &self.trace[k], -gamma, Par::rayon(0));
+            e
+        });
+        // Z = S - B_γ + Σ (L⁻¹E)ᵀ(L⁻¹E), and f
+        let form = self.trace_form();
+        let mut z = Mat::from_fn(n, n, |i, j| loading.stiffness[(free[i], free[j])] - gamma * form[(free[i], free[j])]);
+        add_springs(&mut z, &free, loading.motions);
+        let mut load: Vec<f64> = free.iter().map(|&i| loading.load[i]).collect();
+        for (i, &row) in free.iter().enumerate() {
+            let fixed = loading.held.iter().map(|&(j, u)| (loading.stiffness[(row, j)] - gamma * form[(row, j)]) * u);
+            load[i] -= fixed.sum::<f64>();
+            load[i] += gamma * (0..2).map(|k| inner(&self.trace[k], row, &tau[k])).sum::<f64>();
+        }
+        // offset c = E u_held - ∫ γ μ τ of y, component by component
+        let offset = [0, 1].map(|k| -> Vec<f64> {
+            let of = |row: usize| {
+                let fixed: f64 = loading.held.iter().map(|&(j, u)| coupled[k][(row, j)] * u).sum();
+                fixed - gamma * inner(&self.values, row, &tau[k])
+            };
+            (0..nodes).map(of).collect()
+        });
+        let weight = |k: usize| multipliers.nodes[k].weight;
+        let mut coupling = Mat::zeros(n, 2 * nodes);
+        for (k, e) in coupled.iter().enumerate() {
+            let mut x = Mat::from_fn(nodes, n, |i, j| e[(i, free[j])]);
+            solve_lower_triangular_in_place(d_factor.L(), x.as_mut(), Par::rayon(0));
+            matmul(z.as_mut(), Accum::Add, x.transpose(), &x, 1.0, Par::rayon(0));
+            solve_upper_triangular_in_place(d_factor.L().transpose(), x.as_mut(), Par::rayon(0));
+            for node in 0..nodes {
+                (0..n).for_each(|j| coupling[(j, 2 * node + k)] = weight(node) * x[(node, j)]);
+            }
+        }
+        let factor = z.llt(Side::Lower).map_err(|_| refused)?;
+        let mut y = coupling.clone();
+        solve_lower_triangular_in_place(factor.L(), y.as_mut(), Par::rayon(0));
+        let inverse = faer::linalg::solvers::DenseSolveCore::inverse(&d_factor);
+        let mut stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| {
+            if i % 2 == j % 2 { weight(i / 2) * weight(j / 2) * inverse[(i / 2, j / 2)] } else { 0.0 }
+        });
+        matmul(stiffness.as_mut(), Accum::Add, y.transpose(), &y, -1.0, Par::rayon(0));
+        let stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| 0.5 * (stiffness[(i, j)] + stiffness[(j, i)]));
+        let solved = factor.solve(column(&load));
+        let condensed = coupling.transpose() * &solved;
+
+        let data = node_data(mesh, multipliers, sides)?;
+        let node = |(k, [gap, bound]): (usize, [f64; 2])| ContactNode {
+            first: 2 * k,
+            unknowns: 2,
+            conditions: vec![Condition {
+                normal: [1.0, 0.0],
+                tangent: [0.0, 1.0],
+                normal_weight: weight(k),
+                tangent_weight: weight(k),
+                gap: gap - offset[0][k] / weight(k),
+                slip_offset: offset[1][k] / weight(k),
+                bound,
+            }],
+        };
+        let problem = Problem {
+            stiffness,
+            load: (0..2 * nodes).map(|i| condensed[(i, 0)]).collect(),
+            nodes: data.into_iter().enumerate().map(node).collect(),
+        };
+        Ok(Stabilised { problem, gamma, free, factor, coupling, load, held })
+    }
+
+    /// (w h/p²)^½ n·τ and t·τ at the points.
+    fn particular(&self, mesh: &Mesh, multipliers: &MultiplierSpace, body_force: Option<&BodyForce>) -> [Vec<f64>; 2] {
+        let frame = |e: usize| multipliers.nodes.iter().find(|n| n.edge == mesh.edge[e]).map(|n| n.frame);
+        let at = |(&(e, t), w): (&(usize, f64), &f64)| -> [f64; 2] {
+            let (Some(b), Some([normal, tangent])) = (body_force, frame(e)) else { return [0.0; 2] };
+            let tau = b.traction(mesh.point(e, t), normal);
+            [w * dot(tau, normal), w * dot(tau, tangent)]
+        };
+        let both: Vec<[f64; 2]> = self.points.iter().zip(&self.weights).map(at).collect();
+        [0, 1].map(|k| both.iter().map(|v| v[k]).collect())
+    }
+}
+
+impl Stabilised {
+    /// Nodal displacement of the body that belongs to the problem's displacement.
+    pub fn displacement(&self, y: &[f64]) -> Vec<f64> {
+        let mut right = &self.coupling * column(y);
+        self.load.iter().enumerate().for_each(|(i, f)| right[(i, 0)] += f);
+        let u = self.factor.solve(right);
+        let mut displacement = self.held.clone();
+        self.free.iter().enumerate().for_each(|(i, &dof)| displacement[dof] = u[(i, 0)]);
+        displacement
+    }
+}
+
+/// g = ∫ g μ / ∫ μ and F at the node, the mean of its limits, of every node.
+fn node_data(
+    mesh: &Mesh,
+    multipliers: &MultiplierSpace,
+    sides: &[SideData<'_>],
+) -> Result<Vec<[f64; 2]>, ContactError> {
+    let mut data = vec![[0.0; 2]; multipliers.nodes.len()];
+    let side = |index: usize| {
+        sides.iter().find(|s| s.side == index).ok_or_else(|| ContactError::Inconsistent {
+            what: format!("side \"{}\" has multipliers but no gap", mesh.side_names[index]),
+        })
+    };
+    for cell in multipliers.cells(mesh) {
+        let (e, element) = (cell.element, &multipliers.elements[cell.multiplier]);
+        let gap = &side(element.side)?.gap;
+        let mut breaks = vec![cell.span[0], cell.span[1]];
+        breaks.extend((gap.kinks)(e).into_iter().filter(|t| *t > cell.span[0] && *t < cell.span[1]));
+        breaks.sort_by(f64::total_cmp);
+        for part in breaks.windows(2) {
+            let rule = gauss_legendre(DATA_POINTS).mapped(part[0], part[1]);
+            for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+                let g = gap.at(mesh, &Site::new(mesh, e, t))?;
+                let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));
+                for (&k, mu) in element.nodes.iter().zip(mu) {
+                    data[k][0] += w * mesh.length(e) / 2.0 * mu * g / multipliers.nodes[k].weight;
+                }
+            }
+        }
+    }
+    let mut limits = vec![Vec::new(); data.len()];
+    for element in &multipliers.elements {
+        let bound = side(element.side)?.bound;
+        let [a, b] = element.span;
+        for &k in &element.nodes {
+            let margin = INWARDS * (b - a);
+            let s = multipliers.nodes[k].s.clamp(a + margin, b - margin);
+            limits[k].push(bound.map_or(Ok(0.0), |bound| bound_at(mesh, element.edge, s, &bound))?);
+        }
+    }
+    data.iter_mut().zip(limits).for_each(|(d, f)| d[1] = f.iter().sum::<f64>() / f.len() as f64);
+    Ok(data)
+}
+
+/// F ≥ 0 at an edge parameter.
+fn bound_at(mesh: &Mesh, edge: usize, s: f64, bound: &Datum<'_>) -> Result<f64, ContactError> {
+    let inside = |e: &usize| mesh.edge[*e] == edge && (mesh.span[*e][0] - s) * (mesh.span[*e][1] - s) <= 0.0;
+    let Some(e) = (0..mesh.len()).find(inside) else { return Ok(0.0) };
+    let [s0, s1] = mesh.span[e];
+    let site = Site::new(mesh, e, 2.0 * (s - s0) / (s1 - s0) - 1.0);
+    let f = bound.at(mesh, &site)?;
+    if f < 0.0 {
+        let ([x, y], side) = (site.point, &mesh.side_names[mesh.side[e]]);
+        let what = format!("{} on side \"{side}\" is {f} at ({x}, {y}); it must be at least 0", bound.name);
+        return Err(ContactError::Inconsistent { what });
+    }
+    Ok(f)
+}
+
+fn free_unknowns(count: usize, held: &[(Dof, f64)]) -> Vec<Dof> {
+    let mut free = vec![true; count];
+    held.iter().for_each(|&(dof, _)| free[dof] = false);
+    (0..count).filter(|&i| free[i]).collect()
+}
+
+/// Adds a spring of the matrix's own size against each motion.
+fn add_springs(matrix: &mut Mat<f64>, free: &[Dof], motions: &[Vec<f64>]) {
+    let n = free.len();
+    let size = (0..n).fold(0.0f64, |m, i| m.max(matrix[(i, i)]));
+    for motion in motions {
+        let r: Vec<f64> = free.iter().map(|&i| motion[i]).collect();
+        let norm: f64 = r.iter().map(|r| r * r).sum();
+        for j in 0..n {
+            for i in 0..n {
+                matrix[(i, j)] += size / norm * r[i] * r[j];
+            }
+        }
+    }
+}
+
+/// Σ_i a[i][column] b[i].
+fn inner(a: &Mat<f64>, column: usize, b: &[f64]) -> f64 {
+    a.col_as_slice(column).iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn column(values: &[f64]) -> Mat<f64> {
+    Mat::from_fn(values.len(), 1, |i, _| values[i])
+}

@@ -1,0 +1,132 @@
+//! Stabilised multipliers: the coercivity limit, agreement with closed forms and with biorthogonal multipliers.
+
+use faer::Mat;
+use steklov_bem_operators::{
+    Datum, Dof, Domain, Loop, Material, Mesh, Operators, Plane, Polygon, Site, Space, Steklov, TractionMap,
+};
+use steklov_contact::{
+    ContactError, Loading, MultiplierDegree, MultiplierMesh, MultiplierSpace, SideData, Stabilised, StabilisedForms,
+    active_set, interior_point, kkt, newton,
+};
+
+const J: f64 = 0.647_194_015_986_9;
+
+/// The square of side 1 about the origin, its top held at 0, in contact along its floor.
+struct Clamped {
+    mesh: Mesh,
+    space: Space,
+    material: Material,
+    stiffness: Mat<f64>,
+    traction: TractionMap,
+    held: Vec<(Dof, f64)>,
+}
+
+impl Clamped {
+    fn new(elements_a_side: usize, degree: usize, young: f64) -> Self {
+        let corners = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+        let sides = ["floor", "right", "top", "left"].map(String::from).to_vec();
+        let polygon = Polygon::new(Loop { corners, sides }, vec![]).unwrap();
+        Self::on(Mesh::uniform(&polygon, 4 * elements_a_side, degree), young)
+    }
+
+    fn on(mesh: Mesh, young: f64) -> Self {
+        let space = Space::new(&mesh);
+        let material = Material::new(young, 0.3, Plane::Strain).unwrap();
+        let operators = Operators::assemble(&mesh, &space, &material, None).unwrap();
+        let Steklov { matrix: stiffness, traction } = Steklov::new(operators, Domain::Interior).unwrap();
+        let top = (0..space.nodes()).filter(|&i| (space.points[i][1] - 0.5).abs() < 1e-12);
+        let held = top.flat_map(|i| [(2 * i, 0.0), (2 * i + 1, 0.0)]).collect();
+        Self { mesh, space, material, stiffness, traction, held }
+    }
+
+    fn forms(&self, multipliers: &MultiplierSpace) -> StabilisedForms {
+        StabilisedForms::new(&self.mesh, &self.space, &self.material, &self.traction, multipliers)
+    }
+
+    fn multipliers(&self, mesh: MultiplierMesh, degree: MultiplierDegree) -> MultiplierSpace {
+        MultiplierSpace::new(&self.mesh, &[0], mesh, degree).unwrap()
+    }
+
+    /// The wedge gap under Tresca friction, γ₀ half of the critical one; J of its solution, and the multipliers.
+    fn wedge(&self, multipliers: &MultiplierSpace) -> (f64, Vec<[f64; 2]>, Stabilised) {
+        let (gap, bound) = (|s: &Site| s.point[0].abs() / 10.0 - 0.05, |_: &Site| 0.3);
+        let kinks = |e: usize| {
+            let [a, b] = self.mesh.ends(e).map(|x| x[0]);
+            if a < -1e-12 && b > 1e-12 { vec![-(a + b) / (b - a)] } else { vec![] }
+        };
+        let side = SideData {
+            side: 0,
+            gap: Datum { name: "gap", value: &gap, kinks: &kinks },
+            bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks }),
+        };
+        let forms = self.forms(multipliers);
+        let critical = forms.critical_gamma(&self.stiffness, &self.held, &[]).unwrap();
+        let load = vec![0.0; self.space.dofs()];
+        let loading =
+            Loading { stiffness: &self.stiffness, load: &load, held: &self.held, motions: &[], body_force: None };
+        let stabilised = forms.condense(&self.mesh, multipliers, &[side], &loading, 0.5 * critical, critical).unwrap();
+        let solution = active_set(&stabilised.problem, None).unwrap();
+        assert!(solution.converged() && kkt(&stabilised.problem, &solution).worst() < 1e-9);
+        let u = stabilised.displacement(&solution.displacement);
+        let strain: f64 =
+            (0..u.len()).map(|i| (0..u.len()).map(|j| 0.5 * u[i] * self.stiffness[(i, j)] * u[j]).sum::<f64>()).sum();
+        let mut friction = 0.0;
+        for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == 0) {
+            let basis = self.space.basis(e);
+            for (w, node) in basis.weights.iter().zip(self.space.element_nodes(e)) {
+                friction += 0.3 * w * self.mesh.length(e) / 2.0 * u[2 * node].abs();
+            }
+        }
+        (strain + friction, solution.multipliers, stabilised)
+    }
+}
+
+/// Critical γ₀E of γ = γ₀ h/p² with p = 1, 2, 4, 12, computed beforehand by another code; their limits for many elements.
+#[test]
+fn the_critical_gamma_is_that_of_the_form() {
+    for (n, p, want) in [(8, 1, 0.644), (16, 1, 0.627), (8, 2, 0.99), (2, 4, 1.49), (2, 12, 1.95)] {
+        let body = Clamped::new(n, p, 7.0);
+        let multipliers = body.multipliers(MultiplierMesh::Same, MultiplierDegree::Relative(0));
+        let critical = body.forms(&multipliers).critical_gamma(&body.stiffness, &body.held, &[]).unwrap();
+        println!("n = {n}, p = {p}: {:.4}", 7.0 * critical);
+        assert!((7.0 * critical / want - 1.0).abs() < 0.02, "n = {n}, p = {p}: {} not {want}", 7.0 * critical);
+    }
+}
+
+#[test]
+fn the_wedge_converges_to_its_energy() {
+    for degree in [MultiplierDegree::Relative(0), MultiplierDegree::Relative(-1), MultiplierDegree::ContinuousLinear] {
+        for p in [1, 2, 3] {
+            let mut errors = vec![];
+            for n in [4, 8, 16] {
+                let body = Clamped::new(n, p, 1000.0);
+                let multipliers = body.multipliers(MultiplierMesh::Same, degree);
+                let (energy, ..) = body.wedge(&multipliers);
+                errors.push((energy - J) / J);
+            }
+            println!("{degree:?} p = {p}: {errors:?}");
+        }
+    }
+}
+
+#[test]
+fn a_gamma_beyond_the_critical_one_is_refused() {
+    let body = Clamped::new(4, 2, 1000.0);
+    let multipliers = body.multipliers(MultiplierMesh::Same, MultiplierDegree::Relative(0));
+    let forms = body.forms(&multipliers);
+    let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]).unwrap();
+    let (zero, kinks) = (|_: &Site| 0.0, |_: usize| vec![]);
+    let side = SideData { side: 0, gap: Datum { name: "gap", value: &zero, kinks: &kinks }, bound: None };
+    let load = vec![1.0; body.space.dofs()];
+    let loading = Loading { stiffness: &body.stiffness, load: &load, held: &body.held, motions: &[], body_force: None };
+    for factor in [1.05, 1.0, 0.0, -1.0, f64::NAN] {
+        let gamma = factor * critical;
+        let refused = forms.condense(&body.mesh, &multipliers, &[side], &loading, gamma, critical).err();
+        assert!(matches!(refused, Some(ContactError::StabilisationNotCoercive { .. })), "{factor}: {refused:?}");
+    }
+    let accepted = forms.condense(&body.mesh, &multipliers, &[side], &loading, 0.95 * critical, critical).unwrap();
+    let [a, b] = [newton(&accepted.problem, None).unwrap(), interior_point(&accepted.problem).unwrap()];
+    for (a, b) in a.multipliers.iter().zip(&b.multipliers) {
+        assert!((a[0] - b[0]).abs() < 1e-7 && (a[1] - b[1]).abs() < 1e-7, "{a:?} {b:?}");
+    }
+}
