@@ -5,8 +5,9 @@
 //! traction residual ρ_ψ = <(K+½)u - Vψ, P_p>                  η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ
 //! oscillation       w = g - I_p g, or u_D - I_p u_D           η_g² = E*/2 ‖w‖ ‖dw/ds‖
 //! ```
-//! The indicators steer the refinement. The estimate is the energy of e₊, the displacement that S₊ of the enriched spaces
-//! adds with the contact sets as they are.
+//! The indicators steer the refinement. The estimate is the geometric mean of their sum and of the energy of e₊, the
+//! displacement that S₊ of the enriched spaces adds with the contact sets as they are. Where both components are held the
+//! error is that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
 use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
@@ -59,7 +60,7 @@ pub struct Estimate {
     pub residuals: Vec<Residual>,
     /// ⟨S₊e₊, e₊⟩ of the correction e₊ that the enriched spaces add.
     pub correction: f64,
-    /// Energy of what the mesh's vertices miss of the transitions.
+    /// Energy of the transitions that have no vertex of the mesh; of the hp strategy only, the others fit none.
     pub tips: f64,
     /// Estimated ‖u - u_h‖ in the energy norm.
     pub error: f64,
@@ -200,7 +201,8 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Opt
 
     let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
     let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
-    let error = (SATURATION.powi(2) * (squared * two_level).sqrt() + oscillation).sqrt();
+    let held: f64 = indicators.iter().zip(&frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
+    let error = (SATURATION.powi(2) * (squared * two_level).sqrt().max(held) + oscillation).sqrt();
     let energies = &solved.energies;
     let energy = energies.total + 0.5 * gained - 0.5 * squared;
     let scale = scale(energies.strain, factors);

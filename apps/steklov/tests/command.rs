@@ -293,7 +293,7 @@ fn progress_is_on_stderr_only() {
     assert!(quiet.out.starts_with("A block\n"));
 }
 
-/// Uniform strategies have no target: they end at a limit with status 0, every step is stored.
+/// Uniform strategies have no target: they end at a limit with status 3, every step is stored.
 #[test]
 fn uniform_strategies_end_at_their_limits() {
     let place = Place::new();

@@ -8,7 +8,7 @@
 //! equation(I) = hE/p ‖d/ds [(K+½)u - Vψ]‖²_I    on all elements, held ones too
 //! ```
 //! Both are energies (force per thickness times length). The root of their sum follows the energy norm of the error: on
-//! smooth solutions it is 2.3 to 3.2 times the error for p = 1 to 8 and all ν up to ½ (with h in place of h/p in the second
+//! smooth solutions it is 1.9 to 3.2 times the error for p = 1 to 8 and ν from -½ to ½ (with h in place of h/p in the second
 //! term that factor grows like √p: the residual of the equation has no moments against the tractions, which gains
 //! the power of p). Not seen: how well held displacements are met by their nodal values, and what contact adds.
 

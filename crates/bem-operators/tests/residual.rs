@@ -222,7 +222,7 @@ fn the_indicator_falls_like_the_error_of_a_smooth_solution() {
     }
 }
 
-/// The factor between indicator and error is that of √p for all ν and p.
+/// The factor between indicator and error is of one size for all ν and p: a power of p too much would show at p = 8.
 #[test]
 fn neither_poissons_ratio_nor_the_degree_spoils_the_indicator() {
     for (elements, degree, poisson) in
@@ -231,7 +231,7 @@ fn neither_poissons_ratio_nor_the_degree_spoils_the_indicator() {
         let (residuals, error) = smooth_problem(elements, degree, poisson);
         let ratio = sum(&residuals).sqrt() / error;
         println!("{elements} elements of degree {degree}, nu = {poisson}: {ratio:.2} of the error {error:.1e}");
-        assert!((1.0..4.0).contains(&(ratio / (degree as f64).sqrt())), "{ratio}");
+        assert!((1.7..3.5).contains(&ratio), "{ratio}");
     }
 }
 

@@ -6,7 +6,7 @@ use steklov_bem_operators::{Datum, Mesh, Site, Space};
 use steklov_quadrature::{Rule, gauss_legendre, legendre_p, project};
 
 use crate::sides::from_within;
-use crate::{ContactBoundary, ContactError, Sets};
+use crate::{ContactBoundary, ContactError, LinePoint, Sets};
 
 /// The bubble b = (P_(p+1) - P_(p-1))/(2p+1) of a contact element, its components along n and t.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -22,6 +22,26 @@ pub struct ContactBubble {
     pub oscillation: f64,
 }
 
+/// What contact does at a node of an element.
+#[derive(Clone, Copy)]
+struct State {
+    closed: bool,
+    /// As [`Sets::slip`].
+    slip: Option<i8>,
+    /// Whether a support holds the node along n and along t: it then has no multiplier there.
+    held: [bool; 2],
+}
+
+impl State {
+    const HELD: Self = Self { closed: false, slip: None, held: [true; 2] };
+
+    fn new(boundary: &ContactBoundary, sets: &Sets, at: &LinePoint) -> Self {
+        let condition = &boundary.contact[at.node].conditions[at.condition];
+        let held = [condition.normal_weight == 0.0, condition.tangent_weight == 0.0];
+        Self { closed: sets.closed(at.index), slip: sets.slip(at.index), held }
+    }
+}
+
 /// Gauss points on an element.
 const POINTS: usize = 40;
 
@@ -29,7 +49,7 @@ const POINTS: usize = 40;
 /// asked for only where there is friction.
 ///
 /// An element is closed when all its nodes are, open when none inside it is and at most one at its ends; an element of
-/// neither kind keeps all its bubbles, without load.
+/// neither kind keeps all its bubbles, without load. A node that is held takes no part along the directions in which it is.
 /// # Errors
 /// [`ContactError::Data`] where a datum is not finite.
 pub fn contact_bubbles<'d>(
@@ -43,14 +63,16 @@ pub fn contact_bubbles<'d>(
     let mut bubbles = Vec::new();
     for element in boundary.elements(mesh, space) {
         let e = element.element;
-        let states: Vec<_> =
-            element.points.iter().flatten().map(|p| (sets.closed(p.index), sets.slip(p.index))).collect();
-        let inner = if states.len() > 2 { &states[1..states.len() - 1] } else { &states };
-        let count = states.iter().filter(|s| s.0).count();
-        let closed = count == states.len() && count > 0;
-        let open = count == 0 || states.len() > 2 && count <= 1 && inner.iter().all(|s| !s.0);
-        let stick = !states.is_empty() && states.iter().all(|s| s.1 == Some(0));
-        let turns: Vec<i8> = inner.iter().filter_map(|s| s.1).filter(|&s| states.len() > 2 || s != 0).collect();
+        let p = space.degree(e);
+        let states: Vec<State> =
+            element.points.iter().map(|at| at.map_or(State::HELD, |at| State::new(boundary, sets, &at))).collect();
+        let inner = if p > 1 { &states[1..p] } else { &states };
+        let count = states.iter().filter(|s| s.closed).count();
+        let closed = count > 0 && states.iter().all(|s| s.closed || s.held[0]);
+        let open = count == 0 || p > 1 && count <= 1 && inner.iter().all(|s| !s.closed);
+        let sticks = |s: &State| s.slip == Some(0);
+        let stick = states.iter().any(sticks) && states.iter().all(|s| sticks(s) || s.held[1]);
+        let turns: Vec<i8> = inner.iter().filter_map(|s| s.slip).filter(|&s| p > 1 || s != 0).collect();
         let sum: i32 = turns.iter().map(|&s| i32::from(s)).sum();
         let sliding = !turns.is_empty() && sum.unsigned_abs() as usize == turns.len();
         let mut load = [0.0; 2];

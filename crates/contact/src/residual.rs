@@ -152,6 +152,8 @@ fn element_residual(
     let mut phi = vec![0.0; nodal.len()];
     let mut kinks = (data.gap.kinks)(e);
     kinks.extend(data.bound.iter().flat_map(|b| (b.kinks)(e)));
+    // one that rounding put beside an end is there
+    kinks.retain(|t| t.abs() < 1.0 - mesh.resolution(e));
     let mut residual = ContactResidual { element: e, ..ContactResidual::default() };
     for panel in residual_panels(basis.degree, &kinks) {
         let mut samples = Vec::with_capacity(panel.len());

@@ -64,7 +64,8 @@ pub struct Solved<'a> {
 ///
 /// A tip takes the nearest transition of its kind and direction. Contact and stick ends are fitted ([`tip_fit`]) and
 /// move at most to the bracket of their transition and its width on both sides; a reversal of slip keeps its vertex.
-/// Returns where all transitions are believed to be.
+/// Returns where the transitions are believed to be, but for those at a singular point and nodes that differ from their
+/// neighbours on both sides by themselves.
 ///
 /// # Errors
 /// [`ContactError::Decomposition`].

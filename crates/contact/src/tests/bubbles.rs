@@ -38,13 +38,24 @@ fn bubbles(
     gap: &(dyn Fn(&Site) -> f64 + Sync),
     bound: &(dyn Fn(&Site) -> f64 + Sync),
 ) -> Vec<ContactBubble> {
-    let boundary = build(m, &["floor"], &|_| 0.1, &|_| 1.0, &free).unwrap();
-    let size = 2 * boundary.contact.len();
+    bubbles_of_held(m, states, gap, bound, &free)
+}
+
+/// The same with held nodes; the states are those of the conditions that are left.
+fn bubbles_of_held(
+    m: &(Mesh, Space),
+    states: &[(bool, i8)],
+    gap: &(dyn Fn(&Site) -> f64 + Sync),
+    bound: &(dyn Fn(&Site) -> f64 + Sync),
+    held: &dyn Fn(usize) -> [Option<f64>; 2],
+) -> Vec<ContactBubble> {
+    let boundary = build(m, &["floor"], &|_| 0.1, &|_| 1.0, held).unwrap();
+    let size = boundary.kept().len();
     let stiffness = faer::Mat::from_fn(size, size, |i, j| if i == j { 1.0 } else { 0.0 });
     let problem = Problem { stiffness, load: vec![0.0; size], nodes: boundary.contact.clone() };
     let solution = crate::active_set(&problem, None).unwrap();
     let mut sets = Sets::new(&problem, &solution).unwrap();
-    for (i, &(closed, slip)) in states.iter().enumerate().take(size / 2) {
+    for (i, &(closed, slip)) in states.iter().enumerate().take(boundary.contact.len()) {
         sets.set_closed(i, closed);
         sets.set_slip(i, slip);
     }
@@ -124,6 +135,31 @@ proptest! {
             let met = of(&|x| a * power(x, 0) + power(x, -1) - 3.0);
             prop_assert!(met < 1e-22 * (p * (a + 1.0)).powi(2), "{met:e}");
         }
+    }
+}
+
+/// A held end neither frees nor holds the bubble beside it: what is left of the element decides.
+#[test]
+fn a_held_end_takes_no_part() {
+    let m = rectangle(1.0, &[3, 2, 2, 1]);
+    let (gap, bound) = (|x: &Site| (3.0 * x.point[0]).exp(), |_: &Site| 1.0);
+    let corner = m.1.node(0, 0);
+    for components in [[Some(0.0), None], [None, Some(0.0)], [Some(0.0), Some(0.0)]] {
+        let held = |node: usize| if node == corner { components } else { [None; 2] };
+        // the held end has a condition only if it can move: 2 to 4 are the other nodes of the first element
+        let end = usize::from(components != [Some(0.0); 2]);
+        let of = |inner: [(bool, i8); 3]| {
+            let mut states = vec![(true, 0); end];
+            states.extend(inner);
+            states.extend([(false, 1); 8]);
+            bubbles_of_held(&m, &states, &gap, &bound, &held)[0]
+        };
+        assert_eq!(of([(true, 0); 3]).free, [false, false], "{components:?}");
+        // the first node inside counts: it alone keeps the element from being open, and from sliding
+        let touching = of([(true, 0), (false, 1), (false, 1)]);
+        assert!(touching.oscillation > 0.0 && touching.load == [0.0; 2], "{components:?}: {touching:?}");
+        let sliding = of([(false, 1), (false, 1), (false, 1)]);
+        assert!(sliding.load[1] < 0.0 && sliding.free[1], "{components:?}: {sliding:?}");
     }
 }
 
