@@ -109,7 +109,7 @@ pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
     let (rows, summary) = match &run.last.contact {
         None => (Vec::new(), None),
         Some(contact) => {
-            let rows = contact_rows(contact, &run.last.displacement);
+            let rows = contact_rows(&run.last, contact);
             let summary = contact_summary(&once, &run.last, contact, &rows, run.step());
             (rows, Some(summary))
         }

@@ -11,6 +11,8 @@ use crate::solve::Energies;
 /// With U the nodal values of u_p and T = ∫ σ(u_p)n·φ, the functional of the nodal displacement u is
 /// ½ uᵀSu - (f + S U - T)·u plus a constant.
 pub(crate) struct Particular {
+    /// u_p itself.
+    pub(crate) force: BodyForce,
     /// U.
     pub(crate) displacement: Vec<f64>,
     /// S U - T.
@@ -33,7 +35,7 @@ impl Particular {
         let traction = force.traction_load(mesh, space);
         let load = stiff.iter().zip(&traction).map(|(s, t)| s - t).collect();
         let (energy, work) = force.energies(mesh);
-        Self { displacement, load, stiff, traction, energy, work }
+        Self { force: *force, displacement, load, stiff, traction, energy, work }
     }
 }
 

@@ -180,6 +180,24 @@ impl Data<'_> {
             .collect()
     }
 
+    /// Calls with gap and bound of every contact side.
+    pub(crate) fn with_contact_data<T>(&self, call: impl FnOnce(&[SideData<'_>]) -> T) -> T {
+        let functions: Vec<_> = self
+            .contact_sides()
+            .into_iter()
+            .map(|s| (s.index, self.function(s.gap), s.bound.map(|b| self.function(b))))
+            .collect();
+        let sides: Vec<SideData<'_>> = functions
+            .iter()
+            .map(|(side, gap, bound)| SideData {
+                side: *side,
+                gap: gap.datum("gap"),
+                bound: bound.as_ref().map(|b| b.datum("friction bound")),
+            })
+            .collect();
+        call(&sides)
+    }
+
     /// Residual indicators of all elements.
     pub(crate) fn residuals(&self, solved: &Solved) -> Result<Vec<Residual>, SolveError> {
         let body = solved.body_force.as_ref();
@@ -204,19 +222,6 @@ impl Data<'_> {
         let mut residuals: Vec<Residual> =
             boundary.into_iter().map(|boundary| Residual { boundary, ..Default::default() }).collect();
         if let Some(contact) = &solved.contact {
-            let functions: Vec<_> = self
-                .contact_sides()
-                .into_iter()
-                .map(|s| (s.index, self.function(s.gap), s.bound.map(|b| self.function(b))))
-                .collect();
-            let sides: Vec<SideData<'_>> = functions
-                .iter()
-                .map(|(side, gap, bound)| SideData {
-                    side: *side,
-                    gap: gap.datum("gap"),
-                    bound: bound.as_ref().map(|b| b.datum("friction bound")),
-                })
-                .collect();
             let solution = ContactSolution {
                 mesh: self.mesh,
                 space: self.space,
@@ -226,7 +231,7 @@ impl Data<'_> {
                 field: &solved.field,
                 body_force: body,
             };
-            for residual in contact_residuals(&solution, &sides)? {
+            for residual in self.with_contact_data(|sides| contact_residuals(&solution, sides))? {
                 residuals[residual.element].contact = residual;
             }
         }
@@ -247,19 +252,8 @@ impl Data<'_> {
         for side in &sides {
             self.check_held_ends(side.index, side.gap, held)?;
         }
-        let functions: Vec<_> =
-            sides.iter().map(|s| (self.function(s.gap), s.bound.map(|b| self.function(b)))).collect();
-        let data: Vec<SideData<'_>> = sides
-            .iter()
-            .zip(&functions)
-            .map(|(side, (gap, bound))| SideData {
-                side: side.index,
-                gap: gap.datum("gap"),
-                bound: bound.as_ref().map(|b| b.datum("friction bound")),
-            })
-            .collect();
         let values = |node: usize| held[node].components.map(|c| c.map(|(value, _)| value));
-        let boundary = contact_boundary(self.mesh, self.space, &data, &values);
+        let boundary = self.with_contact_data(|sides| contact_boundary(self.mesh, self.space, sides, &values));
         boundary.map(Some).map_err(|error| match error {
             steklov_contact::ContactError::Data(error) => match self.contact_expression(&error) {
                 Some(expression) => self.located(error, expression),

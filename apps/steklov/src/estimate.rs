@@ -6,7 +6,8 @@
 //! oscillation       w = g - I_p g, or u_D - I_p u_D           η_g² = E*/2 ‖w‖ ‖dw/ds‖
 //! ```
 //! The indicators steer the refinement. The estimate is the geometric mean of their sum and of the energy of e₊, the
-//! displacement that S₊ of the enriched spaces adds with the contact sets as they are. Where both components are held the
+//! displacement that S₊ of the enriched spaces adds with the contact sets as they are; that and the energy in which stabilised
+//! multipliers differ from biorthogonal ones. Where both components are held the
 //! error is that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
 use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Mesh, SAME_PLACE};
@@ -202,11 +203,11 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Opt
     let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
     let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
     let held: f64 = indicators.iter().zip(&frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
-    let error = (SATURATION.powi(2) * (squared * two_level).sqrt().max(held) + oscillation).sqrt();
+    let error = (SATURATION.powi(2) * (squared * two_level).sqrt().max(held) + oscillation + factors.difference).sqrt();
     let energies = &solved.energies;
-    let energy = energies.total + 0.5 * gained - 0.5 * squared;
+    let energy = factors.energy + 0.5 * gained - 0.5 * squared;
     let scale = scale(energies.strain, factors);
-    let uncertainty = 0.5 * (energy - energies.total).abs() + 0.4 * error * error;
+    let uncertainty = 0.5 * (energy - factors.energy).abs() + 0.4 * error * error;
     let doubts = Vec::new();
     let relative = ratio(error, scale);
     Ok(Some(Estimate {

@@ -13,6 +13,7 @@ pub mod plan;
 mod data;
 mod supports;
 mod body_load;
+pub mod stabilised;
 pub mod solve;
 pub mod estimate;
 pub mod adapt;

@@ -64,7 +64,7 @@ impl Record {
                 traction.push(solved.traction(e, t));
             }
         }
-        let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(c, &solved.displacement));
+        let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved, c));
         let mut summary = summary(scene, &run, &contact, file);
         summary.seconds.write = clock.elapsed().as_secs_f64();
         summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();
@@ -126,7 +126,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         estimate: estimate.map(|e| e.error),
         estimate_relative: estimate.map(|e| e.relative),
         estimate_doubts: estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned()).collect(),
-        iterations: contact.map_or(0, |c| c.solution.iterations),
+        iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact.map(|c| contact_summary(scene, solved, c, rows, run.step())),
         audit: contact.map(|c| Audit {
             equilibrium: c.audit.equilibrium,

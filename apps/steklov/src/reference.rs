@@ -241,7 +241,7 @@ fn distance(
     Ok(TrueError {
         error: dot(&difference, &stiff).max(0.0).sqrt(),
         norm: (2.0 * exact.energies.strain).max(0.0).sqrt(),
-        converged: exact.balanced && exact.contact.as_ref().is_none_or(|c| c.solution.converged()),
+        converged: exact.balanced && exact.contact.as_ref().is_none_or(|c| c.converged()),
     })
 }
 

@@ -1,10 +1,11 @@
 //! Contact in numbers and as a table, from a solved mesh.
 
-use steklov_contact::{Located, Status, TipKind};
+use steklov_contact::{Located, MultiplierNode, Status, TipKind};
 
 use crate::run::Step;
 use crate::scene::{Condition, Refine, Scene};
 use crate::solve::{ContactResult, Solved};
+use crate::stabilised::StabilisedContact;
 use crate::summary::ContactSummary;
 use crate::unbounded::is_unbounded;
 
@@ -39,8 +40,11 @@ pub struct ContactRow {
 pub(crate) const TOUCHING: f64 = 1e-12;
 
 /// One row for each condition of each contact node.
-pub fn contact_rows(contact: &ContactResult, displacement: &[f64]) -> Vec<ContactRow> {
-    let solution = &contact.solution;
+pub fn contact_rows(solved: &Solved, contact: &ContactResult) -> Vec<ContactRow> {
+    if let Some(stabilised) = &contact.stabilised {
+        return stabilised_rows(solved, stabilised);
+    }
+    let (displacement, solution) = (&solved.displacement, &contact.solution);
     let mut rows = Vec::with_capacity(solution.multipliers.len());
     for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
         let u = [displacement[2 * node.node], displacement[2 * node.node + 1]];
@@ -60,17 +64,58 @@ pub fn contact_rows(contact: &ContactResult, displacement: &[f64]) -> Vec<Contac
                 shear,
                 bound: condition.bound,
                 weight: plane.shares.iter().map(|s| if s.normal > 0.0 { s.normal } else { s.tangent }).sum(),
-                status: match solution.status[rows.len()] {
-                    Status::Apart => 0,
-                    Status::Stick => 1,
-                    Status::SlipPlus => 2,
-                    Status::SlipMinus => 3,
-                },
+                status: number(solution.status[rows.len()]),
                 side: share.map_or(0, |s| s.side),
             });
         }
     }
     rows
+}
+
+/// One row for each node of stabilised multipliers.
+fn stabilised_rows(solved: &Solved, contact: &StabilisedContact) -> Vec<ContactRow> {
+    let (mesh, space) = (&solved.mesh, &solved.space);
+    let row = |(i, node): (usize, &MultiplierNode)| {
+        // of two elements that meet there the displacement is the same
+        let at =
+            |e: &usize| mesh.edge[*e] == node.edge && (mesh.span[*e][0] - node.s) * (mesh.span[*e][1] - node.s) <= 0.0;
+        let u = (0..mesh.len()).find(at).map_or([0.0; 2], |e| {
+            let [s0, s1] = mesh.span[e];
+            let basis = space.basis(e);
+            let mut phi = vec![0.0; basis.degree + 1];
+            basis.evaluate(2.0 * (node.s - s0) / (s1 - s0) - 1.0, &mut phi);
+            let nodes = space.element_nodes(e).zip(&phi);
+            nodes.fold([0.0; 2], |u, (node, phi)| {
+                [u[0] + phi * solved.displacement[2 * node], u[1] + phi * solved.displacement[2 * node + 1]]
+            })
+        });
+        let [normal, tangent] = node.frame;
+        let condition = &contact.nodes[i].conditions[0];
+        let [pressure, shear] = contact.solution.multipliers[i];
+        ContactRow {
+            point: node.point,
+            normal,
+            gap: contact.gaps[i],
+            normal_displacement: u[0] * normal[0] + u[1] * normal[1],
+            tangential_displacement: u[0] * tangent[0] + u[1] * tangent[1],
+            pressure,
+            shear,
+            bound: condition.bound,
+            weight: node.weight,
+            status: number(contact.solution.status[i]),
+            side: node.side,
+        }
+    };
+    contact.space.nodes.iter().enumerate().map(row).collect()
+}
+
+fn number(status: Status) -> usize {
+    match status {
+        Status::Apart => 0,
+        Status::Stick => 1,
+        Status::SlipPlus => 2,
+        Status::SlipMinus => 3,
+    }
 }
 
 fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
@@ -92,7 +137,7 @@ pub fn contact_summary(
     let stick: f64 = rows.iter().filter(touches).filter(sticks).map(|r| r.weight).fold(0.0, |a, b| a + b);
     let mut force = [0.0; 2];
     for side in 0..scene.sides.len() {
-        let part = contact.boundary.force(side, &contact.solution.multipliers);
+        let part = contact.force(side);
         force = [force[0] + part[0], force[1] + part[1]];
     }
     let ends = located_ends(scene, step);

@@ -15,7 +15,8 @@ use steklov_contact::{
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::data::Data;
 use crate::run::Step;
-use crate::scene::{Condition, Scene, SceneError, Solver};
+use crate::scene::{Condition, Multiplier, Scene, SceneError, Solver};
+use crate::stabilised::{Body, StabilisedContact, solve_stabilised};
 use crate::supports::Supports;
 
 /// What a run hands to its observer while it has it.
@@ -128,6 +129,28 @@ pub struct ContactResult {
     pub audit: Kkt,
     /// Σ D_i F_i |u_t,i|.
     pub friction_work: f64,
+    /// The answer with stabilised multipliers, if they are asked for: the one that is reported.
+    pub stabilised: Option<StabilisedContact>,
+}
+
+impl ContactResult {
+    /// The solver's answer that is reported.
+    pub fn reported(&self) -> &Solution {
+        self.stabilised.as_ref().map_or(&self.solution, |s| &s.solution)
+    }
+
+    /// Whether the solvers reached their criteria.
+    pub fn converged(&self) -> bool {
+        self.solution.converged() && self.reported().converged()
+    }
+
+    /// Force of the obstacle on the body over one side (force per thickness).
+    pub fn force(&self, side: usize) -> [f64; 2] {
+        match &self.stabilised {
+            Some(s) => s.space.force(side, &s.solution.multipliers),
+            None => self.boundary.force(side, &self.solution.multipliers),
+        }
+    }
 }
 
 /// A solved mesh.
@@ -167,8 +190,12 @@ pub struct Factors {
     pub condensation: Condensation,
     /// What S₊ of the enriched spaces needs besides, if the solution is to be estimated.
     pub enriched: Option<EnrichedSteklov>,
-    /// Nodal displacement without the body force's particular solution.
+    /// Nodal displacement without the body force's particular solution, of biorthogonal multipliers.
     pub homogeneous: Vec<f64>,
+    /// J of that displacement.
+    pub energy: f64,
+    /// ‖u - u_b‖², energy norm, of the displacements of stabilised and biorthogonal multipliers; 0 if they are one.
+    pub difference: f64,
     /// Load of the bubbles, less that of the particular solution.
     pub extra_load: Vec<f64>,
     /// The condensed contact problem.
@@ -251,7 +278,23 @@ pub fn solve(
         held: supports.dofs(),
         frames: boundary.as_ref().map_or(Vec::new(), ContactBoundary::frames),
     };
-    let motions: Vec<Vec<f64>> = free.iter().map(|r| r.nodal(&space.points)).collect();
+    let nodal = |motions: &[RigidMotion]| -> Vec<Vec<f64>> { motions.iter().map(|r| r.nodal(&space.points)).collect() };
+    let motions = nodal(&free);
+    let stabilised = match (&boundary, scene.method.multiplier) {
+        (Some(_), Multiplier::Stabilised) => {
+            let body = Body {
+                traction: &traction_map,
+                stiffness: &matrix,
+                load: &load,
+                held: &partition.held,
+                rigid: &nodal(&candidates),
+                free: &motions,
+                particular: particular.as_ref(),
+            };
+            Some(solve_stabilised(&data, &body)?)
+        }
+        _ => None,
+    };
     let condensation = Condensation::new(matrix, &partition, &motions)?;
     let condensed = condensation.load(&load);
     seconds.factorise = clock.elapsed().as_secs_f64();
@@ -279,15 +322,32 @@ pub fn solve(
             let sets = Sets::new(&problem, &solution)?;
             let lines = boundary.lines(&mesh, &space);
             let factors = ContactFactors { problem, sets, lines };
-            (displacement, Some(ContactResult { boundary, solution, audit, friction_work }), Some(factors))
+            let result = ContactResult { boundary, solution, audit, friction_work, stabilised };
+            (displacement, Some(result), Some(factors))
         }
+    };
+    // what adaptivity and the estimate rest on
+    let companion = displacement;
+    let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
+    let (displacement, contact) = match contact {
+        Some(ContactResult { stabilised: Some(s), boundary, solution, .. }) => {
+            let displacement = s.displacement.clone();
+            let (audit, friction_work) = (s.audit, s.friction_work);
+            (displacement, Some(ContactResult { boundary, solution, audit, friction_work, stabilised: Some(s) }))
+        }
+        contact => (companion.clone(), contact),
     };
     let forces = condensation.multiply(&displacement);
     let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(s, f)| s - f).collect();
     if let Some(c) = &contact {
-        for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
-            residual[2 * node] += force[0];
-            residual[2 * node + 1] += force[1];
+        match &c.stabilised {
+            Some(s) => residual.iter_mut().zip(&s.forces).for_each(|(r, f)| *r += f),
+            None => {
+                for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
+                    residual[2 * node] += force[0];
+                    residual[2 * node + 1] += force[1];
+                }
+            }
         }
     }
     let equilibrium = supports.equilibrium(&residual, &forces, &load, 0.0);
@@ -303,15 +363,29 @@ pub fn solve(
         c
     });
 
-    let homogeneous: Vec<f64> = match &particular {
-        None => displacement.clone(),
-        Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
+    let of_displacement = |displacement: &[f64], forces: &[f64], friction_work: f64| {
+        let homogeneous: Vec<f64> = match &particular {
+            None => displacement.to_vec(),
+            Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
+        };
+        let traction = traction_map.apply(&homogeneous);
+        let field = BoundaryField::new(&mesh, &space, &scene.material, &homogeneous, &traction, length);
+        let crossed = body_force.map_or(0.0, |b| crossed_work(&field, &b, &mesh, &space));
+        let energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
+        (homogeneous, field, energies)
     };
-    let traction = traction_map.apply(&homogeneous);
-    let field = BoundaryField::new(&mesh, &space, &scene.material, &homogeneous, &traction, length);
     let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
-    let crossed = body_force.map_or(0.0, |b| crossed_work(&field, &b, &mesh, &space));
-    let energies = energies(&displacement, &forces, &tractions, particular.as_ref(), crossed, friction_work);
+    let (homogeneous, field, energies) = of_displacement(&displacement, &forces, friction_work);
+    let (homogeneous, companion_energy, difference) = match &contact {
+        Some(ContactResult { stabilised: Some(_), .. }) => {
+            let apart: Vec<f64> = displacement.iter().zip(&companion).map(|(a, b)| a - b).collect();
+            let stiff = condensation.multiply(&apart);
+            let (homogeneous, _, energies) =
+                of_displacement(&companion, &condensation.multiply(&companion), companion_friction);
+            (homogeneous, energies.total, apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0))
+        }
+        _ => (homogeneous, energies.total, 0.0),
+    };
     let Energies { total, strain, load_work, .. } = energies;
     if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
         return Err(SolveError::NotFinite { energy: total });
@@ -321,14 +395,22 @@ pub fn solve(
     if let Some(c) = &contact {
         for (side, condition) in scene.sides.iter().enumerate() {
             if matches!(condition.condition, Condition::Contact { .. }) {
-                reactions.push((side, c.boundary.force(side, &c.solution.multipliers)));
+                reactions.push((side, c.force(side)));
             }
         }
     }
     reactions.sort_by_key(|r| r.0);
     let reactions = reactions.into_iter().map(|(side, force)| (mesh.side_names[side].clone(), force)).collect();
     seconds.solve = clock.elapsed().as_secs_f64();
-    let factors = Factors { condensation, enriched, homogeneous, extra_load, contact: contact_factors };
+    let factors = Factors {
+        condensation,
+        enriched,
+        homogeneous,
+        energy: companion_energy,
+        difference,
+        extra_load,
+        contact: contact_factors,
+    };
     let solved = Solved {
         displacement,
         field,

@@ -4,7 +4,7 @@
 //! <S u, v> + b(λ, v) - ∫ γ (λ + σ^h(u) + τ)·σ^h(v) = L(v)              γ = γ₀ h/p² on every element of T_h
 //! b(μ-λ, u) - ∫ γ (μ-λ)·(λ + σ^h(u) + τ) ≤ <g, μ_n-λ_n>                 for λ, μ that obey the signs at the nodes
 //! ```
-//! σ^h(u) = S_hp u pointwise, τ the traction of a body force's particular solution (0 without), b(μ, v) = ∫ μ_n v_n +
+//! σ^h(u) = S_hp u pointwise, τ the traction of a body force's particular solution u_p less σ^h(u_p) (0 without), b(μ, v) = ∫ μ_n v_n +
 //! μ_t v_t. With E = B - C, B_γ = ∫ γ σ^h·σ^h, C = ∫ γ μ·σ^h, D = ∫ γ μ·μ the form is
 //!
 //! ```text
@@ -23,7 +23,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Llt;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
-use faer::{Accum, Mat, Par, Side};
+use faer::{Accum, Mat, Par, Scale, Side};
 use steklov_bem_operators::{
     BodyForce, Datum, Dof, Material, Mesh, Site, Space, TractionMap, graded_panels, steklov_trace_rows,
 };
@@ -53,6 +53,8 @@ pub struct Stabilised {
     pub problem: Problem,
     /// γ₀ (1/stress).
     pub gamma: f64,
+    /// g = ∫ g μ / ∫ μ of each node (length); the problem's is less what held displacements and a body force make of it.
+    pub gaps: Vec<f64>,
     /// Displacement unknowns that are not held.
     free: Vec<Dof>,
     /// Z.
@@ -74,8 +76,8 @@ pub struct Loading<'a> {
     pub held: &'a [(Dof, f64)],
     /// Rigid motions that nothing resists and no load drives (nodal vectors): the solution is orthogonal to them.
     pub motions: &'a [Vec<f64>],
-    /// The particular solution of a body force.
-    pub body_force: Option<&'a BodyForce>,
+    /// The particular solution of a body force, and its nodal values.
+    pub particular: Option<(&'a BodyForce, &'a [f64])>,
 }
 
 /// Layers towards the ends of an element, and Gauss points on each: 1e-3 of ∫ |σ^h|².
@@ -211,7 +213,7 @@ impl StabilisedForms {
         let (n, nodes) = (free.len(), multipliers.nodes.len());
         let mut held = vec![0.0; loading.load.len()];
         loading.held.iter().for_each(|&(dof, value)| held[dof] = value);
-        let tau = self.particular(mesh, multipliers, loading.body_force);
+        let tau = self.particular(mesh, multipliers, loading.particular);
 
         // D, the same for both components, and E
         let mut d = Mat::zeros(nodes, nodes);
@@ -264,6 +266,7 @@ impl StabilisedForms {
         let condensed = coupling.transpose() * &solved;
 
         let data = node_data(mesh, multipliers, sides)?;
+        let gaps = data.iter().map(|[gap, _]| *gap).collect();
         let node = |(k, [gap, bound]): (usize, [f64; 2])| ContactNode {
             first: 2 * k,
             unknowns: 2,
@@ -277,24 +280,56 @@ impl StabilisedForms {
                 bound,
             }],
         };
-        let problem = Problem {
-            stiffness,
-            load: (0..2 * nodes).map(|i| condensed[(i, 0)]).collect(),
-            nodes: data.into_iter().enumerate().map(node).collect(),
-        };
-        Ok(Stabilised { problem, gamma, free, factor, coupling, load, held })
+        let problem =
+            Problem { stiffness, load: column_of(&condensed), nodes: data.into_iter().enumerate().map(node).collect() };
+        Ok(Stabilised { problem, gamma, gaps, free, factor, coupling, load, held })
     }
 
-    /// (w h/p²)^½ n·τ and t·τ at the points.
-    fn particular(&self, mesh: &Mesh, multipliers: &MultiplierSpace, body_force: Option<&BodyForce>) -> [Vec<f64>; 2] {
+    /// Bᵀλ - ∫ γ (λ + σ^h(u) + τ)·σ^h(φ) of every displacement unknown: what contact and its stabilisation add to S u
+    /// (force per thickness). `values`: λ at the nodes; `particular` as in [`Loading`].
+    pub fn nodal_forces(
+        &self,
+        mesh: &Mesh,
+        multipliers: &MultiplierSpace,
+        gamma: f64,
+        values: &[[f64; 2]],
+        displacement: &[f64],
+        particular: Option<(&BodyForce, &[f64])>,
+    ) -> Vec<f64> {
+        let mut forces = Mat::<f64>::zeros(displacement.len(), 1);
+        let (u, tau) = (column(displacement), self.particular(mesh, multipliers, particular));
+        for (k, tau) in tau.iter().enumerate() {
+            let lambda = Mat::from_fn(values.len(), 1, |i, _| values[i][k]);
+            let mut sum = &self.values * &lambda + &self.trace[k] * &u;
+            tau.iter().enumerate().for_each(|(i, tau)| sum[(i, 0)] += tau);
+            forces += self.pairing[k].transpose() * &lambda - self.trace[k].transpose() * (Scale(gamma) * sum);
+        }
+        column_of(&forces)
+    }
+
+    /// (w h/p²)^½ of n·τ and t·τ at the points, less what σ^h makes of the particular solution's nodal values.
+    fn particular(
+        &self,
+        mesh: &Mesh,
+        multipliers: &MultiplierSpace,
+        particular: Option<(&BodyForce, &[f64])>,
+    ) -> [Vec<f64>; 2] {
         let frame = |e: usize| multipliers.nodes.iter().find(|n| n.edge == mesh.edge[e]).map(|n| n.frame);
         let at = |(&(e, t), w): (&(usize, f64), &f64)| -> [f64; 2] {
-            let (Some(b), Some([normal, tangent])) = (body_force, frame(e)) else { return [0.0; 2] };
+            let (Some((b, _)), Some([normal, tangent])) = (particular, frame(e)) else { return [0.0; 2] };
             let tau = b.traction(mesh.point(e, t), normal);
             [w * dot(tau, normal), w * dot(tau, tangent)]
         };
         let both: Vec<[f64; 2]> = self.points.iter().zip(&self.weights).map(at).collect();
-        [0, 1].map(|k| both.iter().map(|v| v[k]).collect())
+        let nodal = particular.map(|(_, u)| column(u));
+        [0, 1].map(|k| {
+            let mut tau: Vec<f64> = both.iter().map(|v| v[k]).collect();
+            if let Some(u) = &nodal {
+                let discrete = &self.trace[k] * u;
+                tau.iter_mut().enumerate().for_each(|(i, tau)| *tau -= discrete[(i, 0)]);
+            }
+            tau
+        })
     }
 }
 
@@ -392,6 +427,10 @@ fn add_springs(matrix: &mut Mat<f64>, free: &[Dof], motions: &[Vec<f64>]) {
 /// Σ_i a[i][column] b[i].
 fn inner(a: &Mat<f64>, column: usize, b: &[f64]) -> f64 {
     a.col_as_slice(column).iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+fn column_of(values: &Mat<f64>) -> Vec<f64> {
+    (0..values.nrows()).map(|i| values[(i, 0)]).collect()
 }
 
 fn column(values: &[f64]) -> Mat<f64> {

@@ -63,7 +63,7 @@ impl Clamped {
         let critical = forms.critical_gamma(&self.stiffness, &self.held, &[]).unwrap();
         let load = vec![0.0; self.space.dofs()];
         let loading =
-            Loading { stiffness: &self.stiffness, load: &load, held: &self.held, motions: &[], body_force: None };
+            Loading { stiffness: &self.stiffness, load: &load, held: &self.held, motions: &[], particular: None };
         let stabilised = forms.condense(&self.mesh, multipliers, &[side], &loading, 0.5 * critical, critical).unwrap();
         let solution = active_set(&stabilised.problem, None).unwrap();
         assert!(solution.converged() && kkt(&stabilised.problem, &solution).worst() < 1e-9);
@@ -118,7 +118,7 @@ fn a_gamma_beyond_the_critical_one_is_refused() {
     let (zero, kinks) = (|_: &Site| 0.0, |_: usize| vec![]);
     let side = SideData { side: 0, gap: Datum { name: "gap", value: &zero, kinks: &kinks }, bound: None };
     let load = vec![1.0; body.space.dofs()];
-    let loading = Loading { stiffness: &body.stiffness, load: &load, held: &body.held, motions: &[], body_force: None };
+    let loading = Loading { stiffness: &body.stiffness, load: &load, held: &body.held, motions: &[], particular: None };
     for factor in [1.05, 1.0, 0.0, -1.0, f64::NAN] {
         let gamma = factor * critical;
         let refused = forms.condense(&body.mesh, &multipliers, &[side], &loading, gamma, critical).err();

@@ -1,5 +1,7 @@
 //! `[method]` and `[expect]`.
 
+use steklov_contact::{MultiplierDegree, MultiplierMesh};
+
 use super::error::Problem;
 use super::fields::{Field, Fields};
 use super::tree::Value;
@@ -96,9 +98,20 @@ pub struct Method {
     pub multiplier: Multiplier,
     /// γ₀ > 0 (1/stress) of the stabilisation; `None` is auto.
     pub gamma: Option<f64>,
+    /// Mesh of stabilised multipliers.
+    pub multiplier_mesh: MultiplierMesh,
+    /// Degree of stabilised multipliers.
+    pub multiplier_degree: MultiplierDegree,
     /// Solver of contact.
     pub solver: Solver,
 }
+
+const MULTIPLIER_MESHES: [(&str, MultiplierMesh); 4] = [
+    ("same", MultiplierMesh::Same),
+    ("coarser", MultiplierMesh::Coarser(2)),
+    ("finer", MultiplierMesh::Finer(2)),
+    ("shifted", MultiplierMesh::Shifted),
+];
 
 impl Default for Method {
     fn default() -> Self {
@@ -115,6 +128,8 @@ impl Default for Method {
             smoothness: 0.6,
             multiplier: Multiplier::Biorthogonal,
             gamma: None,
+            multiplier_mesh: MultiplierMesh::Same,
+            multiplier_degree: MultiplierDegree::Relative(0),
             solver: Solver::Auto,
         }
     }
@@ -149,6 +164,8 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
         "smoothness",
         "multiplier",
         "gamma",
+        "multiplier_mesh",
+        "multiplier_degree",
         "solver",
     ];
     for (key, _, field) in Fields::new(&field, &known)?.all() {
@@ -172,6 +189,16 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
                 method.multiplier = field.choice(&words)?;
             }
             "gamma" => method.gamma = auto(&field, |v| v > 0.0 && v.is_finite(), "\"auto\", or a number above 0")?,
+            "multiplier_mesh" => method.multiplier_mesh = field.choice(&MULTIPLIER_MESHES)?,
+            "multiplier_degree" => {
+                method.multiplier_degree = match &field.item.value {
+                    Value::Text(_) => field.choice(&[
+                        ("auto", MultiplierDegree::Relative(0)),
+                        ("continuous", MultiplierDegree::ContinuousLinear),
+                    ])?,
+                    _ => MultiplierDegree::Fixed(field.whole(0, 64)?),
+                };
+            }
             _ => method.solver = field.choice(&SOLVERS)?,
         }
     }

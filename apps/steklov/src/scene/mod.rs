@@ -203,10 +203,8 @@ fn unavailable(root: &Item) -> Result<(), Problem> {
         return refuse(&cells, "[material.cells]".into(), "give one Young's modulus as material.young");
     }
     if let Some(method) = open("method")? {
-        for (key, words, help) in [
-            ("model", &["fem", "msfem", "fem-bem", "msfem-bem"][..], "use \"bem\" or \"auto\""),
-            ("multiplier", &["stabilised"], "use \"biorthogonal\""),
-        ] {
+        for (key, words, help) in [("model", &["fem", "msfem", "fem-bem", "msfem-bem"][..], "use \"bem\" or \"auto\"")]
+        {
             if let Some(field) = method.get(key)
                 && let Ok(word) = field.text()
                 && words.contains(&word)

@@ -176,7 +176,7 @@ pub fn strategy(
         let times = ends.iter().filter_map(|e| e.get(k).copied()).collect();
         points.push(Point::new(step, error.flatten(), reference, times));
     }
-    let contact = run.last.contact.as_ref().map_or(Vec::new(), |c| contact_rows(c, &run.last.displacement));
+    let contact = run.last.contact.as_ref().map_or(Vec::new(), |c| contact_rows(&run.last, c));
     Strategy { name, points, end: failure.unwrap_or(End::Run(run.reason)), contact }
 }
 
