@@ -23,7 +23,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Llt;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
-use faer::{Accum, Mat, Par, Scale, Side};
+use faer::{Accum, Col, Mat, Par, Scale, Side};
 use steklov_bem_operators::{
     BodyForce, Datum, Dof, Material, Mesh, Site, Space, TractionMap, graded_panels, steklov_trace_rows,
 };
@@ -187,8 +187,7 @@ impl StabilisedForms {
         solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
         let mut x = x.transpose().to_owned();
         solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
-        let values = x.self_adjoint_eigenvalues(Side::Lower).map_err(|_| failed)?;
-        Ok(1.0 / values[n - 1])
+        Ok(1.0 / largest_eigenvalue(&x).ok_or(failed)?)
     }
 
     /// The problem of γ = γ₀ h/p², condensed. `sides`: gap and bound of every contact side.
@@ -401,6 +400,42 @@ fn bound_at(mesh: &Mesh, edge: usize, s: f64, bound: &Datum<'_>) -> Result<f64, 
         return Err(ContactError::Inconsistent { what });
     }
     Ok(f)
+}
+
+/// Relative accuracy of the largest eigenvalue, and Lanczos steps at most.
+const ACCURACY: f64 = 1e-5;
+const STEPS: usize = 120;
+
+/// The largest eigenvalue of a symmetric matrix without negative ones, by Lanczos' method with all vectors kept orthogonal.
+fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
+    let n = a.nrows();
+    // a start without symmetries
+    let start = Col::from_fn(n, |i| 1.0 + 0.5 * (1.3 * i as f64 + 0.7 * (i as f64).sqrt()).sin());
+    let mut basis = vec![&start * Scale(1.0 / start.norm_l2())];
+    let mut projected = Mat::zeros(STEPS, STEPS);
+    for k in 0..n.min(STEPS) {
+        let mut w = a * &basis[k];
+        for pass in 0..2 {
+            for (i, q) in basis.iter().enumerate() {
+                let part = q.transpose() * &w;
+                w -= q * Scale(part);
+                if i == k && pass == 0 {
+                    projected[(k, k)] = part;
+                }
+            }
+        }
+        let rest = w.norm_l2();
+        let eigen = projected.submatrix(0, 0, k + 1, k + 1).self_adjoint_eigen(Side::Lower).ok()?;
+        let value = eigen.S()[k];
+        if rest * eigen.U()[(k, k)].abs() <= ACCURACY * value || k + 1 == n {
+            return Some(value);
+        }
+        if k + 1 < STEPS {
+            (projected[(k + 1, k)], projected[(k, k + 1)]) = (rest, rest);
+        }
+        basis.push(w * Scale(1.0 / rest));
+    }
+    None
 }
 
 fn free_unknowns(count: usize, held: &[(Dof, f64)]) -> Vec<Dof> {
