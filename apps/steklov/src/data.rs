@@ -5,7 +5,7 @@ use steklov_bem_operators::{
     boundary_residuals, side_moments,
 };
 use steklov_contact::{
-    ContactBoundary, ContactBubble, ContactSolution, Sets, SideData, contact_boundary, contact_bubbles,
+    ContactBoundary, ContactBubble, ContactSolution, Multiplier, Sets, SideData, contact_boundary, contact_bubbles,
     contact_residuals, oscillation,
 };
 use steklov_quadrature::{LobattoBasis, legendre_p};
@@ -226,8 +226,10 @@ impl Data<'_> {
                 mesh: self.mesh,
                 space: self.space,
                 displacement: &solved.displacement,
-                boundary: &contact.boundary,
-                multipliers: &contact.solution.multipliers,
+                multiplier: match &contact.stabilised {
+                    Some(s) => Multiplier::Stabilised(&s.space, &s.solution.multipliers),
+                    None => Multiplier::Biorthogonal(&contact.boundary, &contact.solution.multipliers),
+                },
                 field: &solved.field,
                 body_force: body,
             };

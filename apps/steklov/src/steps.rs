@@ -17,10 +17,11 @@ fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> 
 
 /// A term of the indicators: name, meaning, value.
 type Term<T> = (&'static str, &'static str, fn(&T) -> f64);
-const RESIDUAL_TERMS: [Term<Residual>; 8] = [
+const RESIDUAL_TERMS: [Term<Residual>; 9] = [
     ("neumann", "h/(pE) |t - S u|^2 where t is prescribed", |r| r.boundary.neumann),
     ("equation", "hE/p |d/ds((K+1/2)u - V psi)|^2", |r| r.boundary.equation),
     ("contact", "h/(pE) |lambda + S u|^2", |r| r.contact.contact),
+    ("stabilisation", "h/(p^2 E) |lambda + S u|^2 of stabilised multipliers", |r| r.contact.stabilisation),
     ("complementarity", "pressure where the gap is open", |r| r.contact.complementarity),
     ("tension", "negative pressure", |r| r.contact.tension),
     ("penetration", "overlap", |r| r.contact.penetration),
@@ -180,11 +181,12 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
             contact: ContactResidual {
                 element: e,
                 contact: terms[2][e],
-                complementarity: terms[3][e],
-                tension: terms[4][e],
-                penetration: terms[5][e],
-                bound: terms[6][e],
-                friction: terms[7][e],
+                stabilisation: terms[3][e],
+                complementarity: terms[4][e],
+                tension: terms[5][e],
+                penetration: terms[6][e],
+                bound: terms[7][e],
+                friction: terms[8][e],
             },
         };
         (0..elements).map(residual).collect()

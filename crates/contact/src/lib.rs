@@ -61,6 +61,7 @@ mod multiplier_trace;
 mod residual;
 mod multiplier_space;
 mod stabilised;
+mod inf_sup;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 #[cfg(test)]
@@ -71,6 +72,7 @@ pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, Tran
 pub use bubbles::{ContactBubble, contact_bubbles, oscillation};
 pub use error::ContactError;
 pub use frozen::{Frozen, Sets};
+pub use inf_sup::{InfSup, dual_form, inf_sup};
 pub use interior_point::interior_point;
 pub use kkt::{Kkt, kkt, kkt_in_body};
 pub use lines::{ContactLine, ElementConditions, LinePoint};
@@ -81,9 +83,9 @@ pub use multiplier_space::{
 pub use multiplier_trace::multiplier_trace;
 pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
-pub use residual::{ContactResidual, ContactSolution, contact_residuals};
+pub use residual::{ContactResidual, ContactSolution, Multiplier, contact_residuals};
 pub use sides::SideData;
-pub use stabilised::{Loading, Stabilised, StabilisedForms};
+pub use stabilised::{Loading, Stabilised, StabilisedForms, pairing};
 pub use tips::{Located, Solved, Tip, relocate, unlocated};
 pub use transitions::{TipFit, TipKind, Transition, first_guess, tip_fit, transitions};
 pub use uzawa::uzawa;

@@ -170,21 +170,22 @@ impl MultiplierSpace {
 
     /// The parts in which both meshes are smooth, by rising element of T_h and along it.
     pub fn cells(&self, mesh: &Mesh) -> Vec<MultiplierCell> {
-        let mut cells = Vec::new();
-        for element in 0..mesh.len() {
-            let [s0, s1] = mesh.span[element];
-            let t = |s: f64| (2.0 * (s - s0) / (s1 - s0) - 1.0).clamp(-1.0, 1.0);
-            let mut own: Vec<MultiplierCell> = Vec::new();
-            for (multiplier, m) in self.elements.iter().enumerate().filter(|(_, m)| m.edge == mesh.edge[element]) {
-                let span = sorted([t(m.span[0]), t(m.span[1])]);
-                if span[1] - span[0] > 1e-9 {
-                    own.push(MultiplierCell { element, multiplier, span });
-                }
+        (0..mesh.len()).flat_map(|element| self.cells_of(mesh, element)).collect()
+    }
+
+    /// The parts of one element of T_h, along it.
+    pub fn cells_of(&self, mesh: &Mesh, element: usize) -> Vec<MultiplierCell> {
+        let [s0, s1] = mesh.span[element];
+        let t = |s: f64| (2.0 * (s - s0) / (s1 - s0) - 1.0).clamp(-1.0, 1.0);
+        let mut own: Vec<MultiplierCell> = Vec::new();
+        for (multiplier, m) in self.elements.iter().enumerate().filter(|(_, m)| m.edge == mesh.edge[element]) {
+            let span = sorted([t(m.span[0]), t(m.span[1])]);
+            if span[1] - span[0] > 1e-9 {
+                own.push(MultiplierCell { element, multiplier, span });
             }
-            own.sort_by(|a, b| a.span[0].total_cmp(&b.span[0]));
-            cells.extend(own);
         }
-        cells
+        own.sort_by(|a, b| a.span[0].total_cmp(&b.span[0]));
+        own
     }
 
     /// Values of the basis functions of element `multiplier` at the edge parameter s, in the order of its nodes.

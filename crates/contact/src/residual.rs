@@ -8,6 +8,7 @@
 //! |λ|² := h/(pE) λ²,     |u|² := (pE/h) u²          (force per thickness and length)
 //!
 //! contact         ∫ |λ^hp + σ^h|²
+//! stabilisation   (1/p) ∫ |λ^hp + σ^h|², of stabilised multipliers only
 //! tension         ∫ |λ_n⁻|²
 //! penetration     ½ ∫ |w|² + |(h/p) w'|²,    w = (u_n - g)⁺
 //! complementarity ∫ min(|λ_n⁺|², |(g - u_n)⁺|²)
@@ -28,7 +29,7 @@ use steklov_bem_operators::{BodyForce, BoundaryField, Mesh, Site, Space, residua
 use steklov_quadrature::{gauss_legendre, project};
 
 use crate::law::dot;
-use crate::{ContactBoundary, ContactError, SideData, multiplier_trace};
+use crate::{ContactBoundary, ContactError, MultiplierSpace, SideData, multiplier_trace};
 
 /// Squared residuals of one contact element (energy: force per thickness times length).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -37,6 +38,8 @@ pub struct ContactResidual {
     pub element: usize,
     /// Multiplier against traction.
     pub contact: f64,
+    /// The same once more over p, of stabilised multipliers; 0 of biorthogonal ones.
+    pub stabilisation: f64,
     /// Pressure where the gap is open.
     pub complementarity: f64,
     /// Negative pressure.
@@ -52,8 +55,23 @@ pub struct ContactResidual {
 impl ContactResidual {
     /// Sum of the terms.
     pub fn total(&self) -> f64 {
-        self.contact + self.complementarity + self.tension + self.penetration + self.bound + self.friction
+        self.contact
+            + self.stabilisation
+            + self.complementarity
+            + self.tension
+            + self.penetration
+            + self.bound
+            + self.friction
     }
+}
+
+/// A discrete multiplier.
+#[derive(Clone, Copy)]
+pub enum Multiplier<'a> {
+    /// Nodes and conditions, and `[λ_n, λ_t]` of all conditions in the order of the nodes.
+    Biorthogonal(&'a ContactBoundary, &'a [[f64; 2]]),
+    /// The space, and `[λ_n, λ_t]` at its nodes.
+    Stabilised(&'a MultiplierSpace, &'a [[f64; 2]]),
 }
 
 /// A discrete solution of a contact problem.
@@ -65,10 +83,8 @@ pub struct ContactSolution<'a> {
     pub space: &'a Space,
     /// Nodal displacement, interleaved x, y.
     pub displacement: &'a [f64],
-    /// Nodes and conditions.
-    pub boundary: &'a ContactBoundary,
-    /// `[λ_n, λ_t]` of all conditions, in the order of the boundary's nodes.
-    pub multipliers: &'a [[f64; 2]],
+    /// The multiplier as a function.
+    pub multiplier: Multiplier<'a>,
     /// The elastic field without the particular solution of a body force.
     pub field: &'a BoundaryField,
     /// That particular solution.
@@ -145,13 +161,28 @@ fn element_residual(
     let ContactSolution { mesh, space, displacement, .. } = *solution;
     let (basis, normal, tangent) = (space.basis(e), mesh.normal(e), mesh.tangent(e));
     let scale = mesh.length(e) / basis.degree as f64;
+    let lambda = match solution.multiplier {
+        Multiplier::Biorthogonal(boundary, multipliers) => multiplier_trace(mesh, space, boundary, multipliers, e),
+        Multiplier::Stabilised(..) => vec![[0.0; 2]; basis.degree + 1],
+    };
+    let cells = match solution.multiplier {
+        Multiplier::Biorthogonal(..) => Vec::new(),
+        Multiplier::Stabilised(multipliers, _) => multipliers.cells_of(mesh, e),
+    };
+    let at_point = |t: f64| match solution.multiplier {
+        Multiplier::Biorthogonal(..) => None,
+        Multiplier::Stabilised(multipliers, values) => {
+            let cell = cells.iter().find(|c| t <= c.span[1])?;
+            Some(multipliers.value(cell.multiplier, mesh.edge_parameter(e, t), values))
+        }
+    };
     // u_n, u_t, λ_n, λ_t
-    let lambda = multiplier_trace(mesh, space, solution.boundary, solution.multipliers, e);
     let nodes = space.element_nodes(e).map(|i| [displacement[2 * i], displacement[2 * i + 1]]);
     let nodal: Vec<[f64; 4]> = nodes.zip(&lambda).map(|(u, l)| [dot(u, normal), dot(u, tangent), l[0], l[1]]).collect();
     let mut phi = vec![0.0; nodal.len()];
     let mut kinks = (data.gap.kinks)(e);
     kinks.extend(data.bound.iter().flat_map(|b| (b.kinks)(e)));
+    kinks.extend(cells.iter().map(|c| c.span[0]));
     // one that rounding put beside an end is there
     kinks.retain(|t| t.abs() < 1.0 - mesh.resolution(e));
     let mut residual = ContactResidual { element: e, ..ContactResidual::default() };
@@ -171,7 +202,7 @@ fn element_residual(
                 overlap: value(0) - data.gap.at(mesh, &site)?,
                 overlap_slope: 0.0,
                 slip: value(1),
-                multiplier: [value(2), value(3)],
+                multiplier: at_point(t).unwrap_or([value(2), value(3)]),
                 traction: [dot(traction, normal), dot(traction, tangent)],
                 bound: data.bound.map_or(Ok(0.0), |b| b.at(mesh, &site))?,
             });
@@ -182,6 +213,9 @@ fn element_residual(
             sample.overlap_slope = slope * 2.0 / length;
             residual.add(sample, scale, solution.field.material().young);
         }
+    }
+    if matches!(solution.multiplier, Multiplier::Stabilised(..)) {
+        residual.stabilisation = residual.contact / basis.degree as f64;
     }
     Ok(residual)
 }

@@ -29,6 +29,7 @@ use steklov_bem_operators::{
 };
 use steklov_quadrature::gauss_legendre;
 
+use crate::inf_sup::dual_form;
 use crate::law::dot;
 use crate::{Condition, ContactError, ContactNode, MultiplierSpace, Problem, SideData};
 
@@ -102,7 +103,6 @@ impl StabilisedForms {
         let (n, nodes) = (space.dofs(), multipliers.nodes.len());
         let cells = multipliers.cells(mesh);
         let (mut points, mut weights, mut owners) = (Vec::new(), Vec::new(), Vec::new());
-        let mut pairing = [Mat::zeros(nodes, n), Mat::zeros(nodes, n)];
         for cell in &cells {
             let (e, p) = (cell.element, mesh.degree[cell.element]);
             let [a, b] = cell.span;
@@ -116,24 +116,6 @@ impl StabilisedForms {
                     let gamma = mesh.length(e) / (p * p) as f64;
                     weights.push((w * mesh.length(e) / 2.0 * gamma).sqrt());
                     owners.push(cell.multiplier);
-                }
-            }
-            let element = &multipliers.elements[cell.multiplier];
-            let rule = gauss_legendre((p + element.degree) / 2 + 1).mapped(a, b);
-            let frame = multipliers.nodes[element.nodes[0]].frame;
-            let basis = space.basis(e);
-            let mut phi = vec![0.0; p + 1];
-            for (&t, &w) in rule.points.iter().zip(&rule.weights) {
-                basis.evaluate(t, &mut phi);
-                let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));
-                for (&k, mu) in element.nodes.iter().zip(mu) {
-                    for (node, phi) in space.element_nodes(e).zip(&phi) {
-                        let value = w * mesh.length(e) / 2.0 * mu * phi;
-                        for (matrix, d) in pairing.iter_mut().zip(frame) {
-                            matrix[(k, 2 * node)] += value * d[0];
-                            matrix[(k, 2 * node + 1)] += value * d[1];
-                        }
-                    }
                 }
             }
         }
@@ -150,7 +132,7 @@ impl StabilisedForms {
             let mu = multipliers.basis(owners[i], mesh.edge_parameter(e, t));
             multipliers.elements[owners[i]].nodes.iter().zip(mu).for_each(|(&k, mu)| values[(i, k)] = weights[i] * mu);
         }
-        Self { points, weights, trace, values, pairing }
+        Self { points, weights, trace, values, pairing: pairing(mesh, space, multipliers) }
     }
 
     /// ∫ (h/p²) σ^h·σ^h over the displacements: B_γ of γ₀ = 1.
@@ -188,6 +170,31 @@ impl StabilisedForms {
         let mut x = x.transpose().to_owned();
         solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
         Ok(1.0 / largest_eigenvalue(&x).ok_or(failed)?)
+    }
+
+    /// E (S - B_γ)⁻¹ Eᵀ + D, the Schur complement of the multipliers: 2·node along n, 2·node+1 along t. `held` and `rigid` as in
+    /// [`Self::critical_gamma`]; a rigid motion counts with a spring of the size of S.
+    ///
+    /// # Errors
+    /// [`ContactError::Decomposition`] when S - B_γ is not positive.
+    pub fn dual_form(
+        &self,
+        stiffness: &Mat<f64>,
+        held: &[(Dof, f64)],
+        rigid: &[Vec<f64>],
+        gamma: f64,
+    ) -> Result<Mat<f64>, ContactError> {
+        let form = self.trace_form();
+        let rest = Mat::from_fn(form.nrows(), form.ncols(), |i, j| stiffness[(i, j)] - gamma * form[(i, j)]);
+        let coupled = [0, 1].map(|k| &self.pairing[k] - (self.values.transpose() * &self.trace[k]) * Scale(gamma));
+        let mut dual = dual_form(&coupled, &rest, held, rigid)?;
+        let d = self.values.transpose() * &self.values;
+        for j in 0..d.ncols() {
+            for i in 0..d.nrows() {
+                (0..2).for_each(|k| dual[(2 * i + k, 2 * j + k)] += gamma * d[(i, j)]);
+            }
+        }
+        Ok(dual)
     }
 
     /// The problem of γ = γ₀ h/p², condensed. `sides`: gap and bound of every contact side.
@@ -344,6 +351,33 @@ impl Stabilised {
     }
 }
 
+/// ∫ μ n·φ and ∫ μ t·φ: nodes of the multipliers × displacement unknowns, of any mesh of the same polygon.
+pub fn pairing(mesh: &Mesh, space: &Space, multipliers: &MultiplierSpace) -> [Mat<f64>; 2] {
+    let (n, nodes) = (space.dofs(), multipliers.nodes.len());
+    let mut pairing = [Mat::zeros(nodes, n), Mat::zeros(nodes, n)];
+    for cell in multipliers.cells(mesh) {
+        let (e, element) = (cell.element, &multipliers.elements[cell.multiplier]);
+        let basis = space.basis(e);
+        let rule = gauss_legendre((basis.degree + element.degree) / 2 + 1).mapped(cell.span[0], cell.span[1]);
+        let frame = multipliers.nodes[element.nodes[0]].frame;
+        let mut phi = vec![0.0; basis.degree + 1];
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            basis.evaluate(t, &mut phi);
+            let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));
+            for (&k, mu) in element.nodes.iter().zip(mu) {
+                for (node, phi) in space.element_nodes(e).zip(&phi) {
+                    let value = w * mesh.length(e) / 2.0 * mu * phi;
+                    for (matrix, d) in pairing.iter_mut().zip(frame) {
+                        matrix[(k, 2 * node)] += value * d[0];
+                        matrix[(k, 2 * node + 1)] += value * d[1];
+                    }
+                }
+            }
+        }
+    }
+    pairing
+}
+
 /// g = ∫ g μ / ∫ μ and F at the node, the mean of its limits, of every node.
 fn node_data(
     mesh: &Mesh,
@@ -438,14 +472,14 @@ fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
     None
 }
 
-fn free_unknowns(count: usize, held: &[(Dof, f64)]) -> Vec<Dof> {
+pub(crate) fn free_unknowns(count: usize, held: &[(Dof, f64)]) -> Vec<Dof> {
     let mut free = vec![true; count];
     held.iter().for_each(|&(dof, _)| free[dof] = false);
     (0..count).filter(|&i| free[i]).collect()
 }
 
 /// Adds a spring of the matrix's own size against each motion.
-fn add_springs(matrix: &mut Mat<f64>, free: &[Dof], motions: &[Vec<f64>]) {
+pub(crate) fn add_springs(matrix: &mut Mat<f64>, free: &[Dof], motions: &[Vec<f64>]) {
     let n = free.len();
     let size = (0..n).fold(0.0f64, |m, i| m.max(matrix[(i, i)]));
     for motion in motions {

@@ -6,7 +6,7 @@ use steklov_bem_operators::{
 };
 use steklov_contact::{
     ContactError, Loading, MultiplierDegree, MultiplierMesh, MultiplierSpace, SideData, Stabilised, StabilisedForms,
-    active_set, interior_point, kkt, newton,
+    active_set, dual_form, inf_sup, interior_point, kkt, newton, pairing,
 };
 
 const J: f64 = 0.647_194_015_986_9;
@@ -128,5 +128,36 @@ fn a_gamma_beyond_the_critical_one_is_refused() {
     let [a, b] = [newton(&accepted.problem, None).unwrap(), interior_point(&accepted.problem).unwrap()];
     for (a, b) in a.multipliers.iter().zip(&b.multipliers) {
         assert!((a[0] - b[0]).abs() < 1e-7 && (a[1] - b[1]).abs() < 1e-7, "{a:?} {b:?}");
+    }
+}
+
+/// β of discontinuous multipliers with and without stabilisation, of the same mesh and of one that is finer.
+#[test]
+fn the_inf_sup_constant_tells_which_pairs_are_stable() {
+    let beta = |n: usize, p: usize, mesh: MultiplierMesh, degree: MultiplierDegree| {
+        let body = Clamped::new(n, p, 1.0);
+        let fine = Clamped::new(4 * n, p + 3, 1.0);
+        let multipliers = body.multipliers(mesh, degree);
+        let of =
+            |b: &Clamped| dual_form(&pairing(&b.mesh, &b.space, &multipliers), &b.stiffness, &b.held, &[]).unwrap();
+        let reference = of(&fine);
+        let plain = inf_sup(&of(&body), &reference).unwrap().beta;
+        let forms = body.forms(&multipliers);
+        let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]).unwrap();
+        let dual = forms.dual_form(&body.stiffness, &body.held, &[], 0.5 * critical).unwrap();
+        [plain, inf_sup(&dual, &reference).unwrap().beta]
+    };
+    for (mesh, degree) in [
+        (MultiplierMesh::Same, MultiplierDegree::Relative(0)),
+        (MultiplierMesh::Same, MultiplierDegree::Relative(-1)),
+        (MultiplierMesh::Same, MultiplierDegree::ContinuousLinear),
+        (MultiplierMesh::Coarser(2), MultiplierDegree::Relative(0)),
+        (MultiplierMesh::Finer(2), MultiplierDegree::Relative(0)),
+        (MultiplierMesh::Shifted, MultiplierDegree::Relative(-1)),
+    ] {
+        for (n, p) in [(2, 1), (4, 1), (8, 1), (2, 2), (4, 2), (2, 4)] {
+            let [plain, stabilised] = beta(n, p, mesh, degree);
+            println!("{mesh:?} {degree:?} n = {n}, p = {p}: {plain:.4} {stabilised:.4}");
+        }
     }
 }

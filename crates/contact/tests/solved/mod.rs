@@ -7,7 +7,8 @@ use steklov_bem_operators::{
     Partition, Plane, Polygon, Site, Space, Steklov, add_load, boundary_residuals, side_moments,
 };
 use steklov_contact::{
-    ContactResidual, ContactSolution, Problem, SideData, Solution, contact_boundary, contact_residuals, newton,
+    ContactResidual, ContactSolution, Multiplier, Problem, SideData, Solution, contact_boundary, contact_residuals,
+    newton,
 };
 
 type Vector = [f64; 2];
@@ -182,8 +183,7 @@ impl Case {
             mesh: &mesh,
             space: &space,
             displacement: &displacement,
-            boundary: &boundary,
-            multipliers: &solution.multipliers,
+            multiplier: Multiplier::Biorthogonal(&boundary, &solution.multipliers),
             field: &field,
             body_force: body_force.as_ref(),
         };

@@ -1,0 +1,61 @@
+//! The discrete inf-sup constant of a pair of displacement and multiplier spaces.
+//!
+//! ```text
+//! β = inf_μ sup_v b(μ, v) / (‖v‖ ‖μ‖),    ‖v‖² = <S v, v>,    ‖μ‖ = sup_w b(μ, w) / ‖w‖ over all w
+//! ```
+//! With b(μ, v) = μᵀB v, sup_v b(μ, v)²/‖v‖² = μᵀ B S⁻¹ Bᵀ μ: β² is the least eigenvalue of that form of the discrete space
+//! against the same form of a much finer one. β ≤ 1; where it tends to 0 with h or 1/p, pressures oscillate.
+
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Mat, Par, Side};
+use steklov_bem_operators::Dof;
+
+use crate::ContactError;
+use crate::stabilised::{add_springs, free_unknowns};
+
+/// The inf-sup constant and the multiplier at which it is reached.
+#[derive(Debug, Clone, PartialEq)]
+pub struct InfSup {
+    /// β.
+    pub beta: f64,
+    /// Coefficients of the multiplier that displacements see least.
+    pub worst: Vec<f64>,
+}
+
+/// B S⁻¹ Bᵀ over the displacements that are not held, of the two components of [`pairing`](crate::pairing): unknown 2·node along n,
+/// 2·node+1 along t. `rigid`: the rigid motions that the supports leave; each counts with a spring of the size of S.
+///
+/// # Errors
+/// [`ContactError::Decomposition`] when S is not positive on these displacements.
+pub fn dual_form(
+    pairing: &[Mat<f64>; 2],
+    stiffness: &Mat<f64>,
+    held: &[(Dof, f64)],
+    rigid: &[Vec<f64>],
+) -> Result<Mat<f64>, ContactError> {
+    let free = free_unknowns(stiffness.nrows(), held);
+    let n = free.len();
+    let mut s = Mat::from_fn(n, n, |i, j| stiffness[(free[i], free[j])]);
+    add_springs(&mut s, &free, rigid);
+    let factor = s.llt(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
+    let mut x = Mat::from_fn(n, 2 * pairing[0].nrows(), |i, j| pairing[j % 2][(j / 2, free[i])]);
+    solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+    Ok(x.transpose() * &x)
+}
+
+/// β of a discrete form against that of a much finer displacement space, both from [`dual_form`] or a stabilised one.
+///
+/// # Errors
+/// [`ContactError::Decomposition`] when the reference is not positive: the finer space is not fine enough.
+pub fn inf_sup(discrete: &Mat<f64>, reference: &Mat<f64>) -> Result<InfSup, ContactError> {
+    let failed = ContactError::Decomposition { size: reference.nrows() };
+    let factor = reference.llt(Side::Lower).map_err(|_| failed.clone())?;
+    let mut x = discrete.clone();
+    solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+    let mut x = x.transpose().to_owned();
+    solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+    let eigen = x.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
+    let mut worst = Mat::from_fn(x.nrows(), 1, |i, _| eigen.U()[(i, 0)]);
+    faer::linalg::triangular_solve::solve_upper_triangular_in_place(factor.L().transpose(), worst.as_mut(), Par::Seq);
+    Ok(InfSup { beta: eigen.S()[0].max(0.0).sqrt(), worst: (0..x.nrows()).map(|i| worst[(i, 0)]).collect() })
+}
