@@ -48,6 +48,10 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
             &[vec!["method", "solver"]],
             "uzawa is for bodies that are held: set solver = \"newton\", or hold a displacement",
         ),
+        SolveError::Contact(ContactError::StabilisationNotCoercive { critical, .. }) => {
+            let help = format!("set gamma = \"auto\", or a number below {critical:.4e}, which depends on the mesh");
+            at(Value, &[vec!["method", "gamma"], vec!["method"]], &help)
+        }
         SolveError::Contact(ContactError::Inconsistent { .. }) => at(
             Value,
             &[vec!["method", "degree"], vec!["method", "elements"], vec!["method"]],

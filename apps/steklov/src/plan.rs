@@ -5,7 +5,7 @@ use steklov_bem_operators::{Mesh, RigidMotion, free_motions};
 
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
-use crate::scene::{Condition, Friction, Refine, Scene, Solver};
+use crate::scene::{Condition, Friction, Multiplier, Refine, Scene, Solver};
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -170,7 +170,15 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
     modelled.push(Decision {
         what: "contact".into(),
         choice: laws.join(", "),
-        why: "biorthogonal multipliers: conditions node by node, all other unknowns eliminated".into(),
+        why: match scene.method.multiplier {
+            Multiplier::Biorthogonal => {
+                "biorthogonal multipliers: conditions node by node, all other unknowns eliminated".into()
+            }
+            Multiplier::Stabilised => {
+                "stabilised multipliers on a mesh of their own, biorthogonal ones beside them for meshes and estimate"
+                    .into()
+            }
+        },
     });
     let (choice, why) = match scene.method.solver {
         Solver::Auto => ("interior-point", "finds the contact sets on any mesh; active sets make them exact"),

@@ -6,7 +6,7 @@ use crate::run::Step;
 use crate::scene::{Condition, Refine, Scene};
 use crate::solve::{ContactResult, Solved};
 use crate::stabilised::StabilisedContact;
-use crate::summary::ContactSummary;
+use crate::summary::{ContactSummary, Stabilisation};
 use crate::unbounded::is_unbounded;
 
 /// A condition of a contact node: one row of `/contact`.
@@ -153,6 +153,10 @@ pub fn contact_summary(
         max_pressure,
         max_pressure_unbounded: is_unbounded(scene, &solved.mesh, rows),
         force,
+        stabilisation: contact
+            .stabilised
+            .as_ref()
+            .map(|s| Stabilisation { gamma: s.gamma, critical_gamma: s.critical }),
         ends: ends.map(|ends| ends.into_iter().map(|(edge, s)| scene.polygon.edges()[edge].point(s)).collect()),
     }
 }

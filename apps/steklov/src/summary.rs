@@ -77,6 +77,18 @@ pub struct ContactSummary {
     pub force: [f64; 2],
     /// Ends of contact, where adaptivity has located them.
     pub ends: Option<Vec<[f64; 2]>>,
+    /// γ of stabilised multipliers.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub stabilisation: Option<Stabilisation>,
+}
+
+/// γ = γ₀ h/p² of stabilised multipliers.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct Stabilisation {
+    /// γ₀ (1/stress).
+    pub gamma: f64,
+    /// The largest γ₀ of a coercive form on the last mesh.
+    pub critical_gamma: f64,
 }
 
 /// The judge's measures, each relative to its scale.

@@ -105,6 +105,12 @@ fn the_wedge_converges_to_its_energy() {
                 errors.push((energy - J) / J);
             }
             println!("{degree:?} p = {p}: {errors:?}");
+            // J of p = 1 falls like h², the ends of contact and of the held side keep that of higher degrees near it
+            let [coarse, _, fine] = [errors[0], errors[1], errors[2]].map(f64::abs);
+            assert!(p > 1 || (14.0..32.0).contains(&(coarse / fine)), "{degree:?}: {errors:?}");
+            let level = if degree == MultiplierDegree::ContinuousLinear { 1e-3 } else { 5e-4 };
+            assert!(p == 1 || fine < level, "{degree:?} p = {p}: {errors:?}");
+            assert!(errors[2].abs() > 1e-7, "uniform meshes cannot do that: {errors:?}");
         }
     }
 }
@@ -158,6 +164,60 @@ fn the_inf_sup_constant_tells_which_pairs_are_stable() {
         for (n, p) in [(2, 1), (4, 1), (8, 1), (2, 2), (4, 2), (2, 4)] {
             let [plain, stabilised] = beta(n, p, mesh, degree);
             println!("{mesh:?} {degree:?} n = {n}, p = {p}: {plain:.4} {stabilised:.4}");
+            assert!(stabilised > 0.5 && stabilised < 1.0 + 1e-6, "{mesh:?} {degree:?} n = {n}, p = {p}: {stabilised}");
+            assert!(plain < stabilised, "{mesh:?} {degree:?} n = {n}, p = {p}: {plain} {stabilised}");
+            let unstable = mesh == MultiplierMesh::Finer(2)
+                || mesh == MultiplierMesh::Same && degree == MultiplierDegree::Relative(0);
+            assert!(!unstable || plain < 1e-6, "{mesh:?} {degree:?} n = {n}, p = {p}: {plain}");
+            let stable = degree == MultiplierDegree::ContinuousLinear;
+            assert!(!stable || plain > 0.75, "{mesh:?} {degree:?} n = {n}, p = {p}: {plain}");
+        }
+    }
+}
+
+/// A uniform pressure over the whole floor and a body force: the patch test, whatever the meshes of the multipliers.
+#[test]
+fn a_uniform_pressure_is_met_by_any_multipliers() {
+    let body = Clamped::new(3, 2, 5.0);
+    // u = 0 on the top, free sides at nu = 0: compression along y alone
+    let material = Material::new(5.0, 0.0, Plane::Strain).unwrap();
+    let operators = Operators::assemble(&body.mesh, &body.space, &material, None).unwrap();
+    let Steklov { matrix: stiffness, traction } = Steklov::new(operators, Domain::Interior).unwrap();
+    let (gap, kinks) = (|_: &Site| -0.1, |_: usize| vec![]);
+    let side = SideData { side: 0, gap: Datum { name: "gap", value: &gap, kinks: &kinks }, bound: None };
+    let load = vec![0.0; body.space.dofs()];
+    let loading = Loading { stiffness: &stiffness, load: &load, held: &body.held, motions: &[], particular: None };
+    for mesh in [MultiplierMesh::Same, MultiplierMesh::Coarser(2), MultiplierMesh::Finer(3), MultiplierMesh::Shifted] {
+        for degree in [
+            MultiplierDegree::Fixed(0),
+            MultiplierDegree::Relative(-1),
+            MultiplierDegree::Relative(2),
+            MultiplierDegree::ContinuousLinear,
+        ] {
+            let multipliers = body.multipliers(mesh, degree);
+            let forms = StabilisedForms::new(&body.mesh, &body.space, &material, &traction, &multipliers);
+            let critical = forms.critical_gamma(&stiffness, &body.held, &[]).unwrap();
+            let stabilised =
+                forms.condense(&body.mesh, &multipliers, &[side], &loading, 0.5 * critical, critical).unwrap();
+            let solution = newton(&stabilised.problem, None).unwrap();
+            for [pressure, shear] in &solution.multipliers {
+                assert!(
+                    (pressure - 0.5).abs() < 1e-11 && shear.abs() < 1e-11,
+                    "{mesh:?} {degree:?}: {pressure} {shear}"
+                );
+            }
+            let u = stabilised.displacement(&solution.displacement);
+            for (i, x) in body.space.points.iter().enumerate() {
+                let want = 0.1 * (0.5 - x[1]);
+                assert!(u[2 * i].abs() < 1e-12 && (u[2 * i + 1] - want).abs() < 1e-12, "{mesh:?} {degree:?}: {x:?}");
+            }
+            // what contact and stabilisation add balances S u wherever nothing is held
+            let forces =
+                forms.nodal_forces(&body.mesh, &multipliers, stabilised.gamma, &solution.multipliers, &u, None);
+            for i in (0..u.len()).filter(|i| body.held.iter().all(|h| h.0 != *i)) {
+                let rest: f64 = (0..u.len()).map(|j| stiffness[(i, j)] * u[j]).sum::<f64>() + forces[i];
+                assert!(rest.abs() < 1e-12, "{mesh:?} {degree:?}: {rest} at unknown {i}");
+            }
         }
     }
 }
