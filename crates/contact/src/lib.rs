@@ -4,7 +4,11 @@
 //! Mesh, Space, gap, friction bound ─► ContactBoundary (weights, frames, conditions) ─┐
 //!                                        condensed stiffness and load ──────────────┴─► Problem
 //! Problem ─► newton | active_set | uzawa ─► Solution ─► kkt
+//!                                        condensed stiffness and load ──────────────┬─► Problem
+//! Mesh, Space, MultiplierSpace ─► StabilisedForms (σ^h, γ, critical γ) ─────────────┘
 //! ```
+//! Multipliers are biorthogonal to the displacement's trace ([`contact_boundary`]) or stabilised, on a mesh of their own
+//! ([`StabilisedForms`]); [`inf_sup`] tells of a pair of spaces without stabilisation whether it is stable.
 //! Solvers see a [`Problem`] only: a symmetric matrix, a load, and for each contact node the conditions on its two
 //! (or one) unknowns. They never see a mesh.
 //!
