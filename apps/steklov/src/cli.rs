@@ -315,6 +315,9 @@ fn print_summary(s: &Summary) {
     if !s.converged {
         say(&format!("reason      {}", s.reason));
     }
+    if let Some(failure) = &s.failure {
+        say(&format!("            in the step after these: {failure}"));
+    }
     say(&format!("energy J    {:.12e}", s.energy));
     say(&format!(
         "            strain {:.6e}, load work {:.6e}, friction work {:.6e}",

@@ -16,7 +16,7 @@ fn sorted(list: &'static str) -> Vec<&'static str> {
     keys
 }
 
-const KEYS: &str = "title model file converged reason dofs steps energy energy_extrapolated energy_uncertainty \
+const KEYS: &str = "title model file converged reason failure dofs steps energy energy_extrapolated energy_uncertainty \
                     strain_energy load_work friction_work estimate estimate_relative estimate_doubts iterations contact audit reactions probe stochastic seconds \
                     peak_memory_bytes";
 

@@ -52,7 +52,7 @@ pub use enriched::{Enriched, EnrichedSteklov};
 pub use enrichment::Enrichment;
 pub use error::BemError;
 pub use far::far_moments;
-pub use load::{Datum, ElementMoments, Site, add_load, side_moments};
+pub use load::{Datum, ElementMoments, Site, add_load, side_moments, side_moments_and_squares};
 pub use marking::{doerfler, legendre_decay};
 pub use material::{Material, Plane};
 pub use mesh::Mesh;
