@@ -64,7 +64,7 @@ pub use potential::{BoundaryField, Inside, Trace};
 pub use residual::{BoundaryResidual, boundary_residuals, residual_panels};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
-pub use steklov::{Domain, Steklov, TractionMap};
+pub use steklov::{Domain, PARTS, Steklov, TractionMap};
 pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
 
 #[cfg(doctest)]
