@@ -171,7 +171,7 @@ pub struct Factors {
     pub homogeneous: Vec<f64>,
     /// Load of the bubbles, less that of the particular solution.
     pub extra_load: Vec<f64>,
-    /// Of each element [`Loads::unresolved`].
+    /// What the polynomials of each element leave of its prescribed tractions, h/(p+2) ‖t - Π t‖² (stress² length²).
     pub unresolved: Vec<f64>,
     /// The condensed contact problem.
     pub contact: Option<ContactFactors>,
