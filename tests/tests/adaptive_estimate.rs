@@ -1,6 +1,7 @@
 //! The estimate beside the true error, step by step, on the six problems with known energies and on every scene of the
 //! gallery.
 
+use steklov::estimate::Doubt;
 use steklov::reference::true_error;
 use steklov::scene::{Refine, Scene};
 use steklov_tests::{finer, gallery, judged, solved_in_steps};
@@ -36,6 +37,7 @@ fn effectivities(name: &str, scene: &Scene) -> Vec<(usize, f64)> {
     println!("{name}: {}", run.reason.word());
     let mut effectivities = Vec::new();
     for (k, (step, displacement)) in run.progress.steps.iter().zip(&displacements).enumerate() {
+        assert!(k < 3 || !step.estimate().doubts.contains(&Doubt::Data), "{name} step {k}: its loads are smooth");
         if !step.estimate().doubts.is_empty() {
             println!("    {k:2} {:4} dofs, estimate {:.1e}, in doubt", step.dofs, step.estimate().relative);
             continue;

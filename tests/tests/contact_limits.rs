@@ -180,6 +180,38 @@ fn a_floating_body_is_held_by_contact_and_friction_or_refused() {
     close("balanced", off(&[0.0, 50.0], &balanced.contact().force), 1e-11);
 }
 
+/// Balanced loads on a body that its obstacle does not touch: σ_xx = -40 and no contact, wherever the body is.
+#[test]
+fn contact_that_never_closes_leaves_a_body_to_its_loads() {
+    let on_floor = |floor: On, sides: &str| {
+        let case =
+            Case::square(0.3).on("floor", floor).on("left", On::pressure(sides)).on("right", On::pressure(sides));
+        case.method("elements = 16\ndegree = 2")
+    };
+    let strain = |a: &Answer| {
+        let (space, u) = (&a.solved.space, &a.solved.displacement);
+        let at = |x: f64, y: f64| {
+            let node = space.points.iter().position(|p| (p[0] - x).hypot(p[1] - y) < 1e-12).expect("a corner");
+            [u[2 * node], u[2 * node + 1]]
+        };
+        [at(0.5, -0.5)[0] - at(-0.5, -0.5)[0], at(0.5, 0.5)[1] - at(0.5, -0.5)[1]]
+    };
+    let free = solved(&on_floor(On::traction("0", "0"), "40"));
+    for gap in ["1", "1 + x"] {
+        let squeezed = solved(&on_floor(On::smooth(gap), "40"));
+        assert!(squeezed.converged() && squeezed.contact().length == 0.0 && squeezed.contact().force == [0.0; 2]);
+        assert_eq!(squeezed.solved.free_motions.len(), 3);
+        close("strain", off(&strain(&free), &strain(&squeezed)), 1e-12);
+    }
+    let rest = solved(&on_floor(On::smooth("0"), "0"));
+    assert!(rest.solved.displacement.iter().all(|u| *u == 0.0) && rest.contact().force == [0.0; 2]);
+    // where contact would have to push the body away by itself nothing says how far it goes
+    for (gap, sides) in [("0", "40"), ("-0.01", "0")] {
+        let error = refused(&on_floor(On::smooth(gap), sides));
+        assert!(matches!(error, SolveError::Contact(ContactError::RigidMotion { .. })), "{error}");
+    }
+}
+
 /// Loads, reactions and contact forces of a body beside whose contact side another one is held add up to 0.
 #[test]
 fn forces_balance_beside_a_held_side() {

@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Grading, Mark, Mesh, SAME_PLACE, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Located, Tip, relocate, unlocated};
 
-use crate::estimate::{Bubble, Estimate};
+use crate::estimate::{Bubble, Doubt, Estimate};
 use crate::expression::Expression;
 use crate::scene::{Condition, Friction, Refine, Scene};
 use crate::solve::{Factors, SolveError, Solved};
@@ -75,6 +75,12 @@ pub fn coarse_elements(mesh: &Mesh, singular: &[Vec<f64>]) -> Vec<usize> {
     (0..mesh.len()).filter(|&e| mesh.span[e].iter().all(|&s| at(e, s))).collect()
 }
 
+/// The elements with more than a small part of what their degrees do not follow of the loads.
+fn unresolved_loads(unresolved: &[f64]) -> Vec<usize> {
+    let total: f64 = unresolved.iter().sum();
+    (0..unresolved.len()).filter(|&e| unresolved[e] > 0.01 * total).collect()
+}
+
 /// The expressions of a condition.
 fn data(condition: &Condition) -> Vec<&Expression> {
     match condition {
@@ -134,6 +140,10 @@ impl Layout {
             _ => None,
         };
         let squared = estimate.map_or(vec![0.0; mesh.len()], Estimate::squared);
+        let unresolved = match estimate {
+            Some(estimate) if estimate.doubts.contains(&Doubt::Data) => unresolved_loads(&factors.unresolved),
+            _ => Vec::new(),
+        };
         let decay = |e: usize| legendre_decay(mesh, space, e, &solved.displacement);
         let marked = |theta: f64, rough: &dyn Fn(usize) -> bool| -> Vec<Mark> {
             let marked = doerfler(&squared, method.marking.unwrap_or(theta));
@@ -142,7 +152,13 @@ impl Layout {
                 Some(excess) if method.refine == Refine::Hp => Mark::Refine { rough: rough(e), excess },
                 Some(_) => Mark::Refine { rough: rough(e), excess: 1.0 }, // one cut or degree at a time
             };
-            marked.into_iter().enumerate().map(mark).collect()
+            let mut marks: Vec<Mark> = marked.into_iter().enumerate().map(mark).collect();
+            for &e in &unresolved {
+                if marks[e] == Mark::Keep {
+                    marks[e] = Mark::Refine { rough: rough(e), excess: 1.0 };
+                }
+            }
+            marks
         };
         let all = |rough: bool| vec![Mark::Refine { rough, excess: 1.0 }; mesh.len()];
         let high = Grading { max_degree: Mesh::MAX_DEGREE, ..Grading::default() };
@@ -167,9 +183,10 @@ impl Layout {
             Refine::Hp => {
                 let rough = |e: usize| {
                     let p = mesh.degree[e];
-                    let unresolved = |i: &Bubble| i.oscillation > 0.5 * i.total();
+                    let oscillates = |i: &Bubble| i.oscillation > 0.5 * i.total();
                     p >= TELLING && decay(e).is_some_and(|d| d > method.smoothness)
-                        || p >= RESOLVING && estimate.is_some_and(|all| unresolved(&all.indicators[e]))
+                        || p >= RESOLVING
+                            && (unresolved.contains(&e) || estimate.is_some_and(|all| oscillates(&all.indicators[e])))
                 };
                 let mut singular = singular_points(scene, true);
                 let mut marks = marked(0.95, &rough);

@@ -1,8 +1,10 @@
 //! Arguments, messages and exit statuses of the command.
 
+mod output;
 mod study;
 
 use std::io::IsTerminal;
+use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -10,13 +12,15 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use steklov_io::{IoError, create_atomically, open};
+use steklov_bem_operators::PARTS;
+use steklov_io::{File, create_atomically, open};
 
+use self::output::{appeared, check_output};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs};
-use crate::plan::plan;
+use crate::plan::{CONTACT_SOLVER, Plan, plan};
 use crate::record::Record;
-use crate::run::{Progress, Step, run};
+use crate::run::{Progress, Reason, Step, run};
 use crate::scene::{Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::store::{self, Stored};
@@ -65,7 +69,7 @@ struct SolveArgs {
     /// Draw pictures into this folder
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
-    /// Number of threads; default: one a processor
+    /// Number of threads, at most four a processor; default: one a processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Print one JSON object instead of a summary
@@ -127,9 +131,9 @@ impl Cli {
     /// Runs the command and returns its exit status.
     pub fn run(self) -> u8 {
         let status = match self.command {
-            Command::Solve(args) => on_threads(args.threads, || solve_scene(&args)),
+            Command::Solve(args) => on_threads(args.threads, args.quiet, || solve_scene(&args)),
             Command::Plan(args) => show_plan(&args),
-            Command::Study(args) => on_threads(args.threads(), || study::study(&args)),
+            Command::Study(args) => on_threads(args.threads(), args.quiet(), || study::study(&args)),
             Command::Show(args) => show(&args),
             Command::New => {
                 say(TEMPLATE.trim_end());
@@ -176,8 +180,15 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let interrupts = interrupts(args.quiet)?;
     let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
-    let first = first_progress(&scene, &out, args.resume)?;
+    let old = old_result(&out, args.resume)?;
+    let stored = old.as_ref().map_or(Ok(Vec::new()), |old| store::read_steps(old, &scene))?;
+    let held = stored.len();
+    let first = Progress::before_last(stored).unwrap_or_else(|| Progress::first(&scene));
     let record = create_atomically(&out, args.force || args.resume, |file| -> Result<Record, SolveError> {
+        if let Some(old) = &old {
+            // those of the last step are made anew if they are wanted
+            store::copy_matrices(old, file, if args.save.is_some() { first.steps.len() } else { held })?;
+        }
         let queue = store::StepQueue::new(file);
         let record = rayon::scope_fifo(|scope| {
             let put = |step: &Step| {
@@ -203,47 +214,62 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         Ok(record)
     });
     bar.finish();
-    let mut record = record.map_err(|error| explained(&scene, error))?;
-    record.summary.seconds.total = clock.elapsed().as_secs_f64();
-    let converged = record.summary.converged;
-    let summary = record.summary.clone();
+    let stored = match (record, &old) {
+        (Ok(mut record), _) => {
+            record.summary.seconds.total = clock.elapsed().as_secs_f64();
+            record.stored()
+        }
+        (Err(SolveError::Interrupted), Some(old)) => unchanged(old, &out, held, args.quiet)?,
+        (Err(error), _) => return Err(appeared(&out, &error).unwrap_or_else(|| explained(&scene, error))),
+    };
     let files = match &args.plots {
-        Some(folder) => pictures(&record.stored(), folder, &out)?,
+        Some(folder) => pictures(&stored, folder, &out)?,
         None => Vec::new(),
     };
+    let Stored { summary, plan, .. } = &stored;
     if args.json {
-        say(&serde_json::to_string_pretty(&summary)?);
+        if let Some(advice) = advice(summary, plan).filter(|_| !args.quiet) {
+            eprintln!("{advice}");
+        }
+        say(&serde_json::to_string_pretty(summary)?);
     } else {
-        print_summary(&summary);
+        print_summary(summary, plan);
         files.iter().for_each(|f| say(&format!("picture {}", f.display())));
     }
-    Ok(if converged { 0 } else { NOT_REACHED })
+    Ok(if summary.converged { 0 } else { NOT_REACHED })
 }
 
-/// Where a run begins: with the first mesh, or with the last one of a stored result.
-fn first_progress(scene: &Scene, out: &Path, resume: bool) -> Result<Progress, Failure> {
-    if !resume || out.symlink_metadata().is_err() {
-        return Ok(Progress::first(scene));
-    }
-    let steps = store::read_steps(&open(out)?, scene)?;
-    Ok(Progress::before_last(steps).unwrap_or_else(|| Progress::first(scene)))
+/// The result file from which a run goes on, if it is to and there is one.
+fn old_result(out: &Path, resume: bool) -> Result<Option<File>, Failure> {
+    if resume && out.symlink_metadata().is_ok() { Ok(Some(open(out)?)) } else { Ok(None) }
 }
 
-/// An output that cannot be written is said before anything is solved.
-fn check_output(out: &Path, scene: &Path, force: bool) -> Result<(), Failure> {
-    if let (Ok(a), Ok(b)) = (out.canonicalize(), scene.canonicalize())
-        && a == b
-    {
-        return Err(Failure(format!("error: {} is the scene itself; name another file with --out", out.display())));
+/// The result of a run that was stopped before the last stored step was solved again: what the file holds.
+fn unchanged(old: &File, out: &Path, steps: usize, quiet: bool) -> Result<Stored, Failure> {
+    if !quiet {
+        eprintln!("{} is unchanged and holds {steps} step(s): --resume goes on from them", out.display());
     }
-    if out.is_dir() {
-        return Err(Failure(format!("error: {} is a folder; name a file with --out", out.display())));
+    let mut stored = store::read(old)?;
+    stored.summary.file = out.display().to_string();
+    (stored.summary.converged, stored.summary.reason) = (false, Reason::Interrupted.word().to_owned());
+    Ok(stored)
+}
+
+/// What to change when the contact solver did not reach its criterion.
+fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
+    if summary.reason != Reason::Solver.word() {
+        return None;
     }
-    if !force && out.symlink_metadata().is_ok() {
-        let error = IoError::Exists { path: out.to_owned() };
-        return Err(Failure(format!("error: {error}; choose another --out, or --force to replace it")));
-    }
-    Ok(())
+    let choice = plan.modelled.iter().find(|d| d.what == CONTACT_SOLVER).map(|d| d.choice.as_str());
+    Some(match choice {
+        Some(named @ ("newton" | "active-set" | "uzawa")) => format!(
+            "the solver {named} did not reach its criterion in {} iterations: leave method.solver at \"auto\"",
+            summary.iterations
+        ),
+        _ => "the forces balance or the contact conditions hold only as far as the audit says: bring lengths, gaps, \
+              loads and Young's modulus nearer to each other"
+            .to_owned(),
+    })
 }
 
 /// Counts the user's wishes to stop.
@@ -270,10 +296,24 @@ fn explained(scene: &Scene, error: SolveError) -> Failure {
 /// Stack of each thread, as large as that of a process usually is.
 const STACK: usize = 8 << 20;
 
+/// Most threads for each processor: more of them wait for each other for minutes.
+const CROWD: usize = 4;
+
 /// Does work on one of so many threads (as many as there are processors): from outside of them, every parallel loop would
 /// have to wake two.
-fn on_threads(threads: Option<u16>, work: impl FnOnce() -> Result<u8, Failure> + Send) -> Result<u8, Failure> {
-    let threads = threads.map_or(0, usize::from);
+fn on_threads(
+    threads: Option<u16>,
+    quiet: bool,
+    work: impl FnOnce() -> Result<u8, Failure> + Send,
+) -> Result<u8, Failure> {
+    let wanted = threads.map_or(0, usize::from);
+    let processors = std::thread::available_parallelism().map_or(1, NonZero::get);
+    let threads = wanted.min(CROWD * processors);
+    if threads < wanted && !quiet {
+        eprintln!("--threads {wanted} is more than {CROWD} for each of {processors} processor(s): {threads} are used");
+    }
+    // the same bits for any number of threads, in products without a parallelism of their own too
+    faer::set_global_parallelism(faer::Par::rayon(PARTS));
     rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build_global()?;
     rayon::scope(|_| work())
 }
@@ -295,7 +335,7 @@ fn show(args: &ShowArgs) -> Result<u8, Failure> {
         say(&serde_json::to_string_pretty(&stored.summary)?);
     } else {
         say(&format!("{}", stored.plan));
-        print_summary(&stored.summary);
+        print_summary(&stored.summary, &stored.plan);
         files.iter().for_each(|f| say(&format!("wrote {}", f.display())));
     }
     Ok(0)
@@ -309,11 +349,15 @@ fn pictures(stored: &Stored, folder: &Path, file: &Path) -> Result<Vec<PathBuf>,
     Ok(draw::pictures(stored, folder, &stem(file))?)
 }
 
-fn print_summary(s: &Summary) {
+fn print_summary(s: &Summary, plan: &Plan) {
     say(&s.title);
     say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
     if !s.converged {
         say(&format!("reason      {}", s.reason));
+        advice(s, plan).iter().for_each(|advice| say(&format!("            {advice}")));
+    }
+    if let Some(failure) = &s.failure {
+        say(&format!("            in the step after these: {failure}"));
     }
     say(&format!("energy J    {:.12e}", s.energy));
     say(&format!(

@@ -1,8 +1,8 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Datum, ElementMoments, Location, Mesh, Site, Space, add_load,
-    boundary_residuals, side_moments,
+    BemError, BodyForce, BoundaryField, Datum, Location, Mesh, Site, Space, add_load, boundary_residuals, side_moments,
+    side_moments_and_squares,
 };
 use steklov_contact::{
     ContactBoundary, ContactBubble, ContactSolution, Multiplier, Sets, SideData, contact_boundary, contact_bubbles,
@@ -23,6 +23,20 @@ pub(crate) struct Data<'a> {
     pub(crate) space: &'a Space,
 }
 
+/// Integrals of the tractions and pressures.
+pub(crate) struct Loads {
+    /// ∫ t·φ of the nodal functions, interleaved.
+    pub(crate) nodal: Vec<f64>,
+    /// ∫ t·b of the bubbles, two for each element.
+    pub(crate) bubbles: Vec<f64>,
+    /// h/(p+2) ‖t - Π_(p+1) t‖² of each element (force²): over E* the energy of what its degree, raised by one, does not
+    /// follow.
+    pub(crate) unresolved: Vec<f64>,
+}
+
+/// Part of ∫ t² that rounding leaves of what is followed.
+const ROUNDING: f64 = 1e-14;
+
 impl Data<'_> {
     /// Prescribed displacement of every node.
     pub(crate) fn held(&self) -> Result<Vec<Held>, SolveError> {
@@ -32,7 +46,9 @@ impl Data<'_> {
             let Condition::Displacement { values, .. } = &side.condition else { continue };
             for expression in values.iter().flatten().filter(|e| e.constant().is_none()) {
                 // only for its errors: the nodes alone do not see a pole between them
-                self.moments(index, "displacement", expression)?;
+                let function = self.function(expression);
+                let moments = side_moments(mesh, space, index, &function.datum("displacement"));
+                moments.map_err(|error| self.located(error, expression))?;
             }
         }
         let mut prescribed = Vec::new();
@@ -68,14 +84,20 @@ impl Data<'_> {
         Ok(held)
     }
 
-    /// ∫ t·φ of the tractions and pressures for the nodal functions, and for the bubbles (two for each element).
-    pub(crate) fn load(&self) -> Result<(Vec<f64>, Vec<f64>), SolveError> {
+    /// The tractions and pressures.
+    pub(crate) fn load(&self) -> Result<Loads, SolveError> {
+        let mut unresolved = vec![0.0; self.mesh.len()];
         let (mut load, mut extra) = (vec![0.0; self.space.dofs()], vec![0.0; 2 * self.mesh.len()]);
         let raised = Space::new(&self.mesh.raised(&vec![true; self.mesh.len()]));
         let mut add = |index: usize, name: &str, expression: &Expression, direction: &dyn Fn(usize) -> [f64; 2]| {
-            let mut moments = self.moments_in(&raised, index, name, expression)?;
-            for (e, moments) in &mut moments {
-                let bubble = to_hierarchical(self.space.basis(*e), raised.basis(*e), moments);
+            let function = self.function(expression);
+            let found = side_moments_and_squares(self.mesh, &raised, index, &function.datum(name));
+            let (mut moments, squares) = found.map_err(|error| self.located(error, expression))?;
+            for ((e, moments), square) in moments.iter_mut().zip(squares) {
+                let (bubble, followed) = to_hierarchical(self.space.basis(*e), raised.basis(*e), moments);
+                let (h, p) = (self.mesh.length(*e), self.space.degree(*e));
+                let rest = square - followed / h - ROUNDING * square;
+                unresolved[*e] += h / (p + 2) as f64 * rest.max(0.0);
                 let d = direction(*e);
                 (0..2).for_each(|i| extra[2 * *e + i] += d[i] * bubble);
             }
@@ -97,7 +119,7 @@ impl Data<'_> {
                 _ => {}
             }
         }
-        Ok((load, extra))
+        Ok(Loads { nodal: load, bubbles: extra, unresolved })
     }
 
     /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.
@@ -317,23 +339,6 @@ impl Data<'_> {
         Ok(())
     }
 
-    /// ∫ f φ_j of an expression on a side.
-    fn moments(&self, side: usize, name: &str, expression: &Expression) -> Result<Vec<ElementMoments>, SolveError> {
-        self.moments_in(self.space, side, name, expression)
-    }
-
-    /// ∫ f φ_j against the nodal functions of a space on the mesh.
-    fn moments_in(
-        &self,
-        space: &Space,
-        side: usize,
-        name: &str,
-        expression: &Expression,
-    ) -> Result<Vec<ElementMoments>, SolveError> {
-        let function = self.function(expression);
-        side_moments(self.mesh, space, side, &function.datum(name)).map_err(|error| self.located(error, expression))
-    }
-
     fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
         let mesh = self.mesh;
         Function {
@@ -391,19 +396,21 @@ impl Data<'_> {
 }
 
 /// Moments against the nodal functions of degree p+1 become those against the nodal functions of degree p; returns that
-/// against the bubble (P_(p+1) - P_(p-1))/(2p+1).
-fn to_hierarchical(basis: &LobattoBasis, raised: &LobattoBasis, moments: &mut Vec<f64>) -> f64 {
+/// against the bubble (P_(p+1) - P_(p-1))/(2p+1), and Σ (2k+1) m_k² of those against P_0, .., P_(p+1): the length of the
+/// element times the square of the part of the datum that degree p+1 follows.
+fn to_hierarchical(basis: &LobattoBasis, raised: &LobattoBasis, moments: &mut Vec<f64>) -> (f64, f64) {
     let p = basis.degree;
     let (mut phi, mut legendre) = (vec![0.0; p + 1], vec![0.0; p + 2]);
-    let (mut nodal, mut bubble) = (vec![0.0; p + 1], 0.0);
+    let (mut nodal, mut against) = (vec![0.0; p + 1], vec![0.0; p + 2]);
     for (&t, &moment) in raised.nodes.iter().zip(moments.iter()) {
         basis.evaluate(t, &mut phi);
         legendre_p(t, &mut legendre);
         nodal.iter_mut().zip(&phi).for_each(|(sum, phi)| *sum += phi * moment);
-        bubble += (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64 * moment;
+        against.iter_mut().zip(&legendre).for_each(|(sum, p)| *sum += p * moment);
     }
     *moments = nodal;
-    bubble
+    let followed = against.iter().enumerate().map(|(k, m)| (2 * k + 1) as f64 * m * m).sum();
+    ((against[p + 1] - against[p - 1]) / (2 * p + 1) as f64, followed)
 }
 
 /// A contact side of the scene.

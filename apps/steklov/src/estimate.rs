@@ -86,8 +86,10 @@ pub enum Doubt {
     Sets,
     /// The mesh is too coarse about singular points for one bubble an element to show the error: an element lies between two of
     /// them, where its error may have the other parity, or one next to them is of high degree, where the next one adds
-    /// little.
+    /// little. Or elements are longer than the body is thick there.
     Coarse,
+    /// The loads vary within elements more than their degree follows: no bubble sees what they do.
+    Data,
     /// The error is down at rounding errors.
     Roundoff,
 }
@@ -99,6 +101,7 @@ impl Doubt {
             Self::Transition => "transition",
             Self::Sets => "sets",
             Self::Coarse => "coarse",
+            Self::Data => "data",
             Self::Roundoff => "roundoff",
         }
     }
@@ -116,9 +119,14 @@ const FAR_IN_ZONE: f64 = 0.025;
 /// Energy norm that vertices off their transitions may cost by themselves, over the estimated error, beyond which that is in
 /// doubt.
 const UNDONE: f64 = 10.0;
+/// Part of the squared estimate that loads may have between the points that the elements' degrees follow.
+pub const UNRESOLVED: f64 = 0.25;
 /// Next to a singular point e_p falls like p^-2λ: beyond this degree a bubble shows less than half of the error.
 const SLOW: usize = 8;
 const SLOW_PART: f64 = 0.1;
+/// Length of an element over the thickness of the body there, in the mean with the indicators as weights: beyond this the
+/// bubbles of both faces act against each other and show less than 0.8 of the error.
+const SLENDER: f64 = 4.0;
 /// Relative error (energy norm) below which rounding decides.
 pub const ROUNDOFF: f64 = 1e-7;
 /// Reduction of the squared energy of the rest at which the correction is good enough.
@@ -203,12 +211,15 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Opt
     let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
     let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
     let held: f64 = indicators.iter().zip(&frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
-    let error = (SATURATION.powi(2) * (squared * two_level).sqrt().max(held) + oscillation + factors.difference).sqrt();
+    // the product of two energies may leave the range of floating point
+    let mean = squared.sqrt() * two_level.sqrt();
+    let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
     let energies = &solved.energies;
     let energy = factors.energy + 0.5 * gained - 0.5 * squared;
     let scale = scale(energies.strain, factors);
     let uncertainty = 0.5 * (energy - factors.energy).abs() + 0.4 * error * error;
-    let doubts = Vec::new();
+    let unresolved: f64 = factors.unresolved.iter().sum();
+    let doubts = if unresolved > modulus * UNRESOLVED * error * error { vec![Doubt::Data] } else { Vec::new() };
     let relative = ratio(error, scale);
     Ok(Some(Estimate {
         indicators,
@@ -234,8 +245,8 @@ impl Estimate {
         }
     }
 
-    /// Whether an element may have much more error than its bubble shows: between two singular points, or of high degree next to
-    /// one with a good part of the estimate.
+    /// Whether an element may have much more error than its bubble shows: between two singular points, of high degree next to
+    /// one with a good part of the estimate, or, where the estimate is, longer than the body is thick.
     fn is_coarse(&self, mesh: &Mesh, singular: &[Vec<f64>]) -> bool {
         let total: f64 = self.indicators.iter().map(Bubble::total).sum();
         let touches = |e: usize| {
@@ -243,7 +254,9 @@ impl Estimate {
             points.iter().any(|p| mesh.span[e].iter().any(|s| (s - p).abs() < SAME_PLACE))
         };
         let slow = |e: usize| mesh.degree[e] > SLOW && self.indicators[e].total() > SLOW_PART * total && touches(e);
-        !coarse_elements(mesh, singular).is_empty() || (0..mesh.len()).any(slow)
+        let slender: f64 =
+            (0..mesh.len()).map(|e| self.indicators[e].total() * mesh.length(e) / thickness(mesh, e)).sum();
+        !coarse_elements(mesh, singular).is_empty() || (0..mesh.len()).any(slow) || slender > SLENDER * total
     }
 
     /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `settled`: the transitions are
@@ -277,6 +290,21 @@ impl Estimate {
             self.doubts.push(Doubt::Roundoff);
         }
     }
+}
+
+/// Distance from the middle of an element to the nearest other one across the body; infinite if only its neighbours are there.
+fn thickness(mesh: &Mesh, e: usize) -> f64 {
+    let (middle, n) = (mesh.point(e, 0.0), mesh.normal(e));
+    let across = |f: usize| {
+        let (c, d) = (mesh.point(f, 0.0), mesh.half(f));
+        let to = [c[0] - middle[0], c[1] - middle[1]];
+        let t = -((to[0] * d[0] + to[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(-1.0, 1.0);
+        let to = [to[0] + t * d[0], to[1] + t * d[1]];
+        let (squared, inwards) = (to[0] * to[0] + to[1] * to[1], -(to[0] * n[0] + to[1] * n[1]));
+        if inwards > 0.0 && inwards * inwards > 0.25 * squared { squared } else { f64::INFINITY }
+    };
+    let others = (0..mesh.len()).filter(|&f| f != e && mesh.next[e] != f && mesh.next[f] != e);
+    others.map(across).fold(f64::INFINITY, f64::min).sqrt()
 }
 
 fn ratio(error: f64, scale: f64) -> f64 {

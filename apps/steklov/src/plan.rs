@@ -20,6 +20,9 @@ pub struct Plan {
     pub cost: Cost,
 }
 
+/// What is decided about where the plan names the solver of contact.
+pub const CONTACT_SOLVER: &str = "contact solver";
+
 /// One choice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Decision {
@@ -186,7 +189,7 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
         Solver::ActiveSet => ("active-set", "as the scene says"),
         Solver::Uzawa => ("uzawa", "as the scene says: a reference, slow, and only for supported bodies"),
     };
-    modelled.push(Decision { what: "contact solver".into(), choice: choice.into(), why: why.into() });
+    modelled.push(Decision { what: CONTACT_SOLVER.into(), choice: choice.into(), why: why.into() });
 }
 
 /// The mesh of the first step.

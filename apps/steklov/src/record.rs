@@ -115,6 +115,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         file: file.display().to_string(),
         converged: run.converged(),
         reason: run.reason.word().into(),
+        failure: run.error.as_ref().map(ToString::to_string),
         dofs: solved.space.dofs(),
         steps: run.progress.steps.len(),
         energy: solved.energies.total,

@@ -28,6 +28,8 @@ pub enum Reason {
     Solver,
     /// The user stopped it.
     Interrupted,
+    /// The next step failed: [`Run::error`].
+    Failed,
 }
 
 impl Reason {
@@ -41,6 +43,7 @@ impl Reason {
             Self::Roundoff => "roundoff",
             Self::Solver => "solver",
             Self::Interrupted => "interrupted",
+            Self::Failed => "failed",
         }
     }
 }
@@ -112,6 +115,8 @@ pub struct Run {
     pub progress: Progress,
     /// Why it ended.
     pub reason: Reason,
+    /// The error of the step after the last one, where one ended the run.
+    pub error: Option<SolveError>,
     /// Wall seconds so far.
     pub clock: Instant,
 }
@@ -132,7 +137,8 @@ impl Run {
 /// after two the run ends at once with the steps before it.
 ///
 /// # Errors
-/// As [`solve`]; [`SolveError::Interrupted`] if there is nothing to keep.
+/// As [`solve`], of the first step that it solves: an error of a later one ends the run with the steps before it. Those of
+/// the observer always. [`SolveError::Interrupted`] if there is nothing to keep.
 pub fn run(
     scene: &Scene,
     mut progress: Progress,
@@ -151,7 +157,10 @@ pub fn run(
         let next = advance(scene, &progress, &mut cache, &mut watched);
         let (solved, step, layout) = match (next, last) {
             (Err(SolveError::Interrupted), Some(last)) => {
-                return Ok(Run { last, progress, reason: Reason::Interrupted, clock });
+                return Ok(Run { last, progress, reason: Reason::Interrupted, error: None, clock });
+            }
+            (Err(error), Some(last)) if !matches!(error, SolveError::Io(_)) => {
+                return Ok(Run { last, progress, reason: Reason::Failed, error: Some(error), clock });
             }
             (next, _) => next?,
         };
@@ -161,7 +170,7 @@ pub fn run(
         progress.next = layout;
         let interrupted = interrupts.load(Ordering::Relaxed) > 0;
         if let Some(reason) = reason(scene, &progress, unchanged, interrupted) {
-            return Ok(Run { last: solved, progress, reason, clock });
+            return Ok(Run { last: solved, progress, reason, error: None, clock });
         }
         last = Some(solved);
     }

@@ -13,7 +13,7 @@ use steklov_contact::{
 };
 
 use crate::body_load::{Particular, crossed_work, energies};
-use crate::data::Data;
+use crate::data::{Data, Loads};
 use crate::run::Step;
 use crate::scene::{Condition, Multiplier, Scene, SceneError, Solver};
 use crate::stabilised::{Body, StabilisedContact, solve_stabilised};
@@ -198,6 +198,8 @@ pub struct Factors {
     pub difference: f64,
     /// Load of the bubbles, less that of the particular solution.
     pub extra_load: Vec<f64>,
+    /// What the polynomials of each element leave of its prescribed tractions, h/(p+2) ‖t - Π t‖² (stress² length²).
+    pub unresolved: Vec<f64>,
     /// The condensed contact problem.
     pub contact: Option<ContactFactors>,
 }
@@ -230,7 +232,7 @@ pub fn solve(
     let space = Space::new(&mesh);
     let data = Data { scene, mesh: &mesh, space: &space };
     let held = data.held()?;
-    let (tractions, mut extra_load) = data.load()?;
+    let Loads { nodal: tractions, bubbles: mut extra_load, unresolved } = data.load()?;
     let boundary = data.contact(&held)?;
     seconds.set_up = clock.elapsed().as_secs_f64();
 
@@ -319,6 +321,9 @@ pub fn solve(
             let displacement = condensation.expand(&condensed, &solution.displacement);
             let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
             let audit = kkt_in_body(&problem, &solution, largest);
+            let forces = boundary.nodal_forces(&solution.multipliers);
+            let floor = 1e-6 * condensation.largest_diagonal() * (largest + boundary.largest_gap());
+            unpressed(&space, &load, &forces, &free, floor)?;
             let sets = Sets::new(&problem, &solution)?;
             let lines = boundary.lines(&mesh, &space);
             let factors = ContactFactors { problem, sets, lines };
@@ -409,6 +414,7 @@ pub fn solve(
         energy: companion_energy,
         difference,
         extra_load,
+        unresolved,
         contact: contact_factors,
     };
     let solved = Solved {
@@ -434,6 +440,33 @@ fn work(space: &Space, load: &[f64], motion: &RigidMotion) -> (f64, f64) {
     load.chunks_exact(2).zip(r.chunks_exact(2)).fold((0.0, 0.0), |(sum, scale), (f, r)| {
         (sum + f[0] * r[0] + f[1] * r[1], scale + f[0].hypot(f[1]) * r[0].hypot(r[1]))
     })
+}
+
+/// Part of the scale of the loads' work from which contact forces do work on a motion that no load drives.
+const PRESSED: f64 = 1e-6;
+
+/// No contact force may do work on the motions that springs hold: else the springs carry a part of the load. `floor`: a
+/// force below which all are roundoff.
+fn unpressed(
+    space: &Space,
+    load: &[f64],
+    forces: &[(usize, [f64; 2])],
+    free: &[RigidMotion],
+    floor: f64,
+) -> Result<(), ContactError> {
+    let mut nodal = vec![0.0; space.dofs()];
+    for (node, force) in forces {
+        (0..2).for_each(|i| nodal[2 * node + i] += force[i]);
+    }
+    for motion in free {
+        let largest = motion.nodal(&space.points).iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+        let (driven, scale) = work(space, load, motion);
+        if work(space, &nodal, motion).0.abs() > PRESSED * scale.max(floor * largest) {
+            let motion = motion.clone();
+            return Err(ContactError::RigidMotion { motion, work: driven, resistance: 0.0, scale });
+        }
+    }
+    Ok(())
 }
 
 /// Without contact: all free motions, if the loads do no work on any of them.

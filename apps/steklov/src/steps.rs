@@ -1,5 +1,7 @@
 //! The steps of a run in the result file, and back.
 
+mod check;
+
 use faer::Mat;
 use steklov_bem_operators::BoundaryResidual;
 use steklov_contact::{ContactResidual, Located, Tip, TipKind};
@@ -10,6 +12,7 @@ use steklov_io::{
 
 use crate::estimate::{Bubble, Doubt, Estimate, Residual};
 use crate::run::Step;
+use crate::scene::Scene;
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }
@@ -123,16 +126,33 @@ fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
     Ok(())
 }
 
-/// Reads all steps of a result file.
+/// Name of a step's group.
+pub(crate) fn name(number: usize) -> String {
+    format!("{number:03}")
+}
+
+/// Reads all steps of a result file, at least one, and checks that they are steps of this scene.
 ///
 /// # Errors
-/// A file that is not one of this program's, truncated or altered.
-pub(crate) fn load_all(file: &File) -> Result<Vec<Step>, IoError> {
+/// A file that is not one of this program's, truncated or altered, or of another scene.
+pub(crate) fn load_all(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
     let steps = open_group(file, "steps")?;
-    let mut names = steps.member_names().map_err(|e| invalid(&steps, "steps", e.to_string()))?;
+    let mut names = steps.member_names().map_err(|e| invalid(&steps, "", e.to_string()))?;
     // 999 comes before 1000
     names.sort_by_key(|name| (name.len(), name.clone()));
-    names.iter().map(|name| load_step(&open_group(&steps, name)?)).collect()
+    if let Some((number, found)) = names.iter().enumerate().find(|(number, found)| **found != name(*number)) {
+        return Err(invalid(&steps, "", format!("{found:?} is where step {:?} should be", name(number))));
+    }
+    if names.is_empty() {
+        return Err(invalid(&steps, "", "there is no step"));
+    }
+    let load = |name: &String| {
+        let at = open_group(&steps, name)?;
+        let step = load_step(&at)?;
+        check::check(&at, &step, scene)?;
+        Ok(step)
+    };
+    names.iter().map(load).collect()
 }
 
 fn load_step(at: &Group) -> Result<Step, IoError> {
@@ -198,7 +218,7 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
         return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
     };
     let doubts = load_texts(at, "doubts")?.into_iter().map(|word| {
-        let all = [Doubt::Transition, Doubt::Sets, Doubt::Coarse, Doubt::Roundoff];
+        let all = [Doubt::Transition, Doubt::Sets, Doubt::Coarse, Doubt::Data, Doubt::Roundoff];
         all.into_iter()
             .find(|d| d.word() == word)
             .ok_or_else(|| invalid(at, "doubts", format!("unknown doubt {word:?}")))
@@ -215,6 +235,12 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
         uncertainty,
         doubts: doubts.collect::<Result<_, _>>()?,
     })
+}
+
+/// A whole number, not negative.
+fn whole(at: &Group, name: &str, number: f64) -> Result<usize, IoError> {
+    let whole = number as usize; // NaN becomes 0, and large numbers the largest
+    if whole as f64 == number { Ok(whole) } else { Err(invalid(at, name, format!("{number} is no edge"))) }
 }
 
 fn kind(at: &Group, name: &str, number: f64) -> Result<TipKind, IoError> {
@@ -234,7 +260,9 @@ fn load_table<const M: usize>(at: &Group, name: &str) -> Result<Vec<[f64; M]>, I
 
 fn load_tips(at: &Group) -> Result<Vec<Tip>, IoError> {
     let tip = |[edge, number, s, regular]: [f64; 4]| {
-        Ok(Tip { edge: edge as usize, s, kind: kind(at, "tips", number)?, regular: regular as i8 })
+        let direction = [-1, 0, 1].into_iter().find(|d| f64::from(*d) == regular);
+        let regular = direction.ok_or_else(|| invalid(at, "tips", format!("regular is {regular}, not -1, 0 or 1")))?;
+        Ok(Tip { edge: whole(at, "tips", edge)?, s, kind: kind(at, "tips", number)?, regular })
     };
     load_table(at, "tips")?.into_iter().map(tip).collect()
 }
@@ -242,7 +270,7 @@ fn load_tips(at: &Group) -> Result<Vec<Tip>, IoError> {
 fn load_transitions(at: &Group) -> Result<Vec<Located>, IoError> {
     let transition = |[edge, number, s, off, curvature, vertex]: [f64; 6]| {
         Ok(Located {
-            edge: edge as usize,
+            edge: whole(at, "transitions", edge)?,
             s,
             kind: kind(at, "transitions", number)?,
             off,

@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use steklov_bem_operators::Mesh;
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
+    File, Group, IoError, Label, copy, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
     load_vector, open_group, save, save_dense, save_integers, save_points, save_text, save_texts, save_vector, vtkhdf,
     write_integer_attribute, write_text_attribute,
 };
@@ -49,7 +49,7 @@ fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> 
 /// `/steps/NNN`, made when it is not there.
 fn step_group(file: &File, number: usize) -> Result<Group, IoError> {
     let steps = if file.link_exists("steps") { open_group(file, "steps")? } else { create_group(file, "steps")? };
-    let name = format!("{number:03}");
+    let name = steps::name(number);
     if steps.link_exists(&name) { open_group(&steps, &name) } else { create_group(&steps, &name) }
 }
 
@@ -68,6 +68,21 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
         }
         Stage::Progress(..) | Stage::Step { .. } => Ok(()),
     }
+}
+
+/// Copies the matrices of the first steps of another file, as many as it has; `number` is that of these steps.
+///
+/// # Errors
+/// When one of the files cannot be read or written.
+pub fn copy_matrices(from: &File, file: &File, number: usize) -> Result<(), IoError> {
+    let steps = open_group(from, "steps")?;
+    for k in 0..number {
+        let step = open_group(&steps, &steps::name(k))?;
+        if step.link_exists("matrices") {
+            copy(&step, "matrices", &step_group(file, k)?)?;
+        }
+    }
+    Ok(())
 }
 
 /// Steps on their way into a new file: written in their order, each by a thread that has nothing else to do.
@@ -122,14 +137,14 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
     save_texts(file, "overrides", &record.overrides, "keys changed on the command line, KEY=VALUE", "override")?;
     save_text(file, "summary", &json(&record.summary), "the JSON object of solve --json")?;
     save_text(file, "plan", &json(&record.plan), "what was modelled, what was left out and why, as JSON")?;
-    let last = format!("/steps/{:03}", record.steps.len().saturating_sub(1));
+    let last = format!("/steps/{}", steps::name(record.steps.len().saturating_sub(1)));
     file.link_hard(&format!("{last}/mesh"), "/mesh").map_err(|e| invalid(file, "mesh", e.to_string()))?;
     save_solution(&create_group(file, "solution")?, record)?;
     if record.summary.contact.is_some() {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
     }
     // the matrices of a step that was stopped
-    let unfinished = format!("/steps/{:03}", record.steps.len());
+    let unfinished = format!("/steps/{}", steps::name(record.steps.len()));
     if file.link_exists(&unfinished) {
         file.unlink(&unfinished).map_err(|e| invalid(file, "steps", e.to_string()))?;
     }
@@ -271,17 +286,11 @@ pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
     if load_text(file, "scene")? != scene.source.text {
         return Err(invalid(file, "scene", "it holds the result of another scene, or the scene has been edited since"));
     }
-    let goal = |o: &String| {
-        ["tolerance", "max_dofs", "max_steps"]
-            .iter()
-            .any(|key| o.replace(' ', "").starts_with(&format!("method.{key}=")))
-    };
-    let kept = |all: Vec<String>| -> Vec<String> { all.into_iter().filter(|o| !goal(o)).collect() };
-    if kept(load_texts(file, "overrides")?) != kept(scene.source.overrides.clone()) {
+    if !scene.differs_in_goal_only(&load_texts(file, "overrides")?) {
         let why = "it was solved with other overrides; only method.tolerance, max_dofs and max_steps may change";
         return Err(invalid(file, "overrides", why));
     }
-    steps::load_all(file)
+    steps::load_all(file, scene)
 }
 
 fn parse<T: serde::de::DeserializeOwned>(file: &File, name: &str) -> Result<T, IoError> {

@@ -15,8 +15,11 @@ pub struct Summary {
     pub file: String,
     /// Whether what was asked for is reached.
     pub converged: bool,
-    /// solved, tolerance, max_dofs, max_steps, roundoff, solver or interrupted.
+    /// solved, tolerance, max_dofs, max_steps, roundoff, solver, interrupted or failed.
     pub reason: String,
+    /// The error of the step after the last one; null unless one ended the run.
+    #[serde(default)]
+    pub failure: Option<String>,
     /// Displacement unknowns of the last mesh, held ones included.
     pub dofs: usize,
     /// Number of meshes solved.
@@ -39,7 +42,8 @@ pub struct Summary {
     /// Estimate over (2 strain energy)^½.
     pub estimate_relative: Option<f64>,
     /// Why the estimate is not to be trusted: transition (one lies inside an element), sets (contact still changes from
-    /// mesh to mesh), roundoff; empty if it is.
+    /// mesh to mesh), coarse (elements too long or of too high a degree for it), data (loads finer than the elements), roundoff;
+    /// empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
     /// Iterations of the contact solver in the last step; 0 without contact.

@@ -16,7 +16,7 @@ fn sorted(list: &'static str) -> Vec<&'static str> {
     keys
 }
 
-const KEYS: &str = "title model file converged reason dofs steps energy energy_extrapolated energy_uncertainty \
+const KEYS: &str = "title model file converged reason failure dofs steps energy energy_extrapolated energy_uncertainty \
                     strain_energy load_work friction_work estimate estimate_relative estimate_doubts iterations contact audit reactions probe stochastic seconds \
                     peak_memory_bytes";
 
@@ -144,6 +144,18 @@ fn a_solver_that_gives_up_is_status_3_with_a_result() {
     assert_eq!(keys(&o), sorted(KEYS));
     let shown = place.run(["show", "block.vtkhdf"]).demand(0);
     assert!(shown.out.contains("NOT CONVERGED") && shown.out.contains("solver"), "{}", shown.out);
+    // with --json the advice is on stderr, unless that is to be quiet; without it is part of the summary
+    let far = ["block.toml", "--force", "--set", "sides.floor.contact.gap=1e9"];
+    for (named, advice) in
+        [("auto", "nearer to each other"), ("newton", "the solver newton did not reach its criterion")]
+    {
+        let set = format!("method.solver=\"{named}\"");
+        let solve = |more: &[&str]| place.run([&["solve", "--set", &set], &far[..], more].concat()).demand(3);
+        assert!(solve(&["--json"]).err.contains(advice), "{named}");
+        assert_eq!(solve(&["--json", "--quiet"]).err, "");
+        assert!(solve(&["--quiet"]).out.contains(advice), "{named}");
+        assert!(place.run(["show", "block.vtkhdf"]).demand(0).out.contains(advice), "{named}");
+    }
 }
 
 #[test]
@@ -244,37 +256,40 @@ fn wrong_overrides_are_status_1() {
     assert_eq!(place.names(), ["block.toml"]);
 }
 
-/// Two threads give the numbers of one.
+/// Any number of threads gives the bits of one, step by step.
 #[test]
-fn the_number_of_threads_changes_nothing() {
+fn the_number_of_threads_changes_no_bit() {
     let place = Place::new();
-    let scene = "block.toml";
-    let solve = |threads: &str| {
-        place.json(0, &[scene, "--threads", threads, "--set", "method.elements=32", "--set", "method.degree=3"])
+    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-5\n"));
+    let solve = |threads: &str, mesh: &[&str]| -> Map<String, Value> {
+        let o = place.json(0, &[&["block.toml", "--threads", threads], mesh].concat());
+        let keep = |key: &str| !["seconds", "peak_memory_bytes"].contains(&key);
+        o.as_object().unwrap().iter().filter(|(key, _)| keep(key)).map(|(k, v)| (k.clone(), v.clone())).collect()
     };
-    let (one, two) = (solve("1"), solve("2"));
-    fn compare(path: &str, a: &Value, b: &Value, scale: f64) {
-        match (a, b) {
-            (Value::Object(a), Value::Object(b)) => {
-                assert_eq!(a.keys().collect::<Vec<_>>(), b.keys().collect::<Vec<_>>());
-                a.iter().for_each(|(key, value)| compare(&format!("{path}/{key}"), value, &b[key], scale));
-            }
-            (Value::Array(a), Value::Array(b)) => {
-                let size = a.iter().filter_map(Value::as_f64).fold(0.0, |m: f64, v| m.max(v.abs()));
-                a.iter().zip(b).for_each(|(a, b)| compare(path, a, b, size));
-            }
-            (Value::Number(a), Value::Number(b)) => {
-                let (a, b) = (a.as_f64().unwrap(), b.as_f64().unwrap());
-                assert!((a - b).abs() <= 1e-13 * scale.max(a.abs()).max(b.abs()), "{path}: {a} and {b}");
-            }
-            _ => assert_eq!(a, b, "{path}"),
+    let large = ["method.refine=\"none\"", "method.elements=150", "method.degree=3"].map(|s| ["--set", s]).concat();
+    for mesh in [&[][..], &large] {
+        let one = solve("1", mesh);
+        for threads in ["2", "3", "4"] {
+            assert_eq!(solve(threads, mesh), one, "{threads} threads");
         }
     }
-    let physics = |value: &Value| -> Map<String, Value> {
-        let keep = |key: &str| !["seconds", "peak_memory_bytes", "audit"].contains(&key);
-        value.as_object().unwrap().iter().filter(|(key, _)| keep(key)).map(|(k, v)| (k.clone(), v.clone())).collect()
+}
+
+/// More than four threads a processor are not used, and the command says so.
+#[test]
+fn too_many_threads_are_cut() {
+    let place = Place::new();
+    let most = 4 * std::thread::available_parallelism().unwrap().get();
+    let used = || {
+        let file = steklov_io::open(place.path("block.vtkhdf")).unwrap();
+        steklov_io::read_integer_attribute(&file, "threads").unwrap()
     };
-    compare("", &Value::Object(physics(&one)), &Value::Object(physics(&two)), 0.0);
+    for (threads, option, told) in [(most, "--json", false), (most + 1, "--json", true), (most + 1, "--quiet", false)] {
+        let ran = place.run(["solve", "block.toml", "--force", option, "--threads", &threads.to_string()]).demand(0);
+        assert_eq!(used(), [most as i64]);
+        assert_eq!(ran.err.contains(&format!("--threads {threads} is more than 4")), told, "{}", ran.err);
+        assert_eq!(ran.err.is_empty(), !told, "{}", ran.err);
+    }
 }
 
 /// Progress goes to stderr, and nowhere under --quiet.

@@ -3,10 +3,10 @@
 mod place;
 
 use std::fs;
-use std::process::{Child, Command, Stdio};
-use std::time::{Duration, Instant};
+use std::process::Command;
+use std::time::Duration;
 
-use place::{Place, Ran, names};
+use place::{Place, Ran, Running, names};
 use serde_json::json;
 
 #[test]
@@ -79,39 +79,15 @@ fn a_full_disk_leaves_nothing() {
     assert_eq!(place.read("block.vtkhdf"), b"old");
 }
 
-/// A run of many steps, and the signal of Ctrl-C.
+/// A run of many steps that has some of them on disk.
 #[cfg(unix)]
-struct Long(Child);
-
-#[cfg(unix)]
-impl Long {
-    fn start(place: &Place) -> Self {
-        let many = ["--set", "method.refine=\"uniform-h\"", "--set", "method.max_dofs=100000", "--save", "matrices"];
-        let mut command = place.command();
-        command.args(["solve", "block.toml", "--json", "--quiet"]).args(many);
-        Self(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
-    }
-
-    /// Waits until the half-written file is there and large enough to hold some steps.
-    fn wait_for_steps(&self, place: &Place) {
-        let start = Instant::now();
-        let grown = |name: &String| {
-            name.ends_with(".part") && fs::metadata(place.path(name)).is_ok_and(|file| file.len() > 1 << 20)
-        };
-        while !place.names().iter().any(grown) {
-            assert!(start.elapsed() < Duration::from_secs(60), "no step is written: {:?}", place.names());
-            std::thread::sleep(Duration::from_millis(5));
-        }
-    }
-
-    fn interrupt(&self) {
-        let kill = Command::new("sh").args(["-c", "kill -INT \"$0\"", &self.0.id().to_string()]).status().unwrap();
-        assert!(kill.success());
-    }
-
-    fn end(self) -> Ran {
-        Ran::new(self.0.wait_with_output().unwrap())
-    }
+fn long(place: &Place) -> Running {
+    let many = ["--set", "method.refine=\"uniform-h\"", "--set", "method.max_dofs=100000", "--save", "matrices"];
+    let mut command = place.command();
+    command.args(["solve", "block.toml", "--json", "--quiet"]).args(many);
+    let run = Running::start(command);
+    run.wait_for_output(place, 1 << 20);
+    run
 }
 
 #[cfg(unix)]
@@ -131,27 +107,70 @@ fn check_interrupted(place: &Place, ran: &Ran) {
     assert!(file.link_exists("matrices/S") && file.link_exists("solution/displacement"));
 }
 
+/// Ctrl-C, the polite `kill`, and the end of the terminal.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_stores_the_step_that_it_finishes() {
-    let place = Place::new();
-    let run = Long::start(&place);
-    run.wait_for_steps(&place);
-    run.interrupt();
-    check_interrupted(&place, &run.end().demand(3));
+    for signal in ["INT", "TERM", "HUP"] {
+        let place = Place::new();
+        let run = long(&place);
+        run.signal(signal);
+        check_interrupted(&place, &run.end().demand(3));
+    }
 }
 
-/// The second Ctrl-C does not wait for the step; the steps before it are stored, and nothing half-written stays.
+/// The second signal does not wait for the step; the steps before it are stored, and nothing half-written stays.
 #[cfg(unix)]
 #[test]
 fn a_run_interrupted_twice_stores_the_steps_before() {
+    for signals in [["INT", "INT"], ["TERM", "TERM"], ["INT", "TERM"]] {
+        let place = Place::new();
+        let run = long(&place);
+        run.signal(signals[0]);
+        std::thread::sleep(Duration::from_millis(20)); // two equal signals at once are one
+        run.signal(signals[1]);
+        check_interrupted(&place, &run.end().demand(3));
+    }
+}
+
+/// A device, played by a pipe, is never replaced by a file, nor read.
+#[cfg(unix)]
+#[test]
+fn what_is_no_regular_file_is_never_replaced() {
+    use std::os::unix::fs::{FileTypeExt, symlink};
     let place = Place::new();
-    let run = Long::start(&place);
-    run.wait_for_steps(&place);
-    run.interrupt();
-    std::thread::sleep(Duration::from_millis(20)); // two equal signals at once are one
-    run.interrupt();
-    check_interrupted(&place, &run.end().demand(3));
+    assert!(Command::new("mkfifo").arg(place.path("pipe")).status().unwrap().success());
+    symlink("pipe", place.path("link")).unwrap();
+    for out in ["pipe", "link", "./pipe"] {
+        for option in ["--force", "--resume", "--quiet"] {
+            let ran = place.run(["solve", "block.toml", "--out", out, option]).demand(1);
+            assert!(ran.err.contains("pipe") || ran.err.contains("link"), "{}", ran.err);
+            assert!(ran.err.contains("no regular file") && ran.err.contains("--out"), "{}", ran.err);
+        }
+    }
+    assert!(fs::symlink_metadata(place.path("pipe")).unwrap().file_type().is_fifo());
+    assert!(fs::symlink_metadata(place.path("link")).unwrap().file_type().is_symlink());
+    assert_eq!(place.names(), ["block.toml", "link", "pipe"]);
+    // a link to a regular file is replaced
+    place.write("old.vtkhdf", "old");
+    symlink("old.vtkhdf", place.path("new.vtkhdf")).unwrap();
+    place.run(["solve", "block.toml", "--out", "new.vtkhdf", "--force"]).demand(0);
+    steklov_io::open(place.path("new.vtkhdf")).unwrap();
+    assert_eq!(place.read("old.vtkhdf"), b"old");
+}
+
+/// Another program makes the output while a run goes on: it stays, and the message says what to do.
+#[cfg(unix)]
+#[test]
+fn an_output_that_appears_meanwhile_is_not_replaced() {
+    let place = Place::new();
+    let run = long(&place);
+    place.write("block.vtkhdf", "of another program");
+    run.signal("INT");
+    let ran = run.end().demand(1);
+    assert!(ran.err.contains("block.vtkhdf exists now") && ran.err.contains("--force"), "{}", ran.err);
+    assert_eq!(place.read("block.vtkhdf"), b"of another program");
+    assert_eq!(place.names(), ["block.toml", "block.vtkhdf"]);
 }
 
 /// What `show` says of a file is what `solve` said, but for the file's name and the seconds that writing it took.

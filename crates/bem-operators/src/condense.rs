@@ -5,7 +5,7 @@ use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_uppe
 use faer::prelude::*;
 use faer::{Accum, Col, Mat, MatMut, Par};
 
-use crate::steklov::cholesky;
+use crate::steklov::{cholesky, parts};
 use crate::{BemError, Dof};
 
 /// What becomes of the unknowns: each displacement unknown is eliminated, kept, or held at a value.
@@ -59,7 +59,7 @@ impl Condensation {
     /// When an unknown is kept and held, or kept twice.
     pub fn new(mut matrix: Mat<f64>, partition: &Partition, motions: &[Vec<f64>]) -> Result<Self, BemError> {
         let n = matrix.nrows();
-        let par = Par::rayon(0);
+        let par = parts();
         add_springs(matrix.as_mut(), motions);
         for &(node, frame) in &partition.frames {
             rotate(matrix.as_mut(), node, frame);
@@ -107,7 +107,7 @@ impl Condensation {
             coupling.transpose(),
             BlockStructure::Rectangular,
             -1.0,
-            Par::rayon(0),
+            parts(),
         );
         crate::steklov::mirror_lower(condensed.as_mut());
         condensed

@@ -3,9 +3,9 @@
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::prelude::*;
-use faer::{Accum, Col, Mat, Par};
+use faer::{Accum, Col, Mat};
 
-use crate::steklov::cholesky;
+use crate::steklov::{cholesky, parts};
 use crate::{BemError, Domain, Enrichment, Operators, Steklov};
 
 /// S₊ of the spaces of one more degree, from the factors of S.
@@ -54,7 +54,7 @@ impl Steklov {
         let steklov = Self::new(operators, Domain::Interior)?;
         let (l, x) = steklov.traction.factors();
         let n = x.nrows();
-        let par = Par::rayon(0);
+        let par = parts();
         let Enrichment { mut v, mut k, k_top: mut top, w, mass, mass_top } = enrichment;
         let extra = top.nrows();
         let block = |a: &Mat<f64>, first: usize, e: usize| {

@@ -53,7 +53,7 @@ pub use enriched::{Enriched, EnrichedSteklov};
 pub use enrichment::Enrichment;
 pub use error::BemError;
 pub use far::far_moments;
-pub use load::{Datum, ElementMoments, Site, add_load, side_moments};
+pub use load::{Datum, ElementMoments, Site, add_load, side_moments, side_moments_and_squares};
 pub use marking::{doerfler, legendre_decay};
 pub use material::{Material, Plane};
 pub use mesh::Mesh;
@@ -65,7 +65,7 @@ pub use potential::{BoundaryField, Inside, Trace};
 pub use residual::{BoundaryResidual, boundary_residuals, graded_panels, residual_panels};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
-pub use steklov::{Domain, Steklov, TractionMap};
+pub use steklov::{Domain, PARTS, Steklov, TractionMap};
 pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
 pub use trace_rows::steklov_trace_rows;
 

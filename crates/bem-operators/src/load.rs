@@ -84,6 +84,20 @@ pub fn side_moments(
     side: usize,
     datum: &Datum<'_>,
 ) -> Result<Vec<ElementMoments>, BemError> {
+    side_moments_and_squares(mesh, space, side, datum).map(|(moments, _)| moments)
+}
+
+/// [`side_moments`] and ∫ f² ds of each of these elements, by the rules that the moments are taken with: the square of the
+/// part of f that is orthogonal to the nodal basis is the difference, up to roundoff of ∫ f².
+///
+/// # Errors
+/// As [`side_moments`].
+pub fn side_moments_and_squares(
+    mesh: &Mesh,
+    space: &Space,
+    side: usize,
+    datum: &Datum<'_>,
+) -> Result<(Vec<ElementMoments>, Vec<f64>), BemError> {
     let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
     let side_length: f64 = elements.iter().map(|&e| mesh.length(e)).sum();
     let parts = |e: usize| (mesh.length(e) / side_length * (SIDE_POINTS / FEWEST_POINTS) as f64).ceil() as usize;
@@ -100,7 +114,7 @@ pub fn side_moments(
     }
     let mut grown = false;
     loop {
-        let (moments, given_up) = at_tolerance(mesh, space, &elements, &pieces, datum, AGREEMENT * whole)?;
+        let (moments, squares, given_up) = at_tolerance(mesh, space, &elements, &pieces, datum, AGREEMENT * whole)?;
         let found: f64 = moments.iter().flat_map(|(_, m)| m).map(|m| m.abs()).sum();
         // more was found than the first look saw: a peak between its points
         if found > 4.0 * whole && found.is_finite() {
@@ -115,11 +129,11 @@ pub fn side_moments(
             let side = mesh.side_names[side].clone();
             return Err(BemError::DataRough { name: datum.name.into(), side, uncertainty: given_up, whole });
         }
-        return Ok(moments);
+        return Ok((moments, squares));
     }
 }
 
-/// Moments of each element, and what the pieces that did not come to agree are uncertain by.
+/// Moments and square of each element, and what the pieces that did not come to agree are uncertain by.
 fn at_tolerance(
     mesh: &Mesh,
     space: &Space,
@@ -127,22 +141,23 @@ fn at_tolerance(
     pieces: &[Vec<f64>],
     datum: &Datum<'_>,
     tolerance: f64,
-) -> Result<(Vec<ElementMoments>, f64), BemError> {
+) -> Result<(Vec<ElementMoments>, Vec<f64>, f64), BemError> {
     let mut given_up = 0.0;
-    let mut moments = Vec::with_capacity(elements.len());
+    let (mut moments, mut squares) = (Vec::with_capacity(elements.len()), Vec::with_capacity(elements.len()));
     for (&e, breaks) in elements.iter().zip(pieces) {
-        let mut sum = vec![0.0; space.degree(e) + 1];
+        let (mut sum, mut square) = (vec![0.0; space.degree(e) + 1], 0.0);
         for piece in breaks.windows(2) {
             let mut stack = vec![(piece[0], piece[1], 0)];
             let mut pieces = 0;
             while let Some((a, b, depth)) = stack.pop() {
                 pieces += 1;
-                let (values, difference) = agreed(mesh, space, e, datum, a, b, tolerance)?;
+                let (values, squared, difference) = agreed(mesh, space, e, datum, a, b, tolerance)?;
                 let middle = (a + b) / 2.0;
                 let agrees = difference <= tolerance;
                 if agrees || depth == DEEPEST || pieces > MOST_PIECES || middle <= a || middle >= b {
                     given_up += if agrees { 0.0 } else { difference };
                     sum.iter_mut().zip(&values).for_each(|(s, v)| *s += v);
+                    square += squared;
                 } else {
                     stack.push((middle, b, depth + 1));
                     stack.push((a, middle, depth + 1));
@@ -150,8 +165,9 @@ fn at_tolerance(
             }
         }
         moments.push((e, sum));
+        squares.push(square);
     }
-    Ok((moments, given_up))
+    Ok((moments, squares, given_up))
 }
 
 /// Adds the moments of a datum that acts along `direction(element)` to a nodal load (interleaved x, y).
@@ -165,7 +181,7 @@ pub fn add_load(load: &mut [f64], space: &Space, moments: &[ElementMoments], dir
     }
 }
 
-/// Moments of one piece by doubling, and what they are uncertain by: the largest difference of the last two rules, or what
+/// Moments and square of one piece by doubling, and what the moments are uncertain by: the largest difference of the last two rules, or what
 /// a kink between the last point and an end of the piece would hide.
 fn agreed(
     mesh: &Mesh,
@@ -175,34 +191,36 @@ fn agreed(
     a: f64,
     b: f64,
     tolerance: f64,
-) -> Result<(Vec<f64>, f64), BemError> {
+) -> Result<(Vec<f64>, f64, f64), BemError> {
     let half_length = mesh.length(e) / 2.0;
     let basis = space.basis(e);
     let mut phi = vec![0.0; basis.degree + 1];
     let mut values = Vec::new();
-    let mut sum = |n: usize, values: &mut Vec<f64>| -> Result<Vec<f64>, BemError> {
-        let mut sum = vec![0.0; basis.degree + 1];
+    let mut sum = |n: usize, values: &mut Vec<f64>| -> Result<(Vec<f64>, f64), BemError> {
+        let (mut sum, mut square) = (vec![0.0; basis.degree + 1], 0.0);
         values.clear();
         for (t, w) in mapped(panel_rule(n), a, b) {
             values.push(datum.at(mesh, &Site::new(mesh, e, t))?);
-            let weighted = w * half_length * values[values.len() - 1];
+            let value = values[values.len() - 1];
+            let weighted = w * half_length * value;
+            square += weighted * value;
             basis.evaluate(t, &mut phi);
             sum.iter_mut().zip(&phi).for_each(|(s, p)| *s += weighted * p);
         }
-        Ok(sum)
+        Ok((sum, square))
     };
     let mut n = FEWEST_POINTS.max((basis.degree + 2).next_power_of_two());
-    let mut coarse = sum(n, &mut values)?;
+    let (mut coarse, _) = sum(n, &mut values)?;
     loop {
         n *= 2;
-        let fine = sum(n, &mut values)?;
+        let (fine, square) = sum(n, &mut values)?;
         let difference = coarse.iter().zip(&fine).map(|(c, f)| (c - f).abs()).fold(0.0, f64::max);
         if difference <= tolerance {
             let hidden = half_length * hidden_at_ends(mesh, e, datum, a, b, &values)?;
-            return Ok((fine, difference.max(hidden)));
+            return Ok((fine, square, difference.max(hidden)));
         }
         if n >= MOST_POINTS {
-            return Ok((fine, difference));
+            return Ok((fine, square, difference));
         }
         coarse = fine;
     }

@@ -51,7 +51,7 @@ impl Steklov {
     /// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987 (the symmetric form).
     pub fn new(operators: Operators, domain: Domain) -> Result<Self, BemError> {
         let Operators { v: mut factor, k: mut solved, w: mut matrix, mass, length, diameter } = operators;
-        let par = Par::rayon(0);
+        let par = parts();
         if domain == Domain::Exterior {
             solved *= -1.0;
         }
@@ -97,6 +97,15 @@ impl TractionMap {
         solve_upper_triangular_in_place(self.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);
         t.iter().copied().collect()
     }
+}
+
+/// Parts into which dense products and factorisations are cut, whatever the number of threads: the order in which their
+/// sums are taken depends on this number. More threads than parts do not help.
+pub const PARTS: usize = 16;
+
+/// The parallelism of dense algebra.
+pub(crate) fn parts() -> Par {
+    Par::rayon(PARTS)
 }
 
 /// Columns that are factorised at a time.

@@ -49,6 +49,8 @@ pub struct Subdivision {
 
 /// Two edge parameters closer than this are one.
 pub const SAME_PLACE: f64 = 1e-12;
+/// Pieces shorter than this are not kept when vertices move: their ends could be taken for one another.
+const SHORTEST: f64 = 2.0 * SAME_PLACE;
 
 /// Excess from which two degrees are added at once: each is expected to divide the error by 4.
 const TWO_DEGREES: f64 = 4.0;
@@ -130,7 +132,8 @@ impl Subdivision {
     }
 
     /// Moves the vertex `from` to `to`. A move by less than 0.3 of the piece there moves this vertex only; a larger one maps
-    /// all vertices between the neighbouring points of `fixed` (and the ends of the edge) piecewise linearly.
+    /// all vertices between the neighbouring points of `fixed` (and the ends of the edge) piecewise linearly. Vertices that come
+    /// too close to others to be told apart are left out.
     pub fn shift(&mut self, edge: usize, from: f64, to: f64, fixed: &[f64]) {
         let pieces = &mut self.edges[edge];
         let there = |p: &Piece| (p.start - from).abs() < SAME_PLACE;
@@ -138,6 +141,7 @@ impl Subdivision {
         let from = pieces[i].start;
         if -0.3 * pieces[i - 1].length() < to - from && to - from < 0.3 * pieces[i].length() {
             (pieces[i - 1].end, pieces[i].start) = (to, to);
+            join_short(pieces, to, fixed);
             return;
         }
         let before = fixed.iter().copied().filter(|f| *f < from - SAME_PLACE).fold(0.0, f64::max);
@@ -148,9 +152,10 @@ impl Subdivision {
             _ if s < from => to - (from - s) * ((to - before) / (from - before)),
             _ => to + (s - from) * ((after - to) / (after - from)),
         };
-        for piece in pieces {
+        for piece in pieces.iter_mut() {
             (piece.start, piece.end) = (map(piece.start), map(piece.end));
         }
+        join_short(pieces, to, fixed);
     }
 
     /// The subdivision after the marked pieces are refined, unmarked. `singular[k]`: parameters of the singular points on
@@ -217,5 +222,21 @@ impl Subdivision {
     /// [`Self::refined`] without singular points: smooth marked pieces get a higher degree, rough ones are halved.
     pub fn refined_by_mark(&self, grading: &Grading) -> Self {
         self.refined(&vec![Vec::new(); self.edges.len()], grading)
+    }
+}
+
+/// Joins pieces too short for their ends to be told apart with a neighbour: vertices go, but not `kept` and those of `fixed`.
+fn join_short(pieces: &mut Vec<Piece>, kept: f64, fixed: &[f64]) {
+    let goes = |v: f64| v != kept && fixed.iter().all(|f| (f - v).abs() >= SAME_PLACE);
+    let mut i = 1;
+    while i < pieces.len() {
+        let [a, b] = [pieces[i - 1], pieces[i]];
+        if a.length().min(b.length()) < SHORTEST && goes(b.start) {
+            let mark = if a.mark == Mark::Keep { b.mark } else { a.mark };
+            pieces[i - 1] = Piece { start: a.start, end: b.end, degree: a.degree.max(b.degree), mark };
+            pieces.remove(i);
+        } else {
+            i += 1;
+        }
     }
 }

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use common::{SQUARE, max_abs, polygon};
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::mesh;
-use steklov_bem_operators::{BemError, Datum, Mesh, Site, Space, add_load, side_moments};
+use steklov_bem_operators::{BemError, Datum, Mesh, Site, Space, add_load, side_moments, side_moments_and_squares};
 
 fn integrate(
     value: &(dyn Fn(f64) -> f64 + Sync),
@@ -49,6 +49,32 @@ proptest! {
         prop_assert!((force - exact).abs() < 1e-13 * scale);
         prop_assert!((moment - first).abs() < 1e-13 * scale);
         prop_assert!(load.iter().skip(1).step_by(2).all(|f| f.abs() < 1e-15 * scale));
+    }
+
+    /// Σ c_k P_k has the square h Σ c_k²/(2k+1), and |t - a| that of both its arms.
+    #[test]
+    fn squares_are_those_of_legendre_series_and_of_kinks(
+        coefficients in proptest::collection::vec(-2.0..2.0f64, 1..12), at in -0.99..0.99f64, degree in 1..9usize,
+    ) {
+        let mesh = Mesh::uniform(&polygon(&SQUARE, &[]), 8, degree);
+        let space = Space::new(&mesh);
+        let squares = |value: &(dyn Fn(&Site) -> f64 + Sync), kinks: &(dyn Fn(usize) -> Vec<f64> + Sync)| {
+            side_moments_and_squares(&mesh, &space, 2, &Datum { name: "f", value, kinks }).expect("moments")
+        };
+        let series = |site: &Site| {
+            let mut p = vec![0.0; coefficients.len()];
+            steklov_quadrature::legendre_p(site.t, &mut p);
+            p.iter().zip(&coefficients).map(|(p, c)| p * c).sum()
+        };
+        let (moments, found) = squares(&series, &|_| vec![]);
+        let want: f64 = coefficients.iter().enumerate().map(|(k, c)| c * c / (2 * k + 1) as f64).sum();
+        prop_assert_eq!((moments.len(), found.len()), (2, 2));
+        for ((e, _), square) in moments.iter().zip(&found) {
+            prop_assert!((square - mesh.length(*e) * want).abs() < 1e-13 * want, "{square} {want}");
+        }
+        let (_, found) = squares(&|site| (site.t - at).abs(), &|_| vec![at]);
+        let want = mesh.length(4) / 6.0 * ((1.0 - at).powi(3) + (1.0 + at).powi(3));
+        prop_assert!(found.iter().all(|square| (square - want).abs() < 1e-14), "{found:?} {want}");
     }
 
     #[test]

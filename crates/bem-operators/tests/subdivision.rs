@@ -265,6 +265,29 @@ proptest! {
     }
 }
 
+proptest! {
+    /// A vertex that goes nearer and nearer to a point, with graded pieces before it, never overtakes another one.
+    #[test]
+    fn a_vertex_that_runs_into_an_end_leaves_a_mesh(
+        start in 0.2..0.8f64, parts in vec(0.0..0.999f64, 60), layers in 0..12i32, at_end: bool
+    ) {
+        let place = |distance: f64| if at_end { 1.0 - distance } else { distance };
+        let mut points: Vec<f64> = (0..=layers).map(|k| start * 0.15f64.powi(k)).map(place).chain([0.0, 1.0]).collect();
+        points.sort_by(f64::total_cmp);
+        let piece = |w: &[f64]| Piece { start: w[0], end: w[1], degree: 2, mark: Mark::Keep };
+        let mut mesh = Subdivision { edges: vec![points.windows(2).map(piece).collect()] };
+        let mut distance = start;
+        for part in parts {
+            let next = (distance * (1.0 - part)).max(1e-11);
+            mesh.shift(0, place(distance), place(next), &[]);
+            distance = next;
+            covers(&mesh.edges[0])?;
+            prop_assert!(mesh.edges[0].iter().all(|p| p.end - p.start > SAME_PLACE), "{mesh:?}");
+            prop_assert!(mesh.edges[0].iter().any(|p| p.start == place(distance)));
+        }
+    }
+}
+
 /// What is done to a subdivision.
 #[derive(Debug, Clone)]
 enum Step {

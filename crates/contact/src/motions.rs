@@ -22,12 +22,13 @@ const ZERO: f64 = 1e-9;
 ///
 /// With R_K = {rigid r: r_n ≤ 0 on the contact boundary} and j(r) = Σ ∫F |r_t|, a solution exists if L(r) < j(r) for all
 /// r ≠ 0 in R_K. L - j is linear on the cones into which the planes r_n = 0 (at the ends of the edges) and r_t = 0 (on the
-/// edges) cut R_K, so the rays in which these planes meet decide. L(r) = j(r) is allowed for a subspace with j = 0: those
-/// are the motions returned. `work` gives L(r) and the scale Σ |f||r|.
+/// edges) cut R_K, so the rays in which these planes meet decide. L(r) = j(r) = 0 is allowed: the span of those motions is
+/// returned. Among them are the ones that lift the body off; no contact force does work on any of them in a solution, so one
+/// that springs hold is a solution if the forces do none in it. `work` gives L(r) and the scale Σ |f||r|.
 ///
 /// # Errors
-/// [`ContactError::RigidMotion`] with the worst motion when L(r) > j(r), or when L(r) = j(r) but not for -r too: then
-/// nothing says how far the body goes.
+/// [`ContactError::RigidMotion`] with the worst motion when L(r) > j(r), or when L(r) = j(r) > 0: then nothing says how far
+/// the body goes.
 pub fn resisted_motions(
     candidates: &[RigidMotion],
     edges: &[ContactEdge],
@@ -51,11 +52,10 @@ pub fn resisted_motions(
             .sum();
         let zero = ZERO * (scale + if resisted.is_finite() { resisted } else { 0.0 });
         let excess = driven - resisted;
-        let reversible = rows.normal.iter().all(|row| dot(row, ray) >= -ZERO * rows.scale);
         if excess < -zero {
             return;
         }
-        if excess <= zero && reversible && resisted == 0.0 {
+        if excess <= zero && resisted == 0.0 {
             add_independent(&mut free, ray);
         } else if worst.as_ref().is_none_or(|w| excess > w.0) {
             let error = ContactError::RigidMotion { motion, work: driven, resistance: resisted, scale };

@@ -45,6 +45,8 @@ const SNAP: f64 = 0.2;
 const TRUST: f64 = 1.0;
 /// Part of the distance to the neighbouring singular point that a tip may go in one step.
 const FARTHEST: f64 = 0.45;
+/// No vertex is made closer to a singular point or to another tip than this part of the edge.
+const CLOSEST: f64 = 1e-9;
 
 /// A solved contact problem on a mesh.
 #[derive(Clone, Copy)]
@@ -220,7 +222,9 @@ fn step(tip: Tip, transition: &Transition, s: f64, others: &[f64]) -> f64 {
     let after = others.iter().copied().filter(|p| *p > tip.s + SAME_PLACE).fold(1.0, f64::min);
     // the bracket may lie behind the next singular point: the limits of the step count last
     let trusted = s.max(low - width).min(high + width);
-    trusted.clamp(tip.s - FARTHEST * (tip.s - before), tip.s + FARTHEST * (after - tip.s))
+    let lowest = (tip.s - FARTHEST * (tip.s - before)).max(before + CLOSEST).min(tip.s);
+    let highest = (tip.s + FARTHEST * (after - tip.s)).min(after - CLOSEST).max(tip.s);
+    trusted.clamp(lowest, highest)
 }
 
 /// Where a transition without a tip gets its vertex; none if a singular point is so near that it belongs to it.
@@ -242,7 +246,8 @@ fn new_vertex(
         s = vertices.rfind(|v| (v - s).abs() < 1e-9).unwrap_or(s);
     }
     let margin = (NEAR * (high - low)).max(1e-6);
-    // the guess keeps its own distance from the ends of the edge
+    // the guess keeps its own distance from the ends of the edge, down to what can be resolved
     let inner = |p: &&f64| **p > SAME_PLACE && **p < 1.0 - SAME_PLACE;
-    points.iter().filter(inner).all(|p| (p - s).abs() >= margin).then_some(s)
+    let resolved = s.min(1.0 - s) >= CLOSEST;
+    (resolved && points.iter().filter(inner).all(|p| (p - s).abs() >= margin)).then_some(s)
 }

@@ -44,14 +44,27 @@ fn a_block_on_a_smooth_floor_slides_freely_unless_pushed() {
 }
 
 #[test]
-fn lifting_overturning_and_no_load_are_named() {
-    for forces in [vec![([0.0, 0.5], [0.0, 1.0])], vec![([0.6, 0.5], [0.0, -1.0])], vec![]] {
+fn lifting_and_overturning_are_named() {
+    for forces in [vec![([0.0, 0.5], [0.0, 1.0])], vec![([0.6, 0.5], [0.0, -1.0])]] {
         let error = check(&[floor(1.0)], &forces).expect_err("not held");
         let text = error.to_string();
         assert!(text.contains("translation along") || text.contains("rotation about"), "{text}");
     }
     // a resultant just inside the foot is held
     assert_eq!(check(&[floor(1.0)], &[([0.499, 0.5], [0.0, -1.0])]).expect("held"), vec![]);
+}
+
+/// Balanced loads leave all motions to springs that no friction holds, also those that only lift.
+#[test]
+fn what_nothing_drives_may_lift() {
+    let squeeze = [([0.5, 0.3], [-40.0, 0.0]), ([-0.5, 0.3], [40.0, 0.0])];
+    for forces in [&[][..], &squeeze] {
+        assert_eq!(check(&[floor(0.0)], forces).expect("free").len(), 3);
+        let lifts = check(&[floor(1.0)], forces).expect("free");
+        assert!(!lifts.is_empty() && lifts.iter().any(|r| r.at([0.0, -0.5])[1].abs() > 0.1), "{lifts:?}");
+    }
+    let moment = [squeeze[0], ([-0.5, 0.3 + 1e-6], [40.0, 0.0])];
+    assert!(check(&[floor(0.0)], &moment).is_err());
 }
 
 proptest! {

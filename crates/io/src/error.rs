@@ -14,6 +14,12 @@ pub enum IoError {
         /// The output file.
         path: PathBuf,
     },
+    /// The output is a device, a pipe or a socket; replacing it by a file would break what others use it for.
+    #[error("{path} is no regular file but a device, a pipe or a socket: it is never replaced; choose another name")]
+    NotRegular {
+        /// The output.
+        path: PathBuf,
+    },
     /// The operating system refused.
     #[error("cannot {action} {path}: {source}")]
     System {

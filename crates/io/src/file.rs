@@ -33,6 +33,12 @@ fn builder() -> FileBuilder {
     builder
 }
 
+/// Whether there is something at `path`, links followed, that is neither a regular file nor a folder: a device, a pipe or
+/// a socket.
+pub fn is_special(path: &Path) -> bool {
+    path.metadata().is_ok_and(|found| !found.is_file() && !found.is_dir())
+}
+
 /// Writes the file `path` as a whole: `fill` gets a new HDF5 file beside it that is closed, synced and then renamed.
 /// Returns what `fill` returns.
 ///
@@ -40,8 +46,8 @@ fn builder() -> FileBuilder {
 /// stays, and an existing one is untouched.
 ///
 /// # Errors
-/// [`IoError::Exists`] when `path` exists and `overwrite` is false, also when it appears meanwhile; [`IoError::System`]
-/// when the folder cannot be written; [`IoError::Write`] when the disk is full; the errors of `fill`.
+/// [`IoError::Exists`] when `path` exists and `overwrite` is false, also when it appears meanwhile;
+/// [`IoError::NotRegular`] when it is a device, a pipe or a socket; [`IoError::System`] when the folder cannot be written; [`IoError::Write`] when the disk is full; the errors of `fill`.
 pub fn create_atomically<T, E: From<IoError>>(
     path: impl AsRef<Path>,
     overwrite: bool,
@@ -58,6 +64,9 @@ pub fn create_atomically<T, E: From<IoError>>(
 
     if !overwrite && path.symlink_metadata().is_ok() {
         return Err(exists().into());
+    }
+    if is_special(path) {
+        return Err(IoError::NotRegular { path: path.to_owned() }.into());
     }
     let Some(name) = path.file_name() else {
         return Err(system("write", path, std::io::Error::new(ErrorKind::InvalidInput, "it names no file")).into());

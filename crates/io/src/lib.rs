@@ -53,8 +53,8 @@ pub use array::{
 pub use attribute::{read_integer_attribute, read_text_attribute, write_integer_attribute, write_text_attribute};
 pub use dataset::{Label, StoredLabel, load_label};
 pub use error::{IoError, invalid};
-pub use file::{FORMAT, FORMAT_VERSION, create_atomically, open};
+pub use file::{FORMAT, FORMAT_VERSION, create_atomically, is_special, open};
 pub use hdf5::{File, Group};
 pub use matrix::{load_dense, load_sparse, save_dense, save_sparse};
-pub use persist::{Persist, create_group, load, open_group, save};
+pub use persist::{Persist, copy, create_group, load, open_group, save};
 pub use text::{load_text, load_texts, save_text, save_texts};

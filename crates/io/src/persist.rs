@@ -4,6 +4,7 @@ use hdf5::{Group, LocationType};
 
 use crate::attribute::{read_integer_attribute, read_text_attribute, write_integer_attribute, write_text_attribute};
 use crate::error::{IoError, damaged, mismatch, missing, write_error};
+use crate::raw;
 
 /// A type that can be stored in a group and read back, the same bits.
 ///
@@ -84,4 +85,16 @@ pub fn open_group(parent: &Group, name: &str) -> Result<Group, IoError> {
         return Err(mismatch(parent, name, "a group", "another object"));
     }
     parent.group(name).map_err(|e| damaged(parent, name, e))
+}
+
+/// Copies the object `name` of `from`, and all that is in it, to `to`, which may belong to another file, under the same
+/// name: the same bytes, under the same checksums.
+///
+/// # Errors
+/// [`IoError::Missing`]; [`IoError::Write`], also when `to` has such an object.
+pub fn copy(from: &Group, name: &str, to: &Group) -> Result<(), IoError> {
+    if !from.link_exists(name) {
+        return Err(missing(from, name));
+    }
+    raw::copy(from, name, to).map_err(|e| write_error(to, name, e))
 }

@@ -1,13 +1,16 @@
-//! Bytes of fixed-length strings: the only calls straight into the HDF5 library.
+//! Bytes of fixed-length strings, and copies from file to file: the only calls straight into the HDF5 library.
 //!
 //! The wrapper knows strings whose length is a compile-time constant and strings of variable length. The latter lie in
 //! HDF5's global heap, which has no checksum and which the library trusts; so ours have a fixed length, known at run time.
 #![allow(unsafe_code)]
 
+use std::ffi::CString;
+
 use hdf5::types::TypeDescriptor;
-use hdf5::{Attribute, Container, Dataset, Datatype, Location};
+use hdf5::{Attribute, Container, Dataset, Datatype, Group, Location};
 use hdf5_sys::h5a::{H5Aread, H5Awrite};
 use hdf5_sys::h5d::{H5Dread, H5Dwrite};
+use hdf5_sys::h5o::H5Ocopy;
 use hdf5_sys::h5p::H5P_DEFAULT;
 use hdf5_sys::h5s::H5S_ALL;
 
@@ -78,5 +81,14 @@ pub(crate) fn read_dataset(from: &Dataset) -> hdf5::Result<Vec<u8>> {
             H5Dread(from.id(), from.dtype()?.id(), H5S_ALL, H5S_ALL, H5P_DEFAULT, bytes.as_mut_ptr().cast())
         })?;
         Ok(bytes)
+    })
+}
+
+/// Copies the object `name` of `from`, and all that is in it, to `to` under the same name.
+pub(crate) fn copy(from: &Group, name: &str, to: &Group) -> hdf5::Result<()> {
+    let name = CString::new(name).map_err(|e| hdf5::Error::from(e.to_string()))?;
+    hdf5::sync::sync(|| {
+        // SAFETY: under the library's lock, with two open groups and a text that ends in a zero.
+        outcome(unsafe { H5Ocopy(from.id(), name.as_ptr(), to.id(), name.as_ptr(), H5P_DEFAULT, H5P_DEFAULT) })
     })
 }

@@ -38,7 +38,7 @@ pub(super) struct StudyArgs {
     /// Change a key of the scene, the value typed as TOML; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Number of threads; default: one a processor
+    /// Number of threads, at most four a processor; default: one a processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
     /// Print one JSON object instead of a table
@@ -56,6 +56,11 @@ impl StudyArgs {
     /// Threads to use; none for as many as there are processors.
     pub(super) fn threads(&self) -> Option<u16> {
         self.threads
+    }
+
+    /// Whether stderr is for errors only.
+    pub(super) fn quiet(&self) -> bool {
+        self.quiet
     }
 }
 

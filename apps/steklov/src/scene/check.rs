@@ -7,6 +7,14 @@ use crate::expression::Expression;
 
 /// Number of equal steps along an edge at which data are looked at.
 const STEPS: usize = 256;
+/// Largest gap, in diameters of the body: beyond it the displacements are lost in the rounding errors of the gap.
+const GAP: f64 = 1e12;
+
+/// A number as text; very large and very small ones with an exponent.
+fn short(value: f64) -> String {
+    let plain = value == 0.0 || (1e-6..1e9).contains(&value.abs());
+    if plain { value.to_string() } else { format!("{value:e}") }
+}
 
 impl Scene {
     /// Looks at every expression of every side in 257 points of each of its edges, at its kinks and beside them.
@@ -56,7 +64,9 @@ impl Scene {
             if (after - before).abs() > 1e-2 * largest {
                 let (x, y, _) = path(s);
                 let message = format!(
-                    "the displacement of side {side:?} jumps from {before} to {after} at the point ({x}, {y}), s = {s}: expression {:?}",
+                    "the displacement of side {side:?} jumps from {} to {} at the point ({x}, {y}), s = {s}: expression {:?}",
+                    short(before),
+                    short(after),
                     expression.text()
                 );
                 let help = "the body does not tear: prescribe a continuous displacement, or use two sides with a free one between them";
@@ -81,16 +91,22 @@ impl Scene {
         let (x, y, s) = at;
         let value = expression.eval(x, y, s);
         let negative = value < 0.0 && what.starts_with("friction");
-        let huge = what == "gap" && value.abs() > 1e12 * self.polygon.diameter();
+        let huge = what == "gap" && value.abs() > GAP * self.polygon.diameter();
         if value.is_finite() && !negative && !huge {
             return Ok(value);
         }
         let message = format!(
-            "the {what} of side {side:?} is {value} at the point ({x}, {y}), s = {s}: expression {:?}",
+            "the {what} of side {side:?} is {} at the point ({x}, {y}), s = {s}: expression {:?}",
+            short(value),
             expression.text()
         );
         let help = match what {
-            "gap" if !negative => {
+            "gap" if value.is_finite() => &format!(
+                "it is too large for a body of diameter {}: more than {GAP:e} times that; for a side that nothing can touch \
+                 leave the contact out",
+                short(self.polygon.diameter())
+            ),
+            "gap" => {
                 "a gap is a finite distance at every point; for a side that nothing can touch leave the contact out"
             }
             _ if negative => "friction cannot be negative: write max(0, ...), or correct the expression",

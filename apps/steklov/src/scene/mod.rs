@@ -90,6 +90,17 @@ impl Scene {
 }
 
 impl Scene {
+    /// Whether other overrides of this text give the same scene, but for its goal: the tolerance and the limits.
+    pub(crate) fn differs_in_goal_only(&self, overrides: &[String]) -> bool {
+        let other = Source { overrides: overrides.to_vec(), ..self.source.clone() };
+        let tree = |source: &Source| {
+            let mut root = tree::build(source).ok()?;
+            root.remove("method", &["tolerance", "max_dofs", "max_steps"]);
+            Some(root)
+        };
+        matches!((tree(&self.source), tree(&other)), (Some(a), Some(b)) if a.same(&b))
+    }
+
     /// An error about an expression of the scene, at its place.
     pub(crate) fn data_error(&self, expression: &Expression, message: &str) -> SceneError {
         let message = format!("{message}: expression {:?}", expression.text());

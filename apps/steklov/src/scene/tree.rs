@@ -38,6 +38,33 @@ impl Item {
     }
 }
 
+impl Item {
+    /// Whether these are the same values, wherever they stand, in whatever order, and however numbers are written.
+    pub(super) fn same(&self, other: &Item) -> bool {
+        match (&self.value, &other.value) {
+            (Value::Table(a), Value::Table(b)) => {
+                let there = |e: &Entry| b.iter().any(|f| f.key == e.key && f.item.same(&e.item));
+                a.len() == b.len() && a.iter().all(there)
+            }
+            (Value::Array(a), Value::Array(b)) => a.len() == b.len() && a.iter().zip(b).all(|(a, b)| a.same(b)),
+            (Value::Text(a), Value::Text(b)) => a == b,
+            (Value::Integer(a), Value::Integer(b)) => a == b,
+            (Value::Float(a), Value::Float(b)) => a == b,
+            (Value::Integer(a), Value::Float(b)) | (Value::Float(b), Value::Integer(a)) => *a as f64 == *b,
+            (a, b) => matches!((a, b), (Value::Boolean, Value::Boolean) | (Value::Date, Value::Date)), // no key takes one
+        }
+    }
+
+    /// Removes these keys of a table of the root, and the table if nothing is left.
+    pub(super) fn remove(&mut self, table: &str, keys: &[&str]) {
+        let Value::Table(tables) = &mut self.value else { return };
+        if let Some(Value::Table(entries)) = tables.iter_mut().find(|t| t.key == table).map(|t| &mut t.item.value) {
+            entries.retain(|e| !keys.contains(&e.key.as_str()));
+        }
+        tables.retain(|t| t.key != table || !matches!(&t.item.value, Value::Table(entries) if entries.is_empty()));
+    }
+}
+
 /// A key of a table and its value.
 #[derive(Debug, Clone)]
 pub(super) struct Entry {

@@ -142,22 +142,16 @@ pub fn strategy(
     scene.method.refine = refine;
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
     let what = |k: usize| format!("{name}, run {k} of {}", repeat.max(1));
-    let mut first = Round::new(&scene, interrupts, &what(1), tell);
-    let mut failure = None;
-    if let Err(error) = &first.run {
-        failure = Some(match error {
-            SolveError::Interrupted => End::Run(Reason::Interrupted),
-            error => End::Failed(error.to_string()),
-        });
-        if !first.ends.is_empty() && !stopped() {
-            // the steps before the error once more, to keep them
-            scene.method.max_steps = first.ends.len();
-            first = Round::new(&scene, interrupts, &what(1), tell);
+    let first = Round::new(&scene, interrupts, &what(1), tell);
+    let run = match &first.run {
+        Ok(run) => run,
+        Err(error) => {
+            let end = match error {
+                SolveError::Interrupted => End::Run(Reason::Interrupted),
+                error => End::Failed(error.to_string()),
+            };
+            return Strategy { name, points: Vec::new(), end, contact: Vec::new() };
         }
-    }
-    let Ok(run) = &first.run else {
-        let end = failure.unwrap_or(End::Run(Reason::Interrupted));
-        return Strategy { name, points: Vec::new(), end, contact: Vec::new() };
     };
     let mut ends = vec![first.ends];
     while ends.len() < repeat && !stopped() {
@@ -177,7 +171,8 @@ pub fn strategy(
         points.push(Point::new(step, error.flatten(), reference, times));
     }
     let contact = run.last.contact.as_ref().map_or(Vec::new(), |c| contact_rows(&run.last, c));
-    Strategy { name, points, end: failure.unwrap_or(End::Run(run.reason)), contact }
+    let end = run.error.as_ref().map_or(End::Run(run.reason), |error| End::Failed(error.to_string()));
+    Strategy { name, points, end, contact }
 }
 
 /// One run, and what its steps leave.

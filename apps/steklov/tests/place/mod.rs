@@ -3,7 +3,8 @@
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
 
 use serde_json::Value;
 
@@ -107,5 +108,38 @@ impl Ran {
         let value: Value = serde_json::from_str(&self.out).unwrap_or_else(|e| panic!("{e}: {}", self.out));
         assert!(value.is_object());
         value
+    }
+}
+
+/// A run in the background that gets signals.
+#[cfg(unix)]
+pub struct Running(Child);
+
+#[cfg(unix)]
+impl Running {
+    pub fn start(mut command: Command) -> Self {
+        Self(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap())
+    }
+
+    /// Waits until the half-written file is there and larger than so many bytes.
+    pub fn wait_for_output(&self, place: &Place, bytes: u64) {
+        let start = Instant::now();
+        let grown = |name: &String| {
+            name.ends_with(".part") && std::fs::metadata(place.path(name)).is_ok_and(|file| file.len() >= bytes)
+        };
+        while !place.names().iter().any(grown) {
+            assert!(start.elapsed() < Duration::from_secs(60), "nothing is written: {:?}", place.names());
+            std::thread::sleep(Duration::from_millis(5));
+        }
+    }
+
+    /// Sends INT, TERM or HUP.
+    pub fn signal(&self, name: &str) {
+        let kill = Command::new("sh").args(["-c", "kill -$1 $0", &self.0.id().to_string(), name]).status().unwrap();
+        assert!(kill.success());
+    }
+
+    pub fn end(self) -> Ran {
+        Ran::new(self.0.wait_with_output().unwrap())
     }
 }

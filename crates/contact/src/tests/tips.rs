@@ -94,6 +94,22 @@ proptest! {
         prop_assert!(located[0].off.abs() < 1e-10 && (located[0].curvature.unwrap() - 1.0).abs() < 1e-8, "{located:?}");
     }
 
+    /// A transition nearer to an end of the edge than can be resolved draws its tip near, and neither makes a vertex there.
+    #[test]
+    fn a_tip_stays_off_the_end_of_its_edge((kind, regular) in end_kind(), exponent in -13.0..-9.5f64, upper: bool) {
+        let near = 10f64.powf(exponent);
+        let a = if upper { 1.0 - near } else { near };
+        let points = [1e-8, 1e-4, 0.5, 1.0 - 1e-4, 1.0 - 1e-8];
+        let mut mesh = subdivision(&[&[0.0][..], &points, &[1.0]].concat());
+        let mut tips = vec![Tip { edge: 0, s: if upper { 1.0 - 1e-8 } else { 1e-8 }, kind, regular }];
+        for _ in 0..12 {
+            let (row, solution, sets) = end(&mesh, kind, regular, a);
+            step(&row, &sets, &solution, &mut tips, &mut mesh, &[0.0, 1.0]);
+            prop_assert!(mesh.edges[0].iter().all(|p| p.end - p.start > 1e-12), "{mesh:?}");
+            prop_assert!(tips.iter().all(|t| t.s.min(1.0 - t.s) > 0.99e-9), "{tips:?}");
+        }
+    }
+
     #[test]
     fn a_new_transition_gets_a_vertex_near_it((kind, regular) in end_kind(), a in 0.2..0.8f64) {
         let mut mesh = subdivision(&[0.0, 0.17, 0.35, 0.52, 0.7, 0.85, 1.0]);

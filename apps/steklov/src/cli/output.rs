@@ -1,0 +1,42 @@
+//! Whether the result file can be written where it is wanted.
+
+use std::path::Path;
+
+use steklov_io::{IoError, is_special};
+
+use super::Failure;
+use crate::solve::SolveError;
+
+/// An output that cannot be written is said before anything is solved.
+pub(super) fn check_output(out: &Path, scene: &Path, replace: bool) -> Result<(), Failure> {
+    if let (Ok(a), Ok(b)) = (out.canonicalize(), scene.canonicalize())
+        && a == b
+    {
+        return Err(Failure(format!("error: {} is the scene itself; name another file with --out", out.display())));
+    }
+    if out.is_dir() {
+        return Err(Failure(format!("error: {} is a folder; name a file with --out", out.display())));
+    }
+    if is_special(out) {
+        let error = IoError::NotRegular { path: out.to_owned() };
+        return Err(Failure(format!("error: {error} with --out")));
+    }
+    if !replace && out.symlink_metadata().is_ok() {
+        return Err(Failure(format!(
+            "error: {} exists; choose another --out, or --force to replace it",
+            out.display()
+        )));
+    }
+    Ok(())
+}
+
+/// The message about a file that was made under the name of the output while the run went on.
+pub(super) fn appeared(out: &Path, error: &SolveError) -> Option<Failure> {
+    matches!(error, SolveError::Io(IoError::Exists { .. })).then(|| {
+        Failure(format!(
+            "error: {} exists now: another program made it while this run went on, whose result is not stored; \
+             choose another --out, or --force to replace it",
+            out.display()
+        ))
+    })
+}
