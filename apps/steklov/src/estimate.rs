@@ -6,7 +6,7 @@
 //! oscillation       w = g - I_p g, or u_D - I_p u_D           η_g² = E*/2 ‖w‖ ‖dw/ds‖
 //! ```
 //! The indicators steer the refinement. The estimate is the energy of e₊, the displacement that S₊ of the enriched spaces
-//! adds with the contact sets as they are.
+//! adds with the contact sets, and the bounds of Coulomb friction, as they are.
 
 use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
@@ -86,6 +86,8 @@ pub enum Doubt {
     /// them, where its error may have the other parity, or one next to them is of high degree, where the next one adds
     /// little.
     Coarse,
+    /// Coulomb's law has several solutions on this mesh, or its fixed point does not contract at this one.
+    Several,
     /// The error is down at rounding errors.
     Roundoff,
 }
@@ -97,6 +99,7 @@ impl Doubt {
             Self::Transition => "transition",
             Self::Sets => "sets",
             Self::Coarse => "coarse",
+            Self::Several => "several",
             Self::Roundoff => "roundoff",
         }
     }
@@ -156,8 +159,11 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Opt
     let mut residual: Vec<f64> = factors.extra_load.iter().zip(&force).map(|(f, s)| f - s).collect();
     for bubble in &bubbles {
         let (e, n, t) = (bubble.element, mesh.normal(bubble.element), mesh.tangent(bubble.element));
+        // a closed bubble's residual along n is ∫λ_n b
+        let pressure = residual[2 * e] * n[0] + residual[2 * e + 1] * n[1];
+        let shear = bubble.load[1] - bubble.coupling * pressure;
         for i in 0..2 {
-            residual[2 * e + i] += bubble.load[0] * n[i] + bubble.load[1] * t[i];
+            residual[2 * e + i] += bubble.load[0] * n[i] + shear * t[i];
         }
     }
     let mut indicators = Vec::with_capacity(mesh.len());
@@ -205,7 +211,8 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Opt
     let energy = energies.total + 0.5 * gained - 0.5 * squared;
     let scale = scale(energies.strain, factors);
     let uncertainty = 0.5 * (energy - energies.total).abs() + 0.4 * error * error;
-    let doubts = Vec::new();
+    let several = solved.contact.as_ref().and_then(|c| c.coulomb).is_some_and(|c| c.several || c.contraction >= 1.0);
+    let doubts = if several { vec![Doubt::Several] } else { Vec::new() };
     let relative = ratio(error, scale);
     Ok(Some(Estimate {
         indicators,

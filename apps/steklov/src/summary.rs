@@ -39,7 +39,7 @@ pub struct Summary {
     /// Estimate over (2 strain energy)^½.
     pub estimate_relative: Option<f64>,
     /// Why the estimate is not to be trusted: transition (one lies inside an element), sets (contact still changes from
-    /// mesh to mesh), roundoff; empty if it is.
+    /// mesh to mesh), coarse (about singular points), several (solutions under Coulomb's law), roundoff; empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
     /// Iterations of the contact solver in the last step; 0 without contact.
@@ -77,6 +77,9 @@ pub struct ContactSummary {
     pub force: [f64; 2],
     /// Ends of contact, where adaptivity has located them.
     pub ends: Option<Vec<[f64; 2]>>,
+    /// Coulomb friction only: factor by which changes of the pressure shrink in the fixed point of Tresca problems.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contraction: Option<f64>,
 }
 
 /// The judge's measures, each relative to its scale.

@@ -24,6 +24,7 @@
 //!     gap: 1.0,
 //!     slip_offset: 0.0,
 //!     bound: 0.5,
+//!     coefficient: 0.0,
 //! };
 //! let problem = Problem {
 //!     stiffness: Mat::from_fn(2, 2, |i, j| if i == j { 4.0 } else { 0.0 }),
@@ -52,8 +53,10 @@ mod transitions;
 mod tips;
 mod bubbles;
 mod active_set;
+mod coupled;
 mod barrier;
 mod interior_point;
+mod fixed_point;
 mod newton;
 mod uzawa;
 mod motions;
@@ -68,6 +71,7 @@ pub use active_set::{Start, active_set};
 pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, Transfer, contact_boundary};
 pub use bubbles::{ContactBubble, contact_bubbles, oscillation};
 pub use error::ContactError;
+pub use fixed_point::{contraction, fixed_point, other_solution};
 pub use frozen::{Frozen, Sets};
 pub use interior_point::interior_point;
 pub use kkt::{Kkt, kkt, kkt_in_body};

@@ -294,7 +294,6 @@ pub const CASES: &[Case] = &[
         "is not yet available",
         "\"biorthogonal\"",
     ),
-    edit("tresca = \"F\"", "coulomb = \"0.2\"", 11, "\"0.2\"", "Coulomb friction is not yet available", "tresca"),
     edit(
         "",
         "[random.xi]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n",
