@@ -3,10 +3,13 @@
 //! ```text
 //! Mesh, Space, gap, friction bound ─► ContactBoundary (weights, frames, conditions) ─┐
 //!                                        condensed stiffness and load ──────────────┴─► Problem
-//! Problem ─► newton | active_set | uzawa ─► Solution ─► kkt
+//! Problem ─► interior_point | newton | active_set | uzawa | fixed_point ─► Solution ─► kkt
 //! ```
 //! Solvers see a [`Problem`] only: a symmetric matrix, a load, and for each contact node the conditions on its two
 //! (or one) unknowns. They never see a mesh.
+//!
+//! Friction is Tresca's (bound F), Coulomb's (bound μ λ_n) or their sum. Tresca problems have one solution but for rigid
+//! motions. Under Coulomb's law there may be several or none: [`contraction`] and [`other_solution`] tell how safe one is.
 //!
 //! Signs: λ := -σ(u)n is the multiplier, λ_n ≥ 0 in compression; the tangent is the normal turned by +90°;
 //! u_n ≤ g; S u + Bᵀλ = f.

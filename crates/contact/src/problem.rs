@@ -127,7 +127,8 @@ impl Condition {
 
     /// F = bound + coefficient λ_n under the pressure λ_n (stress), of which a negative one counts as none.
     pub fn limit(&self, pressure: f64) -> f64 {
-        if self.is_coulomb() { self.bound + self.coefficient * pressure.max(0.0) } else { self.bound }
+        let pressed = self.normal_weight > 0.0 && self.bound.is_finite();
+        if pressed { self.bound + self.coefficient * pressure.max(0.0) } else { self.bound }
     }
 
     /// Whether the friction bound depends on the pressure.
