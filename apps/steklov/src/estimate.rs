@@ -108,9 +108,9 @@ impl Doubt {
 /// Error over the geometric mean of η and of the correction, measured: the correction alone sees 0.6 to 0.95 of the error, η,
 /// which has the error of the traction in it, is 0.95 to 1.6 of it, and their mean 0.88 to 1.07.
 const SATURATION: f64 = 1.03;
-/// How far J may be off under Coulomb's law, over the error times (2 friction work)^½: up to 0.006 was measured. J is not
+/// How far J may be off under Coulomb's law, over the error times (2 friction work)^½: up to 0.025 was measured. J is not
 /// stationary there, as the bounds of friction are those of the approximate pressure.
-const NOT_STATIONARY: f64 = 0.02;
+const NOT_STATIONARY: f64 = 0.06;
 /// Energy of a tip that is off by δ: 0.3 E* B² |δ|³.
 const TIP: f64 = 0.3;
 /// A tip farther from its vertex than this part of its edge, or a contact end farther than this part of the zone beside it:

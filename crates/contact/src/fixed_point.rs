@@ -29,8 +29,8 @@ const DIFFERENT: f64 = 1e-6;
 /// ```
 /// Each problem has one answer (but for what friction that is used up leaves free), from the interior point method or, with
 /// the sets of the one before, from the active set method. Where a body has no rest under some F^k, the mean with the
-/// bounds before is tried. It ends when the pressures change by less than 1e-11 of the largest. The history is that of these changes: the ratio of successive ones is the contraction.
-/// A problem without Coulomb friction takes two steps.
+/// bounds before is tried. It ends when the pressures change by less than 1e-11 of the largest. The history is that of
+/// these changes: the ratio of successive ones is the contraction. A problem without Coulomb friction takes two steps.
 ///
 /// *Use when*: as a reference, and to see the contraction: linear convergence with a factor that grows with the
 /// coefficients ([`contraction`]). *Fails when*: that factor is 1 or more; then the 100 problems do not settle

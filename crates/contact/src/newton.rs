@@ -29,8 +29,8 @@ const SHORTEST: f64 = 1e-2;
 /// ```
 /// with s the mean stress of the start, so that units do not matter, and at a corner, or where the unknowns do not
 /// separate the conditions, v = prox(v + C⁻¹R). Under Coulomb's law F = bound + μ (λ_n + c(u_n - g))₊, its derivative
-/// included; where that law holds at a node with two conditions the active set method does all. Armijo's rule on the sum of the squared residuals times D_i, relative
-/// residual 1e-11. The answer is then polished by one solve on the contact and stick sets that it found.
+/// included; where that law holds at a node with two conditions the active set method does all. Armijo's rule on the sum
+/// of the squared residuals times D_i, relative residual 1e-11. The answer is then polished by one solve on the contact and stick sets that it found.
 ///
 /// *Use when*: always a good choice, also from a good start. *Fails when*: the line search stalls far from the
 /// solution; the active set method then goes on from there, and its outcome is reported (the history is that of both).

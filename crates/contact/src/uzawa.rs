@@ -18,7 +18,8 @@ const GROWTH: f64 = 1e6;
 
 /// Solves the problem by λ ← P(λ + ρ (B v - g)), v = S⁻¹(f - Bᵀ D λ).
 ///
-/// B v are the normal and tangential displacements of all conditions, P is the projection on λ_n ≥ 0 and |λ_t| ≤ F. The
+/// B v are the normal and tangential displacements of all conditions, P is the projection on λ_n ≥ 0 and |λ_t| ≤ F, under
+/// Coulomb's law with the λ_n of the same step (which contracts for small coefficients only). The
 /// step is ρ = 1.9/λ_max(Q), Q = D^½ B S⁻¹ Bᵀ D^½; the iteration contracts for 0 < ρ < 2/λ_max(Q). `step` overrides it
 /// (stress over length). It ends when the projected gradient is below 1e-11 of the gaps and the displacements without
 /// contact. Where multipliers are not unique (corners) it finds some.
