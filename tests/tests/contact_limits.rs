@@ -265,6 +265,7 @@ proptest! {
             gap,
             slip_offset: offset,
             bound,
+            coefficient: 0.0,
         };
         let nodes = vec![ContactNode { first: 0, unknowns: 1, conditions: vec![condition] }];
         let problem = Problem { stiffness: Mat::from_fn(1, 1, |_, _| 1.0), load: vec![1.0], nodes };

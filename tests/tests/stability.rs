@@ -163,7 +163,10 @@ fn condensed() -> Problem {
     let space = Space::new(&mesh);
     let gap = |site: &steklov_bem_operators::Site| 0.02 * site.point[0].powi(2) - 0.001;
     let gap = Datum { name: "gap", value: &gap, kinks: &|_| Vec::new() };
-    let boundary = contact_boundary(&mesh, &space, &[SideData { side: 0, gap, bound: None }], &|_| [None, None]);
+    let boundary =
+        contact_boundary(&mesh, &space, &[SideData { side: 0, gap, bound: None, coefficient: None }], &|_| {
+            [None, None]
+        });
     let boundary = boundary.expect("a floor");
     let operators = Operators::assemble(&mesh, &space, &scene.material, None).expect("a valid mesh");
     let matrix: Mat<f64> = Steklov::new(operators, Domain::Interior).expect("V is positive").matrix;

@@ -383,6 +383,10 @@ fn print_summary(s: &Summary, plan: &Plan) {
             c.length, c.stick, c.slip, s.iterations
         ));
         say(&format!("            largest pressure {:.6e}{note}", c.max_pressure));
+        if let Some(factor) = c.contraction {
+            let safe = if factor < 1.0 { "" } else { ": there may be other solutions, or none nearby" };
+            say(&format!("            Coulomb friction, contraction {factor:.3}{safe}"));
+        }
         say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
     }
     if let Some(a) = &s.audit {

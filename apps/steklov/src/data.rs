@@ -12,7 +12,7 @@ use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::estimate::Residual;
 use crate::expression::Expression;
-use crate::scene::{Condition, Friction, Scene, SceneErrorKind};
+use crate::scene::{Condition, Scene, SceneErrorKind};
 use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
 
@@ -135,11 +135,9 @@ impl Data<'_> {
             .iter()
             .map(|side| match &side.condition {
                 Condition::Contact { gap, friction } => {
-                    let bound = match friction {
-                        Friction::Tresca(bound) => Some(self.function(bound)),
-                        Friction::None | Friction::Coulomb(_) => None,
-                    };
-                    Some((self.less_particular(gap, body, |e| self.mesh.normal(e)), bound))
+                    let [bound, coefficient] =
+                        [friction.bound(), friction.coefficient()].map(|f| f.map(|f| self.function(f)));
+                    Some((self.less_particular(gap, body, |e| self.mesh.normal(e)), bound, coefficient))
                 }
                 _ => None,
             })
@@ -148,7 +146,9 @@ impl Data<'_> {
         let gap = |side: usize| functions[side].as_ref().map_or(&none, |f| &f.0).datum("gap");
         let bound =
             |side: usize| functions[side].as_ref().and_then(|f| f.1.as_ref()).map(|b| b.datum("friction bound"));
-        Ok(contact_bubbles(self.mesh, self.space, boundary, sets, &gap, &bound)?)
+        let coefficient =
+            |side: usize| functions[side].as_ref().and_then(|f| f.2.as_ref()).map(|b| b.datum("friction coefficient"));
+        Ok(contact_bubbles(self.mesh, self.space, boundary, sets, &gap, &bound, &coefficient)?)
     }
 
     /// ‖w‖ ‖dw/ds‖ of the held displacements less their interpolants, summed over the components: (element, length²).
@@ -191,32 +191,24 @@ impl Data<'_> {
         sides
             .filter_map(|(index, side)| match &side.condition {
                 Condition::Contact { gap, friction } => {
-                    let bound = match friction {
-                        Friction::Tresca(bound) => Some(bound),
-                        Friction::None | Friction::Coulomb(_) => None,
-                    };
-                    Some(ContactSide { index, gap, bound })
+                    Some(ContactSide { index, gap, bound: friction.bound(), coefficient: friction.coefficient() })
                 }
                 _ => None,
             })
             .collect()
     }
 
-    /// Calls with gap and bound of every contact side.
+    /// Gap, bound and coefficient of contact sides.
+    fn contact_functions<'s>(&'s self, sides: &[ContactSide<'s>]) -> Vec<(usize, [Option<Function<'s>>; 3])> {
+        let of = |s: &ContactSide<'s>| [Some(s.gap), s.bound, s.coefficient].map(|f| f.map(|f| self.function(f)));
+        sides.iter().map(|s| (s.index, of(s))).collect()
+    }
+
+    /// Calls with gap, bound and coefficient of every contact side.
     pub(crate) fn with_contact_data<T>(&self, call: impl FnOnce(&[SideData<'_>]) -> T) -> T {
-        let functions: Vec<_> = self
-            .contact_sides()
-            .into_iter()
-            .map(|s| (s.index, self.function(s.gap), s.bound.map(|b| self.function(b))))
-            .collect();
-        let sides: Vec<SideData<'_>> = functions
-            .iter()
-            .map(|(side, gap, bound)| SideData {
-                side: *side,
-                gap: gap.datum("gap"),
-                bound: bound.as_ref().map(|b| b.datum("friction bound")),
-            })
-            .collect();
+        let sides = self.contact_sides();
+        let functions = self.contact_functions(&sides);
+        let sides: Vec<SideData<'_>> = functions.iter().filter_map(side_data).collect();
         call(&sides)
     }
 
@@ -269,8 +261,10 @@ impl Data<'_> {
             return Ok(None);
         }
         for side in &sides {
-            if let Some(bound) = side.bound {
-                self.check_at_nodes(side.index, "friction bound", bound)?;
+            for (name, friction) in [("friction bound", side.bound), ("friction coefficient", side.coefficient)] {
+                if let Some(friction) = friction {
+                    self.check_at_nodes(side.index, name, friction)?;
+                }
             }
         }
         for side in &sides {
@@ -315,19 +309,19 @@ impl Data<'_> {
         Ok(())
     }
 
-    /// The gap or the friction bound that an error is about.
+    /// The gap, friction bound or coefficient that an error is about.
     fn contact_expression(&self, error: &BemError) -> Option<&Expression> {
         let (BemError::DataNotFinite { name, side, .. } | BemError::DataRough { name, side, .. }) = error else {
             return None;
         };
         match &self.scene.sides.iter().find(|s| s.name == *side)?.condition {
             Condition::Contact { gap, .. } if name == "gap" => Some(gap),
-            Condition::Contact { friction: Friction::Tresca(bound), .. } => Some(bound),
+            Condition::Contact { friction, .. } => friction.bound().or(friction.coefficient()),
             _ => None,
         }
     }
 
-    /// The bound of a Tresca law is used at the nodes, from both sides of each.
+    /// Bounds and coefficients of friction are used at the nodes, from both sides of each.
     fn check_at_nodes(&self, side: usize, what: &str, expression: &Expression) -> Result<(), SolveError> {
         for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side) {
             for &t in &self.space.basis(e).nodes {
@@ -418,6 +412,17 @@ struct ContactSide<'a> {
     index: usize,
     gap: &'a Expression,
     bound: Option<&'a Expression>,
+    coefficient: Option<&'a Expression>,
+}
+
+fn side_data<'a>((side, functions): &'a (usize, [Option<Function<'_>>; 3])) -> Option<SideData<'a>> {
+    let [gap, bound, coefficient] = functions;
+    Some(SideData {
+        side: *side,
+        gap: gap.as_ref()?.datum("gap"),
+        bound: bound.as_ref().map(|b| b.datum("friction bound")),
+        coefficient: coefficient.as_ref().map(|c| c.datum("friction coefficient")),
+    })
 }
 
 /// An expression as a datum of the numerics.

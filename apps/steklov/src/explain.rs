@@ -23,11 +23,13 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
                 "give both sides the same value at their common point, or write \"free\" for this component on one of them",
             )
         }
-        SolveError::Contact(ContactError::RigidMotion { resistance, .. }) if *resistance > 0.0 => at(
-            Unsupported,
-            &friction(scene),
-            "raise the friction bound, balance the loads, or hold this motion: displacement = [\"0\", \"free\"] on a side",
-        ),
+        SolveError::Contact(ContactError::RigidMotion { resistance, .. }) if *resistance > 0.0 || is_coulomb(scene) => {
+            at(
+                Unsupported,
+                &friction(scene),
+                "raise the friction bound or coefficient, balance the loads, or hold this motion: displacement = [\"0\", \"free\"] on a side",
+            )
+        }
         SolveError::NotFinite { .. } => {
             at(Value, &loads(scene), "choose units in which lengths, loads and Young's modulus are nearer to 1")
         }
@@ -81,11 +83,19 @@ pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
     )
 }
 
-/// Keys of the friction bounds.
+/// Keys of the friction bounds and coefficients.
 fn friction(scene: &Scene) -> Vec<Vec<&str>> {
-    let rubs = |c: &Condition| matches!(c, Condition::Contact { friction: Friction::Tresca(_), .. });
-    let sides = scene.sides.iter().filter(|s| rubs(&s.condition));
-    sides.map(|s| vec!["sides", &s.name, "contact", "friction", "tresca"]).collect()
+    let law = |c: &Condition| match c {
+        Condition::Contact { friction: Friction::Tresca(_), .. } => Some("tresca"),
+        Condition::Contact { friction: Friction::Coulomb(_), .. } => Some("coulomb"),
+        _ => None,
+    };
+    let sides = scene.sides.iter().filter_map(|s| Some((&s.name, law(&s.condition)?)));
+    sides.map(|(name, law)| vec!["sides", name, "contact", "friction", law]).collect()
+}
+
+fn is_coulomb(scene: &Scene) -> bool {
+    scene.sides.iter().any(|s| matches!(s.condition, Condition::Contact { friction: Friction::Coulomb(_), .. }))
 }
 
 /// Keys of what drives the body.

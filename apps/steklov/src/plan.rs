@@ -183,7 +183,12 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
             }
         },
     });
+    let coulomb = sides.iter().any(|(_, friction)| matches!(friction, Friction::Coulomb(_)));
     let (choice, why) = match scene.method.solver {
+        Solver::Auto if coulomb => (
+            "active sets, fixed point",
+            "active sets under Coulomb's law from full stick, else from a fixed point of Tresca problems by interior points",
+        ),
         Solver::Auto => ("interior-point", "finds the contact sets on any mesh; active sets make them exact"),
         Solver::Newton => ("newton", "as the scene says"),
         Solver::ActiveSet => ("active-set", "as the scene says"),

@@ -26,7 +26,7 @@ pub struct ContactRow {
     pub pressure: f64,
     /// λ_t.
     pub shear: f64,
-    /// Friction bound F_i; 0 without friction.
+    /// Friction bound F_i, of Coulomb friction that of the pressure; 0 without friction.
     pub bound: f64,
     /// ∫ψ_i, the length that the node stands for.
     pub weight: f64,
@@ -62,7 +62,7 @@ pub fn contact_rows(solved: &Solved, contact: &ContactResult) -> Vec<ContactRow>
                 tangential_displacement: along(plane.tangent),
                 pressure,
                 shear,
-                bound: condition.bound,
+                bound: condition.limit(pressure),
                 weight: plane.shares.iter().map(|s| if s.normal > 0.0 { s.normal } else { s.tangent }).sum(),
                 status: number(solution.status[rows.len()]),
                 side: share.map_or(0, |s| s.side),
@@ -147,6 +147,7 @@ pub fn contact_summary(
     };
     let stick = stick.min(length);
     ContactSummary {
+        contraction: contact.coulomb.map(|c| c.contraction),
         length,
         stick,
         slip: length - stick,

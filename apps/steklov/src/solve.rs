@@ -8,8 +8,8 @@ use steklov_bem_operators::{
     Partition, RigidMotion, Space, Steklov,
 };
 use steklov_contact::{
-    ContactBoundary, ContactEdge, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, interior_point,
-    kkt_in_body, newton, resisted_motions, uzawa,
+    ContactBoundary, ContactEdge, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, contraction,
+    interior_point, kkt_in_body, newton, other_solution, resisted_motions, uzawa,
 };
 
 use crate::body_load::{Particular, crossed_work, energies};
@@ -127,10 +127,12 @@ pub struct ContactResult {
     pub solution: Solution,
     /// The judge's measures; equilibrium over all unknowns of the body.
     pub audit: Kkt,
-    /// Σ D_i F_i |u_t,i|.
+    /// Σ D_i F_i |u_t,i|, under Coulomb's law with F_i = μ λ_n,i.
     pub friction_work: f64,
     /// The answer with stabilised multipliers, if they are asked for: the one that is reported.
     pub stabilised: Option<StabilisedContact>,
+    /// What Coulomb's law adds, where it holds.
+    pub coulomb: Option<Coulomb>,
 }
 
 impl ContactResult {
@@ -150,6 +152,25 @@ impl ContactResult {
             Some(s) => s.space.force(side, &s.solution.multipliers),
             None => self.boundary.force(side, &self.solution.multipliers),
         }
+    }
+}
+
+/// How safe a solution under Coulomb's law is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coulomb {
+    /// Factor by which changes of the pressure shrink in the fixed point of Tresca problems; from 1 on the solution is
+    /// not safe from having others.
+    pub contraction: f64,
+    /// Whether another solution was found on the same mesh.
+    pub several: bool,
+}
+
+impl Coulomb {
+    fn new(problem: &Problem, solution: &Solution) -> Result<Self, ContactError> {
+        Ok(Self {
+            contraction: contraction(problem, solution)?,
+            several: solution.converged() && other_solution(problem, solution)?.is_some(),
+        })
     }
 }
 
@@ -317,7 +338,8 @@ pub fn solve(
                 Solver::ActiveSet => active_set(&problem, None)?,
                 Solver::Uzawa => uzawa(&problem, None, None)?,
             };
-            let friction_work = problem.friction_work(&solution.displacement);
+            let friction_work = problem.friction_work(&solution.displacement, &solution.multipliers);
+            let coulomb = problem.is_coulomb().then(|| Coulomb::new(&problem, &solution)).transpose()?;
             let displacement = condensation.expand(&condensed, &solution.displacement);
             let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
             let audit = kkt_in_body(&problem, &solution, largest);
@@ -327,7 +349,7 @@ pub fn solve(
             let sets = Sets::new(&problem, &solution)?;
             let lines = boundary.lines(&mesh, &space);
             let factors = ContactFactors { problem, sets, lines };
-            let result = ContactResult { boundary, solution, audit, friction_work, stabilised };
+            let result = ContactResult { boundary, solution, audit, friction_work, coulomb, stabilised };
             (displacement, Some(result), Some(factors))
         }
     };
@@ -335,10 +357,10 @@ pub fn solve(
     let companion = displacement;
     let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
     let (displacement, contact) = match contact {
-        Some(ContactResult { stabilised: Some(s), boundary, solution, .. }) => {
-            let displacement = s.displacement.clone();
-            let (audit, friction_work) = (s.audit, s.friction_work);
-            (displacement, Some(ContactResult { boundary, solution, audit, friction_work, stabilised: Some(s) }))
+        Some(contact @ ContactResult { stabilised: Some(_), .. }) => {
+            let Some(s) = &contact.stabilised else { unreachable!("matched") };
+            let (displacement, audit, friction_work) = (s.displacement.clone(), s.audit, s.friction_work);
+            (displacement, Some(ContactResult { audit, friction_work, ..contact }))
         }
         contact => (companion.clone(), contact),
     };
@@ -482,17 +504,20 @@ fn balanced(space: &Space, load: &[f64], candidates: &[RigidMotion]) -> Result<V
     }
 }
 
-/// The straight parts of the contact boundary: consecutive conditions with one normal.
+/// The straight parts of the contact boundary: conditions with one normal, one line and one coefficient of friction.
 fn edges(boundary: &ContactBoundary) -> Vec<ContactEdge> {
     let mut edges: Vec<ContactEdge> = Vec::new();
     for (node, contact) in boundary.nodes.iter().zip(&boundary.contact) {
         for (c, condition) in node.conditions.iter().zip(&contact.conditions) {
             let friction = condition.tangent_weight * condition.bound;
             let friction = if friction.is_nan() { 0.0 } else { friction };
+            let pressed = condition.normal_weight > 0.0 && condition.tangent_weight > 0.0;
+            let coefficient = if pressed { condition.coefficient } else { 0.0 };
             let offset = |x: [f64; 2]| (x[0] - node.point[0]) * c.normal[0] + (x[1] - node.point[1]) * c.normal[1];
             let length = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
             let aligned = |e: &&mut ContactEdge| {
                 (e.normal[0] - c.normal[0]).hypot(e.normal[1] - c.normal[1]) < 1e-9
+                    && (e.coefficient - coefficient).abs() <= 1e-12 * coefficient
                     && offset(e.ends[0]).abs() <= 1e-9 * length(e.ends[0], node.point)
             };
             match edges.iter_mut().find(aligned) {
@@ -504,7 +529,7 @@ fn edges(boundary: &ContactBoundary) -> Vec<ContactEdge> {
                         edge.ends[usize::from(a >= b)] = node.point;
                     }
                 }
-                None => edges.push(ContactEdge { ends: [node.point; 2], normal: c.normal, friction }),
+                None => edges.push(ContactEdge { ends: [node.point; 2], normal: c.normal, friction, coefficient }),
             }
         }
     }

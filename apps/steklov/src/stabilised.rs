@@ -81,7 +81,7 @@ pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<Stabi
     let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     Ok(StabilisedContact {
         audit: kkt_in_body(problem, &solution, largest),
-        friction_work: problem.friction_work(&solution.displacement),
+        friction_work: problem.friction_work(&solution.displacement, &solution.multipliers),
         gaps: stabilised.gaps,
         nodes: stabilised.problem.nodes,
         space,

@@ -218,7 +218,7 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
         return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
     };
     let doubts = load_texts(at, "doubts")?.into_iter().map(|word| {
-        let all = [Doubt::Transition, Doubt::Sets, Doubt::Coarse, Doubt::Data, Doubt::Roundoff];
+        let all = [Doubt::Transition, Doubt::Sets, Doubt::Coarse, Doubt::Data, Doubt::Several, Doubt::Roundoff];
         all.into_iter()
             .find(|d| d.word() == word)
             .ok_or_else(|| invalid(at, "doubts", format!("unknown doubt {word:?}")))

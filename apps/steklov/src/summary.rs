@@ -42,8 +42,8 @@ pub struct Summary {
     /// Estimate over (2 strain energy)^½.
     pub estimate_relative: Option<f64>,
     /// Why the estimate is not to be trusted: transition (one lies inside an element), sets (contact still changes from
-    /// mesh to mesh), coarse (elements too long or of too high a degree for it), data (loads finer than the elements), roundoff;
-    /// empty if it is.
+    /// mesh to mesh), coarse (elements too long or of too high a degree for it), data (loads finer than the elements), several
+    /// (solutions under Coulomb's law), roundoff; empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
     /// Iterations of the contact solver in the last step; 0 without contact.
@@ -81,6 +81,9 @@ pub struct ContactSummary {
     pub force: [f64; 2],
     /// Ends of contact, where adaptivity has located them.
     pub ends: Option<Vec<[f64; 2]>>,
+    /// Coulomb friction only: factor by which changes of the pressure shrink in the fixed point of Tresca problems.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub contraction: Option<f64>,
     /// γ of stabilised multipliers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stabilisation: Option<Stabilisation>,

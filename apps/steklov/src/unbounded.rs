@@ -15,7 +15,7 @@ const SMOOTH: f64 = 1e-4;
 
 /// True where contact lies on a convex kink or at a step of the gap (a ridge or an edge of the obstacle); where it reaches
 /// an end of the contact boundary at which the body goes on under more than a right angle, or more than 60° where it
-/// sticks; and at a re-entrant corner inside the contact boundary. A smooth end at a right angle is bounded.
+/// sticks, a plane of symmetry excepted; and at a re-entrant corner inside the contact boundary. A smooth end at a right angle is bounded.
 pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> bool {
     let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let pressed = |r: &&ContactRow| r.pressure > TOUCHING * largest;
@@ -58,7 +58,9 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
                 let held = matches!(scene.sides[other].condition, Condition::Displacement { .. });
                 let reach = if held { mesh.length(e).max(mesh.length(before)) } else { 0.0 };
                 let obtuse = angle > PI / 2.0 + 1e-9;
-                touched(corner, reach) && (obtuse || stuck(corner) && angle > PI / 3.0)
+                let square = (angle - PI / 2.0).abs() < 1e-9;
+                let mirror = square && is_mirror(scene, mesh, if here { before } else { e });
+                touched(corner, reach) && !mirror && (obtuse || stuck(corner) && angle > PI / 3.0)
             }
         };
         if infinite {
@@ -66,6 +68,14 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
         }
     }
     false
+}
+
+/// Whether the side of an element is held by a constant along its normal only, which lies along an axis, and is free of
+/// traction along it: the body may go on as its mirror image.
+fn is_mirror(scene: &Scene, mesh: &Mesh, e: usize) -> bool {
+    let Condition::Displacement { values, traction: None } = &scene.sides[mesh.side[e]].condition else { return false };
+    let constant = |i: usize| values[i].as_ref().is_some_and(|v| v.constant().is_some());
+    (0..2).any(|i| mesh.normal(e)[i].abs() > 1.0 - 1e-12 && constant(i) && values[1 - i].is_none())
 }
 
 /// Whether the gap has a step or bends upwards at the edge parameter s.

@@ -2,7 +2,10 @@
 
 use std::ops::Range;
 
+use crate::coupled::{renewed_laws, solve_coupled};
+use crate::fixed_point::coulomb;
 use crate::free::{Free, off_forces};
+use crate::kkt::kkt;
 use crate::law::{Branch, Law, Piece, dot};
 use crate::linear::{largest, product, solve_semidefinite};
 use crate::multipliers::{multipliers, status};
@@ -12,6 +15,8 @@ use crate::{ContactError, Outcome, Problem, Solution};
 const TOLERANCE: f64 = 1e-12;
 /// What is accepted when roundoff keeps some node from settling.
 pub(crate) const ACCEPTED: f64 = 1e-10;
+/// Violation of the friction law beyond which a solution under Coulomb's law is none.
+const JUDGED: f64 = 1e-9;
 /// Steps without fewer changes before one node is changed at a time.
 const PATIENCE: usize = 8;
 /// Steps, besides two for each node, before the stiffness is regularised.
@@ -40,6 +45,10 @@ pub struct Start<'a> {
 /// increased stiffness, centred at the last iterate (proximal points), are tried. Without a start all nodes begin in
 /// contact and stick.
 ///
+/// Under Coulomb's law a slipping node carries ±μ λ_n with the pressure of the same linear system, which is then not
+/// symmetric, and pieces are chosen with the bounds μ (λ_n + c(u_n - g))₊. No rule makes sure that this ends: where it does
+/// not, the fixed point of Tresca problems takes over, as in [`crate::interior_point`].
+///
 /// *Use when*: always a good choice; 2 to 7 steps are usual. *Fails when*: it cycles beyond the iteration limit (then
 /// the best iterate is returned, marked so). Of the solutions of a singular system (a floating body) the one nearest to
 /// the start is taken; a load on its free motion moves the body along it until the first condition stops it. *Cost*:
@@ -52,14 +61,27 @@ pub struct Start<'a> {
 /// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); Murty, Opsearch 11 (1974).
 pub fn active_set(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
-    let laws = laws(problem);
+    if !problem.is_coulomb() {
+        return from_start(problem, start);
+    }
+    start.map(|start| start.nodal_force(problem)).transpose()?;
+    match from_start(problem, start) {
+        Ok(answer) if answer.converged() => Ok(answer),
+        _ => coulomb(problem),
+    }
+}
+
+/// The method without a fallback.
+pub(crate) fn from_start(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     match start {
         None => {
+            let laws = laws(problem, &[]);
             let pieces = laws.iter().map(|law| law.closed().clone()).collect();
             iterate(problem, &laws, pieces, &vec![0.0; problem.load.len()])
         }
         Some(start) => {
             let force = start.nodal_force(problem)?;
+            let laws = laws(problem, start.multipliers);
             let pieces = nearest_pieces(problem, &laws, start.displacement, &force);
             iterate(problem, &laws, pieces, start.displacement)
         }
@@ -92,13 +114,22 @@ impl Start<'_> {
     }
 }
 
-/// The laws of all nodes with the metric C = diag S, but positive where the stiffness of an unknown vanishes (a floating
-/// body that touches with one element).
-pub(crate) fn laws(problem: &Problem) -> Vec<Law> {
+/// The laws of all nodes under the pressures of these multipliers (0 of none).
+pub(crate) fn laws(problem: &Problem, multipliers: &[[f64; 2]]) -> Vec<Law> {
+    let mut pressures = multipliers.iter().map(|l| l[0]);
+    let nodes = problem.nodes.iter().zip(metric(problem));
+    nodes
+        .map(|(n, metric)| Law::new(n, metric, &pressures.by_ref().take(n.conditions.len()).collect::<Vec<f64>>()))
+        .collect()
+}
+
+/// The metric C = diag S of each node, but positive where the stiffness of an unknown vanishes (a floating body that
+/// touches with one element).
+pub(crate) fn metric(problem: &Problem) -> Vec<[f64; 2]> {
     let diagonal = |i: usize| problem.stiffness[(i, i)];
     let largest = (0..problem.load.len()).map(diagonal).fold(0.0, f64::max);
     let s = |i: usize| diagonal(i).max(1e-6 * largest);
-    problem.nodes.iter().map(|n| Law::new(n, [s(n.first), s(n.first + n.unknowns - 1)])).collect()
+    problem.nodes.iter().map(|n| [s(n.first), s(n.first + n.unknowns - 1)]).collect()
 }
 
 /// The piece of each node on which v + C⁻¹R lies.
@@ -119,7 +150,7 @@ pub(crate) struct Linear {
     /// R = f - S v.
     pub force: Vec<f64>,
     /// What the free directions leave of R, as a vector of all unknowns: 0 but for a singular system.
-    unbalanced: Vec<f64>,
+    pub unbalanced: Vec<f64>,
 }
 
 /// v on all lines that are on, R equal to the known forces in the directions that are free; if that leaves a motion free
@@ -130,6 +161,9 @@ pub(crate) fn solve_pieces(
     pieces: &[Piece],
     near: &[f64],
 ) -> Result<Linear, ContactError> {
+    if problem.is_coulomb() {
+        return solve_coupled(problem, laws, pieces, near);
+    }
     let s = &problem.stiffness;
     let free = Free::new(problem, laws, pieces);
     let known = off_forces(problem, laws, pieces);
@@ -181,10 +215,12 @@ pub(crate) fn iterate(
     pieces: Vec<Piece>,
     start: &[f64],
 ) -> Result<Solution, ContactError> {
-    let (mut history, limit) = (Vec::new(), LIMIT + 4 * pieces.len());
+    // under Coulomb's law there is a fixed point to fall back on, and Murty's rule proves nothing
+    let (limit, rounds) = if problem.is_coulomb() { (LIMIT, 0) } else { (LIMIT + 4 * pieces.len(), ROUNDS) };
+    let mut history = Vec::new();
     let mut best = settle(problem, laws, pieces, start, limit, &mut history)?;
     let mut centre = best.linear.displacement.clone();
-    for round in 0..ROUNDS {
+    for round in 0..rounds {
         if best.measure <= ACCEPTED {
             break;
         }
@@ -233,6 +269,8 @@ pub(crate) fn settle(
     for _ in 0..limit {
         let linear = solve_pieces(problem, laws, &pieces, near)?;
         let (v, r) = (&linear.displacement, &linear.force);
+        let renewed = problem.is_coulomb().then(|| renewed_laws(problem, laws, &pieces, v, r));
+        let laws = renewed.as_deref().unwrap_or(laws);
         let wrong = violations(problem, laws, &pieces, v, r);
         let proposed = nearest_pieces(problem, laws, v, r);
         let changes: Vec<usize> =
@@ -314,7 +352,14 @@ pub(crate) fn solution(
     history: Vec<f64>,
     outcome: Outcome,
 ) -> Solution {
+    let renewed = problem.is_coulomb().then(|| renewed_laws(problem, laws, pieces, &displacement, force));
+    let laws = renewed.as_deref().unwrap_or(laws);
     let multipliers = multipliers(problem, laws, pieces, &displacement, force);
     let status = status(problem, &displacement, &multipliers);
-    Solution { displacement, multipliers, status, iterations: history.len(), outcome, history }
+    let mut answer = Solution { displacement, multipliers, status, iterations: history.len(), outcome, history };
+    // at a corner under Coulomb's law no pressures may go with the pieces that were found
+    if problem.is_coulomb() && kkt(problem, &answer).friction > JUDGED {
+        answer.outcome = Outcome::IterationLimit;
+    }
+    answer
 }

@@ -48,7 +48,7 @@ pub struct BoundaryNode {
 ///
 /// Each node j of a contact element has the weight D_j = ∫ φ_j = w_j |d| > 0 and the dual function ψ_j,
 /// ∫ ψ_i φ_j = δ_ij D_j, Σ ψ_j = 1. With sums over the contact elements at the node, g_i = (1/D_i) ∫ g ψ_i, and
-/// F_i is the mean of F(x_i) weighted by D (the limits from both sides where F jumps), so that Σ D_i F_i |u_t,i| is the
+/// F_i, and likewise μ_i, is the mean of F(x_i) weighted by D (the limits from both sides where F jumps), so that Σ D_i F_i |u_t,i| is the
 /// Lobatto rule of ∫ F |u_t|.
 ///
 /// - Where g jumps between two elements, g_i is that of the lower side alone: u_n, which is continuous, obeys it.
@@ -242,8 +242,8 @@ struct DraftCondition {
     parts: [Part; 2],
     /// g from within, ∫ g ψ and ∫ φ of each element.
     gaps: Vec<[f64; 3]>,
-    /// Σ D F.
-    bound: f64,
+    /// Σ D F and Σ D μ.
+    friction: [f64; 2],
     /// Σ D, also where the multiplier is gone.
     weight: f64,
 }
@@ -261,13 +261,21 @@ impl Draft {
         let k = self.conditions.iter().position(aligned).unwrap_or_else(|| {
             let (elements, parts) = (Vec::new(), <[Part; 2]>::default());
             let gaps = Vec::new();
-            self.conditions.push(DraftCondition { normal, tangent, elements, parts, gaps, bound: 0.0, weight: 0.0 });
+            self.conditions.push(DraftCondition {
+                normal,
+                tangent,
+                elements,
+                parts,
+                gaps,
+                friction: [0.0; 2],
+                weight: 0.0,
+            });
             self.conditions.len() - 1
         });
         let (c, weight) = (&mut self.conditions[k], element.weights[j]);
         c.elements.push(e);
         c.weight += weight;
-        c.bound += weight * element.bounds[j];
+        (0..2).for_each(|k| c.friction[k] += weight * element.friction[j][k]);
         for part in &mut c.parts {
             part.weight += weight;
             part.share(element.side, weight);
@@ -319,7 +327,8 @@ impl Draft {
                 tangent_weight: tangent.weight,
                 gap: mean(normal) - known(c.normal),
                 slip_offset: mean(tangent) + known(c.tangent),
-                bound: c.bound / c.weight,
+                bound: c.friction[0] / c.weight,
+                coefficient: c.friction[1] / c.weight,
             }
         };
         let described = |c: &DraftCondition| {

@@ -18,6 +18,9 @@ pub struct ContactBubble {
     /// Contact forces -∫λ b along n and t (force/thickness): the bound's where all nodes inside the element slip one way
     /// (of degree 1: its ends, or the one that does not stick), else 0.
     pub load: [f64; 2],
+    /// ±μ in the middle of an element that is closed and slips so under Coulomb's law: ∫λ_t b is that times ∫λ_n b, which
+    /// the bubble's own equilibrium along n gives. Else 0.
+    pub coupling: f64,
     /// ‖w‖ ‖dw/ds‖ of w = g - I_p g in L2 of the element (length²), 0 where it is open.
     pub oscillation: f64,
 }
@@ -45,8 +48,8 @@ impl State {
 /// Gauss points on an element.
 const POINTS: usize = 40;
 
-/// The bubbles of all contact elements. `gap(side)` and `bound(side)` are the data of a side of the mesh; a bound is
-/// asked for only where there is friction.
+/// The bubbles of all contact elements. `gap(side)`, `bound(side)` and `coefficient(side)` are the data of a side of the mesh, the
+/// latter none without Tresca's and without Coulomb's friction.
 ///
 /// An element is closed when all its nodes are, open when none inside it is and at most one at its ends; an element of
 /// neither kind keeps all its bubbles, without load. A node that is held takes no part along the directions in which it is.
@@ -59,6 +62,7 @@ pub fn contact_bubbles<'d>(
     sets: &Sets,
     gap: &dyn Fn(usize) -> Datum<'d>,
     bound: &dyn Fn(usize) -> Option<Datum<'d>>,
+    coefficient: &dyn Fn(usize) -> Option<Datum<'d>>,
 ) -> Result<Vec<ContactBubble>, ContactError> {
     let mut bubbles = Vec::new();
     for element in boundary.elements(mesh, space) {
@@ -81,8 +85,15 @@ pub fn contact_bubbles<'d>(
         {
             load[1] = -f64::from(sum.signum()) * against_bubble(mesh, space, e, &bound)?;
         }
+        let mut coupling = 0.0;
+        if let Some(coefficient) = coefficient(mesh.side[e])
+            && sliding
+            && closed
+        {
+            coupling = f64::from(sum.signum()) * coefficient.at(mesh, &Site::new(mesh, e, 0.0))?;
+        }
         let oscillation = if open { 0.0 } else { oscillation(mesh, space, e, &gap(mesh.side[e]))? };
-        bubbles.push(ContactBubble { element: e, free: [!closed, !stick], load, oscillation });
+        bubbles.push(ContactBubble { element: e, free: [!closed, !stick], load, coupling, oscillation });
     }
     Ok(bubbles)
 }

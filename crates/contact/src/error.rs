@@ -18,7 +18,7 @@ pub enum ContactError {
     /// The load does work on a motion that needs no energy and that neither contact nor friction stops.
     #[error(
         "the load does work {work:.3e} on a motion that nothing stops (the scale of that work is {scale:.3e}): \
-         hold a displacement, balance the load, or raise the friction bound"
+         hold a displacement, balance the load, or raise the friction bound or coefficient"
     )]
     NotHeld {
         /// The motion, one value for each unknown, largest entry 1.
@@ -31,14 +31,15 @@ pub enum ContactError {
     /// Nothing holds the body against a rigid motion: neither supports nor contact nor friction.
     #[error(
         "nothing holds the body against {motion}: the loads do work {work:.3e} on it (of a scale of {scale:.3e}) and \
-         friction resists with {resistance:.3e}; hold a displacement, balance the loads, or raise the friction bound"
+         friction resists with {resistance:.3e}; hold a displacement, balance the loads, or raise the friction bound or coefficient"
     )]
     RigidMotion {
         /// The motion.
         motion: RigidMotion,
         /// Work of the loads on it, L(r).
         work: f64,
-        /// Work of full friction on it, j(r).
+        /// Work of full Tresca friction on it, j(r). Coulomb friction shows in the motion: one along which the body leaves
+        /// the obstacle at the angle of friction.
         resistance: f64,
         /// Sum of |load|·|motion|.
         scale: f64,

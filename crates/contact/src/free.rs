@@ -9,9 +9,12 @@ use crate::law::{Law, Piece};
 pub(crate) struct Free {
     /// A displacement on all of the lines, m entries.
     pub fixed: Vec<f64>,
-    /// The columns of E: first unknown and number of unknowns of the node, unit direction.
-    pub directions: Vec<(usize, usize, [f64; 2])>,
+    /// The columns of E.
+    pub directions: Vec<Direction>,
 }
+
+/// First unknown and number of unknowns of a node, unit direction.
+pub(crate) type Direction = (usize, usize, [f64; 2]);
 
 impl Free {
     pub fn new(problem: &Problem, laws: &[Law], pieces: &[Piece]) -> Self {
@@ -26,8 +29,7 @@ impl Free {
 
     /// Eᵀ y.
     pub fn project(&self, y: &[f64]) -> Vec<f64> {
-        let along = |&(first, k, e): &(usize, usize, [f64; 2])| (0..k).map(|i| e[i] * y[first + i]).sum();
-        self.directions.iter().map(along).collect()
+        project(&self.directions, y)
     }
 
     /// E x.
@@ -41,17 +43,27 @@ impl Free {
 
     /// Eᵀ S E.
     pub fn stiffness(&self, s: &Mat<f64>) -> Mat<f64> {
-        let mut matrix = Mat::zeros(self.directions.len(), self.directions.len());
-        for (b, &(j, kj, d)) in self.directions.iter().enumerate() {
-            for (q, &d) in d[..kj].iter().enumerate().filter(|(_, d)| **d != 0.0) {
-                let column = s.col_as_slice(j + q);
-                let entries = matrix.col_as_slice_mut(b).iter_mut().zip(&self.directions);
-                entries
-                    .for_each(|(entry, &(i, ki, e))| *entry += (0..ki).map(|p| e[p] * column[i + p]).sum::<f64>() * d);
-            }
-        }
-        matrix
+        form(s, &self.directions, &self.directions)
     }
+}
+
+/// Eᵀ y of the columns E.
+pub(crate) fn project(columns: &[Direction], y: &[f64]) -> Vec<f64> {
+    let along = |&(first, k, e): &Direction| (0..k).map(|i| e[i] * y[first + i]).sum();
+    columns.iter().map(along).collect()
+}
+
+/// Eᵀ S D of the columns E (tests) and D (trials).
+pub(crate) fn form(s: &Mat<f64>, tests: &[Direction], trials: &[Direction]) -> Mat<f64> {
+    let mut matrix = Mat::zeros(tests.len(), trials.len());
+    for (b, &(j, kj, d)) in trials.iter().enumerate() {
+        for (q, &d) in d[..kj].iter().enumerate().filter(|(_, d)| **d != 0.0) {
+            let column = s.col_as_slice(j + q);
+            let entries = matrix.col_as_slice_mut(b).iter_mut().zip(tests);
+            entries.for_each(|(entry, &(i, ki, e))| *entry += (0..ki).map(|p| e[p] * column[i + p]).sum::<f64>() * d);
+        }
+    }
+    matrix
 }
 
 /// The forces of all kinks that are off their lines, m entries.

@@ -6,7 +6,8 @@ use crate::law::{Branch, Law, Piece};
 use crate::linear::{Semidefinite, product};
 use crate::{ContactError, Problem, Solution, Start};
 
-/// State of each condition, in the order of the multipliers.
+/// State of each condition, in the order of the multipliers. Under Coulomb's law the friction bounds are those of the
+/// solution, whatever changes afterwards.
 #[derive(Debug, Clone)]
 pub struct Sets {
     laws: Vec<Law>,
@@ -23,7 +24,7 @@ impl Sets {
     pub fn new(problem: &Problem, solution: &Solution) -> Result<Self, ContactError> {
         let start = Start { displacement: &solution.displacement, multipliers: &solution.multipliers };
         let force = start.nodal_force(problem)?;
-        let laws = laws(problem);
+        let laws = laws(problem, &solution.multipliers);
         let pieces = nearest_pieces(problem, &laws, &solution.displacement, &force);
         let nodes = problem.nodes.iter().enumerate();
         let place = nodes.flat_map(|(n, node)| (0..node.conditions.len()).map(move |c| (n, c))).collect();
@@ -35,8 +36,13 @@ impl Sets {
         self.branch(condition, false).is_some_and(|b| b == Branch::On)
     }
 
-    /// 0 where a condition sticks, 1 or -1 where it slips along ±t; None without friction.
+    /// 0 where a condition sticks, 1 or -1 where it slips along ±t; None without friction, under Coulomb's law also where
+    /// it is open.
     pub fn slip(&self, condition: usize) -> Option<i8> {
+        let (n, c) = self.place[condition];
+        if self.laws[n].limit(c) == Some(0.0) {
+            return None;
+        }
         self.branch(condition, true).map(|b| match b {
             Branch::Below => -1,
             Branch::On => 0,
@@ -81,6 +87,9 @@ impl Sets {
 }
 
 /// The linear problem of given sets: u_n = g where closed, u_t = 0 where sticking, λ_t = ±F where slipping.
+///
+/// F is a number, under Coulomb's law that of the solution that the sets are of: what a change of the pressure does to it is
+/// left out, so that the problem stays symmetric.
 pub struct Frozen<'a> {
     problem: &'a Problem,
     free: Free,

@@ -2,6 +2,7 @@
 
 use crate::active_set::{ACCEPTED, Linear, Settled, iterate, laws, nearest_pieces, settle, solution};
 use crate::barrier::Barrier;
+use crate::fixed_point::coulomb;
 use crate::law::{Branch, Law, Piece, dot, norm};
 use crate::linear::{largest, product};
 use crate::{ContactError, Outcome, Problem, Solution};
@@ -38,6 +39,9 @@ const WORK: f64 = 1e-7;
 /// leave free is 0, or where that violates them (all nodes slip) as in the interior point. The history is that
 /// of both: the larger of gap and residuals before each interior point step, the violation before each active set step.
 ///
+/// Under Coulomb's law the active set method tries full stick, then the sets of the Tresca problems of
+/// [`crate::fixed_point`], which are solved in this way, one after the other: the first that settle are the answer.
+///
 /// *Use when*: always; in a loop over meshes, and where a body is held by friction or contact only, it is the one that
 /// does not lose its way. It takes no start. *Fails when*: 100 steps do not make the sets clear; then the active set
 /// method goes on from those that were found, and its outcome is reported. *Cost*: one dense Cholesky factorisation a
@@ -50,7 +54,10 @@ const WORK: f64 = 1e-7;
 /// Methods (1997).
 pub fn interior_point(problem: &Problem) -> Result<Solution, ContactError> {
     problem.check()?;
-    let laws = laws(problem);
+    if problem.is_coulomb() {
+        return coulomb(problem);
+    }
+    let laws = laws(problem, &[]);
     let mut history = Vec::new();
     let mut pieces = nearest_pieces(problem, &laws, &vec![0.0; problem.load.len()], &problem.load);
     let (mut barrier, mut point) = Barrier::new(problem, &laws);

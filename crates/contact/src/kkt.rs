@@ -5,7 +5,7 @@ use crate::{Problem, Solution};
 
 /// Relative violation of each condition of a contact problem; all 0 for an exact solution. A scale of 0 gives 0.
 ///
-/// With u the unknowns v, g the gaps, F the finite friction bounds, λ the multipliers:
+/// With u the unknowns v, g the gaps, λ the multipliers, F the finite friction bounds, under Coulomb's law those of λ_n⁺:
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Kkt {
     /// max |S v + Bᵀλ - f| / (max |S v| + max |f|).
@@ -58,8 +58,8 @@ pub fn kkt_in_body(problem: &Problem, solution: &Solution, body_displacement: f6
     let length = largest(v.iter().copied().chain([body_displacement]))
         + largest(conditions().filter(|(_, c)| c.normal_weight > 0.0).map(|(_, c)| c.gap));
     let lambda = largest(solution.multipliers.iter().flatten().copied());
-    let bounds = conditions().filter(|(_, c)| c.tangent_weight > 0.0 && c.bound.is_finite()).map(|(_, c)| c.bound);
-    let stress = lambda + largest(bounds);
+    let rubs = pairs().filter(|((_, c), _)| c.tangent_weight > 0.0 && c.bound.is_finite());
+    let stress = lambda + largest(rubs.map(|((_, c), l)| c.limit(l[0])));
     let (mut penetration, mut tension, mut complementarity, mut friction) = (vec![], vec![], vec![], vec![]);
     for ((node, c), &[normal, shear]) in pairs() {
         let w = node.pick(v);
@@ -71,9 +71,10 @@ pub fn kkt_in_body(problem: &Problem, solution: &Solution, body_displacement: f6
         }
         if c.tangent_weight > 0.0 {
             let slip = c.slip(w);
-            if c.bound.is_finite() {
-                friction.push(relative((shear.abs() - c.bound).max(0.0), stress));
-                friction.push(relative(c.bound * slip.abs() - shear * slip, stress * length));
+            let limit = c.limit(normal);
+            if limit.is_finite() {
+                friction.push(relative((shear.abs() - limit).max(0.0), stress));
+                friction.push(relative(limit * slip.abs() - shear * slip, stress * length));
             } else {
                 friction.push(relative(slip, length));
             }

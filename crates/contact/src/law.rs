@@ -50,16 +50,17 @@ pub(crate) struct Law {
 }
 
 impl Law {
-    /// The law of `node`. Conditions of weight 0 and friction bounds of 0 leave no kink.
-    pub fn new(node: &ContactNode, metric: [f64; 2]) -> Self {
+    /// The law of `node` under the pressures of its conditions (0 where there are none). Conditions of weight 0 and
+    /// friction without bound and coefficient leave no kink.
+    pub fn new(node: &ContactNode, metric: [f64; 2], pressures: &[f64]) -> Self {
         let (mut kinks, mut source) = (Vec::new(), Vec::new());
         for (k, c) in node.conditions.iter().enumerate() {
             if c.normal_weight > 0.0 {
                 kinks.push(Kink { direction: c.normal, at: c.gap, low: 0.0, high: f64::INFINITY });
                 source.push((k, false));
             }
-            if c.tangent_weight > 0.0 && c.bound > 0.0 {
-                let high = c.tangent_weight * c.bound;
+            if c.tangent_weight > 0.0 && (c.bound > 0.0 || c.is_coulomb()) {
+                let high = c.tangent_weight * c.limit(pressures.get(k).map_or(0.0, |p| *p));
                 kinks.push(Kink { direction: c.tangent, at: -c.slip_offset, low: -high, high });
                 source.push((k, true));
             }
@@ -71,6 +72,20 @@ impl Law {
         let mut law = Self { unknowns, kinks, source, metric, pieces: Vec::new() };
         law.pieces = law.enumerate();
         law
+    }
+
+    /// Changes the friction bounds to those of other pressures.
+    pub fn set_limits(&mut self, node: &ContactNode, pressures: &[f64]) {
+        for (kink, &(k, _)) in self.kinks.iter_mut().zip(&self.source).filter(|(_, s)| s.1) {
+            let c = &node.conditions[k];
+            kink.high = c.tangent_weight * c.limit(pressures[k]);
+            kink.low = -kink.high;
+        }
+    }
+
+    /// Largest friction force of a condition; none without friction.
+    pub fn limit(&self, condition: usize) -> Option<f64> {
+        self.source.iter().position(|s| *s == (condition, true)).map(|i| self.kinks[i].high)
     }
 
     /// Whether some displacement satisfies all conditions.

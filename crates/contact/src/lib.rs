@@ -3,7 +3,7 @@
 //! ```text
 //! Mesh, Space, gap, friction bound ─► ContactBoundary (weights, frames, conditions) ─┐
 //!                                        condensed stiffness and load ──────────────┴─► Problem
-//! Problem ─► newton | active_set | uzawa ─► Solution ─► kkt
+//! Problem ─► interior_point | newton | active_set | uzawa | fixed_point ─► Solution ─► kkt
 //!                                        condensed stiffness and load ──────────────┬─► Problem
 //! Mesh, Space, MultiplierSpace ─► StabilisedForms (σ^h, γ, critical γ) ─────────────┘
 //! ```
@@ -11,6 +11,9 @@
 //! ([`StabilisedForms`]); [`inf_sup`] tells of a pair of spaces without stabilisation whether it is stable.
 //! Solvers see a [`Problem`] only: a symmetric matrix, a load, and for each contact node the conditions on its two
 //! (or one) unknowns. They never see a mesh.
+//!
+//! Friction is Tresca's (bound F), Coulomb's (bound μ λ_n) or their sum. Tresca problems have one solution but for rigid
+//! motions. Under Coulomb's law there may be several or none: [`contraction`] and [`other_solution`] tell how safe one is.
 //!
 //! Signs: λ := -σ(u)n is the multiplier, λ_n ≥ 0 in compression; the tangent is the normal turned by +90°;
 //! u_n ≤ g; S u + Bᵀλ = f.
@@ -28,6 +31,7 @@
 //!     gap: 1.0,
 //!     slip_offset: 0.0,
 //!     bound: 0.5,
+//!     coefficient: 0.0,
 //! };
 //! let problem = Problem {
 //!     stiffness: Mat::from_fn(2, 2, |i, j| if i == j { 4.0 } else { 0.0 }),
@@ -56,8 +60,10 @@ mod transitions;
 mod tips;
 mod bubbles;
 mod active_set;
+mod coupled;
 mod barrier;
 mod interior_point;
+mod fixed_point;
 mod newton;
 mod uzawa;
 mod motions;
@@ -75,6 +81,7 @@ pub use active_set::{Start, active_set};
 pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, Transfer, contact_boundary};
 pub use bubbles::{ContactBubble, contact_bubbles, oscillation};
 pub use error::ContactError;
+pub use fixed_point::{contraction, fixed_point, other_solution};
 pub use frozen::{Frozen, Sets};
 pub use inf_sup::{InfSup, dual_form, inf_sup};
 pub use interior_point::interior_point;

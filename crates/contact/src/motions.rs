@@ -11,8 +11,10 @@ pub struct ContactEdge {
     pub ends: [[f64; 2]; 2],
     /// Normal, out of the body.
     pub normal: [f64; 2],
-    /// ∫ F ds = Σ D_i F_i (force per thickness).
+    /// ∫ F ds = Σ D_i F_i of Tresca's part (force per thickness).
     pub friction: f64,
+    /// Coulomb's coefficient μ.
+    pub coefficient: f64,
 }
 
 /// What counts as zero, relative to the scale of the quantity.
@@ -20,11 +22,13 @@ const ZERO: f64 = 1e-9;
 
 /// The motions among the span of `candidates` that nothing resists and no load drives; each of them needs a spring.
 ///
-/// With R_K = {rigid r: r_n ≤ 0 on the contact boundary} and j(r) = Σ ∫F |r_t|, a solution exists if L(r) < j(r) for all
-/// r ≠ 0 in R_K. L - j is linear on the cones into which the planes r_n = 0 (at the ends of the edges) and r_t = 0 (on the
-/// edges) cut R_K, so the rays in which these planes meet decide. L(r) = j(r) = 0 is allowed: the span of those motions is
-/// returned. Among them are the ones that lift the body off; no contact force does work on any of them in a solution, so one
-/// that springs hold is a solution if the forces do none in it. `work` gives L(r) and the scale Σ |f||r|.
+/// With R_K = {rigid r: r_n + μ |r_t| ≤ 0 on the contact boundary} and j(r) = Σ ∫F |r_t|, a solution exists if L(r) < j(r) for all
+/// r ≠ 0 in R_K. (By duality, the load is then carried by pressures λ_n ≥ 0 and shears |λ_t| ≤ F + μ λ_n; Coulomb friction
+/// resists under pressure only, so that a body that it does not hold leaves its obstacle obliquely in these terms.) L - j is
+/// linear on the cones into which the planes r_n = 0 (at the ends of the edges) and r_t = 0 (on the edges) cut R_K, so the
+/// rays in which these planes meet decide. L(r) = j(r) = 0 is allowed: the span of those motions is returned. Among them are the
+/// ones that lift the body off; no contact force does work on any of them in a solution, so one that springs hold is a
+/// solution if the forces do none in it. `work` gives L(r) and the scale Σ |f||r|.
 ///
 /// # Errors
 /// [`ContactError::RigidMotion`] with the worst motion when L(r) > j(r), or when L(r) = j(r) > 0: then nothing says how far
@@ -68,7 +72,7 @@ pub fn resisted_motions(
     }
 }
 
-/// u_n at the ends of the edges and u_t on the edges, as linear functions of the candidates' coefficients.
+/// u_n ± μ u_t at the ends of the edges and u_t on the edges, as linear functions of the candidates' coefficients.
 struct Rows {
     normal: Vec<Vec<f64>>,
     tangential: Vec<Vec<f64>>,
@@ -81,7 +85,13 @@ impl Rows {
         let row = |x: [f64; 2], d: [f64; 2]| -> Vec<f64> {
             candidates.iter().map(|r| r.at(x)).map(|u| u[0] * d[0] + u[1] * d[1]).collect()
         };
-        let normal: Vec<_> = edges.iter().flat_map(|e| e.ends.map(|x| row(x, e.normal))).collect();
+        // r_n, or r_n + μ r_t and r_n - μ r_t
+        let pressing = |e: &ContactEdge| -> Vec<Vec<f64>> {
+            let slopes = if e.coefficient > 0.0 { vec![e.coefficient, -e.coefficient] } else { vec![0.0] };
+            let d = |slope: f64| [e.normal[0] - slope * e.normal[1], e.normal[1] + slope * e.normal[0]];
+            slopes.iter().flat_map(|slope| e.ends.map(|x| row(x, d(*slope)))).collect()
+        };
+        let normal: Vec<_> = edges.iter().flat_map(pressing).collect();
         let tangential: Vec<_> = edges.iter().map(|e| row(e.ends[0], [-e.normal[1], e.normal[0]])).collect();
         let scale = normal.iter().chain(&tangential).flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
         Self { normal, tangential, scale }

@@ -21,23 +21,35 @@ pub(crate) fn multipliers(
     v: &[f64],
     r: &[f64],
 ) -> Vec<[f64; 2]> {
-    let touch = TOUCH * (largest(v.iter().copied()) + largest(laws.iter().flat_map(|l| &l.kinks).map(|k| k.at)));
-    let mut all = Vec::new();
-    for ((node, law), piece) in problem.nodes.iter().zip(laws).zip(pieces) {
-        let (w, force) = (node.pick(v), node.pick(r));
-        let meets = |i: usize| {
-            let k = law.kinks[i];
-            piece[i] == Branch::On || (dot(k.direction, w) - k.at).abs() <= touch * norm(k.direction)
-        };
-        let touching: Vec<usize> = (0..law.kinks.len()).filter(|&i| meets(i)).collect();
-        let unique = touching.len() == law.on(piece).len() || (node.conditions.len() == 1 && node.unknowns == 2);
-        if unique {
-            all.extend(from_forces(node, law, &law.forces(piece, force)));
-        } else {
-            all.extend(least_shears(node, law, &touching, &law.forces(piece, force), force));
-        }
-    }
-    all
+    let touch = touching_distance(laws, v);
+    let nodes = problem.nodes.iter().zip(laws).zip(pieces);
+    nodes
+        .flat_map(|((node, law), piece)| node_multipliers(node, law, piece, node.pick(v), node.pick(r), touch))
+        .collect()
+}
+
+/// Distance from v at which a line meets v.
+pub(crate) fn touching_distance(laws: &[Law], v: &[f64]) -> f64 {
+    TOUCH * (largest(v.iter().copied()) + largest(laws.iter().flat_map(|l| &l.kinks).map(|k| k.at)))
+}
+
+/// The multipliers of one node with the unknowns w and the force r.
+pub(crate) fn node_multipliers(
+    node: &ContactNode,
+    law: &Law,
+    piece: &[Branch],
+    w: [f64; 2],
+    r: [f64; 2],
+    touch: f64,
+) -> Vec<[f64; 2]> {
+    let meets = |i: usize| {
+        let k = law.kinks[i];
+        piece[i] == Branch::On || (dot(k.direction, w) - k.at).abs() <= touch * norm(k.direction)
+    };
+    let touching: Vec<usize> = (0..law.kinks.len()).filter(|&i| meets(i)).collect();
+    let unique = touching.len() == law.on(piece).len() || (node.conditions.len() == 1 && node.unknowns == 2);
+    let forces = law.forces(piece, r);
+    if unique { from_forces(node, law, &forces) } else { least_shears(node, law, &touching, &forces, r) }
 }
 
 fn from_forces(node: &ContactNode, law: &Law, forces: &[f64]) -> Vec<[f64; 2]> {
@@ -63,9 +75,10 @@ fn least_shears(node: &ContactNode, law: &Law, touching: &[usize], forces: &[f64
         let free = touching.iter().any(|&i| law.source[i] == (k, true));
         if !free {
             polygon.equal(axis, lambda.get(k).map_or(0.0, |l| l[1]));
-        } else if node.conditions[k].bound.is_finite() {
-            polygon.at_most(axis, node.conditions[k].bound);
-            polygon.at_most([-axis[0], -axis[1]], node.conditions[k].bound);
+        } else if let Some(limit) = law.limit(k).filter(|l| l.is_finite()) {
+            let limit = limit / node.conditions[k].tangent_weight;
+            polygon.at_most(axis, limit);
+            polygon.at_most([-axis[0], -axis[1]], limit);
         }
     }
     let pressed: Vec<&Condition> =
@@ -151,9 +164,9 @@ pub(crate) fn status(problem: &Problem, v: &[f64], multipliers: &[[f64; 2]]) -> 
         .map(|((node, c), &[normal, shear])| {
             if c.normal_weight > 0.0 && normal <= PRESSURE * scale {
                 Status::Apart
-            } else if c.tangent_weight == 0.0 || shear.abs() < c.bound * (1.0 - 1e-12) {
+            } else if c.tangent_weight == 0.0 || shear.abs() < c.limit(normal) * (1.0 - 1e-12) {
                 Status::Stick
-            } else if c.bound > 0.0 && shear < 0.0 || c.bound == 0.0 && c.slip(node.pick(v)) < 0.0 {
+            } else if c.limit(normal) > 0.0 && shear < 0.0 || c.limit(normal) == 0.0 && c.slip(node.pick(v)) < 0.0 {
                 Status::SlipMinus
             } else {
                 Status::SlipPlus

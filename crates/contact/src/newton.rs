@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
-use crate::active_set::{Linear, iterate, laws, nearest_pieces, solution, solve_pieces, violations};
-use crate::law::Law;
+use crate::active_set::{Linear, active_set, iterate, laws, nearest_pieces, solution, solve_pieces, violations};
+use crate::law::{Branch, Law, Piece, dot};
 use crate::linear::{largest, product, solve_general};
 use crate::{ContactError, ContactNode, Outcome, Problem, Solution, Start};
 
@@ -28,8 +28,9 @@ const SHORTEST: f64 = 1e-2;
 /// λ_t - clip(λ_t + c u_t, -F, F) = 0
 /// ```
 /// with s the mean stress of the start, so that units do not matter, and at a corner, or where the unknowns do not
-/// separate the conditions, v = prox(v + C⁻¹R). Armijo's rule on the sum of the squared residuals times D_i, relative
-/// residual 1e-11. The answer is then polished by one solve on the contact and stick sets that it found.
+/// separate the conditions, v = prox(v + C⁻¹R). Under Coulomb's law F = bound + μ (λ_n + c(u_n - g))₊, its derivative
+/// included; where that law holds at a node with two conditions the active set method does all. Armijo's rule on the sum
+/// of the squared residuals times D_i, relative residual 1e-11. The answer is then polished by one solve on the contact and stick sets that it found.
 ///
 /// *Use when*: always a good choice, also from a good start. *Fails when*: the line search stalls far from the
 /// solution; the active set method then goes on from there, and its outcome is reported (the history is that of both).
@@ -43,7 +44,10 @@ const SHORTEST: f64 = 1e-2;
 /// Strömberg, Int. J. Numer. Methods Eng. 42 (1998).
 pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
-    let laws = laws(problem);
+    if problem.nodes.iter().any(|n| n.conditions.len() > 1 && n.conditions.iter().any(|c| c.is_coulomb())) {
+        return active_set(problem, start);
+    }
+    let laws = laws(problem, start.map_or(&[], |s| s.multipliers));
     let origin = vec![0.0; problem.load.len()];
     let mut v = match start {
         Some(start) => {
@@ -78,9 +82,14 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
         }
         (v, state) = (moved, next);
     }
+    let laws = equations.laws_at(&v, &state.force);
     let pieces = nearest_pieces(problem, &laws, &v, &state.force);
     if history.last().is_none_or(|h| *h > TOLERANCE) {
-        let mut rest = iterate(problem, &laws, pieces, &origin)?; // v may have run away
+        let mut rest = match iterate(problem, &laws, pieces, &origin) {
+            Ok(rest) if rest.converged() || !problem.is_coulomb() => rest,
+            Err(error) if !problem.is_coulomb() => return Err(error),
+            _ => active_set(problem, None)?, // v may have run away
+        };
         history.append(&mut rest.history);
         return Ok(Solution { iterations: history.len(), history, ..rest });
     }
@@ -151,12 +160,56 @@ fn separate(node: &ContactNode, law: &Law) -> Option<(usize, f64)> {
     (node.conditions.len() == 1 && others).then(|| (axis, law.kinks[kink].at / law.kinks[kink].direction[axis]))
 }
 
+/// λ_n + c (u_n - g) of a node with one condition and two unknowns, and its derivatives.
+struct Pressure {
+    value: f64,
+    by_force: [f64; 2],
+    by_displacement: [f64; 2],
+}
+
+fn expected_pressure(node: &ContactNode, law: &Law, w: [f64; 2], r: [f64; 2]) -> Option<Pressure> {
+    let [condition] = node.conditions.as_slice() else { return None };
+    if node.unknowns == 1 || !condition.is_coulomb() {
+        return None;
+    }
+    let (n, c) = (condition.normal, law.metric);
+    let stiffness = (c[0] * n[0] * n[0] + c[1] * n[1] * n[1]) / condition.normal_weight;
+    let by_force = n.map(|x| x / (condition.normal_weight * dot(n, n)));
+    let value = dot(by_force, r) - stiffness * condition.opening(w);
+    Some(Pressure { value, by_force, by_displacement: n.map(|x| stiffness * x) })
+}
+
+/// Where a node slips under pressure: what its friction force gains for each unit of pressure, and the pressure.
+fn coupling(node: &ContactNode, law: &Law, piece: &Piece, w: [f64; 2], r: [f64; 2]) -> Option<([f64; 2], Pressure)> {
+    let pressure = expected_pressure(node, law, w, r)?;
+    let kink = law.source.iter().position(|s| s.1)?;
+    let sign = match piece[kink] {
+        Branch::Below => -1.0,
+        Branch::Above => 1.0,
+        Branch::On => return None,
+    };
+    let c = &node.conditions[0];
+    let friction = c.tangent.map(|t| sign * c.tangent_weight * c.coefficient * t);
+    (pressure.value > 0.0).then_some((friction, pressure))
+}
+
 impl Equations<'_> {
+    /// The laws with the friction bounds of the expected pressures.
+    fn laws_at(&self, v: &[f64], force: &[f64]) -> Vec<Law> {
+        let mut laws = self.laws.to_vec();
+        for (node, law) in self.problem.nodes.iter().zip(&mut laws) {
+            if let Some(pressure) = expected_pressure(node, law, node.pick(v), node.pick(force)) {
+                law.set_limits(node, &[pressure.value]);
+            }
+        }
+        laws
+    }
+
     fn at(&self, v: &[f64]) -> State {
         let elastic = product(&self.problem.stiffness, v);
         let force: Vec<f64> = self.problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
         let (mut residual, mut weights, mut scale) = (vec![0.0; v.len()], vec![0.0; v.len()], 0.0f64);
-        for (node, law) in self.problem.nodes.iter().zip(self.laws) {
+        for (node, law) in self.problem.nodes.iter().zip(&self.laws_at(v, &force)) {
             let (w, r, c, d) = (node.pick(v), node.pick(&force), law.metric, weight(node));
             let (prox, ..) = law.prox([w[0] + r[0] / c[0], w[1] + r[1] / c[1]]);
             for i in 0..node.unknowns {
@@ -177,7 +230,7 @@ impl Equations<'_> {
     fn jacobian(&self, v: &[f64], force: &[f64]) -> Mat<f64> {
         let (m, s) = (v.len(), &self.problem.stiffness);
         let mut jacobian = Mat::zeros(m, m);
-        for (node, law) in self.problem.nodes.iter().zip(self.laws) {
+        for (node, law) in self.problem.nodes.iter().zip(&self.laws_at(v, force)) {
             let (w, r, c, d) = (node.pick(v), node.pick(force), law.metric, weight(node));
             let (_, piece, _) = law.prox([w[0] + r[0] / c[0], w[1] + r[1] / c[1]]);
             let q = law.derivative(piece); // C P C⁻¹; the rows are C(I - P) + C P C⁻¹ S, over D
@@ -188,6 +241,17 @@ impl Equations<'_> {
                     }
                     let unit = if i == k { 1.0 } else { 0.0 };
                     jacobian[(node.first + i, node.first + k)] += (unit - q[i][k]) * c[k] / d;
+                }
+            }
+            if let Some((friction, pressure)) = coupling(node, law, piece, w, r) {
+                for (i, q) in q.iter().enumerate() {
+                    let x = dot(*q, friction) / d;
+                    for k in 0..2 {
+                        for j in 0..m {
+                            jacobian[(node.first + i, j)] -= x * pressure.by_force[k] * s[(node.first + k, j)];
+                        }
+                        jacobian[(node.first + i, node.first + k)] += x * pressure.by_displacement[k];
+                    }
                 }
             }
             if let Some((axis, gap)) = separate(node, law) {
@@ -217,7 +281,7 @@ fn fischer_burmeister(a: f64, b: f64, unit: f64) -> (f64, f64, f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::proptest::mixed;
+    use crate::proptest::{Friction, mixed, ordinary};
     use proptest::prelude::*;
 
     proptest! {
@@ -243,20 +307,21 @@ mod tests {
         /// out.
         #[test]
         fn the_jacobian_is_the_difference_of_the_residual(
-            problem in mixed(4), v in proptest::collection::vec(-1.0..1.0f64, 8)
+            problem in prop_oneof![mixed(4, Friction::Tresca), ordinary(4, Friction::Coulomb(2.0))], v in proptest::collection::vec(-1.0..1.0f64, 8)
         ) {
-            let laws = laws(&problem);
+            let laws = laws(&problem, &[]);
             let equations = Equations { problem: &problem, laws: &laws, unit: 0.7 };
             let v = &v[..problem.load.len()];
             let force = equations.at(v).force;
             let jacobian = equations.jacobian(v, &force);
-            let pieces = nearest_pieces(&problem, &laws, v, &force);
+            let pieces = nearest_pieces(&problem, &equations.laws_at(v, &force), v, &force);
             let h = 1e-6;
             for j in 0..v.len() {
                 let shifted = |h: f64| {
                     let mut w = v.to_vec();
                     w[j] += h;
                     let state = equations.at(&w);
+                    let laws = equations.laws_at(&w, &state.force);
                     (nearest_pieces(&problem, &laws, &w, &state.force), state.residual)
                 };
                 let ((p, up), (q, down)) = (shifted(h), shifted(-h));

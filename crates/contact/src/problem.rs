@@ -11,6 +11,7 @@ use crate::linear::product;
 /// ```text
 /// u_n = normal·v ≤ gap,   λ_n ≥ 0,   λ_n (gap - u_n) = 0
 /// u_t = tangent·v + slip_offset,   |λ_t| ≤ F,   u_t = α λ_t with α ≥ 0,   α (|λ_t| - F) = 0
+/// F = bound + coefficient λ_n
 /// nodal force on v:  - D_n λ_n normal - D_t λ_t tangent
 /// ```
 #[derive(Debug, Clone, PartialEq)]
@@ -27,8 +28,11 @@ pub struct Condition {
     pub gap: f64,
     /// What a held neighbour adds to the weighted tangential displacement (length).
     pub slip_offset: f64,
-    /// Friction bound F_i ≥ 0 (stress); 0 is frictionless, infinity is full stick.
+    /// The friction bound without pressure, at least 0 (stress): Tresca's law. Infinity is full stick.
     pub bound: f64,
+    /// Coulomb's coefficient of friction μ ≥ 0, 0 for Tresca's law; without effect where the bound is infinite or the
+    /// condition has no normal multiplier.
+    pub coefficient: f64,
 }
 
 /// A contact node: its unknowns `first .. first + unknowns` of the problem and the conditions on them.
@@ -46,7 +50,9 @@ pub struct ContactNode {
     pub conditions: Vec<Condition>,
 }
 
-/// Find v minimising ½ vᵀ S v - fᵀ v + Σ D_t F |u_t| subject to u_n ≤ g at every condition.
+/// Find v minimising ½ vᵀ S v - fᵀ v + Σ D_t F |u_t| subject to u_n ≤ g at every condition; under Coulomb's law with the
+/// bounds F of the solution itself, so that nothing is minimised over all v. There may then be several solutions, or none,
+/// unless the coefficients are small.
 ///
 /// S is m×m, symmetric, positive semi-definite (stress: force per thickness per displacement), f has m entries (force
 /// per thickness), and the unknowns of the nodes are disjoint and fill 0..m.
@@ -119,6 +125,17 @@ impl Condition {
         self.gap - self.normal_displacement(w)
     }
 
+    /// F = bound + coefficient λ_n under the pressure λ_n (stress), of which a negative one counts as none.
+    pub fn limit(&self, pressure: f64) -> f64 {
+        let pressed = self.normal_weight > 0.0 && self.bound.is_finite();
+        if pressed { self.bound + self.coefficient * pressure.max(0.0) } else { self.bound }
+    }
+
+    /// Whether the friction bound depends on the pressure.
+    pub(crate) fn is_coulomb(&self) -> bool {
+        self.coefficient > 0.0 && self.bound.is_finite() && self.normal_weight > 0.0 && self.tangent_weight > 0.0
+    }
+
     /// u_t = tangent·w + slip_offset.
     pub fn slip(&self, w: [f64; 2]) -> f64 {
         self.tangent[0] * w[0] + self.tangent[1] * w[1] + self.slip_offset
@@ -136,19 +153,21 @@ impl ContactNode {
 }
 
 impl Problem {
-    /// ½ vᵀ S v - fᵀ v + Σ D_t F |u_t|, what the solution minimises (force per thickness times length).
-    pub fn energy(&self, v: &[f64]) -> f64 {
+    /// ½ vᵀ S v - fᵀ v + Σ D_t F |u_t| with the bounds F of the multipliers (force per thickness times length); of v alone,
+    /// it is least at the solution.
+    pub fn energy(&self, v: &[f64], multipliers: &[[f64; 2]]) -> f64 {
         let elastic = product(&self.stiffness, v);
         let work: f64 = v.iter().zip(elastic).zip(&self.load).map(|((v, s), f)| v * (0.5 * s - f)).sum();
-        work + self.friction_work(v)
+        work + self.friction_work(v, multipliers)
     }
 
     /// Σ D_t F |u_t| over all conditions, those apart included; an infinite bound, where u_t = 0, adds nothing.
-    pub fn friction_work(&self, v: &[f64]) -> f64 {
+    pub fn friction_work(&self, v: &[f64], multipliers: &[[f64; 2]]) -> f64 {
         let conditions = self.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)));
         conditions
-            .filter(|(_, c)| c.bound.is_finite())
-            .map(|(n, c)| c.tangent_weight * c.bound * c.slip(n.pick(v)).abs())
+            .zip(multipliers)
+            .filter(|((_, c), _)| c.bound.is_finite())
+            .map(|((n, c), [pressure, _])| c.tangent_weight * c.limit(*pressure) * c.slip(n.pick(v)).abs())
             .sum()
     }
 
@@ -156,7 +175,7 @@ impl Problem {
     ///
     /// # Errors
     /// [`ContactError::Inconsistent`] for wrong sizes, a matrix that is not symmetric to 1e-9 or has a diagonal entry
-    /// that is negative, numbers that are not finite (but for infinite bounds), negative weights or bounds,
+    /// that is negative, numbers that are not finite (but for infinite bounds), negative weights, bounds or coefficients,
     /// unknowns that belong to no or to two nodes, more conditions than [`ContactNode`] allows, and conditions of a
     /// node that no displacement satisfies (an overlap that full stick does not let go, say).
     pub fn check(&self) -> Result<(), ContactError> {
@@ -219,7 +238,7 @@ impl Problem {
             {
                 return refuse(format!("contact node {number}: the normals of the two conditions are parallel"));
             }
-            if !Law::new(node, [1.0, 1.0]).is_feasible() {
+            if !Law::new(node, [1.0, 1.0], &[]).is_feasible() {
                 return refuse(format!("no displacement of contact node {number} satisfies all its conditions"));
             }
         }
@@ -242,6 +261,9 @@ impl Condition {
         }
         if self.bound.is_nan() || self.bound < 0.0 {
             return Some(format!("the friction bound is {}; it must be at least 0", self.bound));
+        }
+        if !(self.coefficient.is_finite() && self.coefficient >= 0.0) {
+            return Some(format!("the friction coefficient is {}; it must be finite and at least 0", self.coefficient));
         }
         for (weight, d) in [(self.normal_weight, self.normal), (self.tangent_weight, self.tangent)] {
             if weight > 0.0 && (d[0].hypot(d[1]) == 0.0 || unknowns == 1 && (d[0] == 0.0 || d[1] != 0.0)) {

@@ -26,6 +26,8 @@ pub enum Friction {
     Stick,
     /// 0, or 0.01 to 1 of the size of the loads.
     Tresca,
+    /// Coefficients from 0 to this.
+    Coulomb(f64),
 }
 
 /// Numbers drawn at least.
@@ -36,10 +38,10 @@ pub fn ordinary(nodes: usize, friction: Friction) -> impl Strategy<Value = Probl
     vec(Just(Kind::Ordinary), 1..=nodes).prop_flat_map(move |kinds| coercive(kinds, friction))
 }
 
-/// 1 to `nodes` nodes of all kinds, positive definite stiffness, Tresca friction.
-pub fn mixed(nodes: usize) -> impl Strategy<Value = Problem> {
+/// 1 to `nodes` nodes of all kinds, positive definite stiffness.
+pub fn mixed(nodes: usize, friction: Friction) -> impl Strategy<Value = Problem> {
     let kind = prop_oneof![Just(Kind::Ordinary), Just(Kind::Corner), Just(Kind::Oblique)];
-    vec(kind, 1..=nodes).prop_flat_map(|kinds| coercive(kinds, Friction::Tresca))
+    vec(kind, 1..=nodes).prop_flat_map(move |kinds| coercive(kinds, friction))
 }
 
 /// Stiffness E (G Gᵀ/m + I/10) with E from 1e-3 to 1e3 and loads of the size of E.
@@ -69,7 +71,7 @@ pub fn floating(nodes_at_most: usize, friction: Friction) -> impl Strategy<Value
             for (i, c) in nodes.iter().flat_map(|n| &n.conditions).enumerate() {
                 load[2 * i] += c.normal_weight * share[i].0;
                 load[2 * i + 1] +=
-                    if c.bound.is_finite() { c.tangent_weight * c.bound * share[i].1 } else { share[i].1 };
+                    if c.bound.is_finite() { c.tangent_weight * c.limit(share[i].0) * share[i].1 } else { share[i].1 };
             }
             Problem { stiffness, load, nodes }
         })
@@ -110,8 +112,19 @@ fn nodes(kinds: Vec<Kind>, friction: Friction) -> impl Strategy<Value = Vec<Cont
                     Friction::None => 0.0,
                     Friction::Stick => f64::INFINITY,
                     Friction::Tresca => f,
+                    Friction::Coulomb(_) => 0.0,
                 };
-                Condition { normal, tangent, normal_weight: weight, tangent_weight: weight, gap, slip_offset, bound }
+                let coefficient = if let Friction::Coulomb(largest) = friction { f * largest } else { 0.0 };
+                Condition {
+                    normal,
+                    tangent,
+                    normal_weight: weight,
+                    tangent_weight: weight,
+                    gap,
+                    slip_offset,
+                    bound,
+                    coefficient,
+                }
             };
             let (a, b) = numbers[first].4;
             let frame = |a: f64| ([a.cos(), a.sin()], [-a.sin(), a.cos()]);

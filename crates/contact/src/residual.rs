@@ -15,7 +15,7 @@
 //! bound           ∫ |(|λ_t| - F)⁺|²
 //! friction        ∫ min(|(F - |λ_t|)⁺|², |u_t|²),  and 2 min(|λ_t|², |u_t|²) where λ_t u_t < 0
 //! ```
-//! Each is an energy (force per thickness times length), local in place of norms of order ±½. By interpolation
+//! with F = μ (λ_n^hp)⁺ under Coulomb's law. Each is an energy (force per thickness times length), local in place of norms of order ±½. By interpolation
 //! ‖w‖²_½ ≤ ‖w‖ ‖w'‖ ≤ ½ ((p/h) ‖w‖² + (h/p) ‖w'‖²); the sum, unlike the product, sees a constant w, and the two parts
 //! are of one size for a w that lives between the nodes of an element.
 //!
@@ -25,7 +25,7 @@
 //! no digits under a bound beyond all shears.
 
 use rayon::prelude::*;
-use steklov_bem_operators::{BodyForce, BoundaryField, Mesh, Site, Space, residual_panels};
+use steklov_bem_operators::{BodyForce, BoundaryField, Datum, Mesh, Site, Space, residual_panels};
 use steklov_quadrature::{gauss_legendre, project};
 
 use crate::law::dot;
@@ -181,7 +181,7 @@ fn element_residual(
     let nodal: Vec<[f64; 4]> = nodes.zip(&lambda).map(|(u, l)| [dot(u, normal), dot(u, tangent), l[0], l[1]]).collect();
     let mut phi = vec![0.0; nodal.len()];
     let mut kinks = (data.gap.kinks)(e);
-    kinks.extend(data.bound.iter().flat_map(|b| (b.kinks)(e)));
+    kinks.extend(data.bound.iter().chain(&data.coefficient).flat_map(|b| (b.kinks)(e)));
     kinks.extend(cells.iter().map(|c| c.span[0]));
     // one that rounding put beside an end is there
     kinks.retain(|t| t.abs() < 1.0 - mesh.resolution(e));
@@ -190,6 +190,7 @@ fn element_residual(
         let mut samples = Vec::with_capacity(panel.len());
         for (&t, &w) in panel.points.iter().zip(&panel.weights) {
             let site = Site::new(mesh, e, t);
+            let datum = |d: &Option<Datum<'_>>| d.map_or(Ok(0.0), |d| d.at(mesh, &site));
             basis.evaluate(t, &mut phi);
             let value = |k: usize| nodal.iter().zip(&phi).map(|(v, phi)| v[k] * phi).sum::<f64>();
             let mut traction = solution.field.steklov_trace(e, t);
@@ -204,7 +205,7 @@ fn element_residual(
                 slip: value(1),
                 multiplier: at_point(t).unwrap_or([value(2), value(3)]),
                 traction: [dot(traction, normal), dot(traction, tangent)],
-                bound: data.bound.map_or(Ok(0.0), |b| b.at(mesh, &site))?,
+                bound: datum(&data.bound)? + datum(&data.coefficient)? * value(2).max(0.0),
             });
         }
         let length: f64 = samples.iter().map(|s| s.weight).sum();

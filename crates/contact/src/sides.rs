@@ -12,8 +12,10 @@ pub struct SideData<'a> {
     pub side: usize,
     /// Gap g (length), measured along the outward normal; negative is an initial overlap.
     pub gap: Datum<'a>,
-    /// Friction bound F ≥ 0 (stress); None is frictionless.
+    /// Tresca's friction bound F ≥ 0 (stress).
     pub bound: Option<Datum<'a>>,
+    /// Coulomb's coefficient of friction μ ≥ 0. Without both the side is frictionless; with both the bound is F + μ λ_n.
+    pub coefficient: Option<Datum<'a>>,
 }
 
 /// An element of the contact boundary; the vectors have one entry for each of its p+1 nodes.
@@ -26,8 +28,8 @@ pub(crate) struct ContactElement {
     pub gaps: Vec<f64>,
     /// g at the start and the end, the limits from within.
     pub limits: [f64; 2],
-    /// F at the node, seen from this element.
-    pub bounds: Vec<f64>,
+    /// F and μ at the node, seen from this element.
+    pub friction: Vec<[f64; 2]>,
 }
 
 /// A bound or a gap that changes by more than this part of its largest value next to a node jumps there.
@@ -46,11 +48,15 @@ pub(crate) fn contact_elements(
             return Err(ContactError::Inconsistent { what });
         }
         let moments = side_moments(mesh, space, data.side, &data.gap)?;
-        let bounds = match &data.bound {
-            Some(bound) => side_bounds(mesh, space, data.side, bound)?,
-            None => moments.iter().map(|(_, m)| vec![0.0; m.len()]).collect(),
-        };
-        for ((e, moments), bounds) in moments.into_iter().zip(bounds) {
+        let mut friction: Vec<Vec<[f64; 2]>> = moments.iter().map(|(_, m)| vec![[0.0; 2]; m.len()]).collect();
+        for (k, datum) in [&data.bound, &data.coefficient].into_iter().enumerate() {
+            if let Some(datum) = datum {
+                let values = nodal_values(mesh, space, data.side, datum)?;
+                let all = friction.iter_mut().flatten().zip(values.into_iter().flatten());
+                all.for_each(|(friction, value)| friction[k] = value);
+            }
+        }
+        for ((e, moments), friction) in moments.into_iter().zip(friction) {
             if found[e].is_some() {
                 let what = format!("side \"{}\" has two contact conditions", mesh.side_names[data.side]);
                 return Err(ContactError::Inconsistent { what });
@@ -63,7 +69,7 @@ pub(crate) fn contact_elements(
             let weights = basis.weights.iter().map(|w| w * half).collect();
             let limit = |t: f64| data.gap.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t)));
             let limits = [limit(-1.0)?, limit(1.0)?];
-            found[e] = Some(ContactElement { element: e, side: data.side, weights, gaps, limits, bounds });
+            found[e] = Some(ContactElement { element: e, side: data.side, weights, gaps, limits, friction });
         }
     }
     let previous = mesh.previous();
@@ -85,9 +91,9 @@ pub(crate) fn from_within(mesh: &Mesh, e: usize, t: f64) -> f64 {
     t.clamp(-inside, inside)
 }
 
-/// Values of F at the nodes of the elements of a side. Where F jumps: inside an element the mean of the limits from
+/// Values of F or μ at the nodes of the elements of a side. Where it jumps: inside an element the mean of the limits from
 /// both sides, at its ends the limit from within.
-fn side_bounds(mesh: &Mesh, space: &Space, side: usize, bound: &Datum<'_>) -> Result<Vec<Vec<f64>>, ContactError> {
+fn nodal_values(mesh: &Mesh, space: &Space, side: usize, bound: &Datum<'_>) -> Result<Vec<Vec<f64>>, ContactError> {
     let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
     let mut samples = Vec::new(); // for each element and node: F there, and close to it on one or two sides
     for &e in &elements {

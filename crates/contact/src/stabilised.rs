@@ -272,8 +272,8 @@ impl StabilisedForms {
         let condensed = coupling.transpose() * &solved;
 
         let data = node_data(mesh, multipliers, sides)?;
-        let gaps = data.iter().map(|[gap, _]| *gap).collect();
-        let node = |(k, [gap, bound]): (usize, [f64; 2])| ContactNode {
+        let gaps = data.iter().map(|d| d.gap).collect();
+        let node = |(k, NodeData { gap, bound, coefficient }): (usize, NodeData)| ContactNode {
             first: 2 * k,
             unknowns: 2,
             conditions: vec![Condition {
@@ -284,6 +284,7 @@ impl StabilisedForms {
                 gap: gap - offset[0][k] / weight(k),
                 slip_offset: offset[1][k] / weight(k),
                 bound,
+                coefficient,
             }],
         };
         let problem =
@@ -378,13 +379,23 @@ pub fn pairing(mesh: &Mesh, space: &Space, multipliers: &MultiplierSpace) -> [Ma
     pairing
 }
 
-/// g = ∫ g μ / ∫ μ and F at the node, the mean of its limits, of every node.
+/// What data say at a node.
+#[derive(Clone, Copy, Default)]
+struct NodeData {
+    /// ∫ g μ / ∫ μ.
+    gap: f64,
+    /// F and μ at the node, the mean of the limits.
+    bound: f64,
+    coefficient: f64,
+}
+
+/// The data at every node.
 fn node_data(
     mesh: &Mesh,
     multipliers: &MultiplierSpace,
     sides: &[SideData<'_>],
-) -> Result<Vec<[f64; 2]>, ContactError> {
-    let mut data = vec![[0.0; 2]; multipliers.nodes.len()];
+) -> Result<Vec<NodeData>, ContactError> {
+    let mut data = vec![NodeData::default(); multipliers.nodes.len()];
     let side = |index: usize| {
         sides.iter().find(|s| s.side == index).ok_or_else(|| ContactError::Inconsistent {
             what: format!("side \"{}\" has multipliers but no gap", mesh.side_names[index]),
@@ -402,27 +413,32 @@ fn node_data(
                 let g = gap.at(mesh, &Site::new(mesh, e, t))?;
                 let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));
                 for (&k, mu) in element.nodes.iter().zip(mu) {
-                    data[k][0] += w * mesh.length(e) / 2.0 * mu * g / multipliers.nodes[k].weight;
+                    data[k].gap += w * mesh.length(e) / 2.0 * mu * g / multipliers.nodes[k].weight;
                 }
             }
         }
     }
-    let mut limits = vec![Vec::new(); data.len()];
+    let mut limits = vec![0.0; data.len()];
     for element in &multipliers.elements {
-        let bound = side(element.side)?.bound;
+        let SideData { bound, coefficient, .. } = side(element.side)?;
         let [a, b] = element.span;
         for &k in &element.nodes {
             let margin = INWARDS * (b - a);
             let s = multipliers.nodes[k].s.clamp(a + margin, b - margin);
-            limits[k].push(bound.map_or(Ok(0.0), |bound| bound_at(mesh, element.edge, s, &bound))?);
+            let value = |f: &Option<Datum<'_>>| f.map_or(Ok(0.0), |f| value_at(mesh, element.edge, s, &f));
+            data[k].bound += value(bound)?;
+            data[k].coefficient += value(coefficient)?;
+            limits[k] += 1.0;
         }
     }
-    data.iter_mut().zip(limits).for_each(|(d, f)| d[1] = f.iter().sum::<f64>() / f.len() as f64);
+    for (d, count) in data.iter_mut().zip(limits) {
+        (d.bound, d.coefficient) = (d.bound / count, d.coefficient / count);
+    }
     Ok(data)
 }
 
-/// F ≥ 0 at an edge parameter.
-fn bound_at(mesh: &Mesh, edge: usize, s: f64, bound: &Datum<'_>) -> Result<f64, ContactError> {
+/// A bound or coefficient, at least 0, at an edge parameter.
+fn value_at(mesh: &Mesh, edge: usize, s: f64, bound: &Datum<'_>) -> Result<f64, ContactError> {
     let inside = |e: &usize| mesh.edge[*e] == edge && (mesh.span[*e][0] - s) * (mesh.span[*e][1] - s) <= 0.0;
     let Some(e) = (0..mesh.len()).find(inside) else { return Ok(0.0) };
     let [s0, s1] = mesh.span[e];

@@ -92,7 +92,11 @@ pub fn first_guess(line: &ContactLine, transition: &Transition, problem: &Proble
     }
     let value = |i: usize| {
         let [pressure, shear] = solution.multipliers[line.points[i].index];
-        if transition.kind == TipKind::ContactEnd { pressure } else { condition(problem, line, i).bound - shear.abs() }
+        if transition.kind == TipKind::ContactEnd {
+            pressure
+        } else {
+            condition(problem, line, i).limit(pressure) - shear.abs()
+        }
     };
     let (last, before) = if transition.regular > 0 { (i, i.checked_sub(1)) } else { (i + 1, Some(i + 2)) };
     let before = before.filter(|&j| j < line.points.len());

@@ -18,7 +18,8 @@ const GROWTH: f64 = 1e6;
 
 /// Solves the problem by λ ← P(λ + ρ (B v - g)), v = S⁻¹(f - Bᵀ D λ).
 ///
-/// B v are the normal and tangential displacements of all conditions, P is the projection on λ_n ≥ 0 and |λ_t| ≤ F. The
+/// B v are the normal and tangential displacements of all conditions, P is the projection on λ_n ≥ 0 and |λ_t| ≤ F, under
+/// Coulomb's law with the λ_n of the same step (which contracts for small coefficients only). The
 /// step is ρ = 1.9/λ_max(Q), Q = D^½ B S⁻¹ Bᵀ D^½; the iteration contracts for 0 < ρ < 2/λ_max(Q). `step` overrides it
 /// (stress over length). It ends when the projected gradient is below 1e-11 of the gaps and the displacements without
 /// contact. Where multipliers are not unique (corners) it finds some.
@@ -75,8 +76,9 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
         let mut change = 0.0f64;
         for (i, row) in rows.iter().enumerate() {
             let u = unloaded[(i, 0)] - applied[i];
-            let next =
-                if row.weight > 0.0 { (lambda[i] + step * (u - row.at)).max(row.low).min(row.high) } else { 0.0 };
+            let wider = if row.coefficient > 0.0 { row.coefficient * lambda[i - 1] } else { 0.0 };
+            let bounded = |x: f64| x.max(row.low - wider).min(row.high + wider);
+            let next = if row.weight > 0.0 { bounded(lambda[i] + step * (u - row.at)) } else { 0.0 };
             change = change.max((next - lambda[i]).abs() / step);
             lambda[i] = next;
         }
@@ -111,6 +113,8 @@ struct Row {
     at: f64,
     low: f64,
     high: f64,
+    /// μ of a tangential row: the bounds widen by μ times the normal multiplier, which is that of the row before.
+    coefficient: f64,
 }
 
 impl Row {
@@ -127,9 +131,10 @@ fn rows(problem: &Problem) -> Vec<Row> {
         let (first, unknowns) = (node.first, node.unknowns);
         for c in &node.conditions {
             let (direction, weight, at) = (c.normal, c.normal_weight, c.gap);
-            rows.push(Row { first, unknowns, direction, weight, at, low: 0.0, high: f64::INFINITY });
+            rows.push(Row { first, unknowns, direction, weight, at, low: 0.0, high: f64::INFINITY, coefficient: 0.0 });
+            let coefficient = if c.is_coulomb() { c.coefficient } else { 0.0 };
             let (direction, weight, at) = (c.tangent, c.tangent_weight, -c.slip_offset);
-            rows.push(Row { first, unknowns, direction, weight, at, low: -c.bound, high: c.bound });
+            rows.push(Row { first, unknowns, direction, weight, at, low: -c.bound, high: c.bound, coefficient });
         }
     }
     rows

@@ -7,7 +7,7 @@ use steklov_contact::{ContactEdge, ContactError, resisted_motions};
 const CORNERS: [[f64; 2]; 4] = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
 
 fn floor(friction: f64) -> ContactEdge {
-    ContactEdge { ends: [CORNERS[0], CORNERS[1]], normal: [0.0, -1.0], friction }
+    ContactEdge { ends: [CORNERS[0], CORNERS[1]], normal: [0.0, -1.0], friction, coefficient: 0.0 }
 }
 
 /// Free motions of a square on the edges under a force at a point.
@@ -31,6 +31,33 @@ fn a_block_on_a_rough_floor_is_held_by_friction_up_to_its_bound() {
 }
 
 #[test]
+fn coulomb_friction_holds_up_to_its_share_of_the_pressure() {
+    let rough = |coefficient| [ContactEdge { coefficient, ..floor(0.0) }];
+    let pushed = |q: f64, height: f64| [([0.0, 0.5], [0.0, -2.0]), ([0.0, height], [q, 0.0])];
+    assert_eq!(check(&rough(0.3), &pushed(0.5999, -0.5)).expect("held"), vec![]);
+    let slides = check(&rough(0.3), &pushed(0.6001, -0.5)).expect_err("slides");
+    let ContactError::RigidMotion { work, resistance, .. } = slides else { panic!("{slides:?}") };
+    assert!(work > 0.0 && resistance == 0.0);
+    // pushed at the top the block overturns before it slides: 1 q against 2/2
+    assert_eq!(check(&rough(2.0), &pushed(0.999, 0.5)).expect("held"), vec![]);
+    assert!(check(&rough(2.0), &pushed(1.001, 0.5)).is_err());
+    // no pressure, no friction
+    assert!(check(&rough(5.0), &[([0.0, 0.5], [0.0, 1e-3])]).is_err());
+    // Tresca's part comes on top
+    let both = [ContactEdge { coefficient: 0.3, ..floor(0.1) }];
+    assert_eq!(check(&both, &pushed(0.6999, -0.5)).expect("held"), vec![]);
+    assert!(check(&both, &pushed(0.7001, -0.5)).is_err());
+    // a wedge at 45° on both sides jams without any load along it, from μ = 1 on
+    let walls = |coefficient| {
+        let d = 0.5f64.sqrt();
+        let wall = |ends, normal| ContactEdge { ends, normal, friction: 0.0, coefficient };
+        [wall([CORNERS[0], CORNERS[3]], [-d, -d]), wall([CORNERS[1], CORNERS[2]], [d, -d])]
+    };
+    let up = [([0.0, 0.0], [0.0, 0.1])];
+    assert!(check(&walls(0.99), &up).is_err() && check(&walls(1.01), &up).is_ok());
+}
+
+#[test]
 fn a_block_on_a_smooth_floor_slides_freely_unless_pushed() {
     let press = ([0.1, 0.5], [0.0, -1.0]);
     let free = check(&[floor(0.0)], &[press]).expect("free to slide");
@@ -38,7 +65,7 @@ fn a_block_on_a_smooth_floor_slides_freely_unless_pushed() {
     assert!(free[0].rotation.abs() < 1e-12 && free[0].translation[1].abs() < 1e-12 && free[0].translation[0] != 0.0);
     assert!(check(&[floor(0.0)], &[press, ([0.0, 0.0], [1e-6, 0.0])]).is_err());
     // a wall on the right stops a push to the right, not one to the left
-    let wall = ContactEdge { ends: [CORNERS[1], CORNERS[2]], normal: [1.0, 0.0], friction: 0.0 };
+    let wall = ContactEdge { ends: [CORNERS[1], CORNERS[2]], normal: [1.0, 0.0], friction: 0.0, coefficient: 0.0 };
     assert_eq!(check(&[floor(0.0), wall.clone()], &[press, ([0.5, -0.3], [0.1, 0.0])]).expect("held"), vec![]);
     assert!(check(&[floor(0.0), wall], &[press, ([0.5, -0.3], [-0.1, 0.0])]).is_err());
 }

@@ -58,6 +58,7 @@ impl Clamped {
             side: 0,
             gap: Datum { name: "gap", value: &gap, kinks: &kinks },
             bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks }),
+            coefficient: None,
         };
         let forms = self.forms(multipliers);
         let critical = forms.critical_gamma(&self.stiffness, &self.held, &[]).unwrap();
@@ -122,7 +123,8 @@ fn a_gamma_beyond_the_critical_one_is_refused() {
     let forms = body.forms(&multipliers);
     let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]).unwrap();
     let (zero, kinks) = (|_: &Site| 0.0, |_: usize| vec![]);
-    let side = SideData { side: 0, gap: Datum { name: "gap", value: &zero, kinks: &kinks }, bound: None };
+    let side =
+        SideData { side: 0, gap: Datum { name: "gap", value: &zero, kinks: &kinks }, bound: None, coefficient: None };
     let load = vec![1.0; body.space.dofs()];
     let loading = Loading { stiffness: &body.stiffness, load: &load, held: &body.held, motions: &[], particular: None };
     for factor in [1.05, 1.0, 0.0, -1.0, f64::NAN] {
@@ -184,7 +186,8 @@ fn a_uniform_pressure_is_met_by_any_multipliers() {
     let operators = Operators::assemble(&body.mesh, &body.space, &material, None).unwrap();
     let Steklov { matrix: stiffness, traction } = Steklov::new(operators, Domain::Interior).unwrap();
     let (gap, kinks) = (|_: &Site| -0.1, |_: usize| vec![]);
-    let side = SideData { side: 0, gap: Datum { name: "gap", value: &gap, kinks: &kinks }, bound: None };
+    let side =
+        SideData { side: 0, gap: Datum { name: "gap", value: &gap, kinks: &kinks }, bound: None, coefficient: None };
     let load = vec![0.0; body.space.dofs()];
     let loading = Loading { stiffness: &stiffness, load: &load, held: &body.held, motions: &[], particular: None };
     for mesh in [MultiplierMesh::Same, MultiplierMesh::Coarser(2), MultiplierMesh::Finer(3), MultiplierMesh::Shifted] {

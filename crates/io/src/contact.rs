@@ -18,17 +18,18 @@ fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> 
 }
 
 /// One number of each condition: name, unit, meaning.
-const OF_CONDITION: [(&str, &str, &str); 5] = [
+const OF_CONDITION: [(&str, &str, &str); 6] = [
     ("normal_weight", "length", "D_n, 0 without a normal multiplier"),
     ("tangent_weight", "length", "D_t, 0 without a tangential multiplier"),
     ("gap", "length", "weighted gap g"),
     ("slip_offset", "length", "what a held neighbour adds to the tangential displacement"),
-    ("bound", "stress", "friction bound F, infinite for full stick"),
+    ("bound", "stress", "friction bound F without pressure, infinite for full stick"),
+    ("coefficient", "1", "Coulomb's coefficient of friction"),
 ];
 
 impl Persist for Problem {
     const KIND: &'static str = "condensed contact problem";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
         save_dense(at, "stiffness", self.stiffness.as_ref(), &label("stress", "S", &["unknown", "unknown"]))?;
@@ -49,7 +50,8 @@ impl Persist for Problem {
         pair("normal", "coefficients of the normal displacement", &|c| c.normal)?;
         pair("tangent", "coefficients of the tangential displacement", &|c| c.tangent)?;
         for (i, (name, unit, meaning)) in OF_CONDITION.into_iter().enumerate() {
-            let value = |c: &&Condition| [c.normal_weight, c.tangent_weight, c.gap, c.slip_offset, c.bound][i];
+            let value =
+                |c: &&Condition| [c.normal_weight, c.tangent_weight, c.gap, c.slip_offset, c.bound, c.coefficient][i];
             let values: Vec<f64> = conditions.iter().map(value).collect();
             save_vector(at, name, &values, &label(unit, meaning, &["condition"]))?;
         }
@@ -81,6 +83,7 @@ impl Persist for Problem {
             gap: columns[2][i],
             slip_offset: columns[3][i],
             bound: columns[4][i],
+            coefficient: columns[5][i],
         });
         let mut nodes = Vec::new();
         for (i, &first) in first.iter().enumerate() {

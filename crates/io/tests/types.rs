@@ -6,6 +6,7 @@ use common::{check_round_trip, written};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon, Space};
+use steklov_contact::proptest::{Friction, mixed};
 use steklov_contact::{Condition, ContactNode, Outcome, Problem, Solution, Status, active_set, kkt};
 use steklov_io::*;
 use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Rule2, Series, gauss_legendre, tensor};
@@ -43,6 +44,7 @@ fn problem() -> Problem {
         gap: 0.125,
         slip_offset: -0.0,
         bound,
+        coefficient: 0.5,
     };
     let (x, y) = ([1.0, 0.0], [0.0, 1.0]);
     Problem {
@@ -83,7 +85,7 @@ proptest! {
     }
 
     #[test]
-    fn contact(problem in steklov_contact::proptest::mixed(8), codes in prop::collection::vec(0_usize..4, 0..20)) {
+    fn contact(problem in prop_oneof![mixed(8, Friction::Tresca), mixed(8, Friction::Coulomb(2.0))], codes in prop::collection::vec(0_usize..4, 0..20)) {
         check_round_trip(&problem);
         let solution = active_set(&problem, None).unwrap();
         check_round_trip(&solution);

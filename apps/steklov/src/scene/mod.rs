@@ -224,12 +224,5 @@ fn unavailable(root: &Item) -> Result<(), Problem> {
             }
         }
     }
-    for (_, _, side) in open("sides")?.iter().flat_map(Fields::all) {
-        let contact = Fields::open(&side)?.get("contact").map(|c| Fields::open(&c)).transpose()?;
-        let friction = contact.and_then(|c| c.get("friction")).map(|f| Fields::open(&f)).transpose()?;
-        if let Some(coulomb) = friction.and_then(|f| f.get("coulomb")) {
-            return refuse(&coulomb, "Coulomb friction".into(), "use { tresca = \"bound\" }, or leave friction out");
-        }
-    }
     Ok(())
 }

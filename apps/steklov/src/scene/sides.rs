@@ -43,6 +43,18 @@ pub enum Friction {
     Coulomb(Expression),
 }
 
+impl Friction {
+    /// The bound of Tresca's law.
+    pub fn bound(&self) -> Option<&Expression> {
+        if let Self::Tresca(bound) = self { Some(bound) } else { None }
+    }
+
+    /// The coefficient of Coulomb's law.
+    pub fn coefficient(&self) -> Option<&Expression> {
+        if let Self::Coulomb(coefficient) = self { Some(coefficient) } else { None }
+    }
+}
+
 /// A side of the body: all edges of one name.
 #[derive(Debug, Clone)]
 pub struct Side {

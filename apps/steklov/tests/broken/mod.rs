@@ -295,7 +295,6 @@ pub const CASES: &[Case] = &[
     set(&["material.poisson=0.5"], "0.5", "Poisson's ratio is 0.5", "below 0.5"),
     // The full language is known, also where it is not yet available
     edit("elements = 8", "model = \"fem\"", 19, "\"fem\"", "model = \"fem\" is not yet available", "\"bem\""),
-    edit("tresca = \"F\"", "coulomb = \"0.2\"", 11, "\"0.2\"", "Coulomb friction is not yet available", "tresca"),
     edit(
         "",
         "[random.xi]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n",

@@ -33,7 +33,12 @@ pub fn build(
     let index = |name: &str| mesh.side_names.iter().position(|s| s == name).unwrap();
     let sides: Vec<SideData<'_>> = sides
         .iter()
-        .map(|s| SideData { side: index(s), gap: datum("gap", gap), bound: Some(datum("bound", bound)) })
+        .map(|s| SideData {
+            side: index(s),
+            gap: datum("gap", gap),
+            bound: Some(datum("bound", bound)),
+            coefficient: None,
+        })
         .collect();
     contact_boundary(mesh, space, &sides, held)
 }

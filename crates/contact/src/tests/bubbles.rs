@@ -59,7 +59,10 @@ fn bubbles_of_held(
         sets.set_closed(i, closed);
         sets.set_slip(i, slip);
     }
-    contact_bubbles(&m.0, &m.1, &boundary, &sets, &|_| datum(gap), &|_| Some(datum(bound))).unwrap()
+    contact_bubbles(&m.0, &m.1, &boundary, &sets, &|_| datum(gap), &|_| Some(datum(bound)), &|_| {
+        Some(datum(&|x| 0.1 + x.point[0]))
+    })
+    .unwrap()
 }
 
 /// The element that ends in node i of the floor, in the order of the conditions, and those inside it.
@@ -93,6 +96,9 @@ proptest! {
             let sign = f64::from(i8::from(plus)) - f64::from(i8::from(minus));
             let against = (-2.0 / (2.0 * p + 3.0) - 6.0 / (2.0 * p - 1.0)) / (2.0 * p + 1.0) * m.0.length(e) / 2.0;
             prop_assert_eq!(bubble.load[0], 0.0);
+            let middle = m.0.point(e, 0.0)[0];
+            let coupling = if bubble.free[0] { 0.0 } else { sign * (0.1 + middle) };
+            prop_assert!((bubble.coupling - coupling).abs() < 1e-14 * width, "{bubble:?} {coupling}");
             prop_assert!((bubble.load[1] + sign * against).abs() < 1e-13 * width, "{bubble:?} {}", sign * against);
         }
     }

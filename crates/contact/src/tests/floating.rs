@@ -11,7 +11,7 @@ fn judged(problem: &Problem) -> [f64; 2] {
         let audit = kkt(problem, &answer);
         assert!(answer.converged() && audit.worst() <= 1e-10, "{audit:?} {:?}", answer.history);
         assert!(answer.displacement.iter().all(|v| v.abs() < 1e4), "{:?}", answer.displacement);
-        problem.energy(&answer.displacement)
+        problem.energy(&answer.displacement, &answer.multipliers)
     })
 }
 

@@ -3,12 +3,21 @@
 use proptest::prelude::*;
 
 use crate::law::{Law, dot};
-use crate::proptest::mixed;
+use crate::proptest::{Friction, mixed};
 use crate::{Condition, ContactNode, Problem, active_set, kkt};
 
 fn condition(normal: [f64; 2], bound: f64, gap: f64) -> Condition {
     let tangent = [-normal[1], normal[0]];
-    Condition { normal, tangent, normal_weight: 1.0, tangent_weight: 1.0, gap, slip_offset: 0.0, bound }
+    Condition {
+        normal,
+        tangent,
+        normal_weight: 1.0,
+        tangent_weight: 1.0,
+        gap,
+        slip_offset: 0.0,
+        bound,
+        coefficient: 0.0,
+    }
 }
 
 fn phi(law: &Law, w: [f64; 2]) -> f64 {
@@ -28,12 +37,12 @@ fn phi(law: &Law, w: [f64; 2]) -> f64 {
 
 proptest! {
     #[test]
-    fn prox_minimises_its_functional(problem in mixed(1), z in (-3.0..3.0f64, -3.0..3.0f64),
+    fn prox_minimises_its_functional(problem in mixed(1, Friction::Tresca), z in (-3.0..3.0f64, -3.0..3.0f64),
                                      y in (-1.0..1.0f64, -1.0..1.0f64),
                                      c in (0.1..10.0f64, 0.1..10.0f64), t in 1e-6..1.0f64) {
         let node = &problem.nodes[0];
         let two = node.unknowns == 2;
-        let law = Law::new(node, [c.0, c.1]);
+        let law = Law::new(node, [c.0, c.1], &[]);
         let z = [z.0, if two { z.1 } else { 0.0 }];
         let (w, _, missed) = law.prox(z);
         prop_assert!(missed <= 1e-12, "{missed:e}");
@@ -43,8 +52,8 @@ proptest! {
     }
 
     #[test]
-    fn prox_does_not_expand(problem in mixed(1), a in (-3.0..3.0f64, -3.0..3.0f64), b in (-3.0..3.0f64, -3.0..3.0f64)) {
-        let law = Law::new(&problem.nodes[0], [1.0, 1.0]);
+    fn prox_does_not_expand(problem in mixed(1, Friction::Tresca), a in (-3.0..3.0f64, -3.0..3.0f64), b in (-3.0..3.0f64, -3.0..3.0f64)) {
+        let law = Law::new(&problem.nodes[0], [1.0, 1.0], &[]);
         let two = problem.nodes[0].unknowns == 2;
         let cut = |a: (f64, f64)| [a.0, if two { a.1 } else { 0.0 }];
         let (a, b) = (cut(a), cut(b));
@@ -53,10 +62,10 @@ proptest! {
     }
 
     #[test]
-    fn without_friction_prox_is_a_projection(problem in mixed(1), z in (-3.0..3.0f64, -3.0..3.0f64)) {
+    fn without_friction_prox_is_a_projection(problem in mixed(1, Friction::Tresca), z in (-3.0..3.0f64, -3.0..3.0f64)) {
         let mut node = problem.nodes[0].clone();
         node.conditions.iter_mut().for_each(|c| c.bound = 0.0);
-        let law = Law::new(&node, [1.0, 1.0]);
+        let law = Law::new(&node, [1.0, 1.0], &[]);
         let once = law.prox([z.0, if node.unknowns == 2 { z.1 } else { 0.0 }]).0;
         let twice = law.prox(once).0;
         prop_assert!((once[0] - twice[0]).hypot(once[1] - twice[1]) <= 1e-13);
@@ -66,7 +75,7 @@ proptest! {
     fn an_ordinary_node_is_a_minimum_and_a_soft_threshold(z in (-3.0..3.0f64, -3.0..3.0f64), gap in -1.0..1.0f64,
                                                           bound in 0.0..2.0f64, c in (0.1..10.0f64, 0.1..10.0f64)) {
         let node = ContactNode { first: 0, unknowns: 2, conditions: vec![condition([1.0, 0.0], bound, gap)] };
-        let (w, ..) = Law::new(&node, [c.0, c.1]).prox([z.0, z.1]);
+        let (w, ..) = Law::new(&node, [c.0, c.1], &[]).prox([z.0, z.1]);
         let threshold = z.1.signum() * (z.1.abs() - bound / c.1).max(0.0);
         prop_assert!((w[0] - z.0.min(gap)).abs() < 1e-14 && (w[1] - threshold).abs() < 1e-14);
     }

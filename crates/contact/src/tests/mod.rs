@@ -4,6 +4,7 @@ mod oracle;
 mod rows;
 mod boundaries;
 mod bubbles;
+mod coulomb;
 mod floating;
 mod frozen;
 mod interior_points;

@@ -26,6 +26,7 @@ impl Row {
             gap,
             slip_offset: 0.0,
             bound,
+            coefficient: 0.0,
         };
         let node = |i| ContactNode { first: 2 * i, unknowns: 2, conditions: vec![condition.clone()] };
         let point = |(i, &s)| LinePoint { s, node: i, condition: 0, index: i };

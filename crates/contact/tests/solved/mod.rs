@@ -145,6 +145,7 @@ impl Case {
             side: 0,
             gap: Datum { name: "gap", value: &self.gap, kinks: &kinks },
             bound: Some(Datum { name: "bound", value: &self.bound, kinks: &kinks }),
+            coefficient: None,
         }];
         let boundary = contact_boundary(&mesh, &space, &sides, &|i| held[i].map_or([None; 2], |u| u.map(Some)));
         let boundary = boundary.expect("a floor");

@@ -1,0 +1,250 @@
+//! Coulomb's law as a fixed point of Tresca problems: the iteration, its contraction, and whether there is one solution.
+
+use crate::active_set::{ACCEPTED, Linear, Settled, iterate, laws, nearest_pieces, settle, solution};
+use crate::frozen::{Frozen, Sets};
+use crate::law::{Law, Piece};
+use crate::linear::{largest, product};
+use crate::{ContactError, Outcome, Problem, Solution, Start, interior_point};
+
+/// Relative change of the pressures at which the iteration ends.
+const TOLERANCE: f64 = 1e-11;
+/// Tresca problems at most.
+const LIMIT: usize = 100;
+/// Of these with an active set trial under Coulomb's law.
+const TRIALS: usize = 30;
+/// Active set steps of one trial.
+const POLISHING: usize = 12;
+/// Steps towards bounds under which a Tresca problem has a solution, or doublings of the first ones.
+const RETREATS: usize = 12;
+/// Power iterations for the contraction, and how many of the last ones are averaged.
+const POWERS: usize = 60;
+const AVERAGED: usize = 20;
+/// Solutions farther apart than this part of the largest displacement and gap are different.
+const DIFFERENT: f64 = 1e-6;
+
+/// Solves a problem with Coulomb friction as a fixed point: Tresca problems with the bounds μ λ_n⁺ of the one before.
+///
+/// ```text
+/// F⁰ = bound + μ p,   p = Σ|f| / Σ D_n, or the pressures of the start;   F^k = bound + μ (λ_n^(k-1))⁺
+/// ```
+/// Each problem has one answer (but for what friction that is used up leaves free), from the interior point method or, with
+/// the sets of the one before, from the active set method. Where a body has no rest under some F^k, the mean with the
+/// bounds before is tried. It ends when the pressures change by less than 1e-11 of the largest. The history is that of
+/// these changes: the ratio of successive ones is the contraction. A problem without Coulomb friction takes two steps.
+///
+/// *Use when*: as a reference, and to see the contraction: linear convergence with a factor that grows with the
+/// coefficients ([`contraction`]). *Fails when*: that factor is 1 or more; then the 100 problems do not settle
+/// ([`Outcome::IterationLimit`]), though there may be a solution. *Cost*: one or two factorisations a step as long as the
+/// sets change little.
+///
+/// # Errors
+/// As [`crate::active_set`].
+///
+/// Source: Nečas, Jarušek and Haslinger, Boll. Unione Mat. Ital. B 17 (1980).
+pub fn fixed_point(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
+    problem.check()?;
+    let mut bounds = first_bounds(problem, start)?;
+    let (mut answer, mut history) = (None, Vec::new());
+    for _ in 0..LIMIT {
+        let next = tresca_solution(problem, &mut bounds, answer.as_ref())?;
+        history.push(change(&bounds.multipliers, &next.multipliers));
+        bounds.accept(&next);
+        answer = Some(next);
+        if history.last().is_some_and(|c| *c <= TOLERANCE) {
+            break;
+        }
+    }
+    let answer = answer.expect("at least one problem is solved");
+    let outcome =
+        if history.last().is_some_and(|c| *c <= TOLERANCE) { answer.outcome } else { Outcome::IterationLimit };
+    Ok(Solution { iterations: history.len(), history, outcome, ..answer })
+}
+
+/// The active set method under Coulomb's law from full stick, then from the solution of each Tresca problem of the fixed
+/// point, until it settles.
+pub(crate) fn coulomb(problem: &Problem) -> Result<Solution, ContactError> {
+    let mut history = Vec::new();
+    let finished = |history: Vec<f64>, answer: Solution| Solution { iterations: history.len(), history, ..answer };
+    let stick = laws(problem, &[]);
+    let closed = stick.iter().map(|law| law.closed().clone()).collect();
+    if let Some(answer) = settled(problem, &stick, closed, &vec![0.0; problem.load.len()], &mut history) {
+        return Ok(finished(history, answer));
+    }
+    let mut bounds = first_bounds(problem, None)?;
+    let mut last: Option<Solution> = None;
+    for _ in 0..TRIALS {
+        let next = tresca_solution(problem, &mut bounds, last.as_ref())?;
+        history.extend(&next.history);
+        let (laws, v) = (laws(problem, &next.multipliers), &next.displacement);
+        let pieces = nearest_pieces(problem, &laws, v, &body_force(problem, v));
+        if let Some(answer) = settled(problem, &laws, pieces, v, &mut history) {
+            return Ok(finished(history, answer));
+        }
+        bounds.accept(&next);
+        last = Some(next);
+    }
+    let last = last.expect("at least one problem is solved");
+    let laws: Vec<Law> = laws(problem, &last.multipliers);
+    let pieces = nearest_pieces(problem, &laws, &last.displacement, &body_force(problem, &last.displacement));
+    let mut rest = iterate(problem, &laws, pieces, &last.displacement)?;
+    history.append(&mut rest.history);
+    Ok(finished(history, rest))
+}
+
+/// The solution to which a few active set steps settle, if they do. An error is one of the sets that were tried, not of the
+/// problem, and is none.
+fn settled(
+    problem: &Problem,
+    laws: &[Law],
+    pieces: Vec<Piece>,
+    near: &[f64],
+    history: &mut Vec<f64>,
+) -> Option<Solution> {
+    let found = settle(problem, laws, pieces, near, POLISHING, history).ok().filter(|s| s.measure <= ACCEPTED)?;
+    let Settled { pieces, linear: Linear { displacement, force, .. }, .. } = found;
+    let answer = solution(problem, laws, &pieces, displacement, &force, Vec::new(), Outcome::Converged);
+    answer.converged().then_some(answer)
+}
+
+/// R = f - S v.
+fn body_force(problem: &Problem, v: &[f64]) -> Vec<f64> {
+    problem.load.iter().zip(product(&problem.stiffness, v)).map(|(f, s)| f - s).collect()
+}
+
+/// The pressures that give the next bounds, as multipliers, and those of the last problem with a solution.
+struct Bounds {
+    multipliers: Vec<[f64; 2]>,
+    before: Option<Vec<[f64; 2]>>,
+}
+
+impl Bounds {
+    fn accept(&mut self, answer: &Solution) {
+        self.before = Some(std::mem::replace(&mut self.multipliers, answer.multipliers.clone()));
+    }
+}
+
+fn first_bounds(problem: &Problem, start: Option<Start<'_>>) -> Result<Bounds, ContactError> {
+    let conditions: Vec<_> = problem.nodes.iter().flat_map(|n| &n.conditions).collect();
+    let multipliers = match start {
+        Some(start) => {
+            start.nodal_force(problem)?;
+            start.multipliers.to_vec()
+        }
+        None => {
+            let weights: f64 = conditions.iter().map(|c| c.normal_weight).sum();
+            let pressure = problem.load.iter().map(|f| f.abs()).sum::<f64>() / weights.max(f64::MIN_POSITIVE);
+            vec![[pressure, 0.0]; conditions.len()]
+        }
+    };
+    Ok(Bounds { multipliers, before: None })
+}
+
+/// The solution of the Tresca problem of these bounds, or of some nearer to the ones before.
+fn tresca_solution(problem: &Problem, bounds: &mut Bounds, last: Option<&Solution>) -> Result<Solution, ContactError> {
+    for retreat in 0.. {
+        let tresca = problem.tresca(&bounds.multipliers);
+        let warm = last.and_then(|last| {
+            let laws = laws(&tresca, &[]);
+            let force = body_force(problem, &last.displacement);
+            let pieces = nearest_pieces(&tresca, &laws, &last.displacement, &force);
+            settled(&tresca, &laws, pieces, &last.displacement, &mut Vec::new())
+        });
+        match warm.map_or_else(|| interior_point(&tresca), Ok) {
+            Err(ContactError::NotHeld { .. }) if retreat < RETREATS => match &bounds.before {
+                Some(before) => {
+                    let mean = |(a, b): (&[f64; 2], &[f64; 2])| [(a[0].max(0.0) + b[0].max(0.0)) / 2.0, 0.0];
+                    bounds.multipliers = bounds.multipliers.iter().zip(before).map(mean).collect();
+                }
+                None => bounds.multipliers.iter_mut().for_each(|l| l[0] *= 2.0),
+            },
+            other => return other,
+        }
+    }
+    unreachable!("the last retreat returns")
+}
+
+/// Largest change of the pressures over the largest pressure.
+fn change(before: &[[f64; 2]], after: &[[f64; 2]]) -> f64 {
+    let of = |l: &[f64; 2]| l[0].max(0.0);
+    let moved = largest(before.iter().zip(after).map(|(a, b)| of(a) - of(b)));
+    if moved == 0.0 { 0.0 } else { moved / largest(after.iter().map(of)).max(f64::MIN_POSITIVE) }
+}
+
+/// The factor by which changes of the pressure shrink from one Tresca problem of [`fixed_point`] to the next, near a
+/// solution: the spectral radius of its derivative with the sets as they are, to about a tenth.
+///
+/// Below 1 the solution is isolated and the fixed point finds it; from 1 on several solutions, or none for slightly other
+/// loads, are to be expected. 0 where nothing slips under pressure. *Cost*: one factorisation, 60 products.
+///
+/// # Errors
+/// [`ContactError::Inconsistent`] when the solution is not one of this problem, [`ContactError::Decomposition`].
+pub fn contraction(problem: &Problem, answer: &Solution) -> Result<f64, ContactError> {
+    let sets = Sets::new(problem, answer)?;
+    let frozen = Frozen::new(problem, &sets)?;
+    let conditions: Vec<_> = problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c))).collect();
+    // the slipping conditions: direction of slip times μ D_t
+    let sliding: Vec<(usize, f64)> = (0..conditions.len())
+        .filter(|&i| sets.closed(i) && conditions[i].1.is_coulomb())
+        .filter_map(|i| {
+            let c = conditions[i].1;
+            sets.slip(i).filter(|s| *s != 0).map(|s| (i, f64::from(s) * c.coefficient * c.tangent_weight))
+        })
+        .collect();
+    let mut pressures: Vec<f64> = (0..sliding.len()).map(|k| 1.0 + 0.5 * (k as f64).sin()).collect();
+    let mut logs = Vec::new();
+    for _ in 0..POWERS {
+        let size = pressures.iter().map(|p| p * p).sum::<f64>().sqrt();
+        if size == 0.0 {
+            return Ok(0.0);
+        }
+        logs.push(size.ln());
+        let mut load = vec![0.0; problem.load.len()];
+        for (&(i, friction), p) in sliding.iter().zip(&pressures) {
+            let (node, c) = conditions[i];
+            (0..node.unknowns).for_each(|j| load[node.first + j] -= friction * p / size * c.tangent[j]);
+        }
+        let elastic = product(&problem.stiffness, &frozen.correction(&load));
+        pressures = sliding
+            .iter()
+            .map(|&(i, _)| {
+                let (node, c) = conditions[i];
+                let force = node.pick(&elastic);
+                let square = c.normal[0] * c.normal[0] + c.normal[1] * c.normal[1];
+                -(c.normal[0] * force[0] + c.normal[1] * force[1]) / (square * c.normal_weight)
+            })
+            .collect();
+    }
+    let last = &logs[logs.len() - AVERAGED..];
+    Ok((last.iter().sum::<f64>() / AVERAGED as f64).exp())
+}
+
+/// A solution that differs from the given one, if the active set method finds one from full stick or from no friction.
+///
+/// Under Coulomb's law a problem may have several solutions; that none is found here proves nothing. *Cost*: a few
+/// factorisations.
+///
+/// # Errors
+/// [`ContactError::Inconsistent`] from [`Problem::check`].
+pub fn other_solution(problem: &Problem, answer: &Solution) -> Result<Option<Solution>, ContactError> {
+    problem.check()?;
+    if !problem.is_coulomb() {
+        return Ok(None);
+    }
+    let origin = vec![0.0; problem.load.len()];
+    let closed = |laws: &[Law]| laws.iter().map(|law| law.closed().clone()).collect::<Vec<Piece>>();
+    let from = |laws: &[Law], pieces, near: &[f64]| settled(problem, laws, pieces, near, &mut Vec::new());
+    let stick = laws(problem, &[]);
+    let none = problem.tresca(&vec![[0.0; 2]; answer.multipliers.len()]);
+    let smooth = laws(&none, &[]);
+    let slip = settled(&none, &smooth, closed(&smooth), &origin, &mut Vec::new()).and_then(|start| {
+        let (laws, v) = (laws(problem, &start.multipliers), &start.displacement);
+        from(&laws, nearest_pieces(problem, &laws, v, &body_force(problem, v)), v)
+    });
+    let found = [from(&stick, closed(&stick), &origin), slip];
+    let gaps = problem.nodes.iter().flat_map(|node| &node.conditions).map(|c| c.gap);
+    let scale = largest(answer.displacement.iter().copied()) + largest(gaps);
+    let differs = |other: &Solution| {
+        largest(other.displacement.iter().zip(&answer.displacement).map(|(a, b)| a - b)) > DIFFERENT * scale
+    };
+    Ok(found.into_iter().flatten().find(differs))
+}
