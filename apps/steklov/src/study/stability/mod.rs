@@ -57,7 +57,7 @@ impl Stability<'_> {
     }
 }
 
-/// The overrides of a study: [`FIRST`] where the user sets nothing else, then those of the user.
+/// The overrides of a study: a coarse first mesh and a tolerance where the user sets nothing else, then those of the user.
 pub fn settings(user: &[String]) -> Vec<String> {
     let key = |o: &str| o.split('=').next().unwrap_or_default().trim().to_owned();
     let first = FIRST.iter().filter(|o| user.iter().all(|u| key(u) != key(o))).map(|&o| o.to_owned());
