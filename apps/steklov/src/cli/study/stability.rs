@@ -16,7 +16,7 @@ use crate::study::stability::{
 
 /// Looks for trouble where such methods may have it.
 pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
-    let scene = scene(args, |_| settings(&args.overrides))?;
+    let scene = scene(args, |text| settings(text, &args.overrides))?;
     let beside = args.beside.as_deref().map_or(Ok(Vec::new()), read_beside)?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-stability", stem(&args.scene))));
     check_folder(&out, args.force)?;

@@ -24,9 +24,9 @@ pub use single_layer::{SingleLayer, Spectrum, single_layer};
 pub use store::write;
 pub use table::{csv, json, text};
 
-/// First mesh and tolerance of the scene where the user sets nothing else: the errors of coarse uniform meshes are
-/// measured, for which references of 1/50 of this tolerance are fine enough.
-const FIRST: [&str; 3] = ["method.elements=16", "method.degree=1", "method.tolerance=1e-3"];
+/// Tolerance of the scene: the errors of coarse uniform meshes are measured, for which references of 1/50 of it are fine
+/// enough.
+const TOLERANCE: &str = "method.tolerance=1e-3";
 
 /// A finished study.
 #[derive(Debug)]
@@ -57,19 +57,25 @@ impl Stability<'_> {
     }
 }
 
-/// The overrides of a study: a coarse first mesh and a tolerance where the user sets nothing else, then those of the user.
-pub fn settings(user: &[String]) -> Vec<String> {
-    let key = |o: &str| o.split('=').next().unwrap_or_default().trim().to_owned();
-    let first = FIRST.iter().filter(|o| user.iter().all(|u| key(u) != key(o))).map(|&o| o.to_owned());
-    first.chain(user.iter().cloned()).collect()
+/// The overrides of a study: its tolerance and those of [`super::settings`] where the user sets nothing else, then those of
+/// the user. `text` is that of the scene.
+pub fn settings(text: &str, user: &[String]) -> Vec<String> {
+    let named = user.iter().any(|o| o.split('=').next().is_some_and(|key| key.trim() == "method.tolerance"));
+    let own = (!named).then(|| TOLERANCE.to_owned());
+    super::settings(text, &own.into_iter().chain(user.iter().cloned()).collect::<Vec<_>>())
 }
 
 #[cfg(test)]
 mod tests {
     #[test]
-    fn settings_of_the_user_win() {
-        let user = ["method.degree = 3".to_owned(), "title=\"a\"".to_owned()];
-        let expected = ["method.elements=16", "method.tolerance=1e-3", "method.degree = 3", "title=\"a\""];
-        assert_eq!(super::settings(&user), expected);
+    fn the_studys_own_tolerance_is_not_that_of_the_scene() {
+        let of = |user: &[&str]| {
+            let user: Vec<String> = user.iter().map(|&o| o.to_owned()).collect();
+            super::settings("method.tolerance = 1e-7\nmethod.max_dofs = 500", &user)
+        };
+        let first = ["method.elements=16", "method.degree=1"];
+        assert_eq!(of(&["title=\"a\""]), [first[0], first[1], "method.tolerance=1e-3", "title=\"a\""]);
+        assert_eq!(of(&["method.degree = 3"]), [first[0], "method.tolerance=1e-3", "method.degree = 3"]);
+        assert_eq!(of(&["method.tolerance = 1e-4"]), [first[0], first[1], "method.tolerance = 1e-4"]);
     }
 }

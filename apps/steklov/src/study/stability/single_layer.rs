@@ -19,14 +19,14 @@ use super::columns::Column;
 use crate::scene::Scene;
 
 /// Traction unknowns of the mesh, about; a body of many edges gets fewer layers at its corners.
-const UNKNOWNS: usize = 1000;
+const UNKNOWNS: usize = 720;
 /// Ratio of the layers; degrees rise by one from each to the next.
 const RATIO: f64 = 0.15;
 /// Layers at most: degenerate sizes to eight digits.
 const LAYERS: usize = 8;
 
 /// Diameters: so many an octave, for so many octaves to either side of the first degenerate one.
-const PER_OCTAVE: i32 = 8;
+const PER_OCTAVE: i32 = 6;
 const OCTAVES: i32 = 3;
 
 /// The matrix at one size of the body.
