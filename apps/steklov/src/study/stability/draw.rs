@@ -12,6 +12,8 @@ use crate::picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, c
 struct Line {
     name: String,
     points: Vec<[f64; 2]>,
+    /// Of another method: dashed.
+    other: bool,
 }
 
 /// Draws errors over ν and eigenvalues over size into a folder; returns the files.
@@ -30,7 +32,7 @@ pub fn pictures(study: &Stability<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pi
     let mut of = lines(study, |p| p.energy_error);
     for (name, results) in judged(study.beside, &study.incompressible.truths) {
         let points = results.iter().map(|j| [0.5 - j.poisson, j.energy_error]).collect();
-        of.push(Line { name: name.to_owned(), points });
+        of.push(Line { name: name.to_owned(), points, other: true });
     }
     draw("incompressible-energy", incompressible(study, energy, &of)?)?;
     draw("single-layer", single_layer(study)?)?;
@@ -41,19 +43,29 @@ pub fn pictures(study: &Stability<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pi
 fn lines(study: &Stability<'_>, value: fn(&Point) -> f64) -> Vec<Line> {
     let all = study.incompressible;
     let points = |mesh| all.of_mesh(mesh).map(|p| [0.5 - p.poisson, value(p)]).collect();
-    all.meshes().into_iter().map(|mesh| Line { name: mesh_name(mesh), points: points(mesh) }).collect()
+    all.meshes().into_iter().map(|mesh| Line { name: mesh_name(mesh), points: points(mesh), other: false }).collect()
 }
 
 fn incompressible(study: &Stability<'_>, label: &str, lines: &[Line]) -> Result<Picture, PictureError> {
-    let curves: Vec<[Curve<'_>; 1]> = lines.iter().map(|l| [Curve { points: &l.points, flagged: &[] }]).collect();
-    let series: Vec<Series<'_>> =
-        lines.iter().zip(&curves).map(|(l, curves)| Series { name: &l.name, curves }).collect();
+    let none = Curve { points: &[], flagged: &[] };
+    let curves: Vec<[Curve<'_>; 2]> = lines
+        .iter()
+        .map(|l| (l.other, Curve { points: &l.points, flagged: &[] }))
+        .map(|(other, curve)| if other { [none, curve] } else { [curve, none] })
+        .collect();
+    let others = lines.iter().any(|l| l.other);
+    let quantities = &["boundary elements", "other methods"][..if others { 2 } else { 1 }];
+    let series: Vec<Series<'_>> = lines
+        .iter()
+        .zip(&curves)
+        .map(|(l, curves)| Series { name: &l.name, curves: &curves[..quantities.len()] })
+        .collect();
     let plane = if study.note().is_some() { " (plane stress)" } else { "" };
     chart(&Chart {
         title: &format!("{}: towards incompressible material{plane}", study.scene.title),
         x: Axis { label: "1/2 - Poisson's ratio (incompressible to the left)", scale: Scale::Log },
         y: Axis { label, scale: Scale::Log },
-        quantities: &["error"],
+        quantities,
         series: &series,
         flag: "",
         guides: &[],
