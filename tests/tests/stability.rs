@@ -8,6 +8,9 @@
 //! | slivers, 1° corners, near-touching sides, length ratio 1e6, degree 16 | here, in contact; `bem-operators/tests/stability.rs`, `moments.rs` (V positive, patch test, entries) |
 //! | re-entrant corners, points of mixed conditions, crack tips | `stability_singular.rs`; `adaptive_rates.rs`, `adaptive_references.rs` (corners, ends of contact); `closed_forms.rs` (level: crack, punch) |
 //! | friction: F = 0, huge bound, contact nowhere and everywhere, zero gap, floating bodies (`RigidMotion`) | `contact_limits.rs`; here `friction_bounds_from_nothing_to_infinity` |
+//! | multiplier choice | `contact/tests/stabilised.rs` (β of pairs with and without stabilisation); `multipliers.rs` (pressures on finer and shifted meshes of multipliers) |
+//! | γ too large | `contact/tests/stabilised.rs` (critical γ); `multipliers.rs` (refused with both numbers) |
+//! | Coulomb friction: none, huge, several or no solutions | `coulomb.rs`; `contact/src/tests` (all states of few nodes) |
 //! | cycling | `stability_iterations.rs`; here `waves_do_not_make_the_solvers_cycle` |
 //! | Uzawa with too large a step | here |
 //! | data that are not finite | here; `apps/steklov/tests/broken_scenes.rs` (place in the file) |

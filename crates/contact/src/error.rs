@@ -55,10 +55,11 @@ pub enum ContactError {
         /// Largest eigenvalue of S.
         largest: f64,
     },
-    /// The stabilisation takes more energy than the body has.
+    /// The stabilisation takes more energy than the body has, or next to none.
     #[error(
-        "the stabilisation γ₀ = {gamma:.6e} is not between 0 and its critical value {critical:.6e} on this mesh, beyond which \
-         the stabilised form is not coercive: lower gamma, or leave it at \"auto\", half of the critical value"
+        "the stabilisation γ₀ = {gamma:.6e} is not below its critical value {critical:.6e} on this mesh, beyond which the \
+         stabilised form is not coercive, nor above a millionth of it, below which it drowns in rounding errors: change \
+         gamma, or leave it at \"auto\", half of the critical value"
     )]
     StabilisationNotCoercive {
         /// γ₀ in γ = γ₀ h/p² (1/stress).

@@ -85,11 +85,13 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
     let laws = equations.laws_at(&v, &state.force);
     let pieces = nearest_pieces(problem, &laws, &v, &state.force);
     if history.last().is_none_or(|h| *h > TOLERANCE) {
-        let mut rest = match iterate(problem, &laws, pieces, &origin) {
-            Ok(rest) if rest.converged() || !problem.is_coulomb() => rest,
-            Err(error) if !problem.is_coulomb() => return Err(error),
-            _ => active_set(problem, None)?, // v may have run away
-        };
+        // where a start misled the iteration its last pieces would do the same
+        let mut rest =
+            match if start.is_some() { active_set(problem, None) } else { iterate(problem, &laws, pieces, &origin) } {
+                Ok(rest) if rest.converged() || !problem.is_coulomb() => rest,
+                Err(error) if !problem.is_coulomb() => return Err(error),
+                _ => active_set(problem, None)?, // v may have run away
+            };
         history.append(&mut rest.history);
         return Ok(Solution { iterations: history.len(), history, ..rest });
     }

@@ -81,6 +81,8 @@ pub struct Loading<'a> {
     pub particular: Option<(&'a BodyForce, &'a [f64])>,
 }
 
+/// γ₀ over its critical value, at least: the condensed problem is as ill-conditioned as that is small.
+const LEAST: f64 = 1e-6;
 /// Layers towards the ends of an element, and Gauss points on each: 5e-4 of ∫ |σ^h|².
 const LAYERS: usize = 3;
 const POINTS: usize = 5;
@@ -200,7 +202,7 @@ impl StabilisedForms {
     /// The problem of γ = γ₀ h/p², condensed. `sides`: gap and bound of every contact side.
     ///
     /// # Errors
-    /// [`ContactError::StabilisationNotCoercive`] when γ₀ is not below `critical`; [`ContactError::Data`] for data that are
+    /// [`ContactError::StabilisationNotCoercive`] when γ₀ is not below `critical`, or below a millionth of it; [`ContactError::Data`] for data that are
     /// not finite.
     pub fn condense(
         &self,
@@ -212,7 +214,7 @@ impl StabilisedForms {
         critical: f64,
     ) -> Result<Stabilised, ContactError> {
         let refused = ContactError::StabilisationNotCoercive { gamma, critical };
-        if gamma <= 0.0 || gamma >= critical || gamma.is_nan() {
+        if gamma.is_nan() || gamma >= critical || gamma < LEAST * critical {
             return Err(refused);
         }
         let free = free_unknowns(loading.load.len(), loading.held);
@@ -452,8 +454,9 @@ fn value_at(mesh: &Mesh, edge: usize, s: f64, bound: &Datum<'_>) -> Result<f64, 
     Ok(f)
 }
 
-/// Relative accuracy of the largest eigenvalue, and Lanczos steps at most.
-const ACCURACY: f64 = 1e-5;
+/// Relative residual at which the largest eigenvalue is known well enough, and Lanczos steps at most. Of many equal elements the
+/// largest eigenvalues lie close together: then the vector is any of theirs, the value is found long before.
+const ACCURACY: f64 = 1e-3;
 const STEPS: usize = 120;
 
 /// The largest eigenvalue of a symmetric matrix without negative ones, by Lanczos' method with all vectors kept orthogonal.
@@ -477,7 +480,7 @@ fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
         let rest = w.norm_l2();
         let eigen = projected.submatrix(0, 0, k + 1, k + 1).self_adjoint_eigen(Side::Lower).ok()?;
         let value = eigen.S()[k];
-        if rest * eigen.U()[(k, k)].abs() <= ACCURACY * value || k + 1 == n {
+        if rest * eigen.U()[(k, k)].abs() <= ACCURACY * value || k + 1 == n.min(STEPS) {
             return Some(value);
         }
         if k + 1 < STEPS {

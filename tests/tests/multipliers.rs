@@ -1,0 +1,160 @@
+//! Stabilised multipliers beside biorthogonal ones: the same answers, on any mesh of the multipliers, and what happens without
+//! stabilisation.
+
+use steklov::scene::{Condition, Multiplier, Refine, Scene};
+use steklov::solve::SolveError;
+use steklov_contact::{ContactError, MultiplierDegree, MultiplierMesh};
+use steklov_quadrature::gauss_legendre;
+use steklov_tests::{adapt, answer, gallery, line, scene};
+
+fn stabilised(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.method.multiplier = Multiplier::Stabilised;
+    scene
+}
+
+/// Every scene with contact reaches its tolerance with the default γ, at the energy of biorthogonal multipliers.
+#[test]
+fn every_scene_of_the_gallery_is_solved() {
+    for (name, scene) in
+        gallery().into_iter().filter(|(_, s)| s.sides.iter().any(|s| matches!(s.condition, Condition::Contact { .. })))
+    {
+        let [a, b] = [scene.clone(), stabilised(&scene)].map(|s| adapt(&s).unwrap_or_else(|e| panic!("{name}: {e}")));
+        let [x, y] = [&a, &b].map(|run| (run.step().energy, run.step().estimate.as_ref().map_or(0.0, |e| e.relative)));
+        let off = ((x.0 - y.0) / x.0).abs();
+        println!(
+            "{name:24} {:4} and {:4} dofs, J off by {off:.1e}, estimates {:.1e} {:.1e}",
+            a.step().dofs,
+            b.step().dofs,
+            x.1,
+            y.1
+        );
+        assert!(b.converged() == a.converged(), "{name}: {:?}", b.reason);
+        // stabilised multipliers let u_n exceed the gap a little, to which J is of first order
+        let allowed = 1e-11 + 1e-2 * (x.1 + y.1);
+        assert!(off <= allowed, "{name}: {off:e} {allowed:e}");
+        let contact = b.last.contact.as_ref().expect("contact");
+        assert!(
+            contact.stabilised.as_ref().is_some_and(|s| s.gamma < 0.51 * s.critical && s.gamma > 0.49 * s.critical)
+        );
+    }
+}
+
+/// J of the wedge gap, thirteen digits by several adaptive meshes of biorthogonal multipliers.
+#[test]
+fn both_multipliers_converge_to_the_energy_of_the_wedge() {
+    for multiplier in [Multiplier::Biorthogonal, Multiplier::Stabilised] {
+        let mut wedge = scene("wedge-gap", &["method.tolerance=1e-4"]);
+        wedge.method.multiplier = multiplier;
+        let energy = adapt(&wedge).expect("it is solved").step().energy;
+        println!("{multiplier:?}: {energy:.12}");
+        assert!((energy - 0.647_194_015_986_9).abs() < 1e-6 * energy, "{multiplier:?}: {energy}");
+    }
+}
+
+/// Coulomb friction: displacements of the floor to five digits by two kinds of multipliers.
+#[test]
+fn ssnv128_has_the_digits_of_both_multipliers() {
+    let scene = scene("ssnv128", &["method.tolerance=3e-6"]);
+    let floor = |scene: &Scene| -> Vec<f64> {
+        let last = adapt(scene).expect("it is solved").last;
+        let at = |x: f64| {
+            let s = x / 40.0;
+            let inside =
+                |e: &usize| last.mesh.edge[*e] == 0 && last.mesh.span[*e][0] <= s && s <= last.mesh.span[*e][1];
+            let e = (0..last.mesh.len()).find(inside).expect("an element of the floor");
+            let [a, b] = last.mesh.span[e];
+            last.field.trace(e, 2.0 * (s - a) / (b - a) - 1.0).displacement[0]
+        };
+        [0.0, 1.25, 5.0, 7.5, 11.25].map(at).to_vec()
+    };
+    for (a, b) in floor(&scene).into_iter().zip(floor(&stabilised(&scene))) {
+        println!("{a:.7e} {b:.7e}");
+        assert!((a - b).abs() < 1e-5 * a.abs(), "{a} {b}");
+    }
+}
+
+/// ‖(h/p²)^½ (λ_n - λ_ref)‖ of uniform meshes against an adaptive solution.
+fn pressure_errors(scene: &Scene, elements: &[usize]) -> Vec<f64> {
+    let mut fine = stabilised(scene);
+    (fine.method.refine, fine.method.tolerance, fine.method.gamma) = (Refine::Hp, 1e-5, None);
+    (fine.method.multiplier_mesh, fine.method.multiplier_degree) =
+        (MultiplierMesh::Same, MultiplierDegree::Relative(0));
+    let fine = adapt(&fine).expect("it is solved").last;
+    let reference = fine.contact.as_ref().and_then(|c| c.stabilised.as_ref()).expect("stabilised");
+    let error = |n: usize| {
+        let mut scene = stabilised(scene);
+        (scene.method.refine, scene.method.elements) = (Refine::None, n);
+        let solved = answer(&scene).solved;
+        let s = solved.contact.as_ref().and_then(|c| c.stabilised.as_ref()).expect("stabilised");
+        let mut sum = 0.0;
+        for cell in s.space.cells(&solved.mesh) {
+            let (e, mesh) = (cell.element, &solved.mesh);
+            for part in 0..8 {
+                let at = |k: usize| cell.span[0] + (cell.span[1] - cell.span[0]) * k as f64 / 8.0;
+                let rule = gauss_legendre(6).mapped(at(part), at(part + 1));
+                for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+                    let position = mesh.edge_parameter(e, t);
+                    let found = s.space.value(cell.multiplier, position, &s.solution.multipliers)[0];
+                    let own = |m: &&steklov_contact::MultiplierElement| {
+                        m.edge == mesh.edge[e] && m.span[0] <= position && position <= m.span[1]
+                    };
+                    let place = reference.space.elements.iter().position(|m| own(&m)).expect("an element");
+                    let exact = reference.space.value(place, position, &reference.solution.multipliers)[0];
+                    let h = mesh.length(e);
+                    sum += w * h / 2.0 * h / (mesh.degree[e] as f64).powi(2) * (found - exact).powi(2);
+                }
+            }
+        }
+        sum.sqrt()
+    };
+    elements.iter().map(|&n| error(n)).collect()
+}
+
+/// The pressure on a parabola has roots at its ends: λ_n is of order just below 1, and the error falls like h^(3/2). Multiplier
+/// meshes finer than the displacement's are unstable by themselves: without stabilisation pressures that no displacement
+/// sees take what the parabola leaves over its interpolant.
+#[test]
+fn mismatched_multipliers_converge_with_stabilisation_only() {
+    let elements = [32, 64, 128, 256];
+    let sizes: Vec<f64> = elements.iter().map(|&n| (n as f64).ln()).collect();
+    for (mesh, degree) in [
+        (MultiplierMesh::Same, MultiplierDegree::Relative(0)),
+        (MultiplierMesh::Finer(2), MultiplierDegree::Relative(0)),
+        (MultiplierMesh::Shifted, MultiplierDegree::Relative(0)),
+        (MultiplierMesh::Same, MultiplierDegree::ContinuousLinear),
+    ] {
+        let mut block = scene("block-on-floor", &["sides.floor.contact.gap=\"0.1*x^2\""]);
+        (block.method.multiplier_mesh, block.method.multiplier_degree) = (mesh, degree);
+        let errors = pressure_errors(&block, &elements);
+        let (rate, _) = line(&sizes, &errors.iter().map(|e| e.ln()).collect::<Vec<f64>>());
+        println!("{mesh:?} {degree:?}: rate {:.2} of {errors:?}", -rate);
+        assert!((1.2..1.9).contains(&-rate), "{mesh:?} {degree:?}: {rate}");
+        if mesh == MultiplierMesh::Finer(2) {
+            block.method.gamma = Some(1e-5 / block.material.young);
+            let without = pressure_errors(&block, &elements[..2]);
+            println!("without: {without:?}");
+            assert!(without[1] > 5.0 * errors[1], "{without:?} {errors:?}");
+        }
+    }
+}
+
+/// γ₀ 5 % beyond its critical value is refused with both numbers, 5 % below it is solved.
+#[test]
+fn gamma_beyond_the_critical_value_is_refused() {
+    let mut wedge = stabilised(&scene("wedge-gap", &["method.refine=\"none\"", "method.degree=2"]));
+    let critical = {
+        let solved = answer(&wedge).solved;
+        solved.contact.as_ref().and_then(|c| c.stabilised.as_ref()).expect("stabilised").critical
+    };
+    wedge.method.gamma = Some(1.05 * critical);
+    match adapt(&wedge) {
+        Err(SolveError::Contact(ContactError::StabilisationNotCoercive { gamma, critical: found })) => {
+            assert!(gamma == 1.05 * critical && (found / critical - 1.0).abs() < 1e-12);
+        }
+        Err(other) => panic!("{other}"),
+        Ok(_) => panic!("it was solved"),
+    }
+    wedge.method.gamma = Some(0.95 * critical);
+    assert!(adapt(&wedge).expect("it is solved").converged());
+}
