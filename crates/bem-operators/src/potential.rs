@@ -204,7 +204,7 @@ impl BoundaryField {
         let mut single = [0.0; 2];
         let mut at = AtPoint::default();
         for (b, piece) in self.elements.iter().enumerate() {
-            at.from_boundary(piece, own, b == e, t);
+            at.on_boundary(piece, own, b == e, t);
             let half = piece.segment.half().norm();
             for n in 0..piece.traction.len() {
                 let (log, [xx, yy, xy]) = at.slope(n, tangent);
@@ -266,7 +266,7 @@ impl Default for AtPoint {
 
 impl AtPoint {
     /// The point t of the element `own` of the boundary, which may be the piece itself.
-    pub(crate) fn from_boundary(&mut self, piece: &Piece, own: &Piece, same: bool, t: f64) {
+    pub(crate) fn on_boundary(&mut self, piece: &Piece, own: &Piece, same: bool, t: f64) {
         if same {
             return self.on_cut(piece, t);
         }

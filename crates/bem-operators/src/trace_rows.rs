@@ -55,7 +55,7 @@ fn point_rows(field: &BoundaryField, space: &Space, e: usize, t: f64) -> [Vec<f6
     let legendre = &mut legendre[..own.traction.len()];
     legendre_p(t, legendre);
     for (b, piece) in field.elements.iter().enumerate() {
-        at.from_boundary(piece, own, b == e, t);
+        at.on_boundary(piece, own, b == e, t);
         let half = piece.segment.half().norm();
         let derivative = &space.basis(b).derivative_to_legendre;
         for n in 0..piece.traction.len() {

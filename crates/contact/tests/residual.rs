@@ -6,7 +6,8 @@ use proptest::prelude::*;
 use solved::{Case, Field, square};
 use steklov_bem_operators::{BodyForce, BoundaryField, Datum, Loop, Material, Mesh, Plane, Polygon, Site, Space};
 use steklov_contact::{
-    ContactError, ContactResidual, ContactSolution, SideData, contact_boundary, contact_residuals, multiplier_trace,
+    ContactError, ContactResidual, ContactSolution, Multiplier, SideData, contact_boundary, contact_residuals,
+    multiplier_trace,
 };
 
 fn sum(residuals: &[ContactResidual], term: impl Fn(&ContactResidual) -> f64) -> f64 {
@@ -157,8 +158,7 @@ fn rough(
         mesh,
         space: &space,
         displacement: &displacement,
-        boundary: &boundary,
-        multipliers: &multipliers,
+        multiplier: Multiplier::Biorthogonal(&boundary, &multipliers),
         field: &field,
         body_force: None,
     };
@@ -252,8 +252,7 @@ fn a_gap_that_is_not_finite_is_named() {
         mesh: &mesh,
         space: &space,
         displacement: &none,
-        boundary: &boundary,
-        multipliers: &[[0.0; 2]; 2],
+        multiplier: Multiplier::Biorthogonal(&boundary, &[[0.0; 2]; 2]),
         field: &field,
         body_force: None,
     };
