@@ -1,7 +1,7 @@
-# make build, demo, test, bench, peers, doc. Each gets what is missing by scripts/setup, which says what it does.
+# make build, demo, test, bench, peers, locking, doc. Each gets what is missing by scripts/setup, which says what it does.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build demo test bench peers doc
+.PHONY: build demo test bench peers locking doc
 
 setup = scripts/setup && source target/setup.env
 
@@ -23,6 +23,12 @@ bench:
 # seconds against error beside other codes, a quarter of an hour; for less: make peers ARGS=--quick
 peers: build
 	benches/peers/setup && target/peers-env/bin/python benches/peers/run.py $(ARGS)
+
+# errors as Poisson's ratio tends to 1/2, beside finite elements that lock
+locking: build
+	scripts/python-env target/locking-env numpy==2.4.6 scipy==1.17.1 scikit-fem==12.0.2
+	mkdir -p target/locking && target/locking-env/bin/python benches/locking/q1.py target/locking/q1.json
+	target/release/steklov study benches/locking/cook.toml --what stability --beside target/locking/q1.json --out target/locking --force
 
 doc:
 	$(setup) && cargo doc --workspace --no-deps "$${STEKLOV_FEATURES[@]}"

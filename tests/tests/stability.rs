@@ -1,10 +1,22 @@
-//! Where methods fail: each case reaches its tolerance or returns its named error.
+//! Where methods fail: each case reaches its tolerance or returns its named error; a silent wrong number is the only
+//! outcome that fails. What is tested elsewhere is not repeated here:
+//!
+//! | where | tests |
+//! |---|---|
+//! | degenerate scales | here `degenerate_scales_are_not_met`; `bem-operators/tests/stability.rs` (any unit of length, L forced: `SingleLayerIndefinite`); `apps/steklov/src/study/stability/single_layer.rs` (where they are) |
+//! | ν → ½ | here `nearly_incompressible_bodies_in_contact`; `bem-operators/tests/stability.rs` (without contact); `adaptive_references.rs` (unknowns of adaptive runs); `edges.rs` (too close to ½: not converged) |
+//! | slivers, 1° corners, near-touching sides, length ratio 1e6, degree 16 | here, in contact; `bem-operators/tests/stability.rs`, `moments.rs` (V positive, patch test, entries) |
+//! | re-entrant corners, points of mixed conditions, crack tips | `stability_singular.rs`; `adaptive_rates.rs`, `adaptive_references.rs` (corners, ends of contact); `closed_forms.rs` (level: crack, punch) |
+//! | friction: F = 0, huge bound, contact nowhere and everywhere, zero gap, floating bodies (`RigidMotion`) | `contact_limits.rs`; here `friction_bounds_from_nothing_to_infinity` |
+//! | cycling | `stability_iterations.rs`; here `waves_do_not_make_the_solvers_cycle` |
+//! | Uzawa with too large a step | here |
+//! | data that are not finite | here; `apps/steklov/tests/broken_scenes.rs` (place in the file) |
 
 use faer::Mat;
 use steklov::plan::first_mesh;
 use steklov::scene::{Scene, SceneErrorKind};
 use steklov::solve::SolveError;
-use steklov_bem_operators::{Condensation, Datum, Domain, Mesh, Operators, Partition, Space, Steklov};
+use steklov_bem_operators::{BemError, Condensation, Datum, Domain, Mesh, Operators, Partition, Space, Steklov};
 use steklov_contact::{Outcome, Problem, SideData, contact_boundary, kkt, newton, uzawa};
 use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
 
@@ -43,6 +55,36 @@ fn both_judged(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2], judge: 
     assert!(off <= 1e-9, "{what}: {off:e}");
     let [a, _] = answers;
     a
+}
+
+/// Squares of degenerate size (side 2.21318821 at ν = 0.3 with L = 1) and in any unit of length have the answer of the
+/// square of side 1, for L is the diameter.
+#[test]
+fn degenerate_scales_are_not_met() {
+    let on = |length: f64| {
+        let case = Case::square(0.3)
+            .on("floor", On::rough("0.01*x^2 - 0.002", "0.5"))
+            .on("top", On::held("0", "0"))
+            .method("elements = 24\ndegree = 3");
+        let view = View { angle: 0.0, length, stress: 1.0 };
+        let scene = parse(&case.toml(&view), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        let a = answer(&scene);
+        assert!(a.converged() && a.judged().1 <= 1e-10, "{length}: {:?}", a.judged());
+        let mesh = first_mesh(&scene);
+        let forced = Operators::assemble(&mesh, &Space::new(&mesh), &scene.material, Some(1.0)).expect("a valid mesh");
+        (a.solved.energies.total / length.powi(2), Steklov::new(forced, Domain::Interior).err())
+    };
+    let (plain, none) = on(1.0);
+    assert_eq!(none, None);
+    for length in [1e-9, 1e-3, 2.2, 2.21318821, 2.214, 2.5, 1e3, 1e9] {
+        let (energy, forced) = on(length);
+        println!("side {length}: J off by {:.1e}, with L = 1 {forced:?}", energy / plain - 1.0);
+        assert!((energy / plain - 1.0).abs() <= 1e-10, "side {length}");
+        // a Galerkin method has its own degenerate size, above the exact one
+        let indefinite = matches!(forced, Some(BemError::SingleLayerIndefinite { length: 1.0, .. }));
+        assert!(indefinite || length < 2.4, "side {length}");
+        assert!(forced.is_none() || length > 2.21318821, "side {length}: {forced:?}");
+    }
 }
 
 /// The error of J does not grow as the body becomes incompressible. Stresses carry rounding times λ/μ = 2ν/(1-2ν), and
@@ -208,35 +250,51 @@ fn uzawa_with_a_step_that_is_too_large() {
     assert!(forced(10.0 * fails).outcome == Outcome::Diverged && !forced(10.0 * fails).converged());
 }
 
-/// Data that are not finite are refused with side, point and expression, whether a look along the side sees them or a
-/// quadrature point does.
+/// Data that are not finite are refused with side, point and expression, when the scene is read if a look along the side
+/// sees them, else when a quadrature point does; those that cannot be integrated, with the side and what to change.
 #[test]
 fn data_that_are_not_finite() {
-    for (condition, words) in [
-        (On::smooth("sqrt(x)"), ["floor", "sqrt(x)"]),
-        (On::smooth("1/x"), ["floor", "1/x"]),
-        (On::smooth("exp(1e4*x)"), ["floor", "exp(1e4*x)"]),
-        (On::rough("0", "log(x)"), ["floor", "log(x)"]),
-        (On::rough("0", "0 - 1"), ["floor", "0 - 1"]),
-        (On::traction("0", "atan2(0, 0)/0"), ["floor", "atan2(0, 0)/0"]),
-        (On::traction("1/(x - 0.123456)", "0"), ["floor", "1/(x - 0.123456)"]),
-        (On::held("1/(x + 0.5)", "0"), ["floor", "1/(x + 0.5)"]),
-        (On::pressure("log(abs(x - 0.25))/abs(x - 0.25)"), ["floor", "log(abs(x - 0.25))"]),
+    let mut stages = [0; 2];
+    for (condition, expression) in [
+        (On::smooth("sqrt(x)"), "sqrt(x)"),
+        (On::smooth("1/x"), "1/x"),
+        (On::smooth("exp(1e4*x)"), "exp(1e4*x)"),
+        (On::rough("0", "log(x)"), "log(x)"),
+        (On::rough("0", "0 - 1"), "0 - 1"),
+        (On::traction("0", "atan2(0, 0)/0"), "atan2(0, 0)/0"),
+        (On::held("1/(x + 0.5)", "0"), "1/(x + 0.5)"),
+        // finite wherever one looks first, but not between
+        (On::traction("0", "sqrt((x - 0.123456)^2 - 2e-6)"), "sqrt((x - 0.123456)^2 - 2e-6)"),
+        (On::smooth("log((x - 0.123456)^2 - 2e-6)"), "log((x - 0.123456)^2 - 2e-6)"),
     ] {
-        let case = Case::square(0.3).on("top", On::held("0", "0")).on("floor", condition.clone());
-        let case = case.method("elements = 20\ndegree = 3");
-        let message = match parse(&case.toml(&View::PLAIN), &[]) {
-            Err(error) => {
-                assert_eq!(error.kind, SceneErrorKind::Data, "{}", error.render());
-                error.render()
-            }
-            Ok(scene) => match attempt(&scene, first_mesh(&scene)).err() {
-                Some(SolveError::Scene(error)) => error.render(),
-                other => panic!("{condition:?}: {other:?}"),
-            },
-        };
-        println!("{}", message.lines().next().unwrap_or_default());
-        assert!(words.iter().all(|w| message.contains(w)), "{message}");
+        let (late, message) = refusal(&condition);
+        println!("{late}: {}", message.lines().next().unwrap_or_default());
+        stages[usize::from(late)] += 1;
+        let point = ["floor", "(", "-0.5)", expression];
+        assert!(point.iter().all(|w| message.contains(w)), "{message}");
+    }
+    assert!(stages[0] > 0 && stages[1] > 0, "when a scene is read and when it is solved: {stages:?}");
+    for (condition, expression) in [
+        (On::traction("1/(x - 0.123456)", "0"), "1/(x - 0.123456)"),
+        (On::pressure("log(abs(x - 0.25))/abs(x - 0.25)"), "log(abs(x - 0.25))"),
+    ] {
+        let (_, message) = refusal(&condition);
+        assert!(["floor", expression].iter().all(|w| message.contains(w)), "{message}");
+    }
+}
+
+/// The message with which a condition on the floor is refused, and whether only solving finds it.
+fn refusal(condition: &On) -> (bool, String) {
+    let case = Case::square(0.3).on("top", On::held("0", "0")).on("floor", condition.clone());
+    match parse(&case.method("elements = 20\ndegree = 3").toml(&View::PLAIN), &[]) {
+        Err(error) => {
+            assert_eq!(error.kind, SceneErrorKind::Data, "{}", error.render());
+            (false, error.render())
+        }
+        Ok(scene) => match attempt(&scene, first_mesh(&scene)).err() {
+            Some(SolveError::Scene(error)) => (true, error.render()),
+            other => panic!("{condition:?}: {other:?}"),
+        },
     }
 }
 

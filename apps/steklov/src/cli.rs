@@ -45,7 +45,7 @@ enum Command {
     Solve(SolveArgs),
     /// Say what would be modelled and why, what is left out, what it costs; solve nothing
     Plan(PlanArgs),
-    /// Compare strategies of refinement: true errors and estimates over unknowns and seconds
+    /// Study a scene: strategies of refinement compared by true errors, or where such methods could fail
     Study(study::StudyArgs),
     /// Show a stored result: summary, pictures, tables
     Show(ShowArgs),

@@ -1,5 +1,7 @@
 //! The subcommand `study`.
 
+mod stability;
+
 use std::cell::Cell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
@@ -29,10 +31,14 @@ pub(super) struct StudyArgs {
     /// What to study
     #[arg(long, value_enum, default_value = "convergence")]
     what: What,
+    /// With --what stability: results of other methods for the same scene, drawn beside; JSON, a list of
+    /// {"name", "poisson", "energy"}
+    #[arg(long, value_name = "FILE")]
+    beside: Option<PathBuf>,
     /// Runs of each strategy, of which the seconds are medians
     #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
-    /// Folder for the files; default: the scene's name with -study in the current folder
+    /// Folder for the files; default: the scene's name with -study (or -stability) in the current folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Change a key of the scene, the value typed as TOML; may be repeated
@@ -81,22 +87,34 @@ impl Name {
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum What {
+    /// Errors of strategies of refinement over unknowns and seconds
     Convergence,
     #[value(hide = true)]
     InfSup,
-    #[value(hide = true)]
+    /// Errors as the material becomes incompressible; the single layer at degenerate sizes of the body
     Stability,
 }
 
-/// Compares strategies on a scene and stores what comes out.
+/// Studies a scene and stores what comes out.
 pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
-    if args.what != What::Convergence {
-        let what = args.what.to_possible_value().map_or(String::new(), |v| v.get_name().to_owned());
-        return Err(Failure(format!(
-            "error: --what {what} is not yet available: only convergence, which is the default"
-        )));
+    match args.what {
+        What::Convergence if args.beside.is_some() => {
+            Err(Failure("error: --beside belongs to --what stability".into()))
+        }
+        What::Convergence => convergence(args),
+        What::Stability if !args.strategies.is_empty() => Err(Failure(
+            "error: --strategies belongs to --what convergence: stability is studied on uniform meshes".into(),
+        )),
+        What::Stability => stability::stability(args),
+        What::InfSup => Err(Failure(
+            "error: --what inf-sup is not yet available: only convergence, which is the default, and stability".into(),
+        )),
     }
-    let scene = scene(args)?;
+}
+
+/// Compares strategies on a scene.
+fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
+    let scene = scene(args, |text| settings(text, &args.overrides))?;
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-study", stem(&args.scene))));
     check_folder(&out, args.force)?;
     let cost = plan(&scene).cost;
@@ -118,10 +136,7 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
         }
         Ok(())
     });
-    let reference = reference.map_err(|error| match error {
-        ReferenceError::Solve(error) => explained(&scene, error),
-        error @ ReferenceError::NotSolved { .. } => error.into(),
-    })?;
+    let reference = reference.map_err(|error| unreferenced(&scene, error))?;
     let mut strategies = Vec::new();
     for name in names {
         if stop.load(Ordering::Relaxed) == 0 {
@@ -145,11 +160,19 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     Ok(if study.complete() { 0 } else { NOT_REACHED })
 }
 
-/// The scene with the settings of a study; first as it is, so that its own faults are told at their places.
-fn scene(args: &StudyArgs) -> Result<Scene, Failure> {
+/// The scene with the settings of a study, which follow from its text; first as it is, so that its own faults are told at
+/// their places.
+fn scene(args: &StudyArgs, settings: impl Fn(&str) -> Vec<String>) -> Result<Scene, Failure> {
     let source = read_scene(&args.scene, &args.overrides)?.source;
-    let all = settings(&source.text, &args.overrides);
-    Scene::parse(&source.text, &source.name, &all).map_err(|e| Failure(e.render()))
+    Scene::parse(&source.text, &source.name, &settings(&source.text)).map_err(|e| Failure(e.render()))
+}
+
+/// Why there is nothing to measure errors against.
+fn unreferenced(scene: &Scene, error: ReferenceError) -> Failure {
+    match error {
+        ReferenceError::Solve(error) => explained(scene, error),
+        error @ ReferenceError::NotSolved { .. } => error.into(),
+    }
 }
 
 /// A folder that cannot take the files is said before anything is solved.

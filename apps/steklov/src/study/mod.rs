@@ -10,6 +10,7 @@ mod fit;
 mod table;
 mod store;
 mod draw;
+pub mod stability;
 
 use crate::reference::{EnergySource, Reference};
 use crate::scene::Scene;

@@ -1,0 +1,81 @@
+//! Where boundary elements could fail and do not: nearly incompressible material, degenerate scales of the single layer.
+//!
+//! ```text
+//! settings ─► incompressible (errors over ν), single_layer (eigenvalues over size) ─► Stability ─► store, table, draw
+//! ```
+//! Each part is a file: what it computes, and the columns of its table.
+
+mod incompressible;
+mod beside;
+mod single_layer;
+mod columns;
+mod table;
+mod store;
+mod draw;
+
+use steklov_bem_operators::Plane;
+
+use crate::scene::Scene;
+
+pub use beside::{Beside, BesideError, read_beside};
+pub use draw::pictures;
+pub use incompressible::{Incompressible, POISSON, Point, Truth, incompressible};
+pub use single_layer::{SingleLayer, Spectrum, single_layer};
+pub use store::write;
+pub use table::{csv, json, text};
+
+/// Tolerance of the scene: the errors of coarse uniform meshes are measured, for which references of 1/50 of it are fine
+/// enough.
+const TOLERANCE: &str = "method.tolerance=1e-3";
+
+/// A finished study.
+#[derive(Debug)]
+pub struct Stability<'a> {
+    /// The scene as it was run, settings included.
+    pub scene: &'a Scene,
+    /// Errors as ν → ½.
+    pub incompressible: &'a Incompressible,
+    /// Results of other methods for the same scene.
+    pub beside: &'a [Beside],
+    /// Eigenvalues of the single layer matrix.
+    pub single_layer: &'a SingleLayer,
+    /// Whether the user stopped it.
+    pub interrupted: bool,
+}
+
+impl Stability<'_> {
+    /// Whether nobody stopped it and every mesh was solved at every ratio.
+    pub fn complete(&self) -> bool {
+        !self.interrupted && self.incompressible.complete()
+    }
+
+    /// What a reader of the results must know.
+    pub fn note(&self) -> Option<&'static str> {
+        (self.scene.material.plane == Plane::Stress).then_some(
+            "plane stress: ν = 1/2 is the plane strain ratio ν/(1+ν) = 1/3, which constrains nothing; no method can lock here",
+        )
+    }
+}
+
+/// The overrides of a study: its tolerance and those of [`super::settings`] where the user sets nothing else, then those of
+/// the user. `text` is that of the scene.
+pub fn settings(text: &str, user: &[String]) -> Vec<String> {
+    let named = user.iter().any(|o| o.split('=').next().is_some_and(|key| key.trim() == "method.tolerance"));
+    let own = (!named).then(|| TOLERANCE.to_owned());
+    super::settings(text, &own.into_iter().chain(user.iter().cloned()).collect::<Vec<_>>())
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_studys_own_tolerance_is_not_that_of_the_scene() {
+        let of = |user: &[&str]| {
+            let user: Vec<String> = user.iter().map(|&o| o.to_owned()).collect();
+            super::settings("method.tolerance = 1e-7\nmethod.max_dofs = 500", &user)
+        };
+        let first = ["method.elements=16", "method.degree=1"];
+        assert_eq!(of(&["title=\"a\""]), [first[0], first[1], "method.tolerance=1e-3", "title=\"a\""]);
+        assert_eq!(of(&["method.degree = 3"]), [first[0], "method.tolerance=1e-3", "method.degree = 3"]);
+        assert_eq!(of(&["method.tolerance = 1e-4"]), [first[0], first[1], "method.tolerance = 1e-4"]);
+    }
+}
