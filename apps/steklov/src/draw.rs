@@ -34,14 +34,16 @@ pub(crate) fn contact_pictures(
         let rows: Vec<&ContactRow> = rows.iter().filter(|r| r.side == side).collect();
         if !rows.is_empty() {
             let picture = contact_picture(title, side_name, &rows)?;
-            let mut part = file_name(side_name);
-            if side_names[..side].iter().any(|other| file_name(other) == part) {
-                part += &format!("-{side}");
-            }
-            files.extend(write(folder, &format!("{name}-{part}"), &picture)?);
+            files.extend(write(folder, &format!("{name}-{}", side_file(side_names, side)), &picture)?);
         }
     }
     Ok(files)
+}
+
+/// The name of a side as a part of a file name that no other side has.
+pub(crate) fn side_file(side_names: &[String], side: usize) -> String {
+    let part = file_name(&side_names[side]);
+    if side_names[..side].iter().any(|other| file_name(other) == part) { format!("{part}-{side}") } else { part }
 }
 
 /// A side's name as a part of a file name.
@@ -93,11 +95,11 @@ fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
     stretches
 }
 
-fn contact_picture(title: &str, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
-    // a straight horizontal or vertical side is drawn against x or y, any other against its arc length
+/// What a side is drawn against: a straight horizontal or vertical one x or y, any other its arc length.
+pub(crate) fn positions(side: &str, rows: &[&ContactRow]) -> (String, Vec<f64>) {
     let same =
         |i: usize| rows.iter().all(|r| (r.point[i] - rows[0].point[i]).abs() < 1e-12 * r.point[i].abs().max(1.0));
-    let (label, position): (String, Vec<f64>) = if same(1) {
+    if same(1) {
         ("x".into(), rows.iter().map(|r| r.point[0]).collect())
     } else if same(0) {
         ("y".into(), rows.iter().map(|r| r.point[1]).collect())
@@ -110,7 +112,11 @@ fn contact_picture(title: &str, side: &str, rows: &[&ContactRow]) -> Result<Pict
             length
         });
         (format!("arc length along {side}"), arc.collect())
-    };
+    }
+}
+
+fn contact_picture(title: &str, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
+    let (label, position) = positions(side, rows);
     let collect = |f: fn(&ContactRow) -> f64| rows.iter().map(|r| f(r)).collect::<Vec<f64>>();
     let bound = if rows.iter().any(|r| r.bound > 0.0) { collect(|r| r.bound) } else { Vec::new() };
     contact(&ContactSide {

@@ -1,5 +1,6 @@
 //! The subcommand `study`.
 
+mod inf_sup;
 mod stability;
 
 use std::cell::Cell;
@@ -17,9 +18,9 @@ use crate::explain::too_many_dofs;
 use crate::picture;
 use crate::plan::plan;
 use crate::reference::{Reference, ReferenceError};
-use crate::scene::{Refine, Scene};
+use crate::scene::{Multiplier, Refine, Scene};
 use crate::solve::Stage;
-use crate::study::{NAMES, Study, csv, json, pictures, settings, strategy, text, write};
+use crate::study::{MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write};
 
 #[derive(Args)]
 pub(super) struct StudyArgs {
@@ -28,6 +29,9 @@ pub(super) struct StudyArgs {
     /// Strategies to compare, separated by commas; default: all
     #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
     strategies: Vec<Name>,
+    /// Multipliers of contact to compare, separated by commas: every strategy is run with each; default: the scene's own
+    #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
+    multipliers: Vec<MultiplierName>,
     /// What to study
     #[arg(long, value_enum, default_value = "convergence")]
     what: What,
@@ -38,7 +42,7 @@ pub(super) struct StudyArgs {
     /// Runs of each strategy, of which the seconds are medians
     #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
-    /// Folder for the files; default: the scene's name with -study (or -stability) in the current folder
+    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup) in the current folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Change a key of the scene, the value typed as TOML; may be repeated
@@ -85,11 +89,17 @@ impl Name {
     }
 }
 
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
+enum MultiplierName {
+    Biorthogonal,
+    Stabilised,
+}
+
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
 enum What {
     /// Errors of strategies of refinement over unknowns and seconds
     Convergence,
-    #[value(hide = true)]
+    /// Inf-sup constants of contact multipliers, with and without stabilisation
     InfSup,
     /// Errors as the material becomes incompressible; the single layer at degenerate sizes of the body
     Stability,
@@ -98,17 +108,18 @@ enum What {
 /// Studies a scene and stores what comes out.
 pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     match args.what {
-        What::Convergence if args.beside.is_some() => {
+        What::Convergence | What::InfSup if args.beside.is_some() => {
             Err(Failure("error: --beside belongs to --what stability".into()))
         }
         What::Convergence => convergence(args),
-        What::Stability if !args.strategies.is_empty() => Err(Failure(
-            "error: --strategies belongs to --what convergence: stability is studied on uniform meshes".into(),
+        _ if !args.multipliers.is_empty() => {
+            Err(Failure("error: --multipliers belongs to --what convergence".into()))
+        }
+        What::Stability | What::InfSup if !args.strategies.is_empty() => Err(Failure(
+            "error: --strategies belongs to --what convergence: the others are studied on uniform meshes".into(),
         )),
         What::Stability => stability::stability(args),
-        What::InfSup => Err(Failure(
-            "error: --what inf-sup is not yet available: only convergence, which is the default, and stability".into(),
-        )),
+        What::InfSup => inf_sup::inf_sup(args),
     }
 }
 
@@ -127,10 +138,11 @@ fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     }
     names.sort_by_key(|n| NAMES.iter().position(|m| m == n));
     names.dedup();
+    let chosen = multipliers(args, &scene)?;
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, 1 + names.len() * (repeat + 1));
-    let reference = Reference::new(&scene, &stop, &mut |step, stage| {
+    let watch = Watch::new(args.quiet, 1 + names.len() * chosen.len() * (repeat + 1));
+    let reference = Reference::new(&for_truth(&scene), &stop, &mut |step, stage| {
         if let Stage::Progress(part, _) = stage {
             watch.show("reference", &format!("step {}, {part}", step + 1));
         }
@@ -138,10 +150,12 @@ fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     });
     let reference = reference.map_err(|error| unreferenced(&scene, error))?;
     let mut strategies = Vec::new();
-    for name in names {
+    for ((name, refine), (suffix, multiplier)) in names.iter().flat_map(|n| chosen.iter().map(move |m| (n, m))) {
         if stop.load(Ordering::Relaxed) == 0 {
+            let mut scene = scene.clone();
+            scene.method.multiplier = *multiplier;
             let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-            strategies.push(strategy(&scene, name, &reference, repeat, &stop, tell));
+            strategies.push(strategy(&scene, (&format!("{name}{suffix}"), *refine), &reference, repeat, &stop, tell));
         }
     }
     watch.show("files", "");
@@ -158,6 +172,24 @@ fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
         say(&format!("files       {} in {}", files.len(), out.display()));
     }
     Ok(if study.complete() { 0 } else { NOT_REACHED })
+}
+
+/// The multipliers, each with what it adds to the name of a strategy.
+fn multipliers(args: &StudyArgs, scene: &Scene) -> Result<Vec<(String, Multiplier)>, Failure> {
+    if args.multipliers.is_empty() {
+        return Ok(vec![(String::new(), scene.method.multiplier)]);
+    }
+    if contact_sides(scene).is_empty() {
+        return Err(Failure("error: --multipliers compares multipliers of contact, and no side of the scene is in contact: leave it out".into()));
+    }
+    let mut chosen = args.multipliers.clone();
+    chosen.sort_unstable();
+    chosen.dedup();
+    let named = |m: &MultiplierName| {
+        let (name, multiplier) = MULTIPLIERS[*m as usize];
+        (format!(", {name}"), multiplier)
+    };
+    Ok(chosen.iter().map(named).collect())
 }
 
 /// The scene with the settings of a study, which follow from its text; first as it is, so that its own faults are told at

@@ -121,7 +121,7 @@ fn drawn(strategy: &Strategy, cost: fn(&Point) -> f64, quantity: &Quantity) -> D
 fn name(strategy: &Strategy, law: Option<Law>) -> String {
     match strategy.fits().iter().find(|f| Some(f.law) == law) {
         Some(fit) => format!("{}: {}", strategy.name, fit.law.with_rate(fit.rate)),
-        None => strategy.name.into(),
+        None => strategy.name.clone(),
     }
 }
 
@@ -147,5 +147,5 @@ fn mesh_pictures(study: &Study<'_>, strategy: &Strategy, folder: &Path) -> Resul
         .collect();
     let title = format!("{}: meshes of {}", study.scene.title, strategy.name);
     let figure = MeshFigure { title: &title, side_names: study.scene.polygon.side_names(), panels: &panels };
-    write(folder, &format!("meshes-{}", strategy.name), &meshes(&figure)?)
+    write(folder, &format!("meshes-{}", strategy.file_name()), &meshes(&figure)?)
 }

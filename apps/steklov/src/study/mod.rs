@@ -4,6 +4,8 @@
 //! settings ─► Reference ─► strategy by strategy: runs, true errors ─► Study ─► store (HDF5), table (CSV, text, JSON), draw
 //! ```
 
+mod columns;
+mod supported;
 mod settings;
 mod strategy;
 mod fit;
@@ -11,6 +13,7 @@ mod table;
 mod store;
 mod draw;
 pub mod stability;
+pub mod inf_sup;
 
 use crate::reference::{EnergySource, Reference};
 use crate::scene::Scene;
@@ -19,7 +22,8 @@ pub use draw::pictures;
 pub use fit::{Fit, Law, fit};
 pub use settings::settings;
 pub use store::write;
-pub use strategy::{End, NAMES, Point, Strategy, strategy};
+pub use supported::contact_sides;
+pub use strategy::{End, MULTIPLIERS, NAMES, Point, Strategy, for_truth, strategy};
 pub use table::{csv, json, text};
 
 /// Steps of a strategy whose true errors are measured, and which are printed, at most.

@@ -30,11 +30,11 @@ pub fn write(file: &File, study: &Study<'_>) -> Result<(), IoError> {
     save_text(file, "scene", &source.text, "text of the scene file")?;
     save_texts(file, "overrides", &source.overrides, "settings of the study and of the user, KEY=VALUE", "override")?;
     save_text(file, "summary", &json(study).to_string(), "the JSON object of study --json, without its list of files")?;
-    let names: Vec<String> = study.strategies.iter().map(|s| s.name.to_owned()).collect();
+    let names: Vec<String> = study.strategies.iter().map(|s| s.name.clone()).collect();
     save_texts(file, "strategy_names", &names, "groups of /strategies in the order of the study", "strategy")?;
     save_reference(&create_group(file, "reference")?, study)?;
     let all = create_group(file, "strategies")?;
-    study.strategies.iter().try_for_each(|s| save_strategy(&create_group(&all, s.name)?, s))
+    study.strategies.iter().try_for_each(|s| save_strategy(&create_group(&all, &s.name)?, s))
 }
 
 fn save_reference(at: &Group, study: &Study<'_>) -> Result<(), IoError> {

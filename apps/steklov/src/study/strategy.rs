@@ -9,7 +9,7 @@ use super::{MEASURED, chosen};
 use crate::reference::Reference;
 use crate::report::{ContactRow, contact_rows};
 use crate::run::{Progress, Reason, Run, Step, run};
-use crate::scene::{Refine, Scene};
+use crate::scene::{Multiplier, Refine, Scene};
 use crate::solve::{SolveError, Stage};
 
 /// The strategies and their names in scenes.
@@ -20,6 +20,18 @@ pub const NAMES: [(&str, Refine); 5] = [
     ("hp-decay", Refine::HpDecay),
     ("hp", Refine::Hp),
 ];
+
+/// The multipliers and their names in scenes.
+pub const MULTIPLIERS: [(&str, Multiplier); 2] =
+    [("biorthogonal", Multiplier::Biorthogonal), ("stabilised", Multiplier::Stabilised)];
+
+/// The scene with biorthogonal multipliers: true errors are distances to its solution, which on a fine mesh is that of
+/// any multipliers.
+pub fn for_truth(scene: &Scene) -> Scene {
+    let mut scene = scene.clone();
+    scene.method.multiplier = Multiplier::Biorthogonal;
+    scene
+}
 
 /// A step of a strategy.
 #[derive(Debug, Clone)]
@@ -97,8 +109,8 @@ impl End {
 /// A strategy and its steps.
 #[derive(Debug, Clone)]
 pub struct Strategy {
-    /// Its name in scenes.
-    pub name: &'static str,
+    /// Its name in scenes, with that of its multiplier where several are compared.
+    pub name: String,
     /// The steps.
     pub points: Vec<Point>,
     /// How it ended.
@@ -108,6 +120,11 @@ pub struct Strategy {
 }
 
 impl Strategy {
+    /// Its name as part of a file name.
+    pub(super) fn file_name(&self) -> String {
+        self.name.replace(", ", "-")
+    }
+
     /// Some of the steps, at most so many: the first, the last and some between.
     pub(super) fn some(&self, most: usize) -> Vec<usize> {
         chosen(&self.points.iter().map(|p| p.dofs).collect::<Vec<_>>(), most)
@@ -132,7 +149,7 @@ impl Strategy {
 /// An error of the solver ends the strategy, not the study: [`End::Failed`].
 pub fn strategy(
     scene: &Scene,
-    (name, refine): (&'static str, Refine),
+    (name, refine): (&str, Refine),
     reference: &Reference,
     repeat: usize,
     interrupts: &AtomicUsize,
@@ -140,6 +157,7 @@ pub fn strategy(
 ) -> Strategy {
     let mut scene = scene.clone();
     scene.method.refine = refine;
+    let truth = for_truth(&scene);
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
     let what = |k: usize| format!("{name}, run {k} of {}", repeat.max(1));
     let first = Round::new(&scene, interrupts, &what(1), tell);
@@ -150,7 +168,7 @@ pub fn strategy(
                 SolveError::Interrupted => End::Run(Reason::Interrupted),
                 error => End::Failed(error.to_string()),
             };
-            return Strategy { name, points: Vec::new(), end, contact: Vec::new() };
+            return Strategy { name: name.into(), points: Vec::new(), end, contact: Vec::new() };
         }
     };
     let mut ends = vec![first.ends];
@@ -165,14 +183,14 @@ pub fn strategy(
         // an error that cannot be measured is not known: the point has its estimate still
         let error = (measured.contains(&k) && !stopped()).then(|| {
             tell(&format!("{name}, true errors"), &format!("step {} of {}", k + 1, steps.len()));
-            reference.true_error(&scene, step, displacement, interrupts).ok().flatten()
+            reference.true_error(&truth, step, displacement, interrupts).ok().flatten()
         });
         let times = ends.iter().filter_map(|e| e.get(k).copied()).collect();
         points.push(Point::new(step, error.flatten(), reference, times));
     }
     let contact = run.last.contact.as_ref().map_or(Vec::new(), |c| contact_rows(&run.last, c));
     let end = run.error.as_ref().map_or(End::Run(run.reason), |error| End::Failed(error.to_string()));
-    Strategy { name, points, end, contact }
+    Strategy { name: name.into(), points, end, contact }
 }
 
 /// One run, and what its steps leave.

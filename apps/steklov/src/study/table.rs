@@ -29,7 +29,7 @@ pub fn csv(study: &Study<'_>) -> String {
     text += ",doubts\n";
     for strategy in study.strategies {
         for (k, p) in strategy.points.iter().enumerate() {
-            let _ = write!(text, "{},{k},{},{},{}", strategy.name, p.mesh.len(), p.max_degree(), p.dofs);
+            let _ = write!(text, "{},{k},{},{},{}", cell(&strategy.name), p.mesh.len(), p.max_degree(), p.dofs);
             for (.., value) in NUMBERS {
                 let v = value(p);
                 let _ = if v.is_finite() { write!(text, ",{v:?}") } else { write!(text, ",") };
@@ -40,10 +40,16 @@ pub fn csv(study: &Study<'_>) -> String {
     text
 }
 
+/// A text of a CSV table: in quotes where it has a comma.
+fn cell(text: &str) -> String {
+    if text.contains(',') { format!("\"{text}\"") } else { text.into() }
+}
+
 /// What is printed: the reference, some steps of each strategy, the fitted laws.
 pub fn text(study: &Study<'_>) -> String {
     let reference = study.reference;
     let finest = reference.finest();
+    let width = study.strategies.iter().map(|s| s.name.len()).fold(10, usize::max);
     let mut text = format!("{}\n", study.scene.title);
     let _ = writeln!(text, "settings    {} (--set changes them)", study.scene.source.overrides.join(", "));
     let _ = writeln!(
@@ -55,16 +61,16 @@ pub fn text(study: &Study<'_>) -> String {
     let _ = writeln!(text, "            of {}", study.energy_source());
     let _ = writeln!(
         text,
-        "\n{:<10} {:>4} {:>8} {:>6} {:>5} {:>8} {:>9} {:>12} {:>9} {:>10}",
+        "\n{:<width$} {:>4} {:>8} {:>6} {:>5} {:>8} {:>9} {:>12} {:>9} {:>10}",
         "strategy", "step", "elements", "degree", "dofs", "seconds", "error", "energy error", "estimate", "est./error"
     );
     for strategy in study.strategies {
-        let mut name = strategy.name;
+        let mut name = strategy.name.as_str();
         for k in strategy.some(MEASURED) {
             let p = &strategy.points[k];
             let doubt = if p.doubts.is_empty() { "" } else { " ?" };
             let row = format!(
-                "{name:<10} {k:>4} {:>8} {:>6} {:>5} {:>8.3} {:>9} {:>12} {:>9} {:>10}{doubt}",
+                "{name:<width$} {k:>4} {:>8} {:>6} {:>5} {:>8.3} {:>9} {:>12} {:>9} {:>10}{doubt}",
                 p.mesh.len(),
                 p.max_degree(),
                 p.dofs,
@@ -84,9 +90,9 @@ pub fn text(study: &Study<'_>) -> String {
             End::Run(reason) => format!("ended: {}, {} steps{unknown}", reason.word(), strategy.points.len()),
             End::Failed(why) => format!("FAILED after {} steps{unknown}: {why}", strategy.points.len()),
         };
-        let _ = writeln!(text, "{name:<10} {ended}");
+        let _ = writeln!(text, "{name:<width$} {ended}");
         for fit in strategy.fits() {
-            let _ = writeln!(text, "{:<10} error ~ {}", "", law(&fit));
+            let _ = writeln!(text, "{:<width$} error ~ {}", "", law(&fit));
         }
     }
     if study.strategies.iter().flat_map(|s| &s.points).any(|p| !p.doubts.is_empty()) {

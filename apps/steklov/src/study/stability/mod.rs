@@ -8,13 +8,13 @@
 mod incompressible;
 mod beside;
 mod single_layer;
-mod columns;
 mod table;
 mod store;
 mod draw;
 
 use steklov_bem_operators::Plane;
 
+use super::columns;
 use crate::scene::Scene;
 
 pub use beside::{Beside, BesideError, read_beside};

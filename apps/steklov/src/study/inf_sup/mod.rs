@@ -1,0 +1,69 @@
+//! Multipliers of contact and their displacements: which pairs are stable, which need stabilisation, which are stabilised.
+//!
+//! ```text
+//! settings ─► pairs (β over elements and degree), pressures (with γ and without) ─► InfSup ─► store, table, draw
+//! ```
+
+mod subspace;
+mod pairs;
+mod pressure;
+mod table;
+mod store;
+mod draw;
+
+use super::columns;
+use crate::scene::Scene;
+
+pub use draw::pictures;
+pub use pairs::{PAIRS, Pair, Part, Point, pairs};
+pub use pressure::{Pressure, Pressures, pressures};
+pub use store::write;
+pub use table::{csv, json, text};
+
+/// First mesh: the reference spaces have 16 times its elements.
+const ELEMENTS: &str = "method.elements=8";
+
+/// A finished study.
+#[derive(Debug)]
+pub struct InfSup<'a> {
+    /// The scene as it was run, settings included.
+    pub scene: &'a Scene,
+    /// β of the pairs, mesh by mesh.
+    pub points: &'a [Point],
+    /// Pressures of an unstable pair.
+    pub pressures: &'a Pressures,
+    /// Whether the user stopped it.
+    pub interrupted: bool,
+}
+
+impl InfSup<'_> {
+    /// Whether nobody stopped it and every β is known. The pressure without stabilisation may be anything.
+    pub fn complete(&self) -> bool {
+        !self.interrupted && self.points.iter().all(|p| p.failure.is_none())
+    }
+
+    /// The points of a pair.
+    fn of_pair(&self, pair: usize) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(move |p| p.pair == pair)
+    }
+
+    /// The degrees that were studied, rising.
+    fn degrees(&self) -> Vec<usize> {
+        let mut degrees: Vec<usize> = self.points.iter().map(|p| p.degree).collect();
+        degrees.sort_unstable();
+        degrees.dedup();
+        degrees
+    }
+
+    /// Elements of the coarsest mesh.
+    fn coarsest(&self) -> usize {
+        self.points.iter().map(|p| p.elements).min().unwrap_or(0)
+    }
+}
+
+/// The overrides of a study: its first mesh where the user sets none, then those of the user.
+pub fn settings(user: &[String]) -> Vec<String> {
+    let named = user.iter().any(|o| o.split('=').next().is_some_and(|key| key.trim() == "method.elements"));
+    let own = (!named).then(|| ELEMENTS.to_owned());
+    own.into_iter().chain(user.iter().cloned()).collect()
+}

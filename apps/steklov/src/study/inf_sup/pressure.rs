@@ -1,0 +1,101 @@
+//! The pressure of an unstable pair, with stabilisation and with next to none.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use steklov_bem_operators::PairCache;
+use steklov_contact::{MultiplierDegree, MultiplierMesh};
+
+use super::pairs::uniform_mesh;
+use crate::report::{ContactRow, contact_rows};
+use crate::scene::{Multiplier, Scene};
+use crate::solve::{SolveError, solve};
+use crate::study::columns::Column;
+
+/// The mesh: so many times the elements of the scene, and its degree.
+const TIMES: usize = 4;
+const DEGREE: usize = 1;
+/// γ₀ over its critical value where there should be none.
+const NONE: f64 = 1e-8;
+
+/// A solution of the scene with multipliers of degree p on halved elements.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pressure {
+    /// γ₀ (1/stress).
+    pub gamma: f64,
+    /// The critical one of this mesh.
+    pub critical: f64,
+    /// Whether the solver of contact reached its criterion.
+    pub converged: bool,
+    /// Contact at the nodes of the multipliers; empty if there is no solution.
+    pub rows: Vec<ContactRow>,
+    /// Why there is none.
+    pub failure: Option<String>,
+}
+
+/// The solutions on one mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pressures {
+    /// Elements of the displacements.
+    pub elements: usize,
+    /// Their degree.
+    pub degree: usize,
+    /// That of the scene's γ, then that of next to none; fewer after a wish to stop.
+    pub solutions: Vec<Pressure>,
+}
+
+/// Columns of a solution.
+pub(super) const ROWS: [Column<ContactRow>; 5] = [
+    ("x", "length", "node of the multipliers", |r| r.point[0]),
+    ("y", "length", "node of the multipliers", |r| r.point[1]),
+    ("side", "1", "index of the side", |r| r.side as f64),
+    ("pressure", "stress", "lambda_n, positive in compression", |r| r.pressure),
+    ("shear", "stress", "lambda_t", |r| r.shear),
+];
+
+/// Solves the scene with multipliers that are too many for its displacements. After a wish to stop nothing more is solved.
+///
+/// # Errors
+/// As [`solve`] with the scene's own γ; what fails with next to none is told in its place.
+pub fn pressures(
+    scene: &Scene,
+    interrupts: &AtomicUsize,
+    tell: &mut dyn FnMut(&str, &str),
+) -> Result<Pressures, SolveError> {
+    let mesh = uniform_mesh(scene, TIMES, DEGREE);
+    let mut scene = scene.clone();
+    scene.method.multiplier = Multiplier::Stabilised;
+    (scene.method.multiplier_mesh, scene.method.multiplier_degree) =
+        (MultiplierMesh::Finer(2), MultiplierDegree::Relative(0));
+    let mut all = Pressures { elements: mesh.len(), degree: DEGREE, solutions: Vec::new() };
+    for stable in [true, false] {
+        if interrupts.load(Ordering::Relaxed) > 0 {
+            break;
+        }
+        tell("pressure", if stable { "stabilised" } else { "not stabilised" });
+        if let Some(first) = all.solutions.first() {
+            scene.method.gamma = Some(NONE * first.critical);
+        }
+        match (solve(&scene, mesh.clone(), false, &mut PairCache::default(), &mut |_| Ok(())), all.solutions.first()) {
+            (Ok((solved, _)), _) => {
+                let Some(contact) = &solved.contact else { continue };
+                let Some(s) = &contact.stabilised else { continue };
+                all.solutions.push(Pressure {
+                    gamma: s.gamma,
+                    critical: s.critical,
+                    converged: s.solution.converged(),
+                    rows: contact_rows(&solved, contact),
+                    failure: None,
+                });
+            }
+            (Err(error), None) => return Err(error),
+            (Err(error), Some(&Pressure { critical, .. })) => all.solutions.push(Pressure {
+                gamma: NONE * critical,
+                critical,
+                converged: false,
+                rows: Vec::new(),
+                failure: Some(error.to_string()),
+            }),
+        }
+    }
+    Ok(all)
+}

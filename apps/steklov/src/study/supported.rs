@@ -1,0 +1,73 @@
+//! The body of a scene on one mesh with its supports, without loads.
+
+use faer::Mat;
+use steklov_bem_operators::{Dof, Domain, Mesh, Operators, Space, Steklov, TractionMap};
+use steklov_quadrature::gauss_legendre;
+
+use crate::data::Data;
+use crate::scene::{Condition, Scene};
+use crate::solve::SolveError;
+use crate::supports::Supports;
+
+/// S of a mesh and what is held of it.
+pub(super) struct Supported {
+    /// The mesh.
+    pub(super) mesh: Mesh,
+    /// Its unknowns.
+    pub(super) space: Space,
+    /// S, with springs against the rigid motions r that the supports leave: E (∫ r·v)² / (∫ r·r ∫ 1), the same on any mesh.
+    pub(super) stiffness: Mat<f64>,
+    /// Displacements to tractions.
+    pub(super) traction: TractionMap,
+    /// Held unknowns and their values.
+    pub(super) held: Vec<(Dof, f64)>,
+}
+
+impl Supported {
+    /// The scene's body on a mesh.
+    ///
+    /// # Errors
+    /// As [`crate::solve::solve`], of prescribed displacements and operators.
+    pub(super) fn new(scene: &Scene, mesh: Mesh) -> Result<Self, SolveError> {
+        let space = Space::new(&mesh);
+        let held = Data { scene, mesh: &mesh, space: &space }.held()?;
+        let supports = Supports { space: &space, held: &held };
+        let (fixed, motions) = (supports.dofs(), supports.free_motions());
+        let operators = Operators::assemble(&mesh, &space, &scene.material, None)?;
+        let Steklov { matrix: mut stiffness, traction } = Steklov::new(operators, Domain::Interior)?;
+        let length: f64 = (0..mesh.len()).map(|e| mesh.length(e)).sum();
+        for motion in motions {
+            let (moments, square) = moments(&mesh, &space, |x| motion.at(x));
+            let size = scene.material.young / (square * length);
+            for j in 0..stiffness.ncols() {
+                (0..stiffness.nrows()).for_each(|i| stiffness[(i, j)] += size * moments[i] * moments[j]);
+            }
+        }
+        Ok(Self { mesh, space, stiffness, traction, held: fixed })
+    }
+}
+
+/// ∫ r·φ of all nodal functions, interleaved, and ∫ r·r, for a linear r.
+fn moments(mesh: &Mesh, space: &Space, r: impl Fn([f64; 2]) -> [f64; 2]) -> (Vec<f64>, f64) {
+    let (mut moments, mut square) = (vec![0.0; space.dofs()], 0.0);
+    for e in 0..mesh.len() {
+        let basis = space.basis(e);
+        let rule = gauss_legendre(basis.degree / 2 + 2);
+        let mut phi = vec![0.0; basis.degree + 1];
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            basis.evaluate(t, &mut phi);
+            let (w, r) = (w * mesh.length(e) / 2.0, r(mesh.point(e, t)));
+            square += w * (r[0] * r[0] + r[1] * r[1]);
+            for (node, phi) in space.element_nodes(e).zip(&phi) {
+                (0..2).for_each(|i| moments[2 * node + i] += w * phi * r[i]);
+            }
+        }
+    }
+    (moments, square)
+}
+
+/// The sides that are in contact.
+pub fn contact_sides(scene: &Scene) -> Vec<usize> {
+    let sides = scene.sides.iter().enumerate();
+    sides.filter(|(_, s)| matches!(s.condition, Condition::Contact { .. })).map(|(k, _)| k).collect()
+}
