@@ -411,7 +411,6 @@ fn a_study_that_cannot_be_made_is_refused_before_anything_is_solved() {
     fs::create_dir(place.path("full")).unwrap();
     place.write("full/study.csv", "old");
     for (arguments, status, parts) in [
-        (&["--what", "inf-sup"][..], 1, &["--what inf-sup is not yet available"][..]),
         (&["--what", "speed"], 2, &["speed"]),
         (&["--strategies", "hp,best"], 2, &["best", "hp-decay"]),
         (&["--repeat", "0"], 2, &["0"]),
