@@ -185,9 +185,7 @@ fn wrong_usage_is_status_2() {
     for arguments in [&["--help"][..], &["help"], &["solve", "--help"], &["study", "--help"], &["--version"]] {
         let ran = place.run(arguments).demand(0);
         assert!(ran.err.is_empty() && !ran.out.is_empty());
-        for word in ["gallery"] {
-            assert!(!ran.out.contains(word), "the help of {arguments:?} promises {word}");
-        }
+        assert!(!ran.out.contains("gallery"), "the help of {arguments:?} promises a gallery");
     }
 }
 

@@ -411,7 +411,14 @@ fn a_study_that_cannot_be_made_is_refused_before_anything_is_solved() {
     fs::create_dir(place.path("full")).unwrap();
     place.write("full/study.csv", "old");
     for (arguments, status, parts) in [
-        (&["--what", "speed"], 2, &["speed"]),
+        (&["--what", "speed"][..], 2, &["speed"][..]),
+        (&["--multipliers", "dual"], 2, &["dual", "biorthogonal", "stabilised"]),
+        (&["--what", "stability", "--multipliers", "stabilised"], 1, &["--multipliers belongs to --what convergence"]),
+        (
+            &["--multipliers", "stabilised", "--set", "sides.floor={displacement=[\"0\", \"0\"]}"],
+            1,
+            &["no side", "leave it out"],
+        ),
         (&["--strategies", "hp,best"], 2, &["best", "hp-decay"]),
         (&["--repeat", "0"], 2, &["0"]),
         (&["--out", "full"], 1, &["full exists", "--force"]),
@@ -453,4 +460,37 @@ fn an_interrupted_study_stores_what_is_finished() {
     let dofs = stored.group("strategies/uniform-h").unwrap();
     assert_eq!(steklov_io::load_integers(&dofs, "dofs").unwrap().len(), steps);
     assert!(names(&place.path("block-study")).contains(&"error-dofs.png".to_owned()));
+}
+
+/// Every strategy with each multiplier: the energies are those of the multipliers alone, and the true errors are close.
+#[test]
+fn multipliers_are_compared() {
+    let place = Place::new();
+    let few = ["--repeat", "1", "--quiet", "--force", "--set", "method.max_dofs=130"];
+    let both = ["study", "block.toml", "--strategies", "hp,uniform-h", "--multipliers", "stabilised,biorthogonal"];
+    place.run(both.iter().chain(&few)).demand(0);
+    let file = steklov_io::open(place.path("block-study/study.h5")).unwrap();
+    let wanted = ["uniform-h, biorthogonal", "uniform-h, stabilised", "hp, biorthogonal", "hp, stabilised"];
+    assert_eq!(steklov_io::load_texts(&file, "strategy_names").unwrap(), wanted);
+    let table = String::from_utf8(place.read("block-study/study.csv")).unwrap();
+    let files = names(&place.path("block-study"));
+    let column = |name: &str, column: &str| {
+        let group = file.group(&format!("strategies/{name}")).unwrap();
+        steklov_io::load_vector(&group, column).unwrap()
+    };
+    for name in wanted {
+        assert!(files.contains(&format!("meshes-{}.png", name.replace(", ", "-"))), "{files:?}");
+        let rows = table.lines().filter(|l| l.starts_with(&format!("\"{name}\",0,16,1,32,"))).count();
+        assert_eq!(rows, 1, "{name}");
+    }
+    for multiplier in ["biorthogonal", "stabilised"] {
+        let set = format!("method.multiplier=\"{multiplier}\"");
+        let alone = ["study", "block.toml", "--strategies", "uniform-h", "--json", "--out", "alone", "--set", &set];
+        let o = place.run(alone.iter().chain(&few)).demand(0).json();
+        let energies: Vec<f64> =
+            of(&o, "uniform-h")["steps"].as_array().unwrap().iter().map(|s| number(&s["energy"])).collect();
+        assert_eq!(energies, column(&format!("uniform-h, {multiplier}"), "energy"));
+    }
+    let [a, b] = ["biorthogonal", "stabilised"].map(|m| column(&format!("uniform-h, {m}"), "error"));
+    assert!(a != b && a.len() == 3 && a.iter().zip(&b).all(|(a, b)| (a / b - 1.0).abs() < 0.2), "{a:?} {b:?}");
 }

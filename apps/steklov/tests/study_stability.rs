@@ -4,15 +4,21 @@
 mod place;
 
 use std::process::Stdio;
+use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
 use steklov::scene::Scene;
-use steklov::study::stability::{Incompressible, POISSON, Point, SingleLayer, Stability, Truth, text};
+use steklov::study::stability::{
+    Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, stabilisation,
+    text,
+};
 
 const FILES: &str = "incompressible-energy.png incompressible-energy.svg incompressible-error.png \
                      incompressible-error.svg incompressible.csv single-layer.csv single-layer.png single-layer.svg \
-                     stability.h5";
+                     stabilisation-critical.csv stabilisation-degree.png stabilisation-degree.svg \
+                     stabilisation-elements.png stabilisation-elements.svg stabilisation-error.png \
+                     stabilisation-error.svg stabilisation-errors.csv stability.h5";
 
 fn number(value: &Value) -> f64 {
     value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
@@ -58,6 +64,7 @@ fn energies_of_pure_bending_at_every_ratio() {
             ["study", "scene.toml", "--what=stability", "--json", "--quiet", "--force", "--beside=beside.json"];
         let o = place.run(arguments).demand(0).json();
         assert_eq!(o["note"].is_null(), plane == "strain", "{}", o["note"]);
+        assert!(o["stabilisation"].is_null(), "without contact");
         let all = &o["incompressible"];
         let truths = array(&all["references"]);
         assert_eq!(truths.len(), POISSON.len());
@@ -121,7 +128,8 @@ fn the_files_agree_and_eigenvalues_change_sign_at_degenerate_sizes() {
     let ran = place.run(["study", "block.toml", "--what", "stability"]).demand(0);
     let told: Vec<&str> = ran.err.lines().filter_map(|l| l.split_once(" s  ")).map(|(_, what)| what).collect();
     let ratios: Vec<String> = POISSON.iter().map(|nu| format!("ν = {nu}")).collect();
-    let expected: Vec<&str> = ratios.iter().map(String::as_str).chain(["single layer", "files"]).collect();
+    let expected: Vec<&str> =
+        ratios.iter().map(String::as_str).chain(["single layer", "stabilisation", "files"]).collect();
     assert_eq!(told, expected);
     assert_eq!(place.names(), ["block-stability", "block.toml"]);
     assert_eq!(names(&place.path("block-stability")).join(" "), FILES);
@@ -136,6 +144,8 @@ fn the_files_agree_and_eigenvalues_change_sign_at_degenerate_sizes() {
     for (table, group, object) in [
         ("incompressible.csv", "incompressible/points", &o["incompressible"]["points"]),
         ("single-layer.csv", "single_layer/points", &o["single_layer"]["points"]),
+        ("stabilisation-critical.csv", "stabilisation/critical", &o["stabilisation"]["critical"]),
+        ("stabilisation-errors.csv", "stabilisation/errors", &o["stabilisation"]["errors"]),
     ] {
         let bits = |v: &[f64]| v.iter().map(|x| if x.is_nan() { 0 } else { x.to_bits() }).collect::<Vec<_>>();
         for (name, values) in columns(&place, &format!("block-stability/{table}")) {
@@ -167,7 +177,7 @@ fn the_files_agree_and_eigenvalues_change_sign_at_degenerate_sizes() {
         "method.tolerance=1e-3",
         "16 elements, p = 1",
         "V would be positive definite",
-        "9 in block-stability",
+        "17 in block-stability",
     ] {
         assert!(ran.out.contains(part), "no {part} in\n{}", ran.out);
     }
@@ -201,6 +211,7 @@ fn failures_are_told_with_their_ratio() {
             incompressible: &incompressible,
             beside: &[],
             single_layer: &single_layer,
+            stabilisation: None,
             interrupted,
         };
         (study.complete(), text(&study))
@@ -213,6 +224,63 @@ fn failures_are_told_with_their_ratio() {
     );
     assert!(text.contains("interrupted: what was finished is here"));
     assert!(!of(vec![truth(0.3, None)], vec![point(0.3, None)], true).0);
+    assert!(text.contains("left out, no side is in contact"));
+    let failed = Critical {
+        elements: 16,
+        degree: 2,
+        dofs: 64,
+        gamma: f64::NAN,
+        gamma_young: f64::NAN,
+        failure: Some("too large".into()),
+    };
+    let stabilisation = Stabilisation { critical: vec![failed], ..Default::default() };
+    let incompressible = Incompressible::default();
+    let study = Stability {
+        scene: &scene,
+        incompressible: &incompressible,
+        beside: &[],
+        single_layer: &single_layer,
+        stabilisation: Some(&stabilisation),
+        interrupted: false,
+    };
+    let text = steklov::study::stability::text(&study);
+    assert!(
+        !study.complete() && text.contains("FAILED at critical γ₀ on 16 elements of degree 2: too large"),
+        "{text}"
+    );
+}
+
+/// The critical γ₀ E of a clamped square as another code has it, in any unit of stress, and errors that grow near it.
+#[test]
+fn stabilised_multipliers_have_a_critical_gamma() {
+    for young in [7.0, 7e4] {
+        let text = format!(
+            "[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"floor\", \"right\", \"top\", \"left\"]\n\
+             [material]\nyoung = {young}\npoisson = 0.3\n\
+             [sides.floor]\ncontact = {{ gap = \"abs(x-0.5)/10 - 0.05\", friction = {{ tresca = \"{}\" }} }}\n\
+             [sides.top]\ndisplacement = [\"0\", \"0\"]\n[method]\ntolerance = 1e-3\nmax_dofs = 400\n",
+            3e-4 * young
+        );
+        let sets = ["method.elements=16".into(), "method.degree=1".into()];
+        let scene = Scene::parse(&text, "scene", &sets).unwrap();
+        let all = stabilisation(&scene, &AtomicUsize::new(0), &mut |_, _| {}).unwrap();
+        assert!(all.complete());
+        for (elements, degree, want) in [(32, 1, 0.644), (64, 1, 0.627), (32, 2, 0.99), (16, 4, 1.49), (16, 12, 1.95)] {
+            let found = all.critical.iter().find(|c| (c.elements, c.degree) == (elements, degree)).unwrap();
+            assert!((found.gamma_young / want - 1.0).abs() < 0.025, "{found:?}, not {want}");
+            assert!((found.gamma * young / found.gamma_young - 1.0).abs() < 1e-15);
+        }
+        for (elements, degree) in all.meshes() {
+            let of = |ratio: f64| {
+                let at = |p: &&WithGamma| (p.elements, p.degree, p.ratio) == (elements, degree, ratio);
+                all.errors.iter().find(at).unwrap().error
+            };
+            println!("{elements} {degree}: {:e} {:e} {:e}", of(1e-4), of(0.5), of(0.99));
+            assert!(of(0.5) < 1.5 * of(1e-4) && of(0.99) > 1.1 * of(0.5), "{elements} {degree}");
+        }
+    }
+    let free = Scene::parse(&bending("strain"), "scene", &[]).unwrap();
+    assert_eq!(stabilisation(&free, &AtomicUsize::new(0), &mut |_, _| {}), None);
 }
 
 #[test]

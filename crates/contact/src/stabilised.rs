@@ -459,7 +459,8 @@ fn value_at(mesh: &Mesh, edge: usize, s: f64, bound: &Datum<'_>) -> Result<f64, 
 const ACCURACY: f64 = 1e-3;
 const STEPS: usize = 120;
 
-/// The largest eigenvalue of a symmetric matrix without negative ones, by Lanczos' method with all vectors kept orthogonal.
+/// The largest eigenvalue of a symmetric matrix without negative ones, by Lanczos' method with all vectors kept orthogonal;
+/// where that takes too many steps by a full decomposition.
 fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
     let n = a.nrows();
     // a start without symmetries
@@ -488,7 +489,8 @@ fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
         }
         basis.push(w * Scale(1.0 / rest));
     }
-    None
+    // a cluster at the end of the spectrum
+    a.self_adjoint_eigenvalues(Side::Lower).ok()?.last().copied()
 }
 
 pub(crate) fn free_unknowns(count: usize, held: &[(Dof, f64)]) -> Vec<Dof> {

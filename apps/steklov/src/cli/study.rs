@@ -20,7 +20,9 @@ use crate::plan::plan;
 use crate::reference::{Reference, ReferenceError};
 use crate::scene::{Multiplier, Refine, Scene};
 use crate::solve::Stage;
-use crate::study::{MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write};
+use crate::study::{
+    MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write,
+};
 
 #[derive(Args)]
 pub(super) struct StudyArgs {
@@ -112,9 +114,7 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
             Err(Failure("error: --beside belongs to --what stability".into()))
         }
         What::Convergence => convergence(args),
-        _ if !args.multipliers.is_empty() => {
-            Err(Failure("error: --multipliers belongs to --what convergence".into()))
-        }
+        _ if !args.multipliers.is_empty() => Err(Failure("error: --multipliers belongs to --what convergence".into())),
         What::Stability | What::InfSup if !args.strategies.is_empty() => Err(Failure(
             "error: --strategies belongs to --what convergence: the others are studied on uniform meshes".into(),
         )),

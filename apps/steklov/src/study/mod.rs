@@ -22,8 +22,8 @@ pub use draw::pictures;
 pub use fit::{Fit, Law, fit};
 pub use settings::settings;
 pub use store::write;
-pub use supported::contact_sides;
 pub use strategy::{End, MULTIPLIERS, NAMES, Point, Strategy, for_truth, strategy};
+pub use supported::contact_sides;
 pub use table::{csv, json, text};
 
 /// Steps of a strategy whose true errors are measured, and which are printed, at most.

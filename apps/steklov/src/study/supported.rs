@@ -5,7 +5,8 @@ use steklov_bem_operators::{Dof, Domain, Mesh, Operators, Space, Steklov, Tracti
 use steklov_quadrature::gauss_legendre;
 
 use crate::data::Data;
-use crate::scene::{Condition, Scene};
+use crate::plan::first_mesh;
+use crate::scene::{Condition, Refine, Scene};
 use crate::solve::SolveError;
 use crate::supports::Supports;
 
@@ -70,4 +71,12 @@ fn moments(mesh: &Mesh, space: &Space, r: impl Fn([f64; 2]) -> [f64; 2]) -> (Vec
 pub fn contact_sides(scene: &Scene) -> Vec<usize> {
     let sides = scene.sides.iter().enumerate();
     sides.filter(|(_, s)| matches!(s.condition, Condition::Contact { .. })).map(|(k, _)| k).collect()
+}
+
+/// The scene's mesh with so many times its elements.
+pub(super) fn uniform_mesh(scene: &Scene, times: usize, degree: usize) -> Mesh {
+    let mut scene = scene.clone();
+    scene.method.refine = Refine::None;
+    (scene.method.elements, scene.method.degree) = (times * scene.method.elements, degree);
+    first_mesh(&scene)
 }

@@ -11,7 +11,8 @@ use crate::explain::too_many_dofs;
 use crate::picture;
 use crate::plan::plan;
 use crate::study::stability::{
-    POISSON, Stability, csv, incompressible, json, pictures, read_beside, settings, single_layer, text, write,
+    POISSON, Stability, csv, incompressible, json, pictures, read_beside, settings, single_layer, stabilisation, text,
+    write,
 };
 
 /// Looks for trouble where such methods may have it.
@@ -25,10 +26,11 @@ pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
         return Err(Failure(too_many_dofs(&scene, cost.dofs).render()));
     }
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, POISSON.len() + 2);
+    let watch = Watch::new(args.quiet, POISSON.len() + 3);
     let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
     let incompressible = incompressible(&scene, &stop, tell).map_err(|error| unreferenced(&scene, error))?;
     let single_layer = single_layer(&scene, &stop, tell)?;
+    let stabilisation = stabilisation(&scene, &stop, tell);
     watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = Stability {
@@ -36,6 +38,7 @@ pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
         incompressible: &incompressible,
         beside: &beside,
         single_layer: &single_layer,
+        stabilisation: stabilisation.as_ref(),
         interrupted,
     };
     let files = store(&study, &out)?;

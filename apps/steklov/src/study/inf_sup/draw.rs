@@ -22,7 +22,7 @@ pub fn pictures(study: &InfSup<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictu
     for degree in study.degrees() {
         let some = |p: &Point| p.degree == degree;
         if study.of_pair(0).filter(|p| some(p)).count() > 1 {
-            let title = format!("{}: inf-sup constants, p = {degree}", study.scene.title);
+            let title = format!("{}: inf-sup constants, degree {degree}", study.scene.title);
             let picture = constants(study, &title, elements, &some, |p| p.elements as f64)?;
             draw(&format!("inf-sup-elements-{degree}"), picture)?;
         }
@@ -87,13 +87,9 @@ fn pressure(
         .iter()
         .map(|(_, rows)| positions(side, rows).1.into_iter().zip(rows).map(|(s, r)| [s, r.pressure]).collect())
         .collect();
-    let none = Curve { points: &[], flagged: &[] };
-    let of = |k: usize| Curve { points: &points[k], flagged: &[] };
-    // the second has dashes and smaller markers
-    let curves: Vec<[Curve<'_>; 2]> =
-        (0..points.len()).map(|k| if k == 0 { [of(0), none] } else { [none, of(k)] }).collect();
+    let curves: Vec<[Curve<'_>; 1]> = points.iter().map(|points| [Curve { points, flagged: &[] }]).collect();
     let names: Vec<String> =
-        solutions.iter().map(|(s, _)| format!("γ₀ = {:.1e} of the critical one", s.gamma / s.critical)).collect();
+        solutions.iter().map(|(s, _)| format!("γ₀ = {:.0e} of the critical one", s.gamma / s.critical)).collect();
     let series: Vec<Series<'_>> = names.iter().zip(&curves).map(|(name, curves)| Series { name, curves }).collect();
     let all = study.pressures;
     chart(&Chart {
@@ -103,7 +99,7 @@ fn pressure(
         ),
         x: Axis { label: &label, scale: Scale::Linear },
         y: Axis { label: "pressure", scale: Scale::Linear },
-        quantities: &["stabilised", "not stabilised"],
+        quantities: &["pressure"],
         series: &series,
         flag: "",
         guides: &[],

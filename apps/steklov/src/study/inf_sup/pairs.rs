@@ -17,11 +17,10 @@ use steklov_contact::{
 
 use super::subspace::{biorthogonal, continuous, restricted};
 use crate::data::Data;
-use crate::plan::first_mesh;
-use crate::scene::{Refine, Scene};
+use crate::scene::Scene;
 use crate::solve::SolveError;
 use crate::study::columns::Column;
-use crate::study::supported::{Supported, contact_sides};
+use crate::study::supported::{Supported, contact_sides, uniform_mesh};
 
 /// Which multipliers of W_Hq a pair has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -148,14 +147,6 @@ pub fn pairs(
         points.extend(on_mesh(scene, mesh, degree)?);
     }
     Ok(points)
-}
-
-/// The scene's mesh with so many times its elements.
-pub(super) fn uniform_mesh(scene: &Scene, times: usize, degree: usize) -> Mesh {
-    let mut scene = scene.clone();
-    scene.method.refine = Refine::None;
-    (scene.method.elements, scene.method.degree) = (times * scene.method.elements, degree);
-    first_mesh(&scene)
 }
 
 /// All pairs on a mesh.

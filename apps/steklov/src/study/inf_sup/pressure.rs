@@ -1,19 +1,20 @@
-//! The pressure of an unstable pair, with stabilisation and with next to none.
+//! The pressure of an unstable pair, with stabilisation and with next to none: λ is then not determined but up to what no
+//! displacement sees, and oscillates.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
-use super::pairs::uniform_mesh;
 use crate::report::{ContactRow, contact_rows};
 use crate::scene::{Multiplier, Scene};
 use crate::solve::{SolveError, solve};
 use crate::study::columns::Column;
+use crate::study::supported::uniform_mesh;
 
-/// The mesh: so many times the elements of the scene, and its degree.
-const TIMES: usize = 4;
-const DEGREE: usize = 1;
+/// The mesh: so many times the elements of the scene, the first that it allows, and its degree.
+const TIMES: [usize; 3] = [4, 2, 1];
+const DEGREE: usize = 2;
 /// γ₀ over its critical value where there should be none.
 const NONE: f64 = 1e-8;
 
@@ -43,13 +44,27 @@ pub struct Pressures {
     pub solutions: Vec<Pressure>,
 }
 
+impl Pressure {
+    /// Largest pressure.
+    pub fn largest(&self) -> f64 {
+        self.rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure))
+    }
+
+    /// Sum of all rises and falls of the pressure along the contact sides: twice the largest one if there is one peak.
+    pub fn variation(&self) -> f64 {
+        let pairs = self.rows.windows(2).filter(|r| r[0].side == r[1].side);
+        pairs.map(|r| (r[1].pressure - r[0].pressure).abs()).sum()
+    }
+}
+
 /// Columns of a solution.
-pub(super) const ROWS: [Column<ContactRow>; 5] = [
+pub(super) const ROWS: [Column<ContactRow>; 6] = [
     ("x", "length", "node of the multipliers", |r| r.point[0]),
     ("y", "length", "node of the multipliers", |r| r.point[1]),
     ("side", "1", "index of the side", |r| r.side as f64),
     ("pressure", "stress", "lambda_n, positive in compression", |r| r.pressure),
     ("shear", "stress", "lambda_t", |r| r.shear),
+    ("weight", "length", "length that the node stands for", |r| r.weight),
 ];
 
 /// Solves the scene with multipliers that are too many for its displacements. After a wish to stop nothing more is solved.
@@ -61,7 +76,9 @@ pub fn pressures(
     interrupts: &AtomicUsize,
     tell: &mut dyn FnMut(&str, &str),
 ) -> Result<Pressures, SolveError> {
-    let mesh = uniform_mesh(scene, TIMES, DEGREE);
+    let dofs = |times: &usize| 2 * DEGREE * uniform_mesh(scene, *times, DEGREE).len();
+    let times = TIMES.into_iter().find(|t| dofs(t) <= scene.method.max_dofs).unwrap_or(1);
+    let mesh = uniform_mesh(scene, times, DEGREE);
     let mut scene = scene.clone();
     scene.method.multiplier = Multiplier::Stabilised;
     (scene.method.multiplier_mesh, scene.method.multiplier_degree) =

@@ -78,3 +78,102 @@ pub(super) fn restricted(form: &Mat<f64>, to: &Option<Mat<f64>>) -> Mat<f64> {
         Some(t) => t.transpose() * (form * t),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use steklov_bem_operators::Mesh;
+    use steklov_contact::{MultiplierDegree, MultiplierMesh, pairing};
+
+    use super::*;
+    use crate::data::Data;
+    use crate::scene::Scene;
+    use crate::study::supported::contact_sides;
+
+    /// A trapezium on two contact sides, one of them oblique; its left side is held in x.
+    const SCENE: &str = r#"
+[body]
+corners = [[0, 0], [2, 0], [3, 1.5], [0, 1]]
+sides = ["floor", "ramp", "top", "left"]
+[material]
+young = 3
+poisson = 0.2
+[sides.floor]
+contact = { gap = "0" }
+[sides.ramp]
+contact = { gap = "0.1", friction = { tresca = "1" } }
+[sides.top]
+traction = ["0", "-1"]
+[sides.left]
+displacement = ["0", "free"]
+"#;
+
+    fn body(scene: &Scene, degree: usize) -> (Supported, MultiplierSpace) {
+        let body = Supported::new(scene, Mesh::uniform(&scene.polygon, 11, degree)).unwrap();
+        let degree = MultiplierDegree::Relative(0);
+        let full = MultiplierSpace::new(&body.mesh, &contact_sides(scene), MultiplierMesh::Same, degree).unwrap();
+        (body, full)
+    }
+
+    /// ∫ ψ̃_i φ_j = δ_ij D_i along the direction of each unknown, for all displacements that are not held.
+    #[test]
+    fn biorthogonal_multipliers_see_one_displacement_each() {
+        let scene = Scene::parse(SCENE, "scene", &[]).unwrap();
+        for degree in [1, 2, 5] {
+            let (body, full) = body(&scene, degree);
+            let data = Data { scene: &scene, mesh: &body.mesh, space: &body.space };
+            let boundary = data.contact(&data.held().unwrap()).unwrap().unwrap();
+            let t = biorthogonal(&body, &boundary, &full);
+            let [n, s] = pairing(&body.mesh, &body.space, &full);
+            let b = Mat::from_fn(2 * full.nodes.len(), body.space.dofs(), |i, j| [&n, &s][i % 2][(i / 2, j)]);
+            let seen = t.transpose() * b;
+            let mut expected = Vec::new();
+            for (node, contact) in boundary.nodes.iter().zip(&boundary.contact) {
+                for (place, condition) in node.conditions.iter().zip(&contact.conditions) {
+                    let both = [(place.normal, condition.normal_weight), (place.tangent, condition.tangent_weight)];
+                    expected.extend(both.into_iter().filter(|d| d.1 > 0.0).map(|(d, weight)| (node.node, d, weight)));
+                }
+            }
+            assert_eq!(t.ncols(), expected.len());
+            for (i, (node, direction, weight)) in expected.into_iter().enumerate() {
+                for j in (0..body.space.dofs()).filter(|j| body.held.iter().all(|h| h.0 != *j)) {
+                    let want = if j / 2 == node { weight * direction[j % 2] } else { 0.0 };
+                    assert!((seen[(i, j)] - want).abs() < 1e-13, "p = {degree}, ({i}, {j}): {}", seen[(i, j)]);
+                }
+            }
+        }
+    }
+
+    /// The φ_i of an edge sum up to 1; none is left that is held.
+    #[test]
+    fn continuous_multipliers_are_the_traces_of_displacements() {
+        let scene = Scene::parse(SCENE, "scene", &["sides.left.displacement=[\"free\", \"0\"]".into()]).unwrap();
+        for degree in [1, 3] {
+            let (body, full) = body(&scene, degree);
+            let t = continuous(&body, &full);
+            let elements = |side: usize| (0..body.mesh.len()).filter(|&e| body.mesh.side[e] == side).count();
+            // u_n is held at one end of the floor
+            assert_eq!(t.ncols(), 2 * (degree * (elements(0) + elements(1)) + 2) - 1);
+            let [_, s] = pairing(&body.mesh, &body.space, &full);
+            let columns: Vec<usize> = (0..t.ncols())
+                .filter(|&c| (0..t.nrows()).any(|i| t[(i, c)] != 0.0 && i % 2 == 1 && full.nodes[i / 2].side == 0))
+                .collect();
+            assert_eq!(columns.len(), degree * elements(0) + 1);
+            let nodes: Vec<usize> = (0..body.space.nodes()).filter(|&n| body.space.points[n][1] == 0.0).collect();
+            assert_eq!(nodes.len(), columns.len());
+            // Σ_i ∫ φ_i φ_j = ∫ φ_j, the Lobatto weights; t = (1, 0) on the floor
+            let mut weights = vec![0.0; body.space.nodes()];
+            for e in (0..body.mesh.len()).filter(|&e| body.mesh.side[e] == 0) {
+                for (w, node) in body.space.basis(e).weights.iter().zip(body.space.element_nodes(e)) {
+                    weights[node] += w * body.mesh.length(e) / 2.0;
+                }
+            }
+            for node in nodes {
+                let seen = |c: &usize| -> f64 {
+                    (0..full.nodes.len()).map(|k| t[(2 * k + 1, *c)] * s[(k, 2 * node)]).sum::<f64>()
+                };
+                let sum: f64 = columns.iter().map(seen).sum();
+                assert!((sum - weights[node]).abs() < 1e-14, "p = {degree}: {sum}, not {}", weights[node]);
+            }
+        }
+    }
+}

@@ -78,8 +78,9 @@ fn pressures(text: &mut String, study: &InfSup<'_>) {
             Some(why) => writeln!(text, "no solution: {why}"),
             None => writeln!(
                 text,
-                "largest pressure {:.4e}{}",
-                s.rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure)),
+                "largest {:.4e}, rises and falls {:.4e}{}",
+                s.largest(),
+                s.variation(),
                 if s.converged { "" } else { " (the solver did not converge)" }
             ),
         };
@@ -101,6 +102,8 @@ pub fn json(study: &InfSup<'_>) -> Value {
             "gamma": s.gamma,
             "gamma_critical": s.critical,
             "converged": s.converged,
+            "largest": s.largest(),
+            "variation": s.variation(),
             "message": s.failure,
             "points": columns::json(&s.rows, &ROWS),
         })

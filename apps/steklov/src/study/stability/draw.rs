@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::beside::judged;
 use super::incompressible::Point;
 use super::table::mesh_name;
-use super::{SingleLayer, Spectrum, Stability};
+use super::{SingleLayer, Spectrum, Stabilisation, Stability};
 use crate::picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// A curve that owns its points.
@@ -16,7 +16,7 @@ struct Line {
     other: bool,
 }
 
-/// Draws errors over ν and eigenvalues over size into a folder; returns the files.
+/// Draws errors over ν, eigenvalues over size and stabilised multipliers over γ₀ into a folder; returns the files.
 ///
 /// # Errors
 /// When a picture cannot be drawn or written.
@@ -36,6 +36,11 @@ pub fn pictures(study: &Stability<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pi
     }
     draw("incompressible-energy", incompressible(study, energy, &of)?)?;
     draw("single-layer", single_layer(study)?)?;
+    if let Some(all) = study.stabilisation {
+        for (name, picture) in stabilisation(study, all)? {
+            draw(name, picture)?;
+        }
+    }
     Ok(files)
 }
 
@@ -96,4 +101,61 @@ fn single_layer(study: &Stability<'_>) -> Result<Picture, PictureError> {
         guides: &[],
         band: None,
     })
+}
+
+/// The critical γ₀ over elements and over the degree, and errors over γ₀.
+fn stabilisation(study: &Stability<'_>, all: &Stabilisation) -> Result<Vec<(&'static str, Picture)>, PictureError> {
+    let line = |name: String, points: Vec<[f64; 2]>| Line { name, points, other: false };
+    let (mut degrees, mut counts): (Vec<usize>, Vec<usize>) =
+        all.critical.iter().map(|c| (c.degree, c.elements)).unzip();
+    for list in [&mut degrees, &mut counts] {
+        list.sort_unstable();
+        list.dedup();
+    }
+    let over_elements = |p: &usize| {
+        let of = all.critical.iter().filter(|c| c.degree == *p);
+        line(format!("p = {p}"), of.map(|c| [c.elements as f64, c.gamma_young]).collect())
+    };
+    let over_degree = |n: &usize| {
+        let mut of: Vec<[f64; 2]> =
+            all.critical.iter().filter(|c| c.elements == *n).map(|c| [c.degree as f64, c.gamma_young]).collect();
+        of.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        line(format!("{n} elements"), of)
+    };
+    let over_gamma = |mesh: (usize, usize)| {
+        let of = all.errors.iter().filter(|p| (p.elements, p.degree) == mesh);
+        line(mesh_name(mesh), of.map(|p| [p.ratio, p.error]).collect())
+    };
+    let several = |l: &Line| l.points.len() > 1;
+    let critical = Axis { label: "critical γ₀ times Young's modulus", scale: Scale::Linear };
+    let figures = [
+        (
+            "stabilisation-elements",
+            Axis { label: "elements", scale: Scale::Log },
+            critical,
+            degrees.iter().map(over_elements).filter(several).collect::<Vec<_>>(),
+        ),
+        (
+            "stabilisation-degree",
+            Axis { label: "degree p", scale: Scale::Linear },
+            critical,
+            counts.iter().map(over_degree).filter(several).collect(),
+        ),
+        (
+            "stabilisation-error",
+            Axis { label: "γ₀ over its critical value", scale: Scale::Log },
+            Axis { label: "relative error, energy norm", scale: Scale::Log },
+            all.meshes().into_iter().map(over_gamma).collect(),
+        ),
+    ];
+    let title = format!("{}: stabilised multipliers, γ = γ₀ h/p²", study.scene.title);
+    let drawn = figures.map(|(name, x, y, lines)| {
+        let curves: Vec<[Curve<'_>; 1]> = lines.iter().map(|l| [Curve { points: &l.points, flagged: &[] }]).collect();
+        let series: Vec<Series<'_>> =
+            lines.iter().zip(&curves).map(|(l, curves)| Series { name: &l.name, curves }).collect();
+        let quantities = &["value"];
+        chart(&Chart { title: &title, x, y, quantities, series: &series, flag: "", guides: &[], band: None })
+            .map(|picture| (name, picture))
+    });
+    drawn.into_iter().collect()
 }

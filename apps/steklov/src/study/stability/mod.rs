@@ -1,13 +1,16 @@
-//! Where boundary elements could fail and do not: nearly incompressible material, degenerate scales of the single layer.
+//! Where boundary elements could fail and do not: nearly incompressible material, degenerate scales of the single layer,
+//! stabilised multipliers near the limit of their parameter.
 //!
 //! ```text
-//! settings ─► incompressible (errors over ν), single_layer (eigenvalues over size) ─► Stability ─► store, table, draw
+//! settings ─► incompressible (errors over ν), single_layer (eigenvalues over size), stabilisation (γ₀) ─► Stability
+//! Stability ─► store, table, draw
 //! ```
 //! Each part is a file: what it computes, and the columns of its table.
 
 mod incompressible;
 mod beside;
 mod single_layer;
+mod stabilisation;
 mod table;
 mod store;
 mod draw;
@@ -21,6 +24,7 @@ pub use beside::{Beside, BesideError, read_beside};
 pub use draw::pictures;
 pub use incompressible::{Incompressible, POISSON, Point, Truth, incompressible};
 pub use single_layer::{SingleLayer, Spectrum, single_layer};
+pub use stabilisation::{Critical, Stabilisation, WithGamma, stabilisation};
 pub use store::write;
 pub use table::{csv, json, text};
 
@@ -39,14 +43,16 @@ pub struct Stability<'a> {
     pub beside: &'a [Beside],
     /// Eigenvalues of the single layer matrix.
     pub single_layer: &'a SingleLayer,
+    /// Stabilised multipliers over γ₀; none without contact.
+    pub stabilisation: Option<&'a Stabilisation>,
     /// Whether the user stopped it.
     pub interrupted: bool,
 }
 
 impl Stability<'_> {
-    /// Whether nobody stopped it and every mesh was solved at every ratio.
+    /// Whether nobody stopped it and every mesh was solved at every ratio and with every γ₀.
     pub fn complete(&self) -> bool {
-        !self.interrupted && self.incompressible.complete()
+        !self.interrupted && self.incompressible.complete() && self.stabilisation.is_none_or(Stabilisation::complete)
     }
 
     /// What a reader of the results must know.

@@ -4,6 +4,7 @@
 //! /incompressible/references, points   columns with an entry a ratio, or a mesh at a ratio
 //! /incompressible/beside/NNN           `name`, and columns with an entry a ratio
 //! /single_layer                        `degenerate`, `diameter`; points: columns with an entry a size
+//! /stabilisation/critical, errors      columns with an entry a mesh, or a γ₀ on a mesh; not without contact
 //! ```
 
 use steklov_io::{
@@ -14,6 +15,7 @@ use steklov_io::{
 use super::beside::{RESULTS, judged};
 use super::incompressible::{POINTS, TRUTHS};
 use super::single_layer::SPECTRA;
+use super::stabilisation::{CRITICAL, ERRORS};
 use super::{Stability, columns, json};
 
 /// Writes the study into a new file.
@@ -45,5 +47,12 @@ pub fn write(file: &File, study: &Stability<'_>) -> Result<(), IoError> {
     let meaning = "diameters of bodies of this shape at which V is singular for L = 1";
     save_vector(&at, "degenerate", &layer.degenerate, &Label { unit: "length", meaning, axes: &["eigenvalue"] })?;
     save_number(&at, "diameter", layer.diameter, "length", "diameter of the scene's body")?;
-    columns::save(&create_group(&at, "points")?, &layer.points, &SPECTRA, "size")
+    columns::save(&create_group(&at, "points")?, &layer.points, &SPECTRA, "size")?;
+
+    if let Some(all) = study.stabilisation {
+        let at = create_group(file, "stabilisation")?;
+        columns::save(&create_group(&at, "critical")?, &all.critical, &CRITICAL, "mesh")?;
+        columns::save(&create_group(&at, "errors")?, &all.errors, &ERRORS, "gamma on a mesh")?;
+    }
+    Ok(())
 }

@@ -7,14 +7,20 @@ use serde_json::{Value, json as object};
 use super::beside::{RESULTS, judged};
 use super::incompressible::{POINTS, Point, TRUTHS};
 use super::single_layer::SPECTRA;
+use super::stabilisation::{CRITICAL, Critical, ERRORS, WithGamma};
 use super::{Stability, columns};
 
 /// Names and contents of the CSV tables; what is not known is left empty.
-pub fn csv(study: &Stability<'_>) -> [(&'static str, String); 2] {
-    [
+pub fn csv(study: &Stability<'_>) -> Vec<(&'static str, String)> {
+    let mut tables = vec![
         ("incompressible.csv", columns::csv(&study.incompressible.points, &POINTS)),
         ("single-layer.csv", columns::csv(&study.single_layer.points, &SPECTRA)),
-    ]
+    ];
+    if let Some(all) = study.stabilisation {
+        tables.push(("stabilisation-critical.csv", columns::csv(&all.critical, &CRITICAL)));
+        tables.push(("stabilisation-errors.csv", columns::csv(&all.errors, &ERRORS)));
+    }
+    tables
 }
 
 /// Name of a mesh in tables and charts.
@@ -31,6 +37,7 @@ pub fn text(study: &Stability<'_>) -> String {
     }
     incompressible(&mut text, study);
     single_layer(&mut text, study);
+    stabilisation(&mut text, study);
     if study.interrupted {
         text += "interrupted: what was finished is here\n";
     }
@@ -82,6 +89,38 @@ fn single_layer(text: &mut String, study: &Stability<'_>) {
     let _ = writeln!(text, "this body   d = {own:.7} in its unit of length: with L = 1 V would {verdict}");
 }
 
+fn stabilisation(text: &mut String, study: &Stability<'_>) {
+    let Some(all) = study.stabilisation else {
+        *text += "\nstabilised multipliers: left out, no side is in contact\n";
+        return;
+    };
+    let _ = writeln!(text, "\nstabilised multipliers, critical gamma_0 times Young's modulus");
+    let mut degrees: Vec<usize> = all.critical.iter().map(|c| c.degree).collect();
+    degrees.sort_unstable();
+    degrees.dedup();
+    for degree in degrees {
+        let cell = |c: &Critical| format!(" {:.4} ({} elements)", c.gamma_young, c.elements);
+        let cells: String = all.critical.iter().filter(|c| c.degree == degree).map(cell).collect();
+        let _ = writeln!(text, "{:<26}{cells}", format!("  p = {degree}"));
+    }
+    if let Some(&first) = all.meshes().first() {
+        let of = |mesh| all.errors.iter().filter(move |p| (p.elements, p.degree) == mesh);
+        let cells: String = of(first).map(|p| format!(" {:>9}", p.ratio)).collect();
+        let _ = writeln!(text, "{:<26}{cells}", "gamma_0 over critical");
+        let values: [(&str, fn(&WithGamma) -> f64); 2] =
+            [("relative error, energy norm", |p| p.error), ("energy error", |p| p.energy_error)];
+        for (what, value) in values {
+            let _ = writeln!(text, "{what}:");
+            for mesh in all.meshes() {
+                line(text, &format!("  {}", mesh_name(mesh)), of(mesh).map(value));
+            }
+        }
+    }
+    for (at, why) in all.failures() {
+        let _ = writeln!(text, "FAILED at {at}: {why}");
+    }
+}
+
 /// The JSON object; numbers that are not known are null.
 pub fn json(study: &Stability<'_>) -> Value {
     let all = study.incompressible;
@@ -89,6 +128,14 @@ pub fn json(study: &Stability<'_>) -> Value {
     let beside = judged(study.beside, &all.truths);
     let beside = beside.iter().map(|(name, rows)| object!({ "name": name, "points": columns::json(rows, &RESULTS) }));
     let layer = study.single_layer;
+    let stabilisation = study.stabilisation.map(|all| {
+        let failures = all.failures().map(|(at, why)| object!({ "at": at, "message": why }));
+        object!({
+            "critical": columns::json(&all.critical, &CRITICAL),
+            "errors": columns::json(&all.errors, &ERRORS),
+            "failures": failures.collect::<Value>(),
+        })
+    });
     object!({
         "title": study.scene.title,
         "settings": study.scene.source.overrides,
@@ -108,5 +155,6 @@ pub fn json(study: &Stability<'_>) -> Value {
             "degenerate": layer.degenerate,
             "points": columns::json(&layer.points, &SPECTRA),
         },
+        "stabilisation": stabilisation,
     })
 }
