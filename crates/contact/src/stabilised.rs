@@ -481,7 +481,7 @@ fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
         let rest = w.norm_l2();
         let eigen = projected.submatrix(0, 0, k + 1, k + 1).self_adjoint_eigen(Side::Lower).ok()?;
         let value = eigen.S()[k];
-        if rest * eigen.U()[(k, k)].abs() <= ACCURACY * value || k + 1 == n.min(STEPS) {
+        if rest * eigen.U()[(k, k)].abs() <= ACCURACY * value || k + 1 == n {
             return Some(value);
         }
         if k + 1 < STEPS {

@@ -16,7 +16,7 @@ use crate::study::supported::uniform_mesh;
 const TIMES: [usize; 3] = [4, 2, 1];
 const DEGREE: usize = 2;
 /// γ₀ over its critical value where there should be none.
-const NONE: f64 = 1e-8;
+const NONE: f64 = 1e-5;
 
 /// A solution of the scene with multipliers of degree p on halved elements.
 #[derive(Debug, Clone, PartialEq)]
