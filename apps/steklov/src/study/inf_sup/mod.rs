@@ -42,6 +42,14 @@ impl InfSup<'_> {
         !self.interrupted && self.points.iter().all(|p| p.failure.is_none())
     }
 
+    /// What a reader of the results must know.
+    pub fn note(&self) -> Option<&'static str> {
+        (!self.interrupted && self.points.is_empty()).then_some(
+            "the body has too many edges: reference spaces on its coarsest mesh would have more than 3200 unknowns, or \
+             method.max_dofs is below those of its mesh",
+        )
+    }
+
     /// The points of a pair.
     fn of_pair(&self, pair: usize) -> impl Iterator<Item = &Point> {
         self.points.iter().filter(move |p| p.pair == pair)

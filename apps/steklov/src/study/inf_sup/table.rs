@@ -29,6 +29,9 @@ fn prefixed(name: &str, cells: impl Iterator<Item = String>, table: &str) -> Str
 pub fn text(study: &InfSup<'_>) -> String {
     let mut text = format!("{}\n", study.scene.title);
     let _ = writeln!(text, "settings    {} (--set changes them)", study.scene.source.overrides.join(", "));
+    if let Some(note) = study.note() {
+        let _ = writeln!(text, "note        {note}");
+    }
     for (what, value) in [("without", (|p| p.plain) as fn(&Point) -> f64), ("with", |p| p.stabilised)] {
         for degree in study.degrees() {
             let row = |pair: usize| study.of_pair(pair).filter(move |p| p.degree == degree);
@@ -113,6 +116,7 @@ pub fn json(study: &InfSup<'_>) -> Value {
         "settings": study.scene.source.overrides,
         "complete": study.complete(),
         "interrupted": study.interrupted,
+        "note": study.note(),
         "pairs": pairs.collect::<Value>(),
         "failures": failures.collect::<Value>(),
         "pressure": {

@@ -51,15 +51,15 @@ fn line(text: &mut String, name: &str, values: impl Iterator<Item = f64>) {
 }
 
 /// What is printed of the meshes: a name and a value.
-type Quantity = (&'static str, fn(&Point) -> f64);
-type ErrorOf = (&'static str, fn(&WithGamma) -> f64);
+type Quantity<T> = (&'static str, fn(&T) -> f64);
 
 fn incompressible(text: &mut String, study: &Stability<'_>) {
     let all = study.incompressible;
     let cells: String = all.truths.iter().map(|t| format!(" {:>9}", t.poisson)).collect();
     let _ = writeln!(text, "\n{:<26}{cells}", "Poisson's ratio");
     line(text, "reference, estimated", all.truths.iter().map(|t| t.estimate));
-    let values: [Quantity; 2] = [("relative error, energy norm", |p| p.error), ("energy error", |p| p.energy_error)];
+    let values: [Quantity<Point>; 2] =
+        [("relative error, energy norm", |p| p.error), ("energy error", |p| p.energy_error)];
     for (what, value) in values {
         let _ = writeln!(text, "{what}:");
         for mesh in all.meshes() {
@@ -108,9 +108,9 @@ fn stabilisation(text: &mut String, study: &Stability<'_>) {
         let of = |mesh| all.errors.iter().filter(move |p| (p.elements, p.degree) == mesh);
         let cells: String = of(first).map(|p| format!(" {:>9}", p.ratio)).collect();
         let _ = writeln!(text, "{:<26}{cells}", "gamma_0 over critical");
-        const VALUES: [ErrorOf; 2] =
+        let values: [Quantity<WithGamma>; 2] =
             [("relative error, energy norm", |p| p.error), ("energy error", |p| p.energy_error)];
-        for (what, value) in VALUES {
+        for (what, value) in values {
             let _ = writeln!(text, "{what}:");
             for mesh in all.meshes() {
                 line(text, &format!("  {}", mesh_name(mesh)), of(mesh).map(value));
