@@ -73,7 +73,7 @@ pub(super) const ROWS: [Column<ContactRow>; 6] = [
 /// unknowns for that. Coulomb friction is left out. After a wish to stop nothing more is solved.
 ///
 /// # Errors
-/// As [`solve`] with the scene's own γ; what fails with next to none is told in its place.
+/// As [`solve`] with the scene's own γ; what fails with next to none or for want of Coulomb friction is told in its place.
 pub fn pressures(
     scene: &Scene,
     interrupts: &AtomicUsize,
@@ -87,9 +87,11 @@ pub fn pressures(
     (scene.method.multiplier_mesh, scene.method.multiplier_degree) =
         (MultiplierMesh::Finer(2), MultiplierDegree::Relative(0));
     // a bound that oscillates with the pressure leaves the solver without an end
+    let mut coulomb = false;
     for side in &mut scene.sides {
         if let Condition::Contact { friction: friction @ Friction::Coulomb(_), .. } = &mut side.condition {
             *friction = Friction::None;
+            coulomb = true;
         }
     }
     let mut all = Pressures { elements: mesh.len(), degree: DEGREE, solutions: Vec::new() };
@@ -113,7 +115,14 @@ pub fn pressures(
                     failure: None,
                 });
             }
-            (Err(error), None) => return Err(error),
+            (Err(error), None) if !coulomb => return Err(error),
+            (Err(error), None) => {
+                let why = format!("without Coulomb friction {error}");
+                let unknown = f64::NAN;
+                let (gamma, critical, rows) = (unknown, unknown, Vec::new());
+                all.solutions.push(Pressure { gamma, critical, converged: false, rows, failure: Some(why) });
+                break;
+            }
             (Err(error), Some(&Pressure { critical, .. })) => all.solutions.push(Pressure {
                 gamma: NONE * critical,
                 critical,

@@ -76,7 +76,9 @@ fn pressures(text: &mut String, study: &InfSup<'_>) {
     let all = study.pressures;
     let _ = writeln!(text, "\npressure on {} elements, p = {}, multipliers on halved ones", all.elements, all.degree);
     for s in &all.solutions {
-        let _ = write!(text, "  gamma = {:.3e} ({:.0e} of the critical one): ", s.gamma, s.gamma / s.critical);
+        if s.gamma.is_finite() {
+            let _ = write!(text, "  gamma = {:.3e} ({:.0e} of the critical one): ", s.gamma, s.gamma / s.critical);
+        }
         let _ = match &s.failure {
             Some(why) => writeln!(text, "no solution: {why}"),
             None => writeln!(
