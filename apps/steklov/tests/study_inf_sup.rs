@@ -130,7 +130,7 @@ fn the_unstable_pressure_oscillates() {
     let scene = Scene::parse(&wedge, "scene", &[]).unwrap();
     let all = pressures(&scene, &AtomicUsize::new(0), &mut |_, _| {}).unwrap();
     let [stable, unstable] = &all.solutions[..] else { panic!("{all:?}") };
-    assert!((stable.gamma / stable.critical - 0.5).abs() < 1e-12 && unstable.gamma < 1e-7 * stable.gamma);
+    assert!((stable.gamma / stable.critical - 0.5).abs() < 1e-12 && unstable.gamma < 1e-4 * stable.gamma);
     let peaks = [stable, unstable].map(|p| p.variation() / (2.0 * p.largest()));
     println!("{peaks:?}");
     assert_eq!((all.elements, all.degree), (32, 2));

@@ -70,6 +70,7 @@ mod motions;
 mod multiplier_trace;
 mod residual;
 mod multiplier_space;
+mod lanczos;
 mod stabilised;
 mod inf_sup;
 #[cfg(any(test, feature = "proptest"))]

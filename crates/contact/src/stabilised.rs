@@ -23,13 +23,14 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::Llt;
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
-use faer::{Accum, Col, Mat, Par, Scale, Side};
+use faer::{Accum, Mat, Par, Scale, Side};
 use steklov_bem_operators::{
     BodyForce, Datum, Dof, Material, Mesh, Site, Space, TractionMap, graded_panels, steklov_trace_rows,
 };
 use steklov_quadrature::gauss_legendre;
 
 use crate::inf_sup::dual_form;
+use crate::lanczos::largest_eigenvalue;
 use crate::law::dot;
 use crate::{Condition, ContactError, ContactNode, MultiplierSpace, Problem, SideData};
 
@@ -452,45 +453,6 @@ fn value_at(mesh: &Mesh, edge: usize, s: f64, bound: &Datum<'_>) -> Result<f64, 
         return Err(ContactError::Inconsistent { what });
     }
     Ok(f)
-}
-
-/// Relative residual at which the largest eigenvalue is known well enough, and Lanczos steps at most. Of many equal elements the
-/// largest eigenvalues lie close together: then the vector is any of theirs, the value is found long before.
-const ACCURACY: f64 = 1e-3;
-const STEPS: usize = 120;
-
-/// The largest eigenvalue of a symmetric matrix without negative ones, by Lanczos' method with all vectors kept orthogonal;
-/// where that takes too many steps by a full decomposition.
-fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
-    let n = a.nrows();
-    // a start without symmetries
-    let start = Col::from_fn(n, |i| 1.0 + 0.5 * (1.3 * i as f64 + 0.7 * (i as f64).sqrt()).sin());
-    let mut basis = vec![&start * Scale(1.0 / start.norm_l2())];
-    let mut projected = Mat::zeros(STEPS, STEPS);
-    for k in 0..n.min(STEPS) {
-        let mut w = a * &basis[k];
-        for pass in 0..2 {
-            for (i, q) in basis.iter().enumerate() {
-                let part = q.transpose() * &w;
-                w -= q * Scale(part);
-                if i == k && pass == 0 {
-                    projected[(k, k)] = part;
-                }
-            }
-        }
-        let rest = w.norm_l2();
-        let eigen = projected.submatrix(0, 0, k + 1, k + 1).self_adjoint_eigen(Side::Lower).ok()?;
-        let value = eigen.S()[k];
-        if rest * eigen.U()[(k, k)].abs() <= ACCURACY * value || k + 1 == n {
-            return Some(value);
-        }
-        if k + 1 < STEPS {
-            (projected[(k + 1, k)], projected[(k, k + 1)]) = (rest, rest);
-        }
-        basis.push(w * Scale(1.0 / rest));
-    }
-    // a cluster at the end of the spectrum
-    a.self_adjoint_eigenvalues(Side::Lower).ok()?.last().copied()
 }
 
 pub(crate) fn free_unknowns(count: usize, held: &[(Dof, f64)]) -> Vec<Dof> {
