@@ -13,6 +13,8 @@ pub mod plan;
 mod data;
 mod supports;
 mod body_load;
+mod motions;
+pub mod contact;
 pub mod stabilised;
 pub mod solve;
 pub mod estimate;

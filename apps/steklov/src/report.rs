@@ -2,9 +2,10 @@
 
 use steklov_contact::{Located, MultiplierNode, Status, TipKind};
 
+use crate::contact::ContactResult;
 use crate::run::Step;
 use crate::scene::{Condition, Refine, Scene};
-use crate::solve::{ContactResult, Solved};
+use crate::solve::Solved;
 use crate::stabilised::StabilisedContact;
 use crate::summary::{ContactSummary, Stabilisation};
 use crate::unbounded::is_unbounded;

@@ -7,16 +7,15 @@ use steklov_bem_operators::{
     BemError, BodyForce, BoundaryField, Condensation, Domain, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache,
     Partition, RigidMotion, Space, Steklov,
 };
-use steklov_contact::{
-    ContactBoundary, ContactEdge, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, contraction,
-    interior_point, kkt_in_body, newton, other_solution, resisted_motions, uzawa,
-};
+use steklov_contact::{ContactBoundary, ContactError, resisted_motions};
 
 use crate::body_load::{Particular, crossed_work, energies};
+use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
 use crate::data::{Data, Loads};
+use crate::motions::{balanced, edges, work};
 use crate::run::Step;
-use crate::scene::{Condition, Multiplier, Scene, SceneError, Solver};
-use crate::stabilised::{Body, StabilisedContact, solve_stabilised};
+use crate::scene::{Condition, Multiplier, Scene, SceneError};
+use crate::stabilised::{Body, solve_stabilised};
 use crate::supports::Supports;
 
 /// What a run hands to its observer while it has it.
@@ -118,62 +117,6 @@ pub struct Energies {
     pub friction_work: f64,
 }
 
-/// Contact on the solved mesh.
-#[derive(Debug, Clone)]
-pub struct ContactResult {
-    /// Nodes and conditions.
-    pub boundary: ContactBoundary,
-    /// The condensed problem's nodes are those of `boundary`; the solver's answer.
-    pub solution: Solution,
-    /// The judge's measures; equilibrium over all unknowns of the body.
-    pub audit: Kkt,
-    /// Σ D_i F_i |u_t,i|, under Coulomb's law with F_i = μ λ_n,i.
-    pub friction_work: f64,
-    /// The answer with stabilised multipliers, if they are asked for: the one that is reported.
-    pub stabilised: Option<StabilisedContact>,
-    /// What Coulomb's law adds, where it holds.
-    pub coulomb: Option<Coulomb>,
-}
-
-impl ContactResult {
-    /// The solver's answer that is reported.
-    pub fn reported(&self) -> &Solution {
-        self.stabilised.as_ref().map_or(&self.solution, |s| &s.solution)
-    }
-
-    /// Whether the solvers reached their criteria.
-    pub fn converged(&self) -> bool {
-        self.solution.converged() && self.reported().converged()
-    }
-
-    /// Force of the obstacle on the body over one side (force per thickness).
-    pub fn force(&self, side: usize) -> [f64; 2] {
-        match &self.stabilised {
-            Some(s) => s.space.force(side, &s.solution.multipliers),
-            None => self.boundary.force(side, &self.solution.multipliers),
-        }
-    }
-}
-
-/// How safe a solution under Coulomb's law is.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Coulomb {
-    /// Factor by which changes of the pressure shrink in the fixed point of Tresca problems; from 1 on the solution is
-    /// not safe from having others.
-    pub contraction: f64,
-    /// Whether another solution was found on the same mesh.
-    pub several: bool,
-}
-
-impl Coulomb {
-    fn new(problem: &Problem, solution: &Solution) -> Result<Self, ContactError> {
-        Ok(Self {
-            contraction: contraction(problem, solution)?,
-            several: solution.converged() && other_solution(problem, solution)?.is_some(),
-        })
-    }
-}
-
 /// A solved mesh.
 pub struct Solved {
     /// The mesh.
@@ -223,16 +166,6 @@ pub struct Factors {
     pub unresolved: Vec<f64>,
     /// The condensed contact problem.
     pub contact: Option<ContactFactors>,
-}
-
-/// The condensed contact problem and what its solution says along the edges.
-pub struct ContactFactors {
-    /// The problem.
-    pub problem: Problem,
-    /// States of the conditions.
-    pub sets: Sets,
-    /// The conditions by edges.
-    pub lines: Vec<ContactLine>,
 }
 
 /// Solves the scene on a mesh; `estimated`: with what an estimate needs. Moments of pairs of elements are taken from `cache`
@@ -327,42 +260,27 @@ pub fn solve(
     let (displacement, contact, contact_factors) = match boundary {
         None => (condensation.expand(&condensed, &[]), None, None),
         Some(boundary) => {
-            let problem = Problem {
-                stiffness: condensation.stiffness(),
-                load: condensed.kept.clone(),
-                nodes: boundary.contact.clone(),
+            let body = CondensedBody {
+                mesh: &mesh,
+                space: &space,
+                condensation: &condensation,
+                load: &load,
+                condensed: &condensed,
+                free: &free,
             };
-            let solution = match scene.method.solver {
-                Solver::Auto => interior_point(&problem)?,
-                Solver::Newton => newton(&problem, None)?,
-                Solver::ActiveSet => active_set(&problem, None)?,
-                Solver::Uzawa => uzawa(&problem, None, None)?,
-            };
-            let friction_work = problem.friction_work(&solution.displacement, &solution.multipliers);
-            let coulomb = problem.is_coulomb().then(|| Coulomb::new(&problem, &solution)).transpose()?;
-            let displacement = condensation.expand(&condensed, &solution.displacement);
-            let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
-            let audit = kkt_in_body(&problem, &solution, largest);
-            let forces = boundary.nodal_forces(&solution.multipliers);
-            let floor = 1e-6 * condensation.largest_diagonal() * (largest + boundary.largest_gap());
-            unpressed(&space, &load, &forces, &free, floor)?;
-            let sets = Sets::new(&problem, &solution)?;
-            let lines = boundary.lines(&mesh, &space);
-            let factors = ContactFactors { problem, sets, lines };
-            let result = ContactResult { boundary, solution, audit, friction_work, coulomb, stabilised };
+            let (displacement, result, factors) = solve_contact(&body, boundary, scene.method.solver)?;
             (displacement, Some(result), Some(factors))
         }
     };
     // what adaptivity and the estimate rest on
     let companion = displacement;
     let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
-    let (displacement, contact) = match contact {
-        Some(contact @ ContactResult { stabilised: Some(_), .. }) => {
-            let Some(s) = &contact.stabilised else { unreachable!("matched") };
+    let (displacement, contact) = match (contact, stabilised) {
+        (Some(contact), Some(s)) => {
             let (displacement, audit, friction_work) = (s.displacement.clone(), s.audit, s.friction_work);
-            (displacement, Some(ContactResult { audit, friction_work, ..contact }))
+            (displacement, Some(ContactResult { audit, friction_work, stabilised: Some(s), ..contact }))
         }
-        contact => (companion.clone(), contact),
+        (contact, _) => (companion.clone(), contact),
     };
     let forces = condensation.multiply(&displacement);
     let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(s, f)| s - f).collect();
@@ -454,84 +372,4 @@ pub fn solve(
         space,
     };
     Ok((solved, factors))
-}
-
-/// L(r) of a load and the scale Σ |f||r| over the nodes.
-fn work(space: &Space, load: &[f64], motion: &RigidMotion) -> (f64, f64) {
-    let r = motion.nodal(&space.points);
-    load.chunks_exact(2).zip(r.chunks_exact(2)).fold((0.0, 0.0), |(sum, scale), (f, r)| {
-        (sum + f[0] * r[0] + f[1] * r[1], scale + f[0].hypot(f[1]) * r[0].hypot(r[1]))
-    })
-}
-
-/// Part of the scale of the loads' work from which contact forces do work on a motion that no load drives.
-const PRESSED: f64 = 1e-6;
-
-/// No contact force may do work on the motions that springs hold: else the springs carry a part of the load. `floor`: a
-/// force below which all are roundoff.
-fn unpressed(
-    space: &Space,
-    load: &[f64],
-    forces: &[(usize, [f64; 2])],
-    free: &[RigidMotion],
-    floor: f64,
-) -> Result<(), ContactError> {
-    let mut nodal = vec![0.0; space.dofs()];
-    for (node, force) in forces {
-        (0..2).for_each(|i| nodal[2 * node + i] += force[i]);
-    }
-    for motion in free {
-        let largest = motion.nodal(&space.points).iter().fold(0.0, |m: f64, r| m.max(r.abs()));
-        let (driven, scale) = work(space, load, motion);
-        if work(space, &nodal, motion).0.abs() > PRESSED * scale.max(floor * largest) {
-            let motion = motion.clone();
-            return Err(ContactError::RigidMotion { motion, work: driven, resistance: 0.0, scale });
-        }
-    }
-    Ok(())
-}
-
-/// Without contact: all free motions, if the loads do no work on any of them.
-fn balanced(space: &Space, load: &[f64], candidates: &[RigidMotion]) -> Result<Vec<RigidMotion>, SolveError> {
-    let works: Vec<(f64, f64)> = candidates.iter().map(|r| work(space, load, r)).collect();
-    let driven = |(work, scale): &(f64, f64)| work.abs() > 1e-9 * scale;
-    let worst = works.iter().filter(|w| driven(w)).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
-    match worst {
-        Some(&(work, scale)) => {
-            Err(BemError::RigidMotion { modes: candidates.to_vec(), work: work.abs(), scale }.into())
-        }
-        None => Ok(candidates.to_vec()),
-    }
-}
-
-/// The straight parts of the contact boundary: conditions with one normal, one line and one coefficient of friction.
-fn edges(boundary: &ContactBoundary) -> Vec<ContactEdge> {
-    let mut edges: Vec<ContactEdge> = Vec::new();
-    for (node, contact) in boundary.nodes.iter().zip(&boundary.contact) {
-        for (c, condition) in node.conditions.iter().zip(&contact.conditions) {
-            let friction = condition.tangent_weight * condition.bound;
-            let friction = if friction.is_nan() { 0.0 } else { friction };
-            let pressed = condition.normal_weight > 0.0 && condition.tangent_weight > 0.0;
-            let coefficient = if pressed { condition.coefficient } else { 0.0 };
-            let offset = |x: [f64; 2]| (x[0] - node.point[0]) * c.normal[0] + (x[1] - node.point[1]) * c.normal[1];
-            let length = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
-            let aligned = |e: &&mut ContactEdge| {
-                (e.normal[0] - c.normal[0]).hypot(e.normal[1] - c.normal[1]) < 1e-9
-                    && (e.coefficient - coefficient).abs() <= 1e-12 * coefficient
-                    && offset(e.ends[0]).abs() <= 1e-9 * length(e.ends[0], node.point)
-            };
-            match edges.iter_mut().find(aligned) {
-                Some(edge) => {
-                    edge.friction += friction;
-                    // the farthest pair of nodes on the line
-                    let (a, b) = (length(edge.ends[0], node.point), length(edge.ends[1], node.point));
-                    if a.max(b) > length(edge.ends[0], edge.ends[1]) {
-                        edge.ends[usize::from(a >= b)] = node.point;
-                    }
-                }
-                None => edges.push(ContactEdge { ends: [node.point; 2], normal: c.normal, friction, coefficient }),
-            }
-        }
-    }
-    edges
 }

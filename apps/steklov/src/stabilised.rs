@@ -5,14 +5,12 @@
 
 use faer::Mat;
 use steklov_bem_operators::{Dof, TractionMap};
-use steklov_contact::{
-    ContactNode, Kkt, Loading, MultiplierSpace, Solution, StabilisedForms, active_set, interior_point, kkt_in_body,
-    newton, uzawa,
-};
+use steklov_contact::{ContactNode, Kkt, Loading, MultiplierSpace, Solution, StabilisedForms, kkt_in_body};
 
 use crate::body_load::Particular;
+use crate::contact::solve_problem;
 use crate::data::Data;
-use crate::scene::{Condition, Solver};
+use crate::scene::Condition;
 use crate::solve::SolveError;
 
 /// Stabilised multipliers on a solved mesh.
@@ -41,7 +39,7 @@ pub struct StabilisedContact {
 }
 
 /// γ₀ over its critical value, unless the scene gives γ₀.
-const SAFE: f64 = 0.5;
+pub(crate) const SAFE: f64 = 0.5;
 
 /// What the stabilised form needs of a mesh besides its data.
 pub(crate) struct Body<'a> {
@@ -70,12 +68,7 @@ pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<Stabi
         Loading { stiffness: body.stiffness, load: body.load, held: body.held, motions: body.free, particular };
     let stabilised = data.with_contact_data(|sides| forms.condense(mesh, &space, sides, &loading, gamma, critical))?;
     let problem = &stabilised.problem;
-    let solution = match method.solver {
-        Solver::Auto => interior_point(problem)?,
-        Solver::Newton => newton(problem, None)?,
-        Solver::ActiveSet => active_set(problem, None)?,
-        Solver::Uzawa => uzawa(problem, None, None)?,
-    };
+    let solution = solve_problem(problem, method.solver)?;
     let displacement = stabilised.displacement(&solution.displacement);
     let forces = forms.nodal_forces(mesh, &space, gamma, &solution.multipliers, &displacement, particular);
     let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));

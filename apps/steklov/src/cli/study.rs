@@ -11,11 +11,12 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use steklov_io::{IoError, create_atomically};
+use serde_json::Value;
+use steklov_io::{File, IoError, create_atomically};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
-use crate::picture;
+use crate::picture::{self, PictureError};
 use crate::plan::plan;
 use crate::reference::{Reference, ReferenceError};
 use crate::scene::{Multiplier, Refine, Scene};
@@ -126,12 +127,7 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
 /// Compares strategies on a scene.
 fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     let scene = scene(args, |text| settings(text, &args.overrides))?;
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-study", stem(&args.scene))));
-    check_folder(&out, args.force)?;
-    let cost = plan(&scene).cost;
-    if cost.dofs > scene.method.max_dofs {
-        return Err(Failure(too_many_dofs(&scene, cost.dofs).render()));
-    }
+    let out = folder(args, &scene, "study")?;
     let mut names: Vec<(&str, Refine)> = args.strategies.iter().map(|n| n.strategy()).collect();
     if names.is_empty() {
         names = NAMES.to_vec();
@@ -161,16 +157,10 @@ fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = Study { scene: &scene, reference: &reference, strategies: &strategies, repeat, interrupted };
-    let files = store(&study, &out)?;
+    let tables = [("study.csv", csv(&study))];
+    let files = store(&out, "study", &|file| write(file, &study), &tables, &|out| pictures(&study, out))?;
     watch.finish();
-    if args.json {
-        let mut object = json(&study);
-        object["files"] = files.iter().map(|f| f.display().to_string()).collect();
-        say(&serde_json::to_string_pretty(&object)?);
-    } else {
-        say(text(&study).trim_end());
-        say(&format!("files       {} in {}", files.len(), out.display()));
-    }
+    tell_results(args, &out, &files, || json(&study), || text(&study))?;
     Ok(if study.complete() { 0 } else { NOT_REACHED })
 }
 
@@ -207,7 +197,18 @@ fn unreferenced(scene: &Scene, error: ReferenceError) -> Failure {
     }
 }
 
-/// A folder that cannot take the files is said before anything is solved.
+/// The folder of the files, which is checked, and the size of the first mesh, before anything is solved.
+fn folder(args: &StudyArgs, scene: &Scene, what: &str) -> Result<PathBuf, Failure> {
+    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-{what}", stem(&args.scene))));
+    check_folder(&out, args.force)?;
+    let cost = plan(scene).cost;
+    if cost.dofs > scene.method.max_dofs {
+        return Err(Failure(too_many_dofs(scene, cost.dofs).render()));
+    }
+    Ok(out)
+}
+
+/// A folder that cannot take the files is said.
 fn check_folder(out: &Path, force: bool) -> Result<(), Failure> {
     let here = Path::new(".");
     let existing = out.ancestors().find(|a| a.symlink_metadata().is_ok()).unwrap_or(here);
@@ -226,15 +227,44 @@ fn not_written(out: &Path, why: &std::io::Error) -> Failure {
     Failure(format!("error: the study cannot be written into {}: {why}", out.display()))
 }
 
-/// Writes `study.h5`, `study.csv` and the pictures.
-fn store(study: &Study<'_>, out: &Path) -> Result<Vec<PathBuf>, Failure> {
+/// Writes NAME.h5, the tables and the pictures of a study.
+fn store(
+    out: &Path,
+    name: &str,
+    write: &dyn Fn(&File) -> Result<(), IoError>,
+    tables: &[(&str, String)],
+    pictures: &dyn Fn(&Path) -> Result<Vec<PathBuf>, PictureError>,
+) -> Result<Vec<PathBuf>, Failure> {
     let failed = |e: std::io::Error| not_written(out, &e);
     std::fs::create_dir_all(out).map_err(failed)?;
-    let mut files = vec![out.join("study.h5"), out.join("study.csv")];
-    create_atomically(&files[0], true, |file| -> Result<(), IoError> { write(file, study) })?;
-    picture::replace(out, &files[1], csv(study).as_bytes()).map_err(failed)?;
-    files.extend(pictures(study, out)?);
+    let mut files = vec![out.join(format!("{name}.h5"))];
+    create_atomically(&files[0], true, |file| write(file))?;
+    for (table, content) in tables {
+        let path = out.join(table);
+        picture::replace(out, &path, content.as_bytes()).map_err(failed)?;
+        files.push(path);
+    }
+    files.extend(pictures(out)?);
     Ok(files)
+}
+
+/// Tells what a study found and where it is.
+fn tell_results(
+    args: &StudyArgs,
+    out: &Path,
+    files: &[PathBuf],
+    json: impl FnOnce() -> Value,
+    text: impl FnOnce() -> String,
+) -> Result<(), Failure> {
+    if args.json {
+        let mut object = json();
+        object["files"] = files.iter().map(|f| f.display().to_string()).collect();
+        say(&serde_json::to_string_pretty(&object)?);
+    } else {
+        say(text().trim_end());
+        say(&format!("files       {} in {}", files.len(), out.display()));
+    }
+    Ok(())
 }
 
 /// A bar on a terminal; elsewhere a line for each run; nothing when quiet.

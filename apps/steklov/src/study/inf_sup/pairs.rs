@@ -19,6 +19,7 @@ use super::subspace::{biorthogonal, continuous, restricted};
 use crate::data::Data;
 use crate::scene::Scene;
 use crate::solve::SolveError;
+use crate::stabilised::SAFE;
 use crate::study::columns::Column;
 use crate::study::supported::{Supported, contact_sides, uniform_mesh};
 
@@ -82,8 +83,6 @@ const MESHES: [(usize, usize); 15] = [
     (1, 5),
     (1, 6),
 ];
-/// γ₀ of the stabilisation over its critical value.
-const SAFE: f64 = 0.5;
 /// Unknowns of a reference space at most.
 const REFERENCE_DOFS: usize = 3200;
 /// Parts of an element in that space are 2 to this power, its degrees so many higher.

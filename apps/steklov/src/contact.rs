@@ -1,0 +1,123 @@
+//! Contact on one mesh: the condensed problem, its solution, and what is told of it.
+
+use steklov_bem_operators::{Condensation, CondensedLoad, Mesh, RigidMotion, Space};
+use steklov_contact::{
+    ContactBoundary, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, contraction, interior_point,
+    kkt_in_body, newton, other_solution, uzawa,
+};
+
+use crate::motions::unpressed;
+use crate::scene::Solver;
+use crate::stabilised::StabilisedContact;
+
+/// Contact on the solved mesh.
+#[derive(Debug, Clone)]
+pub struct ContactResult {
+    /// Nodes and conditions.
+    pub boundary: ContactBoundary,
+    /// The condensed problem's nodes are those of `boundary`; the solver's answer.
+    pub solution: Solution,
+    /// The judge's measures; equilibrium over all unknowns of the body.
+    pub audit: Kkt,
+    /// Σ D_i F_i |u_t,i|, under Coulomb's law with F_i = μ λ_n,i.
+    pub friction_work: f64,
+    /// The answer with stabilised multipliers, if they are asked for: the one that is reported.
+    pub stabilised: Option<StabilisedContact>,
+    /// What Coulomb's law adds, where it holds.
+    pub coulomb: Option<Coulomb>,
+}
+
+impl ContactResult {
+    /// The solver's answer that is reported.
+    pub fn reported(&self) -> &Solution {
+        self.stabilised.as_ref().map_or(&self.solution, |s| &s.solution)
+    }
+
+    /// Whether the solvers reached their criteria.
+    pub fn converged(&self) -> bool {
+        self.solution.converged() && self.reported().converged()
+    }
+
+    /// Force of the obstacle on the body over one side (force per thickness).
+    pub fn force(&self, side: usize) -> [f64; 2] {
+        match &self.stabilised {
+            Some(s) => s.space.force(side, &s.solution.multipliers),
+            None => self.boundary.force(side, &self.solution.multipliers),
+        }
+    }
+}
+
+/// How safe a solution under Coulomb's law is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Coulomb {
+    /// Factor by which changes of the pressure shrink in the fixed point of Tresca problems; from 1 on the solution is
+    /// not safe from having others.
+    pub contraction: f64,
+    /// Whether another solution was found on the same mesh.
+    pub several: bool,
+}
+
+impl Coulomb {
+    fn new(problem: &Problem, solution: &Solution) -> Result<Self, ContactError> {
+        Ok(Self {
+            contraction: contraction(problem, solution)?,
+            several: solution.converged() && other_solution(problem, solution)?.is_some(),
+        })
+    }
+}
+
+/// The condensed contact problem and what its solution says along the edges.
+pub struct ContactFactors {
+    /// The problem.
+    pub problem: Problem,
+    /// States of the conditions.
+    pub sets: Sets,
+    /// The conditions by edges.
+    pub lines: Vec<ContactLine>,
+}
+
+/// The answer of the solver that a scene names.
+pub(crate) fn solve_problem(problem: &Problem, solver: Solver) -> Result<Solution, ContactError> {
+    match solver {
+        Solver::Auto => interior_point(problem),
+        Solver::Newton => newton(problem, None),
+        Solver::ActiveSet => active_set(problem, None),
+        Solver::Uzawa => uzawa(problem, None, None),
+    }
+}
+
+/// A body whose other unknowns are eliminated.
+pub(crate) struct CondensedBody<'a> {
+    pub(crate) mesh: &'a Mesh,
+    pub(crate) space: &'a Space,
+    pub(crate) condensation: &'a Condensation,
+    /// Nodal load, and what condensation leaves of it.
+    pub(crate) load: &'a [f64],
+    pub(crate) condensed: &'a CondensedLoad,
+    /// Rigid motions that nothing resists and no load drives.
+    pub(crate) free: &'a [RigidMotion],
+}
+
+/// Solves contact with biorthogonal multipliers: the nodal displacement, and what is told and kept of it.
+pub(crate) fn solve_contact(
+    body: &CondensedBody<'_>,
+    boundary: ContactBoundary,
+    solver: Solver,
+) -> Result<(Vec<f64>, ContactResult, ContactFactors), ContactError> {
+    let CondensedBody { mesh, space, condensation, load, condensed, free } = *body;
+    let problem =
+        Problem { stiffness: condensation.stiffness(), load: condensed.kept.clone(), nodes: boundary.contact.clone() };
+    let solution = solve_problem(&problem, solver)?;
+    let friction_work = problem.friction_work(&solution.displacement, &solution.multipliers);
+    let coulomb = problem.is_coulomb().then(|| Coulomb::new(&problem, &solution)).transpose()?;
+    let displacement = condensation.expand(condensed, &solution.displacement);
+    let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    let audit = kkt_in_body(&problem, &solution, largest);
+    let forces = boundary.nodal_forces(&solution.multipliers);
+    let floor = 1e-6 * condensation.largest_diagonal() * (largest + boundary.largest_gap());
+    unpressed(space, load, &forces, free, floor)?;
+    let sets = Sets::new(&problem, &solution)?;
+    let lines = boundary.lines(mesh, space);
+    let factors = ContactFactors { problem, sets, lines };
+    Ok((displacement, ContactResult { boundary, solution, audit, friction_work, coulomb, stabilised: None }, factors))
+}
