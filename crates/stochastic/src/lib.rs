@@ -1,0 +1,23 @@
+//! Random input of contact problems: variables and fields, bases in them, solutions at all their values, statistics.
+//!
+//! ```text
+//! Variable ──► Recurrence of its density on an interval ──► Gauss and Lobatto rules, orthonormal polynomials
+//!    │                                                          │
+//!    │       Covariance ─► KarhunenLoeve ─► Field               ▼
+//!    └──────────────────────────┴──► StochasticMesh: cells × degrees ──► CellBasis: points, weights, M_E
+//!                                    smolyak, Samples ──► points, weights
+//! Family (S, and what of E, load, gap, bound depends on ξ) + points ──► solve_nodes: node by node
+//!                                                         └─────────► TensorProblem: uzawa, active set
+//! answers + weights ──► Moments, quantiles, densities, probabilities; indicator ──► cells to split, degrees to raise
+//! ```
+//!
+//! Every random input is a function of independent *germs* ξ_d, one for each direction of the stochastic mesh. The germ of
+//! a variable is the variable itself, but for a lognormal one, whose germ is its logarithm. Densities, rules and
+//! polynomials are those of germs.
+//!
+//! Same bits for any number of threads: random numbers are functions of seed, sample and direction, and sums are taken in
+//! a fixed order.
+
+mod error;
+
+pub use error::StochasticError;
