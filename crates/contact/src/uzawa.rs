@@ -5,7 +5,7 @@ use faer::{Mat, Side};
 
 use crate::linear::{largest, product};
 use crate::multipliers::status;
-use crate::{ContactError, Outcome, Problem, Solution, Start};
+use crate::{ContactError, Outcome, Problem, Solution, Start, multiplier_rows};
 
 /// Relative displacement residual at which the iteration ends.
 const TOLERANCE: f64 = 1e-11;
@@ -36,7 +36,7 @@ const GROWTH: f64 = 1e6;
 /// Source: Glowinski, Lions and Trémolières, Numerical Analysis of Variational Inequalities (1981), chapter 2.
 pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
-    let rows = rows(problem);
+    let rows = multiplier_rows(&problem.nodes);
     let mut lambda = vec![0.0; rows.len()];
     if let Some(start) = start {
         start.nodal_force(problem)?;
@@ -76,9 +76,8 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
         let mut change = 0.0f64;
         for (i, row) in rows.iter().enumerate() {
             let u = unloaded[(i, 0)] - applied[i];
-            let wider = if row.coefficient > 0.0 { row.coefficient * lambda[i - 1] } else { 0.0 };
-            let bounded = |x: f64| x.max(row.low - wider).min(row.high + wider);
-            let next = if row.weight > 0.0 { bounded(lambda[i] + step * (u - row.at)) } else { 0.0 };
+            let pressure = if i > 0 { lambda[i - 1] } else { 0.0 };
+            let next = if row.weight > 0.0 { row.project(lambda[i] + step * (u - row.at), pressure) } else { 0.0 };
             change = change.max((next - lambda[i]).abs() / step);
             lambda[i] = next;
         }
@@ -102,42 +101,6 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
     let multipliers = lambda.as_chunks().0.to_vec();
     let status = status(problem, &displacement, &multipliers);
     Ok(Solution { displacement, multipliers, status, iterations: history.len(), outcome, history })
-}
-
-/// One multiplier: its row of B, its weight, the displacement it prescribes and its bounds.
-struct Row {
-    first: usize,
-    unknowns: usize,
-    direction: [f64; 2],
-    weight: f64,
-    at: f64,
-    low: f64,
-    high: f64,
-    /// μ of a tangential row: the bounds widen by μ times the normal multiplier, which is that of the row before.
-    coefficient: f64,
-}
-
-impl Row {
-    fn entry(&self, unknown: usize) -> f64 {
-        let own = self.first..self.first + self.unknowns;
-        if own.contains(&unknown) { self.direction[unknown - self.first] } else { 0.0 }
-    }
-}
-
-/// Normal and tangential row of every condition.
-fn rows(problem: &Problem) -> Vec<Row> {
-    let mut rows = Vec::new();
-    for node in &problem.nodes {
-        let (first, unknowns) = (node.first, node.unknowns);
-        for c in &node.conditions {
-            let (direction, weight, at) = (c.normal, c.normal_weight, c.gap);
-            rows.push(Row { first, unknowns, direction, weight, at, low: 0.0, high: f64::INFINITY, coefficient: 0.0 });
-            let coefficient = if c.is_coulomb() { c.coefficient } else { 0.0 };
-            let (direction, weight, at) = (c.tangent, c.tangent_weight, -c.slip_offset);
-            rows.push(Row { first, unknowns, direction, weight, at, low: -c.bound, high: c.bound, coefficient });
-        }
-    }
-    rows
 }
 
 /// S⁻¹, or the refusal of a singular S.

@@ -25,6 +25,19 @@ pub enum StochasticError {
     /// The contact problem of a node failed.
     #[error(transparent)]
     Contact(#[from] ContactError),
+    /// Coupled nodes need a positive definite matrix.
+    #[error(
+        "{what} has eigenvalues from {smallest} to {largest} and is not positive definite: hold the body, or solve node by \
+         node (collocation)"
+    )]
+    NotCoercive {
+        /// Which matrix.
+        what: String,
+        /// Smallest eigenvalue.
+        smallest: f64,
+        /// Largest eigenvalue.
+        largest: f64,
+    },
     /// A decomposition failed.
     #[error("the decomposition of a {size}×{size} matrix failed: are its entries finite?")]
     Decomposition {

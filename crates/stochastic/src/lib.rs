@@ -19,5 +19,9 @@
 //! a fixed order.
 
 mod error;
+mod tensor_problem;
+mod tensor_solvers;
 
 pub use error::StochasticError;
+pub use tensor_problem::{TensorProblem, TensorSolution};
+pub use tensor_solvers::{tensor_active_set, tensor_uzawa};
