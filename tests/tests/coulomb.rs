@@ -30,7 +30,7 @@ fn summary(scene: &Scene) -> Summary {
 fn condensed(scene: &Scene) -> (Problem, Solution) {
     let mesh = steklov::plan::first_mesh(scene);
     let solved = steklov::solve::solve(scene, mesh, false, &mut Default::default(), &mut |_| Ok(()));
-    let (solved, factors) = solved.unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+    let (solved, _, factors) = solved.unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     (factors.contact.expect("contact").problem, solved.contact.expect("contact").solution)
 }
 

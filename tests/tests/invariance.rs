@@ -183,7 +183,7 @@ fn threads_change_no_bit_of_the_operators() {
                 }
                 Ok(())
             });
-            let (solved, _) = solved.unwrap_or_else(|e| panic!("{e}"));
+            let (solved, ..) = solved.unwrap_or_else(|e| panic!("{e}"));
             println!("{threads} threads: S computed twice has the same bits: {}", stages == 1);
             (first, s, solved.energies.total)
         })

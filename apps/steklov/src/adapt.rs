@@ -3,10 +3,11 @@
 use steklov_bem_operators::{Grading, Mark, Mesh, SAME_PLACE, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Located, Tip, relocate, unlocated};
 
+use crate::body::Factors;
 use crate::estimate::{Bubble, Doubt, Estimate};
 use crate::expression::Expression;
 use crate::scene::{Condition, Friction, Refine, Scene};
-use crate::solve::{Factors, SolveError, Solved};
+use crate::solve::{SolveError, Solved};
 
 /// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,6 +1,5 @@
 //! A constant body force in the discrete problem: u = w + u_p, w without body force.
 
-use faer::{Col, Mat};
 use steklov_bem_operators::{BodyForce, BoundaryField, Mesh, Space};
 use steklov_quadrature::gauss_legendre;
 
@@ -28,10 +27,15 @@ pub(crate) struct Particular {
 }
 
 impl Particular {
-    pub(crate) fn new(force: &BodyForce, mesh: &Mesh, space: &Space, stiffness: &Mat<f64>) -> Self {
+    /// `stiffness` is the product with S.
+    pub(crate) fn new(
+        force: &BodyForce,
+        mesh: &Mesh,
+        space: &Space,
+        stiffness: impl FnOnce(&[f64]) -> Vec<f64>,
+    ) -> Self {
         let displacement = space.interpolate(|x| force.displacement(x));
-        let product = stiffness * Col::from_fn(displacement.len(), |i| displacement[i]);
-        let stiff: Vec<f64> = product.iter().copied().collect();
+        let stiff = stiffness(&displacement);
         let traction = force.traction_load(mesh, space);
         let load = stiff.iter().zip(&traction).map(|(s, t)| s - t).collect();
         let (energy, work) = force.energies(mesh);

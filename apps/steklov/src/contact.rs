@@ -102,12 +102,12 @@ pub(crate) struct CondensedBody<'a> {
 pub(crate) fn solve_contact(
     body: &CondensedBody<'_>,
     boundary: ContactBoundary,
-    solver: Solver,
+    solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
 ) -> Result<(Vec<f64>, ContactResult, ContactFactors), ContactError> {
     let CondensedBody { mesh, space, condensation, load, condensed, free } = *body;
     let problem =
         Problem { stiffness: condensation.stiffness(), load: condensed.kept.clone(), nodes: boundary.contact.clone() };
-    let solution = solve_problem(&problem, solver)?;
+    let solution = solve(&problem)?;
     let friction_work = problem.friction_work(&solution.displacement, &solution.multipliers);
     let coulomb = problem.is_coulomb().then(|| Coulomb::new(&problem, &solution)).transpose()?;
     let displacement = condensation.expand(condensed, &solution.displacement);

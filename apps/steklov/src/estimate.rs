@@ -14,9 +14,10 @@ use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSt
 use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
 
 use crate::adapt::{coarse_elements, singular_points};
+use crate::body::{Body, Factors};
 use crate::data::Data;
 use crate::scene::{Condition, Indicator, Refine, Scene};
-use crate::solve::{Factors, SolveError, Solved};
+use crate::solve::{SolveError, Solved};
 
 /// The part of an estimate on one element; each an energy (force*length/thickness).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -149,13 +150,18 @@ pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
     scene.method.refine != Refine::None || dofs <= LARGEST_SINGLE
 }
 
-/// Estimates the error of a solved mesh, transitions of contact and stick left out; none without [`Factors::enriched`].
+/// Estimates the error of a solved mesh, transitions of contact and stick left out; none without [`Body::enriched`].
 ///
 /// # Errors
 /// Data that are not finite.
-pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Option<Estimate>, SolveError> {
+pub fn estimate(
+    scene: &Scene,
+    solved: &Solved,
+    body: &Body,
+    factors: &Factors,
+) -> Result<Option<Estimate>, SolveError> {
     let Solved { mesh, space, .. } = solved;
-    let Some(enriched) = &factors.enriched else { return Ok(None) };
+    let Some(enriched) = &body.enriched else { return Ok(None) };
     let material = &scene.material;
     let modulus = 2.0 * material.mu() / (1.0 - material.nu());
     let data = Data { scene, mesh, space };
@@ -209,7 +215,7 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Opt
     };
     let frozen = factors.contact.as_ref().map(|c| Frozen::new(&c.problem, &c.sets)).transpose()?;
     let system = System {
-        condensation: &factors.condensation,
+        condensation: &body.condensation,
         enriched,
         frozen: frozen.as_ref(),
         frames: &frames,
@@ -225,7 +231,7 @@ pub fn estimate(scene: &Scene, solved: &Solved, factors: &Factors) -> Result<Opt
     let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
     let energies = &solved.energies;
     let energy = factors.energy + 0.5 * gained - 0.5 * squared;
-    let scale = scale(energies.strain, factors);
+    let scale = scale(energies.strain, body, factors);
     let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
     let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * energies.friction_work).sqrt() } else { 0.0 };
     let uncertainty = 0.5 * (energy - factors.energy).abs() + 0.4 * error * error + bounds;
@@ -330,9 +336,9 @@ fn ratio(error: f64, scale: f64) -> f64 {
 }
 
 /// (2 strain energy)^½; where there is no strain, that of roundoff.
-fn scale(strain: f64, factors: &Factors) -> f64 {
+fn scale(strain: f64, body: &Body, factors: &Factors) -> f64 {
     let largest = factors.homogeneous.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
-    let floor = 1e-20 * factors.condensation.largest_diagonal() * largest * largest;
+    let floor = 1e-20 * body.condensation.largest_diagonal() * largest * largest;
     (2.0 * strain).max(floor).sqrt()
 }
 
@@ -433,7 +439,7 @@ impl System<'_> {
     fn precondition(&self, r: &Enriched) -> Enriched {
         let load = self.condensation.load_of_correction(&r.base);
         let kept = self.frozen.map_or(Vec::new(), |f| f.correction(&load.kept));
-        let base = self.condensation.expand_correction(&load, &kept);
+        let base = self.condensation.expand(&load, &kept);
         let extra = (0..self.frames.len()).flat_map(|e| {
             let rho = [r.extra[2 * e], r.extra[2 * e + 1]];
             self.frames[e].solve(self.blocks[e], rho)

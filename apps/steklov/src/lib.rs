@@ -15,6 +15,7 @@ mod supports;
 mod body_load;
 mod motions;
 pub mod contact;
+pub mod body;
 pub mod stabilised;
 pub mod solve;
 pub mod estimate;

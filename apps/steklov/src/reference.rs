@@ -233,11 +233,11 @@ fn distance(
     refinement: &Subdivision,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<TrueError, SolveError> {
-    let (exact, factors) = solve(scene, refinement.mesh(&scene.polygon)?, false, &mut PairCache::default(), observe)?;
+    let (exact, body, _) = solve(scene, refinement.mesh(&scene.polygon)?, false, &mut PairCache::default(), observe)?;
     let mut difference = prolong(mesh, displacement, &exact);
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
     remove_motions(&mut difference, &exact);
-    let stiff = factors.condensation.multiply(&difference);
+    let stiff = body.condensation.multiply(&difference);
     Ok(TrueError {
         error: dot(&difference, &stiff).max(0.0).sqrt(),
         norm: (2.0 * exact.energies.strain).max(0.0).sqrt(),

@@ -185,10 +185,10 @@ fn advance(
 ) -> Result<(Solved, Step, Layout), SolveError> {
     let mesh = progress.next.subdivision.mesh(&scene.polygon)?;
     let estimated = is_estimated(scene, progress.next.dofs());
-    let (solved, factors) = solve(scene, mesh, estimated, cache, observe)?;
+    let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.97))?;
-    let mut estimate = estimate(scene, &solved, &factors)?;
+    let mut estimate = estimate(scene, &solved, &body, &factors)?;
     let (layout, located) = progress.next.next(scene, &solved, &factors, estimate.as_ref())?;
     let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
     if let Some(estimate) = &mut estimate {

@@ -2,20 +2,20 @@
 
 use std::time::Instant;
 
-use faer::Mat;
+use faer::{Col, Mat};
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Condensation, Domain, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache,
-    Partition, RigidMotion, Space, Steklov,
+    BemError, BodyForce, BoundaryField, Condensation, Domain, Enrichment, Mesh, Operators, PairCache, Partition,
+    RigidMotion, Space, Steklov,
 };
-use steklov_contact::{ContactBoundary, ContactError, resisted_motions};
+use steklov_contact::{ContactBoundary, ContactError};
 
-use crate::body_load::{Particular, crossed_work, energies};
-use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
-use crate::data::{Data, Loads};
-use crate::motions::{balanced, edges, work};
+use crate::body::{Body, Factors, Given};
+use crate::body_load::Particular;
+use crate::contact::{ContactResult, solve_problem};
+use crate::data::Data;
 use crate::run::Step;
-use crate::scene::{Condition, Multiplier, Scene, SceneError};
-use crate::stabilised::{Body, solve_stabilised};
+use crate::scene::{Multiplier, Scene, SceneError};
+use crate::stabilised::{self, solve_stabilised};
 use crate::supports::Supports;
 
 /// What a run hands to its observer while it has it.
@@ -145,29 +145,6 @@ pub struct Solved {
     pub seconds: Seconds,
 }
 
-/// Relative residual of equilibrium beyond which an answer has lost too many digits.
-const UNBALANCED: f64 = 1e-7;
-
-/// What is left of a solution's matrices, for its estimate and the next mesh.
-pub struct Factors {
-    /// S, the free unknowns eliminated.
-    pub condensation: Condensation,
-    /// What S₊ of the enriched spaces needs besides, if the solution is to be estimated.
-    pub enriched: Option<EnrichedSteklov>,
-    /// Nodal displacement without the body force's particular solution, of biorthogonal multipliers.
-    pub homogeneous: Vec<f64>,
-    /// J of that displacement.
-    pub energy: f64,
-    /// ‖u - u_b‖², energy norm, of the displacements of stabilised and biorthogonal multipliers; 0 if they are one.
-    pub difference: f64,
-    /// Load of the bubbles, less that of the particular solution.
-    pub extra_load: Vec<f64>,
-    /// What the polynomials of each element leave of its prescribed tractions, h/(p+2) ‖t - Π t‖² (stress² length²).
-    pub unresolved: Vec<f64>,
-    /// The condensed contact problem.
-    pub contact: Option<ContactFactors>,
-}
-
 /// Solves the scene on a mesh; `estimated`: with what an estimate needs. Moments of pairs of elements are taken from `cache`
 /// where it has them.
 ///
@@ -179,14 +156,14 @@ pub fn solve(
     estimated: bool,
     cache: &mut PairCache,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(Solved, Factors), SolveError> {
+) -> Result<(Solved, Body, Factors), SolveError> {
     let clock = Instant::now();
     let mut seconds = Seconds::default();
     observe(Stage::Progress("loads and supports", 0.0))?;
     let space = Space::new(&mesh);
     let data = Data { scene, mesh: &mesh, space: &space };
     let held = data.held()?;
-    let Loads { nodal: tractions, bubbles: mut extra_load, unresolved } = data.load()?;
+    let loads = data.load()?;
     let boundary = data.contact(&held)?;
     seconds.set_up = clock.elapsed().as_secs_f64();
 
@@ -213,163 +190,50 @@ pub fn solve(
     };
     observe(Stage::Steklov(&matrix))?;
     let body_force = scene.body_force.map(|b| BodyForce::new(b, scene.polygon.centroid(), &scene.material));
-    let particular = body_force.map(|b| Particular::new(&b, &mesh, &space, &matrix));
-    let mut load = tractions.clone();
-    if let Some(p) = &particular {
-        load.iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
-    }
-    if let Some(b) = &body_force {
-        extra_load.iter_mut().zip(b.bubble_load(&mesh, &space)).for_each(|(f, t)| *f -= t);
-    }
+    let particular = body_force.map(|b| {
+        Particular::new(&b, &mesh, &space, |u| {
+            let product = &matrix * Col::from_fn(u.len(), |i| u[i]);
+            product.iter().copied().collect()
+        })
+    });
+    let mut given = Given::new(loads, particular, boundary, &mesh, &space);
 
     observe(Stage::Progress("condensation", 0.75))?;
     let supports = Supports { space: &space, held: &held };
     let candidates = supports.free_motions();
-    let free = match &boundary {
-        None => balanced(&space, &load, &candidates)?,
-        Some(boundary) => resisted_motions(&candidates, &edges(boundary), |r| work(&space, &load, r))?,
-    };
+    let free = given.free_motions(&space, &candidates)?;
     let partition = Partition {
-        kept: boundary.as_ref().map_or(Vec::new(), ContactBoundary::kept),
+        kept: given.boundary.as_ref().map_or(Vec::new(), ContactBoundary::kept),
         held: supports.dofs(),
-        frames: boundary.as_ref().map_or(Vec::new(), ContactBoundary::frames),
+        frames: given.boundary.as_ref().map_or(Vec::new(), ContactBoundary::frames),
     };
     let nodal = |motions: &[RigidMotion]| -> Vec<Vec<f64>> { motions.iter().map(|r| r.nodal(&space.points)).collect() };
     let motions = nodal(&free);
-    let stabilised = match (&boundary, scene.method.multiplier) {
+    let stabilised = match (&given.boundary, scene.method.multiplier) {
         (Some(_), Multiplier::Stabilised) => {
-            let body = Body {
+            let body = stabilised::Body {
                 traction: &traction_map,
                 stiffness: &matrix,
-                load: &load,
+                load: &given.load,
                 held: &partition.held,
                 rigid: &nodal(&candidates),
                 free: &motions,
-                particular: particular.as_ref(),
+                particular: given.particular.as_ref(),
             };
             Some(solve_stabilised(&data, &body)?)
         }
         _ => None,
     };
     let condensation = Condensation::new(matrix, &partition, &motions)?;
-    let condensed = condensation.load(&load);
     seconds.factorise = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
     observe(Stage::Progress("contact", 0.95))?;
-    let (displacement, contact, contact_factors) = match boundary {
-        None => (condensation.expand(&condensed, &[]), None, None),
-        Some(boundary) => {
-            let body = CondensedBody {
-                mesh: &mesh,
-                space: &space,
-                condensation: &condensation,
-                load: &load,
-                condensed: &condensed,
-                free: &free,
-            };
-            let (displacement, result, factors) = solve_contact(&body, boundary, scene.method.solver)?;
-            (displacement, Some(result), Some(factors))
-        }
-    };
-    // what adaptivity and the estimate rest on
-    let companion = displacement;
-    let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
-    let (displacement, contact) = match (contact, stabilised) {
-        (Some(contact), Some(s)) => {
-            let (displacement, audit, friction_work) = (s.displacement.clone(), s.audit, s.friction_work);
-            (displacement, Some(ContactResult { audit, friction_work, stabilised: Some(s), ..contact }))
-        }
-        (contact, _) => (companion.clone(), contact),
-    };
-    let forces = condensation.multiply(&displacement);
-    let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(s, f)| s - f).collect();
-    if let Some(c) = &contact {
-        match &c.stabilised {
-            Some(s) => residual.iter_mut().zip(&s.forces).for_each(|(r, f)| *r += f),
-            None => {
-                for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
-                    residual[2 * node] += force[0];
-                    residual[2 * node + 1] += force[1];
-                }
-            }
-        }
-    }
-    let equilibrium = supports.equilibrium(&residual, &forces, &load, 0.0);
-    // without a load a body may move as a whole or not at all: forces of roundoff are no scale of their own
-    let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    let unloaded = largest(&load) == 0.0;
-    let gap = contact.as_ref().map_or(0.0, |c| c.boundary.largest_gap());
-    let moved = largest(&displacement) + gap;
-    let floor = if unloaded { 1e-6 * condensation.largest_diagonal() * moved } else { 0.0 };
-    let balanced = supports.equilibrium(&residual, &forces, &load, floor) <= UNBALANCED;
-    let contact = contact.map(|mut c| {
-        c.audit.equilibrium = c.audit.equilibrium.max(equilibrium);
-        c
-    });
-
-    let of_displacement = |displacement: &[f64], forces: &[f64], friction_work: f64| {
-        let homogeneous: Vec<f64> = match &particular {
-            None => displacement.to_vec(),
-            Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
-        };
-        let traction = traction_map.apply(&homogeneous);
-        let field = BoundaryField::new(&mesh, &space, &scene.material, &homogeneous, &traction, length);
-        let crossed = body_force.map_or(0.0, |b| crossed_work(&field, &b, &mesh, &space));
-        let energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
-        (homogeneous, field, energies)
-    };
-    let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
-    let (homogeneous, field, energies) = of_displacement(&displacement, &forces, friction_work);
-    let (homogeneous, companion_energy, difference) = match &contact {
-        Some(ContactResult { stabilised: Some(_), .. }) => {
-            let apart: Vec<f64> = displacement.iter().zip(&companion).map(|(a, b)| a - b).collect();
-            let stiff = condensation.multiply(&apart);
-            let (homogeneous, _, energies) =
-                of_displacement(&companion, &condensation.multiply(&companion), companion_friction);
-            (homogeneous, energies.total, apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0))
-        }
-        _ => (homogeneous, energies.total, 0.0),
-    };
-    let Energies { total, strain, load_work, .. } = energies;
-    if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
-        return Err(SolveError::NotFinite { energy: total });
-    }
-    let mut reactions = supports
-        .reactions(&residual, &mesh, &scene.sides, |e, j| data.traction_moment(&field, body_force.as_ref(), e, j));
-    if let Some(c) = &contact {
-        for (side, condition) in scene.sides.iter().enumerate() {
-            if matches!(condition.condition, Condition::Contact { .. }) {
-                reactions.push((side, c.force(side)));
-            }
-        }
-    }
-    reactions.sort_by_key(|r| r.0);
-    let reactions = reactions.into_iter().map(|(side, force)| (mesh.side_names[side].clone(), force)).collect();
+    let body = Body { mesh, space, material: scene.material, length, condensation, enriched, traction_map, held, free };
+    given.stabilised = stabilised;
+    let (mut solved, factors) =
+        body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;
     seconds.solve = clock.elapsed().as_secs_f64();
-    let factors = Factors {
-        condensation,
-        enriched,
-        homogeneous,
-        energy: companion_energy,
-        difference,
-        extra_load,
-        unresolved,
-        contact: contact_factors,
-    };
-    let solved = Solved {
-        displacement,
-        field,
-        body_force,
-        energies,
-        contact,
-        equilibrium,
-        balanced,
-        reactions,
-        free_motions: free,
-        seconds,
-        mesh,
-        space,
-    };
-    Ok((solved, factors))
+    solved.seconds = seconds;
+    Ok((solved, body, factors))
 }

@@ -44,6 +44,8 @@ pub struct CondensedLoad {
     pub kept: Vec<f64>,
     /// L⁻¹ (f_R - S_RH u_H).
     eliminated: Vec<f64>,
+    /// u_H.
+    held: Vec<f64>,
 }
 
 impl Condensation {
@@ -115,50 +117,46 @@ impl Condensation {
 
     /// Reduces a nodal load (interleaved x, y, all unknowns) and the forces of the held values.
     pub fn load(&self, load: &[f64]) -> CondensedLoad {
+        self.load_held(load, &self.held)
+    }
+
+    /// As [`Self::load`], with other values of the held unknowns, in the order of [`Partition::held`].
+    ///
+    /// # Panics
+    /// When there are fewer or more of them.
+    pub fn load_held(&self, load: &[f64], held: &[f64]) -> CondensedLoad {
+        assert_eq!(held.len(), self.held.len(), "values of held unknowns");
         let (r, k) = (self.eliminated, self.kept);
         let mut f = self.to_positions(load);
-        for (h, &value) in self.held.iter().enumerate() {
+        for (h, &value) in held.iter().enumerate() {
             if value != 0.0 {
                 for i in 0..r + k {
                     f[i] -= self.entry(i, r + k + h) * value;
                 }
             }
         }
-        self.reduced(&f)
-    }
-
-    /// Reduces a nodal load with the held values at 0: that of a correction.
-    pub fn load_of_correction(&self, load: &[f64]) -> CondensedLoad {
-        self.reduced(&self.to_positions(load))
-    }
-
-    fn reduced(&self, f: &[f64]) -> CondensedLoad {
-        let (r, k) = (self.eliminated, self.kept);
         let mut y = Col::from_fn(r, |i| f[i]);
         solve_lower_triangular_in_place(self.factor(), y.as_mat_mut(), Par::Seq);
         let correction = self.coupling() * &y;
         CondensedLoad {
             kept: (0..k).map(|i| f[r + i] - correction[i]).collect(),
             eliminated: y.iter().copied().collect(),
+            held: held.to_vec(),
         }
+    }
+
+    /// Reduces a nodal load with the held values at 0: that of a correction.
+    pub fn load_of_correction(&self, load: &[f64]) -> CondensedLoad {
+        self.load_held(load, &vec![0.0; self.held.len()])
     }
 
     /// Nodal displacement (interleaved x, y) of the kept values, in equilibrium with the load at the eliminated unknowns.
     pub fn expand(&self, load: &CondensedLoad, kept: &[f64]) -> Vec<f64> {
-        self.expanded(load, kept, &self.held)
-    }
-
-    /// As [`Self::expand`] of a load of [`Self::load_of_correction`], with the held values at 0.
-    pub fn expand_correction(&self, load: &CondensedLoad, kept: &[f64]) -> Vec<f64> {
-        self.expanded(load, kept, &vec![0.0; self.held.len()])
-    }
-
-    fn expanded(&self, load: &CondensedLoad, kept: &[f64], held: &[f64]) -> Vec<f64> {
         let v = Col::from_fn(self.kept, |i| kept[i]);
         let mut u = Col::from_fn(self.eliminated, |i| load.eliminated[i]);
         u -= self.coupling().transpose() * &v;
         solve_upper_triangular_in_place(self.factor().transpose(), u.as_mat_mut(), Par::Seq);
-        let positions: Vec<f64> = u.iter().chain(kept).chain(held).copied().collect();
+        let positions: Vec<f64> = u.iter().chain(kept).chain(&load.held).copied().collect();
         self.to_nodes(&positions)
     }
 

@@ -104,7 +104,7 @@ pub fn pressures(
             scene.method.gamma = Some(NONE * first.critical);
         }
         match (solve(&scene, mesh.clone(), false, &mut PairCache::default(), &mut |_| Ok(())), all.solutions.first()) {
-            (Ok((solved, _)), _) => {
+            (Ok((solved, ..)), _) => {
                 let Some(contact) = &solved.contact else { continue };
                 let Some(s) = &contact.stabilised else { continue };
                 all.solutions.push(Pressure {

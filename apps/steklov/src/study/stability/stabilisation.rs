@@ -213,7 +213,7 @@ fn errors(
             let gamma = ratio * known.gamma;
             scene.method.gamma = Some(gamma);
             let solved = solve(&scene, mesh.clone(), false, &mut PairCache::default(), &mut |_| Ok(()));
-            let measured = solved.and_then(|(solved, _)| {
+            let measured = solved.and_then(|(solved, ..)| {
                 let truth = true_error(&for_truth(&scene), &mesh, &solved.displacement, &fine.subdivision)?;
                 let converged = truth.converged && solved.contact.as_ref().is_some_and(|c| c.reported().converged());
                 Ok((truth.error / truth.norm, solved.energies.total, converged))

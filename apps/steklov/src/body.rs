@@ -1,0 +1,232 @@
+//! A body on a mesh: its matrices, which no load changes, and its answer to loads.
+
+use steklov_bem_operators::{
+    BoundaryField, Condensation, EnrichedSteklov, Material, Mesh, RigidMotion, Space, TractionMap,
+};
+use steklov_contact::{ContactBoundary, ContactError, Problem, Solution, resisted_motions};
+
+use crate::body_load::{Particular, crossed_work, energies};
+use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
+use crate::data::{Data, Loads};
+use crate::motions::{balanced, edges, work};
+use crate::scene::{Condition, Scene};
+use crate::solve::{Energies, Seconds, SolveError, Solved};
+use crate::stabilised::StabilisedContact;
+use crate::supports::{Held, Supports};
+
+/// Relative residual of equilibrium beyond which an answer has lost too many digits.
+const UNBALANCED: f64 = 1e-7;
+
+/// What assembly and factorisation leave: enough to answer any loads, gaps, bounds and held values on the same supports.
+pub struct Body {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Its unknowns.
+    pub space: Space,
+    /// The material of the matrices.
+    pub material: Material,
+    /// Length in the logarithm of the kernel.
+    pub length: f64,
+    /// S, the free unknowns eliminated.
+    pub condensation: Condensation,
+    /// What S₊ of the enriched spaces needs besides, if solutions are to be estimated.
+    pub enriched: Option<EnrichedSteklov>,
+    /// From displacements to tractions.
+    pub traction_map: TractionMap,
+    /// Prescribed components of the nodes.
+    pub(crate) held: Vec<Held>,
+    /// Rigid motions that nothing resists and no load drives.
+    pub free: Vec<RigidMotion>,
+}
+
+/// What acts on a body.
+pub(crate) struct Given {
+    pub(crate) loads: Loads,
+    pub(crate) particular: Option<Particular>,
+    pub(crate) boundary: Option<ContactBoundary>,
+    /// An answer with stabilised multipliers, which is then reported.
+    pub(crate) stabilised: Option<StabilisedContact>,
+    /// Nodal load of all.
+    pub(crate) load: Vec<f64>,
+    /// Load of the bubbles, less that of the particular solution.
+    extra_load: Vec<f64>,
+}
+
+impl Given {
+    pub(crate) fn new(
+        loads: Loads,
+        particular: Option<Particular>,
+        boundary: Option<ContactBoundary>,
+        mesh: &Mesh,
+        space: &Space,
+    ) -> Self {
+        let (mut load, mut extra_load) = (loads.nodal.clone(), loads.bubbles.clone());
+        if let Some(p) = &particular {
+            load.iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
+            extra_load.iter_mut().zip(p.force.bubble_load(mesh, space)).for_each(|(f, t)| *f -= t);
+        }
+        Self { loads, particular, boundary, stabilised: None, load, extra_load }
+    }
+
+    /// The motions of `candidates` that nothing resists.
+    pub(crate) fn free_motions(
+        &self,
+        space: &Space,
+        candidates: &[RigidMotion],
+    ) -> Result<Vec<RigidMotion>, SolveError> {
+        match &self.boundary {
+            None => balanced(space, &self.load, candidates),
+            Some(boundary) => Ok(resisted_motions(candidates, &edges(boundary), |r| work(space, &self.load, r))?),
+        }
+    }
+}
+
+/// What is left of a solution, besides the matrices of its [`Body`], for its estimate and the next mesh.
+pub struct Factors {
+    /// Nodal displacement without the body force's particular solution, of biorthogonal multipliers.
+    pub homogeneous: Vec<f64>,
+    /// J of that displacement.
+    pub energy: f64,
+    /// ‖u - u_b‖², energy norm, of the displacements of stabilised and biorthogonal multipliers; 0 if they are one.
+    pub difference: f64,
+    /// Load of the bubbles, less that of the particular solution.
+    pub extra_load: Vec<f64>,
+    /// What the polynomials of each element leave of its prescribed tractions, h/(p+2) ‖t - Π t‖² (stress² length²).
+    pub unresolved: Vec<f64>,
+    /// The condensed contact problem.
+    pub contact: Option<ContactFactors>,
+}
+
+impl Body {
+    /// The answer to what acts on the body; `solve` solves the condensed contact problem. No seconds are taken.
+    ///
+    /// # Errors
+    /// Those of the contact solver; results that leave the range of floating point.
+    pub(crate) fn answer(
+        &self,
+        scene: &Scene,
+        given: Given,
+        solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
+    ) -> Result<(Solved, Factors), SolveError> {
+        let Given {
+            loads: Loads { nodal: tractions, unresolved, .. },
+            particular,
+            boundary,
+            stabilised,
+            load,
+            extra_load,
+        } = given;
+        let Self { mesh, space, condensation, .. } = self;
+        let supports = Supports { space, held: &self.held };
+        let data = Data { scene, mesh, space };
+        let body_force = particular.as_ref().map(|p| p.force);
+        let held: Vec<f64> = supports.dofs().into_iter().map(|(_, value)| value).collect();
+        let condensed = condensation.load_held(&load, &held);
+        let (displacement, contact, contact_factors) = match boundary {
+            None => (condensation.expand(&condensed, &[]), None, None),
+            Some(boundary) => {
+                let body =
+                    CondensedBody { mesh, space, condensation, load: &load, condensed: &condensed, free: &self.free };
+                let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
+                (displacement, Some(result), Some(factors))
+            }
+        };
+        // what adaptivity and the estimate rest on
+        let companion = displacement;
+        let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
+        let (displacement, contact) = match (contact, stabilised) {
+            (Some(contact), Some(s)) => {
+                let (displacement, audit, friction_work) = (s.displacement.clone(), s.audit, s.friction_work);
+                (displacement, Some(ContactResult { audit, friction_work, stabilised: Some(s), ..contact }))
+            }
+            (contact, _) => (companion.clone(), contact),
+        };
+        let forces = condensation.multiply(&displacement);
+        let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(s, f)| s - f).collect();
+        if let Some(c) = &contact {
+            match &c.stabilised {
+                Some(s) => residual.iter_mut().zip(&s.forces).for_each(|(r, f)| *r += f),
+                None => {
+                    for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
+                        residual[2 * node] += force[0];
+                        residual[2 * node + 1] += force[1];
+                    }
+                }
+            }
+        }
+        let equilibrium = supports.equilibrium(&residual, &forces, &load, 0.0);
+        // without a load a body may move as a whole or not at all: forces of roundoff are no scale of their own
+        let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let unloaded = largest(&load) == 0.0;
+        let gap = contact.as_ref().map_or(0.0, |c| c.boundary.largest_gap());
+        let moved = largest(&displacement) + gap;
+        let floor = if unloaded { 1e-6 * condensation.largest_diagonal() * moved } else { 0.0 };
+        let balanced = supports.equilibrium(&residual, &forces, &load, floor) <= UNBALANCED;
+        let contact = contact.map(|mut c| {
+            c.audit.equilibrium = c.audit.equilibrium.max(equilibrium);
+            c
+        });
+
+        let of_displacement = |displacement: &[f64], forces: &[f64], friction_work: f64| {
+            let homogeneous: Vec<f64> = match &particular {
+                None => displacement.to_vec(),
+                Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
+            };
+            let traction = self.traction_map.apply(&homogeneous);
+            let field = BoundaryField::new(mesh, space, &self.material, &homogeneous, &traction, self.length);
+            let crossed = body_force.map_or(0.0, |b| crossed_work(&field, &b, mesh, space));
+            let energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
+            (homogeneous, field, energies)
+        };
+        let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
+        let (homogeneous, field, energies) = of_displacement(&displacement, &forces, friction_work);
+        let (homogeneous, companion_energy, difference) = match &contact {
+            Some(ContactResult { stabilised: Some(_), .. }) => {
+                let apart: Vec<f64> = displacement.iter().zip(&companion).map(|(a, b)| a - b).collect();
+                let stiff = condensation.multiply(&apart);
+                let (homogeneous, _, energies) =
+                    of_displacement(&companion, &condensation.multiply(&companion), companion_friction);
+                (homogeneous, energies.total, apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0))
+            }
+            _ => (homogeneous, energies.total, 0.0),
+        };
+        let Energies { total, strain, load_work, .. } = energies;
+        if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
+            return Err(SolveError::NotFinite { energy: total });
+        }
+        let mut reactions = supports
+            .reactions(&residual, mesh, &scene.sides, |e, j| data.traction_moment(&field, body_force.as_ref(), e, j));
+        if let Some(c) = &contact {
+            for (side, condition) in scene.sides.iter().enumerate() {
+                if matches!(condition.condition, Condition::Contact { .. }) {
+                    reactions.push((side, c.force(side)));
+                }
+            }
+        }
+        reactions.sort_by_key(|r| r.0);
+        let reactions = reactions.into_iter().map(|(side, force)| (mesh.side_names[side].clone(), force)).collect();
+        let factors = Factors {
+            homogeneous,
+            energy: companion_energy,
+            difference,
+            extra_load,
+            unresolved,
+            contact: contact_factors,
+        };
+        let solved = Solved {
+            displacement,
+            field,
+            body_force,
+            energies,
+            contact,
+            equilibrium,
+            balanced,
+            reactions,
+            free_motions: self.free.clone(),
+            seconds: Seconds::default(),
+            mesh: mesh.clone(),
+            space: space.clone(),
+        };
+        Ok((solved, factors))
+    }
+}
