@@ -19,5 +19,16 @@
 //! a fixed order.
 
 mod error;
+mod covariance;
+mod exponential;
+mod spectrum;
+mod galerkin;
+mod karhunen_loeve;
+mod rectangle;
+mod field;
 
+pub use covariance::{Covariance, Kernel};
 pub use error::StochasticError;
+pub use field::{Field, lognormal};
+pub use karhunen_loeve::{KarhunenLoeve, Truncation};
+pub use rectangle::RectangleKarhunenLoeve;
