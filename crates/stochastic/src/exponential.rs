@@ -53,15 +53,53 @@ fn root(q: f64, k: usize) -> f64 {
             low = theta;
         }
         let slope = sin / scale + z / scale * cos + q / scale * sin;
-        let mut next = theta - value / slope;
-        if !(next > low && next < high) {
-            next = 0.5 * (low + high);
-        }
-        let step = (next - theta).abs();
-        theta = next;
-        if step <= f64::EPSILON * theta {
+        let step = value / slope;
+        if step.abs() <= f64::EPSILON * theta {
             break;
         }
+        let next = theta - step;
+        theta = if next > low && next < high { next } else { 0.5 * (low + high) };
     }
     base + theta
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn roots_solve_the_classical_equations(exponent in -12.0..12.0f64, k in 0usize..200) {
+            let q = 10f64.powf(exponent);
+            let z = root(q, k);
+            let base = k as f64 * FRAC_PI_2;
+            prop_assert!(z >= base && z <= base + FRAC_PI_2 && z > 0.0);
+            // 1e-13 z to either side the sign has changed, up to the rounding of the function itself
+            let f = |z: f64| {
+                let (sin, cos) = z.sin_cos();
+                let value = if k.is_multiple_of(2) { z * sin - q * cos } else { -z * cos - q * sin };
+                let flip = if k / 2 % 2 == 0 { 1.0 } else { -1.0 };
+                flip * value
+            };
+            let room = 1e-12 * z;
+            prop_assert!(f(z - room) < 0.0 && f(z + room) > 0.0, "{} {}", f(z - room), f(z + room));
+        }
+    }
+
+    #[test]
+    fn extreme_lengths_do_not_overflow() {
+        for q in [1e-300, 1e-17, 1e17, 1e300] {
+            let modes = Exponential::new(q, 50);
+            for k in 0..50 {
+                let (lambda, b) = (modes.eigenvalue(k), modes.mode(k, 0.0));
+                assert!(lambda > 0.0 && lambda <= 1.0, "{lambda} of {k} at {q}");
+                assert!(b > 0.0 && b < 1.5, "{b} of {k} at {q}");
+            }
+        }
+        // z² = q - q²/3 + .. and λ_0 = 1 - 2q/3 + ..
+        assert!(((1.0 - Exponential::new(1e-6, 1).eigenvalue(0)) / (2e-6 / 3.0) - 1.0).abs() < 1e-6);
+        assert!((Exponential::new(1e-300, 1).roots[0] / 1e-150 - 1.0).abs() < 1e-14);
+        assert!((Exponential::new(1e300, 4).roots[3] / (2.0 * PI) - 1.0).abs() < 1e-14);
+    }
 }

@@ -13,8 +13,10 @@ pub(crate) const ROUNDOFF: f64 = 1e-12;
 const LONGEST: f64 = 256.0;
 /// Most unknowns of a discrete eigenvalue problem.
 const UNKNOWNS: usize = 4096;
-/// Degree of the elements, of which half an element is enough for a mode.
+/// Degree of the elements that [`KarhunenLoeve::new`] takes; two modes an element are resolved by it.
 const DEGREE: usize = 15;
+/// Most elements of that degree.
+const ELEMENTS: usize = 128;
 
 /// Where an expansion ends.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -61,7 +63,8 @@ impl KarhunenLoeve {
     ///
     /// *Exponential*: closed form, relative error of λ_m 1e-12 at any correlation length; up to 10 000 modes; O(1) a mode.
     /// *Gaussian*: [`nystrom`](Self::nystrom), error 1e-14 λ_1. *Matérn*: [`galerkin`](Self::galerkin) with degree 15 and
-    /// one element for two modes, relative error of λ_m 1e-9 and better. Both of these need ℓ ≥ L/256; O(N³), N unknowns.
+    /// one element for two modes, up to 256 modes, relative error of λ_m 1e-9 and better. Both of these need ℓ ≥ L/256;
+    /// O(N³), N unknowns.
     ///
     /// # Errors
     /// [`StochasticError::Number`] if a length is not positive or the truncation senseless; [`StochasticError::Modes`] and
@@ -81,14 +84,20 @@ impl KarhunenLoeve {
         }
         check(length, truncation)?;
         let ratio = resolved(correlation, length)?;
-        let mut elements = 2 * (ratio.ceil() as usize).div_ceil(2).max(4);
+        if let Truncation::Modes(wanted) = truncation
+            && wanted > 2 * ELEMENTS
+        {
+            return Err(StochasticError::Modes { wanted, available: 2 * ELEMENTS });
+        }
+        // no element is longer than 2ℓ
+        let mut elements = 2 * ((0.25 * ratio).ceil() as usize).max(4);
         loop {
             let (shares, piecewise) = galerkin(|r| kernel.value(r * ratio), elements, DEGREE)?;
             let all = Self::discrete(length, shares, piecewise)?.truncated(2 * elements);
             match kept(&all.shares, truncation) {
                 Ok(count) => return Ok(all.truncated(count)),
-                Err(error) if 2 * elements * (DEGREE + 1) > UNKNOWNS => return Err(error),
-                Err(_) => elements *= 2,
+                Err(error) if elements == ELEMENTS => return Err(error),
+                Err(_) => elements = (2 * elements).min(ELEMENTS),
             }
         }
     }
