@@ -1,8 +1,11 @@
 //! Discrete eigenpairs of a covariance on the unit interval.
 
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, Par};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 use crate::StochasticError;
+use crate::karhunen_loeve::ROUNDOFF;
 use crate::spectrum::folded_spectrum;
 
 /// Piecewise polynomials on equal elements of the unit interval, by orthonormal Legendre polynomials.
@@ -101,7 +104,7 @@ pub(crate) fn galerkin(
     Ok((spectrum.values, Piecewise { elements, degree, modes: spectrum.vectors }.orient()))
 }
 
-/// Nyström's method at an even number of Gauss points: λ_m, and the modes as the polynomials through their values there.
+/// Nyström's method at an even number of Gauss points: all λ_m, and the modes above roundoff as the polynomials through their values there.
 ///
 /// These polynomials are orthonormal to roundoff, as the rule is exact for their products, and lose no digits where λ_m is
 /// small, as (1/λ_m) Σ w_j C(x, x_j) b_m(x_j) would.
@@ -114,8 +117,14 @@ pub(crate) fn nystrom(
     let entry = |i: usize, j: usize| root[i] * root[j] * kernel((rule.points[i] - rule.points[j]).abs());
     let images: Vec<_> = (0..points / 2).map(|i| vec![(i, 1.0), (points - 1 - i, 1.0)]).collect();
     let spectrum = folded_spectrum(&images, entry)?;
+    let largest = spectrum.values[0];
+    let count = spectrum.values.iter().take_while(|&&s| s > ROUNDOFF * largest).count();
     let phi = transform(points);
-    let modes = spectrum.vectors.iter().map(|v| phi.iter().map(|row| dot(row, v)).collect()).collect();
+    let (phi, values) =
+        (Mat::from_fn(points, points, |k, j| phi[k][j]), Mat::from_fn(points, count, |j, m| spectrum.vectors[m][j]));
+    let mut coefficients = Mat::zeros(points, count);
+    matmul(coefficients.as_mut(), Accum::Replace, phi.as_ref(), values.as_ref(), 1.0, Par::Seq);
+    let modes = (0..count).map(|m| coefficients.col_as_slice(m).to_vec()).collect();
     Ok((spectrum.values, Piecewise { elements: 1, degree: points - 1, modes }.orient()))
 }
 

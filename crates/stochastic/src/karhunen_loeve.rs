@@ -63,7 +63,7 @@ impl KarhunenLoeve {
     ///
     /// *Exponential*: closed form, relative error of λ_m 1e-12 at any correlation length; up to 10 000 modes; O(1) a mode.
     /// *Gaussian*: [`nystrom`](Self::nystrom), error 1e-14 λ_1. *Matérn*: [`galerkin`](Self::galerkin) with degree 15 and
-    /// one element for two modes, up to 256 modes, relative error of λ_m 1e-9 and better. Both of these need ℓ ≥ L/256;
+    /// one element for two modes, up to 256 modes, relative error of λ_m 1e-11. Both of these need ℓ ≥ L/256;
     /// O(N³), N unknowns.
     ///
     /// # Errors
@@ -124,7 +124,7 @@ impl KarhunenLoeve {
     ///
     /// *Use when*: C has a kink at distance 0 and is smooth elsewhere. The kink is integrated exactly. *Fails when*: an
     /// element is longer than the scale on which C changes, or than half a wave of the last mode at low degree; eigenvalues
-    /// are too small then, relative error (π m h/(4 L))^(2p+2) for degree p and elements of length h. *Cost*: eigenpairs of
+    /// are too small then, by a part of the order (m h/L)^(2p+2) for degree p and elements of length h. *Cost*: eigenpairs of
     /// two matrices of size elements (degree + 1)/2, elements being rounded up to an even number.
     ///
     /// # Errors

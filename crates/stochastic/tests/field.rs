@@ -111,7 +111,7 @@ proptest! {
             let bound = field.bound();
             let germs: Vec<f64> = field.modes(x).iter().map(|b| 3f64.sqrt() * b.signum()).collect();
             prop_assert!(field.value(x, &germs) <= bound * (1.0 + 1e-12));
-            let n = 200;
+            let n = 100;
             let grid = |k: usize| [(k % n) as f64 * sides[0] / (n - 1) as f64, (k / n) as f64 * sides[1] / (n - 1) as f64];
             let count = if sides[1] > 0.0 { n * n } else { n };
             let brute = (0..count).map(|k| total(&field, grid(k))).fold(0.0, f64::max);
