@@ -38,6 +38,61 @@ pub enum StochasticError {
         /// Largest eigenvalue.
         largest: f64,
     },
+    /// More modes than can be had.
+    #[error("{wanted} modes are wanted, but only {available} can be had: take {available} or fewer")]
+    Modes {
+        /// Number of modes asked for.
+        wanted: usize,
+        /// Number of modes whose eigenvalues are resolved and above roundoff.
+        available: usize,
+    },
+    /// A share of the variance that too many modes would have to carry.
+    #[error(
+        "{modes} modes, the most that can be had, capture {captured} of the variance, not the {wanted} wanted: take a \
+         smaller share, a longer correlation length or a smoother covariance"
+    )]
+    Captured {
+        /// Share asked for.
+        wanted: f64,
+        /// Share of all available modes.
+        captured: f64,
+        /// Their number.
+        modes: usize,
+    },
+    /// A correlation length too short for the discrete eigenvalue problem.
+    #[error("the correlation length {correlation} is too short on a length of {length}: take at least {shortest}")]
+    Unresolved {
+        /// Correlation length.
+        correlation: f64,
+        /// Length of the side.
+        length: f64,
+        /// The shortest correlation length that is resolved there.
+        shortest: f64,
+    },
+    /// The eigenvalues on a rectangle still change under refinement.
+    #[error(
+        "with {}×{} points the eigenvalues still change by {change} of the largest, more than {tolerance}: take fewer \
+         modes, longer correlation lengths, or a covariance that is a product", points[0], points[1]
+    )]
+    Unconverged {
+        /// Points in both directions.
+        points: [usize; 2],
+        /// Largest change at the last refinement.
+        change: f64,
+        /// Allowed change.
+        tolerance: f64,
+    },
+    /// A field that germs can make zero or negative.
+    #[error(
+        "1 + s field, s = {coefficient}, becomes zero or negative for some germs: s must be below {largest}; take a \
+         smaller one, or a lognormal field"
+    )]
+    NotPositive {
+        /// s.
+        coefficient: f64,
+        /// The s that is just too large.
+        largest: f64,
+    },
     /// A decomposition failed.
     #[error("the decomposition of a {size}×{size} matrix failed: are its entries finite?")]
     Decomposition {

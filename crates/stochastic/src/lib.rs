@@ -19,9 +19,20 @@
 //! a fixed order.
 
 mod error;
+mod covariance;
+mod exponential;
+mod spectrum;
+mod galerkin;
+mod karhunen_loeve;
+mod rectangle;
+mod field;
 mod tensor_problem;
 mod tensor_solvers;
 
+pub use covariance::{Covariance, Kernel};
 pub use error::StochasticError;
+pub use field::{Field, lognormal};
+pub use karhunen_loeve::{KarhunenLoeve, Truncation};
+pub use rectangle::RectangleKarhunenLoeve;
 pub use tensor_problem::{TensorProblem, TensorSolution};
 pub use tensor_solvers::{tensor_active_set, tensor_uzawa};
