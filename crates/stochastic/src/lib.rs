@@ -19,5 +19,10 @@
 //! a fixed order.
 
 mod error;
+mod discrete;
+mod variable;
+mod orthogonal;
 
 pub use error::StochasticError;
+pub use orthogonal::Recurrence;
+pub use variable::{Distribution, Variable};
