@@ -22,6 +22,17 @@ pub enum StochasticError {
         /// Both sizes, in words.
         what: String,
     },
+    /// An interval holds (almost) nothing of a distribution, so that nothing can be conditioned on it.
+    #[error(
+        "the interval [{}, {}] has the probability {probability:e}; widen it or move it to where the density is",
+        interval[0], interval[1]
+    )]
+    NoProbability {
+        /// Its ends: values of a variable, germs of a cell.
+        interval: [f64; 2],
+        /// Its probability.
+        probability: f64,
+    },
     /// The contact problem of a node failed.
     #[error(transparent)]
     Contact(#[from] ContactError),

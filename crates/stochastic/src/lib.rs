@@ -19,6 +19,9 @@
 //! a fixed order.
 
 mod error;
+mod discrete;
+mod variable;
+mod orthogonal;
 mod covariance;
 mod exponential;
 mod spectrum;
@@ -26,13 +29,27 @@ mod galerkin;
 mod karhunen_loeve;
 mod rectangle;
 mod field;
+mod stochastic_mesh;
+mod cell_basis;
+mod smolyak;
+mod sampling;
 mod tensor_problem;
 mod tensor_solvers;
+mod statistics;
+mod moments;
 
+pub use cell_basis::{CellBasis, Nodes};
 pub use covariance::{Covariance, Kernel};
 pub use error::StochasticError;
 pub use field::{Field, lognormal};
 pub use karhunen_loeve::{KarhunenLoeve, Truncation};
+pub use moments::{Accumulator, Moments, moments};
+pub use orthogonal::Recurrence;
 pub use rectangle::RectangleKarhunenLoeve;
+pub use sampling::{sample, uniform};
+pub use smolyak::{Points, smolyak};
+pub use statistics::{Histogram, Probability, density, probability, quantiles};
+pub use stochastic_mesh::{StochasticCell, StochasticMesh};
 pub use tensor_problem::{TensorProblem, TensorSolution};
 pub use tensor_solvers::{tensor_active_set, tensor_uzawa};
+pub use variable::{Distribution, Variable};

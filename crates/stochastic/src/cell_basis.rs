@@ -1,0 +1,250 @@
+//! Tensor Lagrange basis of a stochastic cell.
+
+use crate::stochastic_mesh::MOST;
+use crate::{Recurrence, StochasticCell, StochasticError, Variable};
+use faer::Mat;
+use steklov_quadrature::Rule;
+
+/// Gauss points of [`CellBasis::mass`] beyond the q+1 of the basis, in each direction.
+const EXTRA: usize = 6;
+
+/// Where the nodes of a cell's basis are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Nodes {
+    /// At the Gauss points of the density in the cell: M_E is diagonal for E affine in each germ.
+    Gauss,
+    /// At its Lobatto points, the ends of the cell among them; M_E is full. A direction of degree 0 has no Lobatto rule:
+    /// its node is the Gauss point, the mean.
+    Lobatto,
+}
+
+/// θ_j, the products of the Lagrange polynomials of degree q_d at q_d + 1 nodes in each direction d; the nodes of the last
+/// direction run fastest.
+///
+/// ∫ .. ρ is over the cell with the density of the germs, so that ∫ρ is the cell's probability.
+#[derive(Debug, Clone)]
+pub struct CellBasis {
+    /// Nodes (germs).
+    pub points: Vec<Vec<f64>>,
+    /// D_j = ∫ θ_j ρ > 0, with the probability of the cell.
+    pub weights: Vec<f64>,
+    axes: Vec<Axis>,
+}
+
+/// Basis in one direction.
+#[derive(Debug, Clone)]
+struct Axis {
+    /// To degree q + `EXTRA`, for over-integration.
+    recurrence: Recurrence,
+    /// Nodes; weights sum to 1.
+    rule: Rule,
+    /// 1/Π_{k≠j} of the differences of the nodes over a quarter of their spread.
+    barycentric: Vec<f64>,
+    /// p_k at node j in row k, column j.
+    polynomials: Mat<f64>,
+    /// Σ_j w_j p_k(x_j)²: 1, but for the top degree at Lobatto nodes.
+    squares: Vec<f64>,
+}
+
+impl CellBasis {
+    /// Basis of a cell.
+    ///
+    /// # Errors
+    /// [`StochasticError::Inconsistent`] for a cell of other directions than the variables; [`StochasticError::Number`]
+    /// for a degree above 249, more than a million nodes, or Lobatto nodes in an unbounded direction;
+    /// [`StochasticError::NoProbability`] for a cell without.
+    pub fn new(variables: &[Variable], cell: &StochasticCell, nodes: Nodes) -> Result<Self, StochasticError> {
+        let directions = variables.len();
+        if cell.bounds.len() != directions || cell.degree.len() != directions {
+            return Err(StochasticError::Inconsistent {
+                what: format!(
+                    "a cell with {} bounds and {} degrees for {directions} variables",
+                    cell.bounds.len(),
+                    cell.degree.len()
+                ),
+            });
+        }
+        let count = cell.degree.iter().map(|&q| q as f64 + 1.0).product::<f64>();
+        if count > MOST as f64 {
+            return Err(StochasticError::Number {
+                what: "the number of nodes of a stochastic cell".into(),
+                value: count,
+                wanted: "at most 1e6: lower its degrees, or use Smolyak points or samples",
+            });
+        }
+        let axes: Result<Vec<_>, _> =
+            (0..directions).map(|d| Axis::new(&variables[d], cell.bounds[d], cell.degree[d], nodes)).collect();
+        let axes = axes?;
+        let probability: f64 = axes.iter().map(|axis| axis.recurrence.probability).product();
+        let rules: Vec<&Rule> = axes.iter().map(|axis| &axis.rule).collect();
+        let (points, mut weights) = tensor(&rules);
+        weights.iter_mut().for_each(|w| *w *= probability);
+        Ok(Self { points, weights, axes })
+    }
+
+    /// θ_j(germ) in `values[j]`; polynomials go on outside of the cell.
+    ///
+    /// # Panics
+    /// If `germ` does not have a number for each direction or `values` one for each node.
+    pub fn evaluate(&self, germ: &[f64], values: &mut [f64]) {
+        assert_eq!((germ.len(), values.len()), (self.axes.len(), self.points.len()), "directions and nodes");
+        values[0] = 1.0;
+        let mut filled = 1;
+        for (axis, &x) in self.axes.iter().zip(germ) {
+            let own = axis.lagrange(x);
+            for i in (0..filled).rev() {
+                let before = values[i];
+                for (j, l) in own.iter().enumerate() {
+                    values[i * own.len() + j] = before * l;
+                }
+            }
+            filled *= own.len();
+        }
+    }
+
+    /// (M_E)_jk = ∫ E θ_j θ_k ρ for a function E of the germs, symmetric; exact for polynomials E to degree 13 in each
+    /// germ.
+    ///
+    /// Cost: the square of the number of nodes times Π_d (q_d + 7) points of integration.
+    pub fn mass(&self, coefficient: &dyn Fn(&[f64]) -> f64) -> Result<Mat<f64>, StochasticError> {
+        let rules: Result<Vec<_>, _> =
+            self.axes.iter().map(|axis| axis.recurrence.gauss(axis.recurrence.alpha.len())).collect();
+        let rules = rules?;
+        let count = rules.iter().map(|rule| rule.len() as f64).product::<f64>();
+        if count > 100.0 * MOST as f64 {
+            return Err(StochasticError::Number {
+                what: "the number of points that integrate a mass matrix".into(),
+                value: count,
+                wanted: "at most 1e8: use fewer directions",
+            });
+        }
+        let probability: f64 = self.axes.iter().map(|axis| axis.recurrence.probability).product();
+        let n = self.points.len();
+        let mut mass = Mat::zeros(n, n);
+        let mut theta = vec![0.0; n];
+        let mut index = vec![0; rules.len()];
+        let mut germ = vec![0.0; rules.len()];
+        loop {
+            let mut weight = probability;
+            for (d, rule) in rules.iter().enumerate() {
+                germ[d] = rule.points[index[d]];
+                weight *= rule.weights[index[d]];
+            }
+            self.evaluate(&germ, &mut theta);
+            weight *= coefficient(&germ);
+            for k in 0..n {
+                let factor = weight * theta[k];
+                for j in 0..=k {
+                    mass[(j, k)] += factor * theta[j];
+                }
+            }
+            let Some(d) = (0..rules.len()).rev().find(|&d| index[d] + 1 < rules[d].len()) else { break };
+            index[d] += 1;
+            index[d + 1..].fill(0);
+        }
+        for k in 0..n {
+            for j in 0..k {
+                mass[(k, j)] = mass[(j, k)];
+            }
+        }
+        Ok(mass)
+    }
+
+    /// Coefficients, in the order of the nodes, of Σ_j u_j θ_j in the products of the orthonormal polynomials of the cell:
+    /// their squares sum to ∫ (Σ_j u_j θ_j)² ρ over the cell's probability.
+    ///
+    /// # Panics
+    /// If `values` does not have a number u_j for each node.
+    pub fn coefficients(&self, values: &[f64]) -> Vec<f64> {
+        assert_eq!(values.len(), self.points.len(), "a number for each node");
+        let mut result = values.to_vec();
+        let mut stride = values.len();
+        for axis in &self.axes {
+            let n = axis.rule.len();
+            stride /= n;
+            let transform = |k: usize, j: usize| axis.rule.weights[j] * axis.polynomials[(k, j)] / axis.squares[k];
+            let old = std::mem::take(&mut result);
+            let entry = |i: usize| {
+                let (k, start) = ((i / stride) % n, i - (i / stride) % n * stride);
+                (0..n).map(|j| transform(k, j) * old[start + j * stride]).sum()
+            };
+            result = (0..old.len()).map(entry).collect();
+        }
+        result
+    }
+
+    /// For each direction what the highest degree there holds of Σ c² of [`CellBasis::coefficients`]: small parts say that
+    /// the degree is high enough. In a direction of degree 0 it is all.
+    ///
+    /// # Panics
+    /// If `values` does not have a number for each node.
+    pub fn highest(&self, values: &[f64]) -> Vec<f64> {
+        let coefficients = self.coefficients(values);
+        let mut stride = coefficients.len();
+        let energy = |axis: &Axis| {
+            let n = axis.rule.len();
+            stride /= n;
+            let top = |&(i, _): &(usize, &f64)| (i / stride) % n == n - 1;
+            coefficients.iter().enumerate().filter(top).map(|(_, c)| c * c).sum()
+        };
+        self.axes.iter().map(energy).collect()
+    }
+
+    /// Dual basis of a direction: ζ_i = Σ_j c_ij θ_j with ∫ ζ_i θ_j ρ = δ_ij D_j there, c = diag(D) M⁻¹.
+    ///
+    /// M⁻¹ = Σ_k p_k p_kᵀ needs no inversion. For Gauss nodes c is the identity.
+    ///
+    /// # Panics
+    /// If the direction is not there.
+    pub fn dual(&self, direction: usize) -> Mat<f64> {
+        let Axis { rule, polynomials, .. } = &self.axes[direction];
+        let n = rule.len();
+        let kernel = |i: usize, j: usize| -> f64 { (0..n).map(|k| polynomials[(k, i)] * polynomials[(k, j)]).sum() };
+        Mat::from_fn(n, n, |i, j| rule.weights[i] * kernel(i, j))
+    }
+}
+
+impl Axis {
+    fn new(variable: &Variable, bounds: [f64; 2], degree: usize, nodes: Nodes) -> Result<Self, StochasticError> {
+        let n = degree + 1;
+        let recurrence = Recurrence::new(variable, bounds, n + EXTRA)?;
+        let rule = if nodes == Nodes::Gauss || degree == 0 { recurrence.gauss(n)? } else { recurrence.lobatto(n)? };
+        // a quarter is the capacity of an interval: the products stay near 1
+        let unit = 0.25 * (rule.points[n - 1] - rule.points[0]);
+        let product = |j: usize| -> f64 {
+            let factors = (0..n).filter(|&k| k != j).map(|k| (rule.points[j] - rule.points[k]) / unit);
+            factors.product()
+        };
+        let barycentric = (0..n).map(|j| 1.0 / product(j)).collect();
+        let mut polynomials = Mat::zeros(n, n);
+        for (j, &x) in rule.points.iter().enumerate() {
+            recurrence.evaluate(x, polynomials.col_as_slice_mut(j));
+        }
+        let square = |k: usize| -> f64 { (0..n).map(|j| rule.weights[j] * polynomials[(k, j)].powi(2)).sum() };
+        let squares = (0..n).map(square).collect();
+        Ok(Self { recurrence, rule, barycentric, polynomials, squares })
+    }
+
+    /// Lagrange polynomials at a germ, by the second barycentric formula.
+    fn lagrange(&self, x: f64) -> Vec<f64> {
+        let nodes = &self.rule.points;
+        if let Some(at) = nodes.iter().position(|&node| node == x) {
+            return (0..nodes.len()).map(|j| if j == at { 1.0 } else { 0.0 }).collect();
+        }
+        let mut values: Vec<f64> = nodes.iter().zip(&self.barycentric).map(|(node, b)| b / (x - node)).collect();
+        let sum: f64 = values.iter().sum();
+        values.iter_mut().for_each(|v| *v /= sum);
+        values
+    }
+}
+
+/// Points and weights of a product of rules, the last one fastest.
+pub(crate) fn tensor(rules: &[&Rule]) -> (Vec<Vec<f64>>, Vec<f64>) {
+    let (mut points, mut weights) = (vec![vec![]], vec![1.0]);
+    for rule in rules {
+        let extended = |point: &Vec<f64>, x: f64| point.iter().copied().chain([x]).collect::<Vec<f64>>();
+        points = points.iter().flat_map(|p| rule.points.iter().map(|&x| extended(p, x)).collect::<Vec<_>>()).collect();
+        weights = weights.iter().flat_map(|v| rule.weights.iter().map(move |w| v * w)).collect();
+    }
+    (points, weights)
+}
