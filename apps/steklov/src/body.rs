@@ -1,5 +1,6 @@
 //! A body on a mesh: its matrices, which no load changes, and its answer to loads.
 
+use faer::Mat;
 use steklov_bem_operators::{
     BoundaryField, Condensation, EnrichedSteklov, Material, Mesh, RigidMotion, Space, TractionMap,
 };
@@ -31,6 +32,8 @@ pub struct Body {
     pub condensation: Condensation,
     /// What S₊ of the enriched spaces needs besides, if solutions are to be estimated.
     pub enriched: Option<EnrichedSteklov>,
+    /// S_c of the contact unknowns; empty without contact.
+    pub stiffness: Mat<f64>,
     /// From displacements to tractions.
     pub traction_map: TractionMap,
     /// Prescribed components of the nodes.
@@ -44,6 +47,10 @@ pub(crate) struct Given {
     pub(crate) loads: Loads,
     pub(crate) particular: Option<Particular>,
     pub(crate) boundary: Option<ContactBoundary>,
+    /// Values of the held unknowns, in the order of the nodes.
+    pub(crate) held: Vec<f64>,
+    /// Whether it is asked how safe a solution under Coulomb's law is.
+    pub(crate) judged: bool,
     /// An answer with stabilised multipliers, which is then reported.
     pub(crate) stabilised: Option<StabilisedContact>,
     /// Nodal load of all.
@@ -57,6 +64,7 @@ impl Given {
         loads: Loads,
         particular: Option<Particular>,
         boundary: Option<ContactBoundary>,
+        held: Vec<f64>,
         mesh: &Mesh,
         space: &Space,
     ) -> Self {
@@ -65,7 +73,7 @@ impl Given {
             load.iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
             extra_load.iter_mut().zip(p.force.bubble_load(mesh, space)).for_each(|(f, t)| *f -= t);
         }
-        Self { loads, particular, boundary, stabilised: None, load, extra_load }
+        Self { loads, particular, boundary, held, judged: true, stabilised: None, load, extra_load }
     }
 
     /// The motions of `candidates` that nothing resists.
@@ -108,19 +116,11 @@ impl Body {
         given: Given,
         solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
     ) -> Result<(Solved, Factors), SolveError> {
-        let Given {
-            loads: Loads { nodal: tractions, unresolved, .. },
-            particular,
-            boundary,
-            stabilised,
-            load,
-            extra_load,
-        } = given;
+        let Given { loads: Loads { nodal: tractions, unresolved, .. }, particular, boundary, held, judged, stabilised, load, extra_load } = given;
         let Self { mesh, space, condensation, .. } = self;
         let supports = Supports { space, held: &self.held };
         let data = Data { scene, mesh, space };
         let body_force = particular.as_ref().map(|p| p.force);
-        let held: Vec<f64> = supports.dofs().into_iter().map(|(_, value)| value).collect();
         let condensed = condensation.load_held(&load, &held);
         let (displacement, contact, contact_factors) = match boundary {
             None => (condensation.expand(&condensed, &[]), None, None),

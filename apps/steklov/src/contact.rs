@@ -1,5 +1,6 @@
 //! Contact on one mesh: the condensed problem, its solution, and what is told of it.
 
+use faer::Mat;
 use steklov_bem_operators::{Condensation, CondensedLoad, Mesh, RigidMotion, Space};
 use steklov_contact::{
     ContactBoundary, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, contraction, interior_point,
@@ -96,6 +97,10 @@ pub(crate) struct CondensedBody<'a> {
     pub(crate) condensed: &'a CondensedLoad,
     /// Rigid motions that nothing resists and no load drives.
     pub(crate) free: &'a [RigidMotion],
+    /// S_c.
+    pub(crate) stiffness: &'a Mat<f64>,
+    /// Whether it is asked how safe a solution under Coulomb's law is.
+    pub(crate) judged: bool,
 }
 
 /// Solves contact with biorthogonal multipliers: the nodal displacement, and what is told and kept of it.
@@ -104,12 +109,12 @@ pub(crate) fn solve_contact(
     boundary: ContactBoundary,
     solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
 ) -> Result<(Vec<f64>, ContactResult, ContactFactors), ContactError> {
-    let CondensedBody { mesh, space, condensation, load, condensed, free } = *body;
+    let CondensedBody { mesh, space, condensation, load, condensed, free, stiffness, judged } = *body;
     let problem =
-        Problem { stiffness: condensation.stiffness(), load: condensed.kept.clone(), nodes: boundary.contact.clone() };
+        Problem { stiffness: stiffness.clone(), load: condensed.kept.clone(), nodes: boundary.contact.clone() };
     let solution = solve(&problem)?;
     let friction_work = problem.friction_work(&solution.displacement, &solution.multipliers);
-    let coulomb = problem.is_coulomb().then(|| Coulomb::new(&problem, &solution)).transpose()?;
+    let coulomb = (judged && problem.is_coulomb()).then(|| Coulomb::new(&problem, &solution)).transpose()?;
     let displacement = condensation.expand(condensed, &solution.displacement);
     let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let audit = kkt_in_body(&problem, &solution, largest);

@@ -24,6 +24,7 @@ pub(crate) struct Data<'a> {
 }
 
 /// Integrals of the tractions and pressures.
+#[derive(Debug, Clone)]
 pub(crate) struct Loads {
     /// ∫ t·φ of the nodal functions, interleaved.
     pub(crate) nodal: Vec<f64>,
@@ -32,6 +33,14 @@ pub(crate) struct Loads {
     /// h/(p+2) ‖t - Π_(p+1) t‖² of each element (force²): over E* the energy of what its degree, raised by one, does not
     /// follow.
     pub(crate) unresolved: Vec<f64>,
+}
+
+impl Loads {
+    /// The integrals of the tractions times a factor.
+    pub(crate) fn scale(&mut self, factor: f64) {
+        self.nodal.iter_mut().chain(&mut self.bubbles).for_each(|t| *t *= factor);
+        self.unresolved.iter_mut().for_each(|t| *t *= factor * factor);
+    }
 }
 
 /// Part of ∫ t² that rounding leaves of what is followed.

@@ -7,7 +7,7 @@ use steklov_bem_operators::{Inside, Location, Mesh};
 use steklov_io::vtkhdf::{Field, Grid};
 
 use crate::plan::Plan;
-use crate::report::{ContactRow, contact_rows, contact_summary};
+use crate::report::{ContactRow, contact_rows, contact_summary, located_ends};
 use crate::run::{Run, Step};
 use crate::scene::Scene;
 use crate::solve::Solved;
@@ -128,7 +128,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         estimate_relative: estimate.map(|e| e.relative),
         estimate_doubts: estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned()).collect(),
         iterations: contact.map_or(0, |c| c.reported().iterations),
-        contact: contact.map(|c| contact_summary(scene, solved, c, rows, run.step())),
+        contact: contact.map(|c| contact_summary(scene, solved, c, rows, located_ends(scene, run.step()))),
         audit: contact.map(|c| Audit {
             equilibrium: c.audit.equilibrium,
             penetration: c.audit.penetration,
@@ -151,7 +151,8 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
     }
 }
 
-fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
+/// Displacement and stress at a point.
+pub(crate) fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
     let (displacement, stress) = match scene.polygon.contains(x) {
         Location::Boundary { edge, s } => solved.on_edge(edge, s),
         _ => solved.inside(x),

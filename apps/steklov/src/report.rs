@@ -7,7 +7,7 @@ use crate::run::Step;
 use crate::scene::{Condition, Refine, Scene};
 use crate::solve::Solved;
 use crate::stabilised::StabilisedContact;
-use crate::summary::{ContactSummary, Stabilisation};
+use crate::summary::{ContactSummary, Stabilisation, Summary};
 use crate::unbounded::is_unbounded;
 
 /// A condition of a contact node: one row of `/contact`.
@@ -129,7 +129,7 @@ pub fn contact_summary(
     solved: &Solved,
     contact: &ContactResult,
     rows: &[ContactRow],
-    step: &Step,
+    ends: Option<Vec<(usize, f64)>>,
 ) -> ContactSummary {
     let max_pressure = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let touches = |r: &&ContactRow| r.pressure > TOUCHING * max_pressure;
@@ -141,7 +141,6 @@ pub fn contact_summary(
         let part = contact.force(side);
         force = [force[0] + part[0], force[1] + part[1]];
     }
-    let ends = located_ends(scene, step);
     let length = match &ends {
         Some(ends) => located_length(scene, solved, ends, rows, max_pressure).unwrap_or(length),
         None => length,
@@ -163,8 +162,21 @@ pub fn contact_summary(
     }
 }
 
+/// Energies, contact and reactions of an answer: the numbers that one outcome of random input has.
+pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Summary {
+    Summary {
+        energy: solved.energies.total,
+        strain_energy: solved.energies.strain,
+        load_work: solved.energies.load_work,
+        friction_work: solved.energies.friction_work,
+        contact: solved.contact.as_ref().map(|c| contact_summary(scene, solved, c, rows, None)),
+        reactions: solved.reactions.iter().cloned().collect(),
+        ..Summary::default()
+    }
+}
+
 /// Edge and edge parameter of the ends of contact; none where one has no vertex.
-fn located_ends(scene: &Scene, step: &Step) -> Option<Vec<(usize, f64)>> {
+pub(crate) fn located_ends(scene: &Scene, step: &Step) -> Option<Vec<(usize, f64)>> {
     if scene.method.refine != Refine::Hp {
         return None;
     }

@@ -196,10 +196,10 @@ pub fn solve(
             product.iter().copied().collect()
         })
     });
-    let mut given = Given::new(loads, particular, boundary, &mesh, &space);
+    let supports = Supports { space: &space, held: &held };
+    let mut given = Given::new(loads, particular, boundary, supports.values(), &mesh, &space);
 
     observe(Stage::Progress("condensation", 0.75))?;
-    let supports = Supports { space: &space, held: &held };
     let candidates = supports.free_motions();
     let free = given.free_motions(&space, &candidates)?;
     let partition = Partition {
@@ -229,7 +229,9 @@ pub fn solve(
 
     let clock = Instant::now();
     observe(Stage::Progress("contact", 0.95))?;
-    let body = Body { mesh, space, material: scene.material, length, condensation, enriched, traction_map, held, free };
+    let stiffness = if given.boundary.is_some() { condensation.stiffness() } else { Mat::new() };
+    let material = scene.material;
+    let body = Body { mesh, space, material, length, condensation, enriched, stiffness, traction_map, held, free };
     given.stabilised = stabilised;
     let (mut solved, factors) =
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 /// What a result is, in numbers. Lengths, stresses and forces per thickness in the units of the scene.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Title of the scene.
     pub title: String,
@@ -146,8 +146,12 @@ pub struct SecondsSummary {
 impl Summary {
     /// The number at a path of keys joined by points: `contact.force.y`, `probe.0.stress.xx`, `reactions.floor.x`.
     pub fn at(&self, path: &str) -> Option<f64> {
-        let root = serde_json::to_value(self).ok()?;
-        let mut value = &root;
+        Self::number_at(&serde_json::to_value(self).ok()?, path)
+    }
+
+    /// The number at a path of the object.
+    pub(crate) fn number_at(root: &serde_json::Value, path: &str) -> Option<f64> {
+        let mut value = root;
         for key in path.split('.') {
             value = match value {
                 serde_json::Value::Array(items) => {

@@ -24,6 +24,11 @@ impl Supports<'_> {
             .collect()
     }
 
+    /// The values alone.
+    pub(crate) fn values(&self) -> Vec<f64> {
+        self.dofs().into_iter().map(|(_, value)| value).collect()
+    }
+
     /// Rigid motions that the supports leave free.
     pub(crate) fn free_motions(&self) -> Vec<RigidMotion> {
         let mut constraints = Vec::new();

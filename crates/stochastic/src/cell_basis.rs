@@ -150,6 +150,11 @@ impl CellBasis {
         Ok(mass)
     }
 
+    /// Degree in each direction.
+    pub fn degrees(&self) -> Vec<usize> {
+        self.axes.iter().map(|axis| axis.rule.len() - 1).collect()
+    }
+
     /// Coefficients, in the order of the nodes, of Σ_j u_j θ_j in the products of the orthonormal polynomials of the cell:
     /// their squares sum to ∫ (Σ_j u_j θ_j)² ρ over the cell's probability.
     ///
@@ -171,23 +176,6 @@ impl CellBasis {
             result = (0..old.len()).map(entry).collect();
         }
         result
-    }
-
-    /// For each direction what the highest degree there holds of Σ c² of [`CellBasis::coefficients`]: small parts say that
-    /// the degree is high enough. In a direction of degree 0 it is all.
-    ///
-    /// # Panics
-    /// If `values` does not have a number for each node.
-    pub fn highest(&self, values: &[f64]) -> Vec<f64> {
-        let coefficients = self.coefficients(values);
-        let mut stride = coefficients.len();
-        let energy = |axis: &Axis| {
-            let n = axis.rule.len();
-            stride /= n;
-            let top = |&(i, _): &(usize, &f64)| (i / stride) % n == n - 1;
-            coefficients.iter().enumerate().filter(top).map(|(_, c)| c * c).sum()
-        };
-        self.axes.iter().map(energy).collect()
     }
 
     /// Dual basis of a direction: ζ_i = Σ_j c_ij θ_j with ∫ ζ_i θ_j ρ = δ_ij D_j there, c = diag(D) M⁻¹.

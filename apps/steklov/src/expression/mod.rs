@@ -18,6 +18,9 @@ mod kinks;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
+
+use crate::field::FieldValue;
 
 pub(crate) use parse::nearest;
 use tape::Op;
@@ -63,6 +66,9 @@ pub struct Expression {
     ops: Vec<Op>,
     height: usize,
     switches: Vec<Switch>,
+    /// The names that it uses.
+    names: Vec<String>,
+    fields: Vec<Arc<FieldValue>>,
     /// Where the text stands in the scene.
     pub(crate) place: Place,
 }
@@ -74,25 +80,49 @@ impl Expression {
     /// [`ExpressionError`] with the place in the text: a name that is not known, a sign that does not belong there,
     /// a wrong number of arguments, nesting deeper than 256.
     pub fn parse(text: &str, constants: &BTreeMap<String, f64>) -> Result<Self, ExpressionError> {
-        let parse::Parsed { ops, switches } = parse::parse(text, constants)?;
-        Ok(Self { text: text.to_owned(), height: tape::height(&ops), ops, switches, place: Place::default() })
+        Self::with_fields(text, constants, &BTreeMap::new())
+    }
+
+    /// Reads `text`, in which random fields may be used as well.
+    ///
+    /// # Errors
+    /// As [`Expression::parse`].
+    pub fn with_fields(
+        text: &str,
+        constants: &BTreeMap<String, f64>,
+        fields: &BTreeMap<String, Arc<FieldValue>>,
+    ) -> Result<Self, ExpressionError> {
+        let parse::Parsed { ops, switches, names, fields } = parse::parse(text, constants, fields)?;
+        let height = tape::height(&ops);
+        Ok(Self { text: text.to_owned(), height, ops, switches, names, fields, place: Place::default() })
     }
 
     /// The constant function.
     pub fn number(value: f64) -> Self {
         let ops = vec![Op::Constant(value)];
-        Self { text: value.to_string(), ops, height: 1, switches: Vec::new(), place: Place::default() }
+        let (switches, names, fields) = (Vec::new(), Vec::new(), Vec::new());
+        Self { text: value.to_string(), ops, height: 1, switches, names, fields, place: Place::default() }
     }
 
     /// Value at (x, y, s); NaN or infinite where the expression has no finite value. The branch of an `if` that is not
     /// taken is not evaluated; a comparison, `min` or `max` of NaN is NaN.
     pub fn eval(&self, x: f64, y: f64, s: f64) -> f64 {
-        tape::run(&self.ops, self.height, (x, y, s))
+        tape::run(&self.ops, &self.fields, self.height, (x, y, s))
     }
 
     /// The text as it was written.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// Whether it uses the name of a parameter or random input.
+    pub fn uses(&self, name: &str) -> bool {
+        self.names.iter().any(|n| n == name)
+    }
+
+    /// The names of parameters and random input that it uses.
+    pub fn names(&self) -> &[String] {
+        &self.names
     }
 
     /// The value, if the expression depends on none of x, y, s.
@@ -112,7 +142,7 @@ impl Expression {
 
     /// Value of a switch at (x, y, s).
     pub fn switch_value(&self, switch: &Switch, x: f64, y: f64, s: f64) -> f64 {
-        let value = |range: &Range<usize>| tape::run(&self.ops[range.clone()], self.height, (x, y, s));
+        let value = |range: &Range<usize>| tape::run(&self.ops[range.clone()], &self.fields, self.height, (x, y, s));
         value(&switch.left) - switch.right.as_ref().map_or(0.0, value)
     }
 }

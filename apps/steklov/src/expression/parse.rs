@@ -4,10 +4,11 @@
 
 use std::collections::BTreeMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 use super::tape::{One, Op, Two};
 use super::token::{Token, next_token};
-use super::{ExpressionError, Switch};
+use super::{ExpressionError, FieldValue, Switch};
 
 /// Deepest nesting of parentheses, function calls, signs and powers.
 const DEEPEST: usize = 256;
@@ -28,11 +29,15 @@ pub(super) const FUNCTIONS: [&str; 12] =
 pub(super) struct Parsed {
     pub(super) ops: Vec<Op>,
     pub(super) switches: Vec<Switch>,
+    /// Constants and fields that are used.
+    pub(super) names: Vec<String>,
+    pub(super) fields: Vec<Arc<FieldValue>>,
 }
 
 struct Parser<'a> {
     text: &'a str,
     constants: &'a BTreeMap<String, f64>,
+    fields: &'a BTreeMap<String, Arc<FieldValue>>,
     /// The token that comes next, and where it stands.
     token: Token<'a>,
     span: Range<usize>,
@@ -40,9 +45,13 @@ struct Parser<'a> {
     out: Parsed,
 }
 
-pub(super) fn parse(text: &str, constants: &BTreeMap<String, f64>) -> Result<Parsed, ExpressionError> {
-    let out = Parsed { ops: Vec::new(), switches: Vec::new() };
-    let mut parser = Parser { text, constants, token: Token::End, span: 0..0, depth: 0, out };
+pub(super) fn parse(
+    text: &str,
+    constants: &BTreeMap<String, f64>,
+    fields: &BTreeMap<String, Arc<FieldValue>>,
+) -> Result<Parsed, ExpressionError> {
+    let out = Parsed { ops: Vec::new(), switches: Vec::new(), names: Vec::new(), fields: Vec::new() };
+    let mut parser = Parser { text, constants, fields, token: Token::End, span: 0..0, depth: 0, out };
     parser.advance()?;
     parser.expression(COMPARISON)?;
     match parser.token {
@@ -168,14 +177,23 @@ impl<'a> Parser<'a> {
             "y" => Op::Y,
             "s" => Op::S,
             "pi" => Op::Constant(std::f64::consts::PI),
-            _ => match self.constants.get(name) {
-                Some(&value) => Op::Constant(value),
-                None if FUNCTIONS.contains(&name) => {
+            _ => match (self.constants.get(name), self.fields.get(name)) {
+                (Some(&value), _) => {
+                    self.out.names.push(name.to_owned());
+                    Op::Constant(value)
+                }
+                (None, Some(field)) => {
+                    self.out.names.push(name.to_owned());
+                    self.out.fields.push(field.clone());
+                    Op::Field(self.out.fields.len() - 1)
+                }
+                (None, None) if FUNCTIONS.contains(&name) => {
                     let message = format!("the function {name} needs its argument in parentheses");
                     return Err(ExpressionError { message, span, help: format!("write {name}(...)") });
                 }
-                None => {
-                    let known = VARIABLES.into_iter().chain(self.constants.keys().map(String::as_str));
+                (None, None) => {
+                    let names = self.constants.keys().chain(self.fields.keys()).map(String::as_str);
+                    let known = VARIABLES.into_iter().chain(names);
                     let help = match nearest(name, known.clone().chain(FUNCTIONS)) {
                         Some(near) => format!("did you mean {near}? Other names must be defined in [parameters]"),
                         None => {
@@ -193,7 +211,8 @@ impl<'a> Parser<'a> {
     /// A function call; the next token is its opening parenthesis.
     fn call(&mut self, name: &str, span: Range<usize>) -> Result<(), ExpressionError> {
         if !FUNCTIONS.contains(&name) {
-            let known = VARIABLES.contains(&name) || self.constants.contains_key(name);
+            let known =
+                VARIABLES.contains(&name) || self.constants.contains_key(name) || self.fields.contains_key(name);
             let help = match nearest(name, FUNCTIONS) {
                 _ if known => format!("write a product with a star: {name}*(...)"),
                 Some(near) => format!("did you mean {near}?"),

@@ -1,5 +1,9 @@
 //! The flat form of an expression: operations in postfix order, run on a small stack.
 
+use std::sync::Arc;
+
+use super::FieldValue;
+
 /// Functions of one value.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum One {
@@ -40,6 +44,8 @@ pub(super) enum Op {
     X,
     Y,
     S,
+    /// Value of a random field at (x, y), by its index.
+    Field(usize),
     One(One),
     Two(Two),
     /// Takes a condition c: goes on if c is not 0, skips `otherwise` operations if c = 0, and for a NaN puts NaN and
@@ -116,7 +122,7 @@ pub(super) fn height(ops: &[Op]) -> usize {
     let (mut now, mut top) = (0, 0);
     for op in ops {
         match op {
-            Op::Constant(_) | Op::X | Op::Y | Op::S => now += 1,
+            Op::Constant(_) | Op::X | Op::Y | Op::S | Op::Field(_) => now += 1,
             Op::One(_) => {}
             // After a jump the other branch starts from where this one started.
             Op::Two(_) | Op::Branch { .. } | Op::Jump(_) => now -= 1,
@@ -127,12 +133,16 @@ pub(super) fn height(ops: &[Op]) -> usize {
 }
 
 /// Value of `ops` at (x, y, s); `height` is that of the stack.
-pub(super) fn run(ops: &[Op], height: usize, at: (f64, f64, f64)) -> f64 {
+pub(super) fn run(ops: &[Op], fields: &[Arc<FieldValue>], height: usize, at: (f64, f64, f64)) -> f64 {
     const USUAL: usize = 16;
-    if height <= USUAL { run_on(ops, &mut [0.0; USUAL], at) } else { run_on(ops, &mut vec![0.0; height], at) }
+    if height <= USUAL {
+        run_on(ops, fields, &mut [0.0; USUAL], at)
+    } else {
+        run_on(ops, fields, &mut vec![0.0; height], at)
+    }
 }
 
-fn run_on(ops: &[Op], stack: &mut [f64], (x, y, s): (f64, f64, f64)) -> f64 {
+fn run_on(ops: &[Op], fields: &[Arc<FieldValue>], stack: &mut [f64], (x, y, s): (f64, f64, f64)) -> f64 {
     let mut top = 0; // number of values on the stack
     let mut next = 0;
     while next < ops.len() {
@@ -156,10 +166,11 @@ fn run_on(ops: &[Op], stack: &mut [f64], (x, y, s): (f64, f64, f64)) -> f64 {
                 stack[top] = value;
                 top += 1;
             }
-            Op::X | Op::Y | Op::S => {
+            Op::X | Op::Y | Op::S | Op::Field(_) => {
                 stack[top] = match ops[next] {
                     Op::X => x,
                     Op::Y => y,
+                    Op::Field(k) => fields[k].value([x, y]),
                     _ => s,
                 };
                 top += 1;

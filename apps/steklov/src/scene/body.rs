@@ -10,7 +10,7 @@ use crate::expression::{is_name, is_reserved};
 
 /// Names and values of `[parameters]`: numbers, or expressions of the ones above.
 pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<BTreeMap<String, f64>, Problem> {
-    let mut context = Context { source, constants: BTreeMap::new() };
+    let mut context = Context::new(source, BTreeMap::new());
     for (key, place, value) in Fields::open(field)?.all() {
         check_name(key, place)?;
         let number = value.constant(&context)?;

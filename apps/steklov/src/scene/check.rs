@@ -119,7 +119,7 @@ impl Scene {
 }
 
 /// The expressions of a side and their names.
-fn data(side: &Side) -> Vec<(&'static str, &Expression)> {
+pub(super) fn data(side: &Side) -> Vec<(&'static str, &Expression)> {
     match &side.condition {
         Condition::Free => Vec::new(),
         Condition::Traction(traction) => traction.iter().map(|t| ("traction", t)).collect(),

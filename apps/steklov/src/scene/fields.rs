@@ -1,15 +1,27 @@
 //! Typed reading of tables, lists and values.
 
-use std::collections::BTreeMap;
+use std::cell::RefCell;
+use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
 use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::tree::{Entry, Item, Value, suggestion, type_name};
 use crate::expression::{Expression, Place};
+use crate::field::FieldValue;
 
 /// What expressions are read with.
 pub(super) struct Context<'a> {
     pub(super) source: &'a Source,
     pub(super) constants: BTreeMap<String, f64>,
+    pub(super) fields: BTreeMap<String, Arc<FieldValue>>,
+    /// The names that expressions have used so far.
+    pub(super) used: RefCell<BTreeSet<String>>,
+}
+
+impl<'a> Context<'a> {
+    pub(super) fn new(source: &'a Source, constants: BTreeMap<String, f64>) -> Self {
+        Self { source, constants, fields: BTreeMap::new(), used: RefCell::default() }
+    }
 }
 
 /// A table whose keys are all known.
@@ -161,7 +173,7 @@ impl<'a> Field<'a> {
         let mut expression = match &self.item.value {
             Value::Integer(n) => Expression::number(*n as f64),
             Value::Float(v) => Expression::number(*v),
-            Value::Text(text) => Expression::parse(text, &context.constants).map_err(|e| {
+            Value::Text(text) => Expression::with_fields(text, &context.constants, &context.fields).map_err(|e| {
                 let Place { source, start, end } = self.item.place;
                 let raw = &context.source.text(source)[start..end];
                 let place = match raw.find(text.as_str()) {
@@ -176,6 +188,7 @@ impl<'a> Field<'a> {
             _ => return Err(self.wrong_type("a number or an expression in quotes")),
         };
         expression.place = self.item.place;
+        context.used.borrow_mut().extend(expression.names().iter().cloned());
         Ok(expression)
     }
 
@@ -191,7 +204,7 @@ impl<'a> Field<'a> {
         expression.constant().ok_or_else(|| {
             self.problem(
                 format!("{} depends on the place: {:?}", self.name, expression.text()),
-                "it must be one value: use numbers, pi and the names in [parameters] only",
+                "it must be one value: use numbers, pi, the names in [parameters] and random variables only",
             )
         })
     }

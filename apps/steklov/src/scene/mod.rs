@@ -17,6 +17,7 @@ mod check;
 
 use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 use steklov_bem_operators::{Material, Polygon};
 
@@ -24,6 +25,7 @@ use crate::expression::{Expression, Place};
 
 pub use error::{SceneError, SceneErrorKind, Source};
 pub use method::{Expectation, Indicator, Method, Model, Multiplier, Refine, Solver};
+pub use random::{Germ, Random, RandomName, Sampling, Stochastic, Uses};
 pub use sides::{Condition, Friction, Side};
 
 use error::{Problem, SceneErrorKind as Kind};
@@ -54,6 +56,8 @@ pub struct Scene {
     pub method: Method,
     /// What the result must be.
     pub expect: Vec<Expectation>,
+    /// Random input, if any datum uses it; the other fields are then those of its nominal outcome.
+    pub random: Option<Random>,
     /// The texts from which the scene was read.
     pub source: Source,
 }
@@ -82,7 +86,7 @@ impl Scene {
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
         let source = Source { name: name.to_owned(), text: text.to_owned(), overrides: overrides.to_vec() };
         let root = tree::build(&source).map_err(|p| source.error(p))?;
-        let scene = scene(&root, &source).map_err(|p| source.error(p))?;
+        let scene = scene(&root, &source, None).map_err(|p| source.error(p))?;
         scene.check_data()?;
         unavailable(&root).map_err(|p| source.error(p))?;
         Ok(scene)
@@ -90,6 +94,20 @@ impl Scene {
 }
 
 impl Scene {
+    /// The outcome of the random input for these germs; the scene itself if it has none.
+    ///
+    /// # Errors
+    /// A value that is impossible, such as a modulus that is not positive.
+    pub fn outcome(&self, germs: &[f64]) -> Result<Self, SceneError> {
+        let Some(random) = &self.random else { return Ok(self.clone()) };
+        let outcome = scene(&random.root, &self.source, Some((random, germs)));
+        outcome.map_err(|mut problem| {
+            let names = random.germs.iter().zip(germs).map(|(g, xi)| format!("{} = {xi}", g.label));
+            problem.message = format!("for {}: {}", names.collect::<Vec<_>>().join(", "), problem.message);
+            self.source.error(problem)
+        })
+    }
+
     /// Whether other overrides of this text give the same scene, but for its goal: the tolerance and the limits.
     pub(crate) fn differs_in_goal_only(&self, overrides: &[String]) -> bool {
         let other = Source { overrides: overrides.to_vec(), ..self.source.clone() };
@@ -116,7 +134,8 @@ impl Scene {
     }
 }
 
-fn scene(root: &Item, source: &Source) -> Result<Scene, Problem> {
+/// The nominal scene, or one outcome of its random input.
+fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Result<Scene, Problem> {
     let known = [
         "title",
         "body",
@@ -136,14 +155,19 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, Problem> {
     let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();
     let parameters = fields.get("parameters").map_or_else(|| Ok(BTreeMap::new()), |p| body::parameters(&p, source))?;
     let polygon = body::body(&fields.require("body", "a table [body] with corners and sides")?)?;
-    let mut context = Context { source, constants: parameters.clone() };
-    if let Some(field) = fields.get("random") {
-        random::random(&field, &polygon, &mut context)?;
+    let mut context = Context::new(source, parameters.clone());
+    let declared = match fields.get("random") {
+        Some(field) => random::random(&field, &polygon, &mut context)?,
+        None => Vec::new(),
+    };
+    if let Some((random, germs)) = outcome {
+        let (constants, outcomes) = random.values(germs);
+        context.constants.extend(constants);
+        context.fields.extend(outcomes);
     }
-    if let Some(field) = fields.get("stochastic") {
-        random::stochastic(&field)?;
-    }
+    let stochastic = fields.get("stochastic").map_or_else(|| Ok(Stochastic::default()), |f| random::stochastic(&f))?;
     let material = material(&fields.require("material", "a table [material] with young and poisson")?, &context)?;
+    let in_material = context.used.borrow().clone();
     if let Some(field) = fields.get("grid") {
         grid::grid(&field)?;
     }
@@ -151,6 +175,7 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, Problem> {
         grid::exterior(&field, &context)?;
     }
     let sides = sides::sides(fields.get("sides").as_ref(), &polygon, &context)?;
+    let in_sides = context.used.take();
     let on_grid = fields.get("grid").is_some();
     let body_force = fields.get("body_force").map_or(Ok(None), |f| body::body_force(&f, &context, on_grid))?;
     let probe = fields.get("probe").map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &polygon))?;
@@ -169,7 +194,21 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, Problem> {
             format!("add a table [sides.NAME] with contact, displacement, traction or pressure; the sides are {names}"),
         ));
     }
-    Ok(Scene { title, polygon, material, parameters, sides, body_force, probe, method, expect, source: source.clone() })
+    let random = match outcome {
+        Some(_) => None,
+        None => {
+            let in_body_force = context.used.take();
+            random::check_fields(&sides, &declared)?;
+            let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
+            let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
+            let uses = random::uses(&sides, &is_random, in_material.iter().any(is_random), &in_body_force);
+            let (names, germs) = random::used(declared, &used, &polygon)?;
+            let random = Random { names, germs, stochastic, uses, root: Arc::new(root.clone()) };
+            (!random.names.is_empty()).then_some(random)
+        }
+    };
+    let source = source.clone();
+    Ok(Scene { title, polygon, material, parameters, sides, body_force, probe, method, expect, random, source })
 }
 
 /// `[material]`; with `cells` these give Young's modulus.
@@ -199,12 +238,7 @@ fn unavailable(root: &Item) -> Result<(), Problem> {
         Err(Problem::new(Kind::NotYetAvailable, field.item.place, format!("{what} is not yet available"), help))
     };
     let fields = Fields::open(&Field { name: String::new(), item: root })?;
-    for (table, what) in [
-        ("random", "random input"),
-        ("stochastic", "stochastic solving"),
-        ("grid", "a grid of finite elements"),
-        ("exterior", "an exterior material"),
-    ] {
+    for (table, what) in [("grid", "a grid of finite elements"), ("exterior", "an exterior material")] {
         if let Some(field) = fields.get(table) {
             return refuse(&field, format!("[{table}], {what},"), "remove the table");
         }

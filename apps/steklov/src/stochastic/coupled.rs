@@ -1,0 +1,93 @@
+//! The nodes of a stochastic cell coupled by a modulus that is not affine in its germs: the exact Galerkin system.
+//!
+//! ```text
+//! Σ_k (M_E)_jk S u_k + D_j Bᵀ W λ_j = D_j f_j        M_E = ∫ E/E₀ θ_j θ_k ρ
+//! with f̃_j = Σ_k (M_E⁻¹)_jk D_k f_k and λ̃_j likewise:  S u_j + Bᵀ W λ̃_j = f̃_j
+//! ```
+//! so that a node's displacement is the answer of the body of the nominal modulus to f̃_j and λ̃_j.
+
+use faer::prelude::*;
+use faer::{Mat, Side};
+use steklov_contact::{Outcome, Solution};
+use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds, tensor_active_set};
+
+use super::outcomes::{Answer, Outcomes};
+use crate::body::Given;
+use crate::scene::Scene;
+use crate::solve::SolveError;
+
+/// A node's part of the solution, with the multipliers λ̃.
+struct NodeSolution {
+    displacement: Vec<f64>,
+    multipliers: Vec<[f64; 2]>,
+    outcome: Outcome,
+    history: Vec<f64>,
+}
+
+/// Answers of all nodes of a cell.
+pub(crate) fn solve_cell(
+    outcomes: &Outcomes<'_>,
+    basis: &CellBasis,
+    modulus: &dyn Fn(&[f64]) -> f64,
+    paths: &[String],
+) -> Result<Vec<Answer>, SolveError> {
+    let mass = basis.mass(modulus)?;
+    let size = mass.nrows();
+    let factor = mass.llt(Side::Lower).map_err(|_| StochasticError::Decomposition { size })?;
+    let mixing = factor.solve(Mat::from_fn(size, size, |j, k| if j == k { basis.weights[j] } else { 0.0 })); // M_E⁻¹ D
+    let given: Vec<(Scene, f64, Given)> =
+        basis.points.iter().map(|p| outcomes.given(p)).collect::<Result<_, _>>()?;
+    // the outcomes' own loads and bounds, which `given` has divided by the modulus of the node
+    let modulus: Vec<f64> = given.iter().map(|g| g.1).collect();
+    let mixed = |values: &dyn Fn(usize) -> Vec<f64>| -> Vec<Vec<f64>> {
+        let all: Vec<Vec<f64>> = (0..size).map(values).collect();
+        let entry = |j: usize, i: usize| (0..size).map(|k| mixing[(j, k)] * all[k][i]).sum();
+        (0..size).map(|j| (0..all[0].len()).map(|i| entry(j, i)).collect()).collect()
+    };
+    let loads = mixed(&|k| given[k].2.load.iter().map(|f| f * modulus[k]).collect());
+    let contact = given[0].2.boundary.is_some();
+    let condensed: Vec<Vec<f64>> =
+        (0..size).map(|j| outcomes.body.condensation.load_held(&loads[j], &given[j].2.held).kept).collect();
+    let mut solutions: Vec<Option<NodeSolution>> = (0..size).map(|_| None).collect();
+    let mut physical = vec![Vec::new(); size];
+    if contact {
+        // F = M_E f̃: what the held values press is already in it, as they do for every node
+        let load = Mat::from_fn(condensed[0].len(), size, |i, j| {
+            (0..size).map(|k| mass[(j, k)] * condensed[k][i]).sum::<f64>()
+        });
+        let nodes: Vec<_> = given
+            .iter()
+            .map(|(_, e, g)| {
+                let mut nodes = g.boundary.as_ref().map_or(Vec::new(), |b| b.contact.clone());
+                scale_bounds(&mut nodes, *e);
+                nodes
+            })
+            .collect();
+        let stiffness = &outcomes.body.stiffness;
+        let problem = TensorProblem { stiffness, mass: &mass, weights: &basis.weights, load: &load, nodes: &nodes };
+        let solved = tensor_active_set(&problem)?;
+        for j in 0..size {
+            let count = solved.multipliers[j].len();
+            let mixed = |i: usize, c: usize| (0..size).map(|k| mixing[(j, k)] * solved.multipliers[k][i][c]).sum();
+            solutions[j] = Some(NodeSolution {
+                displacement: solved.displacement.col_as_slice(j).to_vec(),
+                multipliers: (0..count).map(|i| [mixed(i, 0), mixed(i, 1)]).collect(),
+                outcome: solved.outcome,
+                history: solved.history.clone(),
+            });
+        }
+        physical.clone_from(&solved.multipliers);
+    }
+    let mut answers = Vec::with_capacity(size);
+    for (j, (scene, e, mut given)) in given.into_iter().enumerate() {
+        given.load.clone_from(&loads[j]);
+        let (solved, _) = outcomes.body.answer(&scene, given, &mut |problem| {
+            let NodeSolution { displacement, multipliers, outcome, history } =
+                solutions[j].take().unwrap_or_else(|| unreachable!("contact is solved for every node"));
+            Ok(Solution::new(problem, displacement, multipliers, outcome, history))
+        })?;
+        let multipliers = contact.then_some(physical[j].as_slice());
+        answers.push(outcomes.kept(&scene, &solved, e, multipliers, paths)?);
+    }
+    Ok(answers)
+}

@@ -1,0 +1,20 @@
+//! A scene with random input solved for all outcomes on one mesh, and the statistics of the answers.
+//!
+//! ```text
+//! Body, germs ─► Outcomes: what acts, E/E₀ ─► Answer of each point: node by node, or coupled over the nodes of a cell
+//! points: StochasticMesh (Galerkin, collocation; refined until its truncation is small), sparse grid, samples
+//! answers ─► StochasticResult: moments, quantiles, probability of contact, effect of each germ
+//! ```
+
+mod outcomes;
+mod coupled;
+mod nodes;
+mod result;
+mod estimate;
+mod json;
+mod store;
+
+pub use json::json;
+pub use result::{Quantity, StochasticResult, solve_stochastic};
+pub(crate) use estimate::mean_estimate;
+pub use store::write;

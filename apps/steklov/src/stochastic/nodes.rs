@@ -1,0 +1,170 @@
+//! Answers at the nodes of a stochastic mesh, cell by cell, refined until the truncation is small.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use steklov_contact::Solution;
+use steklov_stochastic::{
+    CellBasis, DirectionError, Nodes, StochasticMesh, changes, refine, solve_points, truncation,
+};
+
+use super::coupled::solve_cell;
+use super::outcomes::{Answer, Outcomes};
+use super::result::Watch;
+use crate::scene::{Random, Scene};
+use crate::solve::SolveError;
+
+/// Part of the squared error whose directions are refined at a time.
+const SHARE: f64 = 0.7;
+/// Most rounds of refinement.
+const ROUNDS: usize = 60;
+/// Largest deviation of the modulus from an affine function of its germs, relative, that rounding explains.
+const AFFINE: f64 = 1e-12;
+
+/// A stochastic mesh and the answers at its nodes.
+pub(crate) struct Surrogate {
+    pub(crate) mesh: StochasticMesh,
+    pub(crate) cells: Vec<Cell>,
+    /// Whether the nodes of a cell are coupled.
+    pub(crate) coupled: bool,
+    /// (Σ of the squared errors)^½ over the mean energy norm.
+    pub(crate) relative: f64,
+    /// Points that were solved, those of cells that were refined later included.
+    pub(crate) solved: usize,
+}
+
+/// A cell with its answers.
+pub(crate) struct Cell {
+    pub(crate) basis: CellBasis,
+    pub(crate) answers: Vec<Answer>,
+    pub(crate) errors: Vec<DirectionError>,
+}
+
+/// Whether E is affine in each germ where the others are kept: then the Galerkin equations of the nodes decouple.
+pub(crate) fn is_affine(scene: &Scene, random: &Random) -> Result<bool, SolveError> {
+    if !random.uses.young {
+        return Ok(true);
+    }
+    let quantile = |d: usize, p: f64| random.germs[d].variable.quantile(p);
+    let young = |germs: &[f64]| Ok::<f64, SolveError>(scene.outcome(germs)?.material.young);
+    for (k, others) in [0.5, 0.2, 0.9, 0.35].into_iter().enumerate() {
+        for d in 0..random.germs.len() {
+            let mut germs: Vec<f64> = (0..random.germs.len()).map(|c| quantile(c, others)).collect();
+            let ends = [quantile(d, 0.05), quantile(d, 0.97)];
+            let mut at = |part: f64| {
+                germs[d] = ends[0] + part * (ends[1] - ends[0]);
+                young(&germs)
+            };
+            let (a, b) = (at(0.0)?, at(1.0)?);
+            for part in [0.5, 0.1 + 0.2 * k as f64] {
+                let value = at(part)?;
+                if (value - a - part * (b - a)).abs() > AFFINE * value.abs() {
+                    return Ok(false);
+                }
+            }
+        }
+    }
+    Ok(true)
+}
+
+/// Solves at the nodes of the scene's stochastic mesh.
+pub(crate) fn solve_nodes(
+    scene: &Scene,
+    random: &Random,
+    outcomes: &Outcomes<'_>,
+    coupled: bool,
+    paths: &[String],
+    watch: &Watch<'_>,
+) -> Result<Surrogate, SolveError> {
+    let settings = &random.stochastic;
+    let variables = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let (elements, degree) = (vec![settings.elements; random.germs.len()], vec![settings.degree; random.germs.len()]);
+    let mut mesh = StochasticMesh::uniform(variables, &elements, &degree)?;
+    let mut cells: Vec<Option<Cell>> = Vec::new();
+    let mut solved = 0;
+    for round in 0.. {
+        cells.resize_with(mesh.cells.len(), || None);
+        let todo: Vec<usize> = (0..cells.len()).filter(|&c| cells[c].is_none()).collect();
+        let bases: Vec<CellBasis> =
+            todo.iter().map(|&c| mesh.basis(c, Nodes::Gauss)).collect::<Result<_, _>>()?;
+        let answers = solve_cells(scene, outcomes, coupled, &bases, paths, watch)?;
+        solved += answers.iter().map(Vec::len).sum::<usize>();
+        for ((c, basis), answers) in todo.into_iter().zip(bases).zip(answers) {
+            let errors = errors(outcomes, &basis, &answers);
+            cells[c] = Some(Cell { basis, answers, errors });
+        }
+        let all: Vec<&Cell> = cells.iter().flatten().collect();
+        let energy: f64 = all
+            .iter()
+            .flat_map(|c| c.basis.weights.iter().zip(&c.answers))
+            .map(|(w, a)| w * 2.0 * a.strain)
+            .sum();
+        let squared: f64 = all.iter().flat_map(|c| &c.errors).map(|e| e.error).sum();
+        let relative = if squared == 0.0 { 0.0 } else { (squared / energy).sqrt() };
+        let nodes: usize = all.iter().map(|c| c.answers.len()).sum();
+        if !settings.refine || relative <= settings.tolerance || nodes >= settings.max_nodes || round == ROUNDS {
+            let cells = cells.into_iter().flatten().collect();
+            return Ok(Surrogate { mesh, cells, coupled, relative, solved });
+        }
+        let marks: Vec<Vec<DirectionError>> = all.iter().map(|c| c.errors.clone()).collect();
+        let at = |cell: usize, direction: usize| {
+            let cell = all[cell];
+            changes(&cell.basis, direction, &events(&cell.answers))
+        };
+        let changed = refine(&mut mesh, &marks, SHARE, &at)?;
+        for c in changed.into_iter().filter(|&c| c < cells.len()) {
+            cells[c] = None;
+        }
+    }
+    unreachable!("the rounds are limited")
+}
+
+/// Answers at the nodes of the cells.
+fn solve_cells(
+    scene: &Scene,
+    outcomes: &Outcomes<'_>,
+    coupled: bool,
+    bases: &[CellBasis],
+    paths: &[String],
+    watch: &Watch<'_>,
+) -> Result<Vec<Vec<Answer>>, SolveError> {
+    if coupled {
+        let nominal = scene.material.young;
+        let modulus = |germs: &[f64]| scene.outcome(germs).map_or(f64::NAN, |s| s.material.young / nominal);
+        return bases
+            .iter()
+            .map(|basis| {
+                watch.check()?;
+                solve_cell(outcomes, basis, &modulus, paths)
+            })
+            .collect();
+    }
+    let points: Vec<&Vec<f64>> = bases.iter().flat_map(|b| &b.points).collect();
+    let done = AtomicUsize::new(0);
+    let mut answers = solve_points(points.len(), |i, warm: &mut Option<Solution>| {
+        watch.check()?;
+        let answer = outcomes.answer(points[i], paths, warm);
+        watch.tell(done.fetch_add(1, Ordering::Relaxed) + 1, points.len());
+        answer
+    })?
+    .into_iter();
+    Ok(bases.iter().map(|b| answers.by_ref().take(b.points.len()).collect()).collect())
+}
+
+/// λ_n less what closes the opening at the stiffness of the mean: changes sign where contact does.
+pub(crate) fn events(answers: &[Answer]) -> Vec<Vec<f64>> {
+    let largest = |values: &dyn Fn(&Answer) -> &Vec<f64>| {
+        answers.iter().flat_map(values).fold(0.0, |m: f64, v| m.max(v.abs()))
+    };
+    let (pressure, opening) = (largest(&|a| &a.pressure), largest(&|a| &a.opening));
+    let scale = if opening > 0.0 { pressure / opening } else { 1.0 };
+    let event = |a: &Answer| a.pressure.iter().zip(&a.opening).map(|(p, g)| p - scale * g).collect();
+    answers.iter().map(event).collect()
+}
+
+fn errors(outcomes: &Outcomes<'_>, basis: &CellBasis, answers: &[Answer]) -> Vec<DirectionError> {
+    let displacements: Vec<Vec<f64>> = answers.iter().map(|a| a.displacement.clone()).collect();
+    let mean: f64 = answers.iter().map(|a| a.modulus).sum::<f64>() / answers.len() as f64;
+    truncation(basis, &displacements, &|u| {
+        mean * outcomes.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()
+    })
+}

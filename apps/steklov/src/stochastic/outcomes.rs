@@ -1,0 +1,171 @@
+//! Outcomes of the random input on one body: loads, gaps, bounds and modulus for given germs, and the answer to them.
+//!
+//! The matrices are those of the nominal modulus E₀. With e = E/E₀ the displacements of an outcome are those of E₀ under the
+//! loads and friction bounds divided by e; stresses, forces and energies are e times what is then computed.
+
+use steklov_bem_operators::{BodyForce, Mesh, Space};
+use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
+use steklov_stochastic::{scale_bounds, solve_warm};
+
+use crate::body::{Body, Factors, Given};
+use crate::body_load::Particular;
+use crate::contact::solve_problem;
+use crate::data::{Data, Loads};
+use crate::record::probe;
+use crate::report::{contact_rows, figures};
+use crate::scene::{Random, Scene, Solver};
+use crate::solve::{SolveError, Solved};
+use crate::summary::Summary;
+use crate::supports::Supports;
+
+/// The outcomes of a scene's random input on a body.
+pub(crate) struct Outcomes<'a> {
+    scene: &'a Scene,
+    random: &'a Random,
+    pub(crate) body: &'a Body,
+    loads: Loads,
+    boundary: Option<ContactBoundary>,
+}
+
+/// What is kept of the answer to one outcome.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Answer {
+    /// E/E₀.
+    pub(crate) modulus: f64,
+    /// Nodal displacement.
+    pub(crate) displacement: Vec<f64>,
+    /// λ_n, λ_t and g - u_n of each condition.
+    pub(crate) pressure: Vec<f64>,
+    pub(crate) shear: Vec<f64>,
+    pub(crate) opening: Vec<f64>,
+    /// The quantities that are asked for.
+    pub(crate) quantities: Vec<f64>,
+    /// Half the elastic energy norm squared.
+    pub(crate) strain: f64,
+    pub(crate) iterations: usize,
+    pub(crate) converged: bool,
+}
+
+impl<'a> Outcomes<'a> {
+    pub(crate) fn new(scene: &'a Scene, random: &'a Random, body: &'a Body) -> Result<Self, SolveError> {
+        let data = Data { scene, mesh: &body.mesh, space: &body.space };
+        Ok(Self { scene, random, body, loads: data.load()?, boundary: data.contact(&body.held)? })
+    }
+
+    /// The outcome as a scene, its modulus over the nominal one, and what acts on the body of the nominal modulus.
+    pub(crate) fn given(&self, germs: &[f64]) -> Result<(Scene, f64, Given), SolveError> {
+        let (mesh, space): (&Mesh, &Space) = (&self.body.mesh, &self.body.space);
+        let mut scene = self.scene.outcome(germs)?;
+        let modulus = scene.material.young / self.scene.material.young;
+        scene.material = self.scene.material;
+        let data = Data { scene: &scene, mesh, space };
+        let uses = self.random.uses;
+        let held = if uses.held { data.held()? } else { self.body.held.clone() };
+        let mut loads = if uses.loads { data.load()? } else { self.loads.clone() };
+        loads.scale(1.0 / modulus);
+        let mut boundary =
+            if uses.contact || uses.held { data.contact(&held)? } else { self.boundary.clone() };
+        if let Some(boundary) = &mut boundary {
+            scale_bounds(&mut boundary.contact, 1.0 / modulus);
+        }
+        let particular = scene.body_force.map(|b| {
+            let force = BodyForce::new(b.map(|b| b / modulus), scene.polygon.centroid(), &scene.material);
+            Particular::new(&force, mesh, space, |u| self.body.condensation.multiply(u))
+        });
+        let supports = Supports { space, held: &held };
+        let mut given = Given::new(loads, particular, boundary, supports.values(), mesh, space);
+        given.judged = false;
+        let free = given.free_motions(space, &supports.free_motions())?;
+        if free.len() != self.body.free.len() {
+            let (here, nominal) = (free.len(), self.body.free.len());
+            let labels = self.random.germs.iter().zip(germs).map(|(g, xi)| format!("{} = {xi}", g.label));
+            let what = format!(
+                "for {} the body has {here} motions that nothing resists, for the mean input {nominal}: hold it",
+                labels.collect::<Vec<_>>().join(", ")
+            );
+            return Err(ContactError::Inconsistent { what }.into());
+        }
+        Ok((scene, modulus, given))
+    }
+
+    /// The answer to an outcome, of the nominal modulus; `warm` is that of a similar one.
+    pub(crate) fn solved(
+        &self,
+        scene: &Scene,
+        given: Given,
+        warm: &mut Option<Solution>,
+    ) -> Result<(Solved, Factors), SolveError> {
+        let solver = self.scene.method.solver;
+        self.body.answer(scene, given, &mut |problem: &Problem| match solver {
+            Solver::Auto => solve_warm(problem, warm),
+            solver => solve_problem(problem, solver),
+        })
+    }
+
+    /// Solves an outcome and keeps what statistics need.
+    pub(crate) fn answer(
+        &self,
+        germs: &[f64],
+        paths: &[String],
+        warm: &mut Option<Solution>,
+    ) -> Result<Answer, SolveError> {
+        let (scene, modulus, given) = self.given(germs)?;
+        let (solved, _) = self.solved(&scene, given, warm)?;
+        self.kept(&scene, &solved, modulus, None, paths)
+    }
+
+    /// What statistics need of an answer of the nominal modulus; `multipliers` replace its own (stress of the outcome).
+    pub(crate) fn kept(
+        &self,
+        scene: &Scene,
+        solved: &Solved,
+        modulus: f64,
+        multipliers: Option<&[[f64; 2]]>,
+        paths: &[String],
+    ) -> Result<Answer, SolveError> {
+        let contact = solved.contact.as_ref();
+        let mut rows = contact.map_or(Vec::new(), |c| contact_rows(solved, c));
+        for row in &mut rows {
+            row.pressure *= modulus;
+            row.shear *= modulus;
+            row.bound *= modulus;
+        }
+        for (row, [pressure, shear]) in rows.iter_mut().zip(multipliers.unwrap_or_default()) {
+            (row.pressure, row.shear) = (*pressure, *shear);
+        }
+        let mut figures = figures(scene, solved, &rows);
+        if paths.iter().any(|p| p.starts_with("probe")) {
+            figures.probe = scene.probe.iter().map(|&x| probe(scene, solved, x)).collect();
+        }
+        scale(&mut figures, modulus);
+        if let (Some(multipliers), Some(contact), Some(figures)) = (multipliers, contact, &mut figures.contact) {
+            let sides = (0..scene.sides.len()).map(|side| contact.boundary.force(side, multipliers));
+            figures.force = sides.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
+        }
+        let values = serde_json::to_value(&figures).unwrap_or_default();
+        let quantity = |path: &String| Summary::number_at(&values, path).unwrap_or(f64::NAN);
+        Ok(Answer {
+            modulus,
+            quantities: paths.iter().map(quantity).collect(),
+            strain: figures.strain_energy,
+            pressure: rows.iter().map(|r| r.pressure).collect(),
+            shear: rows.iter().map(|r| r.shear).collect(),
+            opening: rows.iter().map(|r| r.gap - r.normal_displacement).collect(),
+            iterations: contact.map_or(0, |c| c.solution.iterations),
+            converged: solved.balanced && contact.is_none_or(|c| c.converged()),
+            displacement: solved.displacement.clone(),
+        })
+    }
+}
+
+/// Stresses, forces and energies of the nominal modulus become those of the outcome; the contact rows have been scaled before.
+fn scale(figures: &mut Summary, modulus: f64) {
+    let energies =
+        [&mut figures.energy, &mut figures.strain_energy, &mut figures.load_work, &mut figures.friction_work];
+    energies.into_iter().for_each(|e| *e *= modulus);
+    if let Some(contact) = &mut figures.contact {
+        contact.force = contact.force.map(|f| f * modulus);
+    }
+    figures.reactions.values_mut().flatten().for_each(|f| *f *= modulus);
+    figures.probe.iter_mut().flat_map(|p| &mut p.stress).for_each(|s| *s *= modulus);
+}

@@ -1,0 +1,371 @@
+//! All outcomes of a scene: from points to statistics.
+
+use std::time::Instant;
+
+use rayon::prelude::*;
+use steklov_contact::Solution;
+use steklov_stochastic::{
+    Accumulator, Histogram, Moments, StochasticMesh, Variable, density, moments, quantiles, sample, smolyak, solve_points,
+};
+
+use super::nodes::{Surrogate, events, is_affine, solve_nodes};
+use super::outcomes::{Answer, Outcomes};
+use crate::body::Body;
+use crate::report::TOUCHING;
+use crate::scene::{Condition, Random, Sampling, Scene};
+use crate::solve::SolveError;
+
+/// Answers that are held at a time while samples stream by.
+const BLOCK: usize = 1024;
+/// Bins of densities.
+const BINS: usize = 40;
+/// Samples of the surrogate for the effects of single germs.
+const EFFECTS: usize = 2_000;
+/// Answers with more numbers than this together are not kept.
+const KEPT: usize = 8_000_000;
+
+/// Statistics of one quantity.
+#[derive(Debug, Clone)]
+pub struct Quantity {
+    /// Path in the JSON object.
+    pub name: String,
+    /// Its value at each point.
+    pub values: Vec<f64>,
+    /// Mean.
+    pub mean: f64,
+    /// Variance.
+    pub variance: f64,
+    /// Standard error of the mean; Monte Carlo only.
+    pub standard_error: Option<f64>,
+    /// At the probabilities of the scene; none of a sparse grid, whose answers are not a surrogate.
+    pub quantiles: Option<Vec<f64>>,
+    /// Of samples.
+    pub density: Option<Histogram>,
+    /// For each germ the share of the variance that is gone when it is known least: Sobol's total effect.
+    pub effects: Option<Vec<f64>>,
+}
+
+/// All outcomes of a scene.
+#[derive(Debug, Clone)]
+pub struct StochasticResult {
+    /// Names of the germs.
+    pub labels: Vec<String>,
+    /// Germs of each point.
+    pub points: Vec<Vec<f64>>,
+    /// Weights, sum 1.
+    pub weights: Vec<f64>,
+    /// Young's modulus of each point.
+    pub young: Vec<f64>,
+    /// The quantities.
+    pub quantities: Vec<Quantity>,
+    /// Nodal displacement.
+    pub displacement: Moments,
+    /// Mean of E/E₀ times the nodal displacement: the displacement of E₀ with the mean stress.
+    pub stress_displacement: Vec<f64>,
+    /// λ_n of each contact condition.
+    pub pressure: Moments,
+    /// λ_t.
+    pub shear: Moments,
+    /// Probability of contact at each contact condition.
+    pub probability: Vec<f64>,
+    /// Displacements at the points, where they are kept.
+    pub displacements: Vec<Vec<f64>>,
+    /// The stochastic mesh.
+    pub mesh: Option<StochasticMesh>,
+    /// Estimated error of the truncation over the energy norm, both in mean square; none without a stochastic mesh.
+    pub truncation: Option<f64>,
+    /// Square of it for each germ.
+    pub truncation_by_germ: Vec<f64>,
+    /// Whether the nodes of a stochastic cell were coupled.
+    pub coupled: bool,
+    /// Points that were solved.
+    pub solved: usize,
+    /// Iterations of the contact solver, all points together.
+    pub iterations: usize,
+    /// Points whose contact solver did not reach its criterion.
+    pub unconverged: usize,
+    /// Wall seconds.
+    pub seconds: f64,
+}
+
+/// How a long solve is watched: told how many points of how many are done; says when the user wants it to end.
+pub(crate) struct Watch<'a> {
+    pub(crate) progress: &'a (dyn Fn(usize, usize) + Sync),
+    pub(crate) stopped: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl Watch<'_> {
+    pub(crate) fn tell(&self, done: usize, count: usize) {
+        (self.progress)(done, count);
+    }
+
+    pub(crate) fn check(&self) -> Result<(), SolveError> {
+        if (self.stopped)() { Err(SolveError::Interrupted) } else { Ok(()) }
+    }
+}
+
+/// The quantities of a scene that names none.
+fn default_paths(scene: &Scene) -> Vec<String> {
+    let contact = scene.sides.iter().any(|s| matches!(s.condition, Condition::Contact { .. }));
+    let more: &[&str] =
+        if contact { &["contact.force.x", "contact.force.y", "contact.max_pressure", "contact.length"] } else { &[] };
+    ["energy"].iter().chain(more).map(|s| (*s).to_owned()).collect()
+}
+
+/// Solves a scene for all outcomes of its random input, on the mesh of a body.
+///
+/// # Errors
+/// An outcome that is impossible, a quantity that is not a number of the result, [`SolveError::Interrupted`].
+pub fn solve_stochastic(
+    scene: &Scene,
+    random: &Random,
+    body: &Body,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Result<StochasticResult, SolveError> {
+    let clock = Instant::now();
+    let watch = Watch { progress, stopped };
+    let settings = &random.stochastic;
+    let outcomes = Outcomes::new(scene, random, body)?;
+    let paths = settings.quantities.clone().unwrap_or_else(|| default_paths(scene));
+    let nominal = outcomes.answer(&random.nominal(), &paths, &mut None)?;
+    for (path, value) in paths.iter().zip(&nominal.quantities) {
+        if value.is_nan() {
+            return Err(scene.quantity_error(path).into());
+        }
+    }
+    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let mut result = match settings.method {
+        Sampling::Galerkin | Sampling::Collocation => {
+            let coupled = settings.method == Sampling::Galerkin && !is_affine(scene, random)?;
+            let surrogate = solve_nodes(scene, random, &outcomes, coupled, &paths, &watch)?;
+            of_surrogate(random, &surrogate, &paths)?
+        }
+        Sampling::Sparse => {
+            let grid = smolyak(&variables, settings.level)?;
+            let answers = solve_points(grid.points.len(), |i, warm: &mut Option<Solution>| {
+                watch.check()?;
+                watch.tell(i + 1, grid.points.len());
+                outcomes.answer(&grid.points[i], &paths, warm)
+            })?;
+            of_grid(grid.points, grid.weights, &answers, &paths)?
+        }
+        Sampling::MonteCarlo => of_samples(&outcomes, &variables, random, &paths, &watch)?,
+    };
+    result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
+    result.young.iter_mut().for_each(|e| *e *= scene.material.young);
+    result.seconds = clock.elapsed().as_secs_f64();
+    Ok(result)
+}
+
+/// The fields that are the mean over points.
+fn averaged(weights: &[f64], answers: &[&Answer]) -> Result<(Moments, Vec<f64>, Moments, Moments), SolveError> {
+    let of = |f: &(dyn Fn(&Answer) -> Vec<f64> + Sync)| -> Vec<Vec<f64>> { answers.iter().map(|a| f(a)).collect() };
+    let stress = moments(weights, &of(&|a| a.displacement.iter().map(|u| a.modulus * u).collect()))?.mean;
+    Ok((
+        moments(weights, &of(&|a| a.displacement.clone()))?,
+        stress,
+        moments(weights, &of(&|a| a.pressure.clone()))?,
+        moments(weights, &of(&|a| a.shear.clone()))?,
+    ))
+}
+
+fn of_grid(
+    points: Vec<Vec<f64>>,
+    weights: Vec<f64>,
+    answers: &[Answer],
+    paths: &[String],
+) -> Result<StochasticResult, SolveError> {
+    let all: Vec<&Answer> = answers.iter().collect();
+    let (displacement, stress_displacement, pressure, shear) = averaged(&weights, &all)?;
+    let mut quantities = Vec::new();
+    for (k, name) in paths.iter().enumerate() {
+        let values: Vec<f64> = answers.iter().map(|a| a.quantities[k]).collect();
+        let both = moments(&weights, &values.iter().map(|v| vec![*v]).collect::<Vec<_>>())?;
+        quantities.push(Quantity {
+            name: name.clone(),
+            values,
+            mean: both.mean[0],
+            variance: both.variance[0],
+            standard_error: None,
+            quantiles: None,
+            density: None,
+            effects: None,
+        });
+    }
+    let touching = |i: usize| {
+        let touches = answers.iter().zip(&weights).filter(|(a, _)| touches(a, i));
+        touches.map(|(_, w)| w).sum::<f64>().clamp(0.0, 1.0)
+    };
+    let size = answers.iter().map(|a| a.displacement.len()).sum::<usize>();
+    Ok(StochasticResult {
+        labels: Vec::new(),
+        probability: (0..pressure.mean.len()).map(touching).collect(),
+        young: answers.iter().map(|a| a.modulus).collect(),
+        displacements: if size <= KEPT { answers.iter().map(|a| a.displacement.clone()).collect() } else { Vec::new() },
+        iterations: answers.iter().map(|a| a.iterations).sum(),
+        unconverged: answers.iter().filter(|a| !a.converged).count(),
+        solved: points.len(),
+        quantities,
+        displacement,
+        stress_displacement,
+        pressure,
+        shear,
+        points,
+        weights,
+        mesh: None,
+        truncation: None,
+        truncation_by_germ: Vec::new(),
+        coupled: false,
+        seconds: 0.0,
+    })
+}
+
+fn touches(answer: &Answer, condition: usize) -> bool {
+    let largest = answer.pressure.iter().fold(0.0, |m: f64, p| m.max(*p));
+    answer.pressure[condition] > TOUCHING * largest
+}
+
+fn of_surrogate(random: &Random, surrogate: &Surrogate, paths: &[String]) -> Result<StochasticResult, SolveError> {
+    let Surrogate { mesh, cells, coupled, relative, solved } = surrogate;
+    let points = cells.iter().flat_map(|c| c.basis.points.clone()).collect();
+    let weights = cells.iter().flat_map(|c| c.basis.weights.clone()).collect();
+    let answers: Vec<Answer> = cells.iter().flat_map(|c| c.answers.clone()).collect();
+    let mut result = of_grid(points, weights, &answers, paths)?;
+    let settings = &random.stochastic;
+    let changes: Vec<Vec<Vec<f64>>> = {
+        let all = events(&answers);
+        let mut rest = all.into_iter();
+        cells.iter().map(|c| rest.by_ref().take(c.answers.len()).collect()).collect()
+    };
+    // at a sample: the quantities, and 1 where the surrogate of the change of contact is positive
+    let at = |germ: &[f64], with_contact: bool| -> (Vec<f64>, Vec<f64>) {
+        let c = mesh.locate(germ).unwrap_or(0);
+        let cell = &cells[c];
+        let mut theta = vec![0.0; cell.answers.len()];
+        cell.basis.evaluate(germ, &mut theta);
+        let sum = |value: &dyn Fn(usize) -> f64| theta.iter().enumerate().map(|(j, t)| t * value(j)).sum::<f64>();
+        let quantities = (0..paths.len()).map(|k| sum(&|j| cell.answers[j].quantities[k])).collect();
+        let conditions = if with_contact { result.pressure.mean.len() } else { 0 };
+        let contact = (0..conditions).map(|i| f64::from(u8::from(sum(&|j| changes[c][j][i]) > 0.0))).collect();
+        (quantities, contact)
+    };
+    let variables = &mesh.variables;
+    let germ = |i: usize| sample(variables, settings.seed, i as u64);
+    let count = settings.samples;
+    let sampled: Vec<(Vec<f64>, Vec<f64>)> = (0..count).into_par_iter().map(|i| at(&germ(i), true)).collect();
+    let equal = vec![1.0; count];
+    let conditions = result.pressure.mean.len();
+    let probability =
+        (0..conditions).map(|i| sampled.iter().map(|s| s.1[i]).sum::<f64>() / count as f64).collect();
+    // total effects by Jansen's formula: only germ d changes from a sample to its partner
+    let few = count.min(EFFECTS);
+    let partners: Vec<Vec<Vec<f64>>> = (0..few)
+        .into_par_iter()
+        .map(|i| {
+            let (base, other) = (germ(i), germ(count + i));
+            let changed = |d: usize| {
+                let mut germ = base.clone();
+                germ[d] = other[d];
+                at(&germ, false).0
+            };
+            (0..variables.len()).map(changed).collect()
+        })
+        .collect();
+    for (k, quantity) in result.quantities.iter_mut().enumerate() {
+        let values: Vec<f64> = sampled.iter().map(|s| s.0[k]).collect();
+        quantity.quantiles = Some(quantiles(&values, &equal, &settings.quantiles)?);
+        quantity.density = Some(density(&values, &equal, BINS)?);
+        let effect = |d: usize| {
+            let squares = partners.iter().zip(&values).map(|(p, v)| (p[d][k] - v).powi(2));
+            let half = 0.5 * squares.sum::<f64>() / few as f64;
+            if quantity.variance > 0.0 { half / quantity.variance } else { 0.0 }
+        };
+        quantity.effects = Some((0..variables.len()).map(effect).collect());
+    }
+    let energy: f64 = result.weights.iter().zip(&answers).map(|(w, a)| w * 2.0 * a.strain).sum();
+    let by_germ = |d: usize| cells.iter().map(|c| c.errors[d].error).sum::<f64>();
+    let part = |error: f64| if error == 0.0 { 0.0 } else { error / energy };
+    result.truncation_by_germ = (0..variables.len()).map(|d| part(by_germ(d))).collect();
+    result.probability = probability;
+    result.mesh = Some(mesh.clone());
+    result.truncation = Some(*relative);
+    result.coupled = *coupled;
+    result.solved = *solved;
+    Ok(result)
+}
+
+fn of_samples(
+    outcomes: &Outcomes<'_>,
+    variables: &[Variable],
+    random: &Random,
+    paths: &[String],
+    watch: &Watch<'_>,
+) -> Result<StochasticResult, SolveError> {
+    let settings = &random.stochastic;
+    let count = settings.samples;
+    // displacement, stress displacement, pressure, shear, touching, quantities
+    let mut sums: [Accumulator; 6] = Default::default();
+    let (mut points, mut young, mut values) = (Vec::new(), Vec::new(), vec![Vec::with_capacity(count); paths.len()]);
+    let (mut iterations, mut unconverged) = (0, 0);
+    for first in (0..count).step_by(BLOCK) {
+        let block = BLOCK.min(count - first);
+        let answers = solve_points(block, |i, warm: &mut Option<Solution>| {
+            watch.check()?;
+            let germs = sample(variables, settings.seed, (first + i) as u64);
+            let answer = outcomes.answer(&germs, paths, warm)?;
+            Ok::<_, SolveError>((germs, answer))
+        })?;
+        watch.tell(first + block, count);
+        for (germs, answer) in answers {
+            let stress: Vec<f64> = answer.displacement.iter().map(|u| answer.modulus * u).collect();
+            let touching: Vec<f64> =
+                (0..answer.pressure.len()).map(|i| f64::from(u8::from(touches(&answer, i)))).collect();
+            let parts = [&answer.displacement, &stress, &answer.pressure, &answer.shear, &touching, &answer.quantities];
+            for (sum, part) in sums.iter_mut().zip(parts) {
+                sum.push(1.0, part)?;
+            }
+            points.push(germs);
+            young.push(answer.modulus);
+            values.iter_mut().zip(&answer.quantities).for_each(|(all, v)| all.push(*v));
+            iterations += answer.iterations;
+            unconverged += usize::from(!answer.converged);
+        }
+    }
+    let equal = vec![1.0; count];
+    let (both, errors) = (sums[5].moments(), sums[5].standard_errors());
+    let mut quantities = Vec::new();
+    for (k, values) in values.into_iter().enumerate() {
+        quantities.push(Quantity {
+            name: paths[k].clone(),
+            mean: both.mean[k],
+            variance: both.variance[k],
+            standard_error: Some(errors.mean[k]),
+            quantiles: Some(quantiles(&values, &equal, &settings.quantiles)?),
+            density: Some(density(&values, &equal, BINS)?),
+            effects: None,
+            values,
+        });
+    }
+    Ok(StochasticResult {
+        labels: Vec::new(),
+        weights: vec![1.0 / count as f64; count],
+        points,
+        young,
+        quantities,
+        displacement: sums[0].moments(),
+        stress_displacement: sums[1].moments().mean,
+        pressure: sums[2].moments(),
+        shear: sums[3].moments(),
+        probability: sums[4].moments().mean,
+        displacements: Vec::new(),
+        mesh: None,
+        truncation: None,
+        truncation_by_germ: Vec::new(),
+        coupled: false,
+        solved: count,
+        iterations,
+        unconverged,
+        seconds: 0.0,
+    })
+}

@@ -1,0 +1,1 @@
+//! `/stochastic` of the result file.
