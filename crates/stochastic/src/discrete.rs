@@ -7,7 +7,7 @@ const NEGLIGIBLE: f64 = -720.0;
 /// Most change of the logarithm of a density within a panel.
 const CHANGE: f64 = 16.0;
 /// Points of a panel beyond those that a polynomial needs.
-const EXTRA: usize = 24;
+const EXTRA: usize = 16;
 /// Powers to this one at an end of the interval are left to a Gauss-Jacobi rule.
 const POWER: f64 = 10.0;
 
@@ -44,9 +44,9 @@ impl Discrete {
         self.weights.iter().sum()
     }
 
-    /// Mean and variance of a function of the variable, by centred sums.
+    /// Mean and variance of a function of t - `middle`, by centred sums.
     pub fn moments(&self, value: impl Fn(f64) -> f64) -> (f64, f64) {
-        let values: Vec<f64> = self.points.iter().map(|x| value(self.middle + self.half * x)).collect();
+        let values: Vec<f64> = self.points.iter().map(|x| value(self.half * x)).collect();
         let average = |f: &dyn Fn(f64) -> f64| -> f64 {
             values.iter().zip(&self.weights).map(|(&v, w)| w * f(v)).sum::<f64>() / self.mass()
         };

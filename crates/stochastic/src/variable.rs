@@ -274,13 +274,13 @@ impl Variable {
                     (Some((m, s)), Some([a, b])) if a.is_finite() || b.is_finite() => {
                         // values relative to that of the mean germ, so that narrow intervals keep their digits
                         let cut = discrete::normal(a, b, 0);
-                        let centre = cut.moments(|t| t).0;
-                        let from_centre = |t: f64| s * (t - centre);
-                        let at_centre = m + s * centre;
+                        let centre = cut.moments(|offset| offset).0;
+                        let from_centre = |offset: f64| s * (offset - centre);
+                        let at_centre = m + s * (cut.middle + centre);
                         if self.is_affine() {
                             (at_centre, cut.moments(from_centre).1)
                         } else {
-                            let (relative, variance) = cut.moments(|t| from_centre(t).exp_m1());
+                            let (relative, variance) = cut.moments(|offset| from_centre(offset).exp_m1());
                             let scale = at_centre.exp();
                             (scale + scale * relative, scale * scale * variance)
                         }
@@ -316,7 +316,7 @@ impl Variable {
     }
 
     /// t in [0, 1] with ∫_0^t = p ∫_0^1 of t^(α-1) (1-t)^(β-1), p at most 1/2: Newton on ln p as a function of ln t,
-    /// which is a straight line in the tail, within a bracket; the last steps with the exact probability.
+    /// which is a straight line in the tail, within a bracket; the last step with the exact probability.
     fn beta_quantile(&self, alpha: f64, beta: f64, p: f64) -> f64 {
         let (mut below, mut above) = (f64::MIN_POSITIVE.ln(), 0.0);
         let step = |y: f64, probability: f64| {
@@ -339,14 +339,9 @@ impl Variable {
                 break;
             }
         }
-        for _ in 0..2 {
-            let cell = discrete::beta(alpha, beta, 0.0, y.exp(), 0);
-            let newton = step(y, (cell.log_scale - self.log_mass).exp() * cell.mass());
-            if newton.is_finite() {
-                y = newton.min(0.0);
-            }
-        }
-        y.exp()
+        let cell = discrete::beta(alpha, beta, 0.0, y.exp(), 0);
+        let newton = step(y, (cell.log_scale - self.log_mass).exp() * cell.mass());
+        if newton.is_finite() { newton.min(0.0).exp() } else { y.exp() }
     }
 }
 
