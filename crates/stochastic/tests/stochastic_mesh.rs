@@ -65,6 +65,26 @@ fn mass_matrices_are_exact_for_moduli_of_degree_thirteen_and_no_higher() {
 }
 
 #[test]
+fn mass_matrices_of_unbounded_cells_keep_their_digits() {
+    let v = Variable::normal(0.0, 1.0).unwrap();
+    for q in [1, 5, 20, 30] {
+        let mesh = StochasticMesh::uniform(vec![v.clone()], &[4], &[q]).unwrap();
+        for cell in 0..4 {
+            let basis = mesh.basis(cell, Nodes::Gauss).unwrap();
+            let mass = basis.mass(&|_| 1.0).unwrap();
+            for i in 0..=q {
+                for j in 0..=q {
+                    let wanted = if i == j { basis.weights[j] } else { 0.0 };
+                    // relative to what Schwarz allows: weights go down to 1e-33
+                    let error = (mass[(i, j)] - wanted).abs() / (basis.weights[i] * basis.weights[j]).sqrt();
+                    assert!(error < 1e-12, "q {q}, cell {cell}: {error:e}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
 fn degree_zero_is_the_mean_for_both_kinds_of_nodes() {
     let v = Variable::new(Distribution::Normal { mean: 1.0, deviation: 2.0 }, 0.0, 2.5).unwrap();
     let mesh = StochasticMesh::uniform(vec![v.clone()], &[1], &[0]).unwrap();
