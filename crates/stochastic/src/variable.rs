@@ -211,6 +211,9 @@ impl Variable {
         match self.distribution {
             Distribution::Beta { alpha, beta } => {
                 let part = |x: f64| if x == high { 1.0 } else { (x - low) / (high - low) };
+                if part(a) >= part(b) {
+                    return 0.0; // so close that only germs differ
+                }
                 let cell = discrete::beta(alpha, beta, part(a), part(b), 0);
                 (cell.log_scale - self.log_mass).exp() * cell.mass()
             }

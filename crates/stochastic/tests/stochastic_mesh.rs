@@ -1,6 +1,7 @@
 //! Meshes of germs and the bases of their cells.
 
 use faer::Mat;
+use faer::linalg::solvers::Solve;
 use proptest::prelude::*;
 use steklov_stochastic::{CellBasis, Distribution, Nodes, StochasticCell, StochasticError, StochasticMesh, Variable};
 
@@ -44,6 +45,24 @@ fn an_affine_modulus_decouples_gauss_nodes_and_couples_lobatto_nodes() {
     let mass = gauss.mass(&|y| 2000.0 * (0.3 * y[0]).exp()).unwrap();
     let share = off_diagonal(&mass) / largest(&mass);
     assert!((share - 0.003994806795).abs() < 1e-12, "{share}");
+}
+
+#[test]
+fn galerkin_with_lobatto_nodes_is_collocation_at_gauss_points_and_lumping_is_not() {
+    // E(y) u(y) = 1: ∫ θ_j E u ρ = ∫ θ_j ρ
+    let modulus = |y: &[f64]| 2000.0 + 200.0 * y[0];
+    let (gauss, lobatto) = (standard(3, Nodes::Gauss), standard(3, Nodes::Lobatto));
+    let load = Mat::from_fn(4, 1, |j, _| lobatto.weights[j]);
+    let galerkin = lobatto.mass(&modulus).unwrap().partial_piv_lu().solve(&load);
+    let mut theta = [0.0; 4];
+    for point in &gauss.points {
+        lobatto.evaluate(point, &mut theta);
+        let u: f64 = (0..4).map(|j| theta[j] * galerkin[(j, 0)]).sum();
+        assert!((u * modulus(point) - 1.0).abs() < 3e-15);
+    }
+    let apart = |j: usize| (galerkin[(j, 0)] - 1.0 / modulus(&lobatto.points[j])).abs();
+    let share = (0..4).map(apart).fold(0.0, f64::max) / (0..4).map(|j| galerkin[(j, 0)]).fold(0.0, f64::max);
+    assert!((share - 2.305508725e-5).abs() < 1e-13, "{share:e}");
 }
 
 #[test]

@@ -42,6 +42,8 @@ fn probabilities_of_beta_distributions() {
         // a rounded p near 1 fixes its quantile less well
         assert!((v.quantile(low) - x).abs() < 1e-13 + f64::EPSILON * low / v.density(x), "{:e}", v.quantile(low) - x);
     }
+    let wide = Variable::beta(2.0, 2.0, 0.0, 1e10).unwrap();
+    assert_eq!(wide.probability([0.0, 5e-324]), 0.0);
     // so skew that the median is next to 0: it keeps its digits there
     let skew = Variable::beta(0.01, 1000.0, 0.0, 1.0).unwrap();
     close(skew.quantile(0.538_814_312_772_750_3), 2f64.powi(-100), 2e-11);
