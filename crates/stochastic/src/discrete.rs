@@ -109,15 +109,22 @@ pub(crate) fn beta(alpha: f64, beta: f64, a: f64, b: f64, degree: usize) -> Disc
         let width = r - l;
         if l == 0.0 {
             let shift = times_log(p, 0.5 * width);
-            let rule = gauss_jacobi(points, 0.0, p);
+            let rule = exact_mass(gauss_jacobi(points, 0.0, p), p);
             discrete.panel(l, r, &rule, |_, share| shift + times_log(q, (1.0 - r) + width * (1.0 - share)));
         } else if r == 1.0 {
             let shift = times_log(q, 0.5 * width);
-            let rule = gauss_jacobi(points, q, 0.0);
+            let rule = exact_mass(gauss_jacobi(points, q, 0.0), q);
             discrete.panel(l, r, &rule, |t, _| shift + times_log(p, t));
         } else {
             discrete.panel(l, r, &inner, |t, share| log_density(t, (1.0 - r) + width * (1.0 - share)));
         }
     }
     discrete
+}
+
+/// A rule for (1 ± x)^power with the mass 2^(power+1)/(power+1), which that of gamma functions misses by some 1e-13.
+fn exact_mass(mut rule: Rule, power: f64) -> Rule {
+    let factor = (power + 1.0).exp2() / ((power + 1.0) * rule.weights.iter().sum::<f64>());
+    rule.weights.iter_mut().for_each(|w| *w *= factor);
+    rule
 }

@@ -163,6 +163,8 @@ proptest! {
     #[test]
     fn the_density_is_the_derivative_of_the_probability(v in any(), p in 0.05..0.95f64) {
         let (a, b) = (v.quantile(p - 1e-3), v.quantile(p + 1e-3));
+        // quantiles next to the end of a beta variable can be the same number
+        prop_assume!(b - a > 1e-6);
         let rule = steklov_quadrature::gauss_legendre(30).mapped(a, b);
         let integral = rule.integrate(|x| v.density(x));
         prop_assert!((integral / 2e-3 - 1.0).abs() < 1e-9, "{v:?} {p}: {integral}");
