@@ -38,12 +38,14 @@ struct Axis {
     recurrence: Recurrence,
     /// Nodes; weights sum to 1.
     rule: Rule,
-    /// 1/Π_{k≠j} of the differences of the nodes over a quarter of their spread.
+    /// A quarter of the spread of the nodes, 1 for a single one: products of their distances over it stay near 1.
+    unit: f64,
+    /// 1/Π_{k≠j} of the distances of the nodes over `unit`.
     barycentric: Vec<f64>,
     /// p_k at node j in row k, column j.
     polynomials: Mat<f64>,
-    /// Σ_j w_j p_k(x_j)²: 1, but for the top degree at Lobatto nodes.
-    squares: Vec<f64>,
+    /// Σ_j w_j p_q(x_j)² of the highest degree, which is 1 for Gauss nodes, more for Lobatto nodes; 1 for the lower ones.
+    top: f64,
 }
 
 impl CellBasis {
@@ -167,7 +169,8 @@ impl CellBasis {
         for axis in &self.axes {
             let n = axis.rule.len();
             stride /= n;
-            let transform = |k: usize, j: usize| axis.rule.weights[j] * axis.polynomials[(k, j)] / axis.squares[k];
+            let square = |k: usize| if k + 1 == n { axis.top } else { 1.0 };
+            let transform = |k: usize, j: usize| axis.rule.weights[j] * axis.polynomials[(k, j)] / square(k);
             let old = std::mem::take(&mut result);
             let entry = |i: usize| {
                 let (k, start) = ((i / stride) % n, i - (i / stride) % n * stride);
@@ -180,15 +183,19 @@ impl CellBasis {
 
     /// Dual basis of a direction: ζ_i = Σ_j c_ij θ_j with ∫ ζ_i θ_j ρ = δ_ij D_j there, c = diag(D) M⁻¹.
     ///
-    /// M⁻¹ = Σ_k p_k p_kᵀ needs no inversion. For Gauss nodes c is the identity.
+    /// M⁻¹ = Σ_k p_k p_kᵀ, and the rule of the nodes misses in M the highest degree only: c_ij = δ_ij +
+    /// w_i p_q(x_i) p_q(x_j) (1 - 1/γ), γ = Σ_j w_j p_q(x_j)², without an inversion. For Gauss nodes c is the identity.
     ///
     /// # Panics
     /// If the direction is not there.
     pub fn dual(&self, direction: usize) -> Mat<f64> {
-        let Axis { rule, polynomials, .. } = &self.axes[direction];
+        let Axis { rule, polynomials, top, .. } = &self.axes[direction];
         let n = rule.len();
-        let kernel = |i: usize, j: usize| -> f64 { (0..n).map(|k| polynomials[(k, i)] * polynomials[(k, j)]).sum() };
-        Mat::from_fn(n, n, |i, j| rule.weights[i] * kernel(i, j))
+        let missed = 1.0 - 1.0 / top;
+        Mat::from_fn(n, n, |i, j| {
+            let identity = if i == j { 1.0 } else { 0.0 };
+            identity + rule.weights[i] * polynomials[(n - 1, i)] * polynomials[(n - 1, j)] * missed
+        })
     }
 }
 
@@ -196,9 +203,9 @@ impl Axis {
     fn new(variable: &Variable, bounds: [f64; 2], degree: usize, nodes: Nodes) -> Result<Self, StochasticError> {
         let n = degree + 1;
         let recurrence = Recurrence::new(variable, bounds, n + EXTRA)?;
-        let rule = if nodes == Nodes::Gauss || degree == 0 { recurrence.gauss(n)? } else { recurrence.lobatto(n)? };
-        // a quarter is the capacity of an interval: the products stay near 1
-        let unit = 0.25 * (rule.points[n - 1] - rule.points[0]);
+        let gauss = nodes == Nodes::Gauss || degree == 0;
+        let rule = if gauss { recurrence.gauss(n)? } else { recurrence.lobatto(n)? };
+        let unit = if degree == 0 { 1.0 } else { 0.25 * (rule.points[n - 1] - rule.points[0]) };
         let product = |j: usize| -> f64 {
             let factors = (0..n).filter(|&k| k != j).map(|k| (rule.points[j] - rule.points[k]) / unit);
             factors.product()
@@ -208,21 +215,20 @@ impl Axis {
         for (j, &x) in rule.points.iter().enumerate() {
             recurrence.evaluate(x, polynomials.col_as_slice_mut(j));
         }
-        let square = |k: usize| -> f64 { (0..n).map(|j| rule.weights[j] * polynomials[(k, j)].powi(2)).sum() };
-        let squares = (0..n).map(square).collect();
-        Ok(Self { recurrence, rule, barycentric, polynomials, squares })
+        let squares = (0..n).map(|j| rule.weights[j] * polynomials[(degree, j)] * polynomials[(degree, j)]);
+        let top = if gauss { 1.0 } else { squares.sum() };
+        Ok(Self { recurrence, rule, unit, barycentric, polynomials, top })
     }
 
-    /// Lagrange polynomials at a germ, by the second barycentric formula.
+    /// Lagrange polynomials at a germ, by the first barycentric formula: the second one loses digits beyond the outermost
+    /// nodes, where points of integration are.
     fn lagrange(&self, x: f64) -> Vec<f64> {
         let nodes = &self.rule.points;
         if let Some(at) = nodes.iter().position(|&node| node == x) {
             return (0..nodes.len()).map(|j| if j == at { 1.0 } else { 0.0 }).collect();
         }
-        let mut values: Vec<f64> = nodes.iter().zip(&self.barycentric).map(|(node, b)| b / (x - node)).collect();
-        let sum: f64 = values.iter().sum();
-        values.iter_mut().for_each(|v| *v /= sum);
-        values
+        let all: f64 = nodes.iter().map(|node| (x - node) / self.unit).product();
+        nodes.iter().zip(&self.barycentric).map(|(node, b)| all * b * (self.unit / (x - node))).collect()
     }
 }
 

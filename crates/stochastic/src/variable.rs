@@ -9,6 +9,8 @@ use steklov_quadrature::gauss_legendre;
 
 /// Intervals of less probability count as empty: further out the normal distribution leaves the range of numbers.
 pub(crate) const EMPTY: f64 = 1e-300;
+/// Part of the interval of a beta variable that counts as next to its end.
+const NEXT: f64 = 1e-3;
 /// Smallest spread of a variable relative to its size; below, its values are too few different numbers.
 const SPREAD: f64 = 1e-12;
 
@@ -209,6 +211,9 @@ impl Variable {
         match self.distribution {
             Distribution::Beta { alpha, beta } => {
                 let part = |x: f64| if x == high { 1.0 } else { (x - low) / (high - low) };
+                if part(a) >= part(b) {
+                    return 0.0; // so close that only germs differ
+                }
                 let cell = discrete::beta(alpha, beta, part(a), part(b), 0);
                 (cell.log_scale - self.log_mass).exp() * cell.mass()
             }
@@ -231,8 +236,16 @@ impl Variable {
             return high;
         }
         match self.distribution {
-            Distribution::Beta { alpha, beta } if p <= 0.5 => low + (high - low) * self.beta_quantile(alpha, beta, p),
-            Distribution::Beta { alpha, beta } => high - (high - low) * self.beta_quantile(beta, alpha, 1.0 - p),
+            Distribution::Beta { alpha, beta } => {
+                // from the end of the smaller probability, which is known to more digits, unless the quantile is next to
+                // the other end, where only the distance from that one is resolved
+                let next_to_other = if p <= 0.5 { 1.0 - NEXT } else { NEXT };
+                if p <= beta_reg(alpha, beta, next_to_other) {
+                    low + (high - low) * self.beta_quantile(alpha, beta, p)
+                } else {
+                    high - (high - low) * self.beta_quantile(beta, alpha, 1.0 - p)
+                }
+            }
             _ => match (self.germ_normal(), self.standard(self.support)) {
                 (Some((mean, deviation)), Some([a, b])) => {
                     (mean + deviation * normal_quantile(a, b, self.kept, p)).clamp(low, high)
@@ -274,13 +287,13 @@ impl Variable {
                     (Some((m, s)), Some([a, b])) if a.is_finite() || b.is_finite() => {
                         // values relative to that of the mean germ, so that narrow intervals keep their digits
                         let cut = discrete::normal(a, b, 0);
-                        let centre = cut.moments(|t| t).0;
-                        let from_centre = |t: f64| s * (t - centre);
-                        let at_centre = m + s * centre;
+                        let centre = cut.moments(|offset| offset).0;
+                        let from_centre = |offset: f64| s * (offset - centre);
+                        let at_centre = m + s * (cut.middle + centre);
                         if self.is_affine() {
                             (at_centre, cut.moments(from_centre).1)
                         } else {
-                            let (relative, variance) = cut.moments(|t| from_centre(t).exp_m1());
+                            let (relative, variance) = cut.moments(|offset| from_centre(offset).exp_m1());
                             let scale = at_centre.exp();
                             (scale + scale * relative, scale * scale * variance)
                         }
@@ -315,8 +328,8 @@ impl Variable {
         if interval.iter().any(|x| x.is_nan()) { interval } else { interval.map(|x| x.clamp(low, high)) }
     }
 
-    /// t in [0, 1] with ∫_0^t = p ∫_0^1 of t^(α-1) (1-t)^(β-1), p at most 1/2: Newton on ln p as a function of ln t,
-    /// which is a straight line in the tail, within a bracket; the last steps with the exact probability.
+    /// t in [0, 1] with ∫_0^t = p ∫_0^1 of t^(α-1) (1-t)^(β-1): Newton on ln p as a function of ln t,
+    /// which is a straight line in the tail, within a bracket; the last step with the exact probability.
     fn beta_quantile(&self, alpha: f64, beta: f64, p: f64) -> f64 {
         let (mut below, mut above) = (f64::MIN_POSITIVE.ln(), 0.0);
         let step = |y: f64, probability: f64| {
@@ -339,14 +352,9 @@ impl Variable {
                 break;
             }
         }
-        for _ in 0..2 {
-            let cell = discrete::beta(alpha, beta, 0.0, y.exp(), 0);
-            let newton = step(y, (cell.log_scale - self.log_mass).exp() * cell.mass());
-            if newton.is_finite() {
-                y = newton.min(0.0);
-            }
-        }
-        y.exp()
+        let cell = discrete::beta(alpha, beta, 0.0, y.exp(), 0);
+        let newton = step(y, (cell.log_scale - self.log_mass).exp() * cell.mass());
+        if newton.is_finite() { newton.min(0.0).exp() } else { y.exp() }
     }
 }
 

@@ -1,6 +1,7 @@
 //! Meshes of germs and the bases of their cells.
 
 use faer::Mat;
+use faer::linalg::solvers::Solve;
 use proptest::prelude::*;
 use steklov_stochastic::{CellBasis, Distribution, Nodes, StochasticCell, StochasticError, StochasticMesh, Variable};
 
@@ -47,6 +48,24 @@ fn an_affine_modulus_decouples_gauss_nodes_and_couples_lobatto_nodes() {
 }
 
 #[test]
+fn galerkin_with_lobatto_nodes_is_collocation_at_gauss_points_and_lumping_is_not() {
+    // E(y) u(y) = 1: ∫ θ_j E u ρ = ∫ θ_j ρ
+    let modulus = |y: &[f64]| 2000.0 + 200.0 * y[0];
+    let (gauss, lobatto) = (standard(3, Nodes::Gauss), standard(3, Nodes::Lobatto));
+    let load = Mat::from_fn(4, 1, |j, _| lobatto.weights[j]);
+    let galerkin = lobatto.mass(&modulus).unwrap().partial_piv_lu().solve(&load);
+    let mut theta = [0.0; 4];
+    for point in &gauss.points {
+        lobatto.evaluate(point, &mut theta);
+        let u: f64 = (0..4).map(|j| theta[j] * galerkin[(j, 0)]).sum();
+        assert!((u * modulus(point) - 1.0).abs() < 3e-15);
+    }
+    let apart = |j: usize| (galerkin[(j, 0)] - 1.0 / modulus(&lobatto.points[j])).abs();
+    let share = (0..4).map(apart).fold(0.0, f64::max) / (0..4).map(|j| galerkin[(j, 0)]).fold(0.0, f64::max);
+    assert!((share - 2.305508725e-5).abs() < 1e-13, "{share:e}");
+}
+
+#[test]
 fn mass_matrices_are_exact_for_moduli_of_degree_thirteen_and_no_higher() {
     for nodes in [Nodes::Gauss, Nodes::Lobatto] {
         let basis = standard(2, nodes);
@@ -60,6 +79,26 @@ fn mass_matrices_are_exact_for_moduli_of_degree_thirteen_and_no_higher() {
                 (0..9).map(|i| (basis.points[i / 3][0] * basis.points[i % 3][0]).powi(2) * mass[(i / 3, i % 3)]).sum();
             let wanted = if k % 2 == 0 { 1.0 / f64::from(k + 5) } else { 0.0 };
             assert_eq!((top - wanted).abs() < 1e-15, k <= 13 || k % 2 == 1, "{k}: {:e}", top - wanted);
+        }
+    }
+}
+
+#[test]
+fn mass_matrices_of_unbounded_cells_keep_their_digits() {
+    let v = Variable::normal(0.0, 1.0).unwrap();
+    for q in [1, 5, 20, 30] {
+        let mesh = StochasticMesh::uniform(vec![v.clone()], &[4], &[q]).unwrap();
+        for cell in 0..4 {
+            let basis = mesh.basis(cell, Nodes::Gauss).unwrap();
+            let mass = basis.mass(&|_| 1.0).unwrap();
+            for i in 0..=q {
+                for j in 0..=q {
+                    let wanted = if i == j { basis.weights[j] } else { 0.0 };
+                    // relative to what Schwarz allows: weights go down to 1e-33
+                    let error = (mass[(i, j)] - wanted).abs() / (basis.weights[i] * basis.weights[j]).sqrt();
+                    assert!(error < 1e-12, "q {q}, cell {cell}: {error:e}");
+                }
+            }
         }
     }
 }

@@ -42,6 +42,11 @@ fn probabilities_of_beta_distributions() {
         // a rounded p near 1 fixes its quantile less well
         assert!((v.quantile(low) - x).abs() < 1e-13 + f64::EPSILON * low / v.density(x), "{:e}", v.quantile(low) - x);
     }
+    let wide = Variable::beta(2.0, 2.0, 0.0, 1e10).unwrap();
+    assert_eq!(wide.probability([0.0, 5e-324]), 0.0);
+    // so skew that the median is next to 0: it keeps its digits there
+    let skew = Variable::beta(0.01, 1000.0, 0.0, 1.0).unwrap();
+    close(skew.quantile(0.538_814_312_772_750_3), 2f64.powi(-100), 2e-11);
     // F(x) = 2/π arcsin √x
     let arcsine = Variable::beta(0.5, 0.5, 0.0, 1.0).unwrap();
     for x in [1e-12f64, 1e-3, 0.3, 0.5, 0.9] {
@@ -69,7 +74,7 @@ fn restricted_variables_have_the_moments_of_their_conditioned_density() {
     close(middle.lost(), 0.384_594_800_418_080_6, 1e-14);
     // so narrow that the density is flat: mean of the interval, variance of a uniform variable
     let narrow = Variable::new(Distribution::Normal { mean: 0.0, deviation: 1.0 }, 1.0, 1.0 + 1e-7).unwrap();
-    close(narrow.variance(), (narrow.interval()[1] - 1.0).powi(2) / 12.0, 1e-9);
+    close(narrow.variance(), (narrow.interval()[1] - 1.0).powi(2) / 12.0, 1e-12);
 }
 
 #[test]
@@ -158,6 +163,8 @@ proptest! {
     #[test]
     fn the_density_is_the_derivative_of_the_probability(v in any(), p in 0.05..0.95f64) {
         let (a, b) = (v.quantile(p - 1e-3), v.quantile(p + 1e-3));
+        // quantiles next to the end of a beta variable can be the same number
+        prop_assume!(b - a > 1e-6);
         let rule = steklov_quadrature::gauss_legendre(30).mapped(a, b);
         let integral = rule.integrate(|x| v.density(x));
         prop_assert!((integral / 2e-3 - 1.0).abs() < 1e-9, "{v:?} {p}: {integral}");
