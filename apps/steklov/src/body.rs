@@ -116,7 +116,16 @@ impl Body {
         given: Given,
         solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
     ) -> Result<(Solved, Factors), SolveError> {
-        let Given { loads: Loads { nodal: tractions, unresolved, .. }, particular, boundary, held, judged, stabilised, load, extra_load } = given;
+        let Given {
+            loads: Loads { nodal: tractions, unresolved, .. },
+            particular,
+            boundary,
+            held,
+            judged,
+            stabilised,
+            load,
+            extra_load,
+        } = given;
         let Self { mesh, space, condensation, .. } = self;
         let supports = Supports { space, held: &self.held };
         let data = Data { scene, mesh, space };
@@ -125,8 +134,16 @@ impl Body {
         let (displacement, contact, contact_factors) = match boundary {
             None => (condensation.expand(&condensed, &[]), None, None),
             Some(boundary) => {
-                let body =
-                    CondensedBody { mesh, space, condensation, load: &load, condensed: &condensed, free: &self.free };
+                let body = CondensedBody {
+                    mesh,
+                    space,
+                    condensation,
+                    load: &load,
+                    condensed: &condensed,
+                    free: &self.free,
+                    stiffness: &self.stiffness,
+                    judged,
+                };
                 let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
                 (displacement, Some(result), Some(factors))
             }

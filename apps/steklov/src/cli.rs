@@ -20,9 +20,10 @@ use crate::draw;
 use crate::explain::{explain, too_many_dofs};
 use crate::plan::{CONTACT_SOLVER, Plan, plan};
 use crate::record::Record;
-use crate::run::{Progress, Reason, Step, run};
+use crate::run::{Progress, Reason, Run, Step, run};
 use crate::scene::{Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
+use crate::stochastic::{StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
 use crate::summary::{Summary, peak_memory_bytes};
 
@@ -204,7 +205,8 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
                 }
                 if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
             })?;
-            Ok::<_, SolveError>(Record::new(&scene, plan, run, &out, reading))
+            let (run, stochastic) = all_outcomes(&scene, run, &interrupts, &bar)?;
+            Ok::<_, SolveError>(Record::new(&scene, plan, run, stochastic, &out, reading))
         })?;
         queue.finish()?;
         let (mut record, writing) = (record, Instant::now());
@@ -237,6 +239,38 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         files.iter().for_each(|f| say(&format!("picture {}", f.display())));
     }
     Ok(if summary.converged { 0 } else { NOT_REACHED })
+}
+
+/// The outcomes of random input on the last mesh of a run that went well. Where the user stops it, or an outcome has no
+/// solution, the run says so and stays.
+fn all_outcomes(
+    scene: &Scene,
+    mut run: Run,
+    interrupts: &AtomicUsize,
+    bar: &Bar,
+) -> Result<(Run, Option<StochasticResult>), SolveError> {
+    let Some(random) = scene.random.as_ref().filter(|_| !matches!(run.reason, Reason::Interrupted | Reason::Failed))
+    else {
+        return Ok((run, None));
+    };
+    let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+    match solve_stochastic(scene, random, &run.body, &|done, count| bar.outcomes(done, count), &stopped) {
+        Ok(result) => {
+            if run.converged() && result.unconverged > 0 {
+                run.reason = Reason::Solver;
+            }
+            Ok((run, Some(result)))
+        }
+        Err(SolveError::Interrupted) => {
+            run.reason = Reason::Interrupted;
+            Ok((run, None))
+        }
+        Err(error @ SolveError::Scene(_)) => Err(error),
+        Err(error) => {
+            (run.reason, run.error) = (Reason::Failed, Some(error));
+            Ok((run, None))
+        }
+    }
 }
 
 /// The result file from which a run goes on, if it is to and there is one.
@@ -436,6 +470,13 @@ impl Bar {
             bar.set_position((100.0 * share) as u64);
         } else if !self.quiet && self.start.elapsed().as_secs_f64() > 1.0 {
             eprintln!("{:6.1} s  step {}  {what}", self.start.elapsed().as_secs_f64(), step + 1);
+        }
+    }
+
+    fn outcomes(&self, done: usize, count: usize) {
+        if let Some(bar) = &self.bar {
+            bar.set_message(format!("outcomes {done} of {count}"));
+            bar.set_position((100 * done / count.max(1)) as u64);
         }
     }
 

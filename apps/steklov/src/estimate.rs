@@ -283,6 +283,14 @@ impl Estimate {
         !coarse_elements(mesh, singular).is_empty() || (0..mesh.len()).any(slow) || slender > SLENDER * total
     }
 
+    /// Adds the energy of transitions that no vertex of the mesh follows.
+    pub(crate) fn add_tips(&mut self, scene: &Scene, located: &[Located]) {
+        let modulus = 2.0 * scene.material.mu() / (1.0 - scene.material.nu());
+        self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum();
+        self.error = self.error.hypot(self.tips.sqrt());
+        self.relative = ratio(self.error, self.scale);
+    }
+
     /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `settled`: the transitions are
     /// those of the step before.
     pub(crate) fn add_transitions(&mut self, scene: &Scene, mesh: &Mesh, located: &[Located], settled: bool) {

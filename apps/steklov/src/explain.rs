@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::BemError;
 use steklov_contact::ContactError;
+use steklov_stochastic::StochasticError;
 
 use crate::expression::Expression;
 use crate::scene::{Condition, Friction, Scene, SceneError, SceneErrorKind};
@@ -15,6 +16,17 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
     match &error {
         SolveError::Scene(error) => Ok((**error).clone()),
         SolveError::Io(_) | SolveError::Interrupted => Err(error),
+        SolveError::Stochastic(StochasticError::NotCoercive { .. }) => at(
+            Unsupported,
+            &[vec!["stochastic", "method"], vec!["stochastic"]],
+            "a modulus that is not affine in its germs couples the nodes, which a body that only contact holds does not allow: set \
+             stochastic.method = \"collocation\", or hold a side",
+        ),
+        SolveError::Stochastic(_) => at(
+            Value,
+            &[vec!["stochastic"], vec!["random"]],
+            "lower stochastic.degree or elements, or change the random input",
+        ),
         SolveError::Incompatible { first, second, component, .. } => {
             let entry = if *component == 'x' { "0" } else { "1" };
             at(

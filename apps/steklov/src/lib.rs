@@ -19,6 +19,7 @@ pub mod contact;
 pub mod body;
 pub mod stabilised;
 pub mod solve;
+pub mod stochastic;
 pub mod estimate;
 pub mod adapt;
 pub mod run;

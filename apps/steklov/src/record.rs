@@ -11,6 +11,7 @@ use crate::report::{ContactRow, contact_rows, contact_summary, located_ends};
 use crate::run::{Run, Step};
 use crate::scene::Scene;
 use crate::solve::Solved;
+use crate::stochastic::{self, StochasticResult};
 use crate::store::Stored;
 use crate::summary::{Audit, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::triangulate::{Triangulation, triangulate};
@@ -44,6 +45,8 @@ pub struct Record {
     pub steps: Vec<Step>,
     /// Boundary lines and the triangulated body with displacement, stress and von Mises stress.
     pub grid: Grid,
+    /// All outcomes of random input.
+    pub stochastic: Option<StochasticResult>,
 }
 
 /// Points of the triangulated body, about.
@@ -51,7 +54,14 @@ const BODY_POINTS: usize = 800;
 
 impl Record {
     /// Gathers a run. `file` is the name of the result file, `total` the seconds since the command began.
-    pub fn new(scene: &Scene, plan: Plan, run: Run, file: &Path, reading: f64) -> Self {
+    pub fn new(
+        scene: &Scene,
+        plan: Plan,
+        run: Run,
+        stochastic: Option<StochasticResult>,
+        file: &Path,
+        reading: f64,
+    ) -> Self {
         let clock = std::time::Instant::now();
         let solved = &run.last;
         let grid = body_grid(scene, solved);
@@ -66,6 +76,8 @@ impl Record {
         }
         let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved, c));
         let mut summary = summary(scene, &run, &contact, file);
+        summary.stochastic =
+            scene.random.as_ref().zip(stochastic.as_ref()).map(|(random, result)| stochastic::json(random, result));
         summary.seconds.write = clock.elapsed().as_secs_f64();
         summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();
         let Run { last: solved, progress, .. } = run;
@@ -83,6 +95,7 @@ impl Record {
             steps: progress.steps,
             grid,
             mesh: solved.mesh,
+            stochastic,
         }
     }
 }
@@ -100,6 +113,7 @@ impl Record {
             traction: self.traction,
             contact: self.contact,
             grid: self.grid,
+            stochastic: self.stochastic,
         }
     }
 }

@@ -7,9 +7,11 @@ use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
 use steklov_contact::{Located, Tip, TipKind};
 
 use crate::adapt::Layout;
+use crate::body::Body;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
+use crate::stochastic::mean_estimate;
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -111,6 +113,8 @@ impl Progress {
 pub struct Run {
     /// The last step.
     pub last: Solved,
+    /// Its matrices.
+    pub body: Body,
     /// The steps and what comes next.
     pub progress: Progress,
     /// Why it ended.
@@ -147,7 +151,7 @@ pub fn run(
 ) -> Result<Run, SolveError> {
     let clock = Instant::now();
     let mut cache = PairCache::default();
-    let mut last: Option<Solved> = None;
+    let mut last: Option<(Solved, Body)> = None;
     loop {
         let number = progress.steps.len();
         let mut watched = |stage: Stage<'_>| match interrupts.load(Ordering::Relaxed) {
@@ -155,12 +159,12 @@ pub fn run(
             _ => Err(SolveError::Interrupted),
         };
         let next = advance(scene, &progress, &mut cache, &mut watched);
-        let (solved, step, layout) = match (next, last) {
-            (Err(SolveError::Interrupted), Some(last)) => {
-                return Ok(Run { last, progress, reason: Reason::Interrupted, error: None, clock });
+        let (solved, body, step, layout) = match (next, last) {
+            (Err(SolveError::Interrupted), Some((last, body))) => {
+                return Ok(Run { last, body, progress, reason: Reason::Interrupted, error: None, clock });
             }
-            (Err(error), Some(last)) if !matches!(error, SolveError::Io(_)) => {
-                return Ok(Run { last, progress, reason: Reason::Failed, error: Some(error), clock });
+            (Err(error), Some((last, body))) if !matches!(error, SolveError::Io(_)) => {
+                return Ok(Run { last, body, progress, reason: Reason::Failed, error: Some(error), clock });
             }
             (next, _) => next?,
         };
@@ -170,9 +174,9 @@ pub fn run(
         progress.next = layout;
         let interrupted = interrupts.load(Ordering::Relaxed) > 0;
         if let Some(reason) = reason(scene, &progress, unchanged, interrupted) {
-            return Ok(Run { last: solved, progress, reason, error: None, clock });
+            return Ok(Run { last: solved, body, progress, reason, error: None, clock });
         }
-        last = Some(solved);
+        last = Some((solved, body));
     }
 }
 
@@ -182,17 +186,24 @@ fn advance(
     progress: &Progress,
     cache: &mut PairCache,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(Solved, Step, Layout), SolveError> {
+) -> Result<(Solved, Body, Step, Layout), SolveError> {
     let mesh = progress.next.subdivision.mesh(&scene.polygon)?;
     let estimated = is_estimated(scene, progress.next.dofs());
     let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.97))?;
     let mut estimate = estimate(scene, &solved, &body, &factors)?;
-    let (layout, located) = progress.next.next(scene, &solved, &factors, estimate.as_ref())?;
+    let (mut layout, located) = progress.next.next(scene, &solved, &factors, estimate.as_ref())?;
     let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
     if let Some(estimate) = &mut estimate {
         estimate.add_transitions(scene, &solved.mesh, &located, solved.contact.is_none() || fixed);
+    }
+    if let (Some(random), Some(one)) = (&scene.random, &mut estimate)
+        && one.relative <= scene.method.tolerance
+    {
+        // the mean outcome is solved well enough: what of the others?
+        *one = mean_estimate(scene, random, &body, one.clone())?;
+        (layout, _) = progress.next.next(scene, &solved, &factors, Some(one))?;
     }
     let s = &solved.seconds;
     let seconds = [s.set_up, s.assemble, s.factorise, s.solve, clock.elapsed().as_secs_f64()];
@@ -209,7 +220,7 @@ fn advance(
         located,
         seconds,
     };
-    Ok((solved, step, layout))
+    Ok((solved, body, step, layout))
 }
 
 /// Whether two steps have the same transitions, wherever these are.

@@ -77,6 +77,9 @@ pub enum SolveError {
         /// J as computed.
         energy: f64,
     },
+    /// The random input cannot be treated.
+    #[error(transparent)]
+    Stochastic(#[from] steklov_stochastic::StochasticError),
     /// The observer failed to store what it was given.
     #[error(transparent)]
     Io(#[from] steklov_io::IoError),

@@ -17,6 +17,7 @@ use crate::run::Step;
 use crate::scene::Scene;
 use crate::solve::Stage;
 use crate::steps;
+use crate::stochastic::{self, StochasticResult};
 use crate::summary::Summary;
 
 /// What `show` reads of a result file.
@@ -40,6 +41,8 @@ pub struct Stored {
     pub contact: Vec<ContactRow>,
     /// The body with its fields.
     pub grid: vtkhdf::Grid,
+    /// All outcomes of random input.
+    pub stochastic: Option<StochasticResult>,
 }
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
@@ -142,6 +145,9 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
     save_solution(&create_group(file, "solution")?, record)?;
     if record.summary.contact.is_some() {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
+    }
+    if let Some(result) = &record.stochastic {
+        stochastic::write(&create_group(file, "stochastic")?, result)?;
     }
     // the matrices of a step that was stopped
     let unfinished = format!("/steps/{}", steps::name(record.steps.len()));
@@ -274,7 +280,11 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         return Err(invalid(file, "contact/side", why));
     }
     let grid = vtkhdf::read(file)?;
-    Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid })
+    let stochastic = match file.link_exists("stochastic") {
+        true => Some(stochastic::read(&open_group(file, "stochastic")?)?),
+        false => None,
+    };
+    Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid, stochastic })
 }
 
 /// Reads the steps from which a run goes on, and checks that they are those of this scene: of the overrides only

@@ -71,6 +71,19 @@ impl Field {
         self.roots.is_empty()
     }
 
+    /// Eigenvalues of the covariance, falling.
+    pub fn eigenvalues(&self) -> Vec<f64> {
+        self.roots.iter().map(|r| r * r).collect()
+    }
+
+    /// Lengths of the domain: one of an interval, two of a rectangle.
+    pub fn sides(&self) -> Vec<f64> {
+        match &self.expansion {
+            Expansion::Interval(kl) => vec![kl.length()],
+            Expansion::Rectangle(kl) => kl.sides().to_vec(),
+        }
+    }
+
     /// Share of the variance that is kept, the mean of [`deviation`](Self::deviation)² over the domain.
     pub fn captured(&self) -> f64 {
         match &self.expansion {

@@ -88,6 +88,7 @@ impl Scene {
         let root = tree::build(&source).map_err(|p| source.error(p))?;
         let scene = scene(&root, &source, None).map_err(|p| source.error(p))?;
         scene.check_data()?;
+        scene.check_outcomes()?;
         unavailable(&root).map_err(|p| source.error(p))?;
         Ok(scene)
     }
@@ -117,6 +118,13 @@ impl Scene {
             Some(root)
         };
         matches!((tree(&self.source), tree(&other)), (Some(a), Some(b)) if a.same(&b))
+    }
+
+    /// The refusal of a path that is no number of the result.
+    pub(crate) fn quantity_error(&self, path: &str) -> SceneError {
+        let message = format!("the quantity {path:?} is not a number of the result");
+        let help = "take paths of the JSON object: energy, contact.force.y, contact.max_pressure, reactions.SIDE.x, probe.0.displacement.y";
+        self.error_at(Kind::Value, &[vec!["stochastic", "quantities"]], message, help)
     }
 
     /// An error about an expression of the scene, at its place.

@@ -6,9 +6,10 @@ use std::sync::Arc;
 use steklov_bem_operators::Polygon;
 use steklov_stochastic::{Covariance, Distribution, Field as Expansion, Kernel, StochasticError, Truncation, Variable};
 
+use super::Scene;
 use super::body::check_name;
 use super::check::data;
-use super::error::{Problem, SceneErrorKind as Kind};
+use super::error::{Problem, SceneError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::sides::Side;
 use super::tree::{Item, Value, suggestion};
@@ -435,4 +436,43 @@ pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, Problem> {
         }
     }
     Ok(read)
+}
+
+/// Outcomes beyond this probability at either end of a germ without bounds are not looked at.
+const RARE: f64 = 1e-12;
+/// Most germs of which all combinations of ends are tried.
+const CORNERS: usize = 8;
+
+impl Scene {
+    /// Looks at outcomes at the ends of the germs: each alone with all data, the modulus at all combinations of up to 8 germs.
+    ///
+    /// # Errors
+    /// Those of [`Scene::outcome`] and [`Scene::check_data`].
+    pub(super) fn check_outcomes(&self) -> Result<(), SceneError> {
+        let Some(random) = &self.random else { return Ok(()) };
+        let nominal = random.nominal();
+        let ends: Vec<[f64; 2]> = random
+            .germs
+            .iter()
+            .map(|g| {
+                let [low, high] = g.variable.germ_support();
+                let end = |bound: f64, p: f64| if bound.is_finite() { bound } else { g.variable.quantile(p) };
+                [end(low, RARE), end(high, 1.0 - RARE)]
+            })
+            .collect();
+        for d in 0..ends.len() {
+            for end in ends[d] {
+                let mut germs = nominal.clone();
+                germs[d] = end;
+                self.outcome(&germs)?.check_data()?;
+            }
+        }
+        if random.uses.young && ends.len() <= CORNERS {
+            for corner in 0..1usize << ends.len() {
+                let germs: Vec<f64> = ends.iter().enumerate().map(|(d, e)| e[corner >> d & 1]).collect();
+                self.outcome(&germs)?;
+            }
+        }
+        Ok(())
+    }
 }

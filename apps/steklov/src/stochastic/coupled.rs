@@ -35,8 +35,7 @@ pub(crate) fn solve_cell(
     let size = mass.nrows();
     let factor = mass.llt(Side::Lower).map_err(|_| StochasticError::Decomposition { size })?;
     let mixing = factor.solve(Mat::from_fn(size, size, |j, k| if j == k { basis.weights[j] } else { 0.0 })); // M_E⁻¹ D
-    let given: Vec<(Scene, f64, Given)> =
-        basis.points.iter().map(|p| outcomes.given(p)).collect::<Result<_, _>>()?;
+    let given: Vec<(Scene, f64, Given)> = basis.points.iter().map(|p| outcomes.given(p)).collect::<Result<_, _>>()?;
     // the outcomes' own loads and bounds, which `given` has divided by the modulus of the node
     let modulus: Vec<f64> = given.iter().map(|g| g.1).collect();
     let mixed = |values: &dyn Fn(usize) -> Vec<f64>| -> Vec<Vec<f64>> {

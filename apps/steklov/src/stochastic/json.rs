@@ -24,16 +24,16 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         }
         *place = one;
     }
-    let fields = random.fields().map(|(f, _)| {
-        (f.name.clone(), object!({ "modes": f.expansion.len(), "captured": f.expansion.captured() }))
-    });
+    let fields = random
+        .fields()
+        .map(|(f, _)| (f.name.clone(), object!({ "modes": f.expansion.len(), "captured": f.expansion.captured() })));
     let lost = random.germs.iter().filter(|g| g.variable.lost() > 0.0);
     root["solution"] = object!({
         "method": method(random.stochastic.method),
         "germs": result.labels,
         "points": result.points.len(),
         "solves": result.solved,
-        "cells": result.mesh.as_ref().map(|m| m.cells.len()),
+        "cells": result.cells.as_ref().map(|c| c.degree.len()),
         "coupled": result.coupled,
         "truncation_relative": result.truncation,
         "iterations": result.iterations,

@@ -14,7 +14,7 @@ mod estimate;
 mod json;
 mod store;
 
-pub use json::json;
-pub use result::{Quantity, StochasticResult, solve_stochastic};
 pub(crate) use estimate::mean_estimate;
-pub use store::write;
+pub use json::json;
+pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
+pub use store::{read, write};

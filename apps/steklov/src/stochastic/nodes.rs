@@ -3,9 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_contact::Solution;
-use steklov_stochastic::{
-    CellBasis, DirectionError, Nodes, StochasticMesh, changes, refine, solve_points, truncation,
-};
+use steklov_stochastic::{CellBasis, DirectionError, Nodes, StochasticMesh, changes, refine, solve_points, truncation};
 
 use super::coupled::solve_cell;
 use super::outcomes::{Answer, Outcomes};
@@ -84,8 +82,7 @@ pub(crate) fn solve_nodes(
     for round in 0.. {
         cells.resize_with(mesh.cells.len(), || None);
         let todo: Vec<usize> = (0..cells.len()).filter(|&c| cells[c].is_none()).collect();
-        let bases: Vec<CellBasis> =
-            todo.iter().map(|&c| mesh.basis(c, Nodes::Gauss)).collect::<Result<_, _>>()?;
+        let bases: Vec<CellBasis> = todo.iter().map(|&c| mesh.basis(c, Nodes::Gauss)).collect::<Result<_, _>>()?;
         let answers = solve_cells(scene, outcomes, coupled, &bases, paths, watch)?;
         solved += answers.iter().map(Vec::len).sum::<usize>();
         for ((c, basis), answers) in todo.into_iter().zip(bases).zip(answers) {
@@ -93,11 +90,8 @@ pub(crate) fn solve_nodes(
             cells[c] = Some(Cell { basis, answers, errors });
         }
         let all: Vec<&Cell> = cells.iter().flatten().collect();
-        let energy: f64 = all
-            .iter()
-            .flat_map(|c| c.basis.weights.iter().zip(&c.answers))
-            .map(|(w, a)| w * 2.0 * a.strain)
-            .sum();
+        let energy: f64 =
+            all.iter().flat_map(|c| c.basis.weights.iter().zip(&c.answers)).map(|(w, a)| w * 2.0 * a.strain).sum();
         let squared: f64 = all.iter().flat_map(|c| &c.errors).map(|e| e.error).sum();
         let relative = if squared == 0.0 { 0.0 } else { (squared / energy).sqrt() };
         let nodes: usize = all.iter().map(|c| c.answers.len()).sum();
@@ -111,9 +105,8 @@ pub(crate) fn solve_nodes(
             changes(&cell.basis, direction, &events(&cell.answers))
         };
         let changed = refine(&mut mesh, &marks, SHARE, &at)?;
-        for c in changed.into_iter().filter(|&c| c < cells.len()) {
-            cells[c] = None;
-        }
+        let known = cells.len();
+        changed.into_iter().filter(|&c| c < known).for_each(|c| cells[c] = None);
     }
     unreachable!("the rounds are limited")
 }
@@ -152,9 +145,8 @@ fn solve_cells(
 
 /// λ_n less what closes the opening at the stiffness of the mean: changes sign where contact does.
 pub(crate) fn events(answers: &[Answer]) -> Vec<Vec<f64>> {
-    let largest = |values: &dyn Fn(&Answer) -> &Vec<f64>| {
-        answers.iter().flat_map(values).fold(0.0, |m: f64, v| m.max(v.abs()))
-    };
+    let largest =
+        |values: &dyn Fn(&Answer) -> &Vec<f64>| answers.iter().flat_map(values).fold(0.0, |m: f64, v| m.max(v.abs()));
     let (pressure, opening) = (largest(&|a| &a.pressure), largest(&|a| &a.opening));
     let scale = if opening > 0.0 { pressure / opening } else { 1.0 };
     let event = |a: &Answer| a.pressure.iter().zip(&a.opening).map(|(p, g)| p - scale * g).collect();

@@ -63,8 +63,7 @@ impl<'a> Outcomes<'a> {
         let held = if uses.held { data.held()? } else { self.body.held.clone() };
         let mut loads = if uses.loads { data.load()? } else { self.loads.clone() };
         loads.scale(1.0 / modulus);
-        let mut boundary =
-            if uses.contact || uses.held { data.contact(&held)? } else { self.boundary.clone() };
+        let mut boundary = if uses.contact || uses.held { data.contact(&held)? } else { self.boundary.clone() };
         if let Some(boundary) = &mut boundary {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }

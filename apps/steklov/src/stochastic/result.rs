@@ -5,12 +5,13 @@ use std::time::Instant;
 use rayon::prelude::*;
 use steklov_contact::Solution;
 use steklov_stochastic::{
-    Accumulator, Histogram, Moments, StochasticMesh, Variable, density, moments, quantiles, sample, smolyak, solve_points,
+    Accumulator, Histogram, Moments, Variable, density, moments, quantiles, sample, smolyak, solve_points,
 };
 
 use super::nodes::{Surrogate, events, is_affine, solve_nodes};
 use super::outcomes::{Answer, Outcomes};
 use crate::body::Body;
+use crate::field::RandomField;
 use crate::report::TOUCHING;
 use crate::scene::{Condition, Random, Sampling, Scene};
 use crate::solve::SolveError;
@@ -21,6 +22,9 @@ const BLOCK: usize = 1024;
 const BINS: usize = 40;
 /// Samples of the surrogate for the effects of single germs.
 const EFFECTS: usize = 2_000;
+/// Steps along a side, and in each direction over the body, at which modes of random fields are stored.
+const LINE: usize = 200;
+const GRID: usize = 32;
 /// Answers with more numbers than this together are not kept.
 const KEPT: usize = 8_000_000;
 
@@ -43,6 +47,32 @@ pub struct Quantity {
     pub density: Option<Histogram>,
     /// For each germ the share of the variance that is gone when it is known least: Sobol's total effect.
     pub effects: Option<Vec<f64>>,
+}
+
+/// The expansion of a random field.
+#[derive(Debug, Clone)]
+pub struct FieldModes {
+    /// Its name.
+    pub name: String,
+    /// Eigenvalues λ_m of the covariance.
+    pub eigenvalues: Vec<f64>,
+    /// Share of the variance that is kept.
+    pub captured: f64,
+    /// Arc lengths `[s]` along the side, or points `[x, y]` of the body.
+    pub points: Vec<Vec<f64>>,
+    /// √λ_m b_m at each of them.
+    pub modes: Vec<Vec<f64>>,
+}
+
+/// Cells of a stochastic mesh: for each the lower and upper ends and the degree in every germ.
+#[derive(Debug, Clone)]
+pub struct Cells {
+    /// Lower ends.
+    pub low: Vec<Vec<f64>>,
+    /// Upper ends.
+    pub high: Vec<Vec<f64>>,
+    /// Degrees.
+    pub degree: Vec<Vec<usize>>,
 }
 
 /// All outcomes of a scene.
@@ -70,8 +100,10 @@ pub struct StochasticResult {
     pub probability: Vec<f64>,
     /// Displacements at the points, where they are kept.
     pub displacements: Vec<Vec<f64>>,
+    /// The random fields.
+    pub fields: Vec<FieldModes>,
     /// The stochastic mesh.
-    pub mesh: Option<StochasticMesh>,
+    pub cells: Option<Cells>,
     /// Estimated error of the truncation over the energy norm, both in mean square; none without a stochastic mesh.
     pub truncation: Option<f64>,
     /// Square of it for each germ.
@@ -152,10 +184,28 @@ pub fn solve_stochastic(
         }
         Sampling::MonteCarlo => of_samples(&outcomes, &variables, random, &paths, &watch)?,
     };
+    result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
     result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
     result.young.iter_mut().for_each(|e| *e *= scene.material.young);
     result.seconds = clock.elapsed().as_secs_f64();
     Ok(result)
+}
+
+/// The expansion of a field along its side, or on a grid over the body.
+fn field_modes(field: &RandomField) -> FieldModes {
+    let step = |k: usize, n: usize, length: f64| length * k as f64 / n as f64;
+    let points: Vec<Vec<f64>> = match field.expansion.sides()[..] {
+        [x, y] => (0..=GRID).flat_map(|j| (0..=GRID).map(move |i| vec![step(i, GRID, x), step(j, GRID, y)])).collect(),
+        ref length => (0..=LINE).map(|k| vec![step(k, LINE, length[0])]).collect(),
+    };
+    let at = |p: &Vec<f64>| field.expansion.modes([p[0], p.get(1).copied().unwrap_or(0.0)]);
+    FieldModes {
+        name: field.name.clone(),
+        eigenvalues: field.expansion.eigenvalues(),
+        captured: field.expansion.captured(),
+        modes: points.iter().map(at).collect(),
+        points,
+    }
 }
 
 /// The fields that are the mean over points.
@@ -213,7 +263,8 @@ fn of_grid(
         shear,
         points,
         weights,
-        mesh: None,
+        fields: Vec::new(),
+        cells: None,
         truncation: None,
         truncation_by_germ: Vec::new(),
         coupled: false,
@@ -256,8 +307,7 @@ fn of_surrogate(random: &Random, surrogate: &Surrogate, paths: &[String]) -> Res
     let sampled: Vec<(Vec<f64>, Vec<f64>)> = (0..count).into_par_iter().map(|i| at(&germ(i), true)).collect();
     let equal = vec![1.0; count];
     let conditions = result.pressure.mean.len();
-    let probability =
-        (0..conditions).map(|i| sampled.iter().map(|s| s.1[i]).sum::<f64>() / count as f64).collect();
+    let probability = (0..conditions).map(|i| sampled.iter().map(|s| s.1[i]).sum::<f64>() / count as f64).collect();
     // total effects by Jansen's formula: only germ d changes from a sample to its partner
     let few = count.min(EFFECTS);
     let partners: Vec<Vec<Vec<f64>>> = (0..few)
@@ -288,7 +338,9 @@ fn of_surrogate(random: &Random, surrogate: &Surrogate, paths: &[String]) -> Res
     let part = |error: f64| if error == 0.0 { 0.0 } else { error / energy };
     result.truncation_by_germ = (0..variables.len()).map(|d| part(by_germ(d))).collect();
     result.probability = probability;
-    result.mesh = Some(mesh.clone());
+    let bound = |k: usize| mesh.cells.iter().map(|c| c.bounds.iter().map(|b| b[k]).collect()).collect();
+    let degree = mesh.cells.iter().map(|c| c.degree.clone()).collect();
+    result.cells = Some(Cells { low: bound(0), high: bound(1), degree });
     result.truncation = Some(*relative);
     result.coupled = *coupled;
     result.solved = *solved;
@@ -359,7 +411,8 @@ fn of_samples(
         shear: sums[3].moments(),
         probability: sums[4].moments().mean,
         displacements: Vec::new(),
-        mesh: None,
+        fields: Vec::new(),
+        cells: None,
         truncation: None,
         truncation_by_germ: Vec::new(),
         coupled: false,

@@ -1,1 +1,206 @@
-//! `/stochastic` of the result file.
+//! `/stochastic` of the result file, and back.
+
+use faer::Mat;
+use steklov_io::{
+    Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_texts, load_vector,
+    open_group, save_dense, save_integers, save_number, save_texts, save_vector,
+};
+use steklov_stochastic::{Histogram, Moments};
+
+use super::{Cells, FieldModes, Quantity, StochasticResult};
+
+fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
+    Label { unit, meaning, axes }
+}
+
+fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
+    Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |i, j| rows[i][j])
+}
+
+fn rows(matrix: &Mat<f64>) -> Vec<Vec<f64>> {
+    (0..matrix.nrows()).map(|i| (0..matrix.ncols()).map(|j| matrix[(i, j)]).collect()).collect()
+}
+
+/// Writes the points, the quantities, the moments of the fields and the expansions of random fields.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
+    let germ = &["point", "germ"];
+    save_texts(at, "germs", &result.labels, "independent random variables: the directions of the problem", "germ")?;
+    save_dense(at, "points", matrix(&result.points).as_ref(), &label("1", "germs of each point", germ))?;
+    save_vector(at, "weights", &result.weights, &label("1", "weights of the points, sum 1", &["point"]))?;
+    save_vector(at, "young", &result.young, &label("stress", "Young's modulus of each point", &["point"]))?;
+    save_moments(at, "displacement", "length", "nodal displacement, component fastest", &result.displacement)?;
+    let stressed = label("length", "mean of E/E0 u: the displacement of E0 with the mean stress", &["unknown"]);
+    save_vector(at, "stress_displacement", &result.stress_displacement, &stressed)?;
+    save_moments(at, "pressure", "stress", "lambda_n of each contact node", &result.pressure)?;
+    save_moments(at, "shear", "stress", "lambda_t of each contact node", &result.shear)?;
+    let contact = label("1", "probability of contact of each contact node", &["contact node"]);
+    save_vector(at, "probability", &result.probability, &contact)?;
+    if !result.displacements.is_empty() {
+        let meaning = label("length", "nodal displacement of every point", &["point", "unknown"]);
+        save_dense(at, "displacements", matrix(&result.displacements).as_ref(), &meaning)?;
+    }
+    let counts = [result.solved, result.iterations, result.unconverged, usize::from(result.coupled)];
+    let meaning = "points solved, iterations of the contact solver, points without convergence, 1 for coupled nodes";
+    save_integers(at, "counts", &counts, &label("1", meaning, &["what"]))?;
+    save_number(at, "seconds", result.seconds, "second", "wall time")?;
+    if let (Some(cells), Some(truncation)) = (&result.cells, result.truncation) {
+        let group = create_group(at, "mesh")?;
+        save_number(&group, "truncation", truncation, "1", "estimated truncation over the energy norm, mean square")?;
+        let by_germ = label("1", "its square, by germ", &["germ"]);
+        save_vector(&group, "truncation_by_germ", &result.truncation_by_germ, &by_germ)?;
+        let axes = &["cell", "germ"];
+        save_dense(&group, "low", matrix(&cells.low).as_ref(), &label("1", "lower ends of the cells", axes))?;
+        save_dense(&group, "high", matrix(&cells.high).as_ref(), &label("1", "upper ends of the cells", axes))?;
+        let degree: Vec<Vec<f64>> = cells.degree.iter().map(|d| d.iter().map(|q| *q as f64).collect()).collect();
+        save_dense(&group, "degree", matrix(&degree).as_ref(), &label("1", "polynomial degrees", axes))?;
+    }
+    let names: Vec<String> = result.quantities.iter().map(|q| q.name.clone()).collect();
+    save_texts(at, "quantity_names", &names, "paths of the quantities in the JSON object", "quantity")?;
+    let quantities = create_group(at, "quantities")?;
+    for (k, quantity) in result.quantities.iter().enumerate() {
+        save_quantity(&create_group(&quantities, &k.to_string())?, quantity)?;
+    }
+    let names: Vec<String> = result.fields.iter().map(|f| f.name.clone()).collect();
+    save_texts(at, "field_names", &names, "random fields", "field")?;
+    let fields = create_group(at, "fields")?;
+    for (k, field) in result.fields.iter().enumerate() {
+        let group = create_group(&fields, &k.to_string())?;
+        let eigen = label("length^d", "eigenvalues of the covariance", &["mode"]);
+        save_vector(&group, "eigenvalues", &field.eigenvalues, &eigen)?;
+        save_number(&group, "captured", field.captured, "1", "share of the variance that is kept")?;
+        let points = label("length", "arc length along the side, or points of the body", &["point", "component"]);
+        save_dense(&group, "points", matrix(&field.points).as_ref(), &points)?;
+        let modes = label("1", "square root of the eigenvalue times the mode", &["point", "mode"]);
+        save_dense(&group, "modes", matrix(&field.modes).as_ref(), &modes)?;
+    }
+    Ok(())
+}
+
+fn save_moments(at: &Group, name: &str, unit: &str, meaning: &str, moments: &Moments) -> Result<(), IoError> {
+    let group = create_group(at, name)?;
+    save_vector(&group, "mean", &moments.mean, &label(unit, &format!("mean of the {meaning}"), &["entry"]))?;
+    let squared = format!("{unit}^2");
+    let meaning = format!("variance of the {meaning}");
+    save_vector(&group, "variance", &moments.variance, &label(&squared, &meaning, &["entry"]))
+}
+
+fn save_quantity(at: &Group, q: &Quantity) -> Result<(), IoError> {
+    save_vector(at, "values", &q.values, &label("of the quantity", "value at each point", &["point"]))?;
+    let both = label("of the quantity", "mean and variance", &["moment"]);
+    save_vector(at, "moments", &[q.mean, q.variance], &both)?;
+    if let Some(error) = q.standard_error {
+        save_number(at, "standard_error", error, "of the quantity", "standard error of the mean")?;
+    }
+    if let Some(quantiles) = &q.quantiles {
+        let meaning = label("of the quantity", "at the probabilities of the scene", &["probability"]);
+        save_vector(at, "quantiles", quantiles, &meaning)?;
+    }
+    if let Some(density) = &q.density {
+        save_vector(at, "bins", &density.edges, &label("of the quantity", "ends of the bins", &["end"]))?;
+        save_vector(at, "density", &density.density, &label("1/quantity", "density of each bin", &["bin"]))?;
+    }
+    if let Some(effects) = &q.effects {
+        let meaning = label("1", "total effect of each germ, as a share of the variance", &["germ"]);
+        save_vector(at, "effects", effects, &meaning)?;
+    }
+    Ok(())
+}
+
+/// Reads what [`write`] wrote.
+///
+/// # Errors
+/// A file that is not one of this program's, truncated or altered.
+pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
+    let counts = load_integers(at, "counts")?;
+    let &[solved, iterations, unconverged, coupled] = &counts[..] else {
+        return Err(invalid(at, "counts", "it does not have 4 numbers"));
+    };
+    let vectors = |group: &Group, name: &str| Ok::<_, IoError>(rows(&load_dense(group, name)?));
+    let (mut cells, mut truncation, mut truncation_by_germ) = (None, None, Vec::new());
+    if at.link_exists("mesh") {
+        let group = open_group(at, "mesh")?;
+        truncation = Some(load_number(&group, "truncation")?);
+        truncation_by_germ = load_vector(&group, "truncation_by_germ")?;
+        let degree = vectors(&group, "degree")?.iter().map(|d| d.iter().map(|q| *q as usize).collect()).collect();
+        cells = Some(Cells { low: vectors(&group, "low")?, high: vectors(&group, "high")?, degree });
+    }
+    let mut quantities = Vec::new();
+    for (k, name) in load_texts(at, "quantity_names")?.into_iter().enumerate() {
+        quantities.push(load_quantity(&open_group(&open_group(at, "quantities")?, &k.to_string())?, name)?);
+    }
+    let mut fields = Vec::new();
+    for (k, name) in load_texts(at, "field_names")?.into_iter().enumerate() {
+        let group = open_group(&open_group(at, "fields")?, &k.to_string())?;
+        fields.push(FieldModes {
+            name,
+            eigenvalues: load_vector(&group, "eigenvalues")?,
+            captured: load_number(&group, "captured")?,
+            points: vectors(&group, "points")?,
+            modes: vectors(&group, "modes")?,
+        });
+    }
+    let result = StochasticResult {
+        labels: load_texts(at, "germs")?,
+        points: vectors(at, "points")?,
+        weights: load_vector(at, "weights")?,
+        young: load_vector(at, "young")?,
+        quantities,
+        displacement: load_moments(at, "displacement")?,
+        stress_displacement: load_vector(at, "stress_displacement")?,
+        pressure: load_moments(at, "pressure")?,
+        shear: load_moments(at, "shear")?,
+        probability: load_vector(at, "probability")?,
+        displacements: if at.link_exists("displacements") { vectors(at, "displacements")? } else { Vec::new() },
+        fields,
+        cells,
+        truncation,
+        truncation_by_germ,
+        coupled: coupled != 0,
+        solved,
+        iterations,
+        unconverged,
+        seconds: load_number(at, "seconds")?,
+    };
+    let points = result.points.len();
+    if result.weights.len() != points || result.young.len() != points {
+        return Err(invalid(at, "weights", "it does not have a number for each point"));
+    }
+    if result.quantities.iter().any(|q| q.values.len() != points) {
+        return Err(invalid(at, "quantities", "their values are not one for each point"));
+    }
+    Ok(result)
+}
+
+fn load_moments(at: &Group, name: &str) -> Result<Moments, IoError> {
+    let group = open_group(at, name)?;
+    let moments = Moments { mean: load_vector(&group, "mean")?, variance: load_vector(&group, "variance")? };
+    if moments.mean.len() == moments.variance.len() {
+        Ok(moments)
+    } else {
+        Err(invalid(&group, "variance", "means and variances differ in number"))
+    }
+}
+
+fn load_quantity(at: &Group, name: String) -> Result<Quantity, IoError> {
+    let both = load_vector(at, "moments")?;
+    let &[mean, variance] = &both[..] else { return Err(invalid(at, "moments", "it does not have 2 numbers")) };
+    let optional = |name: &str| at.link_exists(name).then(|| load_vector(at, name)).transpose();
+    let density = match (optional("bins")?, optional("density")?) {
+        (Some(edges), Some(density)) if edges.len() == density.len() + 1 => Some(Histogram { edges, density }),
+        (None, None) => None,
+        _ => return Err(invalid(at, "bins", "they do not fit the density")),
+    };
+    Ok(Quantity {
+        values: load_vector(at, "values")?,
+        standard_error: at.link_exists("standard_error").then(|| load_number(at, "standard_error")).transpose()?,
+        quantiles: optional("quantiles")?,
+        effects: optional("effects")?,
+        name,
+        mean,
+        variance,
+        density,
+    })
+}
