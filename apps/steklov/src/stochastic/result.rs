@@ -325,7 +325,7 @@ fn of_surrogate(random: &Random, surrogate: &Surrogate, paths: &[String]) -> Res
     for (k, quantity) in result.quantities.iter_mut().enumerate() {
         let values: Vec<f64> = sampled.iter().map(|s| s.0[k]).collect();
         quantity.quantiles = Some(quantiles(&values, &equal, &settings.quantiles)?);
-        quantity.density = Some(density(&values, &equal, BINS)?);
+        quantity.density = density(&values, &equal, BINS).ok(); // none of a constant
         let effect = |d: usize| {
             let squares = partners.iter().zip(&values).map(|(p, v)| (p[d][k] - v).powi(2));
             let half = 0.5 * squares.sum::<f64>() / few as f64;
@@ -394,7 +394,7 @@ fn of_samples(
             variance: both.variance[k],
             standard_error: Some(errors.mean[k]),
             quantiles: Some(quantiles(&values, &equal, &settings.quantiles)?),
-            density: Some(density(&values, &equal, BINS)?),
+            density: density(&values, &equal, BINS).ok(), // none of a constant
             effects: None,
             values,
         });
