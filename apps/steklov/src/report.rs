@@ -101,7 +101,7 @@ fn stabilised_rows(solved: &Solved, contact: &StabilisedContact) -> Vec<ContactR
             tangential_displacement: u[0] * tangent[0] + u[1] * tangent[1],
             pressure,
             shear,
-            bound: condition.bound,
+            bound: condition.limit(pressure),
             weight: node.weight,
             status: number(contact.solution.status[i]),
             side: node.side,
@@ -148,7 +148,8 @@ pub fn contact_summary(
     };
     let stick = stick.min(length);
     ContactSummary {
-        contraction: contact.coulomb.map(|c| c.contraction),
+        // of what is no solution it means nothing
+        contraction: contact.coulomb.filter(|_| contact.converged()).map(|c| c.contraction),
         length,
         stick,
         slip: length - stick,

@@ -193,6 +193,7 @@ fn advance(
     let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
     if let Some(estimate) = &mut estimate {
         estimate.add_transitions(scene, &solved.mesh, &located, solved.contact.is_none() || fixed);
+        estimate.add_roundoff(&solved);
     }
     let s = &solved.seconds;
     let seconds = [s.set_up, s.assemble, s.factorise, s.solve, clock.elapsed().as_secs_f64()];

@@ -71,8 +71,10 @@ pub enum SolveError {
         /// Value on the second side.
         b: f64,
     },
-    /// Displacements or energies beyond the range of floating point.
-    #[error("the displacements or the energy ({energy}) leave the range of floating point numbers")]
+    /// Displacements, energies or errors beyond the range of floating point.
+    #[error(
+        "the displacements, the energy ({energy}) or its estimated error leave the range of floating point numbers"
+    )]
     NotFinite {
         /// J as computed.
         energy: f64,
@@ -146,7 +148,7 @@ pub struct Solved {
 }
 
 /// Relative residual of equilibrium beyond which an answer has lost too many digits.
-const UNBALANCED: f64 = 1e-7;
+pub(crate) const UNBALANCED: f64 = 1e-7;
 
 /// What is left of a solution's matrices, for its estimate and the next mesh.
 pub struct Factors {
