@@ -204,7 +204,7 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
     let (choice, why) = match scene.method.solver {
         Solver::Auto if coulomb => (
             COULOMB_SOLVER,
-            "active sets under Coulomb's law from full stick, else from a fixed point of Tresca problems by interior points",
+            "active sets under Coulomb's law from full stick, else from a fixed point of Tresca problems by interior points or by way of smaller coefficients",
         ),
         Solver::Auto => ("interior-point", "finds the contact sets on any mesh; active sets make them exact"),
         Solver::Newton => ("newton", "as the scene says"),
