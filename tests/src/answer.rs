@@ -5,7 +5,7 @@ use std::sync::atomic::AtomicUsize;
 
 use steklov::adapt::Layout;
 use steklov::plan::first_mesh;
-use steklov::report::{ContactRow, contact_rows, contact_summary};
+use steklov::report::{ContactRow, contact_rows, contact_summary, located_ends};
 use steklov::run::{Progress, Run, run};
 use steklov::scene::{Refine, Scene, SceneError};
 use steklov::solve::{SolveError, Solved};
@@ -110,7 +110,7 @@ pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
         None => (Vec::new(), None),
         Some(contact) => {
             let rows = contact_rows(&run.last, contact);
-            let summary = contact_summary(&once, &run.last, contact, &rows, run.step());
+            let summary = contact_summary(&once, &run.last, contact, &rows, located_ends(&once, run.step()));
             (rows, Some(summary))
         }
     };

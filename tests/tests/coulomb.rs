@@ -23,7 +23,7 @@ fn run(scene: &Scene) -> Run {
 }
 
 fn summary(scene: &Scene) -> Summary {
-    Record::new(scene, plan(scene), run(scene), Path::new("none.vtkhdf"), 0.0).summary
+    Record::new(scene, plan(scene), run(scene), None, Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// The condensed problem of a scene's first mesh, and its solution.

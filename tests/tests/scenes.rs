@@ -41,7 +41,7 @@ fn read(path: &Path, overrides: &[&str]) -> Scene {
 fn solved(scene: &Scene) -> (Summary, f64) {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     let equilibrium = run.last.equilibrium;
-    (Record::new(scene, plan(scene), run, Path::new("none.vtkhdf"), 0.0).summary, equilibrium)
+    (Record::new(scene, plan(scene), run, None, Path::new("none.vtkhdf"), 0.0).summary, equilibrium)
 }
 
 fn numbered(number: &str) -> PathBuf {

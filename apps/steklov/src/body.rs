@@ -16,7 +16,7 @@ use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};
 
 /// Relative residual of equilibrium beyond which an answer has lost too many digits.
-const UNBALANCED: f64 = 1e-7;
+pub(crate) const UNBALANCED: f64 = 1e-7;
 
 /// What assembly and factorisation leave: enough to answer any loads, gaps, bounds and held values on the same supports.
 pub struct Body {

@@ -18,7 +18,7 @@ use steklov_io::{File, create_atomically, open};
 use self::output::{appeared, check_output};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs};
-use crate::plan::{CONTACT_SOLVER, Plan, plan};
+use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, Plan, plan};
 use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
 use crate::scene::{Scene, TEMPLATE};
@@ -300,6 +300,12 @@ fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
             "the solver {named} did not reach its criterion in {} iterations: leave method.solver at \"auto\"",
             summary.iterations
         ),
+        // a solution under Coulomb's law has a contraction
+        _ if choice == Some(COULOMB_SOLVER) && summary.contact.as_ref().is_some_and(|c| c.contraction.is_none()) => {
+            "no solution under Coulomb's law was found on this mesh: lower the friction coefficients, or try \
+             another number of method.elements"
+                .to_owned()
+        }
         _ => "the forces balance or the contact conditions hold only as far as the audit says: bring lengths, gaps, \
               loads and Young's modulus nearer to each other"
             .to_owned(),

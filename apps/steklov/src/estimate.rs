@@ -14,7 +14,7 @@ use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSt
 use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
 
 use crate::adapt::{coarse_elements, singular_points};
-use crate::body::{Body, Factors};
+use crate::body::{Body, Factors, UNBALANCED};
 use crate::data::Data;
 use crate::scene::{Condition, Indicator, Refine, Scene};
 use crate::solve::{SolveError, Solved};
@@ -93,7 +93,7 @@ pub enum Doubt {
     Data,
     /// Coulomb's law has several solutions on this mesh, or its fixed point does not contract at this one.
     Several,
-    /// The error is down at rounding errors.
+    /// The error is down at rounding errors, or forces are out of balance by more than rounding may do.
     Roundoff,
 }
 
@@ -231,6 +231,9 @@ pub fn estimate(
     let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
     let energies = &solved.energies;
     let energy = factors.energy + 0.5 * gained - 0.5 * squared;
+    if !error.is_finite() || !energy.is_finite() {
+        return Err(SolveError::NotFinite { energy });
+    }
     let scale = scale(energies.strain, body, factors);
     let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
     let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * energies.friction_work).sqrt() } else { 0.0 };
@@ -318,7 +321,12 @@ impl Estimate {
         if self.is_coarse(mesh, &singular_points(scene, hp)) {
             self.doubts.push(Doubt::Coarse);
         }
-        if self.relative < ROUNDOFF {
+    }
+
+    /// Says whether rounding errors are in the way: of an error down at theirs, or of forces that do not balance.
+    pub(crate) fn add_roundoff(&mut self, solved: &Solved) {
+        let unbalanced = solved.contact.as_ref().is_some_and(|c| c.converged() && c.audit.equilibrium > UNBALANCED);
+        if self.relative < ROUNDOFF || unbalanced {
             self.doubts.push(Doubt::Roundoff);
         }
     }

@@ -1,7 +1,7 @@
 //! Errors of the solver, told with the text of the scene that causes them.
 
 use steklov_bem_operators::BemError;
-use steklov_contact::ContactError;
+use steklov_contact::{ContactError, LEAST_GAMMA};
 use steklov_stochastic::StochasticError;
 
 use crate::expression::Expression;
@@ -63,7 +63,10 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
             "uzawa is for bodies that are held: set solver = \"newton\", or hold a displacement",
         ),
         SolveError::Contact(ContactError::StabilisationNotCoercive { critical, .. }) => {
-            let help = format!("set gamma = \"auto\", or a number below {critical:.4e}, which depends on the mesh");
+            let help = format!(
+                "set gamma = \"auto\", or a number from {:.4e} to below {critical:.4e}, which depend on the mesh",
+                LEAST_GAMMA * critical
+            );
             at(Value, &[vec!["method", "gamma"], vec!["method"]], &help)
         }
         SolveError::Contact(ContactError::Inconsistent { .. }) => at(

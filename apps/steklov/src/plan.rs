@@ -2,10 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Mesh, RigidMotion, free_motions};
+use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
-use crate::scene::{Condition, Friction, Multiplier, Refine, Scene, Solver};
+use crate::scene::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -22,6 +23,9 @@ pub struct Plan {
 
 /// What is decided about where the plan names the solver of contact.
 pub const CONTACT_SOLVER: &str = "contact solver";
+
+/// The choice there under Coulomb's law.
+pub const COULOMB_SOLVER: &str = "active sets, fixed point";
 
 /// One choice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -66,12 +70,7 @@ pub fn plan(scene: &Scene) -> Plan {
         steklov_bem_operators::Plane::Stress => "plane stress, as plane strain with E(1+2ν)/(1+ν)² and ν/(1+ν)",
     };
     modelled.push(decision("plane", plane.into(), "as the scene says"));
-    if mesh.len() > method.elements {
-        let choice = format!("{} elements instead of {}", mesh.len(), method.elements);
-        modelled.push(decision("elements", choice, "every straight edge needs one"));
-    } else {
-        modelled.push(decision("elements", mesh.len().to_string(), "equal on an edge, the longest edges first"));
-    }
+    modelled.push(elements(scene, mesh.len()));
     modelled.push(decision(
         "degree",
         format!("{} for displacements, {} for tractions", method.degree, method.degree - 1),
@@ -148,6 +147,20 @@ pub fn plan(scene: &Scene) -> Plan {
     Plan { model: "bem".into(), modelled, left_out, cost }
 }
 
+/// How many elements there are and why.
+fn elements(scene: &Scene, number: usize) -> Decision {
+    let wanted = scene.method.elements;
+    let uniform = Mesh::uniform(&scene.polygon, wanted, scene.method.degree).len();
+    let why = match (uniform > wanted, number > uniform) {
+        (false, false) => "equal on an edge, the longest edges first",
+        (true, false) => "every straight edge needs one",
+        (false, true) => "the data have kinks or jumps, which need vertices of their own",
+        (true, true) => "every straight edge needs one, and kinks and jumps of the data need vertices of their own",
+    };
+    let choice = if number > wanted { format!("{number} elements instead of {wanted}") } else { number.to_string() };
+    Decision { what: "elements".into(), choice, why: why.into() }
+}
+
 fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let sides: Vec<(&str, &Friction)> = scene
         .sides
@@ -160,6 +173,7 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
     if sides.is_empty() {
         let (what, choice, why) = ("contact", "no contact solver", "no side is in contact: one linear solve");
         left_out.push(Decision { what: what.into(), choice: choice.into(), why: why.into() });
+        idle(&scene.method, left_out);
         return;
     }
     let laws: Vec<String> = sides
@@ -183,18 +197,55 @@ fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decis
             }
         },
     });
+    if scene.method.multiplier == Multiplier::Stabilised {
+        modelled.push(multipliers(&scene.method));
+    }
     let coulomb = sides.iter().any(|(_, friction)| matches!(friction, Friction::Coulomb(_)));
     let (choice, why) = match scene.method.solver {
         Solver::Auto if coulomb => (
-            "active sets, fixed point",
-            "active sets under Coulomb's law from full stick, else from a fixed point of Tresca problems by interior points",
+            COULOMB_SOLVER,
+            "active sets under Coulomb's law from full stick, else from a fixed point of Tresca problems by interior points or by way of smaller coefficients",
         ),
         Solver::Auto => ("interior-point", "finds the contact sets on any mesh; active sets make them exact"),
         Solver::Newton => ("newton", "as the scene says"),
         Solver::ActiveSet => ("active-set", "as the scene says"),
+        Solver::Uzawa if scene.method.multiplier == Multiplier::Stabilised => {
+            ("uzawa", "as the scene says: it rarely reaches its criterion with stabilised multipliers")
+        }
         Solver::Uzawa => ("uzawa", "as the scene says: a reference, slow, and only for supported bodies"),
     };
     modelled.push(Decision { what: CONTACT_SOLVER.into(), choice: choice.into(), why: why.into() });
+}
+
+/// What the scene asks of contact that it has not.
+fn idle(method: &Method, left_out: &mut Vec<Decision>) {
+    let asked = [
+        ("multipliers", "stabilised", method.multiplier == Multiplier::Stabilised),
+        (CONTACT_SOLVER, "method.solver", method.solver != Solver::Auto),
+    ];
+    for (what, choice, _) in asked.into_iter().filter(|a| a.2) {
+        let why = "the scene asks for it, but it has no effect without contact";
+        left_out.push(Decision { what: what.into(), choice: choice.into(), why: why.into() });
+    }
+}
+
+/// The space of stabilised multipliers and their γ.
+fn multipliers(method: &Method) -> Decision {
+    let mesh = MULTIPLIER_MESHES.iter().find(|m| m.1 == method.multiplier_mesh).map_or("", |m| m.0);
+    let degree = match method.multiplier_degree {
+        MultiplierDegree::Relative(_) => "auto".into(),
+        MultiplierDegree::Fixed(q) => q.to_string(),
+        MultiplierDegree::ContinuousLinear => "continuous".into(),
+    };
+    let gamma = method.gamma.map_or("auto".into(), |g| format!("{g:e}"));
+    let low = method.multiplier_degree == MultiplierDegree::Fixed(0);
+    let why = if method.refine == Refine::Hp && (low || matches!(method.multiplier_mesh, MultiplierMesh::Coarser(_))) {
+        "as the scene says: hp refines more with a coarser mesh or degree 0, as the multipliers lag behind the displacements"
+    } else {
+        "as the scene says; auto: the degree of the displacements, half of the critical gamma of each mesh"
+    };
+    let choice = format!("mesh {mesh}, degree {degree}, gamma {gamma}");
+    Decision { what: "multipliers".into(), choice, why: why.into() }
 }
 
 /// The mesh of the first step.

@@ -101,7 +101,7 @@ fn stabilised_rows(solved: &Solved, contact: &StabilisedContact) -> Vec<ContactR
             tangential_displacement: u[0] * tangent[0] + u[1] * tangent[1],
             pressure,
             shear,
-            bound: condition.bound,
+            bound: condition.limit(pressure),
             weight: node.weight,
             status: number(contact.solution.status[i]),
             side: node.side,
@@ -147,7 +147,8 @@ pub fn contact_summary(
     };
     let stick = stick.min(length);
     ContactSummary {
-        contraction: contact.coulomb.map(|c| c.contraction),
+        // of what is no solution it means nothing
+        contraction: contact.coulomb.filter(|_| contact.converged()).map(|c| c.contraction),
         length,
         stick,
         slip: length - stick,
@@ -176,7 +177,7 @@ pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Su
 }
 
 /// Edge and edge parameter of the ends of contact; none where one has no vertex.
-pub(crate) fn located_ends(scene: &Scene, step: &Step) -> Option<Vec<(usize, f64)>> {
+pub fn located_ends(scene: &Scene, step: &Step) -> Option<Vec<(usize, f64)>> {
     if scene.method.refine != Refine::Hp {
         return None;
     }

@@ -197,6 +197,7 @@ fn advance(
     let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
     if let Some(estimate) = &mut estimate {
         estimate.add_transitions(scene, &solved.mesh, &located, solved.contact.is_none() || fixed);
+        estimate.add_roundoff(&solved);
     }
     if let (Some(random), Some(one)) = (&scene.random, &mut estimate)
         && one.relative <= scene.method.tolerance

@@ -71,8 +71,10 @@ pub enum SolveError {
         /// Value on the second side.
         b: f64,
     },
-    /// Displacements or energies beyond the range of floating point.
-    #[error("the displacements or the energy ({energy}) leave the range of floating point numbers")]
+    /// Displacements, energies or errors beyond the range of floating point.
+    #[error(
+        "the displacements, the energy ({energy}) or its estimated error leave the range of floating point numbers"
+    )]
     NotFinite {
         /// J as computed.
         energy: f64,

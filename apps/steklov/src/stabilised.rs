@@ -5,7 +5,9 @@
 
 use faer::Mat;
 use steklov_bem_operators::{Dof, TractionMap};
-use steklov_contact::{ContactNode, Kkt, Loading, MultiplierSpace, Solution, StabilisedForms, kkt_in_body};
+use steklov_contact::{
+    ContactError, ContactNode, Kkt, Loading, MultiplierSpace, Solution, StabilisedForms, kkt_in_body,
+};
 
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
@@ -62,6 +64,9 @@ pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<Stabi
     let space = MultiplierSpace::new(mesh, &sides, method.multiplier_mesh, method.multiplier_degree)?;
     let forms = StabilisedForms::new(mesh, data.space, &scene.material, body.traction, &space);
     let critical = forms.critical_gamma(body.stiffness, body.held, body.rigid)?;
+    if !critical.is_finite() {
+        return Err(ContactError::Decomposition { size: body.load.len() }.into());
+    }
     let gamma = method.gamma.unwrap_or(SAFE * critical);
     let particular = body.particular.map(|p| (&p.force, p.displacement.as_slice()));
     let loading =

@@ -296,8 +296,10 @@ pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
     if load_text(file, "scene")? != scene.source.text {
         return Err(invalid(file, "scene", "it holds the result of another scene, or the scene has been edited since"));
     }
-    if !scene.differs_in_goal_only(&load_texts(file, "overrides")?) {
-        let why = "it was solved with other overrides; only method.tolerance, max_dofs and max_steps may change";
+    if let Some(key) = scene.differing_key(&load_texts(file, "overrides")?) {
+        let why = format!(
+            "it was solved with other overrides, which differ in {key}; only method.tolerance, max_dofs and max_steps may change"
+        );
         return Err(invalid(file, "overrides", why));
     }
     steps::load_all(file, scene)

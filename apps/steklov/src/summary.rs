@@ -81,7 +81,7 @@ pub struct ContactSummary {
     pub force: [f64; 2],
     /// Ends of contact, where adaptivity has located them.
     pub ends: Option<Vec<[f64; 2]>>,
-    /// Coulomb friction only: factor by which changes of the pressure shrink in the fixed point of Tresca problems.
+    /// Coulomb friction only, and where the solver converged: factor by which changes of the pressure shrink in the fixed point of Tresca problems.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub contraction: Option<f64>,
     /// γ of stabilised multipliers.

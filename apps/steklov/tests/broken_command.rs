@@ -147,6 +147,26 @@ const HIDDEN: &[Hidden] = &[
         parts: &["range of floating point", "[0, -1e300]", "choose units"],
     },
     Hidden {
+        edits: &[(CONTACT, "contact = { gap = \"-0.1*s\" }"), (LOAD, "displacement = [0, 0]"), ("200.0", "1e200")],
+        line: 10,
+        parts: &["range of floating point", "estimated error", "choose units"],
+    },
+    Hidden {
+        edits: &[
+            (CONTACT, "contact = { gap = \"-0.1*s\" }"),
+            (LOAD, "displacement = [0, 0]"),
+            ("200.0", "1e-200"),
+            ("elements = 8", "multiplier = \"stabilised\""),
+        ],
+        line: 6,
+        parts: &["entries are probably too large or too small", "1e-200", "choose units"],
+    },
+    Hidden {
+        edits: &[("elements = 8", "multiplier = \"stabilised\"\ngamma = 1e-12")],
+        line: 19,
+        parts: &["1.000000e-12", "a number from", "to below"],
+    },
+    Hidden {
         edits: &[("poisson = 0.3", "poisson = 0.4999999999999999")],
         line: 7,
         parts: &["not positive definite", "0.4999999999999999", "a smaller ratio"],

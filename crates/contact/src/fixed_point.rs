@@ -12,6 +12,10 @@ const TOLERANCE: f64 = 1e-11;
 const LIMIT: usize = 100;
 /// Of these with an active set trial under Coulomb's law.
 const TRIALS: usize = 30;
+/// Problems with a share of the coefficients at most, the first share, and a step too short to go on with.
+const CONTINUED: usize = 100;
+const FIRST_SHARE: f64 = 1.0 / 64.0;
+const LEAST_SHARE: f64 = 1e-6;
 /// Active set steps of one trial.
 const POLISHING: usize = 12;
 /// Steps towards bounds under which a Tresca problem has a solution, or doublings of the first ones.
@@ -61,7 +65,7 @@ pub fn fixed_point(problem: &Problem, start: Option<Start<'_>>) -> Result<Soluti
 }
 
 /// The active set method under Coulomb's law from full stick, then from the solution of each Tresca problem of the fixed
-/// point, until it settles.
+/// point, until it settles, and last by way of smaller coefficients.
 pub(crate) fn coulomb(problem: &Problem) -> Result<Solution, ContactError> {
     let mut history = Vec::new();
     let finished = |history: Vec<f64>, answer: Solution| Solution { iterations: history.len(), history, ..answer };
@@ -83,12 +87,40 @@ pub(crate) fn coulomb(problem: &Problem) -> Result<Solution, ContactError> {
         bounds.accept(&next);
         last = Some(next);
     }
+    if let Some(answer) = continued(problem, &mut history) {
+        return Ok(finished(history, answer));
+    }
     let last = last.expect("at least one problem is solved");
     let laws: Vec<Law> = laws(problem, &last.multipliers);
     let pieces = nearest_pieces(problem, &laws, &last.displacement, &body_force(problem, &last.displacement));
     let mut rest = iterate(problem, &laws, pieces, &last.displacement)?;
     history.append(&mut rest.history);
     Ok(finished(history, rest))
+}
+
+/// By way of problems with a rising share of the coefficients, each from the solution of the one before.
+fn continued(problem: &Problem, history: &mut Vec<f64>) -> Option<Solution> {
+    let (mut share, mut step) = (0.0, FIRST_SHARE);
+    let mut last: Option<Solution> = None;
+    for _ in 0..CONTINUED {
+        let next = f64::min(share + step, 1.0);
+        let mut part = problem.clone();
+        part.nodes.iter_mut().flat_map(|n| &mut n.conditions).for_each(|c| c.coefficient *= next);
+        let laws = laws(&part, last.as_ref().map_or(&[], |l| &l.multipliers));
+        let (pieces, near) = match &last {
+            Some(Solution { displacement: v, .. }) => {
+                (nearest_pieces(&part, &laws, v, &body_force(&part, v)), v.clone())
+            }
+            None => (laws.iter().map(|law| law.closed().clone()).collect(), vec![0.0; part.load.len()]),
+        };
+        match settled(&part, &laws, pieces, &near, history) {
+            Some(answer) if next == 1.0 => return Some(answer),
+            Some(answer) => (share, step, last) = (next, 2.0 * step, Some(answer)),
+            None if step < LEAST_SHARE => break,
+            None => step /= 4.0,
+        }
+    }
+    None
 }
 
 /// The solution to which a few active set steps settle, if they do. An error is one of the sets that were tried, not of the

@@ -99,7 +99,7 @@ pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
 pub use residual::{ContactResidual, ContactSolution, Multiplier, contact_residuals};
 pub use rows::{MultiplierRow, multiplier_rows};
 pub use sides::SideData;
-pub use stabilised::{Loading, Stabilised, StabilisedForms, pairing};
+pub use stabilised::{LEAST_GAMMA, Loading, Stabilised, StabilisedForms, pairing};
 pub use tips::{Located, Solved, Tip, relocate, unlocated};
 pub use transitions::{TipFit, TipKind, Transition, first_guess, tip_fit, transitions};
 pub use uzawa::uzawa;

@@ -83,11 +83,11 @@ pub struct Loading<'a> {
 }
 
 /// γ₀ over its critical value, at least: the condensed problem is as ill-conditioned as that is small.
-const LEAST: f64 = 1e-6;
+pub const LEAST_GAMMA: f64 = 1e-6;
 /// Layers towards the ends of an element, and Gauss points on each: 5e-4 of ∫ |σ^h|².
 const LAYERS: usize = 3;
 const POINTS: usize = 5;
-/// Gauss points for data on a smooth part.
+/// Gauss points for data on a smooth part, at least.
 const DATA_POINTS: usize = 24;
 /// A node is moved inwards by this part of its element where its data are taken.
 const INWARDS: f64 = 1e-9;
@@ -109,7 +109,9 @@ impl StabilisedForms {
         for cell in &cells {
             let (e, p) = (cell.element, mesh.degree[cell.element]);
             let [a, b] = cell.span;
-            for panel in graded_panels(LAYERS, POINTS, p, &[a, b]) {
+            // multipliers of high degree need as many points, or ∫ γ μ·μ is singular
+            let degree = p.max(multipliers.elements[cell.multiplier].degree);
+            for panel in graded_panels(LAYERS, POINTS, degree, &[a, b]) {
                 let middle = panel.points.iter().sum::<f64>() / panel.len() as f64;
                 if middle < a || middle > b {
                     continue;
@@ -215,7 +217,7 @@ impl StabilisedForms {
         critical: f64,
     ) -> Result<Stabilised, ContactError> {
         let refused = ContactError::StabilisationNotCoercive { gamma, critical };
-        if gamma.is_nan() || gamma >= critical || gamma < LEAST * critical {
+        if gamma.is_nan() || gamma >= critical || gamma < LEAST_GAMMA * critical {
             return Err(refused);
         }
         let free = free_unknowns(loading.load.len(), loading.held);
@@ -411,7 +413,7 @@ fn node_data(
         breaks.extend((gap.kinks)(e).into_iter().filter(|t| *t > cell.span[0] && *t < cell.span[1]));
         breaks.sort_by(f64::total_cmp);
         for part in breaks.windows(2) {
-            let rule = gauss_legendre(DATA_POINTS).mapped(part[0], part[1]);
+            let rule = gauss_legendre(DATA_POINTS.max(element.degree)).mapped(part[0], part[1]);
             for (&t, &w) in rule.points.iter().zip(&rule.weights) {
                 let g = gap.at(mesh, &Site::new(mesh, e, t))?;
                 let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));

@@ -2,7 +2,7 @@
 
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
-use super::error::Problem;
+use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Field, Fields};
 use super::tree::Value;
 
@@ -106,7 +106,7 @@ pub struct Method {
     pub solver: Solver,
 }
 
-const MULTIPLIER_MESHES: [(&str, MultiplierMesh); 4] = [
+pub(crate) const MULTIPLIER_MESHES: [(&str, MultiplierMesh); 4] = [
     ("same", MultiplierMesh::Same),
     ("coarser", MultiplierMesh::Coarser(2)),
     ("finer", MultiplierMesh::Finer(2)),
@@ -168,7 +168,8 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
         "multiplier_degree",
         "solver",
     ];
-    for (key, _, field) in Fields::new(&field, &known)?.all() {
+    let fields = Fields::new(&field, &known)?;
+    for (key, _, field) in fields.all() {
         match key {
             "model" => method.model = field.choice(&MODELS)?,
             "tolerance" => method.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?,
@@ -202,7 +203,22 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
             _ => method.solver = field.choice(&SOLVERS)?,
         }
     }
-    Ok(method)
+    // defaults that are written out do no harm
+    let default = Method::default();
+    let changed = [
+        ("gamma", method.gamma != default.gamma),
+        ("multiplier_mesh", method.multiplier_mesh != default.multiplier_mesh),
+        ("multiplier_degree", method.multiplier_degree != default.multiplier_degree),
+    ];
+    match fields.all().find(|(key, ..)| changed.contains(&(key, true))) {
+        Some((_, place, field)) if method.multiplier == Multiplier::Biorthogonal => Err(Problem::new(
+            Kind::Value,
+            place,
+            format!("{} has no effect with biorthogonal multipliers", field.name),
+            "set method.multiplier = \"stabilised\", or remove it",
+        )),
+        _ => Ok(method),
+    }
 }
 
 const MODELS: [(&str, Model); 6] = [

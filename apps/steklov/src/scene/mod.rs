@@ -24,6 +24,7 @@ use steklov_bem_operators::{Material, Polygon};
 use crate::expression::{Expression, Place};
 
 pub use error::{SceneError, SceneErrorKind, Source};
+pub(crate) use method::MULTIPLIER_MESHES;
 pub use method::{Expectation, Indicator, Method, Model, Multiplier, Refine, Solver};
 pub use random::{Germ, Random, RandomName, Sampling, Stochastic, Uses};
 pub use sides::{Condition, Friction, Side};
@@ -109,15 +110,18 @@ impl Scene {
         })
     }
 
-    /// Whether other overrides of this text give the same scene, but for its goal: the tolerance and the limits.
-    pub(crate) fn differs_in_goal_only(&self, overrides: &[String]) -> bool {
+    /// The key in which the scene of other overrides of this text differs, its goal apart: the tolerance and the limits.
+    pub(crate) fn differing_key(&self, overrides: &[String]) -> Option<String> {
         let other = Source { overrides: overrides.to_vec(), ..self.source.clone() };
         let tree = |source: &Source| {
             let mut root = tree::build(source).ok()?;
             root.remove("method", &["tolerance", "max_dofs", "max_steps"]);
             Some(root)
         };
-        matches!((tree(&self.source), tree(&other)), (Some(a), Some(b)) if a.same(&b))
+        match (tree(&self.source), tree(&other)) {
+            (Some(a), Some(b)) => a.difference(&b),
+            _ => Some(String::new()),
+        }
     }
 
     /// The refusal of a path that is no number of the result.

@@ -55,6 +55,19 @@ impl Item {
         }
     }
 
+    /// Path of the first key whose value is another one, or that only one of the two has.
+    pub(super) fn difference(&self, other: &Item) -> Option<String> {
+        let (Value::Table(a), Value::Table(b)) = (&self.value, &other.value) else {
+            return (!self.same(other)).then(String::new);
+        };
+        let join = |key: &str, rest: String| if rest.is_empty() { key.to_owned() } else { format!("{key}.{rest}") };
+        let changed = a.iter().find_map(|e| match b.iter().find(|f| f.key == e.key) {
+            Some(f) => e.item.difference(&f.item).map(|rest| join(&e.key, rest)),
+            None => Some(e.key.clone()),
+        });
+        changed.or_else(|| b.iter().find(|f| a.iter().all(|e| e.key != f.key)).map(|f| f.key.clone()))
+    }
+
     /// Removes these keys of a table of the root, and the table if nothing is left.
     pub(super) fn remove(&mut self, table: &str, keys: &[&str]) {
         let Value::Table(tables) = &mut self.value else { return };
