@@ -17,7 +17,7 @@ use steklov_io::{File, create_atomically, open};
 
 use self::output::{appeared, check_output};
 use crate::draw;
-use crate::explain::{explain, too_many_dofs};
+use crate::explain::{explain, too_many_dofs, too_many_points};
 use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, Plan, plan};
 use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
@@ -177,6 +177,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let plan = plan(&scene);
     if plan.cost.dofs > scene.method.max_dofs {
         return Err(Failure(too_many_dofs(&scene, plan.cost.dofs).render()));
+    }
+    if let Some(error) = too_many_points(&scene) {
+        return Err(Failure(error.render()));
     }
     let interrupts = interrupts(args.quiet)?;
     let bar = Bar::new(args.quiet);

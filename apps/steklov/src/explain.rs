@@ -5,7 +5,7 @@ use steklov_contact::{ContactError, LEAST_GAMMA};
 use steklov_stochastic::StochasticError;
 
 use crate::expression::Expression;
-use crate::scene::{Condition, Friction, Scene, SceneError, SceneErrorKind};
+use crate::scene::{Condition, Friction, Sampling, Scene, SceneError, SceneErrorKind};
 use crate::solve::SolveError;
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
@@ -96,6 +96,27 @@ pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
         message,
         "allow more dofs, or ask for fewer elements or a lower degree",
     )
+}
+
+/// The refusal of more stochastic nodes than are allowed; none if there are fewer.
+pub(crate) fn too_many_points(scene: &Scene) -> Option<SceneError> {
+    let random = scene.random.as_ref()?;
+    let (count, most) = (crate::stochastic::points(random), random.stochastic.max_nodes);
+    if random.stochastic.method == Sampling::MonteCarlo || count <= most as f64 {
+        return None;
+    }
+    let message = format!(
+        "{} germs make {count:e} stochastic nodes, more than stochastic.max_nodes = {most}",
+        random.germs.len()
+    );
+    let keys = ["max_nodes", "degree", "elements", "level"].map(|key| vec!["stochastic", key]);
+    let help = "take a lower degree, fewer modes, method = \"sparse\" or \"monte-carlo\", or allow more nodes";
+    Some(scene.error_at(
+        SceneErrorKind::Value,
+        &[&keys[..], &[vec!["stochastic"], vec!["random"]]].concat(),
+        message,
+        help,
+    ))
 }
 
 /// Keys of the friction bounds and coefficients.

@@ -7,6 +7,7 @@ use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
 use crate::scene::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
+use crate::stochastic;
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -120,7 +121,7 @@ pub fn plan(scene: &Scene) -> Plan {
         )),
         None => left_out.push(decision("body force", "none".into(), "the scene has none")),
     }
-    left_out.push(decision("random input", "one solve".into(), "no random name is used"));
+    stochastic::decide(scene, &mut modelled, &mut left_out);
     left_out.push(decision("grid in the body", "none".into(), "the material is the same everywhere"));
     let estimated = is_estimated(scene, dofs);
     if estimated {
@@ -255,7 +256,7 @@ pub fn first_mesh(scene: &Scene) -> Mesh {
 }
 
 /// Rigid motions that the held sides leave free.
-fn free_of_supports(scene: &Scene) -> Vec<RigidMotion> {
+pub(crate) fn free_of_supports(scene: &Scene) -> Vec<RigidMotion> {
     let mut constraints = Vec::new();
     let edges = scene.polygon.edges();
     for edge in edges {

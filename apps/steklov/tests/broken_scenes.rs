@@ -127,15 +127,60 @@ fn overrides_change_any_key() {
 
 #[test]
 fn features_to_come_are_refused_only_after_all_other_checks() {
-    let random = "[random.xi]\ndistribution = \"beta\"\nalpha = 2\nbeta = 2\nlow = 0.1\nhigh = 1\n\
-                  [random.rough]\ncovariance = \"matern32\"\ncorrelation = [0.3, 0.1]\non = \"floor\"\nmodes = 6\nvariables = \"normal\"\n";
-    let text = SOUND.replace("tresca = \"F\"", "tresca = \"xi*exp(rough)\"") + random;
+    let text = format!("{SOUND}[grid]\ncoarse = [12, 2]\nfine = [16, 16]\n");
     assert_eq!(parse(&text, &[]).unwrap_err().kind, SceneErrorKind::NotYetAvailable);
-    // xi is 0.55 in its middle: 0.5 - xi is a negative bound there.
-    let negative = text.replace("xi*exp(rough)", "0.5-xi");
+    let negative = text.replace("tresca = \"F\"", "tresca = \"F-1\"");
     assert_eq!(parse(&negative, &[]).unwrap_err().kind, SceneErrorKind::Data);
     let both = parse(&text, &["method.elements=0"]).unwrap_err();
     assert_eq!(both.kind, SceneErrorKind::Value);
+}
+
+/// The scene with a random variable and a random field, both used.
+fn random_scene(bound: &str) -> String {
+    let random = "[random.xi]\ndistribution = \"beta\"\nalpha = 2\nbeta = 2\nlow = 0.1\nhigh = 1\n\
+                  [random.rough]\ncovariance = \"matern32\"\ncorrelation = [0.3, 0.1]\non = \"floor\"\nmodes = 6\n";
+    SOUND.replace("tresca = \"F\"", &format!("tresca = \"{bound}\"")) + random
+}
+
+#[test]
+fn random_names_are_germs_where_they_are_used() {
+    let scene = parse(&random_scene("xi*exp(rough)"), &[]).unwrap();
+    let random = scene.random.as_ref().unwrap();
+    let labels: Vec<&str> = random.germs.iter().map(|g| g.label.as_str()).collect();
+    assert_eq!(labels, ["xi", "rough 1", "rough 2", "rough 3", "rough 4", "rough 5", "rough 6"]);
+    assert!(random.uses.contact && !random.uses.young && !random.uses.loads && !random.uses.held);
+    // at xi = 0.7 and the germs 0 of the field the bound is 0.7; with the first germ 1 it is above, by the mode's positive start
+    let bound = |germs: &[f64]| match &scene.outcome(germs).unwrap().sides[0].condition {
+        steklov::scene::Condition::Contact { friction, .. } => friction.bound().unwrap().eval(0.0, 0.0, 0.0),
+        _ => unreachable!(),
+    };
+    let mut germs = [0.7, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
+    assert_eq!(bound(&germs), 0.7);
+    germs[1] = 1.0;
+    let field = random.fields().next().unwrap().0;
+    assert!((bound(&germs) - 0.7 * field.expansion.mode(0, [0.0, 0.0]).exp()).abs() < 1e-15 && bound(&germs) > 0.7);
+    // what is not used is left out
+    let scene = parse(&random_scene("F"), &[]).unwrap();
+    assert!(scene.random.is_none() && scene.unused == ["xi", "rough"]);
+}
+
+#[test]
+fn impossible_outcomes_are_refused_before_anything_is_solved() {
+    // xi reaches 1: 0.9 - xi is negative there, though not in its middle
+    let error = parse(&random_scene("0.9-xi"), &[]).unwrap_err();
+    assert_eq!(error.kind, SceneErrorKind::Data);
+    assert!(error.message.contains("-0.09999999999999998"), "{}", error.message);
+    let error = parse(&random_scene("xi"), &["material.young=\"200*(0.9-xi)\""]).unwrap_err();
+    assert!(error.message.starts_with("for xi = 1") && error.message.contains("modulus"), "{}", error.message);
+    // a field lives on its side
+    let elsewhere = random_scene("F").replace("\"-1\"]", "\"-rough\"]");
+    let error = parse(&elsewhere, &[]).unwrap_err();
+    assert_eq!(error.kind, SceneErrorKind::Conflict);
+    assert!(error.message.contains("the field rough of side \"floor\""), "{}", error.message);
+    let error = parse(&random_scene("xi"), &["material.young=\"200+rough\""]).unwrap_err();
+    assert!(error.message.contains("depends on the place"), "{}", error.message);
+    let error = parse(&random_scene("rough+2"), &["random.rough.modes=100000"]).unwrap_err();
+    assert_eq!(error.kind, SceneErrorKind::Value);
 }
 
 #[test]

@@ -59,6 +59,8 @@ pub struct Scene {
     pub expect: Vec<Expectation>,
     /// Random input, if any datum uses it; the other fields are then those of its nominal outcome.
     pub random: Option<Random>,
+    /// Names of random input that no datum uses.
+    pub unused: Vec<String>,
     /// The texts from which the scene was read.
     pub source: Source,
 }
@@ -206,6 +208,7 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
             format!("add a table [sides.NAME] with contact, displacement, traction or pressure; the sides are {names}"),
         ));
     }
+    let mut unused = Vec::new();
     let random = match outcome {
         Some(_) => None,
         None => {
@@ -214,13 +217,14 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
             let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
             let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
             let uses = random::uses(&sides, &is_random, in_material.iter().any(is_random), &in_body_force);
+            unused.extend(declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)));
             let (names, germs) = random::used(declared, &used, &polygon)?;
             let random = Random { names, germs, stochastic, uses, root: Arc::new(root.clone()) };
             (!random.names.is_empty()).then_some(random)
         }
     };
     let source = source.clone();
-    Ok(Scene { title, polygon, material, parameters, sides, body_force, probe, method, expect, random, source })
+    Ok(Scene { title, polygon, material, parameters, sides, body_force, probe, method, expect, random, unused, source })
 }
 
 /// `[material]`; with `cells` these give Young's modulus.

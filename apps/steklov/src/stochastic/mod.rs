@@ -12,9 +12,12 @@ mod nodes;
 mod result;
 mod estimate;
 mod json;
+mod plan;
 mod store;
 
 pub(crate) use estimate::mean_estimate;
 pub use json::json;
+pub(crate) use plan::decide;
+pub use plan::points;
 pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
 pub use store::{read, write};

@@ -8,7 +8,8 @@ use steklov_stochastic::{CellBasis, DirectionError, Nodes, StochasticMesh, chang
 use super::coupled::solve_cell;
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
-use crate::scene::{Random, Scene};
+use crate::plan::free_of_supports;
+use crate::scene::{Random, Sampling, Scene, SceneError};
 use crate::solve::SolveError;
 
 /// Part of the squared error whose directions are refined at a time.
@@ -37,20 +38,23 @@ pub(crate) struct Cell {
     pub(crate) errors: Vec<DirectionError>,
 }
 
+/// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, and supports
+/// hold the body. Bodies that only contact holds are solved node by node, which is collocation.
+pub(crate) fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, SceneError> {
+    let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
+    Ok(galerkin && free_of_supports(scene).is_empty() && !is_affine(scene, random)?)
+}
+
 /// Whether E is affine in each germ where the others are kept: then the Galerkin equations of the nodes decouple.
-pub(crate) fn is_affine(scene: &Scene, random: &Random) -> Result<bool, SolveError> {
-    if !random.uses.young {
-        return Ok(true);
-    }
+fn is_affine(scene: &Scene, random: &Random) -> Result<bool, SceneError> {
     let quantile = |d: usize, p: f64| random.germs[d].variable.quantile(p);
-    let young = |germs: &[f64]| Ok::<f64, SolveError>(scene.outcome(germs)?.material.young);
     for (k, others) in [0.5, 0.2, 0.9, 0.35].into_iter().enumerate() {
         for d in 0..random.germs.len() {
             let mut germs: Vec<f64> = (0..random.germs.len()).map(|c| quantile(c, others)).collect();
             let ends = [quantile(d, 0.05), quantile(d, 0.97)];
             let mut at = |part: f64| {
                 germs[d] = ends[0] + part * (ends[1] - ends[0]);
-                young(&germs)
+                Ok::<f64, SceneError>(scene.outcome(&germs)?.material.young)
             };
             let (a, b) = (at(0.0)?, at(1.0)?);
             for part in [0.5, 0.1 + 0.2 * k as f64] {

@@ -8,7 +8,7 @@ use steklov_stochastic::{
     Accumulator, Histogram, Moments, Variable, density, moments, quantiles, sample, smolyak, solve_points,
 };
 
-use super::nodes::{Surrogate, events, is_affine, solve_nodes};
+use super::nodes::{Surrogate, events, is_coupled, solve_nodes};
 use super::outcomes::{Answer, Outcomes};
 use crate::body::Body;
 use crate::field::RandomField;
@@ -169,7 +169,7 @@ pub fn solve_stochastic(
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let mut result = match settings.method {
         Sampling::Galerkin | Sampling::Collocation => {
-            let coupled = settings.method == Sampling::Galerkin && !is_affine(scene, random)?;
+            let coupled = is_coupled(scene, random)?;
             let surrogate = solve_nodes(scene, random, &outcomes, coupled, &paths, &watch)?;
             of_surrogate(random, &surrogate, &paths)?
         }
