@@ -1,21 +1,20 @@
 //! The spatial error in the mean over the outcomes.
 
 use steklov_contact::{Solution, unlocated};
-use steklov_stochastic::{Variable, smolyak};
+use steklov_stochastic::{CellBasis, Nodes, StochasticMesh, Variable, sample};
 
 use super::outcomes::Outcomes;
 use crate::body::{Body, Factors};
-use crate::estimate::{Estimate, estimate};
+use crate::estimate::{Bubble, Estimate, estimate};
 use crate::scene::{Random, Scene};
 use crate::solve::{SolveError, Solved};
 
-/// Level of the sparse grid over which errors are averaged: two or three values of each germ, the others in the middle.
-const LEVEL: usize = 1;
+/// Most germs of which all combinations of two values are taken, and samples beyond.
+const FEW: usize = 4;
+const SAMPLES: u64 = 16;
 
 /// The estimate of an answer of the nominal outcome with its indicators, errors and scale replaced by their means in square over
-/// outcomes; doubts are those of any.
-///
-/// Negative weights of the grid are left out, and the others sum to 1: errors are averaged, not integrated.
+/// outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples. Doubts are those of any.
 pub(crate) fn mean_estimate(
     scene: &Scene,
     random: &Random,
@@ -24,23 +23,22 @@ pub(crate) fn mean_estimate(
 ) -> Result<Estimate, SolveError> {
     let outcomes = Outcomes::new(scene, random, body)?;
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
-    let grid = smolyak(&variables, LEVEL)?;
-    let inner = random.nominal();
-    let others = grid.points.iter().filter(|p| **p != inner);
-    let count = 1.0 + others.clone().count() as f64;
+    let (points, weights) = outcomes_of(variables, random.stochastic.seed)?;
     let mut mean = nominal;
-    let mut squared = [mean.error * mean.error, mean.scale * mean.scale];
+    let (mut error, mut scale) = (0.0, 0.0);
+    mean.indicators.fill(Bubble::default());
     let mut warm: Option<Solution> = None;
-    for germs in others {
+    for (germs, weight) in points.iter().zip(weights) {
         let (outcome, modulus, given) = outcomes.given(germs)?;
         let (solved, factors) = outcomes.solved(&outcome, given, &mut warm)?;
         let Some(one) = one(&outcome, &solved, body, &factors)? else { continue };
-        squared[0] += modulus * one.error * one.error;
-        squared[1] += modulus * one.scale * one.scale;
+        let weight = weight * modulus;
+        error += weight * one.error * one.error;
+        scale += weight * one.scale * one.scale;
         for (sum, b) in mean.indicators.iter_mut().zip(&one.indicators) {
-            sum.displacement += modulus * b.displacement;
-            sum.traction += modulus * b.traction;
-            sum.oscillation += modulus * b.oscillation;
+            sum.displacement += weight * b.displacement;
+            sum.traction += weight * b.traction;
+            sum.oscillation += weight * b.oscillation;
         }
         for doubt in one.doubts {
             if !mean.doubts.contains(&doubt) {
@@ -48,15 +46,21 @@ pub(crate) fn mean_estimate(
             }
         }
     }
-    for sum in &mut mean.indicators {
-        sum.displacement /= count;
-        sum.traction /= count;
-        sum.oscillation /= count;
-    }
-    mean.error = (squared[0] / count).sqrt();
-    mean.scale = (squared[1] / count).sqrt();
+    (mean.error, mean.scale) = (error.sqrt(), scale.sqrt());
     mean.relative = if mean.error == 0.0 { 0.0 } else { mean.error / mean.scale };
     Ok(mean)
+}
+
+/// Outcomes over which errors are averaged, and their weights.
+fn outcomes_of(variables: Vec<Variable>, seed: u64) -> Result<(Vec<Vec<f64>>, Vec<f64>), SolveError> {
+    let germs = variables.len();
+    if germs > FEW {
+        let points = (0..SAMPLES).map(|i| sample(&variables, seed, i)).collect();
+        return Ok((points, vec![1.0 / SAMPLES as f64; SAMPLES as usize]));
+    }
+    let mesh = StochasticMesh::uniform(variables, &vec![1; germs], &vec![1; germs])?;
+    let CellBasis { points, weights, .. } = mesh.basis(0, Nodes::Gauss)?;
+    Ok((points, weights))
 }
 
 /// The estimate of one outcome, with its transitions inside elements.

@@ -1,0 +1,252 @@
+//! Random input of scenes: exact scalings, outcomes against scenes of their own, methods against each other.
+
+use steklov::run::Run;
+use steklov::scene::Scene;
+use steklov::stochastic::{Quantity, StochasticResult, solve_stochastic};
+use steklov_bem_operators::{Mark, PairCache, Subdivision};
+use steklov_tests::{adapt, scene};
+
+/// A square held at its top, on a floor: modulus, gap, friction, traction of the vertical sides, the rest.
+fn block(young: &str, gap: &str, friction: &str, traction: [&str; 2], rest: &str) -> Scene {
+    parse(&block_text(young, gap, friction, traction, rest))
+}
+
+fn block_text(young: &str, gap: &str, friction: &str, traction: [&str; 2], rest: &str) -> String {
+    let [x, y] = traction;
+    format!(
+        "title = \"block\"\n[body]\ncorners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]\n\
+         sides = [\"floor\", \"right\", \"top\", \"left\"]\n[material]\nyoung = {young}\npoisson = 0.3\n\
+         [sides.floor]\ncontact = {{ gap = \"{gap}\", friction = {{ tresca = \"{friction}\" }} }}\n\
+         [sides.top]\ndisplacement = [\"0\", \"0\"]\n[sides.left]\ntraction = [\"{x}\", \"{y}\"]\n\
+         [sides.right]\ntraction = [\"{x}\", \"{y}\"]\n[method]\ntolerance = 1e-2\n{rest}"
+    )
+}
+
+const UNIFORM: &str = "[random.E]\ndistribution = \"uniform\"\nlow = 1800\nhigh = 2200\n";
+
+fn parse(text: &str) -> Scene {
+    steklov_tests::parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+fn solved(scene: &Scene) -> (Run, StochasticResult) {
+    let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
+    let result = on(scene, &run);
+    (run, result)
+}
+
+/// All outcomes on the last mesh of a run.
+fn on(scene: &Scene, run: &Run) -> StochasticResult {
+    let random = scene.random.as_ref().expect("random input");
+    solve_stochastic(scene, random, &run.body, &|_, _| {}, &|| false).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn quantity<'a>(result: &'a StochasticResult, name: &str) -> &'a Quantity {
+    result.quantities.iter().find(|q| q.name == name).unwrap_or_else(|| panic!("no {name}"))
+}
+
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |m, v| m.max(v.abs()))
+}
+
+#[test]
+fn under_dead_loads_at_no_gap_pressures_do_not_depend_on_the_modulus() {
+    let scene = block("\"E\"", "0", "0.35", ["0.3", "-1"], UNIFORM);
+    let (run, result) = solved(&scene);
+    let nominal = run.last.contact.as_ref().expect("contact");
+    let pressures: Vec<f64> = nominal.solution.multipliers.iter().map(|l| l[0]).collect();
+    let shears: Vec<f64> = nominal.solution.multipliers.iter().map(|l| l[1]).collect();
+    assert!(largest(&pressures) > 1.0 && largest(&shears) > 0.3499);
+    for (moments, nominal) in [(&result.pressure, &pressures), (&result.shear, &shears)] {
+        let size = largest(nominal);
+        for ((mean, variance), nominal) in moments.mean.iter().zip(&moments.variance).zip(nominal) {
+            assert!((mean - nominal).abs() <= 1e-12 * size && variance.sqrt() <= 1e-12 * size, "{mean} {nominal}");
+        }
+    }
+    // u E is constant: u = u₀ E₀/E, of which the mean is ln(2200/1800)/400 and the variance 1/(1800 2200) - mean², to the rule's
+    // error 5.9e-11 and 1.2e-7 of degree 3
+    let mean = (2200.0f64 / 1800.0).ln() / 400.0;
+    let variance = 1.0 / (1800.0 * 2200.0) - mean * mean;
+    let size = largest(&run.last.displacement);
+    for (k, u) in run.last.displacement.iter().enumerate() {
+        assert!((result.displacement.mean[k] - u * 2000.0 * mean).abs() < 7e-11 * size);
+        assert!(
+            (result.displacement.variance[k] - u * u * 2000.0f64.powi(2) * variance).abs()
+                < 2e-7 * variance * 4e6 * size * size
+        );
+        assert!((result.stress_displacement[k] - u).abs() < 1e-12 * size);
+    }
+    let energy = quantity(&result, "energy");
+    assert!((energy.mean / (run.last.energies.total * 2000.0 * mean) - 1.0).abs() < 7e-11);
+}
+
+#[test]
+fn without_loads_displacements_do_not_depend_on_the_modulus() {
+    let scene = block("\"E\"", "-0.01", "0", ["0", "0"], UNIFORM);
+    let (run, result) = solved(&scene);
+    let size = largest(&run.last.displacement);
+    let nominal: Vec<f64> =
+        run.last.contact.as_ref().expect("contact").solution.multipliers.iter().map(|l| l[0]).collect();
+    for (k, u) in run.last.displacement.iter().enumerate() {
+        assert!((result.displacement.mean[k] - u).abs() <= 1e-12 * size);
+        assert!(result.displacement.variance[k].sqrt() <= 1e-12 * size);
+    }
+    // λ = λ₀ E/E₀: deviation 200/√3 over 2000
+    let part = 200.0 / 3.0f64.sqrt() / 2000.0;
+    for (k, l) in nominal.iter().enumerate() {
+        assert!((result.pressure.mean[k] - l).abs() <= 1e-12 * largest(&nominal));
+        assert!((result.pressure.variance[k].sqrt() - part * l.abs()).abs() <= 1e-12 * largest(&nominal));
+    }
+    assert!(result.probability.iter().all(|p| *p == 1.0));
+}
+
+/// Everything is random: each point's answers are those of a scene of its own on the same mesh, solved from scratch.
+#[test]
+fn outcomes_are_those_of_scenes_of_their_own() {
+    let rest = "[body_force]\nvalue = [\"0\", \"B\"]\n[random.E]\ndistribution = \"lognormal\"\nmean = 2000\ndeviation = 300\n\
+                [random.b]\ndistribution = \"normal\"\nmean = -1\ndeviation = 0.3\n\
+                [random.t]\ndistribution = \"beta\"\nalpha = 2\nbeta = 3\nlow = -1\nhigh = 0.5\n\
+                [random.g]\ndistribution = \"uniform\"\nlow = 0.0001\nhigh = 0.0004\n\
+                [random.F]\ndistribution = \"uniform\"\nlow = 0.1\nhigh = 0.6\n\
+                [random.d]\ndistribution = \"uniform\"\nlow = -0.0002\nhigh = 0\n\
+                [stochastic]\nmethod = \"monte-carlo\"\nsamples = 12\nseed = 7\n\
+                quantities = [\"energy\", \"strain_energy\", \"friction_work\", \"contact.force.x\", \"contact.force.y\", \
+                \"contact.max_pressure\", \"contact.length\", \"contact.stick\", \"reactions.top.y\", \"probe.0.displacement.y\", \
+                \"probe.0.stress.yy\"]\n[probe]\npoints = [[0.1, -0.2]]\n";
+    let text = |e: &str, [b, t, g, f, d]: [&str; 5], rest: &str| {
+        let rest = rest.replace("\"B\"", &format!("\"{b}\""));
+        let held = format!("displacement = [\"0\", \"{d}\"]");
+        parse(
+            &block_text(e, &format!("{g}+0.001*x^2"), f, [t, "-1"], &rest)
+                .replace("displacement = [\"0\", \"0\"]", &held),
+        )
+    };
+    let scene = text("\"E\"", ["b", "t", "g", "F", "d"], rest);
+    let (run, result) = solved(&scene);
+    let labels: Vec<&str> = result.labels.iter().map(String::as_str).collect();
+    assert_eq!(labels, ["E", "b", "t", "g", "F", "d"]);
+    let fixed = rest.split("[random.E]").next().expect("a body force").to_owned() + "[probe]\npoints = [[0.1, -0.2]]\n";
+    for (k, germs) in result.points.iter().enumerate() {
+        let [e, b, t, g, f, d] = germs[..] else { panic!("six germs") };
+        let number = |x: f64| format!("({x:?})");
+        let numbers = [b, t, g, f, d].map(number);
+        let own = text(&format!("{:?}", e.exp()), numbers.each_ref().map(String::as_str), &fixed);
+        let mesh = run.last.mesh.clone();
+        let (solved, ..) = steklov::solve::solve(&own, mesh, false, &mut PairCache::default(), &mut |_| Ok(()))
+            .unwrap_or_else(|e| panic!("{e}"));
+        let contact = solved.contact.as_ref().expect("contact");
+        let rows = steklov::report::contact_rows(&solved, contact);
+        let told = steklov::report::contact_summary(&own, &solved, contact, &rows, None);
+        let (inside, stress) = solved.inside([0.1, -0.2]);
+        let top = solved.reactions.iter().find(|r| r.0 == "top").expect("held").1[1];
+        let energies = solved.energies;
+        let wanted = [
+            energies.total,
+            energies.strain,
+            energies.friction_work,
+            told.force[0],
+            told.force[1],
+            told.max_pressure,
+            told.length,
+            told.stick,
+            top,
+            inside[1],
+            stress[1],
+        ];
+        for (quantity, wanted) in result.quantities.iter().zip(wanted) {
+            let value = quantity.values[k];
+            let scale = wanted.abs().max(1e-6);
+            assert!((value - wanted).abs() < 1e-8 * scale, "{} of {germs:?}: {value}, alone {wanted}", quantity.name);
+        }
+    }
+    println!("{} outcomes agree", result.points.len());
+}
+
+#[test]
+fn coupled_nodes_and_nodes_one_by_one_agree_the_better_the_higher_the_degree() {
+    let lognormal = "[random.E]\ndistribution = \"lognormal\"\nmean = 2000\ndeviation = 400\n";
+    // never touching, which is smooth in E; touching in a part that changes with E
+    for (gap, fall, end) in [("1", 0.2, 1e-5), ("0.0002 + 0.001*x^2", f64::INFINITY, 1e-3)] {
+        let at = |method: &str, degree: usize| {
+            let rest = format!("{lognormal}[stochastic]\nmethod = \"{method}\"\ndegree = {degree}\n");
+            block("\"E\"", gap, "0.3", ["0.3", "-1"], &rest)
+        };
+        let run = adapt(&at("galerkin", 1)).unwrap_or_else(|e| panic!("{e}"));
+        let mut last = f64::INFINITY;
+        for degree in 1..=4 {
+            let [a, b] = ["galerkin", "collocation"].map(|method| on(&at(method, degree), &run));
+            assert!(a.coupled && !b.coupled && a.unconverged == 0);
+            let (a, b) = (&a.displacement.mean, &b.displacement.mean);
+            let apart: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
+            let apart = largest(&apart) / largest(b);
+            println!("gap {gap}, degree {degree}: coupled and not {apart:.2e} apart");
+            assert!(apart > 0.0 && apart < fall * last, "{apart} after {last}");
+            last = apart;
+        }
+        assert!(last < end, "{last}");
+    }
+}
+
+#[test]
+fn methods_agree_and_samples_stay_within_their_interval() {
+    let scene = scene("30-rough-obstacle", &[]);
+    let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let with = |change: &str| {
+        let text = scene.source.text.replace("degree = 1\n", &format!("{change}\n"));
+        on(&parse(&text), &run)
+    };
+    let tensor = with("degree = 2");
+    let sparse = with("method = \"sparse\"\nlevel = 2");
+    let samples = with("method = \"monte-carlo\"\nsamples = 2000\nseed = 3");
+    for name in ["energy", "contact.force.y"] {
+        let (a, b, c) = (quantity(&tensor, name), quantity(&sparse, name), quantity(&samples, name));
+        let error = c.standard_error.expect("of samples");
+        println!("{name}: {} {} {} ± {error}", a.mean, b.mean, c.mean);
+        assert!((a.mean - c.mean).abs() < 4.0 * error && (b.mean - c.mean).abs() < 4.0 * error, "{name}");
+        assert!((error / (a.variance / 2000.0).sqrt() - 1.0).abs() < 0.1, "{name}: {error}");
+    }
+    // the first mode moves the whole floor: it makes most of the force's variance, and the shares of all sum to at least 1
+    let effects = quantity(&tensor, "contact.force.y").effects.clone().expect("effects");
+    assert!(effects[0] > 0.8 && effects[1..].iter().all(|e| *e < 0.2), "{effects:?}");
+    // more contact in the middle of the floor's length than nowhere: probabilities, of samples and of the surrogate
+    for (p, q) in tensor.probability.iter().zip(&samples.probability) {
+        assert!((0.0..=1.0).contains(p) && (p - q).abs() < 0.15, "{p} {q}");
+    }
+}
+
+#[test]
+fn the_same_bits_for_any_number_of_threads() {
+    let text = scene("31-random-load-and-modulus", &[]).source.text.replace("degree = 3", "degree = 1");
+    let bits = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
+        pool.install(|| {
+            let (_, result) = solved(&parse(&text));
+            let numbers = result.quantities.iter().flat_map(|q| [q.mean, q.variance]);
+            let fields = [&result.displacement.mean, &result.pressure.variance, &result.probability];
+            numbers.chain(fields.into_iter().flatten().copied()).map(f64::to_bits).collect::<Vec<u64>>()
+        })
+    };
+    assert_eq!(bits(1), bits(2));
+}
+
+/// The estimate of the mesh is that of the mean over outcomes: true errors of single outcomes, in mean square, are about it.
+#[test]
+fn the_spatial_estimate_is_the_mean_over_outcomes() {
+    let text = scene("30-rough-obstacle", &[]).source.text;
+    let scene = parse(&text.replace("tolerance = 5e-3", "tolerance = 2e-2"));
+    let (run, result) = solved(&scene);
+    let estimate = run.step().estimate();
+    let finer = Subdivision::new(&run.last.mesh, &vec![Mark::Refine { rough: true, excess: 1.0 }; run.last.mesh.len()])
+        .refined_by_mark(&steklov_bem_operators::Grading { max_degree: 20, ..Default::default() });
+    let (mut squared, mut norm) = (0.0, 0.0);
+    let picked = [0usize, 7, 21, 42, 63];
+    for &k in &picked {
+        let outcome = scene.outcome(&result.points[k]).unwrap_or_else(|e| panic!("{e}"));
+        let found = steklov::reference::true_error(&outcome, &run.last.mesh, &result.displacements[k], &finer);
+        let found = found.unwrap_or_else(|e| panic!("{e}"));
+        squared += found.error.powi(2) / picked.len() as f64;
+        norm += found.norm.powi(2) / picked.len() as f64;
+    }
+    let (relative, told) = ((squared / norm).sqrt(), estimate.relative);
+    println!("true error of five outcomes {relative:.2e}, estimate of the mean {told:.2e}");
+    assert!(told > 0.5 * relative && told < 2.0 * relative, "{told} {relative}");
+}
