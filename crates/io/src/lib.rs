@@ -45,6 +45,8 @@ mod quadrature;
 mod bem_operators;
 #[cfg(feature = "contact")]
 mod contact;
+#[cfg(feature = "stochastic")]
+mod stochastic;
 
 pub use array::{
     load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,

@@ -51,6 +51,38 @@ pub struct KarhunenLoeve {
     modes: Modes,
 }
 
+/// What a [`KarhunenLoeve`] is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct IntervalParts {
+    /// L.
+    pub length: f64,
+    /// λ_m/L.
+    pub shares: Vec<f64>,
+    /// The modes of the unit interval.
+    pub modes: ModeParts,
+}
+
+/// Modes of the unit interval, in closed form or by polynomials.
+#[derive(Debug, Clone, PartialEq)]
+pub enum ModeParts {
+    /// Of the exponential covariance.
+    Exponential {
+        /// q = L/(2ℓ).
+        q: f64,
+        /// z_m of z tan θ = q.
+        roots: Vec<f64>,
+    },
+    /// Orthonormal Legendre polynomials on equal elements.
+    Piecewise {
+        /// Number of elements.
+        elements: usize,
+        /// Their degree.
+        degree: usize,
+        /// A mode a row, degree + 1 coefficients an element.
+        coefficients: Vec<Vec<f64>>,
+    },
+}
+
 /// Modes of the unit interval.
 #[derive(Debug, Clone)]
 enum Modes {
@@ -189,6 +221,43 @@ impl KarhunenLoeve {
             Modes::Piecewise(p) => p.modes.truncate(count),
         }
         self
+    }
+
+    /// What the expansion is made of, to store it.
+    pub fn parts(&self) -> IntervalParts {
+        let modes = match &self.modes {
+            Modes::Exponential(e) => ModeParts::Exponential { q: e.q, roots: e.roots.clone() },
+            Modes::Piecewise(p) => {
+                ModeParts::Piecewise { elements: p.elements, degree: p.degree, coefficients: p.modes.clone() }
+            }
+        };
+        IntervalParts { length: self.length, shares: self.shares.clone(), modes }
+    }
+
+    /// The expansion of stored parts.
+    ///
+    /// # Errors
+    /// [`StochasticError::Inconsistent`] for parts that do not fit together.
+    pub fn from_parts(parts: IntervalParts) -> Result<Self, StochasticError> {
+        let IntervalParts { length, shares, modes } = parts;
+        let (count, fits) = match &modes {
+            ModeParts::Exponential { q, roots } => (roots.len(), *q > 0.0 && roots.iter().all(|z| z.is_finite())),
+            ModeParts::Piecewise { elements, degree, coefficients } => {
+                let size = degree.checked_add(1).and_then(|n| n.checked_mul(*elements));
+                (coefficients.len(), *elements > 0 && coefficients.iter().all(|c| Some(c.len()) == size))
+            }
+        };
+        if !(fits && count == shares.len() && count > 0 && length > 0.0 && length.is_finite()) {
+            let what = format!("{} eigenvalues and {count} modes on a length of {length} do not fit", shares.len());
+            return Err(StochasticError::Inconsistent { what });
+        }
+        let modes = match modes {
+            ModeParts::Exponential { q, roots } => Modes::Exponential(Exponential { q, roots }),
+            ModeParts::Piecewise { elements, degree, coefficients } => {
+                Modes::Piecewise(Piecewise { elements, degree, modes: coefficients })
+            }
+        };
+        Ok(Self { length, shares, modes })
     }
 
     /// L.

@@ -45,7 +45,7 @@ pub use chains::{CHAIN, CondensedOutcome, scale_bounds, solve_outcome, solve_poi
 pub use covariance::{Covariance, Kernel};
 pub use error::StochasticError;
 pub use field::{Field, lognormal};
-pub use karhunen_loeve::{KarhunenLoeve, Truncation};
+pub use karhunen_loeve::{IntervalParts, KarhunenLoeve, ModeParts, Truncation};
 pub use moments::{Accumulator, Moments, moments};
 pub use orthogonal::Recurrence;
 pub use rectangle::RectangleKarhunenLoeve;
