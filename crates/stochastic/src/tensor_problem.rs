@@ -185,7 +185,7 @@ impl TensorProblem<'_> {
         for (j, k) in (0..nodes).flat_map(|j| (0..=j).map(move |k| (j, k))) {
             let (entry, other) = (self.mass[(j, k)], self.mass[(k, j)]);
             let scale = (self.mass[(j, j)] * self.mass[(k, k)]).sqrt();
-            if !entry.is_finite() || scale.is_nan() || (entry - other).abs() > SYMMETRIC * scale {
+            if !(entry - other).is_finite() || scale.is_nan() || (entry - other).abs() > SYMMETRIC * scale {
                 return inconsistent(format!(
                     "M_E is {entry} at ({j}, {k}) and {other} at ({k}, {j}); it must be finite, symmetric and positive"
                 ));

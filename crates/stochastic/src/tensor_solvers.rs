@@ -8,13 +8,13 @@ use steklov_contact::Outcome;
 use crate::StochasticError;
 use crate::tensor_problem::{Dual, TensorProblem, TensorSolution};
 
-/// Relative displacement residual at which Uzawa's iteration ends, and most steps of it.
+/// Relative displacement residual at which Uzawa's iteration ends, and most steps of it and of the gradient.
 const TOLERANCE: f64 = 1e-11;
 const LIMIT: usize = 200_000;
 /// Most active set steps of a trial, and steps without fewer changes that end it before.
 const STEPS: usize = 100;
 const PATIENCE: usize = 8;
-/// Steps of Uzawa's iteration before the second trial; before each other one twice as many.
+/// Steps of the gradient before the second trial; before each other one twice as many.
 const FIRST: usize = 100;
 /// Violation, relative, below which a condition keeps its state; what is accepted where rounding keeps some from settling.
 const SETTLED: f64 = 1e-12;
@@ -43,96 +43,132 @@ const REGULAR: f64 = 1e-10;
 pub fn tensor_uzawa(problem: &TensorProblem<'_>, tolerance: Option<f64>) -> Result<TensorSolution, StochasticError> {
     let dual = Dual::new(problem)?;
     let tolerance = tolerance.unwrap_or(TOLERANCE);
-    let mut uzawa = Uzawa::new(&dual)?;
+    let step = 1.9 / (top(&dual.space)? * top(&dual.chance)?);
+    let mut x = Mat::<f64>::zeros(dual.root.nrows(), dual.root.ncols());
     let (mut history, mut outcome) = (Vec::new(), Outcome::IterationLimit);
     while history.len() < LIMIT {
-        let change = uzawa.advance();
-        history.push(change);
-        if change <= tolerance {
+        let y = dual.residual(&x);
+        let mut change = 0.0f64;
+        for j in 0..x.ncols() {
+            for i in 0..x.nrows() {
+                // with the pressure of this step
+                let [low, high] = dual.bounds(&x, i, j);
+                let next = (x[(i, j)] + step * y[(i, j)]).max(low).min(high);
+                change = change.max((next - x[(i, j)]).abs() / (step * dual.root[(i, j)]));
+                x[(i, j)] = next;
+            }
+        }
+        let relative = if change == 0.0 { 0.0 } else { change / dual.size };
+        history.push(relative);
+        if relative <= tolerance {
             outcome = Outcome::Converged;
             break;
         }
-        if !change.is_finite() {
+        if !relative.is_finite() {
             outcome = Outcome::Diverged;
             break;
         }
     }
-    Ok(dual.solution(&uzawa.x, history, outcome))
+    Ok(dual.solution(&x, history, outcome))
 }
 
 /// Solves the coupled problem by the primal-dual active set: every multiplier is free (its displacement is prescribed) or at
 /// one of its bounds, the linear system of the free ones is solved, and each takes the state on which x + y/(H_ii K_jj) lies.
 ///
 /// It begins in contact and stick. If the number of changes has not fallen for 8 steps, it begins anew with the states that
-/// 100, then 200, 400, .. steps of [`tensor_uzawa`] find, which end in the right ones. The linear systems are solved by
+/// 100, then 200, 400, .. accelerated steps of the projected gradient find, which end in the right ones. The linear systems are solved by
 /// conjugate gradients, preconditioned by those of the stochastic nodes by themselves. Under Coulomb's law the bounds are those of
 /// the step before. The history is the violation of each active set step, over the largest stress or displacement.
 ///
-/// *Use when*: the exact Galerkin system does not decouple. *Fails when*: S is singular; where Uzawa's iteration does (then its
-/// last iterate is returned, marked so). *Cost*: 5 to 10 steps, each a Cholesky factor of H for every set of free multipliers
+/// *Use when*: the exact Galerkin system does not decouple. *Fails when*: S is singular; the friction coefficient is large;
+/// 200 000 steps of the gradient do not do (then its last iterate is returned, marked so). *Cost*: 5 to 10 steps, each a Cholesky factor of H for every set of free multipliers
 /// that stochastic nodes have, and 5 to 20 products with H and K.
 ///
 /// # Errors
 /// As [`tensor_uzawa`].
+///
+/// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); O'Donoghue and Candès, Found. Comput. Math. 15 (2015).
 pub fn tensor_active_set(problem: &TensorProblem<'_>) -> Result<TensorSolution, StochasticError> {
     let dual = Dual::new(problem)?;
-    let mut uzawa = Uzawa::new(&dual)?;
-    let (n, nodes) = (uzawa.x.nrows(), uzawa.x.ncols());
+    let mut gradient = Gradient::new(&dual)?;
+    let (n, nodes) = (gradient.x.nrows(), gradient.x.ncols());
     let mut free = vec![vec![true; n]; nodes];
     let (mut history, mut steps, mut next) = (Vec::new(), 0, FIRST);
     loop {
-        if let Some(x) = settle(&dual, free, uzawa.x.clone(), &mut history) {
+        if let Some(x) = settle(&dual, free, gradient.x.clone(), &mut history) {
             return Ok(dual.solution(&x, history, Outcome::Converged));
         }
-        if steps >= LIMIT {
-            return Ok(dual.solution(&uzawa.x, history, Outcome::IterationLimit));
-        }
         for _ in 0..next {
-            uzawa.advance();
+            let change = gradient.advance();
+            if change <= SETTLED {
+                history.push(change);
+                return Ok(dual.solution(&gradient.x, history, Outcome::Converged));
+            }
         }
         (steps, next) = (steps + next, 2 * next);
+        if steps >= LIMIT {
+            return Ok(dual.solution(&gradient.x, history, Outcome::IterationLimit));
+        }
         let inside = |i: usize, j: usize| {
-            let [low, high] = dual.bounds(&uzawa.x, i, j);
-            low < uzawa.x[(i, j)] && uzawa.x[(i, j)] < high
+            let [low, high] = dual.bounds(&gradient.x, i, j);
+            low < gradient.x[(i, j)] && gradient.x[(i, j)] < high
         };
         free = (0..nodes).map(|j| (0..n).map(|i| inside(i, j)).collect()).collect();
     }
 }
 
-/// Uzawa's iteration.
-struct Uzawa<'a> {
+/// The projected gradient in the metric of H_ii K_jj, accelerated by Nesterov's momentum, which ends where it goes uphill.
+struct Gradient<'a> {
     dual: &'a Dual,
+    /// 1/λ_max of H and K with diagonals 1.
     step: f64,
     x: Mat<f64>,
+    /// Where the gradient is taken, and the momentum's number.
+    ahead: Mat<f64>,
+    momentum: f64,
 }
 
-impl<'a> Uzawa<'a> {
+impl<'a> Gradient<'a> {
     fn new(dual: &'a Dual) -> Result<Self, StochasticError> {
-        let top = |matrix: &Mat<f64>| -> Result<f64, StochasticError> {
-            let failed = |_| StochasticError::Decomposition { size: matrix.nrows() };
-            let spectrum = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
-            Ok(spectrum.iter().copied().fold(0.0, f64::max))
-        };
-        let step = 1.9 / (top(&dual.space)? * top(&dual.chance)?);
-        Ok(Self { dual, step, x: Mat::zeros(dual.root.nrows(), dual.root.ncols()) })
+        let scaled =
+            |a: &Mat<f64>| Mat::from_fn(a.nrows(), a.nrows(), |i, j| a[(i, j)] / (a[(i, i)] * a[(j, j)]).sqrt());
+        let step = 1.0 / (top(&scaled(&dual.space))? * top(&scaled(&dual.chance))?);
+        let x = Mat::zeros(dual.root.nrows(), dual.root.ncols());
+        Ok(Self { dual, step, ahead: x.clone(), x, momentum: 1.0 })
     }
 
-    /// One step; gives back its length as a displacement over the largest one.
+    /// One step; gives back the displacement that drives it over the largest one.
     fn advance(&mut self) -> f64 {
-        let Self { dual, step, x } = self;
-        let y = dual.residual(x);
-        let mut change = 0.0f64;
+        let Self { dual, step, x, ahead, momentum } = self;
+        let y = dual.residual(ahead);
+        let (mut change, mut uphill) = (0.0f64, 0.0);
         for j in 0..x.ncols() {
             for i in 0..x.nrows() {
+                let compliance = dual.space[(i, i)] * dual.chance[(j, j)] / *step;
                 // with the pressure of this step
                 let [low, high] = dual.bounds(x, i, j);
-                let next = (x[(i, j)] + *step * y[(i, j)]).max(low).min(high);
-                change = change.max((next - x[(i, j)]).abs() / (*step * dual.root[(i, j)]));
+                let next = (ahead[(i, j)] + y[(i, j)] / compliance).max(low).min(high);
+                let moved = next - ahead[(i, j)];
+                change = change.max(moved.abs() * compliance / dual.root[(i, j)]);
+                uphill -= compliance * moved * (next - x[(i, j)]);
+                // the way of this step, until the momentum is known
+                ahead[(i, j)] = next - x[(i, j)];
                 x[(i, j)] = next;
             }
         }
+        let next = if uphill > 0.0 { 1.0 } else { 0.5 * (1.0 + (1.0 + 4.0 * *momentum * *momentum).sqrt()) };
+        let share = if uphill > 0.0 { 0.0 } else { (*momentum - 1.0) / next };
+        *ahead = &*x + Scale(share) * &*ahead;
+        *momentum = next;
         if change == 0.0 { 0.0 } else { change / dual.size }
     }
+}
+
+/// Largest eigenvalue.
+fn top(matrix: &Mat<f64>) -> Result<f64, StochasticError> {
+    let failed = |_| StochasticError::Decomposition { size: matrix.nrows() };
+    let spectrum = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
+    Ok(spectrum.iter().copied().fold(0.0, f64::max))
 }
 
 /// The active set from these states and values; none if it does not settle.
