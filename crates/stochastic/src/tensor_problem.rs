@@ -1,14 +1,20 @@
 //! Contact coupled over the nodes of a stochastic cell: the exact Galerkin system where it does not decouple.
 
+use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::DenseSolveCore;
 use faer::prelude::*;
-use faer::{Mat, Side};
-use steklov_contact::{ContactNode, MultiplierRow, Outcome, multiplier_rows};
+use faer::{Accum, Mat, Par, Side};
+use rayon::prelude::*;
+use steklov_contact::{ContactNode, MultiplierRow, Outcome, Problem, multiplier_rows};
 
 use crate::StochasticError;
 
-/// S or M_E counts as singular below this part of its largest eigenvalue.
+/// S or D^-½ M_E D^-½ counts as singular below this part of its largest eigenvalue.
 const COERCIVE: f64 = 1e-12;
+/// M_E is symmetric but for this part of (M_jj M_kk)^½.
+const SYMMETRIC: f64 = 1e-9;
+/// Columns of a product that are one task: fixed, so that its bits do not depend on the number of threads.
+const COLUMNS: usize = 16;
 
 /// Find v_k and λ_k, k = 1..J, with
 ///
@@ -27,7 +33,7 @@ pub struct TensorProblem<'a> {
     pub weights: &'a [f64],
     /// F.
     pub load: &'a Mat<f64>,
-    /// The contact nodes with the gaps and bounds of every stochastic node; weights and directions are those of the first.
+    /// The contact nodes with the gaps and bounds of every stochastic node; the rest is the same for all.
     pub nodes: &'a [Vec<ContactNode>],
 }
 
@@ -49,7 +55,7 @@ pub struct TensorSolution {
 /// The problem in its scaled multipliers x_ij = (W_i D_j)^½ λ_ij, the rows i with a multiplier and the stochastic nodes j:
 ///
 /// ```text
-/// y = y⁰ - H x K,   H = W^½ B S⁻¹ Bᵀ W^½,   K = D^½ M_E⁻¹ D^½
+/// y = y⁰ - H x K,   H = W^½ B S⁻¹ Bᵀ W^½,   K = (D^-½ M_E D^-½)⁻¹
 /// y_ij = (W_i D_j)^½ (B v - at)_ij,   x = P(x + ω y) for any ω > 0
 /// ```
 pub(crate) struct Dual {
@@ -57,22 +63,25 @@ pub(crate) struct Dual {
     pub space: Mat<f64>,
     /// K, J×J.
     pub chance: Mat<f64>,
-    /// y⁰, n×J.
-    pub unloaded: Mat<f64>,
-    /// Scaled bounds, n×J: lower and upper; the coefficient widens those of tangential rows.
-    pub low: Mat<f64>,
-    pub high: Mat<f64>,
-    /// Coulomb's coefficient of row i; the pressure is that of the row before, times `ratio`.
-    pub coefficient: Vec<f64>,
-    /// (W_i / W_(i-1))^½.
-    pub ratio: Vec<f64>,
-    /// Largest |y| without contact and of the gaps: the scale of residuals.
+    /// (W_i D_j)^½, n×J: x over it is a stress, y over it a displacement.
+    pub root: Mat<f64>,
+    /// Largest displacement without contact and gap.
     pub size: f64,
+    /// y⁰, n×J.
+    unloaded: Mat<f64>,
+    /// Scaled bounds, n×J; the coefficient widens those of tangential rows.
+    low: Mat<f64>,
+    high: Mat<f64>,
+    /// Coulomb's coefficient of row i; the pressure is that of the row before, times `ratio`.
+    coefficient: Vec<f64>,
+    /// (W_i / W_(i-1))^½.
+    ratio: Vec<f64>,
     rows: Vec<usize>,
-    root: Mat<f64>,
-    response: Mat<f64>,
-    free: Mat<f64>,
     conditions: usize,
+    weights: Vec<f64>,
+    /// S⁻¹ Bᵀ W^½ and S⁻¹ F D^-½.
+    response: Mat<f64>,
+    loaded: Mat<f64>,
 }
 
 impl Dual {
@@ -83,39 +92,45 @@ impl Dual {
         let rows: Vec<usize> = (0..all[0].len()).filter(|&i| all[0][i].weight > 0.0).collect();
         let n = rows.len();
         let row = |i: usize, j: usize| &all[j][rows[i]];
-        let factor = coercive(problem.stiffness, "the stiffness")?;
-        let inverse_mass = coercive(problem.mass, "M_E")?.inverse();
         let weight = |i: usize| row(i, 0).weight.sqrt();
         let chance = |j: usize| problem.weights[j].sqrt();
+        let mass = Mat::from_fn(nodes, nodes, |j, k| problem.mass[(j, k)] / (chance(j) * chance(k)));
+        let inverse_mass = coercive(&mass, "M_E")?.inverse();
+        let factor = coercive(problem.stiffness, "the stiffness")?;
         let b = Mat::from_fn(n, m, |i, k| weight(i) * row(i, 0).entry(k));
-        let response = factor.solve(b.transpose()); // S⁻¹ Bᵀ W^½
-        let free = factor.solve(problem.load) * &inverse_mass; // v without contact
-        let moved = &b * &free;
-        let unloaded = Mat::from_fn(n, nodes, |i, j| chance(j) * (moved[(i, j)] - weight(i) * row(i, j).at));
+        let response = factor.solve(b.transpose());
+        let loaded = factor.solve(Mat::from_fn(m, nodes, |i, j| problem.load[(i, j)] / chance(j)));
+        let moved = product(&product(&b, &loaded), &inverse_mass);
         let root = Mat::from_fn(n, nodes, |i, j| weight(i) * chance(j));
         let scaled = |bound: f64, i: usize, j: usize| if bound == 0.0 { 0.0 } else { bound * root[(i, j)] };
-        let largest = |values: Mat<f64>| values.norm_max();
+        let size = Mat::from_fn(n, nodes, |i, j| moved[(i, j)] / root[(i, j)]).norm_max()
+            + Mat::from_fn(n, nodes, |i, j| row(i, j).at).norm_max();
         Ok(Self {
-            space: &b * &response,
-            chance: Mat::from_fn(nodes, nodes, |j, k| chance(j) * inverse_mass[(j, k)] * chance(k)),
+            space: product(&b, &response),
+            chance: inverse_mass,
+            unloaded: Mat::from_fn(n, nodes, |i, j| moved[(i, j)] - root[(i, j)] * row(i, j).at),
             low: Mat::from_fn(n, nodes, |i, j| scaled(row(i, j).low, i, j)),
             high: Mat::from_fn(n, nodes, |i, j| scaled(row(i, j).high, i, j)),
             coefficient: (0..n).map(|i| row(i, 0).coefficient).collect(),
             ratio: (0..n).map(|i| if i > 0 { weight(i) / weight(i - 1) } else { 0.0 }).collect(),
-            size: largest(Mat::from_fn(n, nodes, |i, j| chance(j) * moved[(i, j)]))
-                + largest(Mat::from_fn(n, nodes, |i, j| root[(i, j)] * row(i, j).at)),
+            size,
+            weights: problem.weights.to_vec(),
             conditions: all[0].len() / 2,
-            unloaded,
             rows,
             root,
             response,
-            free,
+            loaded,
         })
+    }
+
+    /// H x K.
+    pub(crate) fn applied(&self, x: &Mat<f64>) -> Mat<f64> {
+        product(&product(&self.space, x), &self.chance)
     }
 
     /// y of x.
     pub(crate) fn residual(&self, x: &Mat<f64>) -> Mat<f64> {
-        &self.unloaded - &self.space * x * &self.chance
+        &self.unloaded - self.applied(x)
     }
 
     /// The bounds of x_ij with the pressures that x holds.
@@ -129,28 +144,26 @@ impl Dual {
     }
 
     /// Displacements and multipliers of x.
-    pub(crate) fn solution(
-        &self,
-        problem: &TensorProblem<'_>,
-        x: &Mat<f64>,
-        history: Vec<f64>,
-        outcome: Outcome,
-    ) -> TensorSolution {
-        let nodes = problem.weights.len();
-        let moved = &self.response * x * &self.chance;
-        let displacement =
-            Mat::from_fn(moved.nrows(), nodes, |i, j| self.free[(i, j)] - moved[(i, j)] / problem.weights[j].sqrt());
-        let multipliers = (0..nodes)
-            .map(|j| {
-                let mut values = vec![0.0; 2 * self.conditions];
-                for (i, &row) in self.rows.iter().enumerate() {
-                    values[row] = x[(i, j)] / self.root[(i, j)];
-                }
-                values.as_chunks().0.to_vec()
-            })
-            .collect();
+    pub(crate) fn solution(&self, x: &Mat<f64>, history: Vec<f64>, outcome: Outcome) -> TensorSolution {
+        let (n, nodes) = (x.nrows(), x.ncols());
+        let mut displacement = product(&(&self.loaded - product(&self.response, x)), &self.chance);
+        let mut multipliers = vec![vec![[0.0; 2]; self.conditions]; nodes];
+        for j in 0..nodes {
+            displacement.col_as_slice_mut(j).iter_mut().for_each(|v| *v /= self.weights[j].sqrt());
+            for i in 0..n {
+                multipliers[j][self.rows[i] / 2][self.rows[i] % 2] = x[(i, j)] / self.root[(i, j)];
+            }
+        }
         TensorSolution { displacement, multipliers, iterations: history.len(), outcome, history }
     }
+}
+
+/// a b, in tasks of a few columns.
+fn product(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
+    let mut result = Mat::zeros(a.nrows(), b.ncols());
+    let tasks = result.par_col_chunks_mut(COLUMNS).zip(b.par_col_chunks(COLUMNS));
+    tasks.for_each(|(part, b)| matmul(part, Accum::Replace, a, b, 1.0, Par::Seq));
+    result
 }
 
 impl TensorProblem<'_> {
@@ -169,12 +182,25 @@ impl TensorProblem<'_> {
             let what = "the weight of a stochastic node".to_owned();
             return Err(StochasticError::Number { what, value: d, wanted: "positive: use Gauss points" });
         }
+        for (j, k) in (0..nodes).flat_map(|j| (0..=j).map(move |k| (j, k))) {
+            let (entry, other) = (self.mass[(j, k)], self.mass[(k, j)]);
+            let scale = (self.mass[(j, j)] * self.mass[(k, k)]).sqrt();
+            if !(entry - other).is_finite() || scale.is_nan() || (entry - other).abs() > SYMMETRIC * scale {
+                return inconsistent(format!(
+                    "M_E is {entry} at ({j}, {k}) and {other} at ({k}, {j}); it must be finite, symmetric and positive"
+                ));
+            }
+        }
         let alike = |a: &MultiplierRow, b: &MultiplierRow| {
             (a.first, a.unknowns, a.direction, a.weight, a.coefficient)
                 == (b.first, b.unknowns, b.direction, b.weight, b.coefficient)
         };
         let first = multiplier_rows(&self.nodes[0]);
+        let mut single = Problem { stiffness: self.stiffness.clone(), load: vec![], nodes: vec![] };
         for (j, nodes) in self.nodes.iter().enumerate() {
+            single.load = self.load.col_as_slice(j).to_vec();
+            single.nodes.clone_from(nodes);
+            single.check()?;
             let rows = multiplier_rows(nodes);
             if rows.len() != first.len() || !rows.iter().zip(&first).all(|(a, b)| alike(a, b)) {
                 return inconsistent(format!(

@@ -8,140 +8,232 @@ use steklov_contact::Outcome;
 use crate::StochasticError;
 use crate::tensor_problem::{Dual, TensorProblem, TensorSolution};
 
-/// Relative displacement residual at which Uzawa's iteration ends.
+/// Relative displacement residual at which Uzawa's iteration ends, and most steps of it and of the gradient.
 const TOLERANCE: f64 = 1e-11;
-/// Most steps of Uzawa's iteration and of the active set.
 const LIMIT: usize = 200_000;
+/// Most active set steps of a trial, and steps without fewer changes that end it before.
 const STEPS: usize = 100;
-/// Violation, relative, below which a condition keeps its state; and what is accepted where rounding keeps some from settling.
+const PATIENCE: usize = 8;
+/// Steps of the gradient before the second trial; before each other one twice as many.
+const FIRST: usize = 100;
+/// Violation, relative, below which a condition keeps its state; what is accepted where rounding keeps some from settling.
 const SETTLED: f64 = 1e-12;
 const ACCEPTED: f64 = 1e-10;
 /// Relative residual of the linear systems, and most conjugate gradient steps.
-const LINEAR: f64 = 1e-14;
-const LINEAR_STEPS: usize = 2_000;
+const LINEAR: f64 = 1e-15;
+const LINEAR_STEPS: usize = 1_000;
+/// Curvature over that of the preconditioner below which a direction counts as one that moves nothing.
+const SINGULAR: f64 = 1e-5;
 /// Added to the diagonal of preconditioners, relative: corners have more multipliers than unknowns.
 const REGULAR: f64 = 1e-10;
 
 /// Solves the coupled problem by x ← P(x + ω y), ω = 1.9/(λ_max(H) λ_max(K)), H the compliance of the contact nodes and
-/// K = D^½ M_E⁻¹ D^½, both scaled by their weights.
+/// K = (D^-½ M_E D^-½)⁻¹, both scaled by their weights.
 ///
 /// It ends when no multiplier would move by more than ω times `tolerance` (1e-11 if None) of the displacements without
-/// contact and the gaps.
+/// contact and the gaps. Where multipliers are not unique (corners) it finds some.
 ///
 /// *Use when*: as an independent reference. *Fails when*: S is singular; the friction coefficient is large; more than 200 000
 /// steps are needed. *Cost*: n²J + nJ² a step for n multipliers and J stochastic nodes, and as many steps as the condition
 /// numbers of H and K multiplied.
 ///
 /// # Errors
-/// [`StochasticError::NotCoercive`], [`StochasticError::Inconsistent`], [`StochasticError::Number`].
+/// [`StochasticError::NotCoercive`], [`StochasticError::Inconsistent`], [`StochasticError::Number`];
+/// [`StochasticError::Contact`] from [`steklov_contact::Problem::check`] of a stochastic node.
 pub fn tensor_uzawa(problem: &TensorProblem<'_>, tolerance: Option<f64>) -> Result<TensorSolution, StochasticError> {
     let dual = Dual::new(problem)?;
-    let tolerance = tolerance.unwrap_or(TOLERANCE) * dual.size;
-    let top = |matrix: &Mat<f64>| -> Result<f64, StochasticError> {
-        let failed = |_| StochasticError::Decomposition { size: matrix.nrows() };
-        let spectrum = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
-        Ok(spectrum.iter().copied().fold(0.0, f64::max))
-    };
+    let tolerance = tolerance.unwrap_or(TOLERANCE);
     let step = 1.9 / (top(&dual.space)? * top(&dual.chance)?);
-    let (n, nodes) = (dual.unloaded.nrows(), dual.unloaded.ncols());
-    let mut x = Mat::zeros(n, nodes);
+    let mut x = Mat::<f64>::zeros(dual.root.nrows(), dual.root.ncols());
     let (mut history, mut outcome) = (Vec::new(), Outcome::IterationLimit);
-    for _ in 0..LIMIT {
+    while history.len() < LIMIT {
         let y = dual.residual(&x);
         let mut change = 0.0f64;
-        for j in 0..nodes {
-            for i in 0..n {
+        for j in 0..x.ncols() {
+            for i in 0..x.nrows() {
+                // with the pressure of this step
                 let [low, high] = dual.bounds(&x, i, j);
                 let next = (x[(i, j)] + step * y[(i, j)]).max(low).min(high);
-                change = change.max((next - x[(i, j)]).abs() / step);
+                change = change.max((next - x[(i, j)]).abs() / (step * dual.root[(i, j)]));
                 x[(i, j)] = next;
             }
         }
-        history.push(if dual.size == 0.0 { 0.0 } else { change / dual.size });
-        if change <= tolerance {
+        let relative = if change == 0.0 { 0.0 } else { change / dual.size };
+        history.push(relative);
+        if relative <= tolerance {
             outcome = Outcome::Converged;
             break;
         }
-        if !change.is_finite() {
+        if !relative.is_finite() {
             outcome = Outcome::Diverged;
             break;
         }
     }
-    Ok(dual.solution(problem, &x, history, outcome))
+    Ok(dual.solution(&x, history, outcome))
 }
 
 /// Solves the coupled problem by the primal-dual active set: every multiplier is free (its displacement is prescribed) or at
 /// one of its bounds, the linear system of the free ones is solved, and each takes the state on which x + y/(H_ii K_jj) lies.
 ///
-/// The linear systems are solved by conjugate gradients, preconditioned by those of the stochastic nodes by themselves. Under
-/// Coulomb's law the bounds are those of the step before.
+/// It begins in contact and stick. If the number of changes has not fallen for 8 steps, it begins anew with the states that
+/// 100, then 200, 400, .. accelerated steps of the projected gradient find, which end in the right ones. The linear systems are solved by
+/// conjugate gradients, preconditioned by those of the stochastic nodes by themselves. Under Coulomb's law the bounds are those of
+/// the step before. The history is the violation of each active set step, over the largest stress or displacement.
 ///
-/// *Use when*: the exact Galerkin system does not decouple. *Fails when*: S is singular; it cycles (then the last iterate is
-/// returned, marked so). *Cost*: 5 to 10 steps, each a Cholesky factor of the free multipliers of each stochastic node and
-/// 5 to 20 products with H and K.
+/// *Use when*: the exact Galerkin system does not decouple. *Fails when*: S is singular; the friction coefficient is large;
+/// 200 000 steps of the gradient do not do (then its last iterate is returned, marked so). *Cost*: 5 to 10 steps, each a Cholesky factor of H for every set of free multipliers
+/// that stochastic nodes have, and 5 to 20 products with H and K.
 ///
 /// # Errors
 /// As [`tensor_uzawa`].
+///
+/// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); O'Donoghue and Candès, Found. Comput. Math. 15 (2015).
 pub fn tensor_active_set(problem: &TensorProblem<'_>) -> Result<TensorSolution, StochasticError> {
     let dual = Dual::new(problem)?;
-    let (n, nodes) = (dual.unloaded.nrows(), dual.unloaded.ncols());
-    let mut x = Mat::zeros(n, nodes);
-    // free: contact and stick everywhere
+    let mut gradient = Gradient::new(&dual)?;
+    let (n, nodes) = (gradient.x.nrows(), gradient.x.ncols());
     let mut free = vec![vec![true; n]; nodes];
-    let (mut history, mut outcome) = (Vec::new(), Outcome::IterationLimit);
+    let (mut history, mut steps, mut next) = (Vec::new(), 0, FIRST);
+    loop {
+        if let Some(x) = settle(&dual, free, gradient.x.clone(), &mut history) {
+            return Ok(dual.solution(&x, history, Outcome::Converged));
+        }
+        for _ in 0..next {
+            let change = gradient.advance();
+            if change <= SETTLED {
+                history.push(change);
+                return Ok(dual.solution(&gradient.x, history, Outcome::Converged));
+            }
+        }
+        (steps, next) = (steps + next, 2 * next);
+        if steps >= LIMIT {
+            return Ok(dual.solution(&gradient.x, history, Outcome::IterationLimit));
+        }
+        let inside = |i: usize, j: usize| {
+            let [low, high] = dual.bounds(&gradient.x, i, j);
+            low < gradient.x[(i, j)] && gradient.x[(i, j)] < high
+        };
+        free = (0..nodes).map(|j| (0..n).map(|i| inside(i, j)).collect()).collect();
+    }
+}
+
+/// The projected gradient in the metric of H_ii K_jj, accelerated by Nesterov's momentum, which ends where it goes uphill.
+struct Gradient<'a> {
+    dual: &'a Dual,
+    /// 1/λ_max of H and K with diagonals 1.
+    step: f64,
+    x: Mat<f64>,
+    /// Where the gradient is taken, and the momentum's number.
+    ahead: Mat<f64>,
+    momentum: f64,
+}
+
+impl<'a> Gradient<'a> {
+    fn new(dual: &'a Dual) -> Result<Self, StochasticError> {
+        let scaled =
+            |a: &Mat<f64>| Mat::from_fn(a.nrows(), a.nrows(), |i, j| a[(i, j)] / (a[(i, i)] * a[(j, j)]).sqrt());
+        let step = 1.0 / (top(&scaled(&dual.space))? * top(&scaled(&dual.chance))?);
+        let x = Mat::zeros(dual.root.nrows(), dual.root.ncols());
+        Ok(Self { dual, step, ahead: x.clone(), x, momentum: 1.0 })
+    }
+
+    /// One step; gives back the displacement that drives it over the largest one.
+    fn advance(&mut self) -> f64 {
+        let Self { dual, step, x, ahead, momentum } = self;
+        let y = dual.residual(ahead);
+        let (mut change, mut uphill) = (0.0f64, 0.0);
+        for j in 0..x.ncols() {
+            for i in 0..x.nrows() {
+                let compliance = dual.space[(i, i)] * dual.chance[(j, j)] / *step;
+                // with the pressure of this step
+                let [low, high] = dual.bounds(x, i, j);
+                let next = (ahead[(i, j)] + y[(i, j)] / compliance).max(low).min(high);
+                let moved = next - ahead[(i, j)];
+                change = change.max(moved.abs() * compliance / dual.root[(i, j)]);
+                uphill -= compliance * moved * (next - x[(i, j)]);
+                // the way of this step, until the momentum is known
+                ahead[(i, j)] = next - x[(i, j)];
+                x[(i, j)] = next;
+            }
+        }
+        let next = if uphill > 0.0 { 1.0 } else { 0.5 * (1.0 + (1.0 + 4.0 * *momentum * *momentum).sqrt()) };
+        let share = if uphill > 0.0 { 0.0 } else { (*momentum - 1.0) / next };
+        *ahead = &*x + Scale(share) * &*ahead;
+        *momentum = next;
+        if change == 0.0 { 0.0 } else { change / dual.size }
+    }
+}
+
+/// Largest eigenvalue.
+fn top(matrix: &Mat<f64>) -> Result<f64, StochasticError> {
+    let failed = |_| StochasticError::Decomposition { size: matrix.nrows() };
+    let spectrum = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
+    Ok(spectrum.iter().copied().fold(0.0, f64::max))
+}
+
+/// The active set from these states and values; none if it does not settle.
+fn settle(dual: &Dual, mut free: Vec<Vec<bool>>, mut x: Mat<f64>, history: &mut Vec<f64>) -> Option<Mat<f64>> {
+    let (n, nodes) = (x.nrows(), x.ncols());
+    let (mut fewest, mut least, mut waited) = (usize::MAX, f64::INFINITY, 0);
     for _ in 0..STEPS {
-        solve_free(&dual, &free, &mut x);
+        solve_free(dual, &free, &mut x);
         let y = dual.residual(&x);
-        let force = x.norm_max();
+        let force = Mat::from_fn(n, nodes, |i, j| x[(i, j)] / dual.root[(i, j)]).norm_max();
+        if !force.is_finite() {
+            return None;
+        }
         let mut next = x.clone();
-        let (mut changed, mut worst) = (false, 0.0f64);
+        let (mut changes, mut worst) = (0, 0.0f64);
         for j in 0..nodes {
             for i in 0..n {
                 let compliance = dual.space[(i, i)] * dual.chance[(j, j)];
                 let [low, high] = dual.bounds(&x, i, j);
                 let tried = x[(i, j)] + y[(i, j)] / compliance;
                 let projected = tried.max(low).min(high);
-                let wrong = (projected - x[(i, j)]).abs();
+                let wrong = (projected - x[(i, j)]).abs() / dual.root[(i, j)];
                 let relative = (wrong / force).min(wrong * compliance / dual.size);
-                if !(relative > SETTLED) {
+                if relative.is_nan() || relative <= SETTLED {
                     continue;
                 }
                 worst = worst.max(relative);
-                let is_free = tried > low && tried < high;
-                changed |= is_free != free[j][i] || !is_free && projected != x[(i, j)];
+                let is_free = low < tried && tried < high;
+                changes += usize::from(is_free != free[j][i] || !is_free);
                 free[j][i] = is_free;
                 next[(i, j)] = projected;
             }
         }
         history.push(worst);
-        if !changed {
-            outcome = if worst <= ACCEPTED { Outcome::Converged } else { outcome };
-            break;
+        if changes == 0 {
+            return (worst <= ACCEPTED).then_some(x);
         }
-        x = next;
+        waited = if changes < fewest || worst < 0.5 * least { 0 } else { waited + 1 };
+        if waited == PATIENCE {
+            return None;
+        }
+        (fewest, least, x) = (fewest.min(changes), least.min(worst), next);
     }
-    Ok(dual.solution(problem, &x, history, outcome))
+    None
 }
 
-/// Gives the free multipliers the values at which their y vanish; the others stay.
+/// Gives the free multipliers the values at which their y vanish, by conjugate gradients from those that they have; the
+/// others stay.
 fn solve_free(dual: &Dual, free: &[Vec<bool>], x: &mut Mat<f64>) {
     let (n, nodes) = (x.nrows(), x.ncols());
-    for j in 0..nodes {
-        for i in 0..n {
-            if free[j][i] {
-                x[(i, j)] = 0.0;
-            }
-        }
-    }
     let mask = |matrix: Mat<f64>| Mat::from_fn(n, nodes, |i, j| if free[j][i] { matrix[(i, j)] } else { 0.0 });
+    let solved =
+        |r: &Mat<f64>| (0..nodes).all(|j| (0..n).all(|i| r[(i, j)].abs() <= LINEAR * dual.size * dual.root[(i, j)]));
     let mut r = mask(dual.residual(x));
-    let scale = r.norm_l2();
-    if scale == 0.0 {
+    if solved(&r) {
         return;
     }
-    let blocks: Vec<Block> = (0..nodes).into_par_iter().map(|j| Block::new(dual, &free[j], j)).collect();
+    let mut sets: Vec<&Vec<bool>> = free.iter().collect();
+    sets.sort_unstable();
+    sets.dedup();
+    let blocks: Vec<Block> = sets.par_iter().map(|set| Block::new(&dual.space, set)).collect();
+    let own: Vec<usize> = free.iter().map(|set| sets.partition_point(|s| s < &set)).collect();
     let precondition = |r: &Mat<f64>| {
-        let columns: Vec<Vec<f64>> = (0..nodes).into_par_iter().map(|j| blocks[j].solve(r.col_as_slice(j))).collect();
+        let column = |j: usize| blocks[own[j]].solve(r.col_as_slice(j), dual.chance[(j, j)]);
+        let columns: Vec<Vec<f64>> = (0..nodes).into_par_iter().map(column).collect();
         Mat::from_fn(n, nodes, |i, j| columns[j][i])
     };
     let dot = |a: &Mat<f64>, b: &Mat<f64>| -> f64 {
@@ -150,15 +242,16 @@ fn solve_free(dual: &Dual, free: &[Vec<bool>], x: &mut Mat<f64>) {
     let mut z = precondition(&r);
     let (mut direction, mut rz) = (z.clone(), dot(&r, &z));
     for _ in 0..LINEAR_STEPS {
-        let applied = mask(&dual.space * &direction * &dual.chance);
+        let applied = mask(dual.applied(&direction));
         let curvature = dot(&direction, &applied);
-        if !(curvature > 0.0) {
+        // a direction that moves nothing: prescribed displacements that contradict each other
+        if rz.is_nan() || curvature <= SINGULAR * rz {
             break;
         }
         let step = rz / curvature;
         *x += Scale(step) * &direction;
         r -= Scale(step) * &applied;
-        if r.norm_l2() <= LINEAR * scale {
+        if solved(&r) {
             break;
         }
         z = precondition(&r);
@@ -168,7 +261,7 @@ fn solve_free(dual: &Dual, free: &[Vec<bool>], x: &mut Mat<f64>) {
     }
 }
 
-/// The free multipliers of one stochastic node by themselves.
+/// H of the free multipliers of a set.
 struct Block {
     size: usize,
     free: Vec<usize>,
@@ -177,20 +270,18 @@ struct Block {
 }
 
 impl Block {
-    fn new(dual: &Dual, free: &[bool], j: usize) -> Self {
-        let free: Vec<usize> = (0..free.len()).filter(|&i| free[i]).collect();
-        let k = dual.chance[(j, j)];
-        let h = Mat::from_fn(free.len(), free.len(), |a, b| {
-            let regular = if a == b { 1.0 + REGULAR } else { 1.0 };
-            dual.space[(free[a], free[b])] * k * regular
-        });
+    fn new(space: &Mat<f64>, set: &[bool]) -> Self {
+        let free: Vec<usize> = (0..set.len()).filter(|&i| set[i]).collect();
+        let regular = |a: usize, b: usize| if a == b { 1.0 + REGULAR } else { 1.0 };
+        let h = Mat::from_fn(free.len(), free.len(), |a, b| space[(free[a], free[b])] * regular(a, b));
         let diagonal = (0..free.len()).fold(0.0f64, |m, a| m.max(h[(a, a)]));
-        Self { size: dual.space.nrows(), factor: h.llt(Side::Lower).ok(), free, diagonal }
+        Self { size: set.len(), factor: h.llt(Side::Lower).ok(), free, diagonal }
     }
 
-    fn solve(&self, r: &[f64]) -> Vec<f64> {
+    /// H⁻¹ r/k, about.
+    fn solve(&self, r: &[f64], k: f64) -> Vec<f64> {
         let mut z = vec![0.0; self.size];
-        let b = Mat::from_fn(self.free.len(), 1, |a, _| r[self.free[a]]);
+        let b = Mat::from_fn(self.free.len(), 1, |a, _| r[self.free[a]] / k);
         let solved = match &self.factor {
             Some(factor) => factor.solve(b),
             None => b * Scale(1.0 / self.diagonal),
