@@ -7,6 +7,7 @@ use steklov_io::vtkhdf::Field;
 
 use crate::picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 use crate::report::ContactRow;
+use crate::stochastic;
 use crate::store::Stored;
 
 /// Draws the deformed body and each contact side into a folder; returns the files.
@@ -158,6 +159,9 @@ pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec
             let _ = writeln!(text, ",{}", r.status);
         }
         save("contact", text)?;
+    }
+    for (table, text) in stochastic::tables(stored) {
+        save(table, text)?;
     }
     Ok(files)
 }

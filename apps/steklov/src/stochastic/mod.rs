@@ -13,8 +13,10 @@ mod result;
 mod estimate;
 mod json;
 mod store;
+mod tables;
 
 pub(crate) use estimate::mean_estimate;
 pub use json::json;
 pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
 pub use store::{read, write};
+pub use tables::{lines, tables};
