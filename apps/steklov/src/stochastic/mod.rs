@@ -14,7 +14,10 @@ mod estimate;
 mod json;
 mod store;
 mod tables;
+mod draw;
+mod draw_fields;
 
+pub use draw::pictures;
 pub(crate) use estimate::mean_estimate;
 pub use json::json;
 pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
