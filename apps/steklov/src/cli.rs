@@ -23,7 +23,7 @@ use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
 use crate::scene::{Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
-use crate::stochastic::{StochasticResult, solve_stochastic};
+use crate::stochastic::{self, StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
 use crate::summary::{Summary, peak_memory_bytes};
 
@@ -238,7 +238,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         }
         say(&serde_json::to_string_pretty(summary)?);
     } else {
-        print_summary(summary, plan);
+        print_summary(&stored);
         files.iter().for_each(|f| say(&format!("picture {}", f.display())));
     }
     Ok(if summary.converged { 0 } else { NOT_REACHED })
@@ -378,7 +378,7 @@ fn show(args: &ShowArgs) -> Result<u8, Failure> {
         say(&serde_json::to_string_pretty(&stored.summary)?);
     } else {
         say(&format!("{}", stored.plan));
-        print_summary(&stored.summary, &stored.plan);
+        print_summary(&stored);
         files.iter().for_each(|f| say(&format!("wrote {}", f.display())));
     }
     Ok(0)
@@ -392,7 +392,8 @@ fn pictures(stored: &Stored, folder: &Path, file: &Path) -> Result<Vec<PathBuf>,
     Ok(draw::pictures(stored, folder, &stem(file))?)
 }
 
-fn print_summary(s: &Summary, plan: &Plan) {
+fn print_summary(stored: &Stored) {
+    let Stored { summary: s, plan, .. } = stored;
     say(&s.title);
     say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
     if !s.converged {
@@ -445,6 +446,7 @@ fn print_summary(s: &Summary, plan: &Plan) {
         let ([x, y], [u, v], [xx, yy, xy]) = (p.point, p.displacement, p.stress);
         say(&format!("probe       ({x}, {y}): u = ({u:.6e}, {v:.6e}), stress = ({xx:.6e}, {yy:.6e}, {xy:.6e})"));
     }
+    stochastic::lines(stored).iter().for_each(|line| say(line));
     say(&format!(
         "seconds     {:.3}, peak memory {:.1} MiB",
         s.seconds.total,

@@ -7,6 +7,7 @@ use steklov_io::vtkhdf::Field;
 
 use crate::picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 use crate::report::ContactRow;
+use crate::stochastic;
 use crate::store::Stored;
 
 /// Draws the deformed body and each contact side into a folder; returns the files.
@@ -18,6 +19,9 @@ pub fn pictures(stored: &Stored, folder: &Path, name: &str) -> Result<Vec<PathBu
     files.extend(write(folder, &format!("{name}-body"), &body_picture(stored)?)?);
     let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
     files.extend(contact_pictures(title, sides, &stored.contact, folder, &format!("{name}-contact"))?);
+    for (part, picture) in stochastic::pictures(stored)? {
+        files.extend(write(folder, &format!("{name}-{part}"), &picture)?);
+    }
     Ok(files)
 }
 
@@ -46,8 +50,8 @@ pub(crate) fn side_file(side_names: &[String], side: usize) -> String {
     if side_names[..side].iter().any(|other| file_name(other) == part) { format!("{part}-{side}") } else { part }
 }
 
-/// A side's name as a part of a file name.
-fn file_name(side: &str) -> String {
+/// A name as a part of a file name.
+pub(crate) fn file_name(side: &str) -> String {
     side.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
@@ -58,12 +62,7 @@ fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
     let n = grid.points.len();
     let displacement = values("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
     let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
-    let stretches = stretches(&stored.contact);
-    let on_stretches = |f: fn(&ContactRow) -> [f64; 2]| -> Vec<Vec<[f64; 2]>> {
-        stretches.iter().map(|rows| rows.iter().map(f).collect()).collect()
-    };
-    let lines = on_stretches(|r| r.point);
-    let gaps = on_stretches(|r| r.normal.map(|n| r.gap * n));
+    let (lines, gaps) = walls(&stored.contact);
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     body(&Body {
         title: &stored.summary.title,
@@ -74,6 +73,15 @@ fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
         outline: &grid.lines,
         obstacles: &obstacles,
     })
+}
+
+/// Points and gap vectors of the obstacles, one list for each stretch of contact side.
+pub(crate) fn walls(rows: &[ContactRow]) -> (Vec<Vec<[f64; 2]>>, Vec<Vec<[f64; 2]>>) {
+    let stretches = stretches(rows);
+    let on_stretches = |f: fn(&ContactRow) -> [f64; 2]| -> Vec<Vec<[f64; 2]>> {
+        stretches.iter().map(|rows| rows.iter().map(f).collect()).collect()
+    };
+    (on_stretches(|r| r.point), on_stretches(|r| r.normal.map(|n| r.gap * n)))
 }
 
 /// The contact table cut where the side or the normal changes.
@@ -158,6 +166,9 @@ pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec
             let _ = writeln!(text, ",{}", r.status);
         }
         save("contact", text)?;
+    }
+    for (table, text) in stochastic::tables(stored) {
+        save(table, text)?;
     }
     Ok(files)
 }

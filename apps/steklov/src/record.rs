@@ -3,9 +3,10 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use steklov_bem_operators::{Inside, Location, Mesh};
+use steklov_bem_operators::{BodyForce, BoundaryField, Inside, Location, Mesh};
 use steklov_io::vtkhdf::{Field, Grid};
 
+use crate::body::Body;
 use crate::plan::Plan;
 use crate::report::{ContactRow, contact_rows, contact_summary, located_ends};
 use crate::run::{Run, Step};
@@ -64,7 +65,7 @@ impl Record {
     ) -> Self {
         let clock = std::time::Instant::now();
         let solved = &run.last;
-        let grid = body_grid(scene, solved);
+        let grid = body_grid(scene, solved, stochastic.as_ref().map(|result| (result, &run.body)));
         let (mut traction_points, mut traction_element, mut traction) = (Vec::new(), Vec::new(), Vec::new());
         for e in 0..solved.mesh.len() {
             let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
@@ -175,28 +176,18 @@ pub(crate) fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
 }
 
 impl Solved {
+    fn elastic(&self) -> Elastic<'_> {
+        Elastic { mesh: &self.mesh, field: &self.field, body_force: self.body_force.as_ref() }
+    }
+
     /// Displacement and stress at a point inside the body.
     pub fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-        let Inside { displacement: mut u, mut stress, .. } = self.field.inside(x);
-        if let Some(body) = &self.body_force {
-            let (v, sigma) = (body.displacement(x), body.stress(x));
-            (0..2).for_each(|i| u[i] += v[i]);
-            (0..3).for_each(|i| stress[i] += sigma[i]);
-        }
-        (u, stress)
+        self.elastic().inside(x)
     }
 
     /// Displacement and stress on the boundary, at the reference coordinate t of element e.
     pub fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
-        let trace = self.field.trace(e, t);
-        let (mut u, mut stress) = (trace.displacement, trace.stress);
-        if let Some(body) = &self.body_force {
-            let x = self.mesh.point(e, t);
-            let (v, sigma) = (body.displacement(x), body.stress(x));
-            (0..2).for_each(|i| u[i] += v[i]);
-            (0..3).for_each(|i| stress[i] += sigma[i]);
-        }
-        (u, stress)
+        self.elastic().on_boundary(e, t)
     }
 
     /// Traction at the reference coordinate t of element e.
@@ -209,6 +200,42 @@ impl Solved {
     /// Displacement and stress at the edge parameter s of an edge of the polygon; at a corner or another vertex, where
     /// stresses of the elements beside it differ, their mean.
     pub fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
+        self.elastic().on_edge(edge, s)
+    }
+}
+
+/// A field of a body, inside and on its boundary.
+#[derive(Clone, Copy)]
+struct Elastic<'a> {
+    mesh: &'a Mesh,
+    field: &'a BoundaryField,
+    body_force: Option<&'a BodyForce>,
+}
+
+impl Elastic<'_> {
+    fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        let Inside { displacement: mut u, mut stress, .. } = self.field.inside(x);
+        if let Some(body) = self.body_force {
+            let (v, sigma) = (body.displacement(x), body.stress(x));
+            (0..2).for_each(|i| u[i] += v[i]);
+            (0..3).for_each(|i| stress[i] += sigma[i]);
+        }
+        (u, stress)
+    }
+
+    fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
+        let trace = self.field.trace(e, t);
+        let (mut u, mut stress) = (trace.displacement, trace.stress);
+        if let Some(body) = self.body_force {
+            let x = self.mesh.point(e, t);
+            let (v, sigma) = (body.displacement(x), body.stress(x));
+            (0..2).for_each(|i| u[i] += v[i]);
+            (0..3).for_each(|i| stress[i] += sigma[i]);
+        }
+        (u, stress)
+    }
+
+    fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
         let within = |e: &usize| {
             let [a, b] = self.mesh.span[*e];
             self.mesh.edge[*e] == edge && a.min(b) <= s && s <= a.max(b)
@@ -230,7 +257,7 @@ impl Solved {
 }
 
 /// The body with its fields; without triangles where the outline cannot be triangulated.
-fn body_grid(scene: &Scene, solved: &Solved) -> Grid {
+fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
     let polygon = &scene.polygon;
     let order: Vec<usize> = (0..polygon.loops().len()).flat_map(|l| polygon.traversal(l)).collect();
     let edges: Vec<_> = order.iter().map(|&k| &polygon.edges()[k]).map(|e| (e.start, e.end, e.loop_index)).collect();
@@ -240,31 +267,40 @@ fn body_grid(scene: &Scene, solved: &Solved) -> Grid {
         boundary: (0..edges.len()).map(|k| Some((k, 0.0))).collect(),
         outline: Vec::new(),
     });
-    let values: Vec<([f64; 2], [f64; 3])> = (0..body.points.len())
-        .into_par_iter()
-        .map(|i| match body.boundary[i] {
+    let at_points = |elastic: Elastic<'_>| -> Vec<([f64; 2], [f64; 3])> {
+        let at = |i: usize| match body.boundary[i] {
             Some((k, s)) => {
                 let edge = &polygon.edges()[order[k]];
-                solved.on_edge(order[k], if edge.reversed { 1.0 - s } else { s })
+                elastic.on_edge(order[k], if edge.reversed { 1.0 - s } else { s })
             }
-            None => solved.inside(body.points[i]),
-        })
-        .collect();
+            None => elastic.inside(body.points[i]),
+        };
+        (0..body.points.len()).into_par_iter().map(at).collect()
+    };
+    let values = at_points(solved.elastic());
     let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
         name: name.into(),
         unit: unit.into(),
         components,
         values,
     };
-    Grid {
-        point_data: vec![
-            field("displacement", "length", 3, values.iter().flat_map(|(u, _)| [u[0], u[1], 0.0]).collect()),
-            field("stress", "stress", 3, values.iter().flat_map(|(_, s)| *s).collect()),
-            field("von_mises", "stress", 1, values.iter().map(|(_, s)| scene.material.von_mises(*s)).collect()),
-        ],
-        cell_data: Vec::new(),
-        points: body.points,
-        lines: body.outline,
-        triangles: body.triangles,
+    let displacements = |values: &[([f64; 2], [f64; 3])]| values.iter().flat_map(|(u, _)| [u[0], u[1], 0.0]).collect();
+    let stresses = |values: &[([f64; 2], [f64; 3])]| values.iter().flat_map(|(_, s)| *s).collect();
+    let mut point_data = vec![
+        field("displacement", "length", 3, displacements(&values)),
+        field("stress", "stress", 3, stresses(&values)),
+        field("von_mises", "stress", 1, values.iter().map(|(_, s)| scene.material.von_mises(*s)).collect()),
+    ];
+    // the particular solution of a body force depends on the outcome: without its mean there are no mean fields
+    if let Some((result, matrices)) = outcomes.filter(|_| solved.body_force.is_none()) {
+        let mean = |displacement: &[f64]| {
+            let Body { mesh, space, material, traction_map, length, .. } = matrices;
+            let field =
+                BoundaryField::new(mesh, space, material, displacement, &traction_map.apply(displacement), *length);
+            at_points(Elastic { mesh, field: &field, body_force: None })
+        };
+        point_data.push(field("mean_displacement", "length", 3, displacements(&mean(&result.displacement.mean))));
+        point_data.push(field("mean_stress", "stress", 3, stresses(&mean(&result.stress_displacement))));
     }
+    Grid { point_data, cell_data: Vec::new(), points: body.points, lines: body.outline, triangles: body.triangles }
 }

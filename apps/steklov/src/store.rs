@@ -281,10 +281,21 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
     }
     let grid = vtkhdf::read(file)?;
     let stochastic = match file.link_exists("stochastic") {
-        true => Some(stochastic::read(&open_group(file, "stochastic")?)?),
+        true => Some(read_stochastic(file, points.len(), contact.len())?),
         false => None,
     };
     Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid, stochastic })
+}
+
+fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<StochasticResult, IoError> {
+    let result = stochastic::read(&open_group(file, "stochastic")?)?;
+    if result.displacement.mean.len() != 2 * nodes || result.stress_displacement.len() != 2 * nodes {
+        return Err(invalid(file, "stochastic/displacement", "it does not have two numbers for each node"));
+    }
+    if result.pressure.mean.len() != conditions {
+        return Err(invalid(file, "stochastic/pressure", "it does not have a number for each contact node"));
+    }
+    Ok(result)
 }
 
 /// Reads the steps from which a run goes on, and checks that they are those of this scene: of the overrides only

@@ -49,6 +49,24 @@ impl Axes {
         widest_label(&self.y_ticks()) + 44.0
     }
 
+    /// Draws the x axis alone, with light lines at its ticks.
+    pub fn draw_x(&self, canvas: &mut Canvas, title: Option<&str>) {
+        let (f, x, pen) = (self.frame, self.x_ticks(), Pen::solid(BLACK, 1.0));
+        for (&v, label) in x.values.iter().zip(&x.labels) {
+            let p = self.at([v, self.y[0]])[0];
+            canvas.line([p, f.top], [p, f.bottom()], &Pen::solid(LIGHT, 1.0));
+            canvas.line([p, f.bottom()], [p, f.bottom() + 5.0], &pen);
+            if title.is_some() {
+                canvas.text([p, f.bottom() + 19.0], label, TICK_TEXT, TextAnchor::Middle);
+            }
+        }
+        canvas.line([f.left, f.bottom()], [f.right(), f.bottom()], &pen);
+        if let Some(title) = title {
+            let middle = [f.left + f.width / 2.0, f.bottom() + 40.0];
+            canvas.text(middle, &x.title(title), LABEL_TEXT, TextAnchor::Middle);
+        }
+    }
+
     /// Draws frame, ticks, labels and titles; with `grid` light lines at the ticks, and no x labels if there is no
     /// title for them. The y title stands at the left end of `left_margin`.
     pub fn draw(&self, canvas: &mut Canvas, x_title: Option<&str>, y_title: &str, left_margin: f64, grid: bool) {

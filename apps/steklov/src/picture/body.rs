@@ -7,9 +7,9 @@ use super::scale::{exaggeration, short, ticks};
 use super::{Picture, PictureError};
 use kuva::render::render::TextAnchor;
 
-const TITLE_TEXT: u32 = 19;
-const TITLE_LINE: f64 = 25.0;
-const SUBTITLE_TEXT: u32 = 14;
+pub(super) const TITLE_TEXT: u32 = 19;
+pub(super) const TITLE_LINE: f64 = 25.0;
+pub(super) const SUBTITLE_TEXT: u32 = 14;
 
 /// Widest and tallest plotting area, and the smallest side it may have.
 const WIDEST: f64 = 640.0;
@@ -103,16 +103,16 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
         hatched(&mut canvas, &clip(&line, f), f);
     }
     axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
-    colour_bar(&mut canvas, f, colours);
+    colour_bar(&mut canvas, f, colours, "von Mises stress");
     key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
     canvas.finish()
 }
 
-fn moved(p: [f64; 2], u: [f64; 2], factor: f64) -> [f64; 2] {
+pub(super) fn moved(p: [f64; 2], u: [f64; 2], factor: f64) -> [f64; 2] {
     [p[0] + factor * u[0], p[1] + factor * u[1]]
 }
 
-fn undeformed_pen() -> Pen {
+pub(super) fn undeformed_pen() -> Pen {
     Pen::dashed(GREY, 1.1, 6.0, 4.0)
 }
 
@@ -127,13 +127,13 @@ fn subtitle(factor: f64, largest: f64, obstacle: bool) -> String {
 
 /// Smallest box around points.
 #[derive(Debug, Clone, Copy)]
-struct Bounds {
-    low: [f64; 2],
-    high: [f64; 2],
+pub(super) struct Bounds {
+    pub low: [f64; 2],
+    pub high: [f64; 2],
 }
 
 impl Bounds {
-    fn of<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> Self {
+    pub fn of<'p>(points: impl Iterator<Item = &'p [f64; 2]>) -> Self {
         let mut bounds = Self { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] };
         for p in points.filter(|p| p[0].is_finite() && p[1].is_finite()) {
             for i in 0..2 {
@@ -145,13 +145,13 @@ impl Bounds {
     }
 
     /// Longer side.
-    fn size(&self) -> f64 {
+    pub fn size(&self) -> f64 {
         (self.high[0] - self.low[0]).max(self.high[1] - self.low[1])
     }
 }
 
 /// The part of the plane to show: body before and after, and as much of the obstacles as is near.
-fn view(undeformed: Bounds, deformed: &[[f64; 2]], walls: &[Vec<[f64; 2]>]) -> Bounds {
+pub(super) fn view(undeformed: Bounds, deformed: &[[f64; 2]], walls: &[Vec<[f64; 2]>]) -> Bounds {
     let body = Bounds::of(deformed.iter().chain([&undeformed.low, &undeformed.high]));
     let near = 0.25 * body.size();
     let mut shown = body;
@@ -165,7 +165,7 @@ fn view(undeformed: Bounds, deformed: &[[f64; 2]], walls: &[Vec<[f64; 2]>]) -> B
 }
 
 /// Frame and intervals: equal scales, a margin of 6 % of the longer side, centred between the margins.
-fn place(shown: &Bounds, top: f64) -> Axes {
+pub(super) fn place(shown: &Bounds, top: f64) -> Axes {
     let size = shown.size();
     let extent = [0, 1].map(|i| shown.high[i] - shown.low[i] + 0.12 * size);
     let scale = (WIDEST / extent[0]).min(TALLEST / extent[1]);
@@ -183,7 +183,7 @@ fn place(shown: &Bounds, top: f64) -> Axes {
 }
 
 /// Point numbers of connected segments, joined into polylines.
-fn chains(segments: &[[usize; 2]]) -> Vec<Vec<usize>> {
+pub(super) fn chains(segments: &[[usize; 2]]) -> Vec<Vec<usize>> {
     let mut result: Vec<Vec<usize>> = Vec::new();
     for &[a, b] in segments {
         match result.last_mut() {
@@ -195,7 +195,7 @@ fn chains(segments: &[[usize; 2]]) -> Vec<Vec<usize>> {
 }
 
 /// A line hatched on its right side in traversal order, which is the far side of an obstacle.
-fn hatched(canvas: &mut Canvas, pieces: &[Vec<[f64; 2]>], frame: Rect) {
+pub(super) fn hatched(canvas: &mut Canvas, pieces: &[Vec<[f64; 2]>], frame: Rect) {
     let mut strokes = Vec::new();
     for piece in pieces {
         let mut next = HATCH / 2.0;
@@ -217,7 +217,7 @@ fn hatched(canvas: &mut Canvas, pieces: &[Vec<[f64; 2]>], frame: Rect) {
 }
 
 /// The colours with their values, right of the frame.
-fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2]) {
+pub(super) fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2], title: &str) {
     let height = frame.height.min(400.0);
     let bar = Rect { left: frame.right() + 26.0, top: frame.top + (frame.height - height) / 2.0, width: 18.0, height };
     for k in 0..BANDS {
@@ -236,7 +236,7 @@ fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2]) {
         canvas.text([r + 8.0, y + 4.5], label, TICK_TEXT, TextAnchor::Start);
         widest = widest.max(text_width(label, TICK_TEXT));
     }
-    canvas.text_upwards([r + widest + 28.0, t + height / 2.0], &marks.title("von Mises stress"), LABEL_TEXT);
+    canvas.text_upwards([r + widest + 28.0, t + height / 2.0], &marks.title(title), LABEL_TEXT);
 }
 
 /// What the lines mean, in a row centred on a point.

@@ -133,7 +133,7 @@ fn hidden(shear: &[f64], bound: &[f64]) -> bool {
 }
 
 /// Interval of the finite values with a small margin; with `zero` it contains 0.
-fn interval(values: impl Iterator<Item = f64>, zero: bool) -> [f64; 2] {
+pub(super) fn interval(values: impl Iterator<Item = f64>, zero: bool) -> [f64; 2] {
     let start = if zero { [0.0, 0.0] } else { [f64::INFINITY, f64::NEG_INFINITY] };
     let [low, high] = values.filter(|v| v.is_finite()).fold(start, |[l, h], v| [l.min(v), h.max(v)]);
     if low > high || (low == 0.0 && high == 0.0) {

@@ -141,7 +141,8 @@ pub(super) struct Shades {
 }
 
 impl Shades {
-    fn of(degrees: &BTreeSet<usize>) -> Self {
+    /// For the degrees of a picture.
+    pub fn of(degrees: &BTreeSet<usize>) -> Self {
         Self { low: degrees.first().copied().unwrap_or(1), high: degrees.last().copied().unwrap_or(1) }
     }
 

@@ -6,6 +6,7 @@
 
 mod axes;
 mod bands;
+mod bars;
 mod body;
 mod canvas;
 mod chart;
@@ -14,14 +15,21 @@ mod graph;
 mod guides;
 mod markers;
 mod mesh;
+mod panels;
 mod scale;
+mod spread;
 mod strips;
+mod tiles;
 
+pub use bars::{BarGroup, bars};
 pub use body::{Body, Obstacle, body};
 pub use chart::{Axis, Band, Chart, Curve, Guide, Series, chart};
 pub use contact::{ContactSide, contact};
 pub use graph::Scale;
 pub use mesh::{MeshFigure, MeshPanel, meshes};
+pub use panels::{Ends, Layer, Panel, Shape, panels};
+pub use spread::{SpreadLoop, spread};
+pub use tiles::{DegreeBox, Tile, boxes, tiles};
 
 use std::io::Write as _;
 use std::path::{Path, PathBuf};

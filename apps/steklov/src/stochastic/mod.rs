@@ -14,10 +14,15 @@ mod estimate;
 mod json;
 mod plan;
 mod store;
+mod tables;
+mod draw;
+mod draw_fields;
 
+pub use draw::pictures;
 pub(crate) use estimate::mean_estimate;
 pub use json::json;
 pub(crate) use plan::decide;
 pub use plan::points;
 pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
 pub use store::{read, write};
+pub use tables::{lines, tables};

@@ -86,6 +86,8 @@ pub struct StochasticResult {
     pub weights: Vec<f64>,
     /// Young's modulus of each point.
     pub young: Vec<f64>,
+    /// Probabilities of the quantiles.
+    pub probabilities: Vec<f64>,
     /// The quantities.
     pub quantities: Vec<Quantity>,
     /// Nodal displacement.
@@ -187,6 +189,7 @@ pub fn solve_stochastic(
     result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
     result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
     result.young.iter_mut().for_each(|e| *e *= scene.material.young);
+    result.probabilities = settings.quantiles.clone();
     result.seconds = clock.elapsed().as_secs_f64();
     Ok(result)
 }
@@ -250,6 +253,7 @@ fn of_grid(
     let size = answers.iter().map(|a| a.displacement.len()).sum::<usize>();
     Ok(StochasticResult {
         labels: Vec::new(),
+        probabilities: Vec::new(),
         probability: (0..pressure.mean.len()).map(touching).collect(),
         young: answers.iter().map(|a| a.modulus).collect(),
         displacements: if size <= KEPT { answers.iter().map(|a| a.displacement.clone()).collect() } else { Vec::new() },
@@ -401,6 +405,7 @@ fn of_samples(
     }
     Ok(StochasticResult {
         labels: Vec::new(),
+        probabilities: Vec::new(),
         weights: vec![1.0 / count as f64; count],
         points,
         young,

@@ -57,6 +57,8 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
         let degree: Vec<Vec<f64>> = cells.degree.iter().map(|d| d.iter().map(|q| *q as f64).collect()).collect();
         save_dense(&group, "degree", matrix(&degree).as_ref(), &label("1", "polynomial degrees", axes))?;
     }
+    let probabilities = label("1", "probabilities of the quantiles", &["probability"]);
+    save_vector(at, "probabilities", &result.probabilities, &probabilities)?;
     let names: Vec<String> = result.quantities.iter().map(|q| q.name.clone()).collect();
     save_texts(at, "quantity_names", &names, "paths of the quantities in the JSON object", "quantity")?;
     let quantities = create_group(at, "quantities")?;
@@ -147,6 +149,7 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
         points: vectors(at, "points")?,
         weights: load_vector(at, "weights")?,
         young: load_vector(at, "young")?,
+        probabilities: load_vector(at, "probabilities")?,
         quantities,
         displacement: load_moments(at, "displacement")?,
         stress_displacement: load_vector(at, "stress_displacement")?,
@@ -164,14 +167,43 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
         unconverged,
         seconds: load_number(at, "seconds")?,
     };
-    let points = result.points.len();
-    if result.weights.len() != points || result.young.len() != points {
-        return Err(invalid(at, "weights", "it does not have a number for each point"));
-    }
-    if result.quantities.iter().any(|q| q.values.len() != points) {
-        return Err(invalid(at, "quantities", "their values are not one for each point"));
-    }
+    check(at, &result)?;
     Ok(result)
+}
+
+/// Whether the arrays fit each other.
+fn check(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
+    let (points, germs) = (result.points.len(), result.labels.len());
+    let demand = |holds: bool, name: &str, why: &str| if holds { Ok(()) } else { Err(invalid(at, name, why)) };
+    let columns = |rows: &[Vec<f64>], width: usize| rows.iter().all(|row| row.len() == width);
+    let weighted = result.weights.len() == points && result.young.len() == points;
+    demand(weighted, "weights", "it does not have a number for each point")?;
+    demand(columns(&result.points, germs), "points", "they do not have a number for each germ")?;
+    let kept = &result.displacements;
+    let fits = (kept.is_empty() || kept.len() == points) && columns(kept, result.displacement.mean.len());
+    demand(fits, "displacements", "they are not one for each point and unknown")?;
+    for q in &result.quantities {
+        demand(q.values.len() == points, "quantities", "their values are not one for each point")?;
+        let quantiles = q.quantiles.as_ref().is_none_or(|v| v.len() == result.probabilities.len());
+        demand(quantiles, "quantities", "their quantiles are not one for each probability")?;
+        let effects = q.effects.as_ref().is_none_or(|v| v.len() == germs);
+        demand(effects, "quantities", "their effects are not one for each germ")?;
+    }
+    for field in &result.fields {
+        let modes = field.modes.len() == field.points.len() && columns(&field.modes, field.eigenvalues.len());
+        demand(modes, "fields", "their modes are not one for each point and eigenvalue")?;
+        let width = field.points.first().map_or(0, Vec::len);
+        demand((1..=2).contains(&width), "fields", "their points are neither of a side nor of the body")?;
+    }
+    if let Some(cells) = &result.cells {
+        let count = cells.low.len();
+        let degree = cells.degree.len() == count && cells.degree.iter().all(|d| d.len() == germs);
+        let ends = cells.high.len() == count && columns(&cells.low, germs) && columns(&cells.high, germs);
+        demand(degree && ends, "mesh", "its cells do not have ends and a degree for each germ")?;
+    }
+    let conditions = result.pressure.mean.len();
+    let contact = result.shear.mean.len() == conditions && result.probability.len() == conditions;
+    demand(contact, "probability", "it is not one for each contact node")
 }
 
 fn load_moments(at: &Group, name: &str) -> Result<Moments, IoError> {

@@ -1,0 +1,115 @@
+//! The statistics as tables and as lines of a summary.
+
+use std::fmt::Write as _;
+
+use super::StochasticResult;
+use crate::store::Stored;
+
+/// Text of a CSV field.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}
+
+/// The tables of a stored result with random input: name and text of each. None without random input.
+///
+/// `quantities`: a row for each quantity; `points`: a row for each point with its germs, its weight, Young's modulus and
+/// the quantities; `contact-statistics`: a row for each contact node. What a method does not give is empty.
+pub fn tables(stored: &Stored) -> Vec<(&'static str, String)> {
+    let Some(result) = &stored.stochastic else { return Vec::new() };
+    let mut tables = vec![("quantities", quantities(result)), ("points", points(result))];
+    if !stored.contact.is_empty() {
+        tables.push(("contact-statistics", contact(stored, result)));
+    }
+    tables
+}
+
+fn quantities(result: &StochasticResult) -> String {
+    let mut text = String::from("name,mean,variance,standard_error");
+    result.probabilities.iter().for_each(|p| text += &format!(",quantile_{p}"));
+    for q in &result.quantities {
+        let error = q.standard_error.map_or(String::new(), |e| format!("{e:?}"));
+        let _ = write!(text, "\n{},{:?},{:?},{error}", quoted(&q.name), q.mean, q.variance);
+        for k in 0..result.probabilities.len() {
+            text += &q.quantiles.as_ref().map_or(",".to_owned(), |values| format!(",{:?}", values[k]));
+        }
+    }
+    text + "\n"
+}
+
+fn points(result: &StochasticResult) -> String {
+    let mut head: Vec<String> = result.labels.iter().map(|l| quoted(l)).collect();
+    head.extend(["weight".to_owned(), "young".to_owned()]);
+    head.extend(result.quantities.iter().map(|q| quoted(&q.name)));
+    let mut text = head.join(",") + "\n";
+    for (i, germs) in result.points.iter().enumerate() {
+        let values = result.quantities.iter().map(|q| q.values[i]);
+        let row = germs.iter().copied().chain([result.weights[i], result.young[i]]).chain(values);
+        text += &(row.map(|v| format!("{v:?}")).collect::<Vec<_>>().join(",") + "\n");
+    }
+    text
+}
+
+fn contact(stored: &Stored, result: &StochasticResult) -> String {
+    let mut text =
+        String::from("side,x,y,pressure_mean,pressure_variance,shear_mean,shear_variance,probability_of_contact\n");
+    for (i, row) in stored.contact.iter().enumerate() {
+        let _ = write!(text, "{}", quoted(&stored.mesh.side_names[row.side]));
+        let (pressure, shear) = (&result.pressure, &result.shear);
+        let moments = [pressure.mean[i], pressure.variance[i], shear.mean[i], shear.variance[i]];
+        for v in row.point.into_iter().chain(moments).chain([result.probability[i]]) {
+            let _ = write!(text, ",{v:?}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The method's word in the JSON object, or nothing.
+pub(crate) fn method(stored: &Stored) -> &str {
+    let solution = stored.summary.stochastic.as_ref().and_then(|s| s.get("solution"));
+    solution.and_then(|s| s.get("method")).and_then(|m| m.as_str()).unwrap_or_default()
+}
+
+/// The statistics for a reader: the method with its size and its truncation, then a line for each quantity.
+pub fn lines(stored: &Stored) -> Vec<String> {
+    let Some(result) = &stored.stochastic else { return Vec::new() };
+    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let mut head = format!(
+        "outcomes    {}{}: {}, {}, {}",
+        method(stored),
+        if result.coupled { ", coupled nodes" } else { "" },
+        count(result.labels.len(), "germ"),
+        count(result.points.len(), "point"),
+        count(result.solved, "solve"),
+    );
+    if let Some(cells) = &result.cells {
+        let _ = write!(head, ", {}", count(cells.degree.len(), "cell"));
+    }
+    if let Some(truncation) = result.truncation {
+        let _ = write!(head, ", truncation {truncation:.1e} estimated, relative");
+    }
+    let mut lines = vec![head];
+    if result.unconverged > 0 {
+        lines.push(format!("            {} NOT CONVERGED", count(result.unconverged, "point")));
+    }
+    for field in &result.fields {
+        let (modes, share) = (count(field.eigenvalues.len(), "mode"), 100.0 * field.captured);
+        lines.push(format!("            field {}: {modes} with {share:.4} % of its variance", field.name));
+    }
+    for q in &result.quantities {
+        let mut line = format!("            {}: {:.6e} ± {:.2e}", q.name, q.mean, q.variance.max(0.0).sqrt());
+        if let Some(error) = q.standard_error {
+            let _ = write!(line, ", standard error of the mean {error:.1e}");
+        }
+        for (k, (p, value)) in result.probabilities.iter().zip(q.quantiles.iter().flatten()).enumerate() {
+            let _ = write!(line, "{} {} % {value:.6e}", if k == 0 { "; quantiles" } else { "," }, percent(*p));
+        }
+        lines.push(line);
+    }
+    lines
+}
+
+/// A probability in per cent, without the digits of rounding.
+pub(crate) fn percent(p: f64) -> f64 {
+    (1e10 * p).round() / 1e8
+}
