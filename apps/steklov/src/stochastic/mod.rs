@@ -17,6 +17,8 @@ mod store;
 
 pub(crate) use estimate::mean_estimate;
 pub use json::json;
+pub(crate) use nodes::is_coupled;
+pub(crate) use outcomes::Outcomes;
 pub(crate) use plan::decide;
 pub use plan::points;
 pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
