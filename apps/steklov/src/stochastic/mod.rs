@@ -21,6 +21,8 @@ mod draw_fields;
 pub use draw::pictures;
 pub(crate) use estimate::mean_estimate;
 pub use json::json;
+pub(crate) use nodes::is_coupled;
+pub(crate) use outcomes::Outcomes;
 pub(crate) use plan::decide;
 pub use plan::points;
 pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};

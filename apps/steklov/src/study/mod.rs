@@ -14,6 +14,7 @@ mod store;
 mod draw;
 pub mod stability;
 pub mod inf_sup;
+pub mod stochastic;
 
 use crate::reference::{EnergySource, Reference};
 use crate::scene::Scene;
