@@ -8,7 +8,8 @@
 //! Mesh, Space, MultiplierSpace ─► StabilisedForms (σ^h, γ, critical γ) ─────────────┘
 //! ```
 //! Multipliers are biorthogonal to the displacement's trace ([`contact_boundary`]) or stabilised, on a mesh of their own
-//! ([`StabilisedForms`]); [`inf_sup`] tells of a pair of spaces without stabilisation whether it is stable.
+//! ([`StabilisedForms`], also of almost incompressible bodies: the constant pressure, which would let γ fall with 1-2ν, is damped);
+//! [`inf_sup`] tells of a pair of spaces without stabilisation whether it is stable.
 //! Solvers see a [`Problem`] only: a symmetric matrix, a load, and for each contact node the conditions on its two
 //! (or one) unknowns. They never see a mesh.
 //!
@@ -72,6 +73,8 @@ mod multiplier_trace;
 mod residual;
 mod multiplier_space;
 mod lanczos;
+mod node_data;
+mod uniform_pressure;
 mod stabilised;
 mod inf_sup;
 #[cfg(any(test, feature = "proptest"))]
