@@ -3,6 +3,7 @@
 use steklov_bem_operators::{Grading, Mark, Mesh, SAME_PLACE, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Located, Tip, relocate, unlocated};
 
+use crate::apart::{limited_by_multipliers, multiplier_indicators};
 use crate::body::Factors;
 use crate::estimate::{Bubble, Doubt, Estimate};
 use crate::expression::Expression;
@@ -140,7 +141,10 @@ impl Layout {
             }),
             _ => None,
         };
-        let squared = estimate.map_or(vec![0.0; mesh.len()], Estimate::squared);
+        let mut squared = estimate.map_or(vec![0.0; mesh.len()], Estimate::squared);
+        let apart = multiplier_indicators(solved, factors.difference);
+        squared.iter_mut().zip(&apart).for_each(|(all, part)| *all += part);
+        let limited = |e: usize| limited_by_multipliers(scene, apart[e], squared[e]);
         let unresolved = match estimate {
             Some(estimate) if estimate.doubts.contains(&Doubt::Data) => unresolved_loads(&factors.unresolved),
             _ => Vec::new(),
@@ -150,8 +154,8 @@ impl Layout {
             let marked = doerfler(&squared, method.marking.unwrap_or(theta));
             let mark = |(e, excess): (usize, Option<f64>)| match excess {
                 None => Mark::Keep,
-                Some(excess) if method.refine == Refine::Hp => Mark::Refine { rough: rough(e), excess },
-                Some(_) => Mark::Refine { rough: rough(e), excess: 1.0 }, // one cut or degree at a time
+                Some(excess) if method.refine == Refine::Hp => Mark::Refine { rough: rough(e) || limited(e), excess },
+                Some(_) => Mark::Refine { rough: rough(e) || limited(e), excess: 1.0 }, // one cut or degree at a time
             };
             let mut marks: Vec<Mark> = marked.into_iter().enumerate().map(mark).collect();
             for &e in &unresolved {

@@ -428,8 +428,8 @@ fn print_summary(stored: &Stored) {
         ));
         say(&format!("            largest pressure {:.6e}{note}", c.max_pressure));
         if let Some(factor) = c.contraction {
-            let safe = if factor < 1.0 { "" } else { ": there may be other solutions, or none nearby" };
-            say(&format!("            Coulomb friction, contraction {factor:.3}{safe}"));
+            let note = if factor < 1.0 { "" } else { ": the fixed point of Tresca problems does not settle" };
+            say(&format!("            Coulomb friction, contraction {factor:.3}{note}"));
         }
         say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
     }

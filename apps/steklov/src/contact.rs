@@ -51,19 +51,18 @@ impl ContactResult {
 /// How safe a solution under Coulomb's law is.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Coulomb {
-    /// Factor by which changes of the pressure shrink in the fixed point of Tresca problems; from 1 on the solution is
-    /// not safe from having others.
+    /// Factor by which changes of the pressure shrink in the fixed point of Tresca problems; that does not settle from 1 on.
     pub contraction: f64,
-    /// Whether another solution was found on the same mesh.
+    /// Whether another solution was found on the same mesh, or must be expected: a real eigenvalue of the fixed point from 1
+    /// on.
     pub several: bool,
 }
 
 impl Coulomb {
     fn new(problem: &Problem, solution: &Solution) -> Result<Self, ContactError> {
-        Ok(Self {
-            contraction: contraction(problem, solution)?,
-            several: solution.converged() && other_solution(problem, solution)?.is_some(),
-        })
+        let contraction = contraction(problem, solution)?;
+        let several = contraction.real >= 1.0 || solution.converged() && other_solution(problem, solution)?.is_some();
+        Ok(Self { contraction: contraction.factor, several })
     }
 }
 

@@ -91,7 +91,7 @@ pub enum Doubt {
     Coarse,
     /// The loads vary within elements more than their degree follows: no bubble sees what they do.
     Data,
-    /// Coulomb's law has several solutions on this mesh, or its fixed point does not contract at this one.
+    /// Coulomb's law has several solutions on this mesh: another was found, or the fixed point leaves this one along a direction.
     Several,
     /// The error is down at rounding errors, or forces are out of balance by more than rounding may do.
     Roundoff,
@@ -239,7 +239,7 @@ pub fn estimate(
     let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * energies.friction_work).sqrt() } else { 0.0 };
     let uncertainty = 0.5 * (energy - factors.energy).abs() + 0.4 * error * error + bounds;
     let unresolved: f64 = factors.unresolved.iter().sum();
-    let several = solved.contact.as_ref().and_then(|c| c.coulomb).is_some_and(|c| c.several || c.contraction >= 1.0);
+    let several = solved.contact.as_ref().and_then(|c| c.coulomb).is_some_and(|c| c.several);
     let mut doubts = Vec::new();
     if unresolved > modulus * UNRESOLVED * error * error {
         doubts.push(Doubt::Data);

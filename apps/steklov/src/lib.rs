@@ -21,6 +21,7 @@ pub mod stabilised;
 pub mod solve;
 pub mod stochastic;
 pub mod estimate;
+mod apart;
 pub mod adapt;
 pub mod run;
 pub mod reference;

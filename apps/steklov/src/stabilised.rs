@@ -1,7 +1,7 @@
 //! Contact by stabilised multipliers: an answer of its own beside that of biorthogonal ones on the same mesh.
 //!
 //! The biorthogonal answer, a hundredth of the cost, tells the refinement and the estimate where contact and stick end;
-//! the estimate has the difference of the two answers in it.
+//! the estimate and the refinement have the difference of the two answers in them.
 
 use faer::Mat;
 use steklov_bem_operators::{Dof, TractionMap};

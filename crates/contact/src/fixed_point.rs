@@ -1,7 +1,6 @@
-//! Coulomb's law as a fixed point of Tresca problems: the iteration, its contraction, and whether there is one solution.
+//! Coulomb's law as a fixed point of Tresca problems.
 
 use crate::active_set::{ACCEPTED, Linear, Settled, iterate, laws, nearest_pieces, settle, solution};
-use crate::frozen::{Frozen, Sets};
 use crate::law::{Law, Piece};
 use crate::linear::{largest, product};
 use crate::{ContactError, Outcome, Problem, Solution, Start, interior_point};
@@ -20,11 +19,6 @@ const LEAST_SHARE: f64 = 1e-6;
 const POLISHING: usize = 12;
 /// Steps towards bounds under which a Tresca problem has a solution, or doublings of the first ones.
 const RETREATS: usize = 12;
-/// Power iterations for the contraction, and how many of the last ones are averaged.
-const POWERS: usize = 60;
-const AVERAGED: usize = 20;
-/// Solutions farther apart than this part of the largest displacement and gap are different.
-const DIFFERENT: f64 = 1e-6;
 
 /// Solves a problem with Coulomb friction as a fixed point: Tresca problems with the bounds μ λ_n⁺ of the one before.
 ///
@@ -37,7 +31,7 @@ const DIFFERENT: f64 = 1e-6;
 /// these changes: the ratio of successive ones is the contraction. A problem without Coulomb friction takes two steps.
 ///
 /// *Use when*: as a reference, and to see the contraction: linear convergence with a factor that grows with the
-/// coefficients ([`contraction`]). *Fails when*: that factor is 1 or more; then the 100 problems do not settle
+/// coefficients ([`crate::contraction`]). *Fails when*: that factor is 1 or more; then the 100 problems do not settle
 /// ([`Outcome::IterationLimit`]), though there may be a solution. *Cost*: one or two factorisations a step as long as the
 /// sets change little.
 ///
@@ -125,7 +119,7 @@ fn continued(problem: &Problem, history: &mut Vec<f64>) -> Option<Solution> {
 
 /// The solution to which a few active set steps settle, if they do. An error is one of the sets that were tried, not of the
 /// problem, and is none.
-fn settled(
+pub(crate) fn settled(
     problem: &Problem,
     laws: &[Law],
     pieces: Vec<Piece>,
@@ -139,7 +133,7 @@ fn settled(
 }
 
 /// R = f - S v.
-fn body_force(problem: &Problem, v: &[f64]) -> Vec<f64> {
+pub(crate) fn body_force(problem: &Problem, v: &[f64]) -> Vec<f64> {
     problem.load.iter().zip(product(&problem.stiffness, v)).map(|(f, s)| f - s).collect()
 }
 
@@ -200,83 +194,4 @@ fn change(before: &[[f64; 2]], after: &[[f64; 2]]) -> f64 {
     let of = |l: &[f64; 2]| l[0].max(0.0);
     let moved = largest(before.iter().zip(after).map(|(a, b)| of(a) - of(b)));
     if moved == 0.0 { 0.0 } else { moved / largest(after.iter().map(of)).max(f64::MIN_POSITIVE) }
-}
-
-/// The factor by which changes of the pressure shrink from one Tresca problem of [`fixed_point`] to the next, near a
-/// solution: the spectral radius of its derivative with the sets as they are, to about a tenth.
-///
-/// Below 1 the solution is isolated and the fixed point finds it; from 1 on several solutions, or none for slightly other
-/// loads, are to be expected. 0 where nothing slips under pressure. *Cost*: one factorisation, 60 products.
-///
-/// # Errors
-/// [`ContactError::Inconsistent`] when the solution is not one of this problem, [`ContactError::Decomposition`].
-pub fn contraction(problem: &Problem, answer: &Solution) -> Result<f64, ContactError> {
-    let sets = Sets::new(problem, answer)?;
-    let frozen = Frozen::new(problem, &sets)?;
-    let conditions: Vec<_> = problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c))).collect();
-    // the slipping conditions: direction of slip times μ D_t
-    let sliding: Vec<(usize, f64)> = (0..conditions.len())
-        .filter(|&i| sets.closed(i) && conditions[i].1.is_coulomb())
-        .filter_map(|i| {
-            let c = conditions[i].1;
-            sets.slip(i).filter(|s| *s != 0).map(|s| (i, f64::from(s) * c.coefficient * c.tangent_weight))
-        })
-        .collect();
-    let mut pressures: Vec<f64> = (0..sliding.len()).map(|k| 1.0 + 0.5 * (k as f64).sin()).collect();
-    let mut logs = Vec::new();
-    for _ in 0..POWERS {
-        let size = pressures.iter().map(|p| p * p).sum::<f64>().sqrt();
-        if size == 0.0 {
-            return Ok(0.0);
-        }
-        logs.push(size.ln());
-        let mut load = vec![0.0; problem.load.len()];
-        for (&(i, friction), p) in sliding.iter().zip(&pressures) {
-            let (node, c) = conditions[i];
-            (0..node.unknowns).for_each(|j| load[node.first + j] -= friction * p / size * c.tangent[j]);
-        }
-        let elastic = product(&problem.stiffness, &frozen.correction(&load));
-        pressures = sliding
-            .iter()
-            .map(|&(i, _)| {
-                let (node, c) = conditions[i];
-                let force = node.pick(&elastic);
-                let square = c.normal[0] * c.normal[0] + c.normal[1] * c.normal[1];
-                -(c.normal[0] * force[0] + c.normal[1] * force[1]) / (square * c.normal_weight)
-            })
-            .collect();
-    }
-    let last = &logs[logs.len() - AVERAGED..];
-    Ok((last.iter().sum::<f64>() / AVERAGED as f64).exp())
-}
-
-/// A solution that differs from the given one, if the active set method finds one from full stick or from no friction.
-///
-/// Under Coulomb's law a problem may have several solutions; that none is found here proves nothing. *Cost*: a few
-/// factorisations.
-///
-/// # Errors
-/// [`ContactError::Inconsistent`] from [`Problem::check`].
-pub fn other_solution(problem: &Problem, answer: &Solution) -> Result<Option<Solution>, ContactError> {
-    problem.check()?;
-    if !problem.is_coulomb() {
-        return Ok(None);
-    }
-    let origin = vec![0.0; problem.load.len()];
-    let closed = |laws: &[Law]| laws.iter().map(|law| law.closed().clone()).collect::<Vec<Piece>>();
-    let from = |laws: &[Law], pieces, near: &[f64]| settled(problem, laws, pieces, near, &mut Vec::new());
-    let stick = laws(problem, &[]);
-    let none = problem.tresca(&vec![[0.0; 2]; answer.multipliers.len()]);
-    let smooth = laws(&none, &[]);
-    let slip = settled(&none, &smooth, closed(&smooth), &origin, &mut Vec::new()).and_then(|start| {
-        let (laws, v) = (laws(problem, &start.multipliers), &start.displacement);
-        from(&laws, nearest_pieces(problem, &laws, v, &body_force(problem, v)), v)
-    });
-    let found = [from(&stick, closed(&stick), &origin), slip];
-    let gaps = problem.nodes.iter().flat_map(|node| &node.conditions).map(|c| c.gap);
-    let scale = largest(answer.displacement.iter().copied()) + largest(gaps);
-    let differs = |other: &Solution| {
-        largest(other.displacement.iter().zip(&answer.displacement).map(|(a, b)| a - b)) > DIFFERENT * scale
-    };
-    Ok(found.into_iter().flatten().find(differs))
 }

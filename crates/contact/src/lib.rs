@@ -8,7 +8,8 @@
 //! Mesh, Space, MultiplierSpace ─► StabilisedForms (σ^h, γ, critical γ) ─────────────┘
 //! ```
 //! Multipliers are biorthogonal to the displacement's trace ([`contact_boundary`]) or stabilised, on a mesh of their own
-//! ([`StabilisedForms`]); [`inf_sup`] tells of a pair of spaces without stabilisation whether it is stable.
+//! ([`StabilisedForms`], also of almost incompressible bodies: the constant pressure, which would let γ fall with 1-2ν, is damped);
+//! [`inf_sup`] tells of a pair of spaces without stabilisation whether it is stable.
 //! Solvers see a [`Problem`] only: a symmetric matrix, a load, and for each contact node the conditions on its two
 //! (or one) unknowns. They never see a mesh.
 //!
@@ -64,6 +65,7 @@ mod coupled;
 mod barrier;
 mod interior_point;
 mod fixed_point;
+mod several;
 mod newton;
 mod rows;
 mod uzawa;
@@ -72,6 +74,8 @@ mod multiplier_trace;
 mod residual;
 mod multiplier_space;
 mod lanczos;
+mod node_data;
+mod uniform_pressure;
 mod stabilised;
 mod inf_sup;
 #[cfg(any(test, feature = "proptest"))]
@@ -83,7 +87,7 @@ pub use active_set::{Start, active_set};
 pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, Transfer, contact_boundary};
 pub use bubbles::{ContactBubble, contact_bubbles, oscillation};
 pub use error::ContactError;
-pub use fixed_point::{contraction, fixed_point, other_solution};
+pub use fixed_point::fixed_point;
 pub use frozen::{Frozen, Sets};
 pub use inf_sup::{InfSup, dual_form, inf_sup};
 pub use interior_point::interior_point;
@@ -98,6 +102,7 @@ pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
 pub use residual::{ContactResidual, ContactSolution, Multiplier, contact_residuals};
 pub use rows::{MultiplierRow, multiplier_rows};
+pub use several::{Contraction, contraction, other_solution};
 pub use sides::SideData;
 pub use stabilised::{LEAST_GAMMA, Loading, Stabilised, StabilisedForms, pairing};
 pub use tips::{Located, Solved, Tip, relocate, unlocated};

@@ -198,14 +198,15 @@ fn element_residual(
                 let particular = b.traction(site.point, normal);
                 traction = [traction[0] + particular[0], traction[1] + particular[1]];
             }
+            let multiplier = at_point(t).unwrap_or([value(2), value(3)]);
             samples.push(Sample {
                 weight: w * mesh.length(e) / 2.0,
                 overlap: value(0) - data.gap.at(mesh, &site)?,
                 overlap_slope: 0.0,
                 slip: value(1),
-                multiplier: at_point(t).unwrap_or([value(2), value(3)]),
+                multiplier,
                 traction: [dot(traction, normal), dot(traction, tangent)],
-                bound: datum(&data.bound)? + datum(&data.coefficient)? * value(2).max(0.0),
+                bound: datum(&data.bound)? + datum(&data.coefficient)? * multiplier[0].max(0.0),
             });
         }
         let length: f64 = samples.iter().map(|s| s.weight).sum();

@@ -4,8 +4,9 @@
 //! <S u, v> + b(λ, v) - ∫ γ (λ + σ^h(u) + τ)·σ^h(v) = L(v)              γ = γ₀ h/p² on every element of T_h
 //! b(μ-λ, u) - ∫ γ (μ-λ)·(λ + σ^h(u) + τ) ≤ <g, μ_n-λ_n>                 for λ, μ that obey the signs at the nodes
 //! ```
-//! σ^h(u) = S_hp u pointwise, τ the traction of a body force's particular solution u_p less σ^h(u_p) (0 without), b(μ, v) = ∫ μ_n v_n +
-//! μ_t v_t. With E = B - C, B_γ = ∫ γ σ^h·σ^h, C = ∫ γ μ·σ^h, D = ∫ γ μ·μ the form is
+//! σ^h(u) = S_hp u pointwise, τ the traction of a body force's particular solution u_p less σ^h(u_p) (0 without),
+//! b(μ, v) = ∫ μ_n v_n + μ_t v_t. The constant normal stress is damped in the integrals of γ, for ν → ½ (`uniform_pressure`).
+//! With E = B - C, B_γ = ∫ γ σ^h·σ^h, C = ∫ γ μ·σ^h, D = ∫ γ μ·μ the form is
 //!
 //! ```text
 //! [ S - B_γ   Eᵀ ] [u]   [ f + ∫γτσ^h ]             r = E u - D λ - ∫ γ μ·τ - g
@@ -20,18 +21,18 @@
 //! apply, floating bodies included (Z is regular even if S is not).
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::Llt;
+use faer::linalg::solvers::{DenseSolveCore, Llt};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
 use faer::{Accum, Mat, Par, Scale, Side};
-use steklov_bem_operators::{
-    BodyForce, Datum, Dof, Material, Mesh, Site, Space, TractionMap, graded_panels, steklov_trace_rows,
-};
+use steklov_bem_operators::{BodyForce, Dof, Material, Mesh, Space, TractionMap, graded_panels, steklov_trace_rows};
 use steklov_quadrature::gauss_legendre;
 
 use crate::inf_sup::dual_form;
 use crate::lanczos::largest_eigenvalue;
 use crate::law::dot;
+use crate::node_data::{NodeData, node_data};
+use crate::uniform_pressure::UniformPressure;
 use crate::{Condition, ContactError, ContactNode, MultiplierSpace, Problem, SideData};
 
 /// The forms of the stabilisation with γ₀ = 1. All integrals of γ share one rule, graded to the ends of the elements of T_h, so that
@@ -41,10 +42,12 @@ pub struct StabilisedForms {
     points: Vec<(usize, f64)>,
     /// (w h/p²)^½ at the points.
     weights: Vec<f64>,
-    /// (w h/p²)^½ n·σ^h and t·σ^h: points × displacements.
+    /// Q of normal stresses.
+    uniform: UniformPressure,
+    /// (w h/p²)^½ n·σ^h, times Q, and t·σ^h: points × displacements.
     trace: [Mat<f64>; 2],
-    /// (w h/p²)^½ μ: points × nodes of the multipliers.
-    values: Mat<f64>,
+    /// (w h/p²)^½ μ, times Q for μ_n: points × nodes of the multipliers.
+    values: [Mat<f64>; 2],
     /// ∫ μ n·φ and ∫ μ t·φ: nodes of the multipliers × displacements.
     pairing: [Mat<f64>; 2],
 }
@@ -87,10 +90,6 @@ pub const LEAST_GAMMA: f64 = 1e-6;
 /// Layers towards the ends of an element, and Gauss points on each: 5e-4 of ∫ |σ^h|².
 const LAYERS: usize = 3;
 const POINTS: usize = 5;
-/// Gauss points for data on a smooth part, at least.
-const DATA_POINTS: usize = 24;
-/// A node is moved inwards by this part of its element where its data are taken.
-const INWARDS: f64 = 1e-9;
 
 impl StabilisedForms {
     /// The forms on the contact sides of a mesh.
@@ -125,7 +124,7 @@ impl StabilisedForms {
             }
         }
         let rows = steklov_trace_rows(mesh, space, material, traction, &points);
-        let trace = [0, 1].map(|k| {
+        let mut trace = [0, 1].map(|k| {
             let direction = |i: usize| multipliers.nodes[multipliers.elements[owners[i]].nodes[0]].frame[k];
             Mat::from_fn(points.len(), n, |i, j| {
                 let d = direction(i);
@@ -137,7 +136,11 @@ impl StabilisedForms {
             let mu = multipliers.basis(owners[i], mesh.edge_parameter(e, t));
             multipliers.elements[owners[i]].nodes.iter().zip(mu).for_each(|(&k, mu)| values[(i, k)] = weights[i] * mu);
         }
-        Self { points, weights, trace, values, pairing: pairing(mesh, space, multipliers) }
+        let uniform = UniformPressure::new(mesh, material, &weights);
+        let mut values = [values.clone(), values];
+        uniform.damp_columns(&mut trace[0]);
+        uniform.damp_columns(&mut values[0]);
+        Self { points, weights, uniform, trace, values, pairing: pairing(mesh, space, multipliers) }
     }
 
     /// ∫ (h/p²) σ^h·σ^h over the displacements: B_γ of γ₀ = 1.
@@ -191,12 +194,12 @@ impl StabilisedForms {
     ) -> Result<Mat<f64>, ContactError> {
         let form = self.trace_form();
         let rest = Mat::from_fn(form.nrows(), form.ncols(), |i, j| stiffness[(i, j)] - gamma * form[(i, j)]);
-        let coupled = [0, 1].map(|k| &self.pairing[k] - (self.values.transpose() * &self.trace[k]) * Scale(gamma));
+        let coupled = [0, 1].map(|k| &self.pairing[k] - (self.values[k].transpose() * &self.trace[k]) * Scale(gamma));
         let mut dual = dual_form(&coupled, &rest, held, rigid)?;
-        let d = self.values.transpose() * &self.values;
-        for j in 0..d.ncols() {
-            for i in 0..d.nrows() {
-                (0..2).for_each(|k| dual[(2 * i + k, 2 * j + k)] += gamma * d[(i, j)]);
+        for (k, values) in self.values.iter().enumerate() {
+            let d = values.transpose() * values;
+            for j in 0..d.ncols() {
+                (0..d.nrows()).for_each(|i| dual[(2 * i + k, 2 * j + k)] += gamma * d[(i, j)]);
             }
         }
         Ok(dual)
@@ -226,13 +229,16 @@ impl StabilisedForms {
         loading.held.iter().for_each(|&(dof, value)| held[dof] = value);
         let tau = self.particular(mesh, multipliers, loading.particular);
 
-        // D, the same for both components, and E
-        let mut d = Mat::zeros(nodes, nodes);
-        matmul(d.as_mut(), Accum::Replace, self.values.transpose(), &self.values, gamma, Par::rayon(0));
-        let d_factor = d.llt(Side::Lower).map_err(|_| ContactError::Decomposition { size: nodes })?;
+        // D and E
+        let factor_of = |values: &Mat<f64>| {
+            let mut d = Mat::zeros(nodes, nodes);
+            matmul(d.as_mut(), Accum::Replace, values.transpose(), values, gamma, Par::rayon(0));
+            d.llt(Side::Lower).map_err(|_| ContactError::Decomposition { size: nodes })
+        };
+        let d_factors = [factor_of(&self.values[0])?, factor_of(&self.values[1])?];
         let coupled = [0, 1].map(|k| {
             let mut e = self.pairing[k].clone();
-            matmul(e.as_mut(), Accum::Add, self.values.transpose(), &self.trace[k], -gamma, Par::rayon(0));
+            matmul(e.as_mut(), Accum::Add, self.values[k].transpose(), &self.trace[k], -gamma, Par::rayon(0));
             e
         });
         // Z = S - B_γ + Σ (L⁻¹E)ᵀ(L⁻¹E), and f
@@ -249,7 +255,7 @@ impl StabilisedForms {
         let offset = [0, 1].map(|k| -> Vec<f64> {
             let of = |row: usize| {
                 let fixed: f64 = loading.held.iter().map(|&(j, u)| coupled[k][(row, j)] * u).sum();
-                fixed - gamma * inner(&self.values, row, &tau[k])
+                fixed - gamma * inner(&self.values[k], row, &tau[k])
             };
             (0..nodes).map(of).collect()
         });
@@ -257,9 +263,9 @@ impl StabilisedForms {
         let mut coupling = Mat::zeros(n, 2 * nodes);
         for (k, e) in coupled.iter().enumerate() {
             let mut x = Mat::from_fn(nodes, n, |i, j| e[(i, free[j])]);
-            solve_lower_triangular_in_place(d_factor.L(), x.as_mut(), Par::rayon(0));
+            solve_lower_triangular_in_place(d_factors[k].L(), x.as_mut(), Par::rayon(0));
             matmul(z.as_mut(), Accum::Add, x.transpose(), &x, 1.0, Par::rayon(0));
-            solve_upper_triangular_in_place(d_factor.L().transpose(), x.as_mut(), Par::rayon(0));
+            solve_upper_triangular_in_place(d_factors[k].L().transpose(), x.as_mut(), Par::rayon(0));
             for node in 0..nodes {
                 (0..n).for_each(|j| coupling[(j, 2 * node + k)] = weight(node) * x[(node, j)]);
             }
@@ -267,9 +273,9 @@ impl StabilisedForms {
         let factor = z.llt(Side::Lower).map_err(|_| refused)?;
         let mut y = coupling.clone();
         solve_lower_triangular_in_place(factor.L(), y.as_mut(), Par::rayon(0));
-        let inverse = faer::linalg::solvers::DenseSolveCore::inverse(&d_factor);
+        let inverse = [0, 1].map(|k| d_factors[k].inverse());
         let mut stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| {
-            if i % 2 == j % 2 { weight(i / 2) * weight(j / 2) * inverse[(i / 2, j / 2)] } else { 0.0 }
+            if i % 2 == j % 2 { weight(i / 2) * weight(j / 2) * inverse[i % 2][(i / 2, j / 2)] } else { 0.0 }
         });
         matmul(stiffness.as_mut(), Accum::Add, y.transpose(), &y, -1.0, Par::rayon(0));
         let stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| 0.5 * (stiffness[(i, j)] + stiffness[(j, i)]));
@@ -312,14 +318,14 @@ impl StabilisedForms {
         let (u, tau) = (column(displacement), self.particular(mesh, multipliers, particular));
         for (k, tau) in tau.iter().enumerate() {
             let lambda = Mat::from_fn(values.len(), 1, |i, _| values[i][k]);
-            let mut sum = &self.values * &lambda + &self.trace[k] * &u;
+            let mut sum = &self.values[k] * &lambda + &self.trace[k] * &u;
             tau.iter().enumerate().for_each(|(i, tau)| sum[(i, 0)] += tau);
             forces += self.pairing[k].transpose() * &lambda - self.trace[k].transpose() * (Scale(gamma) * sum);
         }
         column_of(&forces)
     }
 
-    /// (w h/p²)^½ of n·τ and t·τ at the points, less what σ^h makes of the particular solution's nodal values.
+    /// (w h/p²)^½ of n·τ, times Q, and t·τ at the points, less what σ^h makes of the particular solution's nodal values.
     fn particular(
         &self,
         mesh: &Mesh,
@@ -336,6 +342,9 @@ impl StabilisedForms {
         let nodal = particular.map(|(_, u)| column(u));
         [0, 1].map(|k| {
             let mut tau: Vec<f64> = both.iter().map(|v| v[k]).collect();
+            if k == 0 {
+                self.uniform.damp(&mut tau);
+            }
             if let Some(u) = &nodal {
                 let discrete = &self.trace[k] * u;
                 tau.iter_mut().enumerate().for_each(|(i, tau)| *tau -= discrete[(i, 0)]);
@@ -382,79 +391,6 @@ pub fn pairing(mesh: &Mesh, space: &Space, multipliers: &MultiplierSpace) -> [Ma
         }
     }
     pairing
-}
-
-/// What data say at a node.
-#[derive(Clone, Copy, Default)]
-struct NodeData {
-    /// ∫ g μ / ∫ μ.
-    gap: f64,
-    /// F and μ at the node, the mean of the limits.
-    bound: f64,
-    coefficient: f64,
-}
-
-/// The data at every node.
-fn node_data(
-    mesh: &Mesh,
-    multipliers: &MultiplierSpace,
-    sides: &[SideData<'_>],
-) -> Result<Vec<NodeData>, ContactError> {
-    let mut data = vec![NodeData::default(); multipliers.nodes.len()];
-    let side = |index: usize| {
-        sides.iter().find(|s| s.side == index).ok_or_else(|| ContactError::Inconsistent {
-            what: format!("side \"{}\" has multipliers but no gap", mesh.side_names[index]),
-        })
-    };
-    for cell in multipliers.cells(mesh) {
-        let (e, element) = (cell.element, &multipliers.elements[cell.multiplier]);
-        let gap = &side(element.side)?.gap;
-        let mut breaks = vec![cell.span[0], cell.span[1]];
-        breaks.extend((gap.kinks)(e).into_iter().filter(|t| *t > cell.span[0] && *t < cell.span[1]));
-        breaks.sort_by(f64::total_cmp);
-        for part in breaks.windows(2) {
-            let rule = gauss_legendre(DATA_POINTS.max(element.degree)).mapped(part[0], part[1]);
-            for (&t, &w) in rule.points.iter().zip(&rule.weights) {
-                let g = gap.at(mesh, &Site::new(mesh, e, t))?;
-                let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));
-                for (&k, mu) in element.nodes.iter().zip(mu) {
-                    data[k].gap += w * mesh.length(e) / 2.0 * mu * g / multipliers.nodes[k].weight;
-                }
-            }
-        }
-    }
-    let mut limits = vec![0.0; data.len()];
-    for element in &multipliers.elements {
-        let SideData { bound, coefficient, .. } = side(element.side)?;
-        let [a, b] = element.span;
-        for &k in &element.nodes {
-            let margin = INWARDS * (b - a);
-            let s = multipliers.nodes[k].s.clamp(a + margin, b - margin);
-            let value = |f: &Option<Datum<'_>>| f.map_or(Ok(0.0), |f| value_at(mesh, element.edge, s, &f));
-            data[k].bound += value(bound)?;
-            data[k].coefficient += value(coefficient)?;
-            limits[k] += 1.0;
-        }
-    }
-    for (d, count) in data.iter_mut().zip(limits) {
-        (d.bound, d.coefficient) = (d.bound / count, d.coefficient / count);
-    }
-    Ok(data)
-}
-
-/// A bound or coefficient, at least 0, at an edge parameter.
-fn value_at(mesh: &Mesh, edge: usize, s: f64, bound: &Datum<'_>) -> Result<f64, ContactError> {
-    let inside = |e: &usize| mesh.edge[*e] == edge && (mesh.span[*e][0] - s) * (mesh.span[*e][1] - s) <= 0.0;
-    let Some(e) = (0..mesh.len()).find(inside) else { return Ok(0.0) };
-    let [s0, s1] = mesh.span[e];
-    let site = Site::new(mesh, e, 2.0 * (s - s0) / (s1 - s0) - 1.0);
-    let f = bound.at(mesh, &site)?;
-    if f < 0.0 {
-        let ([x, y], side) = (site.point, &mesh.side_names[mesh.side[e]]);
-        let what = format!("{} on side \"{side}\" is {f} at ({x}, {y}); it must be at least 0", bound.name);
-        return Err(ContactError::Inconsistent { what });
-    }
-    Ok(f)
 }
 
 pub(crate) fn free_unknowns(count: usize, held: &[(Dof, f64)]) -> Vec<Dof> {

@@ -6,8 +6,8 @@ use proptest::prelude::*;
 use solved::{Case, Field, square};
 use steklov_bem_operators::{BodyForce, BoundaryField, Datum, Loop, Material, Mesh, Plane, Polygon, Site, Space};
 use steklov_contact::{
-    ContactError, ContactResidual, ContactSolution, Multiplier, SideData, contact_boundary, contact_residuals,
-    multiplier_trace,
+    ContactError, ContactResidual, ContactSolution, Multiplier, MultiplierDegree, MultiplierMesh, MultiplierSpace,
+    SideData, contact_boundary, contact_residuals, multiplier_trace,
 };
 
 fn sum(residuals: &[ContactResidual], term: impl Fn(&ContactResidual) -> f64) -> f64 {
@@ -206,6 +206,48 @@ fn each_term_alone() {
         check(of(100.0, &flat, [0.0, 1.0], 0.0, 1.0), [stress(1.0), 0.0, 0.0, 0.0, 0.0, 0.0]);
         // a bound beyond any shear is full stick
         check(of(0.01, &flat, [0.0, 1.0], 0.0, 1e100), [stress(1.0), 0.0, 0.0, 0.0, 0.0, length(0.01)]);
+    }
+}
+
+/// Coulomb's bound of stabilised multipliers is that of their own pressure, at least 0.
+#[test]
+fn coulomb_bounds_of_stabilised_multipliers() {
+    for p in [1, 2, 3] {
+        let mesh = mesh(0.0, &[p, 1, 1, 1]);
+        let space = Space::new(&mesh);
+        let multipliers =
+            MultiplierSpace::new(&mesh, &[0], MultiplierMesh::Finer(3), MultiplierDegree::Relative(0)).expect("a side");
+        let none = vec![0.0; space.dofs()];
+        let field = BoundaryField::new(&mesh, &space, &STEEL, &none, &none, mesh.diameter());
+        let slip: Vec<f64> = (0..space.dofs()).map(|i| if i % 2 == 0 { 0.01 } else { 0.0 }).collect();
+        let [bound, coefficient] =
+            [Datum { value: &|_: &Site| 0.25, ..NONE }, Datum { value: &|_: &Site| 0.5, ..NONE }];
+        let sides = [SideData { side: 0, gap: NONE, bound: Some(bound), coefficient: Some(coefficient) }];
+        let (stress, length) = (|s: f64| s * s / (p as f64 * 2.5), |u: f64| p as f64 * 2.5 * u * u);
+        // bound and friction under F = 0.25 + 0.5 λ_n⁺
+        for (lambda, want) in [
+            ([3.0, 1.0], [0.0, length(0.01)]),
+            ([3.0, 1.75], [0.0, 0.0]),
+            ([3.0, 2.0], [stress(0.25), 0.0]),
+            ([-3.0, 1.0], [stress(0.75), 0.0]),
+            ([0.0, 0.25], [0.0, 0.0]),
+        ] {
+            let values = vec![lambda; multipliers.nodes.len()];
+            let solution = ContactSolution {
+                mesh: &mesh,
+                space: &space,
+                displacement: &slip,
+                multiplier: Multiplier::Stabilised(&multipliers, &values),
+                field: &field,
+                body_force: None,
+            };
+            let got = contact_residuals(&solution, &sides).expect("finite")[0];
+            let found = [got.bound, got.friction];
+            assert!(
+                found.iter().zip(want).all(|(f, w)| (f - w).abs() < 1e-13),
+                "p = {p}, {lambda:?}: {got:?} {want:?}"
+            );
+        }
     }
 }
 
