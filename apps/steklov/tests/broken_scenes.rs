@@ -179,6 +179,8 @@ fn impossible_outcomes_are_refused_before_anything_is_solved() {
     assert!(error.message.contains("the field rough of side \"floor\""), "{}", error.message);
     let error = parse(&random_scene("xi"), &["material.young=\"200+rough\""]).unwrap_err();
     assert!(error.message.contains("depends on the place"), "{}", error.message);
+    let error = parse(&random_scene("xi"), &["material.poisson=\"0.3*xi\""]).unwrap_err();
+    assert!(error.message.contains("depends on the random xi"), "{}", error.message);
     let error = parse(&random_scene("rough+2"), &["random.rough.modes=100000"]).unwrap_err();
     assert_eq!(error.kind, SceneErrorKind::Value);
 }

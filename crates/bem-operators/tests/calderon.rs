@@ -119,12 +119,18 @@ fn gap(polygon: &Polygon, x: [f64; 2]) -> f64 {
     points.map(|y| (y[0] - x[0]).hypot(y[1] - x[1])).fold(f64::INFINITY, f64::min)
 }
 
-/// Residuals at p = 2, 6, 10 fall exponentially, line by line.
+/// Residuals at p = 2, 6, 10 fall exponentially, line by line, from the first to the last by 1e4 (to 1e-5, if the first is
+/// below 0.1: a source next to the boundary starts with more).
 fn exponential(errors: [[f64; 2]; 3]) -> bool {
     (0..2).all(|line| {
         let [a, b, c] = errors.map(|e| e[line]);
-        b < 0.1 * a && c < 0.1 * b.max(1e-9) && c < 1e-5
+        b < 0.1 * a && c < 0.1 * b.max(1e-9) && c < fallen(a)
     })
+}
+
+/// What a residual of degree 2 has fallen to at degree 10.
+fn fallen(first: f64) -> f64 {
+    1e-4 * first.max(0.1)
 }
 
 proptest! {
@@ -163,7 +169,7 @@ proptest! {
         let errors = meshes.each_ref().map(|mesh| residuals(mesh, &material, &force, length, Domain::Exterior));
         prop_assert!(exponential(errors), "{errors:?}");
         let [first, second] = residuals(&meshes[2], &material, &force, 1.5 * length, Domain::Exterior);
-        prop_assert!(first > 1e-3 && second < 1e-5, "{first:e} {second:e}");
+        prop_assert!(first > 1e-3 && second < fallen(errors[0][1]), "{first:e} {second:e}");
     }
 }
 

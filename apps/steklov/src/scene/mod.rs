@@ -180,7 +180,10 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
         context.fields.extend(outcomes);
     }
     let stochastic = fields.get("stochastic").map_or_else(|| Ok(Stochastic::default()), |f| random::stochastic(&f))?;
-    let material = material(&fields.require("material", "a table [material] with young and poisson")?, &context)?;
+    let material_field = fields.require("material", "a table [material] with young and poisson")?;
+    random::check_poisson(&material_field, &declared, &context)?;
+    context.used.take();
+    let material = material(&material_field, &context)?;
     let in_material = context.used.borrow().clone();
     if let Some(field) = fields.get("grid") {
         grid::grid(&field)?;

@@ -254,6 +254,26 @@ pub(super) fn check_fields(sides: &[Side], declared: &[(String, Declared)]) -> R
     Ok(())
 }
 
+/// Poisson's ratio is the same for all outcomes: every ratio has boundary operators of its own.
+pub(super) fn check_poisson(
+    material: &Field<'_>,
+    declared: &[(String, Declared)],
+    context: &Context<'_>,
+) -> Result<(), Problem> {
+    let Some(poisson) = Fields::open(material)?.get("poisson") else { return Ok(()) };
+    let expression = poisson.expression(context)?;
+    match declared.iter().find(|(name, _)| expression.uses(name)) {
+        Some((name, _)) => Err(Problem::new(
+            Kind::Unsupported,
+            poisson.item.place,
+            format!("{} depends on the random {name}", poisson.name),
+            "every ratio has boundary operators of its own, so that no factorisation would serve two outcomes: give a number, \
+             and study a few of them with --set",
+        )),
+        None => Ok(()),
+    }
+}
+
 /// Which data use a random name.
 pub(super) fn uses(
     sides: &[Side],

@@ -173,7 +173,7 @@ pub fn solve_stochastic(
         Sampling::Galerkin | Sampling::Collocation => {
             let coupled = is_coupled(scene, random)?;
             let surrogate = solve_nodes(scene, random, &outcomes, coupled, &paths, &watch)?;
-            of_surrogate(random, &surrogate, &paths)?
+            of_surrogate(scene, random, &surrogate, &paths)?
         }
         Sampling::Sparse => {
             let grid = smolyak(&variables, settings.level)?;
@@ -281,7 +281,23 @@ fn touches(answer: &Answer, condition: usize) -> bool {
     answer.pressure[condition] > TOUCHING * largest
 }
 
-fn of_surrogate(random: &Random, surrogate: &Surrogate, paths: &[String]) -> Result<StochasticResult, SolveError> {
+/// Values that a quantity cannot leave, though polynomials may.
+fn bounds(scene: &Scene, path: &str) -> [f64; 2] {
+    let contact = |side: usize| matches!(scene.sides[side].condition, Condition::Contact { .. });
+    let edges = scene.polygon.edges().iter().filter(|e| contact(e.side));
+    match path {
+        "contact.length" | "contact.stick" | "contact.slip" => [0.0, edges.map(|e| e.length()).sum()],
+        "contact.max_pressure" | "strain_energy" | "friction_work" => [0.0, f64::INFINITY],
+        _ => [f64::NEG_INFINITY, f64::INFINITY],
+    }
+}
+
+fn of_surrogate(
+    scene: &Scene,
+    random: &Random,
+    surrogate: &Surrogate,
+    paths: &[String],
+) -> Result<StochasticResult, SolveError> {
     let Surrogate { mesh, cells, coupled, relative, solved } = surrogate;
     let points = cells.iter().flat_map(|c| c.basis.points.clone()).collect();
     let weights = cells.iter().flat_map(|c| c.basis.weights.clone()).collect();
@@ -293,6 +309,7 @@ fn of_surrogate(random: &Random, surrogate: &Surrogate, paths: &[String]) -> Res
         let mut rest = all.into_iter();
         cells.iter().map(|c| rest.by_ref().take(c.answers.len()).collect()).collect()
     };
+    let limits: Vec<[f64; 2]> = paths.iter().map(|p| bounds(scene, p)).collect();
     // at a sample: the quantities, and 1 where the surrogate of the change of contact is positive
     let at = |germ: &[f64], with_contact: bool| -> (Vec<f64>, Vec<f64>) {
         let c = mesh.locate(germ).unwrap_or(0);
@@ -300,7 +317,8 @@ fn of_surrogate(random: &Random, surrogate: &Surrogate, paths: &[String]) -> Res
         let mut theta = vec![0.0; cell.answers.len()];
         cell.basis.evaluate(germ, &mut theta);
         let sum = |value: &dyn Fn(usize) -> f64| theta.iter().enumerate().map(|(j, t)| t * value(j)).sum::<f64>();
-        let quantities = (0..paths.len()).map(|k| sum(&|j| cell.answers[j].quantities[k])).collect();
+        let value = |k: usize| sum(&|j| cell.answers[j].quantities[k]).clamp(limits[k][0], limits[k][1]);
+        let quantities = (0..paths.len()).map(value).collect();
         let conditions = if with_contact { result.pressure.mean.len() } else { 0 };
         let contact = (0..conditions).map(|i| f64::from(u8::from(sum(&|j| changes[c][j][i]) > 0.0))).collect();
         (quantities, contact)
