@@ -11,7 +11,7 @@ const ROUGH: f64 = 1.0 / 3.0;
 /// Degree from which a direction is split whatever its coefficients do.
 const HIGH: usize = 15;
 /// Most nodes that a root is found from.
-const SIDE: usize = 4;
+const SIDE: usize = 8;
 /// A cell is not cut closer to its ends than this part of its probability.
 const EDGE: f64 = 1e-3;
 
@@ -105,7 +105,7 @@ fn extrapolate(a: &[f64]) -> DirectionError {
 /// A germ of a direction between whose neighbouring nodes conditions change, the median of all: `events` are, for each node of
 /// the cell, functions that change sign where their conditions do, each smooth on either side. None if none changes.
 ///
-/// The root is that of the polynomial through up to four nodes of the side that has more of them.
+/// The root is that of the polynomial through up to eight nodes of the side that has more of them.
 ///
 /// # Panics
 /// If there are not events for each node.

@@ -145,7 +145,7 @@ impl Reached {
 }
 
 /// Refines until the estimate is `tolerance` of the size of the answers' first component; `solve` gives answers and events.
-fn refined(mut mesh: StochasticMesh, tolerance: f64, solve: &dyn Fn(&[f64]) -> (Vec<f64>, Vec<f64>)) -> Reached {
+fn refined(mut mesh: StochasticMesh, tolerance: f64, solve: impl Fn(&[f64]) -> (Vec<f64>, Vec<f64>)) -> Reached {
     let energy = |u: &[f64]| u[0] * u[0];
     let mut solves = 0;
     for rounds in 0..60 {
@@ -217,8 +217,8 @@ fn a_kink_stalls_the_degree_and_not_the_mesh() {
             assert!(((sum / wanted - 1.0).abs() / error - 1.0).abs() < 1e-6, "{elements} elements, degree {degree}");
         }
     }
-    for degree in [0, 1, 3, 6] {
-        let reached = refined(mesh(1, degree), 1e-9, &|p| spring(p[0]));
+    for degree in 0..12 {
+        let reached = refined(mesh(1, degree), 1e-9, |p| spring(p[0]));
         let errors = [0, 1].map(|c| (reached.mean(c) / wanted[c] - 1.0).abs());
         println!(
             "degree {degree}: {} solves, {} cells, {} rounds, errors {errors:?}",
@@ -226,8 +226,10 @@ fn a_kink_stalls_the_degree_and_not_the_mesh() {
             reached.mesh.cells.len(),
             reached.rounds
         );
-        assert!(errors[0] < 1e-8 && errors[1] < 1e-8, "degree {degree}: {errors:?}");
-        assert!(reached.solves < 200);
+        // λ is the small rest of the load u1 = 200 and E g
+        assert!(errors[0] < 1e-8 && errors[1] * wanted[1] < 1e-8 * LOAD, "degree {degree}: {errors:?}");
+        assert!(degree < 7 || errors[1] < 1e-8, "degree {degree}: {errors:?}");
+        assert!(reached.mesh.cells.len() == 2 && reached.solves < 50);
     }
 }
 
@@ -242,13 +244,13 @@ fn a_kink_along_a_line_of_two_germs_is_reached_by_cells() {
     // E(λ) = ∫∫_(t > E g) (t - E g): of t' = t - 187.2 - g (E - 1800), the inner integral is a square
     let cubes = |a: f64| (220.0 - a * GAP).powi(3);
     let lambda = (cubes(1800.0) - cubes(2200.0f64.min(220.0 / GAP))) / (6.0 * GAP * 400.0 * 40.0);
-    let mut before = f64::INFINITY;
-    for tolerance in [1e-2, 3e-3, 1e-3] {
-        let reached = refined(mesh.clone(), tolerance, &spring);
+    for tolerance in [1e-3, 1e-4, 1e-5] {
+        let reached = refined(mesh.clone(), tolerance, spring);
         let error = (reached.mean(1) / lambda - 1.0).abs();
         println!("{tolerance:e}: {} solves, {} cells, error of λ {error:e}", reached.solves, reached.mesh.cells.len());
-        assert!(error < before && error < 100.0 * tolerance);
-        before = error;
+        assert!(error * lambda < tolerance * LOAD);
+        // cells of a tenth of the width where there is no kink would need a hundred times those along it
+        assert!(tolerance > 5e-4 || reached.mesh.cells.len() > 8);
     }
 }
 
@@ -257,13 +259,13 @@ fn smooth_answers_are_refined_by_degree_in_the_germ_that_matters() {
     let variables = vec![Variable::uniform(-1.0, 1.0).unwrap(), Variable::normal(0.0, 1.0).unwrap()];
     let mesh = StochasticMesh::uniform(variables, &[1, 1], &[0, 0]).unwrap();
     let solve = |p: &[f64]| (vec![(0.01 * p[1]).exp() / (1.0 + 0.4 * p[0])], vec![1.0]);
-    let reached = refined(mesh, 1e-8, &solve);
+    let reached = refined(mesh, 1e-8, solve);
     assert_eq!(reached.mesh.cells.len(), 1);
     let mean = (1.4f64 / 0.6).ln() / 0.8 * 0.5e-4f64.exp();
     assert!((reached.mean(0) / mean - 1.0).abs() < 1e-9, "{:e}", reached.mean(0) / mean - 1.0);
     let degree = &reached.mesh.cells[0].degree;
     assert!((9..=13).contains(&degree[0]) && (2..=4).contains(&degree[1]), "{degree:?}");
     // nothing random: nothing to do after the degrees of nothing known
-    let reached = refined(reached.mesh, 1e-8, &|_| (vec![1.0], vec![1.0]));
+    let reached = refined(reached.mesh, 1e-8, |_| (vec![1.0], vec![1.0]));
     assert_eq!(reached.rounds, 0);
 }
