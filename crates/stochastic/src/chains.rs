@@ -72,13 +72,19 @@ pub fn scale_bounds(nodes: &mut [ContactNode], factor: f64) {
 /// dense factorisation of the free contact unknowns.
 ///
 /// # Errors
-/// Those of [`active_set`] and [`interior_point`].
+/// [`ContactError::Inconsistent`] for a modulus that is not positive and finite; those of [`active_set`] and
+/// [`interior_point`].
 pub fn solve_outcome(
     stiffness: &Mat<f64>,
     outcome: CondensedOutcome,
     warm: &mut Option<Solution>,
 ) -> Result<Solution, ContactError> {
     let modulus = outcome.modulus;
+    if !(modulus > 0.0 && modulus.is_finite()) {
+        let what =
+            format!("the modulus of an outcome is {modulus} of that of the stiffness; it must be positive and finite");
+        return Err(ContactError::Inconsistent { what });
+    }
     let CondensedOutcome { load, nodes, .. } = outcome.scaled();
     let problem = Problem { stiffness: stiffness.clone(), load, nodes };
     let mut solution = solve_warm(&problem, warm)?;
@@ -87,6 +93,8 @@ pub fn solve_outcome(
 }
 
 /// The active set from a warm start, without one or where that fails the interior point method.
+///
+/// *Fails when*: the solution is not unique (a body that can still move, or under Coulomb's law): then it may depend on the start.
 ///
 /// # Errors
 /// Those of [`active_set`] and [`interior_point`].

@@ -4,10 +4,14 @@ use rayon::prelude::*;
 
 use crate::{CellBasis, StochasticError, StochasticMesh};
 
-/// Fall of the coefficients a degree above which answers count as not smooth.
-const ROUGH: f64 = 0.25;
+/// Fall of the coefficients a degree above which answers count as not smooth: halving a cell divides the error of degree q by
+/// 2^(q+1) for twice the nodes, a degree more divides it by 1/decay for (q+2)/(q+1) of them, which is less where the decay is
+/// above 1/e.
+const ROUGH: f64 = 1.0 / 3.0;
 /// Degree from which a direction is split whatever its coefficients do.
 const HIGH: usize = 15;
+/// Most nodes that a root is found from.
+const SIDE: usize = 8;
 /// A cell is not cut closer to its ends than this part of its probability.
 const EDGE: f64 = 1e-3;
 
@@ -30,13 +34,19 @@ impl DirectionError {
 /// Estimates for every direction of a cell the error of the polynomials of degree q_d in its germ: the truncation term of the
 /// a-posteriori estimate, ‖(I - π_kq) u‖², with the coefficients beyond q_d extrapolated.
 ///
-/// The answers are expanded in the orthonormal polynomials of the cell; a_k is the sum of the squared norms of the coefficients of
-/// degree k in germ d. As answers may be even or odd, the larger of a_q, a_(q-1) is compared with the larger of a_(q-2), a_(q-3): with
-/// ρ² their ratio (ρ the ratio of a_1 and a_0 below degree 3), what follows is a ρ/(1-ρ). Where ρ > 1/2 the answer is not smooth and
-/// a (q+1) is taken, the sum that follows coefficients of a kink. Degree 0 tells nothing of itself: its error is infinite.
+/// The answers are expanded in the orthonormal polynomials of the cell; a_k is the sum of the squared norms of the coefficients
+/// of degree k in germ d. Answers may be even or odd, so that degrees are taken in pairs:
 ///
-/// `energy` is the square of the norm of an answer. *Fails when*: the degree is below 3 and the answer has a kink. *Cost*: the
-/// square of the number of nodes a component.
+/// ```text
+/// error = (a_q + a_(q-1)) r/(1-r) times the probability,   r = (a_q + a_(q-1))/(a_(q-2) + a_(q-3)),   decay = r^¼
+/// ```
+/// which is exact for a_k = C r^(k/2). Where the decay is above 1/3 the answer is not smooth and (q+1)/6 replaces r/(1-r): the
+/// coefficients of a kink fall like k^-4. Up to degree 3 the mean a_0 enters r, which it may hide behind; r is then the largest
+/// of what can be compared: a_3/a_1 too for q = 3; a_2/a_0, (a_1/a_0)² and (a_2/a_1)² for q = 2, ratios with a_1 if it is above
+/// a_2; (a_1/a_0)² for q = 1, where a_1 √r/(1-√r) is the sum. Degree 0 tells nothing of itself: its error is infinite.
+///
+/// `energy` is the square of the norm of an answer. *Fails when*: the degree is below 4 and a large mean hides a kink; all nodes lie
+/// on one side of a kink next to an end of the cell. *Cost*: the square of the number of nodes a component.
 ///
 /// # Panics
 /// If there is not an answer for each node.
@@ -59,27 +69,43 @@ pub fn truncation(
     let mut stride = answers.len();
     let direction = |q: usize| {
         stride /= q + 1;
-        let a = |degree: usize| -> f64 {
+        let sum = |degree: usize| -> f64 {
             norms.iter().enumerate().filter(|(k, _)| (k / stride) % (q + 1) == degree).map(|(_, e)| e).sum()
         };
-        let (top, rho) = match q {
-            0 => return DirectionError { error: f64::INFINITY, decay: 0.0 },
-            1 => (a(1), a(1) / a(0)),
-            2 => (a(1).max(a(2)), a(1).max(a(2)) / a(0)),
-            _ => {
-                let top = a(q).max(a(q - 1));
-                (top, (top / a(q - 2).max(a(q - 3))).sqrt())
-            }
-        };
-        let rho = if top == 0.0 { 0.0 } else { rho };
-        let rest = if rho <= 0.5 { rho / (1.0 - rho) } else { (q + 1) as f64 };
-        DirectionError { error: probability * top * rest, decay: rho.sqrt() }
+        let DirectionError { error, decay } = extrapolate(&(0..=q).map(sum).collect::<Vec<f64>>());
+        DirectionError { error: probability * error, decay }
     };
     basis.degrees().into_iter().map(direction).collect()
 }
 
+/// What follows a_0 .. a_q.
+fn extrapolate(a: &[f64]) -> DirectionError {
+    let q = a.len() - 1;
+    let last = if q > 1 { a[q] + a[q - 1] } else { a[q] };
+    if q == 0 {
+        return DirectionError { error: f64::INFINITY, decay: 0.0 };
+    }
+    if last == 0.0 {
+        return DirectionError { error: 0.0, decay: 0.0 };
+    }
+    let square = |x: f64| x * x;
+    let odd = |ratio: f64| if a[1] > a[2] { ratio } else { 0.0 };
+    let r = match q {
+        1 => square(a[1] / a[0]),
+        2 => (a[2] / a[0]).max(square(a[1] / a[0])).max(odd(square(a[2] / a[1]))),
+        3 => (last / (a[1] + a[0])).max(odd(a[3] / a[1])),
+        _ => last / (a[q - 2] + a[q - 3]),
+    };
+    let decay = r.sqrt().sqrt();
+    let smooth = if q == 1 { r.sqrt() / (1.0 - r.sqrt()) } else { r / (1.0 - r) };
+    let rest = if decay <= ROUGH { smooth } else { (q + 1) as f64 / 6.0 };
+    DirectionError { error: last * rest, decay }
+}
+
 /// A germ of a direction between whose neighbouring nodes conditions change, the median of all: `events` are, for each node of
-/// the cell, functions that change sign where their conditions do. None if none changes.
+/// the cell, functions that change sign where their conditions do, each smooth on either side. None if none changes.
+///
+/// The root is that of the polynomial through up to eight nodes of the side that has more of them.
 ///
 /// # Panics
 /// If there are not events for each node.
@@ -89,17 +115,50 @@ pub fn changes(basis: &CellBasis, direction: usize, events: &[Vec<f64>]) -> Opti
     let n = degrees[direction] + 1;
     let stride: usize = degrees[direction + 1..].iter().map(|q| q + 1).product();
     let mut roots = Vec::new();
-    for j in (0..events.len()).filter(|j| (j / stride) % n + 1 < n) {
-        let next = j + stride;
-        let (x, y) = (basis.points[j][direction], basis.points[next][direction]);
-        for (&a, &b) in events[j].iter().zip(&events[next]) {
-            if (a > 0.0) != (b > 0.0) {
-                roots.push(x + (y - x) * a / (a - b));
-            }
+    for first in (0..events.len()).filter(|j| (j / stride).is_multiple_of(n)) {
+        for event in 0..events[first].len() {
+            let line: Vec<[f64; 2]> =
+                (0..n).map(|k| first + k * stride).map(|j| [basis.points[j][direction], events[j][event]]).collect();
+            let differ = |k: &usize| (line[*k][1] > 0.0) != (line[*k + 1][1] > 0.0);
+            roots.extend((0..n - 1).filter(differ).map(|k| root(&line, k)));
         }
     }
     roots.sort_by(f64::total_cmp);
     roots.get(roots.len() / 2).copied()
+}
+
+/// Where the values change sign between points k and k+1.
+fn root(line: &[[f64; 2]], k: usize) -> f64 {
+    let alike = |i: usize, j: usize| (line[i][1] > 0.0) == (line[j][1] > 0.0);
+    let before = (0..=k).rev().take_while(|&i| alike(i, k)).take(SIDE);
+    let after = (k + 1..line.len()).take_while(|&i| alike(i, k + 1)).take(SIDE);
+    let [before, after] = [before.collect::<Vec<_>>(), after.collect()];
+    let side = if before.len() > after.len() { before } else { after };
+    // Neville's scheme
+    let value = |x: f64| {
+        let mut p: Vec<f64> = side.iter().map(|&i| line[i][1]).collect();
+        for d in 1..side.len() {
+            for i in 0..side.len() - d {
+                let [a, b] = [line[side[i]][0], line[side[i + d]][0]];
+                p[i] = ((x - b) * p[i] - (x - a) * p[i + 1]) / (a - b);
+            }
+        }
+        p[0]
+    };
+    let [mut low, mut high] = [line[k][0], line[k + 1][0]];
+    let [a, b] = [value(low), value(high)];
+    if (a > 0.0) == (b > 0.0) {
+        // the polynomial does not reach the other side: the chord does
+        let [a, b] = [line[k][1], line[k + 1][1]];
+        return low + (high - low) * a / (a - b);
+    }
+    loop {
+        let middle = 0.5 * (low + high);
+        if !(low < middle && middle < high) {
+            return middle;
+        }
+        if (value(middle) > 0.0) == (a > 0.0) { low = middle } else { high = middle }
+    }
 }
 
 /// Refines the directions of cells that have together the part `share` of the squared error, the largest first: raises the
@@ -119,7 +178,7 @@ pub fn refine(
         errors.iter().enumerate().flat_map(|(c, e)| (0..e.len()).map(move |d| (c, d))).collect();
     order.sort_by(|a, b| errors[b.0][b.1].error.total_cmp(&errors[a.0][a.1].error));
     let total: f64 = errors.iter().flatten().map(|e| e.error).filter(|e| e.is_finite()).sum();
-    let (mut sum, mut split, mut changed) = (0.0, Vec::new(), Vec::new());
+    let (mut sum, mut raised, mut split) = (0.0, Vec::new(), Vec::<(usize, usize)>::new());
     for (cell, direction) in order {
         let one = errors[cell][direction];
         if one.error == 0.0 || one.error.is_finite() && sum >= share * total {
@@ -128,15 +187,21 @@ pub fn refine(
         if one.error.is_finite() {
             sum += one.error;
         }
-        changed.push(cell);
         if !one.is_rough(mesh.cells[cell].degree[direction]) {
-            mesh.raise(cell, direction)?;
-        } else if !split.contains(&cell) {
-            // what else is marked of this cell waits for the parts
-            let cut = mesh.cut(cell, direction, at(cell, direction));
-            changed.push(mesh.split(cell, direction, cut)?);
-            split.push(cell);
+            raised.push((cell, direction));
+        } else if split.iter().all(|s| s.0 != cell) {
+            // what else is rough in this cell waits for the parts
+            split.push((cell, direction));
         }
+    }
+    let mut changed: Vec<usize> = raised.iter().chain(&split).map(|c| c.0).collect();
+    // parts of a cell have its raised degrees
+    for (cell, direction) in raised {
+        mesh.raise(cell, direction)?;
+    }
+    for (cell, direction) in split {
+        let cut = mesh.cut(cell, direction, at(cell, direction));
+        changed.push(mesh.split(cell, direction, cut)?);
     }
     changed.sort_unstable();
     changed.dedup();

@@ -2,7 +2,7 @@
 
 mod square;
 
-use square::{Square, square};
+use square::{Square, square, weight};
 use steklov_contact::{Solution, Status};
 use steklov_quadrature::gauss_legendre;
 use steklov_stochastic::{CondensedOutcome, solve_outcome};
@@ -19,7 +19,7 @@ fn solve(square: &Square, modulus: f64, gap: f64, bound: f64) -> Solution {
 
 /// Resultant of the multipliers of a component.
 fn force(square: &Square, solution: &Solution, component: usize) -> f64 {
-    solution.multipliers.iter().enumerate().map(|(i, l)| square.weight(i) * l[component]).sum()
+    solution.multipliers.iter().enumerate().map(|(i, l)| weight(square.elements, i) * l[component]).sum()
 }
 
 fn touching(solution: &Solution) -> usize {

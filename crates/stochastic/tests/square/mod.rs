@@ -68,28 +68,33 @@ fn element() -> Mat<f64> {
 }
 
 impl Square {
-    /// Contact nodes over a rigid ground, with weights lumped by the trapezoidal rule.
+    /// Contact nodes over a rigid ground.
     pub fn nodes(&self, gap: f64, bound: f64) -> Vec<ContactNode> {
-        let condition = |i: usize| {
-            let weight = self.weight(i);
-            Condition {
-                normal: [0.0, -1.0],
-                tangent: [1.0, 0.0],
-                normal_weight: weight,
-                tangent_weight: weight,
-                gap,
-                slip_offset: 0.0,
-                bound,
-                coefficient: 0.0,
-            }
-        };
-        let node = |i: usize| ContactNode { first: 2 * i, unknowns: 2, conditions: vec![condition(i)] };
-        (0..=self.elements).map(node).collect()
+        ground(self.elements, gap, bound)
     }
+}
 
-    /// Length that belongs to a bottom node.
-    pub fn weight(&self, i: usize) -> f64 {
-        let share = if i == 0 || i == self.elements { 0.5 } else { 1.0 };
-        share / self.elements as f64
-    }
+/// Nodes of a bottom of `elements` elements over a rigid ground, with weights lumped by the trapezoidal rule.
+pub fn ground(elements: usize, gap: f64, bound: f64) -> Vec<ContactNode> {
+    let condition = |i: usize| {
+        let weight = weight(elements, i);
+        Condition {
+            normal: [0.0, -1.0],
+            tangent: [1.0, 0.0],
+            normal_weight: weight,
+            tangent_weight: weight,
+            gap,
+            slip_offset: 0.0,
+            bound,
+            coefficient: 0.0,
+        }
+    };
+    let node = |i: usize| ContactNode { first: 2 * i, unknowns: 2, conditions: vec![condition(i)] };
+    (0..=elements).map(node).collect()
+}
+
+/// Length that belongs to a bottom node.
+pub fn weight(elements: usize, i: usize) -> f64 {
+    let share = if i == 0 || i == elements { 0.5 } else { 1.0 };
+    share / elements as f64
 }
