@@ -56,3 +56,16 @@ fn h5py_reads_symmetric_matrices_with_the_rigid_motions_in_their_kernel() {
 fn vtk_reads_the_body() {
     python("read_body.py", &block_on_floor(), &["block.vtkhdf"]);
 }
+
+#[test]
+fn h5py_reads_the_outcomes_of_random_input() {
+    let place = Place::new();
+    let random = "[random.rough]\ncovariance = \"exponential\"\ncorrelation = 0.5\non = \"floor\"\nmodes = 2\n\
+                  [random.p]\ndistribution = \"uniform\"\nlow = 0.8\nhigh = 1.2\n\
+                  [stochastic]\ndegree = 2\nsamples = 400\n";
+    let scene = place::BLOCK.replace("gap = \"0\"", "gap = \"0.01*(x-1)^2 + 0.001*rough\"");
+    place.write("rough.toml", scene.replace("[\"0\", \"-1\"]", "[\"0\", \"-p\"]") + random);
+    let told = place.run(["solve", "rough.toml", "--json", "--quiet"]).demand(0).out;
+    place.write("told.json", told);
+    python("read_stochastic.py", &place, &["rough.vtkhdf", "told.json"]);
+}

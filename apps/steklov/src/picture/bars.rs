@@ -30,6 +30,11 @@ pub struct BarGroup {
     pub values: Vec<f64>,
 }
 
+/// A number beside a bar; what is rounding beside the greatest value is 0.
+fn number(value: f64, greatest: f64) -> String {
+    short(if value > 1e-12 * greatest { value } else { 0.0 }, 2)
+}
+
 /// Draws the groups below each other over one axis from zero, with the value beside each bar.
 ///
 /// # Errors
@@ -53,7 +58,6 @@ pub fn bars(title: &str, x: &str, rows: &[String], groups: &[BarGroup]) -> Resul
     let shown = |v: &f64| v.is_finite() && *v >= 0.0;
     let ends = interval(groups.iter().flat_map(|g| &g.values).copied().filter(shown), true);
     for (k, group) in groups.iter().enumerate() {
-        // the largest value has its number inside
         let frame = Rect { left, top: top + HEAD + k as f64 * (HEAD + height), width: WIDTH - left - 80.0, height };
         let axes = Axes { frame, x: [0.0, ends[1]], y: [0.0, 1.0] };
         canvas.text([left, frame.top - 8.0], &group.caption, LABEL_TEXT, TextAnchor::Start);
@@ -65,7 +69,7 @@ pub fn bars(title: &str, x: &str, rows: &[String], groups: &[BarGroup]) -> Resul
                 let right = axes.at([value, 0.0])[0];
                 let (t, b) = (middle - BAR / 2.0, middle + BAR / 2.0);
                 canvas.fill(&[vec![[left, t], [right, t], [right, b], [left, b]]], FILL);
-                canvas.text([right + 7.0, middle + 4.5], &short(value, 2), TICK_TEXT, TextAnchor::Start);
+                canvas.text([right + 7.0, middle + 4.5], &number(value, ends[1]), TICK_TEXT, TextAnchor::Start);
             }
         }
         canvas.line([left, frame.top], [left, frame.bottom()], &Pen::solid(BLACK, 1.0));

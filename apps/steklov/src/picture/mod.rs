@@ -28,6 +28,7 @@ pub use contact::{ContactSide, contact};
 pub use graph::Scale;
 pub use mesh::{MeshFigure, MeshPanel, meshes};
 pub use panels::{Ends, Layer, Panel, Shape, panels};
+pub(crate) use scale::short;
 pub use spread::{SpreadLoop, spread};
 pub use tiles::{DegreeBox, Tile, boxes, tiles};
 

@@ -94,7 +94,7 @@ pub fn panels(title: &str, panels: &[Panel]) -> Result<Picture, PictureError> {
         top = frame.bottom() + BELOW + BETWEEN;
     }
     let left = graphs.iter().map(|(_, _, g)| g.left_margin()).fold(0.0, f64::max);
-    let mut canvas = Canvas::new(top.max(200.0) - BETWEEN + 10.0);
+    let mut canvas = Canvas::new((top - BETWEEN + 10.0).max(200.0));
     for (i, line) in title.iter().enumerate() {
         canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
     }

@@ -5,7 +5,7 @@ use super::{Quantity, StochasticResult, draw_fields};
 use crate::draw::{positions, walls};
 use crate::picture::{
     BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,
-    spread,
+    short, spread,
 };
 use crate::report::ContactRow;
 use crate::store::Stored;
@@ -144,7 +144,7 @@ fn density(quantity: &Quantity, probabilities: &[f64]) -> Option<Panel> {
     let bars = density.edges.windows(2).zip(&density.density).map(|(e, d)| [e[0], e[1], *d]).collect();
     let mut layers = vec![
         Layer { name: "density".to_owned(), shape: Shape::Bars(bars) },
-        Layer { name: format!("mean {:.4e}", quantity.mean), shape: Shape::Across(vec![quantity.mean], 0) },
+        Layer { name: format!("mean {}", short(quantity.mean, 4)), shape: Shape::Across(vec![quantity.mean], 0) },
     ];
     if let Some(quantiles) = &quantity.quantiles {
         let parts: Vec<String> = probabilities.iter().map(|p| format!("{} %", percent(*p))).collect();

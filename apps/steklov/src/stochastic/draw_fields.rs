@@ -30,13 +30,18 @@ pub(super) fn pictures(stored: &Stored, result: &StochasticResult) -> Result<Vec
 }
 
 fn spectrum(field: &FieldModes) -> Panel {
-    let values = field.eigenvalues.iter().enumerate().map(|(m, v)| [(m + 1) as f64, *v]).collect();
+    let values: Vec<[f64; 2]> = field.eigenvalues.iter().enumerate().map(|(m, v)| [(m + 1) as f64, *v]).collect();
+    // an axis of six numbers or more has its ticks at whole ones
+    let ends = vec![[0.4, f64::NAN], [values.len().max(6) as f64 + 0.6, f64::NAN]];
     let name = format!("eigenvalues: {:.4} % of the variance kept", 100.0 * field.captured);
     Panel {
         x: "mode".to_owned(),
         y: "eigenvalue".to_owned(),
         ends: Ends::Log,
-        layers: vec![Layer { name, shape: Shape::Curve(values, 0) }],
+        layers: vec![
+            Layer { name, shape: Shape::Curve(values, 0) },
+            Layer { name: String::new(), shape: Shape::Points(ends, 0) },
+        ],
     }
 }
 
