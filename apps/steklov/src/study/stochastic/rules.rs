@@ -18,14 +18,15 @@ pub(super) const MONTE_CARLO: usize = 5;
 pub(super) const ADAPTED: usize = 3;
 
 /// Solves of a rule at most.
-const LIMIT: f64 = 2000.0;
+pub(super) const LIMIT: f64 = 2000.0;
 /// Germs beyond which Monte Carlo is limited so too.
 const FEW: usize = 3;
 /// Nodes of a stochastic element at most where they are coupled.
 const COUPLED: f64 = 32.0;
-/// Nodes of an adaptive reference, and its germs, at most.
-const REFERENCE_NODES: usize = 5000;
+/// Nodes of a reference at most; germs of an adaptive one, and the degree of one on one element.
+const REFERENCE: usize = 5000;
 const ADAPTIVE: usize = 2;
+const DEGREE: usize = 11;
 
 /// A rule.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,15 +82,16 @@ pub(super) fn count(random: &Random, settings: &Stochastic) -> f64 {
 /// scene's; else the finest affordable sparse grid. All are collocation, which every method here tends to.
 pub(super) fn reference(random: &Random) -> Finest {
     if random.germs.len() <= ADAPTIVE {
-        let rule = |tolerance| adaptive(random, tolerance, REFERENCE_NODES);
+        let rule = |tolerance| adaptive(random, tolerance, REFERENCE);
         let name = "collocation on an adaptive stochastic mesh, tolerance 1e-8".into();
         return Finest { finest: rule(1e-8), before: rule(1e-7), name };
     }
     let largest = |least: usize, most: usize, rule: &dyn Fn(usize) -> Stochastic| {
-        (least..=most).take_while(|&k| count(random, &rule(k)) <= LIMIT).last()
+        (least..=most).take_while(|&k| count(random, &rule(k)) <= REFERENCE as f64).last()
     };
     let rule = |degree| Stochastic { method: Sampling::Collocation, ..tensor(random, 1, degree) };
-    match largest(random.stochastic.degree + 2, 16, &rule) {
+    let least = random.stochastic.degree + 2;
+    match largest(least, DEGREE.max(least), &rule) {
         Some(degree) => {
             let name = format!("collocation of degree {degree} on one element");
             Finest { finest: rule(degree), before: rule(degree - 1), name }
