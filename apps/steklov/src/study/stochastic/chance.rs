@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_stochastic::Accumulator;
 
 use super::relative;
-use super::rules::{ADAPTED, FAMILIES, MONTE_CARLO, Rule, prefixes, reference, rules, with};
+use super::rules::{ADAPTED, FAMILIES, LIMIT, MONTE_CARLO, Rule, prefixes, reference, rules, with};
 use crate::run::Run;
 use crate::scene::{Random, Scene, Stochastic};
 use crate::solve::SolveError;
@@ -175,13 +175,17 @@ pub fn chance(
     let coupled = is_coupled(scene, random)?;
     let finest = reference(random).finest;
     for rule in rules(random, &finest, coupled) {
+        let last = chance.solved(rule.family);
+        if rule.family == ADAPTED && last.is_some_and(|n| n as f64 >= LIMIT) {
+            continue;
+        }
         let (name, parameter) = FAMILIES[rule.family];
         let what = format!("{name}: {parameter} = {}", rule.parameter);
         tell(name, &format!("{parameter} = {}", rule.parameter));
         match solve(&named(&rule.settings)) {
             Ok(result) if rule.family == MONTE_CARLO => chance.add_samples(&rule, &result)?,
             // a smaller tolerance that changes nothing
-            Ok(result) if rule.family == ADAPTED && chance.solved(ADAPTED) == Some(result.solved) => {}
+            Ok(result) if rule.family == ADAPTED && last == Some(result.solved) => {}
             Ok(result) => chance.add(&rule, &result),
             Err(SolveError::Interrupted) => break,
             Err(error) => chance.failures.push((what, error.to_string())),

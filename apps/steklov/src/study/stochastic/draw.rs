@@ -10,7 +10,9 @@ use super::{Solvers, Stochastic};
 use crate::picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// Iterations of a history that are drawn at most.
-const DRAWN: usize = 400;
+const DRAWN: usize = 40;
+/// A measure of 0 is drawn here.
+const FLOOR: f64 = 1e-17;
 
 /// A line of a chart: a name and the points of its curves.
 type Line = (String, Vec<Vec<[f64; 2]>>);
@@ -104,20 +106,20 @@ fn iterations(study: &Stochastic<'_>, solvers: &Solvers) -> Result<Picture, Pict
 fn histories(study: &Stochastic<'_>, solvers: &Solvers) -> Result<Picture, PictureError> {
     let line = |(k, name): (usize, &str)| -> Line {
         let all = solvers.finest().find(|m| m.solver == k).map_or(&[][..], |m| &m.history);
-        // evenly spaced in the logarithm of the iteration: hundreds of thousands are no curve
+        // evenly spaced in the logarithm of the iteration
         let mut kept: Vec<usize> = (0..DRAWN)
             .map(|i| ((all.len() as f64).powf(i as f64 / (DRAWN - 1) as f64)).round() as usize)
             .filter(|n| (1..=all.len()).contains(n))
             .collect();
         kept.dedup();
-        (name.to_owned(), vec![kept.into_iter().map(|n| [n as f64, all[n - 1]]).collect()])
+        (name.to_owned(), vec![kept.into_iter().map(|n| [n as f64, all[n - 1].max(FLOOR)]).collect()])
     };
     let lines: Vec<Line> = SOLVERS.iter().map(|s| s.0).enumerate().map(line).collect();
     let elements = solvers.finest().next().map_or(0, |m| m.elements);
     drawn(
         &format!("{}: contact solvers on {elements} elements, nominal outcome", study.scene.title),
         Axis { label: "iteration", scale: Scale::Log },
-        Axis { label: "the solver's own relative measure", scale: Scale::Log },
+        Axis { label: "the solver's own relative measure (0 as 1e-17)", scale: Scale::Log },
         &["measure"],
         &lines,
     )

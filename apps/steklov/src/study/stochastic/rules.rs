@@ -18,14 +18,15 @@ pub(super) const MONTE_CARLO: usize = 5;
 pub(super) const ADAPTED: usize = 3;
 
 /// Solves of a rule at most.
-const LIMIT: f64 = 2000.0;
+pub(super) const LIMIT: f64 = 2000.0;
 /// Germs beyond which Monte Carlo is limited so too.
 const FEW: usize = 3;
 /// Nodes of a stochastic element at most where they are coupled.
 const COUPLED: f64 = 32.0;
-/// Nodes of an adaptive reference, and its germs, at most.
-const REFERENCE_NODES: usize = 5000;
+/// Nodes of a reference at most; germs of an adaptive one, and the degree of one on one element.
+const REFERENCE: usize = 5000;
 const ADAPTIVE: usize = 2;
+const DEGREE: usize = 11;
 
 /// A rule.
 #[derive(Debug, Clone, PartialEq)]
@@ -81,15 +82,16 @@ pub(super) fn count(random: &Random, settings: &Stochastic) -> f64 {
 /// scene's; else the finest affordable sparse grid. All are collocation, which every method here tends to.
 pub(super) fn reference(random: &Random) -> Finest {
     if random.germs.len() <= ADAPTIVE {
-        let rule = |tolerance| adaptive(random, tolerance, REFERENCE_NODES);
+        let rule = |tolerance| adaptive(random, tolerance, REFERENCE);
         let name = "collocation on an adaptive stochastic mesh, tolerance 1e-8".into();
         return Finest { finest: rule(1e-8), before: rule(1e-7), name };
     }
     let largest = |least: usize, most: usize, rule: &dyn Fn(usize) -> Stochastic| {
-        (least..=most).take_while(|&k| count(random, &rule(k)) <= LIMIT).last()
+        (least..=most).take_while(|&k| count(random, &rule(k)) <= REFERENCE as f64).last()
     };
     let rule = |degree| Stochastic { method: Sampling::Collocation, ..tensor(random, 1, degree) };
-    match largest(random.stochastic.degree + 2, 16, &rule) {
+    let least = random.stochastic.degree + 2;
+    match largest(least, DEGREE.max(least), &rule) {
         Some(degree) => {
             let name = format!("collocation of degree {degree} on one element");
             Finest { finest: rule(degree), before: rule(degree - 1), name }
@@ -159,4 +161,57 @@ pub(super) fn settled(random: &Random) -> (Stochastic, String) {
         return (sparse(random, 2), "sparse grid of level 2".into());
     }
     (Stochastic { samples: 1, ..own.clone() }, "the scene's rule".into())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::Scene;
+
+    const SCENE: &str = "[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"floor\", \"right\", \"top\", \"left\"]\n\
+                         [material]\nyoung = 1\npoisson = 0.3\n[sides.floor]\ndisplacement = [\"0\", \"0\"]\n";
+
+    /// A scene with so many uniform loads, and its rules.
+    fn studied(germs: usize, method: &str) -> (Finest, Vec<Rule>) {
+        let load = (0..germs).map(|k| format!("a{k}")).collect::<Vec<_>>().join(" + ");
+        let names = (0..germs).map(|k| format!("[random.a{k}]\ndistribution = \"uniform\"\nlow = 0.0\nhigh = 1.0\n"));
+        let text = format!(
+            "{SCENE}[sides.top]\ntraction = [\"0\", \"{load}\"]\n{}[stochastic]\nmethod = \"{method}\"\ndegree = 1\n",
+            names.collect::<String>()
+        );
+        let scene = Scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        let random = scene.random.unwrap();
+        let finest = reference(&random);
+        let rules = rules(&random, &finest.finest, false);
+        (finest, rules)
+    }
+
+    #[test]
+    fn references_are_finer_than_rules_and_rules_affordable() {
+        for (germs, name) in [(1, "adaptive"), (2, "adaptive"), (3, "degree 11"), (6, "degree 3"), (9, "level")] {
+            let (Finest { finest, name: found, .. }, rules) = studied(germs, "galerkin");
+            assert!(found.contains(name), "{germs}: {found}");
+            for rule in &rules {
+                let same = rule.settings.method == Sampling::Galerkin && rule.settings.elements == 1;
+                let judged = finest.method == Sampling::Collocation && !finest.refine;
+                assert!(!same || !judged || rule.settings.degree < finest.degree, "{germs}: {rule:?}");
+                let sparse = [finest.method, rule.settings.method].map(|m| m == Sampling::Sparse);
+                assert!(sparse != [true; 2] || rule.settings.level < finest.level, "{germs}: {rule:?}");
+            }
+            for family in 0..FAMILIES.len() {
+                let of: Vec<f64> = rules.iter().filter(|r| r.family == family).map(|r| r.parameter).collect();
+                let monotone = of.windows(2).all(|p| if family == ADAPTED { p[1] < p[0] } else { p[1] > p[0] });
+                assert!(monotone && (germs > 3 || !of.is_empty()), "{germs}, {family}: {of:?}");
+            }
+            let samples = rules.iter().find(|r| r.family == MONTE_CARLO).unwrap().settings.samples;
+            assert_eq!(samples, if germs > 3 { 2000 } else { 10_000 });
+        }
+    }
+
+    #[test]
+    fn samples_are_judged_at_rising_numbers() {
+        assert_eq!(prefixes(5), [5]);
+        assert_eq!(prefixes(100), [10, 30, 100]);
+        assert_eq!(prefixes(2000), [10, 30, 100, 300, 1000, 2000]);
+    }
 }

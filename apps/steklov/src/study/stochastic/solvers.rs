@@ -154,7 +154,7 @@ impl Method {
 
 /// Iterations until the measure stays below the tolerance.
 fn iterations(history: &[f64]) -> f64 {
-    match history.iter().rposition(|m| !(*m <= TOLERANCE)) {
+    match history.iter().rposition(|m| m.is_nan() || *m > TOLERANCE) {
         None => history.len().min(1) as f64,
         Some(last) if last + 1 < history.len() => (last + 2) as f64,
         Some(_) => f64::NAN,

@@ -27,8 +27,10 @@ pub const CURVES: [(&str, Refine, bool, Law); 4] = [
 const PATHS: [&str; 2] = ["energy", "strain_energy"];
 /// The tolerance of the reference is this part of the scene's.
 const FINER: f64 = 0.01;
-/// Steps of the hp strategy are judged whose estimated errors are above so many times that of the reference.
-const ABOVE: f64 = 5.0;
+/// Steps of the hp strategy are judged that have at most this part of the reference's unknowns.
+const COARSER: f64 = 0.7;
+/// A law is told if it fits so well (R²).
+const FITS: f64 = 0.9;
 /// Highest degree of uniform-p.
 const MAX_DEGREE: usize = 10;
 
@@ -84,6 +86,8 @@ pub struct Space {
     pub points: Vec<Point>,
     /// The last step of the hp strategy; none after a wish to stop.
     pub reference: Option<Point>,
+    /// How far its means may be off, relative: their change from the step before.
+    pub uncertainty: [f64; 2],
     /// Strategies that failed, and why.
     pub failures: Vec<(String, String)>,
     /// The rule in chance in words.
@@ -96,11 +100,12 @@ impl Space {
         self.points.iter().filter(move |p| p.curve == curve)
     }
 
-    /// The law of the errors of a curve: 0 for J, 1 for ⟨u, Su⟩; none with one outcome, where they do not tend to 0.
+    /// The law of the errors of a curve: 0 for J, 1 for ⟨u, Su⟩; none with one outcome, where they do not tend to 0, and
+    /// where it fits badly.
     pub fn law(&self, curve: usize, which: usize) -> Option<Fit> {
         let (_, _, single, law) = CURVES[curve];
         let errors: Vec<(usize, f64)> = self.of(curve).map(|p| (p.dofs, p.errors[which])).collect();
-        if single { None } else { fit(law, &errors) }
+        if single { None } else { fit(law, &errors).filter(|f| f.r_squared >= FITS && f.rate < 0.0) }
     }
 }
 
@@ -216,10 +221,13 @@ impl Space {
         let hp = CURVES.len() - 1;
         let Some(&truth) = self.points.iter().rfind(|p| p.curve == hp) else { return };
         for p in &mut self.points {
-            if p.curve != hp || p.estimate > ABOVE * truth.estimate {
+            if p.curve != hp || p.dofs as f64 <= COARSER * truth.dofs as f64 {
                 p.errors = [0, 1].map(|k| relative(p.means[k], truth.means[k], truth.means[k].abs()));
             }
         }
+        let before = self.points.iter().rfind(|p| p.curve == hp && p.dofs < truth.dofs);
+        self.uncertainty =
+            [0, 1].map(|k| before.map_or(f64::NAN, |b| relative(b.means[k], truth.means[k], truth.means[k].abs())));
         self.reference = Some(truth);
     }
 }

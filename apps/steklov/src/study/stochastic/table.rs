@@ -66,11 +66,14 @@ fn chance(text: &mut String, all: &Chance) {
     if all.quantities.is_empty() {
         return;
     }
-    let _ = writeln!(text, "reference   {}, {} solves; over the scales:", all.reference, all.solves);
+    let _ = writeln!(text, "reference   {}, {} solves", all.reference, all.solves);
     let width = all.quantities.iter().map(|q| q.name.len()).fold(10, usize::max);
     for q in &all.quantities {
         let known = if q.varies() {
-            format!("± {:.0e}, variance {:.9e} ± {:.0e}", q.uncertainty[0], q.variance, q.uncertainty[1])
+            format!(
+                "variance {:.9e}, may be off by {:.0e} and {:.0e} of that",
+                q.variance, q.uncertainty[0], q.uncertainty[1]
+            )
         } else {
             "not random".into()
         };
@@ -140,7 +143,11 @@ fn space(text: &mut String, study: &Stochastic<'_>) {
         all.rule, reference.dofs, reference.estimate
     );
     let [energy, norm] = reference.means;
-    let _ = writeln!(text, "            E[J] = {energy:.9e}, E[<u, Su>] = {norm:.9e}");
+    let _ = writeln!(
+        text,
+        "            E[J] = {energy:.9e}, E[<u, Su>] = {norm:.9e}; they may be off by {:.0e} and {:.0e} of these",
+        all.uncertainty[0], all.uncertainty[1]
+    );
     let _ = writeln!(
         text,
         "\n{:<25} {:>6} {:>6} {:>7} {:>10} {:>12} {:>10} {:>9} {:>9}",
@@ -193,9 +200,10 @@ fn solvers(text: &mut String, all: &Solvers) {
             .collect();
         let _ = writeln!(text, "{:>8} {:>6} {:>11}{cells}", first.elements, first.dofs, first.multipliers);
     }
-    for m in &all.methods {
-        if let Some(why) = &m.failure {
-            let _ = writeln!(text, "no answer of {} on {} elements: {why}", SOLVERS[m.solver].0, m.elements);
+    for (k, (name, _)) in SOLVERS.iter().enumerate() {
+        let mut failed = all.of(k).filter_map(|m| m.failure.as_ref());
+        if let Some(why) = failed.next() {
+            let _ = writeln!(text, "{name}, no answer on {} meshes: {why}", 1 + failed.count());
         }
     }
 }
@@ -248,6 +256,7 @@ pub fn json(study: &Stochastic<'_>) -> Value {
         },
         "space": {
             "rule": study.space.rule,
+            "uncertainty": study.space.uncertainty,
             "reference": columns::json(&reference, &POINTS).get(0),
             "curves": CURVES.iter().enumerate().map(curve).collect::<Value>(),
         },
