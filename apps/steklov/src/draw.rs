@@ -62,7 +62,7 @@ fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
     let n = grid.points.len();
     let displacement = values("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
     let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
-    let (lines, gaps) = walls(&stored.contact);
+    let [lines, gaps] = walls(&stored.contact);
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     body(&Body {
         title: &stored.summary.title,
@@ -75,13 +75,16 @@ fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
     })
 }
 
+/// A list of points or vectors for each of some lines.
+type Lines = Vec<Vec<[f64; 2]>>;
+
 /// Points and gap vectors of the obstacles, one list for each stretch of contact side.
-pub(crate) fn walls(rows: &[ContactRow]) -> (Vec<Vec<[f64; 2]>>, Vec<Vec<[f64; 2]>>) {
+pub(crate) fn walls(rows: &[ContactRow]) -> [Lines; 2] {
     let stretches = stretches(rows);
     let on_stretches = |f: fn(&ContactRow) -> [f64; 2]| -> Vec<Vec<[f64; 2]>> {
         stretches.iter().map(|rows| rows.iter().map(f).collect()).collect()
     };
-    (on_stretches(|r| r.point), on_stretches(|r| r.normal.map(|n| r.gap * n)))
+    [on_stretches(|r| r.point), on_stretches(|r| r.normal.map(|n| r.gap * n))]
 }
 
 /// The contact table cut where the side or the normal changes.

@@ -86,7 +86,9 @@ fn tiles_boxes_and_bars() {
         DegreeBox { corners: [low, [low[0] + 0.25, low[1] + 1e-3]], degree: [i + 1, j] }
     };
     let grid: Vec<DegreeBox> = (0..8).flat_map(|i| (0..4).map(move |j| square(i, j))).collect();
-    let picture = boxes("Cells", ["tilt", "load"], &grid, &[[-0.9, 5e-4], [f64::NAN, 0.0]]).unwrap();
+    let picture =
+        boxes("Cells", ["tilt", "the load on a side with quite a long name"], &grid, &[[-0.9, 5e-4], [f64::NAN, 0.0]])
+            .unwrap();
     check("boxes", &picture);
     assert!(picture.svg.contains(">8 × 3<") && picture.svg.contains(">tilt<"));
 

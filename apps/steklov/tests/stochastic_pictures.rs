@@ -179,8 +179,10 @@ fn tables_give_back_the_arrays_and_their_moments() {
 /// Writes outcomes into a file of their own and reads them back.
 fn there_and_back(place: &Place, result: &StochasticResult) -> StochasticResult {
     let path = place.path("outcomes.vtkhdf");
-    create_atomically(&path, true, |file: &File| Ok::<_, IoError>(write(&create_group(file, "stochastic")?, result)?))
-        .unwrap();
+    create_atomically(&path, true, |file: &File| -> Result<(), IoError> {
+        write(&create_group(file, "stochastic")?, result)
+    })
+    .unwrap();
     read(&open_group(&open(&path).unwrap(), "stochastic").unwrap()).unwrap()
 }
 
@@ -202,13 +204,16 @@ fn what_is_stored_is_read_with_the_same_bits() {
     }
 }
 
+/// The array that an error names, and what makes it unfit.
+type Spoilt = (&'static str, fn(&mut StochasticResult));
+
 #[test]
 fn arrays_that_do_not_fit_are_refused() {
     let place = Place::new();
     place.write("rough.toml", rough(""));
     place.run(["solve", "rough.toml"]).demand(0);
     let result = stored(&place, "rough.vtkhdf").stochastic.unwrap();
-    let spoil: [(&str, fn(&mut StochasticResult)); 9] = [
+    let spoil: [Spoilt; 9] = [
         ("weights", |r| r.weights.truncate(1)),
         ("points", |r| r.labels.truncate(2)),
         ("displacements", |r| r.displacement.mean.truncate(4)),
@@ -226,7 +231,7 @@ fn arrays_that_do_not_fit_are_refused() {
             result.displacement.variance.truncate(4);
         }
         let path = place.path("spoilt.vtkhdf");
-        let put = |file: &File| Ok::<_, IoError>(write(&create_group(file, "stochastic")?, &result)?);
+        let put = |file: &File| -> Result<(), IoError> { write(&create_group(file, "stochastic")?, &result) };
         create_atomically(&path, true, put).unwrap();
         let error = read(&open_group(&open(&path).unwrap(), "stochastic").unwrap()).unwrap_err();
         assert!(error.to_string().contains(name), "{name}: {error}");

@@ -68,10 +68,9 @@ pub fn spread(title: &str, loops: &[SpreadLoop], obstacles: &[Obstacle<'_>]) -> 
     for (i, line) in title.iter().enumerate() {
         canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
     }
-    let scale = if factor == 1.0 {
-        "drawn to scale".into()
-    } else {
-        format!("displacements drawn {} times as large", short(factor, 3))
+    let scale = match factor {
+        1.0 => "drawn to scale".to_owned(),
+        _ => format!("displacements drawn {} times as large", short(factor, 3)),
     };
     let subtitle =
         format!("{scale}; largest mean displacement {}, largest deviation {}", short(mean, 3), short(off, 3));

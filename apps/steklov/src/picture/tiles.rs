@@ -153,7 +153,9 @@ pub fn boxes(
     }
     canvas.disc([left + 15.0, at + 12.0], 3.0, BLACK);
     canvas.text([left + 38.0, at + 16.5], "points", TICK_TEXT, TextAnchor::Start);
-    canvas.text([left, at + 40.0], &format!("figures: {x} × {y}"), TICK_TEXT, TextAnchor::Start);
+    for (i, line) in wrap(&format!("figures: {x} × {y}"), TICK_TEXT, WIDTH - left - 10.0, 4).iter().enumerate() {
+        canvas.text([left, at + 40.0 + 18.0 * i as f64], line, TICK_TEXT, TextAnchor::Start);
+    }
     canvas.finish()
 }
 

@@ -82,7 +82,7 @@ fn band(stored: &Stored, result: &StochasticResult) -> Result<Picture, PictureEr
             });
         }
     }
-    let (lines, gaps) = walls(&stored.contact);
+    let [lines, gaps] = walls(&stored.contact);
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     spread(&format!("{}: mean and spread", stored.summary.title), &loops, &obstacles)
 }
