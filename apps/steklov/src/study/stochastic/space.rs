@@ -51,7 +51,7 @@ pub struct Point {
     pub solves: usize,
     /// Iterations of the contact solver, all outcomes together.
     pub iterations: usize,
-    /// E[J] and E[⟨u, Su⟩].
+    /// Means of J and of ⟨u, Su⟩.
     pub means: [f64; 2],
     /// Their relative errors; NaN where the reference is not finer.
     pub errors: [f64; 2],

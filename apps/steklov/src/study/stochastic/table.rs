@@ -151,7 +151,7 @@ fn space(text: &mut String, study: &Stochastic<'_>) {
     let _ = writeln!(
         text,
         "\n{:<25} {:>6} {:>6} {:>7} {:>10} {:>12} {:>10} {:>9} {:>9}",
-        "strategy", "degree", "dofs", "E[J]", "E[<u,Su>]", "iterations", "solves", "one s", "all s"
+        "relative errors", "degree", "dofs", "E[J]", "E[<u,Su>]", "iterations", "solves", "one s", "all s"
     );
     for (curve, (name, ..)) in CURVES.iter().enumerate() {
         let mut name = *name;
