@@ -78,7 +78,8 @@ fn the_estimate_is_the_error_on_problems_with_known_energies() {
 fn the_estimate_is_the_error_on_the_gallery() {
     let mut wrong = Vec::new();
     let mut measured = 0;
-    for (name, scene) in gallery() {
+    for (name, mut scene) in gallery() {
+        scene.random = None; // the estimate of the mean over outcomes has a test of its own
         if AMONG_THE_SIX.iter().any(|number| name.starts_with(number)) {
             continue;
         }

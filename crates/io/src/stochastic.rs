@@ -132,7 +132,9 @@ impl Persist for StochasticMesh {
             degree: degree[k * germs..(k + 1) * germs].to_vec(),
         };
         let cells: Vec<StochasticCell> = low.iter().zip(&high).enumerate().map(cell).collect();
-        if let Some(bound) = cells.iter().flat_map(|c| &c.bounds).find(|b| b[0].is_nan() || !(b[0] < b[1])) {
+        if let Some(bound) =
+            cells.iter().flat_map(|c| &c.bounds).find(|b| b[0].is_nan() || b[1].is_nan() || b[0] >= b[1])
+        {
             return Err(invalid(at, "low", format!("a cell from {} to {}", bound[0], bound[1])));
         }
         Ok(Self { variables, cells })

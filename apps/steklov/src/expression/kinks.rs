@@ -33,7 +33,7 @@ impl Expression {
     /// closer to each other than 1/64 with no minimum seen between them.
     pub fn kinks(&self, path: impl Fn(f64) -> (f64, f64, f64)) -> Vec<f64> {
         let mut kinks = Vec::new();
-        for switch in &self.switches {
+        for switch in &self.code.switches {
             let value = |t: f64| {
                 let (x, y, s) = path(t);
                 self.switch_value(switch, x, y, s)

@@ -62,6 +62,14 @@ impl Switch {
 /// A function of the point (x, y) and of the edge parameter s.
 #[derive(Debug, Clone)]
 pub struct Expression {
+    code: Arc<Code>,
+    /// Where the text stands in the scene.
+    pub(crate) place: Place,
+}
+
+/// What an expression was read into.
+#[derive(Debug)]
+struct Code {
     text: String,
     ops: Vec<Op>,
     height: usize,
@@ -69,8 +77,6 @@ pub struct Expression {
     /// The names that it uses.
     names: Vec<String>,
     fields: Vec<Arc<FieldValue>>,
-    /// Where the text stands in the scene.
-    pub(crate) place: Place,
 }
 
 impl Expression {
@@ -94,40 +100,42 @@ impl Expression {
     ) -> Result<Self, ExpressionError> {
         let parse::Parsed { ops, switches, names, fields } = parse::parse(text, constants, fields)?;
         let height = tape::height(&ops);
-        Ok(Self { text: text.to_owned(), height, ops, switches, names, fields, place: Place::default() })
+        let code = Code { text: text.to_owned(), height, ops, switches, names, fields };
+        Ok(Self { code: Arc::new(code), place: Place::default() })
     }
 
     /// The constant function.
     pub fn number(value: f64) -> Self {
         let ops = vec![Op::Constant(value)];
         let (switches, names, fields) = (Vec::new(), Vec::new(), Vec::new());
-        Self { text: value.to_string(), ops, height: 1, switches, names, fields, place: Place::default() }
+        let code = Code { text: value.to_string(), ops, height: 1, switches, names, fields };
+        Self { code: Arc::new(code), place: Place::default() }
     }
 
     /// Value at (x, y, s); NaN or infinite where the expression has no finite value. The branch of an `if` that is not
     /// taken is not evaluated; a comparison, `min` or `max` of NaN is NaN.
     pub fn eval(&self, x: f64, y: f64, s: f64) -> f64 {
-        tape::run(&self.ops, &self.fields, self.height, (x, y, s))
+        tape::run(&self.code.ops, &self.code.fields, self.code.height, (x, y, s))
     }
 
     /// The text as it was written.
     pub fn text(&self) -> &str {
-        &self.text
+        &self.code.text
     }
 
     /// Whether it uses the name of a parameter or random input.
     pub fn uses(&self, name: &str) -> bool {
-        self.names.iter().any(|n| n == name)
+        self.code.names.iter().any(|n| n == name)
     }
 
     /// The names of parameters and random input that it uses.
     pub fn names(&self) -> &[String] {
-        &self.names
+        &self.code.names
     }
 
     /// The value, if the expression depends on none of x, y, s.
     pub fn constant(&self) -> Option<f64> {
-        match self.ops[..] {
+        match self.code.ops[..] {
             [Op::Constant(value)] => Some(value),
             _ => None,
         }
@@ -137,12 +145,14 @@ impl Expression {
     /// of the operands of `min`, `max` and comparisons, other conditions of `if`, the base of a power that is not whole,
     /// the first argument of `atan2`. Parts that are constant are not counted.
     pub fn switches(&self) -> &[Switch] {
-        &self.switches
+        &self.code.switches
     }
 
     /// Value of a switch at (x, y, s).
     pub fn switch_value(&self, switch: &Switch, x: f64, y: f64, s: f64) -> f64 {
-        let value = |range: &Range<usize>| tape::run(&self.ops[range.clone()], &self.fields, self.height, (x, y, s));
+        let value = |range: &Range<usize>| {
+            tape::run(&self.code.ops[range.clone()], &self.code.fields, self.code.height, (x, y, s))
+        };
         value(&switch.left) - switch.right.as_ref().map_or(0.0, value)
     }
 }

@@ -111,7 +111,7 @@ fn save_quantity(at: &Group, q: &Quantity) -> Result<(), IoError> {
     Ok(())
 }
 
-/// Reads what [`write`] wrote.
+/// Reads what [`write()`] wrote.
 ///
 /// # Errors
 /// A file that is not one of this program's, truncated or altered.
