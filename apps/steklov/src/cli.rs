@@ -1,9 +1,9 @@
 //! Arguments, messages and exit statuses of the command.
 
+mod bar;
 mod output;
 mod study;
 
-use std::io::IsTerminal;
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_bem_operators::PARTS;
 use steklov_io::{File, create_atomically, open};
 
+use self::bar::Bar;
 use self::output::{appeared, check_output};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs, too_many_points};
@@ -453,47 +453,4 @@ fn print_summary(stored: &Stored) {
         s.peak_memory_bytes as f64 / f64::from(1 << 20)
     ));
     say(&format!("result      {}", s.file));
-}
-
-/// A bar on a terminal, plain lines elsewhere, for what takes longer than a second; nothing when quiet.
-struct Bar {
-    bar: Option<ProgressBar>,
-    start: Instant,
-    quiet: bool,
-}
-
-impl Bar {
-    fn new(quiet: bool) -> Self {
-        let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
-            let bar = ProgressBar::with_draw_target(Some(100), ProgressDrawTarget::stderr());
-            let style = ProgressStyle::with_template("{elapsed:>4} {bar:30} step {prefix} {msg}");
-            bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-            bar
-        });
-        Self { bar, start: Instant::now(), quiet }
-    }
-
-    fn show(&self, step: usize, stage: &Stage<'_>) {
-        let Stage::Progress(what, share) = stage else { return };
-        if let Some(bar) = &self.bar {
-            bar.set_prefix((step + 1).to_string());
-            bar.set_message(*what);
-            bar.set_position((100.0 * share) as u64);
-        } else if !self.quiet && self.start.elapsed().as_secs_f64() > 1.0 {
-            eprintln!("{:6.1} s  step {}  {what}", self.start.elapsed().as_secs_f64(), step + 1);
-        }
-    }
-
-    fn outcomes(&self, done: usize, count: usize) {
-        if let Some(bar) = &self.bar {
-            bar.set_message(format!("outcomes {done} of {count}"));
-            bar.set_position((100 * done / count.max(1)) as u64);
-        }
-    }
-
-    fn finish(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
-        }
-    }
 }

@@ -6,7 +6,7 @@ use super::json::method;
 use super::nodes::is_coupled;
 use crate::expression::Expression;
 use crate::plan::Decision;
-use crate::scene::{Condition, Random, Sampling, Scene};
+use crate::scene::{Condition, Multiplier, Random, Sampling, Scene};
 
 /// Points along an edge at which data are compared.
 const STEPS: usize = 32;
@@ -71,6 +71,10 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
             _ => ("one by one", "affine modulus or a body that only contact holds: node by node, which is collocation"),
         };
         modelled.push(decision("stochastic nodes", choice.into(), why.into()));
+    }
+    if scene.method.multiplier == Multiplier::Stabilised {
+        let why = "of the mean input only: outcomes have biorthogonal ones, whose difference the estimate contains";
+        left_out.push(decision("multipliers of outcomes", "stabilised".into(), why.into()));
     }
     for (field, _) in random.fields() {
         let (modes, captured) = (field.expansion.len(), field.expansion.captured());
