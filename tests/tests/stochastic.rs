@@ -186,6 +186,60 @@ fn coupled_nodes_and_nodes_one_by_one_agree_the_better_the_higher_the_degree() {
     }
 }
 
+/// E u of coupled nodes is a polynomial, so that forces in equilibrium with a load that is not random are not random either.
+#[test]
+fn forces_of_coupled_nodes_balance_loads_that_are_not_random() {
+    let rest = "[random.E]\ndistribution = \"lognormal\"\nmean = 2000\ndeviation = 1000\n[stochastic]\ndegree = 1\n\
+                quantities = [\"strain_energy\", \"load_work\", \"reactions.top.y\", \"reactions.floor.y\", \
+                \"contact.force.y\", \"probe.0.stress.yy\"]\n[probe]\npoints = [[0, 0]]\n";
+    // apart: the tractions of two sides of length 1 hang on the top
+    let (run, result) = solved(&block("\"E\"", "1", "0", ["0", "-25"], rest));
+    assert!(result.coupled);
+    let of = |result: &StochasticResult, name: &str| quantity(result, name).clone();
+    let (top, stress) = (of(&result, "reactions.top.y"), of(&result, "probe.0.stress.yy"));
+    assert!((top.mean - 50.0).abs() < 1e-9 && top.variance.sqrt() < 1e-9, "{} {}", top.mean, top.variance);
+    let nominal = run.last.inside([0.0, 0.0]).1[1];
+    assert!((stress.mean - nominal).abs() < 1e-9 && stress.variance.sqrt() < 1e-9, "{} {nominal}", stress.mean);
+    let [strain, work] = ["strain_energy", "load_work"].map(|name| of(&result, name).mean);
+    assert!((strain / (0.5 * work) - 1.0).abs() < 1e-12, "{strain} {work}");
+    for (stressed, u) in result.stress_displacement.iter().zip(&run.last.displacement) {
+        assert!((stressed - u).abs() < 1e-11 * largest(&run.last.displacement));
+    }
+    // in contact: the floor's reaction is the force of its pressure, and balances top and load in every outcome
+    let (_, result) = solved(&block("\"E\"", "-0.01", "0.3", ["0", "-1"], rest));
+    let [top, floor, force] = ["reactions.top.y", "reactions.floor.y", "contact.force.y"].map(|n| of(&result, n));
+    assert!(result.coupled && force.variance > 1e-3);
+    for ((top, floor), force) in top.values.iter().zip(&floor.values).zip(&force.values) {
+        assert_eq!(floor, force);
+        assert!((top + floor - 2.0).abs() < 1e-8 * floor.abs(), "{top} {floor}");
+    }
+    // Coulomb friction and body forces are left to the nodes one by one
+    let coulomb = block_text("\"E\"", "-0.01", "0.3", ["0", "-1"], rest).replace("tresca", "coulomb");
+    assert!(!solved(&parse(&coulomb)).1.coupled);
+    let heavy = format!("[body_force]\nvalue = [\"0\", \"-1\"]\n{rest}");
+    assert!(!solved(&block("\"E\"", "-0.01", "0.3", ["0", "-1"], &heavy)).1.coupled);
+}
+
+/// A block at an angle is closed up to rounding, which must not be taken for an opening.
+#[test]
+fn closed_contact_is_certain_in_any_direction() {
+    let (sin, cos) = 0.4f64.sin_cos();
+    let turned = |[x, y]: [f64; 2]| [cos * x - sin * y, sin * x + cos * y];
+    let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(turned);
+    let down = turned([0.0, -0.01]);
+    for method in ["galerkin", "collocation"] {
+        let text = format!(
+            "title = \"turned\"\n[body]\ncorners = {corners:?}\nsides = [\"floor\", \"right\", \"top\", \"left\"]\n\
+             [material]\nyoung = \"E\"\npoisson = 0.3\n[random.E]\ndistribution = \"lognormal\"\nmean = 2000\n\
+             deviation = 300\n[sides.floor]\ncontact = {{ gap = \"0\" }}\n[sides.top]\n\
+             displacement = [\"{}\", \"{}\"]\n[method]\ntolerance = 1e-2\n[stochastic]\nmethod = \"{method}\"\n",
+            down[0], down[1]
+        );
+        let (_, result) = solved(&parse(&text));
+        assert!(result.probability.iter().all(|p| *p == 1.0), "{method}: {:?}", result.probability);
+    }
+}
+
 #[test]
 fn methods_agree_and_samples_stay_within_their_interval() {
     let scene = scene("30-rough-obstacle", &[]);
@@ -207,10 +261,12 @@ fn methods_agree_and_samples_stay_within_their_interval() {
     // the first mode moves the whole floor: it makes most of the force's variance, and the shares of all sum to at least 1
     let effects = quantity(&tensor, "contact.force.y").effects.clone().expect("effects");
     assert!(effects[0] > 0.8 && effects[1..].iter().all(|e| *e < 0.2), "{effects:?}");
-    // more contact in the middle of the floor's length than nowhere: probabilities, of samples and of the surrogate
-    for (p, q) in tensor.probability.iter().zip(&samples.probability) {
-        assert!((0.0..=1.0).contains(p) && (p - q).abs() < 0.15, "{p} {q}");
-    }
+    // of samples and of polynomials of degree 2, whose kinks cost some percent
+    let apart: Vec<f64> = tensor.probability.iter().zip(&samples.probability).map(|(p, q)| (p - q).abs()).collect();
+    let mean = apart.iter().sum::<f64>() / apart.len() as f64;
+    println!("probabilities of contact: {:.3} apart at most, {mean:.3} in the mean", largest(&apart));
+    assert!(tensor.probability.iter().all(|p| (0.0..=1.0).contains(p)));
+    assert!(largest(&apart) < 0.1 && mean < 0.04, "{apart:?}");
 }
 
 #[test]

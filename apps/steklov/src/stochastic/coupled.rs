@@ -13,8 +13,10 @@ use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds
 
 use super::outcomes::{Answer, Outcomes};
 use crate::body::Given;
-use crate::scene::Scene;
-use crate::solve::SolveError;
+use crate::report::ContactRow;
+use crate::scene::{Condition, Scene};
+use crate::solve::{SolveError, Solved};
+use crate::summary::Summary;
 
 /// A node's part of the solution, with the multipliers λ̃.
 struct NodeSolution {
@@ -77,7 +79,7 @@ pub(crate) fn solve_cell(
         }
         physical.clone_from(&solved.multipliers);
     }
-    let mut answers = Vec::with_capacity(size);
+    let mut nodes = Vec::with_capacity(size);
     for (j, (scene, e, mut given)) in given.into_iter().enumerate() {
         given.load.clone_from(&loads[j]);
         let (solved, _) = outcomes.body.answer(&scene, given, &mut |problem| {
@@ -86,7 +88,59 @@ pub(crate) fn solve_cell(
             Ok(Solution::new(problem, displacement, multipliers, outcome, history))
         })?;
         let multipliers = contact.then_some(physical[j].as_slice());
-        answers.push(outcomes.kept(&scene, &solved, e, multipliers, paths)?);
+        let (rows, figures) = outcomes.figures(&scene, &solved, e, multipliers, paths);
+        let stiff = outcomes.body.condensation.multiply(&solved.displacement);
+        nodes.push(Node { scene, solved, modulus: e, rows, figures, stiff });
     }
-    Ok(answers)
+    let share = |j: usize, k: usize| mass[(j, k)] / basis.weights[j];
+    Ok((0..size).map(|j| projected(outcomes, &nodes, j, &|k| share(j, k), &physical[j], paths)).collect())
+}
+
+/// A node's answer of the nominal modulus, and its numbers with the node's own modulus.
+struct Node {
+    scene: Scene,
+    solved: Solved,
+    modulus: f64,
+    rows: Vec<ContactRow>,
+    figures: Summary,
+    /// S u.
+    stiff: Vec<f64>,
+}
+
+/// The answer at node j with all stresses those of the Galerkin solution: E u is Σ_k D_j⁻¹ (M_E)_jk u_k there, `share` times u_k,
+/// and with it reactions, stresses and the elastic energy.
+fn projected(
+    outcomes: &Outcomes<'_>,
+    nodes: &[Node],
+    j: usize,
+    share: &dyn Fn(usize) -> f64,
+    multipliers: &[[f64; 2]],
+    paths: &[String],
+) -> Answer {
+    let own = &nodes[j];
+    let sum = |value: &dyn Fn(&Node) -> f64| nodes.iter().enumerate().map(|(k, n)| share(k) * value(n)).sum::<f64>();
+    let mut figures = own.figures.clone();
+    for (side, force) in &mut figures.reactions {
+        *force = [0, 1].map(|i| sum(&|n| n.figures.reactions[side][i] / n.modulus));
+    }
+    for (p, probe) in figures.probe.iter_mut().enumerate() {
+        probe.stress = [0, 1, 2].map(|i| sum(&|n| n.figures.probe[p].stress[i] / n.modulus));
+    }
+    let u = &own.solved.displacement;
+    figures.strain_energy = 0.5 * sum(&|n| n.stiff.iter().zip(u).map(|(s, u)| s * u).sum());
+    figures.energy = figures.strain_energy - figures.load_work + figures.friction_work;
+    if let (Some(contact), Some(figures_of_contact)) = (&own.solved.contact, &mut figures.contact) {
+        let mut total = [0.0; 2];
+        for (index, side) in own.scene.sides.iter().enumerate() {
+            if matches!(side.condition, Condition::Contact { .. }) {
+                let force = contact.boundary.force(index, multipliers);
+                total = [total[0] + force[0], total[1] + force[1]];
+                figures.reactions.insert(side.name.clone(), force);
+            }
+        }
+        figures_of_contact.force = total;
+    }
+    let mut answer = outcomes.kept(&own.solved, own.modulus, &own.rows, &figures, paths);
+    answer.stressed = (0..u.len()).map(|i| sum(&|n| n.solved.displacement[i])).collect();
+    answer
 }

@@ -9,7 +9,7 @@ use super::coupled::solve_cell;
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::plan::free_of_supports;
-use crate::scene::{Random, Sampling, Scene, SceneError};
+use crate::scene::{Condition, Friction, Random, Sampling, Scene, SceneError, Side};
 use crate::solve::SolveError;
 
 /// Part of the squared error whose directions are refined at a time.
@@ -38,11 +38,13 @@ pub(crate) struct Cell {
     pub(crate) errors: Vec<DirectionError>,
 }
 
-/// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, and supports
-/// hold the body. Bodies that only contact holds are solved node by node, which is collocation.
+/// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
+/// hold the body, and there is neither a body force nor Coulomb friction. Others are solved node by node, which is collocation.
 pub(crate) fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, SceneError> {
     let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
-    Ok(galerkin && free_of_supports(scene).is_empty() && !is_affine(scene, random)?)
+    let coulomb = |side: &Side| matches!(side.condition, Condition::Contact { friction: Friction::Coulomb(_), .. });
+    let simple = scene.body_force.is_none() && !scene.sides.iter().any(coulomb);
+    Ok(galerkin && simple && free_of_supports(scene).is_empty() && !is_affine(scene, random)?)
 }
 
 /// Whether E is affine in each germ where the others are kept: then the Galerkin equations of the nodes decouple.
@@ -147,13 +149,23 @@ fn solve_cells(
     Ok(bases.iter().map(|b| answers.by_ref().take(b.points.len()).collect()).collect())
 }
 
-/// λ_n less what closes the opening at the stiffness of the mean: changes sign where contact does.
+/// Pressures below this part of the largest, and openings below this part of the displacements and gaps, are roundoff.
+const ROUNDOFF: f64 = 1e-9;
+
+/// λ_n where a condition is closed, less the opening in the scale of the pressures where it is open: changes sign where contact
+/// does.
 pub(crate) fn events(answers: &[Answer]) -> Vec<Vec<f64>> {
     let largest =
         |values: &dyn Fn(&Answer) -> &Vec<f64>| answers.iter().flat_map(values).fold(0.0, |m: f64, v| m.max(v.abs()));
-    let (pressure, opening) = (largest(&|a| &a.pressure), largest(&|a| &a.opening));
-    let scale = if opening > 0.0 { pressure / opening } else { 1.0 };
-    let event = |a: &Answer| a.pressure.iter().zip(&a.opening).map(|(p, g)| p - scale * g).collect();
+    let pressure = largest(&|a| &a.pressure);
+    let length = largest(&|a| &a.opening).max(largest(&|a| &a.displacement));
+    let beyond = |value: f64, scale: f64| if value > ROUNDOFF * scale { value } else { 0.0 };
+    let opening = beyond(largest(&|a| &a.opening), length);
+    let scale = if opening > 0.0 && pressure > 0.0 { pressure / opening } else { 1.0 };
+    let event = |a: &Answer| {
+        let both = a.pressure.iter().zip(&a.opening);
+        both.map(|(p, g)| beyond(*p, pressure) - scale * beyond(*g, length)).collect()
+    };
     answers.iter().map(event).collect()
 }
 

@@ -12,7 +12,7 @@ use crate::body_load::Particular;
 use crate::contact::solve_problem;
 use crate::data::{Data, Loads};
 use crate::record::probe;
-use crate::report::{contact_rows, figures};
+use crate::report::{ContactRow, contact_rows, figures};
 use crate::scene::{Random, Scene, Solver};
 use crate::solve::{SolveError, Solved};
 use crate::summary::Summary;
@@ -34,6 +34,8 @@ pub(crate) struct Answer {
     pub(crate) modulus: f64,
     /// Nodal displacement.
     pub(crate) displacement: Vec<f64>,
+    /// The displacement of the nominal modulus that has the stress of the outcome.
+    pub(crate) stressed: Vec<f64>,
     /// λ_n, λ_t and g - u_n of each condition.
     pub(crate) pressure: Vec<f64>,
     pub(crate) shear: Vec<f64>,
@@ -110,18 +112,20 @@ impl<'a> Outcomes<'a> {
     ) -> Result<Answer, SolveError> {
         let (scene, modulus, given) = self.given(germs)?;
         let (solved, _) = self.solved(&scene, given, warm)?;
-        self.kept(&scene, &solved, modulus, None, paths)
+        let (rows, figures) = self.figures(&scene, &solved, modulus, None, paths);
+        Ok(self.kept(&solved, modulus, &rows, &figures, paths))
     }
 
-    /// What statistics need of an answer of the nominal modulus; `multipliers` replace its own (stress of the outcome).
-    pub(crate) fn kept(
+    /// The contact rows and the numbers of an outcome, from its answer of the nominal modulus; `multipliers` (stress of the outcome)
+    /// replace its own.
+    pub(crate) fn figures(
         &self,
         scene: &Scene,
         solved: &Solved,
         modulus: f64,
         multipliers: Option<&[[f64; 2]]>,
         paths: &[String],
-    ) -> Result<Answer, SolveError> {
+    ) -> (Vec<ContactRow>, Summary) {
         let contact = solved.contact.as_ref();
         let mut rows = contact.map_or(Vec::new(), |c| contact_rows(solved, c));
         for row in &mut rows {
@@ -137,14 +141,24 @@ impl<'a> Outcomes<'a> {
             figures.probe = scene.probe.iter().map(|&x| probe(scene, solved, x)).collect();
         }
         scale(&mut figures, modulus);
-        if let (Some(multipliers), Some(contact), Some(figures)) = (multipliers, contact, &mut figures.contact) {
-            let sides = (0..scene.sides.len()).map(|side| contact.boundary.force(side, multipliers));
-            figures.force = sides.fold([0.0; 2], |a, b| [a[0] + b[0], a[1] + b[1]]);
-        }
-        let values = serde_json::to_value(&figures).unwrap_or_default();
+        (rows, figures)
+    }
+
+    /// What statistics need of an outcome.
+    pub(crate) fn kept(
+        &self,
+        solved: &Solved,
+        modulus: f64,
+        rows: &[ContactRow],
+        figures: &Summary,
+        paths: &[String],
+    ) -> Answer {
+        let contact = solved.contact.as_ref();
+        let values = serde_json::to_value(figures).unwrap_or_default();
         let quantity = |path: &String| Summary::number_at(&values, path).unwrap_or(f64::NAN);
-        Ok(Answer {
+        Answer {
             modulus,
+            stressed: solved.displacement.iter().map(|u| modulus * u).collect(),
             quantities: paths.iter().map(quantity).collect(),
             strain: figures.strain_energy,
             pressure: rows.iter().map(|r| r.pressure).collect(),
@@ -153,7 +167,7 @@ impl<'a> Outcomes<'a> {
             iterations: contact.map_or(0, |c| c.solution.iterations),
             converged: solved.balanced && contact.is_none_or(|c| c.converged()),
             displacement: solved.displacement.clone(),
-        })
+        }
     }
 }
 

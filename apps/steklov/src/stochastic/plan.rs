@@ -68,7 +68,10 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
     if random.uses.young && settings.method == Sampling::Galerkin {
         let (choice, why) = match is_coupled(scene, random) {
             Ok(true) => ("coupled", "the modulus is not affine in its germs: the exact Galerkin system, cell by cell"),
-            _ => ("one by one", "affine modulus or a body that only contact holds: node by node, which is collocation"),
+            _ => (
+                "one by one",
+                "an affine modulus; or a body force, Coulomb friction or a body that only contact holds: node by node, which is collocation",
+            ),
         };
         modelled.push(decision("stochastic nodes", choice.into(), why.into()));
     }

@@ -214,7 +214,7 @@ fn field_modes(field: &RandomField) -> FieldModes {
 /// The fields that are the mean over points.
 fn averaged(weights: &[f64], answers: &[&Answer]) -> Result<(Moments, Vec<f64>, Moments, Moments), SolveError> {
     let of = |f: &(dyn Fn(&Answer) -> Vec<f64> + Sync)| -> Vec<Vec<f64>> { answers.iter().map(|a| f(a)).collect() };
-    let stress = moments(weights, &of(&|a| a.displacement.iter().map(|u| a.modulus * u).collect()))?.mean;
+    let stress = moments(weights, &of(&|a| a.stressed.clone()))?.mean;
     Ok((
         moments(weights, &of(&|a| a.displacement.clone()))?,
         stress,
@@ -392,10 +392,16 @@ fn of_samples(
         })?;
         watch.tell(first + block, count);
         for (germs, answer) in answers {
-            let stress: Vec<f64> = answer.displacement.iter().map(|u| answer.modulus * u).collect();
             let touching: Vec<f64> =
                 (0..answer.pressure.len()).map(|i| f64::from(u8::from(touches(&answer, i)))).collect();
-            let parts = [&answer.displacement, &stress, &answer.pressure, &answer.shear, &touching, &answer.quantities];
+            let parts = [
+                &answer.displacement,
+                &answer.stressed,
+                &answer.pressure,
+                &answer.shear,
+                &touching,
+                &answer.quantities,
+            ];
             for (sum, part) in sums.iter_mut().zip(parts) {
                 sum.push(1.0, part)?;
             }
