@@ -15,7 +15,7 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
     let at = |kind, keys: &[Vec<&str>], help: &str| Ok(scene.error_at(kind, keys, message.clone(), help));
     match &error {
         SolveError::Scene(error) => Ok((**error).clone()),
-        SolveError::Io(_) | SolveError::Interrupted => Err(error),
+        SolveError::Io(_) | SolveError::Interrupted | SolveError::Outcome { .. } => Err(error),
         SolveError::Stochastic(StochasticError::NotCoercive { .. }) => at(
             Unsupported,
             &[vec!["stochastic", "method"], vec!["stochastic"]],
@@ -105,12 +105,19 @@ pub(crate) fn too_many_points(scene: &Scene) -> Option<SceneError> {
     if random.stochastic.method == Sampling::MonteCarlo || count <= most as f64 {
         return None;
     }
-    let message = format!(
-        "{} germs make {count:e} stochastic nodes, more than stochastic.max_nodes = {most}",
-        random.germs.len()
-    );
-    let keys = ["max_nodes", "degree", "elements", "level"].map(|key| vec!["stochastic", key]);
-    let help = "take a lower degree, fewer modes, method = \"sparse\" or \"monte-carlo\", or allow more nodes";
+    let count = if count < 1e15 { count.to_string() } else { format!("{count:e}") };
+    let germs = random.germs.len();
+    let message = format!("{germs} germ(s) make {count} stochastic nodes, more than stochastic.max_nodes = {most}");
+    let (keys, help) = match random.stochastic.method {
+        Sampling::Sparse => {
+            (["max_nodes", "level"], "take a lower level, fewer modes, method = \"monte-carlo\", or allow more nodes")
+        }
+        _ => (
+            ["max_nodes", "degree"],
+            "take a lower degree, fewer modes, method = \"sparse\" or \"monte-carlo\", or allow more nodes",
+        ),
+    };
+    let keys = keys.map(|key| vec!["stochastic", key]);
     Some(scene.error_at(
         SceneErrorKind::Value,
         &[&keys[..], &[vec!["stochastic"], vec!["random"]]].concat(),

@@ -82,6 +82,14 @@ pub enum SolveError {
     /// The random input cannot be treated.
     #[error(transparent)]
     Stochastic(#[from] steklov_stochastic::StochasticError),
+    /// An outcome of the random input has no solution.
+    #[error("for {outcome}: {error}")]
+    Outcome {
+        /// Its germs.
+        outcome: String,
+        /// What is wrong.
+        error: Box<SolveError>,
+    },
     /// The observer failed to store what it was given.
     #[error(transparent)]
     Io(#[from] steklov_io::IoError),

@@ -91,6 +91,11 @@ impl Scene {
         let root = tree::build(&source).map_err(|p| source.error(p))?;
         let scene = scene(&root, &source, None).map_err(|p| source.error(p))?;
         scene.check_data()?;
+        if scene.random.is_some() && scene.method.multiplier == Multiplier::Stabilised {
+            let message = "random input has biorthogonal multipliers only".to_owned();
+            let help = "leave method.multiplier at \"biorthogonal\": it needs no stabilisation";
+            return Err(scene.error_at(Kind::Unsupported, &[vec!["method", "multiplier"]], message, help));
+        }
         scene.check_outcomes()?;
         unavailable(&root).map_err(|p| source.error(p))?;
         Ok(scene)
@@ -106,8 +111,7 @@ impl Scene {
         let Some(random) = &self.random else { return Ok(self.clone()) };
         let outcome = scene(&random.root, &self.source, Some((random, germs)));
         outcome.map_err(|mut problem| {
-            let names = random.germs.iter().zip(germs).map(|(g, xi)| format!("{} = {xi}", g.label));
-            problem.message = format!("for {}: {}", names.collect::<Vec<_>>().join(", "), problem.message);
+            problem.message = format!("for {}: {}", random.outcome_name(germs), problem.message);
             self.source.error(problem)
         })
     }

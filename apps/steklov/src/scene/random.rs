@@ -148,6 +148,14 @@ impl Random {
         (constants, fields)
     }
 
+    /// An outcome in words: the values of the names, the germs of fields.
+    pub(crate) fn outcome_name(&self, germs: &[f64]) -> String {
+        let value = |(g, xi): (&Germ, &f64)| format!("{} = {}", g.label, g.variable.value(*xi));
+        let first: Vec<String> = self.germs.iter().zip(germs).take(NAMED).map(value).collect();
+        let more = if germs.len() > NAMED { ", .." } else { "" };
+        format!("{}{more}", first.join(", "))
+    }
+
     /// The fields, each with its first germ.
     pub fn fields(&self) -> impl Iterator<Item = (&Arc<RandomField>, usize)> {
         self.names.iter().filter_map(|name| match name {
@@ -170,6 +178,9 @@ impl Random {
             .collect()
     }
 }
+
+/// Germs that messages name.
+const NAMED: usize = 12;
 
 /// A random input as it stands in the scene.
 pub(super) enum Declared {

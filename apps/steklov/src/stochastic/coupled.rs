@@ -12,6 +12,7 @@ use steklov_contact::{Outcome, Solution};
 use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds, tensor_active_set};
 
 use super::outcomes::{Answer, Outcomes};
+use super::result::Watch;
 use crate::body::Given;
 use crate::report::ContactRow;
 use crate::scene::{Condition, Scene};
@@ -32,12 +33,17 @@ pub(crate) fn solve_cell(
     basis: &CellBasis,
     modulus: &dyn Fn(&[f64]) -> f64,
     paths: &[String],
+    watch: &Watch<'_>,
 ) -> Result<Vec<Answer>, SolveError> {
     let mass = basis.mass(modulus)?;
     let size = mass.nrows();
     let factor = mass.llt(Side::Lower).map_err(|_| StochasticError::Decomposition { size })?;
     let mixing = factor.solve(Mat::from_fn(size, size, |j, k| if j == k { basis.weights[j] } else { 0.0 })); // M_E⁻¹ D
-    let given: Vec<(Scene, f64, Given)> = basis.points.iter().map(|p| outcomes.given(p)).collect::<Result<_, _>>()?;
+    let mut given: Vec<(Scene, f64, Given)> = Vec::with_capacity(size);
+    for point in &basis.points {
+        watch.check()?;
+        given.push(outcomes.given(point)?);
+    }
     // the outcomes' own loads and bounds, which `given` has divided by the modulus of the node
     let modulus: Vec<f64> = given.iter().map(|g| g.1).collect();
     let mixed = |values: &dyn Fn(usize) -> Vec<f64>| -> Vec<Vec<f64>> {
@@ -81,6 +87,7 @@ pub(crate) fn solve_cell(
     }
     let mut nodes = Vec::with_capacity(size);
     for (j, (scene, e, mut given)) in given.into_iter().enumerate() {
+        watch.check()?;
         given.load.clone_from(&loads[j]);
         let (solved, _) = outcomes.body.answer(&scene, given, &mut |problem| {
             let NodeSolution { displacement, multipliers, outcome, history } =

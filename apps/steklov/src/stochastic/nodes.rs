@@ -133,7 +133,7 @@ fn solve_cells(
             .iter()
             .map(|basis| {
                 watch.check()?;
-                solve_cell(outcomes, basis, &modulus, paths)
+                solve_cell(outcomes, basis, &modulus, paths, watch)
             })
             .collect();
     }

@@ -79,11 +79,7 @@ impl<'a> Outcomes<'a> {
         let free = given.free_motions(space, &supports.free_motions())?;
         if free.len() != self.body.free.len() {
             let (here, nominal) = (free.len(), self.body.free.len());
-            let labels = self.random.germs.iter().zip(germs).map(|(g, xi)| format!("{} = {xi}", g.label));
-            let what = format!(
-                "for {} the body has {here} motions that nothing resists, for the mean input {nominal}: hold it",
-                labels.collect::<Vec<_>>().join(", ")
-            );
+            let what = format!("{here} motions that nothing resists, for the mean input {nominal}: hold the body");
             return Err(ContactError::Inconsistent { what }.into());
         }
         Ok((scene, modulus, given))
@@ -110,8 +106,12 @@ impl<'a> Outcomes<'a> {
         paths: &[String],
         warm: &mut Option<Solution>,
     ) -> Result<Answer, SolveError> {
-        let (scene, modulus, given) = self.given(germs)?;
-        let (solved, _) = self.solved(&scene, given, warm)?;
+        let named = |error| match error {
+            SolveError::Scene(_) => error,
+            error => SolveError::Outcome { outcome: self.random.outcome_name(germs), error: Box::new(error) },
+        };
+        let (scene, modulus, given) = self.given(germs).map_err(named)?;
+        let (solved, _) = self.solved(&scene, given, warm).map_err(named)?;
         let (rows, figures) = self.figures(&scene, &solved, modulus, None, paths);
         Ok(self.kept(&solved, modulus, &rows, &figures, paths))
     }

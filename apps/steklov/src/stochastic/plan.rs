@@ -6,10 +6,12 @@ use super::json::method;
 use super::nodes::is_coupled;
 use crate::expression::Expression;
 use crate::plan::Decision;
-use crate::scene::{Condition, Multiplier, Random, Sampling, Scene};
+use crate::scene::{Condition, Random, Sampling, Scene};
 
 /// Points along an edge at which data are compared.
 const STEPS: usize = 32;
+/// Germs beyond which no sparse grid is made.
+const MANY: usize = 64;
 /// Germs that are named one by one.
 const NAMED: usize = 8;
 
@@ -28,6 +30,9 @@ pub fn points(random: &Random) -> f64 {
 
 /// Points of the sparse grid; none if it is beyond what can be made.
 fn sparse(random: &Random) -> Option<f64> {
+    if random.germs.len() > MANY {
+        return None;
+    }
     let variables: Vec<_> = random.germs.iter().map(|g| g.variable.clone()).collect();
     smolyak(&variables, random.stochastic.level).ok().map(|grid| grid.points.len() as f64)
 }
@@ -64,6 +69,12 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
             _ => String::new(),
         }
     );
+    let refused = settings.method != Sampling::MonteCarlo && count > settings.max_nodes as f64;
+    let why = if refused {
+        format!("more than stochastic.max_nodes = {}: solve refuses it", settings.max_nodes)
+    } else {
+        why
+    };
     modelled.push(decision("random input", how, why));
     if random.uses.young && settings.method == Sampling::Galerkin {
         let (choice, why) = match is_coupled(scene, random) {
@@ -75,10 +86,6 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
         };
         modelled.push(decision("stochastic nodes", choice.into(), why.into()));
     }
-    if scene.method.multiplier == Multiplier::Stabilised {
-        let why = "of the mean input only: outcomes have biorthogonal ones, whose difference the estimate contains";
-        left_out.push(decision("multipliers of outcomes", "stabilised".into(), why.into()));
-    }
     for (field, _) in random.fields() {
         let (modes, captured) = (field.expansion.len(), field.expansion.captured());
         let choice = format!("{} by {modes} modes", field.name);
@@ -88,7 +95,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
             format!("they carry {:.2} % of its variance", 100.0 * captured),
         ));
     }
-    for (germ, moved) in random.germs.iter().zip(sensitivities(scene, random)).take(NAMED) {
+    for (germ, moved) in random.germs.iter().zip(sensitivities(scene, random)) {
         let lost = germ.variable.lost();
         let cut = if lost > 0.0 { format!("; its bounds cut off a probability of {lost:.1e}") } else { String::new() };
         let said = format!("{}{cut}", moved.text());
@@ -189,5 +196,5 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
         moved.loads = if change == 0.0 { 0.0 } else { (change / size).sqrt() };
         moved
     };
-    (0..random.germs.len()).map(one).collect()
+    (0..random.germs.len().min(NAMED)).map(one).collect()
 }
