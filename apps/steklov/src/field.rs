@@ -2,7 +2,8 @@
 
 use std::sync::Arc;
 
-use steklov_stochastic::Field;
+use steklov_bem_operators::Polygon;
+use steklov_stochastic::{Covariance, Field, StochasticError, Truncation};
 
 /// A field and where it lives.
 #[derive(Debug, Clone)]
@@ -18,25 +19,89 @@ pub struct RandomField {
 /// Domain of a field.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Support {
-    /// The edges of a side, joined end to end in the order of the scene: the coordinate is the arc length.
+    /// A side that is one open chain: the coordinate is the arc length along it.
     Side {
         /// Name of the side.
         name: String,
-        /// Its edges.
+        /// Its edges from one end to the other, in the order in which the corners of their loop are listed.
         edges: Vec<[[f64; 2]; 2]>,
     },
     /// The bounding box of the body: coordinates from its lower left.
     Body {
         /// Lower left.
         corner: [f64; 2],
+        /// Lengths along x and y.
+        lengths: [f64; 2],
     },
 }
 
+/// Why a side is not one open chain of edges.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum NoChain {
+    /// Its edges do not all meet end to end.
+    #[error("consists of {0} parts that do not meet")]
+    Parts(usize),
+    /// It has no ends.
+    #[error("is a closed loop")]
+    Closed,
+}
+
 impl Support {
+    /// The side of this name.
+    ///
+    /// # Errors
+    /// [`NoChain`] for a side on which one arc length would jump, or would part places that meet.
+    pub fn side(polygon: &Polygon, name: &str) -> Result<Self, NoChain> {
+        let edges = polygon.edges();
+        let is_on = |k: usize| polygon.side_names()[edges[k].side] == name;
+        let mut chains = Vec::new();
+        for range in polygon.loops() {
+            let count = range.len();
+            let place = |k: usize| range.start + k % count;
+            if range.clone().all(is_on) {
+                chains.push(Err(NoChain::Closed));
+                continue;
+            }
+            for first in (0..count).filter(|&k| is_on(place(k)) && !is_on(place(k + count - 1))) {
+                let chain = (first..).map(place).take_while(|&k| is_on(k));
+                chains.push(Ok(chain.map(|k| edges[k].listed()).collect()));
+            }
+        }
+        match chains.len() {
+            1 => Ok(Self::Side { name: name.to_owned(), edges: chains.remove(0)? }),
+            parts => Err(NoChain::Parts(parts)),
+        }
+    }
+
+    /// The bounding box of a body.
+    pub fn body(polygon: &Polygon) -> Self {
+        let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+        for edge in polygon.edges() {
+            for i in 0..2 {
+                (low[i], high[i]) = (low[i].min(edge.start[i]), high[i].max(edge.start[i]));
+            }
+        }
+        Self::Body { corner: low, lengths: [high[0] - low[0], high[1] - low[1]] }
+    }
+
+    /// The expansion of a field that lives here.
+    ///
+    /// # Errors
+    /// Those of [`Field::interval`] and [`Field::rectangle`].
+    pub fn expansion(&self, covariance: &Covariance, truncation: Truncation) -> Result<Field, StochasticError> {
+        match self {
+            Self::Side { edges, .. } => {
+                let length = edges.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum();
+                Field::interval(covariance, length, truncation)
+            }
+            Self::Body { lengths, .. } => Field::rectangle(covariance, *lengths, truncation),
+        }
+    }
+
     /// Coordinates of a point; of a point beside the side, of the nearest one on it.
     pub fn coordinates(&self, point: [f64; 2]) -> [f64; 2] {
         match self {
-            Self::Body { corner } => [point[0] - corner[0], point[1] - corner[1]],
+            Self::Body { corner, .. } => [point[0] - corner[0], point[1] - corner[1]],
             Self::Side { edges, .. } => {
                 let (mut start, mut nearest, mut arc) = (0.0, f64::INFINITY, 0.0);
                 for [a, b] in edges {
@@ -73,5 +138,74 @@ impl FieldValue {
         self.outcome
             .as_ref()
             .map_or(0.0, |(field, germs)| field.expansion.value(field.support.coordinates(point), germs))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use steklov_bem_operators::Loop;
+
+    use super::*;
+
+    /// A slab with a square hole, its corners counter-clockwise or not; a letter names the side of each edge.
+    fn slab(outer: &str, hole: &str, reversed: bool) -> Polygon {
+        let sides = |letters: &str| letters.chars().map(String::from).collect();
+        let corners = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 3.0], [0.0, 3.0]];
+        let mut inner = vec![[1.0, 1.0], [1.0, 2.0], [2.0, 2.0], [2.0, 1.0]];
+        if reversed {
+            inner.reverse();
+        }
+        let hole = Loop { corners: inner, sides: sides(hole) };
+        Polygon::new(Loop { corners, sides: sides(outer) }, vec![hole]).unwrap()
+    }
+
+    /// Along a chain the arc length rises as fast as the point moves, wherever on the loop the chain begins.
+    #[test]
+    fn arc_length_is_continuous_along_a_side() {
+        for (outer, hole, reversed, start, expected) in [
+            ("abcd", "efgh", false, 0, 4.0),
+            ("xbcx", "efgh", false, 3, 7.0),
+            ("xbxx", "efgh", false, 2, 11.0),
+            ("xxxd", "efgh", true, 0, 11.0),
+            ("abcd", "xfgx", false, 7, 2.0),
+            ("abcd", "xxgx", true, 7, 3.0),
+        ] {
+            let polygon = slab(outer, hole, reversed);
+            let name = if outer.contains('x') || hole.contains('x') { "x" } else { "a" };
+            let support = Support::side(&polygon, name).unwrap();
+            let Support::Side { edges, .. } = &support else { panic!("{support:?}") };
+            assert_eq!(edges[0], polygon.edges()[start].listed(), "{outer} {hole}");
+            let mut along = 0.0;
+            for [a, b] in edges {
+                let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+                for k in 0..=16 {
+                    let t = f64::from(k) / 16.0;
+                    let point = [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
+                    let [arc, other] = support.coordinates(point);
+                    assert!(
+                        (arc - along - t * length).abs() < 1e-14 && other == 0.0,
+                        "{outer} {hole}: {point:?} {arc}"
+                    );
+                }
+                along += length;
+            }
+            assert_eq!(along, expected);
+        }
+    }
+
+    #[test]
+    fn a_side_without_one_arc_length_is_refused() {
+        for (outer, hole, expected) in [
+            ("xbxd", "efgh", NoChain::Parts(2)),
+            ("abcd", "xfxh", NoChain::Parts(2)),
+            ("xxcd", "xxgh", NoChain::Parts(2)),
+            ("xbxd", "xxxx", NoChain::Parts(3)),
+            ("xxxx", "efgh", NoChain::Closed),
+            ("abcd", "xxxx", NoChain::Closed),
+        ] {
+            for reversed in [false, true] {
+                assert_eq!(Support::side(&slab(outer, hole, reversed), "x"), Err(expected), "{outer} {hole}");
+            }
+        }
     }
 }

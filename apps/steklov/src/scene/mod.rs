@@ -12,6 +12,7 @@ mod body;
 mod sides;
 mod method;
 mod random;
+mod outcomes;
 mod grid;
 mod check;
 
@@ -225,7 +226,7 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
             let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
             let uses = random::uses(&sides, &is_random, in_material.iter().any(is_random), &in_body_force);
             unused.extend(declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)));
-            let (names, germs) = random::used(declared, &used, &polygon)?;
+            let (names, germs) = random::used(declared, &used)?;
             let random = Random { names, germs, stochastic, uses, root: Arc::new(root.clone()) };
             (!random.names.is_empty()).then_some(random)
         }

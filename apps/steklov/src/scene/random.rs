@@ -4,12 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
-use steklov_stochastic::{Covariance, Distribution, Field as Expansion, Kernel, StochasticError, Truncation, Variable};
+use steklov_stochastic::{Covariance, Distribution, Kernel, StochasticError, Truncation, Variable};
 
-use super::Scene;
 use super::body::check_name;
 use super::check::data;
-use super::error::{Problem, SceneError, SceneErrorKind as Kind};
+use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::sides::Side;
 use super::tree::{Item, Value, suggestion};
@@ -185,7 +184,7 @@ const NAMED: usize = 12;
 /// A random input as it stands in the scene.
 pub(super) enum Declared {
     Variable(Variable),
-    Field { covariance: Covariance, truncation: Truncation, side: Option<String>, uniform: bool, place: Place },
+    Field { covariance: Covariance, truncation: Truncation, support: Support, uniform: bool, place: Place },
 }
 
 /// Reads `[random]`; its names become constants and fields of expressions, each with its nominal value.
@@ -218,7 +217,6 @@ pub(super) fn random(
 pub(super) fn used(
     declared: Vec<(String, Declared)>,
     uses: &dyn Fn(&str) -> bool,
-    polygon: &Polygon,
 ) -> Result<(Vec<RandomName>, Vec<Germ>), Problem> {
     let (mut names, mut germs) = (Vec::new(), Vec::new());
     for (name, declared) in declared.into_iter().filter(|(name, _)| uses(name)) {
@@ -227,11 +225,11 @@ pub(super) fn used(
                 names.push(RandomName::Variable { name: name.clone(), germ: germs.len() });
                 germs.push(Germ { label: name, variable });
             }
-            Declared::Field { covariance, truncation, side, uniform, place } => {
+            Declared::Field { covariance, truncation, support, uniform, place } => {
                 let refused = |e: StochasticError| {
                     Problem::new(Kind::Value, place, format!("the field {name}: {e}"), "change the field")
                 };
-                let (expansion, support) = expansion(&covariance, truncation, side, polygon).map_err(refused)?;
+                let expansion = support.expansion(&covariance, truncation).map_err(refused)?;
                 let bound = 3.0f64.sqrt();
                 let law = if uniform { Variable::uniform(-bound, bound) } else { Variable::normal(0.0, 1.0) };
                 let law = law.map_err(refused)?;
@@ -252,7 +250,7 @@ pub(super) fn check_fields(sides: &[Side], declared: &[(String, Declared)]) -> R
     for side in sides {
         for (what, expression) in data(side) {
             for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
-                if let Declared::Field { side: Some(on), .. } = declared
+                if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared
                     && *on != side.name
                 {
                     let message = format!("the {what} of side {:?} uses the field {name} of side {on:?}", side.name);
@@ -305,34 +303,6 @@ pub(super) fn uses(
         }
     }
     uses
-}
-
-fn expansion(
-    covariance: &Covariance,
-    truncation: Truncation,
-    side: Option<String>,
-    polygon: &Polygon,
-) -> Result<(Expansion, Support), StochasticError> {
-    match side {
-        Some(name) => {
-            let index = polygon.side_names().iter().position(|n| *n == name);
-            let edges = polygon.edges().iter().filter(|e| Some(e.side) == index);
-            let edges: Vec<[[f64; 2]; 2]> = edges.map(|e| e.listed()).collect();
-            let length = edges.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum();
-            Ok((Expansion::interval(covariance, length, truncation)?, Support::Side { name, edges }))
-        }
-        None => {
-            let points = polygon.edges().iter().map(|e| e.start);
-            let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-            for p in points {
-                for i in 0..2 {
-                    (low[i], high[i]) = (low[i].min(p[i]), high[i].max(p[i]));
-                }
-            }
-            let sides = [high[0] - low[0], high[1] - low[1]];
-            Ok((Expansion::rectangle(covariance, sides, truncation)?, Support::Body { corner: low }))
-        }
-    }
 }
 
 #[derive(Clone, Copy)]
@@ -417,9 +387,19 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, Problem> {
         Some(variables) => variables.choice(&[("uniform", true), ("normal", false)])?,
         None => true,
     };
-    let side = (word != "body").then(|| word.to_owned());
+    let support = if word == "body" {
+        Support::body(polygon)
+    } else {
+        Support::side(polygon, word).map_err(|why| {
+            let help = "name its connected parts as sides of their own and give each a field, or take on = \"body\"";
+            on.problem(
+                format!("{} = {word:?}: the side {why}; a field needs one chain of edges with two ends", on.name),
+                help,
+            )
+        })?
+    };
     let covariance = Covariance { kernel, correlation };
-    Ok(Declared::Field { covariance, truncation, side, uniform, place: field.item.place })
+    Ok(Declared::Field { covariance, truncation, support, uniform, place: field.item.place })
 }
 
 pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, Problem> {
@@ -467,43 +447,4 @@ pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, Problem> {
         }
     }
     Ok(read)
-}
-
-/// Outcomes beyond this probability at either end of a germ without bounds are not looked at.
-const RARE: f64 = 1e-12;
-/// Most germs of which all combinations of ends are tried.
-const CORNERS: usize = 8;
-
-impl Scene {
-    /// Looks at outcomes at the ends of the germs: each alone with all data, the modulus at all combinations of up to 8 germs.
-    ///
-    /// # Errors
-    /// Those of [`Scene::outcome`] and [`Scene::check_data`].
-    pub(super) fn check_outcomes(&self) -> Result<(), SceneError> {
-        let Some(random) = &self.random else { return Ok(()) };
-        let nominal = random.nominal();
-        let ends: Vec<[f64; 2]> = random
-            .germs
-            .iter()
-            .map(|g| {
-                let [low, high] = g.variable.germ_support();
-                let end = |bound: f64, p: f64| if bound.is_finite() { bound } else { g.variable.quantile(p) };
-                [end(low, RARE), end(high, 1.0 - RARE)]
-            })
-            .collect();
-        for d in 0..ends.len() {
-            for end in ends[d] {
-                let mut germs = nominal.clone();
-                germs[d] = end;
-                self.outcome(&germs)?.check_data()?;
-            }
-        }
-        if random.uses.young && ends.len() <= CORNERS {
-            for corner in 0..1usize << ends.len() {
-                let germs: Vec<f64> = ends.iter().enumerate().map(|(d, e)| e[corner >> d & 1]).collect();
-                self.outcome(&germs)?;
-            }
-        }
-        Ok(())
-    }
 }

@@ -331,6 +331,28 @@ pub const CASES: &[Case] = &[
         "no side \"flor\"",
         "did you mean floor?",
     ),
+    Case {
+        edit: (
+            "sides = [\"floor\", \"right\", \"top\", \"left\"]",
+            "sides = [\"floor\", \"right\", \"floor\", \"left\"]\n[random.r]\ncovariance = \"gaussian\"\ncorrelation = 0.3\non = \"floor\"",
+        ),
+        set: &[],
+        line: 8,
+        offending: "\"floor\"",
+        message: "the side consists of 2 parts that do not meet",
+        remedy: "sides of their own",
+    },
+    Case {
+        edit: (
+            "sides = [\"floor\", \"right\", \"top\", \"left\"]",
+            "sides = [\"floor\", \"floor\", \"floor\", \"floor\"]\n[random.r]\ncovariance = \"gaussian\"\ncorrelation = 0.3\non = \"floor\"",
+        ),
+        set: &[],
+        line: 8,
+        offending: "\"floor\"",
+        message: "the side is a closed loop",
+        remedy: "sides of their own",
+    },
     edit(
         "",
         "[stochastic]\nmethod = \"galerkn\"\n",
