@@ -160,7 +160,9 @@ pub(crate) fn events(answers: &[Answer]) -> Vec<Vec<f64>> {
 fn errors(outcomes: &Outcomes<'_>, basis: &CellBasis, answers: &[Answer]) -> Vec<DirectionError> {
     let displacements: Vec<Vec<f64>> = answers.iter().map(|a| a.displacement.clone()).collect();
     let mean: f64 = answers.iter().map(|a| a.modulus).sum::<f64>() / answers.len() as f64;
-    truncation(basis, &displacements, &|u| {
+    let events = events(answers);
+    let kinked: Vec<bool> = (0..basis.degrees().len()).map(|d| changes(basis, d, &events).is_some()).collect();
+    truncation(basis, &displacements, &kinked, &|u| {
         mean * outcomes.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()
     })
 }
