@@ -19,6 +19,34 @@ const ROUNDS: usize = 60;
 /// Largest deviation of the modulus from an affine function of its germs, relative, that rounding explains.
 const AFFINE: f64 = 1e-12;
 
+/// Why no more outcomes were solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// Those that were asked for are solved.
+    Solved,
+    /// The estimated truncation is down at the tolerance.
+    Tolerance,
+    /// The stochastic mesh has as many nodes as allowed.
+    MaxNodes,
+    /// Refinement does not lead to the tolerance.
+    Rounds,
+}
+
+impl End {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Solved, Self::Tolerance, Self::MaxNodes, Self::Rounds];
+
+    /// The word of the JSON object.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Tolerance => "tolerance",
+            Self::MaxNodes => "max_nodes",
+            Self::Rounds => "rounds",
+        }
+    }
+}
+
 /// A stochastic mesh and the answers at its nodes.
 pub(crate) struct Surrogate {
     pub(crate) mesh: StochasticMesh,
@@ -27,6 +55,7 @@ pub(crate) struct Surrogate {
     pub(crate) coupled: bool,
     /// (Σ of the squared errors)^½ over the mean energy norm.
     pub(crate) relative: f64,
+    pub(crate) end: End,
     /// Points that were solved, those of cells that were refined later included.
     pub(crate) solved: usize,
 }
@@ -99,9 +128,16 @@ pub(crate) fn solve_nodes(
         let squared: f64 = all.iter().flat_map(|c| &c.errors).map(|e| e.error).sum();
         let relative = if squared == 0.0 { 0.0 } else { (squared / energy).sqrt() };
         let nodes: usize = all.iter().map(|c| c.answers.len()).sum();
-        if !settings.refine || relative <= settings.tolerance || nodes >= settings.max_nodes || round == ROUNDS {
+        let end = match () {
+            () if !settings.refine => Some(End::Solved),
+            () if relative <= settings.tolerance => Some(End::Tolerance),
+            () if nodes >= settings.max_nodes => Some(End::MaxNodes),
+            () if round == ROUNDS => Some(End::Rounds),
+            () => None,
+        };
+        if let Some(end) = end {
             let cells = cells.into_iter().flatten().collect();
-            return Ok(Surrogate { mesh, cells, coupled, relative, solved });
+            return Ok(Surrogate { mesh, cells, coupled, relative, end, solved });
         }
         let marks: Vec<Vec<DirectionError>> = all.iter().map(|c| c.errors.clone()).collect();
         let at = |cell: usize, direction: usize| {
