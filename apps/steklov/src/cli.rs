@@ -236,6 +236,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         if let Some(advice) = advice(summary, plan).filter(|_| !args.quiet) {
             eprintln!("{advice}");
         }
+        if let Some(text) = stored.stochastic.as_ref().and_then(stochastic::shortfall).filter(|_| !args.quiet) {
+            eprintln!("{text}");
+        }
         say(&serde_json::to_string_pretty(summary)?);
     } else {
         print_summary(&stored);

@@ -38,21 +38,26 @@ impl DirectionError {
 /// of degree k in germ d. Answers may be even or odd, so that degrees are taken in pairs:
 ///
 /// ```text
-/// error = (a_q + a_(q-1)) r/(1-r) times the probability,   r = (a_q + a_(q-1))/(a_(q-2) + a_(q-3)),   decay = r^¼
+/// error = (a_q + a_(q-1)) rest times the probability,   rest = min(r/(1-r), (q+1)/3),   decay = r^¼
+/// q >= 4   r = (a_q + a_(q-1))/(a_(q-2) + a_(q-3))
+/// q  = 3   r = max(a_3/a_1, (a_2/a_1)²)
+/// q  = 2   r = max((a_2/a_1)², (a_1/a_0)²)
 /// ```
-/// which is exact for a_k = C r^(k/2). Where the decay is above 1/3 the answer is not smooth and (q+1)/6 replaces r/(1-r): the
-/// coefficients of a kink fall like k^-4. Up to degree 3 the mean a_0 enters r, which it may hide behind; r is then the largest
-/// of what can be compared: a_3/a_1 too for q = 3; a_2/a_0, (a_1/a_0)² and (a_2/a_1)² for q = 2, ratios with a_1 if it is above
-/// a_2; (a_1/a_0)² for q = 1, where a_1 √r/(1-√r) is the sum. Degree 0 tells nothing of itself: its error is infinite.
+/// which is exact for a_k = C r^(k/2). The coefficients of a kink fall like k^-4 where it is seen and leave up to (q+1)/3: that is the
+/// rest of directions that are `kinked`, conditions changing between nodes (and for q = 2 no more than a_2 stands for a_1). The mean a_0 tells how much a germ does and
+/// not how coefficients fall: where only it could be compared with, for q = 1, and for q = 2 or 3 if a_2 is above a_1, the rest is
+/// taken as 1 or more. Degree 0 tells nothing of itself: its error is infinite.
 ///
-/// `energy` is the square of the norm of an answer. *Fails when*: the degree is below 4 and a large mean hides a kink; all nodes lie
-/// on one side of a kink next to an end of the cell. *Cost*: the square of the number of nodes a component.
+/// `energy` is the square of the norm of an answer. *Fails when*: the answer is even about
+/// the middle of a cell of degree 1, or odd but for a large mean with degree 2; all nodes lie on one side of a kink next to an end
+/// of the cell. *Cost*: the square of the number of nodes a component.
 ///
 /// # Panics
-/// If there is not an answer for each node.
+/// If there is not an answer for each node and a `kinked` for each germ.
 pub fn truncation(
     basis: &CellBasis,
     answers: &[Vec<f64>],
+    kinked: &[bool],
     energy: &(dyn Fn(&[f64]) -> f64 + Sync),
 ) -> Vec<DirectionError> {
     assert_eq!(answers.len(), basis.points.len(), "an answer for each node");
@@ -67,19 +72,21 @@ pub fn truncation(
         .collect();
     let probability: f64 = basis.weights.iter().sum();
     let mut stride = answers.len();
-    let direction = |q: usize| {
+    let degrees = basis.degrees();
+    assert_eq!(kinked.len(), degrees.len(), "a word for each germ");
+    let direction = |(q, &kinked): (usize, &bool)| {
         stride /= q + 1;
         let sum = |degree: usize| -> f64 {
             norms.iter().enumerate().filter(|(k, _)| (k / stride) % (q + 1) == degree).map(|(_, e)| e).sum()
         };
-        let DirectionError { error, decay } = extrapolate(&(0..=q).map(sum).collect::<Vec<f64>>());
+        let DirectionError { error, decay } = extrapolate(&(0..=q).map(sum).collect::<Vec<f64>>(), kinked);
         DirectionError { error: probability * error, decay }
     };
-    basis.degrees().into_iter().map(direction).collect()
+    degrees.into_iter().zip(kinked).map(direction).collect()
 }
 
 /// What follows a_0 .. a_q.
-fn extrapolate(a: &[f64]) -> DirectionError {
+fn extrapolate(a: &[f64], kinked: bool) -> DirectionError {
     let q = a.len() - 1;
     let last = if q > 1 { a[q] + a[q - 1] } else { a[q] };
     if q == 0 {
@@ -89,17 +96,21 @@ fn extrapolate(a: &[f64]) -> DirectionError {
         return DirectionError { error: 0.0, decay: 0.0 };
     }
     let square = |x: f64| x * x;
-    let odd = |ratio: f64| if a[1] > a[2] { ratio } else { 0.0 };
-    let r = match q {
-        1 => square(a[1] / a[0]),
-        2 => (a[2] / a[0]).max(square(a[1] / a[0])).max(odd(square(a[2] / a[1]))),
-        3 => (last / (a[1] + a[0])).max(odd(a[3] / a[1])),
-        _ => last / (a[q - 2] + a[q - 3]),
+    let falls = q > 3 || q > 1 && a[1] > a[2];
+    // ratio for the error, and that for the decision
+    let [r, seen] = match q {
+        1 => [1.0, 0.0],
+        2 if falls => [square(a[2] / a[1]).max(square(a[1] / a[0])), square(a[2] / a[1])],
+        2 => [1.0, 0.0],
+        3 if falls => [(a[3] / a[1]).max(square(a[2] / a[1])); 2],
+        3 => [1.0, last / (a[1] + a[0])],
+        _ => [last / (a[q - 2] + a[q - 3]); 2],
     };
-    let decay = r.sqrt().sqrt();
-    let smooth = if q == 1 { r.sqrt() / (1.0 - r.sqrt()) } else { r / (1.0 - r) };
-    let rest = if decay <= ROUGH { smooth } else { (q + 1) as f64 / 6.0 };
-    DirectionError { error: last * rest, decay }
+    let most = ((q + 1) as f64 / 3.0).max(1.0);
+    let rest = if kinked || r >= 1.0 { most } else { most.min(r / (1.0 - r)) };
+    // of a linear answer with a kink a_1 is not the kink
+    let last = if kinked && q == 2 { a[2] + a[1].min(a[2]) } else { last };
+    DirectionError { error: last * rest, decay: seen.sqrt().sqrt() }
 }
 
 /// A germ of a direction between whose neighbouring nodes conditions change, the median of all: `events` are, for each node of

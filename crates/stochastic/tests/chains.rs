@@ -159,7 +159,8 @@ fn by_cells(square: &Square) -> [f64; 2] {
             };
             events.push(solutions.iter().map(event).collect::<Vec<_>>());
             let answers: Vec<Vec<f64>> = solutions.iter().map(|s| s.displacement.clone()).collect();
-            errors.push(truncation(&basis, &answers, &|u| u.iter().map(|u| u * u).sum()));
+            let kinked = [changes(&basis, 0, &events[cell]).is_some()];
+            errors.push(truncation(&basis, &answers, &kinked, &|u| u.iter().map(|u| u * u).sum()));
             bases.push(basis);
         }
         let at = |cell: usize, direction: usize| changes(&bases[cell], direction, &events[cell]);

@@ -17,9 +17,13 @@ fn at_nodes(basis: &CellBasis, u: &dyn Fn(f64) -> f64) -> Vec<Vec<f64>> {
 
 /// Estimate and truth of the error of interpolation at the Gauss points.
 fn judged(degree: usize, u: &dyn Fn(f64) -> f64) -> (DirectionError, f64) {
+    judged_with(degree, u, false)
+}
+
+fn judged_with(degree: usize, u: &dyn Fn(f64) -> f64, kinked: bool) -> (DirectionError, f64) {
     let basis = one_germ(degree);
     let answers = at_nodes(&basis, u);
-    let estimate = truncation(&basis, &answers, &square)[0];
+    let estimate = truncation(&basis, &answers, &[kinked], &square)[0];
     // panels, so that a kink costs little
     let mesh = StochasticMesh::uniform(vec![Variable::uniform(-1.0, 1.0).unwrap()], &[64], &[15]).unwrap();
     let mut theta = vec![0.0; degree + 1];
@@ -51,8 +55,10 @@ fn it_is_the_error_of_a_random_modulus_and_falls_by_the_rate_of_its_ellipse() {
         for degree in 1..=last {
             let (estimate, truth) = judged(degree, &u);
             let share = estimate.error.sqrt() / truth;
-            assert!((0.9..1.35).contains(&share), "d = {d}, degree {degree}: {share}");
-            assert!((estimate.decay * rate - 1.0).abs() < 0.2, "{} for {}", estimate.decay, 1.0 / rate);
+            // of degree 1 no decay is known
+            let wanted = if degree > 1 { 0.9..1.35 } else { 1.0..20.0 };
+            assert!(wanted.contains(&share), "d = {d}, degree {degree}: {share}");
+            assert!(degree < 2 || (estimate.decay * rate - 1.0).abs() < 0.2, "{} for {}", estimate.decay, 1.0 / rate);
             assert!(!estimate.is_rough(degree));
             // Legendre coefficients fall like √k ϱ^-k
             if degree > 2 {
@@ -81,8 +87,14 @@ fn even_and_odd_answers_do_not_hide_and_kinks_are_rough() {
         }
     }
     for (degree, kink) in (2..15).flat_map(|q| [0.0, 0.3].map(|kink| (q, kink))) {
-        let (estimate, truth) = judged(degree, &|y: f64| (y - kink).abs());
-        assert!((0.2..3.0).contains(&(estimate.error.sqrt() / truth)), "{degree}: {estimate:?} {truth:e}");
+        let kinked = |y: f64| (y - kink).abs();
+        let (estimate, truth) = judged_with(degree, &kinked, true);
+        assert!((0.35..4.5).contains(&(estimate.error.sqrt() / truth)), "{degree}: {estimate:?} {truth:e}");
+        // a linear part that hides it
+        let (estimate, truth) = judged_with(degree, &|y| 3.0 + y + 0.01 * kinked(y), true);
+        assert!((0.35..6.0).contains(&(estimate.error.sqrt() / truth)), "{degree}: {estimate:?} {truth:e}");
+        let (estimate, truth) = judged(degree, &kinked);
+        assert!((0.1..4.5).contains(&(estimate.error.sqrt() / truth)), "{degree}: {estimate:?} {truth:e}");
         // of the coefficients of degree 2 and less one may be small by chance
         assert!(degree < 3 || estimate.is_rough(degree), "{degree}: {estimate:?}");
     }
@@ -94,6 +106,48 @@ fn even_and_odd_answers_do_not_hide_and_kinks_are_rough() {
 }
 
 #[test]
+fn a_large_fixed_part_is_no_decay() {
+    for (degree, fixed) in (1..10).flat_map(|q| [0.0, 1e3].map(|fixed| (q, fixed))) {
+        for kinked in [false, true] {
+            let (estimate, truth) = judged_with(degree, &|y: f64| fixed + 1.0 / (1.0 + 0.3 * y), kinked);
+            let share = estimate.error.sqrt() / truth;
+            let most = match degree {
+                // as if the kink were what is seen
+                _ if kinked => 100.0,
+                1 => 6.0,
+                _ => 1.4,
+            };
+            assert!((0.9..most).contains(&share), "degree {degree}, {fixed}, {kinked}: {share}");
+        }
+    }
+}
+
+#[test]
+fn it_is_the_error_of_a_lognormal_modulus() {
+    // 1/E = exp(-s x) of a standard normal x has the coefficients exp(s²/2) (-s)^k/(k!)^½
+    for deviation in [0.1f64, 0.5] {
+        let variance = (1.0 + deviation * deviation).ln();
+        let mesh =
+            |degree| StochasticMesh::uniform(vec![Variable::normal(0.0, 1.0).unwrap()], &[1], &[degree]).unwrap();
+        for degree in 2..8 {
+            let basis = mesh(degree).basis(0, Nodes::Gauss).unwrap();
+            let answers = at_nodes(&basis, &|x| (-variance.sqrt() * x).exp());
+            let estimate = truncation(&basis, &answers, &[false], &square)[0];
+            let mut term = variance.exp();
+            let rest: f64 = (1..40)
+                .map(|k| {
+                    term *= variance / k as f64;
+                    if k > degree { term } else { 0.0 }
+                })
+                .sum();
+            let share = (estimate.error / rest).sqrt();
+            assert!((0.9..3.0).contains(&share), "deviation {deviation}, degree {degree}: {share}");
+            assert!(deviation > 0.2 || !estimate.is_rough(degree));
+        }
+    }
+}
+
+#[test]
 fn estimates_add_up_over_cells_directions_and_components() {
     // u = (f(x), 2 g(y)): each direction has its own error, whatever the other does
     let variables = vec![Variable::uniform(-1.0, 1.0).unwrap(), Variable::uniform(0.0, 3.0).unwrap()];
@@ -101,13 +155,14 @@ fn estimates_add_up_over_cells_directions_and_components() {
     let basis = mesh.basis(0, Nodes::Gauss).unwrap();
     let g = |y: f64| 1.0 / (2.0 + y);
     let answers: Vec<Vec<f64>> = basis.points.iter().map(|p| vec![1.0 / (1.0 + 0.3 * p[0]), 2.0 * g(p[1])]).collect();
-    let both = truncation(&basis, &answers, &square);
-    let first = truncation(&basis, &answers.iter().map(|u| vec![u[0], 0.0]).collect::<Vec<_>>(), &square);
+    let both = truncation(&basis, &answers, &[false; 2], &square);
+    let first = truncation(&basis, &answers.iter().map(|u| vec![u[0], 0.0]).collect::<Vec<_>>(), &[false; 2], &square);
     assert!((both[0].error / first[0].error - 1.0).abs() < 1e-10 && first[1].error < 1e-28);
     // a cell of half the probability has half the error of the same answers
     let mesh = StochasticMesh::uniform(vec![Variable::uniform(-1.0, 1.0).unwrap()], &[2], &[4]).unwrap();
     let half = mesh.basis(1, Nodes::Gauss).unwrap();
-    let on_half = truncation(&half, &at_nodes(&half, &|y| 1.0 / (1.0 + 0.3 * (2.0 * y - 1.0))), &square)[0].error;
+    let on_half =
+        truncation(&half, &at_nodes(&half, &|y| 1.0 / (1.0 + 0.3 * (2.0 * y - 1.0))), &[false], &square)[0].error;
     let (whole, _) = judged(4, &|y| 1.0 / (1.0 + 0.3 * y));
     assert!((2.0 * on_half / whole.error - 1.0).abs() < 1e-10);
 }
@@ -153,7 +208,8 @@ fn refined(mut mesh: StochasticMesh, tolerance: f64, solve: impl Fn(&[f64]) -> (
         for cell in 0..mesh.cells.len() {
             let basis = mesh.basis(cell, Nodes::Gauss).unwrap();
             let (answers, own): (Vec<_>, Vec<_>) = basis.points.iter().map(|p| solve(p)).unzip();
-            errors.push(truncation(&basis, &answers, &energy));
+            let kinked: Vec<bool> = (0..mesh.variables.len()).map(|d| changes(&basis, d, &own).is_some()).collect();
+            errors.push(truncation(&basis, &answers, &kinked, &energy));
             events.push(own);
             cells.push((basis, answers));
         }

@@ -112,12 +112,16 @@ fn contact(stored: &Stored, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel
         let curve = |value: &dyn Fn(usize) -> f64| order.iter().map(|&(x, i)| [x, value(i)]).collect::<Vec<_>>();
         let x = if label.starts_with("arc") { label } else { format!("{label} on {name}") };
         let layer = |name: &str, shape: Shape| Layer { name: name.to_owned(), shape };
-        probability.push(Panel {
-            x: x.clone(),
-            y: "probability".to_owned(),
-            ends: Ends::Unit,
-            layers: vec![layer("probability of contact", Shape::Curve(curve(&|i| result.probability[i]), 0))],
-        });
+        let mut known = curve(&|i| result.probability[i]);
+        known.retain(|p| p[1].is_finite());
+        if !known.is_empty() {
+            probability.push(Panel {
+                x: x.clone(),
+                y: "probability".to_owned(),
+                ends: Ends::Unit,
+                layers: vec![layer("probability of contact", Shape::Curve(known, 0))],
+            });
+        }
         let moments = &result.pressure;
         let two = |i: usize| 2.0 * moments.variance[i].max(0.0).sqrt();
         let between = order.iter().map(|&(x, i)| {

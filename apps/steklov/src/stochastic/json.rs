@@ -14,10 +14,10 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         if let Some(error) = q.standard_error {
             one["standard_error"] = error.into();
         }
-        if let Some(effects) = &q.effects {
+        one["effects"] = q.effects.as_ref().map_or(Value::Null, |effects| {
             let named = result.labels.iter().zip(effects).map(|(l, e)| (l.clone(), Value::from(*e)));
-            one["effects"] = Value::Object(named.collect());
-        }
+            Value::Object(named.collect())
+        });
         let mut place = &mut root;
         for key in q.name.split('.') {
             place = &mut place[key];
@@ -35,6 +35,7 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         "solves": result.solved,
         "cells": result.cells.as_ref().map(|c| c.degree.len()),
         "coupled": result.coupled,
+        "reason": result.end.word(),
         "truncation_relative": result.truncation,
         "iterations": result.iterations,
         "unconverged": result.unconverged,

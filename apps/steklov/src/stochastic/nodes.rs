@@ -21,6 +21,34 @@ const AFFINE: f64 = 1e-12;
 /// Places between the ends of a germ at which that is looked at.
 const PLACES: usize = 12;
 
+/// Why no more outcomes were solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum End {
+    /// Those that were asked for are solved.
+    Solved,
+    /// The estimated truncation is down at the tolerance.
+    Tolerance,
+    /// The stochastic mesh has as many nodes as allowed.
+    MaxNodes,
+    /// Refinement does not lead to the tolerance.
+    Rounds,
+}
+
+impl End {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Solved, Self::Tolerance, Self::MaxNodes, Self::Rounds];
+
+    /// The word of the JSON object.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Tolerance => "tolerance",
+            Self::MaxNodes => "max_nodes",
+            Self::Rounds => "rounds",
+        }
+    }
+}
+
 /// A stochastic mesh and the answers at its nodes.
 pub(crate) struct Surrogate {
     pub(crate) mesh: StochasticMesh,
@@ -29,6 +57,7 @@ pub(crate) struct Surrogate {
     pub(crate) coupled: bool,
     /// (Σ of the squared errors)^½ over the mean energy norm.
     pub(crate) relative: f64,
+    pub(crate) end: End,
     /// Points that were solved, those of cells that were refined later included.
     pub(crate) solved: usize,
 }
@@ -107,9 +136,16 @@ pub(crate) fn solve_nodes(
         let squared: f64 = all.iter().flat_map(|c| &c.errors).map(|e| e.error).sum();
         let relative = if squared == 0.0 { 0.0 } else { (squared / energy).sqrt() };
         let nodes: usize = all.iter().map(|c| c.answers.len()).sum();
-        if !settings.refine || relative <= settings.tolerance || nodes >= settings.max_nodes || round == ROUNDS {
+        let end = match () {
+            () if !settings.refine => Some(End::Solved),
+            () if relative <= settings.tolerance => Some(End::Tolerance),
+            () if nodes >= settings.max_nodes => Some(End::MaxNodes),
+            () if round == ROUNDS => Some(End::Rounds),
+            () => None,
+        };
+        if let Some(end) = end {
             let cells = cells.into_iter().flatten().collect();
-            return Ok(Surrogate { mesh, cells, coupled, relative, solved });
+            return Ok(Surrogate { mesh, cells, coupled, relative, end, solved });
         }
         let marks: Vec<Vec<DirectionError>> = all.iter().map(|c| c.errors.clone()).collect();
         let at = |cell: usize, direction: usize| {
@@ -178,7 +214,9 @@ pub(crate) fn events(answers: &[Answer]) -> Vec<Vec<f64>> {
 fn errors(outcomes: &Outcomes<'_>, basis: &CellBasis, answers: &[Answer]) -> Vec<DirectionError> {
     let displacements: Vec<Vec<f64>> = answers.iter().map(|a| a.displacement.clone()).collect();
     let mean: f64 = answers.iter().map(|a| a.modulus).sum::<f64>() / answers.len() as f64;
-    truncation(basis, &displacements, &|u| {
+    let events = events(answers);
+    let kinked: Vec<bool> = (0..basis.degrees().len()).map(|d| changes(basis, d, &events).is_some()).collect();
+    truncation(basis, &displacements, &kinked, &|u| {
         mean * outcomes.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()
     })
 }

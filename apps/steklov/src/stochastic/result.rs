@@ -8,7 +8,8 @@ use steklov_stochastic::{
     Accumulator, Histogram, Moments, Variable, density, moments, quantiles, sample, smolyak, solve_points,
 };
 
-use super::nodes::{Surrogate, events, is_coupled, solve_nodes};
+use super::effects::{exact_effects, sampled_effect};
+use super::nodes::{End, Surrogate, events, is_coupled, solve_nodes};
 use super::outcomes::{Answer, Outcomes};
 use crate::body::Body;
 use crate::field::RandomField;
@@ -20,8 +21,12 @@ use crate::solve::SolveError;
 const BLOCK: usize = 1024;
 /// Bins of densities.
 const BINS: usize = 40;
-/// Samples of the surrogate for the effects of single germs.
-const EFFECTS: usize = 2_000;
+/// Most samples of a surrogate of several cells for the effects of single germs.
+const EFFECTS: usize = 20_000;
+/// Relative to the mean square, variances below this are rounding.
+const NO_VARIANCE: f64 = 1e-20;
+/// Of sums with weights of both signs, relative.
+const ROUNDING: f64 = 1e-10;
 /// Steps along a side, and in each direction over the body, at which modes of random fields are stored.
 const LINE: usize = 200;
 const GRID: usize = 32;
@@ -37,7 +42,7 @@ pub struct Quantity {
     pub values: Vec<f64>,
     /// Mean.
     pub mean: f64,
-    /// Variance.
+    /// Variance; NaN where the negative weights of a sparse grid make it negative.
     pub variance: f64,
     /// Standard error of the mean; Monte Carlo only.
     pub standard_error: Option<f64>,
@@ -45,7 +50,8 @@ pub struct Quantity {
     pub quantiles: Option<Vec<f64>>,
     /// Of samples.
     pub density: Option<Histogram>,
-    /// For each germ the share of the variance that is gone when it is known least: Sobol's total effect.
+    /// For each germ the share of the variance that is left when all others are known: Sobol's total effect. None without
+    /// a surrogate or a variance.
     pub effects: Option<Vec<f64>>,
 }
 
@@ -98,7 +104,7 @@ pub struct StochasticResult {
     pub pressure: Moments,
     /// λ_t.
     pub shear: Moments,
-    /// Probability of contact at each contact condition.
+    /// Probability of contact at each contact condition; NaN where negative weights put it out of [0, 1].
     pub probability: Vec<f64>,
     /// Displacements at the points, where they are kept.
     pub displacements: Vec<Vec<f64>>,
@@ -108,6 +114,8 @@ pub struct StochasticResult {
     pub cells: Option<Cells>,
     /// Estimated error of the truncation over the energy norm, both in mean square; none without a stochastic mesh.
     pub truncation: Option<f64>,
+    /// Why no more outcomes were solved.
+    pub end: End,
     /// Square of it for each germ.
     pub truncation_by_germ: Vec<f64>,
     /// Whether the nodes of a stochastic cell were coupled.
@@ -146,6 +154,15 @@ fn default_paths(scene: &Scene) -> Vec<String> {
     ["energy"].iter().chain(more).map(|s| (*s).to_owned()).collect()
 }
 
+/// Whether a path is of a number that each outcome has, not of the run.
+fn is_of_outcomes(path: &str) -> bool {
+    let [first, more] = path.split_once('.').map_or([path, ""], |(first, more)| [first, more]);
+    match first {
+        "energy" | "strain_energy" | "load_work" | "friction_work" => more.is_empty(),
+        _ => matches!(first, "contact" | "reactions" | "probe"),
+    }
+}
+
 /// Solves a scene for all outcomes of its random input, on the mesh of a body.
 ///
 /// # Errors
@@ -162,6 +179,9 @@ pub fn solve_stochastic(
     let settings = &random.stochastic;
     let outcomes = Outcomes::new(scene, random, body)?;
     let paths = settings.quantities.clone().unwrap_or_else(|| default_paths(scene));
+    if let Some(path) = paths.iter().find(|p| !is_of_outcomes(p)) {
+        return Err(scene.quantity_error(path).into());
+    }
     let nominal = outcomes.answer(&random.nominal(), &paths, &mut None)?;
     for (path, value) in paths.iter().zip(&nominal.quantities) {
         if value.is_nan() {
@@ -235,11 +255,16 @@ fn of_grid(
     for (k, name) in paths.iter().enumerate() {
         let values: Vec<f64> = answers.iter().map(|a| a.quantities[k]).collect();
         let both = moments(&weights, &values.iter().map(|v| vec![*v]).collect::<Vec<_>>())?;
+        let mean = both.mean[0];
+        let squares = |of: &dyn Fn(f64) -> f64| -> f64 {
+            weights.iter().zip(&values).map(|(w, v)| of(*w) * (v - mean).powi(2)).sum()
+        };
+        let negative = squares(&|w| w) < -ROUNDING * squares(&f64::abs);
         quantities.push(Quantity {
             name: name.clone(),
             values,
-            mean: both.mean[0],
-            variance: both.variance[0],
+            mean,
+            variance: if negative { f64::NAN } else { both.variance[0] },
             standard_error: None,
             quantiles: None,
             density: None,
@@ -248,7 +273,8 @@ fn of_grid(
     }
     let touching = |i: usize| {
         let touches = answers.iter().zip(&weights).filter(|(a, _)| touches(a, i));
-        touches.map(|(_, w)| w).sum::<f64>().clamp(0.0, 1.0)
+        let share = touches.map(|(_, w)| w).sum::<f64>();
+        if (-ROUNDING..=1.0 + ROUNDING).contains(&share) { share.clamp(0.0, 1.0) } else { f64::NAN }
     };
     let size = answers.iter().map(|a| a.displacement.len()).sum::<usize>();
     Ok(StochasticResult {
@@ -270,6 +296,7 @@ fn of_grid(
         fields: Vec::new(),
         cells: None,
         truncation: None,
+        end: End::Solved,
         truncation_by_germ: Vec::new(),
         coupled: false,
         seconds: 0.0,
@@ -298,7 +325,7 @@ fn of_surrogate(
     surrogate: &Surrogate,
     paths: &[String],
 ) -> Result<StochasticResult, SolveError> {
-    let Surrogate { mesh, cells, coupled, relative, solved } = surrogate;
+    let Surrogate { mesh, cells, coupled, relative, end, solved } = surrogate;
     let points = cells.iter().flat_map(|c| c.basis.points.clone()).collect();
     let weights = cells.iter().flat_map(|c| c.basis.weights.clone()).collect();
     let answers: Vec<Answer> = cells.iter().flat_map(|c| c.answers.clone()).collect();
@@ -330,8 +357,8 @@ fn of_surrogate(
     let equal = vec![1.0; count];
     let conditions = result.pressure.mean.len();
     let probability = (0..conditions).map(|i| sampled.iter().map(|s| s.1[i]).sum::<f64>() / count as f64).collect();
-    // total effects by Jansen's formula: only germ d changes from a sample to its partner
-    let few = count.min(EFFECTS);
+    // in Jansen's formula only germ d changes from a sample to its partner
+    let few = if cells.len() > 1 { count.min(EFFECTS) } else { 0 };
     let partners: Vec<Vec<Vec<f64>>> = (0..few)
         .into_par_iter()
         .map(|i| {
@@ -348,12 +375,15 @@ fn of_surrogate(
         let values: Vec<f64> = sampled.iter().map(|s| s.0[k]).collect();
         quantity.quantiles = Some(quantiles(&values, &equal, &settings.quantiles)?);
         quantity.density = density(&values, &equal, BINS).ok(); // none of a constant
-        let effect = |d: usize| {
-            let squares = partners.iter().zip(&values).map(|(p, v)| (p[d][k] - v).powi(2));
-            let half = 0.5 * squares.sum::<f64>() / few as f64;
-            if quantity.variance > 0.0 { half / quantity.variance } else { 0.0 }
-        };
-        quantity.effects = Some((0..variables.len()).map(effect).collect());
+        let square = quantity.mean * quantity.mean + quantity.variance;
+        quantity.effects = (quantity.variance > NO_VARIANCE * square).then(|| match &cells[..] {
+            [cell] => exact_effects(&cell.basis, &quantity.values),
+            _ => {
+                let pairs =
+                    |d: usize| partners.iter().zip(&values).map(move |(p, v)| [*v, p[d][k]]).collect::<Vec<_>>();
+                (0..variables.len()).map(|d| sampled_effect(&pairs(d))).collect()
+            }
+        });
     }
     let energy: f64 = result.weights.iter().zip(&answers).map(|(w, a)| w * 2.0 * a.strain).sum();
     let by_germ = |d: usize| cells.iter().map(|c| c.errors[d].error).sum::<f64>();
@@ -364,6 +394,7 @@ fn of_surrogate(
     let degree = mesh.cells.iter().map(|c| c.degree.clone()).collect();
     result.cells = Some(Cells { low: bound(0), high: bound(1), degree });
     result.truncation = Some(*relative);
+    result.end = *end;
     result.coupled = *coupled;
     result.solved = *solved;
     Ok(result)
@@ -443,6 +474,7 @@ fn of_samples(
         fields: Vec::new(),
         cells: None,
         truncation: None,
+        end: End::Solved,
         truncation_by_germ: Vec::new(),
         coupled: false,
         solved: count,

@@ -7,7 +7,7 @@ use steklov_io::{
 };
 use steklov_stochastic::{Histogram, Moments};
 
-use super::{Cells, FieldModes, Quantity, StochasticResult};
+use super::{Cells, End, FieldModes, Quantity, StochasticResult};
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }
@@ -45,6 +45,7 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
     let counts = [result.solved, result.iterations, result.unconverged, usize::from(result.coupled)];
     let meaning = "points solved, iterations of the contact solver, points without convergence, 1 for coupled nodes";
     save_integers(at, "counts", &counts, &label("1", meaning, &["what"]))?;
+    save_texts(at, "reason", &[result.end.word().to_owned()], "why no more outcomes were solved", "what")?;
     save_number(at, "seconds", result.seconds, "second", "wall time")?;
     if let (Some(cells), Some(truncation)) = (&result.cells, result.truncation) {
         let group = create_group(at, "mesh")?;
@@ -144,7 +145,10 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
             modes: vectors(&group, "modes")?,
         });
     }
+    let word = load_texts(at, "reason")?;
+    let end = End::ALL.into_iter().find(|e| word == [e.word()]);
     let result = StochasticResult {
+        end: end.ok_or_else(|| invalid(at, "reason", "it is none of this program's words"))?,
         labels: load_texts(at, "germs")?,
         points: vectors(at, "points")?,
         weights: load_vector(at, "weights")?,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use super::StochasticResult;
+use super::{End, StochasticResult};
 use crate::store::Stored;
 
 /// Text of a CSV field.
@@ -89,6 +89,7 @@ pub fn lines(stored: &Stored) -> Vec<String> {
         let _ = write!(head, ", truncation {truncation:.1e} estimated, relative");
     }
     let mut lines = vec![head];
+    lines.extend(shortfall(result).map(|text| format!("            {text}")));
     if result.unconverged > 0 {
         lines.push(format!("            {} NOT CONVERGED", count(result.unconverged, "point")));
     }
@@ -97,7 +98,11 @@ pub fn lines(stored: &Stored) -> Vec<String> {
         lines.push(format!("            field {}: {modes} with {share:.4} % of its variance", field.name));
     }
     for q in &result.quantities {
-        let mut line = format!("            {}: {:.6e} ± {:.2e}", q.name, q.mean, q.variance.max(0.0).sqrt());
+        let mut line = format!("            {}: {:.6e}", q.name, q.mean);
+        line += &match q.variance {
+            v if v.is_nan() => ", variance NOT RESOLVED: negative by this rule".to_owned(),
+            v => format!(" ± {:.2e}", v.max(0.0).sqrt()),
+        };
         if let Some(error) = q.standard_error {
             let _ = write!(line, ", standard error of the mean {error:.1e}");
         }
@@ -106,7 +111,23 @@ pub fn lines(stored: &Stored) -> Vec<String> {
         }
         lines.push(line);
     }
+    let unknown = result.probability.iter().filter(|p| p.is_nan()).count();
+    if unknown > 0 {
+        let nodes = count(unknown, "contact node");
+        lines.push(format!("            probability of contact NOT RESOLVED at {nodes}: out of [0, 1] by this rule"));
+    }
     lines
+}
+
+/// What is told where the truncation is not down at the tolerance.
+pub(crate) fn shortfall(result: &StochasticResult) -> Option<String> {
+    let help = match result.end {
+        End::MaxNodes => "raise stochastic.max_nodes or stochastic.tolerance",
+        End::Rounds => "raise stochastic.tolerance",
+        End::Solved | End::Tolerance => return None,
+    };
+    let truncation = result.truncation.unwrap_or(f64::NAN);
+    Some(format!("stochastic tolerance NOT REACHED: truncation {truncation:.1e} after {}: {help}", result.end.word()))
 }
 
 /// A probability in per cent, without the digits of rounding.
