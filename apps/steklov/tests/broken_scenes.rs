@@ -172,6 +172,10 @@ fn impossible_outcomes_are_refused_before_anything_is_solved() {
     assert!(error.message.contains("-0.09999999999999998"), "{}", error.message);
     let error = parse(&random_scene("xi"), &["material.young=\"200*(0.9-xi)\""]).unwrap_err();
     assert!(error.message.starts_with("for xi = 1") && error.message.contains("modulus"), "{}", error.message);
+    // each of two germs alone is possible, both at their ends are not
+    let two = random_scene("0.2+0.15*a+0.15*b")
+        + "[random.a]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n[random.b]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n";
+    assert_eq!(parse(&two, &[]).unwrap_err().kind, SceneErrorKind::Data);
     // a field lives on its side
     let elsewhere = random_scene("F").replace("\"-1\"]", "\"-rough\"]");
     let error = parse(&elsewhere, &[]).unwrap_err();

@@ -8,11 +8,15 @@ use super::random::{Sampling, Stochastic};
 
 /// Outcomes beyond this probability at either end of a germ without bounds are not looked at.
 const RARE: f64 = 1e-12;
-/// Most germs of which all combinations of ends are tried.
+/// Most germs of which all combinations of ends are tried: with all data, and the modulus alone.
+const DATA: usize = 5;
 const CORNERS: usize = 8;
+/// Most germs that are tried one by one: later modes of a field move less.
+const SINGLE: usize = 24;
 
 impl Scene {
-    /// Looks at outcomes at the ends of the germs: each alone with all data, the modulus at all combinations of up to 8 germs.
+    /// Looks at outcomes at the ends of the germs: each of the first 24 alone and all combinations of up to 5 with all data, the
+    /// modulus at all combinations of up to 8.
     ///
     /// # Errors
     /// Those of [`Scene::outcome`] and [`Scene::check_data`].
@@ -20,17 +24,21 @@ impl Scene {
         let Some(random) = &self.random else { return Ok(()) };
         let nominal = random.nominal();
         let ends: Vec<[f64; 2]> = random.germs.iter().map(|g| ends(&g.variable, &random.stochastic)).collect();
-        for d in 0..ends.len() {
+        for d in 0..ends.len().min(SINGLE) {
             for end in ends[d] {
                 let mut germs = nominal.clone();
                 germs[d] = end;
                 self.outcome(&germs)?.check_data()?;
             }
         }
-        if random.uses.young && ends.len() <= CORNERS {
+        let all_data = ends.len() <= DATA;
+        if all_data || random.uses.young && ends.len() <= CORNERS {
             for corner in 0..1usize << ends.len() {
                 let germs: Vec<f64> = ends.iter().enumerate().map(|(d, e)| e[corner >> d & 1]).collect();
-                self.outcome(&germs)?;
+                let outcome = self.outcome(&germs)?;
+                if all_data {
+                    outcome.check_data()?;
+                }
             }
         }
         Ok(())

@@ -432,7 +432,7 @@ pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, Problem> {
             "refine" => read.refine = field.choice(&[("none", false), ("adaptive", true)])?,
             "tolerance" => read.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?,
             "max_nodes" => read.max_nodes = field.whole(1, 10_000_000)?,
-            "samples" => read.samples = field.whole(2, 1_000_000_000)?,
+            "samples" => read.samples = field.whole(2, 10_000_000)?,
             "seed" => read.seed = field.whole(0, i64::MAX as usize)? as u64,
             "quantiles" => {
                 let numbers = field.list()?;

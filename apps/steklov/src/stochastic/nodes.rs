@@ -211,12 +211,17 @@ pub(crate) fn events(answers: &[Answer]) -> Vec<Vec<f64>> {
     answers.iter().map(event).collect()
 }
 
+/// The truncation of displacements and of stresses, whichever is larger: in the energy norms of the mean modulus.
 fn errors(outcomes: &Outcomes<'_>, basis: &CellBasis, answers: &[Answer]) -> Vec<DirectionError> {
-    let displacements: Vec<Vec<f64>> = answers.iter().map(|a| a.displacement.clone()).collect();
     let mean: f64 = answers.iter().map(|a| a.modulus).sum::<f64>() / answers.len() as f64;
     let events = events(answers);
     let kinked: Vec<bool> = (0..basis.degrees().len()).map(|d| changes(basis, d, &events).is_some()).collect();
-    truncation(basis, &displacements, &kinked, &|u| {
-        mean * outcomes.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()
-    })
+    let of = |value: &dyn Fn(&Answer) -> Vec<f64>, factor: f64| {
+        truncation(basis, &answers.iter().map(value).collect::<Vec<_>>(), &kinked, &|u| {
+            factor * outcomes.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()
+        })
+    };
+    let strains = of(&|a| a.displacement.clone(), mean);
+    let stresses = of(&|a| a.stressed.clone(), 1.0 / mean);
+    strains.into_iter().zip(stresses).map(|(a, b)| if b.error > a.error { b } else { a }).collect()
 }

@@ -193,7 +193,7 @@ pub fn solve_stochastic(
         Sampling::Galerkin | Sampling::Collocation => {
             let coupled = is_coupled(scene, random)?;
             let surrogate = solve_nodes(scene, random, &outcomes, coupled, &paths, &watch)?;
-            of_surrogate(scene, random, &surrogate, &paths)?
+            of_surrogate(scene, random, &surrogate, &paths, &watch)?
         }
         Sampling::Sparse => {
             let grid = smolyak(&variables, settings.level)?;
@@ -324,6 +324,7 @@ fn of_surrogate(
     random: &Random,
     surrogate: &Surrogate,
     paths: &[String],
+    watch: &Watch<'_>,
 ) -> Result<StochasticResult, SolveError> {
     let Surrogate { mesh, cells, coupled, relative, end, solved } = surrogate;
     let points = cells.iter().flat_map(|c| c.basis.points.clone()).collect();
@@ -353,10 +354,19 @@ fn of_surrogate(
     let variables = &mesh.variables;
     let germ = |i: usize| sample(variables, settings.seed, i as u64);
     let count = settings.samples;
-    let sampled: Vec<(Vec<f64>, Vec<f64>)> = (0..count).into_par_iter().map(|i| at(&germ(i), true)).collect();
+    let mut samples = vec![Vec::with_capacity(count); paths.len()];
+    let mut touching = vec![0.0; result.pressure.mean.len()];
+    for first in (0..count).step_by(BLOCK) {
+        watch.check()?;
+        let block: Vec<(Vec<f64>, Vec<f64>)> =
+            (first..count.min(first + BLOCK)).into_par_iter().map(|i| at(&germ(i), true)).collect();
+        for (quantities, contact) in block {
+            samples.iter_mut().zip(quantities).for_each(|(all, v)| all.push(v));
+            touching.iter_mut().zip(contact).for_each(|(sum, c)| *sum += c);
+        }
+    }
     let equal = vec![1.0; count];
-    let conditions = result.pressure.mean.len();
-    let probability = (0..conditions).map(|i| sampled.iter().map(|s| s.1[i]).sum::<f64>() / count as f64).collect();
+    let probability = touching.iter().map(|sum| sum / count as f64).collect();
     // in Jansen's formula only germ d changes from a sample to its partner
     let few = if cells.len() > 1 { count.min(EFFECTS) } else { 0 };
     let partners: Vec<Vec<Vec<f64>>> = (0..few)
@@ -372,15 +382,14 @@ fn of_surrogate(
         })
         .collect();
     for (k, quantity) in result.quantities.iter_mut().enumerate() {
-        let values: Vec<f64> = sampled.iter().map(|s| s.0[k]).collect();
-        quantity.quantiles = Some(quantiles(&values, &equal, &settings.quantiles)?);
-        quantity.density = density(&values, &equal, BINS).ok(); // none of a constant
+        let values = &samples[k];
+        quantity.quantiles = Some(quantiles(values, &equal, &settings.quantiles)?);
+        quantity.density = density(values, &equal, BINS).ok(); // none of a constant
         let square = quantity.mean * quantity.mean + quantity.variance;
         quantity.effects = (quantity.variance > NO_VARIANCE * square).then(|| match &cells[..] {
             [cell] => exact_effects(&cell.basis, &quantity.values),
             _ => {
-                let pairs =
-                    |d: usize| partners.iter().zip(&values).map(move |(p, v)| [*v, p[d][k]]).collect::<Vec<_>>();
+                let pairs = |d: usize| partners.iter().zip(values).map(move |(p, v)| [*v, p[d][k]]).collect::<Vec<_>>();
                 (0..variables.len()).map(|d| sampled_effect(&pairs(d))).collect()
             }
         });
