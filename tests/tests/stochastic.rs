@@ -4,6 +4,7 @@ use steklov::run::Run;
 use steklov::scene::Scene;
 use steklov::stochastic::{Quantity, StochasticResult, solve_stochastic};
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
+use steklov_stochastic::{Nodes, StochasticMesh, Variable};
 use steklov_tests::{adapt, scene};
 
 /// A square held at its top, on a floor: modulus, gap, friction, traction of the vertical sides, the rest.
@@ -237,6 +238,37 @@ fn closed_contact_is_certain_in_any_direction() {
         );
         let (_, result) = solved(&parse(&text));
         assert!(result.probability.iter().all(|p| *p == 1.0), "{method}: {:?}", result.probability);
+    }
+}
+
+/// A load along the floor under which it sticks, and slips from one germ to the next, closed all the time: the truncation of degree
+/// 3 to 6 against the distance to much finer cells, in the energy norm.
+#[test]
+fn the_truncation_sees_where_sticking_turns_into_slip() {
+    let at = |rule: &str| {
+        let rest = format!("[random.t]\ndistribution = \"uniform\"\nlow = 0\nhigh = 1\n[stochastic]\n{rule}\n");
+        block("2000", "-0.001", "0.2", ["t", "0"], &rest)
+    };
+    let run = adapt(&at("degree = 3")).unwrap_or_else(|e| panic!("{e}"));
+    let fine = on(&at("degree = 3\nelements = 64"), &run);
+    assert!(fine.probability.iter().all(|p| *p == 1.0));
+    let energy = |u: &[f64]| run.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>();
+    for degree in 3..=6 {
+        let coarse = on(&at(&format!("degree = {degree}")), &run);
+        let variables = vec![Variable::uniform(0.0, 1.0).expect("a variable")];
+        let mesh = StochasticMesh::uniform(variables, &[1], &[degree]).expect("a mesh");
+        let basis = mesh.basis(0, Nodes::Gauss).expect("a basis");
+        let (mut error, mut norm, mut theta) = (0.0, 0.0, vec![0.0; degree + 1]);
+        for ((germ, weight), u) in fine.points.iter().zip(&fine.weights).zip(&fine.displacements) {
+            basis.evaluate(germ, &mut theta);
+            let interpolated = |i: usize| theta.iter().zip(&coarse.displacements).map(|(t, u)| t * u[i]).sum::<f64>();
+            let apart: Vec<f64> = (0..u.len()).map(|i| u[i] - interpolated(i)).collect();
+            error += weight * energy(&apart);
+            norm += weight * energy(u);
+        }
+        let (truth, told) = ((error / norm).sqrt(), coarse.truncation.expect("a truncation"));
+        println!("degree {degree}: truncation {told:.2e}, truth {truth:.2e}");
+        assert!(told > 0.5 * truth && told < 10.0 * truth, "degree {degree}: {told} {truth}");
     }
 }
 

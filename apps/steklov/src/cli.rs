@@ -23,7 +23,7 @@ use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
 use crate::scene::{Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
-use crate::stochastic::{self, StochasticResult, solve_stochastic};
+use crate::stochastic::{self, End, StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
 use crate::summary::{Summary, peak_memory_bytes};
 
@@ -262,9 +262,13 @@ fn all_outcomes(
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
     match solve_stochastic(scene, random, &run.body, &|done, count| bar.outcomes(done, count), &stopped) {
         Ok(result) => {
-            if run.converged() && result.unconverged > 0 {
-                run.reason = Reason::Solver;
-            }
+            run.reason = match result.end {
+                _ if !run.converged() => run.reason,
+                _ if result.unconverged > 0 => Reason::Solver,
+                End::MaxNodes => Reason::MaxNodes,
+                End::Rounds => Reason::MaxSteps,
+                End::Solved | End::Tolerance => run.reason,
+            };
             Ok((run, Some(result)))
         }
         Err(SolveError::Interrupted) => {

@@ -24,6 +24,8 @@ pub enum Reason {
     MaxDofs,
     /// As many steps as allowed are done.
     MaxSteps,
+    /// The stochastic mesh has as many nodes as allowed, and its truncation is not down at its tolerance.
+    MaxNodes,
     /// Rounding errors leave nothing to refine.
     Roundoff,
     /// The contact solver did not reach its criterion.
@@ -42,6 +44,7 @@ impl Reason {
             Self::Tolerance => "tolerance",
             Self::MaxDofs => "max_dofs",
             Self::MaxSteps => "max_steps",
+            Self::MaxNodes => "max_nodes",
             Self::Roundoff => "roundoff",
             Self::Solver => "solver",
             Self::Interrupted => "interrupted",

@@ -15,7 +15,7 @@ pub struct Summary {
     pub file: String,
     /// Whether what was asked for is reached.
     pub converged: bool,
-    /// solved, tolerance, max_dofs, max_steps, roundoff, solver, interrupted or failed.
+    /// solved, tolerance, max_dofs, max_steps, max_nodes, roundoff, solver, interrupted or failed.
     pub reason: String,
     /// The error of the step after the last one; null unless one ended the run.
     #[serde(default)]

@@ -19,11 +19,15 @@ fn a_tolerance_that_is_missed_is_told() {
     for (tolerance, reason) in [("1e-9", "max_nodes"), ("0.5", "tolerance")] {
         place.write("block.toml", block("0", load, &format!("{adaptive}tolerance = {tolerance}\n")));
         let missed = reason == "max_nodes";
-        let ran = place.run(["solve", "--json", "--force", "block.toml"]).demand(0);
-        assert_eq!(ran.json()["stochastic"]["solution"]["reason"], reason);
+        let status = if missed { 3 } else { 0 };
+        let ran = place.run(["solve", "--json", "--force", "block.toml"]).demand(status);
+        let told = ran.json();
+        let word = if missed { "max_nodes" } else { "solved" }; // the one mesh in space is
+        assert_eq!(told["stochastic"]["solution"]["reason"], reason);
+        assert_eq!((&told["reason"], &told["converged"]), (&word.into(), &(!missed).into()));
         assert_eq!(ran.err.contains("NOT REACHED"), missed, "{}", ran.err);
-        assert!(!place.run(["solve", "--json", "--force", "--quiet", "block.toml"]).demand(0).err.contains("NOT"));
-        let ran = place.run(["solve", "--force", "block.toml"]).demand(0);
+        assert!(!place.run(["solve", "--json", "--force", "--quiet", "block.toml"]).demand(status).err.contains("NOT"));
+        let ran = place.run(["solve", "--force", "block.toml"]).demand(status);
         assert_eq!(ran.out.contains("stochastic tolerance NOT REACHED"), missed, "{}", ran.out);
     }
     place.write("block.toml", block("0", load, ""));

@@ -151,6 +151,7 @@ pub(crate) fn solve_nodes(
         let at = |cell: usize, direction: usize| {
             let cell = all[cell];
             changes(&cell.basis, direction, &events(&cell.answers))
+                .or_else(|| changes(&cell.basis, direction, &slips(&cell.answers)))
         };
         let changed = refine(&mut mesh, &marks, SHARE, &at)?;
         let known = cells.len();
@@ -197,25 +198,42 @@ const ROUNDOFF: f64 = 1e-9;
 /// λ_n where a condition is closed, less the opening in the scale of the pressures where it is open: changes sign where contact
 /// does.
 pub(crate) fn events(answers: &[Answer]) -> Vec<Vec<f64>> {
+    differences(answers, &|a| &a.pressure, &|a| &a.opening)
+}
+
+/// F - |λ_t| where a condition sticks, less |u_t| in the scale of that where it slips: changes sign where stick does.
+fn slips(answers: &[Answer]) -> Vec<Vec<f64>> {
+    differences(answers, &|a| &a.reserve, &|a| &a.slip)
+}
+
+/// Two numbers of each condition of which one is 0, a stress and a length, as one function with the sign of that which is not.
+fn differences(
+    answers: &[Answer],
+    stress: &dyn Fn(&Answer) -> &Vec<f64>,
+    length: &dyn Fn(&Answer) -> &Vec<f64>,
+) -> Vec<Vec<f64>> {
     let largest =
         |values: &dyn Fn(&Answer) -> &Vec<f64>| answers.iter().flat_map(values).fold(0.0, |m: f64, v| m.max(v.abs()));
-    let pressure = largest(&|a| &a.pressure);
-    let length = largest(&|a| &a.opening).max(largest(&|a| &a.displacement));
     let beyond = |value: f64, scale: f64| if value > ROUNDOFF * scale { value } else { 0.0 };
-    let opening = beyond(largest(&|a| &a.opening), length);
-    let scale = if opening > 0.0 && pressure > 0.0 { pressure / opening } else { 1.0 };
-    let event = |a: &Answer| {
-        let both = a.pressure.iter().zip(&a.opening);
-        both.map(|(p, g)| beyond(*p, pressure) - scale * beyond(*g, length)).collect()
+    let stresses = largest(stress).max(largest(&|a| &a.pressure));
+    let longest = largest(length);
+    let lengths = longest.max(largest(&|a| &a.displacement));
+    let open = beyond(longest, lengths);
+    let scale = if open > 0.0 && stresses > 0.0 { stresses / open } else { 1.0 };
+    let difference = |a: &Answer| {
+        let both = stress(a).iter().zip(length(a));
+        both.map(|(p, g)| beyond(*p, stresses) - scale * beyond(*g, lengths)).collect()
     };
-    answers.iter().map(event).collect()
+    answers.iter().map(difference).collect()
 }
 
 /// The truncation of displacements and of stresses, whichever is larger: in the energy norms of the mean modulus.
 fn errors(outcomes: &Outcomes<'_>, basis: &CellBasis, answers: &[Answer]) -> Vec<DirectionError> {
     let mean: f64 = answers.iter().map(|a| a.modulus).sum::<f64>() / answers.len() as f64;
-    let events = events(answers);
-    let kinked: Vec<bool> = (0..basis.degrees().len()).map(|d| changes(basis, d, &events).is_some()).collect();
+    let (events, slips) = (events(answers), slips(answers));
+    let kinked: Vec<bool> = (0..basis.degrees().len())
+        .map(|d| changes(basis, d, &events).is_some() || changes(basis, d, &slips).is_some())
+        .collect();
     let of = |value: &dyn Fn(&Answer) -> Vec<f64>, factor: f64| {
         truncation(basis, &answers.iter().map(value).collect::<Vec<_>>(), &kinked, &|u| {
             factor * outcomes.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()

@@ -36,6 +36,9 @@ pub(crate) struct Answer {
     pub(crate) displacement: Vec<f64>,
     /// The displacement of the nominal modulus that has the stress of the outcome.
     pub(crate) stressed: Vec<f64>,
+    /// F - |λ_t| of each condition with friction (0 without), and |u_t|.
+    pub(crate) reserve: Vec<f64>,
+    pub(crate) slip: Vec<f64>,
     /// λ_n, λ_t and g - u_n of each condition.
     pub(crate) pressure: Vec<f64>,
     pub(crate) shear: Vec<f64>,
@@ -161,6 +164,8 @@ impl<'a> Outcomes<'a> {
             stressed: solved.displacement.iter().map(|u| modulus * u).collect(),
             quantities: paths.iter().map(quantity).collect(),
             strain: figures.strain_energy,
+            reserve: rows.iter().map(|r| if r.bound.is_finite() { r.bound - r.shear.abs() } else { 0.0 }).collect(),
+            slip: rows.iter().map(|r| if r.bound > 0.0 { r.tangential_displacement.abs() } else { 0.0 }).collect(),
             pressure: rows.iter().map(|r| r.pressure).collect(),
             shear: rows.iter().map(|r| r.shear).collect(),
             opening: rows.iter().map(|r| r.gap - r.normal_displacement).collect(),
