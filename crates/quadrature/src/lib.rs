@@ -11,6 +11,7 @@
 //! | integrals of P_n against 1/(z-t), log(z-t) | [`legendre_q`], [`legendre_q_cut`], [`legendre_dq`], [`bernstein`] |
 //! | displacement basis of an element | [`LobattoBasis`] |
 //! | contact multiplier basis of an element | [`BiorthogonalBasis`] |
+//! | random numbers by seed and index | [`splitmix64`], [`unit_uniform`] |
 //!
 //! Symbols: P_n, Q_n Legendre functions of the first and second kind, ϱ parameter of the Bernstein ellipse
 //! |z-1| + |z+1| = ϱ + 1/ϱ, φ_j Lagrange basis at the Gauss-Lobatto points x_j, w_j their weights, ψ_i dual basis.
@@ -36,6 +37,7 @@ mod legendre;
 mod legendre_q;
 mod lobatto;
 mod biorthogonal;
+mod splitmix64;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 
@@ -48,4 +50,5 @@ pub use legendre_q::{
 };
 pub use lobatto::LobattoBasis;
 pub use rule::Rule;
+pub use splitmix64::{splitmix64, unit_uniform};
 pub use tensor::{Rule2, tensor};

@@ -1,0 +1,49 @@
+//! What can be wrong with a heterogeneous body and its grid.
+
+/// Why a problem on a grid cannot be set up or solved.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum MsfemError {
+    /// A grid that is none.
+    #[error("{what}")]
+    Grid {
+        /// What is wrong, with the numbers.
+        what: String,
+    },
+    /// A modulus that is not a positive number.
+    #[error(
+        "Young's modulus of cell ({}, {}) with the centre ({}, {}) is {value}: it must be positive and finite",
+        .cell[0], .cell[1], .centre[0], .centre[1]
+    )]
+    Modulus {
+        /// Column and row of the cell.
+        cell: [usize; 2],
+        /// Its centre.
+        centre: [f64; 2],
+        /// Its modulus.
+        value: f64,
+    },
+    /// Data of different sizes.
+    #[error("{what}")]
+    Inconsistent {
+        /// Both sizes, in words.
+        what: String,
+    },
+    /// A stiffness matrix that has no Cholesky factor.
+    #[error(
+        "the stiffness matrix of {size} unknowns is not positive definite at unknown {unknown}: hold the body against all \
+         rigid motions, and keep the contrast of the moduli below 1e12"
+    )]
+    Singular {
+        /// Where the factorisation stopped.
+        unknown: usize,
+        /// Number of unknowns.
+        size: usize,
+    },
+    /// Poisson's ratio out of range.
+    #[error("Poisson's ratio is {value}: it must lie between -1 and 1/2")]
+    Poisson {
+        /// The ratio.
+        value: f64,
+    },
+}
