@@ -46,4 +46,13 @@ pub enum MsfemError {
         /// The ratio.
         value: f64,
     },
+    /// Not enough memory for a factorisation.
+    #[error(
+        "the factor of a matrix of {size} unknowns does not fit into memory: take a coarser grid, or multiscale elements \
+         (model = \"msfem\")"
+    )]
+    Memory {
+        /// Number of unknowns.
+        size: usize,
+    },
 }

@@ -2,6 +2,23 @@
 
 mod error;
 mod grid;
+mod elasticity;
+mod medium;
+mod load;
+mod ordering;
+mod cholesky;
+mod local;
+mod basis;
+mod coarse_mesh;
+mod multiscale;
+mod elimination;
 
+pub use basis::{Basis, CellBasis};
+pub use coarse_mesh::{CoarseCell, CoarseMesh, Hanging};
+pub use elasticity::{Elasticity, Plane};
+pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;
 pub use grid::Grid;
+pub use load::Loads;
+pub use medium::Medium;
+pub use multiscale::{CoarseSystem, Extra, Multiscale};

@@ -1,0 +1,175 @@
+//! A heterogeneous body: a grid, Young's modulus in each cell, and what bilinear elements make of them.
+
+use rayon::prelude::*;
+use sprs::CsMat;
+
+use crate::elasticity::Elasticity;
+use crate::{Grid, MsfemError};
+
+/// A body of cells with a Young's modulus each and one Poisson's ratio.
+#[derive(Debug, Clone)]
+pub struct Medium {
+    /// The cells.
+    pub grid: Grid,
+    /// E of each cell (stress), dropped ones included.
+    pub young: Vec<f64>,
+    /// Poisson's ratio and plane.
+    pub elasticity: Elasticity,
+    /// K₀ of a cell.
+    pub(crate) unit: [[f64; 8]; 8],
+}
+
+impl Medium {
+    /// A body of these cells.
+    ///
+    /// # Errors
+    /// [`MsfemError::Inconsistent`] for another number of moduli than cells, [`MsfemError::Modulus`] for one in the body
+    /// that is not positive and finite.
+    pub fn new(grid: Grid, young: Vec<f64>, elasticity: Elasticity) -> Result<Self, MsfemError> {
+        let [nx, ny] = grid.cells;
+        if young.len() != nx * ny {
+            let what = format!("{} moduli for {nx} by {ny} cells", young.len());
+            return Err(MsfemError::Inconsistent { what });
+        }
+        if let Some(cell) = grid.body_cells().find(|&c| !(young[c] > 0.0 && young[c].is_finite())) {
+            let value = young[cell];
+            return Err(MsfemError::Modulus { cell: grid.cell(cell), centre: grid.centre(cell), value });
+        }
+        let unit = elasticity.unit_stiffness(grid.spacing);
+        Ok(Self { grid, young, elasticity, unit })
+    }
+
+    /// The eight displacements of a cell.
+    pub fn cell_values(&self, u: &[f64], cell: usize) -> [f64; 8] {
+        let n = self.grid.cell_nodes(cell);
+        std::array::from_fn(|a| u[2 * n[a / 2] + a % 2])
+    }
+
+    /// K_e u of a cell.
+    pub(crate) fn cell_forces(&self, cell: usize, u: &[f64; 8]) -> [f64; 8] {
+        self.unit.map(|row| self.young[cell] * row.iter().zip(u).map(|(k, u)| k * u).sum::<f64>())
+    }
+
+    /// The cells around a node with its local number in each: left below, right below, right above, left above.
+    fn around(&self, node: usize) -> [Option<(usize, usize)>; 4] {
+        let [i, j] = self.grid.lattice(node);
+        let [nx, ny] = self.grid.cells;
+        let cell = |left: bool, below: bool, local: usize| {
+            let (ix, iy) = (i.checked_sub(usize::from(left))?, j.checked_sub(usize::from(below))?);
+            (ix < nx && iy < ny && self.grid.inside(ix, iy)).then(|| (ix * ny + iy, local))
+        };
+        [cell(true, true, 2), cell(false, true, 3), cell(false, false, 0), cell(true, false, 1)]
+    }
+
+    /// The stiffness matrix of all unknowns (stress: force per thickness per displacement), both triangles.
+    ///
+    /// Cost: 18 entries a row; the same bits for any number of threads, each row being summed by one.
+    pub fn stiffness(&self) -> CsMat<f64> {
+        let grid = &self.grid;
+        let rows: Vec<Row> = (0..grid.nodes()).into_par_iter().map(|node| self.row(node)).collect();
+        let mut indptr = Vec::with_capacity(grid.dofs() + 1);
+        indptr.push(0);
+        for row in &rows {
+            let last = indptr[indptr.len() - 1];
+            indptr.extend([last + 2 * row.len, last + 4 * row.len]);
+        }
+        let entries = indptr[grid.dofs()];
+        let (mut indices, mut data) = (vec![0; entries], vec![0.0; entries]);
+        // nodes in groups, each with its part of both arrays
+        const GROUP: usize = 1024;
+        let mut parts = Vec::new();
+        let (mut left, mut right) = (&mut indices[..], &mut data[..]);
+        for first in (0..grid.nodes()).step_by(GROUP) {
+            let last = (first + GROUP).min(grid.nodes());
+            let (a, b) = left.split_at_mut(indptr[2 * last] - indptr[2 * first]);
+            let (c, d) = right.split_at_mut(a.len());
+            parts.push((first..last, a, c));
+            (left, right) = (b, d);
+        }
+        parts.into_par_iter().for_each(|(nodes, indices, data)| {
+            let mut at = 0;
+            for row in &rows[nodes] {
+                for component in 0..2 {
+                    for &(node, block) in &row.blocks[..row.len] {
+                        for d in 0..2 {
+                            indices[at] = 2 * node as usize + d;
+                            data[at] = block[component][d];
+                            at += 1;
+                        }
+                    }
+                }
+            }
+        });
+        CsMat::new((grid.dofs(), grid.dofs()), indptr, indices, data)
+    }
+
+    /// The 2×2 blocks of a node's rows, by rising node.
+    fn row(&self, node: usize) -> Row {
+        let mut row = Row { len: 0, blocks: [(0, [[0.0; 2]; 2]); 9] };
+        for (cell, a) in self.around(node).into_iter().flatten() {
+            let young = self.young[cell];
+            for (b, &other) in self.grid.cell_nodes(cell).iter().enumerate() {
+                let found = row.blocks[..row.len].iter().position(|(n, _)| *n as usize == other);
+                let at = found.unwrap_or_else(|| {
+                    row.blocks[row.len] = (other as u32, [[0.0; 2]; 2]);
+                    row.len += 1;
+                    row.len - 1
+                });
+                for c in 0..2 {
+                    for d in 0..2 {
+                        row.blocks[at].1[c][d] += young * self.unit[2 * a + c][2 * b + d];
+                    }
+                }
+            }
+        }
+        row.blocks[..row.len].sort_unstable_by_key(|(node, _)| *node);
+        row
+    }
+
+    /// K u without the matrix (force per thickness at each unknown).
+    pub fn forces(&self, u: &[f64]) -> Vec<f64> {
+        let at = |node: usize| {
+            let mut force = [0.0; 2];
+            for (cell, a) in self.around(node).into_iter().flatten() {
+                let f = self.cell_forces(cell, &self.cell_values(u, cell));
+                (0..2).for_each(|i| force[i] += f[2 * a + i]);
+            }
+            force
+        };
+        let forces: Vec<[f64; 2]> = (0..self.grid.nodes()).into_par_iter().map(at).collect();
+        forces.into_flattened()
+    }
+
+    /// a(u, v) = uᵀ K v.
+    pub fn energy(&self, u: &[f64], v: &[f64]) -> f64 {
+        self.forces(v).iter().zip(u).map(|(f, u)| f * u).sum()
+    }
+
+    /// (σ_xx, σ_yy, σ_xy) at the centre of each cell of the bounding box; NaN in dropped ones.
+    pub fn stresses(&self, u: &[f64]) -> Vec<[f64; 3]> {
+        let [nx, ny] = self.grid.cells;
+        let at = |cell: usize| {
+            if !self.grid.inside(cell / ny, cell % ny) {
+                return [f64::NAN; 3];
+            }
+            let u = self.cell_values(u, cell);
+            self.elasticity.stress(self.young[cell], &u, [0.5; 2], self.grid.spacing)
+        };
+        (0..nx * ny).into_par_iter().map(at).collect()
+    }
+
+    /// Displacement and stress at a point of the body; None outside of it.
+    pub fn at(&self, u: &[f64], x: [f64; 2]) -> Option<([f64; 2], [f64; 3])> {
+        let (cell, local) = self.grid.locate(x)?;
+        let values = self.cell_values(u, cell);
+        let shape = crate::elasticity::shape(local);
+        let displacement = [0, 1].map(|i| (0..4).map(|a| shape[a] * values[2 * a + i]).sum());
+        Some((displacement, self.elasticity.stress(self.young[cell], &values, local, self.grid.spacing)))
+    }
+}
+
+/// Blocks of a node's two rows.
+struct Row {
+    len: usize,
+    blocks: [(u32, [[f64; 2]; 2]); 9],
+}
