@@ -62,11 +62,6 @@ impl Structure {
         Ok(Self { pattern: Arc::new(pattern), symbolic: Arc::new(symbolic) })
     }
 
-    /// Bytes of a factor.
-    pub fn bytes(&self) -> u64 {
-        8 * self.symbolic.len_val() as u64
-    }
-
     /// Factorises the matrix with these entries.
     pub fn factorise(&self, entries: &[f64], par: Par) -> Result<Cholesky, MsfemError> {
         let size = self.pattern.size();

@@ -96,7 +96,9 @@ impl CoarseMesh {
             let fits = m > 0 && n > 0 && i + m <= nx && j + n <= ny;
             let fresh = |c: usize| grid.inside(c / ny, c % ny) && !std::mem::replace(&mut taken[c], true);
             if !fits || !cell.fine_cells(grid).all(fresh) {
-                let what = format!("the coarse cell of {m} by {n} fine cells at ({i}, {j}) leaves the body or overlaps another");
+                let what = format!(
+                    "the coarse cell of {m} by {n} fine cells at ({i}, {j}) leaves the body or overlaps another"
+                );
                 return Err(MsfemError::Grid { what });
             }
         }
@@ -125,7 +127,12 @@ impl CoarseMesh {
                     let mut point = a;
                     point[along] = step;
                     if vertex[at(point)] != NONE {
-                        hanging.push(Hanging { vertex: number(point), ends: [number(a), number(b)], cell: index, side });
+                        hanging.push(Hanging {
+                            vertex: number(point),
+                            ends: [number(a), number(b)],
+                            cell: index,
+                            side,
+                        });
                     }
                 }
             }

@@ -115,9 +115,9 @@ impl LocalProblem {
             let at = rows.binary_search(&(row as usize)).unwrap_or_else(|_| unreachable!("the cell made this entry"));
             (first + at) as u32
         };
-        let slots = self.cells().map(|(_, dofs)| {
-            std::array::from_fn(|k| slot(self.unknown[dofs[k / 8]], self.unknown[dofs[k % 8]]))
-        });
+        let slots = self
+            .cells()
+            .map(|(_, dofs)| std::array::from_fn(|k| slot(self.unknown[dofs[k / 8]], self.unknown[dofs[k % 8]])));
         self.slots = slots.collect();
         let order = incidence.nested_dissection(self.count);
         self.structure = Some(Structure::new(pattern, &order)?);

@@ -34,7 +34,8 @@ impl Incidence {
     /// Source: George, Nested dissection of a regular finite element mesh, SIAM J. Numer. Anal. 10 (1973).
     pub fn nested_dissection(&self, count: usize) -> Vec<usize> {
         let mut elements: Vec<u32> = (0..self.centres.len() as u32).collect();
-        let mut state = Dissection { of: self, placed: vec![false; count], left: vec![0; count], call: 0, order: vec![] };
+        let mut state =
+            Dissection { of: self, placed: vec![false; count], left: vec![0; count], call: 0, order: vec![] };
         state.order.reserve(count);
         state.dissect(&mut elements);
         let Dissection { placed, mut order, .. } = state;

@@ -1,0 +1,463 @@
+//! The coarse problem: bases of all coarse cells, their stiffness and loads, and the way back to the fine cells.
+
+use std::collections::HashMap;
+
+use rayon::prelude::*;
+use sprs::{CsMat, TriMat};
+
+use crate::basis::{Basis, CellBasis, Patch, Structures, bar, cell_basis};
+use crate::coarse_mesh::{CoarseMesh, Hanging};
+use crate::local::{Freedom, cell_dofs, nodes};
+use crate::ordering::Incidence;
+use crate::{Loads, Medium, MsfemError};
+
+/// Most bytes of bases that are kept for the way back; others are computed again.
+const KEPT: usize = 128 << 20;
+
+/// Coarse cells that are brought back to the fine grid at a time.
+const BATCH: usize = 1024;
+
+/// Displacement unknowns of a coarse vertex: combinations of those of vertices that do not hang.
+type Combination = Vec<(usize, f64)>;
+
+/// A coarse mesh with one kind of basis on a medium.
+#[derive(Debug)]
+pub struct Multiscale<'a> {
+    /// The body.
+    pub medium: &'a Medium,
+    /// The coarse cells.
+    pub mesh: CoarseMesh,
+    /// The kind of basis.
+    pub basis: Basis,
+    /// Number of the first unknown of each vertex: its x component, then y; None of vertices that hang.
+    pub unknown: Vec<Option<usize>>,
+    /// Both components of every vertex, as combinations of unknowns.
+    combinations: Vec<[Combination; 2]>,
+    /// Patterns of moduli: the cells of each, all with the same basis.
+    patterns: Vec<Vec<usize>>,
+    structures: Structures,
+    kept: Vec<Option<CellBasis>>,
+}
+
+/// K^H and the load of a coarse problem.
+#[derive(Debug, Clone)]
+pub struct CoarseSystem {
+    /// K^H of all unknowns, held ones included (stress).
+    pub stiffness: CsMat<f64>,
+    /// Σ R_Tᵀ (f_T - K_T p_T), p_T the particular fields (force per thickness).
+    pub load: Vec<f64>,
+}
+
+/// What is added to R U on the fine cells.
+#[derive(Debug, Clone, Default)]
+pub struct Extra {
+    /// Whether the response of each cell's inside to the load inside is added: K_II⁻¹ f_I.
+    pub bubbles: bool,
+    /// Displacement of fine nodes on the boundary less that of R U there (length), two a node; empty for none. It is 0 at
+    /// vertices, and the field inside follows.
+    pub lift: Vec<f64>,
+}
+
+impl<'a> Multiscale<'a> {
+    /// Finds the patterns of moduli. Solves nothing yet.
+    ///
+    /// # Errors
+    /// [`MsfemError::Inconsistent`] for hanging vertices and a basis that is not conforming.
+    pub fn new(medium: &'a Medium, mesh: CoarseMesh, basis: Basis) -> Result<Self, MsfemError> {
+        if !basis.is_conforming() && !mesh.hanging.is_empty() {
+            let what = format!("cells of different sizes need a conforming basis, not \"{}\"", basis.word());
+            return Err(MsfemError::Inconsistent { what });
+        }
+        let mut this = Self {
+            medium,
+            unknown: Vec::new(),
+            combinations: Vec::new(),
+            patterns: Vec::new(),
+            structures: Structures::default(),
+            kept: Vec::new(),
+            mesh,
+            basis,
+        };
+        this.number();
+        this.find_patterns();
+        Ok(this)
+    }
+
+    /// Number of unknowns, held ones included.
+    pub fn dofs(&self) -> usize {
+        2 * (self.mesh.vertices.len() - self.hanging_vertices())
+    }
+
+    /// Number of different bases.
+    pub fn patterns(&self) -> usize {
+        self.patterns.len()
+    }
+
+    fn hanging_vertices(&self) -> usize {
+        self.unknown.iter().filter(|u| u.is_none()).count()
+    }
+
+    fn number(&mut self) {
+        let mut hanging: HashMap<usize, Hanging> = HashMap::new();
+        for h in &self.mesh.hanging {
+            hanging.entry(h.vertex).or_insert(*h);
+        }
+        let mut count = 0;
+        for vertex in 0..self.mesh.vertices.len() {
+            let free = !hanging.contains_key(&vertex);
+            self.unknown.push(free.then_some(count));
+            count += if free { 2 } else { 0 };
+        }
+        let weights: HashMap<usize, [[f64; 2]; 2]> = hanging.values().map(|h| (h.vertex, self.weights(h))).collect();
+        let resolve = |vertex: usize, k: usize| -> Combination {
+            let mut open = vec![(vertex, 1.0)];
+            let mut found: Combination = Vec::new();
+            while let Some((vertex, weight)) = open.pop() {
+                match (self.unknown[vertex], hanging.get(&vertex)) {
+                    (Some(unknown), _) => match found.iter_mut().find(|(u, _)| *u == unknown + k) {
+                        Some((_, sum)) => *sum += weight,
+                        None => found.push((unknown + k, weight)),
+                    },
+                    (None, Some(h)) => {
+                        // the ends belong to larger cells: this comes to an end
+                        (0..2).for_each(|end| open.push((h.ends[end], weight * weights[&vertex][k][end])));
+                    }
+                    (None, None) => unreachable!("a vertex hangs or has unknowns"),
+                }
+            }
+            found
+        };
+        self.combinations = (0..self.mesh.vertices.len()).map(|v| [resolve(v, 0), resolve(v, 1)]).collect();
+    }
+
+    /// Weights of the two ends in both components of a hanging vertex: the trace of the larger cell's functions.
+    fn weights(&self, h: &Hanging) -> [[f64; 2]; 2] {
+        let [a, v, b] = [h.ends[0], h.vertex, h.ends[1]].map(|v| self.mesh.vertices[v]);
+        let along = usize::from(a[0] == b[0]);
+        let at = v[along] - a[along];
+        let linear = 1.0 - at as f64 / (b[along] - a[along]) as f64;
+        let mut weights = [[linear, 1.0 - linear]; 2];
+        if self.basis == Basis::Oscillatory {
+            let phi = bar(&self.edge_moduli(h.cell)[h.side])[at];
+            weights[along] = [phi, 1.0 - phi];
+        }
+        weights
+    }
+
+    /// Moduli along the lower, right, upper and left edge of a coarse cell: the harmonic mean of the two fine cells at each
+    /// fine side, or that of the one cell in the body.
+    fn edge_moduli(&self, cell: usize) -> [Vec<f64>; 4] {
+        let grid = &self.medium.grid;
+        let [nx, ny] = grid.cells;
+        let ([i, j], [m, n]) = (self.mesh.cells[cell].first, self.mesh.cells[cell].size);
+        let young = |ix: Option<usize>, iy: Option<usize>| {
+            let (ix, iy) = (ix.filter(|ix| *ix < nx)?, iy.filter(|iy| *iy < ny)?);
+            grid.inside(ix, iy).then(|| self.medium.young[ix * ny + iy])
+        };
+        let mean = |a: Option<f64>, b: Option<f64>| match (a, b) {
+            (Some(a), Some(b)) => 2.0 / (1.0 / a + 1.0 / b),
+            (one, other) => one.or(other).unwrap_or_else(|| unreachable!("one of both cells is in the body")),
+        };
+        let row =
+            |j: usize| (i..i + m).map(|i| mean(young(Some(i), j.checked_sub(1)), young(Some(i), Some(j)))).collect();
+        let column =
+            |i: usize| (j..j + n).map(|j| mean(young(i.checked_sub(1), Some(j)), young(Some(i), Some(j)))).collect();
+        [row(j), column(i + m), row(j + n), column(i)]
+    }
+
+    /// The moduli on which the basis of a cell depends.
+    fn patch(&self, cell: usize) -> Patch {
+        let grid = &self.medium.grid;
+        let [nx, ny] = grid.cells;
+        let ([i, j], inner) = (self.mesh.cells[cell].first, self.mesh.cells[cell].size);
+        let (mut low, mut high) = ([i, j], [i + inner[0], j + inner[1]]);
+        if let Basis::Oversampled(extra) = self.basis {
+            // first along x, then along y over the whole width; dropped cells stop it
+            let column = |ix: usize| (j..j + inner[1]).all(|iy| grid.inside(ix, iy));
+            while low[0] > 0 && i - low[0] < extra && column(low[0] - 1) {
+                low[0] -= 1;
+            }
+            while high[0] < nx && high[0] - i - inner[0] < extra && column(high[0]) {
+                high[0] += 1;
+            }
+            let [from, to] = [low[0], high[0]];
+            let row = |iy: usize| (from..to).all(|ix| grid.inside(ix, iy));
+            while low[1] > 0 && j - low[1] < extra && row(low[1] - 1) {
+                low[1] -= 1;
+            }
+            while high[1] < ny && high[1] - j - inner[1] < extra && row(high[1]) {
+                high[1] += 1;
+            }
+        }
+        let size = [high[0] - low[0], high[1] - low[1]];
+        let young = |c: usize| self.medium.young[(low[0] + c / size[1]) * ny + low[1] + c % size[1]];
+        Patch {
+            size,
+            young: (0..size[0] * size[1]).map(young).collect(),
+            first: [i - low[0], j - low[1]],
+            inner,
+            edges: (self.basis == Basis::Oscillatory).then(|| self.edge_moduli(cell)),
+        }
+    }
+
+    /// What two cells with equal bases have in common: sizes and moduli up to a factor.
+    fn key(&self, cell: usize) -> Vec<u64> {
+        let patch = self.patch(cell);
+        let unit = 1.0 / self.reference(cell);
+        let sizes = [patch.size, patch.first, patch.inner].into_iter().flatten().map(|n| n as u64);
+        let moduli = patch.young.iter().chain(patch.edges.iter().flatten().flatten());
+        sizes.chain(moduli.map(|e| (e * unit).to_bits())).collect()
+    }
+
+    /// The modulus to which those of a cell are referred: that of its lower left fine cell.
+    fn reference(&self, cell: usize) -> f64 {
+        let [i, j] = self.mesh.cells[cell].first;
+        self.medium.young[i * self.medium.grid.cells[1] + j]
+    }
+
+    fn find_patterns(&mut self) {
+        let mut known: HashMap<Vec<u64>, usize> = HashMap::new();
+        let count = self.mesh.cells.len();
+        for first in (0..count).step_by(BATCH) {
+            let batch: Vec<_> = (first..(first + BATCH).min(count)).into_par_iter().map(|c| self.key(c)).collect();
+            for (cell, key) in (first..).zip(batch) {
+                let next = known.len();
+                let number = *known.entry(key).or_insert(next);
+                if number == next {
+                    self.patterns.push(Vec::new());
+                }
+                self.patterns[number].push(cell);
+            }
+        }
+    }
+
+    /// The basis of a coarse cell and K_T^H for its own moduli.
+    ///
+    /// # Errors
+    /// [`MsfemError::Singular`] where moduli of too many magnitudes meet.
+    pub fn cell_basis(&self, cell: usize) -> Result<CellBasis, MsfemError> {
+        cell_basis(self.basis, &self.patch(cell), self.medium.grid.spacing, &self.medium.unit, &self.structures)
+    }
+
+    /// The coarse problem of some loads. `progress` is called with the number of patterns that are done.
+    ///
+    /// Cost: one local factorisation a pattern, of about 8 m⁴ operations for m × m fine cells.
+    ///
+    /// # Errors
+    /// As [`Self::cell_basis`].
+    pub fn assemble(
+        &mut self,
+        loads: &Loads,
+        extra: &Extra,
+        progress: &(dyn Fn(usize) + Sync),
+    ) -> Result<CoarseSystem, MsfemError> {
+        let bytes = |cells: &Vec<usize>| 64 * 2 * nodes(self.mesh.cells[cells[0]].size);
+        let keep = self.patterns.iter().map(bytes).sum::<usize>() <= KEPT;
+        let this = &*self;
+        let done = std::sync::atomic::AtomicUsize::new(0);
+        let one = |cells: &Vec<usize>| -> Result<(Vec<CellSystem>, Option<CellBasis>), MsfemError> {
+            let basis = this.cell_basis(cells[0])?;
+            let reference = this.reference(cells[0]);
+            let system = |&cell: &usize| this.cell_system(cell, &basis, this.reference(cell) / reference, loads, extra);
+            let systems = cells.par_iter().map(system).collect::<Result<_, MsfemError>>()?;
+            progress(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
+            Ok((systems, keep.then_some(basis)))
+        };
+        let solved: Vec<_> = this.patterns.par_iter().map(one).collect::<Result<_, MsfemError>>()?;
+        let (mut systems, mut kept) = (Vec::new(), Vec::new());
+        for (of_pattern, basis) in solved {
+            systems.extend(of_pattern);
+            kept.push(basis);
+        }
+        systems.sort_unstable_by_key(|s| s.cell);
+        let size = self.dofs();
+        let mut load = vec![0.0; size];
+        let mut entries = TriMat::with_capacity((size, size), 64 * systems.len());
+        for system in &systems {
+            let corner = |a: usize| &self.combinations[self.mesh.corners[system.cell][a / 2]][a % 2];
+            for a in 0..8 {
+                for &(i, wi) in corner(a) {
+                    load[i] += wi * system.load[a];
+                    for b in 0..8 {
+                        for &(j, wj) in corner(b) {
+                            entries.add_triplet(i, j, wi * wj * system.stiffness[a][b]);
+                        }
+                    }
+                }
+            }
+        }
+        self.kept = kept;
+        Ok(CoarseSystem { stiffness: entries.to_csr(), load })
+    }
+
+    /// K_T^H and the load of one cell.
+    fn cell_system(
+        &self,
+        cell: usize,
+        basis: &CellBasis,
+        factor: f64,
+        loads: &Loads,
+        extra: &Extra,
+    ) -> Result<CellSystem, MsfemError> {
+        let mut load = [0.0; 8];
+        let coarse = self.mesh.cells[cell];
+        let mut add = |local: usize, force: &[f64; 8]| {
+            let [_, n] = coarse.size;
+            for (a, dof) in cell_dofs(coarse.size, local / n, local % n).into_iter().enumerate() {
+                (0..8).for_each(|c| load[c] += basis.values[dof][c] * force[a]);
+            }
+        };
+        if self.is_loaded(cell, loads) {
+            for (local, fine) in coarse.fine_cells(&self.medium.grid).enumerate() {
+                add(local, &loads.cell(fine));
+            }
+        }
+        if let Some(particular) = self.particular(cell, loads, extra)? {
+            for (local, fine) in coarse.fine_cells(&self.medium.grid).enumerate() {
+                let [_, n] = coarse.size;
+                let u = cell_dofs(coarse.size, local / n, local % n).map(|d| particular[d]);
+                add(local, &self.medium.cell_forces(fine, &u).map(|f| -f));
+            }
+        }
+        Ok(CellSystem { cell, stiffness: basis.stiffness.map(|row| row.map(|k| factor * k)), load })
+    }
+
+    fn is_loaded(&self, cell: usize, loads: &Loads) -> bool {
+        !loads.body.is_empty()
+            || self.mesh.cells[cell].fine_cells(&self.medium.grid).any(|c| loads.boundary.contains_key(&c))
+    }
+
+    /// p_T: the lift on the boundary and, with bubbles, the response to the load inside; None where both vanish.
+    fn particular(&self, cell: usize, loads: &Loads, extra: &Extra) -> Result<Option<Vec<f64>>, MsfemError> {
+        let coarse = self.mesh.cells[cell];
+        let [m, n] = coarse.size;
+        let grid = &self.medium.grid;
+        let mut field = vec![[0.0; 8]; 2 * nodes(coarse.size)];
+        let mut lifted = false;
+        if !extra.lift.is_empty() {
+            for (local, node) in coarse.fine_nodes(grid).enumerate() {
+                let (i, j) = (local % (m + 1), local / (m + 1));
+                if i == 0 || j == 0 || i == m || j == n {
+                    (0..2).for_each(|k| field[2 * local + k][0] = extra.lift[2 * node + k]);
+                    lifted |= extra.lift[2 * node..2 * node + 2] != [0.0; 2];
+                }
+            }
+        }
+        let loaded = extra.bubbles && self.is_loaded(cell, loads);
+        if !lifted && !loaded {
+            return Ok(None);
+        }
+        let mut load = Vec::new();
+        if loaded {
+            load.resize(field.len(), 0.0);
+            for (local, fine) in coarse.fine_cells(grid).enumerate() {
+                let force = loads.cell(fine);
+                for (a, dof) in cell_dofs(coarse.size, local / n, local % n).into_iter().enumerate() {
+                    load[dof] += force[a];
+                }
+            }
+        }
+        let problem = self.structures.get(coarse.size, Freedom::Interior)?;
+        let young: Vec<f64> = coarse.fine_cells(grid).map(|c| self.medium.young[c]).collect();
+        let factor = problem.factorise(&young, &self.medium.unit)?;
+        let load = loaded.then_some(&load[..]);
+        problem.solve(factor.as_ref(), &young, &self.medium.unit, &mut field, &[0], load);
+        Ok(Some(field.iter().map(|row| row[0]).collect()))
+    }
+
+    /// Displacement of the fine nodes of one cell, two a node, j·(m+1) + i: R_T U_T + p_T.
+    fn cell_field(
+        &self,
+        cell: usize,
+        basis: &CellBasis,
+        coarse: &[f64],
+        loads: &Loads,
+        extra: &Extra,
+    ) -> Result<Vec<f64>, MsfemError> {
+        let corner = |a: usize| -> f64 {
+            self.combinations[self.mesh.corners[cell][a / 2]][a % 2].iter().map(|(i, w)| w * coarse[*i]).sum()
+        };
+        let u: [f64; 8] = std::array::from_fn(corner);
+        let mut field: Vec<f64> = basis.values.iter().map(|row| row.iter().zip(&u).map(|(r, u)| r * u).sum()).collect();
+        if let Some(particular) = self.particular(cell, loads, extra)? {
+            field.iter_mut().zip(particular).for_each(|(u, p)| *u += p);
+        }
+        Ok(field)
+    }
+
+    /// Calls with the displacement of the fine nodes of each coarse cell, cell by cell; nothing is averaged.
+    ///
+    /// # Errors
+    /// As [`Self::cell_basis`].
+    pub fn downscale_cells(
+        &self,
+        coarse: &[f64],
+        loads: &Loads,
+        extra: &Extra,
+        mut each: impl FnMut(usize, &[f64]),
+    ) -> Result<(), MsfemError> {
+        let mut pattern = vec![0; self.mesh.cells.len()];
+        for (number, cells) in self.patterns.iter().enumerate() {
+            cells.iter().for_each(|&c| pattern[c] = number);
+        }
+        let cells: Vec<usize> = (0..self.mesh.cells.len()).collect();
+        for batch in cells.chunks(BATCH) {
+            let field = |&cell: &usize| match self.kept.get(pattern[cell]) {
+                Some(Some(basis)) => self.cell_field(cell, basis, coarse, loads, extra),
+                _ => self.cell_field(cell, &self.cell_basis(cell)?, coarse, loads, extra),
+            };
+            let fields: Vec<Vec<f64>> = batch.par_iter().map(field).collect::<Result<_, MsfemError>>()?;
+            batch.iter().zip(&fields).for_each(|(&cell, field)| each(cell, field));
+        }
+        Ok(())
+    }
+
+    /// Displacement of all fine nodes; where cells meet, the mean of theirs (they differ for bases that do not conform).
+    ///
+    /// # Errors
+    /// As [`Self::cell_basis`].
+    pub fn downscale(&self, coarse: &[f64], loads: &Loads, extra: &Extra) -> Result<Vec<f64>, MsfemError> {
+        let grid = &self.medium.grid;
+        let (mut sum, mut count) = (vec![0.0; grid.dofs()], vec![0u8; grid.nodes()]);
+        self.downscale_cells(coarse, loads, extra, |cell, field| {
+            for (node, u) in self.mesh.cells[cell].fine_nodes(grid).zip(field.chunks_exact(2)) {
+                (sum[2 * node], sum[2 * node + 1]) = (sum[2 * node] + u[0], sum[2 * node + 1] + u[1]);
+                count[node] += 1;
+            }
+        })?;
+        for (u, count) in sum.chunks_exact_mut(2).zip(count) {
+            u.iter_mut().for_each(|u| *u /= f64::from(count));
+        }
+        Ok(sum)
+    }
+
+    /// An order in which the unknowns are eliminated with little fill.
+    pub fn elimination_order(&self) -> Vec<usize> {
+        let mut incidence = Incidence::default();
+        for (cell, corners) in self.mesh.cells.iter().zip(&self.mesh.corners) {
+            let centre = [0, 1].map(|k| (2 * cell.first[k] + cell.size[k]) as u32);
+            let unknowns = corners.iter().flat_map(|&v| self.combinations[v].iter().flatten().map(|(u, _)| u / 2));
+            incidence.push(centre, unknowns);
+        }
+        incidence.nested_dissection(self.dofs() / 2)
+    }
+}
+
+/// What one cell adds to the coarse problem.
+struct CellSystem {
+    cell: usize,
+    stiffness: [[f64; 8]; 8],
+    load: [f64; 8],
+}
+
+impl Medium {
+    /// An order in which the nodes of the fine grid are eliminated with little fill.
+    pub fn elimination_order(&self) -> Vec<usize> {
+        let mut incidence = Incidence::default();
+        for cell in self.grid.body_cells() {
+            let [ix, iy] = self.grid.cell(cell);
+            incidence.push([ix as u32, iy as u32], self.grid.cell_nodes(cell));
+        }
+        incidence.nested_dissection(self.grid.nodes())
+    }
+}

@@ -1,0 +1,75 @@
+//! Laminates and inclusions of high contrast against the reference file.
+
+mod common;
+
+use common::{Cantilever, close, kind, number, reference};
+use steklov_msfem::Basis;
+
+#[test]
+fn laminates_resonate_as_published() {
+    let data = reference("laminate");
+    let tolerance = number(&data["tol_rel"]);
+    let mut checked = 0;
+    for (name, diagonal) in [("straight", false), ("diagonal", true)] {
+        for periods in [4, 8, 16, 32] {
+            let period = 256 / periods;
+            let layer = |c: usize| {
+                let (i, j) = (c / 256, c % 256);
+                let phase = if diagonal { i + 2 * j + 1 } else { (2 * i + 1) / 2 };
+                if phase % period < period / 2 { 10.0 } else { 1.0 }
+            };
+            let problem = Cantilever::new([1.0; 2], [256; 2], (0..256 * 256).map(layer).collect());
+            let fine = problem.fine();
+            for coarse in [4, 8, 16, 32, 64] {
+                let cells = 256 / coarse;
+                for word in ["q1", "b", "c", "d"] {
+                    let key = format!("{name}_eps1/{periods}_H1/{coarse}_{word}");
+                    let Some(wanted) = data["data"].get(&key) else { continue };
+                    let solved = problem.multiscale([cells; 2], kind(word, cells / 2), false);
+                    close(&key, problem.errors(&solved, &fine)[0], number(wanted), tolerance);
+                    checked += 1;
+                }
+            }
+        }
+    }
+    assert_eq!(checked, data["data"].as_object().unwrap().len());
+}
+
+/// The plate 2 × 1 with the masks of the reference file.
+pub fn plate(name: &str, contrast: f64) -> Cantilever {
+    let inside = |i: usize, j: usize| (4..12).contains(&(i % 16)) && (4..12).contains(&(j % 16));
+    let mask = |i: usize, j: usize| match name {
+        "inside" => inside(i, j),
+        "crossing" => inside(i + 8, j + 8),
+        "channel" => (5..9).contains(&(j % 16)) && (6..122).contains(&i),
+        other => panic!("{other}"),
+    };
+    let young = |c: usize| if mask(c / 64, c % 64) { contrast } else { 1.0 };
+    Cantilever::new([2.0, 1.0], [128, 64], (0..128 * 64).map(young).collect())
+}
+
+#[test]
+fn inclusions_of_high_contrast_fail_as_published() {
+    let data = reference("high_contrast");
+    let tolerance = number(&data["tol_rel"]);
+    for (name, mask, contrast) in [
+        ("stiff_inside", "inside", 1e4),
+        ("stiff_crossing", "crossing", 1e4),
+        ("stiff_channel", "channel", 1e4),
+        ("soft_inside", "inside", 1e-4),
+        ("soft_crossing", "crossing", 1e-4),
+    ] {
+        let problem = plate(mask, contrast);
+        let fine = problem.fine();
+        let wanted = &data["data"][name];
+        let work: f64 = fine.iter().zip(&problem.load).map(|(u, f)| u * f).sum();
+        close(name, work, number(&wanted["fine_compliance"]), tolerance);
+        for word in ["q1", "a", "b", "c", "d8"] {
+            let basis = if word == "d8" { Basis::Oversampled(8) } else { kind(word, 0) };
+            let solved = problem.multiscale([16; 2], basis, false);
+            let what = format!("{name} {word}");
+            close(&what, problem.errors(&solved, &fine)[0], number(&wanted[word]["energy_err"]), tolerance);
+            close(&what, solved.compliance, number(&wanted[word]["compliance"]), tolerance);
+        }
+    }
+}
