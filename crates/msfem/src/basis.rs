@@ -120,16 +120,13 @@ fn boundary_data(size: [usize; 2], edges: Option<&[Vec<f64>; 4]>) -> Columns {
         }
     }
     if let Some([lower, right, upper, left]) = edges {
-        // modulus, corners at its ends, direction, node at each place
-        let along: [(&Vec<f64>, [usize; 2], usize, &dyn Fn(usize) -> usize); 4] = [
-            (lower, [0, 1], 0, &|i| i),
-            (right, [1, 2], 1, &|j| j * (m + 1) + m),
-            (upper, [3, 2], 0, &|i| n * (m + 1) + i),
-            (left, [0, 3], 1, &|j| j * (m + 1)),
-        ];
-        for (young, [a, b], k, node) in along {
+        // moduli, corners at its ends, direction, first node
+        let along =
+            [(lower, [0, 1], 0, 0), (right, [1, 2], 1, m), (upper, [3, 2], 0, n * (m + 1)), (left, [0, 3], 1, 0)];
+        for (young, [a, b], k, first) in along {
             for (s, phi) in bar(young).into_iter().enumerate() {
-                let row = &mut columns[2 * node(s) + k];
+                let node = first + if k == 0 { s } else { s * (m + 1) };
+                let row = &mut columns[2 * node + k];
                 (0..4).for_each(|p| row[2 * p + k] = 0.0);
                 (row[2 * a + k], row[2 * b + k]) = (phi, 1.0 - phi);
             }
@@ -175,10 +172,13 @@ pub(crate) fn coarse_stiffness(
     stiffness
 }
 
+/// Cells of a rectangle, and which of its displacements are free.
+type Shape = ([usize; 2], Freedom);
+
 /// Structures of local problems by size and freedom, each analysed once.
 #[derive(Debug, Default)]
 pub(crate) struct Structures {
-    known: Mutex<HashMap<([usize; 2], Freedom), Arc<LocalProblem>>>,
+    known: Mutex<HashMap<Shape, Arc<LocalProblem>>>,
 }
 
 impl Structures {

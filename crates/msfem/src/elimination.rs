@@ -65,7 +65,8 @@ impl Elimination {
         let rows: Vec<usize> = eliminated.chain(kept.iter().map(|&u| row[u])).collect();
         let (mut pattern, mut entries) = (Lower { start: vec![0], rows: Vec::new() }, Vec::new());
         let half = stiffness.nnz() / 2 + size;
-        (pattern.rows.reserve(half), entries.reserve(half));
+        pattern.rows.reserve(half);
+        entries.reserve(half);
         for &u in &free {
             let line = stiffness.outer_view(u).unwrap_or_else(|| unreachable!("the matrix is square"));
             for (other, &k) in line.iter() {
