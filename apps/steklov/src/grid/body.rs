@@ -40,8 +40,7 @@ pub fn grid_of(scene: &Scene) -> Result<Grid, SceneError> {
 }
 
 /// The grid point next to a point, by its numbers along x and y, and whether it is that point.
-fn nearest(polygon: &Polygon, cells: [usize; 2], point: [f64; 2]) -> ([f64; 2], bool) {
-    let (low, size) = bounding_box(polygon);
+fn nearest((low, size): ([f64; 2], [f64; 2]), cells: [usize; 2], point: [f64; 2]) -> ([f64; 2], bool) {
     let at = [0, 1].map(|k| (point[k] - low[k]) / size[k] * cells[k] as f64);
     let near = at.map(f64::round);
     (near, (0..2).all(|k| (at[k] - near[k]).abs() <= ON_GRID * cells[k] as f64))
@@ -49,8 +48,9 @@ fn nearest(polygon: &Polygon, cells: [usize; 2], point: [f64; 2]) -> ([f64; 2], 
 
 /// Whether all corners are points of a grid, no two neighbours the same one.
 fn fits(polygon: &Polygon, cells: [usize; 2]) -> bool {
+    let bounds = bounding_box(polygon);
     polygon.edges().iter().all(|edge| {
-        let ((a, on), (b, _)) = (nearest(polygon, cells, edge.start), nearest(polygon, cells, edge.end));
+        let ((a, on), (b, _)) = (nearest(bounds, cells, edge.start), nearest(bounds, cells, edge.end));
         on && a != b
     })
 }
@@ -80,8 +80,8 @@ pub(crate) fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result
                 let help = "replace it by steps along the axes; boundary elements take any polygon, of one material";
                 return refuse(message, help);
             }
-            let (near, on) = nearest(polygon, cells, a);
-            if !on || near == nearest(polygon, cells, b).0 {
+            let (near, on) = nearest((low, size), cells, a);
+            if !on || near == nearest((low, size), cells, b).0 {
                 let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
                 let point = [0, 1].map(|k| low[k] + spacing[k] * near[k]);
                 let message = format!(

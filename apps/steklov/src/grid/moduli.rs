@@ -7,7 +7,6 @@ use steklov_msfem::Grid;
 use steklov_quadrature::unit_uniform;
 
 use super::body::bounding_box;
-use crate::expression::Expression;
 use crate::scene::{CellModuli, Cells, MOST_CELLS, Scene, SceneError, SceneErrorKind as Kind};
 
 /// Relative distance of a quotient from a whole number that counts as rounding.
@@ -106,7 +105,7 @@ pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, SceneError> {
 /// The error of a modulus that is not positive and finite.
 fn impossible(scene: &Scene, young: &CellModuli, value: f64, [ix, iy]: [usize; 2], [x, y]: [f64; 2]) -> SceneError {
     let source = match young {
-        CellModuli::Expression(expression) => format!(": expression {:?}", Expression::text(expression)),
+        CellModuli::Expression(expression) => format!(": expression {:?}", expression.text()),
         CellModuli::File { path, dataset } => format!(": entry [{ix}, {iy}] of {dataset} of {path}"),
         CellModuli::Uniform { .. } => String::new(),
     };

@@ -129,8 +129,9 @@ pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -
 /// `[body_force]`.
 pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], Problem> {
     let value = Fields::new(field, &["value"])?.require("value", "value = [\"0\", \"-9.81\"]")?;
-    let expressions = value.expressions(context)?;
-    for (expression, field) in expressions.iter().zip(value.pair()?) {
+    let [x, y] = value.pair()?;
+    let expressions = [x.expression_inside(context)?, y.expression_inside(context)?];
+    for (expression, field) in expressions.iter().zip([x, y]) {
         if let Some(number) = expression.constant().filter(|v| !v.is_finite()) {
             let message = format!("{} is {number}: {:?}", field.name, expression.text());
             return Err(field.problem(message, "it must be finite"));

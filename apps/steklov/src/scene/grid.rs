@@ -117,7 +117,7 @@ pub(super) fn cells(field: &Field<'_>, context: &Context<'_>) -> Result<Cells, P
     let young = fields.require("young", "young = { uniform = [low, high], seed = 1 }")?;
     let young = match young.item.value {
         Value::Table(_) => table(&young)?,
-        _ => CellModuli::Expression(young.expression(context)?),
+        _ => CellModuli::Expression(young.expression_inside(context)?),
     };
     Ok(Cells { size, young })
 }
