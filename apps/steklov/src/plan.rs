@@ -113,7 +113,7 @@ pub fn plan(scene: &Scene) -> Plan {
             "contact or friction must hold it, or the loads must be balanced",
         ));
     }
-    match scene.body_force {
+    match scene.constant_force() {
         Some([x, y]) => modelled.push(decision(
             "body force",
             format!("({x}, {y})"),

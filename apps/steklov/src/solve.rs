@@ -202,7 +202,7 @@ pub fn solve(
         }
     };
     observe(Stage::Steklov(&matrix))?;
-    let body_force = scene.body_force.map(|b| BodyForce::new(b, scene.polygon.centroid(), &scene.material));
+    let body_force = scene.constant_force().map(|b| BodyForce::new(b, scene.polygon.centroid(), &scene.material));
     let particular = body_force.map(|b| {
         Particular::new(&b, &mesh, &space, |u| {
             let product = &matrix * Col::from_fn(u.len(), |i| u[i]);

@@ -6,7 +6,9 @@ use std::path::Path;
 
 use broken::{CASES, SOUND};
 use proptest::prelude::*;
-use steklov::scene::{Condition, Expectation, Friction, Method, Refine, Scene, SceneErrorKind, Solver, TEMPLATE};
+use steklov::scene::{
+    Condition, Expectation, Friction, Method, Model, Refine, Scene, SceneErrorKind, Solver, TEMPLATE,
+};
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov::scene::SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
@@ -74,6 +76,17 @@ fn the_sound_scene_and_the_template_are_read() {
     let all = sound(&all, &[]);
     assert_eq!((all.expect.len(), all.probe.len(), all.polygon.loops().len()), (1, 1, 2));
     assert_eq!(all.method, Method::default());
+    assert_eq!((all.grid.map(|g| g.cells()), all.model()), (Some([32, 32]), Model::Bem));
+    // The moduli of cells, in place of the one modulus.
+    let edits = [
+        ("# cells = ", "cells = "),
+        ("young = 200.0", "#"),
+        ("#[grid]", "[grid]"),
+        ("#coarse", "coarse"),
+        ("#fine", "fine"),
+    ];
+    let cells = sound(&edits.iter().fold(TEMPLATE.to_owned(), |text, (from, to)| text.replacen(from, to, 1)), &[]);
+    assert_eq!((cells.cells.is_some(), cells.model()), (true, Model::Msfem));
 }
 
 #[test]
@@ -115,7 +128,7 @@ fn overrides_change_any_key() {
         panic!()
     };
     assert_eq!(u.constant(), Some(0.0));
-    assert_eq!(scene.body_force, Some([0.0, -9.81 * 2.0]));
+    assert_eq!(scene.constant_force(), Some([0.0, -9.81 * 2.0]));
     let expected =
         |path: &str, value, tol, source: &str| Expectation { path: path.into(), value, tol, source: source.into() };
     assert_eq!(
@@ -127,7 +140,7 @@ fn overrides_change_any_key() {
 
 #[test]
 fn features_to_come_are_refused_only_after_all_other_checks() {
-    let text = format!("{SOUND}[grid]\ncoarse = [12, 2]\nfine = [16, 16]\n");
+    let text = format!("{SOUND}[exterior]\nyoung = 50\npoisson = 0.3\n");
     assert_eq!(parse(&text, &[]).unwrap_err().kind, SceneErrorKind::NotYetAvailable);
     let negative = text.replace("tresca = \"F\"", "tresca = \"F-1\"");
     assert_eq!(parse(&negative, &[]).unwrap_err().kind, SceneErrorKind::Data);

@@ -141,6 +141,11 @@ impl Expression {
         }
     }
 
+    /// Whether it uses s, which only the points of an edge have.
+    pub fn uses_edge(&self) -> bool {
+        self.code.ops.contains(&Op::S)
+    }
+
     /// The parts whose change of sign makes a kink or a jump: the arguments of `abs`, `sign` and `sqrt`, the difference
     /// of the operands of `min`, `max` and comparisons, other conditions of `if`, the base of a power that is not whole,
     /// the first argument of `atan2`. Parts that are constant are not counted.

@@ -6,7 +6,7 @@ use steklov_bem_operators::{BemError, Location, Loop, Material, Plane, Polygon, 
 
 use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::fields::{Context, Field, Fields};
-use crate::expression::{is_name, is_reserved};
+use crate::expression::{Expression, is_name, is_reserved};
 
 /// Names and values of `[parameters]`: numbers, or expressions of the ones above.
 pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<BTreeMap<String, f64>, Problem> {
@@ -126,31 +126,18 @@ pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -
     })
 }
 
-/// `[body_force]`: with boundary elements the same force everywhere; with a grid any expression.
-pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>, grid: bool) -> Result<Option<[f64; 2]>, Problem> {
+/// `[body_force]`.
+pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], Problem> {
     let value = Fields::new(field, &["value"])?.require("value", "value = [\"0\", \"-9.81\"]")?;
-    let expressions = value.expressions(context)?;
-    let mut force = [0.0; 2];
-    for ((component, expression), field) in force.iter_mut().zip(&expressions).zip(value.pair()?) {
-        *component = match expression.constant() {
-            Some(number) if number.is_finite() => number,
-            Some(number) => {
-                return Err(
-                    field.problem(format!("{} is {number}: {:?}", field.name, expression.text()), "it must be finite")
-                );
-            }
-            None if grid => return Ok(None),
-            None => {
-                let message = format!(
-                    "{} depends on the place: {:?}; with boundary elements it cannot",
-                    field.name,
-                    expression.text()
-                );
-                return Err(field.problem(message, "give one constant force, or describe the body with a [grid]"));
-            }
-        };
+    let [x, y] = value.pair()?;
+    let expressions = [x.expression_inside(context)?, y.expression_inside(context)?];
+    for (expression, field) in expressions.iter().zip([x, y]) {
+        if let Some(number) = expression.constant().filter(|v| !v.is_finite()) {
+            let message = format!("{} is {number}: {:?}", field.name, expression.text());
+            return Err(field.problem(message, "it must be finite"));
+        }
     }
-    Ok(Some(force))
+    Ok(expressions)
 }
 
 /// `[probe]`: points of the body or of its boundary.

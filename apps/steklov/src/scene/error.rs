@@ -10,7 +10,7 @@ use crate::expression::Place;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum SceneErrorKind {
-    /// The file cannot be read.
+    /// The scene, or a file that it names, cannot be read.
     Read,
     /// The text is not TOML, or an override is not `KEY=VALUE`.
     Syntax,
@@ -28,7 +28,7 @@ pub enum SceneErrorKind {
     Conflict,
     /// The loops do not bound a body.
     Geometry,
-    /// An expression has an impossible value at a point of its side.
+    /// A datum has an impossible value at a point of its side or of the body.
     Data,
     /// Neither supports nor contact hold the body.
     Unsupported,

@@ -198,6 +198,16 @@ impl<'a> Field<'a> {
         Ok([x.expression(context)?, y.expression(context)?])
     }
 
+    /// A number, or an expression of a point of the body: s has no meaning there.
+    pub(super) fn expression_inside(&self, context: &Context<'_>) -> Result<Expression, Problem> {
+        let expression = self.expression(context)?;
+        if expression.uses_edge() {
+            let message = format!("{} uses s: {:?}", self.name, expression.text());
+            return Err(self.problem(message, "s runs along an edge; inside of the body use x and y"));
+        }
+        Ok(expression)
+    }
+
     /// A number, or an expression that does not depend on the place.
     pub(super) fn constant(&self, context: &Context<'_>) -> Result<f64, Problem> {
         let expression = self.expression(context)?;

@@ -15,6 +15,7 @@ mod random;
 mod outcomes;
 mod grid;
 mod check;
+mod model;
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -25,6 +26,8 @@ use steklov_bem_operators::{Material, Polygon};
 use crate::expression::{Expression, Place};
 
 pub use error::{SceneError, SceneErrorKind, Source};
+pub(crate) use grid::MOST_CELLS;
+pub use grid::{BasisInput, CellModuli, Cells, GridInput};
 pub(crate) use method::MULTIPLIER_MESHES;
 pub use method::{Expectation, Indicator, Method, Model, Multiplier, Refine, Solver};
 pub use random::{Germ, Random, RandomName, Sampling, Stochastic, Uses};
@@ -44,14 +47,18 @@ pub struct Scene {
     pub title: String,
     /// The body.
     pub polygon: Polygon,
-    /// Its material.
+    /// Its material; with [`Scene::cells`] these give Young's modulus, and that of the material has no meaning.
     pub material: Material,
+    /// Young's modulus cell by cell.
+    pub cells: Option<Cells>,
+    /// The grid over the body.
+    pub grid: Option<GridInput>,
     /// Names and values of `[parameters]`.
     pub parameters: BTreeMap<String, f64>,
     /// The sides in the order of [`Polygon::side_names`]; at least one is loaded, held or in contact.
     pub sides: Vec<Side>,
-    /// Constant force per area.
-    pub body_force: Option<[f64; 2]>,
+    /// Force per area; constant with boundary elements.
+    pub body_force: Option<[Expression; 2]>,
     /// Points of the body or its boundary at which results are wanted.
     pub probe: Vec<[f64; 2]>,
     /// How to solve.
@@ -92,6 +99,7 @@ impl Scene {
         let root = tree::build(&source).map_err(|p| source.error(p))?;
         let scene = scene(&root, &source, None).map_err(|p| source.error(p))?;
         scene.check_data()?;
+        scene.check_model()?;
         if scene.random.is_some() && scene.method.multiplier == Multiplier::Stabilised {
             let message = "random input has biorthogonal multipliers only".to_owned();
             let help = "leave method.multiplier at \"biorthogonal\": it needs no stabilisation";
@@ -188,18 +196,15 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
     let material_field = fields.require("material", "a table [material] with young and poisson")?;
     random::check_poisson(&material_field, &declared, &context)?;
     context.used.take();
-    let material = material(&material_field, &context)?;
+    let (material, cells) = material(&material_field, &context)?;
     let in_material = context.used.borrow().clone();
-    if let Some(field) = fields.get("grid") {
-        grid::grid(&field)?;
-    }
+    let grid = fields.get("grid").map(|field| grid::grid(&field)).transpose()?;
     if let Some(field) = fields.get("exterior") {
         grid::exterior(&field, &context)?;
     }
     let sides = sides::sides(fields.get("sides").as_ref(), &polygon, &context)?;
     let in_sides = context.used.take();
-    let on_grid = fields.get("grid").is_some();
-    let body_force = fields.get("body_force").map_or(Ok(None), |f| body::body_force(&f, &context, on_grid))?;
+    let body_force = fields.get("body_force").map(|f| body::body_force(&f, &context)).transpose()?;
     let probe = fields.get("probe").map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &polygon))?;
     let method = method::method(fields.get("method"))?;
     let mut expect = Vec::new();
@@ -232,11 +237,26 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
         }
     };
     let source = source.clone();
-    Ok(Scene { title, polygon, material, parameters, sides, body_force, probe, method, expect, random, unused, source })
+    Ok(Scene {
+        title,
+        polygon,
+        material,
+        cells,
+        grid,
+        parameters,
+        sides,
+        body_force,
+        probe,
+        method,
+        expect,
+        random,
+        unused,
+        source,
+    })
 }
 
 /// `[material]`; with `cells` these give Young's modulus.
-fn material(field: &Field<'_>, context: &Context<'_>) -> Result<Material, Problem> {
+fn material(field: &Field<'_>, context: &Context<'_>) -> Result<(Material, Option<Cells>), Problem> {
     let fields = Fields::new(field, &["young", "poisson", "plane", "cells"])?;
     match (fields.get("cells"), fields.get("young")) {
         (Some(cells), Some(young)) => Err(Problem::new(
@@ -246,12 +266,12 @@ fn material(field: &Field<'_>, context: &Context<'_>) -> Result<Material, Proble
             "the cells give Young's modulus: remove one of the two",
         )),
         (Some(cells), None) => {
-            grid::cells(&cells, context)?;
-            body::material(&fields, context, 1.0)
+            let cells = grid::cells(&cells, context)?;
+            Ok((body::material(&fields, context, 1.0)?, Some(cells)))
         }
         (None, _) => {
             let young = fields.require("young", "young = 200.0, in the scene's unit of stress")?.constant(context)?;
-            body::material(&fields, context, young)
+            Ok((body::material(&fields, context, young)?, None))
         }
     }
 }
@@ -262,25 +282,14 @@ fn unavailable(root: &Item) -> Result<(), Problem> {
         Err(Problem::new(Kind::NotYetAvailable, field.item.place, format!("{what} is not yet available"), help))
     };
     let fields = Fields::open(&Field { name: String::new(), item: root })?;
-    for (table, what) in [("grid", "a grid of finite elements"), ("exterior", "an exterior material")] {
-        if let Some(field) = fields.get(table) {
-            return refuse(&field, format!("[{table}], {what},"), "remove the table");
-        }
+    if let Some(field) = fields.get("exterior") {
+        return refuse(&field, "[exterior], an exterior material,".into(), "remove the table");
     }
-    let open = |key: &str| fields.get(key).map(|f| Fields::open(&f)).transpose();
-    if let Some(cells) = open("material")?.and_then(|m| m.get("cells")) {
-        return refuse(&cells, "[material.cells]".into(), "give one Young's modulus as material.young");
-    }
-    if let Some(method) = open("method")? {
-        for (key, words, help) in [("model", &["fem", "msfem", "fem-bem", "msfem-bem"][..], "use \"bem\" or \"auto\"")]
-        {
-            if let Some(field) = method.get(key)
-                && let Ok(word) = field.text()
-                && words.contains(&word)
-            {
-                return refuse(&field, format!("{key} = {word:?}"), help);
-            }
-        }
+    if let Some(method) = fields.get("method").map(|f| Fields::open(&f)).transpose()?
+        && let Some(field) = method.get("model")
+        && let Ok(word @ ("fem-bem" | "msfem-bem")) = field.text()
+    {
+        return refuse(&field, format!("model = {word:?}"), "use \"bem\", \"fem\", \"msfem\" or \"auto\"");
     }
     Ok(())
 }

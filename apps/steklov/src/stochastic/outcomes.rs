@@ -72,7 +72,7 @@ impl<'a> Outcomes<'a> {
         if let Some(boundary) = &mut boundary {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
-        let particular = scene.body_force.map(|b| {
+        let particular = scene.constant_force().map(|b| {
             let force = BodyForce::new(b.map(|b| b / modulus), scene.polygon.centroid(), &scene.material);
             Particular::new(&force, mesh, space, |u| self.body.condensation.multiply(u))
         });

@@ -1,0 +1,112 @@
+//! A polygon as a union of grid cells.
+
+use steklov_bem_operators::{Location, Polygon};
+use steklov_msfem::Grid;
+
+use super::moduli::whole;
+use crate::scene::{Scene, SceneError, SceneErrorKind as Kind};
+
+/// A corner this close to a grid point, in sides of the bounding box, is that point.
+const ON_GRID: f64 = 1e-9;
+
+/// Lower left corner and sides of the bounding box.
+pub(super) fn bounding_box(polygon: &Polygon) -> ([f64; 2], [f64; 2]) {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for edge in polygon.edges() {
+        for k in 0..2 {
+            low[k] = low[k].min(edge.start[k]);
+            high[k] = high[k].max(edge.start[k]);
+        }
+    }
+    (low, [high[0] - low[0], high[1] - low[1]])
+}
+
+/// The fine grid of a scene: coarse × fine equal rectangles over the bounding box of the body. A cell belongs to the body
+/// if its centre does.
+///
+/// # Errors
+/// A scene without `[grid]`; a grid that rounding errors leave without a cell in the body.
+pub fn grid_of(scene: &Scene) -> Result<Grid, SceneError> {
+    let Some(input) = &scene.grid else { return Err(scene.grid_error()) };
+    let (low, size) = bounding_box(&scene.polygon);
+    let cells = input.cells();
+    let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
+    let inside = |ix: usize, iy: usize| {
+        let centre = [low[0] + spacing[0] * (ix as f64 + 0.5), low[1] + spacing[1] * (iy as f64 + 0.5)];
+        scene.polygon.contains(centre) == Location::Inside
+    };
+    Grid::new(low, spacing, cells, inside)
+        .map_err(|e| scene.error_at(Kind::Value, &[vec!["grid"]], e.to_string(), "take fewer cells"))
+}
+
+/// The grid point next to a point, by its numbers along x and y, and whether it is that point.
+fn nearest((low, size): ([f64; 2], [f64; 2]), cells: [usize; 2], point: [f64; 2]) -> ([f64; 2], bool) {
+    let at = [0, 1].map(|k| (point[k] - low[k]) / size[k] * cells[k] as f64);
+    let near = at.map(f64::round);
+    (near, (0..2).all(|k| (at[k] - near[k]).abs() <= ON_GRID * cells[k] as f64))
+}
+
+/// Whether all corners are points of a grid, no two neighbours the same one.
+fn fits(polygon: &Polygon, cells: [usize; 2]) -> bool {
+    let bounds = bounding_box(polygon);
+    polygon.edges().iter().all(|edge| {
+        let ((a, on), (b, _)) = (nearest(bounds, cells, edge.start), nearest(bounds, cells, edge.end));
+        on && a != b
+    })
+}
+
+/// Checks that the body is a union of cells: its edges are parallel to the axes, its corners points of the grid that
+/// `name` names ("coarse", "fine").
+///
+/// # Errors
+/// The first corner, as the scene lists them, at which it is not: with the nearest grid point and the spacing.
+pub(crate) fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), SceneError> {
+    let polygon = &scene.polygon;
+    let (low, size) = bounding_box(polygon);
+    for (loop_index, range) in polygon.loops().iter().enumerate() {
+        for (corner, edge) in polygon.edges()[range.clone()].iter().enumerate() {
+            let [a, b] = edge.listed();
+            let (hole, k) = (loop_index.saturating_sub(1).to_string(), corner.to_string());
+            let key = match loop_index {
+                0 => vec!["body", "corners", &k],
+                _ => vec!["body", "holes", &hole, "corners", &k],
+            };
+            let refuse = |message: String, help: &str| Err(scene.error_at(Kind::Geometry, &[key], message, help));
+            if (0..2).all(|k| (b[k] - a[k]).abs() > ON_GRID * size[k]) {
+                let message = format!(
+                    "the edge from ({}, {}) to ({}, {}) is neither horizontal nor vertical, as grids of rectangles need it",
+                    a[0], a[1], b[0], b[1]
+                );
+                let help = "replace it by steps along the axes; boundary elements take any polygon, of one material";
+                return refuse(message, help);
+            }
+            let (near, on) = nearest((low, size), cells, a);
+            if !on || near == nearest((low, size), cells, b).0 {
+                let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
+                let point = [0, 1].map(|k| low[k] + spacing[k] * near[k]);
+                let message = format!(
+                    "the corner ({}, {}) is no point of the {name} grid: the nearest one is ({}, {}), the spacing is {} by {}",
+                    a[0], a[1], point[0], point[1], spacing[0], spacing[1]
+                );
+                let help = format!("move the corner there, or change [grid], such as to {}", fitting_grid(scene));
+                return refuse(message, &help);
+            }
+        }
+    }
+    Ok(())
+}
+
+/// An example of a `[grid]` for the body and its modulus cells, as text: coarse cells that are about square and have the
+/// corners of the body among their points, 2 to 64 along the shorter side.
+pub(crate) fn fitting_grid(scene: &Scene) -> String {
+    let (_, size) = bounding_box(&scene.polygon);
+    let shorter = size[0].min(size[1]);
+    // a long body is not cut into more than 1024 cells along it
+    let along = |n: usize| size.map(|side| (n as f64 * side / shorter).round().clamp(1.0, 1024.0) as usize);
+    let coarse = (2..=64).map(along).find(|&cells| fits(&scene.polygon, cells)).unwrap_or_else(|| along(4));
+    let fine = [0, 1].map(|k| {
+        let moduli = scene.cells.as_ref().and_then(|cells| whole(size[k] / cells.size));
+        moduli.map_or(8, |moduli| super::moduli::fitting_fine(moduli, coarse[k], 2))
+    });
+    format!("[grid] coarse = [{}, {}], fine = [{}, {}]", coarse[0], coarse[1], fine[0], fine[1])
+}

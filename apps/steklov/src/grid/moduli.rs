@@ -1,0 +1,129 @@
+//! Young's modulus of every cell of a grid.
+
+use std::path::Path;
+
+use steklov_io::{IoError, load_foreign_table};
+use steklov_msfem::Grid;
+use steklov_quadrature::unit_uniform;
+
+use super::body::bounding_box;
+use crate::scene::{CellModuli, Cells, MOST_CELLS, Scene, SceneError, SceneErrorKind as Kind};
+
+/// Relative distance of a quotient from a whole number that counts as rounding.
+const WHOLE: f64 = 1e-9;
+
+/// The whole number that a quotient is, from 1 to [`MOST_CELLS`].
+pub(super) fn whole(quotient: f64) -> Option<usize> {
+    let near = quotient.round();
+    let is_whole = (1.0..=MOST_CELLS as f64).contains(&near) && (quotient - near).abs() <= WHOLE * near;
+    is_whole.then_some(near as usize)
+}
+
+/// The least number of fine cells in a coarse one, `least` or more, with which `coarse` times it is a multiple of `moduli`.
+pub(super) fn fitting_fine(moduli: usize, coarse: usize, least: usize) -> usize {
+    let (mut divisor, mut rest) = (moduli, coarse);
+    while rest != 0 {
+        (divisor, rest) = (rest, divisor % rest);
+    }
+    (moduli / divisor) * least.div_ceil(moduli / divisor)
+}
+
+/// Numbers of modulus cells NX, NY along the sides of the bounding box: whole ones, each cell a whole number of the `fine`
+/// cells along both axes.
+///
+/// # Errors
+/// A size that does not divide the sides of the bounding box, or that the fine cells do not divide.
+pub(crate) fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Result<[usize; 2], SceneError> {
+    let (_, box_size) = bounding_box(&scene.polygon);
+    let refuse = |message, help: &str| Err(scene.error_at(Kind::Value, &[SIZE.to_vec()], message, help));
+    let quotients = box_size.map(|side| side / cells.size);
+    let [Some(nx), Some(ny)] = quotients.map(whole) else {
+        let message = format!(
+            "cells of the size {} do not divide the bounding box of {} by {}: it has {} by {} of them",
+            cells.size, box_size[0], box_size[1], quotients[0], quotients[1]
+        );
+        let shorter = box_size[0].min(box_size[1]);
+        let first = (shorter / cells.size).clamp(1.0, 1024.0) as usize;
+        let size = (first..first + 1024).map(|n| shorter / n as f64);
+        let size = size.into_iter().find(|size| box_size.iter().all(|side| whole(side / size).is_some()));
+        let help = match size {
+            Some(size) => format!("both sides must be whole multiples: take size = {size}"),
+            None => "both sides must be whole multiples of the size".to_owned(),
+        };
+        return refuse(message, &help);
+    };
+    if fine[0].is_multiple_of(nx) && fine[1].is_multiple_of(ny) {
+        return Ok([nx, ny]);
+    }
+    let h = [0, 1].map(|k| box_size[k] / fine[k] as f64);
+    let message = format!("fine cells of {} by {} do not divide modulus cells of the size {}", h[0], h[1], cells.size);
+    let help = scene.grid.as_ref().map_or_else(String::new, |grid| {
+        let [x, y] = [0, 1].map(|k| fitting_fine([nx, ny][k], grid.coarse[k], grid.fine[k]));
+        format!("a modulus cell is made of whole fine cells: take grid.fine = [{x}, {y}]")
+    });
+    refuse(message, &help)
+}
+
+const SIZE: [&str; 3] = ["material", "cells", "size"];
+const YOUNG: [&str; 3] = ["material", "cells", "young"];
+
+/// Young's modulus (stress) of every cell of a grid over the bounding box of the scene's body, in the order of the cells'
+/// numbers: that of `[material.cells]`, or `material.young` everywhere. In cells outside of the body it is not checked.
+///
+/// The modulus cells are NX × NY squares, i = ix·NY + iy counted from the lower left corner of the bounding box: number i is
+/// low + (high - low) u_i with u_i of [`unit_uniform`], or entry \[ix, iy\] of the dataset, or the value of the expression
+/// at the cell's centre, which holds in the whole cell.
+///
+/// # Errors
+/// Modulus cells that do not fit the grid; a file that cannot be read, or is not NX × NY numbers; a modulus in the body that
+/// is not positive and finite, with its place.
+pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, SceneError> {
+    let [nx, ny] = grid.cells;
+    let Some(cells) = &scene.cells else { return Ok(vec![scene.material.young; nx * ny]) };
+    let counts = check_modulus_cells(scene, cells, grid.cells)?;
+    let (low, _) = bounding_box(&scene.polygon);
+    let centre = |i: usize| [0, 1].map(|k| low[k] + cells.size * ([i / counts[1], i % counts[1]][k] as f64 + 0.5));
+    let all = 0..counts[0] * counts[1];
+    let values = match &cells.young {
+        CellModuli::Uniform { low, high, seed } => {
+            all.map(|i| low + (high - low) * unit_uniform(*seed, i as u64)).collect()
+        }
+        CellModuli::Expression(young) => all.map(centre).map(|[x, y]| young.eval(x, y, 0.0)).collect(),
+        CellModuli::File { path, dataset } => read(scene, path, dataset, counts)?,
+    };
+    // from a fine cell to its modulus cell
+    let parent = |cell: usize| {
+        let [ix, iy] = grid.cell(cell);
+        ix / (nx / counts[0]) * counts[1] + iy / (ny / counts[1])
+    };
+    match grid.body_cells().map(parent).find(|&i| !(values[i] > 0.0 && values[i].is_finite())) {
+        None => Ok((0..nx * ny).map(|cell| values[parent(cell)]).collect()),
+        Some(i) => Err(impossible(scene, &cells.young, values[i], [i / counts[1], i % counts[1]], centre(i))),
+    }
+}
+
+/// The error of a modulus that is not positive and finite.
+fn impossible(scene: &Scene, young: &CellModuli, value: f64, [ix, iy]: [usize; 2], [x, y]: [f64; 2]) -> SceneError {
+    let source = match young {
+        CellModuli::Expression(expression) => format!(": expression {:?}", expression.text()),
+        CellModuli::File { path, dataset } => format!(": entry [{ix}, {iy}] of {dataset} of {path}"),
+        CellModuli::Uniform { .. } => String::new(),
+    };
+    let message = format!("Young's modulus is {value} in the cell with the centre ({x}, {y}){source}");
+    let help = "a modulus is positive and finite in every cell of the body";
+    scene.error_at(Kind::Data, &[YOUNG.to_vec()], message, help)
+}
+
+/// The moduli of a file.
+fn read(scene: &Scene, path: &str, dataset: &str, counts: [usize; 2]) -> Result<Vec<f64>, SceneError> {
+    let folder = Path::new(&scene.source.name).parent().unwrap_or(Path::new(""));
+    load_foreign_table(folder.join(path), dataset, counts).map_err(|e| {
+        let (key, help) = match &e {
+            IoError::Missing { .. } => ("dataset", "name a dataset of the file; `h5ls -r` lists them"),
+            IoError::Mismatch { .. } => ("dataset", "store one number for each modulus cell, indexed [ix, iy]"),
+            _ => ("file", "the path is relative to the folder of the scene"),
+        };
+        let keys = [[&YOUNG[..], &[key]].concat()];
+        scene.error_at(Kind::Read, &keys, format!("cannot read Young's moduli: {e}"), help)
+    })
+}

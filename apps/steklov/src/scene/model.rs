@@ -1,0 +1,114 @@
+//! The model that a scene needs, and whether the scene fits the model that it asks for.
+
+use super::error::{SceneError, SceneErrorKind as Kind};
+use super::method::{Model, Multiplier};
+use super::{GridInput, Scene};
+use crate::grid::{check_body, check_modulus_cells, fitting_grid};
+
+impl Scene {
+    /// The model that is used, never [`Model::Auto`]: boundary elements unless the material or the body force differs from
+    /// place to place; then multiscale finite elements, or finite elements where a coarse cell is one fine cell.
+    pub fn model(&self) -> Model {
+        match self.method.model {
+            Model::Auto if !self.varies() => Model::Bem,
+            Model::Auto if self.grid.is_some_and(|grid| grid.fine == [1, 1]) => Model::Fem,
+            Model::Auto => Model::Msfem,
+            asked => asked,
+        }
+    }
+
+    /// Whether boundary elements cannot answer the scene.
+    fn varies(&self) -> bool {
+        self.cells.is_some() || self.body_force.is_some() && self.constant_force().is_none()
+    }
+
+    /// The body force (force/area), if it is the same everywhere.
+    pub fn constant_force(&self) -> Option<[f64; 2]> {
+        let [x, y] = self.body_force.as_ref()?;
+        Some([x.constant()?, y.constant()?])
+    }
+
+    /// The body force (force/area) at a point; zero without one.
+    ///
+    /// # Errors
+    /// A value that is not finite: names point and expression.
+    pub fn force_at(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], SceneError> {
+        let Some(force) = &self.body_force else { return Ok([0.0; 2]) };
+        let value = force.each_ref().map(|f| f.eval(x, y, 0.0));
+        match value.iter().position(|v| !v.is_finite()) {
+            None => Ok(value),
+            Some(k) => {
+                let message = format!("the body force is {} at the point ({x}, {y})", value[k]);
+                Err(self.data_error(&force[k], &message))
+            }
+        }
+    }
+
+    /// Whether the scene has what its model needs, and nothing that the model cannot treat.
+    pub(super) fn check_model(&self) -> Result<(), SceneError> {
+        match self.model() {
+            Model::Bem => self.check_uniform(),
+            Model::Fem | Model::Msfem => {
+                let Some(grid) = &self.grid else { return Err(self.grid_error()) };
+                self.check_grid(grid)
+            }
+            Model::Auto | Model::FemBem | Model::MsfemBem => Ok(()),
+        }
+    }
+
+    /// Boundary elements: one material, one force.
+    fn check_uniform(&self) -> Result<(), SceneError> {
+        if self.cells.is_some() {
+            let message = "boundary elements need one material, and [material.cells] has one for each cell".to_owned();
+            let help = "use model = \"auto\" with a [grid], or give one Young's modulus as material.young";
+            return Err(self.error_at(Kind::Conflict, &[vec!["method", "model"]], message, help));
+        }
+        let help = "give one constant force, or use model = \"auto\" with a [grid]";
+        self.force_that_varies(help).map_or(Ok(()), Err)
+    }
+
+    /// What is wrong with a force that depends on the place.
+    fn force_that_varies(&self, help: &str) -> Option<SceneError> {
+        let force = self.body_force.as_ref()?;
+        let k = force.iter().position(|f| f.constant().is_none())?;
+        let text = force[k].text();
+        let message = format!("body_force.value[{k}] depends on the place: {text:?}; with boundary elements it cannot");
+        Some(self.error_at(Kind::Value, &[vec!["body_force", "value", &k.to_string()]], message, help))
+    }
+
+    /// A grid is needed, and there is none.
+    pub(crate) fn grid_error(&self) -> SceneError {
+        let add = format!("add {}", fitting_grid(self));
+        let asked = self.method.model != Model::Auto;
+        if self.cells.is_none() && !asked {
+            let help = format!("give one constant force, or {add}");
+            if let Some(error) = self.force_that_varies(&help) {
+                return error;
+            }
+        }
+        let (message, key) = match asked {
+            true => ("finite elements need a [grid]", vec!["method", "model"]),
+            false => ("a material that differs from cell to cell needs a [grid]", vec!["material", "cells"]),
+        };
+        self.error_at(Kind::MissingKey, &[key], message.to_owned(), &add)
+    }
+
+    /// Finite elements: what they cannot treat, and whether body and modulus cells fit the grid.
+    fn check_grid(&self, grid: &GridInput) -> Result<(), SceneError> {
+        if self.random.is_some() {
+            let message = "random input needs one material, that is boundary elements, not finite elements".to_owned();
+            let help = "leave out [random], or give one material and a constant body force with model = \"bem\"";
+            return Err(self.error_at(Kind::Unsupported, &[vec!["random"]], message, help));
+        }
+        if self.method.multiplier == Multiplier::Stabilised {
+            let message = "finite elements have biorthogonal multipliers only".to_owned();
+            let help = "leave method.multiplier at \"biorthogonal\": it needs no stabilisation";
+            return Err(self.error_at(Kind::Unsupported, &[vec!["method", "multiplier"]], message, help));
+        }
+        match self.model() {
+            Model::Fem => check_body(self, grid.cells(), "fine")?,
+            _ => check_body(self, grid.coarse, "coarse")?,
+        }
+        self.cells.as_ref().map_or(Ok(()), |cells| check_modulus_cells(self, cells, grid.cells()).map(drop))
+    }
+}
