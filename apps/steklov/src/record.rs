@@ -302,5 +302,5 @@ fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult
         point_data.push(field("mean_displacement", "length", 3, displacements(&mean(&result.displacement.mean))));
         point_data.push(field("mean_stress", "stress", 3, stresses(&mean(&result.stress_displacement))));
     }
-    Grid { point_data, cell_data: Vec::new(), points: body.points, lines: body.outline, triangles: body.triangles }
+    Grid { point_data, points: body.points, lines: body.outline, triangles: body.triangles, ..Grid::default() }
 }

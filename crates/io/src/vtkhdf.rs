@@ -1,7 +1,11 @@
-//! `/VTKHDF`: boundary lines and a triangulated body with fields, as ParaView, VTK and PyVista read them.
+//! `/VTKHDF`: boundary lines and a body of triangles or quadrilaterals with fields, as ParaView, VTK and PyVista read them.
 //!
-//! An unstructured grid in VTKHDF version 1.0 (one piece; offsets from 0; cell types 3 = line, 5 = triangle). Points get
-//! z = 0. Every file has the cell array `part`: 0 for a line of the boundary, 1 for a triangle of the body.
+//! An unstructured grid in VTKHDF version 1.0 (one piece; offsets from 0; cell types 3 = line, 5 = triangle, 9 =
+//! quadrilateral). Points get z = 0. Every file has the cell array `part`: 0 for a line of the boundary, 1 for a cell of
+//! the body.
+//!
+//! A quadrilateral takes 49 bytes of the file (four points, offset, type, part), a point 24 and each value of a field 8;
+//! nothing is compressed.
 
 use hdf5::{File, Group};
 
@@ -30,16 +34,19 @@ pub struct Grid {
     pub points: Vec<[f64; 2]>,
     /// Lines of the boundary: part 0, the first cells.
     pub lines: Vec<[usize; 2]>,
-    /// Triangles of the body: part 1, the last cells.
+    /// Triangles of the body: part 1, the cells after the lines.
     pub triangles: Vec<[usize; 3]>,
+    /// Quadrilaterals of the body, counter-clockwise: part 1, the last cells.
+    pub quads: Vec<[usize; 4]>,
     /// Fields on the points.
     pub point_data: Vec<Field>,
-    /// Fields on the cells: lines first, then triangles.
+    /// Fields on the cells: lines first, then triangles, then quadrilaterals.
     pub cell_data: Vec<Field>,
 }
 
 const LINE: u8 = 3;
 const TRIANGLE: u8 = 5;
+const QUAD: u8 = 9;
 const PART: &str = "part";
 
 /// Writes `/VTKHDF`.
@@ -51,30 +58,36 @@ pub fn write(file: &File, grid: &Grid) -> Result<(), IoError> {
     write_integer_attribute(&group, "Version", &[1, 0])?;
     write_ascii_attribute(&group, "Type", "UnstructuredGrid")?;
 
-    let cells = grid.lines.len() + grid.triangles.len();
-    let mut connectivity = Vec::new();
-    let mut offsets = vec![0];
-    for cell in grid.lines.iter().map(|l| &l[..]).chain(grid.triangles.iter().map(|t| &t[..])) {
-        if let Some(point) = cell.iter().find(|&&i| i >= grid.points.len()) {
-            let why = format!("a cell names point {point} of {}", grid.points.len());
-            return Err(write_error(&group, "Connectivity", why));
-        }
-        connectivity.extend(cell.iter().map(|&i| i as i64));
-        offsets.push(connectivity.len() as i64);
+    let counts = [grid.lines.len(), grid.triangles.len(), grid.quads.len()];
+    let cells: usize = counts.iter().sum();
+    let entries = 2 * counts[0] + 3 * counts[1] + 4 * counts[2];
+    let ids = || grid.lines.as_flattened().iter().chain(grid.triangles.as_flattened()).chain(grid.quads.as_flattened());
+    if let Some(point) = ids().find(|&&i| i >= grid.points.len()) {
+        let why = format!("a cell names point {point} of {}", grid.points.len());
+        return Err(write_error(&group, "Connectivity", why));
     }
     let label = |unit, meaning, axes| Label { unit, meaning, axes };
-    for (name, count) in [
-        ("NumberOfPoints", grid.points.len()),
-        ("NumberOfCells", cells),
-        ("NumberOfConnectivityIds", connectivity.len()),
-    ] {
+    for (name, count) in
+        [("NumberOfPoints", grid.points.len()), ("NumberOfCells", cells), ("NumberOfConnectivityIds", entries)]
+    {
         write_numbers(&group, name, &[1], &[count as i64], &label("1", "count", &["piece"]))?;
     }
+    // Only one array lives beside the grid at a time.
     let points: Vec<f64> = grid.points.iter().flat_map(|&[x, y]| [x, y, 0.0]).collect();
-    let types = [vec![LINE; grid.lines.len()], vec![TRIANGLE; grid.triangles.len()]].concat();
     write_numbers(&group, "Points", &[grid.points.len(), 3], &points, &label("length", "points", &["point", "xyz"]))?;
-    write_numbers(&group, "Connectivity", &[connectivity.len()], &connectivity, &label("1", "points", &["entry"]))?;
-    write_numbers(&group, "Offsets", &[offsets.len()], &offsets, &label("1", "start of each cell", &["cell"]))?;
+    drop(points);
+    let connectivity: Vec<i64> = ids().map(|&i| i as i64).collect();
+    write_numbers(&group, "Connectivity", &[entries], &connectivity, &label("1", "points", &["entry"]))?;
+    drop(connectivity);
+    let each = |of: [i64; 3]| of.into_iter().zip(counts).flat_map(|(value, count)| std::iter::repeat_n(value, count));
+    let starts = each([2, 3, 4]).scan(0, |end, corners| {
+        *end += corners;
+        Some(*end)
+    });
+    let offsets: Vec<i64> = std::iter::once(0).chain(starts).collect();
+    write_numbers(&group, "Offsets", &[cells + 1], &offsets, &label("1", "start of each cell", &["cell"]))?;
+    drop(offsets);
+    let types = [vec![LINE; counts[0]], vec![TRIANGLE; counts[1]], vec![QUAD; counts[2]]].concat();
     write_numbers(&group, "Types", &[cells], &types, &label("1", "cell type of VTK", &["cell"]))?;
 
     let data = create_group(&group, "PointData")?;
@@ -82,7 +95,7 @@ pub fn write(file: &File, grid: &Grid) -> Result<(), IoError> {
         write_field(&data, field, grid.points.len(), "point")?;
     }
     let data = create_group(&group, "CellData")?;
-    let part: Vec<i64> = types.iter().map(|&t| i64::from(t == TRIANGLE)).collect();
+    let part: Vec<i64> = each([0, 1, 1]).collect();
     write_numbers(&data, PART, &[cells], &part, &label("1", "0 boundary, 1 body", &["cell"]))?;
     for field in &grid.cell_data {
         write_field(&data, field, cells, "cell")?;
@@ -131,20 +144,33 @@ pub fn read(file: &File) -> Result<Grid, IoError> {
     if offsets.len() != types.len() + 1 || offsets[0] != 0 || offsets[types.len()] != connectivity.len() as i64 {
         return Err(invalid(&group, "Offsets", "it does not fit Types and Connectivity"));
     }
+    let points = grid.points.len();
     for (cell, (ends, &kind)) in offsets.windows(2).zip(&types).enumerate() {
-        let points = (usize::try_from(ends[0]).ok().zip(usize::try_from(ends[1]).ok()))
+        let ids = (usize::try_from(ends[0]).ok().zip(usize::try_from(ends[1]).ok()))
             .and_then(|(a, b)| connectivity.get(a..b))
-            .map(|ids| ids.iter().filter_map(|&i| usize::try_from(i).ok().filter(|&i| i < grid.points.len())));
-        let points: Vec<usize> = points.into_iter().flatten().collect();
-        match (kind, &points[..]) {
-            (LINE, &[a, b]) if grid.triangles.is_empty() => grid.lines.push([a, b]),
-            (TRIANGLE, &[a, b, c]) => grid.triangles.push([a, b, c]),
-            _ => return Err(invalid(&group, "Connectivity", format!("cell {cell} is no line or triangle of points"))),
+            .unwrap_or_default();
+        let body = (grid.triangles.is_empty(), grid.quads.is_empty());
+        let known = match (kind, body) {
+            (LINE, (true, true)) => corners(ids, points).map(|c| grid.lines.push(c)),
+            (TRIANGLE, (_, true)) => corners(ids, points).map(|c| grid.triangles.push(c)),
+            (QUAD, _) => corners(ids, points).map(|c| grid.quads.push(c)),
+            _ => None,
+        };
+        if known.is_none() {
+            let why = format!("cell {cell} is no line, triangle or quadrilateral of points, in this order");
+            return Err(invalid(&group, "Connectivity", why));
         }
     }
     grid.point_data = read_fields(&open_group(&group, "PointData")?, grid.points.len())?;
     grid.cell_data = read_fields(&open_group(&group, "CellData")?, types.len())?;
     Ok(grid)
+}
+
+/// The corners of a cell, if it has N and all are points of the grid.
+fn corners<const N: usize>(ids: &[i64], points: usize) -> Option<[usize; N]> {
+    let ids = <[i64; N]>::try_from(ids).ok()?;
+    let known = ids.iter().all(|&i| usize::try_from(i).is_ok_and(|i| i < points));
+    known.then(|| ids.map(|i| i as usize))
 }
 
 fn read_fields(at: &Group, entities: usize) -> Result<Vec<Field>, IoError> {

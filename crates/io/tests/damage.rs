@@ -38,8 +38,9 @@ fn write(path: &Path) {
                 points: vec![[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]],
                 lines: vec![[0, 1], [1, 2]],
                 triangles: vec![[0, 1, 2]],
+                quads: vec![[0, 1, 2, 2]],
                 point_data: vec![field(3, 3)],
-                cell_data: vec![field(1, 3)],
+                cell_data: vec![field(1, 4)],
             },
         )
     })

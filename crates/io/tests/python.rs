@@ -21,6 +21,14 @@ fn h5py_and_vtk_read_what_was_written() {
         components,
         values: (0..components * n).map(|i| i as f64 / 8.0).collect(),
     };
+    let grid = vtkhdf::Grid {
+        points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [2.0, 0.0], [2.0, 1.0]],
+        lines: vec![[0, 1], [1, 2], [2, 3], [3, 0]],
+        triangles: vec![[0, 1, 2], [0, 2, 3]],
+        quads: vec![[1, 4, 5, 2]],
+        point_data: vec![field("displacement", 3, 6), field("temperature", 1, 6)],
+        cell_data: vec![field("von Mises", 1, 7)],
+    };
     create_atomically(&path, false, |f| {
         write_text_attribute(f, "program_version", "0.1.0")?;
         write_integer_attribute(f, "threads", &[2])?;
@@ -34,27 +42,27 @@ fn h5py_and_vtk_read_what_was_written() {
         save_dense(&g, "dense", Mat::from_fn(4, 3, |i, j| (10 * i + j) as f64).as_ref(), &table)?;
         save_dense(&g, "no_rows", Mat::zeros(0, 3).as_ref(), &table)?;
         save_sparse(&g, "sparse", &sparse(5, 4), &table)?;
-        vtkhdf::write(
-            f,
-            &vtkhdf::Grid {
-                points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
-                lines: vec![[0, 1], [1, 2], [2, 3], [3, 0]],
-                triangles: vec![[0, 1, 2], [0, 2, 3]],
-                point_data: vec![field("displacement", 3, 4), field("temperature", 1, 4)],
-                cell_data: vec![field("von Mises", 1, 6)],
-            },
-        )
+        vtkhdf::write(f, &grid)
     })
     .unwrap();
+    assert_eq!(vtkhdf::read(&steklov_io::open(&path).unwrap()).unwrap(), grid);
     python("read_back.py", &path);
 }
 
-/// A grid without a body, and one without anything, open too.
+/// A grid without a body, one without anything, and n × n quadrilaterals over more than one chunk of each array open too.
 #[test]
-fn vtk_reads_grids_without_triangles_and_without_cells() {
-    for (points, lines) in [(vec![[0.0, 0.0], [1.0, 2.0]], vec![[0, 1]]), (vec![], vec![])] {
+fn vtk_reads_grids_of_one_kind_of_cell_and_without_cells() {
+    let line = vtkhdf::Grid { points: vec![[0.0, 0.0], [1.0, 2.0]], lines: vec![[0, 1]], ..vtkhdf::Grid::default() };
+    let n = 400;
+    let lattice = (0..(n + 1) * (n + 1)).map(|p| [(p % (n + 1)) as f64 / 8.0, (p / (n + 1)) as f64]);
+    let first = (0..n * n).map(|c| c / n * (n + 1) + c % n);
+    let square = vtkhdf::Grid {
+        points: lattice.collect(),
+        quads: first.map(|p| [p, p + 1, p + n + 2, p + n + 1]).collect(),
+        ..vtkhdf::Grid::default()
+    };
+    for grid in [line, vtkhdf::Grid::default(), square] {
         let (_folder, path) = place();
-        let grid = vtkhdf::Grid { points, lines, ..vtkhdf::Grid::default() };
         create_atomically(&path, false, |f| vtkhdf::write(f, &grid)).unwrap();
         assert_eq!(vtkhdf::read(&steklov_io::open(&path).unwrap()).unwrap(), grid);
         python("open_grid.py", &path);
@@ -67,6 +75,7 @@ fn a_grid_that_does_not_fit_is_refused() {
     let field = vtkhdf::Field { name: "f".into(), unit: "1".into(), components: 1, values: vec![1.0; 2] };
     let cases = [
         (vtkhdf::Grid { triangles: vec![[0, 1, 3]], ..grid.clone() }, "point 3 of 3"),
+        (vtkhdf::Grid { quads: vec![[0, 1, 2, 3]], ..grid.clone() }, "point 3 of 3"),
         (vtkhdf::Grid { lines: vec![[3, 0]], ..grid.clone() }, "point 3 of 3"),
         (vtkhdf::Grid { point_data: vec![field.clone()], ..grid.clone() }, "2 values for 3"),
         (

@@ -56,12 +56,13 @@ reader.SetFileName(path)
 reader.Update()
 grid = reader.GetOutputDataObject(0)
 assert grid.GetClassName() == "vtkUnstructuredGrid"
-assert np.array_equal(vtk_to_numpy(grid.GetPoints().GetData()), [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]])
-cells = [[grid.GetCell(c).GetPointId(k) for k in range(grid.GetCell(c).GetNumberOfPoints())] for c in range(6)]
-assert cells == [[0, 1], [1, 2], [2, 3], [3, 0], [0, 1, 2], [0, 2, 3]], cells
-assert [grid.GetCellType(c) for c in range(6)] == [3, 3, 3, 3, 5, 5]
+points = vtk_to_numpy(grid.GetPoints().GetData())
+assert np.array_equal(points, [[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0], [2, 0, 0], [2, 1, 0]])
+cells = [[grid.GetCell(c).GetPointId(k) for k in range(grid.GetCell(c).GetNumberOfPoints())] for c in range(7)]
+assert cells == [[0, 1], [1, 2], [2, 3], [3, 0], [0, 1, 2], [0, 2, 3], [1, 4, 5, 2]], cells
+assert [grid.GetCellType(c) for c in range(7)] == [3, 3, 3, 3, 5, 5, 9]
 displacement = vtk_to_numpy(grid.GetPointData().GetArray("displacement"))
-assert np.array_equal(displacement, np.arange(12.0).reshape(4, 3) / 8)
-assert np.array_equal(vtk_to_numpy(grid.GetPointData().GetArray("temperature")), np.arange(4.0) / 8)
-assert list(vtk_to_numpy(grid.GetCellData().GetArray("part"))) == [0, 0, 0, 0, 1, 1]
-assert np.array_equal(vtk_to_numpy(grid.GetCellData().GetArray("von Mises")), np.arange(6.0) / 8)
+assert np.array_equal(displacement, np.arange(18.0).reshape(6, 3) / 8)
+assert np.array_equal(vtk_to_numpy(grid.GetPointData().GetArray("temperature")), np.arange(6.0) / 8)
+assert list(vtk_to_numpy(grid.GetCellData().GetArray("part"))) == [0, 0, 0, 0, 1, 1, 1]
+assert np.array_equal(vtk_to_numpy(grid.GetCellData().GetArray("von Mises")), np.arange(7.0) / 8)
