@@ -3,7 +3,7 @@
 use super::axes::{Axes, BELOW, LABEL_TEXT, TICK_TEXT};
 use super::bands::{BANDS, bands, colour, interval};
 use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, WIDTH, clip, text_width, wrap};
-use super::scale::{exaggeration, short, ticks};
+use super::scale::{Ticks, exaggeration, short, ticks};
 use super::{Picture, PictureError};
 use kuva::render::render::TextAnchor;
 
@@ -220,6 +220,14 @@ pub(super) fn hatched(canvas: &mut Canvas, pieces: &[Vec<[f64; 2]>], frame: Rect
 pub(super) fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2], title: &str) {
     let height = frame.height.min(400.0);
     let bar = Rect { left: frame.right() + 26.0, top: frame.top + (frame.height - height) / 2.0, width: 18.0, height };
+    let marks = ticks(low, high, (height / 40.0) as usize);
+    let right = colours(canvas, bar, [low, high], &marks);
+    canvas.text_upwards([right + 20.0, bar.top + height / 2.0], &marks.title(title), LABEL_TEXT);
+}
+
+/// The colours from the bottom to the top of a box, and ticks at its right; gives where their labels end.
+pub(super) fn colours(canvas: &mut Canvas, bar: Rect, [low, high]: [f64; 2], marks: &Ticks) -> f64 {
+    let height = bar.height;
     for k in 0..BANDS {
         let step = height / BANDS as f64;
         let (bottom, top) = (bar.bottom() - k as f64 * step, bar.bottom() - (k + 1) as f64 * step);
@@ -228,7 +236,6 @@ pub(super) fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2]
     let (l, r, t, b) = (bar.left, bar.right(), bar.top, bar.bottom());
     let pen = Pen::solid(BLACK, 1.0);
     canvas.lines(&[vec![[l, t], [r, t], [r, b], [l, b], [l, t]]], &pen);
-    let marks = ticks(low, high, (height / 40.0) as usize);
     let mut widest: f64 = 0.0;
     for (v, label) in marks.values.iter().zip(&marks.labels) {
         let y = b - (v - low) / (high - low) * height;
@@ -236,7 +243,7 @@ pub(super) fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2]
         canvas.text([r + 8.0, y + 4.5], label, TICK_TEXT, TextAnchor::Start);
         widest = widest.max(text_width(label, TICK_TEXT));
     }
-    canvas.text_upwards([r + widest + 28.0, t + height / 2.0], &marks.title(title), LABEL_TEXT);
+    r + 8.0 + widest
 }
 
 /// What the lines mean, in a row centred on a point.

@@ -1,5 +1,6 @@
 //! The list of shapes of a picture: thin words over kuva's scene, which both the SVG and the PNG are made from.
 
+use super::raster::Raster;
 use super::{Picture, PictureError};
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
@@ -11,7 +12,7 @@ use std::fmt::Write as _;
 pub(super) const WIDTH: f64 = 900.0;
 
 /// Pixels of the PNG to a unit of the frame.
-const PIXELS: f32 = 2.0;
+pub(super) const PIXELS: f64 = 2.0;
 
 pub(super) const BLACK: Color = Color::Rgb(20, 20, 20);
 pub(super) const GREY: Color = Color::Rgb(110, 110, 110);
@@ -56,13 +57,15 @@ impl Pen {
 
 pub(super) struct Canvas {
     scene: Scene,
+    /// Elements of the SVG that stand for the rectangles of a raster, with their places among the shapes.
+    images: Vec<(usize, String)>,
 }
 
 impl Canvas {
     pub fn new(height: f64) -> Self {
         let mut scene = Scene::new(WIDTH, height.ceil());
         scene.font_family = Some("sans-serif".to_owned());
-        Self { scene }
+        Self { scene, images: Vec::new() }
     }
 
     /// Open polylines drawn as one shape; dashes run on over their corners.
@@ -117,10 +120,28 @@ impl Canvas {
         self.scene.add(Primitive::Text { x, y, content, size, anchor, rotate, bold: false, color: Some(BLACK) });
     }
 
-    pub fn finish(self) -> Result<Picture, PictureError> {
-        let png = RasterBackend::new().with_scale(PIXELS).render_scene(&self.scene).map_err(PictureError::Raster)?;
+    /// Pixels in a frame of their size, whose corner lies on one of the picture's own.
+    pub fn raster(&mut self, frame: Rect, raster: &Raster) -> Result<(), PictureError> {
+        let (rectangles, element) = raster.drawn(frame)?;
+        self.images.push((self.scene.elements.len(), element));
+        self.scene.add(rectangles);
+        Ok(())
+    }
+
+    pub fn finish(mut self) -> Result<Picture, PictureError> {
+        let png =
+            RasterBackend::new().with_scale(PIXELS as f32).render_scene(&self.scene).map_err(PictureError::Raster)?;
+        for (k, (place, _)) in self.images.iter().enumerate().rev() {
+            let extra_attrs = Some(format!("id=\"raster-{k}\""));
+            let group = Primitive::GroupStart { transform: None, title: None, extra_attrs };
+            self.scene.elements.splice(place..=place, [group, Primitive::GroupEnd]);
+        }
         let view_box = format!("<svg viewBox=\"0 0 {WIDTH} {}\" ", self.scene.height);
-        let svg = SvgBackend::new().with_pretty(true).render_scene(&self.scene).replacen("<svg ", &view_box, 1);
+        let mut svg = SvgBackend::new().with_pretty(true).render_scene(&self.scene).replacen("<svg ", &view_box, 1);
+        for (k, (_, element)) in self.images.iter().enumerate() {
+            let group = format!("<g id=\"raster-{k}\">");
+            svg = svg.replacen(&group, &format!("{group}\n{element}"), 1);
+        }
         Ok(Picture { svg, png })
     }
 }

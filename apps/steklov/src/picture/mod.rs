@@ -7,22 +7,28 @@
 mod axes;
 mod bands;
 mod bars;
+mod basis;
 mod body;
 mod canvas;
+mod cells;
 mod chart;
 mod contact;
+mod fields;
 mod graph;
 mod guides;
 mod markers;
 mod mesh;
 mod panels;
+mod raster;
 mod scale;
 mod spread;
 mod strips;
 mod tiles;
 
 pub use bars::{BarGroup, bars};
+pub use basis::{BasisFunction, basis};
 pub use body::{Body, Obstacle, body};
+pub use cells::{CellField, cell_fields};
 pub use chart::{Axis, Band, Chart, Curve, Guide, Series, chart};
 pub use contact::{ContactSide, contact};
 pub use graph::Scale;

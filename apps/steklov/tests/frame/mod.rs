@@ -23,14 +23,16 @@ pub fn check(name: &str, picture: &Picture) {
 /// The same for a picture that may be as high as `highest`.
 pub fn check_up_to(name: &str, picture: &Picture, highest: f64) {
     let svg = &picture.svg;
-    assert!(!svg.contains("NaN") && !svg.contains("inf"), "{name}");
+    // embedded pixels are letters at random
+    let drawn = svg.lines().filter(|line| !line.contains("base64,"));
+    assert!(drawn.clone().all(|line| !line.contains("NaN") && !line.contains("inf")), "{name}");
     let attribute = |line: &str, key: &str| -> Option<f64> {
         let rest = line.split(&format!(" {key}=\"")).nth(1)?;
         rest.split('"').next()?.parse().ok()
     };
     let height = attribute(svg.lines().next().unwrap(), "height").unwrap();
     assert!((200.0..highest).contains(&height), "{name}: height {height}");
-    for line in svg.lines() {
+    for line in drawn {
         if let Some(path) = line.split(" d=\"").nth(1).or(line.split("<path d=\"").nth(1)) {
             let numbers = path.split('"').next().unwrap().split(['M', 'L', 'Z', ' ']).filter(|s| !s.is_empty());
             let numbers: Vec<f64> = numbers.map(|s| s.parse().unwrap()).collect();

@@ -1,0 +1,216 @@
+//! Coloured rectangles of the plane in rows and columns: what pictures of cells and of basis functions share.
+
+use super::axes::{Axes, BELOW, TICK_TEXT};
+use super::bands::interval;
+use super::body::{Bounds, SUBTITLE_TEXT, TITLE_LINE, TITLE_TEXT, colours};
+use super::canvas::{BLACK, Canvas, PIXELS, Pen, Rect, WIDTH, clip, text_width, wrap};
+use super::raster::Raster;
+use super::scale::{Ticks, ticks};
+use super::{Picture, PictureError};
+use kuva::render::color::Color;
+use kuva::render::render::TextAnchor;
+use std::ops::RangeInclusive;
+
+/// Height that all rows together may take, and the largest side of a frame.
+const ROWS: f64 = 1150.0;
+const LARGEST: f64 = 620.0;
+
+/// Smallest width and height of a frame, so that its ticks have room beside a very flat or tall body.
+const SMALLEST: [f64; 2] = [90.0, 64.0];
+
+/// Space right of a frame for a colour bar, and without one.
+const COLOURS: f64 = 110.0;
+const RIGHT: f64 = 22.0;
+
+/// Height of a line of a caption, and space between two rows.
+const LINE: f64 = 17.0;
+const BETWEEN: f64 = 20.0;
+
+/// Overlaid rectangles are left out where a side is shorter than this.
+const SHORTEST: f64 = 3.0;
+
+/// A body thinner than this has no outline, which would hide it.
+const THIN: f64 = 5.0;
+
+const WHITE: Color = Color::Rgb(255, 255, 255);
+
+/// One coloured rectangle.
+pub(super) struct FieldPanel<'a> {
+    /// What stands above, before the label of the colours.
+    pub caption: &'a str,
+    /// What the colours mean.
+    pub label: &'a str,
+    /// The rectangle.
+    pub bounds: Bounds,
+    /// Values of the outer colours.
+    pub ends: [f64; 2],
+    /// Its pixels for a number of them along x and y and the values of the outer colours.
+    pub pixels: Box<dyn Fn([usize; 2], [f64; 2]) -> Raster + 'a>,
+    /// Rectangles over it: lower left and upper right corners.
+    pub overlay: &'a [[[f64; 2]; 2]],
+}
+
+/// Ends of the colours of values of either sign: as [`interval`], from the smallest to zero or above where one is negative.
+pub(super) fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for v in values.filter(|v| v.is_finite()) {
+        (low, high) = (low.min(v), high.max(v));
+    }
+    if low < 0.0 { [low, high.max(0.0)] } else { interval(&[low, high]) }
+}
+
+/// Draws panels of one part of the plane row by row, in as many of the given columns as draw them largest. With `shared` all
+/// have the same colours, named once.
+pub(super) fn field_panels(
+    title: &str,
+    panels: &[FieldPanel<'_>],
+    columns: RangeInclusive<usize>,
+    shared: bool,
+) -> Result<Picture, PictureError> {
+    let title = wrap(title, TITLE_TEXT, WIDTH - 40.0, 3);
+    let view = Bounds::of(panels.iter().flat_map(|p| [&p.bounds.low, &p.bounds.high]));
+    let common = ends(panels.iter().flat_map(|p| p.ends));
+    let plan = Plan::new(&view, panels.len(), columns, shared);
+    let captions: Vec<Vec<String>> = panels.iter().map(|p| plan.caption(p, shared)).collect();
+    let head = LINE * captions.iter().map(Vec::len).max().unwrap_or(0) as f64 + 8.0;
+    let first = 22.0 + TITLE_LINE * title.len() as f64 + if shared { 26.0 } else { 0.0 } + head;
+    let step = plan.frame[1] + head + BETWEEN;
+    let last = first + step * panels.len().div_ceil(plan.columns).max(1) as f64 - head - BETWEEN;
+
+    let mut canvas = Canvas::new((last + BELOW + 12.0).max(200.0));
+    for (i, line) in title.iter().enumerate() {
+        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
+    }
+    if shared && let Some(panel) = panels.first() {
+        let bar = Rect { left: WIDTH - 92.0, top: first, width: 18.0, height: (last - first).min(400.0) };
+        let bar = Rect { top: first + (last - first - bar.height) / 2.0, ..bar };
+        let marks = ticks(common[0], common[1], marks_of(bar.height));
+        colours(&mut canvas, bar, common, &marks);
+        let named = with_power(&format!("colours: {}", panel.label), &marks, SUBTITLE_TEXT, WIDTH - 40.0, 1).concat();
+        canvas.text([WIDTH / 2.0, first - head - 8.0], &named, SUBTITLE_TEXT, TextAnchor::Middle);
+    }
+    for (k, (panel, caption)) in panels.iter().zip(&captions).enumerate() {
+        let axes = plan.axes(&view, k, first.round() + step.round() * (k / plan.columns) as f64);
+        let f = axes.frame;
+        let colour_ends = if shared { common } else { panel.ends };
+        paint(&mut canvas, &axes, panel, &plan, colour_ends)?;
+        let x_title = (k + plan.columns >= panels.len()).then_some("x");
+        axes.draw(&mut canvas, x_title, "y", axes.left_margin(), false);
+        for (i, line) in caption.iter().enumerate() {
+            let y = f.top - 8.0 - LINE * (caption.len() - 1 - i) as f64;
+            canvas.text([f.left, y], line, TICK_TEXT, TextAnchor::Start);
+        }
+        if !shared {
+            let bar = Rect { left: f.right() + 20.0, width: 18.0, ..f };
+            colours(&mut canvas, bar, colour_ends, &ticks(colour_ends[0], colour_ends[1], marks_of(f.height)));
+        }
+    }
+    canvas.finish()
+}
+
+/// Ticks at most of a colour bar.
+fn marks_of(height: f64) -> usize {
+    (height / 28.0).clamp(3.0, 10.0) as usize
+}
+
+/// A text in at most `lines` lines, with the power of ten of the ticks, which is kept however long the text is.
+fn with_power(text: &str, marks: &Ticks, size: u32, width: f64, lines: usize) -> Vec<String> {
+    let power = marks.title("");
+    let mut result = wrap(text, size, width - text_width(&power, size), lines);
+    if let Some(last) = result.last_mut() {
+        last.push_str(&power);
+    }
+    result
+}
+
+/// The pixels of a panel, its outline and the rectangles over it.
+fn paint(
+    canvas: &mut Canvas,
+    axes: &Axes,
+    panel: &FieldPanel<'_>,
+    plan: &Plan,
+    ends: [f64; 2],
+) -> Result<(), PictureError> {
+    let Bounds { low, high } = panel.bounds;
+    let corner = axes.at([low[0], high[1]]).map(|p| (PIXELS * p).round() / PIXELS);
+    let size = [0, 1].map(|i| (((high[i] - low[i]) / plan.pixel[i]).round() as usize).max(1));
+    let raster = (panel.pixels)(size, ends);
+    let [width, height] = size.map(|n| n as f64 / PIXELS);
+    canvas.raster(Rect { left: corner[0], top: corner[1], width, height }, &raster)?;
+    if width.min(height) >= THIN {
+        canvas.lines(&raster.outline(corner), &Pen::solid(BLACK, 1.0));
+    }
+    let mut lines = Vec::new();
+    for [a, b] in panel.overlay {
+        let ([l, b], [r, t]) = (axes.at(*a), axes.at(*b));
+        if r - l >= SHORTEST && b - t >= SHORTEST {
+            lines.extend(clip(&[[l, b], [r, b], [r, t], [l, t], [l, b]], axes.frame));
+        }
+    }
+    // dark on a light ground, which is seen on every colour
+    canvas.lines(&lines, &Pen::solid(WHITE, 1.8));
+    canvas.lines(&lines, &Pen::solid(BLACK, 0.7));
+    Ok(())
+}
+
+/// Sizes that all panels share.
+struct Plan {
+    columns: usize,
+    /// Space for tick labels left of a frame, space between the left ends of two columns.
+    left: f64,
+    stride: f64,
+    right: f64,
+    /// Sides of the frames, and of a pixel in the units of the plane.
+    frame: [f64; 2],
+    pixel: [f64; 2],
+    /// Pixels of the part of the plane.
+    pixels: [usize; 2],
+}
+
+impl Plan {
+    fn new(view: &Bounds, panels: usize, columns: RangeInclusive<usize>, shared: bool) -> Self {
+        let extent = [0, 1].map(|i| view.high[i] - view.low[i]);
+        let tall = Rect { left: 0.0, top: 0.0, width: LARGEST, height: LARGEST };
+        let left = Axes { frame: tall, x: [view.low[0], view.high[0]], y: [view.low[1], view.high[1]] }.left_margin();
+        let (right, bar) = if shared { (RIGHT, COLOURS) } else { (COLOURS, 0.0) };
+        let mut best: Option<(f64, usize, f64)> = None;
+        for columns in columns {
+            let stride = (WIDTH - 16.0 - bar) / columns as f64;
+            let width = (stride - left - right).clamp(SMALLEST[0], LARGEST);
+            let row = (ROWS - BELOW) / panels.div_ceil(columns).max(1) as f64 - BETWEEN - 2.0 * LINE;
+            let scale = (width / extent[0]).min(row.clamp(SMALLEST[1], LARGEST) / extent[1]);
+            let fits = stride - left - right >= SMALLEST[0];
+            if best.is_none_or(|b| fits && scale > b.0 * (1.0 + 1e-9)) {
+                best = Some((scale, columns, stride));
+            }
+        }
+        let (scale, columns, stride) = best.unwrap_or((1.0, 1, WIDTH));
+        let pixels = extent.map(|e| ((PIXELS * scale * e).round() as usize).max(1));
+        let frame = [0, 1].map(|i| (pixels[i] as f64 / PIXELS).max(SMALLEST[i]));
+        let pixel = [0, 1].map(|i| extent[i] / pixels[i] as f64);
+        Self { columns, left, stride, right, frame, pixel, pixels }
+    }
+
+    fn caption(&self, panel: &FieldPanel<'_>, shared: bool) -> Vec<String> {
+        let FieldPanel { caption, label, ends, .. } = panel;
+        let room = self.stride - self.left - 4.0;
+        if shared {
+            return wrap(caption, TICK_TEXT, room, 3);
+        }
+        let text = if caption.is_empty() { (*label).to_owned() } else { format!("{caption}: {label}") };
+        with_power(&text, &ticks(ends[0], ends[1], marks_of(self.frame[1])), TICK_TEXT, room, 3)
+    }
+
+    /// Frame and intervals of panel k, so that the corners of the part of the plane lie on pixels of the picture.
+    fn axes(&self, view: &Bounds, k: usize, top: f64) -> Axes {
+        let [width, height] = self.frame;
+        let spare = (self.stride - self.left - self.right - width).max(0.0);
+        let left = 8.0 + (k % self.columns) as f64 * self.stride + self.left + spare / 2.0;
+        let ends = |i: usize| {
+            let blank = ((PIXELS * self.frame[i]) as usize - self.pixels[i]) / 2;
+            let low = view.low[i] - blank as f64 * self.pixel[i];
+            [low, low + PIXELS * self.frame[i] * self.pixel[i]]
+        };
+        Axes { frame: Rect { left: left.round(), top, width, height }, x: ends(0), y: ends(1) }
+    }
+}
