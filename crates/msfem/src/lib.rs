@@ -12,6 +12,7 @@ mod basis;
 mod coarse_mesh;
 mod multiscale;
 mod elimination;
+mod indicators;
 
 pub use basis::{Basis, CellBasis};
 pub use coarse_mesh::{CoarseCell, CoarseMesh, Hanging};
@@ -19,6 +20,7 @@ pub use elasticity::{Elasticity, Plane};
 pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;
 pub use grid::Grid;
+pub use indicators::{Indicators, nodal_indicators};
 pub use load::Loads;
 pub use medium::Medium;
 pub use multiscale::{CoarseSystem, Extra, Multiscale};

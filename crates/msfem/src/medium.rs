@@ -51,7 +51,7 @@ impl Medium {
     }
 
     /// The cells around a node with its local number in each: left below, right below, right above, left above.
-    fn around(&self, node: usize) -> [Option<(usize, usize)>; 4] {
+    pub(crate) fn around(&self, node: usize) -> [Option<(usize, usize)>; 4] {
         let [i, j] = self.grid.lattice(node);
         let [nx, ny] = self.grid.cells;
         let cell = |left: bool, below: bool, local: usize| {

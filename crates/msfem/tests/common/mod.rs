@@ -147,6 +147,19 @@ pub fn bar_moduli(random: bool, parts: usize) -> Vec<f64> {
     (0..192 * parts * ny).map(young).collect()
 }
 
+/// The plate 2 × 1 with the masks of the reference file.
+pub fn plate(name: &str, contrast: f64) -> Cantilever {
+    let inside = |i: usize, j: usize| (4..12).contains(&(i % 16)) && (4..12).contains(&(j % 16));
+    let mask = |i: usize, j: usize| match name {
+        "inside" => inside(i, j),
+        "crossing" => inside(i + 8, j + 8),
+        "channel" => (5..9).contains(&(j % 16)) && (6..122).contains(&i),
+        other => panic!("{other}"),
+    };
+    let young = |c: usize| if mask(c / 64, c % 64) { contrast } else { 1.0 };
+    Cantilever::new([2.0, 1.0], [128, 64], (0..128 * 64).map(young).collect())
+}
+
 /// The meshes of the bar: name and fine cells a coarse cell.
 pub const MESHES: [(&str, usize); 4] = [("12x2", 16), ("24x4", 8), ("48x8", 4), ("96x16", 2)];
 
