@@ -83,7 +83,7 @@ pub(crate) fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result
             let (near, on) = nearest((low, size), cells, a);
             if !on || near == nearest((low, size), cells, b).0 {
                 let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
-                let point = [0, 1].map(|k| low[k] + spacing[k] * near[k]);
+                let point = [0, 1].map(|k| low[k] + size[k] * near[k] / cells[k] as f64);
                 let message = format!(
                     "the corner ({}, {}) is no point of the {name} grid: the nearest one is ({}, {}), the spacing is {} by {}",
                     a[0], a[1], point[0], point[1], spacing[0], spacing[1]
