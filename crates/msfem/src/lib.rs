@@ -13,6 +13,7 @@ mod coarse_mesh;
 mod multiscale;
 mod elimination;
 mod indicators;
+mod refinement;
 
 pub use basis::{Basis, CellBasis};
 pub use coarse_mesh::{CoarseCell, CoarseMesh, Hanging};
@@ -24,3 +25,4 @@ pub use indicators::{Indicators, nodal_indicators};
 pub use load::Loads;
 pub use medium::Medium;
 pub use multiscale::{CoarseSystem, Extra, Multiscale};
+pub use refinement::{mark, refine};

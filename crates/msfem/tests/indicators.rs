@@ -82,7 +82,6 @@ fn the_fine_solution_has_no_nodal_residual() {
 
 #[test]
 fn bubbles_leave_no_residual_inside() {
-    // Σ r over the nodes inside of coarse cells is all that bubbles take away
     let problem = Cantilever::with_weight([6.0, 1.0], [192, 32], bar_moduli(true, 1));
     let solve = |bubbles| {
         let solved = problem.multiscale([16; 2], Basis::Coupled, bubbles);
