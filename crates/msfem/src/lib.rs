@@ -14,9 +14,11 @@ mod multiscale;
 mod elimination;
 mod indicators;
 mod refinement;
+mod contrast;
 
 pub use basis::{Basis, CellBasis};
 pub use coarse_mesh::{CoarseCell, CoarseMesh, Hanging};
+pub use contrast::{CrossingContrast, crossing_contrast};
 pub use elasticity::{Elasticity, Plane};
 pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;

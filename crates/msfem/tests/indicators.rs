@@ -68,6 +68,26 @@ fn high_contrast_has_the_published_effectivities() {
 }
 
 #[test]
+fn contrast_misleads_only_where_it_crosses_edges() {
+    let effectivities = |mask: &str, contrast: f64| {
+        let problem = plate(mask, contrast);
+        let fine = problem.fine();
+        let solved = problem.multiscale([16; 2], Basis::Coupled, false);
+        let error = problem.errors(&solved, &fine)[0] * problem.medium.energy(&fine, &fine).sqrt();
+        estimates(&problem, &solved).map(|estimate| estimate / error)
+    };
+    for power in 1..=6 {
+        let [jump, nodal] = effectivities("inside", 10.0_f64.powi(power));
+        assert!((1.0..2.0).contains(&jump) && (1.5..3.0).contains(&nodal), "contrast 1e{power}: {jump}, {nodal}");
+    }
+    // where stiff parts cross, the field is nearly rigid: its residual is the load, whatever the error
+    let crossing: Vec<[f64; 2]> = (1..=6).map(|power| effectivities("crossing", 10.0_f64.powi(power))).collect();
+    assert!(crossing.windows(2).all(|c| c[1][0] < c[0][0] && c[1][1] < c[0][1]), "{crossing:?}");
+    assert!(crossing[0].iter().all(|e| *e > 1.0) && crossing[2].iter().all(|e| *e < 0.5), "{crossing:?}");
+    assert!(crossing[5].iter().all(|e| *e < 0.1), "{crossing:?}");
+}
+
+#[test]
 fn the_fine_solution_has_no_nodal_residual() {
     let problem = Cantilever::with_weight([6.0, 1.0], [192, 32], bar_moduli(false, 1));
     let (fine, held) = (problem.fine(), held(&problem));
