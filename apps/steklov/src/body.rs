@@ -83,8 +83,8 @@ impl Given {
         candidates: &[RigidMotion],
     ) -> Result<Vec<RigidMotion>, SolveError> {
         match &self.boundary {
-            None => balanced(space, &self.load, candidates),
-            Some(boundary) => Ok(resisted_motions(candidates, &edges(boundary), |r| work(space, &self.load, r))?),
+            None => balanced(&space.points, &self.load, candidates),
+            Some(boundary) => Ok(resisted_motions(candidates, &edges(boundary), |r| work(&space.points, &self.load, r))?),
         }
     }
 }
@@ -137,11 +137,12 @@ impl Body {
                 let body = CondensedBody {
                     mesh,
                     space,
-                    condensation,
-                    load: &load,
-                    condensed: &condensed,
-                    free: &self.free,
                     stiffness: &self.stiffness,
+                    load: &condensed.kept,
+                    expand: &|v| condensation.expand(&condensed, v),
+                    largest_diagonal: condensation.largest_diagonal(),
+                    driven: &|motion| work(&space.points, &load, motion),
+                    free: &self.free,
                     judged,
                 };
                 let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;

@@ -18,14 +18,15 @@ use self::bar::Bar;
 use self::output::{appeared, check_output};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs, too_many_points};
+use crate::grid::{FAILING, GridProgress, run_grid};
 use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, Plan, plan};
 use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
-use crate::scene::{Scene, TEMPLATE};
+use crate::scene::{Model, Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::stochastic::{self, End, StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
-use crate::summary::{Summary, peak_memory_bytes};
+use crate::summary::{GridSummary, Summary, peak_memory_bytes};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
 const WRONG: u8 = 1;
@@ -185,39 +186,11 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
     let old = old_result(&out, args.resume)?;
-    let stored = old.as_ref().map_or(Ok(Vec::new()), |old| store::read_steps(old, &scene))?;
-    let held = stored.len();
-    let first = Progress::before_last(stored).unwrap_or_else(|| Progress::first(&scene));
-    let record = create_atomically(&out, args.force || args.resume, |file| -> Result<Record, SolveError> {
-        if let Some(old) = &old {
-            // those of the last step are made anew if they are wanted
-            store::copy_matrices(old, file, if args.save.is_some() { first.steps.len() } else { held })?;
-        }
-        let queue = store::StepQueue::new(file);
-        let record = rayon::scope_fifo(|scope| {
-            let put = |step: &Step| {
-                queue.push(step.clone());
-                // the stages that are saved go into the file in between: equal content has to give equal bytes
-                if args.save.is_some() { queue.write_next() } else { scope.spawn_fifo(|_| queue.write_next()) }
-            };
-            first.steps.iter().for_each(put);
-            let run = run(&scene, first, &interrupts, &mut |number, stage| {
-                bar.show(number, &stage);
-                if let Stage::Step { step, .. } = stage {
-                    put(step);
-                }
-                if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
-            })?;
-            let (run, stochastic) = all_outcomes(&scene, run, &interrupts, &bar)?;
-            Ok::<_, SolveError>(Record::new(&scene, plan, run, stochastic, &out, reading))
-        })?;
-        queue.finish()?;
-        let (mut record, writing) = (record, Instant::now());
-        record.summary.peak_memory_bytes = peak_memory_bytes();
-        store::write(file, &record)?;
-        record.summary.seconds.write += writing.elapsed().as_secs_f64();
-        Ok(record)
-    });
+    let on_grid = matches!(scene.model(), Model::Fem | Model::Msfem);
+    let (record, held) = match on_grid {
+        true => solve_on_grid(args, &scene, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
+        false => solve_boundary(args, &scene, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
+    };
     bar.finish();
     let stored = match (record, &old) {
         (Ok(mut record), _) => {
@@ -239,12 +212,94 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         if let Some(text) = stored.stochastic.as_ref().and_then(stochastic::shortfall).filter(|_| !args.quiet) {
             eprintln!("{text}");
         }
+        if let Some(text) = summary.grid.as_ref().and_then(crossing_warning).filter(|_| !args.quiet) {
+            eprintln!("warning: {text}");
+        }
         say(&serde_json::to_string_pretty(summary)?);
     } else {
         print_summary(&stored);
         files.iter().for_each(|f| say(&format!("picture {}", f.display())));
     }
     Ok(if summary.converged { 0 } else { NOT_REACHED })
+}
+
+/// What a solve gives: a record or an error, and how many steps were held already.
+type Attempt = (Result<Record, SolveError>, usize);
+
+/// Solves by boundary elements.
+fn solve_boundary(
+    args: &SolveArgs,
+    scene: &Scene,
+    plan: Plan,
+    out: &Path,
+    old: Option<&File>,
+    (interrupts, bar): (&AtomicUsize, &Bar),
+    reading: f64,
+) -> Result<Attempt, Failure> {
+    let stored = old.map_or(Ok(Vec::new()), |old| store::read_steps(old, scene))?;
+    let held = stored.len();
+    let first = Progress::before_last(stored).unwrap_or_else(|| Progress::first(scene));
+    let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, SolveError> {
+        if let Some(old) = old {
+            // those of the last step are made anew if they are wanted
+            store::copy_matrices(old, file, if args.save.is_some() { first.steps.len() } else { held })?;
+        }
+        let queue = store::StepQueue::new(file);
+        let record = rayon::scope_fifo(|scope| {
+            let put = |step: &Step| {
+                queue.push(step.clone());
+                // the stages that are saved go into the file in between: equal content has to give equal bytes
+                if args.save.is_some() { queue.write_next() } else { scope.spawn_fifo(|_| queue.write_next()) }
+            };
+            first.steps.iter().for_each(put);
+            let run = run(scene, first, interrupts, &mut |number, stage| {
+                bar.show(number, &stage);
+                if let Stage::Step { step, .. } = stage {
+                    put(step);
+                }
+                if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
+            })?;
+            let (run, stochastic) = all_outcomes(scene, run, interrupts, bar)?;
+            Ok::<_, SolveError>(Record::new(scene, plan, run, stochastic, out, reading))
+        })?;
+        queue.finish()?;
+        let (mut record, writing) = (record, Instant::now());
+        record.summary.peak_memory_bytes = peak_memory_bytes();
+        store::write(file, &record)?;
+        record.summary.seconds.write += writing.elapsed().as_secs_f64();
+        Ok(record)
+    });
+    Ok((record, held))
+}
+
+/// Solves by finite elements on a grid.
+fn solve_on_grid(
+    args: &SolveArgs,
+    scene: &Scene,
+    plan: Plan,
+    out: &Path,
+    old: Option<&File>,
+    (interrupts, bar): (&AtomicUsize, &Bar),
+    reading: f64,
+) -> Result<Attempt, Failure> {
+    let stored = old.map_or(Ok(Vec::new()), |old| store::read_grid_steps(old, scene))?;
+    let held = stored.len();
+    let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, SolveError> {
+        let progress = GridProgress::new(scene, stored)?;
+        if let Some(old) = old {
+            store::copy_matrices(old, file, if args.save.is_some() { progress.steps.len() } else { held })?;
+        }
+        let run = run_grid(scene, progress, interrupts, &mut |number, stage| {
+            bar.show(number, &stage);
+            if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
+        })?;
+        let (mut record, writing) = (Record::of_grid(scene, plan, run, out, reading), Instant::now());
+        record.summary.peak_memory_bytes = peak_memory_bytes();
+        store::write(file, &record)?;
+        record.summary.seconds.write += writing.elapsed().as_secs_f64();
+        Ok(record)
+    });
+    Ok((record, held))
 }
 
 /// The outcomes of random input on the last mesh of a run that went well. Where the user stops it, or an outcome has no
@@ -399,6 +454,38 @@ fn pictures(stored: &Stored, folder: &Path, file: &Path) -> Result<Vec<PathBuf>,
     Ok(draw::pictures(stored, folder, &stem(file))?)
 }
 
+/// What is told of the grid of finite elements.
+fn grid_lines(grid: &GridSummary) -> Vec<String> {
+    let mut lines = Vec::new();
+    if let (Some(ms), Some(fine)) = (grid.estimate_multiscale, grid.estimate_fine_grid) {
+        lines.push(format!("            of it {ms:.3e} by the coarse cells, {fine:.3e} by the fine grid itself"));
+    }
+    let [nx, ny] = grid.cells;
+    lines.push(match (&grid.basis, grid.coarse_cells, grid.patterns) {
+        (Some(basis), Some(coarse), Some(patterns)) => format!(
+            "grid        {nx} by {ny} fine cells, {} unknowns; {coarse} coarse cells, basis {basis}, {patterns} local problem(s)",
+            grid.fine_dofs
+        ),
+        _ => format!("grid        {nx} by {ny} cells"),
+    });
+    lines.push(format!("            contrast of the moduli {:.4}", grid.contrast));
+    lines.extend(crossing_warning(grid).map(|warning| format!("warning     {warning}")));
+    lines
+}
+
+/// Where multiscale bases fail.
+fn crossing_warning(grid: &GridSummary) -> Option<String> {
+    let (contrast, [x, y], share) = (grid.crossing_contrast?, grid.crossing_at?, grid.crossing_share?);
+    (contrast >= FAILING).then(|| {
+        format!(
+            "moduli differ by {contrast:.1e} along a coarse edge at ({x}, {y}), and by 1000 or more on {:.0} % of them: \
+             multiscale elements fail there, and their estimate is too small; align the coarse cells with the inclusions, or \
+             use model = \"fem\"",
+            100.0 * share
+        )
+    })
+}
+
 fn print_summary(stored: &Stored) {
     let Stored { summary: s, plan, .. } = stored;
     say(&s.title);
@@ -425,6 +512,9 @@ fn print_summary(stored: &Stored) {
     }
     if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
         say(&format!("            J extrapolated {energy:.12e} ± {uncertainty:.1e}"));
+    }
+    if let Some(grid) = &s.grid {
+        grid_lines(grid).iter().for_each(|line| say(line));
     }
     if let Some(c) = &s.contact {
         let note =

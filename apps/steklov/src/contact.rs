@@ -1,7 +1,7 @@
 //! Contact on one mesh: the condensed problem, its solution, and what is told of it.
 
 use faer::Mat;
-use steklov_bem_operators::{Condensation, CondensedLoad, Mesh, RigidMotion, Space};
+use steklov_bem_operators::{Mesh, RigidMotion, Space};
 use steklov_contact::{
     ContactBoundary, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, contraction, interior_point,
     kkt_in_body, newton, other_solution, uzawa,
@@ -88,38 +88,41 @@ pub(crate) fn solve_problem(problem: &Problem, solver: Solver) -> Result<Solutio
 
 /// A body whose other unknowns are eliminated.
 pub(crate) struct CondensedBody<'a> {
+    /// The boundary and its nodes.
     pub(crate) mesh: &'a Mesh,
     pub(crate) space: &'a Space,
-    pub(crate) condensation: &'a Condensation,
-    /// Nodal load, and what condensation leaves of it.
-    pub(crate) load: &'a [f64],
-    pub(crate) condensed: &'a CondensedLoad,
-    /// Rigid motions that nothing resists and no load drives.
-    pub(crate) free: &'a [RigidMotion],
-    /// S_c.
+    /// S_c, and what elimination leaves of the load.
     pub(crate) stiffness: &'a Mat<f64>,
+    pub(crate) load: &'a [f64],
+    /// All displacements, of those of the contact nodes.
+    pub(crate) expand: &'a dyn Fn(&[f64]) -> Vec<f64>,
+    /// Of the whole stiffness matrix.
+    pub(crate) largest_diagonal: f64,
+    /// Rigid motions that nothing resists and no load drives, and the work of the load on a motion with its scale.
+    pub(crate) free: &'a [RigidMotion],
+    pub(crate) driven: &'a dyn Fn(&RigidMotion) -> (f64, f64),
     /// Whether it is asked how safe a solution under Coulomb's law is.
     pub(crate) judged: bool,
 }
 
-/// Solves contact with biorthogonal multipliers: the nodal displacement, and what is told and kept of it.
+/// Solves contact with biorthogonal multipliers: all displacements, and what is told and kept of it.
 pub(crate) fn solve_contact(
     body: &CondensedBody<'_>,
     boundary: ContactBoundary,
     solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
 ) -> Result<(Vec<f64>, ContactResult, ContactFactors), ContactError> {
-    let CondensedBody { mesh, space, condensation, load, condensed, free, stiffness, judged } = *body;
+    let CondensedBody { mesh, space, stiffness, load, expand, largest_diagonal, free, driven, judged } = *body;
     let problem =
-        Problem { stiffness: stiffness.clone(), load: condensed.kept.clone(), nodes: boundary.contact.clone() };
+        Problem { stiffness: stiffness.clone(), load: load.to_vec(), nodes: boundary.contact.clone() };
     let solution = solve(&problem)?;
     let friction_work = problem.friction_work(&solution.displacement, &solution.multipliers);
     let coulomb = (judged && problem.is_coulomb()).then(|| Coulomb::new(&problem, &solution)).transpose()?;
-    let displacement = condensation.expand(condensed, &solution.displacement);
+    let displacement = expand(&solution.displacement);
     let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let audit = kkt_in_body(&problem, &solution, largest);
     let forces = boundary.nodal_forces(&solution.multipliers);
-    let floor = 1e-6 * condensation.largest_diagonal() * (largest + boundary.largest_gap());
-    unpressed(space, load, &forces, free, floor)?;
+    let floor = 1e-6 * largest_diagonal * (largest + boundary.largest_gap());
+    unpressed(&space.points, driven, &forces, free, floor)?;
     let sets = Sets::new(&problem, &solution)?;
     let lines = boundary.lines(mesh, space);
     let factors = ContactFactors { problem, sets, lines };

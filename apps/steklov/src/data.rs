@@ -43,6 +43,9 @@ impl Loads {
     }
 }
 
+/// What is done with each traction: side, name, expression, direction on an element.
+type OfTraction<'a> = dyn FnMut(usize, &str, &Expression, &dyn Fn(usize) -> [f64; 2]) -> Result<(), SolveError> + 'a;
+
 /// Part of ∫ t² that rounding leaves of what is followed.
 const ROUNDING: f64 = 1e-14;
 
@@ -98,7 +101,7 @@ impl Data<'_> {
         let mut unresolved = vec![0.0; self.mesh.len()];
         let (mut load, mut extra) = (vec![0.0; self.space.dofs()], vec![0.0; 2 * self.mesh.len()]);
         let raised = Space::new(&self.mesh.raised(&vec![true; self.mesh.len()]));
-        let mut add = |index: usize, name: &str, expression: &Expression, direction: &dyn Fn(usize) -> [f64; 2]| {
+        self.each_traction(&mut |index, name, expression, direction| {
             let function = self.function(expression);
             let found = side_moments_and_squares(self.mesh, &raised, index, &function.datum(name));
             let (mut moments, squares) = found.map_err(|error| self.located(error, expression))?;
@@ -111,24 +114,45 @@ impl Data<'_> {
                 (0..2).for_each(|i| extra[2 * *e + i] += d[i] * bubble);
             }
             add_load(&mut load, self.space, &moments, direction);
-            Ok::<(), SolveError>(())
-        };
+            Ok(())
+        })?;
+        Ok(Loads { nodal: load, bubbles: extra, unresolved })
+    }
+
+    /// Moments of tractions and pressures on each element of degree 1: (element, those against the functions of its ends),
+    /// elements of several data several times.
+    pub(crate) fn side_loads(&self) -> Result<Vec<(usize, [[f64; 2]; 2])>, SolveError> {
+        let mut loads = Vec::new();
+        self.each_traction(&mut |index, name, expression, direction| {
+            let function = self.function(expression);
+            let moments = side_moments(self.mesh, self.space, index, &function.datum(name));
+            for (e, moments) in moments.map_err(|error| self.located(error, expression))? {
+                let d = direction(e);
+                loads.push((e, [moments[0], moments[1]].map(|m| d.map(|d| d * m))));
+            }
+            Ok(())
+        })?;
+        Ok(loads)
+    }
+
+    /// Calls with the side, name, expression and direction on each element of every traction and pressure.
+    fn each_traction(&self, call: &mut OfTraction<'_>) -> Result<(), SolveError> {
         for (index, side) in self.scene.sides.iter().enumerate() {
             match &side.condition {
                 Condition::Traction(traction) | Condition::Displacement { traction: Some(traction), .. } => {
                     for (expression, direction) in traction.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                         if expression.constant() != Some(0.0) {
-                            add(index, "traction", expression, &|_| direction)?;
+                            call(index, "traction", expression, &|_| direction)?;
                         }
                     }
                 }
                 Condition::Pressure(pressure) => {
-                    add(index, "pressure", pressure, &|e| self.mesh.normal(e).map(|n| -n))?;
+                    call(index, "pressure", pressure, &|e| self.mesh.normal(e).map(|n| -n))?;
                 }
                 _ => {}
             }
         }
-        Ok(Loads { nodal: load, bubbles: extra, unresolved })
+        Ok(())
     }
 
     /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.

@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::BemError;
 use steklov_contact::{ContactError, LEAST_GAMMA};
+use steklov_msfem::MsfemError;
 use steklov_stochastic::StochasticError;
 
 use crate::expression::Expression;
@@ -16,6 +17,19 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
     match &error {
         SolveError::Scene(error) => Ok((**error).clone()),
         SolveError::Io(_) | SolveError::Interrupted | SolveError::Outcome { .. } => Err(error),
+        SolveError::Msfem(error) => match **error {
+            MsfemError::Memory { .. } => at(
+                Value,
+                &[vec!["grid"]],
+                "take fewer cells, or model = \"msfem\", which never holds the fine grid as one matrix",
+            ),
+            MsfemError::Singular { .. } => at(
+                Unsupported,
+                &[vec!["material", "cells"], vec!["sides"]],
+                "hold a side against all rigid motions; moduli that differ by more than 1e12 lose all digits",
+            ),
+            _ => at(Value, &[vec!["grid"], vec!["material"]], "change the grid or the moduli"),
+        },
         SolveError::Stochastic(StochasticError::NotCoercive { .. }) => at(
             Unsupported,
             &[vec!["stochastic", "method"], vec!["stochastic"]],

@@ -1,13 +1,13 @@
 //! Rigid motions that nothing holds, and the work of loads and contact forces on them.
 
-use steklov_bem_operators::{BemError, RigidMotion, Space};
+use steklov_bem_operators::{BemError, RigidMotion};
 use steklov_contact::{ContactBoundary, ContactEdge, ContactError};
 
 use crate::solve::SolveError;
 
-/// L(r) of a load and the scale Σ |f||r| over the nodes.
-pub(crate) fn work(space: &Space, load: &[f64], motion: &RigidMotion) -> (f64, f64) {
-    let r = motion.nodal(&space.points);
+/// L(r) of a load and the scale Σ |f||r| over the nodes at these points.
+pub(crate) fn work(points: &[[f64; 2]], load: &[f64], motion: &RigidMotion) -> (f64, f64) {
+    let r = motion.nodal(points);
     load.chunks_exact(2).zip(r.chunks_exact(2)).fold((0.0, 0.0), |(sum, scale), (f, r)| {
         (sum + f[0] * r[0] + f[1] * r[1], scale + f[0].hypot(f[1]) * r[0].hypot(r[1]))
     })
@@ -15,11 +15,11 @@ pub(crate) fn work(space: &Space, load: &[f64], motion: &RigidMotion) -> (f64, f
 
 /// Without contact: all free motions, if the loads do no work on any of them.
 pub(crate) fn balanced(
-    space: &Space,
+    points: &[[f64; 2]],
     load: &[f64],
     candidates: &[RigidMotion],
 ) -> Result<Vec<RigidMotion>, SolveError> {
-    let works: Vec<(f64, f64)> = candidates.iter().map(|r| work(space, load, r)).collect();
+    let works: Vec<(f64, f64)> = candidates.iter().map(|r| work(points, load, r)).collect();
     let driven = |(work, scale): &(f64, f64)| work.abs() > 1e-9 * scale;
     let worst = works.iter().filter(|w| driven(w)).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));
     match worst {
@@ -33,23 +33,23 @@ pub(crate) fn balanced(
 /// Part of the scale of the loads' work from which contact forces do work on a motion that no load drives.
 const PRESSED: f64 = 1e-6;
 
-/// No contact force may do work on the motions that springs hold: else the springs carry a part of the load. `floor`: a
-/// force below which all are roundoff.
+/// No contact force at the nodes at these points may do work on the motions that springs hold: else the springs carry a part
+/// of the load, whose work and its scale `driven` tells. `floor`: a force below which all are roundoff.
 pub(crate) fn unpressed(
-    space: &Space,
-    load: &[f64],
+    points: &[[f64; 2]],
+    driven: &dyn Fn(&RigidMotion) -> (f64, f64),
     forces: &[(usize, [f64; 2])],
     free: &[RigidMotion],
     floor: f64,
 ) -> Result<(), ContactError> {
-    let mut nodal = vec![0.0; space.dofs()];
+    let mut nodal = vec![0.0; 2 * points.len()];
     for (node, force) in forces {
         (0..2).for_each(|i| nodal[2 * node + i] += force[i]);
     }
     for motion in free {
-        let largest = motion.nodal(&space.points).iter().fold(0.0, |m: f64, r| m.max(r.abs()));
-        let (driven, scale) = work(space, load, motion);
-        if work(space, &nodal, motion).0.abs() > PRESSED * scale.max(floor * largest) {
+        let largest = motion.nodal(points).iter().fold(0.0, |m: f64, r| m.max(r.abs()));
+        let (driven, scale) = driven(motion);
+        if work(points, &nodal, motion).0.abs() > PRESSED * scale.max(floor * largest) {
             let motion = motion.clone();
             return Err(ContactError::RigidMotion { motion, work: driven, resistance: 0.0, scale });
         }

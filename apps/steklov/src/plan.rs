@@ -6,13 +6,13 @@ use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
-use crate::scene::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
+use crate::scene::{Condition, Friction, MULTIPLIER_MESHES, Method, Model, Multiplier, Refine, Scene, Solver};
 use crate::stochastic;
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Discretisation: "bem".
+    /// Discretisation: "bem", "fem" or "msfem".
     pub model: String,
     /// What is modelled.
     pub modelled: Vec<Decision>,
@@ -54,6 +54,22 @@ pub struct Cost {
 
 /// Chooses the model of a scene.
 pub fn plan(scene: &Scene) -> Plan {
+    match scene.model() {
+        Model::Fem | Model::Msfem => crate::grid::plan(scene),
+        _ => boundary_plan(scene),
+    }
+}
+
+/// Plane strain or plane stress.
+pub(crate) fn plane(scene: &Scene) -> &'static str {
+    match scene.material.plane {
+        steklov_bem_operators::Plane::Strain => "plane strain",
+        steklov_bem_operators::Plane::Stress => "plane stress",
+    }
+}
+
+/// The plan of boundary elements.
+fn boundary_plan(scene: &Scene) -> Plan {
     let method = &scene.method;
     let mesh = first_mesh(scene);
     let dofs = 2 * mesh.degree.iter().sum::<usize>();
@@ -122,7 +138,11 @@ pub fn plan(scene: &Scene) -> Plan {
         None => left_out.push(decision("body force", "none".into(), "the scene has none")),
     }
     stochastic::decide(scene, &mut modelled, &mut left_out);
-    left_out.push(decision("grid in the body", "none".into(), "the material is the same everywhere"));
+    let why = match scene.grid {
+        Some(_) => "the scene has one, but the material is the same everywhere: model = \"fem\" or \"msfem\" would use it",
+        None => "the material is the same everywhere",
+    };
+    left_out.push(decision("grid in the body", "none".into(), why));
     let estimated = is_estimated(scene, dofs);
     if estimated {
         modelled.push(decision(
@@ -162,7 +182,7 @@ fn elements(scene: &Scene, number: usize) -> Decision {
     Decision { what: "elements".into(), choice, why: why.into() }
 }
 
-fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+pub(crate) fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let sides: Vec<(&str, &Friction)> = scene
         .sides
         .iter()

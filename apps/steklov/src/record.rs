@@ -4,9 +4,11 @@ use std::path::Path;
 
 use rayon::prelude::*;
 use steklov_bem_operators::{BodyForce, BoundaryField, Inside, Location, Mesh};
+use steklov_contact::Kkt;
 use steklov_io::vtkhdf::{Field, Grid};
 
 use crate::body::Body;
+use crate::grid::GridRecord;
 use crate::plan::Plan;
 use crate::report::{ContactRow, contact_rows, contact_summary, located_ends};
 use crate::run::{Run, Step};
@@ -48,6 +50,8 @@ pub struct Record {
     pub grid: Grid,
     /// All outcomes of random input.
     pub stochastic: Option<StochasticResult>,
+    /// The grid of finite elements.
+    pub on_grid: Option<GridRecord>,
 }
 
 /// Points of the triangulated body, about.
@@ -75,7 +79,7 @@ impl Record {
                 traction.push(solved.traction(e, t));
             }
         }
-        let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved, c));
+        let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
         let mut summary = summary(scene, &run, &contact, file);
         summary.stochastic =
             scene.random.as_ref().zip(stochastic.as_ref()).map(|(random, result)| stochastic::json(random, result));
@@ -97,6 +101,7 @@ impl Record {
             grid,
             mesh: solved.mesh,
             stochastic,
+            on_grid: None,
         }
     }
 }
@@ -115,6 +120,7 @@ impl Record {
             contact: self.contact,
             grid: self.grid,
             stochastic: self.stochastic,
+            on_grid: self.on_grid,
         }
     }
 }
@@ -143,17 +149,12 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         estimate_relative: estimate.map(|e| e.relative),
         estimate_doubts: estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned()).collect(),
         iterations: contact.map_or(0, |c| c.reported().iterations),
-        contact: contact.map(|c| contact_summary(scene, solved, c, rows, located_ends(scene, run.step()))),
-        audit: contact.map(|c| Audit {
-            equilibrium: c.audit.equilibrium,
-            penetration: c.audit.penetration,
-            tension: c.audit.tension,
-            complementarity: c.audit.complementarity,
-            friction: c.audit.friction,
-        }),
+        contact: contact.map(|c| contact_summary(scene, &solved.mesh, c, rows, located_ends(scene, run.step()))),
+        audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: solved.reactions.iter().cloned().collect(),
         probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
         stochastic: None,
+        grid: None,
         seconds: SecondsSummary {
             set_up: part(0),
             assemble: part(1),
@@ -163,6 +164,17 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
             ..Default::default()
         },
         peak_memory_bytes: peak_memory_bytes(),
+    }
+}
+
+/// The judge's measures as they are told.
+pub(crate) fn audit_summary(audit: &Kkt) -> Audit {
+    Audit {
+        equilibrium: audit.equilibrium,
+        penetration: audit.penetration,
+        tension: audit.tension,
+        complementarity: audit.complementarity,
+        friction: audit.friction,
     }
 }
 

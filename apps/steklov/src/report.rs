@@ -1,5 +1,6 @@
 //! Contact in numbers and as a table, from a solved mesh.
 
+use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{Located, MultiplierNode, Status, TipKind};
 
 use crate::contact::ContactResult;
@@ -40,12 +41,30 @@ pub struct ContactRow {
 /// λ_n below this part of the largest is no contact.
 pub(crate) const TOUCHING: f64 = 1e-12;
 
-/// One row for each condition of each contact node.
-pub fn contact_rows(solved: &Solved, contact: &ContactResult) -> Vec<ContactRow> {
-    if let Some(stabilised) = &contact.stabilised {
-        return stabilised_rows(solved, stabilised);
+/// The boundary of a solved body: its elements, their nodes and the displacement there.
+#[derive(Clone, Copy)]
+pub struct Trace<'a> {
+    /// The elements.
+    pub mesh: &'a Mesh,
+    /// Their nodes.
+    pub space: &'a Space,
+    /// Nodal displacement, interleaved.
+    pub displacement: &'a [f64],
+}
+
+impl Solved {
+    /// The boundary of the body.
+    pub fn trace(&self) -> Trace<'_> {
+        Trace { mesh: &self.mesh, space: &self.space, displacement: &self.displacement }
     }
-    let (displacement, solution) = (&solved.displacement, &contact.solution);
+}
+
+/// One row for each condition of each contact node.
+pub fn contact_rows(trace: Trace<'_>, contact: &ContactResult) -> Vec<ContactRow> {
+    if let Some(stabilised) = &contact.stabilised {
+        return stabilised_rows(trace, stabilised);
+    }
+    let (displacement, solution) = (trace.displacement, &contact.solution);
     let mut rows = Vec::with_capacity(solution.multipliers.len());
     for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
         let u = [displacement[2 * node.node], displacement[2 * node.node + 1]];
@@ -74,8 +93,8 @@ pub fn contact_rows(solved: &Solved, contact: &ContactResult) -> Vec<ContactRow>
 }
 
 /// One row for each node of stabilised multipliers.
-fn stabilised_rows(solved: &Solved, contact: &StabilisedContact) -> Vec<ContactRow> {
-    let (mesh, space) = (&solved.mesh, &solved.space);
+fn stabilised_rows(trace: Trace<'_>, contact: &StabilisedContact) -> Vec<ContactRow> {
+    let Trace { mesh, space, displacement } = trace;
     let row = |(i, node): (usize, &MultiplierNode)| {
         // of two elements that meet there the displacement is the same
         let at =
@@ -87,7 +106,7 @@ fn stabilised_rows(solved: &Solved, contact: &StabilisedContact) -> Vec<ContactR
             basis.evaluate(2.0 * (node.s - s0) / (s1 - s0) - 1.0, &mut phi);
             let nodes = space.element_nodes(e).zip(&phi);
             nodes.fold([0.0; 2], |u, (node, phi)| {
-                [u[0] + phi * solved.displacement[2 * node], u[1] + phi * solved.displacement[2 * node + 1]]
+                [u[0] + phi * displacement[2 * node], u[1] + phi * displacement[2 * node + 1]]
             })
         });
         let [normal, tangent] = node.frame;
@@ -126,7 +145,7 @@ fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
 /// Lengths, largest pressure and resultant.
 pub fn contact_summary(
     scene: &Scene,
-    solved: &Solved,
+    mesh: &Mesh,
     contact: &ContactResult,
     rows: &[ContactRow],
     ends: Option<Vec<(usize, f64)>>,
@@ -142,7 +161,7 @@ pub fn contact_summary(
         force = [force[0] + part[0], force[1] + part[1]];
     }
     let length = match &ends {
-        Some(ends) => located_length(scene, solved, ends, rows, max_pressure).unwrap_or(length),
+        Some(ends) => located_length(scene, mesh, ends, rows, max_pressure).unwrap_or(length),
         None => length,
     };
     let stick = stick.min(length);
@@ -153,7 +172,7 @@ pub fn contact_summary(
         stick,
         slip: length - stick,
         max_pressure,
-        max_pressure_unbounded: is_unbounded(scene, &solved.mesh, rows),
+        max_pressure_unbounded: is_unbounded(scene, mesh, rows),
         force,
         stabilisation: contact
             .stabilised
@@ -170,7 +189,7 @@ pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Su
         strain_energy: solved.energies.strain,
         load_work: solved.energies.load_work,
         friction_work: solved.energies.friction_work,
-        contact: solved.contact.as_ref().map(|c| contact_summary(scene, solved, c, rows, None)),
+        contact: solved.contact.as_ref().map(|c| contact_summary(scene, &solved.mesh, c, rows, None)),
         reactions: solved.reactions.iter().cloned().collect(),
         ..Summary::default()
     }
@@ -194,7 +213,7 @@ pub fn located_ends(scene: &Scene, step: &Step) -> Option<Vec<(usize, f64)>> {
 /// None where a part is neither.
 fn located_length(
     scene: &Scene,
-    solved: &Solved,
+    mesh: &Mesh,
     ends: &[(usize, f64)],
     rows: &[ContactRow],
     max_pressure: f64,
@@ -209,7 +228,7 @@ fn located_length(
         let parameter = |x: [f64; 2]| {
             ((x[0] - edge.start[0]) * direction[0] + (x[1] - edge.start[1]) * direction[1]) / (norm * norm)
         };
-        let normal = solved.mesh.normal((0..solved.mesh.len()).find(|&e| solved.mesh.edge[e] == k)?);
+        let normal = mesh.normal((0..mesh.len()).find(|&e| mesh.edge[e] == k)?);
         let on_edge = |r: &&ContactRow| {
             let off = (r.point[0] - edge.start[0]) * normal[0] + (r.point[1] - edge.start[1]) * normal[1];
             r.normal[0] * normal[0] + r.normal[1] * normal[1] > 1.0 - 1e-9 && off.abs() < 1e-9 * norm

@@ -26,6 +26,8 @@ pub enum Reason {
     MaxSteps,
     /// The stochastic mesh has as many nodes as allowed, and its truncation is not down at its tolerance.
     MaxNodes,
+    /// Coarse cells need not, or cannot, be split any more: what is left is the error of the fine grid.
+    FineGrid,
     /// Rounding errors leave nothing to refine.
     Roundoff,
     /// The contact solver did not reach its criterion.
@@ -45,6 +47,7 @@ impl Reason {
             Self::MaxDofs => "max_dofs",
             Self::MaxSteps => "max_steps",
             Self::MaxNodes => "max_nodes",
+            Self::FineGrid => "fine_grid",
             Self::Roundoff => "roundoff",
             Self::Solver => "solver",
             Self::Interrupted => "interrupted",

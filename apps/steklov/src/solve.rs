@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use faer::{Col, Mat};
+use sprs::CsMat;
 use steklov_bem_operators::{
     BemError, BodyForce, BoundaryField, Condensation, Domain, Enrichment, Mesh, Operators, PairCache, Partition,
     RigidMotion, Space, Steklov,
@@ -24,6 +25,10 @@ pub enum Stage<'a> {
     Operators(&'a Operators),
     /// S.
     Steklov(&'a Mat<f64>),
+    /// A sparse stiffness matrix: its name and what its unknowns 2·n + component are numbered by.
+    Stiffness(&'static str, &'static str, &'a CsMat<f64>),
+    /// A stiffness matrix reduced to the contact nodes.
+    Condensed(&'a Mat<f64>),
     /// A step is solved and estimated, so many seconds after the run began.
     Step {
         /// The solution.
@@ -50,6 +55,9 @@ pub enum SolveError {
     /// The contact part failed.
     #[error(transparent)]
     Contact(#[from] ContactError),
+    /// The finite element part failed.
+    #[error(transparent)]
+    Msfem(Box<steklov_msfem::MsfemError>),
     /// Two held sides want different displacements where they meet.
     #[error(
         "sides \"{first}\" and \"{second}\" hold the point ({}, {}) at different displacements {component} = {a} and {b}: \

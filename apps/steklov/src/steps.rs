@@ -136,6 +136,20 @@ pub(crate) fn name(number: usize) -> String {
 /// # Errors
 /// A file that is not one of this program's, truncated or altered, or of another scene.
 pub(crate) fn load_all(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
+    let groups = groups(file)?;
+    let load = |at: &Group| {
+        let step = load_step(at)?;
+        check::check(at, &step, scene)?;
+        Ok(step)
+    };
+    groups.iter().map(load).collect()
+}
+
+/// The groups of all steps, at least one, in their order.
+///
+/// # Errors
+/// A file without steps, or with others than 0, 1, 2, ...
+pub(crate) fn groups(file: &File) -> Result<Vec<Group>, IoError> {
     let steps = open_group(file, "steps")?;
     let mut names = steps.member_names().map_err(|e| invalid(&steps, "", e.to_string()))?;
     // 999 comes before 1000
@@ -146,13 +160,7 @@ pub(crate) fn load_all(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError>
     if names.is_empty() {
         return Err(invalid(&steps, "", "there is no step"));
     }
-    let load = |name: &String| {
-        let at = open_group(&steps, name)?;
-        let step = load_step(&at)?;
-        check::check(&at, &step, scene)?;
-        Ok(step)
-    };
-    names.iter().map(load).collect()
+    names.iter().map(|name| open_group(&steps, name)).collect()
 }
 
 fn load_step(at: &Group) -> Result<Step, IoError> {

@@ -6,10 +6,11 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use steklov_bem_operators::Mesh;
 use steklov_io::{
     File, Group, IoError, Label, copy, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
-    load_vector, open_group, save, save_dense, save_integers, save_points, save_text, save_texts, save_vector, vtkhdf,
+    load_vector, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts, save_vector, vtkhdf,
     write_integer_attribute, write_text_attribute,
 };
 
+use crate::grid::{GridRecord, GridStep, store as grid};
 use crate::plan::Plan;
 use crate::record::Record;
 use crate::report::ContactRow;
@@ -43,6 +44,8 @@ pub struct Stored {
     pub grid: vtkhdf::Grid,
     /// All outcomes of random input.
     pub stochastic: Option<StochasticResult>,
+    /// The grid of finite elements.
+    pub on_grid: Option<GridRecord>,
 }
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
@@ -50,10 +53,15 @@ fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> 
 }
 
 /// `/steps/NNN`, made when it is not there.
-fn step_group(file: &File, number: usize) -> Result<Group, IoError> {
+pub(crate) fn step_group(file: &File, number: usize) -> Result<Group, IoError> {
     let steps = if file.link_exists("steps") { open_group(file, "steps")? } else { create_group(file, "steps")? };
     let name = steps::name(number);
     if steps.link_exists(&name) { open_group(&steps, &name) } else { create_group(&steps, &name) }
+}
+
+/// Its `matrices`, made when they are not there.
+fn matrices(step: &Group) -> Result<Group, IoError> {
+    if step.link_exists("matrices") { open_group(step, "matrices") } else { create_group(step, "matrices") }
 }
 
 /// Stores the matrices of a step while they exist, as `/steps/NNN/matrices`.
@@ -68,6 +76,16 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
         Stage::Steklov(s) => {
             let meaning = label("stress", "Steklov-Poincare operator <S u, v>", &[DISPLACEMENT, DISPLACEMENT]);
             save_dense(&open_group(&step, "matrices")?, "S", s.as_ref(), &meaning)
+        }
+        Stage::Stiffness(name, unknowns, matrix) => {
+            let axis = format!("displacement unknown: 2 {unknowns} + component");
+            let axes = [axis.as_str(); 2];
+            save_sparse(&matrices(&step)?, name, matrix, &label("stress", "stiffness matrix <K u, v>", &axes))
+        }
+        Stage::Condensed(s) => {
+            let axes = ["displacement unknown of the contact nodes, in the order of /contact, along normal and tangent"; 2];
+            let meaning = label("stress", "stiffness matrix reduced to the contact nodes", &axes);
+            save_dense(&matrices(&step)?, "S_contact", s.as_ref(), &meaning)
         }
         Stage::Progress(..) | Stage::Step { .. } => Ok(()),
     }
@@ -140,8 +158,15 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
     save_texts(file, "overrides", &record.overrides, "keys changed on the command line, KEY=VALUE", "override")?;
     save_text(file, "summary", &json(&record.summary), "the JSON object of solve --json")?;
     save_text(file, "plan", &json(&record.plan), "what was modelled, what was left out and why, as JSON")?;
-    let last = format!("/steps/{}", steps::name(record.steps.len().saturating_sub(1)));
-    file.link_hard(&format!("{last}/mesh"), "/mesh").map_err(|e| invalid(file, "mesh", e.to_string()))?;
+    let count = record.on_grid.as_ref().map_or(record.steps.len(), |grid| grid.steps.len());
+    let last = format!("/steps/{}", steps::name(count.saturating_sub(1)));
+    match &record.on_grid {
+        None => file.link_hard(&format!("{last}/mesh"), "/mesh").map_err(|e| invalid(file, "mesh", e.to_string()))?,
+        Some(grid) => {
+            save(file, "mesh", &record.mesh)?;
+            grid::write(file, grid)?;
+        }
+    }
     save_solution(&create_group(file, "solution")?, record)?;
     if record.summary.contact.is_some() {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
@@ -150,7 +175,7 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
         stochastic::write(&create_group(file, "stochastic")?, result)?;
     }
     // the matrices of a step that was stopped
-    let unfinished = format!("/steps/{}", steps::name(record.steps.len()));
+    let unfinished = format!("/steps/{}", steps::name(count));
     if file.link_exists(&unfinished) {
         file.unlink(&unfinished).map_err(|e| invalid(file, "steps", e.to_string()))?;
     }
@@ -284,7 +309,19 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         true => Some(read_stochastic(file, points.len(), contact.len())?),
         false => None,
     };
-    Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid, stochastic })
+    let on_grid = match file.link_exists("multiscale") {
+        true => Some(read_grid(file, &grid)?),
+        false => None,
+    };
+    Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid, stochastic, on_grid })
+}
+
+fn read_grid(file: &File, fields: &vtkhdf::Grid) -> Result<GridRecord, IoError> {
+    let record = grid::read(file)?;
+    if let Some(row) = record.rows.iter().flatten().find(|row| **row >= fields.quads.len()) {
+        return Err(invalid(file, "multiscale/rows", format!("row {row} of {} quadrilaterals", fields.quads.len())));
+    }
+    Ok(record)
 }
 
 fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<StochasticResult, IoError> {
@@ -304,6 +341,20 @@ fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<Stoch
 /// # Errors
 /// A file that is not one of this program's, truncated or altered, or of another scene.
 pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
+    check_scene(file, scene)?;
+    steps::load_all(file, scene)
+}
+
+/// Reads the steps on grids from which a run goes on.
+///
+/// # Errors
+/// As [`read_steps`].
+pub fn read_grid_steps(file: &File, scene: &Scene) -> Result<Vec<GridStep>, IoError> {
+    check_scene(file, scene)?;
+    grid::read_steps(file)
+}
+
+fn check_scene(file: &File, scene: &Scene) -> Result<(), IoError> {
     if load_text(file, "scene")? != scene.source.text {
         return Err(invalid(file, "scene", "it holds the result of another scene, or the scene has been edited since"));
     }
@@ -313,7 +364,7 @@ pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
         );
         return Err(invalid(file, "overrides", why));
     }
-    steps::load_all(file, scene)
+    Ok(())
 }
 
 fn parse<T: serde::de::DeserializeOwned>(file: &File, name: &str) -> Result<T, IoError> {

@@ -9,13 +9,13 @@ use serde::{Deserialize, Serialize};
 pub struct Summary {
     /// Title of the scene.
     pub title: String,
-    /// Discretisation: "bem".
+    /// Discretisation: "bem", "fem" or "msfem".
     pub model: String,
     /// The result file.
     pub file: String,
     /// Whether what was asked for is reached.
     pub converged: bool,
-    /// solved, tolerance, max_dofs, max_steps, max_nodes, roundoff, solver, interrupted or failed.
+    /// solved, tolerance, max_dofs, max_steps, max_nodes, fine_grid, roundoff, solver, interrupted or failed.
     pub reason: String,
     /// The error of the step after the last one; null unless one ended the run.
     #[serde(default)]
@@ -58,6 +58,9 @@ pub struct Summary {
     pub probe: Vec<Probe>,
     /// Statistics; null for one outcome.
     pub stochastic: Option<serde_json::Value>,
+    /// Finite elements only: the grid.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub grid: Option<GridSummary>,
     /// Wall seconds.
     pub seconds: SecondsSummary,
     /// Largest resident memory of the process.
@@ -96,6 +99,33 @@ pub struct Stabilisation {
     pub gamma: f64,
     /// The largest γ₀ of a coercive form on the last mesh.
     pub critical_gamma: f64,
+}
+
+/// A body on a grid of rectangles.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct GridSummary {
+    /// Fine cells along x and y over the bounding box.
+    pub cells: [usize; 2],
+    /// Displacement unknowns of all fine nodes.
+    pub fine_dofs: usize,
+    /// Multiscale basis; null of bilinear elements on all fine cells.
+    pub basis: Option<String>,
+    /// Coarse cells.
+    pub coarse_cells: Option<usize>,
+    /// Different patterns of moduli: so many local problems were solved.
+    pub patterns: Option<usize>,
+    /// Part of the estimate that coarse cells add to the fine grid's: energy norm of u_fine - u_multiscale.
+    pub estimate_multiscale: Option<f64>,
+    /// Part of the estimate that the fine grid has itself: energy norm of u - u_fine.
+    pub estimate_fine_grid: Option<f64>,
+    /// Largest Young's modulus over the smallest one.
+    pub contrast: f64,
+    /// The largest such ratio along an edge of a coarse cell; multiscale bases fail from about 1000 on.
+    pub crossing_contrast: Option<f64>,
+    /// Middle of that edge.
+    pub crossing_at: Option<[f64; 2]>,
+    /// Share of the coarse edges with a ratio of 1000 or more.
+    pub crossing_share: Option<f64>,
 }
 
 /// The judge's measures, each relative to its scale.

@@ -431,6 +431,12 @@ impl<'a> Multiscale<'a> {
         Ok(sum)
     }
 
+    /// Displacement of all vertices, those that hang included (length).
+    pub fn vertex_displacement(&self, coarse: &[f64]) -> Vec<[f64; 2]> {
+        let value = |combination: &Combination| combination.iter().map(|(i, w)| w * coarse[*i]).sum();
+        self.combinations.iter().map(|[x, y]| [value(x), value(y)]).collect()
+    }
+
     /// An order in which the unknowns are eliminated with little fill.
     pub fn elimination_order(&self) -> Vec<usize> {
         let mut incidence = Incidence::default();

@@ -1,9 +1,37 @@
-//! Bodies on grids of rectangles: which cells belong to the body, and what they are made of.
+//! Bodies on grids of rectangles: bilinear and multiscale finite elements.
+//!
+//! ```text
+//! scene ─► GridLayout (how fine, which coarse cells) ─► Medium (cells and moduli) + Loads + GridTrace (the boundary)
+//!            ▲                                                      │
+//!            │                    fem: K of all fine nodes ─────────┤
+//!            │                  msfem: bases ─► K_H of the vertices ┤
+//!            │                                                      ▼
+//!       next ◄── GridEstimate ◄── GridSolved ◄── System: supports, elimination to the contact nodes, contact, reactions
+//!                                     └─► Record ─► result file, summary, pictures
+//! ```
+//! The boundary of the grid is a boundary mesh of degree 1, so that loads, supports and contact are set up by the same code as
+//! those of boundary elements.
 
 mod body;
 mod moduli;
+mod layout;
+mod trace;
+mod system;
+mod solve;
+mod estimate;
+mod run;
+mod plan;
+mod record;
+pub(crate) mod store;
 
 pub use body::grid_of;
 pub(crate) use body::{check_body, fitting_grid};
+pub use estimate::GridEstimate;
+pub use layout::GridLayout;
 pub(crate) use moduli::check_modulus_cells;
 pub use moduli::moduli;
+pub(crate) use plan::plan;
+pub(crate) use record::FAILING;
+pub use record::GridRecord;
+pub use run::{GridProgress, GridRun, GridStep, run_grid};
+pub use solve::{CoarseSolved, GridSolved};

@@ -130,7 +130,7 @@ impl<'a> Outcomes<'a> {
         paths: &[String],
     ) -> (Vec<ContactRow>, Summary) {
         let contact = solved.contact.as_ref();
-        let mut rows = contact.map_or(Vec::new(), |c| contact_rows(solved, c));
+        let mut rows = contact.map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
         for row in &mut rows {
             row.pressure *= modulus;
             row.shear *= modulus;

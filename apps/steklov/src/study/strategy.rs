@@ -188,7 +188,7 @@ pub fn strategy(
         let times = ends.iter().filter_map(|e| e.get(k).copied()).collect();
         points.push(Point::new(step, error.flatten(), reference, times));
     }
-    let contact = run.last.contact.as_ref().map_or(Vec::new(), |c| contact_rows(&run.last, c));
+    let contact = run.last.contact.as_ref().map_or(Vec::new(), |c| contact_rows(run.last.trace(), c));
     let end = run.error.as_ref().map_or(End::Run(run.reason), |error| End::Failed(error.to_string()));
     Strategy { name: name.into(), points, end, contact }
 }
@@ -212,7 +212,7 @@ impl Round {
                     displacements.push(solved.displacement.clone());
                     ends.push(seconds);
                 }
-                Stage::Operators(_) | Stage::Steklov(_) => {}
+                Stage::Operators(_) | Stage::Steklov(_) | Stage::Stiffness(..) | Stage::Condensed(_) => {}
             }
             Ok(())
         });

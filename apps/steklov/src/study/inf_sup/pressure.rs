@@ -111,7 +111,7 @@ pub fn pressures(
                     gamma: s.gamma,
                     critical: s.critical,
                     converged: s.solution.converged(),
-                    rows: contact_rows(&solved, contact),
+                    rows: contact_rows(solved.trace(), contact),
                     failure: None,
                 });
             }

@@ -1,0 +1,50 @@
+//! What is solved next: how fine the grid is, and which coarse cells are on it.
+
+use steklov_msfem::{CoarseCell, CoarseMesh, mark, refine};
+
+use super::grid_of;
+use super::solve::GridSolved;
+use crate::scene::{Model, Refine, Scene};
+use crate::solve::SolveError;
+
+/// A grid and the coarse cells on it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GridLayout {
+    /// Parts into which each fine cell of the scene is cut along x and y.
+    pub parts: usize,
+    /// Coarse cells; None of bilinear elements on all fine cells.
+    pub coarse: Option<Vec<CoarseCell>>,
+}
+
+impl GridLayout {
+    /// The grid that the scene asks for.
+    ///
+    /// # Errors
+    /// A grid that rounding errors leave without a cell in the body.
+    pub fn first(scene: &Scene) -> Result<Self, SolveError> {
+        let coarse = match (scene.model(), &scene.grid) {
+            (Model::Msfem, Some(input)) => Some(CoarseMesh::uniform(&grid_of(scene)?, input.fine)?.cells),
+            _ => None,
+        };
+        Ok(Self { parts: 1, coarse })
+    }
+
+    /// What is solved after this: all fine cells halved, or the marked coarse cells split; None where nothing can be split.
+    ///
+    /// # Errors
+    /// Those of a coarse mesh.
+    pub(super) fn next(&self, solved: &GridSolved, refinement: Refine, theta: f64) -> Result<Option<Self>, SolveError> {
+        let Some(coarse) = &solved.coarse else { return Ok(Some(Self { parts: 2 * self.parts, coarse: None })) };
+        let marked = match &solved.estimate {
+            Some(estimate) if !is_uniform(refinement) => mark(&estimate.indicators, theta),
+            _ => vec![true; coarse.mesh.cells.len()],
+        };
+        let cells = refine(&solved.medium.grid, &coarse.mesh, &marked)?.cells;
+        Ok((cells.len() > coarse.mesh.cells.len()).then_some(Self { coarse: Some(cells), ..*self }))
+    }
+}
+
+/// Whether the grid is refined, and all of it at once.
+pub(crate) fn is_uniform(refine: Refine) -> bool {
+    matches!(refine, Refine::UniformH | Refine::UniformP)
+}

@@ -1,0 +1,166 @@
+//! The plan of a scene on a grid.
+
+use steklov_bem_operators::RigidMotion;
+
+use super::body::grid_of;
+use crate::plan::{Cost, Decision, Plan, contact, free_of_supports, plane};
+use crate::scene::{BasisInput, CellModuli, GridInput, Model, Refine, Scene};
+
+/// Bytes that the moduli, the fields and the result of a fine cell take.
+const BYTES_OF_CELL: f64 = 320.0;
+
+fn decision(what: &str, choice: String, why: impl Into<String>) -> Decision {
+    Decision { what: what.into(), choice, why: why.into() }
+}
+
+/// What is modelled of a scene whose model is "fem" or "msfem", and what it costs.
+pub(crate) fn plan(scene: &Scene) -> Plan {
+    let (mut modelled, mut left_out) = (Vec::new(), Vec::new());
+    let multiscale = scene.model() == Model::Msfem;
+    let Some(input) = &scene.grid else { unreachable!("a scene without a grid is refused where it is read") };
+    let why = match (&scene.cells, multiscale) {
+        (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
+        (Some(_), false) => "the modulus differs from cell to cell",
+        (None, _) if scene.constant_force().is_none() && scene.body_force.is_some() => {
+            "the body force differs from place to place"
+        }
+        (None, _) => "as the scene says; boundary elements would do for one material",
+    };
+    let [[mx, my], [fx, fy]] = [input.coarse, input.fine];
+    modelled.push(if multiscale {
+        let choice = format!("multiscale elements, {mx} by {my} coarse cells of {fx} by {fy} fine ones");
+        decision("discretisation", choice, why)
+    } else {
+        decision("discretisation", format!("bilinear elements, {} by {} cells", mx * fx, my * fy), why)
+    });
+    modelled.push(decision("plane", plane(scene).into(), "as the scene says"));
+    modelled.push(moduli(scene));
+    if multiscale {
+        modelled.push(basis(input));
+    }
+    modelled.push(match (scene.method.refine, multiscale) {
+        (Refine::None, _) => decision("refinement", "none".into(), "one grid is solved"),
+        (refine, false) => decision(
+            "refinement",
+            "uniform-h".into(),
+            format!("{}all cells are halved in each step; the moduli stay those of their cells", asked(refine, Refine::UniformH)),
+        ),
+        (refine @ (Refine::UniformH | Refine::UniformP), true) => decision(
+            "refinement",
+            "uniform-h".into(),
+            format!("{}all coarse cells are split in each step, down to the fine ones", asked(refine, Refine::UniformH)),
+        ),
+        (refine, true) => decision(
+            "refinement",
+            "h".into(),
+            format!(
+                "{}splits coarse cells, marks \u{3b8} = {} of the squared error; ends where the fine grid's own error outweighs",
+                asked(refine, Refine::H),
+                scene.method.marking.unwrap_or(super::run::MARKING)
+            ),
+        ),
+    });
+    contact(scene, &mut modelled, &mut left_out);
+    let free = free_of_supports(scene);
+    modelled.push(if free.is_empty() {
+        decision("supports", "hold all rigid motions".into(), "held displacements")
+    } else {
+        let why = "contact or friction must hold it, or the loads must be balanced";
+        decision("supports", format!("leave {} free", RigidMotion::names(&free)), why)
+    });
+    match &scene.body_force {
+        Some([x, y]) => modelled.push(decision(
+            "body force",
+            format!("({}, {})", x.text(), y.text()),
+            if multiscale { "integrated on the fine cells; its response inside of coarse cells is added" } else { "integrated on the cells" },
+        )),
+        None => left_out.push(decision("body force", "none".into(), "the scene has none")),
+    }
+    left_out.push(decision("random input", "none".into(), "no random name is used: one outcome"));
+    let conforming = !multiscale || !matches!(input.basis, BasisInput::Oversampled | BasisInput::Periodic);
+    if conforming {
+        let choice = if multiscale { "nodal residuals of coarse cells, side bubbles of fine ones" } else { "side bubbles" };
+        let why = if multiscale {
+            "both parts are told apart: that of the coarse cells, and that of the fine grid itself"
+        } else {
+            "residuals against quadratic functions on the sides of cells"
+        };
+        modelled.push(decision("error estimate", choice.into(), why));
+    } else {
+        let why = "the basis does not conform: no residual sees its whole error";
+        left_out.push(decision("error estimate", "none".into(), why));
+    }
+    Plan { model: if multiscale { "msfem" } else { "fem" }.into(), modelled, left_out, cost: cost(scene, input) }
+}
+
+/// Told where another refinement is asked for than there is.
+fn asked(refine: Refine, known: Refine) -> &'static str {
+    if refine == known { "" } else { "the degree is one; " }
+}
+
+fn moduli(scene: &Scene) -> Decision {
+    match &scene.cells {
+        None => decision("Young's modulus", scene.material.young.to_string(), "the same in all cells"),
+        Some(cells) => {
+            let text = match &cells.young {
+                CellModuli::Uniform { low, high, seed } => format!("random in [{low}, {high}], seed {seed}"),
+                CellModuli::File { path, dataset } => format!("{dataset} of {path}"),
+                CellModuli::Expression(young) => young.text().to_owned(),
+            };
+            decision("Young's modulus", text, format!("constant in cells of the size {}", cells.size))
+        }
+    }
+}
+
+fn basis(input: &GridInput) -> Decision {
+    let (word, why) = match input.basis {
+        BasisInput::Linear => ("linear", "one component linear on the edges of coarse cells, the other one dropped"),
+        BasisInput::Coupled => ("coupled", "linear on the edges of coarse cells; the best of all such bases"),
+        BasisInput::Oscillatory => ("oscillatory", "follows the moduli along the edges of coarse cells"),
+        BasisInput::Oversampled => ("oversampled", "from larger cells: less resonance, but it does not conform"),
+        BasisInput::Periodic => ("periodic", "for periodic media and their homogenised tensor; it does not conform"),
+        BasisInput::Q1 => ("q1", "coarse bilinear elements, to compare with"),
+    };
+    decision("basis", word.into(), why)
+}
+
+/// Size and cost of the first grid. A factor on a grid of n unknowns has about 8 n log₂ n entries and takes 90 n^(3/2)
+/// operations.
+fn cost(scene: &Scene, input: &GridInput) -> Cost {
+    let unknowns = |cells: [usize; 2]| 2 * (cells[0] + 1) * (cells[1] + 1);
+    let [fine, coarse] = match grid_of(scene) {
+        Ok(grid) => {
+            let inside = |cells: [usize; 2], step: [usize; 2]| {
+                let mut nodes = std::collections::HashSet::new();
+                let mut count = 0;
+                for i in 0..cells[0] {
+                    for j in (0..cells[1]).filter(|&j| grid.inside(i * step[0], j * step[1])) {
+                        count += 1;
+                        nodes.extend([[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]]);
+                    }
+                }
+                (count, 2 * nodes.len())
+            };
+            let fine = (grid.body_cells().count(), grid.dofs());
+            [fine, if scene.model() == Model::Msfem { inside(input.coarse, input.fine) } else { fine }]
+        }
+        Err(_) => [input.cells(), input.coarse].map(|cells| (cells[0] * cells[1], unknowns(cells))),
+    };
+    let factor = |n: f64| 8.0 * 8.0 * n * n.log2();
+    let solve = |n: f64| 90.0 * n.powf(1.5);
+    let (cells, n) = (fine.0 as f64, coarse.1 as f64);
+    let local = if scene.model() == Model::Msfem {
+        let [m, k] = input.fine.map(|m| m as f64);
+        // kept bases, and local problems of as many threads as there are
+        (coarse.0 as f64 * 128.0 * (m + 1.0) * (k + 1.0)).min(128e6)
+    } else {
+        0.0
+    };
+    let basis = if scene.model() == Model::Msfem { 2e3 * (input.fine[0] * input.fine[1]) as f64 * coarse.0 as f64 } else { 0.0 };
+    Cost {
+        elements: coarse.0,
+        dofs: coarse.1,
+        memory_bytes: (factor(n) + 300.0 * n + BYTES_OF_CELL * cells + local) as u64,
+        operations: solve(n) + basis * (input.fine[0] as f64).max(1.0),
+    }
+}

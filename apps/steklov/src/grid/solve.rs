@@ -1,0 +1,370 @@
+//! One grid solved: bilinear elements on all its cells, or multiscale elements on coarse ones.
+
+use std::time::Instant;
+
+use steklov_bem_operators::RigidMotion;
+use steklov_msfem::{
+    Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale, Plane,
+};
+
+use super::estimate::{GridEstimate, estimate};
+use super::layout::GridLayout;
+use super::system::{Answer, System};
+use super::trace::GridTrace;
+use super::{grid_of, moduli};
+use crate::contact::ContactResult;
+use crate::data::Data;
+use crate::report::Trace;
+use crate::scene::{BasisInput, Condition, Scene};
+use crate::solve::{Energies, Seconds, SolveError, Stage};
+use crate::supports::Held;
+
+/// A solved grid.
+pub struct GridSolved {
+    /// Cells, moduli, Poisson's ratio.
+    pub medium: Medium,
+    /// The coarse cells and what belongs to them; None of bilinear elements on the fine grid.
+    pub coarse: Option<CoarseSolved>,
+    /// The boundary elements on which supports and contact are set up.
+    pub(crate) trace: GridTrace,
+    /// Displacement of their nodes, interleaved.
+    pub(crate) boundary_displacement: Vec<f64>,
+    /// Displacement of the fine nodes, interleaved.
+    pub displacement: Vec<f64>,
+    /// Unknowns of the system that was solved, held ones included.
+    pub dofs: usize,
+    /// Energies.
+    pub energies: Energies,
+    /// Contact, if there is any.
+    pub contact: Option<ContactResult>,
+    /// Whether the forces balance as far as rounding allows.
+    pub balanced: bool,
+    /// Force of the support or obstacle on the body for each held or contacting side.
+    pub reactions: Vec<(String, [f64; 2])>,
+    /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
+    pub free_motions: Vec<RigidMotion>,
+    /// The estimated error.
+    pub estimate: Option<GridEstimate>,
+    /// Wall seconds.
+    pub seconds: Seconds,
+    /// Wall seconds of the estimate.
+    pub estimate_seconds: f64,
+}
+
+/// The coarse part of a multiscale solution.
+pub struct CoarseSolved {
+    /// Coarse cells.
+    pub mesh: CoarseMesh,
+    /// Their basis.
+    pub basis: Basis,
+    /// Displacement of the vertices, those that hang included (length).
+    pub displacement: Vec<[f64; 2]>,
+    /// Different patterns of moduli: so many local problems were solved.
+    pub patterns: usize,
+}
+
+impl GridSolved {
+    /// The boundary of the body.
+    pub fn trace(&self) -> Trace<'_> {
+        Trace { mesh: &self.trace.mesh, space: &self.trace.space, displacement: &self.boundary_displacement }
+    }
+
+    /// Whether the contact solver reached its criterion and the forces balance.
+    pub fn converged(&self) -> bool {
+        self.balanced && self.contact.as_ref().is_none_or(ContactResult::converged)
+    }
+}
+
+/// Cells, moduli and material of a scene on the grid of its layout.
+pub(crate) fn medium(scene: &Scene, layout: &GridLayout) -> Result<Medium, SolveError> {
+    let coarse = grid_of(scene)?;
+    let parts = layout.parts;
+    let cells = coarse.cells.map(|n| n * parts);
+    let spacing = coarse.spacing.map(|h| h / parts as f64);
+    let grid = Grid::new(coarse.origin, spacing, cells, |ix, iy| coarse.inside(ix / parts, iy / parts))?;
+    let young = moduli(scene, &grid)?;
+    let plane = match scene.material.plane {
+        steklov_bem_operators::Plane::Strain => Plane::Strain,
+        steklov_bem_operators::Plane::Stress => Plane::Stress,
+    };
+    Ok(Medium::new(grid, young, Elasticity::new(scene.material.poisson, plane)?)?)
+}
+
+/// The basis that a scene asks for.
+pub(crate) fn basis(scene: &Scene) -> Basis {
+    let Some(grid) = &scene.grid else { return Basis::Coupled };
+    match grid.basis {
+        BasisInput::Linear => Basis::Linear,
+        BasisInput::Coupled => Basis::Coupled,
+        BasisInput::Oscillatory => Basis::Oscillatory,
+        BasisInput::Oversampled => Basis::Oversampled(grid.oversample.unwrap_or(grid.fine[0].max(grid.fine[1]))),
+        BasisInput::Periodic => Basis::Periodic,
+        BasisInput::Q1 => Basis::Q1,
+    }
+}
+
+/// Tractions side by side of the cells on the boundary, and the body force.
+fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<Loads, SolveError> {
+    let mut loads = Loads::default();
+    let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
+    for (e, moments) in data.side_loads()? {
+        let (cell, side) = fine.cell(&medium.grid, e);
+        loads.add_side(cell, side, moments);
+    }
+    if scene.body_force.is_some() {
+        // its errors first: the loop over the cells cannot stop
+        let grid = &medium.grid;
+        for cell in grid.body_cells() {
+            scene.force_at(grid.centre(cell))?;
+        }
+        let failed = std::sync::Mutex::new(None);
+        loads.set_body_force(medium, |x| {
+            scene.force_at(x).unwrap_or_else(|error| {
+                failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
+                [0.0; 2]
+            })
+        });
+        if let Some(error) = failed.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
+            return Err(error.into());
+        }
+    }
+    Ok(loads)
+}
+
+/// Solves the scene on a grid.
+///
+/// # Errors
+/// Data that are not finite, a free rigid motion that the loads drive, moduli of too many magnitudes, an observer that fails.
+pub(crate) fn solve_grid(
+    scene: &Scene,
+    layout: &GridLayout,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<GridSolved, SolveError> {
+    let clock = Instant::now();
+    observe(Stage::Progress("moduli, loads and supports", 0.0))?;
+    let medium = medium(scene, layout)?;
+    let fine = GridTrace::new(scene, &medium.grid, |_| true)?;
+    let loads = loads(scene, &medium, &fine)?;
+    let set_up = clock.elapsed().as_secs_f64();
+    let (mut solved, held) = match &layout.coarse {
+        None => solve_fine(scene, medium, fine, &loads, observe)?,
+        Some(cells) => solve_coarse(scene, medium, fine, &loads, cells.clone(), observe)?,
+    };
+    solved.seconds.set_up += set_up;
+    let Energies { total, strain, load_work, .. } = solved.energies;
+    if [total, strain, load_work].iter().chain(&solved.displacement).any(|v| !v.is_finite()) {
+        return Err(SolveError::NotFinite { energy: total });
+    }
+    let clock = Instant::now();
+    observe(Stage::Progress("estimate", 0.9))?;
+    solved.estimate = estimate(&solved, &loads, &held);
+    solved.estimate_seconds = clock.elapsed().as_secs_f64();
+    Ok(solved)
+}
+
+/// Stress of a cell as a traction on the side of element e, times half its length: the moment against one end.
+fn moment(medium: &Medium, u: &[f64], trace: &GridTrace, e: usize, cell: usize) -> [f64; 2] {
+    let values = medium.cell_values(u, cell);
+    let [xx, yy, xy] = medium.elasticity.stress(medium.young[cell], &values, [0.5; 2], medium.grid.spacing);
+    let ([nx, ny], half) = (trace.mesh.normal(e), trace.mesh.length(e) / 2.0);
+    [half * (xx * nx + xy * ny), half * (xy * nx + yy * ny)]
+}
+
+fn energies(answer: &Answer, strain: f64, load_work: f64) -> Energies {
+    let friction_work = answer.contact.as_ref().map_or(0.0, |c| c.friction_work);
+    Energies { total: strain - load_work + friction_work, strain, load_work, friction_work }
+}
+
+/// Fine unknowns that are prescribed.
+fn held_unknowns(grid: &Grid, trace: &GridTrace, held: &[Held]) -> Vec<bool> {
+    let mut is_held = vec![false; grid.dofs()];
+    for (&[i, j], held) in trace.lattice.iter().zip(held) {
+        let node = node_at(grid, [i, j]);
+        (0..2).for_each(|k| is_held[2 * node + k] |= held.components[k].is_some());
+    }
+    is_held
+}
+
+fn node_at(grid: &Grid, [i, j]: [usize; 2]) -> usize {
+    grid.node(i, j).unwrap_or_else(|| unreachable!("points of the boundary are nodes"))
+}
+
+/// Bilinear elements on all cells.
+fn solve_fine(
+    scene: &Scene,
+    medium: Medium,
+    trace: GridTrace,
+    loads: &Loads,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(GridSolved, Vec<bool>), SolveError> {
+    let clock = Instant::now();
+    let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
+    let held = data.held()?;
+    let boundary = data.contact(&held)?;
+    let set_up = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    observe(Stage::Progress("assembling K", 0.1))?;
+    let grid = &medium.grid;
+    let system = System {
+        stiffness: medium.stiffness(),
+        load: loads.nodal(&medium),
+        points: (0..grid.nodes()).map(|n| grid.point(n)).collect(),
+        order: medium.elimination_order(),
+        at_boundary: trace.lattice.iter().map(|&p| node_at(grid, p)).collect(),
+    };
+    let assemble = clock.elapsed().as_secs_f64();
+    observe(Stage::Stiffness("K", "node of the fine grid", &system.stiffness))?;
+    let clock = Instant::now();
+    let traction = |u: &[f64], e: usize, _: usize| moment(&medium, u, &trace, e, trace.cell(grid, e).0);
+    let at_boundary = system.at_boundary.clone();
+    let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
+    let factorise = clock.elapsed().as_secs_f64();
+    let is_held = held_unknowns(grid, &trace, &held);
+    let solved = GridSolved {
+        dofs: grid.dofs(),
+        energies: energies(&answer, answer.energy / 2.0, answer.work),
+        boundary_displacement: at_boundary
+            .iter()
+            .flat_map(|n| [answer.displacement[2 * n], answer.displacement[2 * n + 1]])
+            .collect(),
+        displacement: answer.displacement,
+        contact: answer.contact,
+        balanced: answer.balanced,
+        reactions: answer.reactions,
+        free_motions: answer.free_motions,
+        estimate: None,
+        seconds: Seconds { set_up, assemble, factorise, solve: 0.0 },
+        estimate_seconds: 0.0,
+        coarse: None,
+        trace,
+        medium,
+    };
+    Ok((solved, is_held))
+}
+
+/// Displacements prescribed on the fine boundary less the interpolation of those at the vertices.
+fn lift(grid: &Grid, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse: &[Held]) -> Vec<f64> {
+    let mut lift = vec![0.0; grid.dofs()];
+    let mut place = 0;
+    let mut lifted = false;
+    // both boundaries run in the same order, and begin at the same corners
+    for e in 0..trace.mesh.len() {
+        let (start, end) = (trace.lattice[e], trace.lattice[trace.mesh.next[e]]);
+        let along = usize::from(start[0] == end[0]);
+        let count = start[along].abs_diff(end[along]);
+        for step in 0..count {
+            let f = place + step;
+            let s = step as f64 / count as f64;
+            for k in 0..2 {
+                let ends = [&coarse[e], &coarse[trace.mesh.next[e]]].map(|h| h.components[k].map(|(value, _)| value));
+                if let (Some((value, _)), [Some(a), Some(b)]) = (held[f].components[k], ends) {
+                    let extra = if step == 0 { 0.0 } else { value - (1.0 - s) * a - s * b };
+                    lift[2 * node_at(grid, fine.lattice[f]) + k] = extra;
+                    lifted |= extra != 0.0;
+                }
+            }
+        }
+        place += count;
+    }
+    if lifted { lift } else { Vec::new() }
+}
+
+/// Multiscale elements on coarse cells.
+fn solve_coarse(
+    scene: &Scene,
+    medium: Medium,
+    fine: GridTrace,
+    loads: &Loads,
+    cells: Vec<CoarseCell>,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(GridSolved, Vec<bool>), SolveError> {
+    let clock = Instant::now();
+    let grid = &medium.grid;
+    let mesh = CoarseMesh::new(grid, cells)?;
+    let basis = basis(scene);
+    let mut problem = Multiscale::new(&medium, mesh, basis)?;
+    let vertex_at = |p: [usize; 2]| {
+        let found = problem.mesh.vertices.binary_search_by_key(&[p[1], p[0]], |v| [v[1], v[0]]);
+        found.ok()
+    };
+    let trace = GridTrace::new(scene, grid, |p| vertex_at(p).is_some())?;
+    let node_of = |p: [usize; 2]| {
+        let unknown = vertex_at(p).and_then(|v| problem.unknown[v]);
+        unknown.unwrap_or_else(|| unreachable!("vertices on the boundary do not hang")) / 2
+    };
+    let at_boundary: Vec<usize> = trace.lattice.iter().map(|&p| node_of(p)).collect();
+    let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
+    let held = data.held()?;
+    let boundary = data.contact(&held)?;
+    let fine_held = Data { scene, mesh: &fine.mesh, space: &fine.space }.held()?;
+    let lift = lift(grid, &fine, &fine_held, &trace, &held);
+    let extra = Extra { bubbles: !loads.body.is_empty() && basis != Basis::Q1 && basis.is_conforming(), lift };
+    let set_up = clock.elapsed().as_secs_f64();
+
+    let clock = Instant::now();
+    observe(Stage::Progress("bases of coarse cells", 0.05))?;
+    let coarse = problem.assemble(loads, &extra, &|_| ())?;
+    let mut points = vec![[0.0; 2]; problem.dofs() / 2];
+    for (vertex, unknown) in problem.mesh.vertices.iter().zip(&problem.unknown) {
+        if let Some(unknown) = unknown {
+            points[unknown / 2] = grid.lattice_point(*vertex);
+        }
+    }
+    let system =
+        System { stiffness: coarse.stiffness, load: coarse.load, points, order: problem.elimination_order(), at_boundary };
+    let assemble = clock.elapsed().as_secs_f64();
+    observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &system.stiffness))?;
+
+    let clock = Instant::now();
+    let at_boundary = system.at_boundary.clone();
+    // a corner is split between two supports by the forces of the corner functions of both cells there
+    let even = |_: &[f64], _: usize, _: usize| [0.0; 2];
+    let answer = system.solve(scene, &trace, &held, boundary, &even, observe)?;
+    let factorise = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    observe(Stage::Progress("fine displacements", 0.85))?;
+    let displacement = problem.downscale(&answer.displacement, loads, &extra)?;
+    let (strain, load_work) = if basis.is_conforming() {
+        let load = loads.nodal(&medium);
+        let work = displacement.iter().zip(&load).map(|(u, f)| u * f).sum();
+        (medium.energy(&displacement, &displacement) / 2.0, work)
+    } else {
+        (answer.energy / 2.0, answer.work)
+    };
+    let solve = clock.elapsed().as_secs_f64();
+    let is_held = held_unknowns(grid, &fine, &fine_held);
+    let (dofs, patterns) = (problem.dofs(), problem.patterns());
+    let vertices = problem.vertex_displacement(&answer.displacement);
+    let mesh = problem.mesh;
+    let solved = GridSolved {
+        dofs,
+        energies: energies(&answer, strain, load_work),
+        boundary_displacement: at_boundary
+            .iter()
+            .flat_map(|n| [answer.displacement[2 * n], answer.displacement[2 * n + 1]])
+            .collect(),
+        displacement,
+        contact: answer.contact,
+        balanced: answer.balanced,
+        reactions: answer.reactions,
+        free_motions: answer.free_motions,
+        estimate: None,
+        seconds: Seconds { set_up, assemble, factorise, solve },
+        estimate_seconds: 0.0,
+        coarse: Some(CoarseSolved { mesh, basis, displacement: vertices, patterns }),
+        trace,
+        medium,
+    };
+    Ok((solved, is_held))
+}
+
+/// Whether a scene's condition is contact.
+pub(crate) fn is_contact(condition: &Condition) -> bool {
+    matches!(condition, Condition::Contact { .. })
+}
+
+impl From<MsfemError> for SolveError {
+    fn from(error: MsfemError) -> Self {
+        Self::Msfem(Box::new(error))
+    }
+}

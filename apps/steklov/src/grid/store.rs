@@ -1,0 +1,182 @@
+//! Grids in the result file, and back.
+
+use faer::Mat;
+use steklov_io::{
+    File, Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_points, load_vector,
+    open_group, save_dense, save_integers, save_number, save_points, save_vector,
+};
+use steklov_msfem::CoarseCell;
+
+use super::estimate::GridEstimate;
+use super::layout::GridLayout;
+use super::record::GridRecord;
+use super::run::GridStep;
+use crate::store::step_group;
+
+fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
+    Label { unit, meaning, axes }
+}
+
+const COARSE: &str = "first fine cell along x and y, fine cells along x and y";
+
+fn save_cells(at: &Group, cells: &[CoarseCell]) -> Result<(), IoError> {
+    let number = |i: usize, j: usize| [cells[i].first[0], cells[i].first[1], cells[i].size[0], cells[i].size[1]][j] as f64;
+    let table = Mat::from_fn(cells.len(), 4, number);
+    save_dense(at, "coarse_cells", table.as_ref(), &label("1", "coarse cells", &["coarse cell", COARSE]))
+}
+
+fn load_cells(at: &Group) -> Result<Vec<CoarseCell>, IoError> {
+    let table = load_dense(at, "coarse_cells")?;
+    if table.ncols() != 4 {
+        return Err(invalid(at, "coarse_cells", format!("{} columns, not 4", table.ncols())));
+    }
+    let cell = |i: usize| {
+        let mut numbers = [0; 4];
+        for (j, number) in numbers.iter_mut().enumerate() {
+            let value = table[(i, j)];
+            *number = value as usize; // NaN becomes 0, and large numbers the largest
+            if *number as f64 != value || value > f64::from(u32::MAX) {
+                return Err(invalid(at, "coarse_cells", format!("{value} is no number of cells")));
+            }
+        }
+        let [i, j, m, n] = numbers;
+        Ok(CoarseCell { first: [i, j], size: [m, n] })
+    };
+    (0..table.nrows()).map(cell).collect()
+}
+
+/// Writes `/multiscale` and the steps.
+///
+/// # Errors
+/// When the file cannot be written.
+pub(crate) fn write(file: &File, record: &GridRecord) -> Result<(), IoError> {
+    let at = create_group(file, "multiscale")?;
+    let axis = &["axis"];
+    save_vector(&at, "origin", &record.origin, &label("length", "lower left corner of the grid", axis))?;
+    save_vector(&at, "spacing", &record.spacing, &label("length", "sides of a fine cell", axis))?;
+    save_integers(&at, "cells", &record.cells, &label("1", "fine cells along x and y", axis))?;
+    let rows: Vec<usize> = record.rows.iter().map(|row| row.map_or(0, |r| r + 1)).collect();
+    let meaning = "1 + row of fine cell (ix, iy), number ix ny + iy, among the quadrilaterals of /VTKHDF, whose values follow \
+                   those of the lines in CellData; 0 outside of the body";
+    save_integers(&at, "rows", &rows, &label("1", meaning, &["fine cell"]))?;
+    if !record.coarse.is_empty() {
+        save_cells(&at, &record.coarse)?;
+        let vertex = &["coarse vertex", "component"];
+        save_points(&at, "vertices", &record.vertices, &label("length", "vertices of the coarse cells", vertex))?;
+        let displacement = label("length", "their displacement", vertex);
+        save_points(&at, "vertex_displacement", &record.vertex_displacement, &displacement)?;
+    }
+    for (number, step) in record.steps.iter().enumerate() {
+        save_step(&step_group(file, number)?, step)?;
+    }
+    Ok(())
+}
+
+fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
+    let value = &["value"];
+    save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", value))?;
+    save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
+    save_number(at, "strain_energy", step.strain, "force*length/thickness", "half of a(u, u)")?;
+    let history =
+        label("1", "the contact solver's measure of the error before each iteration and at the end", &["iteration"]);
+    save_vector(at, "history", &step.history, &history)?;
+    let parts = label("seconds", "set-up, assembly, factorisation, solution, estimate", &["part"]);
+    save_vector(at, "seconds", &step.seconds, &parts)?;
+    let parts = label("1", "parts of each fine cell of the scene along x and y", value);
+    save_integers(at, "parts", &[step.layout.parts], &parts)?;
+    if let Some(cells) = &step.layout.coarse {
+        save_cells(at, cells)?;
+    }
+    let Some(estimate) = &step.estimate else { return Ok(()) };
+    save_number(at, "estimate", estimate.error, "(force*length/thickness)^(1/2)", "estimated error, energy norm")?;
+    let names = "multiscale: squared error of the coarse cells; fine grid: its own squared error (force*length/thickness); \
+                 estimate over (2 strain energy)^(1/2)";
+    let terms = [estimate.multiscale, estimate.fine_grid, estimate.relative];
+    save_vector(at, "estimate_terms", &terms, &label("as named", "what belongs to the estimate", &[names]))?;
+    let indicators = create_group(at, "indicators")?;
+    let meaning = label("force*length/thickness", "squared nodal residuals of each coarse cell", &["coarse cell"]);
+    save_vector(&indicators, "nodal", &estimate.indicators, &meaning)
+}
+
+/// Reads `/multiscale` and the steps.
+///
+/// # Errors
+/// A file that is not one of this program's, truncated or altered.
+pub(crate) fn read(file: &File) -> Result<GridRecord, IoError> {
+    let at = open_group(file, "multiscale")?;
+    let pair = |name: &str| -> Result<[f64; 2], IoError> {
+        let values = load_vector(&at, name)?;
+        values.as_slice().try_into().map_err(|_| invalid(&at, name, format!("{} numbers, not 2", values.len())))
+    };
+    let cells = load_integers(&at, "cells")?;
+    let &[nx, ny] = cells.as_slice() else {
+        return Err(invalid(&at, "cells", format!("{} numbers, not 2", cells.len())));
+    };
+    let rows = load_integers(&at, "rows")?;
+    if nx.checked_mul(ny) != Some(rows.len()) {
+        return Err(invalid(&at, "rows", format!("{} numbers for {nx} by {ny} cells", rows.len())));
+    }
+    let multiscale = at.link_exists("coarse_cells");
+    let points = |name: &str| if multiscale { load_points(&at, name) } else { Ok(Vec::new()) };
+    Ok(GridRecord {
+        origin: pair("origin")?,
+        spacing: pair("spacing")?,
+        cells: [nx, ny],
+        rows: rows.into_iter().map(|row| row.checked_sub(1)).collect(),
+        coarse: if multiscale { load_cells(&at)? } else { Vec::new() },
+        vertices: points("vertices")?,
+        vertex_displacement: points("vertex_displacement")?,
+        steps: read_steps(file)?,
+    })
+}
+
+/// Reads all steps, at least one.
+///
+/// # Errors
+/// As [`read`].
+pub(crate) fn read_steps(file: &File) -> Result<Vec<GridStep>, IoError> {
+    let groups = crate::steps::groups(file)?;
+    groups.iter().map(load_step).collect()
+}
+
+fn load_step(at: &Group) -> Result<GridStep, IoError> {
+    let whole = |name: &str| -> Result<usize, IoError> {
+        match load_integers(at, name)?.as_slice() {
+            &[value] => Ok(value),
+            values => Err(invalid(at, name, format!("{} numbers, not 1", values.len()))),
+        }
+    };
+    let seconds = load_vector(at, "seconds")?;
+    let Ok(seconds) = <[f64; 5]>::try_from(seconds.as_slice()) else {
+        return Err(invalid(at, "seconds", format!("{} numbers, not 5", seconds.len())));
+    };
+    let parts = whole("parts")?;
+    if !(1..=1 << 16).contains(&parts) {
+        return Err(invalid(at, "parts", format!("{parts} parts of a cell")));
+    }
+    let coarse = if at.link_exists("coarse_cells") { Some(load_cells(at)?) } else { None };
+    let estimate = if at.link_exists("estimate") {
+        let terms = load_vector(at, "estimate_terms")?;
+        let &[multiscale, fine_grid, relative] = terms.as_slice() else {
+            return Err(invalid(at, "estimate_terms", format!("{} numbers, not 3", terms.len())));
+        };
+        let indicators = load_vector(&open_group(at, "indicators")?, "nodal")?;
+        if indicators.len() != coarse.as_ref().map_or(0, Vec::len) {
+            return Err(invalid(at, "indicators/nodal", format!("{} indicators", indicators.len())));
+        }
+        Some(GridEstimate { indicators, multiscale, fine_grid, error: load_number(at, "estimate")?, relative })
+    } else {
+        None
+    };
+    Ok(GridStep {
+        layout: GridLayout { parts, coarse },
+        dofs: whole("dofs")?,
+        energy: load_number(at, "energy")?,
+        strain: load_number(at, "strain_energy")?,
+        // a run never goes on from a step that did not converge
+        converged: true,
+        history: load_vector(at, "history")?,
+        estimate,
+        seconds,
+    })
+}

@@ -1,0 +1,234 @@
+//! The equations of a body on a grid, solved: supports, contact, reactions. Unknowns are those of the fine grid, or of coarse
+//! vertices.
+
+use faer::Mat;
+use sprs::CsMat;
+use steklov_bem_operators::RigidMotion;
+use steklov_contact::{ContactBoundary, resisted_motions};
+use steklov_msfem::Elimination;
+
+use super::trace::GridTrace;
+use crate::body::UNBALANCED;
+use crate::contact::{CondensedBody, ContactResult, solve_contact, solve_problem};
+use crate::motions::{balanced, edges, work};
+use crate::scene::{Condition, Scene};
+use crate::solve::{SolveError, Stage};
+use crate::supports::{Held, Supports};
+
+/// K, its load, and where its unknowns are.
+pub(crate) struct System {
+    /// K of all unknowns 2·node + component.
+    pub stiffness: CsMat<f64>,
+    pub load: Vec<f64>,
+    /// Points of the nodes.
+    pub points: Vec<[f64; 2]>,
+    /// The nodes in an order that makes little fill.
+    pub order: Vec<usize>,
+    /// The node at each node of the boundary.
+    pub at_boundary: Vec<usize>,
+}
+
+/// The answer of a [`System`].
+pub(crate) struct Answer {
+    pub displacement: Vec<f64>,
+    pub contact: Option<ContactResult>,
+    /// Largest residual of equilibrium over the scale of forces, and whether that is as small as rounding allows.
+    pub equilibrium: f64,
+    pub balanced: bool,
+    pub reactions: Vec<(String, [f64; 2])>,
+    pub free_motions: Vec<RigidMotion>,
+    /// uᵀ K u and uᵀ f.
+    pub energy: f64,
+    pub work: f64,
+}
+
+/// Unknowns that hold rigid motions which nothing resists, as far from each other in their effect as can be.
+fn pins(points: &[[f64; 2]], motions: &[RigidMotion], taken: &[bool]) -> Vec<usize> {
+    let mut rows: Vec<Vec<f64>> = motions.iter().map(|r| r.nodal(points)).collect();
+    let mut pins = Vec::new();
+    for k in 0..rows.len() {
+        let size = |dof: usize| rows[k..].iter().map(|r| r[dof].abs()).fold(0.0, f64::max);
+        let free = (0..taken.len()).filter(|&dof| !taken[dof]);
+        let Some(pin) = free.max_by(|&a, &b| size(a).total_cmp(&size(b)).then(b.cmp(&a))) else { break };
+        let pivot = (k..rows.len()).max_by(|&a, &b| rows[a][pin].abs().total_cmp(&rows[b][pin].abs())).unwrap_or(k);
+        rows.swap(k, pivot);
+        let (first, rest) = rows.split_at_mut(k + 1);
+        for row in rest {
+            let factor = row[pin] / first[k][pin];
+            row.iter_mut().zip(&first[k]).for_each(|(a, b)| *a -= factor * b);
+        }
+        pins.push(pin);
+    }
+    pins
+}
+
+/// Subtracts from a field its part along each motion, node by node.
+fn without_motions(u: &mut [f64], points: &[[f64; 2]], motions: &[RigidMotion]) {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    for motion in motions {
+        let mut r = motion.nodal(points);
+        for b in &basis {
+            let part = dot(&r, b) / dot(b, b);
+            r.iter_mut().zip(b).for_each(|(r, b)| *r -= part * b);
+        }
+        let part = dot(u, &r) / dot(&r, &r);
+        u.iter_mut().zip(&r).for_each(|(u, r)| *u -= part * r);
+        basis.push(r);
+    }
+}
+
+/// Turns the unknowns of contact nodes into their frames and back: v = Qᵀ u.
+struct Frames(Vec<(usize, [[f64; 2]; 2])>);
+
+impl Frames {
+    /// Where in the list of kept unknowns the frames of the nodes begin.
+    fn new(boundary: &ContactBoundary) -> Self {
+        let kept = boundary.kept();
+        let at = |node: usize| kept.iter().position(|&dof| dof == 2 * node);
+        Self(boundary.frames().into_iter().filter_map(|(node, frame)| Some((at(node)?, frame))).collect())
+    }
+
+    /// Qᵀ u.
+    fn turn_in(&self, u: &mut [f64]) {
+        for &(k, [a, b]) in &self.0 {
+            let (x, y) = (u[k], u[k + 1]);
+            (u[k], u[k + 1]) = (a[0] * x + a[1] * y, b[0] * x + b[1] * y);
+        }
+    }
+
+    /// Q v.
+    fn turn_back(&self, v: &mut [f64]) {
+        for &(k, [a, b]) in &self.0 {
+            let (p, q) = (v[k], v[k + 1]);
+            (v[k], v[k + 1]) = (a[0] * p + b[0] * q, a[1] * p + b[1] * q);
+        }
+    }
+
+    /// Qᵀ S Q.
+    fn turn(&self, mut s: Mat<f64>) -> Mat<f64> {
+        for _ in 0..2 {
+            for j in 0..s.ncols() {
+                self.turn_in(s.col_as_slice_mut(j));
+            }
+            s = s.transpose().to_owned();
+        }
+        s
+    }
+}
+
+impl System {
+    /// Solves with supports and contact on the boundary; `traction(e, j)` is about the moment of the traction on element e
+    /// against the function of its end j, of which only the ratio between two supports at a corner matters.
+    ///
+    /// # Errors
+    /// A free rigid motion that the loads drive; a matrix without a factor; those of the contact solver.
+    pub fn solve(
+        self,
+        scene: &Scene,
+        trace: &GridTrace,
+        held: &[Held],
+        boundary: Option<ContactBoundary>,
+        traction: &dyn Fn(&[f64], usize, usize) -> [f64; 2],
+        observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+    ) -> Result<Answer, SolveError> {
+        let Self { stiffness, load, points, order, at_boundary } = self;
+        let GridTrace { mesh, space, .. } = trace;
+        let unknown = |dof: usize| 2 * at_boundary[dof / 2] + dof % 2;
+        let supports = Supports { space, held };
+        let candidates = supports.free_motions();
+        let of_load = |motion: &RigidMotion| work(&points, &load, motion);
+        let free = match &boundary {
+            None => balanced(&points, &load, &candidates)?,
+            Some(boundary) => resisted_motions(&candidates, &edges(boundary), of_load)?,
+        };
+        let kept: Vec<usize> = boundary.as_ref().map_or(Vec::new(), |b| b.kept().into_iter().map(unknown).collect());
+        let (mut fixed, mut values): (Vec<usize>, Vec<f64>) =
+            supports.dofs().into_iter().map(|(dof, value)| (unknown(dof), value)).unzip();
+        let mut is_held = vec![false; load.len()];
+        fixed.iter().for_each(|&u| is_held[u] = true);
+        let mut taken = is_held.clone();
+        kept.iter().for_each(|&u| taken[u] = true);
+        let pinned = pins(&points, &free, &taken);
+        fixed.extend(&pinned);
+        values.resize(fixed.len(), 0.0);
+
+        observe(Stage::Progress("factorisation", 0.4))?;
+        let elimination = Elimination::new(stiffness, &order, &kept, &fixed)?;
+        observe(Stage::Progress("solution", 0.8))?;
+        let reduced = elimination.reduce(&load, &values);
+        let (mut displacement, contact) = match boundary {
+            None => (elimination.expand(&reduced, &[]), None),
+            Some(boundary) => {
+                let frames = Frames::new(&boundary);
+                let stiffness = frames.turn(elimination.stiffness());
+                observe(Stage::Condensed(&stiffness))?;
+                let mut kept_load = reduced.kept.clone();
+                frames.turn_in(&mut kept_load);
+                let expand = |v: &[f64]| {
+                    let mut v = v.to_vec();
+                    frames.turn_back(&mut v);
+                    elimination.expand(&reduced, &v)
+                };
+                let body = CondensedBody {
+                    mesh,
+                    space,
+                    stiffness: &stiffness,
+                    load: &kept_load,
+                    expand: &expand,
+                    largest_diagonal: elimination.largest_diagonal(),
+                    free: &free,
+                    driven: &of_load,
+                    judged: true,
+                };
+                let (displacement, result, _) =
+                    solve_contact(&body, boundary, &mut |problem| solve_problem(problem, scene.method.solver))?;
+                (displacement, Some(result))
+            }
+        };
+        without_motions(&mut displacement, &points, &free);
+
+        let forces = elimination.multiply(&displacement);
+        let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(k, f)| k - f).collect();
+        if let Some(c) = &contact {
+            for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
+                (0..2).for_each(|i| residual[unknown(2 * node + i)] += force[i]);
+            }
+        }
+        let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let free_residuals = residual.iter().zip(&is_held).filter(|(_, held)| !**held);
+        let worst = free_residuals.fold(0.0, |m: f64, (r, _)| m.max(r.abs()));
+        let scale = largest(&forces) + largest(&load);
+        let gap = contact.as_ref().map_or(0.0, |c| c.boundary.largest_gap());
+        // without a load a body may move as a whole or not at all: forces of roundoff are no scale of their own
+        let unloaded = largest(&load) == 0.0;
+        let floor = if unloaded { 1e-6 * elimination.largest_diagonal() * (largest(&displacement) + gap) } else { 0.0 };
+        let over = |scale: f64| if scale > 0.0 { worst / scale } else { 0.0 };
+        let contact = contact.map(|mut c| {
+            c.audit.equilibrium = c.audit.equilibrium.max(over(scale));
+            c
+        });
+        let at_trace: Vec<f64> = (0..space.dofs()).map(|dof| residual[unknown(dof)]).collect();
+        let mut reactions =
+            supports.reactions(&at_trace, mesh, &scene.sides, |e, j| traction(&displacement, e, j));
+        if let Some(c) = &contact {
+            for (side, condition) in scene.sides.iter().enumerate() {
+                if matches!(condition.condition, Condition::Contact { .. }) {
+                    reactions.push((side, c.force(side)));
+                }
+            }
+        }
+        reactions.sort_by_key(|r| r.0);
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        Ok(Answer {
+            energy: dot(&forces, &displacement),
+            work: dot(&load, &displacement),
+            contact,
+            equilibrium: over(scale),
+            balanced: over(scale + floor) <= UNBALANCED,
+            reactions: reactions.into_iter().map(|(side, f)| (mesh.side_names[side].clone(), f)).collect(),
+            free_motions: free,
+            displacement,
+        })
+    }
+}

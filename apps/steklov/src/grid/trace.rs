@@ -1,0 +1,60 @@
+//! The boundary of a body on a grid, as elements of degree 1 between grid points.
+
+use steklov_bem_operators::{BemError, Mesh, Space};
+use steklov_msfem::Grid;
+
+use crate::scene::Scene;
+
+/// Boundary elements between grid points: what loads, supports and contact of a grid are set up on.
+pub(crate) struct GridTrace {
+    /// The elements, all of degree 1.
+    pub mesh: Mesh,
+    /// Their nodes: node e is the first point of element e.
+    pub space: Space,
+    /// Lattice point of each node.
+    pub lattice: Vec<[usize; 2]>,
+}
+
+impl GridTrace {
+    /// The boundary with a node at each of its lattice points that `is_node` tells, and at all corners.
+    ///
+    /// # Errors
+    /// Elements without a length in floating point.
+    pub fn new(scene: &Scene, grid: &Grid, is_node: impl Fn([usize; 2]) -> bool) -> Result<Self, BemError> {
+        let near = |x: [f64; 2]| [0, 1].map(|k| ((x[k] - grid.origin[k]) / grid.spacing[k]).round() as usize);
+        let edges = scene.polygon.edges();
+        let breaks: Vec<Vec<f64>> = edges
+            .iter()
+            .map(|edge| {
+                let [a, b] = edge.listed().map(near);
+                let along = usize::from(a[0] == b[0]);
+                let count = a[along].abs_diff(b[along]);
+                let point = |step: usize| {
+                    let mut point = a;
+                    point[along] = if b[along] > a[along] { a[along] + step } else { a[along] - step };
+                    point
+                };
+                let inner = (1..count).filter(|&step| is_node(point(step)));
+                inner.map(|step| step as f64 / count as f64).collect()
+            })
+            .collect();
+        let degree: Vec<Vec<usize>> = breaks.iter().map(|b| vec![1; b.len() + 1]).collect();
+        let mesh = Mesh::from_breaks(&scene.polygon, &breaks, &degree)?;
+        let lattice = mesh.vertices.iter().map(|&x| near(x)).collect();
+        Ok(Self { space: Space::new(&mesh), mesh, lattice })
+    }
+
+    /// The fine cell inside of element e, and its side (0 lower, 1 right, 2 upper, 3 left), where e is one side of a cell;
+    /// of a longer element the cell at its start.
+    pub fn cell(&self, grid: &Grid, e: usize) -> (usize, usize) {
+        let ([i, j], [k, l]) = (self.lattice[e], self.lattice[self.mesh.next[e]]);
+        // the body is to the left of the element
+        let (cell, side) = match (k > i, l > j, k < i) {
+            (true, ..) => ([i, j], 0),
+            (_, true, _) => ([i - 1, j], 1),
+            (.., true) => ([i - 1, j - 1], 2),
+            _ => ([i, j - 1], 3),
+        };
+        (cell[0] * grid.cells[1] + cell[1], side)
+    }
+}
