@@ -176,7 +176,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
             "refine" => method.refine = field.choice(&REFINES)?,
             "elements" => method.elements = field.whole(1, 1_000_000)?,
             "degree" => method.degree = field.whole(1, 64)?,
-            "max_dofs" => method.max_dofs = field.whole(1, 1_000_000)?,
+            "max_dofs" => method.max_dofs = field.whole(1, 100_000_000)?,
             "max_steps" => method.max_steps = field.whole(1, 1_000_000)?,
             "indicator" => {
                 method.indicator = field.choice(&[("bubble", Indicator::Bubble), ("residual", Indicator::Residual)])?;
