@@ -3,7 +3,7 @@
 mod frame;
 
 use frame::{check, check_up_to};
-use steklov::picture::{BasisFunction, CellField, basis, cell_fields};
+use steklov::picture::{BasisFunction, Body, CellField, basis, body, cell_fields, lattice_triangles};
 
 /// Values of cells (ix, iy) at ix·ny + iy from a function of their centres in the unit square.
 fn values([nx, ny]: [usize; 2], f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
@@ -111,14 +111,35 @@ fn extreme_values_and_places() {
 fn more_cells_than_pixels() {
     for (name, cells) in [("cells-many", [2500, 2000]), ("cells-million", [1000, 1000])] {
         let noise = values(cells, |x, y| rough(x, y) + 3.0 * x * y);
-        let start = std::time::Instant::now();
         let picture = cell_fields("Many cells", &[field("E in GPa", [2.5, 2.0], cells, &noise)], false).unwrap();
-        println!("{:?} svg {} png {}", start.elapsed(), picture.svg.len(), picture.png.len());
         check(name, &picture);
-        let smooth = values(cells, |x, y| x + 3.0 * x * y);
-        let start = std::time::Instant::now();
-        let picture = cell_fields("Many cells", &[field("E in GPa", [2.5, 2.0], cells, &smooth)], false).unwrap();
-        println!("{:?} svg {} png {}", start.elapsed(), picture.svg.len(), picture.png.len());
+        assert!(picture.svg.len() < 3_000_000, "not an element for each cell");
+    }
+}
+
+/// A bar and an L of a million cells each, bent.
+#[test]
+fn deformed_grids_of_many_cells() {
+    let l = |ix: usize, iy: usize| ix < 400 || iy < 250;
+    for (name, size, cells, l_shaped) in
+        [("grid-bar", [6.0, 1.0], [2400, 400], false), ("grid-l", [2.0, 2.0], [1000; 2], true)]
+    {
+        let spacing = [size[0] / cells[0] as f64, size[1] / cells[1] as f64];
+        let lattice = lattice_triangles(spacing, cells, |ix, iy| !l_shaped || l(ix, iy), 800);
+        let points: Vec<_> = lattice.points.iter().map(|p| [0, 1].map(|k| p[k] as f64 * spacing[k])).collect();
+        let bent = |&[x, y]: &[f64; 2]| [0.01 * x * (y - size[1] / 2.0), -0.005 * x * x];
+        let stress: Vec<f64> = points.iter().map(|[x, y]| (size[0] - x) * (y - size[1] / 2.0).abs()).collect();
+        let picture = body(&Body {
+            title: "Bent grid",
+            points: &points,
+            displacement: &points.iter().map(bent).collect::<Vec<_>>(),
+            triangles: &lattice.triangles,
+            von_mises: &stress,
+            outline: &lattice.outline,
+            obstacles: &[],
+        })
+        .unwrap();
+        check(name, &picture);
     }
 }
 

@@ -140,7 +140,7 @@ impl Canvas {
         let mut svg = SvgBackend::new().with_pretty(true).render_scene(&self.scene).replacen("<svg ", &view_box, 1);
         for (k, (_, element)) in self.images.iter().enumerate() {
             let group = format!("<g id=\"raster-{k}\">");
-            svg = svg.replacen(&group, &format!("{group}\n{element}"), 1);
+            svg = svg.replacen(&group, &format!("<g>\n{element}"), 1);
         }
         Ok(Picture { svg, png })
     }
@@ -317,6 +317,21 @@ mod tests {
         assert!(p.svg.starts_with("<svg viewBox=\"0 0 900 50\" "));
         assert!(p.svg.contains("a &lt; b &amp; &quot;c&quot; costs $5 and $6 λ"), "{}", p.svg);
         assert_eq!(p.png[..8], [137, 80, 78, 71, 13, 10, 26, 10]);
+    }
+
+    #[test]
+    fn rasters_keep_their_places_among_the_shapes() {
+        let mut c = Canvas::new(50.0);
+        let dot = |v: f64| Raster::new([2, 2], [0.0, 1.0], |_, _| v);
+        let frame = |left: f64| Rect { left, top: 5.0, width: 1.0, height: 1.0 };
+        c.raster(frame(3.0), &dot(0.0)).unwrap();
+        c.line([0.0, 1.0], [7.0, 1.0], &Pen::solid(BLACK, 1.0));
+        c.raster(frame(4.0), &dot(1.0)).unwrap();
+        c.text([10.0, 20.0], "<g id=\"raster-0\">", 14, TextAnchor::Start);
+        let svg = c.finish().unwrap().svg;
+        let places = ["<image x=\"3\"", "<path", "<image x=\"4\"", "<text"].map(|s| svg.find(s).unwrap());
+        assert!(places.is_sorted(), "{svg}");
+        assert!(!svg.contains("<rect x=\"3\"") && svg.matches("<image").count() == 2);
     }
 
     proptest! {

@@ -110,7 +110,7 @@ pub(super) fn field_panels(
 
 /// Ticks at most of a colour bar.
 fn marks_of(height: f64) -> usize {
-    (height / 28.0).clamp(3.0, 10.0) as usize
+    (height / 28.0).clamp(4.0, 10.0) as usize
 }
 
 /// A text in at most `lines` lines, with the power of ten of the ticks, which is kept however long the text is.
@@ -212,5 +212,38 @@ impl Plan {
             [low, low + PIXELS * self.frame[i] * self.pixel[i]]
         };
         Axes { frame: Rect { left: left.round(), top, width, height }, x: ends(0), y: ends(1) }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_of_either_sign() {
+        let of = |v: &[f64]| ends(v.iter().copied());
+        assert_eq!(of(&[-2.0, -1.0]), [-2.0, 0.0]);
+        assert_eq!(of(&[-2.0, f64::NAN, 1.0, f64::INFINITY]), [-2.0, 1.0]);
+        assert_eq!(of(&[1.0, 4.0]), [0.0, 4.0]);
+        assert_eq!(of(&[3.0, 4.0]), [3.0, 4.0]);
+        assert_eq!((of(&[]), of(&[f64::NAN])), ([0.0, 1.0], [0.0, 1.0]));
+    }
+
+    #[test]
+    fn flat_bodies_stand_below_each_other_tall_ones_beside_and_many_square_ones_in_rows() {
+        let plan = |size: [f64; 2], panels: usize, shared: bool| {
+            Plan::new(&Bounds { low: [0.0; 2], high: size }, panels, 1..=panels, shared)
+        };
+        for (size, panels, columns) in
+            [([6.0, 1.0], 4, 1), ([1.0, 6.0], 2, 2), ([60.0, 1.0], 5, 1), ([1.0, 60.0], 3, 3), ([1.0, 1.0], 4, 2)]
+        {
+            for shared in [false, true] {
+                let plan = plan(size, panels, shared);
+                assert_eq!(plan.columns, columns, "{size:?}");
+                let aspect = plan.pixels[0] as f64 / plan.pixels[1] as f64;
+                let rounding = 0.5 / plan.pixels.into_iter().min().unwrap() as f64;
+                assert!((aspect * size[1] / size[0] - 1.0).abs() < 3.0 * rounding);
+            }
+        }
     }
 }

@@ -4,6 +4,7 @@ use super::PictureError;
 use super::bands::{BANDS, colour};
 use super::canvas::{PIXELS, Rect};
 use kuva::backend::raster::RasterBackend;
+use kuva::render::color::Color;
 use kuva::render::render::{Primitive, Scene};
 use std::ops::Range;
 
@@ -40,6 +41,7 @@ impl Raster {
     fn rectangles(&self, [left, top]: [f64; 2]) -> Primitive {
         let [mut x, mut y, mut w, mut h] = [const { Vec::new() }; 4];
         let mut fills = Vec::new();
+        let palette: Vec<Color> = (0..BANDS).map(colour).collect();
         let rows: Vec<&[u8]> = (0..self.size[1]).map(|j| self.row(j)).collect();
         let mut j = 0;
         for equal in rows.chunk_by(|a, b| a == b) {
@@ -50,7 +52,7 @@ impl Raster {
                     y.push(top + j as f64 / PIXELS);
                     w.push(run.len() as f64 / PIXELS);
                     h.push(equal.len() as f64 / PIXELS);
-                    fills.push(colour(run[0].into()));
+                    fills.push(palette[usize::from(run[0])].clone());
                 }
                 i += run.len();
             }
