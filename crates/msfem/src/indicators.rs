@@ -93,6 +93,9 @@ impl Indicators {
 /// smallest coarse cell that touches it, whose share in the sum is equal to those of the others around it. Held unknowns have
 /// no residual. `load` has the nodal forces of all fine unknowns, those of contact included ([`crate::Loads::nodal`]).
 ///
+/// η over ‖u_h - u_H‖ was measured as 1.9 to 2.6 on homogeneous and random bars, 1.5 to 2.1 on laminates of contrast 10 whose
+/// layers are coarse cells or larger, and up to 5 where many layers lie in a coarse cell.
+///
 /// *Use when* the basis conforms; the residual is the whole one, body force included, whether there are bubbles or not.
 /// *Fails when* stiff parts cross coarse edges, as with [`Indicators`].
 /// Cost: one product K u.
@@ -143,7 +146,7 @@ fn volume(medium: &Medium, mesh: &CoarseMesh, cell: usize, body: &[[f64; 8]]) ->
 
 /// What a force gave to each Gauss point, from its moments against the four bilinear functions: the inverse of the rule that
 /// made them.
-fn gauss_values(moments: &[f64; 8]) -> [[f64; 2]; 4] {
+pub(crate) fn gauss_values(moments: &[f64; 8]) -> [[f64; 2]; 4] {
     // along a line the moments are ((1-g) f₀ + g f₁, g f₀ + (1-g) f₁)
     let g = GAUSS[0];
     let invert = |a: [f64; 2], b: [f64; 2]| {

@@ -13,6 +13,7 @@ mod coarse_mesh;
 mod multiscale;
 mod elimination;
 mod indicators;
+mod fine_error;
 mod refinement;
 mod contrast;
 
@@ -22,6 +23,7 @@ pub use contrast::{CrossingContrast, crossing_contrast};
 pub use elasticity::{Elasticity, Plane};
 pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;
+pub use fine_error::bubble_indicators;
 pub use grid::Grid;
 pub use indicators::{Indicators, nodal_indicators};
 pub use load::Loads;

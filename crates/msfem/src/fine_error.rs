@@ -1,0 +1,223 @@
+//! The error of the bilinear fine elements themselves, from the residual against quadratic bubbles.
+
+use faer::Mat;
+use faer::linalg::solvers::DenseSolveCore;
+use rayon::prelude::*;
+use steklov_quadrature::gauss_legendre;
+
+use crate::Medium;
+use crate::elasticity::{Elasticity, GAUSS, gradients, strain};
+use crate::indicators::{gauss_values, neighbour};
+
+/// Bubbles of a cell: one on each side, as sides are numbered, and one inside; unknown 2·bubble + component.
+const BUBBLES: usize = 5;
+
+/// η_T² of each fine cell of the bounding box, 0 in dropped ones: an estimate of ‖u - u_h‖² in the energy norm (force times
+/// length per thickness), u the solution on ever finer grids and u_h that of the bilinear fine elements.
+///
+/// The bubbles are 4s(1-s) along a side, linear across, in both cells of a side, and 16ξ(1-ξ)η(1-η) in each cell. The
+/// residual r(b) = ∫ f·b + ∫ t·b - a(u_h, b) of a side's bubbles is given to both its cells in proportion to their moduli, that
+/// of the others to their cell, and η_T² = r_Tᵀ A_T⁻¹ r_T with the 10 × 10 stiffness A_T of the bubbles in T. Σ η_T² is never
+/// below the energy of the solution in all bubbles together. For smooth u it tends to the error itself.
+///
+/// `body`, u, `held` and `traction` are as in [`crate::Indicators::new`], but the body force is never left out; both nodes of a
+/// side hold its bubble. For a multiscale u_H the sum has a part of the error u_h - u_H too: a third of h/H times that of
+/// [`crate::nodal_indicators`] (H = m h; measured for m = 2 to 16). The root of both sums together estimates ‖u - u_H‖; it is
+/// 1.5 to 2.3 times the error on the bars where the parts are 1.0 and 1.9 to 2.5 times theirs.
+///
+/// *Use when* moduli are constant in each fine cell: the measured ratio to the error is 0.97 to 1.08 on clamped bars,
+/// homogeneous or random, in both planes and for ν up to 0.49, and on laminates of four cells a layer; 1.00 for smooth fields
+/// (from above for ν = 0.49: 1.3 on 8 × 8 cells, 1.03 on 32 × 32).
+/// *Fails when* the grid does not resolve u: the ratio is 0.7 for layers of two cells askew to the grid, and for random cells
+/// of contrast 10² that meet at their corners.
+/// Cost: about 500 operations a cell.
+///
+/// # Source
+/// Bank and Weiser, *Some a posteriori error estimators for elliptic partial differential equations*, Math. Comp. 44 (1985),
+/// with tractions weighted by the moduli.
+pub fn bubble_indicators(
+    medium: &Medium,
+    body: &[[f64; 8]],
+    u: &[f64],
+    held: &[bool],
+    traction: &(dyn Fn(usize, usize) -> [f64; 2] + Sync),
+) -> Vec<f64> {
+    let grid = &medium.grid;
+    let [nx, ny] = grid.cells;
+    let unit = Unit::new(&medium.elasticity, grid.spacing);
+    let free = unit.flexibility(&[false; 10]);
+    let at = |cell: usize| -> f64 {
+        if !grid.inside(cell / ny, cell % ny) {
+            return 0.0;
+        }
+        let young = medium.young[cell];
+        let values = medium.cell_values(u, cell);
+        let nodes = grid.cell_nodes(cell);
+        let load = body.get(cell).map(gauss_values);
+        let mut residual = [0.0; 10];
+        let mut is_held = [false; 10];
+        for bubble in 0..BUBBLES {
+            let mut force = unit.forces(young, &values, load.as_ref(), bubble);
+            if bubble < 4 {
+                let ends = [nodes[bubble], nodes[(bubble + 1) % 4]];
+                if let Some(other) = neighbour(grid, cell, bubble) {
+                    let (values, load) = (medium.cell_values(u, other), body.get(other).map(gauss_values));
+                    let beyond = unit.forces(medium.young[other], &values, load.as_ref(), (bubble + 2) % 4);
+                    let share = young / (young + medium.young[other]);
+                    (0..2).for_each(|k| force[k] = share * (force[k] + beyond[k]));
+                } else {
+                    let given = traction(cell, bubble);
+                    // ∫ 4s(1-s) = 2/3 of the length
+                    let moment = grid.spacing[bubble % 2] * 2.0 / 3.0;
+                    for k in 0..2 {
+                        force[k] += moment * given[k];
+                        is_held[2 * bubble + k] = ends.iter().all(|n| held[2 * n + k]);
+                    }
+                }
+            }
+            (0..2).for_each(|k| residual[2 * bubble + k] = force[k]);
+        }
+        let own;
+        let flexibility = if is_held.contains(&true) {
+            own = unit.flexibility(&is_held);
+            &own
+        } else {
+            &free
+        };
+        let work = |a: usize| (0..10).map(|b| residual[a] * flexibility[a][b] * residual[b]).sum::<f64>();
+        (0..10).map(work).sum::<f64>() / young
+    };
+    (0..nx * ny).into_par_iter().map(at).collect()
+}
+
+/// Integrals on a cell with E = 1.
+struct Unit {
+    /// a(b, b').
+    bubbles: [[f64; 10]; 10],
+    /// a(b, φ) with the bilinear functions.
+    mixed: [[f64; 8]; 10],
+    /// Moments of a bubble with forces at the 2 × 2 Gauss points, as weights of those forces' own integrals.
+    force: [[f64; 4]; BUBBLES],
+}
+
+impl Unit {
+    fn new(elasticity: &Elasticity, spacing: [f64; 2]) -> Self {
+        let mut this = Self { bubbles: [[0.0; 10]; 10], mixed: [[0.0; 8]; 10], force: [[0.0; 4]; BUBBLES] };
+        let area = spacing[0] * spacing[1];
+        // exact for two bubbles inside, of degree 4 in each variable
+        let rule = gauss_legendre(3);
+        let points: Vec<(f64, f64)> =
+            rule.points.iter().zip(&rule.weights).map(|(x, w)| ((1.0 + x) / 2.0, w / 2.0)).collect();
+        for &(xi, wx) in &points {
+            for &(eta, wy) in &points {
+                let (value, gradient) = bubbles([xi, eta], spacing);
+                let strains: [[f64; 3]; 10] = std::array::from_fn(|b| {
+                    let [dx, dy] = gradient[b / 2];
+                    if b % 2 == 0 { [dx, 0.0, dy] } else { [0.0, dy, dx] }
+                });
+                let bilinear = gradients([xi, eta], spacing);
+                let weight = wx * wy * area;
+                for (b, strained) in strains.iter().enumerate() {
+                    let stress = elasticity.unit_stress(*strained).map(|s| weight * s);
+                    let with = |e: &[f64; 3]| (0..3).map(|k| stress[k] * e[k]).sum::<f64>();
+                    (0..10).for_each(|c| this.bubbles[b][c] += with(&strains[c]));
+                    for a in 0..8 {
+                        let mut one = [0.0; 8];
+                        one[a] = 1.0;
+                        this.mixed[b][a] += with(&strain(&one, &bilinear));
+                    }
+                }
+                // the bilinear function that is 1 at one of the 2 × 2 points
+                let line = |x: f64| [(GAUSS[1] - x) / (GAUSS[1] - GAUSS[0]), (x - GAUSS[0]) / (GAUSS[1] - GAUSS[0])];
+                for (bubble, value) in value.into_iter().enumerate() {
+                    for (k, (i, j)) in [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().enumerate() {
+                        this.force[bubble][k] += 4.0 * wx * wy * value * line(xi)[i] * line(eta)[j];
+                    }
+                }
+            }
+        }
+        this
+    }
+
+    /// A⁻¹, with 0 in the rows and columns of held bubbles.
+    fn flexibility(&self, held: &[bool; 10]) -> [[f64; 10]; 10] {
+        let entry = |a: usize, b: usize| match (held[a] || held[b], a == b) {
+            (false, _) => self.bubbles[a][b],
+            (true, same) => f64::from(u8::from(same)),
+        };
+        let inverse = Mat::from_fn(10, 10, entry).partial_piv_lu().inverse();
+        std::array::from_fn(|a| std::array::from_fn(|b| if held[a] || held[b] { 0.0 } else { inverse[(a, b)] }))
+    }
+
+    /// ∫ f·b - a(u, b) of both components of a bubble in a cell.
+    fn forces(&self, young: f64, u: &[f64; 8], load: Option<&[[f64; 2]; 4]>, bubble: usize) -> [f64; 2] {
+        [0, 1].map(|k| {
+            let inner: f64 = self.mixed[2 * bubble + k].iter().zip(u).map(|(m, u)| m * u).sum();
+            let outer: f64 = load.map_or(0.0, |load| (0..4).map(|g| self.force[bubble][g] * load[g][k]).sum());
+            outer - young * inner
+        })
+    }
+}
+
+/// Values and gradients of the bubbles at (ξ, η).
+fn bubbles([x, y]: [f64; 2], [hx, hy]: [f64; 2]) -> ([f64; BUBBLES], [[f64; 2]; BUBBLES]) {
+    let (f, df) = (4.0 * x * (1.0 - x), 4.0 - 8.0 * x);
+    let (g, dg) = (4.0 * y * (1.0 - y), 4.0 - 8.0 * y);
+    let values = [f * (1.0 - y), g * x, f * y, g * (1.0 - x), f * g];
+    let gradients = [[df * (1.0 - y), -f], [g, dg * x], [df * y, f], [-g, dg * (1.0 - x)], [df * g, f * dg]];
+    (values, gradients.map(|[dx, dy]| [dx / hx, dy / hy]))
+}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::{Grid, Plane};
+    use proptest::prelude::*;
+    use steklov_quadrature::unit_uniform;
+
+    /// The residuals and diagonal entries of all bubbles, by twice the lattice points of their middles; then R(v)²/a(v, v) of
+    /// the field v that has their quotients.
+    fn reached(medium: &Medium, u: &[f64]) -> f64 {
+        let grid = &medium.grid;
+        let unit = Unit::new(&medium.elasticity, grid.spacing);
+        let middle = |cell: usize, bubble: usize| {
+            let [i, j] = grid.cell(cell).map(|i| 2 * i + 1);
+            [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j], [i, j]][bubble]
+        };
+        let mut sums: HashMap<([usize; 2], usize), [f64; 2]> = HashMap::new();
+        for (cell, b) in grid.body_cells().flat_map(|cell| (0..10).map(move |b| (cell, b))) {
+            let force = unit.forces(medium.young[cell], &medium.cell_values(u, cell), None, b / 2);
+            let sum = sums.entry((middle(cell, b / 2), b % 2)).or_default();
+            (sum[0], sum[1]) = (sum[0] + force[b % 2], sum[1] + medium.young[cell] * unit.bubbles[b][b]);
+        }
+        let residual: f64 = sums.values().map(|[r, d]| r * r / d).sum();
+        let mut energy = 0.0;
+        for cell in grid.body_cells() {
+            let v: [f64; 10] = std::array::from_fn(|b| {
+                let [r, d] = sums[&(middle(cell, b / 2), b % 2)];
+                r / d
+            });
+            for b in 0..10 {
+                energy += (0..10).map(|c| medium.young[cell] * v[b] * unit.bubbles[b][c] * v[c]).sum::<f64>();
+            }
+        }
+        residual * residual / energy
+    }
+
+    proptest! {
+        #[test]
+        fn no_field_of_bubbles_has_more_work_than_the_estimate_allows(seed in any::<u64>(), nu in -0.3..0.49_f64) {
+            let grid = Grid::new([0.0; 2], [0.5, 0.3], [4, 3], |i, j| i < 3 || j < 2).unwrap();
+            let number = |i: usize| unit_uniform(seed, 5000 + i as u64);
+            let young = (0..12).map(|c| 10.0_f64.powf(4.0 * number(c))).collect();
+            let medium = Medium::new(grid, young, Elasticity::new(nu, Plane::Strain).unwrap()).unwrap();
+            let u: Vec<f64> = (0..medium.grid.dofs()).map(|i| number(100 + i) - 0.5).collect();
+            let free = vec![false; u.len()];
+            let eta = bubble_indicators(&medium, &[], &u, &free, &|_, _| [0.0; 2]).iter().sum::<f64>();
+            let reached = reached(&medium, &u);
+            prop_assert!(reached <= eta && reached > 0.1 * eta, "{reached} of {eta}");
+        }
+    }
+}
