@@ -120,11 +120,11 @@ pub struct GridSummary {
     pub estimate_fine_grid: Option<f64>,
     /// Largest Young's modulus over the smallest one.
     pub contrast: f64,
-    /// The largest such ratio along an edge of a coarse cell; multiscale bases fail from about 1000 on.
+    /// The largest such ratio along an edge of a coarse cell; multiscale bases fail from about 100 on.
     pub crossing_contrast: Option<f64>,
     /// Middle of that edge.
     pub crossing_at: Option<[f64; 2]>,
-    /// Share of the coarse edges with a ratio of 1000 or more.
+    /// Share of the coarse edges with a ratio of 100 or more.
     pub crossing_share: Option<f64>,
 }
 

@@ -26,6 +26,7 @@ pub(crate) mod store;
 
 pub use body::grid_of;
 pub(crate) use body::{check_body, fitting_grid};
+pub(crate) use estimate::BLIND;
 pub use estimate::GridEstimate;
 pub use layout::GridLayout;
 pub(crate) use moduli::check_modulus_cells;

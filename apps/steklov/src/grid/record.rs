@@ -6,6 +6,7 @@ use steklov_bem_operators::Mesh;
 use steklov_io::vtkhdf::{Field, Grid as VtkGrid};
 use steklov_msfem::{CoarseCell, crossing_contrast};
 
+use super::estimate::GridEstimate;
 use super::run::{GridRun, GridStep};
 use super::solve::GridSolved;
 use crate::plan::Plan;
@@ -36,7 +37,7 @@ pub struct GridRecord {
 }
 
 /// Contrast along coarse edges from which linear traces fail.
-pub(crate) const FAILING: f64 = 1e3;
+pub(crate) const FAILING: f64 = 1e2;
 
 impl Record {
     /// Gathers a run on grids; see [`Record::new`].
@@ -170,6 +171,7 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
         friction_work: solved.energies.friction_work,
         estimate: estimate.map(|e| e.error),
         estimate_relative: estimate.map(|e| e.relative),
+        estimate_doubts: estimate.map_or(Vec::new(), GridEstimate::doubts),
         iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact.map(|c| contact_summary(scene, &solved.trace.mesh, c, rows, None)),
         audit: contact.map(|c| audit_summary(&c.audit)),

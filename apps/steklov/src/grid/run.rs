@@ -169,7 +169,7 @@ fn reason(
 ) -> Option<Reason> {
     let method = &scene.method;
     let estimate = solved.estimate.as_ref();
-    let reached = estimate.is_some_and(|e| e.relative <= method.tolerance);
+    let reached = estimate.is_some_and(|e| e.relative <= method.tolerance && e.doubts().is_empty());
     let outweighed =
         estimate.is_some_and(|e| solved.coarse.is_some() && e.multiscale <= OUTWEIGHED * e.fine_grid);
     Some(match (method.refine, next) {

@@ -7,7 +7,7 @@ use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale, Plane,
 };
 
-use super::estimate::{GridEstimate, estimate};
+use super::estimate::{GridEstimate, Tractions, estimate};
 use super::layout::GridLayout;
 use super::system::{Answer, System};
 use super::trace::GridTrace;
@@ -15,7 +15,7 @@ use super::{grid_of, moduli};
 use crate::contact::ContactResult;
 use crate::data::Data;
 use crate::report::Trace;
-use crate::scene::{BasisInput, Condition, Scene};
+use crate::scene::{BasisInput, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 use crate::supports::Held;
 
@@ -59,6 +59,8 @@ pub struct CoarseSolved {
     pub basis: Basis,
     /// Displacement of the vertices, those that hang included (length).
     pub displacement: Vec<[f64; 2]>,
+    /// Whether the response to the load inside of each cell is added.
+    pub bubbles: bool,
     /// Different patterns of moduli: so many local problems were solved.
     pub patterns: usize,
 }
@@ -103,13 +105,15 @@ pub(crate) fn basis(scene: &Scene) -> Basis {
     }
 }
 
-/// Tractions side by side of the cells on the boundary, and the body force.
-fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<Loads, SolveError> {
-    let mut loads = Loads::default();
+/// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
+fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<(Loads, Tractions), SolveError> {
+    let (mut loads, mut tractions) = (Loads::default(), Tractions::default());
     let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
     for (e, moments) in data.side_loads()? {
         let (cell, side) = fine.cell(&medium.grid, e);
         loads.add_side(cell, side, moments);
+        let mean = tractions.entry((cell, side)).or_default();
+        (0..2).for_each(|i| mean[i] += (moments[0][i] + moments[1][i]) / fine.mesh.length(e));
     }
     if scene.body_force.is_some() {
         // its errors first: the loop over the cells cannot stop
@@ -128,7 +132,7 @@ fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<Loads, Solv
             return Err(error.into());
         }
     }
-    Ok(loads)
+    Ok((loads, tractions))
 }
 
 /// Solves the scene on a grid.
@@ -144,7 +148,7 @@ pub(crate) fn solve_grid(
     observe(Stage::Progress("moduli, loads and supports", 0.0))?;
     let medium = medium(scene, layout)?;
     let fine = GridTrace::new(scene, &medium.grid, |_| true)?;
-    let loads = loads(scene, &medium, &fine)?;
+    let (loads, tractions) = loads(scene, &medium, &fine)?;
     let set_up = clock.elapsed().as_secs_f64();
     let (mut solved, held) = match &layout.coarse {
         None => solve_fine(scene, medium, fine, &loads, observe)?,
@@ -157,7 +161,7 @@ pub(crate) fn solve_grid(
     }
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.9))?;
-    solved.estimate = estimate(&solved, &loads, &held);
+    solved.estimate = estimate(&solved, scene.method.indicator, &loads, tractions, &held);
     solved.estimate_seconds = clock.elapsed().as_secs_f64();
     Ok(solved)
 }
@@ -185,7 +189,8 @@ fn held_unknowns(grid: &Grid, trace: &GridTrace, held: &[Held]) -> Vec<bool> {
     is_held
 }
 
-fn node_at(grid: &Grid, [i, j]: [usize; 2]) -> usize {
+/// The node at a lattice point of the boundary.
+pub(super) fn node_at(grid: &Grid, [i, j]: [usize; 2]) -> usize {
     grid.node(i, j).unwrap_or_else(|| unreachable!("points of the boundary are nodes"))
 }
 
@@ -249,9 +254,7 @@ fn lift(grid: &Grid, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse:
     let mut lifted = false;
     // both boundaries run in the same order, and begin at the same corners
     for e in 0..trace.mesh.len() {
-        let (start, end) = (trace.lattice[e], trace.lattice[trace.mesh.next[e]]);
-        let along = usize::from(start[0] == end[0]);
-        let count = start[along].abs_diff(end[along]);
+        let count = trace.points(e).len() - 1;
         for step in 0..count {
             let f = place + step;
             let s = step as f64 / count as f64;
@@ -317,7 +320,7 @@ fn solve_coarse(
 
     let clock = Instant::now();
     let at_boundary = system.at_boundary.clone();
-    // a corner is split between two supports by the forces of the corner functions of both cells there
+    // two supports at a corner share its force equally
     let even = |_: &[f64], _: usize, _: usize| [0.0; 2];
     let answer = system.solve(scene, &trace, &held, boundary, &even, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
@@ -351,16 +354,11 @@ fn solve_coarse(
         estimate: None,
         seconds: Seconds { set_up, assemble, factorise, solve },
         estimate_seconds: 0.0,
-        coarse: Some(CoarseSolved { mesh, basis, displacement: vertices, patterns }),
+        coarse: Some(CoarseSolved { mesh, basis, displacement: vertices, bubbles: extra.bubbles, patterns }),
         trace,
         medium,
     };
     Ok((solved, is_held))
-}
-
-/// Whether a scene's condition is contact.
-pub(crate) fn is_contact(condition: &Condition) -> bool {
-    matches!(condition, Condition::Contact { .. })
 }
 
 impl From<MsfemError> for SolveError {

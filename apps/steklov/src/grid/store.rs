@@ -5,7 +5,7 @@ use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_points, load_vector,
     open_group, save_dense, save_integers, save_number, save_points, save_vector,
 };
-use steklov_msfem::CoarseCell;
+use steklov_msfem::{CoarseCell, CrossingContrast, Indicators};
 
 use super::estimate::GridEstimate;
 use super::layout::GridLayout;
@@ -94,9 +94,30 @@ fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
     let terms = [estimate.multiscale, estimate.fine_grid, estimate.relative];
     save_vector(at, "estimate_terms", &terms, &label("as named", "what belongs to the estimate", &[names]))?;
     let indicators = create_group(at, "indicators")?;
-    let meaning = label("force*length/thickness", "squared nodal residuals of each coarse cell", &["coarse cell"]);
-    save_vector(&indicators, "nodal", &estimate.indicators, &meaning)
+    let cell = &["coarse cell"];
+    let energy = |meaning| label("force*length/thickness", meaning, cell);
+    let whole = energy("squared indicators: those of nodal residuals, or the sum of the other terms here");
+    save_vector(&indicators, "squared", &estimate.indicators, &whole)?;
+    if let Some(terms) = &estimate.residual {
+        for (name, meaning, values) in RESIDUAL_TERMS {
+            save_vector(&indicators, name, values(terms), &energy(meaning))?;
+        }
+    }
+    let Some(crossing) = &estimate.crossing else { return Ok(()) };
+    let names = "largest ratio of moduli along a coarse edge, x and y of its middle, share of edges with a ratio of 100 or more";
+    let numbers = [crossing.largest, crossing.at[0], crossing.at[1], crossing.share];
+    save_vector(at, "crossing", &numbers, &label("as named", "contrast along coarse edges", &[names]))
 }
+
+/// A term of the residual indicators: name, meaning, values.
+type Term = (&'static str, &'static str, fn(&Indicators) -> &Vec<f64>);
+const RESIDUAL_TERMS: [Term; 5] = [
+    ("volume_mean", "H^2/E of the mean body force", |t| &t.volume_mean),
+    ("volume_oscillation", "H^2/E of the rest of the body force", |t| &t.volume_oscillation),
+    ("jump_mean", "H/E of the mean jumps of the traction between coarse cells", |t| &t.jump_mean),
+    ("jump_oscillation", "H/E of the rest of these jumps", |t| &t.jump_oscillation),
+    ("neumann", "H/E of the given traction less that of the solution", |t| &t.neumann),
+];
 
 /// Reads `/multiscale` and the steps.
 ///
@@ -160,11 +181,39 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
         let &[multiscale, fine_grid, relative] = terms.as_slice() else {
             return Err(invalid(at, "estimate_terms", format!("{} numbers, not 3", terms.len())));
         };
-        let indicators = load_vector(&open_group(at, "indicators")?, "nodal")?;
-        if indicators.len() != coarse.as_ref().map_or(0, Vec::len) {
-            return Err(invalid(at, "indicators/nodal", format!("{} indicators", indicators.len())));
-        }
-        Some(GridEstimate { indicators, multiscale, fine_grid, error: load_number(at, "estimate")?, relative })
+        let group = open_group(at, "indicators")?;
+        let cells = coarse.as_ref().map_or(0, Vec::len);
+        let column = |name: &str| -> Result<Vec<f64>, IoError> {
+            let values = load_vector(&group, name)?;
+            match values.len() {
+                n if n == cells => Ok(values),
+                n => Err(invalid(&group, name, format!("{n} indicators of {cells} coarse cells"))),
+            }
+        };
+        let residual = if group.link_exists(RESIDUAL_TERMS[0].0) {
+            let [volume_mean, volume_oscillation, jump_mean, jump_oscillation, neumann] =
+                RESIDUAL_TERMS.map(|(name, ..)| column(name));
+            Some(Indicators {
+                volume_mean: volume_mean?,
+                volume_oscillation: volume_oscillation?,
+                jump_mean: jump_mean?,
+                jump_oscillation: jump_oscillation?,
+                neumann: neumann?,
+            })
+        } else {
+            None
+        };
+        let crossing = if at.link_exists("crossing") {
+            let numbers = load_vector(at, "crossing")?;
+            let &[largest, x, y, share] = numbers.as_slice() else {
+                return Err(invalid(at, "crossing", format!("{} numbers, not 4", numbers.len())));
+            };
+            Some(CrossingContrast { largest, at: [x, y], share })
+        } else {
+            None
+        };
+        let (indicators, error) = (column("squared")?, load_number(at, "estimate")?);
+        Some(GridEstimate { indicators, residual, multiscale, fine_grid, error, relative, crossing })
     } else {
         None
     };

@@ -32,8 +32,7 @@ pub(crate) struct System {
 pub(crate) struct Answer {
     pub displacement: Vec<f64>,
     pub contact: Option<ContactResult>,
-    /// Largest residual of equilibrium over the scale of forces, and whether that is as small as rounding allows.
-    pub equilibrium: f64,
+    /// Whether the residual of equilibrium is as small as rounding allows.
     pub balanced: bool,
     pub reactions: Vec<(String, [f64; 2])>,
     pub free_motions: Vec<RigidMotion>,
@@ -224,7 +223,6 @@ impl System {
             energy: dot(&forces, &displacement),
             work: dot(&load, &displacement),
             contact,
-            equilibrium: over(scale),
             balanced: over(scale + floor) <= UNBALANCED,
             reactions: reactions.into_iter().map(|(side, f)| (mesh.side_names[side].clone(), f)).collect(),
             free_motions: free,

@@ -44,11 +44,21 @@ impl GridTrace {
         Ok(Self { space: Space::new(&mesh), mesh, lattice })
     }
 
-    /// The fine cell inside of element e, and its side (0 lower, 1 right, 2 upper, 3 left), where e is one side of a cell;
-    /// of a longer element the cell at its start.
-    pub fn cell(&self, grid: &Grid, e: usize) -> (usize, usize) {
-        let ([i, j], [k, l]) = (self.lattice[e], self.lattice[self.mesh.next[e]]);
-        // the body is to the left of the element
+    /// Lattice points from the start to the end of element e.
+    pub fn points(&self, e: usize) -> Vec<[usize; 2]> {
+        let (a, b) = (self.lattice[e], self.lattice[self.mesh.next[e]]);
+        let along = usize::from(a[0] == b[0]);
+        let point = |step: usize| {
+            let mut point = a;
+            point[along] = if b[along] > a[along] { a[along] + step } else { a[along] - step };
+            point
+        };
+        (0..=a[along].abs_diff(b[along])).map(point).collect()
+    }
+
+    /// The fine cell inside of the boundary between two neighbouring points, and its side (0 lower, 1 right, 2 upper, 3 left).
+    pub fn side(&self, grid: &Grid, [[i, j], [k, l]]: [[usize; 2]; 2]) -> (usize, usize) {
+        // the body is to the left
         let (cell, side) = match (k > i, l > j, k < i) {
             (true, ..) => ([i, j], 0),
             (_, true, _) => ([i - 1, j], 1),
@@ -56,5 +66,11 @@ impl GridTrace {
             _ => ([i, j - 1], 3),
         };
         (cell[0] * grid.cells[1] + cell[1], side)
+    }
+
+    /// The fine cell at the start of element e, and its side.
+    pub fn cell(&self, grid: &Grid, e: usize) -> (usize, usize) {
+        let points = self.points(e);
+        self.side(grid, [points[0], points[1]])
     }
 }
