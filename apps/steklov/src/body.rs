@@ -84,7 +84,9 @@ impl Given {
     ) -> Result<Vec<RigidMotion>, SolveError> {
         match &self.boundary {
             None => balanced(&space.points, &self.load, candidates),
-            Some(boundary) => Ok(resisted_motions(candidates, &edges(boundary), |r| work(&space.points, &self.load, r))?),
+            Some(boundary) => {
+                Ok(resisted_motions(candidates, &edges(boundary), |r| work(&space.points, &self.load, r))?)
+            }
         }
     }
 }

@@ -112,8 +112,7 @@ pub(crate) fn solve_contact(
     solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
 ) -> Result<(Vec<f64>, ContactResult, ContactFactors), ContactError> {
     let CondensedBody { mesh, space, stiffness, load, expand, largest_diagonal, free, driven, judged } = *body;
-    let problem =
-        Problem { stiffness: stiffness.clone(), load: load.to_vec(), nodes: boundary.contact.clone() };
+    let problem = Problem { stiffness: stiffness.clone(), load: load.to_vec(), nodes: boundary.contact.clone() };
     let solution = solve(&problem)?;
     let friction_work = problem.friction_work(&solution.displacement, &solution.multipliers);
     let coulomb = (judged && problem.is_coulomb()).then(|| Coulomb::new(&problem, &solution)).transpose()?;

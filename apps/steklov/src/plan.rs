@@ -139,7 +139,9 @@ fn boundary_plan(scene: &Scene) -> Plan {
     }
     stochastic::decide(scene, &mut modelled, &mut left_out);
     let why = match scene.grid {
-        Some(_) => "the scene has one, but the material is the same everywhere: model = \"fem\" or \"msfem\" would use it",
+        Some(_) => {
+            "the scene has one, but the material is the same everywhere: model = \"fem\" or \"msfem\" would use it"
+        }
         None => "the material is the same everywhere",
     };
     left_out.push(decision("grid in the body", "none".into(), why));

@@ -6,8 +6,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use steklov_bem_operators::Mesh;
 use steklov_io::{
     File, Group, IoError, Label, copy, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
-    load_vector, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts, save_vector, vtkhdf,
-    write_integer_attribute, write_text_attribute,
+    load_vector, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
+    save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
 
 use crate::grid::{GridRecord, GridStep, store as grid};
@@ -83,7 +83,8 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
             save_sparse(&matrices(&step)?, name, matrix, &label("stress", "stiffness matrix <K u, v>", &axes))
         }
         Stage::Condensed(s) => {
-            let axes = ["displacement unknown of the contact nodes, in the order of /contact, along normal and tangent"; 2];
+            let axes =
+                ["displacement unknown of the contact nodes, in the order of /contact, along normal and tangent"; 2];
             let meaning = label("stress", "stiffness matrix reduced to the contact nodes", &axes);
             save_dense(&matrices(&step)?, "S_contact", s.as_ref(), &meaning)
         }
@@ -313,7 +314,19 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         true => Some(read_grid(file, &grid)?),
         false => None,
     };
-    Ok(Stored { summary, plan, mesh, points, displacement, traction_points, traction, contact, grid, stochastic, on_grid })
+    Ok(Stored {
+        summary,
+        plan,
+        mesh,
+        points,
+        displacement,
+        traction_points,
+        traction,
+        contact,
+        grid,
+        stochastic,
+        on_grid,
+    })
 }
 
 fn read_grid(file: &File, fields: &vtkhdf::Grid) -> Result<GridRecord, IoError> {

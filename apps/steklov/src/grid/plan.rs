@@ -72,14 +72,19 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
         Some([x, y]) => modelled.push(decision(
             "body force",
             format!("({}, {})", x.text(), y.text()),
-            if multiscale { "integrated on the fine cells; its response inside of coarse cells is added" } else { "integrated on the cells" },
+            if multiscale {
+                "integrated on the fine cells; its response inside of coarse cells is added"
+            } else {
+                "integrated on the cells"
+            },
         )),
         None => left_out.push(decision("body force", "none".into(), "the scene has none")),
     }
     left_out.push(decision("random input", "none".into(), "no random name is used: one outcome"));
     let conforming = !multiscale || !matches!(input.basis, BasisInput::Oversampled | BasisInput::Periodic);
     if conforming {
-        let choice = if multiscale { "nodal residuals of coarse cells, side bubbles of fine ones" } else { "side bubbles" };
+        let choice =
+            if multiscale { "nodal residuals of coarse cells, side bubbles of fine ones" } else { "side bubbles" };
         let why = if multiscale {
             "both parts are told apart: that of the coarse cells, and that of the fine grid itself"
         } else {
@@ -156,7 +161,11 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
     } else {
         0.0
     };
-    let basis = if scene.model() == Model::Msfem { 2e3 * (input.fine[0] * input.fine[1]) as f64 * coarse.0 as f64 } else { 0.0 };
+    let basis = if scene.model() == Model::Msfem {
+        2e3 * (input.fine[0] * input.fine[1]) as f64 * coarse.0 as f64
+    } else {
+        0.0
+    };
     Cost {
         elements: coarse.0,
         dofs: coarse.1,

@@ -170,8 +170,7 @@ fn reason(
     let method = &scene.method;
     let estimate = solved.estimate.as_ref();
     let reached = estimate.is_some_and(|e| e.relative <= method.tolerance && e.doubts().is_empty());
-    let outweighed =
-        estimate.is_some_and(|e| solved.coarse.is_some() && e.multiscale <= OUTWEIGHED * e.fine_grid);
+    let outweighed = estimate.is_some_and(|e| solved.coarse.is_some() && e.multiscale <= OUTWEIGHED * e.fine_grid);
     Some(match (method.refine, next) {
         _ if !solved.converged() => Reason::Solver,
         (Refine::None, _) => Reason::Solved,

@@ -313,8 +313,13 @@ fn solve_coarse(
             points[unknown / 2] = grid.lattice_point(*vertex);
         }
     }
-    let system =
-        System { stiffness: coarse.stiffness, load: coarse.load, points, order: problem.elimination_order(), at_boundary };
+    let system = System {
+        stiffness: coarse.stiffness,
+        load: coarse.load,
+        points,
+        order: problem.elimination_order(),
+        at_boundary,
+    };
     let assemble = clock.elapsed().as_secs_f64();
     observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &system.stiffness))?;
 

@@ -2,8 +2,8 @@
 
 use faer::Mat;
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_points, load_vector,
-    open_group, save_dense, save_integers, save_number, save_points, save_vector,
+    File, Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_points,
+    load_vector, open_group, save_dense, save_integers, save_number, save_points, save_vector,
 };
 use steklov_msfem::{CoarseCell, CrossingContrast, Indicators};
 
@@ -20,7 +20,8 @@ fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> 
 const COARSE: &str = "first fine cell along x and y, fine cells along x and y";
 
 fn save_cells(at: &Group, cells: &[CoarseCell]) -> Result<(), IoError> {
-    let number = |i: usize, j: usize| [cells[i].first[0], cells[i].first[1], cells[i].size[0], cells[i].size[1]][j] as f64;
+    let number =
+        |i: usize, j: usize| [cells[i].first[0], cells[i].first[1], cells[i].size[0], cells[i].size[1]][j] as f64;
     let table = Mat::from_fn(cells.len(), 4, number);
     save_dense(at, "coarse_cells", table.as_ref(), &label("1", "coarse cells", &["coarse cell", COARSE]))
 }

@@ -208,8 +208,7 @@ impl System {
             c
         });
         let at_trace: Vec<f64> = (0..space.dofs()).map(|dof| residual[unknown(dof)]).collect();
-        let mut reactions =
-            supports.reactions(&at_trace, mesh, &scene.sides, |e, j| traction(&displacement, e, j));
+        let mut reactions = supports.reactions(&at_trace, mesh, &scene.sides, |e, j| traction(&displacement, e, j));
         if let Some(c) = &contact {
             for (side, condition) in scene.sides.iter().enumerate() {
                 if matches!(condition.condition, Condition::Contact { .. }) {
