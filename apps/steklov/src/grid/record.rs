@@ -151,6 +151,9 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
     let solved = &run.last;
     let contact = solved.contact.as_ref();
     let estimate = solved.estimate.as_ref();
+    // J(u_h) - J(u) = ½ ‖u - u_h‖², of which the estimate is sure to a factor of about √2
+    let correction = estimate.filter(|_| solved.coarse.is_none()).map(|e| e.fine_grid / 2.0);
+    let extrapolated = correction.map(|c| (solved.energies.total - c, c / 2.0));
     let part = |k: usize| run.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
     let probe = |&point: &[f64; 2]| {
         let (displacement, stress) = solved.at(point);
@@ -166,6 +169,8 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
         dofs: solved.dofs,
         steps: run.steps.len(),
         energy: solved.energies.total,
+        energy_extrapolated: extrapolated.map(|(energy, _)| energy),
+        energy_uncertainty: extrapolated.map(|(_, uncertainty)| uncertainty),
         strain_energy: solved.energies.strain,
         load_work: solved.energies.load_work,
         friction_work: solved.energies.friction_work,
