@@ -62,14 +62,14 @@ fn multiscale(cells: [usize; 2], fine: usize, random: bool) -> Result<(), MsfemE
     let mesh = CoarseMesh::uniform(&medium.grid, [fine; 2])?;
     let mut problem = Multiscale::new(&medium, mesh, Basis::Coupled)?;
     let patterns = clock.elapsed().as_secs_f64();
-    let system = problem.assemble(&loads, &Extra::default(), &|_| ())?;
+    let system = problem.assemble(&loads, &Extra::default(), &mut |_| true)?;
     let assembly = clock.elapsed().as_secs_f64();
     let clamped = (0..problem.mesh.vertices.len()).filter(|&v| problem.mesh.vertices[v][0] == 0);
     let held: Vec<usize> = clamped.filter_map(|v| problem.unknown[v]).flat_map(|u| [u, u + 1]).collect();
     let solver = Elimination::new(system.stiffness, &problem.elimination_order(), &[], &held)?;
     let coarse = solver.expand(&solver.reduce(&system.load, &vec![0.0; held.len()]), &[]);
     let solved = clock.elapsed().as_secs_f64();
-    let u = problem.downscale(&coarse, &loads, &Extra::default())?;
+    let u = problem.downscale(&coarse, &loads, &Extra::default(), &mut |_| true)?;
     let downscaled = clock.elapsed().as_secs_f64();
     let stresses = medium.stresses(&u);
     let total = clock.elapsed().as_secs_f64();

@@ -46,6 +46,16 @@ pub(crate) struct Cholesky {
     values: Vec<f64>,
 }
 
+/// Entries of a factor from which it is asked whether there is memory for them.
+const LARGE: usize = 1 << 26;
+
+/// Bytes that the system can give; None where it does not tell.
+fn available() -> Option<u64> {
+    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
+    let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
+    line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| 1024 * kib)
+}
+
 impl Structure {
     /// Of a pattern whose unknowns are eliminated in this order.
     pub fn new(pattern: Lower, order: &[usize]) -> Result<Self, MsfemError> {
@@ -66,6 +76,11 @@ impl Structure {
     pub fn factorise(&self, entries: &[f64], par: Par) -> Result<Cholesky, MsfemError> {
         let size = self.pattern.size();
         let memory = |_| MsfemError::Memory { size };
+        if self.symbolic.len_val() > LARGE
+            && available().is_some_and(|bytes| 8 * self.symbolic.len_val() as u64 > bytes)
+        {
+            return Err(MsfemError::Memory { size });
+        }
         let mut values = Vec::new();
         values.try_reserve_exact(self.symbolic.len_val()).map_err(|_| MsfemError::Memory { size })?;
         values.resize(self.symbolic.len_val(), 0.0);

@@ -55,4 +55,7 @@ pub enum MsfemError {
         /// Number of unknowns.
         size: usize,
     },
+    /// The caller stopped the work.
+    #[error("stopped before the work was done")]
+    Stopped,
 }

@@ -51,7 +51,7 @@
 //! }
 //!
 //! let mut coarse = Multiscale::new(&medium, CoarseMesh::uniform(&medium.grid, [8, 8])?, Basis::Oscillatory)?;
-//! let system = coarse.assemble(&loads, &Extra::default(), &|_| ())?;
+//! let system = coarse.assemble(&loads, &Extra::default(), &mut |_| true)?;
 //! let held: Vec<usize> = (0..coarse.mesh.vertices.len())
 //!     .filter(|&v| coarse.mesh.vertices[v][0] == 0)
 //!     .filter_map(|v| coarse.unknown[v])
@@ -59,7 +59,7 @@
 //!     .collect();
 //! let solver = Elimination::new(system.stiffness, &coarse.elimination_order(), &[], &held)?;
 //! let u = solver.expand(&solver.reduce(&system.load, &vec![0.0; held.len()]), &[]);
-//! let fine = coarse.downscale(&u, &loads, &Extra::default())?;
+//! let fine = coarse.downscale(&u, &loads, &Extra::default(), &mut |_| true)?;
 //!
 //! // without Poisson's effect a bar: u = F ∫ 1/E = 4 (1/1 + 1/3) / 2, at every point of the end
 //! let corner = medium.grid.node(64, 0).expect("a corner of the strip");

@@ -239,35 +239,37 @@ impl<'a> Multiscale<'a> {
         cell_basis(self.basis, &self.patch(cell), self.medium.grid.spacing, &self.medium.unit, &self.structures)
     }
 
-    /// The coarse problem of some loads. `progress` is called with the number of patterns that are done.
+    /// The coarse problem of some loads. `go_on` is told the share of the patterns that are done, and stops the work by false.
     ///
     /// Cost: one local factorisation a pattern, of about 8 m⁴ operations for m × m fine cells.
     ///
     /// # Errors
-    /// As [`Self::cell_basis`].
+    /// As [`Self::cell_basis`]; [`MsfemError::Stopped`].
     pub fn assemble(
         &mut self,
         loads: &Loads,
         extra: &Extra,
-        progress: &(dyn Fn(usize) + Sync),
+        go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<CoarseSystem, MsfemError> {
         let bytes = |cells: &Vec<usize>| 64 * 2 * nodes(self.mesh.cells[cells[0]].size);
         let keep = self.patterns.iter().map(bytes).sum::<usize>() <= KEPT;
-        let this = &*self;
-        let done = std::sync::atomic::AtomicUsize::new(0);
         let one = |cells: &Vec<usize>| -> Result<(Vec<CellSystem>, Option<CellBasis>), MsfemError> {
-            let basis = this.cell_basis(cells[0])?;
-            let reference = this.reference(cells[0]);
-            let system = |&cell: &usize| this.cell_system(cell, &basis, this.reference(cell) / reference, loads, extra);
+            let basis = self.cell_basis(cells[0])?;
+            let reference = self.reference(cells[0]);
+            let system = |&cell: &usize| self.cell_system(cell, &basis, self.reference(cell) / reference, loads, extra);
             let systems = cells.par_iter().map(system).collect::<Result<_, MsfemError>>()?;
-            progress(1 + done.fetch_add(1, std::sync::atomic::Ordering::Relaxed));
             Ok((systems, keep.then_some(basis)))
         };
-        let solved: Vec<_> = this.patterns.par_iter().map(one).collect::<Result<_, MsfemError>>()?;
-        let (mut systems, mut kept) = (Vec::new(), Vec::new());
-        for (of_pattern, basis) in solved {
-            systems.extend(of_pattern);
-            kept.push(basis);
+        let (mut systems, mut kept) = (Vec::with_capacity(self.mesh.cells.len()), Vec::new());
+        for batch in self.patterns.chunks(BATCH) {
+            if !go_on(kept.len() as f64 / self.patterns.len() as f64) {
+                return Err(MsfemError::Stopped);
+            }
+            let solved: Vec<_> = batch.par_iter().map(one).collect::<Result<_, MsfemError>>()?;
+            for (of_pattern, basis) in solved {
+                systems.extend(of_pattern);
+                kept.push(basis);
+            }
         }
         systems.sort_unstable_by_key(|s| s.cell);
         let size = self.dofs();
@@ -385,15 +387,17 @@ impl<'a> Multiscale<'a> {
         Ok(field)
     }
 
-    /// Calls with the displacement of the fine nodes of each coarse cell, cell by cell; nothing is averaged.
+    /// Calls with the displacement of the fine nodes of each coarse cell, cell by cell; nothing is averaged. It is asked before
+    /// each batch of cells, with the share that is done, whether to go on.
     ///
     /// # Errors
-    /// As [`Self::cell_basis`].
+    /// As [`Self::cell_basis`]; [`MsfemError::Stopped`].
     pub fn downscale_cells(
         &self,
         coarse: &[f64],
         loads: &Loads,
         extra: &Extra,
+        go_on: &mut dyn FnMut(f64) -> bool,
         mut each: impl FnMut(usize, &[f64]),
     ) -> Result<(), MsfemError> {
         let mut pattern = vec![0; self.mesh.cells.len()];
@@ -402,6 +406,9 @@ impl<'a> Multiscale<'a> {
         }
         let cells: Vec<usize> = (0..self.mesh.cells.len()).collect();
         for batch in cells.chunks(BATCH) {
+            if !go_on(batch[0] as f64 / cells.len() as f64) {
+                return Err(MsfemError::Stopped);
+            }
             let field = |&cell: &usize| match self.kept.get(pattern[cell]) {
                 Some(Some(basis)) => self.cell_field(cell, basis, coarse, loads, extra),
                 _ => self.cell_field(cell, &self.cell_basis(cell)?, coarse, loads, extra),
@@ -415,11 +422,17 @@ impl<'a> Multiscale<'a> {
     /// Displacement of all fine nodes; where cells meet, the mean of theirs (they differ for bases that do not conform).
     ///
     /// # Errors
-    /// As [`Self::cell_basis`].
-    pub fn downscale(&self, coarse: &[f64], loads: &Loads, extra: &Extra) -> Result<Vec<f64>, MsfemError> {
+    /// As [`Self::downscale_cells`].
+    pub fn downscale(
+        &self,
+        coarse: &[f64],
+        loads: &Loads,
+        extra: &Extra,
+        go_on: &mut dyn FnMut(f64) -> bool,
+    ) -> Result<Vec<f64>, MsfemError> {
         let grid = &self.medium.grid;
         let (mut sum, mut count) = (vec![0.0; grid.dofs()], vec![0u8; grid.nodes()]);
-        self.downscale_cells(coarse, loads, extra, |cell, field| {
+        self.downscale_cells(coarse, loads, extra, go_on, |cell, field| {
             for (node, u) in self.mesh.cells[cell].fine_nodes(grid).zip(field.chunks_exact(2)) {
                 (sum[2 * node], sum[2 * node + 1]) = (sum[2 * node] + u[0], sum[2 * node + 1] + u[1]);
                 count[node] += 1;

@@ -140,7 +140,7 @@ fn both_estimates_together_are_that_of_a_multiscale_field() {
         for cells in [16, 8, 4, 2] {
             for word in ["b", "c"] {
                 let solved = problem.multiscale([cells; 2], kind(word, cells), false);
-                let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra).unwrap();
+                let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
                 // conforming fields: a(u, u_H) is the work of the load
                 let error = (limit - work(&problem, &u)).sqrt();
                 let bubbles = estimate(&problem, &u);

@@ -15,7 +15,7 @@ fn held(problem: &Cantilever) -> Vec<bool> {
 
 /// η of the jump and the nodal variant.
 fn estimates(problem: &Cantilever, solved: &Solved<'_>) -> [f64; 2] {
-    let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra).unwrap();
+    let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
     let (mesh, held) = (&solved.problem.mesh, held(problem));
     let traction = |_: usize, side: usize| if side == 1 { [0.0, -1.0] } else { [0.0; 2] };
     let jump = Indicators::new(&problem.medium, mesh, &[], &u, &held, &traction).squared();
@@ -105,7 +105,7 @@ fn bubbles_leave_no_residual_inside() {
     let problem = Cantilever::with_weight([6.0, 1.0], [192, 32], bar_moduli(true, 1));
     let solve = |bubbles| {
         let solved = problem.multiscale([16; 2], Basis::Coupled, bubbles);
-        let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra).unwrap();
+        let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
         let forces = problem.medium.forces(&u);
         let inside = |n: &usize| problem.medium.grid.lattice(*n).iter().all(|i| i % 16 != 0);
         let nodes: Vec<usize> = (0..problem.medium.grid.nodes()).filter(inside).collect();

@@ -2,6 +2,7 @@
 
 use std::io::IsTerminal;
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
@@ -17,6 +18,8 @@ pub(super) struct Bar {
     start: Instant,
     quiet: bool,
     told: AtomicUsize,
+    /// Step, part and tenth of the last line where there is no terminal.
+    line: Mutex<(usize, &'static str, u8)>,
 }
 
 impl Bar {
@@ -27,7 +30,7 @@ impl Bar {
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
-        Self { bar, start: Instant::now(), quiet, told: AtomicUsize::new(0) }
+        Self { bar, start: Instant::now(), quiet, told: AtomicUsize::new(0), line: Mutex::default() }
     }
 
     pub(super) fn show(&self, step: usize, stage: &Stage<'_>) {
@@ -37,7 +40,11 @@ impl Bar {
             bar.set_message(*what);
             bar.set_position((100.0 * share) as u64);
         } else if !self.quiet && self.start.elapsed().as_secs_f64() > 1.0 {
-            eprintln!("{:6.1} s  step {}  {what}", self.start.elapsed().as_secs_f64(), step + 1);
+            let line = (step + 1, *what, (10.0 * share) as u8);
+            let last = std::mem::replace(&mut *self.line.lock().unwrap_or_else(PoisonError::into_inner), line);
+            if last != line {
+                eprintln!("{:6.1} s  step {}  {what}", self.start.elapsed().as_secs_f64(), step + 1);
+            }
         }
     }
 

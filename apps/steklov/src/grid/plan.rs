@@ -7,7 +7,7 @@ use crate::plan::{Cost, Decision, Plan, contact, free_of_supports, plane};
 use crate::scene::{BasisInput, CellModuli, GridInput, Model, Refine, Scene};
 
 /// Bytes that the moduli, the fields and the result of a fine cell take.
-const BYTES_OF_CELL: f64 = 320.0;
+const BYTES_OF_CELL: f64 = 200.0;
 
 fn decision(what: &str, choice: String, why: impl Into<String>) -> Decision {
     Decision { what: what.into(), choice, why: why.into() }
@@ -129,7 +129,7 @@ fn basis(input: &GridInput) -> Decision {
     decision("basis", word.into(), why)
 }
 
-/// Size and cost of the first grid. A factor on a grid of n unknowns has about 8 n log₂ n entries and takes 90 n^(3/2)
+/// Size and cost of the first grid. A factor on a grid of n unknowns has about 8.5 n log₂ n entries and takes 90 n^(3/2)
 /// operations.
 fn cost(scene: &Scene, input: &GridInput) -> Cost {
     let unknowns = |cells: [usize; 2]| 2 * (cells[0] + 1) * (cells[1] + 1);
@@ -151,7 +151,7 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
         }
         Err(_) => [input.cells(), input.coarse].map(|cells| (cells[0] * cells[1], unknowns(cells))),
     };
-    let factor = |n: f64| 8.0 * 8.0 * n * n.log2();
+    let factor = |n: f64| 8.0 * 8.5 * n * n.log2();
     let solve = |n: f64| 90.0 * n.powf(1.5);
     let (cells, n) = (fine.0 as f64, coarse.1 as f64);
     let local = if scene.model() == Model::Msfem {

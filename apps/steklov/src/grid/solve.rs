@@ -272,6 +272,27 @@ fn lift(grid: &Grid, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse:
     if lifted { lift } else { Vec::new() }
 }
 
+/// Does work that tells its progress, which takes a part of the step from one share to another.
+fn watched<T>(
+    part: &'static str,
+    [from, to]: [f64; 2],
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+    work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, MsfemError>,
+) -> Result<T, SolveError> {
+    let mut stopped = None;
+    let done = work(&mut |share| match observe(Stage::Progress(part, from + (to - from) * share)) {
+        Ok(()) => true,
+        Err(error) => {
+            stopped = Some(error);
+            false
+        }
+    });
+    match stopped {
+        Some(error) => Err(error),
+        None => Ok(done?),
+    }
+}
+
 /// Multiscale elements on coarse cells.
 fn solve_coarse(
     scene: &Scene,
@@ -305,8 +326,8 @@ fn solve_coarse(
     let set_up = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
-    observe(Stage::Progress("bases of coarse cells", 0.05))?;
-    let coarse = problem.assemble(loads, &extra, &|_| ())?;
+    let coarse =
+        watched("bases of coarse cells", [0.05, 0.4], observe, |go_on| problem.assemble(loads, &extra, go_on))?;
     let mut points = vec![[0.0; 2]; problem.dofs() / 2];
     for (vertex, unknown) in problem.mesh.vertices.iter().zip(&problem.unknown) {
         if let Some(unknown) = unknown {
@@ -330,8 +351,9 @@ fn solve_coarse(
     let answer = system.solve(scene, &trace, &held, boundary, &even, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    observe(Stage::Progress("fine displacements", 0.85))?;
-    let displacement = problem.downscale(&answer.displacement, loads, &extra)?;
+    let displacement = watched("fine displacements", [0.6, 0.9], observe, |go_on| {
+        problem.downscale(&answer.displacement, loads, &extra, go_on)
+    })?;
     let (strain, load_work) = if basis.is_conforming() {
         let load = loads.nodal(&medium);
         let work = displacement.iter().zip(&load).map(|(u, f)| u * f).sum();

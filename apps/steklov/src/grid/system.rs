@@ -152,9 +152,9 @@ impl System {
         fixed.extend(&pinned);
         values.resize(fixed.len(), 0.0);
 
-        observe(Stage::Progress("factorisation", 0.4))?;
+        observe(Stage::Progress("factorisation", 0.45))?;
         let elimination = Elimination::new(stiffness, &order, &kept, &fixed)?;
-        observe(Stage::Progress("solution", 0.8))?;
+        observe(Stage::Progress("solution", 0.55))?;
         let reduced = elimination.reduce(&load, &values);
         let (mut displacement, contact) = match boundary {
             None => (elimination.expand(&reduced, &[]), None),

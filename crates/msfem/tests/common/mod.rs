@@ -68,7 +68,7 @@ impl Cantilever {
     pub fn on_mesh(&self, mesh: CoarseMesh, basis: Basis, bubbles: bool) -> Solved<'_> {
         let mut problem = Multiscale::new(&self.medium, mesh, basis).unwrap();
         let extra = Extra { bubbles, ..Extra::default() };
-        let system = problem.assemble(&self.loads, &extra, &|_| ()).unwrap();
+        let system = problem.assemble(&self.loads, &extra, &mut |_| true).unwrap();
         let clamped = |v: &usize| problem.mesh.vertices[*v][0] == 0;
         let held: Vec<usize> = (0..problem.mesh.vertices.len())
             .filter(clamped)
@@ -90,7 +90,7 @@ impl Cantilever {
         let unit = self.medium.elasticity.unit_stiffness(grid.spacing);
         solved
             .problem
-            .downscale_cells(&solved.coarse, &self.loads, &solved.extra, |cell, field| {
+            .downscale_cells(&solved.coarse, &self.loads, &solved.extra, &mut |_| true, |cell, field| {
                 let coarse = solved.problem.mesh.cells[cell];
                 let nodes: Vec<usize> = coarse.fine_nodes(grid).collect();
                 let reference: Vec<f64> = nodes.iter().flat_map(|n| [fine[2 * n], fine[2 * n + 1]]).collect();
