@@ -5,12 +5,13 @@ use std::path::{Path, PathBuf};
 
 use steklov_io::vtkhdf::Field;
 
+use crate::grid;
 use crate::picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 use crate::report::ContactRow;
 use crate::stochastic;
 use crate::store::Stored;
 
-/// Draws the deformed body and each contact side into a folder; returns the files.
+/// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
 ///
 /// # Errors
 /// When a picture cannot be drawn or written.
@@ -19,7 +20,7 @@ pub fn pictures(stored: &Stored, folder: &Path, name: &str) -> Result<Vec<PathBu
     files.extend(write(folder, &format!("{name}-body"), &body_picture(stored)?)?);
     let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
     files.extend(contact_pictures(title, sides, &stored.contact, folder, &format!("{name}-contact"))?);
-    for (part, picture) in stochastic::pictures(stored)? {
+    for (part, picture) in grid::pictures(stored)?.into_iter().chain(stochastic::pictures(stored)?) {
         files.extend(write(folder, &format!("{name}-{part}"), &picture)?);
     }
     Ok(files)
@@ -56,22 +57,35 @@ pub(crate) fn file_name(side: &str) -> String {
 }
 
 fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
-    let grid = &stored.grid;
-    let values = |name: &str| grid.point_data.iter().find(|f| f.name == name);
+    let fields = &stored.grid;
+    let values = |name: &str| fields.point_data.iter().find(|f| f.name == name);
     let planar = |f: &Field| -> Vec<[f64; 2]> { f.values.chunks(f.components.max(1)).map(|v| [v[0], v[1]]).collect() };
-    let n = grid.points.len();
+    let n = fields.points.len();
     let displacement = values("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
-    let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
     let [lines, gaps] = walls(&stored.contact);
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
+    let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
+    if let Some(record) = &stored.on_grid {
+        let deformed = grid::deformed(stored, record, &displacement);
+        return body(&Body {
+            title,
+            points: &deformed.points,
+            displacement: &deformed.displacement,
+            triangles: &deformed.triangles,
+            von_mises: &deformed.von_mises,
+            outline: &deformed.outline,
+            obstacles,
+        });
+    }
+    let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
     body(&Body {
-        title: &stored.summary.title,
-        points: &grid.points,
+        title,
+        points: &fields.points,
         displacement: &displacement,
-        triangles: &grid.triangles,
+        triangles: &fields.triangles,
         von_mises: &von_mises,
-        outline: &grid.lines,
-        obstacles: &obstacles,
+        outline: &fields.lines,
+        obstacles,
     })
 }
 
@@ -170,7 +184,7 @@ pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec
         }
         save("contact", text)?;
     }
-    for (table, text) in stochastic::tables(stored) {
+    for (table, text) in grid::tables(stored).into_iter().chain(stochastic::tables(stored)) {
         save(table, text)?;
     }
     Ok(files)

@@ -311,7 +311,7 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         false => None,
     };
     let on_grid = match file.link_exists("multiscale") {
-        true => Some(read_grid(file, &grid)?),
+        true => Some(grid::read(file, &grid)?),
         false => None,
     };
     Ok(Stored {
@@ -327,14 +327,6 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         stochastic,
         on_grid,
     })
-}
-
-fn read_grid(file: &File, fields: &vtkhdf::Grid) -> Result<GridRecord, IoError> {
-    let record = grid::read(file)?;
-    if let Some(row) = record.rows.iter().flatten().find(|row| **row >= fields.quads.len()) {
-        return Err(invalid(file, "multiscale/rows", format!("row {row} of {} quadrilaterals", fields.quads.len())));
-    }
-    Ok(record)
 }
 
 fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<StochasticResult, IoError> {

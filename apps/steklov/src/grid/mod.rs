@@ -23,9 +23,12 @@ mod run;
 mod plan;
 mod record;
 pub(crate) mod store;
+mod tables;
+mod draw;
 
 pub use body::grid_of;
 pub(crate) use body::{check_body, fitting_grid};
+pub(crate) use draw::{deformed, pictures};
 pub(crate) use estimate::BLIND;
 pub use estimate::GridEstimate;
 pub use layout::GridLayout;
@@ -36,3 +39,4 @@ pub(crate) use record::FAILING;
 pub use record::GridRecord;
 pub use run::{GridProgress, GridRun, GridStep, run_grid};
 pub use solve::{CoarseSolved, GridSolved};
+pub(crate) use tables::tables;

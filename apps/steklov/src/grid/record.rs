@@ -4,7 +4,7 @@ use std::path::Path;
 
 use steklov_bem_operators::Mesh;
 use steklov_io::vtkhdf::{Field, Grid as VtkGrid};
-use steklov_msfem::{CoarseCell, crossing_contrast};
+use steklov_msfem::{CoarseMesh, Medium, crossing_contrast};
 
 use super::estimate::GridEstimate;
 use super::run::{GridRun, GridStep};
@@ -15,22 +15,15 @@ use crate::report::{ContactRow, contact_rows, contact_summary};
 use crate::scene::{Model, Scene};
 use crate::summary::{GridSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 
-/// The grid of a result.
-#[derive(Debug, Clone, PartialEq)]
+/// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their
+/// order.
+#[derive(Debug, Clone)]
 pub struct GridRecord {
-    /// Lower left corner of the bounding box.
-    pub origin: [f64; 2],
-    /// Sides of a fine cell.
-    pub spacing: [f64; 2],
-    /// Fine cells along x and y.
-    pub cells: [usize; 2],
-    /// Row of each cell (ix·ny + iy) among the quadrilaterals of the result; none outside of the body.
-    pub rows: Vec<Option<usize>>,
-    /// Coarse cells; empty of bilinear elements on the fine grid.
-    pub coarse: Vec<CoarseCell>,
-    /// Points and displacements of the coarse vertices.
-    pub vertices: Vec<[f64; 2]>,
-    /// Their displacements.
+    /// Fine cells, moduli, Poisson's ratio.
+    pub medium: Medium,
+    /// Coarse cells; None of bilinear elements on the fine grid.
+    pub coarse: Option<CoarseMesh>,
+    /// Displacement of the coarse vertices (length), those that hang included.
     pub vertex_displacement: Vec<[f64; 2]>,
     /// The steps.
     pub steps: Vec<GridStep>,
@@ -94,17 +87,10 @@ impl GridSolved {
 }
 
 fn grid_record(solved: &GridSolved, steps: Vec<GridStep>) -> GridRecord {
-    let grid = &solved.medium.grid;
-    let mut rows = vec![None; grid.cells[0] * grid.cells[1]];
-    grid.body_cells().enumerate().for_each(|(row, cell)| rows[cell] = Some(row));
     let coarse = solved.coarse.as_ref();
     GridRecord {
-        origin: grid.origin,
-        spacing: grid.spacing,
-        cells: grid.cells,
-        rows,
-        coarse: coarse.map_or(Vec::new(), |c| c.mesh.cells.clone()),
-        vertices: coarse.map_or(Vec::new(), |c| c.mesh.vertices.iter().map(|&v| grid.lattice_point(v)).collect()),
+        medium: solved.medium.clone(),
+        coarse: coarse.map(|c| c.mesh.clone()),
         vertex_displacement: coarse.map_or(Vec::new(), |c| c.displacement.clone()),
         steps,
     }

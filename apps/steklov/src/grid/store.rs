@@ -2,10 +2,10 @@
 
 use faer::Mat;
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_points,
-    load_vector, open_group, save_dense, save_integers, save_number, save_points, save_vector,
+    File, Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_points, load_text,
+    load_vector, open_group, save_dense, save_integers, save_number, save_points, save_text, save_vector, vtkhdf,
 };
-use steklov_msfem::{CoarseCell, CrossingContrast, Indicators};
+use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Elasticity, Grid, Indicators, Medium, Plane};
 
 use super::estimate::GridEstimate;
 use super::layout::GridLayout;
@@ -53,17 +53,26 @@ fn load_cells(at: &Group) -> Result<Vec<CoarseCell>, IoError> {
 pub(crate) fn write(file: &File, record: &GridRecord) -> Result<(), IoError> {
     let at = create_group(file, "multiscale")?;
     let axis = &["axis"];
-    save_vector(&at, "origin", &record.origin, &label("length", "lower left corner of the grid", axis))?;
-    save_vector(&at, "spacing", &record.spacing, &label("length", "sides of a fine cell", axis))?;
-    save_integers(&at, "cells", &record.cells, &label("1", "fine cells along x and y", axis))?;
-    let rows: Vec<usize> = record.rows.iter().map(|row| row.map_or(0, |r| r + 1)).collect();
+    let Medium { grid, elasticity, .. } = &record.medium;
+    save_vector(&at, "origin", &grid.origin, &label("length", "lower left corner of the grid", axis))?;
+    save_vector(&at, "spacing", &grid.spacing, &label("length", "sides of a fine cell", axis))?;
+    save_integers(&at, "cells", &grid.cells, &label("1", "fine cells along x and y", axis))?;
+    let mut rows = vec![0; grid.cells[0] * grid.cells[1]];
+    grid.body_cells().zip(1..).for_each(|(cell, row)| rows[cell] = row);
     let meaning = "1 + row of fine cell (ix, iy), number ix ny + iy, among the quadrilaterals of /VTKHDF, whose values follow \
                    those of the lines in CellData; 0 outside of the body";
     save_integers(&at, "rows", &rows, &label("1", meaning, &["fine cell"]))?;
-    if !record.coarse.is_empty() {
-        save_cells(&at, &record.coarse)?;
+    save_number(&at, "poisson", elasticity.poisson, "1", "Poisson's ratio")?;
+    let plane = match elasticity.plane {
+        Plane::Strain => "strain",
+        Plane::Stress => "stress",
+    };
+    save_text(&at, "plane", plane, "plane strain or plane stress")?;
+    if let Some(coarse) = &record.coarse {
+        save_cells(&at, &coarse.cells)?;
         let vertex = &["coarse vertex", "component"];
-        save_points(&at, "vertices", &record.vertices, &label("length", "vertices of the coarse cells", vertex))?;
+        let points: Vec<[f64; 2]> = coarse.vertices.iter().map(|&v| grid.lattice_point(v)).collect();
+        save_points(&at, "vertices", &points, &label("length", "vertices of the coarse cells", vertex))?;
         let displacement = label("length", "their displacement", vertex);
         save_points(&at, "vertex_displacement", &record.vertex_displacement, &displacement)?;
     }
@@ -120,36 +129,69 @@ const RESIDUAL_TERMS: [Term; 5] = [
     ("neumann", "H/E of the given traction less that of the solution", |t| &t.neumann),
 ];
 
-/// Reads `/multiscale` and the steps.
+/// Reads `/multiscale` and the steps, and checks that they fit the fields of the result.
 ///
 /// # Errors
 /// A file that is not one of this program's, truncated or altered.
-pub(crate) fn read(file: &File) -> Result<GridRecord, IoError> {
+pub(crate) fn read(file: &File, fields: &vtkhdf::Grid) -> Result<GridRecord, IoError> {
     let at = open_group(file, "multiscale")?;
-    let pair = |name: &str| -> Result<[f64; 2], IoError> {
-        let values = load_vector(&at, name)?;
-        values.as_slice().try_into().map_err(|_| invalid(&at, name, format!("{} numbers, not 2", values.len())))
-    };
-    let cells = load_integers(&at, "cells")?;
-    let &[nx, ny] = cells.as_slice() else {
-        return Err(invalid(&at, "cells", format!("{} numbers, not 2", cells.len())));
-    };
-    let rows = load_integers(&at, "rows")?;
-    if nx.checked_mul(ny) != Some(rows.len()) {
-        return Err(invalid(&at, "rows", format!("{} numbers for {nx} by {ny} cells", rows.len())));
+    let medium = load_medium(&at, fields)?;
+    let steps = read_steps(file)?;
+    let last = steps.last().and_then(|step| step.layout.coarse.as_ref());
+    let (mut coarse, mut vertex_displacement) = (None, Vec::new());
+    if at.link_exists("coarse_cells") {
+        let mesh = CoarseMesh::new(&medium.grid, load_cells(&at)?).map_err(|e| invalid(&at, "coarse_cells", e))?;
+        vertex_displacement = load_points(&at, "vertex_displacement")?;
+        if vertex_displacement.len() != mesh.vertices.len() {
+            let why = format!("{} of {} vertices", vertex_displacement.len(), mesh.vertices.len());
+            return Err(invalid(&at, "vertex_displacement", why));
+        }
+        coarse = Some(mesh);
     }
-    let multiscale = at.link_exists("coarse_cells");
-    let points = |name: &str| if multiscale { load_points(&at, name) } else { Ok(Vec::new()) };
-    Ok(GridRecord {
-        origin: pair("origin")?,
-        spacing: pair("spacing")?,
-        cells: [nx, ny],
-        rows: rows.into_iter().map(|row| row.checked_sub(1)).collect(),
-        coarse: if multiscale { load_cells(&at)? } else { Vec::new() },
-        vertices: points("vertices")?,
-        vertex_displacement: points("vertex_displacement")?,
-        steps: read_steps(file)?,
-    })
+    if coarse.as_ref().map(|mesh| &mesh.cells) != last {
+        return Err(invalid(&at, "", "its coarse cells are not those of the last step"));
+    }
+    Ok(GridRecord { medium, coarse, vertex_displacement, steps })
+}
+
+/// Cells, moduli and material; the moduli are those of the fields.
+fn load_medium(at: &Group, fields: &vtkhdf::Grid) -> Result<Medium, IoError> {
+    let pair = |name: &str| -> Result<[f64; 2], IoError> {
+        let values = load_vector(at, name)?;
+        values.as_slice().try_into().map_err(|_| invalid(at, name, format!("{} numbers, not 2", values.len())))
+    };
+    let cells = load_integers(at, "cells")?;
+    let &[nx, ny] = cells.as_slice() else {
+        return Err(invalid(at, "cells", format!("{} numbers, not 2", cells.len())));
+    };
+    let rows = load_integers(at, "rows")?;
+    if nx.checked_mul(ny) != Some(rows.len()) {
+        return Err(invalid(at, "rows", format!("{} numbers for {nx} by {ny} cells", rows.len())));
+    }
+    let grid = Grid::new(pair("origin")?, pair("spacing")?, [nx, ny], |ix, iy| rows[ix * ny + iy] > 0)
+        .map_err(|e| invalid(at, "rows", e))?;
+    let same = grid.nodes() == fields.points.len()
+        && grid.body_cells().zip(1..).all(|(cell, row)| rows[cell] == row)
+        && grid.body_cells().map(|cell| grid.cell_nodes(cell)).eq(fields.quads.iter().copied());
+    if !same {
+        return Err(invalid(at, "rows", "its cells are not the quadrilaterals of /VTKHDF"));
+    }
+    let values = of_quads(fields, "young", 1).ok_or_else(|| invalid(at, "", "/VTKHDF has no modulus for each cell"))?;
+    let mut young = vec![f64::NAN; rows.len()];
+    grid.body_cells().zip(values).for_each(|(cell, value)| young[cell] = *value);
+    let plane = match load_text(at, "plane")?.as_str() {
+        "strain" => Plane::Strain,
+        "stress" => Plane::Stress,
+        other => return Err(invalid(at, "plane", format!("{other:?} is neither strain nor stress"))),
+    };
+    let elasticity = Elasticity::new(load_number(at, "poisson")?, plane).map_err(|e| invalid(at, "poisson", e))?;
+    Medium::new(grid, young, elasticity).map_err(|e| invalid(at, "", e))
+}
+
+/// The values of a field in the quadrilaterals, if there is such a field.
+pub(super) fn of_quads<'a>(fields: &'a vtkhdf::Grid, name: &str, components: usize) -> Option<&'a [f64]> {
+    let field = fields.cell_data.iter().find(|f| f.name == name && f.components == components)?;
+    field.values.get(components * (fields.lines.len() + fields.triangles.len())..)
 }
 
 /// Reads all steps, at least one.
