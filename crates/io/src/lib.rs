@@ -48,6 +48,8 @@ mod bem_operators;
 mod contact;
 #[cfg(feature = "stochastic")]
 mod stochastic;
+#[cfg(feature = "msfem")]
+mod msfem;
 
 pub use array::{
     load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,

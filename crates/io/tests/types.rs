@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{check_round_trip, written};
+use common::{check_round_trip, spoiled, written};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon, Space};
@@ -129,19 +129,6 @@ fn another_kind_or_version_is_refused() {
     assert!(matches!(load::<Rule>(&file, "none"), Err(IoError::Missing { .. })));
     assert!(matches!(load::<Rule>(&file, "rule/points"), Err(IoError::Mismatch { .. })));
     assert_eq!(load::<Rule>(&file, "rule").unwrap(), rule);
-}
-
-/// Writes `value`, replaces one of its parts and reads: the error that comes.
-fn spoiled<T: Persist>(value: &T, part: &str, replace: impl FnOnce(&Group) -> Result<(), IoError>) -> String {
-    let (_folder, file) = written(|f| {
-        save(f, "value", value)?;
-        let group = f.group("value").unwrap();
-        group.unlink(part).unwrap();
-        replace(&group)
-    });
-    let error = load::<T>(&file, "value").map(drop).expect_err(part);
-    assert!(matches!(error, IoError::Invalid { .. } | IoError::Mismatch { .. }), "{part}: {error:?}");
-    error.to_string()
 }
 
 #[test]

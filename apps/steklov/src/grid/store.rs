@@ -2,10 +2,10 @@
 
 use faer::Mat;
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_points, load_text,
-    load_vector, open_group, save_dense, save_integers, save_number, save_points, save_text, save_vector, vtkhdf,
+    File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_points,
+    load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
 };
-use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Elasticity, Grid, Indicators, Medium, Plane};
+use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, Indicators, Medium};
 
 use super::estimate::GridEstimate;
 use super::layout::GridLayout;
@@ -62,12 +62,7 @@ pub(crate) fn write(file: &File, record: &GridRecord) -> Result<(), IoError> {
     let meaning = "1 + row of fine cell (ix, iy), number ix ny + iy, among the quadrilaterals of /VTKHDF, whose values follow \
                    those of the lines in CellData; 0 outside of the body";
     save_integers(&at, "rows", &rows, &label("1", meaning, &["fine cell"]))?;
-    save_number(&at, "poisson", elasticity.poisson, "1", "Poisson's ratio")?;
-    let plane = match elasticity.plane {
-        Plane::Strain => "strain",
-        Plane::Stress => "stress",
-    };
-    save_text(&at, "plane", plane, "plane strain or plane stress")?;
+    save(&at, "elasticity", elasticity)?;
     if let Some(coarse) = &record.coarse {
         save_cells(&at, &coarse.cells)?;
         let vertex = &["coarse vertex", "component"];
@@ -179,13 +174,7 @@ fn load_medium(at: &Group, fields: &vtkhdf::Grid) -> Result<Medium, IoError> {
     let values = of_quads(fields, "young", 1).ok_or_else(|| invalid(at, "", "/VTKHDF has no modulus for each cell"))?;
     let mut young = vec![f64::NAN; rows.len()];
     grid.body_cells().zip(values).for_each(|(cell, value)| young[cell] = *value);
-    let plane = match load_text(at, "plane")?.as_str() {
-        "strain" => Plane::Strain,
-        "stress" => Plane::Stress,
-        other => return Err(invalid(at, "plane", format!("{other:?} is neither strain nor stress"))),
-    };
-    let elasticity = Elasticity::new(load_number(at, "poisson")?, plane).map_err(|e| invalid(at, "poisson", e))?;
-    Medium::new(grid, young, elasticity).map_err(|e| invalid(at, "", e))
+    Medium::new(grid, young, load(at, "elasticity")?).map_err(|e| invalid(at, "", e))
 }
 
 /// The values of a field in the quadrilaterals, if there is such a field.

@@ -6,7 +6,7 @@ use std::process::Command;
 
 use faer::Mat;
 use sprs::CsMat;
-use steklov_io::{File, IoError, Persist, create_atomically, load, open, save};
+use steklov_io::{File, Group, IoError, Persist, create_atomically, load, open, save};
 
 /// A new folder and a file name in it; the folder goes when the first is dropped.
 pub fn place() -> (tempfile::TempDir, PathBuf) {
@@ -33,6 +33,19 @@ pub fn check_round_trip<T: Persist + std::fmt::Debug>(value: &T) -> T {
     create_atomically(&again, false, |file| save(file, "value", &back)).unwrap();
     assert!(std::fs::read(&path).unwrap() == std::fs::read(&again).unwrap(), "the bytes differ");
     back
+}
+
+/// Writes `value`, replaces one of its parts and reads: the error that comes.
+pub fn spoiled<T: Persist>(value: &T, part: &str, replace: impl FnOnce(&Group) -> Result<(), IoError>) -> String {
+    let (_folder, file) = written(|f| {
+        save(f, "value", value)?;
+        let group = f.group("value").unwrap();
+        group.unlink(part).unwrap();
+        replace(&group)
+    });
+    let error = load::<T>(&file, "value").map(drop).expect_err(part);
+    assert!(matches!(error, IoError::Invalid { .. } | IoError::Mismatch { .. }), "{part}: {error:?}");
+    error.to_string()
 }
 
 pub fn bits(values: &[f64]) -> Vec<u64> {
