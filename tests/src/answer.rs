@@ -4,12 +4,14 @@ use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov::adapt::Layout;
-use steklov::plan::first_mesh;
+use steklov::grid::{GridProgress, GridRun, run_grid};
+use steklov::plan::{first_mesh, plan};
+use steklov::record::Record;
 use steklov::report::{ContactRow, contact_rows, contact_summary, located_ends};
 use steklov::run::{Progress, Run, run};
-use steklov::scene::{Refine, Scene, SceneError};
+use steklov::scene::{Model, Refine, Scene, SceneError};
 use steklov::solve::{SolveError, Solved};
-use steklov::summary::ContactSummary;
+use steklov::summary::{ContactSummary, Summary};
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
 
 /// A solved scene with its contact table.
@@ -71,7 +73,7 @@ pub fn scene(name: &str, overrides: &[&str]) -> Scene {
     Scene::read(&path, &overrides).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
-/// The scenes of the gallery by name, in order; links to them are left out.
+/// The scenes of the gallery on boundary elements by name, in order; links to them are left out.
 ///
 /// # Panics
 /// If one is wrong.
@@ -85,7 +87,7 @@ pub fn gallery() -> Vec<(String, Scene)> {
         let name = path.file_stem().expect("a file name").to_string_lossy().into_owned();
         (name, Scene::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
     });
-    named.collect()
+    named.filter(|(_, scene)| scene.model() == Model::Bem).collect()
 }
 
 /// Solves a scene as its method says, mesh by mesh.
@@ -94,6 +96,23 @@ pub fn gallery() -> Vec<(String, Scene)> {
 /// Those of [`run`].
 pub fn adapt(scene: &Scene) -> Result<Run, SolveError> {
     run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
+}
+
+/// Solves a scene by finite elements, grid by grid.
+///
+/// # Errors
+/// Those of [`run_grid`].
+pub fn attempt_grid(scene: &Scene) -> Result<GridRun, SolveError> {
+    run_grid(scene, GridProgress::new(scene, Vec::new())?, &AtomicUsize::new(0), &mut |_, _| Ok(()))
+}
+
+/// The summary of a scene that is solved by finite elements.
+///
+/// # Panics
+/// If it has no solution.
+pub fn on_grid(scene: &Scene) -> Summary {
+    let run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+    Record::of_grid(scene, plan(scene), run, Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// Solves a scene on a mesh.
@@ -109,8 +128,8 @@ pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
     let (rows, summary) = match &run.last.contact {
         None => (Vec::new(), None),
         Some(contact) => {
-            let rows = contact_rows(&run.last, contact);
-            let summary = contact_summary(&once, &run.last, contact, &rows, located_ends(&once, run.step()));
+            let rows = contact_rows(run.last.trace(), contact);
+            let summary = contact_summary(&once, &run.last.mesh, contact, &rows, located_ends(&once, run.step()));
             (rows, Some(summary))
         }
     };

@@ -6,6 +6,6 @@ mod random;
 mod adaptive;
 
 pub use adaptive::{Judged, finer, judged, line, solved_in_steps, step_below};
-pub use answer::{Answer, adapt, answer, answer_on, attempt, gallery, parse, scene};
+pub use answer::{Answer, adapt, answer, answer_on, attempt, attempt_grid, gallery, on_grid, parse, scene};
 pub use case::{Case, On, View, point_of, rotated};
 pub use random::{Random, random_case};

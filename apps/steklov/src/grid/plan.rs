@@ -80,7 +80,7 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
         )),
         None => left_out.push(decision("body force", "none".into(), "the scene has none")),
     }
-    left_out.push(decision("random input", "none".into(), "no random name is used: one outcome"));
+    left_out.push(decision("random input", "one solve".into(), "no random name is used"));
     let conforming = !multiscale || !matches!(input.basis, BasisInput::Oversampled | BasisInput::Periodic);
     if conforming {
         let choice =
