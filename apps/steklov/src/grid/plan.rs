@@ -38,6 +38,7 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
     if multiscale {
         modelled.push(basis(input));
     }
+    let conforming = !multiscale || !matches!(input.basis, BasisInput::Oversampled | BasisInput::Periodic);
     modelled.push(match (scene.method.refine, multiscale) {
         (Refine::None, _) => decision("refinement", "none".into(), "one grid is solved"),
         (refine, false) => decision(
@@ -49,6 +50,14 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
             "refinement",
             "uniform-h".into(),
             format!("{}all coarse cells are split in each step, down to the fine ones", asked(refine, Refine::UniformH)),
+        ),
+        (refine, true) if !conforming => decision(
+            "refinement",
+            "uniform-h".into(),
+            format!(
+                "{}without an estimate all coarse cells are split in each step, down to the fine ones",
+                asked(refine, Refine::H)
+            ),
         ),
         (refine, true) => decision(
             "refinement",
@@ -81,7 +90,6 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
         None => left_out.push(decision("body force", "none".into(), "the scene has none")),
     }
     left_out.push(decision("random input", "one solve".into(), "no random name is used"));
-    let conforming = !multiscale || !matches!(input.basis, BasisInput::Oversampled | BasisInput::Periodic);
     if conforming {
         let choice =
             if multiscale { "nodal residuals of coarse cells, side bubbles of fine ones" } else { "side bubbles" };

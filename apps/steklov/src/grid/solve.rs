@@ -1,5 +1,6 @@
 //! One grid solved: bilinear elements on all its cells, or multiscale elements on coarse ones.
 
+use std::cell::OnceCell;
 use std::time::Instant;
 
 use steklov_bem_operators::RigidMotion;
@@ -247,6 +248,9 @@ fn solve_fine(
     Ok((solved, is_held))
 }
 
+/// Relative difference of prescribed displacements that counts as rounding.
+const ROUNDING: f64 = 1e-13;
+
 /// Displacements prescribed on the fine boundary less the interpolation of those at the vertices.
 fn lift(grid: &Grid, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse: &[Held]) -> Vec<f64> {
     let mut lift = vec![0.0; grid.dofs()];
@@ -262,6 +266,9 @@ fn lift(grid: &Grid, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse:
                 let ends = [&coarse[e], &coarse[trace.mesh.next[e]]].map(|h| h.components[k].map(|(value, _)| value));
                 if let (Some((value, _)), [Some(a), Some(b)]) = (held[f].components[k], ends) {
                     let extra = if step == 0 { 0.0 } else { value - (1.0 - s) * a - s * b };
+                    // rounding of linear data is no lift: it would count as a load
+                    let extra =
+                        if extra.abs() > ROUNDING * value.abs().max(a.abs()).max(b.abs()) { extra } else { 0.0 };
                     lift[2 * node_at(grid, fine.lattice[f]) + k] = extra;
                     lifted |= extra != 0.0;
                 }
@@ -346,9 +353,17 @@ fn solve_coarse(
 
     let clock = Instant::now();
     let at_boundary = system.at_boundary.clone();
-    // two supports at a corner share its force equally
-    let even = |_: &[f64], _: usize, _: usize| [0.0; 2];
-    let answer = system.solve(scene, &trace, &held, boundary, &even, observe)?;
+    // two supports at a corner: the stress of the fine cell there
+    let fine_field = OnceCell::new();
+    let traction = |u: &[f64], e: usize, end: usize| {
+        let points = trace.points(e);
+        let last = points.len() - 1;
+        let (cell, _) =
+            trace.side(grid, if end == 0 { [points[0], points[1]] } else { [points[last - 1], points[last]] });
+        let field: &Option<Vec<f64>> = fine_field.get_or_init(|| problem.downscale(u, loads, &extra).ok());
+        field.as_ref().map_or([0.0; 2], |field| moment(&medium, field, &trace, e, cell))
+    };
+    let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     let displacement = watched("fine displacements", [0.6, 0.9], observe, |go_on| {
