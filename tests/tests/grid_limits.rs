@@ -1,0 +1,150 @@
+//! Where finite and multiscale finite elements fail: the result says so, by its estimate, a doubt or an error.
+
+use steklov::grid::GridRun;
+use steklov::run::Reason;
+use steklov::scene::Scene;
+use steklov::summary::Summary;
+use steklov_tests::{adapt, attempt_grid, on_grid, parse, scene};
+
+/// Inclusions of scene 36, moved by `shift`, of the contrast 10^k.
+fn inclusions(shift: f64, k: i32, model: &str, basis: &str) -> Scene {
+    let young = format!("material.cells.young=\"if(max(cos(8*pi*(x-shift)), cos(8*pi*(y-shift))) < 0, 1e{k}, 1)\"");
+    let [shift, model, basis] =
+        [format!("parameters.shift={shift}"), format!("method.model=\"{model}\""), format!("grid.basis=\"{basis}\"")];
+    scene("stiff-inclusions", &[&young, &shift, &model, &basis])
+}
+
+fn doubts(s: &Summary) -> bool {
+    s.estimate_doubts.iter().any(|d| d == "contrast")
+}
+
+/// Inclusions inside of coarse cells: the error stays at 27 % whatever the contrast, and the estimate at about 2.5 times it.
+/// Across edges it goes to 100 %; from a contrast of 10³ on the estimate is in doubt. Never is a wrong answer given as a good one:
+/// either the estimate is more than half of the error, or there is a doubt.
+#[test]
+fn inclusions_that_cross_coarse_edges() {
+    for (shift, crossing) in [(0.0, false), (0.125, true)] {
+        for k in [1, 2, 3, 4] {
+            let fine = on_grid(&inclusions(shift, k, "fem", "coupled"));
+            assert!(fine.converged, "1e{k}: {}", fine.reason);
+            for basis in ["linear", "coupled", "oscillatory"] {
+                let s = on_grid(&inclusions(shift, k, "msfem", basis));
+                // strain energies are half of the works, and the multiscale space is part of the fine one
+                let error = (2.0 * (s.energy - fine.energy)).sqrt();
+                let relative = error / (2.0 * fine.strain_energy).sqrt();
+                let estimate = s.grid.as_ref().and_then(|g| g.estimate_multiscale).expect("it conforms");
+                println!(
+                    "shift {shift} 1e{k} {basis}: error {relative:.3}, effectivity {:.2}, doubt {}",
+                    estimate / error,
+                    doubts(&s)
+                );
+                assert_eq!(doubts(&s), crossing && k >= 3, "1e{k} {basis}: {:?}", s.estimate_doubts);
+                assert!(doubts(&s) || estimate > 0.5 * error, "1e{k} {basis}: {estimate} of {error}");
+                match (crossing, basis) {
+                    (false, "coupled") => assert!((0.2..0.3).contains(&relative), "1e{k}: {relative}"),
+                    (true, "coupled") => assert!((k == 1 || relative > 0.9) && relative > 0.5, "1e{k}: {relative}"),
+                    _ => {}
+                }
+                // a useless answer is known by its own energy: the estimate is as large as that
+                assert!(
+                    !crossing || relative < 0.9 || s.estimate_relative.expect("it conforms") > 1.0,
+                    "1e{k} {basis}"
+                );
+            }
+        }
+    }
+}
+
+/// Rounding: a contrast of 10^k costs k digits. The loss is seen in the balance of forces, and the run is not called converged.
+#[test]
+fn contrasts_that_rounding_cannot_bear() {
+    for model in ["fem", "msfem"] {
+        for k in [2, 4, 8, 12, 16] {
+            match attempt_grid(&inclusions(0.125, k, model, "oversampled")) {
+                Ok(GridRun { last, .. }) => {
+                    let lost = (last.reactions[0].1[1] - 1.0).abs();
+                    println!("{model} 1e{k}: force of the support wrong by {lost:.1e}, converged {}", last.converged());
+                    assert!(!last.converged() || lost < 1e-3, "{model} 1e{k}: {lost}");
+                    assert!(k > 4 || last.converged() && lost < 1e-6, "{model} 1e{k}: {lost}");
+                }
+                Err(error) => assert!(error.to_string().contains("positive definite"), "{model} 1e{k}: {error}"),
+            }
+        }
+    }
+}
+
+/// Layers of 1:10 of the thickness H: no basis resolves what is as long as its cell. The estimate sees it.
+#[test]
+fn layers_as_thick_as_coarse_cells() {
+    let at = |layers: usize, basis: &str, model: &str| {
+        let text = format!(
+            "title = \"layers\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n[material]\npoisson = 0.3\n\
+             cells = {{ size = {}, young = \"if(sin({layers}*2*pi*x) > 0, 1, 10)\" }}\n[sides.d]\ndisplacement = [0, 0]\n[sides.b]\n\
+             traction = [0, -1]\n[grid]\ncoarse = [8, 8]\nfine = [16, 16]\nbasis = \"{basis}\"\n[method]\nmodel = \"{model}\"\nrefine = \"none\"\n",
+            0.5 / layers as f64
+        );
+        on_grid(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+    };
+    // periods of 1/4, 1/8 and 1/16 of the body: two cells, one cell, half a cell
+    let errors = [4, 8, 16].map(|layers| {
+        let (fine, s) = (at(layers, "coupled", "fem"), at(layers, "coupled", "msfem"));
+        let error = (2.0 * (s.energy - fine.energy)).sqrt();
+        let estimate = s.grid.as_ref().and_then(|g| g.estimate_multiscale).expect("it conforms");
+        println!(
+            "{layers} periods: error {:.3}, effectivity {:.2}",
+            error / (2.0 * fine.strain_energy).sqrt(),
+            estimate / error
+        );
+        assert!((1.0..4.0).contains(&(estimate / error)), "{layers} periods: {estimate} of {error}");
+        error / (2.0 * fine.strain_energy).sqrt()
+    });
+    assert!(errors[1] > 2.0 * errors[0] && errors[1] > errors[2] && errors[1] > 0.5, "{errors:?}");
+}
+
+/// ν → ½: bilinear elements lock, boundary elements do not; the estimate never is less than the error.
+#[test]
+fn bilinear_elements_lock_and_say_so() {
+    let plate = |nu: f64, method: &str| {
+        let text = format!(
+            "title = \"plate\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n[material]\nyoung = 7.0\n\
+             poisson = {nu}\n[sides.d]\ndisplacement = [0, 0]\n[sides.b]\ntraction = [0, -1]\n[grid]\ncoarse = [32, 16]\nfine = [1, 1]\n\
+             [method]\n{method}\n"
+        );
+        parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+    };
+    let mut last = 0.0;
+    for nu in [0.3, 0.49, 0.499, 0.4999, 0.4999999] {
+        let exact = adapt(&plate(nu, "model = \"bem\"\ntolerance = 1e-4")).expect("boundary elements").step().energy;
+        let s = on_grid(&plate(nu, "model = \"fem\"\nrefine = \"none\""));
+        let error = (2.0 * (s.energy - exact)).sqrt();
+        let (relative, effectivity) = (error / (-2.0 * exact).sqrt(), s.estimate.expect("an estimate") / error);
+        println!("nu {nu}: error {relative:.3}, effectivity {effectivity:.2}");
+        assert!(relative > last && (0.95..3.0).contains(&effectivity), "nu {nu}: {relative}, {effectivity}");
+        last = relative;
+    }
+    assert!(last > 0.8, "bilinear elements do not lock: {last}");
+}
+
+/// Without an estimate all coarse cells are split until they are the fine ones, and no tolerance is said to be reached.
+#[test]
+fn refinement_without_an_estimate_ends_at_the_fine_grid() {
+    let refined = |basis: &str, model: &str| {
+        let changes = [format!("grid.basis=\"{basis}\""), format!("method.model=\"{model}\"")];
+        let mut scene = scene("checkerboard", &changes.each_ref().map(String::as_str));
+        scene.method.refine = if model == "fem" { steklov::scene::Refine::None } else { steklov::scene::Refine::H };
+        attempt_grid(&scene).unwrap_or_else(|e| panic!("{e}"))
+    };
+    let fine = refined("coupled", "fem").last.energies.total;
+    for basis in ["oversampled", "periodic"] {
+        let run = refined(basis, "msfem");
+        assert_eq!((run.reason, run.steps.len()), (Reason::FineGrid, 4), "{basis}");
+        assert!(!run.converged() && run.steps.iter().all(|s| s.estimate.is_none()), "{basis}");
+        assert!(
+            (run.last.energies.total / fine - 1.0).abs() < 1e-10,
+            "{basis}: {} and {fine}",
+            run.last.energies.total
+        );
+    }
+    let told = refined("coupled", "msfem");
+    assert!(told.steps.iter().all(|s| s.estimate.is_some()));
+}
