@@ -1,6 +1,7 @@
 //! The subcommand `study`.
 
 mod inf_sup;
+mod multiscale;
 mod stability;
 mod stochastic;
 
@@ -46,7 +47,7 @@ pub(super) struct StudyArgs {
     /// Runs of each strategy, of which the seconds are medians
     #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
-    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup, -stochastic) in the current folder
+    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup, -stochastic, -multiscale) in the current folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Change a key of the scene, the value typed as TOML; may be repeated
@@ -109,22 +110,25 @@ enum What {
     Stability,
     /// Errors of means and variances of a scene with random input, in chance and in space; iterations of contact solvers
     Stochastic,
+    /// Errors of multiscale bases on a scene with a grid, of resonance and of high contrast, beside the fine grid's own
+    Multiscale,
 }
 
 /// Studies a scene and stores what comes out.
 pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     match args.what {
-        What::Convergence | What::InfSup | What::Stochastic if args.beside.is_some() => {
+        What::Convergence | What::InfSup | What::Stochastic | What::Multiscale if args.beside.is_some() => {
             Err(Failure("error: --beside belongs to --what stability".into()))
         }
         What::Convergence => convergence(args),
         _ if !args.multipliers.is_empty() => Err(Failure("error: --multipliers belongs to --what convergence".into())),
-        What::Stability | What::InfSup | What::Stochastic if !args.strategies.is_empty() => Err(Failure(
+        What::Stability | What::InfSup | What::Stochastic | What::Multiscale if !args.strategies.is_empty() => Err(Failure(
             "error: --strategies belongs to --what convergence: the others are studied on uniform meshes".into(),
         )),
         What::Stability => stability::stability(args),
         What::InfSup => inf_sup::inf_sup(args),
         What::Stochastic => stochastic::stochastic(args),
+        What::Multiscale => multiscale::multiscale(args),
     }
 }
 

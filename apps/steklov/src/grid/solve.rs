@@ -64,6 +64,8 @@ pub struct CoarseSolved {
     pub bubbles: bool,
     /// Different patterns of moduli: so many local problems were solved.
     pub patterns: usize,
+    /// Displacement of fine nodes on the boundary less that of the basis functions, as [`Extra::lift`] has it.
+    pub lift: Vec<f64>,
 }
 
 impl GridSolved {
@@ -396,7 +398,7 @@ fn solve_coarse(
         estimate: None,
         seconds: Seconds { set_up, assemble, factorise, solve },
         estimate_seconds: 0.0,
-        coarse: Some(CoarseSolved { mesh, basis, displacement: vertices, bubbles: extra.bubbles, patterns }),
+        coarse: Some(CoarseSolved { mesh, basis, displacement: vertices, bubbles: extra.bubbles, patterns, lift: extra.lift }),
         trace,
         medium,
     };

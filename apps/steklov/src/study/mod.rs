@@ -15,6 +15,7 @@ mod draw;
 pub mod stability;
 pub mod inf_sup;
 pub mod stochastic;
+pub mod multiscale;
 
 use crate::reference::{EnergySource, Reference};
 use crate::scene::Scene;

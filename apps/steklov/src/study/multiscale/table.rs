@@ -1,0 +1,134 @@
+//! The study as text: CSV, the table on stdout, the JSON object.
+
+use std::fmt::Write as _;
+
+use serde_json::{Value, json as object};
+
+use super::convergence::{POINTS, Point};
+use super::fine_grid::LEVELS;
+use super::measure::BASES;
+use super::{MultiscaleStudy, columns};
+
+/// Names and contents of the CSV tables; what is not known is left empty.
+pub fn csv(study: &MultiscaleStudy<'_>) -> Vec<(&'static str, String)> {
+    let bases: Vec<Vec<Point>> = (0..BASES.len()).map(|b| study.convergence.of(b).copied().collect()).collect();
+    vec![
+        ("fine-grid.csv", columns::csv(&study.fine_grid.levels, &LEVELS)),
+        ("convergence.csv", named("basis", BASES.iter().map(|b| b.0).zip(&bases), &POINTS)),
+    ]
+}
+
+/// One table of several lists, the name of each in the first column.
+fn named<'a, T: 'a>(
+    column: &str,
+    lists: impl Iterator<Item = (&'a str, &'a Vec<T>)>,
+    columns: &[columns::Column<T>],
+) -> String {
+    let mut text = format!("{column},{}", columns::csv::<T>(&[], columns));
+    for (name, rows) in lists {
+        for line in columns::csv(rows, columns).lines().skip(1) {
+            let _ = writeln!(text, "{name},{line}");
+        }
+    }
+    text
+}
+
+/// A number in a column; a dash for what is not known.
+fn cell(value: f64, width: usize, decimals: usize) -> String {
+    if value.is_finite() { format!(" {value:>width$.decimals$}") } else { format!(" {:>width$}", "-") }
+}
+
+/// What is printed.
+pub fn text(study: &MultiscaleStudy<'_>) -> String {
+    let mut text = format!("{}\n", study.scene.title);
+    fine_grid(&mut text, study);
+    convergence(&mut text, study);
+    for (at, why) in study.failures() {
+        let _ = writeln!(text, "FAILED at {at}: {why}");
+    }
+    if study.interrupted {
+        text += "interrupted: what was finished is here\n";
+    }
+    text
+}
+
+fn fine_grid(text: &mut String, study: &MultiscaleStudy<'_>) {
+    let fine = study.fine_grid;
+    let [nx, ny] = fine.truth.medium.grid.cells;
+    let _ = writeln!(text, "\nbilinear elements; the error of the fine grid is {}", fine.source());
+    if let Some([limit, rate]) = fine.limit {
+        let _ = writeln!(text, "limit       J = {limit:.9e}, J_h - J ~ h^{rate:.2}");
+    }
+    let _ = writeln!(
+        text,
+        "{:<13} {:>11} {:>9} {:>20} {:>9} {:>9} {:>9}",
+        "", "cells", "dofs", "J", "error", "estimate", "seconds"
+    );
+    for level in &fine.levels {
+        let name = if level.parts == 1 { "the fine grid" } else { "" };
+        let cells = format!("{}x{}", nx * level.parts, ny * level.parts);
+        let _ = writeln!(
+            text,
+            "{name:<13} {cells:>11} {:>9} {:>20.12e}{}{}{}",
+            level.dofs,
+            level.energy,
+            cell(level.error, 9, 4),
+            cell(level.estimate, 9, 4),
+            cell(level.seconds, 9, 4)
+        );
+    }
+}
+
+fn convergence(text: &mut String, study: &MultiscaleStudy<'_>) {
+    *text += "\nmultiscale elements, relative errors in the energy norm: against the fine grid, its estimate, both, and against the limit\n";
+    let _ = writeln!(
+        text,
+        "{:<12} {:>10} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
+        "basis", "cells", "fine", "dofs", "error", "estimate", "est./err.", "to limit", "patterns", "seconds"
+    );
+    for (basis, (name, _)) in BASES.iter().enumerate() {
+        let mut name = *name;
+        for p in study.convergence.of(basis) {
+            let _ = writeln!(
+                text,
+                "{name:<12} {:>10} {:>8} {:>9}{}{}{}{} {:>9}{}",
+                format!("{}x{}", p.coarse[0], p.coarse[1]),
+                format!("{}x{}", p.fine[0], p.fine[1]),
+                p.dofs,
+                cell(p.error, 9, 4),
+                cell(p.estimate, 9, 4),
+                cell(p.effectivity(), 9, 2),
+                cell(p.total, 9, 4),
+                p.patterns,
+                cell(p.seconds, 9, 4)
+            );
+            name = "";
+        }
+    }
+}
+
+/// The JSON object; numbers that are not known are null.
+pub fn json(study: &MultiscaleStudy<'_>) -> Value {
+    let fine = study.fine_grid;
+    let basis = |(k, (name, _)): (usize, &(&str, crate::scene::BasisInput))| {
+        let rows: Vec<Point> = study.convergence.of(k).copied().collect();
+        object!({ "name": name, "points": columns::json(&rows, &POINTS) })
+    };
+    object!({
+        "title": study.scene.title,
+        "settings": study.scene.source.overrides,
+        "complete": study.complete(),
+        "interrupted": study.interrupted,
+        "repeat": study.repeat,
+        "failures": study.failures().map(|(at, why)| object!({ "at": at, "message": why })).collect::<Value>(),
+        "fine_grid": {
+            "cells": fine.truth.medium.grid.cells,
+            "error": columns::json(&fine.levels, &LEVELS)[0]["error"],
+            "source": fine.source(),
+            "limit": fine.limit.map(|l| l[0]),
+            "rate": fine.limit.map(|l| l[1]),
+            "levels": columns::json(&fine.levels, &LEVELS),
+        },
+        "bases": BASES.iter().enumerate().map(basis).collect::<Value>(),
+    })
+}

@@ -1,0 +1,212 @@
+//! The command `study --what multiscale`: the errors of the reference file, files that agree with each other, refusals.
+
+mod place;
+
+use std::sync::atomic::AtomicUsize;
+
+use place::{Place, names};
+use serde_json::{Value, json};
+use steklov::scene::Scene;
+use steklov::study::multiscale::{MultiscaleStudy, coarse_cells, convergence, fine_grid, pictures, text};
+
+const FILES: &str = "convergence.csv effectivity.png effectivity.svg error-dofs.png error-dofs.svg error-seconds.png \
+                     error-seconds.svg fine-grid.csv multiscale.h5";
+
+/// The bar of the reference file.
+const BAR: &str = r#"title = "A bar of random cells"
+[body]
+corners = [[0.0, 0.0], [6.0, 0.0], [6.0, 1.0], [0.0, 1.0]]
+sides = ["bottom", "right", "top", "left"]
+[material]
+poisson = 0.3
+cells = { size = 0.03125, young = { uniform = [2000, 3000], seed = 2014 } }
+[sides.left]
+displacement = [0, 0]
+[sides.right]
+traction = [0, -1]
+[grid]
+coarse = [12, 2]
+fine = [16, 16]
+"#;
+
+/// A bar of 12 × 2 cells.
+const SMALL: [&str; 4] = ["--set", "grid.fine=[2, 2]", "--set", "material.cells.size=0.25"];
+
+/// A part of the reference file.
+fn reference(key: &str) -> Value {
+    let all: Value = serde_json::from_str(include_str!("../../../crates/msfem/tests/data/multiscale.json")).unwrap();
+    all[key].clone()
+}
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or(f64::NAN)
+}
+
+#[track_caller]
+fn close(what: &str, got: f64, wanted: f64, tolerance: f64) {
+    assert!((got - wanted).abs() <= tolerance * wanted.abs(), "{what}: {got} instead of {wanted}");
+}
+
+fn run_study(place: &Place, text: &str, arguments: &[&str]) -> (Value, String) {
+    place.write("scene.toml", text);
+    let all = ["study", "scene.toml", "--what", "multiscale", "--repeat", "1", "--out", "out"];
+    let ran = place.run(all.iter().chain(arguments)).demand(0);
+    let file = steklov_io::open(place.path("out/multiscale.h5")).unwrap();
+    (serde_json::from_str(&steklov_io::load_text(&file, "summary").unwrap()).unwrap(), ran.out)
+}
+
+/// Errors, effectivities, unknowns and local problems of all bases are those of the reference file; with the fine grid's own error
+/// they are the differences of the work of the load from its limit, and that error is 6 %, and 3 % on halved cells.
+#[test]
+fn the_bar_has_the_published_errors_and_the_fine_grid_its_own() {
+    let (o, out) = run_study(&Place::new(), BAR, &[]);
+    assert_eq!((&o["complete"], &o["interrupted"], &o["failures"]), (&json!(true), &json!(false), &json!([])));
+    let data = reference("bar");
+    let (tolerance, of_estimates) = (number(&data["tol_rel"]), number(&data["tol_estimator_rel"]));
+    let levels = o["fine_grid"]["levels"].as_array().unwrap();
+    let work: Vec<f64> = levels.iter().map(|l| -2.0 * number(&l["energy"])).collect();
+    for (work, name) in work.iter().zip(["h=1/32", "h=1/64", "h=1/128"]) {
+        close(name, *work, number(&data["rand_refined_fine_compliance"][name]), tolerance);
+    }
+    let (error, halved) = (number(&levels[0]["error"]), number(&levels[1]["error"]));
+    assert!((error - 0.06).abs() < 0.001 && (halved - 0.03).abs() < 0.004, "{error} {halved}");
+    assert_eq!(number(&o["fine_grid"]["error"]), error);
+    // differences of works from their limit fall by one factor
+    let limit = -2.0 * number(&o["fine_grid"]["limit"]);
+    close("factor", (limit - work[0]) / (limit - work[1]), (limit - work[1]) / (limit - work[2]), 1e-6);
+
+    for (name, word) in [("q1", "q1"), ("linear", "a"), ("coupled", "b"), ("oscillatory", "c"), ("oversampled", "d")] {
+        let points = called(&o["bases"], name)["points"].as_array().unwrap();
+        assert_eq!(points.len(), 4);
+        for (p, mesh) in points.iter().zip(["12x2", "24x4", "48x8", "96x16"]) {
+            let wanted = &data["rand"][format!("{word}_{mesh}")];
+            let what = format!("{name} {mesh}");
+            assert_eq!(format!("{}x{}", p["coarse_x"], p["coarse_y"]), mesh);
+            close(&what, number(&p["error"]), number(&wanted["energy_err"]), tolerance);
+            assert_eq!((&p["patterns"], &p["dofs"]), (&wanted["n_local_solves"], &wanted["n_coarse"]), "{what}");
+            if name == "oversampled" {
+                assert_eq!((&p["estimate"], &p["effectivity"]), (&Value::Null, &Value::Null));
+            } else {
+                close(&what, number(&p["effectivity"]), number(&wanted["eff_nodal"]), of_estimates);
+                let squared = (limit - number(&wanted["compliance"])) / work[0];
+                close(&what, number(&p["total_error"]), squared.sqrt(), 1e-6);
+            }
+        }
+    }
+    for part in ["A bar of random cells", "192x32", "96x16", "0.0594", "oversampled", "extrapolated", "files"] {
+        assert!(out.contains(part), "no {part} in\n{out}");
+    }
+}
+
+fn called<'a>(list: &'a Value, name: &str) -> &'a Value {
+    list.as_array().unwrap().iter().find(|o| o["name"] == name).unwrap_or_else(|| panic!("no {name} in {list}"))
+}
+
+fn column(rows: &Value, name: &str) -> Vec<f64> {
+    rows.as_array().unwrap().iter().map(|r| number(&r[name])).collect()
+}
+
+/// Bit by bit the columns of HDF5 are those of the JSON object, and they say what they mean.
+fn check(group: &steklov_io::Group, rows: &Value) {
+    let bits = |v: &[f64]| v.iter().map(|x| if x.is_nan() { 0 } else { (x + 0.0).to_bits() }).collect::<Vec<_>>();
+    for name in rows[0].as_object().unwrap().keys() {
+        assert_eq!(bits(&column(rows, name)), bits(&steklov_io::load_vector(group, name).unwrap()), "{name}");
+        assert!(!steklov_io::load_label(group, name).unwrap().meaning.is_empty());
+    }
+}
+
+/// The fine grid is that of the scene's model "fem"; HDF5, CSV, JSON object and table tell the same.
+#[test]
+fn files_agree() {
+    let place = Place::new();
+    let (o, out) = run_study(&place, BAR, &SMALL);
+    assert_eq!(names(&place.path("out")).join(" "), FILES);
+    for name in FILES.split_whitespace().filter(|n| n.ends_with("png") || n.ends_with("svg")) {
+        let start = if name.ends_with("png") { &b"\x89PNG\r\n\x1a\n"[..] } else { b"<" };
+        assert!(place.read(&format!("out/{name}")).starts_with(start), "{name}");
+    }
+    let file = steklov_io::open(place.path("out/multiscale.h5")).unwrap();
+    let csv = |name: &str| String::from_utf8(place.read(&format!("out/{name}"))).unwrap();
+    let levels = &o["fine_grid"]["levels"];
+    check(&file.group("fine_grid").unwrap(), levels);
+    assert_eq!(csv("fine-grid.csv").lines().count(), 1 + levels.as_array().unwrap().len());
+    for (k, basis) in o["bases"].as_array().unwrap().iter().enumerate() {
+        check(&file.group(&format!("bases/{k:03}")).unwrap(), &basis["points"]);
+        let table = csv("convergence.csv");
+        let start = format!("{},", basis["name"].as_str().unwrap());
+        let lines: Vec<&str> = table.lines().filter(|l| l.starts_with(&start)).collect();
+        assert_eq!(lines.len(), 1, "{table}");
+        let names = table.lines().next().unwrap().split(',').position(|name| name == "error").unwrap();
+        let error = column(&basis["points"], "error")[0];
+        assert_eq!(lines[0].split(',').nth(names).unwrap().parse::<f64>().unwrap().to_bits(), error.to_bits());
+        assert!(out.contains(&format!("{error:.4}")), "{out}");
+    }
+    let solved =
+        place.json(0, &["scene.toml", "--set", "method.model=\"fem\"", SMALL[0], SMALL[1], SMALL[2], SMALL[3]]);
+    close("fine grid", column(levels, "energy")[0], number(&solved["energy"]), 1e-12);
+    assert!(out.contains("9 in out"), "{out}");
+}
+
+/// Contact with friction, another model, coarse cells that are not square: errors fall with the coarse cells.
+#[test]
+fn contact_and_other_models_are_studied() {
+    let contact = BAR
+        .replace("displacement = [0, 0]", "displacement = [0, \"free\"]")
+        .replace("traction = [0, -1]", "traction = [-1, 0]")
+        + "[sides.bottom]\ncontact = { gap = \"0\", friction = { tresca = \"0.1\" } }\n[sides.top]\npressure = 1\n\
+           [method]\nmodel = \"fem\"\n";
+    let sizes = ["--set", "grid.fine=[8, 4]", "--set", "material.cells.size=0.25", "--set", "grid.coarse=[6, 1]"];
+    let (o, _) = run_study(&Place::new(), &contact, &sizes);
+    assert_eq!((&o["complete"], &o["failures"]), (&json!(true), &json!([])));
+    let errors = column(&called(&o["bases"], "coupled")["points"], "error");
+    assert_eq!(column(&called(&o["bases"], "coupled")["points"], "fine_x"), [8.0, 4.0, 2.0]);
+    assert!(errors.windows(2).all(|e| e[1] < e[0]) && errors[2] < 0.6 * errors[0], "{errors:?}");
+}
+
+/// After a wish to stop there is what there is, and it can be told and drawn.
+#[test]
+fn interruptions_keep_what_is_finished() {
+    let scene = Scene::parse(BAR, "scene", &["grid.fine=[4, 4]".into(), "material.cells.size=0.125".into()]).unwrap();
+    let (go, stopped, tell) = (AtomicUsize::new(0), AtomicUsize::new(1), &mut |_: &str, _: &str| {});
+    assert!(fine_grid(&scene, 1, &stopped, tell).is_err());
+    let fine = fine_grid(&scene, 1, &go, tell).unwrap();
+    let sizes = coarse_cells(&scene).unwrap();
+    assert_eq!(sizes, [[4, 4], [2, 2]]);
+    let convergence = convergence(&scene, &fine, &sizes, 1, &stopped, tell);
+    assert!(convergence.points.is_empty());
+    let study =
+        MultiscaleStudy { scene: &scene, fine_grid: &fine, convergence: &convergence, repeat: 1, interrupted: true };
+    assert!(!study.complete() && text(&study).contains("interrupted: what was finished is here"));
+    let folder = tempfile::tempdir().unwrap();
+    assert_eq!(pictures(&study, folder.path()).unwrap().len(), 2);
+}
+
+#[test]
+fn what_cannot_be_studied_is_refused() {
+    let place = Place::new();
+    std::fs::create_dir(place.path("full")).unwrap();
+    place.write("full/old", "old");
+    place.write("scene.toml", BAR);
+    let before = place.names();
+    for (scene, arguments, parts) in [
+        ("block.toml", &[][..], &["block.toml", "the scene has no [grid]", "add [grid] coarse"][..]),
+        ("scene.toml", &["--strategies", "h"], &["--strategies belongs to --what convergence"]),
+        ("scene.toml", &["--multipliers", "stabilised"], &["--multipliers belongs to --what convergence"]),
+        ("scene.toml", &["--beside", "none.json"], &["--beside belongs to --what stability"]),
+        ("scene.toml", &["--out", "full"], &["full exists", "--force"]),
+        (
+            "scene.toml",
+            &["--set", "grid.coarse=[192, 32]", "--set", "grid.fine=[1, 1]"],
+            &["coarse cells of more than one fine cell", "grid.fine is [1, 1]", "grid.fine = [8, 8]"],
+        ),
+        (
+            "scene.toml",
+            &["--set", "grid.fine=[160, 160]"],
+            &["the fine grid has 1233282 dofs", "take fewer fine cells"],
+        ),
+    ] {
+        let ran = place.run(["study", scene, "--what", "multiscale", "--quiet"].iter().chain(arguments)).demand(1);
+        assert!(parts.iter().all(|part| ran.err.contains(part)), "{parts:?}: {}", ran.err);
+    }
+    assert_eq!(place.names(), before);
+}
