@@ -7,7 +7,8 @@ use super::{StudyArgs, Watch, folder, store, tell_results, unreferenced};
 use crate::grid::grid_of;
 use crate::scene::SceneErrorKind;
 use crate::study::multiscale::{
-    BASES, MOST_DOFS, MultiscaleStudy, coarse_cells, convergence, csv, fine_grid, json, pictures, text, write,
+    BASES, MOST_DOFS, MultiscaleStudy, coarse_cells, contrast, convergence, csv, fine_grid, json, laminates, pictures,
+    text, write,
 };
 
 /// Tells what multiscale elements are worth.
@@ -32,13 +33,23 @@ pub(super) fn multiscale(args: &StudyArgs) -> Result<u8, Failure> {
     let out = folder(args, &scene, "multiscale")?;
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, 2 + BASES.len());
+    let watch = Watch::new(args.quiet, 4 + BASES.len());
     let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
     let fine = fine_grid(&scene, repeat, &stop, tell).map_err(|error| unreferenced(&scene, error))?;
     let convergence = convergence(&scene, &fine, &sizes, repeat, &stop, tell);
+    let laminates = laminates(&stop, tell);
+    let contrast = contrast(&stop, tell);
     watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
-    let study = MultiscaleStudy { scene: &scene, fine_grid: &fine, convergence: &convergence, repeat, interrupted };
+    let study = MultiscaleStudy {
+        scene: &scene,
+        fine_grid: &fine,
+        convergence: &convergence,
+        laminates: &laminates,
+        contrast: &contrast,
+        repeat,
+        interrupted,
+    };
     let files = store(&out, "multiscale", &|file| write(file, &study), &csv(&study), &|out| pictures(&study, out))?;
     watch.finish();
     tell_results(args, &out, &files, || json(&study), || text(&study))?;

@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use super::contrast::{CONTRASTED, PARTS, Stiff};
 use super::convergence::Point;
+use super::laminates::{LAMINATES, Layers, RESONATING};
 use super::measure::BASES;
 use super::{FineGrid, MultiscaleStudy};
 use crate::picture::{Axis, Band, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
@@ -29,6 +31,15 @@ pub fn pictures(study: &MultiscaleStudy<'_>, folder: &Path) -> Result<Vec<PathBu
     }
     if study.fine_grid.error().is_finite() {
         draw("error-seconds", cost(study)?)?;
+    }
+    if !study.laminates.points.is_empty() {
+        for (name, picture) in resonance(study)? {
+            draw(name, picture)?;
+        }
+    }
+    if !study.contrast.points.is_empty() {
+        draw("contrast-error", contrast(study, false)?)?;
+        draw("contrast-effectivity", contrast(study, true)?)?;
     }
     Ok(files)
 }
@@ -92,6 +103,85 @@ fn cost(study: &MultiscaleStudy<'_>) -> Result<Picture, PictureError> {
         lines: &lines,
         flag: "",
         band: None,
+    })
+}
+
+/// Errors and effectivities over the period of layers and over the size of coarse cells: a line a basis, the two laminates
+/// solid and dashed.
+fn resonance(study: &MultiscaleStudy<'_>) -> Result<[(&'static str, Picture); 4], PictureError> {
+    let all = study.laminates;
+    let eps: fn(&Layers) -> f64 = |l| 1.0 / l.periods as f64;
+    let size: fn(&Layers) -> f64 = |l| 1.0 / l.coarse as f64;
+    let error: fn(&Layers) -> f64 = |l| l.error;
+    let effectivity: fn(&Layers) -> f64 = |l| l.estimate / l.error;
+    let drawing = |over_periods: bool, value: fn(&Layers) -> f64, label: &str, band: Option<Band<'_>>| {
+        let line = |(basis, (name, _)): (usize, &(&str, crate::scene::BasisInput))| {
+            let curve = |laminate: usize| match over_periods {
+                true => known(all.over_periods(laminate, basis).map(|l| ([eps(l), value(l)], false))),
+                false => known(all.over_cells(laminate, basis).map(|l| ([size(l), value(l)], false))),
+            };
+            Line { name: (*name).to_owned(), curves: (0..LAMINATES.len()).map(curve).collect() }
+        };
+        let lines: Vec<Line> = RESONATING.iter().enumerate().map(line).collect();
+        let fixed = |laminate: usize| match over_periods {
+            true => all.over_periods(laminate, 0).next().map_or(String::new(), |l| format!("H = 1/{}", l.coarse)),
+            false => all.over_cells(laminate, 0).next().map_or(String::new(), |l| format!("ε = 1/{}", l.periods)),
+        };
+        let names: Vec<String> = (0..LAMINATES.len()).map(|k| format!("{}, {}", LAMINATES[k].0, fixed(k))).collect();
+        drawn(&Drawing {
+            title: "Layers 1:10 on the unit square, 256 × 256 cells",
+            x: Axis {
+                label: if over_periods { "period ε of the layers" } else { "size H of the coarse cells" },
+                scale: Scale::Log,
+            },
+            y: Axis { label, scale: if band.is_some() { Scale::Linear } else { Scale::Log } },
+            quantities: &names.iter().map(|n| &n[..]).collect::<Vec<_>>(),
+            lines: &lines,
+            flag: "",
+            band,
+        })
+    };
+    let relative = "relative error, energy norm";
+    let ratio = "estimate / error";
+    let within = || Some(Band { label: "within 25 %", y: [0.8, 1.25] });
+    Ok([
+        ("resonance-period", drawing(true, error, relative, None)?),
+        ("resonance-period-effectivity", drawing(true, effectivity, ratio, within())?),
+        ("resonance-cells", drawing(false, error, relative, None)?),
+        ("resonance-cells-effectivity", drawing(false, effectivity, ratio, within())?),
+    ])
+}
+
+/// Errors of all bases, or effectivities of the coupled one, over the contrast: a line a place of the stiff parts.
+fn contrast(study: &MultiscaleStudy<'_>, effectivity: bool) -> Result<Picture, PictureError> {
+    let all = study.contrast;
+    let curve = |part: usize, basis: usize, value: fn(&Stiff) -> f64| {
+        known(all.of(part, basis).map(|s| ([s.contrast, value(s)], s.warned())))
+    };
+    let line = |(part, (name, _)): (usize, &(&str, &str))| Line {
+        name: (*name).to_owned(),
+        curves: match effectivity {
+            true => vec![curve(part, 0, |s| s.nodal), curve(part, 0, |s| s.jump)],
+            false => (0..CONTRASTED.len()).map(|basis| curve(part, basis, |s| s.error)).collect(),
+        },
+    };
+    let lines: Vec<Line> = PARTS.iter().enumerate().map(line).collect();
+    let bases = CONTRASTED.map(|c| c.0);
+    drawn(&Drawing {
+        title: if effectivity {
+            "Plate with stiff parts, coupled basis: effectivity of two estimates"
+        } else {
+            "Plate with stiff parts, 8 × 4 coarse cells of 16 × 16"
+        },
+        x: Axis { label: "contrast of the moduli", scale: Scale::Log },
+        y: Axis {
+            label: if effectivity { "estimate / error" } else { "relative error, energy norm" },
+            scale: Scale::Log,
+        },
+        quantities: if effectivity { &["nodal residuals", "jumps of tractions"] } else { &bases },
+        lines: &lines,
+        flag: "contrast along coarse edges: solve warns",
+        band: effectivity.then_some(Band { label: "within 25 %", y: [0.8, 1.25] }),
     })
 }
 

@@ -1,14 +1,17 @@
 //! What multiscale elements are worth on a scene with a grid.
 //!
 //! ```text
-//! FineGrid (bilinear elements on the fine grid and finer ones) ─► Convergence (bases on smaller and smaller coarse cells)
-//!                                          └────────────────► MultiscaleStudy ◄────┘ ─► store, table, draw
+//! the scene: FineGrid (bilinear elements on the fine grid and finer ones)     ─┐
+//!            Convergence (bases on smaller and smaller coarse cells)           ├─► MultiscaleStudy ─► store, table, draw
+//! examples:  Laminates (resonance), Contrast (stiff parts across coarse edges) ─┘
 //! ```
 //! Each part is a file: what it computes, and the columns of its table.
 
 mod measure;
 mod fine_grid;
 mod convergence;
+mod laminates;
+mod contrast;
 mod table;
 mod store;
 mod draw;
@@ -16,9 +19,11 @@ mod draw;
 use super::columns;
 use crate::scene::Scene;
 
+pub use contrast::{CONTRASTED, Contrast, PARTS, Stiff, contrast};
 pub use convergence::{Convergence, Point, coarse_cells, convergence};
 pub use draw::pictures;
 pub use fine_grid::{FineGrid, Level, MOST_DOFS, fine_grid};
+pub use laminates::{LAMINATES, Laminates, Layers, RESONATING, laminates};
 pub use measure::BASES;
 pub use store::write;
 pub use table::{csv, json, text};
@@ -31,6 +36,10 @@ pub struct MultiscaleStudy<'a> {
     pub fine_grid: &'a FineGrid,
     /// Multiscale elements on the scene.
     pub convergence: &'a Convergence,
+    /// Resonance on laminates.
+    pub laminates: &'a Laminates,
+    /// Stiff parts inside of coarse cells and across their edges.
+    pub contrast: &'a Contrast,
     /// Runs of which seconds are medians.
     pub repeat: usize,
     /// Whether the user stopped it.
@@ -45,6 +54,7 @@ impl MultiscaleStudy<'_> {
 
     /// What failed, and why.
     fn failures(&self) -> impl Iterator<Item = &(String, String)> {
-        self.fine_grid.failures.iter().chain(&self.convergence.failures)
+        let examples = self.laminates.failures.iter().chain(&self.contrast.failures);
+        self.fine_grid.failures.iter().chain(&self.convergence.failures).chain(examples)
     }
 }

@@ -3,14 +3,18 @@
 //! ```text
 //! /fine_grid      `source`, `limit`, `rate` (if known); columns with an entry a grid
 //! /bases/NNN      `name`; columns with an entry a coarse grid
+//! /laminates      `text` of the scene; columns with an entry a basis on a coarse grid
+//! /contrast       `text` of the scene; columns with an entry a basis at a contrast
 //! ```
 
 use steklov_io::{
     File, IoError, create_group, save_number, save_text, save_texts, write_integer_attribute, write_text_attribute,
 };
 
+use super::contrast::{PLATE, STIFF};
 use super::convergence::{POINTS, Point};
 use super::fine_grid::LEVELS;
+use super::laminates::{LAYERS, SQUARE};
 use super::measure::BASES;
 use super::{MultiscaleStudy, columns, json};
 
@@ -41,5 +45,16 @@ pub fn write(file: &File, study: &MultiscaleStudy<'_>) -> Result<(), IoError> {
         let rows: Vec<Point> = study.convergence.of(k).copied().collect();
         columns::save(&at, &rows, &POINTS, "coarse grid")?;
     }
+    let at = create_group(file, "laminates")?;
+    save_text(
+        &at,
+        "text",
+        SQUARE,
+        "text of the scene; LAYERS stands for an expression that is positive in stiff layers",
+    )?;
+    columns::save(&at, &study.laminates.points, &LAYERS, "basis on a coarse grid")?;
+    let at = create_group(file, "contrast")?;
+    save_text(&at, "text", PLATE, "text of the scene; STIFF stands for an expression that is positive in stiff parts")?;
+    columns::save(&at, &study.contrast.points, &STIFF, "basis at a contrast")?;
     Ok(())
 }

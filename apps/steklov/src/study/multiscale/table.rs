@@ -4,8 +4,10 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json as object};
 
+use super::contrast::{CONTRASTED, PARTS, STIFF, Stiff};
 use super::convergence::{POINTS, Point};
 use super::fine_grid::LEVELS;
+use super::laminates::{LAMINATES, LAYERS, Layers, RESONATING};
 use super::measure::BASES;
 use super::{MultiscaleStudy, columns};
 
@@ -15,6 +17,8 @@ pub fn csv(study: &MultiscaleStudy<'_>) -> Vec<(&'static str, String)> {
     vec![
         ("fine-grid.csv", columns::csv(&study.fine_grid.levels, &LEVELS)),
         ("convergence.csv", named("basis", BASES.iter().map(|b| b.0).zip(&bases), &POINTS)),
+        ("laminates.csv", columns::csv(&study.laminates.points, &LAYERS)),
+        ("contrast.csv", columns::csv(&study.contrast.points, &STIFF)),
     ]
 }
 
@@ -43,6 +47,8 @@ pub fn text(study: &MultiscaleStudy<'_>) -> String {
     let mut text = format!("{}\n", study.scene.title);
     fine_grid(&mut text, study);
     convergence(&mut text, study);
+    laminates(&mut text, study);
+    contrast(&mut text, study);
     for (at, why) in study.failures() {
         let _ = writeln!(text, "FAILED at {at}: {why}");
     }
@@ -107,6 +113,70 @@ fn convergence(text: &mut String, study: &MultiscaleStudy<'_>) {
     }
 }
 
+/// A line of the values of some points under their numbers: counts, then a number a basis.
+fn line<T>(text: &mut String, name: &str, points: &[&T], value: fn(&T) -> f64, decimals: usize) {
+    if points.iter().any(|p| value(p).is_finite()) {
+        let cells: String = points.iter().map(|p| cell(value(p), 9, decimals)).collect();
+        let _ = writeln!(text, "{name:<28}{cells}");
+    }
+}
+
+fn laminates(text: &mut String, study: &MultiscaleStudy<'_>) {
+    let all = study.laminates;
+    *text +=
+        "\nlayers 1:10 on the unit square of 256x256 cells: relative errors, and the estimate over the error (est.)\n";
+    for (laminate, (name, _)) in LAMINATES.iter().enumerate() {
+        let sweep = |text: &mut String, what: &str, head: fn(&Layers) -> f64, of: &dyn Fn(usize) -> Vec<Layers>| {
+            let Some(first) = of(0).first().copied() else { return };
+            let heads: Vec<Layers> = of(0);
+            let fixed = if what == "periods" {
+                format!("H = 1/{}", first.coarse)
+            } else {
+                format!("eps = 1/{}", first.periods)
+            };
+            line(
+                text,
+                &format!("{name}, {fixed}: 1/{}", if what == "periods" { "eps" } else { "H" }),
+                &heads.iter().collect::<Vec<_>>(),
+                head,
+                0,
+            );
+            for (basis, (name, _)) in RESONATING.iter().enumerate() {
+                let rows = of(basis);
+                let rows: Vec<&Layers> = rows.iter().collect();
+                line(text, &format!("  {name}"), &rows, |l| l.error, 4);
+                line(text, &format!("  {name}, est."), &rows, |l| l.estimate / l.error, 2);
+            }
+        };
+        sweep(text, "periods", |l| l.periods as f64, &|b| all.over_periods(laminate, b).copied().collect());
+        sweep(text, "cells", |l| l.coarse as f64, &|b| all.over_cells(laminate, b).copied().collect());
+    }
+}
+
+fn contrast(text: &mut String, study: &MultiscaleStudy<'_>) {
+    let all = study.contrast;
+    *text +=
+        "\nplate of 2x1, 8x4 coarse cells of 16x16, with stiff parts: relative errors, and estimates over the error\n";
+    for (part, (name, _)) in PARTS.iter().enumerate() {
+        for (basis, (word, _)) in CONTRASTED.iter().enumerate() {
+            let rows: Vec<&Stiff> = all.of(part, basis).collect();
+            if basis == 0 && !rows.is_empty() {
+                let cells: String = rows.iter().map(|s| format!(" {:>9}", format!("{:e}", s.contrast))).collect();
+                let _ = writeln!(text, "{:<28}{cells}", format!("{name}: contrast"));
+            }
+            line(text, &format!("  {word}"), &rows, |s| s.error, 4);
+            line(text, &format!("  {word}, nodal est."), &rows, |s| s.nodal, 2);
+            line(text, &format!("  {word}, jump est."), &rows, |s| s.jump, 2);
+        }
+        let warned: Vec<&Stiff> = all.of(part, 0).collect();
+        if warned.iter().any(|s| s.warned()) {
+            let cells: String =
+                warned.iter().map(|s| format!(" {:>9}", if s.warned() { "warned" } else { "" })).collect();
+            let _ = writeln!(text, "{:<28}{}", "  solve", cells.trim_end());
+        }
+    }
+}
+
 /// The JSON object; numbers that are not known are null.
 pub fn json(study: &MultiscaleStudy<'_>) -> Value {
     let fine = study.fine_grid;
@@ -129,6 +199,8 @@ pub fn json(study: &MultiscaleStudy<'_>) -> Value {
             "rate": fine.limit.map(|l| l[1]),
             "levels": columns::json(&fine.levels, &LEVELS),
         },
+        "laminates": columns::json(&study.laminates.points, &LAYERS),
+        "contrast": columns::json(&study.contrast.points, &STIFF),
         "bases": BASES.iter().enumerate().map(basis).collect::<Value>(),
     })
 }
