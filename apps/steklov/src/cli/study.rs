@@ -122,9 +122,11 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
         }
         What::Convergence => convergence(args),
         _ if !args.multipliers.is_empty() => Err(Failure("error: --multipliers belongs to --what convergence".into())),
-        What::Stability | What::InfSup | What::Stochastic | What::Multiscale if !args.strategies.is_empty() => Err(Failure(
-            "error: --strategies belongs to --what convergence: the others are studied on uniform meshes".into(),
-        )),
+        What::Stability | What::InfSup | What::Stochastic | What::Multiscale if !args.strategies.is_empty() => {
+            Err(Failure(
+                "error: --strategies belongs to --what convergence: the others are studied on uniform meshes".into(),
+            ))
+        }
         What::Stability => stability::stability(args),
         What::InfSup => inf_sup::inf_sup(args),
         What::Stochastic => stochastic::stochastic(args),

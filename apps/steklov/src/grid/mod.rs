@@ -38,6 +38,6 @@ pub(crate) use plan::plan;
 pub(crate) use record::FAILING;
 pub use record::GridRecord;
 pub use run::{GridProgress, GridRun, GridStep, run_grid};
-pub use solve::{CoarseSolved, GridSolved};
 pub(crate) use solve::solve_grid;
+pub use solve::{CoarseSolved, GridSolved};
 pub(crate) use tables::tables;

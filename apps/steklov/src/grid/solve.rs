@@ -362,7 +362,8 @@ fn solve_coarse(
         let last = points.len() - 1;
         let (cell, _) =
             trace.side(grid, if end == 0 { [points[0], points[1]] } else { [points[last - 1], points[last]] });
-        let field: &Option<Vec<f64>> = fine_field.get_or_init(|| problem.downscale(u, loads, &extra).ok());
+        let field: &Option<Vec<f64>> =
+            fine_field.get_or_init(|| problem.downscale(u, loads, &extra, &mut |_| true).ok());
         field.as_ref().map_or([0.0; 2], |field| moment(&medium, field, &trace, e, cell))
     };
     let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
@@ -398,7 +399,14 @@ fn solve_coarse(
         estimate: None,
         seconds: Seconds { set_up, assemble, factorise, solve },
         estimate_seconds: 0.0,
-        coarse: Some(CoarseSolved { mesh, basis, displacement: vertices, bubbles: extra.bubbles, patterns, lift: extra.lift }),
+        coarse: Some(CoarseSolved {
+            mesh,
+            basis,
+            displacement: vertices,
+            bubbles: extra.bubbles,
+            patterns,
+            lift: extra.lift,
+        }),
         trace,
         medium,
     };

@@ -91,7 +91,7 @@ fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<f64, MsfemError> 
     let medium = &truth.medium;
     let mut problem = Multiscale::new(medium, coarse.mesh.clone(), coarse.basis)?;
     // the bases once more, those of equal cells once
-    problem.assemble(&Loads::default(), &Extra::default(), &|_| ())?;
+    problem.assemble(&Loads::default(), &Extra::default(), &mut |_| true)?;
     let mut values = vec![0.0; problem.dofs()];
     for (unknown, u) in problem.unknown.iter().zip(&coarse.displacement) {
         if let Some(unknown) = unknown {
@@ -101,7 +101,7 @@ fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<f64, MsfemError> 
     let unit = medium.elasticity.unit_stiffness(medium.grid.spacing);
     let mut squared = 0.0;
     let extra = Extra { lift: coarse.lift.clone(), ..Extra::default() };
-    problem.downscale_cells(&values, &Loads::default(), &extra, |cell, field| {
+    problem.downscale_cells(&values, &Loads::default(), &extra, &mut |_| true, |cell, field| {
         let [m, n] = coarse.mesh.cells[cell].size;
         for (local, fine) in coarse.mesh.cells[cell].fine_cells(&medium.grid).enumerate() {
             let first = (local % n) * (m + 1) + local / n;
