@@ -135,8 +135,8 @@ fn outcomes_are_those_of_scenes_of_their_own() {
         let (solved, ..) = steklov::solve::solve(&own, mesh, false, &mut PairCache::default(), &mut |_| Ok(()))
             .unwrap_or_else(|e| panic!("{e}"));
         let contact = solved.contact.as_ref().expect("contact");
-        let rows = steklov::report::contact_rows(&solved, contact);
-        let told = steklov::report::contact_summary(&own, &solved, contact, &rows, None);
+        let rows = steklov::report::contact_rows(solved.trace(), contact);
+        let told = steklov::report::contact_summary(&own, &solved.mesh, contact, &rows, None);
         let (inside, stress) = solved.inside([0.1, -0.2]);
         let top = solved.reactions.iter().find(|r| r.0 == "top").expect("held").1[1];
         let energies = solved.energies;
