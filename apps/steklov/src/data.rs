@@ -49,6 +49,9 @@ type OfTraction<'a> = dyn FnMut(usize, &str, &Expression, &dyn Fn(usize) -> [f64
 /// Part of ∫ t² that rounding leaves of what is followed.
 const ROUNDING: f64 = 1e-14;
 
+/// An element of degree 1 and the moments of its traction against the functions of its ends.
+pub(crate) type SideLoad = (usize, [[f64; 2]; 2]);
+
 impl Data<'_> {
     /// Prescribed displacement of every node.
     pub(crate) fn held(&self) -> Result<Vec<Held>, SolveError> {
@@ -119,9 +122,8 @@ impl Data<'_> {
         Ok(Loads { nodal: load, bubbles: extra, unresolved })
     }
 
-    /// Moments of tractions and pressures on each element of degree 1: (element, those against the functions of its ends),
-    /// elements of several data several times.
-    pub(crate) fn side_loads(&self) -> Result<Vec<(usize, [[f64; 2]; 2])>, SolveError> {
+    /// Moments of tractions and pressures on each element of degree 1, elements of several data several times.
+    pub(crate) fn side_loads(&self) -> Result<Vec<SideLoad>, SolveError> {
         let mut loads = Vec::new();
         self.each_traction(&mut |index, name, expression, direction| {
             let function = self.function(expression);

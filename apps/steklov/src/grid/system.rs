@@ -28,6 +28,9 @@ pub(crate) struct System {
     pub at_boundary: Vec<usize>,
 }
 
+/// Of displacements, the number e of an element and its end j: about the moment of the traction on e against the function of j.
+pub(crate) type CornerMoment<'a> = dyn Fn(&[f64], usize, usize) -> [f64; 2] + 'a;
+
 /// The answer of a [`System`].
 pub(crate) struct Answer {
     pub displacement: Vec<f64>,
@@ -117,8 +120,7 @@ impl Frames {
 }
 
 impl System {
-    /// Solves with supports and contact on the boundary; `traction(e, j)` is about the moment of the traction on element e
-    /// against the function of its end j, of which only the ratio between two supports at a corner matters.
+    /// Solves with supports and contact on the boundary; `traction` parts the force of a corner between two supports.
     ///
     /// # Errors
     /// A free rigid motion that the loads drive; a matrix without a factor; those of the contact solver.
@@ -128,7 +130,7 @@ impl System {
         trace: &GridTrace,
         held: &[Held],
         boundary: Option<ContactBoundary>,
-        traction: &dyn Fn(&[f64], usize, usize) -> [f64; 2],
+        traction: &CornerMoment<'_>,
         observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
     ) -> Result<Answer, SolveError> {
         let Self { stiffness, load, points, order, at_boundary } = self;
