@@ -1,6 +1,5 @@
 //! One grid solved: bilinear elements on all its cells, or multiscale elements on coarse ones.
 
-use std::cell::OnceCell;
 use std::time::Instant;
 
 use steklov_bem_operators::RigidMotion;
@@ -169,12 +168,25 @@ pub(crate) fn solve_grid(
     Ok(solved)
 }
 
-/// Stress of a cell as a traction on the side of element e, times half its length: the moment against one end.
-fn moment(medium: &Medium, u: &[f64], trace: &GridTrace, e: usize, cell: usize) -> [f64; 2] {
-    let values = medium.cell_values(u, cell);
-    let [xx, yy, xy] = medium.elasticity.stress(medium.young[cell], &values, [0.5; 2], medium.grid.spacing);
+/// Stress as a traction on element e, times half its length: the moment against one end.
+fn moment([xx, yy, xy]: [f64; 3], trace: &GridTrace, e: usize) -> [f64; 2] {
     let ([nx, ny], half) = (trace.mesh.normal(e), trace.mesh.length(e) / 2.0);
     [half * (xx * nx + xy * ny), half * (xy * nx + yy * ny)]
+}
+
+/// Mean stress of the coarse cell around a fine one: its homogenised tensor times the strain in its middle.
+fn mean_stress(problem: &Multiscale<'_>, grid: &Grid, [ix, iy]: [usize; 2], u: &[f64]) -> Option<[f64; 3]> {
+    let around = |c: &CoarseCell| (0..2).all(|k| (c.first[k]..c.first[k] + c.size[k]).contains(&[ix, iy][k]));
+    let cell = problem.mesh.cells.iter().position(around)?;
+    let size = problem.mesh.cells[cell].size;
+    let [lx, ly] = [0, 1].map(|k| size[k] as f64 * grid.spacing[k]);
+    let vertices = problem.vertex_displacement(u);
+    let [a, b, c, d] = problem.mesh.corners[cell].map(|vertex| vertices[vertex]);
+    let along = |k: usize| (b[k] - a[k] + c[k] - d[k]) / (2.0 * lx);
+    let across = |k: usize| (d[k] - a[k] + c[k] - b[k]) / (2.0 * ly);
+    let strain = [along(0), across(1), across(0) + along(1)];
+    let tensor = problem.cell_basis(cell).ok()?.tensor(grid.spacing);
+    Some(tensor.map(|row| row.iter().zip(strain).map(|(c, e)| c * e).sum()))
 }
 
 fn energies(answer: &Answer, strain: f64, load_work: f64) -> Energies {
@@ -223,7 +235,11 @@ fn solve_fine(
     let assemble = clock.elapsed().as_secs_f64();
     observe(Stage::Stiffness("K", "node of the fine grid", &system.stiffness))?;
     let clock = Instant::now();
-    let traction = |u: &[f64], e: usize, _: usize| moment(&medium, u, &trace, e, trace.cell(grid, e).0);
+    let traction = |u: &[f64], e: usize, _: usize| {
+        let cell = trace.cell(grid, e).0;
+        let values = medium.cell_values(u, cell);
+        moment(medium.elasticity.stress(medium.young[cell], &values, [0.5; 2], grid.spacing), &trace, e)
+    };
     let at_boundary = system.at_boundary.clone();
     let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
@@ -355,16 +371,12 @@ fn solve_coarse(
 
     let clock = Instant::now();
     let at_boundary = system.at_boundary.clone();
-    // two supports at a corner: the stress of the fine cell there
-    let fine_field = OnceCell::new();
+    // two supports at a corner part its force by the mean stress of the coarse cell there
     let traction = |u: &[f64], e: usize, end: usize| {
         let points = trace.points(e);
-        let last = points.len() - 1;
-        let (cell, _) =
-            trace.side(grid, if end == 0 { [points[0], points[1]] } else { [points[last - 1], points[last]] });
-        let field: &Option<Vec<f64>> =
-            fine_field.get_or_init(|| problem.downscale(u, loads, &extra, &mut |_| true).ok());
-        field.as_ref().map_or([0.0; 2], |field| moment(&medium, field, &trace, e, cell))
+        let side = if end == 0 { [points[0], points[1]] } else { [points[points.len() - 2], points[points.len() - 1]] };
+        let stress = mean_stress(&problem, grid, grid.cell(trace.side(grid, side).0), u);
+        stress.map_or([0.0; 2], |stress| moment(stress, &trace, e))
     };
     let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
