@@ -38,7 +38,7 @@ fn every_scene_of_the_gallery_is_solved() {
         assert!(off <= allowed, "{name}: {off:e} {allowed:e}");
         let [x, y] = [&a, &b].map(|run| {
             let contact = run.last.contact.as_ref().expect("contact");
-            contact_summary(&scene, &run.last, contact, &contact_rows(&run.last, contact), None)
+            contact_summary(&scene, &run.last.mesh, contact, &contact_rows(run.last.trace(), contact), None)
         });
         let force = |f: [f64; 2]| f[0].hypot(f[1]);
         let apart = [
