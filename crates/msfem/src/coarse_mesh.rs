@@ -87,7 +87,8 @@ impl CoarseMesh {
     /// The mesh of these cells.
     ///
     /// # Errors
-    /// [`MsfemError::Grid`] when they do not fill the body once.
+    /// [`MsfemError::Grid`] when they do not fill the body once, or when vertices hang on each other in a circle, as in a wall of
+    /// bricks.
     pub fn new(grid: &Grid, cells: Vec<CoarseCell>) -> Result<Self, MsfemError> {
         let [nx, ny] = grid.cells;
         let mut taken = vec![false; nx * ny];
@@ -137,6 +138,12 @@ impl CoarseMesh {
                 }
             }
         }
+        if let Some(vertex) = circular(vertices.len(), &hanging) {
+            let [i, j] = vertices[vertex];
+            let what =
+                format!("the vertex ({i}, {j}) hangs between vertices that hang on it: split a coarse cell beside it");
+            return Err(MsfemError::Grid { what });
+        }
         Ok(Self { cells, vertices, corners, hanging })
     }
 
@@ -144,5 +151,67 @@ impl CoarseMesh {
     pub fn extent(&self, grid: &Grid, cell: usize) -> f64 {
         let [m, n] = self.cells[cell].size;
         (m as f64 * grid.spacing[0]).max(n as f64 * grid.spacing[1])
+    }
+}
+
+/// A hanging vertex whose ends hang, by way of any others, on itself.
+fn circular(vertices: usize, hanging: &[Hanging]) -> Option<usize> {
+    #[derive(Clone, Copy, PartialEq)]
+    enum State {
+        New,
+        Begun,
+        Done,
+    }
+    let mut ends = vec![None; vertices];
+    hanging.iter().for_each(|h| ends[h.vertex] = Some(h.ends));
+    let mut state = vec![State::New; vertices];
+    for h in hanging {
+        let mut open = vec![h.vertex];
+        while let Some(&vertex) = open.last() {
+            match (state[vertex], ends[vertex]) {
+                (State::New, Some(ends)) => {
+                    state[vertex] = State::Begun;
+                    if let Some(end) = ends.into_iter().find(|end| state[*end] == State::Begun) {
+                        return Some(end);
+                    }
+                    open.extend(ends);
+                }
+                _ => {
+                    state[vertex] = State::Done;
+                    open.pop();
+                }
+            }
+        }
+    }
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn mesh(size: [usize; 2], cells: &[([usize; 2], [usize; 2])]) -> Result<CoarseMesh, MsfemError> {
+        let grid = Grid::rectangle([1.0, 1.0], size).unwrap();
+        CoarseMesh::new(&grid, cells.iter().map(|&(first, size)| CoarseCell { first, size }).collect())
+    }
+
+    #[test]
+    fn vertices_that_hang_on_each_other_are_refused() {
+        let bricks = [([0, 0], [4, 2]), ([4, 0], [4, 2]), ([0, 2], [2, 2]), ([2, 2], [4, 2]), ([6, 2], [2, 2])];
+        let windmill = [([0, 0], [2, 1]), ([2, 0], [1, 2]), ([1, 2], [2, 1]), ([0, 1], [1, 2]), ([1, 1], [1, 1])];
+        for (size, cells) in [([8, 4], bricks), ([3, 3], windmill)] {
+            let error = mesh(size, &cells).unwrap_err();
+            assert!(matches!(&error, MsfemError::Grid { what } if what.contains("that hang on it")), "{error}");
+        }
+    }
+
+    #[test]
+    fn vertices_that_hang_on_hanging_ones_are_not() {
+        // (1, 2) hangs between (0, 2) and (2, 2), and this one between (2, 0) and (2, 4)
+        let cells = [([2, 0], [4, 4]), ([0, 2], [2, 2]), ([0, 0], [1, 2]), ([1, 0], [1, 2])];
+        let mesh = mesh([6, 4], &cells).unwrap();
+        let mut hanging: Vec<[usize; 2]> = mesh.hanging.iter().map(|h| mesh.vertices[h.vertex]).collect();
+        hanging.sort_unstable();
+        assert_eq!(hanging, [[1, 2], [2, 2]]);
     }
 }
