@@ -39,7 +39,14 @@ fn named<'a, T: 'a>(
 
 /// A number in a column; a dash for what is not known.
 fn cell(value: f64, width: usize, decimals: usize) -> String {
-    if value.is_finite() { format!(" {value:>width$.decimals$}") } else { format!(" {:>width$}", "-") }
+    // so that small errors are told from none
+    if value != 0.0 && value.abs() < 1e-3 {
+        format!(" {value:>width$.1e}")
+    } else if value.is_finite() {
+        format!(" {value:>width$.decimals$}")
+    } else {
+        format!(" {:>width$}", "-")
+    }
 }
 
 /// What is printed.
@@ -61,7 +68,7 @@ pub fn text(study: &MultiscaleStudy<'_>) -> String {
 fn fine_grid(text: &mut String, study: &MultiscaleStudy<'_>) {
     let fine = study.fine_grid;
     let [nx, ny] = fine.truth.medium.grid.cells;
-    let _ = writeln!(text, "\nbilinear elements; the error of the fine grid is {}", fine.source());
+    let _ = writeln!(text, "\nbilinear elements; error of the fine grid: {}", fine.source());
     if let Some([limit, rate]) = fine.limit {
         let _ = writeln!(text, "limit       J = {limit:.9e}, J_h - J ~ h^{rate:.2}");
     }
@@ -86,7 +93,7 @@ fn fine_grid(text: &mut String, study: &MultiscaleStudy<'_>) {
 }
 
 fn convergence(text: &mut String, study: &MultiscaleStudy<'_>) {
-    *text += "\nmultiscale elements, relative errors in the energy norm: against the fine grid, its estimate, both, and against the limit\n";
+    *text += "\nmultiscale elements, relative errors in the energy norm against the fine grid, their estimates, and errors against the limit\n";
     let _ = writeln!(
         text,
         "{:<12} {:>10} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9} {:>9}",
@@ -113,7 +120,7 @@ fn convergence(text: &mut String, study: &MultiscaleStudy<'_>) {
     }
 }
 
-/// A line of the values of some points under their numbers: counts, then a number a basis.
+/// A name and a value of each point; nothing if none is known.
 fn line<T>(text: &mut String, name: &str, points: &[&T], value: fn(&T) -> f64, decimals: usize) {
     if points.iter().any(|p| value(p).is_finite()) {
         let cells: String = points.iter().map(|p| cell(value(p), 9, decimals)).collect();
@@ -126,30 +133,26 @@ fn laminates(text: &mut String, study: &MultiscaleStudy<'_>) {
     *text +=
         "\nlayers 1:10 on the unit square of 256x256 cells: relative errors, and the estimate over the error (est.)\n";
     for (laminate, (name, _)) in LAMINATES.iter().enumerate() {
-        let sweep = |text: &mut String, what: &str, head: fn(&Layers) -> f64, of: &dyn Fn(usize) -> Vec<Layers>| {
-            let Some(first) = of(0).first().copied() else { return };
-            let heads: Vec<Layers> = of(0);
-            let fixed = if what == "periods" {
-                format!("H = 1/{}", first.coarse)
-            } else {
-                format!("eps = 1/{}", first.periods)
-            };
-            line(
-                text,
-                &format!("{name}, {fixed}: 1/{}", if what == "periods" { "eps" } else { "H" }),
-                &heads.iter().collect::<Vec<_>>(),
-                head,
-                0,
-            );
-            for (basis, (name, _)) in RESONATING.iter().enumerate() {
-                let rows = of(basis);
-                let rows: Vec<&Layers> = rows.iter().collect();
-                line(text, &format!("  {name}"), &rows, |l| l.error, 4);
-                line(text, &format!("  {name}, est."), &rows, |l| l.estimate / l.error, 2);
-            }
-        };
-        sweep(text, "periods", |l| l.periods as f64, &|b| all.over_periods(laminate, b).copied().collect());
-        sweep(text, "cells", |l| l.coarse as f64, &|b| all.over_cells(laminate, b).copied().collect());
+        let periods: Vec<Vec<&Layers>> =
+            (0..RESONATING.len()).map(|b| all.over_periods(laminate, b).collect()).collect();
+        let cells: Vec<Vec<&Layers>> = (0..RESONATING.len()).map(|b| all.over_cells(laminate, b).collect()).collect();
+        if let Some(first) = periods[0].first() {
+            let head = format!("{name}, H = 1/{}: 1/eps", first.coarse);
+            line(text, &head, &periods[0], |l| l.periods as f64, 0);
+            of_bases(text, &periods);
+        }
+        if let Some(first) = cells[0].first() {
+            line(text, &format!("{name}, eps = 1/{}: 1/H", first.periods), &cells[0], |l| l.coarse as f64, 0);
+            of_bases(text, &cells);
+        }
+    }
+}
+
+/// Errors and effectivities of the bases.
+fn of_bases(text: &mut String, rows: &[Vec<&Layers>]) {
+    for (rows, (name, _)) in rows.iter().zip(&RESONATING) {
+        line(text, &format!("  {name}"), rows, |l| l.error, 4);
+        line(text, &format!("  {name}, est."), rows, |l| l.estimate / l.error, 2);
     }
 }
 
