@@ -101,6 +101,37 @@ fn layers_as_thick_as_coarse_cells() {
     assert!(errors[1] > 2.0 * errors[0] && errors[1] > errors[2] && errors[1] > 0.5, "{errors:?}");
 }
 
+/// Whether J is as near to the extrapolated one as it is told.
+fn told(s: &Summary, exact: f64) -> bool {
+    let bounds = s.energy_extrapolated.zip(s.energy_uncertainty);
+    bounds.is_some_and(|(j, uncertainty)| (j - exact).abs() <= uncertainty && uncertainty <= 4.0 * (s.energy - exact))
+}
+
+/// Displacements that are prescribed and not linear along the sides of cells: elements that interpolate them are not part of the
+/// space of the exact solution, and J - J_h is not half of the squared error.
+#[test]
+fn prescribed_displacements_that_elements_do_not_have() {
+    for [x, y] in [["x^2", "0"], ["sin(3*x)", "cos(2*y)"], ["x*y", "-x^2/2"]] {
+        let at = |n: usize, method: &str| {
+            let sides: String =
+                ["a", "b", "c", "d"].map(|s| format!("[sides.{s}]\ndisplacement = [\"{x}\", \"{y}\"]\n")).concat();
+            let text = format!(
+                "title = \"plate\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n[material]\n\
+                 young = 7.0\npoisson = 0.3\n{sides}[grid]\ncoarse = [{}, {n}]\nfine = [1, 1]\n[method]\n{method}\n",
+                2 * n
+            );
+            parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+        };
+        let exact = adapt(&at(8, "model = \"bem\"\ntolerance = 1e-5")).expect("boundary elements").step().energy;
+        for n in [8, 16, 32] {
+            let s = on_grid(&at(n, "model = \"fem\"\nrefine = \"none\""));
+            let [j, extrapolated] = [s.energy, s.energy_extrapolated.expect("an estimate")].map(|j| j - exact);
+            println!("({x}, {y}) {n}: J wrong by {j:.1e}, extrapolated by {extrapolated:.1e}");
+            assert!(told(&s, exact), "({x}, {y}) {n}: {j:e}, {extrapolated:e} of {:?}", s.energy_uncertainty);
+        }
+    }
+}
+
 /// ν → ½: bilinear elements lock, boundary elements do not; the estimate never is less than the error.
 #[test]
 fn bilinear_elements_lock_and_say_so() {
@@ -119,6 +150,7 @@ fn bilinear_elements_lock_and_say_so() {
         let error = (2.0 * (s.energy - exact)).sqrt();
         let (relative, effectivity) = (error / (-2.0 * exact).sqrt(), s.estimate.expect("an estimate") / error);
         println!("nu {nu}: error {relative:.3}, effectivity {effectivity:.2}");
+        assert!(told(&s, exact), "nu {nu}: {:?} of {exact}", s.energy_extrapolated);
         assert!(relative > last && (0.95..3.0).contains(&effectivity), "nu {nu}: {relative}, {effectivity}");
         last = relative;
     }
