@@ -9,10 +9,16 @@ use super::measure::BASES;
 use super::{FineGrid, MultiscaleStudy};
 use crate::picture::{Axis, Band, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
-/// A line of a chart: a name, and for each quantity its points and which of them are in doubt.
-pub(super) struct Line {
-    pub name: String,
-    pub curves: Vec<Vec<([f64; 2], bool)>>,
+/// A line of a chart: a name, and a curve for each quantity.
+struct Line {
+    name: String,
+    curves: Vec<Dots>,
+}
+
+/// Points of a curve, and which of them are in doubt.
+struct Dots {
+    points: Vec<[f64; 2]>,
+    doubtful: Vec<bool>,
 }
 
 /// Draws errors, effectivities and cost into a folder; returns the files.
@@ -56,8 +62,9 @@ fn by_basis(study: &MultiscaleStudy<'_>, values: &[fn(&Point) -> [f64; 2]]) -> V
 }
 
 /// Points whose values are known.
-pub(super) fn known(points: impl Iterator<Item = ([f64; 2], bool)>) -> Vec<([f64; 2], bool)> {
-    points.filter(|(p, _)| p.iter().all(|v| v.is_finite())).collect()
+fn known(points: impl Iterator<Item = ([f64; 2], bool)>) -> Dots {
+    let (points, doubtful) = points.filter(|(p, _)| p.iter().all(|v| v.is_finite())).unzip();
+    Dots { points, doubtful }
 }
 
 fn errors(study: &MultiscaleStudy<'_>) -> Result<Picture, PictureError> {
@@ -186,29 +193,26 @@ fn contrast(study: &MultiscaleStudy<'_>, effectivity: bool) -> Result<Picture, P
 }
 
 /// What a chart shows.
-pub(super) struct Drawing<'a> {
-    pub title: &'a str,
-    pub x: Axis<'a>,
-    pub y: Axis<'a>,
-    pub quantities: &'a [&'a str],
-    pub lines: &'a [Line],
+struct Drawing<'a> {
+    title: &'a str,
+    x: Axis<'a>,
+    y: Axis<'a>,
+    quantities: &'a [&'a str],
+    lines: &'a [Line],
     /// What doubt means.
-    pub flag: &'a str,
-    pub band: Option<Band<'a>>,
+    flag: &'a str,
+    band: Option<Band<'a>>,
 }
 
 /// Draws the lines that have points.
-pub(super) fn drawn(d: &Drawing<'_>) -> Result<Picture, PictureError> {
-    let lines: Vec<(&str, Vec<(Vec<[f64; 2]>, Vec<bool>)>)> = d
-        .lines
+fn drawn(d: &Drawing<'_>) -> Result<Picture, PictureError> {
+    let lines: Vec<&Line> = d.lines.iter().filter(|l| l.curves.iter().any(|c| !c.points.is_empty())).collect();
+    let curves: Vec<Vec<Curve<'_>>> = lines
         .iter()
-        .filter(|l| l.curves.iter().any(|c| !c.is_empty()))
-        .map(|l| (&l.name[..], l.curves.iter().map(|c| c.iter().copied().unzip()).collect()))
+        .map(|l| l.curves.iter().map(|c| Curve { points: &c.points, flagged: &c.doubtful }).collect())
         .collect();
-    let curves: Vec<Vec<Curve<'_>>> =
-        lines.iter().map(|(_, all)| all.iter().map(|(points, flagged)| Curve { points, flagged }).collect()).collect();
     let series: Vec<Series<'_>> =
-        lines.iter().zip(&curves).map(|((name, _), curves)| Series { name, curves }).collect();
+        lines.iter().zip(&curves).map(|(l, curves)| Series { name: &l.name, curves }).collect();
     let (quantities, band) = (d.quantities, d.band);
     chart(&Chart { title: d.title, x: d.x, y: d.y, quantities, series: &series, flag: d.flag, guides: &[], band })
 }
