@@ -6,7 +6,7 @@ use steklov_msfem::MsfemError;
 use steklov_stochastic::StochasticError;
 
 use crate::expression::Expression;
-use crate::scene::{Condition, Friction, Sampling, Scene, SceneError, SceneErrorKind};
+use crate::scene::{Condition, Friction, Model, Sampling, Scene, SceneError, SceneErrorKind};
 use crate::solve::SolveError;
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
@@ -102,14 +102,26 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
 /// The first mesh is larger than the scene allows.
 pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
     let message = format!("the first mesh has {dofs} dofs, more than method.max_dofs = {}", scene.method.max_dofs);
-    let keys =
-        [vec!["method", "max_dofs"], vec!["method", "elements"], vec!["method", "degree"], vec!["body", "corners"]];
-    scene.error_at(
-        SceneErrorKind::Value,
-        &keys,
-        message,
-        "allow more dofs, or ask for fewer elements or a lower degree",
-    )
+    let (keys, help) = match scene.model() {
+        Model::Fem => (
+            vec![vec!["method", "max_dofs"], vec!["grid"]],
+            "set method.max_dofs higher, take fewer cells, or model = \"msfem\", whose unknowns are those of the coarse cells",
+        ),
+        Model::Msfem => {
+            (vec![vec!["method", "max_dofs"], vec!["grid"]], "set method.max_dofs higher, or take fewer coarse cells")
+        }
+        _ => (
+            vec![
+                vec!["method", "max_dofs"],
+                vec!["method", "elements"],
+                vec!["method", "degree"],
+                vec!["body", "corners"],
+            ],
+            "allow more dofs, or ask for fewer elements or a lower degree",
+        ),
+    };
+    let message = if scene.grid.is_some() { message.replace("first mesh", "first grid") } else { message };
+    scene.error_at(SceneErrorKind::Value, &keys, message, help)
 }
 
 /// The refusal of more stochastic nodes than are allowed; none if there are fewer.

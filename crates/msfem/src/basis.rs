@@ -23,7 +23,9 @@ pub enum Basis {
     Coupled,
     /// As coupled, but along each edge the tangential component solves (E φ')' = 0.
     Oscillatory,
-    /// Coupled on T enlarged by so many fine cells a side, restricted to T and made nodal. Not conforming.
+    /// Coupled on T enlarged by so many fine cells a side, restricted to T and made nodal. Not conforming: a cell whose patch
+    /// the boundary cuts off has other traces than its neighbour, so that even affine fields of a homogeneous body have an
+    /// error there.
     Oversampled(usize),
     /// hat_p e_k and a periodic field that vanishes at the corners. Not conforming.
     Periodic,
