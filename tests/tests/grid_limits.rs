@@ -123,11 +123,15 @@ fn prescribed_displacements_that_elements_do_not_have() {
             parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
         };
         let exact = adapt(&at(8, "model = \"bem\"\ntolerance = 1e-5")).expect("boundary elements").step().energy;
+        let mut last = f64::INFINITY;
         for n in [8, 16, 32] {
             let s = on_grid(&at(n, "model = \"fem\"\nrefine = \"none\""));
-            let [j, extrapolated] = [s.energy, s.energy_extrapolated.expect("an estimate")].map(|j| j - exact);
-            println!("({x}, {y}) {n}: J wrong by {j:.1e}, extrapolated by {extrapolated:.1e}");
-            assert!(told(&s, exact), "({x}, {y}) {n}: {j:e}, {extrapolated:e} of {:?}", s.energy_uncertainty);
+            let wrong = (s.energy - exact).abs();
+            println!("({x}, {y}) {n}: J wrong by {wrong:.1e}");
+            // reactions do work on what interpolation leaves of the data: the estimate does not know J's error
+            assert_eq!((s.energy_extrapolated, s.energy_uncertainty), (None, None));
+            assert!(wrong < last / 3.0, "({x}, {y}) {n}: {wrong:e} after {last:e}");
+            last = wrong;
         }
     }
 }
@@ -179,4 +183,103 @@ fn refinement_without_an_estimate_ends_at_the_fine_grid() {
     }
     let told = refined("coupled", "msfem");
     assert!(told.steps.iter().all(|s| s.estimate.is_some()));
+}
+
+/// A plate of 2 × 1 held on the left, with more of a scene.
+fn held_plate(more: &str) -> String {
+    format!(
+        "title = \"plate\"\n[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n\
+         [sides.d]\ndisplacement = [0, 0]\n{more}"
+    )
+}
+
+/// Body forces are integrated as they are, on any grid: jumps and oscillations inside of cells too.
+#[test]
+fn body_forces_that_cells_do_not_resolve_keep_their_resultant() {
+    let sine = (1.0 - 80f64.cos()) / 40.0 * (3f64.exp() - 1.0) / 3.0;
+    for (force, exact, tolerance) in [
+        ("sin(40*x)*exp(3*y)", sine, 1e-10),
+        ("if(x > 1.03, 1, 0)", 0.97, 1e-3),
+        ("if(x + y > 1.37, 1, 0)", 1.13, 1e-3),
+    ] {
+        for model in ["fem", "msfem"] {
+            let more = format!(
+                "[material]\nyoung = 7.0\npoisson = 0.3\n[body_force]\nvalue = [\"0\", \"{force}\"]\n\
+                 [grid]\ncoarse = [4, 2]\nfine = [2, 2]\n[method]\nmodel = \"{model}\"\nrefine = \"none\"\n"
+            );
+            let s = on_grid(&parse(&held_plate(&more), &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+            let carried = -s.reactions["d"][1];
+            assert!((carried - exact).abs() < tolerance, "{model} {force}: {carried} instead of {exact}");
+        }
+    }
+    let more = "[material]\nyoung = 7.0\npoisson = 0.3\n[body_force]\nvalue = [\"0\", \"1/(x - 0.55)^2\"]\n\
+                [grid]\ncoarse = [4, 2]\nfine = [2, 2]\n[method]\nmodel = \"fem\"\nrefine = \"none\"\n";
+    let error = attempt_grid(&parse(&held_plate(more), &[]).expect("a scene")).err().expect("no integral").to_string();
+    assert!(error.contains("body force"), "{error}");
+}
+
+/// Linear prescribed displacements along sides of cells with different moduli hold for bases that follow the moduli.
+#[test]
+fn prescribed_displacements_hold_on_oscillatory_traces() {
+    let of = |method: &str| {
+        let more = format!(
+            "[sides.b]\ndisplacement = [\"0\", \"0.1*y\"]\n[material]\npoisson = 0.3\n[material.cells]\nsize = 0.125\n\
+             young = {{ uniform = [1, 10], seed = 3 }}\n[grid]\ncoarse = [4, 2]\nfine = [4, 4]\n\
+             [probe]\npoints = [[2, 0.125], [2, 0.25], [2, 0.875]]\n[method]\nrefine = \"none\"\n{method}\n"
+        );
+        let more = more.replace(
+            "[grid]\n",
+            if method.contains("fem\"") { "[grid]\n" } else { "[grid]\nbasis = \"oscillatory\"\n" },
+        );
+        on_grid(&parse(&held_plate(&more), &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+    };
+    let (fine, oscillatory) = (of("model = \"fem\""), of(""));
+    for p in &oscillatory.probe {
+        assert!((p.displacement[1] - 0.1 * p.point[1]).abs() < 1e-12 && p.displacement[0].abs() < 1e-12, "{p:?}");
+    }
+    assert!(oscillatory.energy > fine.energy, "{} below {}", oscillatory.energy, fine.energy);
+}
+
+/// Nothing is free: no unknown is left, and no panic.
+#[test]
+fn all_nodes_held_leave_nothing_to_solve() {
+    for (model, coarse) in [("fem", "[4, 1]"), ("msfem", "[2, 1]")] {
+        let more = format!(
+            "[sides.a]\ndisplacement = [0, 0]\n[sides.c]\ndisplacement = [0, 0]\n[sides.b]\ntraction = [1, 0]\n[material]\n\
+             young = 7.0\npoisson = 0.3\n[grid]\ncoarse = {coarse}\nfine = [1, 1]\n[method]\nmodel = \"{model}\"\nmax_steps = 1\n"
+        );
+        let s = on_grid(&parse(&held_plate(&more), &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+        assert_eq!((s.energy, s.estimate_relative), (0.0, Some(1.0)), "{model}: {s:?}");
+        assert!(!s.converged && s.estimate.is_some_and(|e| e > 0.0), "{model}: {s:?}");
+    }
+}
+
+/// A gap that jumps between two points of the grid is refused; at a point of it, it is not.
+#[test]
+fn gaps_jump_at_grid_points_only() {
+    let punch = |n: usize| {
+        let more = format!(
+            "[sides.a]\ncontact = {{ gap = \"if(x < 0.5, 1, 0)\" }}\n[sides.c]\npressure = \"1\"\n[material]\nyoung = 7.0\n\
+             poisson = 0.3\n[grid]\ncoarse = [{n}, 4]\nfine = [2, 2]\n[method]\nmodel = \"fem\"\nrefine = \"none\"\n"
+        );
+        attempt_grid(&parse(&held_plate(&more), &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+    };
+    assert!(punch(4).is_ok());
+    let error = punch(5).err().expect("a jump between points").to_string();
+    assert!(error.contains("jumps from 1 to 0 at (0.5, 0)"), "{error}");
+}
+
+/// A body pressed into a corner of two walls: uniform stress, which any elements have without error.
+#[test]
+fn two_walls_at_a_corner_have_no_error() {
+    for model in ["fem", "msfem"] {
+        let text = format!(
+            "title = \"corner\"\n[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n\
+             [material]\nyoung = 7.0\npoisson = 0.3\n[sides.a]\ncontact = {{ gap = \"0\" }}\n[sides.d]\ncontact = {{ gap = \"0\" }}\n\
+             [sides.b]\ntraction = [-2, 0]\n[sides.c]\ntraction = [0, -1]\n[grid]\ncoarse = [3, 3]\nfine = [3, 3]\n[method]\n\
+             model = \"{model}\"\nrefine = \"none\"\n"
+        );
+        let s = on_grid(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+        assert!(s.estimate_relative.expect("an estimate") < 1e-10, "{model}: {:?}", s.estimate_relative);
+    }
 }

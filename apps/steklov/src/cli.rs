@@ -17,7 +17,7 @@ use steklov_io::{File, create_atomically, open};
 use self::bar::Bar;
 use self::output::{appeared, check_output};
 use crate::draw;
-use crate::explain::{explain, too_many_dofs, too_many_points};
+use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
 use crate::grid::{BLIND, FAILING, GridProgress, run_grid};
 use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, Plan, plan};
 use crate::record::Record;
@@ -162,6 +162,12 @@ fn read_scene(path: &Path, overrides: &[String]) -> Result<Scene, Failure> {
 fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
     let scene = read_scene(&args.scene, &args.overrides)?;
     let plan = plan(&scene);
+    if scene.cells.is_some() {
+        // a plan for moduli that cannot be had is none
+        crate::grid::grid_of(&scene)
+            .and_then(|grid| crate::grid::moduli(&scene, &grid))
+            .map_err(|e| Failure(e.render()))?;
+    }
     say(&if args.json { serde_json::to_string_pretty(&plan)? } else { format!("{}\n{plan}", scene.title) });
     Ok(0)
 }
@@ -178,6 +184,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let plan = plan(&scene);
     if plan.cost.dofs > scene.method.max_dofs {
         return Err(Failure(too_many_dofs(&scene, plan.cost.dofs).render()));
+    }
+    if let Some(error) = too_much_memory(&scene, plan.cost.memory_bytes) {
+        return Err(Failure(error.render()));
     }
     if let Some(error) = too_many_points(&scene) {
         return Err(Failure(error.render()));

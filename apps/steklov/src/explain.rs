@@ -8,6 +8,7 @@ use steklov_stochastic::StochasticError;
 use crate::expression::Expression;
 use crate::scene::{Condition, Friction, Model, Sampling, Scene, SceneError, SceneErrorKind};
 use crate::solve::SolveError;
+use crate::summary::available_memory_bytes;
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
 pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, SolveError> {
@@ -122,6 +123,16 @@ pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
     };
     let message = if scene.grid.is_some() { message.replace("first mesh", "first grid") } else { message };
     scene.error_at(SceneErrorKind::Value, &keys, message, help)
+}
+
+/// The refusal of a grid that does not fit into the memory that is left; none if it does, or the system does not tell.
+pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<SceneError> {
+    let available = available_memory_bytes().filter(|bytes| scene.grid.is_some() && needed > *bytes)?;
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let message =
+        format!("the grid needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(available));
+    let help = "take fewer cells; or model = \"msfem\" with coarse cells of some 16 by 16 fine ones, which are solved one by one";
+    Some(scene.error_at(SceneErrorKind::Value, &[vec!["grid"]], message, help))
 }
 
 /// The refusal of more stochastic nodes than are allowed; none if there are fewer.

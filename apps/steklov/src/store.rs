@@ -310,7 +310,7 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         true => Some(read_stochastic(file, points.len(), contact.len())?),
         false => None,
     };
-    let on_grid = match file.link_exists("multiscale") {
+    let on_grid = match summary.grid.is_some() || file.link_exists("multiscale") {
         true => Some(grid::read(file, &grid)?),
         false => None,
     };
@@ -356,7 +356,18 @@ pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
 /// As [`read_steps`].
 pub fn read_grid_steps(file: &File, scene: &Scene) -> Result<Vec<GridStep>, IoError> {
     check_scene(file, scene)?;
-    grid::read_steps(file)
+    let steps = grid::read_steps(file)?;
+    // moduli from another file may have changed since
+    let stored = grid::read(file, &vtkhdf::read(file)?)?.medium;
+    let now = crate::grid::moduli(scene, &stored.grid).map_err(|e| invalid(file, "multiscale", e.to_string()))?;
+    if stored.grid.body_cells().any(|c| stored.young[c] != now[c]) {
+        return Err(invalid(
+            file,
+            "multiscale",
+            "it was solved with other moduli than those that [material.cells] gives now",
+        ));
+    }
+    Ok(steps)
 }
 
 fn check_scene(file: &File, scene: &Scene) -> Result<(), IoError> {

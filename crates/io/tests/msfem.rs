@@ -45,7 +45,7 @@ proptest! {
             loads.add_side(cell, side, [[1.0 / 3.0, -0.0], [cell as f64, 1e-300]]);
         }
         prop_assert_eq!(&check_round_trip(&loads), &loads);
-        loads.set_body_force(&medium, |x| [x[1].sin(), -1.0]);
+        loads.set_body_force(&medium, |x| [x[1].sin(), -1.0]).unwrap();
         prop_assert_eq!(&check_round_trip(&loads), &loads);
         let [a, b, c, d, e, largest, at, share] = bits;
         check_round_trip(&Indicators {
@@ -160,7 +160,7 @@ fn parts_that_do_not_fit_are_refused() {
         spoiled(&loads, "boundary_cells", integers("boundary_cells", vec![7, 7])).contains("cell 7 follows cell 7")
     );
     assert!(spoiled(&loads, "boundary_cells", integers("boundary_cells", vec![3])).contains("1×8"));
-    loads.set_body_force(&medium, |_| [0.0, -1.0]);
+    loads.set_body_force(&medium, |_| [0.0, -1.0]).unwrap();
     assert!(spoiled(&loads, "body", table("body", 191, 8)).contains("192×8"));
     assert!(spoiled(&loads, "body_cells", integers("body_cells", vec![LARGE])).contains("/value/body"));
 

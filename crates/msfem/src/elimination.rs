@@ -21,7 +21,8 @@ const LARGE: usize = 400_000;
 #[derive(Debug)]
 pub struct Elimination {
     stiffness: CsMat<f64>,
-    factor: Cholesky,
+    /// None where nothing is free.
+    factor: Option<Cholesky>,
     /// Unknowns in the rows of the factor.
     free: Vec<usize>,
     /// Rows of the kept unknowns.
@@ -82,12 +83,14 @@ impl Elimination {
         let shift: Vec<f64> = kept.iter().map(|&k| entries[pattern.start[k]]).collect();
         kept.iter().zip(&shift).for_each(|(&k, d)| entries[pattern.start[k]] += d);
         let par = if free.len() < LARGE { Par::Seq } else { faer::get_global_parallelism() };
-        let structure = Structure::new(pattern, &rows)?;
-        let factor = structure.factorise(&entries, par).map_err(|error| match error {
-            MsfemError::Singular { unknown, size } => MsfemError::Singular { unknown: free[unknown], size },
-            other => other,
-        })?;
-        let last = factor.last_block(kept.len());
+        let factor = match free.is_empty() {
+            true => None,
+            false => Some(Structure::new(pattern, &rows)?.factorise(&entries, par).map_err(|error| match error {
+                MsfemError::Singular { unknown, size } => MsfemError::Singular { unknown: free[unknown], size },
+                other => other,
+            })?),
+        };
+        let last = factor.as_ref().map_or(Mat::new(), |factor| factor.last_block(kept.len()));
         Ok(Self { stiffness, factor, free, kept, held: held.to_vec(), last, shift, par })
     }
 
@@ -160,7 +163,9 @@ impl Elimination {
 
     fn solve(&self, mut rows: Vec<f64>) -> Vec<f64> {
         let n = rows.len();
-        self.factor.solve(MatMut::from_column_major_slice_mut(&mut rows, n, 1), self.par);
+        if let Some(factor) = &self.factor {
+            factor.solve(MatMut::from_column_major_slice_mut(&mut rows, n, 1), self.par);
+        }
         rows
     }
 }

@@ -55,6 +55,14 @@ pub enum MsfemError {
         /// Number of unknowns.
         size: usize,
     },
+    /// A body force that cannot be integrated.
+    #[error("the body force {what} near the point ({}, {})", .point[0], .point[1])]
+    Force {
+        /// Where.
+        point: [f64; 2],
+        /// What is wrong.
+        what: &'static str,
+    },
     /// The caller stopped the work.
     #[error("stopped before the work was done")]
     Stopped,

@@ -34,6 +34,9 @@ pub struct Indicators {
     pub neumann: Vec<f64>,
 }
 
+/// The mean traction (stress) given on a side of a cell; None for a component whose displacement is given.
+pub type SideTraction<'a> = dyn Fn(usize, usize) -> [Option<f64>; 2] + Sync + 'a;
+
 /// Sums over samples r of weight w: their mean part and the rest.
 #[derive(Default)]
 struct Samples(Vec<(f64, [f64; 2])>);
@@ -51,24 +54,18 @@ impl Samples {
 impl Indicators {
     /// The terms of a multiscale field.
     ///
-    /// `body` are the moments of the body force of each cell as [`crate::Loads::body`] has them, or empty; u (length) and
-    /// `held` are of all fine unknowns; `traction(cell, side)` is the mean traction (stress) on a fine side of the boundary,
-    /// sides as in [`Grid::boundary`]. An edge E between coarse cells of different sizes is that of the smaller one, H_E its
+    /// `body` are the moments of the body force of each cell as [`crate::Loads::body`] has them, or empty; u (length) is of
+    /// all fine unknowns; `traction(cell, side)` is the mean traction (stress) on a fine side of the boundary, sides as in
+    /// [`Grid::boundary`], None for a component whose displacement is prescribed there. An edge E between coarse cells of different sizes is that of the smaller one, H_E its
     /// length; H_T is the larger extent of T.
     ///
+    /// Coarse cells of one fine cell have no multiscale error: sides between two of them, and theirs on the boundary, count 0.
     /// With bubbles ([`crate::Extra`]) the field answers the load inside of the cells: pass no body force then.
-    pub fn new(
-        medium: &Medium,
-        mesh: &CoarseMesh,
-        body: &[[f64; 8]],
-        u: &[f64],
-        held: &[bool],
-        traction: &(dyn Fn(usize, usize) -> [f64; 2] + Sync),
-    ) -> Self {
+    pub fn new(medium: &Medium, mesh: &CoarseMesh, body: &[[f64; 8]], u: &[f64], traction: &SideTraction<'_>) -> Self {
         let owner = owners(mesh, &medium.grid);
         let terms = |cell: usize| -> [f64; 5] {
             let [mean, oscillation] = if body.is_empty() { [0.0; 2] } else { volume(medium, mesh, cell, body) };
-            let [jump_mean, jump_oscillation, neumann] = edges(medium, mesh, &owner, cell, u, held, traction);
+            let [jump_mean, jump_oscillation, neumann] = edges(medium, mesh, &owner, cell, u, traction);
             [mean, oscillation, jump_mean, jump_oscillation, neumann]
         };
         let all: Vec<[f64; 5]> = (0..mesh.cells.len()).into_par_iter().map(terms).collect();
@@ -166,8 +163,7 @@ fn edges(
     owner: &[u32],
     cell: usize,
     u: &[f64],
-    held: &[bool],
-    traction: &(dyn Fn(usize, usize) -> [f64; 2] + Sync),
+    traction: &SideTraction<'_>,
 ) -> [f64; 3] {
     let grid = &medium.grid;
     let mut terms = [0.0; 3];
@@ -178,6 +174,10 @@ fn edges(
         let beyond = |c: &usize| neighbour(grid, *c, side).map(|other| owner[other]);
         for edge in fine.chunk_by(|a, b| beyond(a) == beyond(b)) {
             let extent = length * edge.len() as f64;
+            let is_fine = |cell: usize| mesh.cells[cell].size == [1, 1];
+            if is_fine(cell) && beyond(&edge[0]).is_none_or(|other| is_fine(other as usize)) {
+                continue;
+            }
             let mut samples = Samples::default();
             for &inner in edge {
                 let outer = neighbour(grid, inner, side);
@@ -192,9 +192,7 @@ fn edges(
                         }
                         None => {
                             let given = traction(inner, side);
-                            let nodes = grid.cell_nodes(inner);
-                            let is_held = |k: usize| [side, (side + 1) % 4].iter().all(|&a| held[2 * nodes[a] + k]);
-                            [0, 1].map(|k| if is_held(k) { 0.0 } else { given[k] - stress[k] })
+                            [0, 1].map(|k| given[k].map_or(0.0, |given| given - stress[k]))
                         }
                     };
                     samples.0.push((0.5 * length / young, residual));

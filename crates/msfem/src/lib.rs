@@ -93,7 +93,7 @@ pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;
 pub use fine_error::bubble_indicators;
 pub use grid::Grid;
-pub use indicators::{Indicators, nodal_indicators};
+pub use indicators::{Indicators, SideTraction, nodal_indicators};
 pub use load::Loads;
 pub use medium::Medium;
 pub use multiscale::{CoarseSystem, Extra, Multiscale};

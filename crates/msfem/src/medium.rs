@@ -31,7 +31,7 @@ impl Medium {
             let what = format!("{} moduli for {nx} by {ny} cells", young.len());
             return Err(MsfemError::Inconsistent { what });
         }
-        if let Some(cell) = grid.body_cells().find(|&c| !(young[c] > 0.0 && young[c].is_finite())) {
+        if let Some(cell) = grid.body_cells().find(|&c| !(young[c] >= f64::MIN_POSITIVE && young[c].is_finite())) {
             let value = young[cell];
             return Err(MsfemError::Modulus { cell: grid.cell(cell), centre: grid.centre(cell), value });
         }

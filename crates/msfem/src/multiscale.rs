@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
 use crate::basis::{Basis, CellBasis, Patch, Structures, bar, cell_basis};
-use crate::coarse_mesh::{CoarseMesh, Hanging};
+use crate::coarse_mesh::{CoarseCell, CoarseMesh, Hanging};
 use crate::local::{Freedom, cell_dofs, nodes};
 use crate::ordering::Incidence;
 use crate::{Loads, Medium, MsfemError};
@@ -144,6 +144,25 @@ impl<'a> Multiscale<'a> {
         weights
     }
 
+    /// Weights of the lower or left end, at all fine nodes of a side of the coarse cell around a fine one, in the trace of the
+    /// component along the side; that across it is linear. Sides as in [`crate::Grid::boundary`].
+    ///
+    /// # Panics
+    /// For a fine cell that is not in the body.
+    pub fn trace_weights(&self, fine_cell: usize, side: usize) -> Vec<f64> {
+        let at = self.medium.grid.cell(fine_cell);
+        let around = |c: &CoarseCell| (0..2).all(|k| (c.first[k]..c.first[k] + c.size[k]).contains(&at[k]));
+        let cell = self.mesh.cells.iter().position(around);
+        let cell = cell.unwrap_or_else(|| panic!("fine cell {fine_cell} is in no coarse cell"));
+        match self.basis {
+            Basis::Oscillatory => bar(&self.edge_moduli(cell)[side]),
+            _ => {
+                let count = self.mesh.cells[cell].size[side % 2];
+                (0..=count).map(|step| 1.0 - step as f64 / count as f64).collect()
+            }
+        }
+    }
+
     /// Moduli along the lower, right, upper and left edge of a coarse cell: the harmonic mean of the two fine cells at each
     /// fine side, or that of the one cell in the body.
     fn edge_moduli(&self, cell: usize) -> [Vec<f64>; 4] {
@@ -203,10 +222,10 @@ impl<'a> Multiscale<'a> {
     /// What two cells with equal bases have in common: sizes and moduli up to a factor.
     fn key(&self, cell: usize) -> Vec<u64> {
         let patch = self.patch(cell);
-        let unit = 1.0 / self.reference(cell);
+        let reference = self.reference(cell);
         let sizes = [patch.size, patch.first, patch.inner].into_iter().flatten().map(|n| n as u64);
         let moduli = patch.young.iter().chain(patch.edges.iter().flatten().flatten());
-        sizes.chain(moduli.map(|e| (e * unit).to_bits())).collect()
+        sizes.chain(moduli.map(|e| (e / reference).to_bits())).collect()
     }
 
     /// The modulus to which those of a cell are referred: that of its lower left fine cell.

@@ -4,7 +4,7 @@ mod common;
 
 use std::f64::consts::PI;
 
-use common::{Cantilever, bar, kind, strain};
+use common::{Cantilever, bar, kind, strain, unless_held};
 use proptest::prelude::*;
 use steklov_msfem::{Elasticity, Elimination, Grid, Loads, Medium, Plane, bubble_indicators, nodal_indicators};
 use steklov_quadrature::unit_uniform;
@@ -19,7 +19,10 @@ fn pull(_: usize, side: usize) -> [f64; 2] {
 }
 
 fn estimate(problem: &Cantilever, u: &[f64]) -> f64 {
-    bubble_indicators(&problem.medium, &[], u, &clamped(problem), &pull).iter().sum::<f64>().sqrt()
+    bubble_indicators(&problem.medium, &[], u, &unless_held(&problem.medium, &clamped(problem), pull))
+        .iter()
+        .sum::<f64>()
+        .sqrt()
 }
 
 fn work(problem: &Cantilever, u: &[f64]) -> f64 {
@@ -111,7 +114,7 @@ fn the_estimate_of_a_smooth_field_tends_to_its_error() {
             let grid = Grid::rectangle([1.0; 2], [aspect * n, n]).unwrap();
             let medium = Medium::new(grid, vec![1.0; aspect * n * n], elasticity).unwrap();
             let mut loads = Loads::default();
-            loads.set_body_force(&medium, force);
+            loads.set_body_force(&medium, force).unwrap();
             let load = loads.nodal(&medium);
             let held: Vec<bool> = (0..medium.grid.dofs())
                 .map(|u| {
@@ -123,7 +126,10 @@ fn the_estimate_of_a_smooth_field_tends_to_its_error() {
             let solver = Elimination::new(medium.stiffness(), &medium.elimination_order(), &[], &fixed).unwrap();
             let u = solver.expand(&solver.reduce(&load, &vec![0.0; fixed.len()]), &[]);
             let error = (energy - u.iter().zip(&load).map(|(u, f)| u * f).sum::<f64>()).sqrt();
-            let eta = bubble_indicators(&medium, &loads.body, &u, &held, &|_, _| [0.0; 2]).iter().sum::<f64>().sqrt();
+            let eta = bubble_indicators(&medium, &loads.body, &u, &unless_held(&medium, &held, |_, _| [0.0; 2]))
+                .iter()
+                .sum::<f64>()
+                .sqrt();
             eta / error
         });
         assert!((found[1] - 1.0).abs() < 0.012, "{found:?}");
@@ -176,13 +182,11 @@ proptest! {
         }).collect();
         let [xx, yy, xy] = medium.elasticity.unit_stress([a, d, b + c]).map(|s| 3.0 * s);
         let exact = |_: usize, side: usize| [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][side];
-        let free = vec![false; u.len()];
         let scale = xx * xx + yy * yy + xy * xy;
-        prop_assert!(bubble_indicators(&medium, &[], &u, &free, &exact).iter().sum::<f64>() <= 1e-24 * scale);
+        prop_assert!(bubble_indicators(&medium, &[], &u, &|cell, side| exact(cell, side).map(Some)).iter().sum::<f64>() <= 1e-24 * scale);
         // without the tractions there is an error, but for held sides
-        prop_assert!(bubble_indicators(&medium, &[], &u, &free, &|_, _| [0.0; 2]).iter().sum::<f64>() > 1e-4 * scale);
-        let all = vec![true; u.len()];
-        prop_assert!(bubble_indicators(&medium, &[], &u, &all, &|_, _| [0.0; 2]).iter().sum::<f64>() <= 1e-24 * scale);
+        prop_assert!(bubble_indicators(&medium, &[], &u, &|_, _| [Some(0.0); 2]).iter().sum::<f64>() > 1e-4 * scale);
+        prop_assert!(bubble_indicators(&medium, &[], &u, &|_, _| [None; 2]).iter().sum::<f64>() <= 1e-24 * scale);
     }
 
     #[test]
@@ -202,7 +206,7 @@ proptest! {
         let e = 2.0;
         let f = [-e * 2.0 * ((lambda + 2.0 * mu) * a + mu * b), -e * 2.0 * ((lambda + 2.0 * mu) * d + mu * c)];
         let mut loads = Loads::default();
-        loads.set_body_force(&medium, |_| f);
+        loads.set_body_force(&medium, |_| f).unwrap();
         let stress = |[x, y]: [f64; 2]| law.unit_stress([2.0 * a * x, 2.0 * d * y, 2.0 * b * y + 2.0 * c * x]).map(|s| e * s);
         let traction = |cell: usize, side: usize| {
             let [x, y] = medium.grid.centre(cell);
@@ -210,7 +214,7 @@ proptest! {
             let [xx, yy, xy] = stress(middle);
             [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][side]
         };
-        let found = bubble_indicators(&medium, &loads.body, &u, &vec![false; u.len()], &traction);
+        let found = bubble_indicators(&medium, &loads.body, &u, &|cell, side| traction(cell, side).map(Some));
         // ∫ (h (1-2ξ))² = h²/3 over the cell
         let area = h * k;
         let (xx, yy) = (a * a * h * h / 3.0, d * d * k * k / 3.0);
@@ -229,7 +233,7 @@ proptest! {
         let held: Vec<bool> = (0..u.len()).map(|i| i % 3 == 0 || i % 7 < 4).collect();
         let all = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| bubble_indicators(&medium, &[], &u, &held, &pull))
+            pool.install(|| bubble_indicators(&medium, &[], &u, &unless_held(&medium, &held, pull)))
         };
         prop_assert_eq!(all(1), all(3));
     }

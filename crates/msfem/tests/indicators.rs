@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Cantilever, MESHES, Solved, bar, bar_moduli, close, kind, number, plate, reference};
+use common::{Cantilever, MESHES, Solved, bar, bar_moduli, close, kind, number, plate, reference, unless_held};
 use proptest::prelude::*;
 use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, Elasticity, Grid, Indicators, Loads, Medium, Plane, nodal_indicators,
@@ -18,7 +18,8 @@ fn estimates(problem: &Cantilever, solved: &Solved<'_>) -> [f64; 2] {
     let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
     let (mesh, held) = (&solved.problem.mesh, held(problem));
     let traction = |_: usize, side: usize| if side == 1 { [0.0, -1.0] } else { [0.0; 2] };
-    let jump = Indicators::new(&problem.medium, mesh, &[], &u, &held, &traction).squared();
+    let jump =
+        Indicators::new(&problem.medium, mesh, &[], &u, &unless_held(&problem.medium, &held, traction)).squared();
     let nodal = nodal_indicators(&problem.medium, mesh, &problem.load, &u, &held);
     [jump, nodal].map(|squared| squared.iter().sum::<f64>().sqrt())
 }
@@ -157,11 +158,11 @@ proptest! {
         let [xx, yy, xy] = medium.elasticity.unit_stress([a, d, b + c]).map(|s| 3.0 * s);
         let exact = |_: usize, side: usize| [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][side];
         let free = vec![false; grid.dofs()];
-        let right = Indicators::new(&medium, &mesh, &[], &u, &free, &exact).squared();
+        let right = Indicators::new(&medium, &mesh, &[], &u, &unless_held(&medium, &free, exact)).squared();
         prop_assert!(right.iter().sum::<f64>() < 1e-24);
         // twice the traction leaves the traction itself
         let twice = |cell: usize, side: usize| exact(cell, side).map(|t| 2.0 * t);
-        let terms = Indicators::new(&medium, &mesh, &[], &u, &free, &twice);
+        let terms = Indicators::new(&medium, &mesh, &[], &u, &unless_held(&medium, &free, twice));
         let mut wanted = vec![0.0; mesh.cells.len()];
         for (fine, side) in grid.boundary() {
             let coarse = (0..wanted.len()).find(|&c| mesh.cells[c].fine_cells(grid).any(|f| f == fine)).unwrap();
@@ -174,7 +175,7 @@ proptest! {
         }
         // held components count nothing
         let all = vec![true; grid.dofs()];
-        prop_assert!(Indicators::new(&medium, &mesh, &[], &u, &all, &twice).squared().iter().sum::<f64>() < 1e-24);
+        prop_assert!(Indicators::new(&medium, &mesh, &[], &u, &unless_held(&medium, &all, twice)).squared().iter().sum::<f64>() < 1e-24);
     }
 
     #[test]
@@ -185,9 +186,9 @@ proptest! {
         ).unwrap();
         let mesh = CoarseMesh::uniform(&medium.grid, [4; 2]).unwrap();
         let mut loads = Loads::default();
-        loads.set_body_force(&medium, |x| [constant + slope * x[0], 0.0]);
+        loads.set_body_force(&medium, |x| [constant + slope * x[0], 0.0]).unwrap();
         let u = vec![0.0; medium.grid.dofs()];
-        let terms = Indicators::new(&medium, &mesh, &loads.body, &u, &vec![false; u.len()], &|_, _| [0.0; 2]);
+        let terms = Indicators::new(&medium, &mesh, &loads.body, &u, &|_, _| [Some(0.0); 2]);
         prop_assert!((terms.volume_mean[0] - (constant + slope / 2.0).powi(2) / 2.0).abs() < 1e-12);
         prop_assert!((terms.volume_oscillation[0] - slope * slope / 24.0).abs() < 1e-12);
     }
@@ -202,7 +203,7 @@ proptest! {
         let grid = &medium.grid;
         let mesh = mixed(grid, split);
         let u: Vec<f64> = (0..grid.nodes()).flat_map(|n| [(grid.point(n)[0] - 1.0).abs(), 0.0]).collect();
-        let terms = Indicators::new(&medium, &mesh, &[], &u, &vec![true; u.len()], &|_, _| [0.0; 2]);
+        let terms = Indicators::new(&medium, &mesh, &[], &u, &|_, _| [None; 2]);
         let [c, _, _] = medium.elasticity.unit_stress([1.0, 0.0, 0.0]);
         let half = c * (moduli[0] + moduli[1]) / 2.0;
         // edges of length 1, or two of 1/2 where either neighbour is split
@@ -232,7 +233,7 @@ proptest! {
         let all = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| (
-                Indicators::new(&medium, &mesh, &[], &u, &held, &|_, _| [1.0, 2.0]),
+                Indicators::new(&medium, &mesh, &[], &u, &unless_held(&medium, &held, |_, _| [1.0, 2.0])),
                 nodal_indicators(&medium, &mesh, &load, &u, &held),
             ))
         };

@@ -2,11 +2,14 @@
 
 use std::collections::HashMap;
 
-use steklov_msfem::{CrossingContrast, Indicators, Loads, bubble_indicators, crossing_contrast, nodal_indicators};
+use steklov_msfem::{
+    Basis, CoarseCell, CoarseMesh, CrossingContrast, Indicators, Loads, Medium, bubble_indicators, crossing_contrast,
+    nodal_indicators,
+};
 
 use super::FAILING;
 use super::solve::{GridSolved, node_at};
-use crate::scene::Indicator;
+use crate::scene::{Indicator, Scene};
 
 /// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
 /// exact solution.
@@ -26,6 +29,37 @@ pub struct GridEstimate {
     pub relative: f64,
     /// How the moduli vary along coarse edges.
     pub crossing: Option<CrossingContrast>,
+    /// Largest ratio of moduli in a coarse cell whose functions do not know them (basis q1); 1 otherwise.
+    pub inside: f64,
+    /// Largest ratio of moduli between the pairs of opposite cells that meet at a fine node, as on a checkerboard.
+    pub crossed: f64,
+}
+
+/// Ratio between pairs of opposite cells from which the fine grid's own estimate is too small.
+const CROSSED: f64 = 1e2;
+
+/// Largest ratio of the softer of two opposite cells at a node to the stiffer one of the other two.
+fn contrast_crossed(medium: &Medium) -> f64 {
+    let grid = &medium.grid;
+    let [nx, ny] = grid.cells;
+    let young = |ix: usize, iy: usize| if grid.inside(ix, iy) { medium.young[ix * ny + iy] } else { f64::NAN };
+    let at = |ix: usize, iy: usize| {
+        let [a, b, c, d] = [young(ix, iy), young(ix + 1, iy), young(ix + 1, iy + 1), young(ix, iy + 1)];
+        let whole = [a, b, c, d].iter().all(|e| e.is_finite());
+        if whole { (a.min(c) / b.max(d)).max(b.min(d) / a.max(c)) } else { 1.0 }
+    };
+    let column = |ix: usize| (0..ny - 1).map(|iy| at(ix, iy)).fold(1.0, f64::max);
+    (0..nx - 1).map(column).fold(1.0, f64::max)
+}
+
+/// Largest ratio of moduli in one coarse cell.
+fn contrast_inside(medium: &Medium, mesh: &CoarseMesh) -> f64 {
+    let ratio = |cell: &CoarseCell| {
+        let young = cell.fine_cells(&medium.grid).map(|c| medium.young[c]);
+        let (low, high) = young.fold((f64::INFINITY, 0.0f64), |(low, high), e| (low.min(e), high.max(e)));
+        high / low
+    };
+    mesh.cells.iter().map(ratio).fold(1.0, f64::max)
 }
 
 /// Ratio of moduli along a coarse edge from which no residual sees the error.
@@ -34,7 +68,8 @@ pub(crate) const BLIND: f64 = 1e3;
 impl GridEstimate {
     /// Why it is not to be trusted.
     pub fn doubts(&self) -> Vec<String> {
-        let blind = self.crossing.is_some_and(|c| c.largest >= BLIND);
+        let blind =
+            self.crossed >= CROSSED || self.inside >= BLIND || self.crossing.is_some_and(|c| c.largest >= BLIND);
         if blind { vec!["contrast".to_owned()] } else { Vec::new() }
     }
 }
@@ -43,8 +78,8 @@ impl GridEstimate {
 ///
 /// `tractions` are the means of the given ones on the fine sides (cell, side) of the boundary.
 pub(super) fn estimate(
+    scene: &Scene,
     solved: &GridSolved,
-    indicator: Indicator,
     loads: &Loads,
     mut tractions: Tractions,
     held: &[bool],
@@ -61,30 +96,42 @@ pub(super) fn estimate(
         for (node, weights) in pressed.nodes.into_iter().zip([[2.0, 1.0], [1.0, 2.0]]) {
             (0..2).for_each(|i| load[2 * node + i] += h / 6.0 * (weights[0] * t0[i] + weights[1] * t1[i]));
         }
-        tractions.insert(pressed.side, [0, 1].map(|i| (t0[i] + t1[i]) / 2.0));
+        tractions.insert(pressed.side, [0, 1].map(|i| Some((t0[i] + t1[i]) / 2.0)));
     }
-    let traction = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or_default();
+    let traction = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2]);
     let mut residual = None;
-    let indicators = match (coarse, indicator) {
+    let indicators = match (coarse, scene.method.indicator) {
         (None, _) => Vec::new(),
         (Some(coarse), Indicator::Bubble) => nodal_indicators(medium, &coarse.mesh, &load, u, held),
         (Some(coarse), Indicator::Residual) => {
             // the bubbles of the solution answer the load inside of the cells
             let body = if coarse.bubbles { &[][..] } else { &loads.body };
-            residual.insert(Indicators::new(medium, &coarse.mesh, body, u, held, &traction)).squared()
+            residual.insert(Indicators::new(medium, &coarse.mesh, body, u, &traction)).squared()
         }
     };
     let multiscale = indicators.iter().sum::<f64>();
-    let fine_grid = bubble_indicators(medium, &loads.body, u, held, &traction).iter().sum::<f64>();
+    let fine_grid = bubble_indicators(medium, &loads.body, u, &traction).iter().sum::<f64>();
     let error = (multiscale + fine_grid).sqrt();
     let scale = (2.0 * solved.energies.strain).sqrt();
-    let relative = if scale > 0.0 { error / scale } else { 0.0 };
+    // nothing is strained: all that is estimated is missing
+    let relative = if scale > 0.0 { error / scale } else { f64::from(u8::from(error > 0.0)) };
     let crossing = coarse.map(|c| crossing_contrast(medium, &c.mesh, FAILING));
-    Some(GridEstimate { indicators, residual, multiscale, fine_grid, error, relative, crossing })
+    let inside = coarse.filter(|c| c.basis == Basis::Q1).map_or(1.0, |c| contrast_inside(medium, &c.mesh));
+    Some(GridEstimate {
+        indicators,
+        residual,
+        multiscale,
+        fine_grid,
+        error,
+        relative,
+        crossing,
+        inside,
+        crossed: contrast_crossed(medium),
+    })
 }
 
-/// Mean tractions (stress) on fine sides (cell, side) of the boundary.
-pub(super) type Tractions = HashMap<(usize, usize), [f64; 2]>;
+/// Mean tractions (stress) on fine sides (cell, side) of the boundary; None where the displacement is given.
+pub(super) type Tractions = HashMap<(usize, usize), [Option<f64>; 2]>;
 
 /// A fine side in contact.
 struct ContactSide {
@@ -97,33 +144,35 @@ struct ContactSide {
     length: f64,
 }
 
-/// The fine sides of contact elements with the tractions on them: nodal forces over the lengths of the nodes, linear between
-/// them.
+/// The fine sides of contact elements with the tractions on them: the multipliers of the nodes, linear between them. A held end
+/// has that of its neighbour.
 fn contact_sides(solved: &GridSolved) -> Vec<ContactSide> {
     let (grid, trace) = (&solved.medium.grid, &solved.trace);
     let (mesh, next) = (&trace.mesh, &trace.mesh.next);
     let Some(contact) = &solved.contact else { return Vec::new() };
-    let mut traction = vec![[0.0; 2]; trace.space.nodes()];
-    for (node, force) in contact.boundary.nodal_forces(&contact.reported().multipliers) {
-        (0..2).for_each(|i| traction[node][i] -= force[i]);
+    let mut known: HashMap<(usize, usize), [f64; 2]> = HashMap::new();
+    let mut multipliers = contact.reported().multipliers.iter();
+    for node in &contact.boundary.nodes {
+        for (condition, [pressure, shear]) in node.conditions.iter().zip(&mut multipliers) {
+            for share in &condition.shares {
+                let part = |weight: f64, value: f64| if weight > 0.0 { value } else { 0.0 };
+                let (n, t) = (part(share.normal, *pressure), part(share.tangent, *shear));
+                let traction = known.entry((node.node, share.side)).or_default();
+                (0..2).for_each(|i| traction[i] -= n * condition.normal[i] + t * condition.tangent[i]);
+            }
+        }
     }
-    let sides: Vec<usize> =
-        contact.boundary.nodes.iter().flat_map(|n| &n.conditions).flat_map(|c| &c.shares).map(|s| s.side).collect();
-    let elements: Vec<usize> = (0..mesh.len()).filter(|&e| sides.contains(&mesh.side[e])).collect();
-    let mut length = vec![0.0; traction.len()];
-    for &e in &elements {
-        [e, next[e]].into_iter().for_each(|node| length[node] += mesh.length(e) / 2.0);
-    }
-    for (traction, length) in traction.iter_mut().zip(&length).filter(|(_, length)| **length > 0.0) {
-        (0..2).for_each(|i| traction[i] /= length);
-    }
+    let touches = |e: &usize| [*e, next[*e]].iter().any(|&node| known.contains_key(&(node, mesh.side[*e])));
+    let elements: Vec<usize> = (0..mesh.len()).filter(touches).collect();
     let mut pressed = Vec::new();
     for e in elements {
         let points = trace.points(e);
         let count = points.len() - 1;
+        let [a, b] = [e, next[e]].map(|node| known.get(&(node, mesh.side[e])).copied());
+        let (a, b) = (a.or(b).unwrap_or_default(), b.or(a).unwrap_or_default());
         let at = |step: usize| {
             let s = step as f64 / count as f64;
-            [0, 1].map(|i| (1.0 - s) * traction[e][i] + s * traction[next[e]][i])
+            [0, 1].map(|i| (1.0 - s) * a[i] + s * b[i])
         };
         for step in 0..count {
             let ends = [points[step], points[step + 1]];

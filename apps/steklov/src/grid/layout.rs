@@ -36,7 +36,12 @@ impl GridLayout {
     pub(super) fn next(&self, solved: &GridSolved, refinement: Refine, theta: f64) -> Result<Option<Self>, SolveError> {
         let Some(coarse) = &solved.coarse else { return Ok(Some(Self { parts: 2 * self.parts, coarse: None })) };
         let marked = match &solved.estimate {
-            Some(estimate) if !is_uniform(refinement) => mark(&estimate.indicators, theta),
+            Some(estimate) if !is_uniform(refinement) => {
+                let cells = estimate.indicators.iter().zip(&coarse.mesh.cells);
+                let of_those_that_can_be_split =
+                    |(eta, c): (&f64, &CoarseCell)| if c.size == [1, 1] { 0.0 } else { *eta };
+                mark(&cells.map(of_those_that_can_be_split).collect::<Vec<_>>(), theta)
+            }
             _ => vec![true; coarse.mesh.cells.len()],
         };
         let cells = refine(&solved.medium.grid, &coarse.mesh, &marked)?.cells;

@@ -164,8 +164,10 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
     let (cells, n) = (fine.0 as f64, coarse.1 as f64);
     let local = if scene.model() == Model::Msfem {
         let [m, k] = input.fine.map(|m| m as f64);
-        // kept bases, and local problems of as many threads as there are
-        (coarse.0 as f64 * 128.0 * (m + 1.0) * (k + 1.0)).min(128e6)
+        // kept bases, and the local problem that each of two threads has: structure, factor, fields
+        let one = 2.0 * m * k;
+        let local = 400.0 * m * k + 2.0 * (factor(one.max(2.0)) + 400.0 * one);
+        (coarse.0 as f64 * 128.0 * (m + 1.0) * (k + 1.0)).min(128e6) + local
     } else {
         0.0
     };

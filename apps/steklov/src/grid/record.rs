@@ -12,7 +12,7 @@ use super::solve::GridSolved;
 use crate::plan::Plan;
 use crate::record::{Record, audit_summary};
 use crate::report::{ContactRow, contact_rows, contact_summary};
-use crate::scene::{Model, Scene};
+use crate::scene::{Condition, Model, Scene, Side};
 use crate::summary::{GridSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 
 /// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their
@@ -137,9 +137,15 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
     let solved = &run.last;
     let contact = solved.contact.as_ref();
     let estimate = solved.estimate.as_ref();
-    // J(u_h) - J(u) = ½ ‖u - u_h‖² for data that the elements have; where they lock, or prescribed displacements are not linear
-    // along their sides, half of the squared estimate is more than that, but not less: the exact J lies between
-    let correction = estimate.filter(|_| solved.coarse.is_none()).map(|e| e.fine_grid / 2.0);
+    // J(u_h) - J(u) = ½ ‖u - u_h‖² for data that the elements have; where they lock, half of the squared estimate is more than
+    // that, but not less: the exact J lies between
+    let constant = |side: &Side| match &side.condition {
+        Condition::Displacement { values, .. } => values.iter().flatten().all(|v| v.constant().is_some()),
+        _ => true,
+    };
+    // prescribed displacements that vary are interpolated, and reactions do work on what that leaves
+    let applies = solved.coarse.is_none() && scene.sides.iter().all(constant);
+    let correction = estimate.filter(|e| applies && e.doubts().is_empty()).map(|e| e.fine_grid / 2.0);
     let extrapolated = correction.map(|c| (solved.energies.total - c, c));
     let part = |k: usize| run.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
     let probe = |&point: &[f64; 2]| {

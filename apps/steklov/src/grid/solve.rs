@@ -2,20 +2,20 @@
 
 use std::time::Instant;
 
-use steklov_bem_operators::RigidMotion;
+use steklov_bem_operators::{RigidMotion, Site};
 use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale, Plane,
 };
 
 use super::estimate::{GridEstimate, Tractions, estimate};
 use super::layout::GridLayout;
-use super::system::{Answer, System};
+use super::system::{Answer, System, without_motions};
 use super::trace::GridTrace;
 use super::{grid_of, moduli};
 use crate::contact::ContactResult;
 use crate::data::Data;
 use crate::report::Trace;
-use crate::scene::{BasisInput, Scene};
+use crate::scene::{BasisInput, Condition, Scene, SceneErrorKind};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 use crate::supports::Held;
 
@@ -111,30 +111,66 @@ pub(crate) fn basis(scene: &Scene) -> Basis {
 fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<(Loads, Tractions), SolveError> {
     let (mut loads, mut tractions) = (Loads::default(), Tractions::default());
     let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
+    for e in 0..fine.mesh.len() {
+        if let Condition::Displacement { values, .. } = &scene.sides[fine.mesh.side[e]].condition {
+            let given = values.each_ref().map(|value| value.is_none().then_some(0.0));
+            tractions.insert(fine.cell(&medium.grid, e), given);
+        }
+    }
     for (e, moments) in data.side_loads()? {
         let (cell, side) = fine.cell(&medium.grid, e);
         loads.add_side(cell, side, moments);
-        let mean = tractions.entry((cell, side)).or_default();
-        (0..2).for_each(|i| mean[i] += (moments[0][i] + moments[1][i]) / fine.mesh.length(e));
+        let mean = tractions.entry((cell, side)).or_insert([Some(0.0); 2]);
+        for i in 0..2 {
+            mean[i] = mean[i].map(|t| t + (moments[0][i] + moments[1][i]) / fine.mesh.length(e));
+        }
     }
     if scene.body_force.is_some() {
-        // its errors first: the loop over the cells cannot stop
-        let grid = &medium.grid;
-        for cell in grid.body_cells() {
-            scene.force_at(grid.centre(cell))?;
-        }
-        let failed = std::sync::Mutex::new(None);
-        loads.set_body_force(medium, |x| {
-            scene.force_at(x).unwrap_or_else(|error| {
-                failed.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(error);
-                [0.0; 2]
-            })
-        });
-        if let Some(error) = failed.into_inner().unwrap_or_else(std::sync::PoisonError::into_inner) {
-            return Err(error.into());
-        }
+        let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
+        loads.set_body_force(medium, force).map_err(|error| body_force_error(scene, error))?;
     }
     Ok((loads, tractions))
+}
+
+/// An error about the body force at its place in the scene.
+fn body_force_error(scene: &Scene, error: MsfemError) -> SolveError {
+    let (MsfemError::Force { point, .. }, Some([x, y])) = (&error, &scene.body_force) else { return error.into() };
+    match scene.force_at(*point) {
+        Err(error) => error.into(),
+        Ok(_) => scene.data_error(if x.constant().is_some() { y } else { x }, &error.to_string()).into(),
+    }
+}
+
+/// The gap of a contact side may jump only where the grid has a point: between two it would be smeared.
+fn check_gaps(scene: &Scene, trace: &GridTrace) -> Result<(), SolveError> {
+    const NEAR: f64 = 1e-7;
+    for e in 0..trace.mesh.len() {
+        let side = &scene.sides[trace.mesh.side[e]];
+        let Condition::Contact { gap, .. } = &side.condition else { continue };
+        let at = |t: f64| {
+            let site = Site::new(&trace.mesh, e, t);
+            (site.point[0], site.point[1], site.s)
+        };
+        let value = |t: f64| {
+            let (x, y, s) = at(t);
+            gap.eval(x, y, s)
+        };
+        for t in gap.kinks(at).into_iter().filter(|t| t.abs() < 1.0 - 10.0 * NEAR) {
+            let (before, after) = (value(t - NEAR), value(t + NEAR));
+            let scale = [before, after, value(-1.0), value(1.0)].iter().fold(0.0, |m: f64, g| m.max(g.abs()));
+            if (before - after).abs() > 1e-3 * scale {
+                let (x, y, _) = at(t);
+                let message = format!(
+                    "the gap of side \"{}\" jumps from {before} to {after} at ({x}, {y}), between two points of the grid",
+                    side.name
+                );
+                let help = "choose [grid] so that this is a point of the (coarse) grid, or use model = \"bem\"";
+                let keys = [vec!["sides", side.name.as_str(), "contact", "gap"]];
+                return Err(scene.error_at(SceneErrorKind::Unsupported, &keys, message, help).into());
+            }
+        }
+    }
+    Ok(())
 }
 
 /// Solves the scene on a grid.
@@ -163,7 +199,10 @@ pub(crate) fn solve_grid(
     }
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.9))?;
-    solved.estimate = estimate(&solved, scene.method.indicator, &loads, tractions, &held);
+    solved.estimate = estimate(scene, &solved, &loads, tractions, &held);
+    if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
+        return Err(SolveError::NotFinite { energy: total });
+    }
     solved.estimate_seconds = clock.elapsed().as_secs_f64();
     Ok(solved)
 }
@@ -220,6 +259,7 @@ fn solve_fine(
     let clock = Instant::now();
     let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
     let held = data.held()?;
+    check_gaps(scene, &trace)?;
     let boundary = data.contact(&held)?;
     let set_up = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
@@ -269,21 +309,30 @@ fn solve_fine(
 /// Relative difference of prescribed displacements that counts as rounding.
 const ROUNDING: f64 = 1e-13;
 
-/// Displacements prescribed on the fine boundary less the interpolation of those at the vertices.
-fn lift(grid: &Grid, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse: &[Held]) -> Vec<f64> {
+/// Displacements prescribed on the fine boundary less the trace of those at the vertices.
+fn lift(problem: &Multiscale<'_>, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse: &[Held]) -> Vec<f64> {
+    let grid = &problem.medium.grid;
     let mut lift = vec![0.0; grid.dofs()];
     let mut place = 0;
     let mut lifted = false;
     // both boundaries run in the same order, and begin at the same corners
     for e in 0..trace.mesh.len() {
-        let count = trace.points(e).len() - 1;
+        let points = trace.points(e);
+        let count = points.len() - 1;
+        let along = usize::from(points[0][0] == points[count][0]);
+        let (cell, side) = trace.cell(grid, e);
+        let mut weights = problem.trace_weights(cell, side);
+        if points[count][along] < points[0][along] {
+            weights = weights.iter().rev().map(|w| 1.0 - w).collect();
+        }
         for step in 0..count {
             let f = place + step;
-            let s = step as f64 / count as f64;
+            let linear = 1.0 - step as f64 / count as f64;
             for k in 0..2 {
                 let ends = [&coarse[e], &coarse[trace.mesh.next[e]]].map(|h| h.components[k].map(|(value, _)| value));
                 if let (Some((value, _)), [Some(a), Some(b)]) = (held[f].components[k], ends) {
-                    let extra = if step == 0 { 0.0 } else { value - (1.0 - s) * a - s * b };
+                    let w = if k == along { weights[step] } else { linear };
+                    let extra = if step == 0 { 0.0 } else { value - w * a - (1.0 - w) * b };
                     // rounding of linear data is no lift: it would count as a load
                     let extra =
                         if extra.abs() > ROUNDING * value.abs().max(a.abs()).max(b.abs()) { extra } else { 0.0 };
@@ -318,6 +367,34 @@ fn watched<T>(
     }
 }
 
+/// Strain energy and load work of a field that is not continuous, cell by cell.
+fn broken_energies(
+    problem: &Multiscale<'_>,
+    coarse: &[f64],
+    loads: &Loads,
+    extra: &Extra,
+) -> Result<(f64, f64), MsfemError> {
+    let medium = problem.medium;
+    let unit = medium.elasticity.unit_stiffness(medium.grid.spacing);
+    let (mut strain, mut work) = (0.0, 0.0);
+    problem.downscale_cells(coarse, loads, extra, &mut |_| true, |cell, field| {
+        let coarse = problem.mesh.cells[cell];
+        let [m, n] = coarse.size;
+        for (local, fine) in coarse.fine_cells(&medium.grid).enumerate() {
+            let first = (local % n) * (m + 1) + local / n;
+            let nodes = [first, first + 1, first + m + 2, first + m + 1];
+            let u: [f64; 8] = std::array::from_fn(|a| field[2 * nodes[a / 2] + a % 2]);
+            let load = loads.cell(fine);
+            for a in 0..8 {
+                let force: f64 = (0..8).map(|b| unit[a][b] * u[b]).sum();
+                strain += 0.5 * medium.young[fine] * u[a] * force;
+                work += load[a] * u[a];
+            }
+        }
+    })?;
+    Ok((strain, work))
+}
+
 /// Multiscale elements on coarse cells.
 fn solve_coarse(
     scene: &Scene,
@@ -344,9 +421,10 @@ fn solve_coarse(
     let at_boundary: Vec<usize> = trace.lattice.iter().map(|&p| node_of(p)).collect();
     let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
     let held = data.held()?;
+    check_gaps(scene, &trace)?;
     let boundary = data.contact(&held)?;
     let fine_held = Data { scene, mesh: &fine.mesh, space: &fine.space }.held()?;
-    let lift = lift(grid, &fine, &fine_held, &trace, &held);
+    let lift = lift(&problem, &fine, &fine_held, &trace, &held);
     let extra = Extra { bubbles: !loads.body.is_empty() && basis != Basis::Q1 && basis.is_conforming(), lift };
     let set_up = clock.elapsed().as_secs_f64();
 
@@ -381,7 +459,7 @@ fn solve_coarse(
     let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
     let factorise = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
-    let displacement = watched("fine displacements", [0.6, 0.9], observe, |go_on| {
+    let mut displacement = watched("fine displacements", [0.6, 0.9], observe, |go_on| {
         problem.downscale(&answer.displacement, loads, &extra, go_on)
     })?;
     let (strain, load_work) = if basis.is_conforming() {
@@ -389,20 +467,25 @@ fn solve_coarse(
         let work = displacement.iter().zip(&load).map(|(u, f)| u * f).sum();
         (medium.energy(&displacement, &displacement) / 2.0, work)
     } else {
-        (answer.energy / 2.0, answer.work)
+        broken_energies(&problem, &answer.displacement, loads, &extra)?
     };
     let solve = clock.elapsed().as_secs_f64();
     let is_held = held_unknowns(grid, &fine, &fine_held);
     let (dofs, patterns) = (problem.dofs(), problem.patterns());
-    let vertices = problem.vertex_displacement(&answer.displacement);
+    let mut vertices = problem.vertex_displacement(&answer.displacement).into_flattened();
     let mesh = problem.mesh;
+    let mut boundary_displacement: Vec<f64> =
+        at_boundary.iter().flat_map(|n| [answer.displacement[2 * n], answer.displacement[2 * n + 1]]).collect();
+    // free of rigid motions on the fine grid, as bilinear elements are
+    let fine_points: Vec<[f64; 2]> = (0..grid.nodes()).map(|n| grid.point(n)).collect();
+    let vertex_points: Vec<[f64; 2]> = mesh.vertices.iter().map(|&v| grid.lattice_point(v)).collect();
+    let mut alike =
+        [(&mut vertices[..], &vertex_points[..]), (&mut boundary_displacement[..], &trace.space.points[..])];
+    without_motions((&mut displacement, &fine_points), &mut alike, &answer.free_motions);
     let solved = GridSolved {
         dofs,
         energies: energies(&answer, strain, load_work),
-        boundary_displacement: at_boundary
-            .iter()
-            .flat_map(|n| [answer.displacement[2 * n], answer.displacement[2 * n + 1]])
-            .collect(),
+        boundary_displacement,
         displacement,
         contact: answer.contact,
         balanced: answer.balanced,
@@ -414,7 +497,7 @@ fn solve_coarse(
         coarse: Some(CoarseSolved {
             mesh,
             basis,
-            displacement: vertices,
+            displacement: vertices.chunks_exact(2).map(|u| [u[0], u[1]]).collect(),
             bubbles: extra.bubbles,
             patterns,
             lift: extra.lift,

@@ -95,8 +95,8 @@ fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
     let Some(estimate) = &step.estimate else { return Ok(()) };
     save_number(at, "estimate", estimate.error, "(force*length/thickness)^(1/2)", "estimated error, energy norm")?;
     let names = "multiscale: squared error of the coarse cells; fine grid: its own squared error (force*length/thickness); \
-                 estimate over (2 strain energy)^(1/2)";
-    let terms = [estimate.multiscale, estimate.fine_grid, estimate.relative];
+                 estimate over (2 strain energy)^(1/2); largest ratio of moduli in a coarse cell of basis q1, else 1; largest ratio between pairs of opposite cells at a node";
+    let terms = [estimate.multiscale, estimate.fine_grid, estimate.relative, estimate.inside, estimate.crossed];
     save_vector(at, "estimate_terms", &terms, &label("as named", "what belongs to the estimate", &[names]))?;
     let indicators = create_group(at, "indicators")?;
     let cell = &["coarse cell"];
@@ -210,8 +210,8 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
     let coarse = if at.link_exists("coarse_cells") { Some(load_cells(at)?) } else { None };
     let estimate = if at.link_exists("estimate") {
         let terms = load_vector(at, "estimate_terms")?;
-        let &[multiscale, fine_grid, relative] = terms.as_slice() else {
-            return Err(invalid(at, "estimate_terms", format!("{} numbers, not 3", terms.len())));
+        let &[multiscale, fine_grid, relative, inside, crossed] = terms.as_slice() else {
+            return Err(invalid(at, "estimate_terms", format!("{} numbers, not 5", terms.len())));
         };
         let group = open_group(at, "indicators")?;
         let cells = coarse.as_ref().map_or(0, Vec::len);
@@ -245,7 +245,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
             None
         };
         let (indicators, error) = (column("squared")?, load_number(at, "estimate")?);
-        Some(GridEstimate { indicators, residual, multiscale, fine_grid, error, relative, crossing })
+        Some(GridEstimate { indicators, residual, multiscale, fine_grid, error, relative, crossing, inside, crossed })
     } else {
         None
     };

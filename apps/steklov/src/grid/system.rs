@@ -67,18 +67,25 @@ fn pins(points: &[[f64; 2]], motions: &[RigidMotion], taken: &[bool]) -> Vec<usi
     pins
 }
 
-/// Subtracts from a field its part along each motion, node by node.
-fn without_motions(u: &mut [f64], points: &[[f64; 2]], motions: &[RigidMotion]) {
-    let mut basis: Vec<Vec<f64>> = Vec::new();
+/// Values at points.
+pub(super) type Field<'a> = (&'a mut [f64], &'a [[f64; 2]]);
+
+/// Subtracts from a field its part along each motion, node by node, and the same motions from others.
+pub(super) fn without_motions((u, points): Field<'_>, others: &mut [Field<'_>], motions: &[RigidMotion]) {
     let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let subtract = |a: &mut [f64], part: f64, b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a -= part * b);
+    // on the points of the field and on those of the others
+    let mut basis: Vec<Vec<Vec<f64>>> = Vec::new();
     for motion in motions {
-        let mut r = motion.nodal(points);
+        let mut r: Vec<Vec<f64>> = vec![motion.nodal(points)];
+        r.extend(others.iter().map(|(_, points)| motion.nodal(points)));
         for b in &basis {
-            let part = dot(&r, b) / dot(b, b);
-            r.iter_mut().zip(b).for_each(|(r, b)| *r -= part * b);
+            let part = dot(&r[0], &b[0]) / dot(&b[0], &b[0]);
+            r.iter_mut().zip(b).for_each(|(r, b)| subtract(r, part, b));
         }
-        let part = dot(u, &r) / dot(&r, &r);
-        u.iter_mut().zip(&r).for_each(|(u, r)| *u -= part * r);
+        let part = dot(u, &r[0]) / dot(&r[0], &r[0]);
+        subtract(u, part, &r[0]);
+        others.iter_mut().zip(&r[1..]).for_each(|((u, _), r)| subtract(u, part, r));
         basis.push(r);
     }
 }
@@ -190,7 +197,7 @@ impl System {
                 (displacement, Some(result))
             }
         };
-        without_motions(&mut displacement, &points, &free);
+        without_motions((&mut displacement, &points), &mut [], &free);
 
         let forces = elimination.multiply(&displacement);
         let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(k, f)| k - f).collect();

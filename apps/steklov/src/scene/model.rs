@@ -1,8 +1,8 @@
 //! The model that a scene needs, and whether the scene fits the model that it asks for.
 
 use super::error::{SceneError, SceneErrorKind as Kind};
-use super::method::{Model, Multiplier};
-use super::{GridInput, Scene};
+use super::method::{Indicator, Model, Multiplier};
+use super::{BasisInput, GridInput, Scene};
 use crate::grid::{check_body, check_modulus_cells, fitting_grid};
 
 impl Scene {
@@ -104,6 +104,13 @@ impl Scene {
             let message = "finite elements have biorthogonal multipliers only".to_owned();
             let help = "leave method.multiplier at \"biorthogonal\": it needs no stabilisation";
             return Err(self.error_at(Kind::Unsupported, &[vec!["method", "multiplier"]], message, help));
+        }
+        let harmonic = !matches!(grid.basis, BasisInput::Q1 | BasisInput::Linear);
+        if self.model() == Model::Msfem && self.method.indicator == Indicator::Residual && !harmonic {
+            let message =
+                "residual indicators need a basis that solves the equations inside of coarse cells".to_owned();
+            let help = "leave method.indicator at \"bubble\", or take the basis \"coupled\" or \"oscillatory\"";
+            return Err(self.error_at(Kind::Unsupported, &[vec!["method", "indicator"]], message, help));
         }
         match self.model() {
             Model::Fem => check_body(self, grid.cells(), "fine")?,

@@ -43,7 +43,7 @@ impl Cantilever {
     pub fn with_weight(size: [f64; 2], cells: [usize; 2], young: Vec<f64>) -> Self {
         let mut this = Self::new(size, cells, young);
         this.loads = Loads::default();
-        this.loads.set_body_force(&this.medium, |_| [0.0, -1.0]);
+        this.loads.set_body_force(&this.medium, |_| [0.0, -1.0]).unwrap();
         this.load = this.loads.nodal(&this.medium);
         this
     }
@@ -178,4 +178,18 @@ pub fn kind(word: &str, fine: usize) -> Basis {
 #[track_caller]
 pub fn close(what: &str, got: f64, wanted: f64, tolerance: f64) {
     assert!((got - wanted).abs() <= tolerance * wanted.abs(), "{what}: {got} instead of {wanted}");
+}
+
+/// A given traction on sides of which not both ends are held, component by component.
+pub fn unless_held(
+    medium: &Medium,
+    held: &[bool],
+    traction: impl Fn(usize, usize) -> [f64; 2] + Sync,
+) -> impl Fn(usize, usize) -> [Option<f64>; 2] + Sync {
+    move |cell, side| {
+        let nodes = medium.grid.cell_nodes(cell);
+        let given = traction(cell, side);
+        let is_held = |k: usize| [side, (side + 1) % 4].iter().all(|&a| held[2 * nodes[a] + k]);
+        [0, 1].map(|k| (!is_held(k)).then_some(given[k]))
+    }
 }

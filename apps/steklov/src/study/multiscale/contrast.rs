@@ -138,9 +138,11 @@ fn one(part: usize, contrast: f64, interrupts: &AtomicUsize, points: &mut Vec<St
 /// The estimate by jumps of the plate: held on the left, the traction (0, -1) on the right.
 fn jumps(solved: &GridSolved) -> f64 {
     let (medium, Some(coarse)) = (&solved.medium, &solved.coarse) else { return f64::NAN };
-    let grid = &medium.grid;
-    let held: Vec<bool> = (0..grid.dofs()).map(|u| grid.lattice(u / 2)[0] == 0).collect();
-    let traction = |_: usize, side: usize| if side == 1 { [0.0, -1.0] } else { [0.0; 2] };
-    let terms = Indicators::new(medium, &coarse.mesh, &[], &solved.displacement, &held, &traction);
+    let traction = |_: usize, side: usize| match side {
+        1 => [Some(0.0), Some(-1.0)],
+        3 => [None; 2],
+        _ => [Some(0.0); 2],
+    };
+    let terms = Indicators::new(medium, &coarse.mesh, &[], &solved.displacement, &traction);
     terms.squared().iter().sum::<f64>().sqrt()
 }
