@@ -1,6 +1,7 @@
 //! Arguments, messages and exit statuses of the command.
 
 mod bar;
+mod grid;
 mod output;
 mod study;
 
@@ -15,10 +16,10 @@ use steklov_bem_operators::PARTS;
 use steklov_io::{File, create_atomically, open};
 
 use self::bar::Bar;
+use self::grid::{crossing_warning, grid_lines, solve_on_grid};
 use self::output::{appeared, check_output};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
-use crate::grid::{BLIND, FAILING, GridProgress, run_grid};
 use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, Plan, plan};
 use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
@@ -26,7 +27,7 @@ use crate::scene::{Model, Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::stochastic::{self, End, StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
-use crate::summary::{GridSummary, Summary, peak_memory_bytes};
+use crate::summary::{Summary, peak_memory_bytes};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
 const WRONG: u8 = 1;
@@ -281,36 +282,6 @@ fn solve_boundary(
     Ok((record, held))
 }
 
-/// Solves by finite elements on a grid.
-fn solve_on_grid(
-    args: &SolveArgs,
-    scene: &Scene,
-    plan: Plan,
-    out: &Path,
-    old: Option<&File>,
-    (interrupts, bar): (&AtomicUsize, &Bar),
-    reading: f64,
-) -> Result<Attempt, Failure> {
-    let stored = old.map_or(Ok(Vec::new()), |old| store::read_grid_steps(old, scene))?;
-    let held = stored.len();
-    let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, SolveError> {
-        let progress = GridProgress::new(scene, stored)?;
-        if let Some(old) = old {
-            store::copy_matrices(old, file, if args.save.is_some() { progress.steps.len() } else { held })?;
-        }
-        let run = run_grid(scene, progress, interrupts, &mut |number, stage| {
-            bar.show(number, &stage);
-            if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
-        })?;
-        let (mut record, writing) = (Record::of_grid(scene, plan, run, out, reading), Instant::now());
-        record.summary.peak_memory_bytes = peak_memory_bytes();
-        store::write(file, &record)?;
-        record.summary.seconds.write += writing.elapsed().as_secs_f64();
-        Ok(record)
-    });
-    Ok((record, held))
-}
-
 /// The outcomes of random input on the last mesh of a run that went well. Where the user stops it, or an outcome has no
 /// solution, the run says so and stays.
 fn all_outcomes(
@@ -461,38 +432,6 @@ fn stem(path: &Path) -> String {
 
 fn pictures(stored: &Stored, folder: &Path, file: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(draw::pictures(stored, folder, &stem(file))?)
-}
-
-/// What is told of the grid of finite elements.
-fn grid_lines(grid: &GridSummary) -> Vec<String> {
-    let mut lines = Vec::new();
-    if let (Some(ms), Some(fine)) = (grid.estimate_multiscale, grid.estimate_fine_grid) {
-        lines.push(format!("            of it {ms:.3e} by the coarse cells, {fine:.3e} by the fine grid itself"));
-    }
-    let [nx, ny] = grid.cells;
-    lines.push(match (&grid.basis, grid.coarse_cells, grid.patterns) {
-        (Some(basis), Some(coarse), Some(patterns)) => format!(
-            "grid        {nx} by {ny} fine cells, {} unknowns; {coarse} coarse cells, basis {basis}, {patterns} local problem(s)",
-            grid.fine_dofs
-        ),
-        _ => format!("grid        {nx} by {ny} cells"),
-    });
-    lines.push(format!("            contrast of the moduli {:.4}", grid.contrast));
-    lines.extend(crossing_warning(grid).map(|warning| format!("warning     {warning}")));
-    lines
-}
-
-/// Where multiscale bases fail.
-fn crossing_warning(grid: &GridSummary) -> Option<String> {
-    let (contrast, [x, y], share) = (grid.crossing_contrast?, grid.crossing_at?, grid.crossing_share?);
-    (contrast >= FAILING).then(|| {
-        format!(
-            "moduli differ by {contrast:.1e} along a coarse edge at ({x}, {y}), and by 100 or more on {:.0} % of them: \
-             multiscale elements fail there{}; align the coarse cells with the inclusions, or use model = \"fem\"",
-            100.0 * share,
-            if contrast >= BLIND { ", and their estimate is too small" } else { "" }
-        )
-    })
 }
 
 fn print_summary(stored: &Stored) {

@@ -16,6 +16,7 @@ mod body;
 mod moduli;
 mod layout;
 mod trace;
+mod loads;
 mod system;
 mod solve;
 mod estimate;

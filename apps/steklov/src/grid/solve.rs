@@ -2,20 +2,21 @@
 
 use std::time::Instant;
 
-use steklov_bem_operators::{RigidMotion, Site};
+use steklov_bem_operators::RigidMotion;
 use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale, Plane,
 };
 
-use super::estimate::{GridEstimate, Tractions, estimate};
+use super::estimate::{GridEstimate, estimate};
 use super::layout::GridLayout;
+use super::loads::{check_gaps, loads};
 use super::system::{Answer, System, without_motions};
 use super::trace::GridTrace;
 use super::{grid_of, moduli};
 use crate::contact::ContactResult;
 use crate::data::Data;
 use crate::report::Trace;
-use crate::scene::{BasisInput, Condition, Scene, SceneErrorKind};
+use crate::scene::{BasisInput, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 use crate::supports::Held;
 
@@ -105,72 +106,6 @@ pub(crate) fn basis(scene: &Scene) -> Basis {
         BasisInput::Periodic => Basis::Periodic,
         BasisInput::Q1 => Basis::Q1,
     }
-}
-
-/// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
-fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<(Loads, Tractions), SolveError> {
-    let (mut loads, mut tractions) = (Loads::default(), Tractions::default());
-    let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
-    for e in 0..fine.mesh.len() {
-        if let Condition::Displacement { values, .. } = &scene.sides[fine.mesh.side[e]].condition {
-            let given = values.each_ref().map(|value| value.is_none().then_some(0.0));
-            tractions.insert(fine.cell(&medium.grid, e), given);
-        }
-    }
-    for (e, moments) in data.side_loads()? {
-        let (cell, side) = fine.cell(&medium.grid, e);
-        loads.add_side(cell, side, moments);
-        let mean = tractions.entry((cell, side)).or_insert([Some(0.0); 2]);
-        for i in 0..2 {
-            mean[i] = mean[i].map(|t| t + (moments[0][i] + moments[1][i]) / fine.mesh.length(e));
-        }
-    }
-    if scene.body_force.is_some() {
-        let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
-        loads.set_body_force(medium, force).map_err(|error| body_force_error(scene, error))?;
-    }
-    Ok((loads, tractions))
-}
-
-/// An error about the body force at its place in the scene.
-fn body_force_error(scene: &Scene, error: MsfemError) -> SolveError {
-    let (MsfemError::Force { point, .. }, Some([x, y])) = (&error, &scene.body_force) else { return error.into() };
-    match scene.force_at(*point) {
-        Err(error) => error.into(),
-        Ok(_) => scene.data_error(if x.constant().is_some() { y } else { x }, &error.to_string()).into(),
-    }
-}
-
-/// The gap of a contact side may jump only where the grid has a point: between two it would be smeared.
-fn check_gaps(scene: &Scene, trace: &GridTrace) -> Result<(), SolveError> {
-    const NEAR: f64 = 1e-7;
-    for e in 0..trace.mesh.len() {
-        let side = &scene.sides[trace.mesh.side[e]];
-        let Condition::Contact { gap, .. } = &side.condition else { continue };
-        let at = |t: f64| {
-            let site = Site::new(&trace.mesh, e, t);
-            (site.point[0], site.point[1], site.s)
-        };
-        let value = |t: f64| {
-            let (x, y, s) = at(t);
-            gap.eval(x, y, s)
-        };
-        for t in gap.kinks(at).into_iter().filter(|t| t.abs() < 1.0 - 10.0 * NEAR) {
-            let (before, after) = (value(t - NEAR), value(t + NEAR));
-            let scale = [before, after, value(-1.0), value(1.0)].iter().fold(0.0, |m: f64, g| m.max(g.abs()));
-            if (before - after).abs() > 1e-3 * scale {
-                let (x, y, _) = at(t);
-                let message = format!(
-                    "the gap of side \"{}\" jumps from {before} to {after} at ({x}, {y}), between two points of the grid",
-                    side.name
-                );
-                let help = "choose [grid] so that this is a point of the (coarse) grid, or use model = \"bem\"";
-                let keys = [vec!["sides", side.name.as_str(), "contact", "gap"]];
-                return Err(scene.error_at(SceneErrorKind::Unsupported, &keys, message, help).into());
-            }
-        }
-    }
-    Ok(())
 }
 
 /// Solves the scene on a grid.
