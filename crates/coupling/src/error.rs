@@ -1,0 +1,63 @@
+//! What can be wrong with a transmission problem.
+
+use steklov_bem_operators::{BemError, PolygonError};
+use steklov_msfem::MsfemError;
+
+/// Why a transmission problem cannot be set up or solved; each carries the numbers that tell what to change.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CouplingError {
+    /// A body whose outer boundary is not one closed curve.
+    #[error("the body has no outer boundary that is one simple curve: {what}")]
+    Outline {
+        /// What is wrong, and where.
+        what: String,
+    },
+    /// Boundary elements that are not on the outer boundary of the grid.
+    #[error("the boundary elements do not lie on the outer boundary of the grid: {what}")]
+    Boundary {
+        /// Which element, and what is wrong with it.
+        what: String,
+    },
+    /// Data of wrong size or value.
+    #[error("{what}")]
+    Inconsistent {
+        /// What was given and what is needed.
+        what: String,
+    },
+    /// Loads with a resultant, where the displacement is to be bounded at infinity.
+    #[error(
+        "the body force and the jump of tractions have the resultant ({:.3e}, {:.3e}), {:.1e} of the sum of their absolute \
+         values: a displacement that is bounded at infinity needs less than {:.0e}; balance the loads, or take the \
+         logarithmic solution of Radiation::Decaying",
+        .force[0], .force[1], .relative, .tolerance
+    )]
+    Unbalanced {
+        /// Resultant (force per thickness).
+        force: [f64; 2],
+        /// Its part of the sum of absolute values.
+        relative: f64,
+        /// What is allowed.
+        tolerance: f64,
+    },
+    /// A system on the interface that has no solution in floating point.
+    #[error(
+        "the system of {size} unknowns on the interface is singular in floating point: the stiffness of the body and that \
+         of the medium around it are {contrast:.1e} apart, keep that below 1e12"
+    )]
+    Singular {
+        /// Number of unknowns.
+        size: usize,
+        /// Largest diagonal entry of the body's stiffness over that of W.
+        contrast: f64,
+    },
+    /// An error of the grid or of its multiscale elements.
+    #[error(transparent)]
+    Msfem(#[from] MsfemError),
+    /// An error of the boundary elements.
+    #[error(transparent)]
+    Bem(#[from] BemError),
+    /// An outer boundary that is no polygon.
+    #[error(transparent)]
+    Polygon(#[from] PolygonError),
+}

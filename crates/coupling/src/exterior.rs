@@ -1,0 +1,75 @@
+//! The unbounded homogeneous medium around the body.
+
+use faer::Side;
+use faer::linalg::cholesky::llt::factor::LltError;
+use steklov_bem_operators::{BemError, BoundaryField, Inside, Material, Mesh, Operators, Space};
+
+use crate::{Coupled, CouplingError};
+
+/// Boundary elements of the medium around the body.
+///
+/// n points out of the body, into this medium. Its displacement ξ and traction φ on the boundary satisfy
+///
+/// ```text
+/// V φ = (K - ½) ξ + a,        W ξ + (K' + ½) φ = 0
+/// ```
+/// with a the displacement at infinity.
+#[derive(Debug, Clone)]
+pub struct Exterior {
+    /// Elements on the outer boundary of the body, with the body to the left.
+    pub mesh: Mesh,
+    /// Their unknowns.
+    pub space: Space,
+    /// The homogeneous medium.
+    pub material: Material,
+    /// V, K, W, M and the length L in log(L/r).
+    pub operators: Operators,
+}
+
+impl Exterior {
+    /// Assembles the operators; `length` is L, by default the diameter.
+    ///
+    /// Loads without a resultant have a solution that does not depend on L; with one, L selects the rigid translation.
+    ///
+    /// # Errors
+    /// [`CouplingError::Bem`]: elements that are not closed loops, or an L so small that V is not positive definite.
+    pub fn new(mesh: Mesh, material: Material, length: Option<f64>) -> Result<Self, CouplingError> {
+        let space = Space::new(&mesh);
+        let operators = Operators::assemble(&mesh, &space, &material, length)?;
+        // L not less than the diameter is enough
+        if operators.length < operators.diameter
+            && let Err(LltError::NonPositivePivot { index }) = operators.v.llt(Side::Lower)
+        {
+            let (size, length, diameter) = (space.dofs(), operators.length, operators.diameter);
+            return Err(BemError::SingleLayerIndefinite { pivot: index, size, length, diameter }.into());
+        }
+        Ok(Self { mesh, space, material, operators })
+    }
+
+    /// The field of a solution in the medium.
+    pub fn field(&self, solution: &Coupled) -> ExteriorField {
+        let (u, t) = (&solution.exterior_displacement, &solution.traction);
+        let field = BoundaryField::new(&self.mesh, &self.space, &self.material, u, t, self.operators.length);
+        ExteriorField { field, constant: solution.constant }
+    }
+}
+
+/// Displacement and stress around the body: u = K ξ - V φ + a.
+#[derive(Debug, Clone)]
+pub struct ExteriorField {
+    field: BoundaryField,
+    constant: [f64; 2],
+}
+
+impl ExteriorField {
+    /// Values at a point outside of the body (not on the boundary; in the body u is 0 up to the error).
+    pub fn at(&self, x: [f64; 2]) -> Inside {
+        // the representation of a body has the opposite sign
+        let inside = self.field.inside(x);
+        Inside {
+            displacement: [0, 1].map(|i| self.constant[i] - inside.displacement[i]),
+            gradient: inside.gradient.map(|row| row.map(|g| -g)),
+            stress: inside.stress.map(|s| -s),
+        }
+    }
+}

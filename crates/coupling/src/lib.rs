@@ -1,0 +1,80 @@
+//! Symmetric coupling of finite elements with boundary elements: a heterogeneous body on a grid in an unbounded homogeneous
+//! medium, with jumps of displacement and traction where they meet.
+//!
+//! ```text
+//! Medium + Loads (f, t0) ─► Outline ─► Interior (A, F, Trace) ─┐
+//!       or Multiscale                                          ├─► Transmission (A_c, Transfer Π and B, Balance)
+//! Mesh + Material (+ L) ──► Exterior (V, K, W, M) ─────────────┘          │
+//!                                                     jump u0, Form, Radiation
+//!                                                                         ▼
+//! Multiscale::downscale ◄── displacement, trace ◄────────────────────── Coupled ──► ξ, φ, a ──► ExteriorField
+//! ```
+//! In the body -div σ(u) = f, around it the equations of the homogeneous medium without a force; on the interface Γ
+//!
+//! ```text
+//! u - u_c = u0,        σ(u)n = σ(u_c)n + t0,        σ(u_c)n = -S u_c,   S = W + (K - ½M)ᵀ V⁻¹ (K - ½M)
+//! ```
+//! where n points **out of the body, into the medium**, so that S ≥ 0 is the stiffness of the medium. u_c = K ξ - V φ + a
+//! around the body.
+//!
+//! | wanted | item |
+//! |---|---|
+//! | the outer boundary of a grid, jumps of tractions on it | [`Outline`] |
+//! | the body: bilinear or multiscale elements | [`Interior`], [`Trace`] |
+//! | the medium: boundary elements of any size and degree on the same curve | [`Exterior`] |
+//! | the problem on the interface, its solution | [`Transmission`], [`Form`], [`Coupled`] |
+//! | behaviour at infinity, resultants | [`Radiation`], [`Balance`] |
+//! | displacement and stress around the body | [`ExteriorField`] |
+//!
+//! Boundary elements that are finer than the trace, of any degree, take it as it is; where the trace is finer, they take its
+//! L² projection, and loads of the trace that they do not resolve stay with the body. Holes of the body are free of traction.
+//!
+//! Units: any consistent ones; everything is per unit thickness, body and medium in the same plane. Fields are interleaved x, y.
+//!
+//! ```
+//! use steklov_bem_operators::{Material, Plane};
+//! use steklov_coupling::{Exterior, Form, Interior, Radiation, Transmission};
+//! use steklov_msfem::{Elasticity, Grid, Loads, Medium};
+//!
+//! // a square that is too large for its hole by one part in a hundred
+//! let grid = Grid::rectangle([1.0, 1.0], [8, 8])?;
+//! let medium = Medium::new(grid, vec![5.0; 64], Elasticity::new(0.3, steklov_msfem::Plane::Strain)?)?;
+//! let interior = Interior::fine(&medium, &Loads::default())?;
+//! let around = Material::new(1.0, 0.3, Plane::Strain)?;
+//! let exterior = Exterior::new(interior.trace.mesh(1, 1)?, around, None)?;
+//! let problem = Transmission::new(interior, &exterior)?;
+//! let jump = exterior.space.interpolate(|[x, y]| [-0.01 * (x - 0.5), -0.01 * (y - 0.5)]);
+//! let solved = problem.solve(&jump, Form::Schur, Radiation::Decaying)?;
+//!
+//! // the hole widens, and its tractions have no resultant
+//! let corner = 0;
+//! assert!(solved.exterior_displacement[corner] < 0.0);
+//! let resultant: f64 = (0..exterior.mesh.len()).map(|e| exterior.mesh.length(e) * solved.traction[2 * e]).sum();
+//! assert!(resultant.abs() < 1e-14);
+//! assert!(exterior.field(&solved).at([1e6, 0.0]).displacement[0].abs() < 1e-8);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+mod error;
+mod outline;
+mod trace;
+mod interior;
+mod transfer;
+mod exterior;
+mod balance;
+mod form;
+mod transmission;
+mod dense;
+mod two_field;
+mod three_field;
+mod schur;
+
+pub use balance::{Balance, Radiation};
+pub use error::CouplingError;
+pub use exterior::{Exterior, ExteriorField};
+pub use form::Form;
+pub use interior::Interior;
+pub use outline::Outline;
+pub use trace::Trace;
+pub use transfer::Transfer;
+pub use transmission::{Coupled, Transmission};

@@ -1,0 +1,19 @@
+//! Unknown displacement of the body; the traction of the medium by its Steklov-Poincaré operator.
+
+use steklov_bem_operators::{Domain, Steklov};
+
+use crate::dense::{apply, apply_transposed, congruence, product, solve_definite};
+use crate::transmission::Unknowns;
+use crate::{CouplingError, Transmission};
+
+/// Solves [`crate::Form::Schur`].
+pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Result<Option<Unknowns>, CouplingError> {
+    let projection = &problem.transfer.projection;
+    let steklov = Steklov::new(problem.exterior.operators.clone(), Domain::Exterior)?;
+    let matrix = &problem.stiffness + congruence(steklov.matrix.as_ref(), projection);
+    let jumped = apply_transposed(projection, &product(steklov.matrix.as_ref(), jump));
+    let right: Vec<f64> = problem.load().iter().zip(jumped).map(|(f, s)| f + s).collect();
+    let Some(interface) = solve_definite(matrix.as_ref(), &right) else { return Ok(None) };
+    let exterior: Vec<f64> = apply(projection, &interface).iter().zip(jump).map(|(u, u0)| u - u0).collect();
+    Ok(Some(Unknowns { interface, traction: steklov.traction.apply(&exterior), exterior: None }))
+}

@@ -1,0 +1,170 @@
+//! The transmission problem, reduced to the interface.
+
+use faer::Mat;
+use steklov_msfem::{Elimination, ReducedLoad};
+
+use crate::balance::Balance;
+use crate::{CouplingError, Exterior, Form, Interior, Radiation, Transfer, three_field, two_field};
+use crate::{dense, schur};
+
+/// A body and the medium around it; all unknowns of the body but those of its trace are eliminated.
+///
+/// ```text
+/// -div σ(u) = f  in the body,        u - u_c = u0,   σ(u)n = σ(u_c)n + t0  on the interface
+/// ```
+/// *Use when* the medium around the body is homogeneous and goes on far beyond it: no mesh of it is needed and no boundary at a
+/// distance. *Fails when* the stiffness of body and medium are more than twelve magnitudes apart. *Cost*: the sparse Cholesky
+/// factorisation of the body's stiffness down to n unknowns of the trace, three dense matrices of the boundary elements with
+/// N unknowns, and the dense solution: n³/3 + 2.3 N³ by [`Form::Schur`], (n+N)³/3 by [`Form::TwoField`], (n+2N)³/3 by
+/// [`Form::ThreeField`].
+///
+/// # Source
+/// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987; Gatica and Hsiao,
+/// *Boundary-field equation methods for a class of nonlinear problems*, 1995 (net forces and the behaviour at infinity).
+#[derive(Debug)]
+pub struct Transmission<'a> {
+    /// The medium around the body.
+    pub exterior: &'a Exterior,
+    /// From the unknowns of the trace to the boundary elements.
+    pub transfer: Transfer,
+    /// The body's stiffness A_c, reduced to the unknowns of the trace (stress).
+    pub stiffness: Mat<f64>,
+    /// Resultant of body force and jump of tractions.
+    pub balance: Balance,
+    elimination: Elimination,
+    load: ReducedLoad,
+}
+
+/// Displacements and tractions of body and medium.
+#[derive(Debug, Clone)]
+pub struct Coupled {
+    /// Unknowns of the body (length).
+    pub displacement: Vec<f64>,
+    /// Displacement u of the body at the nodes of the boundary elements (length).
+    pub trace: Vec<f64>,
+    /// Displacement ξ = u_c of the medium there (length).
+    pub exterior_displacement: Vec<f64>,
+    /// Traction φ = σ(u_c)n of the medium, n out of the body, by the traction space of the boundary elements (stress).
+    pub traction: Vec<f64>,
+    /// Displacement a at infinity (length).
+    pub constant: [f64; 2],
+    /// Resultant of body force and jump of tractions. Unless it is balanced, the displacement grows as log r and its translation
+    /// depends on the length L in log(L/r).
+    pub balance: Balance,
+}
+
+/// What a form of the equations is solved for.
+pub(crate) struct Unknowns {
+    /// Unknowns of the trace.
+    pub interface: Vec<f64>,
+    /// φ.
+    pub traction: Vec<f64>,
+    /// ξ up to a rigid motion where it is an unknown of its own.
+    pub exterior: Option<Vec<f64>>,
+}
+
+impl<'a> Transmission<'a> {
+    /// Eliminates the inside of the body.
+    ///
+    /// # Errors
+    /// [`CouplingError::Boundary`] for boundary elements elsewhere, [`CouplingError::Msfem`] for moduli of too many magnitudes,
+    /// [`CouplingError::Inconsistent`] for loads that are not finite.
+    pub fn new(interior: Interior, exterior: &'a Exterior) -> Result<Self, CouplingError> {
+        let Interior { stiffness, load, order, trace } = interior;
+        if let Some((unknown, value)) = load.iter().enumerate().find(|(_, f)| !f.is_finite()) {
+            let what = format!("the load of unknown {unknown} of the body is {value}: it must be finite");
+            return Err(CouplingError::Inconsistent { what });
+        }
+        let transfer = Transfer::new(&trace, &exterior.mesh, &exterior.space)?;
+        let balance = Balance::new(&load);
+        let elimination = Elimination::new(stiffness, &order, &trace.unknowns, &[])?;
+        let load = elimination.reduce(&load, &[]);
+        Ok(Self { exterior, transfer, stiffness: elimination.stiffness(), balance, elimination, load })
+    }
+
+    /// Load of the body, reduced to the unknowns of the trace (force per thickness).
+    pub fn load(&self) -> &[f64] {
+        &self.load.kept
+    }
+
+    /// Solves for a jump u0 of displacements (length), given at the nodes of the boundary elements, interleaved.
+    ///
+    /// # Errors
+    /// [`CouplingError::Inconsistent`] for a jump of another size or one that is not finite, [`CouplingError::Unbalanced`] for
+    /// a resultant and [`Radiation::Bounded`], [`CouplingError::Singular`].
+    pub fn solve(&self, jump: &[f64], form: Form, radiation: Radiation) -> Result<Coupled, CouplingError> {
+        let needed = self.exterior.space.dofs();
+        if jump.len() != needed {
+            let what =
+                format!("the jump of displacements has {} values, and the boundary elements {needed}", jump.len());
+            return Err(CouplingError::Inconsistent { what });
+        }
+        if let Some((k, value)) = jump.iter().enumerate().find(|(_, u)| !u.is_finite()) {
+            let [x, y] = self.exterior.space.points[k / 2];
+            let what = format!("the jump of displacements is {value} at ({x}, {y}): it must be finite");
+            return Err(CouplingError::Inconsistent { what });
+        }
+        if radiation == Radiation::Bounded {
+            self.balance.check()?;
+        }
+        let solved = match form {
+            Form::TwoField => two_field::solve(self, jump),
+            Form::ThreeField => three_field::solve(self, jump),
+            Form::Schur => schur::solve(self, jump)?,
+        };
+        let solved = solved.ok_or_else(|| self.singular(form))?;
+        let displacement = self.elimination.expand(&self.load, &solved.interface);
+        let trace = dense::apply(&self.transfer.projection, &solved.interface);
+        let exterior_displacement: Vec<f64> = trace.iter().zip(jump).map(|(u, u0)| u - u0).collect();
+        let exterior_displacement = match solved.exterior {
+            Some(exterior) => three_field::with_rigid_motion_of(&exterior_displacement, exterior, self.exterior),
+            None => exterior_displacement,
+        };
+        let mut coupled = Coupled {
+            displacement,
+            trace,
+            exterior_displacement,
+            traction: solved.traction,
+            constant: [0.0; 2],
+            balance: self.balance,
+        };
+        if radiation == Radiation::Bounded {
+            coupled.remove_mean(self.exterior);
+        }
+        Ok(coupled)
+    }
+
+    fn singular(&self, form: Form) -> CouplingError {
+        let (n, boundary) = (self.stiffness.nrows(), self.exterior.space.dofs());
+        let size = match form {
+            Form::Schur => n,
+            Form::TwoField => n + boundary,
+            Form::ThreeField => n + 2 * boundary,
+        };
+        let largest = |m: &Mat<f64>| (0..m.nrows()).fold(0.0f64, |l, i| l.max(m[(i, i)].abs()));
+        CouplingError::Singular { size, contrast: largest(&self.stiffness) / largest(&self.exterior.operators.w) }
+    }
+}
+
+impl Coupled {
+    /// Moves body and medium so that the mean of u over the interface vanishes.
+    ///
+    /// With a free, u, u_c and a have one constant in common: V φ = (K - ½) ξ + a is unchanged, (K - ½) 1 being -1, and where
+    /// the loads have no resultant φ has none, so that the decaying solution is one of the bounded ones.
+    fn remove_mean(&mut self, exterior: &Exterior) {
+        let (mut integral, mut length) = ([0.0; 2], 0.0);
+        for e in 0..exterior.mesh.len() {
+            let scale = exterior.mesh.length(e);
+            length += scale;
+            let mean = exterior.space.basis(e).to_legendre.row(0);
+            for (node, weight) in exterior.space.element_nodes(e).zip(mean.iter()) {
+                (0..2).for_each(|i| integral[i] += scale * weight * self.trace[2 * node + i]);
+            }
+        }
+        let mean = integral.map(|m| m / length);
+        for field in [&mut self.displacement, &mut self.trace, &mut self.exterior_displacement] {
+            field.chunks_exact_mut(2).for_each(|u| (0..2).for_each(|i| u[i] -= mean[i]));
+        }
+        self.constant = mean.map(|m| -m);
+    }
+}

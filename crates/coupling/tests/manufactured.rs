@@ -1,0 +1,58 @@
+//! The manufactured problem: errors of the reference file, rates, forms, refined boundary elements, multiscale elements.
+
+mod common;
+
+use common::{
+    PAIRS, around, close, difference, energy_error, manufactured, number, problem, reference, traction_error,
+};
+use steklov_coupling::{Form, Interior, Radiation};
+
+#[test]
+fn both_forms_have_the_errors_of_the_reference_file_and_converge_by_order_one() {
+    let data = reference("transmission");
+    let tolerance = number(&data["tol_rel"]);
+    for (pair, body, medium) in PAIRS {
+        let rows = &data[format!("manufactured_{pair}")];
+        for (form, key) in [(Form::TwoField, "two"), (Form::ThreeField, "three")] {
+            let mut before = None;
+            for n in [4, 8, 16, 32, 64] {
+                if n == 64 && form == Form::ThreeField && pair != "same" {
+                    continue;
+                }
+                let (grid, loads) = manufactured(n, body, medium);
+                let interior = Interior::fine(&grid, &loads).unwrap();
+                let exterior = around(&interior, 1, 1, medium);
+                let (problem, jump) = problem(interior, &exterior);
+                let solved = problem.solve(&jump, form, Radiation::Decaying).unwrap();
+                let error = energy_error(&grid, body, &solved.displacement);
+                let what = format!("{pair} {key} N = {n}");
+                let wanted = &rows[n.to_string()];
+                println!("{what}: {error:.6}");
+                close(&what, error, number(&wanted[key]["energy"]), tolerance);
+                let error_traction = traction_error(&exterior, &solved.traction);
+                close(&format!("{what} V"), error_traction, number(&wanted[key]["V"]), tolerance);
+                if let Some(before) = before.replace(error).filter(|_| n > 8) {
+                    let rate = f64::log2(before / error);
+                    assert!((0.97..1.08).contains(&rate), "{what}: rate {rate}");
+                }
+            }
+        }
+    }
+}
+
+#[test]
+fn the_schur_form_is_the_two_field_form_and_the_three_field_form_is_another_one() {
+    for (_, body, medium) in PAIRS {
+        let (grid, loads) = manufactured(8, body, medium);
+        let interior = Interior::fine(&grid, &loads).unwrap();
+        let exterior = around(&interior, 1, 1, medium);
+        let (problem, jump) = problem(interior, &exterior);
+        let [two, three, schur] = [Form::TwoField, Form::ThreeField, Form::Schur]
+            .map(|form| problem.solve(&jump, form, Radiation::Decaying).unwrap());
+        assert!(difference(&schur.displacement, &two.displacement) < 1e-12);
+        assert!(difference(&schur.traction, &two.traction) < 1e-12);
+        assert!(difference(&schur.exterior_displacement, &two.exterior_displacement) < 1e-12);
+        let apart = difference(&three.displacement, &two.displacement);
+        assert!((1e-6..0.1).contains(&apart), "{apart}");
+    }
+}
