@@ -1,9 +1,13 @@
 //! Products of dense matrices with the sparse ones of the trace, and dense symmetric systems.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, MatRef, Side};
+use faer::diag::Diag;
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::LltRegularization;
+use faer::linalg::cholesky::{lblt, llt};
+use faer::{Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 use sprs::CsMat;
+use steklov_bem_operators::PARTS;
 
 /// X E with E stored by columns.
 pub(crate) fn times(x: MatRef<'_, f64>, e: &CsMat<f64>) -> Mat<f64> {
@@ -43,23 +47,50 @@ pub(crate) fn apply_transposed(e: &CsMat<f64>, y: &[f64]) -> Vec<f64> {
 
 /// X y.
 pub(crate) fn product(x: MatRef<'_, f64>, y: &[f64]) -> Vec<f64> {
-    let y = faer::Col::from_fn(y.len(), |i| y[i]);
-    (x * y).iter().copied().collect()
+    let mut sum = vec![0.0; x.nrows()];
+    for (column, y) in x.col_iter().zip(y) {
+        sum.iter_mut().zip(column.iter()).for_each(|(s, x)| *s += y * x);
+    }
+    sum
 }
 
-/// The solution of a symmetric system, of which the lower triangle is read; None where it is not finite.
-pub(crate) fn solve_indefinite(matrix: MatRef<'_, f64>, right: &[f64]) -> Option<Vec<f64>> {
-    let b = Mat::from_fn(right.len(), 1, |i, _| right[i]);
-    finite(&matrix.lblt(Side::Lower).solve(&b))
+/// Parallelism of dense algebra: cut into the same parts whatever the number of threads, for the same bits.
+fn parts() -> Par {
+    Par::rayon(PARTS)
 }
 
-/// The same for a positive definite one; None where it is not.
-pub(crate) fn solve_definite(matrix: MatRef<'_, f64>, right: &[f64]) -> Option<Vec<f64>> {
-    let b = Mat::from_fn(right.len(), 1, |i, _| right[i]);
-    finite(&matrix.llt(Side::Lower).ok()?.solve(&b))
+/// Solves a symmetric system in place, of which the lower triangle is read; None where the solution is not finite.
+pub(crate) fn solve_indefinite(mut matrix: Mat<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
+    let (n, par) = (right.len(), parts());
+    let mut below = Diag::zeros(n);
+    let (mut forward, mut backward) = (vec![0usize; n], vec![0usize; n]);
+    let scratch = lblt::factor::cholesky_in_place_scratch::<usize, f64>(n, par, Default::default());
+    let mut memory = MemBuffer::new(scratch.or(lblt::solve::solve_in_place_scratch::<usize, f64>(n, 1, par)));
+    let stack = MemStack::new(&mut memory);
+    let (_, permutation) = lblt::factor::cholesky_in_place(
+        matrix.as_mut(),
+        below.as_mut(),
+        &mut forward,
+        &mut backward,
+        par,
+        stack,
+        Default::default(),
+    );
+    let diagonal = matrix.diagonal().to_owned();
+    let stack = MemStack::new(&mut memory);
+    let solution = MatMut::from_column_major_slice_mut(&mut right, n, 1);
+    lblt::solve::solve_in_place(matrix.as_ref(), diagonal.as_ref(), below.as_ref(), permutation, solution, par, stack);
+    right.iter().all(|x| x.is_finite()).then_some(right)
 }
 
-fn finite(x: &Mat<f64>) -> Option<Vec<f64>> {
-    let x = x.col_as_slice(0);
-    x.iter().all(|x| x.is_finite()).then(|| x.to_vec())
+/// Solves a positive definite system in place, of which the lower triangle is read; None where it is not definite.
+pub(crate) fn solve_definite(mut matrix: Mat<f64>, mut right: Mat<f64>) -> Option<Mat<f64>> {
+    let (n, par) = (matrix.nrows(), parts());
+    let scratch = llt::factor::cholesky_in_place_scratch::<f64>(n, par, Default::default());
+    let mut memory = MemBuffer::new(scratch.or(llt::solve::solve_in_place_scratch::<f64>(n, right.ncols(), par)));
+    let regular = LltRegularization::default();
+    let stack = MemStack::new(&mut memory);
+    llt::factor::cholesky_in_place(matrix.as_mut(), regular, par, stack, Default::default()).ok()?;
+    llt::solve::solve_in_place(matrix.as_ref(), right.as_mut(), par, MemStack::new(&mut memory));
+    right.is_all_finite().then_some(right)
 }

@@ -40,15 +40,26 @@ pub enum CouplingError {
         /// What is allowed.
         tolerance: f64,
     },
+    /// A body and a medium of stiffnesses so far apart that too few digits are left.
+    #[error(
+        "the stiffness of the body is {contrast:.1e} times that of the medium around it: it must be less than {limit:.0e} \
+         times (and more than the inverse of that for the three-field form); treat the stiffer of both as rigid"
+    )]
+    Contrast {
+        /// Largest diagonal entry of the body's reduced stiffness over that of W.
+        contrast: f64,
+        /// What is allowed.
+        limit: f64,
+    },
     /// A system on the interface that has no solution in floating point.
     #[error(
-        "the system of {size} unknowns on the interface is singular in floating point: the stiffness of the body and that \
-         of the medium around it are {contrast:.1e} apart, keep that below 1e12"
+        "the system of body and medium, with {size} unknowns of the interface, has no finite solution (stiffness of the body \
+         over that of the medium: {contrast:.1e}): check the units of moduli and lengths"
     )]
     Singular {
-        /// Number of unknowns.
+        /// Number of unknowns of the trace.
         size: usize,
-        /// Largest diagonal entry of the body's stiffness over that of W.
+        /// Largest diagonal entry of the body's reduced stiffness over that of W.
         contrast: f64,
     },
     /// An error of the grid or of its multiscale elements.

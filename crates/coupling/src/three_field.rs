@@ -55,7 +55,7 @@ pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns
     let mut right: Vec<f64> = problem.load().iter().map(|f| f / young).collect();
     right.extend(operators.mass.outer_iterator().map(|row| -row.iter().map(|(j, m)| m * jump[j]).sum::<f64>()));
     right.resize(n + 2 * size, 0.0);
-    let mut interface = solve_indefinite(matrix.as_ref(), &right)?;
+    let mut interface = solve_indefinite(matrix, right)?;
     let mut traction = interface.split_off(n);
     let exterior = traction.split_off(size);
     traction.iter_mut().for_each(|t| *t *= young);

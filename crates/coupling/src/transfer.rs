@@ -1,11 +1,11 @@
 //! From the points of the trace to the nodes of the boundary elements.
 
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::Mat;
 use sprs::{CsMat, TriMat};
 use steklov_bem_operators::{Mesh, Space};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
+use crate::dense::solve_definite;
 use crate::{CouplingError, Trace};
 
 /// Part of an element's length within which points are one.
@@ -14,8 +14,8 @@ const SAME: f64 = 1e-9;
 /// The trace in the displacement space of the boundary elements, and its moments against their tractions.
 #[derive(Debug, Clone)]
 pub struct Transfer {
-    /// Π: displacement of the boundary elements × unknowns of the trace (by columns). The values at their nodes where the trace is linear on each
-    /// element; else the L² projection.
+    /// Π: displacement of the boundary elements × unknowns of the trace (dimensionless; by columns). The values at the nodes
+    /// where the trace is linear on each element; else the L² projection.
     pub projection: CsMat<f64>,
     /// B = ∫ ψ·v: tractions of the boundary elements × unknowns of the trace (length; by columns).
     pub mass: CsMat<f64>,
@@ -162,9 +162,8 @@ fn l2(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, count: usize) -> Cs
             }
         }
     }
-    let factor =
-        mass.llt(Side::Lower).unwrap_or_else(|_| unreachable!("elements have a length: the mass matrix is definite"));
-    let projection = factor.solve(&right);
+    let projection = solve_definite(mass, right)
+        .unwrap_or_else(|| unreachable!("elements have a length: the mass matrix is definite"));
     let mut values = TriMat::new((n, count));
     for point in 0..count {
         (0..n).for_each(|node| values.add_triplet(node, point, projection[(node, point)]));

@@ -7,13 +7,17 @@ use crate::balance::Balance;
 use crate::{CouplingError, Exterior, Form, Interior, Radiation, Transfer, three_field, two_field};
 use crate::{dense, schur};
 
+/// Stiffness of the body over that of the medium from which too few digits are left.
+const CONTRAST: f64 = 1e10;
+
 /// A body and the medium around it; all unknowns of the body but those of its trace are eliminated.
 ///
 /// ```text
 /// -div σ(u) = f  in the body,        u - u_c = u0,   σ(u)n = σ(u_c)n + t0  on the interface
 /// ```
 /// *Use when* the medium around the body is homogeneous and goes on far beyond it: no mesh of it is needed and no boundary at a
-/// distance. *Fails when* the stiffness of body and medium are more than twelve magnitudes apart. *Cost*: the sparse Cholesky
+/// distance. *Fails when* the body is far stiffer than the medium: its rigid motion loses as many digits as it is stiffer by
+/// magnitudes, and by ten of them it is refused; the three-field form loses digits the other way, too. *Cost*: the sparse Cholesky
 /// factorisation of the body's stiffness down to n unknowns of the trace, three dense matrices of the boundary elements with
 /// N unknowns, and the dense solution: n³/3 + 2.3 N³ by [`Form::Schur`], (n+N)³/3 by [`Form::TwoField`], (n+2N)³/3 by
 /// [`Form::ThreeField`].
@@ -91,7 +95,7 @@ impl<'a> Transmission<'a> {
     ///
     /// # Errors
     /// [`CouplingError::Inconsistent`] for a jump of another size or one that is not finite, [`CouplingError::Unbalanced`] for
-    /// a resultant and [`Radiation::Bounded`], [`CouplingError::Singular`].
+    /// a resultant and [`Radiation::Bounded`], [`CouplingError::Contrast`], [`CouplingError::Singular`].
     pub fn solve(&self, jump: &[f64], form: Form, radiation: Radiation) -> Result<Coupled, CouplingError> {
         let needed = self.exterior.space.dofs();
         if jump.len() != needed {
@@ -107,12 +111,17 @@ impl<'a> Transmission<'a> {
         if radiation == Radiation::Bounded {
             self.balance.check()?;
         }
+        let contrast = self.contrast();
+        let lost = if form == Form::ThreeField { contrast.max(1.0 / contrast) } else { contrast };
+        if lost >= CONTRAST || !lost.is_finite() {
+            return Err(CouplingError::Contrast { contrast, limit: CONTRAST });
+        }
         let solved = match form {
             Form::TwoField => two_field::solve(self, jump),
             Form::ThreeField => three_field::solve(self, jump),
             Form::Schur => schur::solve(self, jump)?,
         };
-        let solved = solved.ok_or_else(|| self.singular(form))?;
+        let solved = solved.ok_or(CouplingError::Singular { size: self.stiffness.nrows(), contrast })?;
         let displacement = self.elimination.expand(&self.load, &solved.interface);
         let trace = dense::apply(&self.transfer.projection, &solved.interface);
         let exterior_displacement: Vec<f64> = trace.iter().zip(jump).map(|(u, u0)| u - u0).collect();
@@ -134,15 +143,10 @@ impl<'a> Transmission<'a> {
         Ok(coupled)
     }
 
-    fn singular(&self, form: Form) -> CouplingError {
-        let (n, boundary) = (self.stiffness.nrows(), self.exterior.space.dofs());
-        let size = match form {
-            Form::Schur => n,
-            Form::TwoField => n + boundary,
-            Form::ThreeField => n + 2 * boundary,
-        };
-        let largest = |m: &Mat<f64>| (0..m.nrows()).fold(0.0f64, |l, i| l.max(m[(i, i)].abs()));
-        CouplingError::Singular { size, contrast: largest(&self.stiffness) / largest(&self.exterior.operators.w) }
+    /// Largest diagonal entry of A_c over that of W.
+    fn contrast(&self) -> f64 {
+        let largest = |m: &Mat<f64>| (0..m.nrows()).fold(0.0f64, |l, i| l.max(m[(i, i)]));
+        largest(&self.stiffness) / largest(&self.exterior.operators.w)
     }
 }
 

@@ -34,7 +34,7 @@ pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns
     let jumped = apply_transposed(projection, &product(operators.w.as_ref(), jump));
     let mut right: Vec<f64> = problem.load().iter().zip(jumped).map(|(f, w)| (f + w) / young).collect();
     right.extend(product(k.as_ref(), jump));
-    let mut interface = solve_indefinite(matrix.as_ref(), &right)?;
+    let mut interface = solve_indefinite(matrix, right)?;
     let traction = interface.split_off(n).iter().map(|t| young * t).collect();
     Some(Unknowns { interface, traction, exterior: None })
 }

@@ -1,4 +1,4 @@
-//! The manufactured problem: errors of the reference file, rates, forms, refined boundary elements, multiscale elements.
+//! The manufactured problem: errors of the reference file, rates, and which of the forms agree.
 
 mod common;
 
@@ -8,7 +8,7 @@ use common::{
 use steklov_coupling::{Form, Interior, Radiation};
 
 #[test]
-fn both_forms_have_the_errors_of_the_reference_file_and_converge_by_order_one() {
+fn two_and_three_fields_have_the_errors_of_the_reference_file_and_converge_by_order_one() {
     let data = reference("transmission");
     let tolerance = number(&data["tol_rel"]);
     for (pair, body, medium) in PAIRS {
