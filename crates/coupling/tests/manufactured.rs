@@ -3,7 +3,7 @@
 mod common;
 
 use common::{
-    PAIRS, around, close, difference, energy_error, manufactured, number, problem, reference, traction_error,
+    PAIRS, around, close, difference, energy_error, manufactured, number, outer, problem, reference, traction_error,
 };
 use steklov_coupling::{Form, Interior, Radiation};
 
@@ -54,5 +54,24 @@ fn the_schur_form_is_the_two_field_form_and_the_three_field_form_is_another_one(
         assert!(difference(&schur.exterior_displacement, &two.exterior_displacement) < 1e-12);
         let apart = difference(&three.displacement, &two.displacement);
         assert!((1e-6..0.1).contains(&apart), "{apart}");
+    }
+}
+
+/// ξ of the three-field form is determined up to a rigid motion, which the jump of displacements then tells.
+#[test]
+fn the_displacement_of_the_medium_converges_in_all_forms() {
+    let (body, medium) = ([20.0, 0.25], [2.0, 0.3]);
+    for form in [Form::TwoField, Form::ThreeField, Form::Schur] {
+        let [coarse, fine] = [8, 16].map(|n| {
+            let (grid, loads) = manufactured(n, body, medium);
+            let interior = Interior::fine(&grid, &loads).unwrap();
+            let exterior = around(&interior, 1, 1, medium);
+            let (problem, jump) = problem(interior, &exterior);
+            let solved = problem.solve(&jump, form, Radiation::Decaying).unwrap();
+            let exact = exterior.space.interpolate(|x| outer(&exterior.material, x).0);
+            difference(&solved.exterior_displacement, &exact)
+        });
+        println!("{form:?} {coarse:.2e} {fine:.2e}");
+        assert!(fine < 0.35 * coarse && fine < 0.01, "{form:?}: {coarse} then {fine}");
     }
 }
