@@ -76,7 +76,7 @@ proptest! {
             let elasticity = Elasticity::new(0.3, steklov_msfem::Plane::Strain).unwrap();
             let medium = Medium::new(grid, young, elasticity).unwrap();
             let mut loads = Loads::default();
-            loads.set_body_force(&medium, |[x, y]| [e / l * (1.0 + x / l), e / l * (y / l - 0.5)]);
+            loads.set_body_force(&medium, |[x, y]| [e / l * (1.0 + x / l), e / l * (y / l - 0.5)]).unwrap();
             let interior = Interior::fine(&medium, &loads).unwrap();
             let exterior =
                 Exterior::new(interior.trace.mesh(1, 2).unwrap(), material([3.0 * e, 0.2]), Some(5.0 * l)).unwrap();
@@ -112,10 +112,12 @@ fn an_interface_in_one_material_cannot_be_seen() {
         let elasticity = Elasticity::new(poisson, steklov_msfem::Plane::Strain).unwrap();
         let medium = Medium::new(grid, vec![young; n * n], elasticity).unwrap();
         let mut loads = Loads::default();
-        loads.set_body_force(&medium, |[x, y]| {
-            let g = (radius * radius - x * x - y * y).max(0.0).powi(2);
-            [-g * y, g * x]
-        });
+        loads
+            .set_body_force(&medium, |[x, y]| {
+                let g = (radius * radius - x * x - y * y).max(0.0).powi(2);
+                [-g * y, g * x]
+            })
+            .unwrap();
         let interior = Interior::fine(&medium, &loads).unwrap();
         let exterior = Exterior::new(interior.trace.mesh(1, 1).unwrap(), around, None).unwrap();
         let problem = Transmission::new(interior, &exterior).unwrap();
@@ -175,7 +177,7 @@ fn the_resultant_is_that_of_all_loads() {
     let (medium, _) = manufactured(4, [1.0, 0.3], [1.0, 0.3]);
     let mut loads = Loads::default();
     loads.add_side(0, 0, [[1.0, 0.0], [-0.75, 0.5]]);
-    loads.set_body_force(&medium, |_| [0.0, 2.0]);
+    loads.set_body_force(&medium, |_| [0.0, 2.0]).unwrap();
     let interior = Interior::fine(&medium, &loads).unwrap();
     let exterior = around(&interior, 1, 1, [1.0, 0.3]);
     let balance = Transmission::new(interior, &exterior).unwrap().balance;

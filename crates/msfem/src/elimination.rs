@@ -1,6 +1,7 @@
 //! A sparse stiffness matrix reduced to some of its unknowns.
 
-use faer::{Mat, MatMut, Par};
+use faer::linalg::matmul::matmul;
+use faer::{Accum, Mat, MatMut, Par};
 use sprs::CsMat;
 
 use crate::MsfemError;
@@ -96,7 +97,8 @@ impl Elimination {
 
     /// S_c, full storage, in the order of the kept unknowns.
     pub fn stiffness(&self) -> Mat<f64> {
-        let mut reduced = &self.last * self.last.transpose();
+        let mut reduced = Mat::zeros(self.last.nrows(), self.last.nrows());
+        matmul(reduced.as_mut(), Accum::Replace, &self.last, self.last.transpose(), 1.0, Par::Seq);
         for (k, d) in self.shift.iter().enumerate() {
             reduced[(k, k)] -= d;
         }
@@ -156,9 +158,14 @@ impl Elimination {
 
     /// S' x = L₂₂ L₂₂ᵀ x.
     fn shifted(&self, x: &[f64]) -> Vec<f64> {
-        let x = faer::Col::from_fn(x.len(), |i| x[i]);
-        let product = &self.last * (self.last.transpose() * x);
-        product.iter().copied().collect()
+        let n = x.len();
+        let column = |k: usize| &self.last.col_as_slice(k)[k..];
+        let transposed: Vec<f64> = (0..n).map(|k| column(k).iter().zip(&x[k..]).map(|(l, x)| l * x).sum()).collect();
+        let mut product = vec![0.0; n];
+        for (k, t) in transposed.iter().enumerate() {
+            product[k..].iter_mut().zip(column(k)).for_each(|(p, l)| *p += l * t);
+        }
+        product
     }
 
     fn solve(&self, mut rows: Vec<f64>) -> Vec<f64> {
