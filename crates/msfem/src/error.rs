@@ -12,7 +12,7 @@ pub enum MsfemError {
     },
     /// A modulus that is not a positive number.
     #[error(
-        "Young's modulus of cell ({}, {}) with the centre ({}, {}) is {value}: it must be positive and finite",
+        "Young's modulus of cell ({}, {}) with the centre ({}, {}) is {value:?}: it must be positive and finite",
         .cell[0], .cell[1], .centre[0], .centre[1]
     )]
     Modulus {

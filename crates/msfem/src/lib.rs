@@ -79,6 +79,7 @@ mod local;
 mod basis;
 mod coarse_mesh;
 mod multiscale;
+mod patterns;
 mod elimination;
 mod indicators;
 mod fine_error;

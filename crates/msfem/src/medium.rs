@@ -50,6 +50,11 @@ impl Medium {
         self.unit.map(|row| self.young[cell] * row.iter().zip(u).map(|(k, u)| k * u).sum::<f64>())
     }
 
+    /// a(u, u) on a cell (force times length per thickness), u its eight displacements.
+    pub fn cell_energy(&self, cell: usize, u: &[f64; 8]) -> f64 {
+        self.cell_forces(cell, u).iter().zip(u).map(|(f, u)| f * u).sum()
+    }
+
     /// The cells around a node with its local number in each: left below, right below, right above, left above.
     pub(crate) fn around(&self, node: usize) -> [Option<(usize, usize)>; 4] {
         let [i, j] = self.grid.lattice(node);

@@ -309,22 +309,11 @@ fn broken_energies(
     loads: &Loads,
     extra: &Extra,
 ) -> Result<(f64, f64), MsfemError> {
-    let medium = problem.medium;
-    let unit = medium.elasticity.unit_stiffness(medium.grid.spacing);
     let (mut strain, mut work) = (0.0, 0.0);
     problem.downscale_cells(coarse, loads, extra, &mut |_| true, |cell, field| {
-        let coarse = problem.mesh.cells[cell];
-        let [m, n] = coarse.size;
-        for (local, fine) in coarse.fine_cells(&medium.grid).enumerate() {
-            let first = (local % n) * (m + 1) + local / n;
-            let nodes = [first, first + 1, first + m + 2, first + m + 1];
-            let u: [f64; 8] = std::array::from_fn(|a| field[2 * nodes[a / 2] + a % 2]);
-            let load = loads.cell(fine);
-            for a in 0..8 {
-                let force: f64 = (0..8).map(|b| unit[a][b] * u[b]).sum();
-                strain += 0.5 * medium.young[fine] * u[a] * force;
-                work += load[a] * u[a];
-            }
+        for (fine, u) in problem.fine_values(cell, field) {
+            strain += problem.medium.cell_energy(fine, &u) / 2.0;
+            work += loads.cell(fine).iter().zip(&u).map(|(f, u)| f * u).sum::<f64>();
         }
     })?;
     Ok((strain, work))

@@ -98,18 +98,12 @@ fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<f64, MsfemError> 
             values[*unknown..*unknown + 2].copy_from_slice(u);
         }
     }
-    let unit = medium.elasticity.unit_stiffness(medium.grid.spacing);
     let mut squared = 0.0;
     let extra = Extra { lift: coarse.lift.clone(), ..Extra::default() };
     problem.downscale_cells(&values, &Loads::default(), &extra, &mut |_| true, |cell, field| {
-        let [m, n] = coarse.mesh.cells[cell].size;
-        for (local, fine) in coarse.mesh.cells[cell].fine_cells(&medium.grid).enumerate() {
-            let first = (local % n) * (m + 1) + local / n;
-            let corners = [first, first + 1, first + m + 2, first + m + 1];
+        for (fine, u) in problem.fine_values(cell, field) {
             let exact = medium.cell_values(&truth.displacement, fine);
-            let e: [f64; 8] = std::array::from_fn(|a| field[2 * corners[a / 2] + a % 2] - exact[a]);
-            let row = |a: usize| e[a] * unit[a].iter().zip(&e).map(|(k, e)| k * e).sum::<f64>();
-            squared += medium.young[fine] * (0..8).map(row).sum::<f64>();
+            squared += medium.cell_energy(fine, &std::array::from_fn(|a| u[a] - exact[a]));
         }
     })?;
     Ok(squared)

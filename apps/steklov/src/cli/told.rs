@@ -1,0 +1,99 @@
+//! What is told of a result on stdout, and advice where it did not converge.
+
+use super::grid::grid_lines;
+use super::say;
+use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, Plan};
+use crate::run::Reason;
+use crate::stochastic;
+use crate::store::Stored;
+use crate::summary::Summary;
+
+/// What to change when the contact solver did not reach its criterion.
+pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
+    if summary.reason != Reason::Solver.word() {
+        return None;
+    }
+    let choice = plan.modelled.iter().find(|d| d.what == CONTACT_SOLVER).map(|d| d.choice.as_str());
+    Some(match choice {
+        Some(named @ ("newton" | "active-set" | "uzawa")) => format!(
+            "the solver {named} did not reach its criterion in {} iterations: leave method.solver at \"auto\"",
+            summary.iterations
+        ),
+        // a solution under Coulomb's law has a contraction
+        _ if choice == Some(COULOMB_SOLVER) && summary.contact.as_ref().is_some_and(|c| c.contraction.is_none()) => {
+            "no solution under Coulomb's law was found on this mesh: lower the friction coefficients, or try \
+             another number of method.elements"
+                .to_owned()
+        }
+        _ => "the forces balance or the contact conditions hold only as far as the audit says: bring lengths, gaps, \
+              loads and Young's modulus nearer to each other"
+            .to_owned(),
+    })
+}
+
+/// Prints the summary of a result.
+pub(super) fn print_summary(stored: &Stored) {
+    let Stored { summary: s, plan, .. } = stored;
+    say(&s.title);
+    say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
+    if !s.converged {
+        say(&format!("reason      {}", s.reason));
+        advice(s, plan).iter().for_each(|advice| say(&format!("            {advice}")));
+    }
+    if let Some(failure) = &s.failure {
+        say(&format!("            in the step after these: {failure}"));
+    }
+    say(&format!("energy J    {:.12e}", s.energy));
+    say(&format!(
+        "            strain {:.6e}, load work {:.6e}, friction work {:.6e}",
+        s.strain_energy, s.load_work, s.friction_work
+    ));
+    if let (Some(error), Some(relative)) = (s.estimate, s.estimate_relative) {
+        let doubts = if s.estimate_doubts.is_empty() {
+            String::new()
+        } else {
+            format!(" (not reliable: {})", s.estimate_doubts.join(", "))
+        };
+        say(&format!("error       {error:.3e} estimated in the energy norm, relative {relative:.3e}{doubts}"));
+    }
+    if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
+        say(&format!("            J extrapolated {energy:.12e} ± {uncertainty:.1e}"));
+    }
+    if let Some(grid) = &s.grid {
+        grid_lines(grid).iter().for_each(|line| say(line));
+    }
+    if let Some(c) = &s.contact {
+        let note =
+            if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
+        say(&format!(
+            "contact     length {:.6e}, stick {:.6e}, slip {:.6e}, {} iterations",
+            c.length, c.stick, c.slip, s.iterations
+        ));
+        say(&format!("            largest pressure {:.6e}{note}", c.max_pressure));
+        if let Some(factor) = c.contraction {
+            let note = if factor < 1.0 { "" } else { ": the fixed point of Tresca problems does not settle" };
+            say(&format!("            Coulomb friction, contraction {factor:.3}{note}"));
+        }
+        say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
+    }
+    if let Some(a) = &s.audit {
+        say(&format!(
+            "audit       equilibrium {:.1e}, penetration {:.1e}, tension {:.1e}, complementarity {:.1e}, friction {:.1e}",
+            a.equilibrium, a.penetration, a.tension, a.complementarity, a.friction
+        ));
+    }
+    for (side, [x, y]) in &s.reactions {
+        say(&format!("reaction    {side}: ({x:.6e}, {y:.6e})"));
+    }
+    for p in &s.probe {
+        let ([x, y], [u, v], [xx, yy, xy]) = (p.point, p.displacement, p.stress);
+        say(&format!("probe       ({x}, {y}): u = ({u:.6e}, {v:.6e}), stress = ({xx:.6e}, {yy:.6e}, {xy:.6e})"));
+    }
+    stochastic::lines(stored).iter().for_each(|line| say(line));
+    say(&format!(
+        "seconds     {:.3}, peak memory {:.1} MiB",
+        s.seconds.total,
+        s.peak_memory_bytes as f64 / f64::from(1 << 20)
+    ));
+    say(&format!("result      {}", s.file));
+}
