@@ -25,7 +25,7 @@ use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
 use crate::plan::{Plan, plan};
 use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
-use crate::scene::{Model, Scene, TEMPLATE};
+use crate::scene::{Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::stochastic::{self, End, StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
@@ -198,8 +198,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
     let old = old_result(&out, args.resume)?;
-    let on_grid = matches!(scene.model(), Model::Fem | Model::Msfem);
-    let (record, held) = match on_grid {
+    let (record, held) = match scene.is_on_grid() {
         true => solve_on_grid(args, &scene, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
         false => solve_boundary(args, &scene, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
     };

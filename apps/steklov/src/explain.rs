@@ -104,11 +104,11 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
 pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
     let message = format!("the first mesh has {dofs} dofs, more than method.max_dofs = {}", scene.method.max_dofs);
     let (keys, help) = match scene.model() {
-        Model::Fem => (
+        Model::Fem | Model::FemBem => (
             vec![vec!["method", "max_dofs"], vec!["grid"]],
             "set method.max_dofs higher, take fewer cells, or model = \"msfem\", whose unknowns are those of the coarse cells",
         ),
-        Model::Msfem => {
+        Model::Msfem | Model::MsfemBem => {
             (vec![vec!["method", "max_dofs"], vec!["grid"]], "set method.max_dofs higher, or take fewer coarse cells")
         }
         _ => (
@@ -121,7 +121,7 @@ pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
             "allow more dofs, or ask for fewer elements or a lower degree",
         ),
     };
-    let message = if scene.grid.is_some() { message.replace("first mesh", "first grid") } else { message };
+    let message = if scene.is_on_grid() { message.replace("first mesh", "first grid") } else { message };
     scene.error_at(SceneErrorKind::Value, &keys, message, help)
 }
 

@@ -6,7 +6,7 @@ use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
-use crate::scene::{Condition, Friction, MULTIPLIER_MESHES, Method, Model, Multiplier, Refine, Scene, Solver};
+use crate::scene::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
 use crate::stochastic;
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
@@ -54,10 +54,7 @@ pub struct Cost {
 
 /// Chooses the model of a scene.
 pub fn plan(scene: &Scene) -> Plan {
-    match scene.model() {
-        Model::Fem | Model::Msfem => crate::grid::plan(scene),
-        _ => boundary_plan(scene),
-    }
+    if scene.is_on_grid() { crate::grid::plan(scene) } else { boundary_plan(scene) }
 }
 
 /// Plane strain or plane stress.

@@ -139,9 +139,9 @@ fn overrides_change_any_key() {
 }
 
 #[test]
-fn features_to_come_are_refused_only_after_all_other_checks() {
+fn a_model_that_does_not_fit_is_refused_only_after_all_other_checks() {
     let text = format!("{SOUND}[exterior]\nyoung = 50\npoisson = 0.3\n");
-    assert_eq!(parse(&text, &[]).unwrap_err().kind, SceneErrorKind::NotYetAvailable);
+    assert_eq!(parse(&text, &[]).unwrap_err().kind, SceneErrorKind::Conflict);
     let negative = text.replace("tresca = \"F\"", "tresca = \"F-1\"");
     assert_eq!(parse(&negative, &[]).unwrap_err().kind, SceneErrorKind::Data);
     let both = parse(&text, &["method.elements=0"]).unwrap_err();

@@ -186,19 +186,19 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("[grid]", "[method]\nmodel = \"msfem-bem\"\n[grid]")],
-            Kind::NotYetAvailable,
+            Kind::MissingKey,
             13,
             "\"msfem-bem\"",
-            "\"msfem-bem\" is not yet available",
-            "\"msfem\"",
+            "no medium around the body",
+            "[exterior]",
         ),
         (
             &[("[grid]", "[exterior]\nyoung = 50\npoisson = 0.3\n[grid]")],
-            Kind::NotYetAvailable,
-            12,
-            "[exterior]",
-            "is not yet available",
-            "remove the table",
+            Kind::Conflict,
+            8,
+            "[sides.floor]",
+            "meets the medium",
+            "remove it",
         ),
     ] {
         let text = edits.iter().fold(L.to_owned(), |text, (from, to)| {

@@ -4,7 +4,7 @@ use steklov_msfem::{CoarseCell, CoarseMesh, mark, refine};
 
 use super::grid_of;
 use super::solve::GridSolved;
-use crate::scene::{Model, Refine, Scene};
+use crate::scene::{Refine, Scene};
 use crate::solve::SolveError;
 
 /// A grid and the coarse cells on it.
@@ -22,8 +22,8 @@ impl GridLayout {
     /// # Errors
     /// A grid that rounding errors leave without a cell in the body.
     pub fn first(scene: &Scene) -> Result<Self, SolveError> {
-        let coarse = match (scene.model(), &scene.grid) {
-            (Model::Msfem, Some(input)) => Some(CoarseMesh::uniform(&grid_of(scene)?, input.fine)?.cells),
+        let coarse = match (scene.is_multiscale(), &scene.grid) {
+            (true, Some(input)) => Some(CoarseMesh::uniform(&grid_of(scene)?, input.fine)?.cells),
             _ => None,
         };
         Ok(Self { parts: 1, coarse })

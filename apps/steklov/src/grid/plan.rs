@@ -4,7 +4,7 @@ use steklov_bem_operators::RigidMotion;
 
 use super::body::grid_of;
 use crate::plan::{Cost, Decision, Plan, contact, free_of_supports, plane};
-use crate::scene::{BasisInput, CellModuli, GridInput, Model, Refine, Scene};
+use crate::scene::{BasisInput, CellModuli, GridInput, Refine, Scene};
 
 /// Bytes that the moduli, the fields and the result of a fine cell take.
 const BYTES_OF_CELL: f64 = 200.0;
@@ -16,7 +16,7 @@ fn decision(what: &str, choice: String, why: impl Into<String>) -> Decision {
 /// What is modelled of a scene whose model is "fem" or "msfem", and what it costs.
 pub(crate) fn plan(scene: &Scene) -> Plan {
     let (mut modelled, mut left_out) = (Vec::new(), Vec::new());
-    let multiscale = scene.model() == Model::Msfem;
+    let multiscale = scene.is_multiscale();
     let Some(input) = &scene.grid else { unreachable!("a scene without a grid is refused where it is read") };
     let why = match (&scene.cells, multiscale) {
         (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
@@ -155,14 +155,14 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
                 (count, 2 * nodes.len())
             };
             let fine = (grid.body_cells().count(), grid.dofs());
-            [fine, if scene.model() == Model::Msfem { inside(input.coarse, input.fine) } else { fine }]
+            [fine, if scene.is_multiscale() { inside(input.coarse, input.fine) } else { fine }]
         }
         Err(_) => [input.cells(), input.coarse].map(|cells| (cells[0] * cells[1], unknowns(cells))),
     };
     let factor = |n: f64| 8.0 * 8.5 * n * n.log2();
     let solve = |n: f64| 90.0 * n.powf(1.5);
     let (cells, n) = (fine.0 as f64, coarse.1 as f64);
-    let local = if scene.model() == Model::Msfem {
+    let local = if scene.is_multiscale() {
         let [m, k] = input.fine.map(|m| m as f64);
         // kept bases, and the local problem that each of two threads has: structure, factor, fields
         let one = 2.0 * m * k;
@@ -171,11 +171,8 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
     } else {
         0.0
     };
-    let basis = if scene.model() == Model::Msfem {
-        2e3 * (input.fine[0] * input.fine[1]) as f64 * coarse.0 as f64
-    } else {
-        0.0
-    };
+    let basis =
+        if scene.is_multiscale() { 2e3 * (input.fine[0] * input.fine[1]) as f64 * coarse.0 as f64 } else { 0.0 };
     Cost {
         elements: coarse.0,
         dofs: coarse.1,

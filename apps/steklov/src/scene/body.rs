@@ -51,8 +51,8 @@ fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), Problem> {
     Ok((listed, Listed { corners, sides }))
 }
 
-/// The polygon of `[body]`.
-pub(super) fn body(field: &Field<'_>) -> Result<Polygon, Problem> {
+/// The polygon of `[body]`; `cavity`: its loops are holes in the unbounded plane.
+pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, Problem> {
     let fields = Fields::new(field, &["corners", "sides", "holes"])?;
     let (outer, first) = read_loop(&fields)?;
     let (mut holes, mut listed) = (Vec::new(), vec![first]);
@@ -62,6 +62,10 @@ pub(super) fn body(field: &Field<'_>) -> Result<Polygon, Problem> {
             holes.push(corners);
             listed.push(names);
         }
+    }
+    if cavity {
+        let message = "a hole in an unbounded medium is not yet available";
+        return Err(Problem::new(Kind::NotYetAvailable, field.item.place, message, "add a [material] of the body"));
     }
     Polygon::new(outer, holes).map_err(|e| geometry(e, &listed))
 }
@@ -140,13 +144,13 @@ pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Ex
     Ok(expressions)
 }
 
-/// `[probe]`: points of the body or of its boundary.
-pub(super) fn probe(field: &Field<'_>, polygon: &Polygon) -> Result<Vec<[f64; 2]>, Problem> {
+/// `[probe]`: points of the body or of its boundary; of the whole plane without a polygon.
+pub(super) fn probe(field: &Field<'_>, polygon: Option<&Polygon>) -> Result<Vec<[f64; 2]>, Problem> {
     let points = Fields::new(field, &["points"])?.require("points", "points = [[x, y], ...]")?;
     let mut list = Vec::new();
     for field in points.list()? {
         let [x, y] = field.point()?;
-        if polygon.contains([x, y]) == Location::Outside {
+        if polygon.is_some_and(|polygon| polygon.contains([x, y]) == Location::Outside) {
             let message = format!("the probe point ({x}, {y}) is not in the body");
             return Err(field.problem(message, "move it into the body or onto its boundary, or remove it"));
         }

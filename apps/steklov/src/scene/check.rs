@@ -1,5 +1,7 @@
 //! The data of every side, looked at along its edges before anything is solved.
 
+use steklov_bem_operators::Edge;
+
 use super::error::{Problem, SceneError, SceneErrorKind as Kind};
 use super::sides::{Condition, Friction};
 use super::{Scene, Side};
@@ -26,24 +28,36 @@ impl Scene {
         for (index, side) in self.sides.iter().enumerate() {
             for (what, expression) in data(side) {
                 for edge in self.polygon.edges().iter().filter(|edge| edge.side == index) {
-                    let path = |s: f64| {
-                        let [x, y] = edge.point(s);
-                        (x, y, s)
-                    };
-                    let steps = (0..=STEPS).map(|k| k as f64 / STEPS as f64);
-                    let kinks = expression.kinks(|t| path((1.0 + t) / 2.0)).into_iter().map(|t| (1.0 + t) / 2.0);
-                    let beside = kinks.flat_map(|s| [(s - 1e-9).max(0.0), s, (s + 1e-9).min(1.0)]);
-                    let mut largest: f64 = 0.0;
-                    for at in steps.chain(beside).map(path) {
-                        largest = largest.max(self.check_value(&side.name, what, expression, at)?.abs());
-                    }
-                    if what == "displacement" {
-                        self.check_continuous(&side.name, expression, largest, path)?;
-                    }
+                    self.check_along(edge, &side.name, what, expression)?;
                 }
             }
         }
         Ok(())
+    }
+
+    /// Looks at an expression along an edge; its largest absolute value there.
+    pub(super) fn check_along(
+        &self,
+        edge: &Edge,
+        side: &str,
+        what: &str,
+        expression: &Expression,
+    ) -> Result<f64, SceneError> {
+        let path = |s: f64| {
+            let [x, y] = edge.point(s);
+            (x, y, s)
+        };
+        let steps = (0..=STEPS).map(|k| k as f64 / STEPS as f64);
+        let kinks = expression.kinks(|t| path((1.0 + t) / 2.0)).into_iter().map(|t| (1.0 + t) / 2.0);
+        let beside = kinks.flat_map(|s| [(s - 1e-9).max(0.0), s, (s + 1e-9).min(1.0)]);
+        let mut largest: f64 = 0.0;
+        for at in steps.chain(beside).map(path) {
+            largest = largest.max(self.check_value(side, what, expression, at)?.abs());
+        }
+        if what.starts_with("displacement") {
+            self.check_continuous(side, expression, largest, path)?;
+        }
+        Ok(largest)
     }
 
     /// A displacement does not jump at its kinks: that would need infinite energy. `largest` is its size.

@@ -1,7 +1,5 @@
-//! `[grid]` and `[material.cells]`: the grid of a heterogeneous body and its moduli; `[exterior]` is read and checked, though
-//! no model of this version uses it.
+//! `[grid]` and `[material.cells]`: the grid of a heterogeneous body and its moduli.
 
-use super::body::material;
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::tree::Value;
@@ -159,16 +157,4 @@ fn table(young: &Field<'_>) -> Result<CellModuli, Problem> {
             Err(Problem::new(Kind::MissingKey, young.item.place, message, help))
         }
     }
-}
-
-pub(super) fn exterior(field: &Field<'_>, context: &Context<'_>) -> Result<(), Problem> {
-    let fields = Fields::new(field, &["young", "poisson", "displacement_jump", "traction_jump"])?;
-    let young = fields.require("young", "young = a positive number")?.constant(context)?;
-    material(&fields, context, young)?;
-    for key in ["displacement_jump", "traction_jump"] {
-        if let Some(jump) = fields.get(key) {
-            jump.expressions(context)?;
-        }
-    }
-    Ok(())
 }

@@ -14,6 +14,7 @@ mod method;
 mod random;
 mod outcomes;
 mod grid;
+mod exterior;
 mod check;
 mod model;
 
@@ -26,6 +27,7 @@ use steklov_bem_operators::{Material, Polygon};
 use crate::expression::{Expression, Place};
 
 pub use error::{SceneError, SceneErrorKind, Source};
+pub use exterior::ExteriorInput;
 pub(crate) use grid::MOST_CELLS;
 pub use grid::{BasisInput, CellModuli, Cells, GridInput};
 pub(crate) use method::MULTIPLIER_MESHES;
@@ -45,21 +47,24 @@ pub const TEMPLATE: &str = include_str!("template.toml");
 pub struct Scene {
     /// Title; the name of the file if the scene has none.
     pub title: String,
-    /// The body.
+    /// The body; the plane outside of a hole where [`Scene::exterior`] has no body in it.
     pub polygon: Polygon,
-    /// Its material; with [`Scene::cells`] these give Young's modulus, and that of the material has no meaning.
+    /// Its material; with [`Scene::cells`] these give Young's modulus, and that of the material has no meaning. That of the
+    /// medium around a hole.
     pub material: Material,
     /// Young's modulus cell by cell.
     pub cells: Option<Cells>,
     /// The grid over the body.
     pub grid: Option<GridInput>,
+    /// The unbounded medium around the body.
+    pub exterior: Option<ExteriorInput>,
     /// Names and values of `[parameters]`.
     pub parameters: BTreeMap<String, f64>,
     /// The sides in the order of [`Polygon::side_names`]; at least one is loaded, held or in contact.
     pub sides: Vec<Side>,
     /// Force per area; constant with boundary elements.
     pub body_force: Option<[Expression; 2]>,
-    /// Points of the body or its boundary at which results are wanted.
+    /// Points of the body, of its boundary or of the medium around it at which results are wanted.
     pub probe: Vec<[f64; 2]>,
     /// How to solve.
     pub method: Method,
@@ -99,6 +104,7 @@ impl Scene {
         let root = tree::build(&source).map_err(|p| source.error(p))?;
         let scene = scene(&root, &source, None).map_err(|p| source.error(p))?;
         scene.check_data()?;
+        scene.check_jumps()?;
         scene.check_model()?;
         if scene.random.is_some() && scene.method.multiplier == Multiplier::Stabilised {
             let message = "random input has biorthogonal multipliers only".to_owned();
@@ -106,7 +112,7 @@ impl Scene {
             return Err(scene.error_at(Kind::Unsupported, &[vec!["method", "multiplier"]], message, help));
         }
         scene.check_outcomes()?;
-        unavailable(&root).map_err(|p| source.error(p))?;
+        scene.check_available()?;
         Ok(scene)
     }
 }
@@ -181,7 +187,8 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
     let fields = Fields::new(&Field { name: String::new(), item: root }, &known)?;
     let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();
     let parameters = fields.get("parameters").map_or_else(|| Ok(BTreeMap::new()), |p| body::parameters(&p, source))?;
-    let polygon = body::body(&fields.require("body", "a table [body] with corners and sides")?)?;
+    let cavity = fields.get("material").is_none() && fields.get("exterior").is_some();
+    let polygon = body::body(&fields.require("body", "a table [body] with corners and sides")?, cavity)?;
     let mut context = Context::new(source, parameters.clone());
     let declared = match fields.get("random") {
         Some(field) => random::random(&field, &polygon, &mut context)?,
@@ -193,33 +200,55 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
         context.fields.extend(outcomes);
     }
     let stochastic = fields.get("stochastic").map_or_else(|| Ok(Stochastic::default()), |f| random::stochastic(&f))?;
-    let material_field = fields.require("material", "a table [material] with young and poisson")?;
-    random::check_poisson(&material_field, &declared, &context)?;
     context.used.take();
-    let (material, cells) = material(&material_field, &context)?;
+    let body = match cavity {
+        true => None,
+        false => {
+            let field = fields.require("material", "a table [material] with young and poisson")?;
+            random::check_poisson(&field, &declared, &context)?;
+            Some(material(&field, &context)?)
+        }
+    };
+    let plane = body.as_ref().map(|(material, _)| material.plane);
+    let exterior = fields.get("exterior").map(|field| {
+        random::check_poisson(&field, &declared, &context)?;
+        exterior::exterior(&field, plane, &context)
+    });
+    let exterior = exterior.transpose()?;
+    let (material, cells) = match (body, &exterior) {
+        (Some(body), _) => body,
+        (None, Some(exterior)) => (exterior.material, None),
+        (None, None) => unreachable!("a hole has a medium around it"),
+    };
     let in_material = context.used.borrow().clone();
     let grid = fields.get("grid").map(|field| grid::grid(&field)).transpose()?;
-    if let Some(field) = fields.get("exterior") {
-        grid::exterior(&field, &context)?;
-    }
     let sides = sides::sides(fields.get("sides").as_ref(), &polygon, &context)?;
     let in_sides = context.used.take();
     let body_force = fields.get("body_force").map(|f| body::body_force(&f, &context)).transpose()?;
-    let probe = fields.get("probe").map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &polygon))?;
+    let probe = fields.get("probe").map_or_else(
+        || Ok(Vec::new()),
+        |p| {
+            let everywhere = exterior.is_some() && !cavity;
+            body::probe(&p, (!everywhere).then_some(&polygon))
+        },
+    )?;
     let method = method::method(fields.get("method"))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;
     }
-    if sides.iter().all(|side| matches!(side.condition, Condition::Free)) {
+    let by_medium = exterior.as_ref().is_some_and(|e| e.is_loaded());
+    let by_force = body_force.is_some() && exterior.is_some() && !cavity;
+    if sides.iter().all(|side| matches!(side.condition, Condition::Free)) && !by_medium && !by_force {
         let place = fields.get("sides").map_or(fields.place, |f| f.item.place);
         let names = polygon.side_names().join(", ");
-        return Err(Problem::new(
-            Kind::MissingKey,
-            place,
-            "nothing loads, holds or touches the body",
-            format!("add a table [sides.NAME] with contact, displacement, traction or pressure; the sides are {names}"),
-        ));
+        let sides = format!("[sides.NAME] with contact, displacement, traction or pressure; the sides are {names}");
+        let help = match exterior {
+            None => format!("add a table {sides}"),
+            Some(_) if cavity => format!("add exterior.remote_stress, or a table {sides}"),
+            Some(_) => "add exterior.remote_stress, displacement_jump or traction_jump, or a [body_force]".to_owned(),
+        };
+        return Err(Problem::new(Kind::MissingKey, place, "nothing loads, holds or touches the body", help));
     }
     let mut unused = Vec::new();
     let random = match outcome {
@@ -243,6 +272,7 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
         material,
         cells,
         grid,
+        exterior,
         parameters,
         sides,
         body_force,
@@ -274,22 +304,4 @@ fn material(field: &Field<'_>, context: &Context<'_>) -> Result<(Material, Optio
             Ok((body::material(&fields, context, young)?, None))
         }
     }
-}
-
-/// Refuses what is right, but not in this version.
-fn unavailable(root: &Item) -> Result<(), Problem> {
-    let refuse = |field: &Field<'_>, what: String, help: &str| {
-        Err(Problem::new(Kind::NotYetAvailable, field.item.place, format!("{what} is not yet available"), help))
-    };
-    let fields = Fields::open(&Field { name: String::new(), item: root })?;
-    if let Some(field) = fields.get("exterior") {
-        return refuse(&field, "[exterior], an exterior material,".into(), "remove the table");
-    }
-    if let Some(method) = fields.get("method").map(|f| Fields::open(&f)).transpose()?
-        && let Some(field) = method.get("model")
-        && let Ok(word @ ("fem-bem" | "msfem-bem")) = field.text()
-    {
-        return refuse(&field, format!("model = {word:?}"), "use \"bem\", \"fem\", \"msfem\" or \"auto\"");
-    }
-    Ok(())
 }

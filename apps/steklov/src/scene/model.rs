@@ -7,19 +7,36 @@ use crate::grid::{check_body, check_modulus_cells, fitting_grid};
 
 impl Scene {
     /// The model that is used, never [`Model::Auto`]: boundary elements unless the material or the body force differs from
-    /// place to place; then multiscale finite elements, or finite elements where a coarse cell is one fine cell.
+    /// place to place; then multiscale finite elements, or finite elements where a coarse cell is one fine cell; with boundary
+    /// elements around them where there is a medium.
     pub fn model(&self) -> Model {
-        match self.method.model {
-            Model::Auto if !self.varies() => Model::Bem,
-            Model::Auto if self.grid.is_some_and(|grid| grid.fine == [1, 1]) => Model::Fem,
-            Model::Auto => Model::Msfem,
-            asked => asked,
+        let one_fine_cell = self.grid.is_some_and(|grid| grid.fine == [1, 1]);
+        match (self.method.model, self.exterior.is_some()) {
+            (Model::Auto, _) if !self.varies() => Model::Bem,
+            (Model::Auto, false) if one_fine_cell => Model::Fem,
+            (Model::Auto, true) if one_fine_cell => Model::FemBem,
+            (Model::Auto, false) => Model::Msfem,
+            (Model::Auto, true) => Model::MsfemBem,
+            (asked, _) => asked,
         }
+    }
+
+    /// Whether the body is on a grid.
+    pub fn is_on_grid(&self) -> bool {
+        self.model() != Model::Bem
+    }
+
+    /// Whether its unknowns are those of coarse cells.
+    pub fn is_multiscale(&self) -> bool {
+        matches!(self.model(), Model::Msfem | Model::MsfemBem)
     }
 
     /// Whether boundary elements cannot answer the scene.
     fn varies(&self) -> bool {
-        self.cells.is_some() || self.body_force.is_some() && self.constant_force().is_none()
+        let in_medium = self.exterior.is_some() && !self.is_cavity();
+        let force = self.body_force.is_some() && (in_medium || self.constant_force().is_none());
+        let holes = in_medium && self.polygon.loops().len() > 1;
+        self.cells.is_some() || force || holes
     }
 
     /// The body force (force/area), if it is the same everywhere.
@@ -46,14 +63,21 @@ impl Scene {
 
     /// Whether the scene has what its model needs, and nothing that the model cannot treat.
     pub(super) fn check_model(&self) -> Result<(), SceneError> {
-        match self.model() {
-            Model::Bem => self.check_uniform(),
-            Model::Fem | Model::Msfem => {
-                let Some(grid) = &self.grid else { return Err(self.grid_error()) };
-                self.check_grid(grid)
-            }
-            Model::Auto | Model::FemBem | Model::MsfemBem => Ok(()),
+        self.check_exterior()?;
+        match (self.is_on_grid(), &self.grid) {
+            (false, _) => self.check_uniform(),
+            (true, Some(grid)) => self.check_grid(grid),
+            (true, None) => Err(self.grid_error()),
         }
+    }
+
+    /// Refuses what is right, but not in this version.
+    pub(super) fn check_available(&self) -> Result<(), SceneError> {
+        if self.exterior.is_none() {
+            return Ok(());
+        }
+        let message = "[exterior], an exterior material, is not yet available".to_owned();
+        Err(self.error_at(Kind::NotYetAvailable, &[vec!["exterior"]], message, "remove the table"))
     }
 
     /// Boundary elements: one material, one force.
@@ -86,9 +110,10 @@ impl Scene {
                 return error;
             }
         }
-        let (message, key) = match asked {
-            true => ("finite elements need a [grid]", vec!["method", "model"]),
-            false => ("a material that differs from cell to cell needs a [grid]", vec!["material", "cells"]),
+        let (message, key) = match (asked, &self.cells) {
+            (true, _) => ("finite elements need a [grid]", vec!["method", "model"]),
+            (false, Some(_)) => ("a material that differs from cell to cell needs a [grid]", vec!["material", "cells"]),
+            (false, None) => ("a body with a force or holes in it, in a medium, needs a [grid]", vec!["body"]),
         };
         self.error_at(Kind::MissingKey, &[key], message.to_owned(), &add)
     }
@@ -106,15 +131,15 @@ impl Scene {
             return Err(self.error_at(Kind::Unsupported, &[vec!["method", "multiplier"]], message, help));
         }
         let harmonic = !matches!(grid.basis, BasisInput::Q1 | BasisInput::Linear);
-        if self.model() == Model::Msfem && self.method.indicator == Indicator::Residual && !harmonic {
+        if self.is_multiscale() && self.method.indicator == Indicator::Residual && !harmonic {
             let message =
                 "residual indicators need a basis that solves the equations inside of coarse cells".to_owned();
             let help = "leave method.indicator at \"bubble\", or take the basis \"coupled\" or \"oscillatory\"";
             return Err(self.error_at(Kind::Unsupported, &[vec!["method", "indicator"]], message, help));
         }
-        match self.model() {
-            Model::Fem => check_body(self, grid.cells(), "fine")?,
-            _ => check_body(self, grid.coarse, "coarse")?,
+        match self.is_multiscale() {
+            false => check_body(self, grid.cells(), "fine")?,
+            true => check_body(self, grid.coarse, "coarse")?,
         }
         self.cells.as_ref().map_or(Ok(()), |cells| check_modulus_cells(self, cells, grid.cells()).map(drop))
     }

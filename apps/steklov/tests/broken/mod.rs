@@ -297,7 +297,7 @@ pub const CASES: &[Case] = &[
     set(&["method.elements=4", "method.elements=\"x\""], "\"x\"", "method.elements is a string", "a whole number"),
     set(&["material.poisson=0.5"], "0.5", "Poisson's ratio is 0.5", "below 0.5"),
     // The full language is known, also where it is not yet available
-    edit("elements = 8", "model = \"fem-bem\"", 19, "\"fem-bem\"", "\"fem-bem\" is not yet available", "\"bem\""),
+    edit("elements = 8", "model = \"fem-bem\"", 19, "\"fem-bem\"", "no medium around the body", "[exterior]"),
     edit(
         "",
         "[random.xi]\ndistribution = \"lognormal\"\nmean = 0\ndeviation = 1\n",
@@ -476,6 +476,6 @@ pub const CASES: &[Case] = &[
         "is [3, 2]",
         "lower one first",
     ),
-    edit("", "[exterior]\nyoung = 50\npoisson = 0.3\n", 20, "[exterior]", "is not yet available", "remove the table"),
+    edit("", "[exterior]\nyoung = 50\npoisson = 0.3\n", 10, "[sides.floor]", "meets the medium", "remove it"),
     edit("", "[exterior]\nyoung = 50\npoisson = 0.5\n", 22, "0.5", "Poisson's ratio is 0.5", "below 0.5"),
 ];

@@ -1,0 +1,244 @@
+//! `[exterior]`: the unbounded medium around the body, or around the hole that the corners of `[body]` outline.
+
+use steklov_bem_operators::{Edge, Material, Plane};
+use steklov_coupling::Radiation;
+
+use super::body::material;
+use super::error::{Problem, SceneError, SceneErrorKind as Kind};
+use super::fields::{Context, Field, Fields};
+use super::sides::Condition;
+use super::{BasisInput, Model, Scene};
+use crate::expression::Expression;
+
+/// `[exterior]`: the unbounded medium.
+#[derive(Debug, Clone)]
+pub struct ExteriorInput {
+    /// Its material, in the same plane as the body's.
+    pub material: Material,
+    /// u - u_c where body and medium meet (length).
+    pub displacement_jump: Option<[Expression; 2]>,
+    /// σ(u)n - σ(u_c)n there (stress), n out of the body.
+    pub traction_jump: Option<[Expression; 2]>,
+    /// The same as a tensor xx, yy, xy (stress) that is applied to n; both are added.
+    pub stress_jump: Option<[Expression; 3]>,
+    /// Stress xx, yy, xy far away.
+    pub remote_stress: [f64; 3],
+    /// What the displacement does far away, that of the remote stress apart.
+    pub radiation: Radiation,
+}
+
+/// Reads `[exterior]`; `body`: the plane of the body's material, None of a hole in the medium.
+pub(super) fn exterior(
+    field: &Field<'_>,
+    body: Option<Plane>,
+    context: &Context<'_>,
+) -> Result<ExteriorInput, Problem> {
+    let jumps = ["displacement_jump", "traction_jump", "stress_jump"];
+    let [displacement, traction, stress] = jumps;
+    let known = ["young", "poisson", "plane", displacement, traction, stress, "remote_stress", "at_infinity"];
+    let fields = Fields::new(field, &known)?;
+    let young = fields.require("young", "young = a positive number")?.constant(context)?;
+    let mut material = material(&fields, context, young)?;
+    match (fields.get("plane"), body) {
+        (Some(plane), Some(body)) if material.plane != body => {
+            let message = format!("{} is not that of the body", plane.name);
+            return Err(Problem::new(Kind::Conflict, plane.item.place, message, "remove it: material.plane counts"));
+        }
+        (_, Some(body)) => material.plane = body,
+        (_, None) => {}
+    }
+    if let (Some(jump), None) = (jumps.iter().find_map(|jump| fields.get(jump)), body) {
+        let message = format!("{} needs a body that the medium meets, and there is no [material] of one", jump.name);
+        let help = "load the sides of the hole by [sides], or give the body a [material]";
+        return Err(Problem::new(Kind::Conflict, jump.item.place, message, help));
+    }
+    let pair = |key: &str| fields.get(key).map(|jump| jump.expressions(context)).transpose();
+    let stress_jump = match fields.get(stress) {
+        Some(jump) => {
+            let [xx, yy, xy] = tensor(&jump)?;
+            Some([xx.expression(context)?, yy.expression(context)?, xy.expression(context)?])
+        }
+        None => None,
+    };
+    let remote_stress = match fields.get("remote_stress") {
+        Some(remote) => {
+            let [xx, yy, xy] = tensor(&remote)?;
+            let value = [xx.constant(context)?, yy.constant(context)?, xy.constant(context)?];
+            if value.iter().any(|s| !s.is_finite()) {
+                return Err(remote.problem(format!("{} is {value:?}", remote.name), "it must be finite"));
+            }
+            value
+        }
+        None => [0.0; 3],
+    };
+    let words = [("decaying", Radiation::Decaying), ("bounded", Radiation::Bounded)];
+    let radiation = fields.get("at_infinity").map_or(Ok(Radiation::Decaying), |word| word.choice(&words))?;
+    let (displacement_jump, traction_jump) = (pair(displacement)?, pair(traction)?);
+    Ok(ExteriorInput { material, displacement_jump, traction_jump, stress_jump, remote_stress, radiation })
+}
+
+/// The three entries xx, yy, xy of a symmetric tensor.
+fn tensor<'a>(field: &Field<'a>) -> Result<[Field<'a>; 3], Problem> {
+    let list = field.list()?;
+    let count = list.len();
+    let wrong = |_| field.problem(format!("{} has {count} entries", field.name), "it takes three: xx, yy and xy");
+    list.try_into().map_err(wrong)
+}
+
+impl ExteriorInput {
+    /// Gradient `[[∂x u_x, ∂y u_x], [∂x u_y, ∂y u_y]]` of the displacement that belongs to the remote stress, without rotation:
+    /// u_∞ = ε_∞ x.
+    pub fn remote_strain(&self) -> [[f64; 2]; 2] {
+        let ([xx, yy, xy], nu, mu) = (self.remote_stress, self.material.nu(), self.material.mu());
+        let along = |a: f64, b: f64| ((1.0 - nu) * a - nu * b) / (2.0 * mu);
+        let shear = xy / (2.0 * mu);
+        [[along(xx, yy), shear], [shear, along(yy, xx)]]
+    }
+
+    /// The displacement that belongs to the remote stress.
+    pub fn remote_displacement(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        self.remote_strain().map(|[a, b]| a * x + b * y)
+    }
+
+    /// The expressions of the jumps and their names.
+    fn jumps(&self) -> impl Iterator<Item = (&'static str, &Expression)> {
+        let displacement = self.displacement_jump.iter().flatten().map(|e| ("displacement jump", e));
+        let traction = self.traction_jump.iter().flatten().map(|e| ("traction jump", e));
+        let stress = self.stress_jump.iter().flatten().map(|e| ("stress jump", e));
+        displacement.chain(traction).chain(stress)
+    }
+
+    /// Whether anything of it loads the body.
+    pub(super) fn is_loaded(&self) -> bool {
+        self.remote_stress != [0.0; 3] || self.jumps().any(|(_, e)| e.constant() != Some(0.0))
+    }
+}
+
+impl Scene {
+    /// Whether the corners of `[body]` outline a hole in the unbounded medium.
+    pub fn is_cavity(&self) -> bool {
+        self.polygon.area() < 0.0
+    }
+
+    /// The edges on which the body meets the medium around it.
+    pub(crate) fn interface(&self) -> impl Iterator<Item = (usize, &Edge)> {
+        let meets = self.exterior.is_some() && !self.is_cavity();
+        self.polygon.edges().iter().enumerate().filter(move |(_, edge)| meets && edge.loop_index == 0)
+    }
+
+    /// u0 = u - u_c at the edge parameter s of an edge of the interface, that of the remote stress included.
+    pub fn displacement_jump(&self, edge: usize, s: f64) -> [f64; 2] {
+        let Some(exterior) = &self.exterior else { return [0.0; 2] };
+        let [x, y] = self.polygon.edges()[edge].point(s);
+        let remote = exterior.remote_displacement([x, y]);
+        match &exterior.displacement_jump {
+            Some(jump) => [0, 1].map(|i| remote[i] + jump[i].eval(x, y, s)),
+            None => remote,
+        }
+    }
+
+    /// Whether the jumps have values wherever body and medium meet, and the displacement has one at each corner.
+    pub(super) fn check_jumps(&self) -> Result<(), SceneError> {
+        let Some(exterior) = &self.exterior else { return Ok(()) };
+        for (what, jump) in exterior.jumps() {
+            let mut ends = Vec::new();
+            for (_, edge) in self.interface() {
+                let largest = self.check_along(edge, &self.sides[edge.side].name, what, jump)?;
+                let [(a, s), (b, t)] = [(edge.start, 0.0), (edge.end, 1.0)];
+                ends.push([jump.eval(a[0], a[1], s), jump.eval(b[0], b[1], t), largest]);
+            }
+            let largest = ends.iter().fold(0.0, |m: f64, [.., l]| m.max(*l));
+            let apart = |k: &usize| (ends[*k][1] - ends[(k + 1) % ends.len()][0]).abs() > 1e-6 * largest;
+            if let Some(k) = (0..ends.len()).find(apart).filter(|_| what == "displacement jump") {
+                let [x, y] = self.polygon.edges()[k].end;
+                let message = format!(
+                    "the {what} is {} before and {} after the corner ({x}, {y}): expression {:?}",
+                    ends[k][1],
+                    ends[(k + 1) % ends.len()][0],
+                    jump.text()
+                );
+                let help = "body and medium do not tear: write one continuous function of x and y";
+                return Err(self.source.error(Problem::new(Kind::Data, jump.place, message, help)));
+            }
+        }
+        Ok(())
+    }
+
+    /// What a scene with a medium around it cannot have.
+    pub(super) fn check_exterior(&self) -> Result<(), SceneError> {
+        let refuse = |kind, key: &[&str], message: &str, help: &str| {
+            Err(self.error_at(kind, &[key.to_vec()], message.to_owned(), help))
+        };
+        let model = self.model();
+        let coupled = matches!(model, Model::FemBem | Model::MsfemBem);
+        let Some(_) = &self.exterior else {
+            if coupled {
+                let message = "there is no medium around the body";
+                let help = "add a table [exterior] with young and poisson, or use \"fem\", \"msfem\" or \"auto\"";
+                return refuse(Kind::MissingKey, &["method", "model"], message, help);
+            }
+            return Ok(());
+        };
+        if matches!(model, Model::Fem | Model::Msfem) {
+            let message = "finite elements alone have no medium around the body";
+            let help = "use \"auto\", \"fem-bem\" or \"msfem-bem\", or remove [exterior]";
+            return refuse(Kind::Conflict, &["method", "model"], message, help);
+        }
+        if self.is_cavity() {
+            if coupled {
+                let message = "the scene has no [material] of a body: it is a hole in the medium of [exterior]";
+                return refuse(
+                    Kind::Conflict,
+                    &["method", "model"],
+                    message,
+                    "use \"bem\" or \"auto\", or add [material]",
+                );
+            }
+            if self.body_force.is_some() {
+                let message = "an unbounded medium cannot carry a body force";
+                let help = "give the stress that it makes as exterior.remote_stress, or load the sides of the hole";
+                return refuse(Kind::Unsupported, &["body_force"], message, help);
+            }
+            return Ok(());
+        }
+        for (index, side) in self.sides.iter().enumerate() {
+            let key = ["sides", side.name.as_str()];
+            let on_interface = self.interface().any(|(_, edge)| edge.side == index);
+            match &side.condition {
+                Condition::Free => {}
+                _ if on_interface => {
+                    let message = format!("side {:?} is where the body meets the medium of [exterior]", side.name);
+                    let help = "remove it; jumps there are exterior.displacement_jump and traction_jump";
+                    return refuse(Kind::Conflict, &key, &message, help);
+                }
+                Condition::Displacement { .. } | Condition::Contact { .. } => {
+                    let message = format!("side {:?} of a hole may be loaded, but not held or touched", side.name);
+                    let help = "give it a traction or a pressure: the medium holds the body";
+                    return refuse(Kind::Unsupported, &key, &message, help);
+                }
+                Condition::Traction(_) | Condition::Pressure(_) => {}
+            }
+        }
+        if self.random.is_some() {
+            let message = "random input needs one material, and there are a body and a medium";
+            return refuse(Kind::Unsupported, &["random"], message, "leave out [random], or remove [exterior]");
+        }
+        if model == Model::Bem {
+            if self.polygon.loops().len() > 1 {
+                let message = "boundary elements of a body in a medium cannot have holes in the body";
+                return refuse(Kind::Unsupported, &["body", "holes"], message, "use model = \"fem-bem\" with a [grid]");
+            }
+            if self.body_force.is_some() {
+                let message = "boundary elements of a body in a medium carry no body force";
+                return refuse(Kind::Unsupported, &["body_force"], message, "use model = \"fem-bem\" with a [grid]");
+            }
+        }
+        let conforming = |basis| !matches!(basis, BasisInput::Oversampled | BasisInput::Periodic);
+        if model == Model::MsfemBem && self.grid.is_some_and(|grid| !conforming(grid.basis)) {
+            let message = "the basis has no single displacement where the body meets the medium";
+            let help = "take \"coupled\", \"oscillatory\", \"linear\" or \"q1\"";
+            return refuse(Kind::Unsupported, &["grid", "basis"], message, help);
+        }
+        Ok(())
+    }
+}
