@@ -155,6 +155,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
         stochastic: None,
         grid: None,
+        exterior: None,
         seconds: SecondsSummary {
             set_up: part(0),
             assemble: part(1),

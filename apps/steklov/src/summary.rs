@@ -61,6 +61,9 @@ pub struct Summary {
     /// Finite elements only: the grid.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub grid: Option<GridSummary>,
+    /// Scenes with a medium around the body only: what happens far away.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub exterior: Option<ExteriorSummary>,
     /// Wall seconds.
     pub seconds: SecondsSummary,
     /// Largest resident memory of the process.
@@ -99,6 +102,21 @@ pub struct Stabilisation {
     pub gamma: f64,
     /// The largest γ₀ of a coercive form on the last mesh.
     pub critical_gamma: f64,
+}
+
+/// The unbounded medium around a body, or around a hole.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ExteriorSummary {
+    /// "decaying" or "bounded".
+    pub radiation: String,
+    /// Resultant of what acts on the medium, the remote stress apart (force per thickness).
+    pub resultant: [f64; 2],
+    /// Whether it is below 1e-6 of the sum of absolute values. If not, the displacement grows as log(L/r).
+    pub balanced: bool,
+    /// Displacement at infinity, that of the remote stress apart; 0 for "decaying".
+    pub constant: [f64; 2],
+    /// Length L in log(L/r): without balance it selects a rigid translation.
+    pub length: f64,
 }
 
 /// A body on a grid of rectangles.
