@@ -205,7 +205,7 @@ pub fn solve(
     let (Steklov { matrix, traction: traction_map }, enriched) = match enrichment {
         None => (Steklov::new(operators, Domain::Interior)?, None),
         Some(enrichment) => {
-            let (steklov, enriched) = Steklov::enriched(operators, enrichment)?;
+            let (steklov, enriched) = Steklov::enriched(operators, enrichment, Domain::Interior)?;
             (steklov, Some(enriched))
         }
     };

@@ -44,14 +44,19 @@ pub struct Enriched {
 }
 
 impl Steklov {
-    /// S of the base and what S₊ needs besides, for the body inside.
+    /// S of the base and what S₊ needs besides. Bounded at infinity the extra tractions, which have no resultant, are made
+    /// V-orthogonal to the base tractions without one.
     ///
     /// Cost: besides [`Steklov::new`] 6 N²n multiplications and additions for n extra unknowns.
     /// # Errors
     /// As [`Steklov::new`].
-    pub fn enriched(operators: Operators, enrichment: Enrichment) -> Result<(Self, EnrichedSteklov), BemError> {
+    pub fn enriched(
+        operators: Operators,
+        enrichment: Enrichment,
+        domain: Domain,
+    ) -> Result<(Self, EnrichedSteklov), BemError> {
         let (length, diameter) = (operators.length, operators.diameter);
-        let steklov = Self::new(operators, Domain::Interior)?;
+        let steklov = Self::new(operators, domain)?;
         let (l, x) = steklov.traction.factors();
         let n = x.nrows();
         let par = parts();
@@ -62,6 +67,10 @@ impl Steklov {
             [[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]]
         };
         let blocks = (0..extra / 2).map(|e| [block(&v, n, e), block(&w, n, e)]).collect();
+        if domain == Domain::Exterior {
+            k *= -1.0;
+            top *= -1.0;
+        }
         for (&value, (row, column)) in &mass {
             k[(row, column)] += 0.5 * value;
         }
@@ -73,6 +82,8 @@ impl Steklov {
         let (mut x_bubble, mut corner) = k.as_mut().split_at_row_mut(n);
         solve_lower_triangular_in_place(l, y.rb_mut(), par);
         solve_lower_triangular_in_place(l, x_bubble.rb_mut(), par);
+        steklov.traction.balance(y.rb_mut());
+        steklov.traction.balance(x_bubble.rb_mut());
         let (y, x_bubble) = (y.rb(), x_bubble.rb());
         matmul(factor.rb_mut(), Accum::Add, y.transpose(), y, -1.0, par);
         cholesky(factor.rb_mut(), par).map_err(|pivot| BemError::SingleLayerIndefinite {

@@ -1,10 +1,10 @@
-//! Straight-sided bodies, with holes: valid by construction.
+//! Straight-sided bodies, with holes or around them: valid by construction.
 
 use std::ops::Range;
 
 use robust::{Coord, orient2d};
 
-use crate::polygon_check::{PolygonError, check, tolerance};
+use crate::polygon_check::{PolygonError, check, check_holes, tolerance};
 
 /// A closed chain of corners as the user lists it.
 #[derive(Debug, Clone, PartialEq)]
@@ -24,7 +24,7 @@ pub struct Edge {
     pub end: [f64; 2],
     /// Index into [`Polygon::side_names`].
     pub side: usize,
-    /// 0 for the outer loop, k for the k-th hole.
+    /// Index into [`Polygon::loops`]: 0 for the outer loop, k for the k-th hole; of an unbounded body 0 for the first hole.
     pub loop_index: usize,
     /// Whether the corners were listed against the traversal: a hole listed counter-clockwise.
     pub reversed: bool,
@@ -62,18 +62,21 @@ pub enum Location {
         /// Its edge parameter in [0, 1].
         s: f64,
     },
-    /// Outside of the outer loop or in a hole.
+    /// Outside of the outer loop, or in a hole.
     Outside,
 }
 
-/// A polygon with holes, the closure of a connected open set whose boundary is a set of disjoint simple loops.
+/// A polygon with holes, or the plane with holes: the closure of a connected open set whose boundary is a set of disjoint
+/// simple loops.
 ///
-/// Edges are numbered as listed: the outer loop first, then the holes in order. The outer loop is counter-clockwise;
-/// holes may be listed in either order and are traversed clockwise, so that the body is always to the left.
+/// Edges are numbered as listed: the outer loop first, if there is one, then the holes in order. The outer loop is
+/// counter-clockwise; holes may be listed in either order and are traversed clockwise, so that the body is always to the
+/// left and n points out of it: of an unbounded body into the holes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polygon {
     edges: Vec<Edge>,
     loops: Vec<Range<usize>>,
+    bounded: bool,
     side_names: Vec<String>,
     area: f64,
     diameter: f64,
@@ -92,11 +95,26 @@ impl Polygon {
     pub fn new(outer: Loop, holes: Vec<Loop>) -> Result<Polygon, PolygonError> {
         let listed: Vec<Loop> = std::iter::once(outer).chain(holes).collect();
         check(&listed)?;
+        Ok(Self::of_valid(listed, true))
+    }
+
+    /// The unbounded body that is the plane without the holes: checks them and takes them over.
+    ///
+    /// The boundary equations of a body to the left of its boundary are its own for fields that decay at infinity, or grow
+    /// like a logarithm with a net force: [`crate::Domain::Interior`].
+    /// # Errors
+    /// [`PolygonError`] as [`Polygon::new`]; holes that meet, or lie in one another. Holes count from 1 in it.
+    pub fn outside(holes: Vec<Loop>) -> Result<Polygon, PolygonError> {
+        check_holes(&holes)?;
+        Ok(Self::of_valid(holes, false))
+    }
+
+    fn of_valid(listed: Vec<Loop>, bounded: bool) -> Polygon {
         let (diameter, tolerance) = tolerance(&listed);
         let (mut edges, mut loops, mut side_names) = (Vec::new(), Vec::new(), Vec::<String>::new());
         for (loop_index, Loop { corners, sides }) in listed.into_iter().enumerate() {
             let first = edges.len();
-            let reversed = loop_index > 0 && signed_area(&corners) > 0.0;
+            let reversed = (loop_index > 0 || !bounded) && signed_area(&corners) > 0.0;
             for (k, name) in sides.into_iter().enumerate() {
                 let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
                 let (start, end) = if reversed { (b, a) } else { (a, b) };
@@ -108,8 +126,10 @@ impl Polygon {
             }
             loops.push(first..edges.len());
         }
+        // of holes alone both are negative moments of a negative area: the centroid is that of the holes
         let (area, centroid) = area_and_centroid(&edges);
-        Ok(Polygon { edges, loops, side_names, area, diameter, centroid, tolerance })
+        let area = if bounded { area } else { f64::INFINITY };
+        Polygon { edges, loops, bounded, side_names, area, diameter, centroid, tolerance }
     }
 
     /// All edges by number.
@@ -122,7 +142,12 @@ impl Polygon {
         &self.side_names
     }
 
-    /// Edge numbers of each loop, the outer one first.
+    /// Whether the body has an outer loop; else it is the plane without its holes.
+    pub fn is_bounded(&self) -> bool {
+        self.bounded
+    }
+
+    /// Edge numbers of each loop, the outer one first if there is one.
     pub fn loops(&self) -> &[Range<usize>] {
         &self.loops
     }
@@ -134,17 +159,18 @@ impl Polygon {
         if self.edges[range.start].reversed { range.rev().collect() } else { range.collect() }
     }
 
-    /// Area of the body, holes excluded.
+    /// Area of the body, holes excluded; infinite if it is unbounded.
     pub fn area(&self) -> f64 {
         self.area
     }
 
-    /// Largest distance of two points of the body.
+    /// Largest distance of two points of the boundary; of a bounded body also that of two of its points.
     pub fn diameter(&self) -> f64 {
         self.diameter
     }
 
-    /// Centre of mass of the body; with holes or notches it may lie outside of it.
+    /// Centre of mass of the body, which with holes or notches may lie outside of it; of an unbounded body that of all its
+    /// holes together.
     pub fn centroid(&self) -> [f64; 2] {
         self.centroid
     }
@@ -172,9 +198,11 @@ impl Polygon {
                 winding -= 1;
             }
         }
+        // holes are traversed clockwise: -1 in one of them
+        let within = if self.bounded { 1 } else { 0 };
         match on {
             Some((edge, s)) => Location::Boundary { edge, s },
-            None if winding == 1 => Location::Inside,
+            None if winding == within && x.iter().all(|c| c.is_finite()) => Location::Inside,
             None => Location::Outside,
         }
     }

@@ -4,7 +4,7 @@ use std::fmt;
 
 use crate::polygon::{Loop, distance, nearest_on_segment, orientation, signed_area};
 
-/// An edge as the user lists it; loops and indices count from 0, loop 0 is the outer one.
+/// An edge as the user lists it; corners count from 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct EdgeName {
     /// 0 for the outer loop, k for the k-th hole.
@@ -28,10 +28,14 @@ fn name(loop_index: &usize) -> String {
     }
 }
 
-/// What is wrong with a list of corners. Corners and edges count from 0, holes from 1; loop 0 is the outer one.
+/// What is wrong with a list of corners. Corners and edges count from 0, holes from 1, of an unbounded body too; loop 0 is
+/// the outer one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PolygonError {
+    /// An unbounded body without a hole has no boundary.
+    #[error("the plane has no hole: list the corners of at least one")]
+    NoHole,
     /// A loop of fewer than three corners.
     #[error("{} has {corners} corners; it needs at least 3", name(.loop_index))]
     TooFewCorners {
@@ -175,9 +179,53 @@ pub(crate) fn tolerance(loops: &[Loop]) -> (f64, f64) {
 /// Diameters from the origin at which a body still has six digits of its shape, and beyond which it is refused.
 const FARTHEST: f64 = 1e10;
 
-/// Accepts exactly the loops that bound a polygon with holes, the outer one counter-clockwise.
+/// Loops, and what they are: the number of the first one in errors is 0 for an outer loop and 1 where all are holes.
+struct Listed<'a> {
+    loops: &'a [Loop],
+    first: usize,
+}
+
+impl Listed<'_> {
+    /// The loops with their numbers in errors.
+    fn numbered(&self) -> impl Iterator<Item = (usize, &Loop)> {
+        (self.first..).zip(self.loops)
+    }
+
+    fn holes(&self) -> impl Iterator<Item = (usize, &Loop)> {
+        self.numbered().filter(|l| l.0 > 0)
+    }
+}
+
+/// Accepts exactly the loops that bound a polygon with holes, the outer one counter-clockwise and first.
 pub(crate) fn check(loops: &[Loop]) -> Result<(), PolygonError> {
-    for (loop_index, l) in loops.iter().enumerate() {
+    check_loops(&Listed { loops, first: 0 })?;
+    let area = signed_area(&loops[0].corners);
+    if area < 0.0 {
+        return Err(PolygonError::Clockwise { area });
+    }
+    for (loop_index, hole) in loops.iter().enumerate().skip(1) {
+        let at = hole.corners[0];
+        if !surrounds(&loops[0].corners, at) {
+            return Err(PolygonError::HoleOutside { loop_index, at });
+        }
+    }
+    check_nesting(&Listed { loops, first: 0 })
+}
+
+/// Accepts exactly the loops that are holes in the plane, at least one.
+pub(crate) fn check_holes(holes: &[Loop]) -> Result<(), PolygonError> {
+    if holes.is_empty() {
+        return Err(PolygonError::NoHole);
+    }
+    let listed = Listed { loops: holes, first: 1 };
+    check_loops(&listed)?;
+    check_nesting(&listed)
+}
+
+/// Every loop is simple, and no two of them meet.
+fn check_loops(listed: &Listed<'_>) -> Result<(), PolygonError> {
+    let loops = listed.loops;
+    for (loop_index, l) in listed.numbered() {
         check_list(loop_index, l)?;
     }
     let (diameter, tolerance) = tolerance(loops);
@@ -186,14 +234,14 @@ pub(crate) fn check(loops: &[Loop]) -> Result<(), PolygonError> {
     if distance_to_origin > FARTHEST * diameter && diameter > 0.0 {
         return Err(PolygonError::FarFromOrigin { distance: distance_to_origin, diameter });
     }
-    let segments = segments(loops);
+    let segments = segments(listed);
     for s in &segments {
         let length = distance(s.a, s.b);
         if length <= tolerance {
-            return Err(PolygonError::ZeroEdge { edge: s.name(loops), at: s.a, length, tolerance });
+            return Err(PolygonError::ZeroEdge { edge: s.name(listed), at: s.a, length, tolerance });
         }
     }
-    for (loop_index, l) in loops.iter().enumerate() {
+    for (loop_index, l) in listed.numbered() {
         check_width(loop_index, &l.corners)?;
     }
     for s in &segments {
@@ -202,15 +250,11 @@ pub(crate) fn check(loops: &[Loop]) -> Result<(), PolygonError> {
     for (i, s) in segments.iter().enumerate() {
         for (j, t) in segments.iter().enumerate().skip(i + 1) {
             if s.follower != j && t.follower != i {
-                check_pair(s, t, tolerance, loops)?;
+                check_pair(s, t, tolerance, listed)?;
             }
         }
     }
-    let area = signed_area(&loops[0].corners);
-    if area < 0.0 {
-        return Err(PolygonError::Clockwise { area });
-    }
-    check_nesting(loops)
+    Ok(())
 }
 
 fn check_list(loop_index: usize, Loop { corners, sides }: &Loop) -> Result<(), PolygonError> {
@@ -259,15 +303,15 @@ impl ListedEdge {
         nearest_on_segment(x, self.a, self.b).0 <= tolerance
     }
 
-    fn name(&self, loops: &[Loop]) -> EdgeName {
+    fn name(&self, listed: &Listed<'_>) -> EdgeName {
         let ListedEdge { loop_index, corner, .. } = *self;
-        EdgeName { loop_index, corner, side: loops[loop_index].sides[corner].clone() }
+        EdgeName { loop_index, corner, side: listed.loops[loop_index - listed.first].sides[corner].clone() }
     }
 }
 
-fn segments(loops: &[Loop]) -> Vec<ListedEdge> {
+fn segments(listed: &Listed<'_>) -> Vec<ListedEdge> {
     let mut segments = Vec::new();
-    for (loop_index, Loop { corners, .. }) in loops.iter().enumerate() {
+    for (loop_index, Loop { corners, .. }) in listed.numbered() {
         let first = segments.len();
         for corner in 0..corners.len() {
             let next = (corner + 1) % corners.len();
@@ -287,7 +331,7 @@ fn check_corner(s: &ListedEdge, t: &ListedEdge, tolerance: f64) -> Result<(), Po
 }
 
 /// Two edges that do not follow each other share no point.
-fn check_pair(s: &ListedEdge, t: &ListedEdge, tolerance: f64, loops: &[Loop]) -> Result<(), PolygonError> {
+fn check_pair(s: &ListedEdge, t: &ListedEdge, tolerance: f64, listed: &Listed<'_>) -> Result<(), PolygonError> {
     let apart = |c: usize| {
         s.a[c].max(s.b[c]) + tolerance < t.a[c].min(t.b[c]) || t.a[c].max(t.b[c]) + tolerance < s.a[c].min(s.b[c])
     };
@@ -297,7 +341,12 @@ fn check_pair(s: &ListedEdge, t: &ListedEdge, tolerance: f64, loops: &[Loop]) ->
     for (own, other) in [(t, s), (s, t)] {
         for (corner, at) in [(own.corner, own.a), (own.next, own.b)] {
             if other.meets(at, tolerance) {
-                return Err(PolygonError::Touching { loop_index: own.loop_index, corner, at, edge: other.name(loops) });
+                return Err(PolygonError::Touching {
+                    loop_index: own.loop_index,
+                    corner,
+                    at,
+                    edge: other.name(listed),
+                });
             }
         }
     }
@@ -306,19 +355,16 @@ fn check_pair(s: &ListedEdge, t: &ListedEdge, tolerance: f64, loops: &[Loop]) ->
     if (sa > 0.0) != (sb > 0.0) && (ta > 0.0) != (tb > 0.0) {
         let r = sa / (sa - sb);
         let at = [s.a[0] + r * (s.b[0] - s.a[0]), s.a[1] + r * (s.b[1] - s.a[1])];
-        return Err(PolygonError::Crossing { first: s.name(loops), second: t.name(loops), at });
+        return Err(PolygonError::Crossing { first: s.name(listed), second: t.name(listed), at });
     }
     Ok(())
 }
 
 /// Loops that do not meet are nested or apart, and one corner tells which.
-fn check_nesting(loops: &[Loop]) -> Result<(), PolygonError> {
-    for (loop_index, hole) in loops.iter().enumerate().skip(1) {
+fn check_nesting(listed: &Listed<'_>) -> Result<(), PolygonError> {
+    for (loop_index, hole) in listed.holes() {
         let at = hole.corners[0];
-        if !surrounds(&loops[0].corners, at) {
-            return Err(PolygonError::HoleOutside { loop_index, at });
-        }
-        for (within, other) in loops.iter().enumerate().skip(1) {
+        for (within, other) in listed.holes() {
             if within != loop_index && surrounds(&other.corners, at) {
                 return Err(PolygonError::HoleInHole { loop_index, within, at });
             }

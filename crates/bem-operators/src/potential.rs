@@ -17,10 +17,12 @@ use crate::moments::Segment;
 use crate::near::MAX_ORDER;
 use crate::{Material, Mesh, Space};
 
-/// The elastic field of a displacement and a traction on the boundary: u = V t - K u inside the body.
+/// The elastic field of a displacement and a traction on the boundary: u = a + V t - K u inside the body.
 #[derive(Debug, Clone)]
 pub struct BoundaryField {
     material: Material,
+    /// a.
+    constant: [f64; 2],
     pub(crate) constants: Constants,
     pub(crate) elements: Vec<Piece>,
 }
@@ -96,14 +98,26 @@ impl BoundaryField {
                 traction: (0..p).map(|n| [traction[at + 2 * n], traction[at + 2 * n + 1]]).collect(),
             }
         });
-        Self { material: *material, constants: Constants::new(material), elements: elements.collect() }
+        let constants = Constants::new(material);
+        Self { material: *material, constant: [0.0; 2], constants, elements: elements.collect() }
+    }
+
+    /// The same field with the constant a to which it tends at infinity, in an unbounded body:
+    /// [`crate::TractionMap::at_infinity`]. It is 0 in a bounded body.
+    pub fn tending_to(self, constant: [f64; 2]) -> Self {
+        Self { constant, ..self }
+    }
+
+    /// The constant at infinity.
+    pub fn at_infinity(&self) -> [f64; 2] {
+        self.constant
     }
 
     /// Displacement, its gradient and the stress at a point inside the body (not on the boundary).
     pub fn inside(&self, x: [f64; 2]) -> Inside {
         let x = Complex64::new(x[0], x[1]);
         let k = &self.constants;
-        let (mut u, mut gradient) = ([0.0; 2], [[0.0; 2]; 2]);
+        let (mut u, mut gradient) = (self.constant, [[0.0; 2]; 2]);
         let mut at = AtPoint::default();
         for piece in &self.elements {
             at.off_cut(piece, (x - piece.segment.end) * piece.inverse, (x - piece.segment.start) * piece.inverse);

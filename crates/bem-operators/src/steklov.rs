@@ -2,6 +2,7 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
+use faer::linalg::matmul::matmul as matmul_dense;
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
@@ -9,20 +10,30 @@ use faer::{Accum, Col, Mat, MatMut, MatRef, Par};
 
 use crate::{BemError, Operators};
 
-/// On which side of the boundary the elastic body lies.
+/// On which side of the boundary the elastic body lies, and what its displacement does at infinity.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Domain {
-    /// The body is the polygon: V t = (½ + K) u.
+    /// The body is to the left of the boundary, n points out of it: V t = (½ + K) u. Of an unbounded body
+    /// ([`crate::Polygon::outside`]) the displacement decays, or with a net force R on the boundary is
+    /// κ c_V R log(L/r) + O(1/r) with c_V = 1/(8πμ(1-ν)), so that L matters.
     Interior,
     /// The body is the rest of the plane, n still points out of the polygon: V t = (K - ½) u.
     Exterior,
+    /// As `Interior` for an unbounded body whose displacement tends to some constant a at infinity: V t = (½ + K)(u - a)
+    /// with ∮ t = 0. Nothing resists translations, and L does not matter.
+    BoundedAtInfinity,
 }
 
 /// Steklov-Poincaré matrix S = W + Hᵀ V⁻¹ H with H = ½M + K (interior) or H = ½M - K (exterior).
 ///
-/// S is displacement × displacement (stress), symmetric and positive semi-definite. Interior: t = S u, rigid motions
-/// span the kernel, S does not depend on L. Exterior: t = -S u with n out of the polygon; S depends on L, which selects
-/// the condition at infinity.
+/// S is displacement × displacement (stress), symmetric and positive semi-definite. Interior: t = S u; of a bounded body
+/// rigid motions span the kernel and S does not depend on L; of an unbounded one S is positive definite and depends on L,
+/// which selects the condition at infinity. Exterior: t = -S u with n out of the polygon; otherwise the same as the
+/// unbounded body. Bounded at infinity, with 1 the two translations:
+///
+/// ```text
+/// S_B u = S (u - a) = S u - S 1 (1ᵀ S 1)⁻¹ 1ᵀ S u,     1ᵀ S_B = 0,     V_B⁻¹ = V⁻¹ on tractions without resultant
+/// ```
 #[derive(Debug, Clone)]
 pub struct Steklov {
     /// S, full storage.
@@ -36,9 +47,52 @@ pub struct Steklov {
 pub struct TractionMap {
     /// L of V = L Lᵀ in the lower triangle; what stands above it is V.
     factor: Mat<f64>,
-    /// L⁻¹ H, traction × displacement.
+    /// L⁻¹ H, traction × displacement; bounded at infinity, without its part along L⁻¹ H 1.
     solved: Mat<f64>,
     domain: Domain,
+    translations: Option<Translations>,
+}
+
+/// What is taken out of L⁻¹ H where the displacement is bounded at infinity: L⁻¹ H 1 = Q R, QᵀQ = 1.
+#[derive(Debug, Clone)]
+struct Translations {
+    /// Q, traction × 2.
+    basis: Mat<f64>,
+    /// The constant at infinity, a = R⁻¹ Qᵀ L⁻¹ H u: 2 × displacement.
+    constant: Mat<f64>,
+}
+
+impl Translations {
+    fn new(solved: MatRef<'_, f64>) -> Self {
+        let nodes = solved.ncols() / 2;
+        let mut basis = Mat::zeros(solved.nrows(), 2);
+        for node in 0..nodes {
+            basis += solved.subcols(2 * node, 2);
+        }
+        let mut upper = Mat::<f64>::zeros(2, 2);
+        upper[(0, 0)] = basis.col(0).norm_l2();
+        let first = basis.col(0) / upper[(0, 0)];
+        upper[(0, 1)] = first.transpose() * basis.col(1);
+        let second = basis.col(1) - &first * upper[(0, 1)];
+        upper[(1, 1)] = second.norm_l2();
+        let basis = Mat::from_fn(basis.nrows(), 2, |i, j| if j == 0 { first[i] } else { second[i] / upper[(1, 1)] });
+        let mut constant = along(&basis, solved);
+        solve_upper_triangular_in_place(upper.as_ref(), constant.as_mut(), Par::Seq);
+        Self { basis, constant }
+    }
+
+    /// A := A - Q Qᵀ A.
+    fn remove(&self, mut a: MatMut<'_, f64>) {
+        let part = along(&self.basis, a.rb());
+        matmul_dense(a.rb_mut(), Accum::Add, &self.basis, &part, -1.0, parts());
+    }
+}
+
+/// Qᵀ A.
+fn along(basis: &Mat<f64>, a: MatRef<'_, f64>) -> Mat<f64> {
+    let mut part = Mat::zeros(2, a.ncols());
+    matmul_dense(part.as_mut(), Accum::Replace, basis.transpose(), a, 1.0, parts());
+    part
 }
 
 impl Steklov {
@@ -65,6 +119,10 @@ impl Steklov {
             diameter,
         })?;
         solve_lower_triangular_in_place(factor.as_ref(), solved.as_mut(), par);
+        let translations = (domain == Domain::BoundedAtInfinity).then(|| Translations::new(solved.as_ref()));
+        if let Some(translations) = &translations {
+            translations.remove(solved.as_mut());
+        }
         matmul(
             matrix.as_mut(),
             BlockStructure::TriangularLower,
@@ -77,7 +135,7 @@ impl Steklov {
             par,
         );
         mirror_lower(matrix.as_mut());
-        Ok(Self { matrix, traction: TractionMap { factor, solved, domain } })
+        Ok(Self { matrix, traction: TractionMap { factor, solved, domain, translations } })
     }
 }
 
@@ -85,6 +143,22 @@ impl TractionMap {
     /// L of V = L Lᵀ (in the lower triangle) and L⁻¹H.
     pub(crate) fn factors(&self) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
         (self.factor.as_ref(), self.solved.as_ref())
+    }
+
+    /// Takes out of L⁻¹ times a matrix of tractions what the displacement at infinity takes; nothing unless it is bounded there.
+    pub(crate) fn balance(&self, a: MatMut<'_, f64>) {
+        if let Some(translations) = &self.translations {
+            translations.remove(a);
+        }
+    }
+
+    /// The constant a to which the displacement tends at infinity, of a nodal displacement on the boundary; 0 unless the
+    /// domain is [`Domain::BoundedAtInfinity`].
+    pub fn at_infinity(&self, displacement: &[f64]) -> [f64; 2] {
+        self.translations.as_ref().map_or([0.0; 2], |t| {
+            let a = &t.constant * Col::from_fn(displacement.len(), |i| displacement[i]);
+            [a[0], a[1]]
+        })
     }
 
     /// Legendre coefficients of the traction t = σ(u)n of a nodal displacement, interleaved as [`crate::Space`] says.

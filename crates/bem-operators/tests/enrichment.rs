@@ -113,7 +113,7 @@ fn the_enriched_stiffness_is_that_of_one_degree_more() {
     let whole = Steklov::new(whole, Domain::Interior).expect("S");
     let (base, extra) =
         Enrichment::assemble(&mesh, &space, &material(), None, &mut PairCache::default()).expect("operators");
-    let (steklov, enriched) = Steklov::enriched(base, extra).expect("S");
+    let (steklov, enriched) = Steklov::enriched(base, extra, Domain::Interior).expect("S");
     let (n, t) = (space.dofs(), prolongation(&space, &raised));
     let s = t.transpose() * &whole.matrix * &t;
     let scale = s.norm_max();
