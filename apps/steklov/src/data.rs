@@ -368,7 +368,7 @@ impl Data<'_> {
         Ok(())
     }
 
-    fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
+    pub(crate) fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
         let mesh = self.mesh;
         Function {
             value: Box::new(move |site: &Site| expression.eval(site.point[0], site.point[1], site.s)),
@@ -382,7 +382,7 @@ impl Data<'_> {
     }
 
     /// An error of the numerics about an expression, told with its place in the scene.
-    fn located(&self, error: BemError, expression: &Expression) -> SolveError {
+    pub(crate) fn located(&self, error: BemError, expression: &Expression) -> SolveError {
         match &error {
             BemError::DataNotFinite { name, side, point, .. } => {
                 let Location::Boundary { s, .. } = self.scene.polygon.contains(*point) else { return error.into() };
@@ -461,13 +461,13 @@ fn side_data<'a>((side, functions): &'a (usize, [Option<Function<'_>>; 3])) -> O
 }
 
 /// An expression as a datum of the numerics.
-struct Function<'a> {
+pub(crate) struct Function<'a> {
     value: Box<dyn Fn(&Site) -> f64 + Sync + 'a>,
     kinks: Box<dyn Fn(usize) -> Vec<f64> + Sync + 'a>,
 }
 
 impl Function<'_> {
-    fn datum<'a>(&'a self, name: &'a str) -> Datum<'a> {
+    pub(crate) fn datum<'a>(&'a self, name: &'a str) -> Datum<'a> {
         Datum { name, value: &*self.value, kinks: &*self.kinks }
     }
 }

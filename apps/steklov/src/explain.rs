@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::BemError;
 use steklov_contact::{ContactError, LEAST_GAMMA};
+use steklov_coupling::CouplingError;
 use steklov_msfem::MsfemError;
 use steklov_stochastic::StochasticError;
 
@@ -12,7 +13,7 @@ use crate::summary::available_memory_bytes;
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
 pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, SolveError> {
-    use SceneErrorKind::{Conflict, Unsupported, Value};
+    use SceneErrorKind::{Conflict, Geometry, Unsupported, Value};
     let message = error.to_string();
     let at = |kind, keys: &[Vec<&str>], help: &str| Ok(scene.error_at(kind, keys, message.clone(), help));
     match &error {
@@ -30,6 +31,24 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
                 "hold a side against all rigid motions; moduli that differ by more than 1e12 lose all digits",
             ),
             _ => at(Value, &[vec!["grid"], vec!["material"]], "change the grid or the moduli"),
+        },
+        SolveError::Coupling(error) => match **error {
+            CouplingError::Unbalanced { .. } => at(
+                Unsupported,
+                &[vec!["exterior", "at_infinity"], vec!["exterior"]],
+                "balance the loads, or set at_infinity = \"decaying\" for the displacement that grows as log r",
+            ),
+            CouplingError::Outline { .. } => at(
+                Geometry,
+                &[vec!["body", "corners"]],
+                "the outer boundary on the grid must be one curve that does not touch itself: take finer cells, or move corners apart",
+            ),
+            CouplingError::Contrast { .. } | CouplingError::Singular { .. } => at(
+                Value,
+                &[vec!["exterior", "young"], vec!["exterior"]],
+                "too few digits are left of so unequal materials: hold or load the softer one alone",
+            ),
+            _ => at(Value, &[vec!["exterior"]], "change the grid or the materials"),
         },
         SolveError::Stochastic(StochasticError::NotCoercive { .. }) => at(
             Unsupported,

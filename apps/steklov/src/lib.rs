@@ -10,6 +10,7 @@
 pub mod field;
 pub mod expression;
 pub mod scene;
+pub mod around;
 pub mod grid;
 pub mod plan;
 mod data;

@@ -7,6 +7,7 @@ use steklov_bem_operators::{BodyForce, BoundaryField, Inside, Location, Mesh};
 use steklov_contact::Kkt;
 use steklov_io::vtkhdf::{Field, Grid};
 
+use crate::around::{Around, Window};
 use crate::body::Body;
 use crate::grid::GridRecord;
 use crate::plan::Plan;
@@ -52,6 +53,8 @@ pub struct Record {
     pub stochastic: Option<StochasticResult>,
     /// The grid of finite elements.
     pub on_grid: Option<GridRecord>,
+    /// The medium around the body, and a window of it.
+    pub around: Option<(Around, Window)>,
 }
 
 /// Points of the triangulated body, about.
@@ -102,6 +105,7 @@ impl Record {
             mesh: solved.mesh,
             stochastic,
             on_grid: None,
+            around: None,
         }
     }
 }

@@ -58,6 +58,9 @@ pub enum SolveError {
     /// The finite element part failed.
     #[error(transparent)]
     Msfem(Box<steklov_msfem::MsfemError>),
+    /// Body and medium could not be joined.
+    #[error(transparent)]
+    Coupling(Box<steklov_coupling::CouplingError>),
     /// Two held sides want different displacements where they meet.
     #[error(
         "sides \"{first}\" and \"{second}\" hold the point ({}, {}) at different displacements {component} = {a} and {b}: \

@@ -10,6 +10,7 @@ use steklov_io::{
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
 
+use crate::around;
 use crate::grid::{GridRecord, GridStep, store as grid};
 use crate::plan::Plan;
 use crate::record::Record;
@@ -171,6 +172,9 @@ pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
     save_solution(&create_group(file, "solution")?, record)?;
     if record.summary.contact.is_some() {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
+    }
+    if let Some((around, window)) = &record.around {
+        around::store::write(file, around, window)?;
     }
     if let Some(result) = &record.stochastic {
         stochastic::write(&create_group(file, "stochastic")?, result)?;

@@ -4,6 +4,7 @@ use faer::Side;
 use faer::linalg::cholesky::llt::factor::LltError;
 use steklov_bem_operators::{BemError, BoundaryField, Inside, Material, Mesh, Operators, Space};
 
+use crate::dense::product;
 use crate::{Coupled, CouplingError};
 
 /// Boundary elements of the medium around the body.
@@ -44,6 +45,20 @@ impl Exterior {
             return Err(BemError::SingleLayerIndefinite { pivot: index, size, length, diameter }.into());
         }
         Ok(Self { mesh, space, material, operators })
+    }
+
+    /// Strain energy ½ ⟨S(ξ - a), ξ - a⟩ of a solution in the medium (force times length per thickness); with a resultant of the
+    /// loads, whose energy is infinite, it depends on L.
+    pub fn energy(&self, solution: &Coupled) -> f64 {
+        let a = solution.constant;
+        let xi: Vec<f64> = solution.exterior_displacement.iter().enumerate().map(|(k, u)| u - a[k % 2]).collect();
+        let Operators { k, w, mass, .. } = &self.operators;
+        let mut moments = product(k.as_ref(), &xi);
+        for (&value, (row, column)) in mass {
+            moments[row] -= 0.5 * value * xi[column];
+        }
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        0.5 * (dot(&xi, &product(w.as_ref(), &xi)) + dot(&solution.traction, &moments))
     }
 
     /// The field of a solution in the medium.

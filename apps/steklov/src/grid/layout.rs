@@ -1,5 +1,6 @@
 //! What is solved next: how fine the grid is, and which coarse cells are on it.
 
+use steklov_bem_operators::Mesh;
 use steklov_msfem::{CoarseCell, CoarseMesh, mark, refine};
 
 use super::grid_of;
@@ -14,6 +15,8 @@ pub struct GridLayout {
     pub parts: usize,
     /// Coarse cells; None of bilinear elements on all fine cells.
     pub coarse: Option<Vec<CoarseCell>>,
+    /// Boundary elements of the medium around the body, where they are not those between the points of its trace.
+    pub around: Option<Mesh>,
 }
 
 impl GridLayout {
@@ -26,7 +29,7 @@ impl GridLayout {
             (true, Some(input)) => Some(CoarseMesh::uniform(&grid_of(scene)?, input.fine)?.cells),
             _ => None,
         };
-        Ok(Self { parts: 1, coarse })
+        Ok(Self { parts: 1, coarse, around: None })
     }
 
     /// What is solved after this: all fine cells halved, or the marked coarse cells split; None where nothing can be split.
@@ -34,7 +37,7 @@ impl GridLayout {
     /// # Errors
     /// Those of a coarse mesh.
     pub(super) fn next(&self, solved: &GridSolved, refinement: Refine, theta: f64) -> Result<Option<Self>, SolveError> {
-        let Some(coarse) = &solved.coarse else { return Ok(Some(Self { parts: 2 * self.parts, coarse: None })) };
+        let Some(coarse) = &solved.coarse else { return Ok(Some(Self { parts: 2 * self.parts, coarse: None, around: None })) };
         let marked = match &solved.estimate {
             Some(estimate) if !is_uniform(refinement) => {
                 let cells = estimate.indicators.iter().zip(&coarse.mesh.cells);
@@ -45,7 +48,7 @@ impl GridLayout {
             _ => vec![true; coarse.mesh.cells.len()],
         };
         let cells = refine(&solved.medium.grid, &coarse.mesh, &marked)?.cells;
-        Ok((cells.len() > coarse.mesh.cells.len()).then_some(Self { coarse: Some(cells), ..*self }))
+        Ok((cells.len() > coarse.mesh.cells.len()).then_some(Self { parts: self.parts, coarse: Some(cells), around: None }))
     }
 }
 

@@ -19,6 +19,7 @@ mod trace;
 mod loads;
 mod system;
 mod solve;
+mod coupled;
 mod estimate;
 mod run;
 mod plan;

@@ -2,17 +2,18 @@
 
 use std::path::Path;
 
-use steklov_bem_operators::Mesh;
+use steklov_bem_operators::{Location, Mesh};
 use steklov_io::vtkhdf::{Field, Grid as VtkGrid};
 use steklov_msfem::{CoarseMesh, Medium, crossing_contrast};
 
 use super::estimate::GridEstimate;
 use super::run::{GridRun, GridStep};
 use super::solve::GridSolved;
+use crate::around::{Around, Window, window};
 use crate::plan::Plan;
 use crate::record::{Record, audit_summary};
 use crate::report::{ContactRow, contact_rows, contact_summary};
-use crate::scene::{Condition, Model, Scene, Side};
+use crate::scene::{Condition, Scene, Side};
 use crate::summary::{GridSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 
 /// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their
@@ -39,7 +40,14 @@ impl Record {
         let solved = &run.last;
         let trace = solved.trace();
         let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(trace, c));
-        let grid = vtk(solved);
+        let around = solved.around.clone().map(|around| {
+            let window = window(&scene.polygon, &around);
+            (around, window)
+        });
+        let mut grid = vtk(solved);
+        if let Some((around, window)) = &around {
+            add_medium(&mut grid, around, window);
+        }
         let mesh: &Mesh = trace.mesh;
         let traction_points: Vec<[f64; 2]> = (0..mesh.len()).map(|e| mesh.point(e, 0.0)).collect();
         let traction = (0..mesh.len())
@@ -72,6 +80,7 @@ impl Record {
             mesh,
             stochastic: None,
             on_grid: Some(on_grid),
+            around,
         }
     }
 }
@@ -133,6 +142,34 @@ fn vtk(solved: &GridSolved) -> VtkGrid {
     }
 }
 
+/// Adds the triangles of the medium to the cells of the body: lines, triangles, quadrilaterals.
+fn add_medium(grid: &mut VtkGrid, around: &Around, window: &Window) {
+    let (first, lines) = (grid.points.len(), grid.lines.len());
+    let cells = grid.lines.len() + grid.quads.len();
+    grid.points.extend(&window.points);
+    grid.triangles = window.triangles.iter().map(|corners| corners.map(|i| first + i)).collect();
+    for field in &mut grid.point_data {
+        field.values.extend(window.values.iter().flat_map(|(u, _)| [u[0], u[1], 0.0]));
+    }
+    let means: Vec<[f64; 3]> = window
+        .triangles
+        .iter()
+        .map(|corners| [0, 1, 2].map(|k| corners.iter().map(|&i| window.values[i].1[k]).sum::<f64>() / 3.0))
+        .collect();
+    for field in &mut grid.cell_data {
+        let of_medium: Vec<f64> = match field.name.as_str() {
+            "stress" => means.as_flattened().to_vec(),
+            "von_mises" => means.iter().map(|&s| around.material.von_mises(s)).collect(),
+            _ => vec![around.material.young; means.len()],
+        };
+        let at = field.components * lines;
+        field.values.splice(at..at, of_medium);
+    }
+    let mut region = vec![0.0; cells];
+    region.splice(lines..lines, vec![1.0; means.len()]);
+    grid.cell_data.push(Field { name: "region".into(), unit: "0 body, 1 medium around it".into(), components: 1, values: region });
+}
+
 fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Summary {
     let solved = &run.last;
     let contact = solved.contact.as_ref();
@@ -144,17 +181,20 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
         _ => true,
     };
     // prescribed displacements that vary are interpolated, and reactions do work on what that leaves
-    let applies = solved.coarse.is_none() && scene.sides.iter().all(constant);
+    let applies = solved.coarse.is_none() && solved.around.is_none() && scene.sides.iter().all(constant);
     let correction = estimate.filter(|e| applies && e.doubts().is_empty()).map(|e| e.fine_grid / 2.0);
     let extrapolated = correction.map(|c| (solved.energies.total - c, c));
     let part = |k: usize| run.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
     let probe = |&point: &[f64; 2]| {
-        let (displacement, stress) = solved.at(point);
+        let (displacement, stress) = match &solved.around {
+            Some(around) if scene.polygon.contains(point) == Location::Outside => around.at(point),
+            _ => solved.at(point),
+        };
         Probe { point, displacement, stress }
     };
     Summary {
         title: scene.title.clone(),
-        model: if scene.model() == Model::Fem { "fem" } else { "msfem" }.into(),
+        model: scene.model().word().into(),
         file: file.display().to_string(),
         converged: run.converged(),
         reason: run.reason.word().into(),
@@ -184,6 +224,7 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
             ..Default::default()
         },
         grid: Some(grid_summary(solved)),
+        exterior: solved.around.as_ref().map(Around::summary),
         peak_memory_bytes: peak_memory_bytes(),
         ..Summary::default()
     }

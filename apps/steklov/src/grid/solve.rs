@@ -7,12 +7,14 @@ use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale, Plane,
 };
 
+use super::coupled::solve_coupled;
 use super::estimate::{GridEstimate, estimate};
 use super::layout::GridLayout;
 use super::loads::{check_gaps, loads};
 use super::system::{Answer, System, without_motions};
 use super::trace::GridTrace;
 use super::{grid_of, moduli};
+use crate::around::Around;
 use crate::contact::ContactResult;
 use crate::data::Data;
 use crate::report::Trace;
@@ -50,6 +52,8 @@ pub struct GridSolved {
     pub seconds: Seconds,
     /// Wall seconds of the estimate.
     pub estimate_seconds: f64,
+    /// The unbounded medium around the body.
+    pub around: Option<Around>,
 }
 
 /// The coarse part of a multiscale solution.
@@ -123,9 +127,13 @@ pub(crate) fn solve_grid(
     let fine = GridTrace::new(scene, &medium.grid, |_| true)?;
     let (loads, tractions) = loads(scene, &medium, &fine)?;
     let set_up = clock.elapsed().as_secs_f64();
-    let (mut solved, held) = match &layout.coarse {
-        None => solve_fine(scene, medium, fine, &loads, observe)?,
-        Some(cells) => solve_coarse(scene, medium, fine, &loads, cells.clone(), observe)?,
+    let (mut solved, held) = match (&scene.exterior, &layout.coarse) {
+        (Some(input), _) => {
+            let held = vec![false; medium.grid.dofs()];
+            (solve_coupled(scene, input, medium, fine, &loads, layout, observe)?, held)
+        }
+        (None, None) => solve_fine(scene, medium, fine, &loads, observe)?,
+        (None, Some(cells)) => solve_coarse(scene, medium, fine, &loads, cells.clone(), observe)?,
     };
     solved.seconds.set_up += set_up;
     let Energies { total, strain, load_work, .. } = solved.energies;
@@ -237,6 +245,7 @@ fn solve_fine(
         coarse: None,
         trace,
         medium,
+        around: None,
     };
     Ok((solved, is_held))
 }
@@ -282,11 +291,11 @@ fn lift(problem: &Multiscale<'_>, fine: &GridTrace, held: &[Held], trace: &GridT
 }
 
 /// Does work that tells its progress, which takes a part of the step from one share to another.
-fn watched<T>(
+pub(super) fn watched<T, E: Into<SolveError>>(
     part: &'static str,
     [from, to]: [f64; 2],
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-    work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, MsfemError>,
+    work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, E>,
 ) -> Result<T, SolveError> {
     let mut stopped = None;
     let done = work(&mut |share| match observe(Stage::Progress(part, from + (to - from) * share)) {
@@ -298,7 +307,7 @@ fn watched<T>(
     });
     match stopped {
         Some(error) => Err(error),
-        None => Ok(done?),
+        None => done.map_err(Into::into),
     }
 }
 
@@ -428,6 +437,7 @@ fn solve_coarse(
         }),
         trace,
         medium,
+        around: None,
     };
     Ok((solved, is_held))
 }

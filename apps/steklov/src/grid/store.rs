@@ -17,6 +17,8 @@ fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> 
     Label { unit, meaning, axes }
 }
 
+/// Boundary elements of the medium around the body.
+const AROUND: &str = "boundary_elements";
 const COARSE: &str = "first fine cell along x and y, fine cells along x and y";
 
 fn save_cells(at: &Group, cells: &[CoarseCell]) -> Result<(), IoError> {
@@ -92,6 +94,9 @@ fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
     if let Some(cells) = &step.layout.coarse {
         save_cells(at, cells)?;
     }
+    if let Some(mesh) = &step.layout.around {
+        save(at, AROUND, mesh)?;
+    }
     let Some(estimate) = &step.estimate else { return Ok(()) };
     save_number(at, "estimate", estimate.error, "(force*length/thickness)^(1/2)", "estimated error, energy norm")?;
     let names = "multiscale: squared error of the coarse cells; fine grid: its own squared error (force*length/thickness); \
@@ -165,7 +170,8 @@ fn load_medium(at: &Group, fields: &vtkhdf::Grid) -> Result<Medium, IoError> {
     }
     let grid = Grid::new(pair("origin")?, pair("spacing")?, [nx, ny], |ix, iy| rows[ix * ny + iy] > 0)
         .map_err(|e| invalid(at, "rows", e))?;
-    let same = grid.nodes() == fields.points.len()
+    // those of the medium around the body follow
+    let same = grid.nodes() <= fields.points.len()
         && grid.body_cells().zip(1..).all(|(cell, row)| rows[cell] == row)
         && grid.body_cells().map(|cell| grid.cell_nodes(cell)).eq(fields.quads.iter().copied());
     if !same {
@@ -208,6 +214,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
         return Err(invalid(at, "parts", format!("{parts} parts of a cell")));
     }
     let coarse = if at.link_exists("coarse_cells") { Some(load_cells(at)?) } else { None };
+    let around = if at.link_exists(AROUND) { Some(load(at, AROUND)?) } else { None };
     let estimate = if at.link_exists("estimate") {
         let terms = load_vector(at, "estimate_terms")?;
         let &[multiscale, fine_grid, relative, inside, crossed] = terms.as_slice() else {
@@ -250,7 +257,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
         None
     };
     Ok(GridStep {
-        layout: GridLayout { parts, coarse },
+        layout: GridLayout { parts, coarse, around },
         dofs: whole("dofs")?,
         energy: load_number(at, "energy")?,
         strain: load_number(at, "strain_energy")?,

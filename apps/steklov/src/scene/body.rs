@@ -144,17 +144,26 @@ pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Ex
     Ok(expressions)
 }
 
-/// `[probe]`: points of the body or of its boundary; of the whole plane without a polygon.
-pub(super) fn probe(field: &Field<'_>, polygon: Option<&Polygon>) -> Result<Vec<[f64; 2]>, Problem> {
+/// `[probe]`: points of the body or of its boundary; `around`: also of the plane around it.
+pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Result<Vec<[f64; 2]>, Problem> {
     let points = Fields::new(field, &["points"])?.require("points", "points = [[x, y], ...]")?;
     let mut list = Vec::new();
     for field in points.list()? {
         let [x, y] = field.point()?;
-        if polygon.is_some_and(|polygon| polygon.contains([x, y]) == Location::Outside) {
-            let message = format!("the probe point ({x}, {y}) is not in the body");
+        if polygon.contains([x, y]) == Location::Outside && !(around && is_around(polygon, [x, y])) {
+            let message = format!("the probe point ({x}, {y}) is not in the body{}", if around { " or around it" } else { "" });
             return Err(field.problem(message, "move it into the body or onto its boundary, or remove it"));
         }
         list.push([x, y]);
     }
     Ok(list)
+}
+
+/// Whether a point that is not in a body lies around it, and not in one of its holes.
+fn is_around(polygon: &Polygon, [x, y]: [f64; 2]) -> bool {
+    let crossed = polygon.edges()[polygon.loops()[0].clone()].iter().filter(|edge| {
+        let ([a, b], [c, d]) = (edge.start, edge.end);
+        (b > y) != (d > y) && x < a + (y - b) / (d - b) * (c - a)
+    });
+    x.is_finite() && y.is_finite() && crossed.count().is_multiple_of(2)
 }

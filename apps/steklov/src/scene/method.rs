@@ -23,6 +23,13 @@ pub enum Model {
     MsfemBem,
 }
 
+impl Model {
+    /// The word of the scene file.
+    pub fn word(self) -> &'static str {
+        MODELS.iter().find(|(_, model)| *model == self).map_or("", |(word, _)| word)
+    }
+}
+
 /// How the mesh is refined.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Refine {
@@ -82,6 +89,8 @@ pub struct Method {
     pub refine: Refine,
     /// Elements of the first mesh, at least 1.
     pub elements: usize,
+    /// Whether the scene gives them.
+    pub elements_given: bool,
     /// Degree of the first mesh, 1 to 64.
     pub degree: usize,
     /// Largest number of displacement unknowns.
@@ -120,6 +129,7 @@ impl Default for Method {
             tolerance: 1e-3,
             refine: Refine::Hp,
             elements: 16,
+            elements_given: false,
             degree: 1,
             max_dofs: 20_000,
             max_steps: 60,
@@ -174,7 +184,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
             "model" => method.model = field.choice(&MODELS)?,
             "tolerance" => method.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?,
             "refine" => method.refine = field.choice(&REFINES)?,
-            "elements" => method.elements = field.whole(1, 1_000_000)?,
+            "elements" => (method.elements, method.elements_given) = (field.whole(1, 1_000_000)?, true),
             "degree" => method.degree = field.whole(1, 64)?,
             "max_dofs" => method.max_dofs = field.whole(1, 100_000_000)?,
             "max_steps" => method.max_steps = field.whole(1, 1_000_000)?,

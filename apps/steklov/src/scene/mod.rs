@@ -227,10 +227,7 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
     let body_force = fields.get("body_force").map(|f| body::body_force(&f, &context)).transpose()?;
     let probe = fields.get("probe").map_or_else(
         || Ok(Vec::new()),
-        |p| {
-            let everywhere = exterior.is_some() && !cavity;
-            body::probe(&p, (!everywhere).then_some(&polygon))
-        },
+        |p| body::probe(&p, &polygon, exterior.is_some() && !cavity),
     )?;
     let method = method::method(fields.get("method"))?;
     let mut expect = Vec::new();

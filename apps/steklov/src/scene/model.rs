@@ -73,11 +73,11 @@ impl Scene {
 
     /// Refuses what is right, but not in this version.
     pub(super) fn check_available(&self) -> Result<(), SceneError> {
-        if self.exterior.is_none() {
+        if self.exterior.is_none() || self.is_on_grid() {
             return Ok(());
         }
-        let message = "[exterior], an exterior material, is not yet available".to_owned();
-        Err(self.error_at(Kind::NotYetAvailable, &[vec!["exterior"]], message, "remove the table"))
+        let message = "boundary elements with an [exterior] material are not yet available".to_owned();
+        Err(self.error_at(Kind::NotYetAvailable, &[vec!["exterior"]], message, "use \"fem-bem\" with a [grid]"))
     }
 
     /// Boundary elements: one material, one force.

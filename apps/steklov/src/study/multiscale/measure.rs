@@ -28,7 +28,7 @@ fn stopped(interrupts: &AtomicUsize) -> impl FnMut(Stage<'_>) -> Result<(), Solv
 
 /// Bilinear elements on all cells, each cut into `parts` × `parts`.
 pub(super) fn on_all_cells(scene: &Scene, parts: usize, interrupts: &AtomicUsize) -> Result<GridSolved, SolveError> {
-    solve_grid(scene, &GridLayout { parts, coarse: None }, &mut stopped(interrupts))
+    solve_grid(scene, &GridLayout { parts, coarse: None, around: None }, &mut stopped(interrupts))
 }
 
 /// Multiscale elements on coarse cells of `fine` cells each. `oversample` as in [`GridInput`].
@@ -44,7 +44,7 @@ pub(super) fn on_coarse_cells(
     let coarse = [0, 1].map(|k| grid.cells[k] / fine[k]);
     scene.grid = Some(GridInput { coarse, fine, basis, oversample });
     let coarse = Some(CoarseMesh::uniform(&grid, fine)?.cells);
-    solve_grid(&scene, &GridLayout { parts: 1, coarse }, &mut stopped(interrupts))
+    solve_grid(&scene, &GridLayout { parts: 1, coarse, around: None }, &mut stopped(interrupts))
 }
 
 /// What [`timed`] gives: the solution, and the median of its seconds.

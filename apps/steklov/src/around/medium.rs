@@ -1,0 +1,114 @@
+//! The medium around a body, solved.
+
+use steklov_bem_operators::{BoundaryField, Material, Mesh, Space};
+use steklov_coupling::{Balance, Coupled, Exterior, Radiation};
+
+use crate::scene::ExteriorInput;
+use crate::summary::ExteriorSummary;
+
+/// The medium around a body; its fields are those of the remote stress plus u_c = K ξ - V φ + a.
+#[derive(Debug, Clone)]
+pub struct Around {
+    /// Boundary elements where body and medium meet, the body to the left.
+    pub mesh: Mesh,
+    /// Their unknowns.
+    pub space: Space,
+    /// The medium.
+    pub material: Material,
+    /// L in log(L/r).
+    pub length: f64,
+    /// ξ = u_c at the nodes (length).
+    pub displacement: Vec<f64>,
+    /// φ = σ(u_c)n by Legendre coefficients (stress), n out of the body.
+    pub traction: Vec<f64>,
+    /// Displacement a at infinity (length).
+    pub constant: [f64; 2],
+    /// Resultant of the loads.
+    pub balance: Balance,
+    /// What was asked for at infinity.
+    pub radiation: Radiation,
+    /// Stress far away.
+    pub remote_stress: [f64; 3],
+    /// Its displacement gradient.
+    remote_strain: [[f64; 2]; 2],
+    field: BoundaryField,
+}
+
+impl Around {
+    /// The medium of a solved transmission problem.
+    pub fn new(input: &ExteriorInput, exterior: Exterior, coupled: &Coupled) -> Self {
+        let length = exterior.operators.length;
+        let Exterior { mesh, space, material, .. } = exterior;
+        let (displacement, traction) = (coupled.exterior_displacement.clone(), coupled.traction.clone());
+        let field = BoundaryField::new(&mesh, &space, &material, &displacement, &traction, length);
+        Self {
+            mesh,
+            space,
+            material,
+            length,
+            displacement,
+            traction,
+            constant: coupled.constant,
+            balance: coupled.balance,
+            radiation: input.radiation,
+            remote_stress: input.remote_stress,
+            remote_strain: input.remote_strain(),
+            field,
+        }
+    }
+
+    /// Displacement and stress at a point outside of the body, the remote ones included.
+    pub fn at(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        // the representation of a body has the opposite sign
+        let inside = self.field.inside(x);
+        self.with_remote(x, [0, 1].map(|i| self.constant[i] - inside.displacement[i]), inside.stress.map(|s| -s))
+    }
+
+    /// Displacement and stress on the boundary, from the medium, at the reference coordinate t of element e.
+    pub fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
+        let trace = self.field.trace(e, t);
+        self.with_remote(self.mesh.point(e, t), trace.displacement, trace.stress)
+    }
+
+    /// Displacement and stress of the medium next to a point of the boundary: there the mean of both elements beside it.
+    pub(crate) fn beside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        let from = |e: usize| {
+            let ([a, b], d) = (self.mesh.ends(e), self.mesh.half(e));
+            let middle = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
+            let along = ((x[0] - middle[0]) * d[0] + (x[1] - middle[1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]);
+            let t = along.clamp(-1.0, 1.0);
+            let y = self.mesh.point(e, t);
+            ((x[0] - y[0]).hypot(x[1] - y[1]), t)
+        };
+        let nearest = (0..self.mesh.len()).map(|e| (from(e), e));
+        let least = nearest.min_by(|((a, _), _), ((b, _), _)| a.total_cmp(b));
+        let Some(((_, t), e)) = least else { return self.at(x) };
+        let (displacement, stress) = self.on_boundary(e, t);
+        let other = match t {
+            1.0 => self.on_boundary(self.mesh.next[e], -1.0).1,
+            -1.0 => self.on_boundary(self.mesh.previous()[e], 1.0).1,
+            _ => stress,
+        };
+        (displacement, [0, 1, 2].map(|k| (stress[k] + other[k]) / 2.0))
+    }
+
+    fn with_remote(&self, [x, y]: [f64; 2], u: [f64; 2], stress: [f64; 3]) -> ([f64; 2], [f64; 3]) {
+        let remote = self.remote_strain.map(|[a, b]| a * x + b * y);
+        ([0, 1].map(|i| u[i] + remote[i]), [0, 1, 2].map(|k| stress[k] + self.remote_stress[k]))
+    }
+
+    /// What is told of it.
+    pub(crate) fn summary(&self) -> ExteriorSummary {
+        let radiation = match self.radiation {
+            Radiation::Decaying => "decaying",
+            Radiation::Bounded => "bounded",
+        };
+        ExteriorSummary {
+            radiation: radiation.into(),
+            resultant: self.balance.force,
+            balanced: self.balance.is_balanced(),
+            constant: self.constant,
+            length: self.length,
+        }
+    }
+}

@@ -1,0 +1,248 @@
+//! A grid in an unbounded medium: finite elements inside, boundary elements around them.
+
+use std::time::Instant;
+
+use steklov_bem_operators::{Mesh, Space};
+use steklov_coupling::{Coupled, CouplingError, Exterior, Form, Interior, Transmission};
+use steklov_msfem::{CoarseMesh, Extra, Loads, Medium, Multiscale};
+
+use super::layout::GridLayout;
+use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
+use super::trace::GridTrace;
+use crate::around::Around;
+use crate::scene::{ExteriorInput, Scene};
+use crate::solve::{Energies, Seconds, SolveError, Stage};
+
+/// Parts of the solution that both kinds of elements have.
+struct Joined {
+    around: Around,
+    coupled: Coupled,
+    /// Strain energy of the medium.
+    energy: f64,
+    seconds: Seconds,
+}
+
+/// Solves the scene on a grid and in the medium around it.
+///
+/// # Errors
+/// Those of [`Transmission`] and of the multiscale bases; an observer that fails.
+pub(super) fn solve_coupled(
+    scene: &Scene,
+    input: &ExteriorInput,
+    medium: Medium,
+    fine: GridTrace,
+    loads: &Loads,
+    layout: &GridLayout,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<GridSolved, SolveError> {
+    let (grid, clock) = (&medium.grid, Instant::now());
+    let Some(cells) = &layout.coarse else {
+        observe(Stage::Progress("assembling K", 0.05))?;
+        let interior = Interior::fine(&medium, loads)?;
+        observe(Stage::Stiffness("K", "node of the fine grid", &interior.stiffness))?;
+        let assemble = clock.elapsed().as_secs_f64();
+        let joined = join(scene, input, interior, layout, observe)?;
+        let displacement = joined.coupled.displacement.clone();
+        let at_boundary: Vec<usize> = fine.lattice.iter().map(|&p| node_at(grid, p)).collect();
+        let boundary_displacement =
+            at_boundary.iter().flat_map(|n| [displacement[2 * n], displacement[2 * n + 1]]).collect();
+        let dofs = grid.dofs();
+        return Ok(solved(medium, fine, loads, joined, displacement, boundary_displacement, None, dofs, assemble));
+    };
+    let basis = basis(scene);
+    let mut problem = Multiscale::new(&medium, CoarseMesh::new(grid, cells.clone())?, basis)?;
+    let interior = watched("bases of coarse cells", [0.05, 0.4], observe, |go_on| -> Result<_, CouplingError> {
+        Interior::coarse(&mut problem, loads, go_on)
+    })?;
+    observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &interior.stiffness))?;
+    let assemble = clock.elapsed().as_secs_f64();
+    let mut joined = join(scene, input, interior, layout, observe)?;
+    let clock = Instant::now();
+    let bubbles = !loads.body.is_empty() && basis != steklov_msfem::Basis::Q1;
+    let extra = Extra { bubbles, lift: Vec::new() };
+    let displacement = watched("fine displacements", [0.7, 0.9], observe, |go_on| {
+        problem.downscale(&joined.coupled.displacement, loads, &extra, go_on)
+    })?;
+    joined.seconds.solve += clock.elapsed().as_secs_f64();
+    let vertices = problem.vertex_displacement(&joined.coupled.displacement);
+    let vertex_at = |p: [usize; 2]| problem.mesh.vertices.binary_search_by_key(&[p[1], p[0]], |v| [v[1], v[0]]).ok();
+    let trace = GridTrace::new(scene, grid, |p| vertex_at(p).is_some())?;
+    let on_boundary = trace.lattice.iter().map(|&p| vertex_at(p).map_or([f64::NAN; 2], |v| vertices[v]));
+    let boundary_displacement = on_boundary.flatten().collect();
+    let (patterns, dofs, mesh) = (problem.patterns(), problem.dofs(), problem.mesh);
+    let coarse = CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() };
+    Ok(solved(medium, trace, loads, joined, displacement, boundary_displacement, Some(coarse), dofs, assemble))
+}
+
+/// Boundary elements on the trace of the body, and the solution on the interface.
+fn join(
+    scene: &Scene,
+    input: &ExteriorInput,
+    interior: Interior,
+    layout: &GridLayout,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<Joined, SolveError> {
+    let clock = Instant::now();
+    observe(Stage::Progress("assembling V, K, W", 0.4))?;
+    let mesh = boundary_mesh(scene, layout, &interior)?;
+    let exterior = Exterior::new(mesh, input.material, None)?;
+    observe(Stage::Operators(&exterior.operators))?;
+    let jump = exterior.space.interpolate(|x| {
+        let (edge, s) = on_interface(scene, x);
+        scene.displacement_jump(edge, s)
+    });
+    let assemble = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    observe(Stage::Progress("factorisation", 0.5))?;
+    let problem = Transmission::new(interior, &exterior)?;
+    let factorise = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    observe(Stage::Progress("interface", 0.6))?;
+    // the two-field form, its tractions eliminated
+    let coupled = problem.solve(&jump, Form::Schur, input.radiation)?;
+    let energy = exterior.energy(&coupled);
+    drop(problem);
+    let around = Around::new(input, exterior, &coupled);
+    let seconds = Seconds { set_up: 0.0, assemble, factorise, solve: clock.elapsed().as_secs_f64() };
+    Ok(Joined { around, coupled, energy, seconds })
+}
+
+/// The boundary elements of a layout: those between the points of the trace, or as many as the scene asks for, cut where
+/// earlier steps have cut them.
+fn boundary_mesh(scene: &Scene, layout: &GridLayout, interior: &Interior) -> Result<Mesh, SolveError> {
+    let degree = scene.method.degree;
+    Ok(match (&layout.around, scene.method.elements_given) {
+        (Some(mesh), _) => mesh.clone(),
+        (None, true) => Mesh::uniform(&interior.trace.polygon, scene.method.elements, degree),
+        (None, false) => interior.trace.mesh(1, degree)?,
+    })
+}
+
+/// The edge of the interface next to a point, and its parameter there.
+fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
+    let place = |(k, edge): (usize, &steklov_bem_operators::Edge)| {
+        let ([a, b], length) = (edge.listed(), edge.length());
+        let along = ((x[0] - a[0]) * (b[0] - a[0]) + (x[1] - a[1]) * (b[1] - a[1])) / (length * length);
+        let s = along.clamp(0.0, 1.0);
+        let y = edge.point(s);
+        ((x[0] - y[0]).hypot(x[1] - y[1]), k, s)
+    };
+    let nearest = scene.interface().map(place).min_by(|a, b| a.0.total_cmp(&b.0));
+    nearest.map_or((0, 0.0), |(_, k, s)| (k, s))
+}
+
+#[expect(clippy::too_many_arguments, reason = "the parts of one struct")]
+fn solved(
+    medium: Medium,
+    trace: GridTrace,
+    loads: &Loads,
+    joined: Joined,
+    displacement: Vec<f64>,
+    boundary_displacement: Vec<f64>,
+    coarse: Option<CoarseSolved>,
+    dofs: usize,
+    assemble: f64,
+) -> GridSolved {
+    let Joined { around, energy, mut seconds, .. } = joined;
+    seconds.assemble += assemble;
+    let load_work = loads.nodal(&medium).iter().zip(&displacement).map(|(f, u)| f * u).sum();
+    let strain = medium.energy(&displacement, &displacement) / 2.0 + energy;
+    GridSolved {
+        dofs,
+        energies: Energies { total: strain - load_work, strain, load_work, friction_work: 0.0 },
+        boundary_displacement,
+        displacement,
+        contact: None,
+        balanced: true,
+        reactions: Vec::new(),
+        free_motions: Vec::new(),
+        estimate: None,
+        seconds,
+        estimate_seconds: 0.0,
+        coarse,
+        trace,
+        medium,
+        around: Some(around),
+    }
+}
+
+/// Means over fine sides, and moments against the functions of their ends.
+pub(super) struct SideTraction {
+    /// Fine cell and its side.
+    pub side: (usize, usize),
+    /// Fine nodes at the start and the end.
+    pub nodes: [usize; 2],
+    /// ∫ φ·v of both linear functions.
+    pub moments: [[f64; 2]; 2],
+    pub length: f64,
+}
+
+/// The traction of the medium on the fine sides of the interface.
+pub(super) fn medium_tractions(solved: &GridSolved, fine: &GridTrace) -> Vec<SideTraction> {
+    let (Some(around), grid) = (&solved.around, &solved.medium.grid) else { return Vec::new() };
+    let Around { mesh, space, traction, .. } = around;
+    let mut sides = Vec::new();
+    for e in 0..fine.mesh.len() {
+        let ends = fine.mesh.ends(e);
+        let length = fine.mesh.length(e);
+        let mut moments = [[0.0; 2]; 2];
+        let mut covered = 0.0;
+        for f in 0..mesh.len() {
+            let Some([from, to]) = overlap(ends, length, mesh, f) else { continue };
+            covered += to - from;
+            add_moments(&mut moments, ends, [from, to], (mesh, space, traction), f);
+        }
+        // sides of holes have no boundary element on them
+        if covered > 0.5 {
+            let nodes = [e, fine.mesh.next[e]].map(|node| node_at(grid, fine.lattice[node]));
+            sides.push(SideTraction { side: fine.cell(grid, e), nodes, moments, length });
+        }
+    }
+    sides
+}
+
+/// The part of a side that a boundary element covers, from 0 to 1 along the side.
+fn overlap([a, b]: [[f64; 2]; 2], length: f64, mesh: &Mesh, f: usize) -> Option<[f64; 2]> {
+    let d = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+    let place = |x: [f64; 2]| {
+        let r = [x[0] - a[0], x[1] - a[1]];
+        ((r[0] * d[0] + r[1] * d[1]) / length, (r[1] * d[0] - r[0] * d[1]) / length)
+    };
+    let [(from, off), (to, off_too)] = mesh.ends(f).map(place);
+    let (from, to) = (from.max(0.0), to.min(1.0));
+    (off.abs() < 1e-6 && off_too.abs() < 1e-6 && to - from > 1e-9).then_some([from, to])
+}
+
+/// Adds the moments of the traction of element f on the part of a side.
+fn add_moments(
+    moments: &mut [[f64; 2]; 2],
+    [a, b]: [[f64; 2]; 2],
+    [from, to]: [f64; 2],
+    (mesh, space, traction): (&Mesh, &Space, &[f64]),
+    f: usize,
+) {
+    let p = space.degree(f);
+    let rule = steklov_quadrature::gauss_legendre(p / 2 + 2);
+    let side = (b[0] - a[0]).hypot(b[1] - a[1]);
+    let [start, end] = mesh.ends(f);
+    let d = [end[0] - start[0], end[1] - start[1]];
+    let mut legendre = vec![0.0; p];
+    for (&t, w) in rule.points.iter().zip(&rule.weights) {
+        let s = from + (to - from) * (1.0 + t) / 2.0;
+        let x = [a[0] + s * (b[0] - a[0]) - start[0], a[1] + s * (b[1] - a[1]) - start[1]];
+        let along = (x[0] * d[0] + x[1] * d[1]) / (d[0] * d[0] + d[1] * d[1]);
+        steklov_quadrature::legendre_p(2.0 * along - 1.0, &mut legendre);
+        for i in 0..2 {
+            let value: f64 = (0..p).map(|m| legendre[m] * traction[2 * (space.offset[f] + m) + i]).sum();
+            let weight = w * (to - from) / 2.0 * side * value;
+            moments[0][i] += (1.0 - s) * weight;
+            moments[1][i] += s * weight;
+        }
+    }
+}
+
+impl From<CouplingError> for SolveError {
+    fn from(error: CouplingError) -> Self {
+        Self::Coupling(Box::new(error))
+    }
+}
