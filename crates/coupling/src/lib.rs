@@ -25,6 +25,7 @@
 //! | the problem on the interface, its solution | [`Transmission`], [`Form`], [`Coupled`] |
 //! | behaviour at infinity, resultants | [`Radiation`], [`Balance`] |
 //! | displacement and stress around the body | [`ExteriorField`] |
+//! | residuals on the interface and in the cells, the error of the traction | [`InterfaceIndicators`], [`CellIndicators`] |
 //!
 //! Boundary elements that are finer than the trace, of any degree, take it as it is; where the trace is finer, they take its
 //! L² projection, and loads of the trace that they do not resolve stay with the body. Holes of the body are free of traction.
@@ -68,11 +69,16 @@ mod dense;
 mod two_field;
 mod three_field;
 mod schur;
+mod subdivided;
+mod indicators;
+mod cell_indicators;
 
 pub use balance::{Balance, Radiation};
+pub use cell_indicators::CellIndicators;
 pub use error::CouplingError;
 pub use exterior::{Exterior, ExteriorField};
 pub use form::Form;
+pub use indicators::{InterfaceIndicators, Jumps};
 pub use interior::Interior;
 pub use outline::Outline;
 pub use trace::Trace;

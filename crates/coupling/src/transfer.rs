@@ -22,18 +22,18 @@ pub struct Transfer {
 }
 
 /// A part of an element between two points of the trace.
-struct Overlap {
+pub(crate) struct Overlap {
     /// The first of both points.
-    point: usize,
+    pub point: usize,
     /// Reference coordinates of both points on the element; they may lie outside of it.
     ends: [f64; 2],
     /// The part, in reference coordinates.
-    span: [f64; 2],
+    pub span: [f64; 2],
 }
 
 impl Overlap {
     /// Values of the two linear functions.
-    fn hats(&self, t: f64) -> [f64; 2] {
+    pub fn hats(&self, t: f64) -> [f64; 2] {
         let s = (t - self.ends[0]) / (self.ends[1] - self.ends[0]);
         [1.0 - s, s]
     }
@@ -67,7 +67,7 @@ fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
 }
 
 /// Parts of element e between points of the trace.
-fn overlaps(trace: &Trace, mesh: &Mesh, e: usize) -> Result<Vec<Overlap>, CouplingError> {
+pub(crate) fn overlaps(trace: &Trace, mesh: &Mesh, e: usize) -> Result<Vec<Overlap>, CouplingError> {
     let ([a, b], length) = (mesh.ends(e), mesh.length(e));
     let d = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
     let count = trace.points.len();
