@@ -3,11 +3,18 @@
 mod common;
 
 use common::{
-    PAIRS, around, body_force, close, double_layers, energy_error, inner_gradient, jump, manufactured, material,
+    PAIRS, around, body_force, close, double_layers, energy_error, inner_gradient, jump, lu, manufactured, material,
     number, outer, problem, reference, traction, traction_error,
 };
 use faer::Mat;
-use steklov_coupling::{CellIndicators, Coupled, Exterior, Form, InterfaceIndicators, Interior, Jumps, Radiation};
+use proptest::prelude::*;
+use steklov_bem_operators::{Material, Mesh, Operators, Plane, Space};
+use steklov_coupling::{
+    CellIndicators, Coupled, CouplingError, Exterior, Form, InterfaceIndicators, Interior, Jumps, Outline, Radiation,
+    Transmission,
+};
+use steklov_msfem::{Elasticity, Grid, Loads, Medium};
+use steklov_quadrature::{gauss_legendre, legendre_p};
 
 /// The jumps of the manufactured problem.
 fn with_jumps<T>(body: [f64; 2], around: [f64; 2], halvings: usize, then: impl FnOnce(&Jumps<'_>) -> T) -> T {
@@ -86,4 +93,296 @@ fn all_terms_are_those_of_the_reference_file_and_the_wrong_sign_does_not_converg
             }
         }
     }
+}
+
+/// A medium of these moduli on an L of cells.
+fn ell(cells: [usize; 2], young: impl Fn(usize) -> f64, poisson: f64) -> Medium {
+    let grid = Grid::new([0.3, -1.0], [0.25, 0.2], cells, |i, j| i < 2 || j < 2).unwrap();
+    let young = (0..cells[0] * cells[1]).map(young).collect();
+    Medium::new(grid, young, Elasticity::new(poisson, steklov_msfem::Plane::Strain).unwrap()).unwrap()
+}
+
+/// Fields that need not solve anything.
+fn fields(medium: &Medium, trace: Vec<f64>, outside: Vec<f64>, phi: Vec<f64>) -> Coupled {
+    let exterior =
+        Exterior::new(Mesh::uniform(&Outline::new(&medium.grid).unwrap().polygon, 6, 1), material([1.0, 0.3]), None);
+    let exterior = exterior.unwrap();
+    let transmission = Transmission::new(Interior::fine(medium, &Loads::default()).unwrap(), &exterior).unwrap();
+    let at_rest = transmission.solve(&vec![0.0; exterior.space.dofs()], Form::Schur, Radiation::Decaying).unwrap();
+    Coupled { trace, exterior_displacement: outside, traction: phi, ..at_rest }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(12))]
+
+    /// u = G x + b in the body and nothing around it leaves nothing, whatever the elements; any other t0 or u0 leaves its share.
+    #[test]
+    fn an_affine_field_in_a_medium_at_rest_leaves_nothing(
+        gradient in [[-1.0..1.0f64, -1.0..1.0], [-1.0..1.0, -1.0..1.0]],
+        contrast in -2.0..2.0f64,
+        cells in [3..6usize, 3..6],
+        parts in 1..3usize,
+        degree in 1..4usize,
+        coarse in any::<bool>(),
+        halvings in 0..3usize,
+    ) {
+        let young = 10f64.powf(contrast);
+        let medium = ell(cells, |_| young, 0.3);
+        let body = material([young, 0.3]);
+        let outline = Outline::new(&medium.grid).unwrap();
+        let field = |[x, y]: [f64; 2]| [0, 1].map(|i| gradient[i][0] * x + gradient[i][1] * y + 0.2);
+        let t0 = |_: [f64; 2], n: [f64; 2]| traction(body.stress(gradient), n);
+        let mut loads = Loads::default();
+        outline.add_traction_jump(&medium.grid, &mut loads, t0);
+        let interior = Interior::fine(&medium, &loads).unwrap();
+        let mesh =
+            if coarse { Mesh::uniform(&outline.polygon, 0, degree) } else { interior.trace.mesh(parts, degree).unwrap() };
+        let exterior = Exterior::new(mesh, material([1.0, 0.2]), None).unwrap();
+        let u0 = exterior.space.interpolate(field);
+        let transmission = Transmission::new(interior, &exterior).unwrap();
+        for form in [Form::Schur, Form::ThreeField] {
+            let solved = transmission.solve(&u0, form, Radiation::Decaying).unwrap();
+            let of = |t0: &(dyn Fn([f64; 2], [f64; 2]) -> [f64; 2] + Sync)| {
+                let jumps = Jumps { displacement: &field, traction: t0, halvings };
+                InterfaceIndicators::new(&exterior, &medium, &solved.displacement, &solved, form, &jumps).unwrap()
+            };
+            let (nothing, other) = (of(&t0), of(&|x, n| t0(x, n).map(|t| t + 0.1)));
+            let scale: f64 = 1.0 + young;
+            prop_assert!(nothing.squared().iter().chain(&nothing.traction_error).all(|r| *r < 1e-18 * scale), "{nothing:?}");
+            for e in 0..exterior.mesh.len() {
+                let wanted = exterior.mesh.length(e).powi(2) / degree as f64 * 0.02 / young;
+                prop_assert!((other.traction[e] / wanted - 1.0).abs() < 1e-6, "{} {wanted}", other.traction[e]);
+            }
+        }
+        let inside = CellIndicators::new(&medium, &solved_field(&medium, field), &|_| [0.0; 2]);
+        prop_assert!(inside.squared().iter().all(|r| *r < 1e-20 * (1.0 + young)));
+    }
+
+    /// w = u0 interpolated on halves of the elements: its moments by quadrature, and the matrix V of two degrees more.
+    #[test]
+    fn the_gain_of_two_degrees_more_is_that_of_the_matrix(
+        degree in 1..6usize,
+        seed in 0..1000u64,
+        poisson in 0.0..0.45f64,
+        stress in any::<bool>(),
+    ) {
+        let medium = ell([4, 3], |_| 1.0, 0.3);
+        let polygon = Outline::new(&medium.grid).unwrap().polygon;
+        let mesh = Mesh::uniform(&polygon, 9, degree);
+        let around = Material::new(3.0, poisson, if stress { Plane::Stress } else { Plane::Strain }).unwrap();
+        let exterior = Exterior::new(mesh.clone(), around, None).unwrap();
+        let u0 = |x: [f64; 2]| [(9.0 * x[0] + seed as f64).sin(), (8.0 * x[1] - x[0] * seed as f64).cos()];
+        let still = vec![0.0; exterior.space.dofs()];
+        let solved = fields(&medium, still.clone(), still.clone(), still);
+        let jumps = Jumps { displacement: &u0, traction: &|_, _| [0.0; 2], halvings: 1 };
+        let fine = vec![0.0; medium.grid.dofs()];
+        // three fields: ξ and φ are 0 and w is u0
+        let found = InterfaceIndicators::new(&exterior, &medium, &fine, &solved, Form::ThreeField, &jumps).unwrap();
+        let more = Mesh { degree: vec![degree + 2; mesh.len()], ..mesh.clone() };
+        let space = Space::new(&more);
+        let operators = Operators::assemble(&more, &space, &around, None).unwrap();
+        let rule = gauss_legendre(degree + 2);
+        let (mut phi, mut legendre) = (vec![0.0; degree + 1], vec![0.0; degree + 2]);
+        for e in 0..mesh.len() {
+            let basis = exterior.space.basis(e);
+            let mut moments = [[0.0; 2]; 2];
+            for half in [-0.5, 0.5] {
+                let nodal: Vec<[f64; 2]> = basis.nodes.iter().map(|s| u0(mesh.point(e, half + 0.5 * s))).collect();
+                for (&s, w) in rule.points.iter().zip(&rule.weights) {
+                    basis.evaluate(s, &mut phi);
+                    legendre_p(half + 0.5 * s, &mut legendre);
+                    for (m, moment) in moments.iter_mut().enumerate() {
+                        for i in 0..2 {
+                            let value: f64 = phi.iter().zip(&nodal).map(|(phi, u)| phi * u[i]).sum();
+                            moment[i] += 0.25 * mesh.length(e) * w * legendre[degree + m] * value;
+                        }
+                    }
+                }
+            }
+            let mut wanted = 0.0;
+            for (m, moment) in moments.iter().enumerate() {
+                for i in 0..2 {
+                    let row = 2 * (space.offset[e] + degree + m) + i;
+                    wanted += moment[i] * moment[i] / operators.v[(row, row)];
+                }
+            }
+            let found = found.traction_error[e];
+            prop_assert!((found - wanted).abs() < 1e-7 * wanted, "{found} {wanted}");
+        }
+    }
+}
+
+fn solved_field(medium: &Medium, field: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
+    (0..medium.grid.nodes()).flat_map(|node| field(medium.grid.point(node))).collect()
+}
+
+/// Moduli 1 and 4 alternate, tractions and u0 are 0: what is left is σn over the root of E, and du/ds.
+#[test]
+fn each_place_has_the_weight_of_its_cell() {
+    let medium = ell([4, 4], |cell| if (cell / 4 + cell % 4) % 2 == 0 { 1.0 } else { 4.0 }, 0.3);
+    let outline = Outline::new(&medium.grid).unwrap();
+    let fine = solved_field(&medium, |[x, y]| [0.3 * x, -0.2 * y]);
+    let unit = material([1.0, 0.3]).stress([[0.3, 0.0], [0.0, -0.2]]);
+    let jumps = Jumps { displacement: &|_| [0.0; 2], traction: &|_, _| [0.0; 2], halvings: 0 };
+    for cells_each in [1, 2] {
+        let breaks: Vec<Vec<f64>> = outline
+            .polygon
+            .edges()
+            .iter()
+            .map(|edge| {
+                let spacing = if (edge.start[1] - edge.end[1]).abs() < 1e-12 { 0.25 } else { 0.2 };
+                let count = (edge.length() / spacing / cells_each as f64).round() as usize;
+                (1..count).map(|k| k as f64 / count as f64).collect()
+            })
+            .collect();
+        let degrees: Vec<Vec<usize>> = breaks.iter().map(|b| vec![1; b.len() + 1]).collect();
+        let mesh = Mesh::from_breaks(&outline.polygon, &breaks, &degrees).unwrap();
+        let exterior = Exterior::new(mesh, material([5.0, 0.2]), None).unwrap();
+        let still = vec![0.0; exterior.space.dofs()];
+        let solved = fields(&medium, still.clone(), still.clone(), still);
+        let found = InterfaceIndicators::new(&exterior, &medium, &fine, &solved, Form::ThreeField, &jumps).unwrap();
+        assert!(found.hypersingular.as_ref().unwrap().iter().all(|r| *r == 0.0));
+        for e in 0..exterior.mesh.len() {
+            let (n, t, h) = (exterior.mesh.normal(e), exterior.mesh.tangent(e), exterior.mesh.length(e));
+            let [x, y] = traction(unit, n);
+            // roots 1 and 2: averages 1, 3/2, 2 of the three hats
+            let means = if cells_each == 2 {
+                (1.0 + 2.25 + 4.0) / 3.0
+            } else {
+                let [x, y] = exterior.mesh.point(e, 0.0);
+                let (cell, _) = medium.grid.locate([x - 1e-3 * n[0], y - 1e-3 * n[1]]).unwrap();
+                medium.young[cell]
+            };
+            close("traction", found.traction[e], h * h * means * (x * x + y * y), 1e-12);
+            let slope = [0.3 * t[0], -0.2 * t[1]];
+            close("slope", found.displacement[e], 5.0 * h * h * (slope[0].powi(2) + slope[1].powi(2)), 1e-12);
+        }
+    }
+}
+
+/// φ of many degrees more: the errors of φ_h, in the norm of V, against the exact traction and against V⁻¹(K - ½)ξ_h, of which φ_h
+/// is the best approximation.
+fn errors_of_traction(exterior: &Exterior, solved: &Coupled) -> [f64; 2] {
+    let more = 8;
+    let degree: Vec<usize> = exterior.mesh.degree.iter().map(|p| p + more).collect();
+    let fine = Mesh { degree, ..exterior.mesh.clone() };
+    let fine = Exterior::new(fine, exterior.material, Some(exterior.operators.length)).unwrap();
+    let (mesh, space, rule) = (&fine.mesh, &fine.space, gauss_legendre(16));
+    let (mut exact, mut xi) = (vec![0.0; space.dofs()], vec![0.0; space.dofs()]);
+    let mut found = exact.clone();
+    for e in 0..mesh.len() {
+        let (p, coarse) = (exterior.mesh.degree[e], exterior.space.basis(e));
+        let mut legendre = vec![0.0; mesh.degree[e]];
+        for (&t, w) in rule.points.iter().zip(&rule.weights) {
+            legendre_p(t, &mut legendre);
+            let value = traction(outer(&exterior.material, mesh.point(e, t)).1, mesh.normal(e));
+            for (m, l) in legendre.iter().enumerate() {
+                (0..2).for_each(|i| exact[2 * (space.offset[e] + m) + i] += w * l * (m as f64 + 0.5) * value[i]);
+            }
+        }
+        let mut phi = vec![0.0; p + 1];
+        for (j, node) in space.element_nodes(e).enumerate() {
+            coarse.evaluate(space.basis(e).nodes[j], &mut phi);
+            for i in 0..2 {
+                let values = exterior.space.element_nodes(e).zip(&phi);
+                xi[2 * node + i] = values.map(|(k, phi)| phi * solved.exterior_displacement[2 * k + i]).sum();
+            }
+        }
+        for m in 0..2 * p {
+            found[2 * space.offset[e] + m] = solved.traction[2 * exterior.space.offset[e] + m];
+        }
+    }
+    let [k, _] = double_layers(&fine);
+    let right = k * Mat::from_fn(xi.len(), 1, |i, _| xi[i]);
+    let best = lu(fine.operators.v.as_ref(), right.col_as_slice(0));
+    [exact, best].map(|phi| {
+        let error = Mat::from_fn(phi.len(), 1, |i, _| phi[i] - found[i]);
+        (error.transpose() * &fine.operators.v * &error)[(0, 0)].sqrt()
+    })
+}
+
+#[test]
+fn the_gain_of_two_degrees_more_is_the_error_of_the_traction_of_this_displacement() {
+    for (pair, body, medium) in PAIRS {
+        for degree in [1, 2, 3, 4] {
+            for n in [4, 8] {
+                let (grid, loads) = manufactured(n, body, medium);
+                let interior = Interior::fine(&grid, &loads).unwrap();
+                let exterior = around(&interior, 1, degree, medium);
+                let (transmission, u0) = problem(interior, &exterior);
+                let solved = transmission.solve(&u0, Form::TwoField, Radiation::Decaying).unwrap();
+                let found = with_jumps(body, medium, 0, |jumps| {
+                    let u = &solved.displacement;
+                    InterfaceIndicators::new(&exterior, &grid, u, &solved, Form::TwoField, jumps).unwrap()
+                });
+                let estimate = found.traction_error.iter().sum::<f64>().sqrt();
+                let [whole, of_displacement] = errors_of_traction(&exterior, &solved);
+                let [loose, sharp] = [estimate / whole, estimate / of_displacement];
+                println!("{pair} p = {degree} n = {n}: {loose:.3} of {whole:.2e}, {sharp:.3} of {of_displacement:.2e}");
+                assert!((0.85..1.1).contains(&sharp), "{pair} p = {degree} n = {n}: {sharp}");
+            }
+        }
+    }
+}
+
+/// The three-field form, whose residuals are others; the same bits for any number of threads.
+#[test]
+fn the_indicators_of_three_fields_follow_the_error() {
+    for (pair, body, medium) in PAIRS {
+        let mut before: Option<[f64; 3]> = None;
+        for n in [4, 8, 16] {
+            let (grid, loads) = manufactured(n, body, medium);
+            let interior = Interior::fine(&grid, &loads).unwrap();
+            let exterior = around(&interior, 1, 1, medium);
+            let (transmission, u0) = problem(interior, &exterior);
+            let solved = transmission.solve(&u0, Form::ThreeField, Radiation::Decaying).unwrap();
+            let u = &solved.displacement;
+            let inside = CellIndicators::new(&grid, u, &|x| body_force(&material(body), x));
+            let indicators = |threads: usize| {
+                let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+                pool.install(|| {
+                    with_jumps(body, medium, 0, |jumps| {
+                        InterfaceIndicators::new(&exterior, &grid, u, &solved, Form::ThreeField, jumps).unwrap()
+                    })
+                })
+            };
+            let on = indicators(2);
+            assert_eq!(on, indicators(3));
+            let sum = |terms: &[f64]| terms.iter().sum::<f64>();
+            let terms = [sum(&on.traction), sum(&on.displacement), sum(on.hypersingular.as_ref().unwrap())];
+            let error = energy_error(&grid, body, u).hypot(traction_error(&exterior, &solved.traction));
+            let effectivity = (sum(&inside.squared()) + sum(&on.squared())).sqrt() / error;
+            println!("{pair} {n}: {effectivity:.3} {terms:?}");
+            assert!((3.5..6.5).contains(&effectivity), "{pair} {n}: {effectivity}");
+            if let Some(before) = before.replace(terms) {
+                (0..3).for_each(|k| assert!(terms[k] < before[k] / 5.0, "{pair} {n}: {before:?} then {terms:?}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn fields_of_another_size_or_not_finite_are_refused() {
+    let (grid, loads) = manufactured(4, [1.0, 0.3], [2.0, 0.3]);
+    let interior = Interior::fine(&grid, &loads).unwrap();
+    let exterior = around(&interior, 1, 1, [2.0, 0.3]);
+    let (transmission, u0) = problem(interior, &exterior);
+    let solved = transmission.solve(&u0, Form::Schur, Radiation::Decaying).unwrap();
+    let (still, free) = (|_: [f64; 2]| [0.0; 2], |_: [f64; 2], _: [f64; 2]| [0.0; 2]);
+    let refused = |exterior: &Exterior, fine: &[f64], solved: &Coupled, jumps: &Jumps<'_>| {
+        InterfaceIndicators::new(exterior, &grid, fine, solved, Form::Schur, jumps).unwrap_err()
+    };
+    let jumps = Jumps { displacement: &still, traction: &free, halvings: 0 };
+    let u = &solved.displacement;
+    assert!(refused(&exterior, &u[1..], &solved, &jumps).to_string().contains("has 49 values, not 50"));
+    let short = Coupled { traction: vec![0.0; 31], ..solved.clone() };
+    assert!(refused(&exterior, u, &short, &jumps).to_string().contains("has 31 values, not 32"));
+    let wild = Jumps { displacement: &|[x, _]| [x.ln(), 0.0], ..jumps };
+    assert!(refused(&exterior, u, &solved, &wild).to_string().contains("displacements is NaN at (-0.5, -0.5)"));
+    let wild = Jumps { traction: &|_, n| [n[0] / 0.0, 0.0], ..jumps };
+    assert!(refused(&exterior, u, &solved, &wild).to_string().contains("jump of tractions is"));
+    let elsewhere = Grid::rectangle([1.0, 1.0], [4, 4]).unwrap();
+    let mesh = Mesh::uniform(&Outline::new(&elsewhere).unwrap().polygon, 16, 1);
+    let elsewhere = Exterior::new(mesh, material([2.0, 0.3]), None).unwrap();
+    assert!(matches!(refused(&elsewhere, u, &solved, &jumps), CouplingError::Boundary { .. }));
 }
