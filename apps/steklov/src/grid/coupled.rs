@@ -3,8 +3,10 @@
 use std::time::Instant;
 
 use steklov_bem_operators::{Mesh, Space};
-use steklov_coupling::{Coupled, CouplingError, Exterior, Form, Interior, Transmission};
-use steklov_msfem::{CoarseMesh, Extra, Loads, Medium, Multiscale};
+use steklov_coupling::{
+    Coupled, CouplingError, Exterior, Form, Interior, InterfaceIndicators, Jumps, Transmission,
+};
+use steklov_msfem::{CoarseMesh, Extra, Grid, Loads, Medium, Multiscale};
 
 use super::layout::GridLayout;
 use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
@@ -15,10 +17,8 @@ use crate::solve::{Energies, Seconds, SolveError, Stage};
 
 /// Parts of the solution that both kinds of elements have.
 struct Joined {
-    around: Around,
+    exterior: Exterior,
     coupled: Coupled,
-    /// Strain energy of the medium.
-    energy: f64,
     seconds: Seconds,
 }
 
@@ -47,7 +47,7 @@ pub(super) fn solve_coupled(
         let boundary_displacement =
             at_boundary.iter().flat_map(|n| [displacement[2 * n], displacement[2 * n + 1]]).collect();
         let dofs = grid.dofs();
-        return Ok(solved(medium, fine, loads, joined, displacement, boundary_displacement, None, dofs, assemble));
+        return solved(scene, input, (medium, fine, loads), joined, displacement, boundary_displacement, None, dofs, assemble);
     };
     let basis = basis(scene);
     let mut problem = Multiscale::new(&medium, CoarseMesh::new(grid, cells.clone())?, basis)?;
@@ -71,7 +71,7 @@ pub(super) fn solve_coupled(
     let boundary_displacement = on_boundary.flatten().collect();
     let (patterns, dofs, mesh) = (problem.patterns(), problem.dofs(), problem.mesh);
     let coarse = CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() };
-    Ok(solved(medium, trace, loads, joined, displacement, boundary_displacement, Some(coarse), dofs, assemble))
+    solved(scene, input, (medium, trace, loads), joined, displacement, boundary_displacement, Some(coarse), dofs, assemble)
 }
 
 /// Boundary elements on the trace of the body, and the solution on the interface.
@@ -100,11 +100,9 @@ fn join(
     observe(Stage::Progress("interface", 0.6))?;
     // the two-field form, its tractions eliminated
     let coupled = problem.solve(&jump, Form::Schur, input.radiation)?;
-    let energy = exterior.energy(&coupled);
     drop(problem);
-    let around = Around::new(input, exterior, &coupled);
     let seconds = Seconds { set_up: 0.0, assemble, factorise, solve: clock.elapsed().as_secs_f64() };
-    Ok(Joined { around, coupled, energy, seconds })
+    Ok(Joined { exterior, coupled, seconds })
 }
 
 /// The boundary elements of a layout: those between the points of the trace, or as many as the scene asks for, cut where
@@ -133,21 +131,35 @@ fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
 
 #[expect(clippy::too_many_arguments, reason = "the parts of one struct")]
 fn solved(
-    medium: Medium,
-    trace: GridTrace,
-    loads: &Loads,
+    scene: &Scene,
+    input: &ExteriorInput,
+    (medium, trace, loads): (Medium, GridTrace, &Loads),
     joined: Joined,
     displacement: Vec<f64>,
     boundary_displacement: Vec<f64>,
     coarse: Option<CoarseSolved>,
     dofs: usize,
     assemble: f64,
-) -> GridSolved {
-    let Joined { around, energy, mut seconds, .. } = joined;
+) -> Result<GridSolved, SolveError> {
+    let Joined { exterior, coupled, mut seconds } = joined;
     seconds.assemble += assemble;
     let load_work = loads.nodal(&medium).iter().zip(&displacement).map(|(f, u)| f * u).sum();
-    let strain = medium.energy(&displacement, &displacement) / 2.0 + energy;
-    GridSolved {
+    let strain = medium.energy(&displacement, &displacement) / 2.0 + exterior.energy(&coupled);
+    let clock = Instant::now();
+    let jumps = Jumps {
+        displacement: &|x| {
+            let (edge, s) = on_interface(scene, x);
+            scene.displacement_jump(edge, s)
+        },
+        traction: &|x, n| {
+            let (edge, s) = on_interface(scene, x);
+            scene.traction_jump(edge, s, n)
+        },
+        halvings: 0,
+    };
+    let interface = InterfaceIndicators::new(&exterior, &medium, &displacement, &coupled, Form::Schur, &jumps)?;
+    let estimate_seconds = clock.elapsed().as_secs_f64();
+    Ok(GridSolved {
         dofs,
         energies: Energies { total: strain - load_work, strain, load_work, friction_work: 0.0 },
         boundary_displacement,
@@ -158,16 +170,17 @@ fn solved(
         free_motions: Vec::new(),
         estimate: None,
         seconds,
-        estimate_seconds: 0.0,
+        estimate_seconds,
         coarse,
         trace,
         medium,
-        around: Some(around),
-    }
+        around: Some(Around::new(input, exterior, &coupled)),
+        interface: Some(interface),
+    })
 }
 
-/// Means over fine sides, and moments against the functions of their ends.
-pub(super) struct SideTraction {
+/// The traction of the medium on a fine side.
+pub(super) struct MediumTraction {
     /// Fine cell and its side.
     pub side: (usize, usize),
     /// Fine nodes at the start and the end.
@@ -178,8 +191,7 @@ pub(super) struct SideTraction {
 }
 
 /// The traction of the medium on the fine sides of the interface.
-pub(super) fn medium_tractions(solved: &GridSolved, fine: &GridTrace) -> Vec<SideTraction> {
-    let (Some(around), grid) = (&solved.around, &solved.medium.grid) else { return Vec::new() };
+pub(super) fn medium_tractions(grid: &Grid, around: &Around, fine: &GridTrace) -> Vec<MediumTraction> {
     let Around { mesh, space, traction, .. } = around;
     let mut sides = Vec::new();
     for e in 0..fine.mesh.len() {
@@ -195,7 +207,7 @@ pub(super) fn medium_tractions(solved: &GridSolved, fine: &GridTrace) -> Vec<Sid
         // sides of holes have no boundary element on them
         if covered > 0.5 {
             let nodes = [e, fine.mesh.next[e]].map(|node| node_at(grid, fine.lattice[node]));
-            sides.push(SideTraction { side: fine.cell(grid, e), nodes, moments, length });
+            sides.push(MediumTraction { side: fine.cell(grid, e), nodes, moments, length });
         }
     }
     sides

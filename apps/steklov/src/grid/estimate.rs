@@ -7,9 +7,14 @@ use steklov_msfem::{
     nodal_indicators,
 };
 
+use steklov_coupling::{CellIndicators, InterfaceIndicators};
+
 use super::FAILING;
+use super::coupled::medium_tractions;
 use super::solve::{GridSolved, node_at};
+use super::trace::GridTrace;
 use crate::scene::{Indicator, Scene};
+use crate::solve::SolveError;
 
 /// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
 /// exact solution.
@@ -23,7 +28,11 @@ pub struct GridEstimate {
     pub multiscale: f64,
     /// The squared error of the fine grid.
     pub fine_grid: f64,
-    /// (multiscale + fine grid)^½, energy norm.
+    /// What is left of the equations where body and medium meet, boundary element by boundary element; None without a medium.
+    pub interface: Option<InterfaceIndicators>,
+    /// The squared error of the medium: the sum of [`Self::of_elements`].
+    pub medium: f64,
+    /// (multiscale + fine grid + medium)^½, energy norm.
     pub error: f64,
     /// Error over (2 strain energy)^½.
     pub relative: f64,
@@ -62,6 +71,16 @@ fn contrast_inside(medium: &Medium, mesh: &CoarseMesh) -> f64 {
     mesh.cells.iter().map(ratio).fold(1.0, f64::max)
 }
 
+impl GridEstimate {
+    /// η² of each boundary element (force times length per thickness): the error of its traction, or its residuals.
+    pub fn of_elements(interface: &InterfaceIndicators, indicator: Indicator) -> Vec<f64> {
+        match indicator {
+            Indicator::Bubble => interface.traction_error.clone(),
+            Indicator::Residual => interface.squared(),
+        }
+    }
+}
+
 /// Ratio of moduli along a coarse edge from which no residual sees the error.
 pub(crate) const BLIND: f64 = 1e3;
 
@@ -83,11 +102,11 @@ pub(super) fn estimate(
     loads: &Loads,
     mut tractions: Tractions,
     held: &[bool],
-) -> Option<GridEstimate> {
+) -> Result<Option<GridEstimate>, SolveError> {
     let (medium, u) = (&solved.medium, &solved.displacement);
     let coarse = solved.coarse.as_ref();
     if coarse.is_some_and(|c| !c.basis.is_conforming()) {
-        return None;
+        return Ok(None);
     }
     let mut load = loads.nodal(medium);
     for pressed in contact_sides(solved) {
@@ -97,6 +116,18 @@ pub(super) fn estimate(
             (0..2).for_each(|i| load[2 * node + i] += h / 6.0 * (weights[0] * t0[i] + weights[1] * t1[i]));
         }
         tractions.insert(pressed.side, [0, 1].map(|i| Some((t0[i] + t1[i]) / 2.0)));
+    }
+    let residuals = scene.method.indicator == Indicator::Residual;
+    if let Some(around) = &solved.around {
+        for pressed in medium_tractions(&medium.grid, around, &GridTrace::new(scene, &medium.grid, |_| true)?) {
+            for (node, moment) in pressed.nodes.into_iter().zip(pressed.moments) {
+                (0..2).for_each(|i| load[2 * node + i] += moment[i]);
+            }
+            let mean = [0, 1].map(|i| (pressed.moments[0][i] + pressed.moments[1][i]) / pressed.length);
+            let given = tractions.entry(pressed.side).or_insert([Some(0.0); 2]);
+            // the residuals there are those of the boundary elements
+            *given = if residuals { [None; 2] } else { [0, 1].map(|i| given[i].map(|t| t + mean[i])) };
+        }
     }
     let traction = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2]);
     let mut residual = None;
@@ -110,24 +141,35 @@ pub(super) fn estimate(
         }
     };
     let multiscale = indicators.iter().sum::<f64>();
-    let fine_grid = bubble_indicators(medium, &loads.body, u, &traction).iter().sum::<f64>();
-    let error = (multiscale + fine_grid).sqrt();
+    let fine_grid: f64 = if residuals && coarse.is_none() && solved.around.is_some() {
+        let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
+        CellIndicators::new(medium, u, &force).squared().iter().sum()
+    } else {
+        bubble_indicators(medium, &loads.body, u, &traction).iter().sum()
+    };
+    let interface = solved.interface.clone();
+    let of_medium = interface.as_ref().map_or(0.0, |interface| {
+        GridEstimate::of_elements(interface, scene.method.indicator).iter().sum()
+    });
+    let error = (multiscale + fine_grid + of_medium).sqrt();
     let scale = (2.0 * solved.energies.strain).sqrt();
     // nothing is strained: all that is estimated is missing
     let relative = if scale > 0.0 { error / scale } else { f64::from(u8::from(error > 0.0)) };
     let crossing = coarse.map(|c| crossing_contrast(medium, &c.mesh, FAILING));
     let inside = coarse.filter(|c| c.basis == Basis::Q1).map_or(1.0, |c| contrast_inside(medium, &c.mesh));
-    Some(GridEstimate {
+    Ok(Some(GridEstimate {
         indicators,
         residual,
         multiscale,
         fine_grid,
+        interface,
+        medium: of_medium,
         error,
         relative,
         crossing,
         inside,
         crossed: contrast_crossed(medium),
-    })
+    }))
 }
 
 /// Mean tractions (stress) on fine sides (cell, side) of the boundary; None where the displacement is given.

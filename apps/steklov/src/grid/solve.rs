@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use steklov_bem_operators::RigidMotion;
+use steklov_coupling::InterfaceIndicators;
 use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale, Plane,
 };
@@ -54,6 +55,8 @@ pub struct GridSolved {
     pub estimate_seconds: f64,
     /// The unbounded medium around the body.
     pub around: Option<Around>,
+    /// What is left of the equations where both meet.
+    pub(crate) interface: Option<InterfaceIndicators>,
 }
 
 /// The coarse part of a multiscale solution.
@@ -142,11 +145,11 @@ pub(crate) fn solve_grid(
     }
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.9))?;
-    solved.estimate = estimate(scene, &solved, &loads, tractions, &held);
+    solved.estimate = estimate(scene, &solved, &loads, tractions, &held)?;
     if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
         return Err(SolveError::NotFinite { energy: total });
     }
-    solved.estimate_seconds = clock.elapsed().as_secs_f64();
+    solved.estimate_seconds += clock.elapsed().as_secs_f64();
     Ok(solved)
 }
 
@@ -246,6 +249,7 @@ fn solve_fine(
         trace,
         medium,
         around: None,
+        interface: None,
     };
     Ok((solved, is_held))
 }
@@ -438,6 +442,7 @@ fn solve_coarse(
         trace,
         medium,
         around: None,
+        interface: None,
     };
     Ok((solved, is_held))
 }

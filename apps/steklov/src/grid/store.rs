@@ -252,7 +252,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
             None
         };
         let (indicators, error) = (column("squared")?, load_number(at, "estimate")?);
-        Some(GridEstimate { indicators, residual, multiscale, fine_grid, error, relative, crossing, inside, crossed })
+        Some(GridEstimate { indicators, residual, multiscale, fine_grid, interface: None, medium: 0.0, error, relative, crossing, inside, crossed })
     } else {
         None
     };

@@ -137,6 +137,22 @@ impl Scene {
         }
     }
 
+    /// t0 = σ(u)n - σ(u_c)n at the edge parameter s of an edge of the interface with normal n, that of the remote stress included.
+    pub fn traction_jump(&self, edge: usize, s: f64, [nx, ny]: [f64; 2]) -> [f64; 2] {
+        let Some(exterior) = &self.exterior else { return [0.0; 2] };
+        let [x, y] = self.polygon.edges()[edge].point(s);
+        let [mut xx, mut yy, mut xy] = exterior.remote_stress;
+        if let Some(jump) = &exterior.stress_jump {
+            let [a, b, c] = jump.each_ref().map(|jump| jump.eval(x, y, s));
+            (xx, yy, xy) = (xx + a, yy + b, xy + c);
+        }
+        let of_stress = [xx * nx + xy * ny, xy * nx + yy * ny];
+        match &exterior.traction_jump {
+            Some(jump) => [0, 1].map(|i| of_stress[i] + jump[i].eval(x, y, s)),
+            None => of_stress,
+        }
+    }
+
     /// Whether the jumps have values wherever body and medium meet, and the displacement has one at each corner.
     pub(super) fn check_jumps(&self) -> Result<(), SceneError> {
         let Some(exterior) = &self.exterior else { return Ok(()) };
