@@ -21,6 +21,7 @@
 //! |---|---|
 //! | the outer boundary of a grid, jumps of tractions on it | [`Outline`] |
 //! | the body: bilinear or multiscale elements | [`Interior`], [`Trace`] |
+//! | boundary elements on a trace, also refined ones whose trace changes | [`Trace::mesh`], [`Trace::mesh_with`] |
 //! | the medium: boundary elements of any size and degree on the same curve | [`Exterior`] |
 //! | the problem on the interface, its solution | [`Transmission`], [`Form`], [`Coupled`] |
 //! | behaviour at infinity, resultants | [`Radiation`], [`Balance`] |

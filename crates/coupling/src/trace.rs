@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use sprs::{CsMat, TriMat};
-use steklov_bem_operators::{Mesh, Polygon};
+use steklov_bem_operators::{Edge, Mesh, Polygon, SAME_PLACE};
 use steklov_msfem::{Basis, CellBasis, Grid, Multiscale};
 
 use crate::{CouplingError, Outline};
@@ -73,29 +73,82 @@ impl Trace {
     /// # Errors
     /// [`CouplingError::Bem`] for no part, degree 0, or elements without a length in floating point.
     pub fn mesh(&self, parts: usize, degree: usize) -> Result<Mesh, CouplingError> {
-        let edges = self.polygon.edges();
-        let n = self.points.len();
-        let (mut breaks, mut degrees) = (vec![Vec::new(); edges.len()], vec![Vec::new(); edges.len()]);
-        let mut edge = 0;
-        for k in 0..n {
-            if k > 0 && self.points[k] == edges[edge].end {
-                edge += 1;
+        let inner = |knots: Vec<f64>| -> Vec<f64> {
+            let part = |k: usize| k as f64 / parts as f64;
+            let between = knots.windows(2).flat_map(|k| (0..parts).map(move |i| k[0] + (k[1] - k[0]) * part(i)));
+            between.skip(1).collect()
+        };
+        let breaks: Vec<Vec<f64>> = self.edge_parameters().into_iter().map(inner).collect();
+        let degrees: Vec<Vec<usize>> =
+            self.edge_parameters().iter().map(|k| vec![degree; parts * (k.len() - 1)]).collect();
+        Ok(Mesh::from_breaks(&self.polygon, &breaks, &degrees)?)
+    }
+
+    /// Boundary elements between the points of this trace and the vertices of a mesh of the same curve, which they keep; their
+    /// degrees are those of the mesh at the place.
+    ///
+    /// So a refined mesh stays one, and nested in the trace, where the trace gets more points or other ones.
+    ///
+    /// # Errors
+    /// [`CouplingError::Boundary`] unless mesh and trace are the same curve in the same direction, and as [`Trace::mesh`].
+    pub fn mesh_with(&self, older: &Mesh) -> Result<Mesh, CouplingError> {
+        let (mut breaks, mut degrees) = (Vec::new(), Vec::new());
+        for (mut knots, edge) in self.edge_parameters().into_iter().zip(self.polygon.edges()) {
+            let mut pieces = Vec::new();
+            for e in 0..older.len() {
+                pieces.extend(on_edge(edge, older.ends(e)).map(|ends| (ends, older.degree[e])));
             }
-            let [a, b] = [self.points[k], self.points[(k + 1) % n]];
-            let length = edges[edge].length();
-            let [from, to] = [a, b].map(|x| {
-                let start = edges[edge].start;
-                (x[0] - start[0]).hypot(x[1] - start[1]) / length
-            });
-            for part in 0..parts {
-                if part > 0 || a != edges[edge].start {
-                    breaks[edge].push(from + (to - from) * part as f64 / parts as f64);
+            let covered: f64 = pieces.iter().map(|([from, to], _)| to - from).sum();
+            if (covered - 1.0).abs() > 1e-6 {
+                let [[a, b], [c, d]] = [edge.start, edge.end];
+                let what = format!("of the edge from ({a}, {b}) to ({c}, {d}) they cover {covered:.3} only");
+                return Err(CouplingError::Boundary { what });
+            }
+            for ([from, _], _) in &pieces {
+                if knots.iter().all(|k| (k - from).abs() > SAME_PLACE) {
+                    knots.push(*from);
                 }
-                degrees[edge].push(degree);
             }
+            knots.sort_by(f64::total_cmp);
+            let degree = |middle: f64| {
+                let at = |(ends, _): &&([f64; 2], usize)| ends[0] <= middle && middle <= ends[1];
+                pieces.iter().find(at).map_or(1, |(_, degree)| *degree)
+            };
+            degrees.push(knots.windows(2).map(|k| degree((k[0] + k[1]) / 2.0)).collect());
+            breaks.push(knots[1..knots.len() - 1].to_vec());
         }
         Ok(Mesh::from_breaks(&self.polygon, &breaks, &degrees)?)
     }
+
+    /// Edge parameters of the points on each edge of the polygon, from 0 to 1.
+    fn edge_parameters(&self) -> Vec<Vec<f64>> {
+        let mut points = self.points.iter().peekable();
+        let on = |edge: &Edge| {
+            let (start, length) = (edge.start, edge.length());
+            let mut knots = vec![0.0];
+            points.next();
+            while let Some(x) = points.next_if(|x| **x != edge.end) {
+                knots.push((x[0] - start[0]).hypot(x[1] - start[1]) / length);
+            }
+            knots.push(1.0);
+            knots
+        };
+        self.polygon.edges().iter().map(on).collect()
+    }
+}
+
+/// Edge parameters of a piece of the curve that lies on an edge.
+fn on_edge(edge: &Edge, ends: [[f64; 2]; 2]) -> Option<[f64; 2]> {
+    let length = edge.length();
+    let d = [0, 1].map(|i| (edge.end[i] - edge.start[i]) / length);
+    let place = |x: [f64; 2]| {
+        let r = [0, 1].map(|i| (x[i] - edge.start[i]) / length);
+        (r[0] * d[0] + r[1] * d[1], r[1] * d[0] - r[0] * d[1])
+    };
+    let [(from, a), (to, b)] = ends.map(place);
+    let inside = |s: f64| (-SAME_PLACE..=1.0 + SAME_PLACE).contains(&s);
+    let near = a.abs().max(b.abs()) < SAME_PLACE.max(1e-9 * (to - from));
+    (near && from < to && inside(from) && inside(to)).then_some([from, to])
 }
 
 /// Displacement of the fine nodes of the outline by the unknowns of its coarse vertices (node, first unknown).

@@ -353,7 +353,7 @@ fn the_indicators_of_three_fields_follow_the_error() {
             let error = energy_error(&grid, body, u).hypot(traction_error(&exterior, &solved.traction));
             let effectivity = (sum(&inside.squared()) + sum(&on.squared())).sqrt() / error;
             println!("{pair} {n}: {effectivity:.3} {terms:?}");
-            assert!((3.5..6.5).contains(&effectivity), "{pair} {n}: {effectivity}");
+            assert!((3.5..7.0).contains(&effectivity), "{pair} {n}: {effectivity}");
             if let Some(before) = before.replace(terms) {
                 (0..3).for_each(|k| assert!(terms[k] < before[k] / 5.0, "{pair} {n}: {before:?} then {terms:?}"));
             }
