@@ -3,6 +3,7 @@
 use steklov_bem_operators::Mesh;
 use steklov_msfem::{CoarseCell, CoarseMesh, mark, refine};
 
+use super::GridEstimate;
 use super::grid_of;
 use super::solve::GridSolved;
 use crate::scene::{Refine, Scene};
@@ -32,23 +33,58 @@ impl GridLayout {
         Ok(Self { parts: 1, coarse, around: None })
     }
 
-    /// What is solved after this: all fine cells halved, or the marked coarse cells split; None where nothing can be split.
+    /// What is solved after this: all fine cells halved, or the marked coarse cells split, and the marked boundary elements of
+    /// the medium around the body halved; None where nothing can be refined.
     ///
     /// # Errors
     /// Those of a coarse mesh.
-    pub(super) fn next(&self, solved: &GridSolved, refinement: Refine, theta: f64) -> Result<Option<Self>, SolveError> {
-        let Some(coarse) = &solved.coarse else { return Ok(Some(Self { parts: 2 * self.parts, coarse: None, around: None })) };
-        let marked = match &solved.estimate {
-            Some(estimate) if !is_uniform(refinement) => {
-                let cells = estimate.indicators.iter().zip(&coarse.mesh.cells);
-                let of_those_that_can_be_split =
-                    |(eta, c): (&f64, &CoarseCell)| if c.size == [1, 1] { 0.0 } else { *eta };
-                mark(&cells.map(of_those_that_can_be_split).collect::<Vec<_>>(), theta)
-            }
-            _ => vec![true; coarse.mesh.cells.len()],
+    pub(super) fn next(&self, solved: &GridSolved, scene: &Scene, theta: f64) -> Result<Option<Self>, SolveError> {
+        let marked = Marked::new(solved, scene, theta);
+        let around = match &solved.around {
+            Some(around) if marked.elements.contains(&true) => Some(around.mesh.bisected(&marked.elements).0),
+            _ => self.around.clone(),
         };
-        let cells = refine(&solved.medium.grid, &coarse.mesh, &marked)?.cells;
-        Ok((cells.len() > coarse.mesh.cells.len()).then_some(Self { parts: self.parts, coarse: Some(cells), around: None }))
+        let refined = around != self.around;
+        let Some(coarse) = &solved.coarse else {
+            let parts = if marked.cells.contains(&true) { 2 * self.parts } else { self.parts };
+            return Ok((refined || parts > self.parts).then_some(Self { parts, coarse: None, around }));
+        };
+        let cells = refine(&solved.medium.grid, &coarse.mesh, &marked.cells)?.cells;
+        let split = cells.len() > coarse.mesh.cells.len();
+        Ok((refined || split).then_some(Self { parts: self.parts, coarse: Some(cells), around }))
+    }
+}
+
+/// What is refined.
+struct Marked {
+    /// Coarse cells; one entry for all cells of a grid without.
+    cells: Vec<bool>,
+    /// Boundary elements of the medium.
+    elements: Vec<bool>,
+}
+
+impl Marked {
+    fn new(solved: &GridSolved, scene: &Scene, theta: f64) -> Self {
+        let cells = solved.coarse.as_ref().map_or(1, |coarse| coarse.mesh.cells.len());
+        let elements = solved.around.as_ref().map_or(0, |around| around.mesh.len());
+        let (Some(estimate), false) = (&solved.estimate, is_uniform(scene.method.refine)) else {
+            // elements between the points of the trace follow it
+            let own = scene.method.elements_given;
+            return Self { cells: vec![true; cells], elements: vec![own; elements] };
+        };
+        let mut squared = match &solved.coarse {
+            Some(coarse) => {
+                let cells = estimate.indicators.iter().zip(&coarse.mesh.cells);
+                cells.map(|(eta, c): (&f64, &CoarseCell)| if c.size == [1, 1] { 0.0 } else { *eta }).collect()
+            }
+            None => vec![estimate.fine_grid],
+        };
+        if let Some(interface) = &estimate.interface {
+            squared.extend(GridEstimate::of_elements(interface, scene.method.indicator));
+        }
+        let mut marked = mark(&squared, theta);
+        let elements = marked.split_off(cells);
+        Self { cells: marked, elements }
     }
 }
 

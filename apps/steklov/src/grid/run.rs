@@ -124,7 +124,7 @@ pub fn run_grid(
         let theta = scene.method.marking.unwrap_or(MARKING);
         let wanted = match scene.method.refine {
             Refine::None => None,
-            refinement => next.next(&solved, refinement, theta)?,
+            _ => next.next(&solved, scene, theta)?,
         };
         let interrupted = interrupts.load(Ordering::Relaxed) > 0;
         match (reason(scene, &steps, &solved, wanted.as_ref(), interrupted), wanted) {
@@ -141,9 +141,10 @@ pub fn run_grid(
 }
 
 /// Unknowns of the next step, held ones included.
-fn next_dofs(scene: &Scene, solved: &GridSolved, next: &GridLayout) -> usize {
+fn next_dofs(scene: &Scene, solved: &GridSolved, parts: usize, next: &GridLayout) -> usize {
     let grid = &solved.medium.grid;
     match &next.coarse {
+        None if next.parts == parts => solved.dofs,
         // vertices - sides + cells = 1 - holes, and each of them becomes a vertex
         None => {
             let (vertices, cells) = (grid.nodes(), grid.body_cells().count());
@@ -168,9 +169,11 @@ fn reason(
     interrupted: bool,
 ) -> Option<Reason> {
     let method = &scene.method;
+    let parts = steps.last().map_or(1, |step| step.layout.parts);
     let estimate = solved.estimate.as_ref();
     let reached = estimate.is_some_and(|e| e.relative <= method.tolerance && e.doubts().is_empty());
-    let outweighed = estimate.is_some_and(|e| solved.coarse.is_some() && e.multiscale <= OUTWEIGHED * e.fine_grid);
+    let outweighed =
+        estimate.is_some_and(|e| solved.coarse.is_some() && e.multiscale + e.medium <= OUTWEIGHED * e.fine_grid);
     Some(match (method.refine, next) {
         _ if !solved.converged() => Reason::Solver,
         (Refine::None, _) => Reason::Solved,
@@ -178,7 +181,7 @@ fn reason(
         (_, None) => Reason::FineGrid,
         _ if outweighed => Reason::FineGrid,
         _ if steps.len() >= method.max_steps => Reason::MaxSteps,
-        (_, Some(next)) if next_dofs(scene, solved, next) > method.max_dofs => Reason::MaxDofs,
+        (_, Some(next)) if next_dofs(scene, solved, parts, next) > method.max_dofs => Reason::MaxDofs,
         _ if interrupted => Reason::Interrupted,
         _ => return None,
     })

@@ -1,6 +1,7 @@
 //! Grids in the result file, and back.
 
 use faer::Mat;
+use steklov_coupling::InterfaceIndicators;
 use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_points,
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
@@ -100,8 +101,10 @@ fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
     let Some(estimate) = &step.estimate else { return Ok(()) };
     save_number(at, "estimate", estimate.error, "(force*length/thickness)^(1/2)", "estimated error, energy norm")?;
     let names = "multiscale: squared error of the coarse cells; fine grid: its own squared error (force*length/thickness); \
-                 estimate over (2 strain energy)^(1/2); largest ratio of moduli in a coarse cell of basis q1, else 1; largest ratio between pairs of opposite cells at a node";
-    let terms = [estimate.multiscale, estimate.fine_grid, estimate.relative, estimate.inside, estimate.crossed];
+                 estimate over (2 strain energy)^(1/2); largest ratio of moduli in a coarse cell of basis q1, else 1; largest ratio between pairs of opposite cells at a node; \
+                 squared error of the medium around the body";
+    let GridEstimate { multiscale, fine_grid, relative, inside, crossed, medium, .. } = *estimate;
+    let terms = [multiscale, fine_grid, relative, inside, crossed, medium];
     save_vector(at, "estimate_terms", &terms, &label("as named", "what belongs to the estimate", &[names]))?;
     let indicators = create_group(at, "indicators")?;
     let cell = &["coarse cell"];
@@ -111,6 +114,13 @@ fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
     if let Some(terms) = &estimate.residual {
         for (name, meaning, values) in RESIDUAL_TERMS {
             save_vector(&indicators, name, values(terms), &energy(meaning))?;
+        }
+    }
+    if let Some(terms) = &estimate.interface {
+        let element = &["boundary element"];
+        let indicators = create_group(at, "interface")?;
+        for (name, meaning, values) in INTERFACE_TERMS {
+            save_vector(&indicators, name, values(terms), &label("force*length/thickness", meaning, element))?;
         }
     }
     let Some(crossing) = &estimate.crossing else { return Ok(()) };
@@ -127,6 +137,14 @@ const RESIDUAL_TERMS: [Term; 5] = [
     ("jump_mean", "H/E of the mean jumps of the traction between coarse cells", |t| &t.jump_mean),
     ("jump_oscillation", "H/E of the rest of these jumps", |t| &t.jump_oscillation),
     ("neumann", "H/E of the given traction less that of the solution", |t| &t.neumann),
+];
+
+/// A term of what is left of the equations between body and medium: name, meaning, values.
+type InterfaceTerm = (&'static str, &'static str, fn(&InterfaceIndicators) -> &Vec<f64>);
+const INTERFACE_TERMS: [InterfaceTerm; 3] = [
+    ("traction", "h/E1 of the balance of tractions", |t| &t.traction),
+    ("displacement", "h E2 of the slope of the first equation of the medium", |t| &t.displacement),
+    ("traction_error", "squared error of the traction of the medium in the norm of V", |t| &t.traction_error),
 ];
 
 /// Reads `/multiscale` and the steps, and checks that they fit the fields of the result.
@@ -198,6 +216,15 @@ pub(crate) fn read_steps(file: &File) -> Result<Vec<GridStep>, IoError> {
     groups.iter().map(load_step).collect()
 }
 
+fn load_interface(at: &Group) -> Result<InterfaceIndicators, IoError> {
+    let [traction, displacement, traction_error] = INTERFACE_TERMS.map(|(name, ..)| load_vector(at, name));
+    let (traction, displacement, traction_error) = (traction?, displacement?, traction_error?);
+    if [displacement.len(), traction_error.len()] != [traction.len(); 2] {
+        return Err(invalid(at, "", "its terms have different lengths"));
+    }
+    Ok(InterfaceIndicators { traction, displacement, hypersingular: None, traction_error })
+}
+
 fn load_step(at: &Group) -> Result<GridStep, IoError> {
     let whole = |name: &str| -> Result<usize, IoError> {
         match load_integers(at, name)?.as_slice() {
@@ -217,9 +244,14 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
     let around = if at.link_exists(AROUND) { Some(load(at, AROUND)?) } else { None };
     let estimate = if at.link_exists("estimate") {
         let terms = load_vector(at, "estimate_terms")?;
-        let &[multiscale, fine_grid, relative, inside, crossed] = terms.as_slice() else {
-            return Err(invalid(at, "estimate_terms", format!("{} numbers, not 5", terms.len())));
+        // earlier files have no medium
+        let (&[multiscale, fine_grid, relative, inside, crossed] | &[multiscale, fine_grid, relative, inside, crossed, _]) =
+            terms.as_slice()
+        else {
+            return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
         };
+        let medium = terms.get(5).copied().unwrap_or(0.0);
+        let interface = if at.link_exists("interface") { Some(load_interface(&open_group(at, "interface")?)?) } else { None };
         let group = open_group(at, "indicators")?;
         let cells = coarse.as_ref().map_or(0, Vec::len);
         let column = |name: &str| -> Result<Vec<f64>, IoError> {
@@ -252,7 +284,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
             None
         };
         let (indicators, error) = (column("squared")?, load_number(at, "estimate")?);
-        Some(GridEstimate { indicators, residual, multiscale, fine_grid, interface: None, medium: 0.0, error, relative, crossing, inside, crossed })
+        Some(GridEstimate { indicators, residual, multiscale, fine_grid, interface, medium, error, relative, crossing, inside, crossed })
     } else {
         None
     };
