@@ -1,6 +1,6 @@
 //! A constant body force in the discrete problem: u = w + u_p, w without body force.
 
-use steklov_bem_operators::{BodyForce, BoundaryField, Mesh, Space};
+use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
 use steklov_quadrature::gauss_legendre;
 
 use crate::solve::Energies;
@@ -11,7 +11,7 @@ use crate::solve::Energies;
 /// ½ uᵀSu - (f + S U - T)·u plus a constant.
 pub(crate) struct Particular {
     /// u_p itself.
-    pub(crate) force: BodyForce,
+    pub(crate) force: ParticularSolution,
     /// U.
     pub(crate) displacement: Vec<f64>,
     /// S U - T.
@@ -29,7 +29,7 @@ pub(crate) struct Particular {
 impl Particular {
     /// `stiffness` is the product with S.
     pub(crate) fn new(
-        force: &BodyForce,
+        force: &ParticularSolution,
         mesh: &Mesh,
         space: &Space,
         stiffness: impl FnOnce(&[f64]) -> Vec<f64>,
@@ -80,7 +80,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// ∮ t(w)·u_p with the traction of w of its own space.
-pub(crate) fn crossed_work(field: &BoundaryField, force: &BodyForce, mesh: &Mesh, space: &Space) -> f64 {
+pub(crate) fn crossed_work(field: &BoundaryField, force: &ParticularSolution, mesh: &Mesh, space: &Space) -> f64 {
     let mut work = 0.0;
     for e in 0..mesh.len() {
         let rule = gauss_legendre(space.degree(e) + 2);

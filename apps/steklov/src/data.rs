@@ -1,8 +1,8 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Datum, Location, Mesh, Site, Space, add_load, boundary_residuals, side_moments,
-    side_moments_and_squares,
+    BemError, BoundaryField, Datum, Location, Mesh, ParticularSolution, Site, Space, add_load, boundary_residuals,
+    side_moments, side_moments_and_squares,
 };
 use steklov_contact::{
     ContactBoundary, ContactBubble, ContactSolution, Multiplier, Sets, SideData, contact_boundary, contact_bubbles,
@@ -162,7 +162,7 @@ impl Data<'_> {
         &self,
         boundary: &ContactBoundary,
         sets: &Sets,
-        body: Option<&BodyForce>,
+        body: Option<&ParticularSolution>,
     ) -> Result<Vec<ContactBubble>, SolveError> {
         let functions: Vec<_> = self
             .scene
@@ -187,7 +187,7 @@ impl Data<'_> {
     }
 
     /// ‖w‖ ‖dw/ds‖ of the held displacements less their interpolants, summed over the components: (element, length²).
-    pub(crate) fn held_oscillation(&self, body: Option<&BodyForce>) -> Result<Vec<(usize, f64)>, SolveError> {
+    pub(crate) fn held_oscillation(&self, body: Option<&ParticularSolution>) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
         for (index, side) in self.scene.sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &side.condition else { continue };
@@ -209,7 +209,7 @@ impl Data<'_> {
     fn less_particular<'e>(
         &'e self,
         expression: &'e Expression,
-        body: Option<&'e BodyForce>,
+        body: Option<&'e ParticularSolution>,
         direction: impl Fn(usize) -> [f64; 2] + Sync + 'e,
     ) -> Function<'e> {
         let plain = self.function(expression);
@@ -401,7 +401,7 @@ impl Data<'_> {
     pub(crate) fn traction_moment(
         &self,
         field: &BoundaryField,
-        body: Option<&BodyForce>,
+        body: Option<&ParticularSolution>,
         e: usize,
         j: usize,
     ) -> [f64; 2] {

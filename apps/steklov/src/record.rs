@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use steklov_bem_operators::{BodyForce, BoundaryField, Inside, Location, Mesh};
+use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution};
 use steklov_contact::Kkt;
 use steklov_io::vtkhdf::{Field, Grid};
 
@@ -226,7 +226,7 @@ impl Solved {
 struct Elastic<'a> {
     mesh: &'a Mesh,
     field: &'a BoundaryField,
-    body_force: Option<&'a BodyForce>,
+    body_force: Option<&'a ParticularSolution>,
 }
 
 impl Elastic<'_> {

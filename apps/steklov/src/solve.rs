@@ -5,8 +5,8 @@ use std::time::Instant;
 use faer::{Col, Mat};
 use sprs::CsMat;
 use steklov_bem_operators::{
-    BemError, BodyForce, BoundaryField, Condensation, Domain, Enrichment, Mesh, Operators, PairCache, Partition,
-    RigidMotion, Space, Steklov,
+    BemError, BoundaryField, Condensation, Domain, Enrichment, Mesh, Operators, PairCache, ParticularSolution,
+    Partition, RigidMotion, Space, Steklov,
 };
 use steklov_contact::{ContactBoundary, ContactError};
 
@@ -152,7 +152,7 @@ pub struct Solved {
     /// The elastic field without the body force's particular solution.
     pub field: BoundaryField,
     /// The particular solution of the body force.
-    pub body_force: Option<BodyForce>,
+    pub body_force: Option<ParticularSolution>,
     /// Energies.
     pub energies: Energies,
     /// Contact, if there is any.
@@ -213,7 +213,8 @@ pub fn solve(
         }
     };
     observe(Stage::Steklov(&matrix))?;
-    let body_force = scene.constant_force().map(|b| BodyForce::new(b, scene.polygon.centroid(), &scene.material));
+    let body_force =
+        scene.constant_force().map(|b| ParticularSolution::of_body_force(b, scene.polygon.centroid(), &scene.material));
     let particular = body_force.map(|b| {
         Particular::new(&b, &mesh, &space, |u| {
             let product = &matrix * Col::from_fn(u.len(), |i| u[i]);

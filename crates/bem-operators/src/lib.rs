@@ -58,7 +58,7 @@ pub use marking::{doerfler, legendre_decay};
 pub use material::{Material, Plane};
 pub use mesh::Mesh;
 pub use moments::{PairMoments, Segment, Tables};
-pub use particular::BodyForce;
+pub use particular::ParticularSolution;
 pub use polygon::{Edge, Location, Loop, Polygon};
 pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};

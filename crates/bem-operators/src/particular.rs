@@ -1,24 +1,35 @@
-//! A constant body force, carried by a particular solution.
+//! Particular solutions: of a constant body force, and of a uniform stress far away.
 
 use crate::{Material, Mesh, Space};
 
-/// Particular solution of div σ(u) + b = 0 for a constant force b per area:
+/// Particular solution of div σ(u) + b = 0 for a constant force b per area, with a uniform stress σ_∞ added:
 ///
 /// ```text
-/// u_p(x) = -(ξ²/2) b/(λ+2μ),    ξ = b·(x - x_0)/|b|
+/// u_p(x) = ε_∞ (x - x_0) - (ξ²/2) b/(λ+2μ),    ξ = b·(x - x_0)/|b|,    σ(ε_∞ x) = σ_∞
 /// ```
-/// The strain is uniaxial along b, so the solution turns with the scene, and it stays bounded as ν → ½.
+/// The strain of the second part is uniaxial along b, so the solution turns with the scene, and it stays bounded as ν → ½.
+/// The first part is what is left of a stressed unbounded body far away from its holes.
 #[derive(Debug, Clone, Copy)]
-pub struct BodyForce {
+pub struct ParticularSolution {
     force: [f64; 2],
+    /// ε_∞, without rotation: xx, yy, xy.
+    strain: [f64; 3],
     centre: [f64; 2],
     material: Material,
 }
 
-impl BodyForce {
-    /// Force per area, and the point x_0 at which the particular solution and its stress vanish.
-    pub fn new(force: [f64; 2], centre: [f64; 2], material: &Material) -> Self {
-        Self { force, centre, material: *material }
+impl ParticularSolution {
+    /// Of a force per area; `centre` is the point x_0 at which the particular solution and its stress vanish.
+    pub fn of_body_force(force: [f64; 2], centre: [f64; 2], material: &Material) -> Self {
+        Self { force, strain: [0.0; 3], centre, material: *material }
+    }
+
+    /// Of a uniform stress xx, yy, xy; `centre` is the point x_0 that it does not move.
+    pub fn of_uniform_stress([xx, yy, xy]: [f64; 3], centre: [f64; 2], material: &Material) -> Self {
+        let (nu, mu) = (material.nu(), material.mu());
+        let along = |a: f64, b: f64| ((1.0 - nu) * a - nu * b) / (2.0 * mu);
+        let strain = [along(xx, yy), along(yy, xx), xy / (2.0 * mu)];
+        Self { force: [0.0; 2], strain, centre, material: *material }
     }
 
     /// b/|b| and ξ; zero without a force.
@@ -32,14 +43,18 @@ impl BodyForce {
     pub fn displacement(&self, x: [f64; 2]) -> [f64; 2] {
         let modulus = self.material.lambda() + 2.0 * self.material.mu();
         let xi = self.along(x).1;
-        self.force.map(|b| -0.5 * xi * xi * b / modulus)
+        let ([xx, yy, xy], d) = (self.strain, [x[0] - self.centre[0], x[1] - self.centre[1]]);
+        let uniform = [xx * d[0] + xy * d[1], xy * d[0] + yy * d[1]];
+        [0, 1].map(|i| uniform[i] - 0.5 * xi * xi * self.force[i] / modulus)
     }
 
     /// Gradient [[∂x u_x, ∂y u_x], [∂x u_y, ∂y u_y]] of u_p.
     pub fn gradient(&self, x: [f64; 2]) -> [[f64; 2]; 2] {
         let modulus = self.material.lambda() + 2.0 * self.material.mu();
         let (unit, xi) = self.along(x);
-        self.force.map(|b| unit.map(|e| -xi * b * e / modulus))
+        let [xx, yy, xy] = self.strain;
+        let uniform = [[xx, xy], [xy, yy]];
+        [0, 1].map(|i| [0, 1].map(|j| uniform[i][j] - xi * self.force[i] * unit[j] / modulus))
     }
 
     /// σ(u_p): σ_xx, σ_yy, σ_xy, linear in x.
@@ -93,7 +108,8 @@ impl BodyForce {
         load
     }
 
-    /// (a(u_p, u_p), ∫_Ω b·u_p): twice the strain energy of u_p and the work of b on it, as boundary integrals.
+    /// (a(u_p, u_p), ∫_Ω b·u_p) of a body force in a bounded body: twice the strain energy of u_p and the work of b on it, as
+    /// boundary integrals.
     pub fn energies(&self, mesh: &Mesh) -> (f64, f64) {
         let mut work_of_force = 0.0;
         let mut work_of_traction = 0.0;

@@ -8,7 +8,7 @@ use faer::{Col, Mat, Side};
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, mesh, polygon_and_mesh};
 use steklov_bem_operators::{
-    BodyForce, Condensation, Domain, Mesh, Operators, Partition, Plane, RigidMotion, Space, Steklov,
+    Condensation, Domain, Mesh, Operators, ParticularSolution, Partition, Plane, RigidMotion, Space, Steklov,
 };
 
 /// A random symmetric positive definite matrix AᵀA + n I from proptest's numbers.
@@ -92,7 +92,7 @@ proptest! {
         force in [-3.0..3.0f64, -3.0..3.0f64],
     ) {
         let centre = polygon.centroid();
-        let particular = BodyForce::new(force, centre, &material);
+        let particular = ParticularSolution::of_body_force(force, centre, &material);
         let space = Space::new(&mesh);
         // resultant: ∮ σ_p n = ∫ div σ_p = -b·area
         let load = particular.traction_load(&mesh, &space);
@@ -125,7 +125,7 @@ fn body_force_energies_of_a_unit_square_are_those_of_the_integrals() {
     let material = steklov_bem_operators::Material::new(2.0, 0.3, Plane::Stress).expect("material");
     let mesh = Mesh::uniform(&polygon(&SQUARE, &[]), 4, 1);
     let modulus = material.lambda() + 2.0 * material.mu();
-    let (energy, work) = BodyForce::new([0.0, -1.0], [0.0, 0.0], &material).energies(&mesh);
+    let (energy, work) = ParticularSolution::of_body_force([0.0, -1.0], [0.0, 0.0], &material).energies(&mesh);
     assert!((energy * 12.0 * modulus - 1.0).abs() < 1e-14, "{energy}");
     assert!((work * -24.0 * modulus - 1.0).abs() < 1e-14, "{work}");
 }

@@ -25,7 +25,7 @@
 //! no digits under a bound beyond all shears.
 
 use rayon::prelude::*;
-use steklov_bem_operators::{BodyForce, BoundaryField, Datum, Mesh, Site, Space, residual_panels};
+use steklov_bem_operators::{BoundaryField, Datum, Mesh, ParticularSolution, Site, Space, residual_panels};
 use steklov_quadrature::{gauss_legendre, project};
 
 use crate::law::dot;
@@ -88,7 +88,7 @@ pub struct ContactSolution<'a> {
     /// The elastic field without the particular solution of a body force.
     pub field: &'a BoundaryField,
     /// That particular solution.
-    pub body_force: Option<&'a BodyForce>,
+    pub body_force: Option<&'a ParticularSolution>,
 }
 
 /// Residuals of the elements of the given contact sides, in the order of the mesh.

@@ -25,7 +25,9 @@ use faer::linalg::solvers::{DenseSolveCore, Llt};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
 use faer::{Accum, Mat, Par, Scale, Side};
-use steklov_bem_operators::{BodyForce, Dof, Material, Mesh, Space, TractionMap, graded_panels, steklov_trace_rows};
+use steklov_bem_operators::{
+    Dof, Material, Mesh, ParticularSolution, Space, TractionMap, graded_panels, steklov_trace_rows,
+};
 use steklov_quadrature::gauss_legendre;
 
 use crate::inf_sup::dual_form;
@@ -82,7 +84,7 @@ pub struct Loading<'a> {
     /// Rigid motions that nothing resists and no load drives (nodal vectors): the solution is orthogonal to them.
     pub motions: &'a [Vec<f64>],
     /// The particular solution of a body force, and its nodal values.
-    pub particular: Option<(&'a BodyForce, &'a [f64])>,
+    pub particular: Option<(&'a ParticularSolution, &'a [f64])>,
 }
 
 /// γ₀ over its critical value, at least: the condensed problem is as ill-conditioned as that is small.
@@ -312,7 +314,7 @@ impl StabilisedForms {
         gamma: f64,
         values: &[[f64; 2]],
         displacement: &[f64],
-        particular: Option<(&BodyForce, &[f64])>,
+        particular: Option<(&ParticularSolution, &[f64])>,
     ) -> Vec<f64> {
         let mut forces = Mat::<f64>::zeros(displacement.len(), 1);
         let (u, tau) = (column(displacement), self.particular(mesh, multipliers, particular));
@@ -330,7 +332,7 @@ impl StabilisedForms {
         &self,
         mesh: &Mesh,
         multipliers: &MultiplierSpace,
-        particular: Option<(&BodyForce, &[f64])>,
+        particular: Option<(&ParticularSolution, &[f64])>,
     ) -> [Vec<f64>; 2] {
         let frame = |e: usize| multipliers.nodes.iter().find(|n| n.edge == mesh.edge[e]).map(|n| n.frame);
         let at = |(&(e, t), w): (&(usize, f64), &f64)| -> [f64; 2] {

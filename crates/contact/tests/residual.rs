@@ -4,7 +4,9 @@ mod solved;
 
 use proptest::prelude::*;
 use solved::{Case, Field, square};
-use steklov_bem_operators::{BodyForce, BoundaryField, Datum, Loop, Material, Mesh, Plane, Polygon, Site, Space};
+use steklov_bem_operators::{
+    BoundaryField, Datum, Loop, Material, Mesh, ParticularSolution, Plane, Polygon, Site, Space,
+};
 use steklov_contact::{
     ContactError, ContactResidual, ContactSolution, Multiplier, MultiplierDegree, MultiplierMesh, MultiplierSpace,
     SideData, contact_boundary, contact_residuals, multiplier_trace,
@@ -56,7 +58,7 @@ proptest! {
     #[test]
     fn a_body_force_is_counted(weight in 0.1..2.0f64, degrees in degrees()) {
         let degrees: Vec<usize> = degrees.iter().map(|p| p + 1).collect();
-        let body_force = Some(BodyForce::new([0.0, -weight], [0.1, 0.6], &STEEL));
+        let body_force = Some(ParticularSolution::of_body_force([0.0, -weight], [0.1, 0.6], &STEEL));
         let field = Field { body_force, ..SLIPPING };
         let solved = Case::of_field(mesh(0.0, &degrees), field, 0.0, [false, false, true, false], None).solve();
         prop_assert!(solved.indicator() < 1e-10 * solved.size(), "{:e} {:?}", solved.indicator(), solved.contact);

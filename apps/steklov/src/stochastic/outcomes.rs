@@ -3,7 +3,7 @@
 //! The matrices are those of the nominal modulus E₀. With e = E/E₀ the displacements of an outcome are those of E₀ under the
 //! loads and friction bounds divided by e; stresses, forces and energies are e times what is then computed.
 
-use steklov_bem_operators::{BodyForce, Mesh, Space};
+use steklov_bem_operators::{Mesh, ParticularSolution, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
@@ -73,7 +73,8 @@ impl<'a> Outcomes<'a> {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
         let particular = scene.constant_force().map(|b| {
-            let force = BodyForce::new(b.map(|b| b / modulus), scene.polygon.centroid(), &scene.material);
+            let force =
+                ParticularSolution::of_body_force(b.map(|b| b / modulus), scene.polygon.centroid(), &scene.material);
             Particular::new(&force, mesh, space, |u| self.body.condensation.multiply(u))
         });
         let supports = Supports { space, held: &held };

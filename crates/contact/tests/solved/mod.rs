@@ -3,7 +3,7 @@
 use faer::{Col, Mat};
 use num_complex::Complex64;
 use steklov_bem_operators::{
-    BodyForce, BoundaryField, BoundaryResidual, Condensation, Datum, Domain, Loop, Material, Mesh, Operators,
+    BoundaryField, BoundaryResidual, Condensation, Datum, Domain, Loop, Material, Mesh, Operators, ParticularSolution,
     Partition, Plane, Polygon, Site, Space, Steklov, add_load, boundary_residuals, side_moments,
 };
 use steklov_contact::{
@@ -33,7 +33,7 @@ pub struct Field {
     pub shift: Vector,
     pub gradient: [Vector; 2],
     pub curved: f64,
-    pub body_force: Option<BodyForce>,
+    pub body_force: Option<ParticularSolution>,
 }
 
 impl Field {
@@ -68,7 +68,7 @@ impl Field {
 pub struct Case {
     mesh: Mesh,
     material: Material,
-    body_force: Option<BodyForce>,
+    body_force: Option<ParticularSolution>,
     held: [bool; 4],
     displacement: Box<dyn Fn(Vector) -> Vector>,
     traction: OfPoint<Vector>,
