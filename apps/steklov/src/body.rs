@@ -71,7 +71,7 @@ impl Given {
         let (mut load, mut extra_load) = (loads.nodal.clone(), loads.bubbles.clone());
         if let Some(p) = &particular {
             load.iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
-            extra_load.iter_mut().zip(p.force.bubble_load(mesh, space)).for_each(|(f, t)| *f -= t);
+            extra_load.iter_mut().zip(p.solution.bubble_load(mesh, space)).for_each(|(f, t)| *f -= t);
         }
         Self { loads, particular, boundary, held, judged: true, stabilised: None, load, extra_load }
     }
@@ -93,7 +93,7 @@ impl Given {
 
 /// What is left of a solution, besides the matrices of its [`Body`], for its estimate and the next mesh.
 pub struct Factors {
-    /// Nodal displacement without the body force's particular solution, of biorthogonal multipliers.
+    /// Nodal displacement without the particular solution, of biorthogonal multipliers.
     pub homogeneous: Vec<f64>,
     /// J of that displacement.
     pub energy: f64,
@@ -108,6 +108,12 @@ pub struct Factors {
 }
 
 impl Body {
+    /// The elastic field of a nodal displacement and its traction.
+    pub(crate) fn field(&self, displacement: &[f64], traction: &[f64]) -> BoundaryField {
+        let field = BoundaryField::new(&self.mesh, &self.space, &self.material, displacement, traction, self.length);
+        field.tending_to(self.traction_map.at_infinity(displacement))
+    }
+
     /// The answer to what acts on the body; `solve` solves the condensed contact problem. No seconds are taken.
     ///
     /// # Errors
@@ -131,7 +137,7 @@ impl Body {
         let Self { mesh, space, condensation, .. } = self;
         let supports = Supports { space, held: &self.held };
         let data = Data { scene, mesh, space };
-        let body_force = particular.as_ref().map(|p| p.force);
+        let solution = particular.as_ref().map(|p| p.solution);
         let condensed = condensation.load_held(&load, &held);
         let (displacement, contact, contact_factors) = match boundary {
             None => (condensation.expand(&condensed, &[]), None, None),
@@ -193,8 +199,8 @@ impl Body {
                 Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
             };
             let traction = self.traction_map.apply(&homogeneous);
-            let field = BoundaryField::new(mesh, space, &self.material, &homogeneous, &traction, self.length);
-            let crossed = body_force.map_or(0.0, |b| crossed_work(&field, &b, mesh, space));
+            let field = self.field(&homogeneous, &traction);
+            let crossed = solution.map_or(0.0, |b| crossed_work(&field, &b, mesh, space));
             let energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
             (homogeneous, field, energies)
         };
@@ -215,7 +221,7 @@ impl Body {
             return Err(SolveError::NotFinite { energy: total });
         }
         let mut reactions = supports
-            .reactions(&residual, mesh, &scene.sides, |e, j| data.traction_moment(&field, body_force.as_ref(), e, j));
+            .reactions(&residual, mesh, &scene.sides, |e, j| data.traction_moment(&field, solution.as_ref(), e, j));
         if let Some(c) = &contact {
             for (side, condition) in scene.sides.iter().enumerate() {
                 if matches!(condition.condition, Condition::Contact { .. }) {
@@ -236,7 +242,7 @@ impl Body {
         let solved = Solved {
             displacement,
             field,
-            body_force,
+            particular: solution,
             energies,
             contact,
             equilibrium,

@@ -1,4 +1,4 @@
-//! A constant body force in the discrete problem: u = w + u_p, w without body force.
+//! A constant body force or a remote stress in the discrete problem: u = w + u_p, w without them.
 
 use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
 use steklov_quadrature::gauss_legendre;
@@ -11,7 +11,9 @@ use crate::solve::Energies;
 /// ½ uᵀSu - (f + S U - T)·u plus a constant.
 pub(crate) struct Particular {
     /// u_p itself.
-    pub(crate) force: ParticularSolution,
+    pub(crate) solution: ParticularSolution,
+    /// Whether the energies are those of w alone: u_p has none that is finite in an unbounded body.
+    relative: bool,
     /// U.
     pub(crate) displacement: Vec<f64>,
     /// S U - T.
@@ -27,19 +29,20 @@ pub(crate) struct Particular {
 }
 
 impl Particular {
-    /// `stiffness` is the product with S.
+    /// `stiffness` is the product with S; `unbounded`: the particular solution reaches to infinity.
     pub(crate) fn new(
-        force: &ParticularSolution,
+        solution: ParticularSolution,
+        unbounded: bool,
         mesh: &Mesh,
         space: &Space,
         stiffness: impl FnOnce(&[f64]) -> Vec<f64>,
     ) -> Self {
-        let displacement = space.interpolate(|x| force.displacement(x));
+        let displacement = space.interpolate(|x| solution.displacement(x));
         let stiff = stiffness(&displacement);
-        let traction = force.traction_load(mesh, space);
+        let traction = solution.traction_load(mesh, space);
         let load = stiff.iter().zip(&traction).map(|(s, t)| s - t).collect();
-        let (energy, work) = force.energies(mesh);
-        Self { force: *force, displacement, load, stiff, traction, energy, work }
+        let (energy, work) = if unbounded { (0.0, 0.0) } else { solution.energies(mesh) };
+        Self { solution, relative: unbounded, displacement, load, stiff, traction, energy, work }
     }
 }
 
@@ -48,6 +51,11 @@ impl Particular {
 /// ```text
 /// ∫ b·u = ∮ t(w)·u_p - T·w + ∫ b·u_p                               (Betti), w = u - U
 /// J - friction = ½ wᵀ S w + T·w + ½ a(u_p,u_p) - f·u - ∫ b·u_p
+/// ```
+/// In an unbounded body those of w, whose traction on the boundary is what is given less σ_∞n:
+///
+/// ```text
+/// J - friction = ½ wᵀ S w - (f - T)·w
 /// ```
 pub(crate) fn energies(
     displacement: &[f64],
@@ -70,6 +78,10 @@ pub(crate) fn energies(
     let w: Vec<f64> = displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
     let stiff: Vec<f64> = forces.iter().zip(&p.stiff).map(|(s, p)| s - p).collect();
     let traction = dot(&p.traction, &w);
+    if p.relative {
+        let (strain, load_work) = (0.5 * dot(&w, &stiff), dot(tractions, &w) - traction);
+        return Energies { total: strain - load_work + friction_work, strain, load_work, friction_work };
+    }
     let load_work = traction_work + crossed - traction + p.work;
     let elastic = 0.5 * dot(&w, &stiff) + traction + 0.5 * p.energy - traction_work - p.work;
     Energies { total: elastic + friction_work, strain: elastic + load_work, load_work, friction_work }
@@ -80,12 +92,12 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// ∮ t(w)·u_p with the traction of w of its own space.
-pub(crate) fn crossed_work(field: &BoundaryField, force: &ParticularSolution, mesh: &Mesh, space: &Space) -> f64 {
+pub(crate) fn crossed_work(field: &BoundaryField, particular: &ParticularSolution, mesh: &Mesh, space: &Space) -> f64 {
     let mut work = 0.0;
     for e in 0..mesh.len() {
         let rule = gauss_legendre(space.degree(e) + 2);
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
-            let (traction, u) = (field.trace(e, t).traction, force.displacement(mesh.point(e, t)));
+            let (traction, u) = (field.trace(e, t).traction, particular.displacement(mesh.point(e, t)));
             work += w * mesh.length(e) / 2.0 * (traction[0] * u[0] + traction[1] * u[1]);
         }
     }

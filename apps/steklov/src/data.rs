@@ -249,7 +249,7 @@ impl Data<'_> {
 
     /// Residual indicators of all elements.
     pub(crate) fn residuals(&self, solved: &Solved) -> Result<Vec<Residual>, SolveError> {
-        let body = solved.body_force.as_ref();
+        let body = solved.particular.as_ref();
         let traction = |site: &Site| -> [Option<f64>; 2] {
             let e = site.element;
             let value = |f: &Expression| f.eval(site.point[0], site.point[1], site.s);

@@ -167,7 +167,7 @@ pub fn estimate(
     let data = Data { scene, mesh, space };
     let bubbles = match (&solved.contact, &factors.contact) {
         (Some(contact), Some(part)) => {
-            data.contact_bubbles(&contact.boundary, &part.sets, solved.body_force.as_ref())?
+            data.contact_bubbles(&contact.boundary, &part.sets, solved.particular.as_ref())?
         }
         _ => Vec::new(),
     };
@@ -197,7 +197,7 @@ pub fn estimate(
     for bubble in &bubbles {
         indicators[bubble.element].oscillation += modulus / 2.0 * bubble.oscillation;
     }
-    for (e, oscillation) in data.held_oscillation(solved.body_force.as_ref())? {
+    for (e, oscillation) in data.held_oscillation(solved.particular.as_ref())? {
         indicators[e].oscillation += modulus / 2.0 * oscillation;
     }
 

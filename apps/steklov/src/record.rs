@@ -3,8 +3,9 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution};
+use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution, Polygon};
 use steklov_contact::Kkt;
+use steklov_coupling::Radiation;
 use steklov_io::vtkhdf::{Field, Grid};
 
 use crate::around::{Around, Window};
@@ -17,7 +18,7 @@ use crate::scene::Scene;
 use crate::solve::Solved;
 use crate::stochastic::{self, StochasticResult};
 use crate::store::Stored;
-use crate::summary::{Audit, Probe, SecondsSummary, Summary, peak_memory_bytes};
+use crate::summary::{Audit, ExteriorSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::triangulate::{Triangulation, triangulate};
 
 /// A result: the arrays of the result file and the numbers of its summary.
@@ -59,6 +60,12 @@ pub struct Record {
 
 /// Points of the triangulated body, about.
 const BODY_POINTS: usize = 800;
+
+/// Points of the triangulated window around the holes of an unbounded body, about.
+const WINDOW_POINTS: usize = 2500;
+
+/// Part of the forces on the boundary below which their resultant counts as none.
+const BALANCED: f64 = 1e-6;
 
 impl Record {
     /// Gathers a run. `file` is the name of the result file, `total` the seconds since the command began.
@@ -159,7 +166,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
         stochastic: None,
         grid: None,
-        exterior: None,
+        exterior: exterior_summary(scene, run),
         seconds: SecondsSummary {
             set_up: part(0),
             assemble: part(1),
@@ -170,6 +177,31 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         },
         peak_memory_bytes: peak_memory_bytes(),
     }
+}
+
+/// What a hole in an unbounded medium does far away; none of another body.
+fn exterior_summary(scene: &Scene, run: &Run) -> Option<ExteriorSummary> {
+    let exterior = scene.exterior.as_ref().filter(|_| scene.is_cavity())?;
+    let Solved { mesh, space, field, .. } = &run.last;
+    let (mut resultant, mut sum) = ([0.0; 2], 0.0);
+    for e in 0..mesh.len() {
+        let rule = steklov_quadrature::gauss_legendre(space.degree(e));
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            let force = field.trace(e, t).traction.map(|t| w * mesh.length(e) / 2.0 * t);
+            resultant = [resultant[0] + force[0], resultant[1] + force[1]];
+            sum += force[0].hypot(force[1]);
+        }
+    }
+    Some(ExteriorSummary {
+        radiation: match exterior.radiation {
+            Radiation::Decaying => "decaying".into(),
+            Radiation::Bounded => "bounded".into(),
+        },
+        resultant,
+        balanced: resultant[0].hypot(resultant[1]) <= BALANCED * sum,
+        constant: field.at_infinity(),
+        length: run.body.length,
+    })
 }
 
 /// The judge's measures as they are told.
@@ -194,7 +226,7 @@ pub(crate) fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
 
 impl Solved {
     fn elastic(&self) -> Elastic<'_> {
-        Elastic { mesh: &self.mesh, field: &self.field, body_force: self.body_force.as_ref() }
+        Elastic { mesh: &self.mesh, field: &self.field, particular: self.particular.as_ref() }
     }
 
     /// Displacement and stress at a point inside the body.
@@ -210,7 +242,7 @@ impl Solved {
     /// Traction at the reference coordinate t of element e.
     pub fn traction(&self, e: usize, t: f64) -> [f64; 2] {
         let traction = self.field.trace(e, t).traction;
-        let extra = self.body_force.map_or([0.0; 2], |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e)));
+        let extra = self.particular.map_or([0.0; 2], |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e)));
         [traction[0] + extra[0], traction[1] + extra[1]]
     }
 
@@ -226,14 +258,14 @@ impl Solved {
 struct Elastic<'a> {
     mesh: &'a Mesh,
     field: &'a BoundaryField,
-    body_force: Option<&'a ParticularSolution>,
+    particular: Option<&'a ParticularSolution>,
 }
 
 impl Elastic<'_> {
     fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
         let Inside { displacement: mut u, mut stress, .. } = self.field.inside(x);
-        if let Some(body) = self.body_force {
-            let (v, sigma) = (body.displacement(x), body.stress(x));
+        if let Some(p) = self.particular {
+            let (v, sigma) = (p.displacement(x), p.stress(x));
             (0..2).for_each(|i| u[i] += v[i]);
             (0..3).for_each(|i| stress[i] += sigma[i]);
         }
@@ -243,9 +275,9 @@ impl Elastic<'_> {
     fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
         let trace = self.field.trace(e, t);
         let (mut u, mut stress) = (trace.displacement, trace.stress);
-        if let Some(body) = self.body_force {
+        if let Some(p) = self.particular {
             let x = self.mesh.point(e, t);
-            let (v, sigma) = (body.displacement(x), body.stress(x));
+            let (v, sigma) = (p.displacement(x), p.stress(x));
             (0..2).for_each(|i| u[i] += v[i]);
             (0..3).for_each(|i| stress[i] += sigma[i]);
         }
@@ -273,17 +305,35 @@ impl Elastic<'_> {
     }
 }
 
-/// The body with its fields; without triangles where the outline cannot be triangulated.
+/// The edges of a window around the holes of an unbounded body, counter-clockwise: their bounding box and one and a half
+/// diameters on each side.
+fn window(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
+    let margin = 1.5 * polygon.diameter();
+    let coordinates = |i: usize| polygon.edges().iter().map(move |e| e.start[i]);
+    let low = [0, 1].map(|i| coordinates(i).fold(f64::INFINITY, f64::min) - margin);
+    let high = [0, 1].map(|i| coordinates(i).fold(f64::NEG_INFINITY, f64::max) + margin);
+    let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
+    (0..4).map(|k| (corners[k], corners[(k + 1) % 4], 0)).collect()
+}
+
+/// The body with its fields, of an unbounded one a window; without triangles where the outline cannot be triangulated.
 fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
     let polygon = &scene.polygon;
     let order: Vec<usize> = (0..polygon.loops().len()).flat_map(|l| polygon.traversal(l)).collect();
-    let edges: Vec<_> = order.iter().map(|&k| &polygon.edges()[k]).map(|e| (e.start, e.end, e.loop_index)).collect();
-    let body = triangulate(&edges, BODY_POINTS).unwrap_or_else(|_| Triangulation {
+    let (window, count) =
+        if polygon.is_bounded() { (Vec::new(), BODY_POINTS) } else { (window(polygon), WINDOW_POINTS) };
+    let frame = window.len();
+    // the window is the loop before those of the holes
+    let loops = order.iter().map(|&k| &polygon.edges()[k]).map(|e| (e.start, e.end, e.loop_index + frame));
+    let edges: Vec<_> = window.into_iter().chain(loops).collect();
+    let mut body = triangulate(&edges, count).unwrap_or_else(|_| Triangulation {
         points: edges.iter().map(|e| e.0).collect(),
         triangles: Vec::new(),
         boundary: (0..edges.len()).map(|k| Some((k, 0.0))).collect(),
         outline: Vec::new(),
     });
+    body.boundary.iter_mut().for_each(|at| *at = at.and_then(|(k, s)| Some((k.checked_sub(frame)?, s))));
+    body.outline.retain(|line| line.iter().all(|&i| body.boundary[i].is_some()));
     let at_points = |elastic: Elastic<'_>| -> Vec<([f64; 2], [f64; 3])> {
         let at = |i: usize| match body.boundary[i] {
             Some((k, s)) => {
@@ -308,13 +358,11 @@ fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult
         field("stress", "stress", 3, stresses(&values)),
         field("von_mises", "stress", 1, values.iter().map(|(_, s)| scene.material.von_mises(*s)).collect()),
     ];
-    // the particular solution of a body force depends on the outcome: without its mean there are no mean fields
-    if let Some((result, matrices)) = outcomes.filter(|_| solved.body_force.is_none()) {
+    // the particular solution depends on the outcome: without its mean there are no mean fields
+    if let Some((result, matrices)) = outcomes.filter(|_| solved.particular.is_none()) {
         let mean = |displacement: &[f64]| {
-            let Body { mesh, space, material, traction_map, length, .. } = matrices;
-            let field =
-                BoundaryField::new(mesh, space, material, displacement, &traction_map.apply(displacement), *length);
-            at_points(Elastic { mesh, field: &field, body_force: None })
+            let field = matrices.field(displacement, &matrices.traction_map.apply(displacement));
+            at_points(Elastic { mesh: &matrices.mesh, field: &field, particular: None })
         };
         point_data.push(field("mean_displacement", "length", 3, displacements(&mean(&result.displacement.mean))));
         point_data.push(field("mean_stress", "stress", 3, stresses(&mean(&result.stress_displacement))));

@@ -5,8 +5,8 @@ use std::time::Instant;
 use faer::{Col, Mat};
 use sprs::CsMat;
 use steklov_bem_operators::{
-    BemError, BoundaryField, Condensation, Domain, Enrichment, Mesh, Operators, PairCache, ParticularSolution,
-    Partition, RigidMotion, Space, Steklov,
+    BemError, BoundaryField, Condensation, Enrichment, Mesh, Operators, PairCache, ParticularSolution, Partition,
+    RigidMotion, Space, Steklov,
 };
 use steklov_contact::{ContactBoundary, ContactError};
 
@@ -149,10 +149,10 @@ pub struct Solved {
     pub space: Space,
     /// Nodal displacement, interleaved.
     pub displacement: Vec<f64>,
-    /// The elastic field without the body force's particular solution.
+    /// The elastic field without the particular solution.
     pub field: BoundaryField,
-    /// The particular solution of the body force.
-    pub body_force: Option<ParticularSolution>,
+    /// The particular solution of the body force or of the remote stress.
+    pub particular: Option<ParticularSolution>,
     /// Energies.
     pub energies: Energies,
     /// Contact, if there is any.
@@ -206,17 +206,15 @@ pub fn solve(
     let clock = Instant::now();
     observe(Stage::Progress("Steklov-Poincaré matrix", 0.3))?;
     let (Steklov { matrix, traction: traction_map }, enriched) = match enrichment {
-        None => (Steklov::new(operators, Domain::Interior)?, None),
+        None => (Steklov::new(operators, scene.domain())?, None),
         Some(enrichment) => {
-            let (steklov, enriched) = Steklov::enriched(operators, enrichment, Domain::Interior)?;
+            let (steklov, enriched) = Steklov::enriched(operators, enrichment, scene.domain())?;
             (steklov, Some(enriched))
         }
     };
     observe(Stage::Steklov(&matrix))?;
-    let body_force =
-        scene.constant_force().map(|b| ParticularSolution::of_body_force(b, scene.polygon.centroid(), &scene.material));
-    let particular = body_force.map(|b| {
-        Particular::new(&b, &mesh, &space, |u| {
+    let particular = scene.particular_solution(1.0).map(|solution| {
+        Particular::new(solution, scene.is_cavity(), &mesh, &space, |u| {
             let product = &matrix * Col::from_fn(u.len(), |i| u[i]);
             product.iter().copied().collect()
         })
@@ -225,7 +223,7 @@ pub fn solve(
     let mut given = Given::new(loads, particular, boundary, supports.values(), &mesh, &space);
 
     observe(Stage::Progress("condensation", 0.75))?;
-    let candidates = supports.free_motions();
+    let candidates = scene.unresisted(supports.free_motions());
     let free = given.free_motions(&space, &candidates)?;
     let partition = Partition {
         kept: given.boundary.as_ref().map_or(Vec::new(), ContactBoundary::kept),

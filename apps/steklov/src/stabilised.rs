@@ -68,7 +68,7 @@ pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<Stabi
         return Err(ContactError::Decomposition { size: body.load.len() }.into());
     }
     let gamma = method.gamma.unwrap_or(SAFE * critical);
-    let particular = body.particular.map(|p| (&p.force, p.displacement.as_slice()));
+    let particular = body.particular.map(|p| (&p.solution, p.displacement.as_slice()));
     let loading =
         Loading { stiffness: body.stiffness, load: body.load, held: body.held, motions: body.free, particular };
     let stabilised = data.with_contact_data(|sides| forms.condense(mesh, &space, sides, &loading, gamma, critical))?;

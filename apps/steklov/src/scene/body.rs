@@ -54,40 +54,38 @@ fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), Problem> {
 /// The polygon of `[body]`; `cavity`: its loops are holes in the unbounded plane.
 pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, Problem> {
     let fields = Fields::new(field, &["corners", "sides", "holes"])?;
-    let (outer, first) = read_loop(&fields)?;
-    let (mut holes, mut listed) = (Vec::new(), vec![first]);
+    let (first, names) = read_loop(&fields)?;
+    let (mut loops, mut listed) = (vec![first], vec![names]);
     if let Some(list) = fields.get("holes") {
         for hole in list.list()? {
             let (corners, names) = read_loop(&Fields::new(&hole, &["corners", "sides"])?)?;
-            holes.push(corners);
+            loops.push(corners);
             listed.push(names);
         }
     }
     if cavity {
-        let message = "a hole in an unbounded medium is not yet available";
-        return Err(Problem::new(Kind::NotYetAvailable, field.item.place, message, "add a [material] of the body"));
+        return Polygon::outside(loops).map_err(|e| geometry(e, &listed, 1));
     }
-    Polygon::new(outer, holes).map_err(|e| geometry(e, &listed))
+    Polygon::new(loops.remove(0), loops).map_err(|e| geometry(e, &listed, 0))
 }
 
-/// The place that a geometrical error means, and its remedy.
-fn geometry(error: PolygonError, listed: &[Listed<'_>]) -> Problem {
-    let corners = |l: usize| listed[l].corners.item.place;
-    let corner = |l: usize, k: usize| listed[l].corners.list().map_or(corners(l), |list| list[k].item.place);
-    let side =
-        |l: usize, k: usize| listed[l].sides.list().map_or(listed[l].sides.item.place, |list| list[k].item.place);
+/// The place that a geometrical error means, and its remedy; `first` is the number that the first loop has in it.
+fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> Problem {
+    let corners = |l: usize| listed[l - first].corners.item.place;
+    let corner = |l: usize, k: usize| listed[l - first].corners.list().map_or(corners(l), |list| list[k].item.place);
+    let names = |l: usize| &listed[l - first].sides;
+    let side = |l: usize, k: usize| names(l).list().map_or(names(l).item.place, |list| list[k].item.place);
     let (place, help) = match &error {
         PolygonError::TooFewCorners { loop_index, .. } => (corners(*loop_index), "list at least three corners"),
-        PolygonError::SideCount { loop_index, .. } => (
-            listed[*loop_index].sides.item.place,
-            "side k runs from corner k to the next; the last one closes the loop",
-        ),
+        PolygonError::SideCount { loop_index, .. } => {
+            (names(*loop_index).item.place, "side k runs from corner k to the next; the last one closes the loop")
+        }
         PolygonError::EmptySide { loop_index, edge } => (side(*loop_index, *edge), "give every side a name"),
         PolygonError::NotFinite { loop_index, corner: k, .. } => (corner(*loop_index, *k), "write finite coordinates"),
         PolygonError::ZeroEdge { edge, .. } => {
             (corner(edge.loop_index, edge.corner), "remove one of the two corners, and its side")
         }
-        PolygonError::FarFromOrigin { .. } => (corners(0), "move the origin of the coordinates to the body"),
+        PolygonError::FarFromOrigin { .. } => (corners(first), "move the origin of the coordinates to the body"),
         PolygonError::ZeroArea { loop_index, .. } => (corners(*loop_index), "move a corner off the line"),
         PolygonError::Clockwise { .. } => (
             corners(0),
@@ -109,7 +107,7 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>]) -> Problem {
         PolygonError::HoleInHole { loop_index, .. } => {
             (corners(*loop_index), "remove the inner one: it is empty already")
         }
-        _ => (corners(0), "correct the corners"),
+        _ => (corners(first), "correct the corners"),
     };
     Problem::new(Kind::Geometry, place, error.to_string(), help)
 }

@@ -1,6 +1,6 @@
 //! `[exterior]`: the unbounded medium around the body, or around the hole that the corners of `[body]` outline.
 
-use steklov_bem_operators::{Edge, Material, Plane};
+use steklov_bem_operators::{Domain, Edge, Material, ParticularSolution, Plane, RigidMotion};
 use steklov_coupling::Radiation;
 
 use super::body::material;
@@ -117,7 +117,42 @@ impl ExteriorInput {
 impl Scene {
     /// Whether the corners of `[body]` outline a hole in the unbounded medium.
     pub fn is_cavity(&self) -> bool {
-        self.polygon.area() < 0.0
+        !self.polygon.is_bounded()
+    }
+
+    /// The domain of the boundary elements of one body.
+    pub(crate) fn domain(&self) -> Domain {
+        match self.radiation() {
+            Some(Radiation::Bounded) => Domain::BoundedAtInfinity,
+            Some(Radiation::Decaying) | None => Domain::Interior,
+        }
+    }
+
+    /// What the displacement around a hole does far away; none of a bounded body.
+    fn radiation(&self) -> Option<Radiation> {
+        self.exterior.as_ref().filter(|_| self.is_cavity()).map(|e| e.radiation)
+    }
+
+    /// Those of the rigid motions that supports leave free which an unbounded medium does not resist either: none if its
+    /// displacement decays, translations if it is bounded at infinity.
+    pub(crate) fn unresisted(&self, free: Vec<RigidMotion>) -> Vec<RigidMotion> {
+        match self.radiation() {
+            None => free,
+            Some(Radiation::Decaying) => Vec::new(),
+            Some(Radiation::Bounded) => free.into_iter().filter(|motion| motion.rotation == 0.0).collect(),
+        }
+    }
+
+    /// The particular solution of the body force, or of the stress far from a hole, times a factor: zero at the centroid of the
+    /// body, or at the origin.
+    pub(crate) fn particular_solution(&self, factor: f64) -> Option<ParticularSolution> {
+        if let Some(force) = self.constant_force() {
+            let (force, centre) = (force.map(|b| b * factor), self.polygon.centroid());
+            return Some(ParticularSolution::of_body_force(force, centre, &self.material));
+        }
+        let stress = self.exterior.as_ref().filter(|_| self.is_cavity())?.remote_stress;
+        let stressed = stress != [0.0; 3];
+        stressed.then(|| ParticularSolution::of_uniform_stress(stress.map(|s| s * factor), [0.0; 2], &self.material))
     }
 
     /// The edges on which the body meets the medium around it.

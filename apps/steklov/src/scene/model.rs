@@ -73,7 +73,7 @@ impl Scene {
 
     /// Refuses what is right, but not in this version.
     pub(super) fn check_available(&self) -> Result<(), SceneError> {
-        if self.exterior.is_none() || self.is_on_grid() {
+        if self.exterior.is_none() || self.is_on_grid() || self.is_cavity() {
             return Ok(());
         }
         let message = "boundary elements with an [exterior] material are not yet available".to_owned();

@@ -70,11 +70,11 @@ pub(crate) struct Cell {
 }
 
 /// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
-/// hold the body, and there is neither a body force nor Coulomb friction. Others are solved node by node, which is collocation.
+/// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
 pub(crate) fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, SceneError> {
     let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
     let coulomb = |side: &Side| matches!(side.condition, Condition::Contact { friction: Friction::Coulomb(_), .. });
-    let simple = scene.body_force.is_none() && !scene.sides.iter().any(coulomb);
+    let simple = scene.particular_solution(1.0).is_none() && !scene.sides.iter().any(coulomb);
     Ok(galerkin && simple && free_of_supports(scene).is_empty() && !is_affine(scene, random)?)
 }
 

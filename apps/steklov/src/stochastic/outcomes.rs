@@ -3,7 +3,7 @@
 //! The matrices are those of the nominal modulus E₀. With e = E/E₀ the displacements of an outcome are those of E₀ under the
 //! loads and friction bounds divided by e; stresses, forces and energies are e times what is then computed.
 
-use steklov_bem_operators::{Mesh, ParticularSolution, Space};
+use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
@@ -72,15 +72,13 @@ impl<'a> Outcomes<'a> {
         if let Some(boundary) = &mut boundary {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
-        let particular = scene.constant_force().map(|b| {
-            let force =
-                ParticularSolution::of_body_force(b.map(|b| b / modulus), scene.polygon.centroid(), &scene.material);
-            Particular::new(&force, mesh, space, |u| self.body.condensation.multiply(u))
+        let particular = scene.particular_solution(1.0 / modulus).map(|solution| {
+            Particular::new(solution, scene.is_cavity(), mesh, space, |u| self.body.condensation.multiply(u))
         });
         let supports = Supports { space, held: &held };
         let mut given = Given::new(loads, particular, boundary, supports.values(), mesh, space);
         given.judged = false;
-        let free = given.free_motions(space, &supports.free_motions())?;
+        let free = given.free_motions(space, &scene.unresisted(supports.free_motions()))?;
         if free.len() != self.body.free.len() {
             let (here, nominal) = (free.len(), self.body.free.len());
             let what = format!("{here} motions that nothing resists, for the mean input {nominal}: hold the body");

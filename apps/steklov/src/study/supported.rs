@@ -1,7 +1,7 @@
 //! The body of a scene on one mesh with its supports, without loads.
 
 use faer::Mat;
-use steklov_bem_operators::{Dof, Domain, Mesh, Operators, Space, Steklov, TractionMap};
+use steklov_bem_operators::{Dof, Mesh, Operators, Space, Steklov, TractionMap};
 use steklov_quadrature::gauss_legendre;
 
 use crate::data::Data;
@@ -33,9 +33,9 @@ impl Supported {
         let space = Space::new(&mesh);
         let held = Data { scene, mesh: &mesh, space: &space }.held()?;
         let supports = Supports { space: &space, held: &held };
-        let (fixed, motions) = (supports.dofs(), supports.free_motions());
+        let (fixed, motions) = (supports.dofs(), scene.unresisted(supports.free_motions()));
         let operators = Operators::assemble(&mesh, &space, &scene.material, None)?;
-        let Steklov { matrix: mut stiffness, traction } = Steklov::new(operators, Domain::Interior)?;
+        let Steklov { matrix: mut stiffness, traction } = Steklov::new(operators, scene.domain())?;
         let length: f64 = (0..mesh.len()).map(|e| mesh.length(e)).sum();
         for motion in motions {
             let (moments, square) = moments(&mesh, &space, |x| motion.at(x));
