@@ -19,7 +19,12 @@ pub(crate) fn write(file: &File, around: &Around, window: &Window) -> Result<(),
     let (node, axis) = (&["node", "component"], &["component"]);
     save(&at, "mesh", &around.mesh)?;
     save(&at, "material", &around.material)?;
-    save_points(&at, "points", &around.space.points, &label("length", "displacement nodes of the boundary elements", node))?;
+    save_points(
+        &at,
+        "points",
+        &around.space.points,
+        &label("length", "displacement nodes of the boundary elements", node),
+    )?;
     let meaning = "displacement of the medium there, that of the remote stress apart";
     save_points(&at, "displacement", &pairs(&around.displacement), &label("length", meaning, node))?;
     let meaning = "traction sigma(u_c) n of the medium, n out of the body: Legendre coefficients element by element, that of the remote stress apart";

@@ -39,11 +39,8 @@ pub(crate) fn window(body: &Polygon, around: &Around) -> Window {
     let mut edges: Vec<_> = (0..4).map(|k| (corners[k], corners[(k + 1) % 4], 0)).collect();
     // the body is a hole of the window
     edges.extend(interface.iter().rev().map(|edge| (edge.end, edge.start, 1)));
-    let Triangulation { points, triangles, boundary, .. } = triangulate(&edges, POINTS).unwrap_or_else(|_| Triangulation {
-        points: Vec::new(),
-        triangles: Vec::new(),
-        boundary: Vec::new(),
-        outline: Vec::new(),
+    let Triangulation { points, triangles, boundary, .. } = triangulate(&edges, POINTS).unwrap_or_else(|_| {
+        Triangulation { points: Vec::new(), triangles: Vec::new(), boundary: Vec::new(), outline: Vec::new() }
     });
     let value = |i: usize| match boundary[i] {
         Some((edge, _)) if edge >= 4 => around.beside(points[i]),

@@ -3,9 +3,7 @@
 use std::time::Instant;
 
 use steklov_bem_operators::{Mesh, Space};
-use steklov_coupling::{
-    Coupled, CouplingError, Exterior, Form, Interior, InterfaceIndicators, Jumps, Transmission,
-};
+use steklov_coupling::{Coupled, CouplingError, Exterior, Form, InterfaceIndicators, Interior, Jumps, Transmission};
 use steklov_msfem::{CoarseMesh, Extra, Grid, Loads, Medium, Multiscale};
 
 use super::layout::GridLayout;
@@ -47,7 +45,17 @@ pub(super) fn solve_coupled(
         let boundary_displacement =
             at_boundary.iter().flat_map(|n| [displacement[2 * n], displacement[2 * n + 1]]).collect();
         let dofs = grid.dofs();
-        return solved(scene, input, (medium, fine, loads), joined, displacement, boundary_displacement, None, dofs, assemble);
+        return solved(
+            scene,
+            input,
+            (medium, fine, loads),
+            joined,
+            displacement,
+            boundary_displacement,
+            None,
+            dofs,
+            assemble,
+        );
     };
     let basis = basis(scene);
     let mut problem = Multiscale::new(&medium, CoarseMesh::new(grid, cells.clone())?, basis)?;
@@ -71,7 +79,17 @@ pub(super) fn solve_coupled(
     let boundary_displacement = on_boundary.flatten().collect();
     let (patterns, dofs, mesh) = (problem.patterns(), problem.dofs(), problem.mesh);
     let coarse = CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() };
-    solved(scene, input, (medium, trace, loads), joined, displacement, boundary_displacement, Some(coarse), dofs, assemble)
+    solved(
+        scene,
+        input,
+        (medium, trace, loads),
+        joined,
+        displacement,
+        boundary_displacement,
+        Some(coarse),
+        dofs,
+        assemble,
+    )
 }
 
 /// Boundary elements on the trace of the body, and the solution on the interface.

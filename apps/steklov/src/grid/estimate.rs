@@ -148,9 +148,9 @@ pub(super) fn estimate(
         bubble_indicators(medium, &loads.body, u, &traction).iter().sum()
     };
     let interface = solved.interface.clone();
-    let of_medium = interface.as_ref().map_or(0.0, |interface| {
-        GridEstimate::of_elements(interface, scene.method.indicator).iter().sum()
-    });
+    let of_medium = interface
+        .as_ref()
+        .map_or(0.0, |interface| GridEstimate::of_elements(interface, scene.method.indicator).iter().sum());
     let error = (multiscale + fine_grid + of_medium).sqrt();
     let scale = (2.0 * solved.energies.strain).sqrt();
     // nothing is strained: all that is estimated is missing

@@ -167,7 +167,12 @@ fn add_medium(grid: &mut VtkGrid, around: &Around, window: &Window) {
     }
     let mut region = vec![0.0; cells];
     region.splice(lines..lines, vec![1.0; means.len()]);
-    grid.cell_data.push(Field { name: "region".into(), unit: "0 body, 1 medium around it".into(), components: 1, values: region });
+    grid.cell_data.push(Field {
+        name: "region".into(),
+        unit: "0 body, 1 medium around it".into(),
+        components: 1,
+        values: region,
+    });
 }
 
 fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Summary {

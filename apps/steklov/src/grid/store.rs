@@ -245,13 +245,14 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
     let estimate = if at.link_exists("estimate") {
         let terms = load_vector(at, "estimate_terms")?;
         // earlier files have no medium
-        let (&[multiscale, fine_grid, relative, inside, crossed] | &[multiscale, fine_grid, relative, inside, crossed, _]) =
-            terms.as_slice()
+        let (&[multiscale, fine_grid, relative, inside, crossed]
+        | &[multiscale, fine_grid, relative, inside, crossed, _]) = terms.as_slice()
         else {
             return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
         };
         let medium = terms.get(5).copied().unwrap_or(0.0);
-        let interface = if at.link_exists("interface") { Some(load_interface(&open_group(at, "interface")?)?) } else { None };
+        let interface =
+            if at.link_exists("interface") { Some(load_interface(&open_group(at, "interface")?)?) } else { None };
         let group = open_group(at, "indicators")?;
         let cells = coarse.as_ref().map_or(0, Vec::len);
         let column = |name: &str| -> Result<Vec<f64>, IoError> {
@@ -284,7 +285,19 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
             None
         };
         let (indicators, error) = (column("squared")?, load_number(at, "estimate")?);
-        Some(GridEstimate { indicators, residual, multiscale, fine_grid, interface, medium, error, relative, crossing, inside, crossed })
+        Some(GridEstimate {
+            indicators,
+            residual,
+            multiscale,
+            fine_grid,
+            interface,
+            medium,
+            error,
+            relative,
+            crossing,
+            inside,
+            crossed,
+        })
     } else {
         None
     };

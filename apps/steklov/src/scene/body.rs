@@ -149,7 +149,8 @@ pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Resul
     for field in points.list()? {
         let [x, y] = field.point()?;
         if polygon.contains([x, y]) == Location::Outside && !(around && is_around(polygon, [x, y])) {
-            let message = format!("the probe point ({x}, {y}) is not in the body{}", if around { " or around it" } else { "" });
+            let message =
+                format!("the probe point ({x}, {y}) is not in the body{}", if around { " or around it" } else { "" });
             return Err(field.problem(message, "move it into the body or onto its boundary, or remove it"));
         }
         list.push([x, y]);

@@ -225,10 +225,9 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
     let sides = sides::sides(fields.get("sides").as_ref(), &polygon, &context)?;
     let in_sides = context.used.take();
     let body_force = fields.get("body_force").map(|f| body::body_force(&f, &context)).transpose()?;
-    let probe = fields.get("probe").map_or_else(
-        || Ok(Vec::new()),
-        |p| body::probe(&p, &polygon, exterior.is_some() && !cavity),
-    )?;
+    let probe = fields
+        .get("probe")
+        .map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &polygon, exterior.is_some() && !cavity))?;
     let method = method::method(fields.get("method"))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
