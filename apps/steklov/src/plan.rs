@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::{Mesh, RigidMotion, free_motions};
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
+use steklov_coupling::Radiation;
 
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
@@ -74,11 +75,18 @@ fn boundary_plan(scene: &Scene) -> Plan {
     let mut left_out = Vec::new();
     let decision = |what: &str, choice: String, why: &str| Decision { what: what.into(), choice, why: why.into() };
 
-    modelled.push(decision(
-        "discretisation",
-        "boundary elements".into(),
-        "one homogeneous material: unknowns on the boundary only, the inside follows exactly",
-    ));
+    modelled.push(match scene.is_cavity() {
+        false => decision(
+            "discretisation",
+            "boundary elements".into(),
+            "one homogeneous material: unknowns on the boundary only, the inside follows exactly",
+        ),
+        true => decision(
+            "discretisation",
+            "boundary elements of the unbounded medium".into(),
+            "unknowns on the boundary of the holes only: the medium is neither cut off nor meshed",
+        ),
+    });
     let plane = match scene.material.plane {
         steklov_bem_operators::Plane::Strain => "plane strain",
         steklov_bem_operators::Plane::Stress => "plane stress, as plane strain with E(1+2ν)/(1+ν)² and ν/(1+ν)",
@@ -116,8 +124,15 @@ fn boundary_plan(scene: &Scene) -> Plan {
         "the diameter keeps the single layer matrix positive definite at any size",
     ));
     contact(scene, &mut modelled, &mut left_out);
-    let free = free_of_supports(scene);
-    if free.is_empty() {
+    far_away(scene, &mut modelled, &mut left_out);
+    let free = scene.unresisted(free_of_supports(scene));
+    if scene.is_cavity() && free.is_empty() {
+        modelled.push(decision(
+            "supports",
+            "none is needed".into(),
+            "a displacement that decays has no rigid motion, and one that is bounded no rotation",
+        ));
+    } else if free.is_empty() {
         modelled.push(decision("supports", "hold all rigid motions".into(), "held displacements"));
     } else {
         modelled.push(decision(
@@ -165,6 +180,33 @@ fn boundary_plan(scene: &Scene) -> Plan {
         operations: n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x),
     };
     Plan { model: "bem".into(), modelled, left_out, cost }
+}
+
+/// What a hole's medium does far away.
+fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+    let Some(exterior) = scene.exterior.as_ref().filter(|_| scene.is_cavity()) else { return };
+    let (choice, why) = match exterior.radiation {
+        Radiation::Decaying => (
+            "the displacement decays",
+            "with a net force it grows as log(L/r), and L, the diameter of the boundary, selects its constant",
+        ),
+        Radiation::Bounded => (
+            "the displacement tends to a constant",
+            "the forces on the boundary have no resultant; translations are free unless something holds them",
+        ),
+    };
+    modelled.push(Decision { what: "at infinity".into(), choice: choice.into(), why: why.into() });
+    let [xx, yy, xy] = exterior.remote_stress;
+    let decision = match xx == 0.0 && yy == 0.0 && xy == 0.0 {
+        true => (left_out, "none".to_owned(), "the scene has none"),
+        false => (
+            modelled,
+            format!("xx {xx}, yy {yy}, xy {xy}"),
+            "carried by a particular solution that is zero at the origin; energies are those of what the holes add to it",
+        ),
+    };
+    let (list, choice, why) = decision;
+    list.push(Decision { what: "remote stress".into(), choice, why: why.into() });
 }
 
 /// How many elements there are and why.

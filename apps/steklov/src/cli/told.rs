@@ -6,7 +6,7 @@ use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, Plan};
 use crate::run::Reason;
 use crate::stochastic;
 use crate::store::Stored;
-use crate::summary::Summary;
+use crate::summary::{ExteriorSummary, Summary};
 
 /// What to change when the contact solver did not reach its criterion.
 pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
@@ -29,6 +29,25 @@ pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
               loads and Young's modulus nearer to each other"
             .to_owned(),
     })
+}
+
+/// What the medium does far away; with a net force also that its displacement depends on a length.
+fn far_away(exterior: &ExteriorSummary) -> Vec<String> {
+    let ExteriorSummary { radiation, resultant: [x, y], balanced, constant: [a, b], length } = exterior;
+    let mut lines = vec![match (radiation.as_str(), balanced) {
+        ("bounded", _) => format!("at infinity bounded, displacement ({a:.6e}, {b:.6e})"),
+        (_, true) => "at infinity decaying: the forces on the medium are balanced".to_owned(),
+        (_, false) => format!("at infinity net force ({x:.6e}, {y:.6e}) on the medium, which does not vanish far away"),
+    }];
+    if !balanced {
+        lines.push(format!(
+            "            the displacement grows as log(L/r), and its translation depends on the length L = {length:.6e}:"
+        ));
+        lines.push(
+            "            compare displacements of two points, or hold a point that is known not to move".to_owned(),
+        );
+    }
+    lines
 }
 
 /// Prints the summary of a result.
@@ -59,6 +78,7 @@ pub(super) fn print_summary(stored: &Stored) {
     if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
         say(&format!("            J extrapolated {energy:.12e} ± {uncertainty:.1e}"));
     }
+    s.exterior.iter().flat_map(far_away).for_each(|line| say(&line));
     if let Some(grid) = &s.grid {
         grid_lines(grid).iter().for_each(|line| say(line));
     }

@@ -75,7 +75,7 @@ pub(crate) fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, SceneEr
     let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
     let coulomb = |side: &Side| matches!(side.condition, Condition::Contact { friction: Friction::Coulomb(_), .. });
     let simple = scene.particular_solution(1.0).is_none() && !scene.sides.iter().any(coulomb);
-    Ok(galerkin && simple && free_of_supports(scene).is_empty() && !is_affine(scene, random)?)
+    Ok(galerkin && simple && scene.unresisted(free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
 }
 
 /// Whether E is affine in each germ where the others are kept: then the Galerkin equations of the nodes decouple.
