@@ -18,6 +18,9 @@ use crate::store::Stored;
 pub fn pictures(stored: &Stored, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
     let mut files = Vec::new();
     files.extend(write(folder, &format!("{name}-body"), &body_picture(stored)?)?);
+    if let Some(picture) = grid::medium(stored)? {
+        files.extend(write(folder, &format!("{name}-medium"), &picture)?);
+    }
     let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
     files.extend(contact_pictures(title, sides, &stored.contact, folder, &format!("{name}-contact"))?);
     for (part, picture) in grid::pictures(stored)?.into_iter().chain(stochastic::pictures(stored)?) {

@@ -182,9 +182,9 @@ fn boundary_plan(scene: &Scene) -> Plan {
     Plan { model: "bem".into(), modelled, left_out, cost }
 }
 
-/// What a hole's medium does far away.
-fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
-    let Some(exterior) = scene.exterior.as_ref().filter(|_| scene.is_cavity()) else { return };
+/// What an unbounded medium does far away.
+pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+    let Some(exterior) = &scene.exterior else { return };
     let (choice, why) = match exterior.radiation {
         Radiation::Decaying => (
             "the displacement decays",
@@ -202,7 +202,7 @@ fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Deci
         false => (
             modelled,
             format!("xx {xx}, yy {yy}, xy {xy}"),
-            "carried by a particular solution that is zero at the origin; energies are those of what the holes add to it",
+            "carried by a particular solution that is zero at the origin; energies are those of what is added to it",
         ),
     };
     let (list, choice, why) = decision;

@@ -136,6 +136,12 @@ pub struct GridSummary {
     pub estimate_multiscale: Option<f64>,
     /// Part of the estimate that the fine grid has itself: energy norm of u - u_fine.
     pub estimate_fine_grid: Option<f64>,
+    /// Part of the estimate that the boundary elements of the medium around the body have.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimate_medium: Option<f64>,
+    /// Boundary elements of that medium.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub boundary_elements: Option<usize>,
     /// Largest Young's modulus over the smallest one.
     pub contrast: f64,
     /// The largest such ratio along an edge of a coarse cell; multiscale bases fail from about 100 on.

@@ -185,7 +185,7 @@ impl BoundaryField {
     ///
     /// ∫ σ^h·φ = (S u)_φ; σ^h has logarithmic singularities at all element ends, so it wants rules graded to them.
     pub fn steklov_trace(&self, e: usize, t: f64) -> [f64; 2] {
-        self.boundary_derivatives(e, t).0
+        self.boundary_derivatives(e, t, 0..self.elements.len()).0
     }
 
     /// Derivative by arc length (dimensionless) of w = (K+½)u - Vψ at the reference coordinate -1 < t < 1 of element e:
@@ -197,7 +197,7 @@ impl BoundaryField {
     /// body, and with ψ = V⁻¹(K+½)u its moments against the traction space do. w' has logarithmic singularities at all
     /// element ends.
     pub fn equation_slope(&self, e: usize, t: f64) -> [f64; 2] {
-        self.boundary_derivatives(e, t).1
+        self.boundary_derivatives(e, t, 0..self.elements.len()).1
     }
 
     /// Material of the body.
@@ -205,8 +205,9 @@ impl BoundaryField {
         &self.material
     }
 
-    /// [`Self::steklov_trace`] and [`Self::equation_slope`] at once: they share the Legendre functions, which cost most.
-    pub(crate) fn boundary_derivatives(&self, e: usize, t: f64) -> ([f64; 2], [f64; 2]) {
+    /// [`Self::steklov_trace`] and [`Self::equation_slope`] at once, as far as they come from the elements `of`: they share the
+    /// Legendre functions, which cost most. What comes from elements at a distance is smooth on e.
+    pub fn boundary_derivatives(&self, e: usize, t: f64, of: impl Iterator<Item = usize>) -> ([f64; 2], [f64; 2]) {
         let own = &self.elements[e];
         let k = &self.constants;
         let half_own = own.segment.half().norm();
@@ -217,8 +218,16 @@ impl BoundaryField {
         let (mut adjoint_u, mut slope_u) = ([0.0; 2], [0.0; 2]);
         let mut single = [0.0; 2];
         let mut at = AtPoint::default();
-        for (b, piece) in self.elements.iter().enumerate() {
+        let (mut traction, mut along) = ([0.0; 2], [0.0; 2]);
+        for b in of {
+            let piece = &self.elements[b];
             at.on_boundary(piece, own, b == e, t);
+            if b == e {
+                let mut p = [0.0; MAX_ORDER];
+                let p = &mut p[..own.traction.len()];
+                legendre_p(t, p);
+                (traction, along) = (series(&own.traction, p), series(&own.derivative, p).map(|d| d / half_own));
+            }
             let half = piece.segment.half().norm();
             for n in 0..piece.traction.len() {
                 let (log, [xx, yy, xy]) = at.slope(n, tangent);
@@ -242,10 +251,6 @@ impl BoundaryField {
                 single[1] += k.c_v * (xy * s[0] + (yy - k.kappa * log) * s[1]);
             }
         }
-        let mut p = [0.0; MAX_ORDER];
-        let p = &mut p[..own.traction.len()];
-        legendre_p(t, p);
-        let (traction, along) = (series(&own.traction, p), series(&own.derivative, p).map(|d| d / half_own));
         let turned = [-slope[1], slope[0]];
         let steklov = |i: usize| hypersingular[i] + adjoint[i] + turned[i] + 0.5 * traction[i];
         let equation = |i: usize| slope_u[i] - adjoint_u[i] + 0.5 * along[i] - single[i];

@@ -27,10 +27,12 @@ mod record;
 pub(crate) mod store;
 mod tables;
 mod draw;
+mod draw_medium;
 
 pub use body::grid_of;
 pub(crate) use body::{check_body, fitting_grid};
 pub(crate) use draw::{deformed, pictures};
+pub(crate) use draw_medium::medium;
 pub(crate) use estimate::BLIND;
 pub use estimate::GridEstimate;
 pub use layout::GridLayout;

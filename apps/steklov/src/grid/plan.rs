@@ -2,9 +2,9 @@
 
 use steklov_bem_operators::RigidMotion;
 
-use super::body::grid_of;
-use crate::plan::{Cost, Decision, Plan, contact, free_of_supports, plane};
-use crate::scene::{BasisInput, CellModuli, GridInput, Refine, Scene};
+use super::body::{bounding_box, grid_of};
+use crate::plan::{Cost, Decision, Plan, contact, far_away, free_of_supports, plane};
+use crate::scene::{BasisInput, CellModuli, GridInput, Indicator, Refine, Scene};
 
 /// Bytes that the moduli, the fields and the result of a fine cell take.
 const BYTES_OF_CELL: f64 = 200.0;
@@ -17,6 +17,7 @@ fn decision(what: &str, choice: String, why: impl Into<String>) -> Decision {
 pub(crate) fn plan(scene: &Scene) -> Plan {
     let (mut modelled, mut left_out) = (Vec::new(), Vec::new());
     let multiscale = scene.is_multiscale();
+    let in_medium = scene.exterior.is_some();
     let Some(input) = &scene.grid else { unreachable!("a scene without a grid is refused where it is read") };
     let why = match (&scene.cells, multiscale) {
         (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
@@ -69,9 +70,37 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
             ),
         ),
     });
+    if let Some(exterior) = &scene.exterior {
+        modelled.push(decision(
+            "medium around",
+            format!(
+                "boundary elements, Young's modulus {}, Poisson's ratio {}",
+                exterior.material.young, exterior.material.poisson
+            ),
+            "unbounded: it is neither cut off nor meshed; the inside of the body is eliminated down to where both meet",
+        ));
+        modelled.push(if scene.method.elements_given {
+            let choice = format!("{} or more of degree {}", scene.method.elements, scene.method.degree);
+            decision(
+                "boundary elements",
+                choice,
+                "as the scene says; the displacement of the body is projected on them",
+            )
+        } else {
+            let choice = format!("one between each two points of the body's trace, degree {}", scene.method.degree);
+            decision(
+                "boundary elements",
+                choice,
+                "they take its displacement as it is; adaptive steps halve them where their error is",
+            )
+        });
+        far_away(scene, &mut modelled, &mut left_out);
+    }
     contact(scene, &mut modelled, &mut left_out);
     let free = free_of_supports(scene);
-    modelled.push(if free.is_empty() {
+    modelled.push(if in_medium {
+        decision("supports", "none is needed".into(), "the medium holds the body")
+    } else if free.is_empty() {
         decision("supports", "hold all rigid motions".into(), "held displacements")
     } else {
         let why = "contact or friction must hold it, or the loads must be balanced";
@@ -103,7 +132,16 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
         let why = "the basis does not conform: no residual sees its whole error";
         left_out.push(decision("error estimate", "none".into(), why));
     }
-    Plan { model: if multiscale { "msfem" } else { "fem" }.into(), modelled, left_out, cost: cost(scene, input) }
+    if in_medium {
+        let (choice, why) = match scene.method.indicator {
+            Indicator::Bubble => ("two more degrees of the traction", "on each boundary element for itself"),
+            Indicator::Residual => {
+                ("residuals", "balance of tractions and equation of the medium: 3 to 10 times the error")
+            }
+        };
+        modelled.push(decision("error of the medium", choice.into(), why));
+    }
+    Plan { model: scene.model().word().into(), modelled, left_out, cost: cost(scene, input) }
 }
 
 /// Told where another refinement is asked for than there is.
@@ -173,10 +211,27 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
     };
     let basis =
         if scene.is_multiscale() { 2e3 * (input.fine[0] * input.fine[1]) as f64 * coarse.0 as f64 } else { 0.0 };
+    // V, K, W, their factors, and the reduced stiffness
+    let boundary = if scene.exterior.is_some() { interface_unknowns(scene, input) } else { 0.0 };
     Cost {
         elements: coarse.0,
         dofs: coarse.1,
-        memory_bytes: (factor(n) + 300.0 * n + BYTES_OF_CELL * cells + local) as u64,
-        operations: solve(n) + basis * (input.fine[0] as f64).max(1.0),
+        memory_bytes: (factor(n) + 300.0 * n + BYTES_OF_CELL * cells + local + 56.0 * boundary.powi(2)) as u64,
+        operations: solve(n) + basis * (input.fine[0] as f64).max(1.0) + 2.7 * boundary.powi(3),
     }
+}
+
+/// Unknowns of the boundary elements of the medium around the body.
+fn interface_unknowns(scene: &Scene, input: &GridInput) -> f64 {
+    let degree = 2 * scene.method.degree;
+    if scene.method.elements_given {
+        return (degree * scene.method.elements) as f64;
+    }
+    let cells = if scene.is_multiscale() { input.coarse } else { input.cells() };
+    let (_, size) = bounding_box(&scene.polygon);
+    let sides = scene.interface().map(|(_, edge)| {
+        let k = usize::from(edge.start[0] == edge.end[0]);
+        (edge.length() / size[k] * cells[k] as f64).round()
+    });
+    degree as f64 * sides.sum::<f64>()
 }

@@ -249,6 +249,8 @@ fn grid_summary(solved: &GridSolved) -> GridSummary {
         patterns: coarse.map(|c| c.patterns),
         estimate_multiscale: estimate.filter(|_| coarse.is_some()).map(|e| e.multiscale.sqrt()),
         estimate_fine_grid: estimate.map(|e| e.fine_grid.sqrt()),
+        estimate_medium: estimate.filter(|_| solved.around.is_some()).map(|e| e.medium.sqrt()),
+        boundary_elements: solved.around.as_ref().map(|around| around.mesh.len()),
         contrast: high / low,
         crossing_contrast: crossing.map(|c| c.largest),
         crossing_at: crossing.map(|c| c.at),
