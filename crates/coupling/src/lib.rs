@@ -4,7 +4,8 @@
 //! ```text
 //! Medium + Loads (f, t0) ─► Outline ─► Interior (A, F, Trace) ─┐
 //!       or Multiscale                                          ├─► Transmission (A_c, Transfer Π and B, Balance)
-//! Mesh + Material (+ L) ──► Exterior (V, K, W, M) ─────────────┘          │
+//! Mesh + Material (+ L) ──► Exterior (V, K, W, M) ─────────────┤          │
+//! Material + t0 on its mesh ──► Inclusion (S, no grid) ────────┘          │
 //!                                                     jump u0, Form, Radiation
 //!                                                                         ▼
 //! Multiscale::downscale ◄── displacement, trace ◄────────────────────── Coupled ──► ξ, φ, a ──► ExteriorField
@@ -22,6 +23,7 @@
 //! | the outer boundary of a grid, jumps of tractions on it | [`Outline`] |
 //! | the body: bilinear or multiscale elements | [`Interior`], [`Trace`] |
 //! | boundary elements on a trace, also refined ones whose trace changes | [`Trace::mesh`], [`Trace::mesh_with`] |
+//! | a homogeneous body of any outline, without a grid | [`Inclusion`] |
 //! | the medium: boundary elements of any size and degree on the same curve | [`Exterior`] |
 //! | the problem on the interface, its solution | [`Transmission`], [`Form`], [`Coupled`] |
 //! | behaviour at infinity, resultants | [`Radiation`], [`Balance`] |
@@ -63,6 +65,7 @@ mod trace;
 mod interior;
 mod transfer;
 mod exterior;
+mod inclusion;
 mod balance;
 mod form;
 mod transmission;
@@ -79,6 +82,7 @@ pub use cell_indicators::CellIndicators;
 pub use error::CouplingError;
 pub use exterior::{Exterior, ExteriorField};
 pub use form::Form;
+pub use inclusion::Inclusion;
 pub use indicators::{InterfaceIndicators, Jumps};
 pub use interior::Interior;
 pub use outline::Outline;

@@ -1,10 +1,11 @@
 //! The transmission problem, reduced to the interface.
 
 use faer::Mat;
+use sprs::CsMat;
 use steklov_msfem::{Elimination, ReducedLoad};
 
 use crate::balance::Balance;
-use crate::{CouplingError, Exterior, Form, Interior, Radiation, Transfer, three_field, two_field};
+use crate::{CouplingError, Exterior, Form, Inclusion, Interior, Radiation, Transfer, three_field, two_field};
 use crate::{dense, schur};
 
 /// Stiffness of the body over that of the medium from which too few digits are left.
@@ -35,14 +36,16 @@ pub struct Transmission<'a> {
     pub stiffness: Mat<f64>,
     /// Resultant of body force and jump of tractions.
     pub balance: Balance,
-    elimination: Elimination,
-    load: ReducedLoad,
+    /// Load, reduced to the unknowns of the trace.
+    load: Vec<f64>,
+    /// The way back to the inside of a grid.
+    inside: Option<(Elimination, ReducedLoad)>,
 }
 
 /// Displacements and tractions of body and medium.
 #[derive(Debug, Clone)]
 pub struct Coupled {
-    /// Unknowns of the body (length).
+    /// Unknowns of the body (length); those of the trace where it has no others.
     pub displacement: Vec<f64>,
     /// Displacement u of the body at the nodes of the boundary elements (length).
     pub trace: Vec<f64>,
@@ -82,13 +85,34 @@ impl<'a> Transmission<'a> {
         let transfer = Transfer::new(&trace, &exterior.mesh, &exterior.space)?;
         let balance = Balance::new(&load);
         let elimination = Elimination::new(stiffness, &order, &trace.unknowns, &[])?;
-        let load = elimination.reduce(&load, &[]);
-        Ok(Self { exterior, transfer, stiffness: elimination.stiffness(), balance, elimination, load })
+        let reduced = elimination.reduce(&load, &[]);
+        let (stiffness, load) = (elimination.stiffness(), reduced.kept.clone());
+        Ok(Self { exterior, transfer, stiffness, balance, load, inside: Some((elimination, reduced)) })
+    }
+
+    /// The problem of a homogeneous body on the same boundary elements: all its unknowns are those of its trace.
+    ///
+    /// # Errors
+    /// [`CouplingError::Inconsistent`] for a body on other boundary elements.
+    pub fn of_inclusion(body: &Inclusion, exterior: &'a Exterior) -> Result<Self, CouplingError> {
+        let (given, size) = (body.load.len(), exterior.space.dofs());
+        if given != size {
+            let what = format!("the body has {given} unknowns, and the boundary elements of the medium have {size}");
+            return Err(CouplingError::Inconsistent { what });
+        }
+        Ok(Self {
+            exterior,
+            transfer: Transfer { projection: CsMat::eye_csc(size), mass: exterior.operators.mass.to_csc() },
+            stiffness: body.stiffness.clone(),
+            balance: Balance::new(&body.load),
+            load: body.load.clone(),
+            inside: None,
+        })
     }
 
     /// Load of the body, reduced to the unknowns of the trace (force per thickness).
     pub fn load(&self) -> &[f64] {
-        &self.load.kept
+        &self.load
     }
 
     /// Solves for a jump u0 of displacements (length), given at the nodes of the boundary elements, interleaved.
@@ -122,7 +146,10 @@ impl<'a> Transmission<'a> {
             Form::Schur => schur::solve(self, jump)?,
         };
         let solved = solved.ok_or(CouplingError::Singular { size: self.stiffness.nrows(), contrast })?;
-        let displacement = self.elimination.expand(&self.load, &solved.interface);
+        let displacement = match &self.inside {
+            Some((elimination, load)) => elimination.expand(load, &solved.interface),
+            None => solved.interface.clone(),
+        };
         let trace = dense::apply(&self.transfer.projection, &solved.interface);
         let exterior_displacement: Vec<f64> = trace.iter().zip(jump).map(|(u, u0)| u - u0).collect();
         let exterior_displacement = match solved.exterior {
