@@ -13,7 +13,7 @@ use steklov_coupling::{
     CellIndicators, Coupled, CouplingError, Exterior, Form, InterfaceIndicators, Interior, Jumps, Outline, Radiation,
     Transmission,
 };
-use steklov_msfem::{Elasticity, Grid, Loads, Medium};
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, Multiscale};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 /// The jumps of the manufactured problem.
@@ -357,6 +357,70 @@ fn the_indicators_of_three_fields_follow_the_error() {
             if let Some(before) = before.replace(terms) {
                 (0..3).for_each(|k| assert!(terms[k] < before[k] / 5.0, "{pair} {n}: {before:?} then {terms:?}"));
             }
+        }
+    }
+}
+
+/// Few elements of high degree on a grid of 16 × 16 cells: several sides of cells on each.
+#[test]
+fn elements_longer_than_the_sides_of_cells_have_indicators_that_follow_the_error() {
+    let (body, medium) = ([20.0, 0.25], [2.0, 0.3]);
+    let (grid, loads) = manufactured(16, body, medium);
+    let interior = Interior::fine(&grid, &loads).unwrap();
+    for (elements, degree) in [(8, 2), (8, 4), (12, 3), (16, 4)] {
+        let mesh = Mesh::uniform(&interior.trace.polygon, elements, degree);
+        let exterior = Exterior::new(mesh, material(medium), None).unwrap();
+        for form in [Form::TwoField, Form::ThreeField] {
+            let (transmission, u0) = problem(interior.clone(), &exterior);
+            let solved = transmission.solve(&u0, form, Radiation::Decaying).unwrap();
+            let u = &solved.displacement;
+            let on = with_jumps(body, medium, 1, |jumps| {
+                InterfaceIndicators::new(&exterior, &grid, u, &solved, form, jumps).unwrap()
+            });
+            let inside = CellIndicators::new(&grid, u, &|x| body_force(&material(body), x));
+            let sum = |terms: Vec<f64>| terms.iter().sum::<f64>();
+            let effectivity = (sum(inside.squared()) + sum(on.squared())).sqrt() / energy_error(&grid, body, u);
+            println!("{elements} of degree {degree} {form:?}: {effectivity:.3}");
+            assert!((3.8..4.5).contains(&effectivity), "{elements} {degree} {form:?}: {effectivity}");
+        }
+    }
+}
+
+/// Multiscale elements: those of one fine cell are the bilinear ones, and affine fields leave nothing on larger ones.
+#[test]
+fn downscaled_fields_are_judged_as_those_of_the_grid() {
+    let (body, outside) = ([20.0, 0.25], [2.0, 0.3]);
+    let (grid, loads) = manufactured(8, body, outside);
+    let interior = Interior::fine(&grid, &loads).unwrap();
+    let exterior = around(&interior, 1, 1, outside);
+    let judged = |cells: usize, basis: Basis| {
+        let cells = CoarseMesh::uniform(&grid.grid, [cells; 2]).unwrap();
+        let mut elements = Multiscale::new(&grid, cells, basis).unwrap();
+        let interior = Interior::coarse(&mut elements, &loads, &mut |_| true).unwrap();
+        let (transmission, u0) = problem(interior, &exterior);
+        let solved = transmission.solve(&u0, Form::Schur, Radiation::Decaying).unwrap();
+        let extra = Extra { bubbles: true, ..Extra::default() };
+        let u = elements.downscale(&solved.displacement, &loads, &extra, &mut |_| true).unwrap();
+        with_jumps(body, outside, 0, |jumps| {
+            InterfaceIndicators::new(&exterior, &grid, &u, &solved, Form::Schur, jumps).unwrap()
+        })
+    };
+    let (transmission, u0) = problem(interior, &exterior);
+    let solved = transmission.solve(&u0, Form::Schur, Radiation::Decaying).unwrap();
+    let fine = with_jumps(body, outside, 0, |jumps| {
+        InterfaceIndicators::new(&exterior, &grid, &solved.displacement, &solved, Form::Schur, jumps).unwrap()
+    });
+    for basis in [Basis::Coupled, Basis::Oscillatory] {
+        let (same, coarse) = (judged(1, basis), judged(4, basis));
+        for (name, same, fine, coarse) in [
+            ("traction", same.traction, &fine.traction, coarse.traction),
+            ("displacement", same.displacement, &fine.displacement, coarse.displacement),
+            ("error of traction", same.traction_error, &fine.traction_error, coarse.traction_error),
+        ] {
+            assert!(same.iter().zip(fine).all(|(a, b)| (a - b).abs() < 1e-7 * b), "{name}");
+            let [fine, coarse] = [fine, &coarse].map(|terms| terms.iter().sum::<f64>());
+            println!("{basis:?} {name}: {fine:.3e}, on cells of 4 × 4 {coarse:.3e}");
+            assert!(coarse > 2.0 * fine, "{basis:?} {name}: {fine} {coarse}");
         }
     }
 }
