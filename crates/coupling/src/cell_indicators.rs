@@ -26,6 +26,9 @@ pub struct CellIndicators {
 
 impl CellIndicators {
     /// The residuals of a displacement u (length) of all nodes under a body force f (force per area per thickness).
+    ///
+    /// # Panics
+    /// If u has fewer values than the grid has unknowns.
     pub fn new(medium: &Medium, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64; 2] + Sync)) -> Self {
         let [nx, ny] = medium.grid.cells;
         let terms = |cell: usize| {

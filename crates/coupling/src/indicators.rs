@@ -1,13 +1,14 @@
 //! What a solution leaves of the equations on the interface, boundary element by boundary element.
 
 use rayon::prelude::*;
-use steklov_bem_operators::{BoundaryField, Mesh, Space};
+use steklov_bem_operators::BoundaryField;
 use steklov_msfem::Medium;
 use steklov_quadrature::{Rule, gauss_legendre, legendre_p, substituted};
 
+use crate::body_side::{Body, derivative};
 use crate::subdivided::Subdivided;
-use crate::transfer::{Overlap, overlaps};
-use crate::{Coupled, CouplingError, Exterior, Form, Outline, Trace};
+use crate::transfer::Overlap;
+use crate::{Coupled, CouplingError, Exterior, Form, Inclusion};
 
 /// The jumps on the interface, as functions.
 #[derive(Clone, Copy)]
@@ -17,7 +18,7 @@ pub struct Jumps<'a> {
     /// t0(x, n) (stress), n out of the body.
     pub traction: &'a (dyn Fn([f64; 2], [f64; 2]) -> [f64; 2] + Sync),
     /// How often an element is halved before u0 is interpolated on it: 0 takes u0 for what [`crate::Transmission::solve`] is
-    /// given at the nodes; 2 sees what that interpolation loses.
+    /// given at the nodes; 2 sees what that interpolation loses; 5 at most.
     pub halvings: usize,
 }
 
@@ -35,7 +36,8 @@ pub struct Jumps<'a> {
 ///
 /// The root of the sum with [`crate::CellIndicators`] was measured as 3.9 to 4.4 times the error where the body is as stiff as
 /// the medium or stiffer. For a body 50 times softer it was 5.6 to 9.3 times with two halvings: what interpolation loses of u0
-/// is of higher order, but E₂ multiplies it.
+/// is of higher order, but E₂ multiplies it. With bodies of boundary elements it was 1 to 2.4 times for two fields, up to 5 times
+/// for a soft body, and 1.3 to 12 times for three fields.
 ///
 /// *Use when* the body conforms on its grid. *Fails when* it is much softer than the medium: 1/E₁ then overestimates tractions.
 /// *Cost*: 26 points an element (p = 1), at each of which all elements act; no matrix. One core takes 0.7 s for 256 elements,
@@ -52,6 +54,8 @@ pub struct InterfaceIndicators {
     pub displacement: Vec<f64>,
     /// Second equation of the medium; None where it is part of the balance of tractions.
     pub hypersingular: Option<Vec<f64>>,
+    /// h E₁/p ‖d/ds ((K₁ + ½) u - V₁ ψ)‖² with the operators of the body and ψ its traction; None on a grid.
+    pub body: Option<Vec<f64>>,
     /// Σ ⟨w, P_m⟩²/⟨V P_m, P_m⟩ over m = p, p + 1, w = u0 - u + (K + ½) ξ - V φ, P_m the Legendre polynomials of the two lowest
     /// degrees that φ lacks: the gain of energy by two degrees more, on each element for itself. It follows ‖φ - V⁻¹(K - ½)ξ‖²
     /// in the norm of V, the error of φ for this ξ, without a constant: the root of its sum was measured as 0.86 to 1.08
@@ -64,8 +68,8 @@ impl InterfaceIndicators {
     /// elements as [`steklov_msfem::Multiscale::downscale`] brings it back.
     ///
     /// # Errors
-    /// [`CouplingError::Boundary`] for a medium around another body, [`CouplingError::Inconsistent`] for fields of another size
-    /// or jumps that are not finite, and as [`Outline::new`].
+    /// [`CouplingError::Boundary`] for a medium around another body, [`CouplingError::Inconsistent`] for fields of another size,
+    /// values that are not finite, or too many halvings, and as [`Outline::new`].
     pub fn new(
         exterior: &Exterior,
         medium: &Medium,
@@ -74,19 +78,40 @@ impl InterfaceIndicators {
         form: Form,
         jumps: &Jumps<'_>,
     ) -> Result<Self, CouplingError> {
-        let size = exterior.space.dofs();
-        let sizes = [
-            ("displacement of the grid", fine.len(), medium.grid.dofs()),
-            ("displacement on the interface", solved.trace.len(), size),
-            ("displacement of the medium", solved.exterior_displacement.len(), size),
-            ("traction of the medium", solved.traction.len(), size),
-        ];
-        if let Some((name, given, needed)) = sizes.into_iter().find(|(_, given, needed)| given != needed) {
-            return Err(CouplingError::Inconsistent { what: format!("the {name} has {given} values, not {needed}") });
+        check(exterior, solved, jumps)?;
+        check_field("displacement of the grid", fine, medium.grid.dofs())?;
+        Self::of_body(Body::grid(medium, fine)?, exterior, solved, form, jumps)
+    }
+
+    /// The residuals of a solution in a body of boundary elements, that of its own first equation among them.
+    ///
+    /// # Errors
+    /// [`CouplingError::Inconsistent`] for fields of another size, values that are not finite, or too many halvings.
+    pub fn of_inclusion(
+        exterior: &Exterior,
+        body: &Inclusion,
+        solved: &Coupled,
+        form: Form,
+        jumps: &Jumps<'_>,
+    ) -> Result<Self, CouplingError> {
+        check(exterior, solved, jumps)?;
+        let given = body.load.len();
+        if given != exterior.space.dofs() {
+            let what = format!("the body has {given} unknowns, and the medium {}", exterior.space.dofs());
+            return Err(CouplingError::Inconsistent { what });
         }
-        let outline = Outline::new(&medium.grid)?;
-        let trace = Trace::fine(&medium.grid, &outline);
+        Self::of_body(Body::boundary_elements(body, exterior, solved), exterior, solved, form, jumps)
+    }
+
+    fn of_body(
+        body: Body<'_>,
+        exterior: &Exterior,
+        solved: &Coupled,
+        form: Form,
+        jumps: &Jumps<'_>,
+    ) -> Result<Self, CouplingError> {
         let three = form == Form::ThreeField;
+        let own = matches!(body, Body::BoundaryElements { .. });
         let parts = Subdivided::new(&exterior.mesh, jumps.halvings);
         let jump = parts.space.interpolate(jumps.displacement);
         if let Some((k, value)) = jump.iter().enumerate().find(|(_, u)| !u.is_finite()) {
@@ -97,32 +122,62 @@ impl InterfaceIndicators {
         let xi = if three {
             parts.displacement(&exterior.space, &solved.exterior_displacement)
         } else {
-            let body = parts.displacement(&exterior.space, &solved.trace);
-            body.iter().zip(&jump).map(|(u, u0)| u - u0).collect()
+            let trace = parts.displacement(&exterior.space, &solved.trace);
+            trace.iter().zip(&jump).map(|(u, u0)| u - u0).collect()
         };
         let phi = parts.traction(&exterior.space, &solved.traction);
         let (material, length) = (&exterior.material, exterior.operators.length);
         let field = BoundaryField::new(&parts.mesh, &parts.space, material, &xi, &phi, length);
-        let residual = Residual { exterior, medium, fine, outline, jumps, parts, jump, field, three };
-        let element = |e: usize| residual.element(e, &overlaps(&trace, &exterior.mesh, e)?);
-        let all: Vec<[f64; 4]> = (0..exterior.mesh.len())
-            .into_par_iter()
-            .map(element)
-            .collect::<Vec<_>>()
-            .into_iter()
-            .collect::<Result<_, _>>()?;
+        let residual = Residual { exterior, body, jumps, parts, jump, field, three };
+        let all: Vec<_> = (0..exterior.mesh.len()).into_par_iter().map(|e| residual.element(e)).collect();
+        let all: Vec<[f64; 5]> = all.into_iter().collect::<Result<_, _>>()?;
         let term = |k: usize| all.iter().map(|terms| terms[k]).collect::<Vec<f64>>();
-        let hypersingular = three.then(|| term(2));
-        Ok(Self { traction: term(0), displacement: term(1), hypersingular, traction_error: term(3) })
+        Ok(Self {
+            traction: term(0),
+            displacement: term(1),
+            hypersingular: three.then(|| term(2)),
+            body: own.then(|| term(3)),
+            traction_error: term(4),
+        })
     }
 
     /// The sum of the residuals of each element, without the estimate of the error of the traction.
     pub fn squared(&self) -> Vec<f64> {
-        let hypersingular = |e: usize| self.hypersingular.as_ref().map_or(0.0, |h| h[e]);
-        (0..self.traction.len()).map(|e| self.traction[e] + self.displacement[e] + hypersingular(e)).collect()
+        let of = |term: &Option<Vec<f64>>, e: usize| term.as_ref().map_or(0.0, |t| t[e]);
+        let sum = |e: usize| self.traction[e] + self.displacement[e] + of(&self.hypersingular, e) + of(&self.body, e);
+        (0..self.traction.len()).map(sum).collect()
     }
 }
 
+/// The fields of a solution, of the size of the boundary elements and finite, and not too many halvings.
+fn check(exterior: &Exterior, solved: &Coupled, jumps: &Jumps<'_>) -> Result<(), CouplingError> {
+    let needed = exterior.space.dofs();
+    check_field("displacement on the interface", &solved.trace, needed)?;
+    check_field("displacement of the medium", &solved.exterior_displacement, needed)?;
+    check_field("traction of the medium", &solved.traction, needed)?;
+    if jumps.halvings > MOST_HALVINGS {
+        let what = format!("each element is to be halved {} times: at most {MOST_HALVINGS}", jumps.halvings);
+        return Err(CouplingError::Inconsistent { what });
+    }
+    Ok(())
+}
+
+fn check_field(name: &str, values: &[f64], needed: usize) -> Result<(), CouplingError> {
+    if values.len() != needed {
+        return Err(CouplingError::Inconsistent {
+            what: format!("the {name} has {} values, not {needed}", values.len()),
+        });
+    }
+    match values.iter().position(|v| !v.is_finite()) {
+        Some(k) => Err(CouplingError::Inconsistent {
+            what: format!("value {k} of the {name} is {}: it must be finite", values[k]),
+        }),
+        None => Ok(()),
+    }
+}
+
+/// Halvings of an element: 32 parts.
+const MOST_HALVINGS: usize = 5;
 /// Gauss points next to a logarithm, in the variable that tames it, and elsewhere.
 const POINTS: [usize; 2] = [8, 5];
 /// Power of the variable that tames logarithms.
@@ -133,9 +188,7 @@ const SAME: f64 = 1e-9;
 /// Everything that tells the residuals at a point.
 struct Residual<'a> {
     exterior: &'a Exterior,
-    medium: &'a Medium,
-    fine: &'a [f64],
-    outline: Outline,
+    body: Body<'a>,
     jumps: &'a Jumps<'a>,
     parts: Subdivided,
     /// u0 at the nodes of the parts.
@@ -144,21 +197,23 @@ struct Residual<'a> {
     three: bool,
 }
 
-/// Residuals at a point: E₁^-½ times that of tractions, E₂^½ d/ds w, E₂^-½ times the hypersingular one.
-type Values = [[f64; 2]; 3];
+/// Residuals at a point: E₁^-½ times that of tractions, E₂^½ d/ds w, E₂^-½ times the hypersingular one,
+/// E₁^½ d/ds of the body's equation.
+type Values = [[f64; 2]; 4];
 
 impl Residual<'_> {
-    /// Traction, displacement, hypersingular, error of the traction of an element.
-    fn element(&self, e: usize, overlaps: &[Overlap]) -> Result<[f64; 4], CouplingError> {
+    /// Traction, displacement, hypersingular, body, error of the traction of an element.
+    fn element(&self, e: usize) -> Result<[f64; 5], CouplingError> {
+        let overlaps = self.body.overlaps(&self.exterior.mesh, e)?;
         let (h, p) = (self.exterior.mesh.length(e), self.exterior.space.degree(e));
         let count = (4 * p).max((2 * overlaps.len()).next_multiple_of(4));
         let knot = |k: usize| 2.0 * k as f64 / count as f64 - 1.0;
         let mut averages = vec![Values::default(); count + 1];
         let mut moments = [[0.0; 2]; 2];
         let mut legendre = vec![0.0; p + 3];
-        for (rule, part) in self.rules(e, count, overlaps) {
+        for (rule, part) in self.rules(e, count, &overlaps) {
             for (&t, w) in rule.points.iter().zip(&rule.weights) {
-                let values = self.at(e, part, t, overlaps)?;
+                let values = self.at(e, part, t, &overlaps)?;
                 // the two hats at t; those of the ends count for nothing
                 let k = (((t + 1.0) / 2.0 * count as f64) as usize).min(count - 1);
                 let right = (t - knot(k)) / (knot(k + 1) - knot(k));
@@ -186,7 +241,7 @@ impl Residual<'_> {
             0.125 * h * h * (m * (m + 1)) as f64 * squared / (single * ((2 * m + 1) as f64).powi(2))
         };
         let error = (p..).zip(moments).map(gain).sum();
-        Ok([squared(0), squared(1), squared(2), error])
+        Ok([squared(0), squared(1), squared(2), squared(3), error])
     }
 
     /// Rules on the pieces between the breaks of an element, and the part of it on which each lies.
@@ -225,10 +280,7 @@ impl Residual<'_> {
     /// The residuals at the point t of an element, which lies on this part of it.
     fn at(&self, e: usize, part: usize, t: f64, overlaps: &[Overlap]) -> Result<Values, CouplingError> {
         let (mesh, young) = (&self.exterior.mesh, self.exterior.material.young);
-        let Some(overlap) = overlaps.iter().find(|o| t <= o.span[1] + SAME) else {
-            unreachable!("the element is covered by sides of cells")
-        };
-        let side = self.side(overlap, t);
+        let side = self.body.at(e, t, overlaps);
         let (x, n) = (mesh.point(e, t), mesh.normal(e));
         let given = (self.jumps.traction)(x, n);
         if let Some(value) = given.iter().find(|v| !v.is_finite()) {
@@ -247,41 +299,8 @@ impl Residual<'_> {
             values[0][i] = (given[i] - side.traction[i] + phi[i] - outside) / side.young.sqrt();
             values[1][i] = (jump[i] - side.slope[i] + slope[i]) * young.sqrt();
             values[2][i] = hypersingular[i] / young.sqrt();
+            values[3][i] = side.equation[i] * side.young.sqrt();
         }
         Ok(values)
     }
-
-    /// The body at the point t of an element.
-    fn side(&self, overlap: &Overlap, t: f64) -> Side {
-        let grid = &self.medium.grid;
-        let (cell, number) = self.outline.sides[overlap.point];
-        // along the side with the body to the left
-        let s = overlap.hats(t)[1].clamp(0.0, 1.0);
-        let local = [[s, 0.0], [1.0, s], [1.0 - s, 1.0], [0.0, 1.0 - s]][number];
-        let (u, young) = (self.medium.cell_values(self.fine, cell), self.medium.young[cell]);
-        let [xx, yy, xy] = self.medium.elasticity.stress(young, &u, local, grid.spacing);
-        let traction = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
-        let (a, b, length) = (number, (number + 1) % 4, grid.spacing[number % 2]);
-        Side { traction, slope: [0, 1].map(|i| (u[2 * b + i] - u[2 * a + i]) / length), young }
-    }
-}
-
-/// σ(u)n, du/ds and E of the body.
-struct Side {
-    traction: [f64; 2],
-    slope: [f64; 2],
-    young: f64,
-}
-
-/// d/ds of a nodal field at the reference coordinate t of element e.
-fn derivative(mesh: &Mesh, space: &Space, e: usize, t: f64, nodal: &[f64]) -> [f64; 2] {
-    let basis = space.basis(e);
-    let mut legendre = vec![0.0; basis.degree];
-    legendre_p(t, &mut legendre);
-    let mut sum = [0.0; 2];
-    for (j, node) in space.element_nodes(e).enumerate() {
-        let slope: f64 = legendre.iter().enumerate().map(|(n, l)| basis.derivative_to_legendre[(n, j)] * l).sum();
-        (0..2).for_each(|i| sum[i] += slope * 2.0 / mesh.length(e) * nodal[2 * node + i]);
-    }
-    sum
 }

@@ -8,10 +8,10 @@ use common::{
 };
 use faer::Mat;
 use proptest::prelude::*;
-use steklov_bem_operators::{Material, Mesh, Operators, Plane, Space};
+use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon, Space};
 use steklov_coupling::{
-    CellIndicators, Coupled, CouplingError, Exterior, Form, InterfaceIndicators, Interior, Jumps, Outline, Radiation,
-    Transmission,
+    CellIndicators, Coupled, CouplingError, Exterior, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Outline,
+    Radiation, Transmission,
 };
 use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, Multiscale};
 use steklov_quadrature::{gauss_legendre, legendre_p};
@@ -260,6 +260,21 @@ fn each_place_has_the_weight_of_its_cell() {
     }
 }
 
+/// A nodal field at the nodes of elements of higher degree.
+fn raised(space: &Space, fine: &Space, nodal: &[f64]) -> Vec<f64> {
+    let mut values = vec![0.0; fine.dofs()];
+    for e in 0..space.next.len() {
+        let mut phi = vec![0.0; space.degree(e) + 1];
+        for (j, node) in fine.element_nodes(e).enumerate() {
+            space.basis(e).evaluate(fine.basis(e).nodes[j], &mut phi);
+            for i in 0..2 {
+                values[2 * node + i] = space.element_nodes(e).zip(&phi).map(|(k, phi)| phi * nodal[2 * k + i]).sum();
+            }
+        }
+    }
+    values
+}
+
 /// φ of many degrees more: the errors of φ_h, in the norm of V, against the exact traction and against V⁻¹(K - ½)ξ_h, of which φ_h
 /// is the best approximation.
 fn errors_of_traction(exterior: &Exterior, solved: &Coupled) -> [f64; 2] {
@@ -268,24 +283,17 @@ fn errors_of_traction(exterior: &Exterior, solved: &Coupled) -> [f64; 2] {
     let fine = Mesh { degree, ..exterior.mesh.clone() };
     let fine = Exterior::new(fine, exterior.material, Some(exterior.operators.length)).unwrap();
     let (mesh, space, rule) = (&fine.mesh, &fine.space, gauss_legendre(16));
-    let (mut exact, mut xi) = (vec![0.0; space.dofs()], vec![0.0; space.dofs()]);
+    let mut exact = vec![0.0; space.dofs()];
     let mut found = exact.clone();
+    let xi = raised(&exterior.space, space, &solved.exterior_displacement);
     for e in 0..mesh.len() {
-        let (p, coarse) = (exterior.mesh.degree[e], exterior.space.basis(e));
+        let p = exterior.mesh.degree[e];
         let mut legendre = vec![0.0; mesh.degree[e]];
         for (&t, w) in rule.points.iter().zip(&rule.weights) {
             legendre_p(t, &mut legendre);
             let value = traction(outer(&exterior.material, mesh.point(e, t)).1, mesh.normal(e));
             for (m, l) in legendre.iter().enumerate() {
                 (0..2).for_each(|i| exact[2 * (space.offset[e] + m) + i] += w * l * (m as f64 + 0.5) * value[i]);
-            }
-        }
-        let mut phi = vec![0.0; p + 1];
-        for (j, node) in space.element_nodes(e).enumerate() {
-            coarse.evaluate(space.basis(e).nodes[j], &mut phi);
-            for i in 0..2 {
-                let values = exterior.space.element_nodes(e).zip(&phi);
-                xi[2 * node + i] = values.map(|(k, phi)| phi * solved.exterior_displacement[2 * k + i]).sum();
             }
         }
         for m in 0..2 * p {
@@ -425,12 +433,66 @@ fn downscaled_fields_are_judged_as_those_of_the_grid() {
     }
 }
 
+/// Forces outside of a square in the field of the body, and inside of it in that of the medium.
+#[test]
+fn the_indicators_of_a_body_of_boundary_elements_follow_the_error() {
+    let polygon = {
+        let corners = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
+        Polygon::new(Loop { corners, sides: (0..4).map(|k| k.to_string()).collect() }, Vec::new()).unwrap()
+    };
+    for (pair, body, outside) in PAIRS {
+        let (body, outside) = (material(body), material(outside));
+        let shifted = |x: [f64; 2]| [x[0] + 1.1, x[1] - 0.3];
+        let inner = |x: [f64; 2]| outer(&body, shifted(x));
+        let u0 = |x: [f64; 2]| [0, 1].map(|i| inner(x).0[i] - outer(&outside, x).0[i]);
+        let t0 = |x: [f64; 2], n: [f64; 2]| {
+            let (t, c) = (traction(inner(x).1, n), traction(outer(&outside, x).1, n));
+            [t[0] - c[0], t[1] - c[1]]
+        };
+        let jumps = Jumps { displacement: &u0, traction: &t0, halvings: 0 };
+        for degree in [1, 2, 3] {
+            for form in [Form::Schur, Form::ThreeField] {
+                let mut before: Option<f64> = None;
+                for elements in [16, 32] {
+                    let exterior = Exterior::new(Mesh::uniform(&polygon, elements, degree), outside, None).unwrap();
+                    let inclusion = Inclusion::new(body, &exterior, t0).unwrap();
+                    let transmission = Transmission::of_inclusion(&inclusion, &exterior).unwrap();
+                    let given = exterior.space.interpolate(u0);
+                    let solved = transmission.solve(&given, form, Radiation::Decaying).unwrap();
+                    let found =
+                        InterfaceIndicators::of_inclusion(&exterior, &inclusion, &solved, form, &jumps).unwrap();
+                    let estimate = found.squared().iter().sum::<f64>().sqrt();
+                    // ⟨S e, e⟩ of the error of u and that of φ, by elements of higher degree
+                    let fine = Mesh { degree: vec![degree + 6; elements], ..exterior.mesh.clone() };
+                    let fine = Exterior::new(fine, outside, None).unwrap();
+                    let stiffness = Inclusion::new(body, &fine, t0).unwrap().stiffness;
+                    let (exact, u) =
+                        (fine.space.interpolate(|x| inner(x).0), raised(&exterior.space, &fine.space, &solved.trace));
+                    let e = Mat::from_fn(u.len(), 1, |i, _| u[i] - exact[i]);
+                    let energy = (e.transpose() * &stiffness * &e)[(0, 0)].sqrt();
+                    let error = energy.hypot(errors_of_traction(&exterior, &solved)[0]);
+                    let effectivity = estimate / error;
+                    println!(
+                        "{pair} p = {degree} {elements} {form:?}: {effectivity:.3} of {error:.2e} (body {energy:.2e})"
+                    );
+                    let range = if form == Form::ThreeField { 1.2..12.5 } else { 0.9..5.0 };
+                    assert!(range.contains(&effectivity), "{pair} {degree} {elements} {form:?}: {effectivity}");
+                    if let Some(before) = before.replace(error) {
+                        let rate = (before / error).log2();
+                        assert!(rate > f64::min(degree as f64, 2.0), "{pair} {degree} {form:?}: rate {rate}");
+                    }
+                }
+            }
+        }
+    }
+}
+
 #[test]
 fn fields_of_another_size_or_not_finite_are_refused() {
     let (grid, loads) = manufactured(4, [1.0, 0.3], [2.0, 0.3]);
     let interior = Interior::fine(&grid, &loads).unwrap();
     let exterior = around(&interior, 1, 1, [2.0, 0.3]);
-    let (transmission, u0) = problem(interior, &exterior);
+    let (transmission, u0) = problem(interior.clone(), &exterior);
     let solved = transmission.solve(&u0, Form::Schur, Radiation::Decaying).unwrap();
     let (still, free) = (|_: [f64; 2]| [0.0; 2], |_: [f64; 2], _: [f64; 2]| [0.0; 2]);
     let refused = |exterior: &Exterior, fine: &[f64], solved: &Coupled, jumps: &Jumps<'_>| {
@@ -441,10 +503,27 @@ fn fields_of_another_size_or_not_finite_are_refused() {
     assert!(refused(&exterior, &u[1..], &solved, &jumps).to_string().contains("has 49 values, not 50"));
     let short = Coupled { traction: vec![0.0; 31], ..solved.clone() };
     assert!(refused(&exterior, u, &short, &jumps).to_string().contains("has 31 values, not 32"));
+    let mut torn = u.clone();
+    torn[7] = f64::INFINITY;
+    assert!(
+        refused(&exterior, &torn, &solved, &jumps)
+            .to_string()
+            .contains("value 7 of the displacement of the grid is inf")
+    );
+    for (halvings, fine) in [(5, true), (6, false)] {
+        let jumps = Jumps { halvings, ..jumps };
+        let judged = InterfaceIndicators::new(&exterior, &grid, u, &solved, Form::Schur, &jumps);
+        assert_eq!(judged.is_ok(), fine);
+        assert!(fine || judged.unwrap_err().to_string().contains("halved 6 times: at most 5"));
+    }
     let wild = Jumps { displacement: &|[x, _]| [x.ln(), 0.0], ..jumps };
     assert!(refused(&exterior, u, &solved, &wild).to_string().contains("displacements is NaN at (-0.5, -0.5)"));
     let wild = Jumps { traction: &|_, n| [n[0] / 0.0, 0.0], ..jumps };
     assert!(refused(&exterior, u, &solved, &wild).to_string().contains("jump of tractions is"));
+    let other = Exterior::new(interior.trace.mesh(2, 1).unwrap(), material([2.0, 0.3]), None).unwrap();
+    let body = Inclusion::new(material([1.0, 0.3]), &other, free).unwrap();
+    let wrong = InterfaceIndicators::of_inclusion(&exterior, &body, &solved, Form::Schur, &jumps).unwrap_err();
+    assert!(wrong.to_string().contains("64 unknowns, and the medium 32"), "{wrong}");
     let elsewhere = Grid::rectangle([1.0, 1.0], [4, 4]).unwrap();
     let mesh = Mesh::uniform(&Outline::new(&elsewhere).unwrap().polygon, 16, 1);
     let elsewhere = Exterior::new(mesh, material([2.0, 0.3]), None).unwrap();

@@ -1,0 +1,89 @@
+//! The body at a point of the interface, by the cells of a grid or by boundary elements.
+
+use steklov_bem_operators::{BoundaryField, Mesh, Space};
+use steklov_msfem::Medium;
+use steklov_quadrature::legendre_p;
+
+use crate::transfer::{Overlap, overlaps};
+use crate::{Coupled, CouplingError, Exterior, Inclusion, Outline, Trace};
+
+/// Where displacement and stress of the body come from.
+pub(crate) enum Body<'a> {
+    Grid { medium: &'a Medium, fine: &'a [f64], outline: Outline, trace: Box<Trace> },
+    BoundaryElements { exterior: &'a Exterior, displacement: &'a [f64], field: BoundaryField },
+}
+
+/// The body at a point.
+pub(crate) struct Side {
+    /// σ(u)n.
+    pub traction: [f64; 2],
+    /// du/ds.
+    pub slope: [f64; 2],
+    /// d/ds ((K + ½) u - V ψ) of the body's own operators; 0 on a grid.
+    pub equation: [f64; 2],
+    /// E.
+    pub young: f64,
+}
+
+impl<'a> Body<'a> {
+    pub fn grid(medium: &'a Medium, fine: &'a [f64]) -> Result<Self, CouplingError> {
+        let outline = Outline::new(&medium.grid)?;
+        let trace = Box::new(Trace::fine(&medium.grid, &outline));
+        Ok(Self::Grid { medium, fine, outline, trace })
+    }
+
+    pub fn boundary_elements(body: &Inclusion, exterior: &'a Exterior, solved: &'a Coupled) -> Self {
+        Self::BoundaryElements { exterior, displacement: &solved.trace, field: body.field(exterior, solved) }
+    }
+
+    /// The sides of cells on an element.
+    pub fn overlaps(&self, mesh: &Mesh, e: usize) -> Result<Vec<Overlap>, CouplingError> {
+        match self {
+            Self::Grid { trace, .. } => overlaps(trace, mesh, e),
+            Self::BoundaryElements { .. } => Ok(Vec::new()),
+        }
+    }
+
+    /// The body at the point t of element e, and these sides on it.
+    pub fn at(&self, e: usize, t: f64, overlaps: &[Overlap]) -> Side {
+        match self {
+            Self::Grid { medium, fine, outline, .. } => {
+                let Some(overlap) = overlaps.iter().find(|o| t <= o.span[1] + SAME) else {
+                    unreachable!("the element is covered by sides of cells")
+                };
+                let (cell, number) = outline.sides[overlap.point];
+                // along the side with the body to the left
+                let s = overlap.hats(t)[1].clamp(0.0, 1.0);
+                let local = [[s, 0.0], [1.0, s], [1.0 - s, 1.0], [0.0, 1.0 - s]][number];
+                let (u, young, spacing) = (medium.cell_values(fine, cell), medium.young[cell], medium.grid.spacing);
+                let [xx, yy, xy] = medium.elasticity.stress(young, &u, local, spacing);
+                let traction = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
+                let (a, b, length) = (number, (number + 1) % 4, spacing[number % 2]);
+                let slope = [0, 1].map(|i| (u[2 * b + i] - u[2 * a + i]) / length);
+                Side { traction, slope, equation: [0.0; 2], young }
+            }
+            Self::BoundaryElements { exterior, displacement, field } => Side {
+                traction: field.steklov_trace(e, t),
+                slope: derivative(&exterior.mesh, &exterior.space, e, t, displacement),
+                equation: field.equation_slope(e, t),
+                young: field.material().young,
+            },
+        }
+    }
+}
+
+/// Rounding of reference coordinates.
+const SAME: f64 = 1e-9;
+
+/// d/ds of a nodal field at the reference coordinate t of element e.
+pub(crate) fn derivative(mesh: &Mesh, space: &Space, e: usize, t: f64, nodal: &[f64]) -> [f64; 2] {
+    let basis = space.basis(e);
+    let mut legendre = vec![0.0; basis.degree];
+    legendre_p(t, &mut legendre);
+    let mut sum = [0.0; 2];
+    for (j, node) in space.element_nodes(e).enumerate() {
+        let slope: f64 = legendre.iter().enumerate().map(|(n, l)| basis.derivative_to_legendre[(n, j)] * l).sum();
+        (0..2).for_each(|i| sum[i] += slope * 2.0 / mesh.length(e) * nodal[2 * node + i]);
+    }
+    sum
+}
