@@ -69,7 +69,7 @@ impl InterfaceIndicators {
     ///
     /// # Errors
     /// [`CouplingError::Boundary`] for a medium around another body, [`CouplingError::Inconsistent`] for fields of another size,
-    /// values that are not finite, or too many halvings, and as [`Outline::new`].
+    /// values that are not finite, or too many halvings, and as [`crate::Outline::new`].
     pub fn new(
         exterior: &Exterior,
         medium: &Medium,

@@ -5,7 +5,7 @@ use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
 use sprs::CsMat;
 use steklov_bem_operators::{Material, Plane};
-use steklov_coupling::{Exterior, Interior, Outline, Transmission};
+use steklov_coupling::{Exterior, Interior, Jumps, Outline, Transmission};
 use steklov_msfem::{Elasticity, Grid, Loads, Medium};
 use steklov_quadrature::gauss_legendre;
 
@@ -188,4 +188,15 @@ pub fn double_layers(exterior: &Exterior) -> [Mat<f64>; 2] {
 pub fn problem<'a>(interior: Interior, exterior: &'a Exterior) -> (Transmission<'a>, Vec<f64>) {
     let u0 = exterior.space.interpolate(|x| jump(&exterior.material, x));
     (Transmission::new(interior, exterior).unwrap(), u0)
+}
+
+/// The jumps of the manufactured problem.
+pub fn with_jumps<T>(body: [f64; 2], around: [f64; 2], halvings: usize, then: impl FnOnce(&Jumps<'_>) -> T) -> T {
+    let (body, around) = (material(body), material(around));
+    let displacement = |x: [f64; 2]| jump(&around, x);
+    let t0 = |x: [f64; 2], n: [f64; 2]| {
+        let (t, c) = (traction(body.stress(inner_gradient(x)), n), traction(outer(&around, x).1, n));
+        [t[0] - c[0], t[1] - c[1]]
+    };
+    then(&Jumps { displacement: &displacement, traction: &t0, halvings })
 }
