@@ -10,9 +10,11 @@ use steklov_tests::{finer, gallery, judged, solved_in_steps};
 const BOUNDS: [[f64; 2]; 2] = [[0.8, 4.0], [0.9, 1.3]];
 
 /// What holds where that does not.
-const LOOSER: [(&str, [[f64; 2]; 2]); 1] = [
+const LOOSER: [(&str, [[f64; 2]; 2]); 2] = [
     // the opposite face is closer than any element is long
     ("20-crack", [[0.75, 4.0], [0.85, 1.3]]),
+    // nothing but four corners of 270 degrees; by the energies the ratio is 1.0 to 1.1
+    ("45-tunnel", [[0.8, 4.0], [0.85, 1.3]]),
 ];
 
 /// Scenes of the gallery that are among the six problems, or one of them turned.
@@ -43,6 +45,10 @@ fn effectivities(name: &str, scene: &Scene) -> Vec<(usize, f64)> {
             continue;
         }
         let truth = true_error(&scene, &step.mesh, displacement, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        if truth.error < 1e-9 * truth.norm {
+            println!("    {k:2} {:4} dofs: held everywhere, the error is that of the traction", step.dofs);
+            continue;
+        }
         let effectivity = step.estimate().error / truth.error;
         println!(
             "    {k:2} {:4} dofs, error {:.2e}, estimate over it {effectivity:.2}",
