@@ -222,7 +222,7 @@ fn load_interface(at: &Group) -> Result<InterfaceIndicators, IoError> {
     if [displacement.len(), traction_error.len()] != [traction.len(); 2] {
         return Err(invalid(at, "", "its terms have different lengths"));
     }
-    Ok(InterfaceIndicators { traction, displacement, hypersingular: None, traction_error })
+    Ok(InterfaceIndicators { traction, displacement, hypersingular: None, body: None, traction_error })
 }
 
 fn load_step(at: &Group) -> Result<GridStep, IoError> {
