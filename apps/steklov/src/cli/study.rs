@@ -1,5 +1,6 @@
 //! The subcommand `study`.
 
+mod coupling;
 mod inf_sup;
 mod multiscale;
 mod stability;
@@ -47,7 +48,7 @@ pub(super) struct StudyArgs {
     /// Runs of each strategy, of which the seconds are medians
     #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
-    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup, -stochastic, -multiscale) in the current folder
+    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup, -stochastic, -multiscale, -coupling) in the current folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Change a key of the scene, the value typed as TOML; may be repeated
@@ -112,17 +113,23 @@ enum What {
     Stochastic,
     /// Errors of multiscale bases on a scene with a grid, of resonance and of high contrast, beside the fine grid's own
     Multiscale,
+    /// Errors, seconds and conditions of a body on a grid coupled with the unbounded medium around it
+    Coupling,
 }
 
 /// Studies a scene and stores what comes out.
 pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     match args.what {
-        What::Convergence | What::InfSup | What::Stochastic | What::Multiscale if args.beside.is_some() => {
+        What::Convergence | What::InfSup | What::Stochastic | What::Multiscale | What::Coupling
+            if args.beside.is_some() =>
+        {
             Err(Failure("error: --beside belongs to --what stability".into()))
         }
         What::Convergence => convergence(args),
         _ if !args.multipliers.is_empty() => Err(Failure("error: --multipliers belongs to --what convergence".into())),
-        What::Stability | What::InfSup | What::Stochastic | What::Multiscale if !args.strategies.is_empty() => {
+        What::Stability | What::InfSup | What::Stochastic | What::Multiscale | What::Coupling
+            if !args.strategies.is_empty() =>
+        {
             Err(Failure(
                 "error: --strategies belongs to --what convergence: the others are studied on uniform meshes".into(),
             ))
@@ -131,6 +138,7 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
         What::InfSup => inf_sup::inf_sup(args),
         What::Stochastic => stochastic::stochastic(args),
         What::Multiscale => multiscale::multiscale(args),
+        What::Coupling => coupling::coupling(args),
     }
 }
 

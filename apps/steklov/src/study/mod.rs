@@ -16,6 +16,7 @@ pub mod stability;
 pub mod inf_sup;
 pub mod stochastic;
 pub mod multiscale;
+pub mod coupling;
 
 use crate::reference::{EnergySource, Reference};
 use crate::scene::Scene;

@@ -1,0 +1,155 @@
+//! The pairs of materials and the grids of the study.
+
+use steklov_bem_operators::{Material, Plane};
+use steklov_coupling::Outline;
+use steklov_msfem::Grid;
+
+use super::manufactured::Pair;
+use crate::grid::{check_body, grid_of, moduli};
+use crate::scene::{GridInput, Scene, SceneError, SceneErrorKind};
+
+/// Fewer cells than this along the shorter side of the body are no grid of the study.
+const FEWEST: usize = 4;
+
+/// Most unknowns of a body, where the scene sets no other number.
+const MOST_DOFS: usize = 100_000;
+
+/// Three pairs that every study has: E and ν of the body and of the medium, plane strain.
+const GIVEN: [(&str, [f64; 2], [f64; 2]); 3] = [
+    ("same (2, 0.3 | 2, 0.3)", [2.0, 0.3], [2.0, 0.3]),
+    ("stiff (20, 0.25 | 2, 0.3)", [20.0, 0.25], [2.0, 0.3]),
+    ("soft (1, 0.35 | 50, 0.2)", [1.0, 0.35], [50.0, 0.2]),
+];
+
+/// Three given pairs and the scene's own, the last one; the modulus of a body that has many is their mean.
+///
+/// # Errors
+/// A scene without a grid or without a body in a medium; moduli that cannot be read.
+pub fn pairs(scene: &Scene) -> Result<Vec<Pair>, SceneError> {
+    let medium = match &scene.exterior {
+        Some(exterior) if !scene.is_cavity() => exterior.material,
+        _ => {
+            let message =
+                "the study is about a body in an unbounded medium, and the scene does not have both".to_owned();
+            let help = "add a table [exterior] with young and poisson, and a [material] of the body";
+            return Err(scene.error_at(SceneErrorKind::Unsupported, &[vec!["exterior"], vec!["body"]], message, help));
+        }
+    };
+    let grid = grid_of(scene)?;
+    let young = moduli(scene, &grid)?;
+    let (sum, count) = grid.body_cells().fold((0.0, 0.0), |(sum, count), cell| (sum + young[cell], count + 1.0));
+    let body = Material { young: sum / count, ..scene.material };
+    let material = |[young, poisson]: [f64; 2]| Material { young, poisson, plane: Plane::Strain };
+    let given = GIVEN.map(|(name, body, medium)| Pair {
+        name: name.to_owned(),
+        body: material(body),
+        medium: material(medium),
+        force: [8.0, 5.0],
+    });
+    let name =
+        format!("scene ({}, {} | {}, {})", rounded(body.young), body.poisson, rounded(medium.young), medium.poisson);
+    // strains of the size of those of the body
+    let own = Pair { name, body, medium, force: [4.0 * medium.young, 2.5 * medium.young] };
+    Ok(given.into_iter().chain([own]).collect())
+}
+
+/// A modulus as a name shows it.
+fn rounded(young: f64) -> String {
+    crate::picture::short(young, 3)
+}
+
+/// The coarsest grid of the body: the scene's fine cells, joined two by two along x and y as often as the body is made of such
+/// cells, and no fewer than four of them along its shorter side.
+///
+/// # Errors
+/// As [`grid_of`].
+pub fn coarsest(scene: &Scene) -> Result<[usize; 2], SceneError> {
+    let mut cells = grid_of(scene)?.cells;
+    loop {
+        let half = cells.map(|n| n / 2);
+        let whole = cells.iter().all(|n| n.is_multiple_of(2)) && half[0].min(half[1]) >= FEWEST;
+        if !whole || check_body(scene, half, "coarse").is_err() {
+            return Ok(cells);
+        }
+        cells = half;
+    }
+}
+
+/// The largest whole multiple of the coarsest grid with at most so many unknowns, if there is one beyond a grid with `dofs`.
+///
+/// # Errors
+/// As [`level`].
+pub fn largest(scene: &Scene, most_dofs: usize, dofs: usize) -> Result<Option<Level>, SceneError> {
+    let first = coarsest(scene)?;
+    let unknowns = |times: usize| 2 * (first[0] * times + 1) * (first[1] * times + 1);
+    let times = (1..).take_while(|&times| unknowns(times) <= most_dofs).last();
+    let found = times.map(|times| level(scene, first.map(|n| n * times))).transpose()?;
+    Ok(found.filter(|level| level.grid.dofs() > dofs))
+}
+
+/// The overrides of a study, where neither the text of the scene nor the user sets another limit of unknowns; then those of the
+/// user.
+pub fn settings(text: &str, user: &[String]) -> Vec<String> {
+    let scene = text.parse::<toml::Table>().unwrap_or_default();
+    let in_scene = scene.get("method").and_then(|m| m.get("max_dofs")).is_some();
+    let by_user = user.iter().any(|o| o.split('=').next().unwrap_or_default().trim() == "method.max_dofs");
+    let own = (!in_scene && !by_user).then(|| format!("method.max_dofs={MOST_DOFS}"));
+    own.into_iter().chain(user.iter().cloned()).collect()
+}
+
+/// A grid of the body of the study.
+#[derive(Debug, Clone)]
+pub struct Level {
+    /// The cells.
+    pub grid: Grid,
+    /// Displacement unknowns on its outer boundary.
+    pub trace: usize,
+}
+
+/// The coarsest grid and those with 2, 4, 8 ... times as many cells along x and y, with no more unknowns than these in the body
+/// and on its boundary.
+///
+/// # Errors
+/// A body that fits no such grid; one whose coarsest grid has more unknowns.
+pub fn levels(scene: &Scene, most_dofs: usize, most_trace: usize) -> Result<Vec<Level>, SceneError> {
+    let first = coarsest(scene)?;
+    let mut levels = Vec::new();
+    for times in (0..12).map(|k| 1 << k) {
+        let level = level(scene, first.map(|n| n * times))?;
+        if level.grid.dofs() > most_dofs || level.trace > most_trace {
+            break;
+        }
+        levels.push(level);
+    }
+    if levels.is_empty() {
+        let message = format!(
+            "the coarsest grid of the study has {} by {} cells, more than {most_dofs} dofs or {most_trace} on the boundary",
+            first[0], first[1]
+        );
+        let help = "raise method.max_dofs, or take numbers of cells that can be halved: grid.coarse = [4, 4], grid.fine = [8, 8]";
+        return Err(scene.error_at(SceneErrorKind::Value, &[vec!["grid", "fine"]], message, help));
+    }
+    Ok(levels)
+}
+
+/// The grid of the body with these cells.
+///
+/// # Errors
+/// As [`grid_of`], and a body whose outer boundary is not one curve.
+pub fn level(scene: &Scene, cells: [usize; 2]) -> Result<Level, SceneError> {
+    let mut scene = scene.clone();
+    scene.grid = scene.grid.map(|grid| GridInput { coarse: cells, fine: [1, 1], ..grid });
+    let grid = grid_of(&scene)?;
+    let outline = Outline::new(&grid).map_err(|error| {
+        let help = "the medium meets one closed curve: part the body, or join its pieces by more than a point";
+        scene.error_at(SceneErrorKind::Geometry, &[vec!["body"]], error.to_string(), help)
+    })?;
+    Ok(Level { grid, trace: 2 * outline.nodes.len() })
+}
+
+/// Ends of a side of a cell, counter-clockwise, and its normal out of the cell.
+pub(super) fn sides(grid: &Grid, cell: usize, side: usize) -> ([[f64; 2]; 2], [f64; 2]) {
+    let nodes = grid.cell_nodes(cell);
+    let ends = [side, (side + 1) % 4].map(|k| grid.point(nodes[k]));
+    (ends, [[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]][side])
+}

@@ -1,0 +1,70 @@
+//! What the coupling of a body on a grid with an unbounded medium is worth.
+//!
+//! ```text
+//! grids: Pair (materials), Level (grid) ─► Manufactured (a known solution on the scene's body)
+//!                                              │
+//!      ┌────────────┬──────────────┬────────┴──────┬──────────────┐
+//! Convergence   Effectivity       Costs       Conditioning       Wrongs     ─► CouplingStudy ─► store, table, draw
+//! ```
+//! Each part is a file: what it computes, and the columns of its table.
+
+mod manufactured;
+mod grids;
+mod convergence;
+mod effectivity;
+mod cost;
+mod systems;
+mod conditioning;
+mod wrong;
+mod table;
+mod store;
+mod draw;
+
+use super::columns;
+use crate::scene::Scene;
+
+pub use conditioning::{Condition, Conditioning, conditioning};
+pub use convergence::{Convergence, FORMS, Point, convergence};
+pub use cost::{Cost, Costs, WAYS, costs};
+pub use draw::pictures;
+pub use effectivity::{Effectivity, INDICATED, Indicated, TERMS, effectivity};
+pub use grids::{Level, coarsest, largest, levels, pairs, settings};
+pub use manufactured::{Manufactured, Pair, Problem};
+pub use store::write;
+pub use table::{csv, json, text};
+pub use wrong::{SYSTEMS, Wrong, Wrongs, wrongs};
+
+/// A finished study.
+pub struct CouplingStudy<'a> {
+    /// The scene as it was run, [`settings`] included.
+    pub scene: &'a Scene,
+    /// The materials; the scene's own last.
+    pub pairs: &'a [Pair],
+    /// Errors of the forms.
+    pub convergence: &'a Convergence,
+    /// Indicators over errors.
+    pub effectivity: &'a Effectivity,
+    /// Seconds and entries of three ways to solve.
+    pub costs: &'a Costs,
+    /// Conditions of the three-field form.
+    pub conditioning: &'a Conditioning,
+    /// Errors with wrong signs and factors.
+    pub wrongs: &'a Wrongs,
+    /// Runs of which seconds are medians.
+    pub repeat: usize,
+    /// Whether the user stopped it.
+    pub interrupted: bool,
+}
+
+impl CouplingStudy<'_> {
+    /// Whether nobody stopped it and everything was solved.
+    pub fn complete(&self) -> bool {
+        !self.interrupted && self.failures().next().is_none()
+    }
+
+    /// What failed, and why.
+    fn failures(&self) -> impl Iterator<Item = &(String, String)> {
+        let errors = self.convergence.failures.iter().chain(&self.effectivity.failures);
+        errors.chain(&self.costs.failures).chain(&self.conditioning.failures).chain(&self.wrongs.failures)
+    }
+}
