@@ -150,6 +150,30 @@ fn bodies_of_any_shape_and_unit_converge() {
         assert!(rates[1..].iter().all(|r| (0.95..1.05).contains(r)), "{rates:?}");
         assert!(points[2].error < 0.05 * points[2].norm && points[2].traction_rate > 1.3);
     }
+    // the same body in metres and gigapascals
+    let metres = |n: &str| format!("{}", n.trim().parse::<f64>().unwrap() / 1000.0);
+    let lists = FRAME.lines().map(|line| {
+        let numbers = line.starts_with("corners") || line.starts_with("holes");
+        let parts = line.split_inclusive(|c: char| "[], ".contains(c)).map(|part| {
+            let (number, end) = part.split_at(part.trim_end_matches(|c: char| "[], ".contains(c)).len());
+            if number.parse::<f64>().is_ok() { metres(number) + end } else { part.to_owned() }
+        });
+        if numbers {
+            parts.collect()
+        } else {
+            line.replace("size = 50", "size = 0.05").replace("e9", "").replace("1e3", "1e-6")
+        }
+    });
+    let other = parsed(&lists.collect::<Vec<String>>().join("\n"));
+    let others = steklov::study::coupling::pairs(&other).unwrap();
+    let condition = |scene: &Scene, pair, most: usize| {
+        let levels = steklov::study::coupling::levels(scene, most, usize::MAX).unwrap();
+        conditioning(&scene.polygon, pair, &levels, &run, &mut |_, _| {}).points[0]
+    };
+    let (a, b) = (condition(&scene, own, 300), condition(&other, &others[3..], 300));
+    assert_eq!((a.cells, b.cells), ([8, 12], [8, 12]));
+    close("condition", a.three, b.three, 1e-6);
+    assert!(a.two < 1e-14 && b.two < 1e-14 && a.three > 1e-4, "{a:?} {b:?}");
     let costs = costs(&scene.polygon, &own[0], &levels, 2, &run, tell);
     assert!(costs.failures.is_empty() && costs.points.len() == 3, "{costs:?}");
     for c in &costs.points {

@@ -92,7 +92,7 @@ pub fn costs(
         match cost(&exact, level, repeat.max(1)) {
             Ok(point) => {
                 // a NaN is no agreement
-                if !(point.difference <= SAME) {
+                if point.difference.is_nan() || point.difference > SAME {
                     all.failures.push((at, format!("the solutions differ by {:.1e} of the largest", point.difference)));
                 }
                 all.points.push(point);

@@ -75,7 +75,8 @@ pub fn coarsest(scene: &Scene) -> Result<[usize; 2], SceneError> {
     }
 }
 
-/// The largest whole multiple of the coarsest grid with at most so many unknowns, if there is one beyond a grid with `dofs`.
+/// The largest whole multiple of the coarsest grid that has at most so many unknowns, even if its whole bounding box were body; none
+/// unless it has more than `dofs`.
 ///
 /// # Errors
 /// As [`level`].

@@ -69,10 +69,10 @@ impl Reduced {
     }
 
     /// The matrix of the three-field form with a factor before W and the first `motions` of two translations and the rotation
-    /// removed. Tractions are divided by E of the medium, so that all blocks have the magnitude of a length.
+    /// removed. Tractions are counted in E/L, L the size of the body, and forces in E of the medium: no unit is left.
     pub fn three_field(&self, factor: f64, motions: usize) -> Mat<f64> {
         let operators = &self.exterior.operators;
-        let (young, n) = (self.exterior.material.young, self.jump.len());
+        let (young, length, n) = (self.exterior.material.young, operators.length, self.jump.len());
         let points = &self.exterior.space.points;
         let centre = [0, 1].map(|i| points.iter().map(|x| x[i]).sum::<f64>() / points.len() as f64);
         let mut z = Mat::from_fn(n, motions, |row, k| match (k, row % 2) {
@@ -92,18 +92,18 @@ impl Reduced {
             matrix.get_mut(j * n..(j + 1) * n, i * n..(i + 1) * n).copy_from(block.transpose());
         };
         put(0, 0, &self.stiffness * Scale(1.0 / young));
-        put(1, 0, &self.mass * Scale(-1.0));
-        put(1, 1, &operators.v * Scale(-young));
-        put(1, 2, plus);
+        put(1, 0, &self.mass * Scale(-1.0 / length));
+        put(1, 1, &operators.v * Scale(-young / (length * length)));
+        put(1, 2, plus * Scale(1.0 / length));
         put(2, 2, &operators.w * Scale(factor / young) + Scale(scale) * &z * z.transpose());
         matrix
     }
 
     /// Solves the three-field form with a factor before W; the field of all nodes.
     pub fn by_three_fields(&self, factor: f64) -> Vec<f64> {
-        let (young, n) = (self.exterior.material.young, self.jump.len());
+        let (young, length, n) = (self.exterior.material.young, self.exterior.operators.length, self.jump.len());
         let mut right: Vec<f64> = self.load.kept.iter().map(|f| f / young).collect();
-        right.extend((&self.mass * column(&self.jump)).col_as_slice(0).iter().map(|m| -m));
+        right.extend((&self.mass * column(&self.jump)).col_as_slice(0).iter().map(|m| -m / length));
         right.resize(3 * n, 0.0);
         let solved = solve(&self.three_field(factor, 3), &column(&right));
         self.elimination.expand(&self.load, &solved[..n])

@@ -36,14 +36,15 @@ pub(super) fn of_form(study: &CouplingStudy<'_>, form: usize) -> Vec<Point> {
 
 /// A number in a column; a dash for what is not known.
 fn cell(value: f64, width: usize, decimals: usize) -> String {
-    // so that small errors are told from none
-    if value != 0.0 && value.abs() < 1e-3 || value.abs() >= 1e6 {
-        format!(" {value:>width$.2e}")
-    } else if value.is_finite() {
-        format!(" {value:>width$.decimals$}")
-    } else {
-        format!(" {:>width$}", "-")
+    if !value.is_finite() {
+        return format!(" {:>width$}", "-");
     }
+    let plain = format!(" {value:>width$.decimals$}");
+    // so that small errors are told from none, and columns keep their width
+    if value != 0.0 && value.abs() < 1e-3 || plain.len() > width + 1 {
+        return format!(" {value:>width$.2e}");
+    }
+    plain
 }
 
 /// Numbers of cells.
@@ -105,7 +106,7 @@ fn effectivity(text: &mut String, study: &CouplingStudy<'_>) {
             let points = points(form);
             let points: Vec<&Indicated> = points.iter().collect();
             if form == 0 {
-                line(text, name, &points, |i| head(i));
+                line(text, name, &points, head);
             }
             line(text, &format!("  {word}"), &points, |i| format!("{:.2}", i.whole));
             for (k, term) in TERMS.iter().enumerate() {
