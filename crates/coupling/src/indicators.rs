@@ -6,6 +6,7 @@ use steklov_msfem::Medium;
 use steklov_quadrature::{Rule, gauss_legendre, legendre_p, substituted};
 
 use crate::body_side::{Body, derivative};
+use crate::far::Split;
 use crate::subdivided::Subdivided;
 use crate::transfer::Overlap;
 use crate::{Coupled, CouplingError, Exterior, Form, Inclusion};
@@ -211,9 +212,10 @@ impl Residual<'_> {
         let mut averages = vec![Values::default(); count + 1];
         let mut moments = [[0.0; 2]; 2];
         let mut legendre = vec![0.0; p + 3];
+        let all = Split::new(&self.field, &self.parts, &self.exterior.mesh, e);
         for (rule, part) in self.rules(e, count, &overlaps) {
             for (&t, w) in rule.points.iter().zip(&rule.weights) {
-                let values = self.at(e, part, t, &overlaps)?;
+                let values = self.at(e, part, t, &overlaps, &all)?;
                 // the two hats at t; those of the ends count for nothing
                 let k = (((t + 1.0) / 2.0 * count as f64) as usize).min(count - 1);
                 let right = (t - knot(k)) / (knot(k + 1) - knot(k));
@@ -278,7 +280,7 @@ impl Residual<'_> {
     }
 
     /// The residuals at the point t of an element, which lies on this part of it.
-    fn at(&self, e: usize, part: usize, t: f64, overlaps: &[Overlap]) -> Result<Values, CouplingError> {
+    fn at(&self, e: usize, part: usize, t: f64, overlaps: &[Overlap], all: &Split) -> Result<Values, CouplingError> {
         let (mesh, young) = (&self.exterior.mesh, self.exterior.material.young);
         let side = self.body.at(e, t, overlaps);
         let (x, n) = (mesh.point(e, t), mesh.normal(e));
@@ -289,7 +291,7 @@ impl Residual<'_> {
         }
         let child = self.parts.first[e] + part;
         let s = self.parts.parts(e) as f64 * (t + 1.0) - (2 * part + 1) as f64;
-        let (hypersingular, slope) = (self.field.steklov_trace(child, s), self.field.equation_slope(child, s));
+        let (hypersingular, slope) = all.at(&self.field, t, child, s);
         let phi = self.field.trace(child, s).traction;
         let jump = derivative(&self.parts.mesh, &self.parts.space, child, s, &self.jump);
         let mut values = Values::default();

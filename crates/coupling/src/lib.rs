@@ -74,6 +74,7 @@ mod two_field;
 mod three_field;
 mod schur;
 mod subdivided;
+mod far;
 mod body_side;
 mod indicators;
 mod cell_indicators;

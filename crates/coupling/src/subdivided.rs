@@ -30,6 +30,14 @@ impl Subdivided {
         self.first[e + 1] - self.first[e]
     }
 
+    /// The part of element e on which its point t lies, and its place there.
+    pub fn place(&self, e: usize, t: f64) -> (usize, f64) {
+        let count = self.parts(e) as f64;
+        let along = (t + 1.0) / 2.0 * count;
+        let part = along.floor().clamp(0.0, count - 1.0);
+        (self.first[e] + part as usize, 2.0 * (along - part) - 1.0)
+    }
+
     /// The values of a nodal field of the whole elements at the nodes of the parts, interleaved.
     pub fn displacement(&self, whole: &Space, nodal: &[f64]) -> Vec<f64> {
         let mut fine = Vec::with_capacity(self.space.dofs());
