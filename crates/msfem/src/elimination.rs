@@ -1,11 +1,14 @@
 //! A sparse stiffness matrix reduced to some of its unknowns.
 
-use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatMut, Par};
 use sprs::CsMat;
 
 use crate::MsfemError;
 use crate::cholesky::{Cholesky, Lower, Structure};
+
+/// Parts into which dense products are cut, whatever the number of threads.
+const PARTS: usize = 16;
 
 /// Size from which factorisations use all threads.
 const LARGE: usize = 400_000;
@@ -97,12 +100,23 @@ impl Elimination {
 
     /// S_c, full storage, in the order of the kept unknowns.
     pub fn stiffness(&self) -> Mat<f64> {
-        let mut reduced = Mat::zeros(self.last.nrows(), self.last.nrows());
-        matmul(reduced.as_mut(), Accum::Replace, &self.last, self.last.transpose(), 1.0, Par::Seq);
+        let n = self.last.nrows();
+        let mut reduced = Mat::zeros(n, n);
+        // cut into the same parts whatever the number of threads, for the same bits
+        matmul(
+            reduced.as_mut(),
+            BlockStructure::TriangularLower,
+            Accum::Replace,
+            self.last.as_ref(),
+            BlockStructure::TriangularLower,
+            self.last.transpose(),
+            BlockStructure::TriangularUpper,
+            1.0,
+            Par::rayon(PARTS),
+        );
         for (k, d) in self.shift.iter().enumerate() {
             reduced[(k, k)] -= d;
         }
-        // the same bits on both sides of the diagonal
         for j in 0..reduced.ncols() {
             for i in 0..j {
                 reduced[(i, j)] = reduced[(j, i)];
