@@ -128,7 +128,8 @@ pub struct Seconds {
     pub solve: f64,
 }
 
-/// J = strain energy - load work + friction work.
+/// J = strain energy - load work + friction work. In an unbounded body under remote stress these are the energies of
+/// u_c = u - ε_∞ x, J = ½⟨S u_c, u_c⟩ - ⟨t - σ_∞n, u_c⟩ + friction work: those of u are infinite.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Energies {
     /// J.

@@ -24,7 +24,8 @@ pub struct Summary {
     pub dofs: usize,
     /// Number of meshes solved.
     pub steps: usize,
-    /// J = strain energy - load work + friction work.
+    /// J = strain energy - load work + friction work; around a hole under remote stress that of what the hole adds, as all
+    /// energies.
     pub energy: f64,
     /// J of the spaces of one degree more.
     pub energy_extrapolated: Option<f64>,

@@ -184,3 +184,24 @@ fn a_random_modulus_of_the_medium_has_the_mean_of_its_inverse() {
     assert!((statistic("probe/0/displacement/x/mean") / (8.0 * inverse * u) - 1.0).abs() < 1e-9);
     assert!(statistic("probe/0/stress/0/variance").abs() < 1e-20);
 }
+
+/// What a hole adds is quadratic in a random remote stress, and the stresses are linear.
+#[test]
+fn a_random_remote_stress_has_the_mean_of_its_square() {
+    let place = place();
+    let random = {
+        let stress = HOLES.replace("[-1.0, -2.0, 0.5]", "[\"S\", \"2*S\", \"0.1*S\"]");
+        let unloaded = stress.replace("traction = [\"0\", \"-1\"]", "traction = [0, 0]");
+        let unloaded = unloaded.replace("traction = [\"0\", \"1\"]", "traction = [0, 0]");
+        unloaded.replace("tolerance = 1e-3", "refine = \"none\"\ndegree = 2")
+            + "[random.S]\ndistribution = \"uniform\"\nlow = -2.0\nhigh = -1.0\n[stochastic]\n\
+               quantities = [\"energy\", \"probe.0.stress.0\"]\n"
+    };
+    place.write("random.toml", random);
+    let found = place.json(0, &["random.toml"]);
+    // the nominal outcome is that of the mean, -3/2
+    let at = |path: &str| found.pointer(path).and_then(Value::as_f64).unwrap_or_else(|| panic!("{path}: {found}"));
+    let mean_square = (8.0 - 1.0) / 3.0;
+    assert!((at("/stochastic/energy/mean") / at("/energy") - mean_square / 2.25).abs() < 1e-10);
+    assert!((at("/stochastic/probe/0/stress/0/mean") / at("/probe/0/stress/0") - 1.0).abs() < 1e-10);
+}

@@ -5,10 +5,10 @@
 //!                 Material ─┴─► moments ─► Operators (V, K, W, M) ─► Steklov (S) ─► Condensation ─► displacement
 //!                                                                        └─► traction ─► BoundaryField (inside, traces)
 //! ```
-//! A [`Polygon`] (with holes, or the plane around holes) is cut into a [`Mesh`] of straight elements with a polynomial degree each. The
-//! [`Space`] numbers the unknowns: displacement, continuous of degree p at Gauss-Lobatto points, and traction,
-//! discontinuous of degree p-1 in Legendre coefficients. [`Operators::assemble`] computes for every unordered pair
-//! of elements one complex table of moments of Legendre functions of the second kind, and from it V, K and W at once.
+//! A [`Polygon`] (with holes, or the plane around holes) is cut into a [`Mesh`] of straight elements with a polynomial
+//! degree each. The [`Space`] numbers the unknowns: displacement, continuous of degree p at Gauss-Lobatto points, and
+//! traction, discontinuous of degree p-1 in Legendre coefficients. [`Operators::assemble`] computes for every unordered
+//! pair of elements one complex table of moments of Legendre functions of the second kind, and from it V, K and W at once.
 //! [`Steklov`] is the symmetric Steklov-Poincaré matrix, [`Condensation`] eliminates what is neither held nor kept.
 //!
 //! Conventions: the boundary is traversed with the body to the left (outer loop counter-clockwise, holes clockwise);

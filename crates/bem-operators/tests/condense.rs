@@ -117,6 +117,41 @@ proptest! {
             }
         }
     }
+
+    /// A uniform stress and its displacement: Hooke's law back, and nothing to balance on a closed boundary.
+    #[test]
+    fn a_uniform_stress_is_its_own_particular_solution(
+        (polygon, mesh) in polygon_and_mesh(3), material in material(), stress in [-3.0..3.0f64, -3.0..3.0f64, -3.0..3.0f64],
+    ) {
+        let particular = ParticularSolution::of_uniform_stress(stress, polygon.centroid(), &material);
+        let (space, size) = (Space::new(&mesh), mesh.diameter());
+        prop_assert_eq!(particular.displacement(polygon.centroid()), [0.0; 2]);
+        let (a, b) = (mesh.vertices[0], mesh.vertices[1]);
+        let g = particular.gradient(a);
+        let [u, v] = [a, b].map(|x| particular.displacement(x));
+        let largest = g.as_flattened().iter().fold(0.0, |m: f64, g| m.max(g.abs()));
+        for i in 0..2 {
+            let step = g[i][0] * (b[0] - a[0]) + g[i][1] * (b[1] - a[1]);
+            prop_assert!((v[i] - u[i] - step).abs() < 1e-12 * largest * size);
+        }
+        // Hooke's law takes the digits of 1 - 2ν
+        let scale = material.young * largest / (1.0 - 2.0 * material.nu());
+        for (found, want) in particular.stress(b).into_iter().zip(stress) {
+            prop_assert!((found - want).abs() < 1e-13 * scale.max(1.0), "{} {}", found, want);
+        }
+        let load = particular.traction_load(&mesh, &space);
+        let motions = [RigidMotion::along([1.0, 0.0]), RigidMotion::along([0.0, 1.0]), RigidMotion::about(a, 1.0 / size)];
+        for motion in motions {
+            let work = dot(&load, &motion.nodal(&space.points));
+            prop_assert!(work.abs() < 1e-12 * scale.max(10.0) * size, "{motion}: {work}");
+        }
+        // the displacement of a body under the tractions of the stress is the particular one
+        let operators = Operators::assemble(&mesh, &space, &material, None).expect("operators");
+        let matrix = Steklov::new(operators, Domain::Interior).expect("S").matrix;
+        let force = product(&matrix, &space.interpolate(|x| particular.displacement(x)));
+        let error = force.iter().zip(&load).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        prop_assert!(error < 1e-9 * scale.max(10.0) * size, "{error:e}");
+    }
 }
 
 #[test]
