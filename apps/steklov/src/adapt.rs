@@ -53,7 +53,7 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
     }
     if kinks {
         for (k, edge) in edges.iter().enumerate() {
-            for datum in data(&scene.sides[edge.side].condition) {
+            for datum in data(&scene.sides[edge.side].condition).into_iter().chain(scene.jumps_on(edge)) {
                 let found = datum.kinks(|t| {
                     let s = (1.0 + t) / 2.0;
                     let [x, y] = edge.point(s);

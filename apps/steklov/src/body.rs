@@ -9,6 +9,7 @@ use steklov_contact::{ContactBoundary, ContactError, Problem, Solution, resisted
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
 use crate::data::{Data, Loads};
+use crate::inclusion::Outside;
 use crate::motions::{balanced, edges, work};
 use crate::scene::{Condition, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Solved};
@@ -28,10 +29,12 @@ pub struct Body {
     pub material: Material,
     /// Length in the logarithm of the kernel.
     pub length: f64,
-    /// S, the free unknowns eliminated.
+    /// S, the free unknowns eliminated; with a medium around the body the sum of both.
     pub condensation: Condensation,
     /// What S₊ of the enriched spaces needs besides, if solutions are to be estimated.
     pub enriched: Option<EnrichedSteklov>,
+    /// The medium around it, if there is one.
+    pub outside: Option<Outside>,
     /// S_c of the contact unknowns; empty without contact.
     pub stiffness: Mat<f64>,
     /// From displacements to tractions.
@@ -95,6 +98,8 @@ impl Given {
 pub struct Factors {
     /// Nodal displacement without the particular solution, of biorthogonal multipliers.
     pub homogeneous: Vec<f64>,
+    /// Nodal displacement ξ of the medium around it.
+    pub outside: Option<Vec<f64>>,
     /// J of that displacement.
     pub energy: f64,
     /// ‖u - u_b‖², energy norm, of the displacements of stabilised and biorthogonal multipliers; 0 if they are one.
@@ -139,7 +144,7 @@ impl Body {
         let data = Data { scene, mesh, space };
         let solution = particular.as_ref().map(|p| p.solution);
         let condensed = condensation.load_held(&load, &held);
-        let (displacement, contact, contact_factors) = match boundary {
+        let (mut displacement, contact, contact_factors) = match boundary {
             None => (condensation.expand(&condensed, &[]), None, None),
             Some(boundary) => {
                 let body = CondensedBody {
@@ -157,6 +162,9 @@ impl Body {
                 (displacement, Some(result), Some(factors))
             }
         };
+        if let Some(outside) = &self.outside {
+            outside.fix(&mut displacement, mesh, space, &self.free);
+        }
         // what adaptivity and the estimate rest on
         let companion = displacement;
         let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
@@ -201,7 +209,11 @@ impl Body {
             let traction = self.traction_map.apply(&homogeneous);
             let field = self.field(&homogeneous, &traction);
             let crossed = solution.map_or(0.0, |b| crossed_work(&field, &b, mesh, space));
-            let energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
+            let mut energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
+            if let Some(outside) = &self.outside {
+                energies.strain = outside.strain_energy(displacement, forces);
+                energies.total = energies.strain - energies.load_work + friction_work;
+            }
             (homogeneous, field, energies)
         };
         let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
@@ -231,8 +243,10 @@ impl Body {
         }
         reactions.sort_by_key(|r| r.0);
         let reactions = reactions.into_iter().map(|(side, force)| (mesh.side_names[side].clone(), force)).collect();
+        let outside = self.outside.as_ref();
         let factors = Factors {
             homogeneous,
+            outside: outside.map(|outside| outside.displacement(&displacement)),
             energy: companion_energy,
             difference,
             extra_load,
@@ -240,6 +254,7 @@ impl Body {
             contact: contact_factors,
         };
         let solved = Solved {
+            around: outside.map(|outside| outside.around(mesh, space, &displacement, &tractions)),
             displacement,
             field,
             particular: solution,

@@ -1,5 +1,7 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
+use std::collections::BTreeSet;
+
 use steklov_bem_operators::{
     BemError, BoundaryField, Datum, Location, Mesh, ParticularSolution, Site, Space, add_load, boundary_residuals,
     side_moments, side_moments_and_squares,
@@ -99,7 +101,31 @@ impl Data<'_> {
         Ok(held)
     }
 
-    /// The tractions and pressures.
+    /// The jump u0 of the displacement from the medium to the body at every node, that of the remote stress included; interleaved.
+    pub(crate) fn jump(&self) -> Result<Vec<f64>, SolveError> {
+        let (scene, mesh, space) = (self.scene, self.mesh, self.space);
+        let jumps = scene.exterior.iter().flat_map(|e| e.displacement_jump.iter().flatten());
+        for expression in jumps.filter(|jump| jump.constant().is_none()) {
+            // only for its errors: the nodes alone do not see a pole between them
+            let function = self.function(expression);
+            for side in scene.interface().map(|(_, edge)| edge.side).collect::<BTreeSet<usize>>() {
+                let moments = side_moments(mesh, space, side, &function.datum("displacement jump"));
+                moments.map_err(|error| self.located(error, expression))?;
+            }
+        }
+        let mut jump = vec![0.0; space.dofs()];
+        for e in 0..mesh.len() {
+            for (j, node) in space.element_nodes(e).enumerate() {
+                let s = mesh.edge_parameter(e, space.basis(e).nodes[j]);
+                let value = scene.displacement_jump(mesh.edge[e], s);
+                (0..2).for_each(|i| jump[2 * node + i] = value[i]);
+            }
+        }
+        Ok(jump)
+    }
+
+    /// The tractions and pressures, and where a medium is around the body the jump of the traction, that of the remote stress
+    /// included.
     pub(crate) fn load(&self) -> Result<Loads, SolveError> {
         let mut unresolved = vec![0.0; self.mesh.len()];
         let (mut load, mut extra) = (vec![0.0; self.space.dofs()], vec![0.0; 2 * self.mesh.len()]);
@@ -112,17 +138,22 @@ impl Data<'_> {
                 let (bubble, followed) = to_hierarchical(self.space.basis(*e), raised.basis(*e), moments);
                 let (h, p) = (self.mesh.length(*e), self.space.degree(*e));
                 let rest = square - followed / h - ROUNDING * square;
-                unresolved[*e] += h / (p + 2) as f64 * rest.max(0.0);
                 let d = direction(*e);
+                unresolved[*e] += h / (p + 2) as f64 * rest.max(0.0) * (d[0] * d[0] + d[1] * d[1]);
                 (0..2).for_each(|i| extra[2 * *e + i] += d[i] * bubble);
             }
             add_load(&mut load, self.space, &moments, direction);
             Ok(())
         })?;
+        if let Some(remote) = self.scene.remote_stress() {
+            load.iter_mut().zip(remote.traction_load(self.mesh, self.space)).for_each(|(f, t)| *f += t);
+            extra.iter_mut().zip(remote.bubble_load(self.mesh, self.space)).for_each(|(f, t)| *f += t);
+        }
         Ok(Loads { nodal: load, bubbles: extra, unresolved })
     }
 
-    /// Moments of tractions and pressures on each element of degree 1, elements of several data several times.
+    /// Moments of tractions, pressures and jumps of the traction on each element of degree 1, elements of several data several
+    /// times; without the remote stress.
     pub(crate) fn side_loads(&self) -> Result<Vec<SideLoad>, SolveError> {
         let mut loads = Vec::new();
         self.each_traction(&mut |index, name, expression, direction| {
@@ -137,7 +168,8 @@ impl Data<'_> {
         Ok(loads)
     }
 
-    /// Calls with the side, name, expression and direction on each element of every traction and pressure.
+    /// Calls with the side, name, expression and direction on each element of every traction, pressure and jump of the
+    /// traction.
     fn each_traction(&self, call: &mut OfTraction<'_>) -> Result<(), SolveError> {
         for (index, side) in self.scene.sides.iter().enumerate() {
             match &side.condition {
@@ -154,7 +186,33 @@ impl Data<'_> {
                 _ => {}
             }
         }
+        let edges = self.scene.polygon.edges();
+        let sides: BTreeSet<usize> = self.scene.interface().map(|(_, edge)| edge.side).collect();
+        for (name, expression, direction) in self.scene.traction_jumps() {
+            for &side in &sides {
+                call(side, name, expression, &|e| match edges[self.mesh.edge[e]].loop_index {
+                    0 => direction(self.mesh.normal(e)),
+                    _ => [0.0; 2],
+                })?;
+            }
+        }
         Ok(())
+    }
+
+    /// The jump of the displacement, where body and medium meet: ‖w‖ ‖dw/ds‖ of what the nodes leave of it, summed over the
+    /// components: (element, length²).
+    pub(crate) fn jump_oscillation(&self) -> Result<Vec<(usize, f64)>, SolveError> {
+        let mut found = Vec::new();
+        let Some(jump) = self.scene.exterior.as_ref().and_then(|e| e.displacement_jump.as_ref()) else {
+            return Ok(found);
+        };
+        for expression in jump.iter().filter(|jump| jump.constant().is_none()) {
+            let function = self.function(expression);
+            for e in 0..self.mesh.len() {
+                found.push((e, oscillation(self.mesh, self.space, e, &function.datum("displacement jump"))?));
+            }
+        }
+        Ok(found)
     }
 
     /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use steklov_io::vtkhdf::Field;
 
+use crate::around::body_part;
 use crate::grid;
 use crate::picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 use crate::report::ContactRow;
@@ -81,12 +82,13 @@ fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
         });
     }
     let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
+    let (count, triangles) = body_part(fields);
     body(&Body {
         title,
-        points: &fields.points,
-        displacement: &displacement,
-        triangles: &fields.triangles,
-        von_mises: &von_mises,
+        points: &fields.points[..count],
+        displacement: &displacement[..count],
+        triangles,
+        von_mises: &von_mises[..count],
         outline: &fields.lines,
         obstacles,
     })

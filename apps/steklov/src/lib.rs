@@ -18,6 +18,7 @@ mod supports;
 mod body_load;
 mod motions;
 pub mod contact;
+pub mod inclusion;
 pub mod body;
 pub mod stabilised;
 pub mod solve;

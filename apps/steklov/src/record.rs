@@ -8,7 +8,7 @@ use steklov_contact::Kkt;
 use steklov_coupling::Radiation;
 use steklov_io::vtkhdf::{Field, Grid};
 
-use crate::around::{Around, Window};
+use crate::around::{Around, Window, add_medium, window};
 use crate::body::Body;
 use crate::grid::GridRecord;
 use crate::plan::Plan;
@@ -79,7 +79,14 @@ impl Record {
     ) -> Self {
         let clock = std::time::Instant::now();
         let solved = &run.last;
-        let grid = body_grid(scene, solved, stochastic.as_ref().map(|result| (result, &run.body)));
+        let mut grid = body_grid(scene, solved, stochastic.as_ref().map(|result| (result, &run.body)));
+        let around = solved.around.clone().map(|around| {
+            let window = window(&scene.polygon, &around);
+            (around, window)
+        });
+        if let Some((around, window)) = &around {
+            add_medium(&mut grid, around, window);
+        }
         let (mut traction_points, mut traction_element, mut traction) = (Vec::new(), Vec::new(), Vec::new());
         for e in 0..solved.mesh.len() {
             let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
@@ -112,7 +119,7 @@ impl Record {
             mesh: solved.mesh,
             stochastic,
             on_grid: None,
-            around: None,
+            around,
         }
     }
 }
@@ -166,7 +173,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
         stochastic: None,
         grid: None,
-        exterior: exterior_summary(scene, run),
+        exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run)),
         seconds: SecondsSummary {
             set_up: part(0),
             assemble: part(1),
@@ -215,10 +222,11 @@ pub(crate) fn audit_summary(audit: &Kkt) -> Audit {
     }
 }
 
-/// Displacement and stress at a point.
+/// Displacement and stress at a point: on the boundary those of the body.
 pub(crate) fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
-    let (displacement, stress) = match scene.polygon.contains(x) {
-        Location::Boundary { edge, s } => solved.on_edge(edge, s),
+    let (displacement, stress) = match (scene.polygon.contains(x), &solved.around) {
+        (Location::Boundary { edge, s }, _) => solved.on_edge(edge, s),
+        (Location::Outside, Some(around)) => around.at(x),
         _ => solved.inside(x),
     };
     Probe { point: x, displacement, stress }
@@ -307,7 +315,7 @@ impl Elastic<'_> {
 
 /// The edges of a window around the holes of an unbounded body, counter-clockwise: their bounding box and one and a half
 /// diameters on each side.
-fn window(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
+fn frame(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
     let margin = 1.5 * polygon.diameter();
     let coordinates = |i: usize| polygon.edges().iter().map(move |e| e.start[i]);
     let low = [0, 1].map(|i| coordinates(i).fold(f64::INFINITY, f64::min) - margin);
@@ -320,19 +328,18 @@ fn window(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
 fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
     let polygon = &scene.polygon;
     let order: Vec<usize> = (0..polygon.loops().len()).flat_map(|l| polygon.traversal(l)).collect();
-    let (window, count) =
-        if polygon.is_bounded() { (Vec::new(), BODY_POINTS) } else { (window(polygon), WINDOW_POINTS) };
-    let frame = window.len();
+    let (frame, count) = if polygon.is_bounded() { (Vec::new(), BODY_POINTS) } else { (frame(polygon), WINDOW_POINTS) };
+    let sides = frame.len();
     // the window is the loop before those of the holes
-    let loops = order.iter().map(|&k| &polygon.edges()[k]).map(|e| (e.start, e.end, e.loop_index + frame));
-    let edges: Vec<_> = window.into_iter().chain(loops).collect();
+    let loops = order.iter().map(|&k| &polygon.edges()[k]).map(|e| (e.start, e.end, e.loop_index + sides));
+    let edges: Vec<_> = frame.into_iter().chain(loops).collect();
     let mut body = triangulate(&edges, count).unwrap_or_else(|_| Triangulation {
         points: edges.iter().map(|e| e.0).collect(),
         triangles: Vec::new(),
         boundary: (0..edges.len()).map(|k| Some((k, 0.0))).collect(),
         outline: Vec::new(),
     });
-    body.boundary.iter_mut().for_each(|at| *at = at.and_then(|(k, s)| Some((k.checked_sub(frame)?, s))));
+    body.boundary.iter_mut().for_each(|at| *at = at.and_then(|(k, s)| Some((k.checked_sub(sides)?, s))));
     body.outline.retain(|line| line.iter().all(|&i| body.boundary[i].is_some()));
     let at_points = |elastic: Elastic<'_>| -> Vec<([f64; 2], [f64; 3])> {
         let at = |i: usize| match body.boundary[i] {

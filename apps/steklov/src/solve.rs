@@ -10,10 +10,12 @@ use steklov_bem_operators::{
 };
 use steklov_contact::{ContactBoundary, ContactError};
 
+use crate::around::Around;
 use crate::body::{Body, Factors, Given};
 use crate::body_load::Particular;
 use crate::contact::{ContactResult, solve_problem};
 use crate::data::Data;
+use crate::inclusion::Outside;
 use crate::run::Step;
 use crate::scene::{Multiplier, Scene, SceneError};
 use crate::stabilised::{self, solve_stabilised};
@@ -156,6 +158,8 @@ pub struct Solved {
     pub particular: Option<ParticularSolution>,
     /// Energies.
     pub energies: Energies,
+    /// The medium around the body, if there is one.
+    pub around: Option<Around>,
     /// Contact, if there is any.
     pub contact: Option<ContactResult>,
     /// Largest residual of equilibrium over the scale of forces.
@@ -206,13 +210,17 @@ pub fn solve(
 
     let clock = Instant::now();
     observe(Stage::Progress("Steklov-Poincaré matrix", 0.3))?;
-    let (Steklov { matrix, traction: traction_map }, enriched) = match enrichment {
+    let (Steklov { mut matrix, traction: traction_map }, enriched) = match enrichment {
         None => (Steklov::new(operators, scene.domain())?, None),
         Some(enrichment) => {
             let (steklov, enriched) = Steklov::enriched(operators, enrichment, scene.domain())?;
             (steklov, Some(enriched))
         }
     };
+    let outside = Outside::new(&data, estimated, cache)?;
+    if let Some(outside) = &outside {
+        outside.stiffen(&mut matrix);
+    }
     observe(Stage::Steklov(&matrix))?;
     let particular = scene.particular_solution(1.0).map(|solution| {
         Particular::new(solution, scene.is_cavity(), &mesh, &space, |u| {
@@ -222,6 +230,9 @@ pub fn solve(
     });
     let supports = Supports { space: &space, held: &held };
     let mut given = Given::new(loads, particular, boundary, supports.values(), &mesh, &space);
+    if let Some(outside) = &outside {
+        given.load.iter_mut().zip(&outside.load).for_each(|(f, jump)| *f += jump);
+    }
 
     observe(Stage::Progress("condensation", 0.75))?;
     let candidates = scene.unresisted(supports.free_motions());
@@ -255,7 +266,8 @@ pub fn solve(
     observe(Stage::Progress("contact", 0.95))?;
     let stiffness = if given.boundary.is_some() { condensation.stiffness() } else { Mat::new() };
     let material = scene.material;
-    let body = Body { mesh, space, material, length, condensation, enriched, stiffness, traction_map, held, free };
+    let body =
+        Body { mesh, space, material, length, condensation, enriched, outside, stiffness, traction_map, held, free };
     given.stabilised = stabilised;
     let (mut solved, factors) =
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;

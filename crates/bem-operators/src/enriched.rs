@@ -67,7 +67,7 @@ impl Steklov {
             [[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]]
         };
         let blocks = (0..extra / 2).map(|e| [block(&v, n, e), block(&w, n, e)]).collect();
-        if domain == Domain::Exterior {
+        if domain.is_exterior() {
             k *= -1.0;
             top *= -1.0;
         }

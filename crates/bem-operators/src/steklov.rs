@@ -22,6 +22,20 @@ pub enum Domain {
     /// As `Interior` for an unbounded body whose displacement tends to some constant a at infinity: V t = (½ + K)(u - a)
     /// with ∮ t = 0. Nothing resists translations, and L does not matter.
     BoundedAtInfinity,
+    /// As `Exterior` with a displacement that tends to some constant a at infinity: V t = (K - ½)(u - a) with ∮ t = 0.
+    ExteriorBoundedAtInfinity,
+}
+
+impl Domain {
+    /// Whether n points into the body.
+    pub(crate) fn is_exterior(self) -> bool {
+        matches!(self, Self::Exterior | Self::ExteriorBoundedAtInfinity)
+    }
+
+    /// Whether the displacement tends to a constant at infinity that is not given.
+    pub(crate) fn is_bounded_at_infinity(self) -> bool {
+        matches!(self, Self::BoundedAtInfinity | Self::ExteriorBoundedAtInfinity)
+    }
 }
 
 /// Steklov-Poincaré matrix S = W + Hᵀ V⁻¹ H with H = ½M + K (interior) or H = ½M - K (exterior).
@@ -106,7 +120,7 @@ impl Steklov {
     pub fn new(operators: Operators, domain: Domain) -> Result<Self, BemError> {
         let Operators { v: mut factor, k: mut solved, w: mut matrix, mass, length, diameter } = operators;
         let par = parts();
-        if domain == Domain::Exterior {
+        if domain.is_exterior() {
             solved *= -1.0;
         }
         for (&value, (row, column)) in &mass {
@@ -119,7 +133,7 @@ impl Steklov {
             diameter,
         })?;
         solve_lower_triangular_in_place(factor.as_ref(), solved.as_mut(), par);
-        let translations = (domain == Domain::BoundedAtInfinity).then(|| Translations::new(solved.as_ref()));
+        let translations = domain.is_bounded_at_infinity().then(|| Translations::new(solved.as_ref()));
         if let Some(translations) = &translations {
             translations.remove(solved.as_mut());
         }
@@ -152,8 +166,8 @@ impl TractionMap {
         }
     }
 
-    /// The constant a to which the displacement tends at infinity, of a nodal displacement on the boundary; 0 unless the
-    /// domain is [`Domain::BoundedAtInfinity`].
+    /// The constant a to which the displacement tends at infinity, of a nodal displacement on the boundary; 0 unless that is
+    /// what the domain asks for.
     pub fn at_infinity(&self, displacement: &[f64]) -> [f64; 2] {
         self.translations.as_ref().map_or([0.0; 2], |t| {
             let a = &t.constant * Col::from_fn(displacement.len(), |i| displacement[i]);
@@ -165,7 +179,7 @@ impl TractionMap {
     pub fn apply(&self, displacement: &[f64]) -> Vec<f64> {
         let u = Col::from_fn(displacement.len(), |i| displacement[i]);
         let mut t = &self.solved * &u;
-        if self.domain == Domain::Exterior {
+        if self.domain.is_exterior() {
             t *= -1.0;
         }
         solve_upper_triangular_in_place(self.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);

@@ -1,7 +1,7 @@
 //! The medium around a body, solved.
 
 use steklov_bem_operators::{BoundaryField, Material, Mesh, Space};
-use steklov_coupling::{Balance, Coupled, Exterior, Radiation};
+use steklov_coupling::{Balance, Coupled, Radiation};
 
 use crate::scene::ExteriorInput;
 use crate::summary::ExteriorSummary;
@@ -35,10 +35,9 @@ pub struct Around {
 }
 
 impl Around {
-    /// The medium of a solved transmission problem.
-    pub fn new(input: &ExteriorInput, exterior: Exterior, coupled: &Coupled) -> Self {
-        let length = exterior.operators.length;
-        let Exterior { mesh, space, material, .. } = exterior;
+    /// The medium of a solved transmission problem; `length` is L in log(L/r).
+    pub fn new(input: &ExteriorInput, mesh: Mesh, space: Space, length: f64, coupled: &Coupled) -> Self {
+        let material = input.material;
         let (displacement, traction) = (coupled.exterior_displacement.clone(), coupled.traction.clone());
         let field = BoundaryField::new(&mesh, &space, &material, &displacement, &traction, length);
         Self {

@@ -1,14 +1,16 @@
 //! The unbounded medium around a body: its solution, a window of it for pictures, what is stored of it.
 //!
 //! ```text
-//! Scene (jumps, remote stress) ─► Transmission (steklov_coupling) ─► Around ─► Window (points, displacement, stress)
-//!                                                                      └─► /coupling, /VTKHDF, JSON `exterior`
+//! Scene (jumps, remote stress) ─► Transmission, or Outside of the body ─► Around ─► Window (points, displacement, stress)
+//!                                                                         └─► /coupling, /VTKHDF, JSON `exterior`
 //! ```
 
 mod medium;
 mod window;
+mod cells;
 pub(crate) mod store;
 
+pub(crate) use cells::{add_medium, body_part};
 pub use medium::Around;
 pub use window::Window;
 pub(crate) use window::window;

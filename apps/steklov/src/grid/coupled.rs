@@ -193,7 +193,7 @@ fn solved(
         coarse,
         trace,
         medium,
-        around: Some(Around::new(input, exterior, &coupled)),
+        around: Some(Around::new(input, exterior.mesh, exterior.space, exterior.operators.length, &coupled)),
         interface: Some(interface),
     })
 }

@@ -1,14 +1,11 @@
 //! Loads and gaps of a scene on a grid.
 
-use std::collections::BTreeSet;
-
-use steklov_bem_operators::{Site, side_moments};
+use steklov_bem_operators::{Mesh, Site};
 use steklov_msfem::{Loads, Medium, MsfemError};
 
 use super::estimate::Tractions;
 use super::trace::GridTrace;
 use crate::data::{Data, SideLoad};
-use crate::expression::Expression;
 use crate::scene::{Condition, Scene, SceneErrorKind};
 use crate::solve::SolveError;
 
@@ -22,7 +19,7 @@ pub(super) fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<
             tractions.insert(fine.cell(&medium.grid, e), given);
         }
     }
-    for (e, moments) in data.side_loads()?.into_iter().chain(jumps(&data)?) {
+    for (e, moments) in data.side_loads()?.into_iter().chain(remote_tractions(scene, &fine.mesh)) {
         let (cell, side) = fine.cell(&medium.grid, e);
         loads.add_side(cell, side, moments);
         let mean = tractions.entry((cell, side)).or_insert([Some(0.0); 2]);
@@ -37,43 +34,13 @@ pub(super) fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<
     Ok((loads, tractions))
 }
 
-/// Moments of the jump of tractions t0 where the body meets the medium around it, that of the remote stress included.
-fn jumps(data: &Data<'_>) -> Result<Vec<SideLoad>, SolveError> {
-    let (scene, mesh) = (data.scene, data.mesh);
-    let Some(exterior) = &scene.exterior else { return Ok(Vec::new()) };
+/// Moments of the traction of the remote stress where the body meets the medium around it.
+fn remote_tractions(scene: &Scene, mesh: &Mesh) -> Vec<SideLoad> {
+    let Some(remote) = scene.remote_stress() else { return Vec::new() };
     let edges = scene.polygon.edges();
-    let meets = |e: usize| edges[mesh.edge[e]].loop_index == 0;
-    let mut loads = Vec::new();
-    let [xx, yy, xy] = exterior.remote_stress;
-    for e in (0..mesh.len()).filter(|&e| meets(e)) {
-        let ([nx, ny], half) = (mesh.normal(e), mesh.length(e) / 2.0);
-        loads.push((e, [[half * (xx * nx + xy * ny), half * (xy * nx + yy * ny)]; 2]));
-    }
-    // an expression, its name, and the direction in which it acts on a side with a normal
-    type Direction = fn([f64; 2]) -> [f64; 2];
-    let mut jumps: Vec<(&Expression, &'static str, Direction)> = Vec::new();
-    if let Some([x, y]) = &exterior.traction_jump {
-        jumps.push((x, "traction jump", |_| [1.0, 0.0]));
-        jumps.push((y, "traction jump", |_| [0.0, 1.0]));
-    }
-    if let Some([xx, yy, xy]) = &exterior.stress_jump {
-        jumps.push((xx, "stress jump", |[nx, _]| [nx, 0.0]));
-        jumps.push((yy, "stress jump", |[_, ny]| [0.0, ny]));
-        jumps.push((xy, "stress jump", |[nx, ny]| [ny, nx]));
-    }
-    let sides: BTreeSet<usize> = scene.interface().map(|(_, edge)| edge.side).collect();
-    for (expression, name, direction) in jumps {
-        for &side in &sides {
-            let function = data.function(expression);
-            let moments = side_moments(mesh, data.space, side, &function.datum(name));
-            let moments = moments.map_err(|error| data.located(error, expression))?;
-            for (e, moments) in moments.into_iter().filter(|(e, _)| meets(*e)) {
-                let d = direction(mesh.normal(e));
-                loads.push((e, [moments[0], moments[1]].map(|m| d.map(|d| d * m))));
-            }
-        }
-    }
-    Ok(loads)
+    let meets = |e: &usize| edges[mesh.edge[*e]].loop_index == 0;
+    let moments = |e: usize| remote.traction(mesh.point(e, 0.0), mesh.normal(e)).map(|t| t * mesh.length(e) / 2.0);
+    (0..mesh.len()).filter(meets).map(|e| (e, [moments(e); 2])).collect()
 }
 
 /// An error about the body force at its place in the scene.

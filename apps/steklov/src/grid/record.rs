@@ -9,7 +9,7 @@ use steklov_msfem::{CoarseMesh, Medium, crossing_contrast};
 use super::estimate::GridEstimate;
 use super::run::{GridRun, GridStep};
 use super::solve::GridSolved;
-use crate::around::{Around, Window, window};
+use crate::around::{Around, add_medium, window};
 use crate::plan::Plan;
 use crate::record::{Record, audit_summary};
 use crate::report::{ContactRow, contact_rows, contact_summary};
@@ -140,39 +140,6 @@ fn vtk(solved: &GridSolved) -> VtkGrid {
             field("young", "stress", 1, cells.iter().map(|&c| medium.young[c]).collect()),
         ],
     }
-}
-
-/// Adds the triangles of the medium to the cells of the body: lines, triangles, quadrilaterals.
-fn add_medium(grid: &mut VtkGrid, around: &Around, window: &Window) {
-    let (first, lines) = (grid.points.len(), grid.lines.len());
-    let cells = grid.lines.len() + grid.quads.len();
-    grid.points.extend(&window.points);
-    grid.triangles = window.triangles.iter().map(|corners| corners.map(|i| first + i)).collect();
-    for field in &mut grid.point_data {
-        field.values.extend(window.values.iter().flat_map(|(u, _)| [u[0], u[1], 0.0]));
-    }
-    let means: Vec<[f64; 3]> = window
-        .triangles
-        .iter()
-        .map(|corners| [0, 1, 2].map(|k| corners.iter().map(|&i| window.values[i].1[k]).sum::<f64>() / 3.0))
-        .collect();
-    for field in &mut grid.cell_data {
-        let of_medium: Vec<f64> = match field.name.as_str() {
-            "stress" => means.as_flattened().to_vec(),
-            "von_mises" => means.iter().map(|&s| around.material.von_mises(s)).collect(),
-            _ => vec![around.material.young; means.len()],
-        };
-        let at = field.components * lines;
-        field.values.splice(at..at, of_medium);
-    }
-    let mut region = vec![0.0; cells];
-    region.splice(lines..lines, vec![1.0; means.len()]);
-    grid.cell_data.push(Field {
-        name: "region".into(),
-        unit: "0 body, 1 medium around it".into(),
-        components: 1,
-        values: region,
-    });
 }
 
 fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Summary {

@@ -32,8 +32,6 @@ pub enum SceneErrorKind {
     Data,
     /// Neither supports nor contact hold the body.
     Unsupported,
-    /// The scene is right, but asks for what this version does not have.
-    NotYetAvailable,
 }
 
 /// An error of a scene. [`SceneError::render`] shows it with the line that is meant.
@@ -147,7 +145,6 @@ impl Problem {
             SceneErrorKind::MissingKey => "incomplete",
             SceneErrorKind::WrongType => "wrong type",
             SceneErrorKind::Conflict => "excluded by another entry",
-            SceneErrorKind::NotYetAvailable => "not yet available",
             _ => "here",
         };
         Self { kind, message: message.into(), help: help.into(), place, label }

@@ -6,6 +6,7 @@ use steklov_coupling::Radiation;
 use super::body::material;
 use super::error::{Problem, SceneError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
+use super::method::Indicator;
 use super::sides::Condition;
 use super::{BasisInput, Model, Scene};
 use crate::expression::Expression;
@@ -108,11 +109,29 @@ impl ExteriorInput {
         displacement.chain(traction).chain(stress)
     }
 
+    /// The expressions of the traction jump t0, their names, and the direction in which each acts on a side with a normal.
+    fn traction_jumps(&self) -> Vec<(&'static str, &Expression, Direction)> {
+        let mut jumps: Vec<(&'static str, &Expression, Direction)> = Vec::new();
+        if let Some([x, y]) = &self.traction_jump {
+            jumps.push(("traction jump", x, |_| [1.0, 0.0]));
+            jumps.push(("traction jump", y, |_| [0.0, 1.0]));
+        }
+        if let Some([xx, yy, xy]) = &self.stress_jump {
+            jumps.push(("stress jump", xx, |[nx, _]| [nx, 0.0]));
+            jumps.push(("stress jump", yy, |[_, ny]| [0.0, ny]));
+            jumps.push(("stress jump", xy, |[nx, ny]| [ny, nx]));
+        }
+        jumps
+    }
+
     /// Whether anything of it loads the body.
     pub(super) fn is_loaded(&self) -> bool {
         self.remote_stress != [0.0; 3] || self.jumps().any(|(_, e)| e.constant() != Some(0.0))
     }
 }
+
+/// From the normal of a side to the direction in which a datum acts.
+type Direction = fn([f64; 2]) -> [f64; 2];
 
 impl Scene {
     /// Whether the corners of `[body]` outline a hole in the unbounded medium.
@@ -120,17 +139,22 @@ impl Scene {
         !self.polygon.is_bounded()
     }
 
+    /// Whether boundary elements are on both sides of the boundary of a body in a medium.
+    pub fn is_inclusion(&self) -> bool {
+        self.exterior.is_some() && !self.is_cavity() && !self.is_on_grid()
+    }
+
     /// The domain of the boundary elements of one body.
     pub(crate) fn domain(&self) -> Domain {
         match self.radiation() {
-            Some(Radiation::Bounded) => Domain::BoundedAtInfinity,
-            Some(Radiation::Decaying) | None => Domain::Interior,
+            Some(Radiation::Bounded) if self.is_cavity() => Domain::BoundedAtInfinity,
+            _ => Domain::Interior,
         }
     }
 
-    /// What the displacement around a hole does far away; none of a bounded body.
+    /// What the displacement of the medium does far away; none without one.
     fn radiation(&self) -> Option<Radiation> {
-        self.exterior.as_ref().filter(|_| self.is_cavity()).map(|e| e.radiation)
+        self.exterior.as_ref().map(|e| e.radiation)
     }
 
     /// Those of the rigid motions that supports leave free which an unbounded medium does not resist either: none if its
@@ -153,6 +177,25 @@ impl Scene {
         let stress = self.exterior.as_ref().filter(|_| self.is_cavity())?.remote_stress;
         let stressed = stress != [0.0; 3];
         stressed.then(|| ParticularSolution::of_uniform_stress(stress.map(|s| s * factor), [0.0; 2], &self.material))
+    }
+
+    /// The uniform field of the medium around a body that belongs to the stress far away; none without that stress.
+    pub(crate) fn remote_stress(&self) -> Option<ParticularSolution> {
+        let exterior = self.exterior.as_ref().filter(|e| !self.is_cavity() && e.remote_stress != [0.0; 3])?;
+        Some(ParticularSolution::of_uniform_stress(exterior.remote_stress, [0.0; 2], &exterior.material))
+    }
+
+    /// The expressions of the traction jump where a body meets the medium around it, their names, and the direction in which each
+    /// acts on a side with a normal.
+    pub(crate) fn traction_jumps(&self) -> Vec<(&'static str, &Expression, Direction)> {
+        self.exterior.as_ref().map_or(Vec::new(), ExteriorInput::traction_jumps)
+    }
+
+    /// The expressions of the jumps on an edge.
+    pub(crate) fn jumps_on(&self, edge: &Edge) -> Vec<&Expression> {
+        let meets = !self.is_cavity() && edge.loop_index == 0;
+        let jumps = self.exterior.iter().filter(|_| meets).flat_map(ExteriorInput::jumps);
+        jumps.map(|(_, expression)| expression).collect()
     }
 
     /// The edges on which the body meets the medium around it.
@@ -282,6 +325,10 @@ impl Scene {
             if self.body_force.is_some() {
                 let message = "boundary elements of a body in a medium carry no body force";
                 return refuse(Kind::Unsupported, &["body_force"], message, "use model = \"fem-bem\" with a [grid]");
+            }
+            if self.method.indicator == Indicator::Residual {
+                let message = "boundary elements of a body in a medium have no residual indicator";
+                return refuse(Kind::Unsupported, &["method", "indicator"], message, "leave it at \"bubble\"");
             }
         }
         let conforming = |basis| !matches!(basis, BasisInput::Oversampled | BasisInput::Periodic);

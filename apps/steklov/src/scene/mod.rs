@@ -97,8 +97,7 @@ impl Scene {
     /// Reads the scene in `text`; `name` is that of its file, for messages.
     ///
     /// # Errors
-    /// Whatever is wrong with it, and last, if nothing is, [`SceneErrorKind::NotYetAvailable`] for a feature that this
-    /// version does not have.
+    /// Whatever is wrong with it.
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
         let source = Source { name: name.to_owned(), text: text.to_owned(), overrides: overrides.to_vec() };
         let root = tree::build(&source).map_err(|p| source.error(p))?;
@@ -112,7 +111,6 @@ impl Scene {
             return Err(scene.error_at(Kind::Unsupported, &[vec!["method", "multiplier"]], message, help));
         }
         scene.check_outcomes()?;
-        scene.check_available()?;
         Ok(scene)
     }
 }

@@ -71,15 +71,6 @@ impl Scene {
         }
     }
 
-    /// Refuses what is right, but not in this version.
-    pub(super) fn check_available(&self) -> Result<(), SceneError> {
-        if self.exterior.is_none() || self.is_on_grid() || self.is_cavity() {
-            return Ok(());
-        }
-        let message = "boundary elements with an [exterior] material are not yet available".to_owned();
-        Err(self.error_at(Kind::NotYetAvailable, &[vec!["exterior"]], message, "use \"fem-bem\" with a [grid]"))
-    }
-
     /// Boundary elements: one material, one force.
     fn check_uniform(&self) -> Result<(), SceneError> {
         if self.cells.is_some() {

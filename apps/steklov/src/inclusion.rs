@@ -1,0 +1,124 @@
+//! A body in an unbounded medium, by boundary elements on both sides of its boundary.
+//!
+//! With u the displacement of the body, ξ = u - u0 that of the medium without the remote stress, n out of the body, S_i and S_e
+//! the Steklov-Poincaré matrices of body and medium on one mesh:
+//!
+//! ```text
+//! J(u) = ½ ⟨S_i u, u⟩ + ½ ⟨S_e (u - u0), u - u0⟩ - ⟨t0, u⟩,      (S_i + S_e) u = t0 + S_e u0,      σ(u_c)n = -S_e ξ
+//! ```
+//! u0 and t0 are the jumps of displacement and traction, those of the remote stress included; u0 by its nodal values.
+
+use faer::{Col, Mat};
+use steklov_bem_operators::{
+    Domain, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, RigidMotion, Space, Steklov, TractionMap,
+};
+use steklov_coupling::{Balance, Coupled, Radiation};
+
+use crate::around::Around;
+use crate::data::Data;
+use crate::scene::ExteriorInput;
+use crate::solve::SolveError;
+
+/// The medium around a body, on the mesh of the body, and the jump of the displacement between them.
+pub struct Outside {
+    /// What the scene says.
+    input: ExteriorInput,
+    /// Length in the logarithm of the kernel.
+    length: f64,
+    /// S_e.
+    stiffness: Mat<f64>,
+    /// From ξ to σ(u_c)n.
+    traction_map: TractionMap,
+    /// What S₊ of the enriched spaces needs besides, if solutions are to be estimated.
+    pub(crate) enriched: Option<EnrichedSteklov>,
+    /// u0 at the nodes, interleaved.
+    jump: Vec<f64>,
+    /// S_e u0.
+    pub(crate) load: Vec<f64>,
+}
+
+impl Outside {
+    /// Assembles and factorises the operators of the medium; none unless the scene has one around a body. `estimated`: with what an
+    /// estimate needs.
+    ///
+    /// # Errors
+    /// Those of [`Operators::assemble`] and [`Steklov::new`]; a jump that is not finite.
+    pub(crate) fn new(data: &Data<'_>, estimated: bool, cache: &mut PairCache) -> Result<Option<Self>, SolveError> {
+        let Data { scene, mesh, space } = *data;
+        let Some(input) = scene.exterior.as_ref().filter(|_| scene.is_inclusion()) else { return Ok(None) };
+        let domain = match input.radiation {
+            Radiation::Decaying => Domain::Exterior,
+            Radiation::Bounded => Domain::ExteriorBoundedAtInfinity,
+        };
+        let (length, steklov, enriched) = if estimated {
+            let (operators, enrichment) = Enrichment::assemble(mesh, space, &input.material, None, cache)?;
+            let length = operators.length;
+            let (steklov, enriched) = Steklov::enriched(operators, enrichment, domain)?;
+            (length, steklov, Some(enriched))
+        } else {
+            let operators = Operators::assemble(mesh, space, &input.material, None)?;
+            (operators.length, Steklov::new(operators, domain)?, None)
+        };
+        let Steklov { matrix: stiffness, traction: traction_map } = steklov;
+        let jump = data.jump()?;
+        let load = product(&stiffness, &jump);
+        Ok(Some(Self { input: input.clone(), length, stiffness, traction_map, enriched, jump, load }))
+    }
+
+    /// Adds S_e to the matrix of the body.
+    pub(crate) fn stiffen(&self, matrix: &mut Mat<f64>) {
+        *matrix += &self.stiffness;
+    }
+
+    /// ξ at the nodes.
+    pub(crate) fn displacement(&self, u: &[f64]) -> Vec<f64> {
+        u.iter().zip(&self.jump).map(|(u, jump)| u - jump).collect()
+    }
+
+    /// ½⟨S_i u, u⟩ + ½⟨S_e ξ, ξ⟩; `forces` = (S_i + S_e) u.
+    pub(crate) fn strain_energy(&self, u: &[f64], forces: &[f64]) -> f64 {
+        let xi = self.displacement(u);
+        let of_medium = product(&self.stiffness, u);
+        let inside: Vec<f64> = forces.iter().zip(&of_medium).map(|(all, medium)| all - medium).collect();
+        0.5 * (dot(u, &inside) + dot(&xi, &product(&self.stiffness, &xi)))
+    }
+
+    /// Subtracts the mean of the displacement over the interface along the motions that nothing resists.
+    pub(crate) fn fix(&self, u: &mut [f64], mesh: &Mesh, space: &Space, free: &[RigidMotion]) {
+        if free.is_empty() {
+            return;
+        }
+        let (mut mean, mut length) = ([0.0; 2], 0.0);
+        for e in 0..mesh.len() {
+            length += mesh.length(e);
+            for (node, weight) in space.element_nodes(e).zip(&space.basis(e).weights) {
+                (0..2).for_each(|i| mean[i] += weight * mesh.length(e) / 2.0 * u[2 * node + i]);
+            }
+        }
+        u.iter_mut().enumerate().for_each(|(k, u)| *u -= mean[k % 2] / length);
+    }
+
+    /// The medium of a solution; `loads` are the nodal values of t0.
+    pub(crate) fn around(&self, mesh: &Mesh, space: &Space, u: &[f64], loads: &[f64]) -> Around {
+        let xi = self.displacement(u);
+        let force = [0, 1].map(|i| loads.iter().skip(i).step_by(2).sum());
+        let balance = Balance { force, scale: loads.iter().map(|f| f.abs()).sum() };
+        let coupled = Coupled {
+            displacement: Vec::new(),
+            trace: u.to_vec(),
+            traction: self.traction_map.apply(&xi),
+            constant: self.traction_map.at_infinity(&xi),
+            exterior_displacement: xi,
+            balance,
+        };
+        Around::new(&self.input, mesh.clone(), space.clone(), self.length, &coupled)
+    }
+}
+
+fn product(matrix: &Mat<f64>, v: &[f64]) -> Vec<f64> {
+    (matrix * Col::from_fn(v.len(), |i| v[i])).iter().copied().collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
