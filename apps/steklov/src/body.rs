@@ -144,7 +144,7 @@ impl Body {
         let data = Data { scene, mesh, space };
         let solution = particular.as_ref().map(|p| p.solution);
         let condensed = condensation.load_held(&load, &held);
-        let (mut displacement, contact, contact_factors) = match boundary {
+        let (displacement, contact, contact_factors) = match boundary {
             None => (condensation.expand(&condensed, &[]), None, None),
             Some(boundary) => {
                 let body = CondensedBody {
@@ -162,13 +162,10 @@ impl Body {
                 (displacement, Some(result), Some(factors))
             }
         };
-        if let Some(outside) = &self.outside {
-            outside.fix(&mut displacement, mesh, space, &self.free);
-        }
         // what adaptivity and the estimate rest on
         let companion = displacement;
         let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
-        let (displacement, contact) = match (contact, stabilised) {
+        let (mut displacement, contact) = match (contact, stabilised) {
             (Some(contact), Some(s)) => {
                 let (displacement, audit, friction_work) = (s.displacement.clone(), s.audit, s.friction_work);
                 (displacement, Some(ContactResult { audit, friction_work, stabilised: Some(s), ..contact }))
@@ -201,6 +198,11 @@ impl Body {
             c
         });
 
+        // forces have the springs of free motions in them: these are taken out after that
+        if let Some(outside) = &self.outside {
+            outside.centre(&mut displacement, mesh, space, &self.free);
+        }
+
         let of_displacement = |displacement: &[f64], forces: &[f64], friction_work: f64| {
             let homogeneous: Vec<f64> = match &particular {
                 None => displacement.to_vec(),
@@ -211,7 +213,7 @@ impl Body {
             let crossed = solution.map_or(0.0, |b| crossed_work(&field, &b, mesh, space));
             let mut energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
             if let Some(outside) = &self.outside {
-                energies.strain = outside.strain_energy(displacement, forces);
+                energies.strain = outside.strain_energy(displacement, &outside.displacement(displacement), forces);
                 energies.total = energies.strain - energies.load_work + friction_work;
             }
             (homogeneous, field, energies)

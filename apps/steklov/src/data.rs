@@ -101,29 +101,6 @@ impl Data<'_> {
         Ok(held)
     }
 
-    /// The jump u0 of the displacement from the medium to the body at every node, that of the remote stress included; interleaved.
-    pub(crate) fn jump(&self) -> Result<Vec<f64>, SolveError> {
-        let (scene, mesh, space) = (self.scene, self.mesh, self.space);
-        let jumps = scene.exterior.iter().flat_map(|e| e.displacement_jump.iter().flatten());
-        for expression in jumps.filter(|jump| jump.constant().is_none()) {
-            // only for its errors: the nodes alone do not see a pole between them
-            let function = self.function(expression);
-            for side in scene.interface().map(|(_, edge)| edge.side).collect::<BTreeSet<usize>>() {
-                let moments = side_moments(mesh, space, side, &function.datum("displacement jump"));
-                moments.map_err(|error| self.located(error, expression))?;
-            }
-        }
-        let mut jump = vec![0.0; space.dofs()];
-        for e in 0..mesh.len() {
-            for (j, node) in space.element_nodes(e).enumerate() {
-                let s = mesh.edge_parameter(e, space.basis(e).nodes[j]);
-                let value = scene.displacement_jump(mesh.edge[e], s);
-                (0..2).for_each(|i| jump[2 * node + i] = value[i]);
-            }
-        }
-        Ok(jump)
-    }
-
     /// The tractions and pressures, and where a medium is around the body the jump of the traction, that of the remote stress
     /// included.
     pub(crate) fn load(&self) -> Result<Loads, SolveError> {
@@ -197,22 +174,6 @@ impl Data<'_> {
             }
         }
         Ok(())
-    }
-
-    /// The jump of the displacement, where body and medium meet: ‖w‖ ‖dw/ds‖ of what the nodes leave of it, summed over the
-    /// components: (element, length²).
-    pub(crate) fn jump_oscillation(&self) -> Result<Vec<(usize, f64)>, SolveError> {
-        let mut found = Vec::new();
-        let Some(jump) = self.scene.exterior.as_ref().and_then(|e| e.displacement_jump.as_ref()) else {
-            return Ok(found);
-        };
-        for expression in jump.iter().filter(|jump| jump.constant().is_none()) {
-            let function = self.function(expression);
-            for e in 0..self.mesh.len() {
-                found.push((e, oscillation(self.mesh, self.space, e, &function.datum("displacement jump"))?));
-            }
-        }
-        Ok(found)
     }
 
     /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.

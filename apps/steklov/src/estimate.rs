@@ -5,20 +5,18 @@
 //! traction residual ρ_ψ = <(K+½)u - Vψ, P_p>                  η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ
 //! oscillation       w = g - I_p g, u_D - I_p u_D, u0 - I_p u0 η_g² = E*/2 ‖w‖ ‖dw/ds‖
 //! ```
-//! With a medium around the body the forces on the bubbles and their W_bb are sums of both, and so is S₊; there are two traction
-//! residuals, of u inside and of ξ = u - u0 outside. The jump has the modulus 1/(1/E*_i + 1/E*_e), as both sides give way to w.
-//!
 //! The indicators steer the refinement. The estimate is the geometric mean of their sum and of the energy of e₊, the
 //! displacement that S₊ of the enriched spaces adds with the contact sets, and the bounds of Coulomb friction, as they are; that
 //! and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
-use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, EnrichedSteklov, Material, Mesh, SAME_PLACE};
+use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
 
 use crate::adapt::{coarse_elements, singular_points};
 use crate::body::{Body, Factors, UNBALANCED};
 use crate::data::Data;
+use crate::elastic::{Elastic, plane_modulus};
 use crate::scene::{Condition, Indicator, Refine, Scene};
 use crate::solve::{SolveError, Solved};
 
@@ -164,7 +162,7 @@ pub fn estimate(
     factors: &Factors,
 ) -> Result<Option<Estimate>, SolveError> {
     let Solved { mesh, space, .. } = solved;
-    let Some(inside) = &body.enriched else { return Ok(None) };
+    let Some(elastic) = Elastic::new(body, factors) else { return Ok(None) };
     let modulus = plane_modulus(&scene.material);
     let data = Data { scene, mesh, space };
     let bubbles = match (&solved.contact, &factors.contact) {
@@ -174,16 +172,7 @@ pub fn estimate(
         _ => Vec::new(),
     };
     let frames = frames(scene, mesh, &bubbles);
-    let u = &factors.homogeneous;
-    let outside = body.outside.as_ref().and_then(|o| o.enriched.as_ref()).zip(factors.outside.as_ref());
-    // what is elastic, and its displacement
-    let parts: Vec<(&EnrichedSteklov, &[f64])> =
-        [(inside, u.as_slice())].into_iter().chain(outside.map(|(s, xi)| (s, xi.as_slice()))).collect();
-    let mut force = vec![0.0; 2 * mesh.len()];
-    for (enriched, u) in &parts {
-        force.iter_mut().zip(enriched.bubble_force(u)).for_each(|(sum, f)| *sum += f);
-    }
-    let tops: Vec<Vec<f64>> = parts.iter().map(|(enriched, u)| enriched.traction_residual(u)).collect();
+    let force = elastic.bubble_force();
     let mut residual: Vec<f64> = factors.extra_load.iter().zip(&force).map(|(f, s)| f - s).collect();
     for bubble in &bubbles {
         let (e, n, t) = (bubble.element, mesh.normal(bubble.element), mesh.tangent(bubble.element));
@@ -194,16 +183,13 @@ pub fn estimate(
             residual[2 * e + i] += bubble.load[0] * n[i] + shear * t[i];
         }
     }
+    let tractions = elastic.traction_indicators(mesh.len());
     let mut indicators = Vec::with_capacity(mesh.len());
     for e in 0..mesh.len() {
         let rho = [residual[2 * e], residual[2 * e + 1]];
-        let block = sum_of_blocks(parts.iter().map(|(enriched, _)| enriched.hypersingular_block(e)));
-        let traction = |((enriched, _), top): (&(&EnrichedSteklov, _), &Vec<f64>)| {
-            Frame::FREE.energy(enriched.single_layer_block(e), [top[2 * e], top[2 * e + 1]])
-        };
         indicators.push(Bubble {
-            displacement: frames[e].energy(block, rho),
-            traction: parts.iter().zip(&tops).map(traction).sum(),
+            displacement: frames[e].energy(elastic.hypersingular_block(e), rho),
+            traction: tractions[e],
             oscillation: 0.0,
         });
     }
@@ -214,11 +200,8 @@ pub fn estimate(
         indicators[e].oscillation += modulus / 2.0 * oscillation;
     }
 
-    if let Some(exterior) = scene.exterior.as_ref().filter(|_| outside.is_some()) {
-        let both = 1.0 / (1.0 / modulus + 1.0 / plane_modulus(&exterior.material));
-        for (e, oscillation) in data.jump_oscillation()? {
-            indicators[e].oscillation += both / 2.0 * oscillation;
-        }
+    for (e, oscillation) in data.jump_oscillation()? {
+        indicators[e].oscillation += oscillation;
     }
 
     let residuals = match scene.method.indicator {
@@ -227,13 +210,7 @@ pub fn estimate(
     };
 
     // the enriched problem: r = f₊ - S₊(u, 0)
-    let mut excess = Enriched { base: vec![0.0; space.dofs()], extra: vec![0.0; 2 * mesh.len()] };
-    let mut gained = 0.0;
-    for (enriched, u) in &parts {
-        let part = enriched.excess(u);
-        gained += u.iter().zip(&part.base).map(|(u, s)| u * s).sum::<f64>();
-        excess.add(1.0, &part);
-    }
+    let (excess, gained) = elastic.excess();
     let r = Enriched {
         base: excess.base.iter().map(|s| -s).collect(),
         extra: residual.iter().zip(&force).zip(&excess.extra).map(|((r, f), s)| r + f - s).collect(),
@@ -241,12 +218,10 @@ pub fn estimate(
     let frozen = factors.contact.as_ref().map(|c| Frozen::new(&c.problem, &c.sets)).transpose()?;
     let system = System {
         condensation: &body.condensation,
-        enriched: parts.iter().map(|(enriched, _)| *enriched).collect(),
+        elastic: &elastic,
         frozen: frozen.as_ref(),
         frames: &frames,
-        blocks: (0..mesh.len())
-            .map(|e| sum_of_blocks(parts.iter().map(|(enriched, _)| enriched.stiffness_block(e))))
-            .collect(),
+        blocks: (0..mesh.len()).map(|e| elastic.stiffness_block(e)).collect(),
     };
     let squared = system.energy_of_correction(&r);
 
@@ -374,15 +349,6 @@ fn thickness(mesh: &Mesh, e: usize) -> f64 {
     others.map(across).fold(f64::INFINITY, f64::min).sqrt()
 }
 
-/// E* = E/(1-ν²) in plane strain, E in plane stress.
-fn plane_modulus(material: &Material) -> f64 {
-    2.0 * material.mu() / (1.0 - material.nu())
-}
-
-fn sum_of_blocks(blocks: impl Iterator<Item = [[f64; 2]; 2]>) -> [[f64; 2]; 2] {
-    blocks.fold([[0.0; 2]; 2], |sum, a| [0, 1].map(|i| [0, 1].map(|j| sum[i][j] + a[i][j])))
-}
-
 fn ratio(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
 }
@@ -476,8 +442,7 @@ fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble]) -> Vec<Frame> {
 /// S₊ on what the supports and the contact sets leave free, and S with single bubbles as its preconditioner.
 struct System<'a> {
     condensation: &'a Condensation,
-    /// One, or those of body and medium.
-    enriched: Vec<&'a EnrichedSteklov>,
+    elastic: &'a Elastic<'a>,
     frozen: Option<&'a Frozen<'a>>,
     frames: &'a [Frame],
     /// ⟨S₊ b, b⟩ of each bubble.
@@ -486,14 +451,7 @@ struct System<'a> {
 
 impl System<'_> {
     fn multiply(&self, v: &Enriched) -> Enriched {
-        let mut base = self.condensation.multiply(&v.base);
-        let mut extra = vec![0.0; v.extra.len()];
-        for enriched in &self.enriched {
-            let product = enriched.multiply(v, &base);
-            base = product.base;
-            extra.iter_mut().zip(product.extra).for_each(|(sum, x)| *sum += x);
-        }
-        Enriched { base, extra }
+        self.elastic.multiply(v, self.condensation.multiply(&v.base))
     }
 
     fn precondition(&self, r: &Enriched) -> Enriched {

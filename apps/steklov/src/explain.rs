@@ -16,7 +16,16 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
     use SceneErrorKind::{Conflict, Geometry, Unsupported, Value};
     let message = error.to_string();
     let at = |kind, keys: &[Vec<&str>], help: &str| Ok(scene.error_at(kind, keys, message.clone(), help));
+    let unbalanced = || {
+        let keys = [vec!["exterior", "at_infinity"], vec!["exterior"]];
+        at(
+            Unsupported,
+            &keys,
+            "balance the loads, or set at_infinity = \"decaying\" for the displacement that grows as log r",
+        )
+    };
     match &error {
+        SolveError::Bem(BemError::RigidMotion { .. }) if scene.is_inclusion() => unbalanced(),
         SolveError::Scene(error) => Ok((**error).clone()),
         SolveError::Io(_) | SolveError::Interrupted | SolveError::Outcome { .. } => Err(error),
         SolveError::Msfem(error) => match **error {
@@ -33,11 +42,7 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
             _ => at(Value, &[vec!["grid"], vec!["material"]], "change the grid or the moduli"),
         },
         SolveError::Coupling(error) => match **error {
-            CouplingError::Unbalanced { .. } => at(
-                Unsupported,
-                &[vec!["exterior", "at_infinity"], vec!["exterior"]],
-                "balance the loads, or set at_infinity = \"decaying\" for the displacement that grows as log r",
-            ),
+            CouplingError::Unbalanced { .. } => unbalanced(),
             CouplingError::Outline { .. } => at(
                 Geometry,
                 &[vec!["body", "corners"]],

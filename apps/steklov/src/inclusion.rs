@@ -8,14 +8,19 @@
 //! ```
 //! u0 and t0 are the jumps of displacement and traction, those of the remote stress included; u0 by its nodal values.
 
+use std::collections::BTreeSet;
+
 use faer::{Col, Mat};
 use steklov_bem_operators::{
     Domain, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, RigidMotion, Space, Steklov, TractionMap,
+    side_moments,
 };
+use steklov_contact::oscillation;
 use steklov_coupling::{Balance, Coupled, Radiation};
 
 use crate::around::Around;
 use crate::data::Data;
+use crate::elastic::plane_modulus;
 use crate::scene::ExteriorInput;
 use crate::solve::SolveError;
 
@@ -75,16 +80,15 @@ impl Outside {
         u.iter().zip(&self.jump).map(|(u, jump)| u - jump).collect()
     }
 
-    /// ½⟨S_i u, u⟩ + ½⟨S_e ξ, ξ⟩; `forces` = (S_i + S_e) u.
-    pub(crate) fn strain_energy(&self, u: &[f64], forces: &[f64]) -> f64 {
-        let xi = self.displacement(u);
+    /// ½⟨S_i u, u⟩ + ½⟨S_e ξ, ξ⟩ of displacements of the body and of the medium; `forces` = (S_i + S_e) u.
+    pub(crate) fn strain_energy(&self, u: &[f64], xi: &[f64], forces: &[f64]) -> f64 {
         let of_medium = product(&self.stiffness, u);
         let inside: Vec<f64> = forces.iter().zip(&of_medium).map(|(all, medium)| all - medium).collect();
-        0.5 * (dot(u, &inside) + dot(&xi, &product(&self.stiffness, &xi)))
+        0.5 * (dot(u, &inside) + dot(xi, &product(&self.stiffness, xi)))
     }
 
-    /// Subtracts the mean of the displacement over the interface along the motions that nothing resists.
-    pub(crate) fn fix(&self, u: &mut [f64], mesh: &Mesh, space: &Space, free: &[RigidMotion]) {
+    /// Takes the mean over the interface out of a displacement that may be translated.
+    pub(crate) fn centre(&self, u: &mut [f64], mesh: &Mesh, space: &Space, free: &[RigidMotion]) {
         if free.is_empty() {
             return;
         }
@@ -112,6 +116,48 @@ impl Outside {
             balance,
         };
         Around::new(&self.input, mesh.clone(), space.clone(), self.length, &coupled)
+    }
+}
+
+impl Data<'_> {
+    /// The jump u0 of the displacement from the medium to the body at every node, that of the remote stress included; interleaved.
+    pub(crate) fn jump(&self) -> Result<Vec<f64>, SolveError> {
+        let (scene, mesh, space) = (self.scene, self.mesh, self.space);
+        let jumps = scene.exterior.iter().flat_map(|e| e.displacement_jump.iter().flatten());
+        for expression in jumps.filter(|jump| jump.constant().is_none()) {
+            // only for its errors: the nodes alone do not see a pole between them
+            let function = self.function(expression);
+            for side in scene.interface().map(|(_, edge)| edge.side).collect::<BTreeSet<usize>>() {
+                let moments = side_moments(mesh, space, side, &function.datum("displacement jump"));
+                moments.map_err(|error| self.located(error, expression))?;
+            }
+        }
+        let mut jump = vec![0.0; space.dofs()];
+        for e in 0..mesh.len() {
+            for (j, node) in space.element_nodes(e).enumerate() {
+                let s = mesh.edge_parameter(e, space.basis(e).nodes[j]);
+                let value = scene.displacement_jump(mesh.edge[e], s);
+                (0..2).for_each(|i| jump[2 * node + i] = value[i]);
+            }
+        }
+        Ok(jump)
+    }
+
+    /// Where body and medium meet, E*/2 ‖w‖ ‖dw/ds‖ of what the nodes leave of the jump of the displacement, for each of its components:
+    /// (element, energy). Both sides give way to w: 1/E* is the sum of both.
+    pub(crate) fn jump_oscillation(&self) -> Result<Vec<(usize, f64)>, SolveError> {
+        let mut found = Vec::new();
+        let Some(exterior) = &self.scene.exterior else { return Ok(found) };
+        let compliance = 1.0 / plane_modulus(&self.scene.material) + 1.0 / plane_modulus(&exterior.material);
+        let jumps = exterior.displacement_jump.iter().flatten();
+        for expression in jumps.filter(|jump| jump.constant().is_none()) {
+            let function = self.function(expression);
+            for e in 0..self.mesh.len() {
+                let oscillation = oscillation(self.mesh, self.space, e, &function.datum("displacement jump"))?;
+                found.push((e, oscillation / (2.0 * compliance)));
+            }
+        }
+        Ok(found)
     }
 }
 

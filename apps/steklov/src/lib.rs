@@ -23,6 +23,7 @@ pub mod body;
 pub mod stabilised;
 pub mod solve;
 pub mod stochastic;
+mod elastic;
 pub mod estimate;
 mod apart;
 pub mod adapt;

@@ -75,13 +75,19 @@ fn boundary_plan(scene: &Scene) -> Plan {
     let mut left_out = Vec::new();
     let decision = |what: &str, choice: String, why: &str| Decision { what: what.into(), choice, why: why.into() };
 
-    modelled.push(match scene.is_cavity() {
-        false => decision(
+    let inclusion = scene.is_inclusion();
+    modelled.push(match (inclusion, scene.is_cavity()) {
+        (true, _) => decision(
+            "discretisation",
+            "boundary elements inside and outside".into(),
+            "body and medium are homogeneous: unknowns where they meet only, the fields of both follow exactly",
+        ),
+        (false, false) => decision(
             "discretisation",
             "boundary elements".into(),
             "one homogeneous material: unknowns on the boundary only, the inside follows exactly",
         ),
-        true => decision(
+        (false, true) => decision(
             "discretisation",
             "boundary elements of the unbounded medium".into(),
             "unknowns on the boundary of the holes only: the medium is neither cut off nor meshed",
@@ -126,7 +132,9 @@ fn boundary_plan(scene: &Scene) -> Plan {
     contact(scene, &mut modelled, &mut left_out);
     far_away(scene, &mut modelled, &mut left_out);
     let free = scene.unresisted(free_of_supports(scene));
-    if scene.is_cavity() && free.is_empty() {
+    if inclusion && free.is_empty() {
+        modelled.push(decision("supports", "the medium holds the body".into(), "its displacement decays far away"));
+    } else if scene.is_cavity() && free.is_empty() {
         modelled.push(decision(
             "supports",
             "none is needed".into(),
@@ -178,6 +186,15 @@ fn boundary_plan(scene: &Scene) -> Plan {
         dofs,
         memory_bytes: (8.0 * (3.0 * n * n + 4.0 * n * x + 3.0 * x * x)) as u64,
         operations: n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x),
+    };
+    // the medium has matrices of its own, but one factorisation of the sum
+    let cost = match inclusion {
+        false => cost,
+        true => Cost {
+            memory_bytes: 2 * cost.memory_bytes,
+            operations: cost.operations + n * n * (n * (1.0 / 3.0 + 1.0 + 1.0) + 6.0 * x),
+            ..cost
+        },
     };
     Plan { model: "bem".into(), modelled, left_out, cost }
 }

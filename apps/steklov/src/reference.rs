@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_bem_operators::{Mark, Mesh, PairCache, Piece, Space, Subdivision};
 use steklov_quadrature::legendre_p;
 
+use crate::data::Data;
 use crate::estimate::Doubt;
 use crate::run::{Progress, Reason, Step, run};
 use crate::scene::{Refine, Scene};
@@ -204,7 +205,7 @@ fn remove_motions(difference: &mut [f64], exact: &Solved) {
 /// True error of a solved mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TrueError {
-    /// ⟨S e, e⟩^½ of e = u_h - u, with u and S of the common refinement.
+    /// ⟨S e, e⟩^½ of e = u_h - u, with u and S of the common refinement; with a medium around the body the root of the sum of both.
     pub error: f64,
     /// (2 strain energy)^½ of u: what errors are relative to.
     pub norm: f64,
@@ -238,8 +239,20 @@ fn distance(
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
     remove_motions(&mut difference, &exact);
     let stiff = body.condensation.multiply(&difference);
+    let squared = match &body.outside {
+        None => dot(&difference, &stiff),
+        Some(outside) => {
+            // the jumps of the two meshes differ by what the nodes of one leave of it
+            let space = Space::new(mesh);
+            let jump = Data { scene, mesh, space: &space }.jump()?;
+            let xi: Vec<f64> = displacement.iter().zip(&jump).map(|(u, jump)| u - jump).collect();
+            let mut apart = prolong(mesh, &xi, &exact);
+            apart.iter_mut().zip(outside.displacement(&exact.displacement)).for_each(|(a, b)| *a -= b);
+            2.0 * outside.strain_energy(&difference, &apart, &stiff)
+        }
+    };
     Ok(TrueError {
-        error: dot(&difference, &stiff).max(0.0).sqrt(),
+        error: squared.max(0.0).sqrt(),
         norm: (2.0 * exact.energies.strain).max(0.0).sqrt(),
         converged: exact.balanced && exact.contact.as_ref().is_none_or(|c| c.converged()),
     })

@@ -1,0 +1,99 @@
+//! The enriched matrices of a body, and with a medium around it of both, as an estimate uses them.
+//!
+//! With u the displacement of the body and ξ = u - u0 that of the medium, the forces on the bubbles and their W_bb are sums over both,
+//! and so is S₊; there are two traction residuals, of u inside and of ξ outside:
+//!
+//! ```text
+//! ρ_u = t0(b) - ⟨W u + (K'+½)ψ_i, b⟩ - ⟨W ξ + (K'-½)ψ_e, b⟩        ρ_ψ = (⟨(K+½)u - Vψ_i, P_p⟩, ⟨(½-K)ξ - Vψ_e, P_p⟩)
+//! ```
+//! What the nodes leave of u0 is no part of that: its solution, which has no jump of tractions, is orthogonal in the energy of
+//! body and medium to all that has no jump of displacements.
+
+use steklov_bem_operators::{Enriched, EnrichedSteklov, Material};
+
+use crate::body::{Body, Factors};
+
+/// Displacements and the enriched matrices that they belong to: of the body, and of the medium around it.
+pub(crate) struct Elastic<'a> {
+    parts: Vec<(&'a EnrichedSteklov, &'a [f64])>,
+}
+
+impl<'a> Elastic<'a> {
+    /// None without enriched matrices.
+    pub(crate) fn new(body: &'a Body, factors: &'a Factors) -> Option<Self> {
+        let mut parts = vec![(body.enriched.as_ref()?, factors.homogeneous.as_slice())];
+        if let (Some(outside), Some(xi)) = (&body.outside, &factors.outside) {
+            parts.push((outside.enriched.as_ref()?, xi));
+        }
+        Some(Self { parts })
+    }
+
+    /// Forces on the bubbles, two for each element.
+    pub(crate) fn bubble_force(&self) -> Vec<f64> {
+        let forces = self.parts.iter().map(|(enriched, u)| enriched.bubble_force(u));
+        forces.reduce(sum).unwrap_or_default()
+    }
+
+    /// η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ of each element, summed over the parts.
+    pub(crate) fn traction_indicators(&self, elements: usize) -> Vec<f64> {
+        let mut indicators = vec![0.0; elements];
+        for (enriched, u) in &self.parts {
+            let residual = enriched.traction_residual(u);
+            for (e, (indicator, rho)) in indicators.iter_mut().zip(residual.chunks_exact(2)).enumerate() {
+                let a = enriched.single_layer_block(e);
+                let det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+                let x = [(a[1][1] * rho[0] - a[0][1] * rho[1]) / det, (a[0][0] * rho[1] - a[1][0] * rho[0]) / det];
+                *indicator += (x[0] * rho[0] + x[1] * rho[1]).max(0.0);
+            }
+        }
+        indicators
+    }
+
+    /// S₊u - (Su, 0), and its work on u: both summed over the parts.
+    pub(crate) fn excess(&self) -> (Enriched, f64) {
+        let (mut all, mut gained): (Option<Enriched>, _) = (None, 0.0);
+        for (enriched, u) in &self.parts {
+            let part = enriched.excess(u);
+            gained += u.iter().zip(&part.base).map(|(u, s)| u * s).sum::<f64>();
+            match &mut all {
+                Some(all) => all.add(1.0, &part),
+                None => all = Some(part),
+            }
+        }
+        (all.unwrap_or(Enriched { base: Vec::new(), extra: Vec::new() }), gained)
+    }
+
+    /// S₊v, given S times the base part of v.
+    pub(crate) fn multiply(&self, v: &Enriched, base_force: Vec<f64>) -> Enriched {
+        let start = Enriched { base: base_force, extra: vec![0.0; v.extra.len()] };
+        self.parts.iter().fold(start, |before, (enriched, _)| {
+            let Enriched { base, extra } = enriched.multiply(v, &before.base);
+            Enriched { base, extra: sum(before.extra, extra) }
+        })
+    }
+
+    /// ⟨W b e_i, b e_j⟩ of element e.
+    pub(crate) fn hypersingular_block(&self, e: usize) -> [[f64; 2]; 2] {
+        self.block(|enriched| enriched.hypersingular_block(e))
+    }
+
+    /// ⟨S₊ b e_i, b e_j⟩ of element e.
+    pub(crate) fn stiffness_block(&self, e: usize) -> [[f64; 2]; 2] {
+        self.block(|enriched| enriched.stiffness_block(e))
+    }
+
+    fn block(&self, of: impl Fn(&EnrichedSteklov) -> [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        let blocks = self.parts.iter().map(|(enriched, _)| of(enriched));
+        blocks.fold([[0.0; 2]; 2], |sum, a| [0, 1].map(|i| [0, 1].map(|j| sum[i][j] + a[i][j])))
+    }
+}
+
+/// E* = E/(1-ν²) in plane strain, E in plane stress.
+pub(crate) fn plane_modulus(material: &Material) -> f64 {
+    2.0 * material.mu() / (1.0 - material.nu())
+}
+
+fn sum(mut a: Vec<f64>, b: Vec<f64>) -> Vec<f64> {
+    a.iter_mut().zip(b).for_each(|(a, b)| *a += b);
+    a
+}
