@@ -133,7 +133,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
     far_away(scene, &mut modelled, &mut left_out);
     let free = scene.unresisted(free_of_supports(scene));
     if inclusion && free.is_empty() {
-        modelled.push(decision("supports", "the medium holds the body".into(), "its displacement decays far away"));
+        modelled.push(decision("supports", "none is needed".into(), "the medium holds the body"));
     } else if scene.is_cavity() && free.is_empty() {
         modelled.push(decision(
             "supports",
