@@ -262,6 +262,14 @@ fn a_manufactured_transmission_converges() {
     for x in [[0.0, 0.0], [0.4, -0.3]] {
         assert!(off(run.last.inside(x).0, inner(x)) < 1e-6, "{x:?}");
     }
+    // J extrapolated is right within what each step says, and much nearer than J itself
+    let exact = run.step().estimate.as_ref().unwrap().energy;
+    for step in run.progress.steps.iter().rev().skip(1) {
+        let estimate = step.estimate.as_ref().unwrap();
+        let (off, own) = ((estimate.energy - exact).abs(), (step.energy - exact).abs());
+        println!("{} dofs: {own:.1e}, extrapolated {off:.1e}, uncertain {:.1e}", step.dofs, estimate.uncertainty);
+        assert!(off <= estimate.uncertainty && off < 0.2 * own, "{off:e} {own:e}");
+    }
     let reference = finer(&manufactured("tolerance = 1e-6"), 800).unwrap();
     let errors_of = |scene: &Scene| -> Vec<[f64; 3]> {
         let (run, displacements) = solved_in_steps(scene).unwrap();

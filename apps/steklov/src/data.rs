@@ -1,7 +1,5 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
-use std::collections::BTreeSet;
-
 use steklov_bem_operators::{
     BemError, BoundaryField, Datum, Location, Mesh, ParticularSolution, Site, Space, add_load, boundary_residuals,
     side_moments, side_moments_and_squares,
@@ -164,9 +162,8 @@ impl Data<'_> {
             }
         }
         let edges = self.scene.polygon.edges();
-        let sides: BTreeSet<usize> = self.scene.interface().map(|(_, edge)| edge.side).collect();
         for (name, expression, direction) in self.scene.traction_jumps() {
-            for &side in &sides {
+            for side in self.interface_sides() {
                 call(side, name, expression, &|e| match edges[self.mesh.edge[e]].loop_index {
                     0 => direction(self.mesh.normal(e)),
                     _ => [0.0; 2],

@@ -232,7 +232,8 @@ pub fn estimate(
     let mean = squared.sqrt() * two_level.sqrt();
     let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
     let energies = &solved.energies;
-    let energy = factors.energy + 0.5 * gained - 0.5 * squared;
+    let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
+    let energy = factors.energy + of_jump + 0.5 * gained - 0.5 * squared;
     if !error.is_finite() || !energy.is_finite() {
         return Err(SolveError::NotFinite { energy });
     }

@@ -12,11 +12,12 @@ use std::collections::BTreeSet;
 
 use faer::{Col, Mat};
 use steklov_bem_operators::{
-    Domain, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, RigidMotion, Space, Steklov, TractionMap,
+    Domain, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, RigidMotion, Site, Space, Steklov, TractionMap,
     side_moments,
 };
 use steklov_contact::oscillation;
 use steklov_coupling::{Balance, Coupled, Radiation};
+use steklov_quadrature::legendre_p;
 
 use crate::around::Around;
 use crate::data::Data;
@@ -127,7 +128,7 @@ impl Data<'_> {
         for expression in jumps.filter(|jump| jump.constant().is_none()) {
             // only for its errors: the nodes alone do not see a pole between them
             let function = self.function(expression);
-            for side in scene.interface().map(|(_, edge)| edge.side).collect::<BTreeSet<usize>>() {
+            for side in self.interface_sides() {
                 let moments = side_moments(mesh, space, side, &function.datum("displacement jump"));
                 moments.map_err(|error| self.located(error, expression))?;
             }
@@ -158,6 +159,37 @@ impl Data<'_> {
             }
         }
         Ok(found)
+    }
+
+    /// ∮ φ·(u0 - I_p u0): what J gains, to first order, by what the nodes leave of the jump.
+    pub(crate) fn jump_work(&self, around: &Around) -> Result<f64, SolveError> {
+        let (mesh, space) = (self.mesh, self.space);
+        let mut work = 0.0;
+        let jumps = self.scene.exterior.iter().flat_map(|e| e.displacement_jump.iter().flatten());
+        for (i, expression) in jumps.enumerate().filter(|(_, jump)| jump.constant().is_none()) {
+            let function = self.function(expression);
+            let datum = function.datum("displacement jump");
+            for side in self.interface_sides() {
+                let moments = side_moments(mesh, space, side, &datum);
+                for (e, moments) in moments.map_err(|error| self.located(error, expression))? {
+                    let (basis, half) = (space.basis(e), mesh.length(e) / 2.0);
+                    let mut legendre = vec![0.0; basis.degree];
+                    for (j, (&t, weight)) in basis.nodes.iter().zip(&basis.weights).enumerate() {
+                        legendre_p(t, &mut legendre);
+                        let phi: f64 =
+                            legendre.iter().zip(space.offset[e]..).map(|(p, m)| p * around.traction[2 * m + i]).sum();
+                        // the Lobatto rule is exact for φ times the interpolant
+                        work += phi * (moments[j] - half * weight * datum.at(mesh, &Site::new(mesh, e, t))?);
+                    }
+                }
+            }
+        }
+        Ok(work)
+    }
+
+    /// The sides where body and medium meet.
+    pub(crate) fn interface_sides(&self) -> BTreeSet<usize> {
+        self.scene.interface().map(|(_, edge)| edge.side).collect()
     }
 }
 
