@@ -50,6 +50,8 @@ mod contact;
 mod stochastic;
 #[cfg(feature = "msfem")]
 mod msfem;
+#[cfg(feature = "coupling")]
+mod coupling;
 
 pub use array::{
     load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,
