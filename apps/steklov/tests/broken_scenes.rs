@@ -75,7 +75,7 @@ fn the_sound_scene_and_the_template_are_read() {
         .collect();
     let all = sound(&all, &[]);
     assert_eq!((all.expect.len(), all.probe.len(), all.polygon.loops().len()), (1, 1, 2));
-    assert_eq!(all.method, Method::default());
+    assert_eq!(all.method, Method { elements_given: true, ..Method::default() });
     assert_eq!((all.grid.map(|g| g.cells()), all.model()), (Some([32, 32]), Model::Bem));
     // The moduli of cells, in place of the one modulus.
     let edits = [

@@ -10,9 +10,10 @@ use steklov_msfem::{
 use steklov_coupling::{CellIndicators, InterfaceIndicators};
 
 use super::FAILING;
-use super::coupled::medium_tractions;
+use super::coupled::{MediumTraction, medium_tractions};
 use super::solve::{GridSolved, node_at};
 use super::trace::GridTrace;
+use crate::around::Around;
 use crate::scene::{Indicator, Scene};
 use crate::solve::SolveError;
 
@@ -119,15 +120,17 @@ pub(super) fn estimate(
     }
     let residuals = scene.method.indicator == Indicator::Residual;
     if let Some(around) = &solved.around {
-        for pressed in medium_tractions(&medium.grid, around, &GridTrace::new(scene, &medium.grid, |_| true)?) {
-            for (node, moment) in pressed.nodes.into_iter().zip(pressed.moments) {
+        let fine = GridTrace::new(scene, &medium.grid, |_| true)?;
+        let sides = medium_tractions(&medium.grid, around, &fine);
+        for side in &sides {
+            for (node, moment) in side.nodes.into_iter().zip(side.moments) {
                 (0..2).for_each(|i| load[2 * node + i] += moment[i]);
             }
-            let mean = [0, 1].map(|i| (pressed.moments[0][i] + pressed.moments[1][i]) / pressed.length);
-            let given = tractions.entry(pressed.side).or_insert([Some(0.0); 2]);
+            let given = tractions.entry(side.side).or_insert([Some(0.0); 2]);
             // the residuals there are those of the boundary elements
-            *given = if residuals { [None; 2] } else { [0, 1].map(|i| given[i].map(|t| t + mean[i])) };
+            *given = if residuals { [None; 2] } else { beside_medium(solved, around, side, *given) };
         }
+        share_with_medium(solved, around, &sides, &mut load);
     }
     let traction = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2]);
     let mut residual = None;
@@ -170,6 +173,50 @@ pub(super) fn estimate(
         inside,
         crossed: contrast_crossed(medium),
     }))
+}
+
+/// What is left of the balance of tractions acts on body and medium alike: of the energy r²/k₁ that it would have in a cell
+/// alone the part k₁/(k₁ + k₂) remains, k₁ and k₂ as their moduli.
+fn share(solved: &GridSolved, around: &Around, cell: usize) -> f64 {
+    let young = solved.medium.young[cell];
+    (young / (young + around.material.young)).sqrt()
+}
+
+/// The traction on a side of the interface, the jump `given` and that of the medium, drawn to that of the cell.
+fn beside_medium(
+    solved: &GridSolved,
+    around: &Around,
+    side: &MediumTraction,
+    given: [Option<f64>; 2],
+) -> [Option<f64>; 2] {
+    let (medium, (cell, number)) = (&solved.medium, side.side);
+    let middle = [[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]][number];
+    let u = medium.cell_values(&solved.displacement, cell);
+    let [xx, yy, xy] = medium.elasticity.stress(medium.young[cell], &u, middle, medium.grid.spacing);
+    let own = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
+    let share = share(solved, around, cell);
+    [0, 1].map(|i| {
+        let mean = (side.moments[0][i] + side.moments[1][i]) / side.length;
+        given[i].map(|jump| own[i] + share * (jump + mean - own[i]))
+    })
+}
+
+/// The same of the nodal forces on the interface.
+fn share_with_medium(solved: &GridSolved, around: &Around, sides: &[MediumTraction], load: &mut [f64]) {
+    let forces = solved.medium.forces(&solved.displacement);
+    // the mean over both sides at a node
+    let mut shares: HashMap<usize, (f64, f64)> = HashMap::new();
+    for side in sides {
+        for node in side.nodes {
+            let (sum, count) = shares.entry(node).or_default();
+            (*sum, *count) = (*sum + share(solved, around, side.side.0), *count + 1.0);
+        }
+    }
+    for (node, (sum, count)) in shares {
+        for dof in [2 * node, 2 * node + 1] {
+            load[dof] = forces[dof] + sum / count * (load[dof] - forces[dof]);
+        }
+    }
 }
 
 /// Mean tractions (stress) on fine sides (cell, side) of the boundary; None where the displacement is given.
