@@ -24,8 +24,13 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
             "balance the loads, or set at_infinity = \"decaying\" for the displacement that grows as log r",
         )
     };
+    let unequal = || {
+        let keys = [vec!["exterior", "young"], vec!["exterior"]];
+        at(Value, &keys, "too few digits are left of so unequal materials: hold or load the softer one alone")
+    };
     match &error {
         SolveError::Bem(BemError::RigidMotion { .. }) if scene.is_inclusion() => unbalanced(),
+        SolveError::Bem(BemError::StiffnessSingular { .. }) if scene.is_inclusion() => unequal(),
         SolveError::Scene(error) => Ok((**error).clone()),
         SolveError::Io(_) | SolveError::Interrupted | SolveError::Outcome { .. } => Err(error),
         SolveError::Msfem(error) => match **error {
@@ -48,11 +53,7 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
                 &[vec!["body", "corners"]],
                 "the outer boundary on the grid must be one curve that does not touch itself: take finer cells, or move corners apart",
             ),
-            CouplingError::Contrast { .. } | CouplingError::Singular { .. } => at(
-                Value,
-                &[vec!["exterior", "young"], vec!["exterior"]],
-                "too few digits are left of so unequal materials: hold or load the softer one alone",
-            ),
+            CouplingError::Contrast { .. } | CouplingError::Singular { .. } => unequal(),
             _ => at(Value, &[vec!["exterior"]], "change the grid or the materials"),
         },
         SolveError::Stochastic(StochasticError::NotCoercive { .. }) => at(

@@ -141,5 +141,32 @@ fn convergence_is_studied() {
     let (place, _) = with(L, &[]);
     let study = ["study", "l.toml", "--strategies", "hp,uniform-p", "--json", "--set", "method.tolerance=0.02"];
     let told = place.run(study).demand(0).json();
-    println!("{told}");
+    let mut compared = 0;
+    for strategy in told["strategies"].as_array().unwrap() {
+        assert_eq!(strategy["reason"], "tolerance");
+        for step in strategy["steps"].as_array().unwrap() {
+            let effectivity = step["effectivity"].as_f64().unwrap();
+            assert!(effectivity > 0.8 && effectivity < 1.3, "{step}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 4, "{told}");
+}
+
+/// A body that is softer by any number of magnitudes is a hole; one that is stiffer loses digits, and says so.
+#[test]
+fn contrasts_are_solved_or_refused() {
+    let place = Place::new();
+    place.write("l.toml", L);
+    let with = |young: &str| ["l.toml".to_owned(), "--set".to_owned(), format!("material.young={young}")];
+    let probe = |told: &Value| pairs(&told["probe"][2]["displacement"]);
+    let [soft, softer, stiff, stiffer] = ["1e-9", "1e-18", "1e4", "1e5"].map(|young| {
+        let with = with(young);
+        probe(&place.json(0, &with.each_ref().map(String::as_str)))
+    });
+    for (a, b, digits) in [(soft, softer, 1e-8), (stiff, stiffer, 1e-3)] {
+        assert!(a.iter().zip(&b).all(|(a, b)| (a - b).abs() < digits), "{a:?} {b:?}");
+    }
+    let ran = place.run(["solve", "--force"].map(str::to_owned).into_iter().chain(with("1e18")));
+    assert!(ran.status != 0 && ran.err.contains("so unequal materials"), "{}", ran.err);
 }
