@@ -9,6 +9,7 @@ use steklov_bem_operators::{
     RigidMotion, Space, Steklov,
 };
 use steklov_contact::{ContactBoundary, ContactError};
+use steklov_coupling::{Trace, Transfer};
 
 use crate::around::Around;
 use crate::body::{Body, Factors, Given};
@@ -29,8 +30,12 @@ pub enum Stage<'a> {
     Steklov(&'a Mat<f64>),
     /// A sparse stiffness matrix: its name and what its unknowns 2·n + component are numbered by.
     Stiffness(&'static str, &'static str, &'a CsMat<f64>),
-    /// A stiffness matrix reduced to the contact nodes.
-    Condensed(&'a Mat<f64>),
+    /// V, K, W, M of the medium around a body.
+    Medium(&'a Operators),
+    /// The trace of a body on the interface with the medium, and what takes it to the boundary elements there.
+    Interface(&'a Trace, &'a Transfer),
+    /// A stiffness matrix reduced to some unknowns: its name and what these are.
+    Condensed(&'static str, &'static str, &'a Mat<f64>),
     /// A step is solved and estimated, so many seconds after the run began.
     Step {
         /// The solution.

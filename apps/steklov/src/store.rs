@@ -83,11 +83,16 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
             let axes = [axis.as_str(); 2];
             save_sparse(&matrices(&step)?, name, matrix, &label("stress", "stiffness matrix <K u, v>", &axes))
         }
-        Stage::Condensed(s) => {
-            let axes =
-                ["displacement unknown of the contact nodes, in the order of /contact, along normal and tangent"; 2];
-            let meaning = label("stress", "stiffness matrix reduced to the contact nodes", &axes);
-            save_dense(&matrices(&step)?, "S_contact", s.as_ref(), &meaning)
+        Stage::Medium(operators) => save(&matrices(&step)?, "medium", *operators),
+        Stage::Interface(trace, transfer) => {
+            let at = matrices(&step)?;
+            save(&at, "trace", *trace)?;
+            save(&at, "transfer", *transfer)
+        }
+        Stage::Condensed(name, unknowns, matrix) => {
+            let axes = [*unknowns; 2];
+            let meaning = label("stress", "stiffness matrix, all other unknowns eliminated", &axes);
+            save_dense(&matrices(&step)?, name, matrix.as_ref(), &meaning)
         }
         Stage::Progress(..) | Stage::Step { .. } => Ok(()),
     }
@@ -310,6 +315,7 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         return Err(invalid(file, "contact/side", why));
     }
     let grid = vtkhdf::read(file)?;
+    around::store::check(file, summary.exterior.as_ref(), &grid)?;
     let stochastic = match file.link_exists("stochastic") {
         true => Some(read_stochastic(file, points.len(), contact.len())?),
         false => None,

@@ -104,7 +104,7 @@ fn join(
     observe(Stage::Progress("assembling V, K, W", 0.4))?;
     let mesh = boundary_mesh(scene, layout, &interior)?;
     let exterior = Exterior::new(mesh, input.material, None)?;
-    observe(Stage::Operators(&exterior.operators))?;
+    observe(Stage::Medium(&exterior.operators))?;
     let jump = exterior.space.interpolate(|x| {
         let (edge, s) = on_interface(scene, x);
         scene.displacement_jump(edge, s)
@@ -112,7 +112,10 @@ fn join(
     let assemble = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     observe(Stage::Progress("factorisation", 0.5))?;
+    let trace = interior.trace.clone();
     let problem = Transmission::new(interior, &exterior)?;
+    observe(Stage::Interface(&trace, &problem.transfer))?;
+    observe(Stage::Condensed("A_interface", "unknown of the trace beside this matrix", &problem.stiffness))?;
     let factorise = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     observe(Stage::Progress("interface", 0.6))?;

@@ -1,7 +1,6 @@
 //! Grids in the result file, and back.
 
 use faer::Mat;
-use steklov_coupling::InterfaceIndicators;
 use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_points,
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
@@ -20,6 +19,8 @@ fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> 
 
 /// Boundary elements of the medium around the body.
 const AROUND: &str = "boundary_elements";
+/// What is left of the equations between body and medium.
+const INTERFACE: &str = "interface";
 const COARSE: &str = "first fine cell along x and y, fine cells along x and y";
 
 fn save_cells(at: &Group, cells: &[CoarseCell]) -> Result<(), IoError> {
@@ -117,11 +118,7 @@ fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
         }
     }
     if let Some(terms) = &estimate.interface {
-        let element = &["boundary element"];
-        let indicators = create_group(at, "interface")?;
-        for (name, meaning, values) in INTERFACE_TERMS {
-            save_vector(&indicators, name, values(terms), &label("force*length/thickness", meaning, element))?;
-        }
+        save(at, INTERFACE, terms)?;
     }
     let Some(crossing) = &estimate.crossing else { return Ok(()) };
     let names = "largest ratio of moduli along a coarse edge, x and y of its middle, share of edges with a ratio of 100 or more";
@@ -137,14 +134,6 @@ const RESIDUAL_TERMS: [Term; 5] = [
     ("jump_mean", "H/E of the mean jumps of the traction between coarse cells", |t| &t.jump_mean),
     ("jump_oscillation", "H/E of the rest of these jumps", |t| &t.jump_oscillation),
     ("neumann", "H/E of the given traction less that of the solution", |t| &t.neumann),
-];
-
-/// A term of what is left of the equations between body and medium: name, meaning, values.
-type InterfaceTerm = (&'static str, &'static str, fn(&InterfaceIndicators) -> &Vec<f64>);
-const INTERFACE_TERMS: [InterfaceTerm; 3] = [
-    ("traction", "h/E1 of the balance of tractions", |t| &t.traction),
-    ("displacement", "h E2 of the slope of the first equation of the medium", |t| &t.displacement),
-    ("traction_error", "squared error of the traction of the medium in the norm of V", |t| &t.traction_error),
 ];
 
 /// Reads `/multiscale` and the steps, and checks that they fit the fields of the result.
@@ -190,6 +179,7 @@ fn load_medium(at: &Group, fields: &vtkhdf::Grid) -> Result<Medium, IoError> {
         .map_err(|e| invalid(at, "rows", e))?;
     // those of the medium around the body follow
     let same = grid.nodes() <= fields.points.len()
+        && fields.triangles.iter().flatten().all(|&corner| corner >= grid.nodes())
         && grid.body_cells().zip(1..).all(|(cell, row)| rows[cell] == row)
         && grid.body_cells().map(|cell| grid.cell_nodes(cell)).eq(fields.quads.iter().copied());
     if !same {
@@ -214,15 +204,6 @@ pub(super) fn of_quads<'a>(fields: &'a vtkhdf::Grid, name: &str, components: usi
 pub(crate) fn read_steps(file: &File) -> Result<Vec<GridStep>, IoError> {
     let groups = crate::steps::groups(file)?;
     groups.iter().map(load_step).collect()
-}
-
-fn load_interface(at: &Group) -> Result<InterfaceIndicators, IoError> {
-    let [traction, displacement, traction_error] = INTERFACE_TERMS.map(|(name, ..)| load_vector(at, name));
-    let (traction, displacement, traction_error) = (traction?, displacement?, traction_error?);
-    if [displacement.len(), traction_error.len()] != [traction.len(); 2] {
-        return Err(invalid(at, "", "its terms have different lengths"));
-    }
-    Ok(InterfaceIndicators { traction, displacement, hypersingular: None, body: None, traction_error })
 }
 
 fn load_step(at: &Group) -> Result<GridStep, IoError> {
@@ -251,8 +232,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
             return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
         };
         let medium = terms.get(5).copied().unwrap_or(0.0);
-        let interface =
-            if at.link_exists("interface") { Some(load_interface(&open_group(at, "interface")?)?) } else { None };
+        let interface = if at.link_exists(INTERFACE) { Some(load(at, INTERFACE)?) } else { None };
         let group = open_group(at, "indicators")?;
         let cells = coarse.as_ref().map_or(0, Vec::len);
         let column = |name: &str| -> Result<Vec<f64>, IoError> {

@@ -15,6 +15,9 @@ use crate::scene::{Condition, Scene};
 use crate::solve::{SolveError, Stage};
 use crate::supports::{Held, Supports};
 
+/// Unknowns of a stiffness matrix reduced to the contact nodes.
+const CONTACT: &str = "displacement unknown of the contact nodes, in the order of /contact, along normal and tangent";
+
 /// K, its load, and where its unknowns are.
 pub(crate) struct System {
     /// K of all unknowns 2·node + component.
@@ -173,7 +176,7 @@ impl System {
             Some(boundary) => {
                 let frames = Frames::new(&boundary);
                 let stiffness = frames.turn(elimination.stiffness());
-                observe(Stage::Condensed(&stiffness))?;
+                observe(Stage::Condensed("S_contact", CONTACT, &stiffness))?;
                 let mut kept_load = reduced.kept.clone();
                 frames.turn_in(&mut kept_load);
                 let expand = |v: &[f64]| {

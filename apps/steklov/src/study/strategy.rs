@@ -212,7 +212,7 @@ impl Round {
                     displacements.push(solved.displacement.clone());
                     ends.push(seconds);
                 }
-                Stage::Operators(_) | Stage::Steklov(_) | Stage::Stiffness(..) | Stage::Condensed(_) => {}
+                _ => {}
             }
             Ok(())
         });
