@@ -22,6 +22,8 @@ pub(crate) struct Particular {
     stiff: Vec<f64>,
     /// T.
     traction: Vec<f64>,
+    /// T of the components that no side holds.
+    loaded: Vec<f64>,
     /// a(u_p, u_p).
     energy: f64,
     /// ∫ b·u_p.
@@ -29,20 +31,22 @@ pub(crate) struct Particular {
 }
 
 impl Particular {
-    /// `stiffness` is the product with S; `unbounded`: the particular solution reaches to infinity.
+    /// `stiffness` is the product with S; `held` tells whether the side of an element holds a component; `unbounded`: the particular solution reaches to infinity.
     pub(crate) fn new(
         solution: ParticularSolution,
         unbounded: bool,
         mesh: &Mesh,
         space: &Space,
+        held: impl Fn(usize, usize) -> bool,
         stiffness: impl FnOnce(&[f64]) -> Vec<f64>,
     ) -> Self {
         let displacement = space.interpolate(|x| solution.displacement(x));
         let stiff = stiffness(&displacement);
         let traction = solution.traction_load(mesh, space);
+        let loaded = solution.traction_load_of(mesh, space, |e, i| !held(e, i));
         let load = stiff.iter().zip(&traction).map(|(s, t)| s - t).collect();
         let (energy, work) = if unbounded { (0.0, 0.0) } else { solution.energies(mesh) };
-        Self { solution, relative: unbounded, displacement, load, stiff, traction, energy, work }
+        Self { solution, relative: unbounded, displacement, load, stiff, traction, loaded, energy, work }
     }
 }
 
@@ -52,7 +56,7 @@ impl Particular {
 /// ∫ b·u = ∮ t(w)·u_p - T·w + ∫ b·u_p                               (Betti), w = u - U
 /// J - friction = ½ wᵀ S w + T·w + ½ a(u_p,u_p) - f·u - ∫ b·u_p
 /// ```
-/// In an unbounded body those of w, whose traction on the boundary is what is given less σ_∞n:
+/// In an unbounded body those of w, whose traction on the boundary is what is given less σ_∞n; held sides are not loaded:
 ///
 /// ```text
 /// J - friction = ½ wᵀ S w - (f - T)·w
@@ -79,7 +83,7 @@ pub(crate) fn energies(
     let stiff: Vec<f64> = forces.iter().zip(&p.stiff).map(|(s, p)| s - p).collect();
     let traction = dot(&p.traction, &w);
     if p.relative {
-        let (strain, load_work) = (0.5 * dot(&w, &stiff), dot(tractions, &w) - traction);
+        let (strain, load_work) = (0.5 * dot(&w, &stiff), dot(tractions, &w) - dot(&p.loaded, &w));
         return Energies { total: strain - load_work + friction_work, strain, load_work, friction_work };
     }
     let load_work = traction_work + crossed - traction + p.work;

@@ -36,14 +36,27 @@ impl<'a> Elastic<'a> {
 
     /// η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ of each element, summed over the parts.
     pub(crate) fn traction_indicators(&self, elements: usize) -> Vec<f64> {
+        self.weighted_tractions(elements, [1.0; 2])
+    }
+
+    /// The part of them for which the displacement is as good as held, by a medium or a body that is much stiffer: no correction of
+    /// displacements has the energy of this.
+    pub(crate) fn held_tractions(&self, elements: usize, moduli: Option<[f64; 2]>) -> f64 {
+        let Some([body, medium]) = moduli else { return 0.0 };
+        let weight = |own: f64, other: f64| (other / (own + other)).powi(4);
+        let weights = [weight(body, medium), weight(medium, body)];
+        self.weighted_tractions(elements, weights).iter().sum()
+    }
+
+    fn weighted_tractions(&self, elements: usize, weights: [f64; 2]) -> Vec<f64> {
         let mut indicators = vec![0.0; elements];
-        for (enriched, u) in &self.parts {
+        for ((enriched, u), weight) in self.parts.iter().zip(weights) {
             let residual = enriched.traction_residual(u);
             for (e, (indicator, rho)) in indicators.iter_mut().zip(residual.chunks_exact(2)).enumerate() {
                 let a = enriched.single_layer_block(e);
                 let det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
                 let x = [(a[1][1] * rho[0] - a[0][1] * rho[1]) / det, (a[0][0] * rho[1] - a[1][0] * rho[0]) / det];
-                *indicator += (x[0] * rho[0] + x[1] * rho[1]).max(0.0);
+                *indicator += weight * (x[0] * rho[0] + x[1] * rho[1]).max(0.0);
             }
         }
         indicators

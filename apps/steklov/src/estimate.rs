@@ -228,6 +228,8 @@ pub fn estimate(
     let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
     let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
     let held: f64 = indicators.iter().zip(&frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
+    let moduli = solved.around.as_ref().map(|around| [modulus, plane_modulus(&around.material)]);
+    let held = held.max(elastic.held_tractions(mesh.len(), moduli));
     // the product of two energies may leave the range of floating point
     let mean = squared.sqrt() * two_level.sqrt();
     let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();

@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::BemError;
 use steklov_contact::{ContactError, LEAST_GAMMA};
-use steklov_coupling::CouplingError;
+use steklov_coupling::{CouplingError, Radiation};
 use steklov_msfem::MsfemError;
 use steklov_stochastic::StochasticError;
 
@@ -90,6 +90,21 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
             &[vec!["material", "poisson"]],
             "so near to 1/2 the stiffness drowns in rounding errors: take a smaller ratio, as 0.4999999",
         ),
+        SolveError::Bem(BemError::StiffnessSingular { .. }) if is_held_by_medium(scene) => at(
+            Value,
+            &[vec!["body", "corners"]],
+            "the medium resists all rigid motions: too few digits are left between sides that nearly touch, or of materials or \
+             lengths that are too unequal",
+        ),
+        SolveError::Bem(BemError::RigidMotion { .. } | BemError::StiffnessSingular { .. })
+            if scene.exterior.is_some() =>
+        {
+            at(
+                Unsupported,
+                &[vec!["exterior", "at_infinity"], vec!["exterior"]],
+                "balance the loads, hold a side, or set at_infinity = \"decaying\" for the displacement that grows as log r",
+            )
+        }
         SolveError::Bem(BemError::RigidMotion { .. } | BemError::StiffnessSingular { .. })
         | SolveError::Contact(ContactError::RigidMotion { .. } | ContactError::NotHeld { .. }) => at(
             Unsupported,
@@ -123,6 +138,11 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
             "look for sides that nearly touch, very acute corners and very small or large lengths",
         ),
     }
+}
+
+/// Whether the medium around a body or a hole resists all rigid motions.
+fn is_held_by_medium(scene: &Scene) -> bool {
+    scene.exterior.as_ref().is_some_and(|exterior| exterior.radiation == Radiation::Decaying)
 }
 
 /// The first mesh is larger than the scene allows.

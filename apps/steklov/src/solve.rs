@@ -228,7 +228,8 @@ pub fn solve(
     }
     observe(Stage::Steklov(&matrix))?;
     let particular = scene.particular_solution(1.0).map(|solution| {
-        Particular::new(solution, scene.is_cavity(), &mesh, &space, |u| {
+        let held = |e: usize, i: usize| scene.sides[mesh.side[e]].holds(i);
+        Particular::new(solution, scene.is_cavity(), &mesh, &space, held, |u| {
             let product = &matrix * Col::from_fn(u.len(), |i| u[i]);
             product.iter().copied().collect()
         })

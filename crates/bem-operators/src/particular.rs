@@ -70,6 +70,11 @@ impl ParticularSolution {
 
     /// ∫ σ(u_p) n · φ over the whole boundary, for each displacement unknown.
     pub fn traction_load(&self, mesh: &Mesh, space: &Space) -> Vec<f64> {
+        self.traction_load_of(mesh, space, |_, _| true)
+    }
+
+    /// The same of those elements and components for which `of` holds.
+    pub fn traction_load_of(&self, mesh: &Mesh, space: &Space, of: impl Fn(usize, usize) -> bool) -> Vec<f64> {
         let mut load = vec![0.0; space.dofs()];
         for e in 0..mesh.len() {
             let (n, half) = (mesh.normal(e), mesh.length(e) / 2.0);
@@ -77,7 +82,7 @@ impl ParticularSolution {
             // linear traction times φ: the Lobatto rule is exact from p = 2, Simpson's weights of φ_j for p = 1
             let ends = [-1.0, 1.0].map(|t| self.traction(mesh.point(e, t), n));
             for (j, node) in space.element_nodes(e).enumerate() {
-                for i in 0..2 {
+                for i in (0..2).filter(|&i| of(e, i)) {
                     let (mean, slope) = ((ends[0][i] + ends[1][i]) / 2.0, (ends[1][i] - ends[0][i]) / 2.0);
                     // ∫φ_j dt = w_j and ∫ t φ_j dt = w_j t_j, or 1/3 of the sign for p = 1
                     let first =

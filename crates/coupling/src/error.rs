@@ -28,8 +28,8 @@ pub enum CouplingError {
     /// Loads with a resultant, where the displacement is to be bounded at infinity.
     #[error(
         "the body force and the jump of tractions have the resultant ({:.3e}, {:.3e}), {:.1e} of the sum of their absolute \
-         values: a displacement that is bounded at infinity needs less than {:.0e}; balance the loads, or take the \
-         logarithmic solution of Radiation::Decaying",
+         values: a displacement that is bounded at infinity needs less than {:.0e}; balance the loads, or take \
+         the solution that grows as a logarithm",
         .force[0], .force[1], .relative, .tolerance
     )]
     Unbalanced {

@@ -143,8 +143,23 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
 }
 
 /// Compares strategies on a scene.
+/// Studies of boundary elements are not of bodies on grids.
+pub(super) fn boundary_only(scene: &Scene) -> Result<(), Failure> {
+    if !scene.is_on_grid() {
+        return Ok(());
+    }
+    let other = if scene.exterior.is_some() { "coupling" } else { "multiscale" };
+    let message = format!(
+        "error: the model of the scene is \"{}\", and this study is of boundary elements: take --what {other}, or \
+         --set 'method.model=\"bem\"' if the body is of one material",
+        scene.model().word()
+    );
+    Err(Failure(message))
+}
+
 fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     let scene = scene(args, |text| settings(text, &args.overrides))?;
+    boundary_only(&scene)?;
     let out = folder(args, &scene, "study")?;
     let mut names: Vec<(&str, Refine)> = args.strategies.iter().map(|n| n.strategy()).collect();
     if names.is_empty() {

@@ -39,7 +39,7 @@ fn far_away(exterior: &ExteriorSummary) -> Vec<String> {
         (_, true) => "at infinity decaying: the forces on the medium are balanced".to_owned(),
         (_, false) => format!("at infinity net force ({x:.6e}, {y:.6e}) on the medium, which does not vanish far away"),
     }];
-    if !balanced {
+    if !balanced && radiation != "bounded" {
         lines.push(format!(
             "            the displacement grows as log(L/r), and its translation depends on the length L = {length:.6e}:"
         ));

@@ -2,7 +2,8 @@
 
 use std::time::Instant;
 
-use steklov_bem_operators::{Mesh, Space};
+use steklov_bem_operators::{Datum, Mesh, Site, Space};
+use steklov_contact::oscillation;
 use steklov_coupling::{Coupled, CouplingError, Exterior, Form, InterfaceIndicators, Interior, Jumps, Transmission};
 use steklov_msfem::{CoarseMesh, Extra, Grid, Loads, Medium, Multiscale};
 
@@ -10,6 +11,7 @@ use super::layout::GridLayout;
 use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
 use super::trace::GridTrace;
 use crate::around::Around;
+use crate::elastic::plane_modulus;
 use crate::scene::{ExteriorInput, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 
@@ -179,6 +181,7 @@ fn solved(
         },
         halvings: 0,
     };
+    let jump_oscillation = jump_oscillation(scene, input, &medium, &exterior)?;
     let interface = InterfaceIndicators::new(&exterior, &medium, &displacement, &coupled, Form::Schur, &jumps)?;
     let estimate_seconds = clock.elapsed().as_secs_f64();
     Ok(GridSolved {
@@ -198,7 +201,36 @@ fn solved(
         medium,
         around: Some(Around::new(input, exterior.mesh, exterior.space, exterior.operators.length, &coupled)),
         interface: Some(interface),
+        jump_oscillation,
     })
+}
+
+/// What the nodes of each boundary element leave of the jump of the displacement, as an energy: both sides give way to it.
+fn jump_oscillation(
+    scene: &Scene,
+    input: &ExteriorInput,
+    medium: &Medium,
+    exterior: &Exterior,
+) -> Result<Vec<f64>, SolveError> {
+    let (mesh, space) = (&exterior.mesh, &exterior.space);
+    let mut energies = vec![0.0; mesh.len()];
+    let around = plane_modulus(&input.material);
+    // E* over E of the body
+    let plane = plane_modulus(&scene.material) / scene.material.young;
+    for expression in input.displacement_jump.iter().flatten().filter(|jump| jump.constant().is_none()) {
+        let value = |site: &Site| {
+            let s = on_interface(scene, site.point).1;
+            expression.eval(site.point[0], site.point[1], s)
+        };
+        let datum = Datum { name: "displacement jump", value: &value, kinks: &|_| Vec::new() };
+        for (e, energy) in energies.iter_mut().enumerate() {
+            let ([x, y], [nx, ny], within) = (mesh.point(e, 0.0), mesh.normal(e), 1e-6 * mesh.length(e));
+            let cell = medium.grid.locate([x - within * nx, y - within * ny]);
+            let body = cell.map_or(around, |(cell, _)| plane * medium.young[cell]);
+            *energy += oscillation(mesh, space, e, &datum)? / (2.0 * (1.0 / body + 1.0 / around));
+        }
+    }
+    Ok(energies)
 }
 
 /// The traction of the medium on a fine side.

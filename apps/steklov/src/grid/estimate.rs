@@ -31,6 +31,8 @@ pub struct GridEstimate {
     pub fine_grid: f64,
     /// What is left of the equations where body and medium meet, boundary element by boundary element; None without a medium.
     pub interface: Option<InterfaceIndicators>,
+    /// Energy of what the nodes of each boundary element leave of the jump of the displacement.
+    pub jump: Vec<f64>,
     /// The squared error of the medium: the sum of [`Self::of_elements`].
     pub medium: f64,
     /// (multiscale + fine grid + medium)^½, energy norm.
@@ -74,12 +76,19 @@ fn contrast_inside(medium: &Medium, mesh: &CoarseMesh) -> f64 {
 
 impl GridEstimate {
     /// η² of each boundary element (force times length per thickness): the error of its traction, or its residuals.
-    pub fn of_elements(interface: &InterfaceIndicators, indicator: Indicator) -> Vec<f64> {
-        match indicator {
-            Indicator::Bubble => interface.traction_error.clone(),
-            Indicator::Residual => interface.squared(),
-        }
+    pub fn of_elements(&self, indicator: Indicator) -> Vec<f64> {
+        of_elements(self.interface.as_ref(), &self.jump, indicator)
     }
+}
+
+fn of_elements(interface: Option<&InterfaceIndicators>, jump: &[f64], indicator: Indicator) -> Vec<f64> {
+    let Some(interface) = interface else { return Vec::new() };
+    let mut squared = match indicator {
+        Indicator::Bubble => interface.traction_error.clone(),
+        Indicator::Residual => interface.squared(),
+    };
+    squared.iter_mut().zip(jump).for_each(|(eta, jump)| *eta += jump);
+    squared
 }
 
 /// Ratio of moduli along a coarse edge from which no residual sees the error.
@@ -151,9 +160,8 @@ pub(super) fn estimate(
         bubble_indicators(medium, &loads.body, u, &traction).iter().sum()
     };
     let interface = solved.interface.clone();
-    let of_medium = interface
-        .as_ref()
-        .map_or(0.0, |interface| GridEstimate::of_elements(interface, scene.method.indicator).iter().sum());
+    let jump = solved.jump_oscillation.clone();
+    let of_medium: f64 = of_elements(interface.as_ref(), &jump, scene.method.indicator).iter().sum();
     let error = (multiscale + fine_grid + of_medium).sqrt();
     let scale = (2.0 * solved.energies.strain).sqrt();
     // nothing is strained: all that is estimated is missing
@@ -166,6 +174,7 @@ pub(super) fn estimate(
         multiscale,
         fine_grid,
         interface,
+        jump,
         medium: of_medium,
         error,
         relative,

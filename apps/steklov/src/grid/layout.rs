@@ -3,7 +3,6 @@
 use steklov_bem_operators::Mesh;
 use steklov_msfem::{CoarseCell, CoarseMesh, mark, refine};
 
-use super::GridEstimate;
 use super::grid_of;
 use super::solve::GridSolved;
 use crate::scene::{Refine, Scene};
@@ -79,9 +78,7 @@ impl Marked {
             }
             None => vec![estimate.fine_grid],
         };
-        if let Some(interface) = &estimate.interface {
-            squared.extend(GridEstimate::of_elements(interface, scene.method.indicator));
-        }
+        squared.extend(estimate.of_elements(scene.method.indicator));
         let mut marked = mark(&squared, theta);
         let elements = marked.split_off(cells);
         Self { cells: marked, elements }

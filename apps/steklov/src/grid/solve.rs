@@ -57,6 +57,8 @@ pub struct GridSolved {
     pub around: Option<Around>,
     /// What is left of the equations where both meet.
     pub(crate) interface: Option<InterfaceIndicators>,
+    /// What its nodes leave of the jump of the displacement, an energy for each boundary element.
+    pub(crate) jump_oscillation: Vec<f64>,
 }
 
 /// The coarse part of a multiscale solution.
@@ -250,6 +252,7 @@ fn solve_fine(
         medium,
         around: None,
         interface: None,
+        jump_oscillation: Vec::new(),
     };
     Ok((solved, is_held))
 }
@@ -443,6 +446,7 @@ fn solve_coarse(
         medium,
         around: None,
         interface: None,
+        jump_oscillation: Vec::new(),
     };
     Ok((solved, is_held))
 }

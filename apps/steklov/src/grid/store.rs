@@ -21,6 +21,7 @@ fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> 
 const AROUND: &str = "boundary_elements";
 /// What is left of the equations between body and medium.
 const INTERFACE: &str = "interface";
+const JUMP: &str = "interface_jump";
 const COARSE: &str = "first fine cell along x and y, fine cells along x and y";
 
 fn save_cells(at: &Group, cells: &[CoarseCell]) -> Result<(), IoError> {
@@ -116,6 +117,11 @@ fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
         for (name, meaning, values) in RESIDUAL_TERMS {
             save_vector(&indicators, name, values(terms), &energy(meaning))?;
         }
+    }
+    if !estimate.jump.is_empty() {
+        let meaning = "what the nodes leave of the jump of the displacement";
+        let jump = label("force*length/thickness", meaning, &["boundary element"]);
+        save_vector(at, JUMP, &estimate.jump, &jump)?;
     }
     if let Some(terms) = &estimate.interface {
         save(at, INTERFACE, terms)?;
@@ -232,6 +238,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
             return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
         };
         let medium = terms.get(5).copied().unwrap_or(0.0);
+        let jump = if at.link_exists(JUMP) { load_vector(at, JUMP)? } else { Vec::new() };
         let interface = if at.link_exists(INTERFACE) { Some(load(at, INTERFACE)?) } else { None };
         let group = open_group(at, "indicators")?;
         let cells = coarse.as_ref().map_or(0, Vec::len);
@@ -271,6 +278,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
             multiscale,
             fine_grid,
             interface,
+            jump,
             medium,
             error,
             relative,

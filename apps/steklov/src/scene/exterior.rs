@@ -26,6 +26,8 @@ pub struct ExteriorInput {
     pub remote_stress: [f64; 3],
     /// What the displacement does far away, that of the remote stress apart.
     pub radiation: Radiation,
+    /// Whether the remote stress has names in it: with random ones it may vanish in an outcome.
+    named: bool,
 }
 
 /// Reads `[exterior]`; `body`: the plane of the body's material, None of a hole in the medium.
@@ -61,9 +63,14 @@ pub(super) fn exterior(
         }
         None => None,
     };
+    let mut named = false;
     let remote_stress = match fields.get("remote_stress") {
         Some(remote) => {
             let [xx, yy, xy] = tensor(&remote)?;
+            named = [&xx, &yy, &xy].into_iter().any(|entry| match entry.expression(context) {
+                Ok(expression) => !expression.names().is_empty(),
+                Err(_) => false,
+            });
             let value = [xx.constant(context)?, yy.constant(context)?, xy.constant(context)?];
             if value.iter().any(|s| !s.is_finite()) {
                 return Err(remote.problem(format!("{} is {value:?}", remote.name), "it must be finite"));
@@ -75,7 +82,7 @@ pub(super) fn exterior(
     let words = [("decaying", Radiation::Decaying), ("bounded", Radiation::Bounded)];
     let radiation = fields.get("at_infinity").map_or(Ok(Radiation::Decaying), |word| word.choice(&words))?;
     let (displacement_jump, traction_jump) = (pair(displacement)?, pair(traction)?);
-    Ok(ExteriorInput { material, displacement_jump, traction_jump, stress_jump, remote_stress, radiation })
+    Ok(ExteriorInput { material, displacement_jump, traction_jump, stress_jump, remote_stress, radiation, named })
 }
 
 /// The three entries xx, yy, xy of a symmetric tensor.
@@ -126,7 +133,7 @@ impl ExteriorInput {
 
     /// Whether anything of it loads the body.
     pub(super) fn is_loaded(&self) -> bool {
-        self.remote_stress != [0.0; 3] || self.jumps().any(|(_, e)| e.constant() != Some(0.0))
+        self.named || self.remote_stress != [0.0; 3] || self.jumps().any(|(_, e)| e.constant() != Some(0.0))
     }
 }
 

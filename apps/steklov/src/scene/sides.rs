@@ -64,6 +64,13 @@ pub struct Side {
     pub condition: Condition,
 }
 
+impl Side {
+    /// Whether it holds a component of the displacement.
+    pub(crate) fn holds(&self, component: usize) -> bool {
+        matches!(&self.condition, Condition::Displacement { values, .. } if values[component].is_some())
+    }
+}
+
 /// The sides in the order of [`Polygon::side_names`].
 pub(super) fn sides(field: Option<&Field<'_>>, polygon: &Polygon, context: &Context<'_>) -> Result<Vec<Side>, Problem> {
     let names = polygon.side_names();

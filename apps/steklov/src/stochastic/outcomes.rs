@@ -73,7 +73,8 @@ impl<'a> Outcomes<'a> {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
         let particular = scene.particular_solution(1.0 / modulus).map(|solution| {
-            Particular::new(solution, scene.is_cavity(), mesh, space, |u| self.body.condensation.multiply(u))
+            let held = |e: usize, i: usize| scene.sides[mesh.side[e]].holds(i);
+            Particular::new(solution, scene.is_cavity(), mesh, space, held, |u| self.body.condensation.multiply(u))
         });
         let supports = Supports { space, held: &held };
         let mut given = Given::new(loads, particular, boundary, supports.values(), mesh, space);

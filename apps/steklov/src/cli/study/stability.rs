@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, interrupts};
-use super::{StudyArgs, Watch, folder, scene, store, tell_results, unreferenced};
+use super::{StudyArgs, Watch, boundary_only, folder, scene, store, tell_results, unreferenced};
 use crate::study::stability::{
     POISSON, Stability, csv, incompressible, json, pictures, read_beside, settings, single_layer, stabilisation, text,
     write,
@@ -12,6 +12,7 @@ use crate::study::stability::{
 /// Looks for trouble where such methods may have it.
 pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
     let scene = scene(args, |text| settings(text, &args.overrides))?;
+    boundary_only(&scene)?;
     let beside = args.beside.as_deref().map_or(Ok(Vec::new()), read_beside)?;
     let out = folder(args, &scene, "stability")?;
     let stop = interrupts(args.quiet)?;
