@@ -44,7 +44,8 @@ impl Loads {
 }
 
 /// What is done with each traction: side, name, expression, direction on an element.
-type OfTraction<'a> = dyn FnMut(usize, &str, &Expression, &dyn Fn(usize) -> [f64; 2]) -> Result<(), SolveError> + 'a;
+pub(crate) type OfTraction<'a> =
+    dyn FnMut(usize, &str, &Expression, &dyn Fn(usize) -> [f64; 2]) -> Result<(), SolveError> + 'a;
 
 /// Part of ∫ t² that rounding leaves of what is followed.
 const ROUNDING: f64 = 1e-14;
@@ -145,7 +146,7 @@ impl Data<'_> {
 
     /// Calls with the side, name, expression and direction on each element of every traction, pressure and jump of the
     /// traction.
-    fn each_traction(&self, call: &mut OfTraction<'_>) -> Result<(), SolveError> {
+    pub(crate) fn each_traction(&self, call: &mut OfTraction<'_>) -> Result<(), SolveError> {
         for (index, side) in self.scene.sides.iter().enumerate() {
             match &side.condition {
                 Condition::Traction(traction) | Condition::Displacement { traction: Some(traction), .. } => {

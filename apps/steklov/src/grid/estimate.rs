@@ -11,6 +11,7 @@ use steklov_coupling::{CellIndicators, InterfaceIndicators};
 
 use super::FAILING;
 use super::coupled::{MediumTraction, medium_tractions};
+use super::oscillation::load_oscillation;
 use super::solve::{GridSolved, node_at};
 use super::trace::GridTrace;
 use crate::around::Around;
@@ -157,7 +158,9 @@ pub(super) fn estimate(
         let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
         CellIndicators::new(medium, u, &force).squared().iter().sum()
     } else {
-        bubble_indicators(medium, &loads.body, u, &traction).iter().sum()
+        let fine = GridTrace::new(scene, &medium.grid, |_| true)?;
+        bubble_indicators(medium, &loads.body, u, &traction).iter().sum::<f64>()
+            + load_oscillation(scene, medium, loads, &fine)?
     };
     let interface = solved.interface.clone();
     let jump = solved.jump_oscillation.clone();

@@ -21,6 +21,7 @@ mod system;
 mod solve;
 mod coupled;
 mod estimate;
+mod oscillation;
 mod run;
 mod plan;
 mod record;
