@@ -110,14 +110,14 @@ fn fields_do_not_depend_on_units_and_places() {
 
 /// The errors of a known solution by an independent code (energy norm inside, norm of V of the traction's error against its
 /// means): the estimate follows them, and
-/// residuals are 3 to 10 times as large. The estimate has a part that these errors have not: what linear functions leave of the jump.
+/// residuals are 3 to 10 times as large. The estimate has parts that these errors have not: what linear functions leave of the jump and of the loads.
 #[test]
 fn the_estimate_follows_the_error() {
     let text = std::fs::read_to_string("../../scenes/40-transmission.toml").unwrap();
     for ([e1, n1, e2, n2], errors, sharp) in [
-        ([2.0, 0.3, 2.0, 0.3], [0.2184334348, 0.1023723681, 0.05013540328], [0.95, 1.55]),
-        ([20.0, 0.25, 2.0, 0.3], [0.6072932356, 0.3073255658, 0.1544400171], [0.95, 1.55]),
-        ([1.0, 0.35, 50.0, 0.2], [0.1457398885, 0.07282818724, 0.03635144816], [0.95, 1.55]),
+        ([2.0, 0.3, 2.0, 0.3], [0.2184334348, 0.1023723681, 0.05013540328], [0.95, 1.65]),
+        ([20.0, 0.25, 2.0, 0.3], [0.6072932356, 0.3073255658, 0.1544400171], [0.95, 1.65]),
+        ([1.0, 0.35, 50.0, 0.2], [0.1457398885, 0.07282818724, 0.03635144816], [0.95, 1.65]),
     ] {
         for (n, error) in [4, 8, 16].into_iter().zip(errors) {
             let of = |indicator: &str| {
