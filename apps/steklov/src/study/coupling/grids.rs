@@ -79,7 +79,7 @@ pub fn coarsest(scene: &Scene) -> Result<[usize; 2], SceneError> {
 /// unless it has more than `dofs`.
 ///
 /// # Errors
-/// As [`level`].
+/// As [`grid_of`].
 pub fn largest(scene: &Scene, most_dofs: usize, dofs: usize) -> Result<Option<Level>, SceneError> {
     let first = coarsest(scene)?;
     let unknowns = |times: usize| 2 * (first[0] * times + 1) * (first[1] * times + 1);
