@@ -7,7 +7,7 @@ use steklov::adapt::Layout;
 use steklov::grid::{GridProgress, GridRun, run_grid};
 use steklov::plan::{first_mesh, plan};
 use steklov::record::Record;
-use steklov::report::{ContactRow, contact_rows, contact_summary, located_ends};
+use steklov::report::{ContactRow, contact_rows, contact_summary, located};
 use steklov::run::{Progress, Run, run};
 use steklov::scene::{Model, Refine, Scene, SceneError};
 use steklov::solve::{SolveError, Solved};
@@ -129,7 +129,7 @@ pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
         None => (Vec::new(), None),
         Some(contact) => {
             let rows = contact_rows(run.last.trace(), contact);
-            let summary = contact_summary(&once, &run.last.mesh, contact, &rows, located_ends(&once, run.step()));
+            let summary = contact_summary(&once, run.last.trace(), contact, &rows, located(&once, run.step()));
             (rows, Some(summary))
         }
     };

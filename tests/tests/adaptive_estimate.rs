@@ -31,11 +31,14 @@ fn effectivities(name: &str, scene: &Scene) -> Vec<(usize, f64)> {
     scene.method.refine = Refine::Hp;
     scene.method.max_dofs = DOFS;
     let (run, displacements) = solved_in_steps(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let fine = finer(&scene, REFERENCE_DOFS).unwrap_or_else(|e| panic!("{name}: {e}"));
     if run.step().estimate().relative < 1e-9 {
-        println!("{name}: exact");
+        let last = &displacements[displacements.len() - 1];
+        let truth = true_error(&scene, &run.step().mesh, last, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        println!("{name}: exact, {:.1e}", truth.error / truth.norm);
+        assert!(truth.error <= 1e-7 * truth.norm, "{name}: an error of {:e} is not seen", truth.error / truth.norm);
         return Vec::new();
     }
-    let fine = finer(&scene, REFERENCE_DOFS).unwrap_or_else(|e| panic!("{name}: {e}"));
     println!("{name}: {}", run.reason.word());
     let mut effectivities = Vec::new();
     for (k, (step, displacement)) in run.progress.steps.iter().zip(&displacements).enumerate() {

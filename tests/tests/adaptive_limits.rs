@@ -73,11 +73,13 @@ fn loads_finer_than_the_elements_are_in_doubt() {
     let waves = "-abs(sin(50*x))";
     for (load, refine, tolerance) in [(pole, "hp", "0.05"), (waves, "h", "0.017"), (waves, "hp-decay", "0.017")] {
         println!("{load} with {refine}");
+        // meshes of hp have vertices about the pole from the first one on
+        let shown = refine == "hp";
         let refine = format!("method.refine=\"{refine}\"");
         let tolerance = format!("method.tolerance={tolerance}");
         let scene = parsed(&on_floor(On::traction("0", load)), &[&refine, &tolerance]);
         let found = effectivities(&scene, 900, Doubt::Data);
-        assert!(found[0].1, "the first mesh does not follow the load");
+        assert!(found[0].1 || shown, "the first mesh does not follow the load");
         assert!(found.iter().all(|&(e, doubted)| doubted || (0.75..1.5).contains(&e)), "{found:?}");
         assert!(!found[found.len() - 1].1, "the last mesh does");
     }
@@ -92,6 +94,8 @@ fn elements_longer_than_the_body_is_thick_are_in_doubt() {
         let scene = parsed(&strip(thickness), &["method.tolerance=1e-4"]);
         let found = effectivities(&scene, 900, Doubt::Coarse);
         assert!(found[0].1 && found.iter().all(|&(e, doubted)| doubted || (0.7..2.5).contains(&e)), "{found:?}");
+        // in doubt or not, in the end it is right
+        assert!((0.7..2.5).contains(&found[found.len() - 1].0), "{found:?}");
     }
     // a bar no thinner than its elements are long is not in doubt for that
     let scene = parsed(&strip("0.5"), &["method.elements=24", "method.tolerance=1e-3"]);

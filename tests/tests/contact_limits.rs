@@ -205,10 +205,21 @@ fn contact_that_never_closes_leaves_a_body_to_its_loads() {
     }
     let rest = solved(&on_floor(On::smooth("0"), "0"));
     assert!(rest.solved.displacement.iter().all(|u| *u == 0.0) && rest.contact().force == [0.0; 2]);
-    // where contact would have to push the body away by itself nothing says how far it goes
-    for (gap, sides) in [("0", "40"), ("-0.01", "0")] {
-        let error = refused(&on_floor(On::smooth(gap), sides));
-        assert!(matches!(error, SolveError::Contact(ContactError::RigidMotion { .. })), "{error}");
+    // an obstacle into which it bulges, or lies, pushes it off: it does not press then
+    for (gap, sides) in [("0", "40"), ("-0.01", "0"), ("-0.01*(1 + x)", "40")] {
+        let pushed = solved(&on_floor(On::smooth(gap), sides));
+        assert!(pushed.converged() && pushed.contact().force == [0.0; 2] && pushed.contact().length == 0.0);
+        let least = pushed.rows.iter().map(|r| r.gap - r.normal_displacement).fold(f64::INFINITY, f64::min);
+        close("it touches", least.abs(), 1e-12);
+        for row in &pushed.rows {
+            let exact: f64 =
+                [0.0, -0.01, -0.01 * (1.0 + row.point[0])][["0", "-0.01"].iter().position(|g| *g == gap).unwrap_or(2)];
+            close("gap", (row.gap - exact).abs(), 1e-12);
+        }
+        if sides == "40" {
+            close("strain", off(&strain(&free), &strain(&pushed)), 1e-9);
+            close("energy", off(&[free.solved.energies.total], &[pushed.solved.energies.total]), 1e-12);
+        }
     }
 }
 

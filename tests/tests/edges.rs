@@ -159,3 +159,20 @@ fn lost_digits_are_no_solution() {
     let far = square("[[1e12, 0], [1000000000001, 0], [1000000000001, 1], [1e12, 1]]", PRESSED);
     assert!(parse(&far, &[]).is_err());
 }
+
+/// The gap of a node that is held along x on a sloping floor is told without what the held displacement does.
+#[test]
+fn gaps_are_told_as_they_are_where_a_component_is_held() {
+    let sides = "[sides.floor]\ncontact = { gap = \"0.02\", friction = { tresca = \"0.1\" } }\n\
+                 [sides.right]\ndisplacement = [\"-0.01\", \"free\"]\n";
+    let sloped = "[[0, 0], [1, -0.5], [1, 1], [0, 1]]";
+    for (elements, degree) in [(8, 1), (4, 3)] {
+        let scene =
+            parse(&square(sloped, &format!("{sides}{PRESSED}{}", method(elements, degree))), &[]).expect("a scene");
+        let rows = answer(&scene).rows;
+        assert!(rows.iter().any(|row| row.point == [1.0, -0.5]), "the end is held along x alone");
+        for row in rows {
+            assert!((row.gap - 0.02).abs() < 1e-14 && row.normal_displacement < 0.02 + 1e-12, "{row:?}");
+        }
+    }
+}

@@ -43,6 +43,8 @@ fn bilinear_elements_converge_to_boundary_elements() {
                 s.energy - energy
             );
             assert!(error <= uncertainty, "{name} {n}: {error:e} of {uncertainty:e}");
+            // and that is no more than J itself is wrong by, nearly
+            assert!(uncertainty <= 4.0 * (s.energy - energy), "{name} {n}: {uncertainty:e}");
             s.energy
         });
         let ratio = (j[0] - j[1]) / (j[1] - j[2]);

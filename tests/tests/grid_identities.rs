@@ -283,3 +283,20 @@ fn threads_change_no_bit() {
         assert_eq!(one.reactions, two.reactions, "{basis}");
     }
 }
+
+/// A jump x² of the displacement leaves a²(t² - 1) of its linear interpolant on elements of half length a: half of its norm times that
+/// of its slope over both compliances, 1/E* = (1-ν²)/E, on the elements along x, and nothing on those along y.
+#[test]
+fn what_elements_leave_of_a_jump_has_the_energy_of_both_compliances() {
+    let text = "[body]\ncorners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n\
+                [material]\nyoung = 3.0\npoisson = 0.4\n[exterior]\nyoung = 5.0\npoisson = 0.2\n\
+                displacement_jump = [\"x^2\", \"0\"]\n[grid]\ncoarse = [4, 4]\nfine = [1, 1]\n[method]\nmodel = \"fem-bem\"\n\
+                refine = \"none\"\n";
+    let scene = parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let run = attempt_grid(&scene).unwrap_or_else(|e| panic!("{e}"));
+    let jump = run.last.estimate.expect("an estimate").jump;
+    let wanted = 0.125f64.powi(4) * (128.0f64 / 45.0).sqrt() / (2.0 * ((1.0 - 0.16) / 3.0 + (1.0 - 0.04) / 5.0));
+    assert_eq!(jump.len(), 16);
+    assert_eq!(jump.iter().filter(|energy| (*energy / wanted - 1.0).abs() < 1e-10).count(), 8, "{jump:?} {wanted}");
+    assert_eq!(jump.iter().filter(|energy| **energy == 0.0).count(), 8, "{jump:?}");
+}

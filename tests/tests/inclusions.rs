@@ -254,6 +254,35 @@ fn inner([x, y]: [f64; 2]) -> [f64; 2] {
     [x.exp() * y.cos(), -x.exp() * y.sin()]
 }
 
+/// J of [`manufactured`] from its tractions t inside and φ outside: ½ ∮ t·u - ½ ∮ φ·ξ - ∮ (t - φ)·u.
+fn manufactured_energy() -> f64 {
+    let body = Elastic { young: 20.0, poisson: 0.2, stress: false };
+    let medium = Elastic { young: 2.0, poisson: 0.3, stress: false };
+    let (mu, kappa) = (medium.mu(), medium.kappa());
+    let (c, force) = (1.0 / (2.0 * PI * mu * (1.0 + kappa)), [8.0, 5.0]);
+    let rule = steklov_quadrature::gauss_legendre(120).mapped(-0.5, 0.5);
+    let density = |x: [f64; 2], n: [f64; 2]| {
+        let (u, m) = (inner(x), 2.0 * body.mu());
+        // σ = 2μ ε: the field is harmonic without a trace
+        let t = [m * (u[0] * n[0] + u[1] * n[1]), m * (u[1] * n[0] - u[0] * n[1])];
+        let (mut xi, mut phi) = ([0.0; 2], [0.0; 2]);
+        for (at, sign) in [([0.12, 0.07], 1.0), ([-0.1, -0.05], -1.0)] {
+            let d = [x[0] - at[0], x[1] - at[1]];
+            let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+            let (r2, df, dn, nf) = (dot(d, d), dot(d, force), dot(d, n), dot(n, force));
+            for i in 0..2 {
+                xi[i] += sign * c * (-0.5 * kappa * force[i] * r2.ln() + d[i] * df / r2);
+                let part = (kappa - 1.0) / 2.0 * (d[i] * nf + dn * force[i] - n[i] * df) + 2.0 * d[i] * dn * df / r2;
+                phi[i] -= sign * 2.0 * mu * c / r2 * part;
+            }
+        }
+        (0..2).map(|i| 0.5 * t[i] * u[i] - 0.5 * phi[i] * xi[i] - (t[i] - phi[i]) * u[i]).sum::<f64>()
+    };
+    let sides = [[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
+    let point = |n: [f64; 2], s: f64| [0.5 * n[0] - s * n[1], 0.5 * n[1] + s * n[0]];
+    sides.into_iter().map(|n| rule.integrate(|s| density(point(n, s), n))).sum()
+}
+
 /// The energy norm of the error falls like h^(p+½) and exponentially in p, and the estimate is near it all the way.
 #[test]
 fn a_manufactured_transmission_converges() {
@@ -263,12 +292,15 @@ fn a_manufactured_transmission_converges() {
         assert!(off(run.last.inside(x).0, inner(x)) < 1e-6, "{x:?}");
     }
     // J extrapolated is right within what each step says, and much nearer than J itself
-    let exact = run.step().estimate.as_ref().unwrap().energy;
+    let exact = manufactured_energy();
+    let last = run.step().energy;
+    assert!((last / exact - 1.0).abs() < 1e-10, "{last} {exact}");
     for step in run.progress.steps.iter().rev().skip(1) {
         let estimate = step.estimate.as_ref().unwrap();
         let (off, own) = ((estimate.energy - exact).abs(), (step.energy - exact).abs());
         println!("{} dofs: {own:.1e}, extrapolated {off:.1e}, uncertain {:.1e}", step.dofs, estimate.uncertainty);
         assert!(off <= estimate.uncertainty && off < 0.2 * own, "{off:e} {own:e}");
+        assert!(estimate.uncertainty < 2.0 * own, "{:e} {own:e}", estimate.uncertainty);
     }
     let reference = finer(&manufactured("tolerance = 1e-6"), 800).unwrap();
     let errors_of = |scene: &Scene| -> Vec<[f64; 3]> {
@@ -300,6 +332,27 @@ fn a_manufactured_transmission_converges() {
     assert!(found.iter().all(|s| s[2] > 0.7 && s[2] < 1.4), "{found:?}");
 }
 
+/// Bodies a thousand times as stiff as the medium, or as soft: the softer one is as good as held, and its error that of its traction,
+/// which J knows. The estimate stays near the root of twice the error of J.
+#[test]
+fn the_estimate_is_the_error_of_j_at_any_contrast() {
+    for ratio in [1e3, 1e-3] {
+        let medium = Elastic { young: 1.0, poisson: 0.3, stress: false };
+        let body = Elastic { young: ratio, poisson: 0.2, stress: false };
+        let at = |tolerance: f64| {
+            let rest = format!("remote_stress = [1, 0, 0.3]\n[method]\ntolerance = {tolerance}\nmax_dofs = 1500\n");
+            adapt(&scene(&text(&SQUARE, body, medium, &rest), &[])).unwrap_or_else(|e| panic!("{e}"))
+        };
+        let exact = at(1e-5).step().energy;
+        let run = at(2e-3);
+        let effectivity: Vec<f64> = (run.progress.steps.iter())
+            .map(|step| step.estimate().error / (2.0 * (step.energy - exact)).abs().sqrt())
+            .collect();
+        println!("E1/E2 = {ratio}: effectivity {effectivity:.2?}");
+        assert!(effectivity.len() > 3 && effectivity.iter().all(|e| *e > 0.7 && *e < 1.4), "{ratio}: {effectivity:?}");
+    }
+}
+
 /// A stiff square under tension: corners are singular, and the hp strategy converges like exp(-b N^½) all the same.
 #[test]
 fn a_stiff_square_converges_exponentially() {
@@ -326,6 +379,9 @@ fn a_stiff_square_converges_exponentially() {
         let (last, uncertain) = (run.step().energy, &run.progress.steps[run.progress.steps.len() - 3]);
         let estimate = uncertain.estimate.as_ref().unwrap();
         assert!((estimate.energy - last).abs() <= estimate.uncertainty, "{estimate:?} {last}");
+        // and that is no more than the square of the true error
+        let truth = errors[errors.len() - 3].exp() * estimate.scale;
+        assert!(estimate.uncertainty < truth * truth, "{:e} {truth:e}", estimate.uncertainty);
     }
 }
 

@@ -14,10 +14,11 @@ fn stabilised(scene: &Scene) -> Scene {
     scene
 }
 
-/// Every scene with contact reaches its tolerance with the default γ, at the energy, the stick and the force of biorthogonal
-/// multipliers and, where it is finite, their largest pressure. Scenes with random input are left out: J is a mean there.
+/// Every scene with contact reaches its tolerance with the default γ, at the energy that its file knows, the energy, the stick and
+/// the force of biorthogonal multipliers and, where it is finite, their largest pressure. Scenes with random input are left out: J is a mean there.
 #[test]
 fn every_scene_of_the_gallery_is_solved() {
+    let mut judged = 0;
     for (name, scene) in gallery()
         .into_iter()
         .filter(|(_, s)| s.random.is_none() && s.sides.iter().any(|s| matches!(s.condition, Condition::Contact { .. })))
@@ -34,11 +35,20 @@ fn every_scene_of_the_gallery_is_solved() {
         );
         assert!(b.converged() == a.converged(), "{name}: {:?}", b.reason);
         // stabilised multipliers let u_n exceed the gap a little, to which J is of first order
-        let allowed = 1e-11 + 1e-2 * (x.1 + y.1);
+        let allowed = match name.as_str() {
+            "26-ssnv128" => 7e-7,
+            _ if scene.method.refine == Refine::None => 1e-11,
+            _ => 1e-7,
+        };
         assert!(off <= allowed, "{name}: {off:e} {allowed:e}");
+        for known in scene.expect.iter().filter(|e| e.path == "energy") {
+            let error = (y.0 - known.value).abs();
+            assert!(error <= known.tol, "{name}: J is {}, off by {error:e} of {:e}", y.0, known.tol);
+            judged += 1;
+        }
         let [x, y] = [&a, &b].map(|run| {
             let contact = run.last.contact.as_ref().expect("contact");
-            contact_summary(&scene, &run.last.mesh, contact, &contact_rows(run.last.trace(), contact), None)
+            contact_summary(&scene, run.last.trace(), contact, &contact_rows(run.last.trace(), contact), None)
         });
         let force = |f: [f64; 2]| f[0].hypot(f[1]);
         let apart = [
@@ -56,6 +66,7 @@ fn every_scene_of_the_gallery_is_solved() {
             contact.stabilised.as_ref().is_some_and(|s| s.gamma < 0.51 * s.critical && s.gamma > 0.49 * s.critical)
         );
     }
+    assert!(judged >= 10, "{judged} energies are known");
 }
 
 /// J of the wedge gap, thirteen digits by several adaptive meshes of biorthogonal multipliers.

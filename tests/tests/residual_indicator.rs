@@ -3,25 +3,42 @@
 use steklov::scene::{Indicator, Refine};
 use steklov_tests::{adapt, gallery, parse};
 
+/// Scenes with a solution that their elements have.
+const EXACT: [&str; 10] = ["01-", "02-", "03-", "04-", "05-", "08-", "09-", "10-", "11-", "13-"];
+/// Scenes with a single mesh: the first one has nearly as many unknowns as are allowed here, or all but the quadratic multiplier.
+const SINGLE: [&str; 4] = ["06-", "07-", "14-", "47-"];
+
 /// Kinks beside element ends, oblique edges, elements of 1e-6: all terms are finite, and what steers the refinement goes down.
+/// Where the solution is in the space of the first mesh nothing but rounding is left.
 #[test]
 fn the_residual_indicator_steers_every_scene() {
     for (name, mut scene) in gallery() {
+        let [exact, single] = [&EXACT[..], &SINGLE].map(|scenes| scenes.iter().any(|number| name.starts_with(number)));
         (scene.method.indicator, scene.method.refine) = (Indicator::Residual, Refine::Hp);
         (scene.method.tolerance, scene.method.max_dofs) = (1e-5, 400);
         let run = adapt(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
         let totals: Vec<f64> =
             run.progress.steps.iter().map(|s| s.estimate().residuals.iter().map(|r| r.total()).sum()).collect();
         let (first, last) = (totals[0], totals[totals.len() - 1]);
-        println!("{name:24} {:2} steps {:4} dofs: {first:.1e} to {last:.1e}", totals.len(), run.step().dofs);
+        let strain = run.last.energies.strain;
+        println!(
+            "{name:24} {:2} steps {:4} dofs: {first:.1e} to {last:.1e} of {strain:.1e}",
+            totals.len(),
+            run.step().dofs
+        );
         assert!(totals.iter().all(|t| t.is_finite()), "{name}: {totals:?}");
-        let exact = run.step().estimate().relative < 1e-7;
-        assert!(exact || totals.len() == 1 || last < 0.1 * first, "{name}: {totals:?}");
+        if exact {
+            assert!(first <= 1e-14 * strain, "{name}: {first:e} of {strain:e}");
+        } else {
+            assert!(first > 1e-8 * strain, "{name}: {first:e} of {strain:e}");
+            assert!(if single { totals.len() == 1 } else { last < 0.1 * first }, "{name}: {totals:?}");
+        }
     }
 }
 
 /// The displacement is known on all of the boundary: no correction of it is left, the traction has all of the error. J is the
-/// energy of the traction, so that its own error is known from a finer mesh.
+/// energy of the traction; the exact one is that of another program, by finite elements of degrees up to 12 on meshes that are
+/// geometric towards the sides. Estimates in doubt are judged like the others.
 #[test]
 fn held_everywhere_the_error_is_that_of_the_traction() {
     let text = r#"
@@ -43,17 +60,19 @@ fn held_everywhere_the_error_is_that_of_the_traction() {
         tolerance = 1e-6
     "#;
     let scene = parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
-    let fine = adapt(&scene).expect("it is solved");
-    let exact = fine.last.energies.total;
-    for step in &fine.progress.steps {
+    let run = adapt(&scene).expect("it is solved");
+    let exact = 0.034_571_078_430_4;
+    let mut judged = 0;
+    for (k, step) in run.progress.steps.iter().enumerate() {
         let (error, estimate) = (((exact - step.energy) / exact).abs().sqrt(), step.estimate());
-        println!("{:4} dofs: true {error:.2e}, estimate {:.2e} {:?}", step.dofs, estimate.relative, estimate.doubts);
-        if estimate.doubts.is_empty() && error > 1e-5 {
-            let effectivity = estimate.relative / error;
-            let first = step.dofs == fine.progress.steps[0].dofs;
-            let range = if first { 0.5..2.0 } else { 0.8..1.25 };
+        let effectivity = estimate.relative / error;
+        println!("{:4} dofs: true {error:.2e}, estimate over it {effectivity:.2} {:?}", step.dofs, estimate.doubts);
+        if error > 1e-5 {
+            judged += 1;
+            let range = if k == 0 { 0.5..2.0 } else { 0.8..1.25 };
             assert!(range.contains(&effectivity), "{effectivity} at {} unknowns", step.dofs);
         }
     }
-    assert!(fine.step().estimate().relative <= 1e-6);
+    assert!(judged >= 7 && run.step().estimate().relative <= 1e-6, "{judged} steps judged");
+    assert!((run.last.energies.total / exact - 1.0).abs() < 1e-10, "{} of {exact}", run.last.energies.total);
 }

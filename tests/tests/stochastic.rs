@@ -38,7 +38,8 @@ fn solved(scene: &Scene) -> (Run, StochasticResult) {
 /// All outcomes on the last mesh of a run.
 fn on(scene: &Scene, run: &Run) -> StochasticResult {
     let random = scene.random.as_ref().expect("random input");
-    solve_stochastic(scene, random, &run.body, &|_, _| {}, &|| false).unwrap_or_else(|e| panic!("{e}"))
+    solve_stochastic(scene, random, run.body.as_ref().expect("matrices"), &|_, _| {}, &|| false)
+        .unwrap_or_else(|e| panic!("{e}"))
 }
 
 fn quantity<'a>(result: &'a StochasticResult, name: &str) -> &'a Quantity {
@@ -136,7 +137,7 @@ fn outcomes_are_those_of_scenes_of_their_own() {
             .unwrap_or_else(|e| panic!("{e}"));
         let contact = solved.contact.as_ref().expect("contact");
         let rows = steklov::report::contact_rows(solved.trace(), contact);
-        let told = steklov::report::contact_summary(&own, &solved.mesh, contact, &rows, None);
+        let told = steklov::report::contact_summary(&own, solved.trace(), contact, &rows, None);
         let (inside, stress) = solved.inside([0.1, -0.2]);
         let top = solved.reactions.iter().find(|r| r.0 == "top").expect("held").1[1];
         let energies = solved.energies;
@@ -252,7 +253,9 @@ fn the_truncation_sees_where_sticking_turns_into_slip() {
     let run = adapt(&at("degree = 3")).unwrap_or_else(|e| panic!("{e}"));
     let fine = on(&at("degree = 3\nelements = 64"), &run);
     assert!(fine.probability.iter().all(|p| *p == 1.0));
-    let energy = |u: &[f64]| run.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>();
+    let energy = |u: &[f64]| {
+        run.body.as_ref().expect("matrices").condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()
+    };
     for degree in 3..=6 {
         let coarse = on(&at(&format!("degree = {degree}")), &run);
         let variables = vec![Variable::uniform(0.0, 1.0).expect("a variable")];

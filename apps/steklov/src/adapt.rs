@@ -1,12 +1,13 @@
 //! From the estimate of one mesh to the next mesh.
 
-use steklov_bem_operators::{Grading, Mark, Mesh, SAME_PLACE, Subdivision, doerfler, legendre_decay};
-use steklov_contact::{Located, Tip, relocate, unlocated};
+use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, SAME_PLACE, Subdivision, doerfler, legendre_decay};
+use steklov_contact::{Located, Obstacle, Tip, relocate, unlocated};
 
 use crate::apart::{limited_by_multipliers, multiplier_indicators};
 use crate::body::Factors;
 use crate::estimate::{Bubble, Doubt, Estimate};
-use crate::expression::Expression;
+use crate::expression::{Expression, Turn};
+use crate::hidden::{Overlap, Unseen};
 use crate::scene::{Condition, Friction, Refine, Scene};
 use crate::solve::{SolveError, Solved};
 
@@ -27,6 +28,14 @@ const RESOLVING: usize = 3;
 const STRAIGHT: f64 = 1e-9;
 /// A vertex closer to a kink of the data than this part of its element is moved there.
 const SNAP: f64 = 0.2;
+/// Data that vary within less than an element of the first mesh get vertices there, at so many places of an edge at most.
+const MOST_PLACES: usize = 64;
+/// They change by this part of the largest value there.
+const STEEP: f64 = 0.05;
+/// Values beyond this part of the largest one are seen.
+const SEEN: f64 = 0.2;
+/// What is narrower than this in the reference coordinate of its element gets vertices of its own.
+const NARROW: f64 = 0.5;
 
 /// Singular points of every edge that are known before anything is solved, rising: its corners, but those where the
 /// boundary goes on straight on the same side; with `kinks` also where a datum has a kink or jumps.
@@ -54,12 +63,8 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
     if kinks {
         for (k, edge) in edges.iter().enumerate() {
             for datum in data(&scene.sides[edge.side].condition).into_iter().chain(scene.jumps_on(edge)) {
-                let found = datum.kinks(|t| {
-                    let s = (1.0 + t) / 2.0;
-                    let [x, y] = edge.point(s);
-                    (x, y, s)
-                });
-                points[k].extend(found.into_iter().map(|t| (1.0 + t) / 2.0).filter(|s| *s > 1e-9 && *s < 1.0 - 1e-9));
+                let along = datum.along(edge);
+                points[k].extend(along.kinks.iter().filter(|s| **s > 1e-9 && **s < 1.0 - 1e-9));
             }
         }
     }
@@ -81,6 +86,98 @@ pub fn coarse_elements(mesh: &Mesh, singular: &[Vec<f64>]) -> Vec<usize> {
 fn unresolved_loads(unresolved: &[f64]) -> Vec<usize> {
     let total: f64 = unresolved.iter().sum();
     (0..unresolved.len()).filter(|&e| unresolved[e] > 0.01 * total).collect()
+}
+
+/// Vertices at three places of an edge, but where there is one already.
+fn insert_apart(subdivision: &mut Subdivision, edge: usize, places: [f64; 3]) {
+    let apart = 0.1 * (places[2] - places[0]).abs();
+    for s in places {
+        let near = |p: &Piece| (p.start - s).abs() < apart || (p.end - s).abs() < apart;
+        if !subdivision.edges[edge].iter().any(near) {
+            subdivision.insert(edge, s, &[], 0.0);
+        }
+    }
+}
+
+/// Where the data of an edge, gaps apart, change within less than one of its elements, unseen by its nodes: begin, peak and
+/// end of each such place. A gap matters where the body comes near the obstacle only.
+fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]> {
+    let shortest = elements.iter().map(|p| p.end - p.start).fold(0.0, f64::max);
+    let mut places: Vec<[f64; 3]> = Vec::new();
+    let condition = &scene.sides[edge.side].condition;
+    let gap = |datum: &&Expression| !matches!(condition, Condition::Contact { gap, .. } if std::ptr::eq(gap, *datum));
+    for datum in data(condition).into_iter().chain(scene.jumps_on(edge)).filter(gap) {
+        if datum.constant().is_some() {
+            continue;
+        }
+        let along = datum.along(edge);
+        let ends = along.survey.narrow([-1.0, 2.0], 0.55 * shortest, STEEP);
+        let mut clusters: Vec<[f64; 2]> = Vec::new();
+        for s in ends {
+            match clusters.last_mut() {
+                Some(last) if s - last[1] < shortest / 4.0 => last[1] = s,
+                _ => clusters.push([s, s]),
+            }
+        }
+        // loads are integrated: a look between the nodes is enough to see them; bounds and held values count at nodes
+        let loads = matches!(condition, Condition::Traction(_) | Condition::Pressure(_) | Condition::Free);
+        let value = |s: f64| {
+            let [x, y] = edge.point(s);
+            datum.eval(x, y, s).abs()
+        };
+        let largest = along.survey.sampled.magnitude();
+        let points: Vec<f64> = elements
+            .iter()
+            .flat_map(|p| {
+                let parts = if loads { 4 } else { p.degree };
+                (0..=parts).map(move |k| p.start + (p.end - p.start) * k as f64 / parts as f64)
+            })
+            .collect();
+        for [a, b] in clusters.into_iter().filter(|c| c[0] < c[1] && c[1] - c[0] <= shortest) {
+            if !points.iter().any(|&s| a <= s && s <= b && value(s) > SEEN * largest) {
+                let inside = along.survey.samples.iter().filter(|p| a < p.0 && p.0 < b);
+                let peak = inside.max_by(|p, q| p.1.abs().total_cmp(&q.1.abs())).map_or((a + b) / 2.0, |p| p.0);
+                places.push([a, peak, b]);
+            }
+        }
+    }
+    if places.len() > MOST_PLACES { Vec::new() } else { places }
+}
+
+/// Where the gap of each edge turns: asperities of the obstacle, and valleys between them.
+fn gap_turns(scene: &Scene) -> Vec<Vec<Turn>> {
+    let of = |edge: &Edge| match &scene.sides[edge.side].condition {
+        Condition::Contact { gap, .. } if gap.constant().is_none() => gap.along(edge).survey.turns(),
+        _ => Vec::new(),
+    };
+    scene.polygon.edges().iter().map(of).collect()
+}
+
+/// The same for the contact crate.
+fn obstacles(turns: &[Vec<Turn>]) -> Vec<Obstacle> {
+    let of = |turns: &Vec<Turn>| {
+        let (valleys, peaks): (Vec<Turn>, Vec<Turn>) = turns.iter().partition(|t| t.maximum);
+        Obstacle { valleys: valleys.iter().map(|t| t.at).collect(), peaks: peaks.iter().map(|t| t.at).collect() }
+    };
+    turns.iter().map(of).collect()
+}
+
+/// Cuts the marked contact elements along which the gap turns twice or more at a valley between two asperities: the multipliers
+/// of a degree that does not follow the gap feel contact where there is none.
+fn cut_at_valleys(subdivision: &mut Subdivision, turns: &[Vec<Turn>]) {
+    for (edge, turns) in turns.iter().enumerate() {
+        let mut cuts = Vec::new();
+        for piece in subdivision.edges[edge].iter_mut().filter(|p| p.mark != Mark::Keep) {
+            let inside = || turns.iter().filter(|t| piece.start < t.at && t.at < piece.end);
+            let off = |t: &&Turn| (t.at - (piece.start + piece.end) / 2.0).abs();
+            let valley = inside().filter(|t| t.maximum).min_by(|a, b| off(a).total_cmp(&off(b)));
+            if let (true, Some(valley)) = (inside().count() > 1, valley) {
+                cuts.push(valley.at);
+                piece.mark = Mark::Keep;
+            }
+        }
+        cuts.into_iter().for_each(|s| subdivision.insert(edge, s, &[], 0.0));
+    }
 }
 
 /// The expressions of a condition.
@@ -109,6 +206,9 @@ impl Layout {
                 for (i, &s) in points.iter().enumerate() {
                     subdivision.insert(k, s, &points[..i], SNAP);
                 }
+                for place in narrow_places(scene, &scene.polygon.edges()[k], &subdivision.edges[k].clone()) {
+                    insert_apart(&mut subdivision, k, place);
+                }
             }
         }
         Self { subdivision, tips: Vec::new() }
@@ -129,6 +229,7 @@ impl Layout {
         solved: &Solved,
         factors: &Factors,
         estimate: Option<&Estimate>,
+        unseen: &Unseen,
     ) -> Result<(Self, Vec<Located>), SolveError> {
         let method = &scene.method;
         let Solved { mesh, space, .. } = solved;
@@ -146,7 +247,7 @@ impl Layout {
         squared.iter_mut().zip(&apart).for_each(|(all, part)| *all += part);
         let limited = |e: usize| limited_by_multipliers(scene, apart[e], squared[e]);
         let unresolved = match estimate {
-            Some(estimate) if estimate.doubts.contains(&Doubt::Data) => unresolved_loads(&factors.unresolved),
+            Some(estimate) if estimate.doubts.contains(&Doubt::Data) => unresolved_loads(&unseen.unresolved),
             _ => Vec::new(),
         };
         let decay = |e: usize| legendre_decay(mesh, space, e, &solved.displacement);
@@ -200,10 +301,24 @@ impl Layout {
                         marks[e] = Mark::Refine { rough: true, excess: 1.0 };
                     }
                 }
+                let narrow: Vec<&Overlap> = unseen.overlaps.iter().filter(|o| o.at[2] - o.at[0] < NARROW).collect();
+                narrow.iter().for_each(|o| marks[o.element] = Mark::Keep);
                 let mut subdivision = Subdivision::new(mesh, &marks);
+                let turns = gap_turns(scene);
+                for overlap in narrow {
+                    let (e, edge) = (overlap.element, mesh.edge[overlap.element]);
+                    let at = overlap.at.map(|t| mesh.edge_parameter(e, t));
+                    insert_apart(&mut subdivision, edge, at);
+                    // the valleys on both sides, so that no other asperity shares its elements
+                    let valleys = turns[edge].iter().filter(|t| t.maximum).map(|t| t.at);
+                    let before = valleys.clone().filter(|s| *s < at[1]).fold(f64::NEG_INFINITY, f64::max);
+                    let after = valleys.filter(|s| *s > at[1]).fold(f64::INFINITY, f64::min);
+                    insert_apart(&mut subdivision, edge, [before, at[1], after]);
+                }
+                cut_at_valleys(&mut subdivision, &turns);
                 let mut tips = self.tips.clone();
                 let located = match state {
-                    Some(state) => relocate(&mut tips, &mut subdivision, state, &singular)?,
+                    Some(state) => relocate(&mut tips, &mut subdivision, state, &singular, &obstacles(&turns))?,
                     None => Vec::new(),
                 };
                 tips.iter().for_each(|tip| singular[tip.edge].push(tip.s));

@@ -1,9 +1,7 @@
 //! A body on a mesh: its matrices, which no load changes, and its answer to loads.
 
 use faer::Mat;
-use steklov_bem_operators::{
-    BoundaryField, Condensation, EnrichedSteklov, Material, Mesh, RigidMotion, Space, TractionMap,
-};
+use steklov_bem_operators::{BoundaryField, Condensation, Material, Mesh, RigidMotion, Space, TractionMap};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution, resisted_motions};
 
 use crate::body_load::{Particular, crossed_work, energies};
@@ -31,11 +29,10 @@ pub struct Body {
     pub length: f64,
     /// S, the free unknowns eliminated; with a medium around the body the sum of both.
     pub condensation: Condensation,
-    /// What S₊ of the enriched spaces needs besides, if solutions are to be estimated.
-    pub enriched: Option<EnrichedSteklov>,
     /// The medium around it, if there is one.
     pub outside: Option<Outside>,
-    /// S_c of the contact unknowns; empty without contact.
+    /// S_c of the contact unknowns, for the outcomes of random input; empty without contact, or when a scene without random input
+    /// is solved.
     pub stiffness: Mat<f64>,
     /// From displacements to tractions.
     pub traction_map: TractionMap,
@@ -54,6 +51,8 @@ pub(crate) struct Given {
     pub(crate) held: Vec<f64>,
     /// Whether it is asked how safe a solution under Coulomb's law is.
     pub(crate) judged: bool,
+    /// Whether contact may be solved again where the obstacle pushes the body off.
+    pub(crate) liftable: bool,
     /// An answer with stabilised multipliers, which is then reported.
     pub(crate) stabilised: Option<StabilisedContact>,
     /// Nodal load of all.
@@ -76,7 +75,7 @@ impl Given {
             load.iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
             extra_load.iter_mut().zip(p.solution.bubble_load(mesh, space)).for_each(|(f, t)| *f -= t);
         }
-        Self { loads, particular, boundary, held, judged: true, stabilised: None, load, extra_load }
+        Self { loads, particular, boundary, held, judged: true, liftable: true, stabilised: None, load, extra_load }
     }
 
     /// The motions of `candidates` that nothing resists.
@@ -135,6 +134,7 @@ impl Body {
             boundary,
             held,
             judged,
+            liftable,
             stabilised,
             load,
             extra_load,
@@ -157,6 +157,7 @@ impl Body {
                     driven: &|motion| work(&space.points, &load, motion),
                     free: &self.free,
                     judged,
+                    liftable: liftable && stabilised.is_none(),
                 };
                 let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
                 (displacement, Some(result), Some(factors))
@@ -202,6 +203,9 @@ impl Body {
         if let Some(outside) = &self.outside {
             outside.centre(&mut displacement, mesh, space, &self.free);
         }
+        let lift = contact.as_ref().and_then(|c| c.lift.as_ref()).map(|lift| lift.nodal(&space.points));
+        let unlifted = lift.as_ref().map(|_| displacement.clone());
+        displacement.iter_mut().zip(lift.iter().flatten()).for_each(|(u, r)| *u += r);
 
         let of_displacement = |displacement: &[f64], forces: &[f64], friction_work: f64| {
             let homogeneous: Vec<f64> = match &particular {
@@ -228,7 +232,11 @@ impl Body {
                     of_displacement(&companion, &condensation.multiply(&companion), companion_friction);
                 (homogeneous, energies.total, apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0))
             }
-            _ => (homogeneous, energies.total, 0.0),
+            // the estimate is that of the solution on its springs
+            _ => match unlifted {
+                Some(u) => (of_displacement(&u, &forces, friction_work).0, energies.total, 0.0),
+                None => (homogeneous, energies.total, 0.0),
+            },
         };
         let Energies { total, strain, load_work, .. } = energies;
         if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {

@@ -22,14 +22,14 @@ use self::output::{appeared, check_output};
 use self::told::{advice, print_summary};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
-use crate::plan::{Plan, plan};
+use crate::plan::{Plan, largest_mesh, plan};
 use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
-use crate::scene::{Scene, TEMPLATE};
+use crate::scene::{Refine, Scene, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::stochastic::{self, End, StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
-use crate::summary::peak_memory_bytes;
+use crate::summary::{available_memory_bytes, peak_memory_bytes};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
 const WRONG: u8 = 1;
@@ -162,9 +162,22 @@ fn read_scene(path: &Path, overrides: &[String]) -> Result<Scene, Failure> {
     Scene::read(path, overrides).map_err(|e| Failure(e.render()))
 }
 
+/// A scene that is to be solved here: unless it gives method.max_dofs, matrices of boundary elements may take what is left of
+/// the memory.
+fn read_scene_within_memory(path: &Path, overrides: &[String]) -> Result<Scene, Failure> {
+    let mut scene = read_scene(path, overrides)?;
+    if !scene.method.max_dofs_given && !scene.is_on_grid() {
+        scene.method.memory = available_memory_bytes();
+    }
+    Ok(scene)
+}
+
 fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
-    let scene = read_scene(&args.scene, &args.overrides)?;
-    let plan = plan(&scene);
+    let scene = read_scene_within_memory(&args.scene, &args.overrides)?;
+    let mut plan = plan(&scene);
+    if scene.method.refine != Refine::None {
+        plan.modelled.push(largest_mesh(&scene));
+    }
     if scene.cells.is_some() {
         // a plan for moduli that cannot be had is none
         crate::grid::grid_of(&scene)
@@ -177,7 +190,7 @@ fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
 
 fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let clock = Instant::now();
-    let scene = read_scene(&args.scene, &args.overrides)?;
+    let scene = read_scene_within_memory(&args.scene, &args.overrides)?;
     let out = args.out.clone().unwrap_or_else(|| {
         let mut name = args.scene.file_stem().unwrap_or(args.scene.as_os_str()).to_owned();
         name.push(".vtkhdf"); // not with_extension: that would cut "a.b" to "a"
@@ -220,8 +233,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         if let Some(advice) = advice(summary, plan).filter(|_| !args.quiet) {
             eprintln!("{advice}");
         }
-        if let Some(text) = stored.stochastic.as_ref().and_then(stochastic::shortfall).filter(|_| !args.quiet) {
-            eprintln!("{text}");
+        if let Some(result) = stored.stochastic.as_ref().filter(|_| !args.quiet) {
+            let texts = stochastic::shortfall(result).into_iter().chain(stochastic::overlooked(result));
+            texts.for_each(|text| eprintln!("{text}"));
         }
         if let Some(text) = summary.grid.as_ref().and_then(crossing_warning).filter(|_| !args.quiet) {
             eprintln!("warning: {text}");
@@ -241,7 +255,7 @@ type Attempt = (Result<Record, SolveError>, usize);
 fn solve_boundary(
     args: &SolveArgs,
     scene: &Scene,
-    plan: Plan,
+    mut plan: Plan,
     out: &Path,
     old: Option<&File>,
     (interrupts, bar): (&AtomicUsize, &Bar),
@@ -270,6 +284,9 @@ fn solve_boundary(
                 }
                 if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
             })?;
+            if run.reason == Reason::MaxDofs && run.progress.next.dofs() <= scene.method.max_dofs {
+                plan.left_out.extend(run.progress.without_memory(scene));
+            }
             let (run, stochastic) = all_outcomes(scene, run, interrupts, bar)?;
             Ok::<_, SolveError>(Record::new(scene, plan, run, stochastic, out, reading))
         })?;
@@ -291,12 +308,12 @@ fn all_outcomes(
     interrupts: &AtomicUsize,
     bar: &Bar,
 ) -> Result<(Run, Option<StochasticResult>), SolveError> {
-    let Some(random) = scene.random.as_ref().filter(|_| !matches!(run.reason, Reason::Interrupted | Reason::Failed))
-    else {
+    let stopped_early = matches!(run.reason, Reason::Interrupted | Reason::Failed);
+    let (Some(random), Some(body)) = (scene.random.as_ref().filter(|_| !stopped_early), &run.body) else {
         return Ok((run, None));
     };
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-    match solve_stochastic(scene, random, &run.body, &|done, count| bar.outcomes(done, count), &stopped) {
+    match solve_stochastic(scene, random, body, &|done, count| bar.outcomes(done, count), &stopped) {
         Ok(result) => {
             run.reason = match result.end {
                 _ if !run.converged() => run.reason,

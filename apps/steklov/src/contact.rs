@@ -4,10 +4,10 @@ use faer::Mat;
 use steklov_bem_operators::{Mesh, RigidMotion, Space};
 use steklov_contact::{
     ContactBoundary, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, contraction, interior_point,
-    kkt_in_body, newton, other_solution, uzawa,
+    kkt_in_body, lifting_motion, newton, other_solution, uzawa,
 };
 
-use crate::motions::unpressed;
+use crate::motions::{edges, unpressed};
 use crate::scene::Solver;
 use crate::stabilised::StabilisedContact;
 
@@ -26,6 +26,8 @@ pub struct ContactResult {
     pub stabilised: Option<StabilisedContact>,
     /// What Coulomb's law adds, where it holds.
     pub coulomb: Option<Coulomb>,
+    /// How far the obstacle pushes the body off, beyond the displacement of `solution`, whose gaps are larger by that.
+    pub lift: Option<RigidMotion>,
 }
 
 impl ContactResult {
@@ -47,6 +49,9 @@ impl ContactResult {
         }
     }
 }
+
+/// A motion that leaves an obstacle slower than this part of its fastest point touches it.
+const LEAVING: f64 = 1e-9;
 
 /// How safe a solution under Coulomb's law is.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -103,6 +108,8 @@ pub(crate) struct CondensedBody<'a> {
     pub(crate) driven: &'a dyn Fn(&RigidMotion) -> (f64, f64),
     /// Whether it is asked how safe a solution under Coulomb's law is.
     pub(crate) judged: bool,
+    /// Whether the problem may be solved again with other gaps.
+    pub(crate) liftable: bool,
 }
 
 /// Solves contact with biorthogonal multipliers: all displacements, and what is told and kept of it.
@@ -111,19 +118,72 @@ pub(crate) fn solve_contact(
     boundary: ContactBoundary,
     solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
 ) -> Result<(Vec<f64>, ContactResult, ContactFactors), ContactError> {
-    let CondensedBody { mesh, space, stiffness, load, expand, largest_diagonal, free, driven, judged } = *body;
-    let problem = Problem { stiffness: stiffness.clone(), load: load.to_vec(), nodes: boundary.contact.clone() };
-    let solution = solve(&problem)?;
+    let CondensedBody { mesh, space, stiffness, load, expand, largest_diagonal, free, driven, judged, liftable } =
+        *body;
+    let mut problem = Problem { stiffness: stiffness.clone(), load: load.to_vec(), nodes: boundary.contact.clone() };
+    let mut solution = solve(&problem)?;
+    let mut displacement = expand(&solution.displacement);
+    let pressed = |displacement: &[f64], solution: &Solution| {
+        let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+        let floor = 1e-6 * largest_diagonal * (largest + boundary.largest_gap());
+        unpressed(&space.points, driven, &boundary.nodal_forces(&solution.multipliers), free, floor)
+    };
+    let mut sets = Sets::new(&problem, &solution)?;
+    let mut lift = None;
+    if let Err(error) = pressed(&displacement, &solution) {
+        let motion = lifting_motion(free, &edges(&boundary)).filter(|_| liftable).ok_or(error)?;
+        let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+        let open = 10.0 * (largest + boundary.largest_gap());
+        let rates = leaving_rates(&boundary, &motion);
+        change_gaps(&mut problem, &rates, |_, gap, _| gap + open);
+        solution = solve(&problem)?;
+        displacement = expand(&solution.displacement);
+        pressed(&displacement, &solution)?;
+        // where it touches it does not press: the sets are those of the open gaps
+        sets = Sets::new(&problem, &solution)?;
+        let mut way: f64 = 0.0;
+        change_gaps(&mut problem, &rates, |rate, gap, opening| {
+            way = way.max((open - opening(&solution)) / rate);
+            gap - open
+        });
+        change_gaps(&mut problem, &rates, |rate, gap, _| gap + way * rate);
+        let RigidMotion { translation: [x, y], rotation, centre } = motion;
+        lift = Some(RigidMotion { translation: [way * x, way * y], rotation: way * rotation, centre });
+    }
     let friction_work = problem.friction_work(&solution.displacement, &solution.multipliers);
     let coulomb = (judged && problem.is_coulomb()).then(|| Coulomb::new(&problem, &solution)).transpose()?;
-    let displacement = expand(&solution.displacement);
     let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let audit = kkt_in_body(&problem, &solution, largest);
-    let forces = boundary.nodal_forces(&solution.multipliers);
-    let floor = 1e-6 * largest_diagonal * (largest + boundary.largest_gap());
-    unpressed(&space.points, driven, &forces, free, floor)?;
-    let sets = Sets::new(&problem, &solution)?;
     let lines = boundary.lines(mesh, space);
+    let contact = problem.nodes.clone();
+    let boundary = ContactBoundary { contact, ..boundary };
     let factors = ContactFactors { problem, sets, lines };
-    Ok((displacement, ContactResult { boundary, solution, audit, friction_work, coulomb, stabilised: None }, factors))
+    let contact = ContactResult { boundary, solution, audit, friction_work, coulomb, stabilised: None, lift };
+    Ok((displacement, contact, factors))
+}
+
+/// How fast a motion leaves the obstacle at each condition of each node; 0 where it touches on.
+fn leaving_rates(boundary: &ContactBoundary, motion: &RigidMotion) -> Vec<Vec<f64>> {
+    let rates = boundary.nodes.iter().map(|node| {
+        let r = motion.at(node.point);
+        node.conditions.iter().map(|c| -(r[0] * c.normal[0] + r[1] * c.normal[1])).collect()
+    });
+    let mut rates: Vec<Vec<f64>> = rates.collect();
+    let fastest = rates.iter().flatten().fold(0.0, |m: f64, rate| m.max(*rate));
+    rates.iter_mut().flatten().filter(|rate| **rate <= LEAVING * fastest).for_each(|rate| *rate = 0.0);
+    rates
+}
+
+/// Gives the conditions that a motion leaves the gap of their rate, gap and opening g - u_n in a solution.
+fn change_gaps(
+    problem: &mut Problem,
+    rates: &[Vec<f64>],
+    mut gap: impl FnMut(f64, f64, &dyn Fn(&Solution) -> f64) -> f64,
+) {
+    for (node, rates) in problem.nodes.iter_mut().zip(rates) {
+        for k in (0..rates.len()).filter(|&k| rates[k] > 0.0) {
+            let opening = |solution: &Solution| node.conditions[k].opening(node.pick(&solution.displacement));
+            node.conditions[k].gap = gap(rates[k], node.conditions[k].gap, &opening);
+        }
+    }
 }

@@ -11,7 +11,7 @@ use steklov_contact::{
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::estimate::Residual;
-use crate::expression::Expression;
+use crate::expression::{Expression, Piece};
 use crate::scene::{Condition, Scene, SceneErrorKind};
 use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
@@ -47,6 +47,11 @@ impl Loads {
 pub(crate) type OfTraction<'a> =
     dyn FnMut(usize, &str, &Expression, &dyn Fn(usize) -> [f64; 2]) -> Result<(), SolveError> + 'a;
 
+/// What changes within less than these parts of an edge and of an element is integrated by itself.
+const NARROW: f64 = 1.0 / 128.0;
+const NARROW_IN_ELEMENT: f64 = 1.0 / 8.0;
+/// Changes below this part of the largest value do not.
+const SMALL: f64 = 1e-3;
 /// Part of ∫ t² that rounding leaves of what is followed.
 const ROUNDING: f64 = 1e-14;
 
@@ -107,16 +112,13 @@ impl Data<'_> {
         let (mut load, mut extra) = (vec![0.0; self.space.dofs()], vec![0.0; 2 * self.mesh.len()]);
         let raised = Space::new(&self.mesh.raised(&vec![true; self.mesh.len()]));
         self.each_traction(&mut |index, name, expression, direction| {
-            let function = self.function(expression);
-            let found = side_moments_and_squares(self.mesh, &raised, index, &function.datum(name));
-            let (mut moments, squares) = found.map_err(|error| self.located(error, expression))?;
-            for ((e, moments), square) in moments.iter_mut().zip(squares) {
-                let (bubble, followed) = to_hierarchical(self.space.basis(*e), raised.basis(*e), moments);
-                let (h, p) = (self.mesh.length(*e), self.space.degree(*e));
-                let rest = square - followed / h - ROUNDING * square;
-                let d = direction(*e);
-                unresolved[*e] += h / (p + 2) as f64 * rest.max(0.0) * (d[0] * d[0] + d[1] * d[1]);
-                (0..2).for_each(|i| extra[2 * *e + i] += d[i] * bubble);
+            let followed = self.followed(&raised, index, name, expression)?;
+            let mut moments = Vec::with_capacity(followed.len());
+            for Followed { element: e, moments: of_element, bubble, rest } in followed {
+                let d = direction(e);
+                unresolved[e] += rest * (d[0] * d[0] + d[1] * d[1]);
+                (0..2).for_each(|i| extra[2 * e + i] += d[i] * bubble);
+                moments.push((e, of_element));
             }
             add_load(&mut load, self.space, &moments, direction);
             Ok(())
@@ -126,6 +128,47 @@ impl Data<'_> {
             extra.iter_mut().zip(remote.bubble_load(self.mesh, self.space)).for_each(|(f, t)| *f += t);
         }
         Ok(Loads { nodal: load, bubbles: extra, unresolved })
+    }
+
+    /// What the elements of a side follow of a datum, `raised` having their degrees and one more.
+    fn followed(
+        &self,
+        raised: &Space,
+        side: usize,
+        name: &str,
+        expression: &Expression,
+    ) -> Result<Vec<Followed>, SolveError> {
+        let function = self.function(expression);
+        let found = side_moments_and_squares(self.mesh, raised, side, &function.datum(name));
+        let (moments, squares) = found.map_err(|error| self.located(error, expression))?;
+        let of = |((element, mut moments), square): ((usize, Vec<f64>), f64)| {
+            let (bubble, followed) = to_hierarchical(self.space.basis(element), raised.basis(element), &mut moments);
+            let (h, p) = (self.mesh.length(element), self.space.degree(element));
+            let rest = h / (p + 2) as f64 * (square - followed / h - ROUNDING * square).max(0.0);
+            Followed { element, moments, bubble, rest }
+        };
+        Ok(moments.into_iter().zip(squares).map(of).collect())
+    }
+
+    /// Adds what elements that may slip do not follow of their friction bounds, under Coulomb's law those of the largest pressure.
+    pub(crate) fn add_unresolved_bounds(
+        &self,
+        unresolved: &mut [f64],
+        pressure: f64,
+        slips: &dyn Fn(usize) -> bool,
+    ) -> Result<(), SolveError> {
+        let sides = self.contact_sides();
+        let bounds = sides.iter().flat_map(|s| {
+            [(s.index, "friction bound", s.bound, 1.0), (s.index, "friction coefficient", s.coefficient, pressure)]
+        });
+        let raised = Space::new(&self.mesh.raised(&vec![true; self.mesh.len()]));
+        for (side, name, bound, factor) in bounds {
+            let Some(bound) = bound.filter(|b| b.constant().is_none()) else { continue };
+            for part in self.followed(&raised, side, name, bound)?.into_iter().filter(|part| slips(part.element)) {
+                unresolved[part.element] += part.rest * factor * factor;
+            }
+        }
+        Ok(())
     }
 
     /// Moments of tractions, pressures and jumps of the traction on each element of degree 1, elements of several data several
@@ -235,7 +278,7 @@ impl Data<'_> {
             let (u, d) = (body.displacement(site.point), direction(site.element));
             (plain.value)(site) - u[0] * d[0] - u[1] * d[1]
         };
-        Function { value: Box::new(value), kinks: Box::new(|_| Vec::new()) }
+        Function { value: Box::new(value), kinks: plain.kinks }
     }
 
     fn contact_sides(&self) -> Vec<ContactSide<'_>> {
@@ -386,16 +429,37 @@ impl Data<'_> {
     }
 
     pub(crate) fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
-        let mesh = self.mesh;
         Function {
             value: Box::new(move |site: &Site| expression.eval(site.point[0], site.point[1], site.s)),
-            kinks: Box::new(move |e: usize| {
-                expression.kinks(|t| {
-                    let site = Site::new(mesh, e, t);
-                    (site.point[0], site.point[1], site.s)
-                })
-            }),
+            kinks: Box::new(move |e: usize| self.breaks(expression, e)),
         }
+    }
+
+    /// Whether an expression changes within a small part of an element, or is not known there.
+    pub(crate) fn is_narrow(&self, expression: &Expression, e: usize) -> bool {
+        let [a, b] = self.mesh.span[e];
+        let (low, high) = (a.min(b), a.max(b));
+        let along = expression.along(&self.scene.polygon.edges()[self.mesh.edge[e]]);
+        let inside = |p: &&Piece| p.ends[0] < high && p.ends[1] > low;
+        let unknown = along.survey.pieces.iter().filter(inside).any(|p| !p.known);
+        unknown || !along.survey.narrow([low, high], NARROW_IN_ELEMENT * (high - low), SMALL).is_empty()
+    }
+
+    /// Reference coordinates inside of an element at which an expression has kinks, and those that part what is too narrow
+    /// there for rules over the whole element to see.
+    fn breaks(&self, expression: &Expression, e: usize) -> Vec<f64> {
+        if expression.constant().is_some() {
+            return Vec::new();
+        }
+        let [a, b] = self.mesh.span[e];
+        let along = expression.along(&self.scene.polygon.edges()[self.mesh.edge[e]]);
+        let (low, high) = (a.min(b), a.max(b));
+        let kinks = along.kinks.iter().copied().filter(|s| low < *s && *s < high);
+        let narrow = along.survey.narrow([low, high], NARROW.min(NARROW_IN_ELEMENT * (high - low)), SMALL);
+        let mut breaks: Vec<f64> = kinks.chain(narrow).map(|s| (2.0 * s - a - b) / (b - a)).collect();
+        breaks.sort_by(f64::total_cmp);
+        breaks.dedup();
+        breaks
     }
 
     /// An error of the numerics about an expression, told with its place in the scene.
@@ -457,6 +521,17 @@ fn to_hierarchical(basis: &LobattoBasis, raised: &LobattoBasis, moments: &mut Ve
     *moments = nodal;
     let followed = against.iter().enumerate().map(|(k, m)| (2 * k + 1) as f64 * m * m).sum();
     ((against[p + 1] - against[p - 1]) / (2 * p + 1) as f64, followed)
+}
+
+/// What an element follows of a datum.
+struct Followed {
+    element: usize,
+    /// Against its nodal functions.
+    moments: Vec<f64>,
+    /// Against its bubble.
+    bubble: f64,
+    /// h/(p+2) ‖t - Π_(p+1) t‖² of the rest.
+    rest: f64,
 }
 
 /// A contact side of the scene.

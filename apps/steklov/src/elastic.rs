@@ -9,9 +9,28 @@
 //! What the nodes leave of u0 is no part of that: its solution, which has no jump of tractions, is orthogonal in the energy of
 //! body and medium to all that has no jump of displacements.
 
-use steklov_bem_operators::{Enriched, EnrichedSteklov, Material};
+use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, Material, PairCache};
 
 use crate::body::{Body, Factors};
+
+/// What S₊ of the enriched spaces needs besides S, of a body and of the medium around it.
+pub struct EnrichedBody {
+    body: EnrichedSteklov,
+    outside: Option<EnrichedSteklov>,
+}
+
+impl EnrichedBody {
+    /// Of a body whose operators are of the moments in `cache`: solved as one that is to be estimated.
+    ///
+    /// # Errors
+    /// Those of [`EnrichedSteklov::new`].
+    pub fn new(body: &Body, cache: &mut PairCache) -> Result<Self, BemError> {
+        let of_mesh = (&body.mesh, &body.space);
+        let outside = body.outside.as_ref().map(|outside| outside.enriched(of_mesh, cache)).transpose()?;
+        let body = EnrichedSteklov::new(of_mesh, &body.material, body.length, &body.traction_map, cache)?;
+        Ok(Self { body, outside })
+    }
+}
 
 /// Displacements and the enriched matrices that they belong to: of the body, and of the medium around it.
 pub(crate) struct Elastic<'a> {
@@ -19,13 +38,10 @@ pub(crate) struct Elastic<'a> {
 }
 
 impl<'a> Elastic<'a> {
-    /// None without enriched matrices.
-    pub(crate) fn new(body: &'a Body, factors: &'a Factors) -> Option<Self> {
-        let mut parts = vec![(body.enriched.as_ref()?, factors.homogeneous.as_slice())];
-        if let (Some(outside), Some(xi)) = (&body.outside, &factors.outside) {
-            parts.push((outside.enriched.as_ref()?, xi));
-        }
-        Some(Self { parts })
+    pub(crate) fn new(enriched: &'a EnrichedBody, factors: &'a Factors) -> Self {
+        let mut parts = vec![(&enriched.body, factors.homogeneous.as_slice())];
+        parts.extend(enriched.outside.as_ref().zip(factors.outside.as_deref()));
+        Self { parts }
     }
 
     /// Forces on the bubbles, two for each element.

@@ -4,6 +4,7 @@
 //! bubble residual  ρ_u = f(b) - <λ,b> - <Wu + (K'+½)ψ, b>     η_u² = ρ_uᵀ [W_bb]⁻¹ ρ_u
 //! traction residual ρ_ψ = <(K+½)u - Vψ, P_p>                  η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ
 //! oscillation       w = g - I_p g, u_D - I_p u_D, u0 - I_p u0 η_g² = E*/2 ‖w‖ ‖dw/ds‖
+//! overlap           δ = max (u_n - g) between the nodes        η_g² = E*/2 δ², where it is more than all of the others
 //! ```
 //! The indicators steer the refinement. The estimate is the geometric mean of their sum and of the energy of e₊, the
 //! displacement that S₊ of the enriched spaces adds with the contact sets, and the bounds of Coulomb friction, as they are; that
@@ -16,7 +17,8 @@ use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
 use crate::adapt::{coarse_elements, singular_points};
 use crate::body::{Body, Factors, UNBALANCED};
 use crate::data::Data;
-use crate::elastic::{Elastic, plane_modulus};
+use crate::elastic::{Elastic, EnrichedBody, plane_modulus};
+use crate::hidden::{Overlap, Unseen};
 use crate::scene::{Condition, Indicator, Refine, Scene};
 use crate::solve::{SolveError, Solved};
 
@@ -96,6 +98,8 @@ pub enum Doubt {
     Several,
     /// The error is down at rounding errors, or forces are out of balance by more than rounding may do.
     Roundoff,
+    /// Outcomes of random input show contact, slip or data that the points at which it is solved do not.
+    Outcomes,
 }
 
 impl Doubt {
@@ -108,6 +112,7 @@ impl Doubt {
             Self::Data => "data",
             Self::Several => "several",
             Self::Roundoff => "roundoff",
+            Self::Outcomes => "outcomes",
         }
     }
 }
@@ -127,6 +132,8 @@ const FAR_IN_ZONE: f64 = 0.025;
 /// Energy norm that vertices off their transitions may cost by themselves, over the estimated error, beyond which that is in
 /// doubt.
 const UNDONE: f64 = 10.0;
+/// Part of the squared estimate from which on energies of transitions that are not where they were believed to be count.
+const MATTERS: f64 = 0.05;
 /// Part of the squared estimate that loads may have between the points that the elements' degrees follow.
 pub const UNRESOLVED: f64 = 0.25;
 /// Next to a singular point e_p falls like p^-2λ: beyond this degree a bubble shows less than half of the error.
@@ -146,23 +153,29 @@ const STEPS: usize = 40;
 /// memory of the solution.
 const LARGEST_SINGLE: usize = 4000;
 
+/// Overlaps of a depth δ with (E*/2)^½ δ below this part of the tolerance, or of what indicators have found, do not count.
+const LEAST_OVERLAP: f64 = 0.025;
+/// Those below this part of displacements and gaps are roundoff.
+const ROUNDED: f64 = 1e-12;
+
 /// Whether meshes of so many unknowns are estimated.
 pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
     scene.method.refine != Refine::None || dofs <= LARGEST_SINGLE
 }
 
-/// Estimates the error of a solved mesh, transitions of contact and stick left out; none without [`Body::enriched`].
+/// Estimates the error of a solved mesh, transitions of contact and stick left out, and tells what its nodes do not
+/// show.
 ///
 /// # Errors
 /// Data that are not finite.
 pub fn estimate(
     scene: &Scene,
     solved: &Solved,
-    body: &Body,
+    (body, enriched): (&Body, &EnrichedBody),
     factors: &Factors,
-) -> Result<Option<Estimate>, SolveError> {
+) -> Result<(Estimate, Unseen), SolveError> {
     let Solved { mesh, space, .. } = solved;
-    let Some(elastic) = Elastic::new(body, factors) else { return Ok(None) };
+    let elastic = Elastic::new(enriched, factors);
     let modulus = plane_modulus(&scene.material);
     let data = Data { scene, mesh, space };
     let bubbles = match (&solved.contact, &factors.contact) {
@@ -175,7 +188,7 @@ pub fn estimate(
     let force = elastic.bubble_force();
     let mut residual: Vec<f64> = factors.extra_load.iter().zip(&force).map(|(f, s)| f - s).collect();
     for bubble in &bubbles {
-        let (e, n, t) = (bubble.element, mesh.normal(bubble.element), mesh.tangent(bubble.element));
+        let (e, n, t) = (bubble.element, mesh.normal(bubble.element), mesh.tangent[bubble.element]);
         // a closed bubble's residual along n is ∫λ_n b
         let pressure = residual[2 * e] * n[0] + residual[2 * e + 1] * n[1];
         let shear = bubble.load[1] - bubble.coupling * pressure;
@@ -203,6 +216,10 @@ pub fn estimate(
     for (e, oscillation) in data.jump_oscillation()? {
         indicators[e].oscillation += oscillation;
     }
+
+    let scale = scale(solved.energies.strain, body, factors);
+    let closed: Vec<usize> = bubbles.iter().filter(|b| !b.free[0]).map(|b| b.element).collect();
+    let overlaps = hidden_overlaps(&data, solved, (scale, modulus), &closed, &mut indicators);
 
     let residuals = match scene.method.indicator {
         Indicator::Bubble => Vec::new(),
@@ -239,21 +256,33 @@ pub fn estimate(
     if !error.is_finite() || !energy.is_finite() {
         return Err(SolveError::NotFinite { energy });
     }
-    let scale = scale(energies.strain, body, factors);
     let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
     let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * energies.friction_work).sqrt() } else { 0.0 };
     let uncertainty = 0.5 * (energy - factors.energy).abs() + 0.4 * error * error + bounds;
-    let unresolved: f64 = factors.unresolved.iter().sum();
+    let mut unresolved = factors.unresolved.clone();
+    let pressure = solved
+        .contact
+        .as_ref()
+        .map_or(0.0, |c| c.reported().multipliers.iter().fold(0.0, |m: f64, [pressure, _]| m.max(*pressure)));
+    let slips = |e: usize| bubbles.iter().any(|b| b.element == e && b.free[1]);
+    data.add_unresolved_bounds(&mut unresolved, pressure, &slips)?;
+    let part: f64 = unresolved.iter().sum();
     let several = solved.contact.as_ref().and_then(|c| c.coulomb).is_some_and(|c| c.several);
     let mut doubts = Vec::new();
-    if unresolved > modulus * UNRESOLVED * error * error {
+    if part > modulus * UNRESOLVED * error * error {
         doubts.push(Doubt::Data);
+    }
+    if overlaps.iter().any(|o| !o.known) && !doubts.contains(&Doubt::Data) {
+        doubts.push(Doubt::Data);
+    }
+    if overlaps.iter().any(|o| o.known) {
+        doubts.push(Doubt::Sets);
     }
     if several {
         doubts.push(Doubt::Several);
     }
     let relative = ratio(error, scale);
-    Ok(Some(Estimate {
+    let estimate = Estimate {
         indicators,
         residuals,
         correction: squared,
@@ -264,7 +293,35 @@ pub fn estimate(
         energy,
         uncertainty,
         doubts,
-    }))
+    };
+    Ok((estimate, Unseen { overlaps, unresolved }))
+}
+
+/// Adds the energies of overlaps that are more than the indicators of their elements, and returns these overlaps. What a gap does
+/// between the nodes of closed elements is their oscillation.
+fn hidden_overlaps(
+    data: &Data<'_>,
+    solved: &Solved,
+    (scale, modulus): (f64, f64),
+    closed: &[usize],
+    indicators: &mut [Bubble],
+) -> Vec<Overlap> {
+    let Some(contact) = &solved.contact else { return Vec::new() };
+    let moved = solved.displacement.iter().fold(contact.boundary.largest_gap(), |m, u| m.max(u.abs()));
+    let found = indicators.iter().map(Bubble::total).sum::<f64>().sqrt();
+    let wanted = LEAST_OVERLAP * (data.scene.method.tolerance * scale).max(found) * (2.0 / modulus).sqrt();
+    let mut overlaps = data.overlaps(&solved.displacement, wanted.max(ROUNDED * moved), closed);
+    let mut energies = vec![0.0; indicators.len()];
+    for overlap in &overlaps {
+        energies[overlap.element] += modulus / 2.0 * overlap.depth * overlap.depth;
+    }
+    overlaps.retain(|o| energies[o.element] > indicators[o.element].total());
+    for e in 0..indicators.len() {
+        if energies[e] > indicators[e].total() {
+            indicators[e].oscillation += energies[e];
+        }
+    }
+    overlaps
 }
 
 impl Estimate {
@@ -299,28 +356,38 @@ impl Estimate {
         self.relative = ratio(self.error, self.scale);
     }
 
-    /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `settled`: the transitions are
-    /// those of the step before.
-    pub(crate) fn add_transitions(&mut self, scene: &Scene, mesh: &Mesh, located: &[Located], settled: bool) {
+    /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `before`: the transitions of the step
+    /// before, if there was one.
+    pub(crate) fn add_transitions(
+        &mut self,
+        scene: &Scene,
+        mesh: &Mesh,
+        located: &[Located],
+        before: Option<&[Located]>,
+    ) {
         let modulus = plane_modulus(&scene.material);
-        let [at_vertices, inside] = [true, false].map(|at_vertex| {
-            let tips = located.iter().filter(|tip| tip.at_vertex == at_vertex);
-            tips.map(|tip| tip_energy(modulus, tip)).sum::<f64>()
-        });
-        self.tips = inside;
+        let (located, before) = (&with_curvatures(located), before.map(with_curvatures));
+        let sum = |of: &dyn Fn(&Located) -> bool| -> f64 {
+            located.iter().filter(|tip| of(tip)).map(|tip| tip_energy(modulus, tip)).sum()
+        };
+        self.tips = sum(&|tip| !tip.at_vertex);
         // a vertex that is off moves the sets of the nodes about it, which undoes most of that
-        let lost = at_vertices > (UNDONE * self.error).powi(2);
+        let lost = sum(&|tip| tip.at_vertex) > (UNDONE * self.error).powi(2);
         self.error = self.error.hypot(self.tips.sqrt());
         self.relative = ratio(self.error, self.scale);
+        let matters = |energy: f64| energy > MATTERS * self.error * self.error;
         // linear elements follow a transition as well as they do anything
         let hp = scene.method.refine == Refine::Hp;
         let hidden = |tip: &Located| !tip.at_vertex && (hp || degree_at(mesh, tip) > 1);
-        if lost || located.iter().any(hidden) {
+        let fitted = |of: &dyn Fn(&Located) -> bool| located.iter().filter(|t| of(t)).all(|t| t.curvature.is_some());
+        if lost || located.iter().any(hidden) && (!fitted(&hidden) || matters(sum(&hidden))) {
             self.doubts.push(Doubt::Transition);
         }
-        if !settled
-            || located.iter().any(|tip| tip.at_vertex && tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR))
-        {
+        let far = |tip: &Located| tip.at_vertex && tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR);
+        let moving = located.iter().any(far) && (!fitted(&far) || matters(sum(&far)));
+        let contact = scene.sides.iter().any(|side| matches!(side.condition, Condition::Contact { .. }));
+        let changed = before.map_or(contact, |before| matters(changed_energy(modulus, &before, located)));
+        if (moving || changed) && !self.doubts.contains(&Doubt::Sets) {
             self.doubts.push(Doubt::Sets);
         }
         if self.is_coarse(mesh, &singular_points(scene, hp)) {
@@ -389,6 +456,50 @@ fn tip_energy(modulus: f64, tip: &Located) -> f64 {
     tip.curvature.map_or(0.0, |b| TIP * modulus * b * b * tip.off.abs().powi(3))
 }
 
+/// The transitions, those without a vertex with curvatures of at most twice the largest of four or more of their edge that have
+/// one: the fit of a new one, among others that move, may be far off.
+fn with_curvatures(located: &[Located]) -> Vec<Located> {
+    let limit = |edge: usize| {
+        let settled = located.iter().filter(|tip| tip.edge == edge && tip.at_vertex).filter_map(|tip| tip.curvature);
+        let settled: Vec<f64> = settled.collect();
+        (settled.len() >= 4).then(|| 2.0 * settled.into_iter().fold(0.0, f64::max))
+    };
+    let of = |tip: &Located| match (tip.curvature, limit(tip.edge)) {
+        (curvature, Some(limit)) if !tip.at_vertex => Located { curvature: curvature.map(|b| b.min(limit)), ..*tip },
+        _ => *tip,
+    };
+    located.iter().map(of).collect()
+}
+
+/// What the zones had or have that only one of two steps knows: of each kind of transition on each edge, the smallest as many as
+/// there are more of; infinite where one was not fitted.
+fn changed_energy(modulus: f64, before: &[Located], after: &[Located]) -> f64 {
+    let mut groups: Vec<(usize, TipKind)> = before.iter().chain(after).map(|tip| (tip.edge, tip.kind)).collect();
+    groups.sort_by_key(|&(edge, kind)| (edge, kind as usize));
+    groups.dedup();
+    let mut sum = 0.0;
+    for group in groups {
+        let zones = |all: &[Located]| -> Vec<f64> {
+            let of_group: Vec<&Located> = all.iter().filter(|tip| (tip.edge, tip.kind) == group).collect();
+            let length = |tip: &Located| {
+                let others = of_group.iter().map(|t| t.s).chain([0.0, 1.0]).map(|s| (s - tip.s).abs());
+                others.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
+            };
+            let energy = |tip: &&Located| match tip.curvature {
+                Some(_) => tip_energy(modulus, &Located { off: length(tip) / 2.0, ..**tip }),
+                None => f64::INFINITY,
+            };
+            let mut zones: Vec<f64> = of_group.iter().map(energy).collect();
+            zones.sort_by(f64::total_cmp);
+            zones
+        };
+        let (a, b) = (zones(before), zones(after));
+        let more = a.len().abs_diff(b.len());
+        sum += if a.len() > b.len() { &a } else { &b }[..more].iter().sum::<f64>();
+    }
+    sum
+}
+
 /// The directions in which the bubble of an element is free.
 #[derive(Debug, Clone, Copy)]
 struct Frame {
@@ -437,7 +548,7 @@ fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble]) -> Vec<Frame> {
         .collect();
     for bubble in bubbles {
         let e = bubble.element;
-        frames[e] = Frame { directions: [mesh.normal(e), mesh.tangent(e)], free: bubble.free };
+        frames[e] = Frame { directions: [mesh.normal(e), mesh.tangent[e]], free: bubble.free };
     }
     frames
 }

@@ -97,6 +97,7 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
              lengths that are too unequal",
         ),
         SolveError::Bem(BemError::RigidMotion { .. } | BemError::StiffnessSingular { .. })
+        | SolveError::Contact(ContactError::RigidMotion { .. } | ContactError::NotHeld { .. })
             if scene.exterior.is_some() =>
         {
             at(
@@ -170,10 +171,17 @@ pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
     scene.error_at(SceneErrorKind::Value, &keys, message, help)
 }
 
-/// The refusal of a grid that does not fit into the memory that is left; none if it does, or the system does not tell.
+/// The refusal of a first mesh or a grid that does not fit into the memory that is left; none if it does, or the system does not tell.
 pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<SceneError> {
-    let available = available_memory_bytes().filter(|bytes| scene.grid.is_some() && needed > *bytes)?;
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    if let Some(left) = scene.method.memory.filter(|left| needed > *left) {
+        let message =
+            format!("the first mesh needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(left));
+        let keys = [vec!["method", "elements"], vec!["method", "degree"], vec!["body", "corners"]];
+        let help = "ask for fewer elements or a lower degree; with method.max_dofs given it is tried all the same";
+        return Some(scene.error_at(SceneErrorKind::Value, &keys, message, help));
+    }
+    let available = available_memory_bytes().filter(|bytes| scene.grid.is_some() && needed > *bytes)?;
     let message =
         format!("the grid needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(available));
     let help = "take fewer cells; or model = \"msfem\" with coarse cells of some 16 by 16 fine ones, which are solved one by one";

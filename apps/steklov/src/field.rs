@@ -5,6 +5,8 @@ use std::sync::Arc;
 use steklov_bem_operators::Polygon;
 use steklov_stochastic::{Covariance, Field, StochasticError, Truncation};
 
+use crate::expression::{Enclosure, Interval};
+
 /// A field and where it lives.
 #[derive(Debug, Clone)]
 pub struct RandomField {
@@ -121,6 +123,21 @@ impl Support {
     }
 }
 
+impl RandomField {
+    /// Encloses the values for germs in a box over a box of places.
+    pub(crate) fn range(&self, germs: &[[f64; 2]], x: Enclosure, y: Enclosure) -> Enclosure {
+        let middle = |range: Enclosure| range.value.low + range.value.width() / 2.0;
+        let modes = self.expansion.modes(self.support.coordinates([middle(x), middle(y)]));
+        let reach = (x.value.width() + y.value.width()) / 2.0;
+        let (mut value, mut off) = (0.0, 0.0);
+        for ((mode, steepness), [a, b]) in modes.iter().zip(self.expansion.steepness()).zip(germs) {
+            value += mode * 0.5 * (a + b);
+            off += mode.abs() * 0.5 * (b - a) + steepness * reach * a.abs().max(b.abs());
+        }
+        Enclosure::fixed(Interval::new(value - off, value + off))
+    }
+}
+
 /// One outcome of a field; without a field the mean outcome, 0.
 #[derive(Debug, Clone, Default)]
 pub struct FieldValue {
@@ -138,6 +155,19 @@ impl FieldValue {
         self.outcome
             .as_ref()
             .map_or(0.0, |(field, germs)| field.expansion.value(field.support.coordinates(point), germs))
+    }
+
+    /// Enclosures over a box: the value in its middle, and what it may change by up to the ends.
+    ///
+    /// Modes are as smooth as their number of half waves lets them be: their steepness is that of samples, not a bound.
+    pub(crate) fn range(&self, x: Enclosure, y: Enclosure) -> Enclosure {
+        let Some((field, germs)) = &self.outcome else { return Enclosure::fixed(Interval::point(0.0)) };
+        let middle = |range: Enclosure| range.value.low + range.value.width() / 2.0;
+        let value = self.value([middle(x), middle(y)]);
+        let steepest: f64 = field.expansion.steepness().iter().zip(germs).map(|(s, g)| s * g.abs()).sum();
+        let off = steepest * (x.value.width() + y.value.width()) / 2.0;
+        let slope = steepest * (x.slope.magnitude() + y.slope.magnitude());
+        Enclosure { value: Interval::new(value - off, value + off), slope: Interval::new(-slope, slope) }
     }
 }
 

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use faer::{Col, Mat};
 use steklov_bem_operators::{
-    Domain, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, RigidMotion, Site, Space, Steklov, TractionMap,
+    BemError, Domain, EnrichedSteklov, Mesh, Operators, PairCache, RigidMotion, Site, Space, Steklov, TractionMap,
     side_moments,
 };
 use steklov_contact::oscillation;
@@ -35,8 +35,6 @@ pub struct Outside {
     stiffness: Mat<f64>,
     /// From ξ to σ(u_c)n.
     traction_map: TractionMap,
-    /// What S₊ of the enriched spaces needs besides, if solutions are to be estimated.
-    pub(crate) enriched: Option<EnrichedSteklov>,
     /// u0 at the nodes, interleaved.
     jump: Vec<f64>,
     /// S_e u0.
@@ -44,8 +42,8 @@ pub struct Outside {
 }
 
 impl Outside {
-    /// Assembles and factorises the operators of the medium; none unless the scene has one around a body. `estimated`: with what an
-    /// estimate needs.
+    /// Assembles and factorises the operators of the medium; none unless the scene has one around a body. `estimated`: an estimate
+    /// is to follow.
     ///
     /// # Errors
     /// Those of [`Operators::assemble`] and [`Steklov::new`]; a jump that is not finite.
@@ -56,19 +54,25 @@ impl Outside {
             Radiation::Decaying => Domain::Exterior,
             Radiation::Bounded => Domain::ExteriorBoundedAtInfinity,
         };
-        let (length, steklov, enriched) = if estimated {
-            let (operators, enrichment) = Enrichment::assemble(mesh, space, &input.material, None, cache)?;
-            let length = operators.length;
-            let (steklov, enriched) = Steklov::enriched(operators, enrichment, domain)?;
-            (length, steklov, Some(enriched))
+        let operators = if estimated {
+            Operators::to_enrich(mesh, space, &input.material, None, cache)?
         } else {
-            let operators = Operators::assemble(mesh, space, &input.material, None)?;
-            (operators.length, Steklov::new(operators, domain)?, None)
+            Operators::assemble(mesh, space, &input.material, None)?
         };
-        let Steklov { matrix: stiffness, traction: traction_map } = steklov;
+        let length = operators.length;
+        let Steklov { matrix: stiffness, traction: traction_map } = Steklov::new(operators, domain)?;
         let jump = data.jump()?;
         let load = product(&stiffness, &jump);
-        Ok(Some(Self { input: input.clone(), length, stiffness, traction_map, enriched, jump, load }))
+        Ok(Some(Self { input: input.clone(), length, stiffness, traction_map, jump, load }))
+    }
+
+    /// What S₊ of the enriched spaces needs besides.
+    pub(crate) fn enriched(
+        &self,
+        of_mesh: (&Mesh, &Space),
+        cache: &mut PairCache,
+    ) -> Result<EnrichedSteklov, BemError> {
+        EnrichedSteklov::new(of_mesh, &self.input.material, self.length, &self.traction_map, cache)
     }
 
     /// Adds S_e to the matrix of the body.

@@ -13,7 +13,7 @@ use crate::stochastic;
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Plan {
-    /// Discretisation: "bem", "fem" or "msfem".
+    /// Discretisation: "bem", "fem", "msfem", "fem-bem" or "msfem-bem".
     pub model: String,
     /// What is modelled.
     pub modelled: Vec<Decision>,
@@ -55,7 +55,56 @@ pub struct Cost {
 
 /// Chooses the model of a scene.
 pub fn plan(scene: &Scene) -> Plan {
-    if scene.is_on_grid() { crate::grid::plan(scene) } else { boundary_plan(scene) }
+    let mut plan = if scene.is_on_grid() { crate::grid::plan(scene) } else { boundary_plan(scene) };
+    plan.left_out.extend(scene.unused.iter().map(|name| {
+        let (what, why) = match scene.parameters.contains_key(name) {
+            true => ("parameter", "no expression uses it"),
+            false => ("random input", "no datum uses it"),
+        };
+        Decision { what: what.into(), choice: name.clone(), why: why.into() }
+    }));
+    plan
+}
+
+/// Bytes of the matrices that a mesh needs at once: V, K, W and, for an estimate, six blocks of the enriched spaces.
+pub(crate) fn memory_bytes(scene: &Scene, elements: usize, dofs: usize) -> u64 {
+    let x = if is_estimated(scene, dofs) { 2.0 * elements as f64 } else { 0.0 };
+    let n = dofs as f64;
+    let one = (8.0 * (3.0 * n * n + 3.0 * n * x + 3.0 * x * x)) as u64;
+    if scene.is_inclusion() { 2 * one } else { one }
+}
+
+/// What is told where memory ends the refinement.
+pub const NEXT_MESH: &str = "next mesh";
+
+/// The mesh that memory leaves out, and why.
+pub(crate) fn without_memory(scene: &Scene, elements: usize, dofs: usize) -> Option<Decision> {
+    let (needed, left) = (memory_bytes(scene, elements, dofs), scene.method.memory?);
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let why = format!(
+        "memory is the limit: its {dofs} dofs need about {:.2} GiB, and {:.2} GiB were left; a given method.max_dofs \
+         is tried whatever the memory",
+        gib(needed),
+        gib(left)
+    );
+    (needed > left).then(|| Decision { what: NEXT_MESH.into(), choice: "none".into(), why })
+}
+
+/// Up to which size meshes are refined.
+pub(crate) fn largest_mesh(scene: &Scene) -> Decision {
+    let Method { max_dofs, max_dofs_given, memory, .. } = scene.method;
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let why = match (memory, max_dofs_given) {
+        (_, true) => "method.max_dofs, whatever the memory".to_owned(),
+        (None, false) => "method.max_dofs is not given".to_owned(),
+        (Some(left), false) => format!(
+            "method.max_dofs is not given; or fewer, where matrices would need more than the {:.1} GiB of memory that \
+             are left now, {} dofs without an estimate, fewer with one",
+            gib(left),
+            (left as f64 / 24.0).sqrt() as u64
+        ),
+    };
+    Decision { what: "largest mesh".into(), choice: format!("{max_dofs} dofs"), why }
 }
 
 /// Plane strain or plane stress.
@@ -181,21 +230,12 @@ fn boundary_plan(scene: &Scene) -> Plan {
     }
 
     let (n, x) = (dofs as f64, if estimated { 2.0 * mesh.len() as f64 } else { 0.0 });
-    let cost = Cost {
-        elements: mesh.len(),
-        dofs,
-        memory_bytes: (8.0 * (3.0 * n * n + 4.0 * n * x + 3.0 * x * x)) as u64,
-        operations: n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x),
-    };
-    // the medium has matrices of its own, but one factorisation of the sum
-    let cost = match inclusion {
-        false => cost,
-        true => Cost {
-            memory_bytes: 2 * cost.memory_bytes,
-            operations: cost.operations + n * n * (n * (1.0 / 3.0 + 1.0 + 1.0) + 6.0 * x),
-            ..cost
-        },
-    };
+    let mut operations = n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x);
+    if inclusion {
+        // the medium has matrices of its own, but one factorisation of the sum
+        operations += n * n * (n * (1.0 / 3.0 + 1.0 + 1.0) + 6.0 * x);
+    }
+    let cost = Cost { elements: mesh.len(), dofs, memory_bytes: memory_bytes(scene, mesh.len(), dofs), operations };
     Plan { model: "bem".into(), modelled, left_out, cost }
 }
 
@@ -258,8 +298,11 @@ pub(crate) fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mu
     let laws: Vec<String> = sides
         .iter()
         .map(|(name, friction)| match friction {
-            Friction::Tresca(bound) => format!("{name} with Tresca friction {}", bound.text()),
             Friction::None => format!("{name} without friction"),
+            Friction::Tresca(zero) | Friction::Coulomb(zero) if zero.constant() == Some(0.0) => {
+                format!("{name} without friction, which is given as 0")
+            }
+            Friction::Tresca(bound) => format!("{name} with Tresca friction {}", bound.text()),
             Friction::Coulomb(mu) => format!("{name} with Coulomb friction {}", mu.text()),
         })
         .collect();

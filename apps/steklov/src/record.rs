@@ -10,9 +10,11 @@ use steklov_io::vtkhdf::{Field, Grid};
 
 use crate::around::{Around, Window, add_medium, window};
 use crate::body::Body;
+use crate::estimate::{Doubt, ROUNDOFF};
 use crate::grid::GridRecord;
+use crate::large::is_large;
 use crate::plan::Plan;
-use crate::report::{ContactRow, contact_rows, contact_summary, located_ends};
+use crate::report::{ContactRow, contact_rows, contact_summary, located};
 use crate::run::{Run, Step};
 use crate::scene::Scene;
 use crate::solve::Solved;
@@ -20,6 +22,7 @@ use crate::stochastic::{self, StochasticResult};
 use crate::store::Stored;
 use crate::summary::{Audit, ExteriorSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::triangulate::{Triangulation, triangulate};
+use crate::vertices::tell_unbounded;
 
 /// A result: the arrays of the result file and the numbers of its summary.
 #[derive(Debug, Clone)]
@@ -79,7 +82,7 @@ impl Record {
     ) -> Self {
         let clock = std::time::Instant::now();
         let solved = &run.last;
-        let mut grid = body_grid(scene, solved, stochastic.as_ref().map(|result| (result, &run.body)));
+        let mut grid = body_grid(scene, solved, stochastic.as_ref().zip(run.body.as_ref()));
         let around = solved.around.clone().map(|around| {
             let window = window(&scene.polygon, &around);
             (around, window)
@@ -100,6 +103,12 @@ impl Record {
         let mut summary = summary(scene, &run, &contact, file);
         summary.stochastic =
             scene.random.as_ref().zip(stochastic.as_ref()).map(|(random, result)| stochastic::json(random, result));
+        if stochastic.as_ref().is_some_and(|result| result.is_doubtful()) {
+            summary.estimate_doubts.push(Doubt::Outcomes.word().to_owned());
+        }
+        if is_large(scene, solved.trace()) {
+            summary.estimate_doubts.push("large".to_owned());
+        }
         summary.seconds.write = clock.elapsed().as_secs_f64();
         summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();
         let Run { last: solved, progress, .. } = run;
@@ -148,6 +157,10 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
     let contact = solved.contact.as_ref();
     let estimate = run.step().estimate.as_ref();
     let part = |k: usize| run.progress.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
+    let mut probe: Vec<Probe> = scene.probe.iter().map(|&x| probe(scene, solved, x)).collect();
+    tell_unbounded(scene, rows, &mut probe, estimate.is_some_and(|e| e.relative < ROUNDOFF));
+    let exterior = solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run));
+    let of_estimate = estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned());
     Summary {
         title: scene.title.clone(),
         model: "bem".into(),
@@ -165,15 +178,15 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         friction_work: solved.energies.friction_work,
         estimate: estimate.map(|e| e.error),
         estimate_relative: estimate.map(|e| e.relative),
-        estimate_doubts: estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned()).collect(),
+        estimate_doubts: of_estimate.chain(exterior.iter().filter_map(ExteriorSummary::doubt)).collect(),
         iterations: contact.map_or(0, |c| c.reported().iterations),
-        contact: contact.map(|c| contact_summary(scene, &solved.mesh, c, rows, located_ends(scene, run.step()))),
+        contact: contact.map(|c| contact_summary(scene, solved.trace(), c, rows, located(scene, run.step()))),
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: solved.reactions.iter().cloned().collect(),
-        probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
+        probe,
         stochastic: None,
         grid: None,
-        exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run)),
+        exterior,
         seconds: SecondsSummary {
             set_up: part(0),
             assemble: part(1),
@@ -207,7 +220,7 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<ExteriorSummary> {
         resultant,
         balanced: resultant[0].hypot(resultant[1]) <= BALANCED * sum,
         constant: field.at_infinity(),
-        length: run.body.length,
+        length: run.last.mesh.diameter(),
     })
 }
 
@@ -229,7 +242,7 @@ pub(crate) fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
         (Location::Outside, Some(around)) => around.at(x),
         _ => solved.inside(x),
     };
-    Probe { point: x, displacement, stress }
+    Probe { point: x, displacement, stress, stress_unbounded: false }
 }
 
 impl Solved {

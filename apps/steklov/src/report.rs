@@ -1,11 +1,11 @@
 //! Contact in numbers and as a table, from a solved mesh.
 
-use steklov_bem_operators::{Mesh, Space};
-use steklov_contact::{Located, MultiplierNode, Status, TipKind};
+use steklov_bem_operators::{Mesh, SAME_PLACE, Space};
+use steklov_contact::{Condition, Located, MultiplierNode, Status, TipKind};
 
 use crate::contact::ContactResult;
 use crate::run::Step;
-use crate::scene::{Condition, Refine, Scene};
+use crate::scene::{self, Refine, Scene};
 use crate::solve::Solved;
 use crate::stabilised::StabilisedContact;
 use crate::summary::{ContactSummary, Stabilisation, Summary};
@@ -142,29 +142,33 @@ fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
     unknowns[0] * direction[0] + unknowns[1] * direction[1]
 }
 
-/// Lengths, largest pressure and resultant.
+/// Lengths, largest pressure and resultant; `located`: where contact and stick are believed to end.
 pub fn contact_summary(
     scene: &Scene,
-    mesh: &Mesh,
+    trace: Trace<'_>,
     contact: &ContactResult,
     rows: &[ContactRow],
-    ends: Option<Vec<(usize, f64)>>,
+    located: Option<&[Located]>,
 ) -> ContactSummary {
     let max_pressure = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
-    let touches = |r: &&ContactRow| r.pressure > TOUCHING * max_pressure;
-    let length: f64 = rows.iter().filter(touches).map(|r| r.weight).fold(0.0, |a, b| a + b); // sum() of nothing is -0
-    let sticks = |r: &&ContactRow| r.shear.abs() < r.bound * (1.0 - 1e-12);
-    let stick: f64 = rows.iter().filter(touches).filter(sticks).map(|r| r.weight).fold(0.0, |a, b| a + b);
+    let weight_of = |of: &dyn Fn(&ContactRow) -> bool| {
+        rows.iter().filter(|r| of(r)).map(|r| r.weight).fold(0.0, |a, b| a + b) // sum() of nothing is -0
+    };
+    let between = |tips: Option<Vec<(usize, f64)>>, stick: bool| {
+        tips.and_then(|tips| Some((length_between(scene, trace, contact, &tips, stick)?, tips)))
+    };
+    let touches = |r: &ContactRow| r.pressure > TOUCHING * max_pressure;
+    let ends = between(vertices(located, &|kind| kind == TipKind::ContactEnd), false);
+    let length = ends.as_ref().map_or_else(|| weight_of(&touches), |(length, _)| *length);
+    let stick = between(vertices(located, &|_| true), true);
+    let stick = stick.map_or_else(|| weight_of(&|r| touches(r) && sticks(r.shear, r.bound)), |(stick, _)| stick);
+    let stick = stick.min(length);
     let mut force = [0.0; 2];
     for side in 0..scene.sides.len() {
         let part = contact.force(side);
         force = [force[0] + part[0], force[1] + part[1]];
     }
-    let length = match &ends {
-        Some(ends) => located_length(scene, mesh, ends, rows, max_pressure).unwrap_or(length),
-        None => length,
-    };
-    let stick = stick.min(length);
+    let point = |(edge, s): (usize, f64)| scene.polygon.edges()[edge].point(s);
     ContactSummary {
         // of what is no solution it means nothing
         contraction: contact.coulomb.filter(|_| contact.converged()).map(|c| c.contraction),
@@ -172,13 +176,13 @@ pub fn contact_summary(
         stick,
         slip: length - stick,
         max_pressure,
-        max_pressure_unbounded: is_unbounded(scene, mesh, rows),
+        max_pressure_unbounded: is_unbounded(scene, trace.mesh, rows),
         force,
         stabilisation: contact
             .stabilised
             .as_ref()
             .map(|s| Stabilisation { gamma: s.gamma, critical_gamma: s.critical }),
-        ends: ends.map(|ends| ends.into_iter().map(|(edge, s)| scene.polygon.edges()[edge].point(s)).collect()),
+        ends: ends.map(|(_, ends)| ends.into_iter().map(point).collect()),
     }
 }
 
@@ -189,69 +193,75 @@ pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Su
         strain_energy: solved.energies.strain,
         load_work: solved.energies.load_work,
         friction_work: solved.energies.friction_work,
-        contact: solved.contact.as_ref().map(|c| contact_summary(scene, &solved.mesh, c, rows, None)),
+        contact: solved.contact.as_ref().map(|c| contact_summary(scene, solved.trace(), c, rows, None)),
         reactions: solved.reactions.iter().cloned().collect(),
         ..Summary::default()
     }
 }
 
-/// Edge and edge parameter of the ends of contact; none where one has no vertex.
-pub fn located_ends(scene: &Scene, step: &Step) -> Option<Vec<(usize, f64)>> {
-    if scene.method.refine != Refine::Hp {
-        return None;
-    }
-    let ends: Vec<&Located> = step.located.iter().filter(|l| l.kind == TipKind::ContactEnd).collect();
-    if ends.iter().any(|l| !l.at_vertex) {
-        return None;
-    }
-    let mut ends: Vec<(usize, f64)> = ends.iter().map(|l| (l.edge, l.s)).collect();
-    ends.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-    Some(ends)
+/// The transitions of a mesh that has vertices for them; none of other strategies.
+pub fn located<'a>(scene: &Scene, step: &'a Step) -> Option<&'a [Located]> {
+    (scene.method.refine == Refine::Hp).then_some(&step.located)
 }
 
-/// Length in contact between the located ends: of each contact edge the parts on which most of the weight is pressed.
-/// None where a part is neither.
-fn located_length(
+/// Edge and edge parameter of the transitions of some kinds, rising; none where one has no vertex.
+fn vertices(located: Option<&[Located]>, of: &dyn Fn(TipKind) -> bool) -> Option<Vec<(usize, f64)>> {
+    let tips = located?.iter().filter(|l| of(l.kind));
+    let mut tips = tips.map(|l| l.at_vertex.then_some((l.edge, l.s))).collect::<Option<Vec<_>>>()?;
+    tips.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    Some(tips)
+}
+
+/// Part of the weight of the nodes between two transitions up to which they may differ from the others: those next to a
+/// transition alternate.
+const FEW: f64 = 0.1;
+
+/// Length of the parts of contact edges between transitions that are closed, or that stick, by the states of biorthogonal
+/// multipliers, which the transitions are those of. None where the nodes of a part do not agree, or there are none inside.
+fn length_between(
     scene: &Scene,
-    mesh: &Mesh,
-    ends: &[(usize, f64)],
-    rows: &[ContactRow],
-    max_pressure: f64,
+    trace: Trace<'_>,
+    contact: &ContactResult,
+    transitions: &[(usize, f64)],
+    stick: bool,
 ) -> Option<f64> {
+    let multipliers = &contact.solution.multipliers;
+    let max_pressure = multipliers.iter().fold(0.0, |m: f64, l| m.max(l[0]));
+    let conditions: Vec<&Condition> = contact.boundary.contact.iter().flat_map(|node| &node.conditions).collect();
+    let counts = |i: usize| {
+        let [pressure, shear] = multipliers[i];
+        pressure > TOUCHING * max_pressure && (!stick || sticks(shear, conditions[i].limit(pressure)))
+    };
+    let lines = contact.boundary.lines(trace.mesh, trace.space);
     let mut length = 0.0;
     for (k, edge) in scene.polygon.edges().iter().enumerate() {
-        if !matches!(scene.sides[edge.side].condition, Condition::Contact { .. }) {
+        if !matches!(scene.sides[edge.side].condition, scene::Condition::Contact { .. }) {
             continue;
         }
-        let direction = [edge.end[0] - edge.start[0], edge.end[1] - edge.start[1]];
-        let norm = edge.length();
-        let parameter = |x: [f64; 2]| {
-            ((x[0] - edge.start[0]) * direction[0] + (x[1] - edge.start[1]) * direction[1]) / (norm * norm)
-        };
-        let normal = mesh.normal((0..mesh.len()).find(|&e| mesh.edge[e] == k)?);
-        let on_edge = |r: &&ContactRow| {
-            let off = (r.point[0] - edge.start[0]) * normal[0] + (r.point[1] - edge.start[1]) * normal[1];
-            r.normal[0] * normal[0] + r.normal[1] * normal[1] > 1.0 - 1e-9 && off.abs() < 1e-9 * norm
-        };
+        let points = &lines.iter().find(|line| line.edge == k)?.points;
         let mut knots = vec![0.0];
-        knots.extend(ends.iter().filter(|e| e.0 == k).map(|e| e.1));
+        knots.extend(transitions.iter().filter(|t| t.0 == k).map(|t| t.1));
         knots.push(1.0);
+        // the states at transitions themselves tell nothing
+        let off = if knots.len() > 2 { SAME_PLACE } else { -SAME_PLACE };
         for part in knots.windows(2) {
-            let inside = rows.iter().filter(on_edge).filter(|r| {
-                let s = parameter(r.point);
-                part[0] < s && s < part[1]
-            });
-            let (mut pressed, mut all) = (0.0, 0.0);
-            for row in inside {
-                all += row.weight;
-                pressed += if row.pressure > TOUCHING * max_pressure { row.weight } else { 0.0 };
+            let (mut with, mut all) = (0.0, 0.0);
+            for point in points.iter().filter(|p| part[0] + off < p.s && p.s < part[1] - off) {
+                let weight = conditions[point.index].normal_weight;
+                all += weight;
+                with += if counts(point.index) { weight } else { 0.0 };
             }
-            match pressed {
-                _ if pressed > 0.9 * all => length += (part[1] - part[0]) * norm,
-                _ if pressed < 0.1 * all || all == 0.0 => {}
+            match with / all {
+                share if share > 1.0 - FEW => length += (part[1] - part[0]) * edge.length(),
+                share if share < FEW => {}
                 _ => return None,
             }
         }
     }
     Some(length)
+}
+
+/// Whether a node in contact sticks.
+fn sticks(shear: f64, bound: f64) -> bool {
+    shear.abs() < bound * (1.0 - 1e-12)
 }

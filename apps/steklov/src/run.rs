@@ -4,11 +4,14 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
-use steklov_contact::{Located, Tip, TipKind};
+use steklov_contact::{Located, Tip};
 
 use crate::adapt::Layout;
 use crate::body::Body;
+use crate::elastic::EnrichedBody;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate, is_estimated};
+use crate::hidden::Unseen;
+use crate::plan::{Decision, without_memory};
 use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
 use crate::stochastic::mean_estimate;
@@ -20,7 +23,7 @@ pub enum Reason {
     Solved,
     /// The estimated error is down at the tolerance.
     Tolerance,
-    /// The next mesh would have more unknowns than allowed.
+    /// The next mesh would have more unknowns than allowed, or need more memory.
     MaxDofs,
     /// As many steps as allowed are done.
     MaxSteps,
@@ -106,6 +109,11 @@ impl Progress {
         Self { steps: Vec::new(), next: Layout::first(scene) }
     }
 
+    /// What is told of the next mesh if the matrices that it needs do not fit into the memory that the method may take.
+    pub fn without_memory(&self, scene: &Scene) -> Option<Decision> {
+        without_memory(scene, self.next.subdivision.elements(), self.next.dofs())
+    }
+
     /// The state before the last of these steps was solved; None of no steps. Solving it again gives the same bits, and
     /// what they lead to.
     pub fn before_last(mut steps: Vec<Step>) -> Option<Self> {
@@ -119,8 +127,8 @@ impl Progress {
 pub struct Run {
     /// The last step.
     pub last: Solved,
-    /// Its matrices.
-    pub body: Body,
+    /// Its matrices; None where a later step was begun, for which they were given up.
+    pub body: Option<Body>,
     /// The steps and what comes next.
     pub progress: Progress,
     /// Why it ended.
@@ -135,6 +143,22 @@ impl Run {
     /// Whether everything that was asked for is reached.
     pub fn converged(&self) -> bool {
         matches!(self.reason, Reason::Solved | Reason::Tolerance)
+    }
+
+    /// The matrices of the last step, made again where they were given up.
+    ///
+    /// # Errors
+    /// Those of [`solve`]; [`SolveError::Interrupted`] if the run was interrupted.
+    pub fn matrices(&mut self, scene: &Scene) -> Result<&Body, SolveError> {
+        match &mut self.body {
+            Some(body) => Ok(body),
+            None if self.reason == Reason::Interrupted => Err(SolveError::Interrupted),
+            none => {
+                let (mesh, estimated) = (self.last.mesh.clone(), is_estimated(scene, self.last.space.dofs()));
+                let (_, body, _) = solve(scene, mesh, estimated, &mut PairCache::default(), &mut |_| Ok(()))?;
+                Ok(none.insert(body))
+            }
+        }
     }
 
     /// The last step.
@@ -157,7 +181,7 @@ pub fn run(
 ) -> Result<Run, SolveError> {
     let clock = Instant::now();
     let mut cache = PairCache::default();
-    let mut last: Option<(Solved, Body)> = None;
+    let mut last: Option<Solved> = None;
     loop {
         let number = progress.steps.len();
         let mut watched = |stage: Stage<'_>| match interrupts.load(Ordering::Relaxed) {
@@ -166,11 +190,11 @@ pub fn run(
         };
         let next = advance(scene, &progress, &mut cache, &mut watched);
         let (solved, body, step, layout) = match (next, last) {
-            (Err(SolveError::Interrupted), Some((last, body))) => {
-                return Ok(Run { last, body, progress, reason: Reason::Interrupted, error: None, clock });
+            (Err(SolveError::Interrupted), Some(last)) => {
+                return Ok(Run { last, body: None, progress, reason: Reason::Interrupted, error: None, clock });
             }
-            (Err(error), Some((last, body))) if !matches!(error, SolveError::Io(_)) => {
-                return Ok(Run { last, body, progress, reason: Reason::Failed, error: Some(error), clock });
+            (Err(error), Some(last)) if !matches!(error, SolveError::Io(_)) => {
+                return Ok(Run { last, body: None, progress, reason: Reason::Failed, error: Some(error), clock });
             }
             (next, _) => next?,
         };
@@ -180,9 +204,9 @@ pub fn run(
         progress.next = layout;
         let interrupted = interrupts.load(Ordering::Relaxed) > 0;
         if let Some(reason) = reason(scene, &progress, unchanged, interrupted) {
-            return Ok(Run { last: solved, body, progress, reason, error: None, clock });
+            return Ok(Run { last: solved, body: Some(body), progress, reason, error: None, clock });
         }
-        last = Some((solved, body));
+        last = Some(solved);
     }
 }
 
@@ -198,19 +222,27 @@ fn advance(
     let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
     let clock = Instant::now();
     observe(Stage::Progress("estimate", 0.97))?;
-    let mut estimate = estimate(scene, &solved, &body, &factors)?;
-    let (mut layout, located) = progress.next.next(scene, &solved, &factors, estimate.as_ref())?;
-    let fixed = progress.steps.last().is_some_and(|last| same_transitions(&last.located, &located));
+    let enriched = if estimated { Some(EnrichedBody::new(&body, cache)?) } else { None };
+    let (mut estimate, unseen) = match &enriched {
+        Some(enriched) => {
+            let (estimate, unseen) = estimate(scene, &solved, (&body, enriched), &factors)?;
+            (Some(estimate), unseen)
+        }
+        None => (None, Unseen::default()),
+    };
+    let (mut layout, located) = progress.next.next(scene, &solved, &factors, estimate.as_ref(), &unseen)?;
+    let before = progress.steps.last().map(|last| last.located.as_slice());
     if let Some(estimate) = &mut estimate {
-        estimate.add_transitions(scene, &solved.mesh, &located, solved.contact.is_none() || fixed);
+        estimate.add_transitions(scene, &solved.mesh, &located, before);
         estimate.add_roundoff(&solved);
+        estimate.settle_exact(scene, &solved)?;
     }
-    if let (Some(random), Some(one)) = (&scene.random, &mut estimate)
+    if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate)
         && one.relative <= scene.method.tolerance
     {
         // the mean outcome is solved well enough: what of the others?
-        *one = mean_estimate(scene, random, &body, one.clone())?;
-        (layout, _) = progress.next.next(scene, &solved, &factors, Some(one))?;
+        *one = mean_estimate(scene, random, (&body, enriched), one.clone())?;
+        (layout, _) = progress.next.next(scene, &solved, &factors, Some(one), &unseen)?;
     }
     let s = &solved.seconds;
     let seconds = [s.set_up, s.assemble, s.factorise, s.solve, clock.elapsed().as_secs_f64()];
@@ -230,26 +262,6 @@ fn advance(
     Ok((solved, body, step, layout))
 }
 
-/// Whether two steps have the same transitions, wherever these are.
-fn same_transitions(a: &[Located], b: &[Located]) -> bool {
-    let kinds = |located: &[Located]| -> Vec<(usize, u8)> {
-        let mut kinds: Vec<_> = located
-            .iter()
-            .map(|l| {
-                let kind = match l.kind {
-                    TipKind::ContactEnd => 0,
-                    TipKind::StickEnd => 1,
-                    TipKind::SlipReversal => 2,
-                };
-                (l.edge, kind)
-            })
-            .collect();
-        kinds.sort_unstable();
-        kinds
-    };
-    kinds(a) == kinds(b)
-}
-
 /// Why the run ends after the last of the steps, if it does.
 fn reason(scene: &Scene, progress: &Progress, unchanged: bool, interrupted: bool) -> Option<Reason> {
     let method = &scene.method;
@@ -266,7 +278,7 @@ fn reason(scene: &Scene, progress: &Progress, unchanged: bool, interrupted: bool
         _ if reached(step) && confirmed => Reason::Tolerance,
         _ if unchanged || exact => Reason::Roundoff,
         _ if steps.len() >= method.max_steps => Reason::MaxSteps,
-        _ if progress.next.dofs() > method.max_dofs => Reason::MaxDofs,
+        _ if progress.next.dofs() > method.max_dofs || progress.without_memory(scene).is_some() => Reason::MaxDofs,
         _ if interrupted => Reason::Interrupted,
         _ => return None,
     })

@@ -5,8 +5,8 @@ use std::time::Instant;
 use faer::{Col, Mat};
 use sprs::CsMat;
 use steklov_bem_operators::{
-    BemError, BoundaryField, Condensation, Enrichment, Mesh, Operators, PairCache, ParticularSolution, Partition,
-    RigidMotion, Space, Steklov,
+    BemError, BoundaryField, Condensation, Mesh, Operators, PairCache, ParticularSolution, Partition, RigidMotion,
+    Space, Steklov,
 };
 use steklov_contact::{ContactBoundary, ContactError};
 use steklov_coupling::{Trace, Transfer};
@@ -179,8 +179,8 @@ pub struct Solved {
     pub seconds: Seconds,
 }
 
-/// Solves the scene on a mesh; `estimated`: with what an estimate needs. Moments of pairs of elements are taken from `cache`
-/// where it has them.
+/// Solves the scene on a mesh; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
+/// it has them.
 ///
 /// # Errors
 /// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.
@@ -203,11 +203,10 @@ pub fn solve(
 
     let clock = Instant::now();
     observe(Stage::Progress("assembling V, K, W", 0.05))?;
-    let (operators, enrichment) = if estimated {
-        let (operators, enrichment) = Enrichment::assemble(&mesh, &space, &scene.material, None, cache)?;
-        (operators, Some(enrichment))
+    let operators = if estimated {
+        Operators::to_enrich(&mesh, &space, &scene.material, None, cache)?
     } else {
-        (Operators::assemble(&mesh, &space, &scene.material, None)?, None)
+        Operators::assemble(&mesh, &space, &scene.material, None)?
     };
     let length = operators.length;
     seconds.assemble = clock.elapsed().as_secs_f64();
@@ -215,13 +214,7 @@ pub fn solve(
 
     let clock = Instant::now();
     observe(Stage::Progress("Steklov-Poincaré matrix", 0.3))?;
-    let (Steklov { mut matrix, traction: traction_map }, enriched) = match enrichment {
-        None => (Steklov::new(operators, scene.domain())?, None),
-        Some(enrichment) => {
-            let (steklov, enriched) = Steklov::enriched(operators, enrichment, scene.domain())?;
-            (steklov, Some(enriched))
-        }
-    };
+    let Steklov { mut matrix, traction: traction_map } = Steklov::new(operators, scene.domain())?;
     let outside = Outside::new(&data, estimated, cache)?;
     if let Some(outside) = &outside {
         outside.stiffen(&mut matrix);
@@ -272,11 +265,14 @@ pub fn solve(
     observe(Stage::Progress("contact", 0.95))?;
     let stiffness = if given.boundary.is_some() { condensation.stiffness() } else { Mat::new() };
     let material = scene.material;
-    let body =
-        Body { mesh, space, material, length, condensation, enriched, outside, stiffness, traction_map, held, free };
+    let mut body = Body { mesh, space, material, length, condensation, outside, stiffness, traction_map, held, free };
     given.stabilised = stabilised;
     let (mut solved, factors) =
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;
+    if scene.random.is_none() {
+        // the contact problem has its own
+        body.stiffness = Mat::new();
+    }
     seconds.solve = clock.elapsed().as_secs_f64();
     solved.seconds = seconds;
     Ok((solved, body, factors))

@@ -1,12 +1,13 @@
 //! The layout of the result file.
 
 use std::collections::VecDeque;
+use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use steklov_bem_operators::Mesh;
 use steklov_io::{
     File, Group, IoError, Label, copy, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
-    load_vector, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
+    load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
 
@@ -228,7 +229,12 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
         let displacement = label("length", "displacement", point);
         save_points(&at, "displacement", &collect(|p| p.displacement), &displacement)?;
         let stress = faer::Mat::from_fn(probes.len(), 3, |i, j| probes[i].stress[j]);
-        save_dense(&at, "stress", stress.as_ref(), &label("stress", "sigma_xx, sigma_yy, sigma_xy", point))?;
+        save_dense(
+            &at,
+            "stress",
+            stress.as_ref(),
+            &label("stress", "sigma_xx, sigma_yy, sigma_xy; NaN where they are infinite", point),
+        )?;
     }
     Ok(())
 }
@@ -289,6 +295,12 @@ fn load_contact(at: &Group) -> Result<Vec<ContactRow>, IoError> {
         side: side[i],
     };
     Ok((0..n).map(row).collect())
+}
+
+/// Why the run of a result file ended before it was done, if it did; None too of what is no result file.
+pub fn unfinished(path: &Path) -> Option<String> {
+    let summary: Summary = parse(&open(path).ok()?, "summary").ok()?;
+    (!summary.converged).then_some(summary.reason)
 }
 
 /// Reads what `show` needs, and checks that the parts fit.

@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 pub struct Summary {
     /// Title of the scene.
     pub title: String,
-    /// Discretisation: "bem", "fem" or "msfem".
+    /// Discretisation: "bem", "fem", "msfem", "fem-bem" or "msfem-bem".
     pub model: String,
     /// The result file.
     pub file: String,
@@ -44,7 +44,8 @@ pub struct Summary {
     pub estimate_relative: Option<f64>,
     /// Why the estimate is not to be trusted: transition (one lies inside an element), sets (contact still changes from
     /// mesh to mesh), coarse (elements too long or of too high a degree for it), data (loads finer than the elements), several
-    /// (solutions under Coulomb's law), roundoff; empty if it is.
+    /// (solutions under Coulomb's law), roundoff, length (what is told depends on the length L of `exterior`), large (gaps or
+    /// prescribed displacements beyond small strains); empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
     /// Iterations of the contact solver in the last step; 0 without contact.
@@ -120,6 +121,14 @@ pub struct ExteriorSummary {
     pub length: f64,
 }
 
+impl ExteriorSummary {
+    /// `length` among the doubts: without balance displacements and energies, and with supports or contact also stresses and
+    /// forces, are those of the length L.
+    pub(crate) fn doubt(&self) -> Option<String> {
+        (!self.balanced).then(|| "length".to_owned())
+    }
+}
+
 /// A body on a grid of rectangles.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct GridSummary {
@@ -133,7 +142,9 @@ pub struct GridSummary {
     pub coarse_cells: Option<usize>,
     /// Different patterns of moduli: so many local problems were solved.
     pub patterns: Option<usize>,
-    /// Part of the estimate that coarse cells add to the fine grid's: energy norm of u_fine - u_multiscale.
+    /// Part of the estimate that coarse cells add to the fine grid's: energy norm of u_fine - u_multiscale. With a medium around
+    /// the body also the body's share of what is left of the balance of tractions where both meet: two to three times the error
+    /// inside of the body.
     pub estimate_multiscale: Option<f64>,
     /// Part of the estimate that the fine grid has itself: energy norm of u - u_fine.
     pub estimate_fine_grid: Option<f64>,
@@ -175,8 +186,17 @@ pub struct Probe {
     pub point: [f64; 2],
     /// Displacement.
     pub displacement: [f64; 2],
-    /// σ_xx, σ_yy, σ_xy.
+    /// σ_xx, σ_yy, σ_xy; NaN, in JSON null, where they are infinite.
+    #[serde(deserialize_with = "numbers_or_null")]
     pub stress: [f64; 3],
+    /// Whether the point is a vertex at which stresses grow without bound; left out if not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub stress_unbounded: bool,
+}
+
+/// Three numbers, NaN where there is null.
+fn numbers_or_null<'de, D: serde::Deserializer<'de>>(from: D) -> Result<[f64; 3], D::Error> {
+    Ok(<[Option<f64>; 3]>::deserialize(from)?.map(|number| number.unwrap_or(f64::NAN)))
 }
 
 /// Wall seconds of the parts, summed over the steps.

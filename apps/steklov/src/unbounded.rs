@@ -36,8 +36,9 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
             let [x, y] = edge.point(s);
             (x, y, s)
         };
-        let kinks = gap.kinks(|t| path((1.0 + t) / 2.0)).into_iter().map(|t| (1.0 + t) / 2.0);
-        let inside: Vec<f64> = kinks.filter(|&s| s > 3.0 * NEAR && s < 1.0 - 3.0 * NEAR).collect();
+        let along = gap.along(edge);
+        let inside: Vec<f64> =
+            along.kinks.iter().copied().filter(|&s| s > 3.0 * NEAR && s < 1.0 - 3.0 * NEAR).collect();
         if inside.iter().any(|&s| is_ridge(gap, path, s) && touched(edge.point(s), 0.51 * longest_on(k))) {
             return true;
         }
@@ -46,7 +47,7 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
     for e in 0..mesh.len() {
         let before = previous[e];
         let (here, there) = (gap_of(mesh.side[e]).is_some(), gap_of(mesh.side[before]).is_some());
-        let (a, b) = (mesh.tangent(before), mesh.tangent(e));
+        let (a, b) = (mesh.tangent[before], mesh.tangent[e]);
         // turning to the left is a convex corner: interior angle π - turn
         let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
         let corner = mesh.vertices[e];

@@ -75,7 +75,7 @@ fn the_sound_scene_and_the_template_are_read() {
         .collect();
     let all = sound(&all, &[]);
     assert_eq!((all.expect.len(), all.probe.len(), all.polygon.loops().len()), (1, 1, 2));
-    assert_eq!(all.method, Method { elements_given: true, ..Method::default() });
+    assert_eq!(all.method, Method { elements_given: true, max_dofs_given: true, ..Method::default() });
     assert_eq!((all.grid.map(|g| g.cells()), all.model()), (Some([32, 32]), Model::Bem));
     // The moduli of cells, in place of the one modulus.
     let edits = [
@@ -101,6 +101,39 @@ fn defaults_are_those_of_the_contract() {
     assert_eq!((m.refine, m.marking, m.gamma, m.solver), (Refine::Hp, None, None, Solver::Auto));
     assert_eq!((scene.material.young, scene.title.as_str(), scene.sides.len()), (200.0, "broken.toml", 2));
     assert!(scene.body_force.is_none() && scene.probe.is_empty() && scene.expect.is_empty());
+}
+
+/// A name that data use by way of other parameters has an effect; a name of the file without one is left out of the plan's model.
+#[test]
+fn names_that_nothing_uses_are_told() {
+    let text = SOUND.replace("F = 0.3", "twice = 2\nG = \"0.1*twice\"\nF = \"G + 0.1\"\nidle = \"F\"");
+    let scene = sound(&text, &["parameters.twice=3"]);
+    assert!((scene.parameters["F"] - 0.4).abs() < 1e-15);
+    assert_eq!(scene.unused, ["idle"]);
+    let plan = steklov::plan::plan(&scene);
+    let told = |name: &str| plan.left_out.iter().any(|d| d.what == "parameter" && d.choice == name);
+    assert_eq!(["twice", "G", "F", "idle"].map(told), [false, false, false, true]);
+}
+
+/// Friction that is given as 0 is none, and cells of one modulus do not differ.
+#[test]
+fn plans_say_what_zero_friction_and_equal_cells_are() {
+    let choice = |scene: &Scene, what: &str| {
+        let plan = steklov::plan::plan(scene);
+        let found = plan.modelled.iter().find(|d| d.what == what).unwrap_or_else(|| panic!("no {what}"));
+        format!("{} ({})", found.choice, found.why)
+    };
+    for (law, without) in [("tresca = 0.0", true), ("coulomb = \"F - 0.3\"", true), ("coulomb = \"F*x\"", false)] {
+        let scene = sound(&SOUND.replace("tresca = \"F\"", law), &[]);
+        assert_eq!(choice(&scene, "contact").starts_with("floor without friction"), without, "{law}");
+    }
+    for (young, one) in [("\"3*F\"", true), ("{ uniform = [3, 3] }", true), ("\"1 + x\"", false)] {
+        let cells = format!("cells = {{ size = 0.5, young = {young} }}");
+        let text = SOUND.replace("young = 200.0", &cells).replace("refine = \"uniform-h\"\n", "");
+        let scene = sound(&(text + "[grid]\ncoarse = [2, 1]\nfine = [2, 2]\n"), &[]);
+        assert_eq!(choice(&scene, "Young's modulus").contains("the same in all cells"), one, "{young}");
+        assert_eq!(choice(&scene, "discretisation").contains("differs from cell to cell"), !one, "{young}");
+    }
 }
 
 #[test]

@@ -420,3 +420,21 @@ fn every_text_encoding_of_a_scene_is_read_or_refused() {
     let ran = place.run(["solve", "latin.toml"]).demand(1);
     assert!(ran.err.contains("latin.toml") && ran.err.contains("UTF-8"), "{}", ran.err);
 }
+
+/// Two floors on one line, of which the second is out of reach.
+#[test]
+fn a_contact_side_that_nothing_touches_is_named() {
+    let place = Place::new();
+    let scene = r#"
+body.corners = [[0,0],[1,0],[2,0],[2,1],[0,1]]
+body.sides = ["near","far","right","top","left"]
+material = { young = 100.0, poisson = 0.3 }
+sides.near.contact = { gap = "0" }
+sides.far.contact = { gap = "1" }
+sides.top.displacement = ["0","-0.01"]
+method.tolerance = 0.1
+"#;
+    place.write("floors.toml", scene);
+    let told = place.run(["solve", "floors.toml", "--quiet"]).demand(0).out;
+    assert!(told.contains("nothing touches side far") && !told.contains("nothing touches side near"), "{told}");
+}

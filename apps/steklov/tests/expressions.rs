@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
-use steklov::expression::{Expression, ExpressionError};
+use steklov::expression::{Enclosed, Expression, ExpressionError, Interval, Survey, enclose, leaves};
 
 fn constants() -> BTreeMap<String, f64> {
     [("F".to_owned(), 0.3), ("long_name".to_owned(), -2.0)].into()
@@ -179,6 +179,68 @@ fn kinks_are_where_the_closed_form_puts_them() {
     assert_kinks("abs(log(x-0.4))", &[0.4]);
 }
 
+/// Features far narrower than any sampling: zeros of a switch, and values.
+#[test]
+fn nothing_hides_between_points() {
+    for (width, place) in [(1e-3, 0.1234), (1e-5, -0.71), (1e-8, 0.3217)] {
+        let bump = format!("exp(-((x-({place}))/{width})^2)");
+        let found = parse(&format!("max({bump}, 0.5)")).kinks(|t| (t, 0.5, (1.0 + t) / 2.0));
+        let reach = width * 2f64.ln().sqrt();
+        assert_eq!(found.len(), 2, "{width}: {found:?}");
+        assert!(
+            (found[0] - place + reach).abs() < 1e-7 * width + 1e-15
+                && (found[1] - place - reach).abs() < 1e-7 * width + 1e-15
+        );
+
+        let survey = Survey::new(&parse(&bump), &|t| (t, 0.5, (1.0 + t) / 2.0), [-1.0, 1.0], &[]);
+        assert!(survey.is_complete() && survey.pieces.len() < 500, "{} pieces", survey.pieces.len());
+        assert!(survey.sampled.high > 0.5 && survey.pieces.iter().any(|p| p.value.high >= 1.0), "{:?}", survey.sampled);
+        for piece in &survey.pieces {
+            let distance = (place - piece.ends[1]).max(piece.ends[0] - place).max(0.0);
+            assert!(
+                piece.value.high < 1e-3 + 2.0 * (-(distance / width).powi(2)).exp() || distance < width,
+                "{piece:?}"
+            );
+        }
+        let narrow = survey.narrow([-1.0, 1.0], 0.01, 1e-3);
+        assert!(narrow.iter().all(|t| (t - place).abs() < 20.0 * width) && narrow.len() >= 3, "{narrow:?}");
+    }
+    assert_kinks("abs(cos(2000*pi*x))", &(0..4000).map(|k| (f64::from(k) + 0.5) / 2000.0 - 1.0).collect::<Vec<_>>());
+    let touch = parse("abs((x-0.3)^2)").kinks(|t| (t, 0.5, (1.0 + t) / 2.0));
+    assert!(touch.len() == 1 && (touch[0] - 0.3).abs() < 1e-7, "{touch:?}");
+}
+
+/// Monotone functions, extrema and functions of one variable are enclosed to rounding.
+#[test]
+fn enclosures_are_tight_where_the_closed_form_is_known() {
+    for (text, low, high) in [
+        ("exp(-x^2)", (-1f64).exp(), 1.0),
+        ("sin(3*x)", -1.0, 1.0),
+        ("cos(x)", 1f64.cos(), 1.0),
+        ("1/(2+x)", 1.0 / 3.0, 1.0),
+        ("atan2(x, 2)", -(0.5f64.atan()), 0.5f64.atan()),
+        ("abs(x-0.25)", 0.0, 1.25),
+        ("if(x < 3, x, 10)", -1.0, 1.0),
+        ("min(x, 0.5)", -1.0, 0.5),
+        ("sqrt(1+x)", 0.0, 2f64.sqrt()),
+        ("s^0.1", 0.0, 1.0),
+        ("x^3", -1.0, 1.0),
+    ] {
+        let path = |t: f64| (t, 0.5, (1.0 + t) / 2.0);
+        let Enclosed { value, .. } = enclose([-1.0, 1.0], &|a, b| parse(text).range(&leaves(&path, a, b)));
+        assert!((value.low - low).abs() < 1e-14 && (value.high - high).abs() < 1e-14, "{text}: {value:?}");
+    }
+    // two uses of x: the mean value form is off by the square of the length
+    for length in [1e-2, 1e-4] {
+        let path = |t: f64| (0.5 + length * t, 0.0, 0.5);
+        let Enclosed { value, .. } = enclose([-1.0, 1.0], &|a, b| parse("x*(1-x)").range(&leaves(&path, a, b)));
+        assert!(
+            value.contains(0.25) && value.contains(0.25 - length * length) && value.width() < 9.0 * length * length,
+            "{value:?}"
+        );
+    }
+}
+
 #[test]
 fn a_switch_that_vanishes_on_the_path_has_no_kink() {
     assert_kinks("abs(y-0.5)", &[]);
@@ -316,6 +378,33 @@ proptest! {
         let text = tree.print(0);
         let (tape, plain) = (parse(&text).eval(p[0], p[1], p[2]), tree.eval(p));
         prop_assert!(tape == plain || (tape.is_nan() && plain.is_nan()), "{text} = {tape}, tree {plain}");
+    }
+
+    /// What no point was looked at lies in the enclosure, changes included; without a value nothing is enclosed.
+    #[test]
+    fn values_and_slopes_lie_in_their_enclosures(
+        tree in trees(), p in prop::array::uniform3(-2.0..2.0_f64), d in prop::array::uniform3(-1.0..1.0_f64), size in -9.0..0.5_f64
+    ) {
+        let expression = parse(&tree.print(0));
+        let path = |t: f64| {
+            let step = t * 10f64.powf(size);
+            (p[0] + step * d[0], p[1] + step * d[1], p[2] + step * d[2])
+        };
+        let Enclosed { value, .. } = enclose([-1.0, 1.0], &|a, b| expression.range(&leaves(&path, a, b)));
+        let slope = expression.range(&leaves(&path, -1.0, 1.0)).slope;
+        let points: Vec<f64> = (0..=40).map(|k| f64::from(k) / 20.0 - 1.0).collect();
+        let values: Vec<f64> = points.iter().map(|&t| { let (x, y, s) = path(t); expression.eval(x, y, s) }).collect();
+        for (t, v) in points.iter().zip(&values) {
+            prop_assert!(if v.is_nan() { value == Interval::ANY } else { value.contains(*v) }, "{} at {t}: {v} not in {value:?}", tree.print(0));
+        }
+        let size = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        for (pair, v) in points.windows(2).zip(values.windows(2)) {
+            let [low, high] = [slope.low, slope.high].map(|s| s * (pair[1] - pair[0]));
+            let rounding = 1e-12 * (size + low.abs().min(1e300) * 1e-3);
+            let change = v[1] - v[0];
+            let inside = low - rounding <= change && change <= high + rounding;
+            prop_assert!(slope == Interval::ANY || inside || !change.is_finite() || size > 1e6, "{}: {change} not in [{low}, {high}]", tree.print(0));
+        }
     }
 
     #[test]

@@ -116,7 +116,26 @@ fn an_interrupted_run_stores_the_step_that_it_finishes() {
         let run = long(&place);
         run.signal(signal);
         check_interrupted(&place, &run.end().demand(3));
+        // what is there can be gone on from, which is said before that it can be replaced
+        let again = place.run(["solve", "block.toml"]).demand(1).err;
+        let [resume, force] = ["(interrupted): --resume goes on", "--force"].map(|word| again.find(word));
+        assert!(resume.is_some() && resume < force, "{again}");
     }
+}
+
+/// A killed run cannot clean up behind itself; the next one does.
+#[cfg(unix)]
+#[test]
+fn the_half_written_file_of_a_killed_run_goes_with_the_next() {
+    let place = Place::new();
+    let run = long(&place);
+    run.signal("KILL");
+    run.wait();
+    assert!(place.names().iter().any(|name| name.ends_with(".part")), "{:?}", place.names());
+    place.run(["solve", "block.toml"]).demand(0);
+    assert_eq!(place.names(), ["block.toml", "block.vtkhdf"]);
+    let again = place.run(["solve", "block.toml"]).demand(1).err;
+    assert!(again.contains("exists; choose another --out, or --force") && !again.contains("--resume"), "{again}");
 }
 
 /// The second signal does not wait for the step; the steps before it are stored, and nothing half-written stays.

@@ -189,8 +189,8 @@ fn interruptions_keep_what_is_finished() {
     let scene = Scene::parse(&pressed(), "scene", &[]).unwrap();
     let random = scene.random.as_ref().unwrap();
     let (stopped, tell) = (AtomicUsize::new(1), &mut |_: &str, _: &str| {});
-    let last = run(&scene, Progress::first(&scene), &stopped, &mut |_, _| Ok(())).unwrap();
-    let chance = chance(&scene, random, &last, &stopped, tell).unwrap();
+    let mut last = run(&scene, Progress::first(&scene), &stopped, &mut |_, _| Ok(())).unwrap();
+    let chance = chance(&scene, random, &mut last, &stopped, tell).unwrap();
     let space = space(&scene, random, &stopped, tell).unwrap();
     let solvers = solvers(&scene, random, &stopped, tell).unwrap().unwrap();
     assert!(chance.points.is_empty() && space.points.is_empty() && solvers.methods.is_empty());

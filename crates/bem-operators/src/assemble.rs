@@ -6,10 +6,12 @@
 //! of threads.
 
 use faer::Mat;
+use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
 use crate::cache::PairCache;
-use crate::pass::Pass;
+use crate::columns::{Scratch, Targets};
+use crate::pass::{Block, Pass, Purpose};
 use crate::{BemError, Material, Mesh, Space};
 
 /// Galerkin matrices of the single layer V, the double layer K and the hypersingular operator W, and the mass matrix M.
@@ -49,19 +51,62 @@ impl Operators {
     /// Hsiao, Wendland, *Boundary Integral Equations*, 2008, chapter 2 (kernels); integration by parts after Maue 1949 and Günter.
     pub fn assemble(mesh: &Mesh, space: &Space, material: &Material, length: Option<f64>) -> Result<Self, BemError> {
         let mut operators = Self::empty(mesh, space, length)?;
-        let pass = Pass::new(mesh, space, material, operators.length, false);
-        pass.fill(&mut operators, None, &mut PairCache::default());
+        let pass = Pass::new(mesh, space, material, operators.length, Purpose::Plain);
+        pass.fill(Targets { operators: Some(&mut operators), ..Targets::default() }, &mut PairCache::default());
+        Ok(operators)
+    }
+
+    /// As [`Self::assemble`] for a space that an [`crate::Enrichment`] is to join: both are of the same moments, which are left
+    /// in `cache` unless they are too many. Those of pairs that it has seen with the same end points are taken from it.
+    ///
+    /// # Errors
+    /// As [`Self::assemble`].
+    pub fn to_enrich(
+        mesh: &Mesh,
+        space: &Space,
+        material: &Material,
+        length: Option<f64>,
+        cache: &mut PairCache,
+    ) -> Result<Self, BemError> {
+        let mut operators = Self::empty(mesh, space, length)?;
+        let pass = Pass::new(mesh, space, material, operators.length, Purpose::Base);
+        cache.count(&pass);
+        pass.fill(Targets { operators: Some(&mut operators), ..Targets::default() }, cache);
         Ok(operators)
     }
 
     /// The mass matrix, and V, K, W still zero.
-    pub(crate) fn empty(mesh: &Mesh, space: &Space, length: Option<f64>) -> Result<Self, BemError> {
+    fn empty(mesh: &Mesh, space: &Space, length: Option<f64>) -> Result<Self, BemError> {
         mesh.check()?;
         let diameter = mesh.diameter();
         let n = space.dofs();
         let zeros = || Mat::zeros(n, n);
         let mass = mass(mesh, space);
         Ok(Self { v: zeros(), k: zeros(), w: zeros(), mass, length: length.unwrap_or(diameter), diameter })
+    }
+}
+
+impl Pass<'_> {
+    /// Adds all pairs of elements to the matrices.
+    pub(crate) fn fill(&self, targets: Targets<'_>, cache: &mut PairCache) {
+        let mut owners = self.columns(targets);
+        let arch = pulp::Arch::new();
+        let mut add = |rows: std::ops::Range<usize>, moments: &[f64]| {
+            let block = Block { base: self.pair_base(rows.clone()), rows, moments };
+            owners.par_iter_mut().for_each_init(Scratch::default, |scratch, columns| {
+                arch.dispatch(|| self.add(columns, &block, scratch));
+            });
+        };
+        if let Some(moments) = cache.moments(self) {
+            add(0..self.len(), moments);
+        } else {
+            let (blocks, largest) = self.blocks();
+            let mut buffer = Vec::with_capacity(largest);
+            for rows in blocks {
+                self.moments(rows.clone(), &mut buffer, &|_, _| None);
+                add(rows, &buffer);
+            }
+        }
     }
 }
 

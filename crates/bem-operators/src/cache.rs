@@ -3,15 +3,16 @@
 use std::collections::HashMap;
 
 use crate::moments::Segment;
-use crate::pass::Pass;
+use crate::pass::{Pass, Purpose};
 
-/// Doubles that a cache holds at most: 256 MiB.
-const CAPACITY: usize = 1 << 25;
+/// Doubles that a cache holds at most, 32 MiB; those of a mesh and of the one before are there at once. Moments take about as
+/// much as half of a matrix, and beyond 2000 unknowns hundreds of times less work than the factorisations.
+const CAPACITY: usize = 1 << 22;
 
 /// The moments of all pairs of the mesh before, found by the end points and the order of their elements.
 ///
 /// Moments are a function of these alone, so that a run with a cache has the bits of a run without. A mesh whose moments
-/// would fill more than 256 MiB is assembled without.
+/// would fill more than 32 MiB is assembled without.
 #[derive(Debug, Clone, Default)]
 pub struct PairCache {
     /// Number of the element with these end points and this order.
@@ -32,39 +33,59 @@ fn key(segment: Segment, order: usize) -> Key {
     ([start.re, start.im, end.re, end.im].map(f64::to_bits), order)
 }
 
+fn keys<'a>(pass: &'a Pass<'_>) -> impl Iterator<Item = Key> + 'a {
+    pass.segments.iter().zip(&pass.order).map(|(&s, &order)| key(s, order))
+}
+
 impl PairCache {
     /// Pairs of the last mesh whose moments were there already.
     pub fn reused(&self) -> usize {
         self.reused
     }
 
-    /// Whether the moments of a mesh fit.
-    pub(crate) fn holds(&self, pass: &Pass<'_>) -> bool {
-        (0..pass.len()).map(|a| pass.pair_offset(a, pass.len())).sum::<usize>() <= CAPACITY
+    /// The moments of all pairs of the mesh of `pass`, row by row, which replaces the last one; None if they would not fit, or
+    /// are not those of an enrichment.
+    pub(crate) fn moments(&mut self, pass: &Pass<'_>) -> Option<&[f64]> {
+        if !self.holds(pass) {
+            *self = Self::default();
+            return None;
+        }
+        let old = self.places(pass);
+        if self.elements.len() != pass.len() || old.iter().enumerate().any(|(e, place)| *place != Some(e)) {
+            self.replace(pass, &old);
+        }
+        Some(&self.moments)
     }
 
-    /// Replaces the mesh by that of `pass`.
-    pub(crate) fn update(&mut self, pass: &Pass<'_>) {
-        let keys = || pass.segments.iter().zip(&pass.order).map(|(&s, &order)| key(s, order));
-        let old: Vec<Option<usize>> = keys().map(|k| self.elements.get(&k).copied()).collect();
-        let known = old.iter().flatten().count();
+    /// Counts the pairs of a mesh whose moments are there.
+    pub(crate) fn count(&mut self, pass: &Pass<'_>) {
+        let known = self.places(pass).iter().flatten().count();
         self.reused = known * (known + 1) / 2;
+    }
+
+    /// Whether the moments of a mesh are to be kept.
+    pub(crate) fn holds(&self, pass: &Pass<'_>) -> bool {
+        pass.purpose != Purpose::Plain
+            && (0..pass.len()).map(|a| pass.pair_offset(a, pass.len())).sum::<usize>() <= CAPACITY
+    }
+
+    /// The number that each element of a mesh has here.
+    fn places(&self, pass: &Pass<'_>) -> Vec<Option<usize>> {
+        keys(pass).map(|k| self.elements.get(&k).copied()).collect()
+    }
+
+    fn replace(&mut self, pass: &Pass<'_>, old: &[Option<usize>]) {
         let mut moments = Vec::new();
         pass.moments(0..pass.len(), &mut moments, &|a, b| {
             let (a, b) = (old[a]?, old[b]?);
             // elements of one loop never change places, but be sure of it
             (a <= b).then(|| &self.moments[self.start(a, b)..])
         });
-        self.elements = keys().zip(0..).collect();
+        self.elements = keys(pass).zip(0..).collect();
         self.order.clone_from(&pass.order);
         self.prefix.clone_from(&pass.prefix);
         self.base = pass.pair_base(0..pass.len());
         self.moments = moments;
-    }
-
-    /// Moments of all pairs of the last mesh, row by row.
-    pub(crate) fn moments(&self) -> &[f64] {
-        &self.moments
     }
 
     fn start(&self, a: usize, b: usize) -> usize {

@@ -1,25 +1,34 @@
 //! What the pairs of elements contribute to the columns of V, K and W.
 
+use std::ops::Range;
+
 use faer::Mat;
 
-use crate::enrichment::Enrichment;
 use crate::moments::{Geometry, Tables, first_is_outer, storage};
 use crate::pass::{Block, Pass};
-use crate::{Operators, Space};
+use crate::{Bubbles, Enrichment, Operators, Space};
 
-/// The columns of V, K and W that belong to a group of consecutive elements: their traction coefficients, and their
-/// nodes but the last one of each.
+/// The matrices that one pass over the pairs fills.
+#[derive(Default)]
+pub(crate) struct Targets<'m> {
+    pub(crate) operators: Option<&'m mut Operators>,
+    pub(crate) enrichment: Option<&'m mut Enrichment>,
+    pub(crate) bubbles: Option<&'m mut Bubbles>,
+}
+
+/// The columns that belong to a group of consecutive elements: of V, K and W those of their traction coefficients, and of
+/// their nodes but the last one of each; of the enrichment two for each element. Empty where they are not wanted.
 pub(crate) struct Columns<'a> {
-    elements: std::ops::Range<usize>,
+    elements: Range<usize>,
     v: Vec<&'a mut [f64]>,
     k: Vec<&'a mut [f64]>,
     w: Vec<&'a mut [f64]>,
-    /// Of the enrichment, if there is one: K's rows of the top tractions in the same columns, and the columns of the
-    /// top tractions and of the bubbles, two for each element, their rows those of the base and then the extra ones.
+    /// K's rows of the top tractions, in the columns of the nodes.
     k_top: Vec<&'a mut [f64]>,
-    v_extra: Vec<&'a mut [f64]>,
-    k_extra: Vec<&'a mut [f64]>,
-    w_extra: Vec<&'a mut [f64]>,
+    /// The columns of the top tractions and of the bubbles: the rows of the base, and the extra ones.
+    v_extra: [Vec<&'a mut [f64]>; 2],
+    k_extra: [Vec<&'a mut [f64]>; 2],
+    w_extra: [Vec<&'a mut [f64]>; 2],
 }
 
 #[derive(Default)]
@@ -68,27 +77,39 @@ const TASK_COLUMNS: usize = 24;
 
 impl Pass<'_> {
     /// Splits the matrices into the columns of groups of elements.
-    pub(crate) fn columns<'m>(
-        &self,
-        operators: &'m mut Operators,
-        enrichment: Option<&'m mut Enrichment>,
-    ) -> Vec<Columns<'m>> {
-        let mut base = [&mut operators.v, &mut operators.k, &mut operators.w].map(column_slices);
-        let mut extra = enrichment.map(|x| [&mut x.k_top, &mut x.v, &mut x.k, &mut x.w].map(column_slices));
+    pub(crate) fn columns<'m>(&self, targets: Targets<'m>) -> Vec<Columns<'m>> {
+        let Targets { operators, enrichment, bubbles } = targets;
+        let [mut v, mut k, mut w] = match operators {
+            None => [const { None }; 3],
+            Some(o) => [&mut o.v, &mut o.k, &mut o.w].map(|m| Some(column_slices(m))),
+        };
+        let [mut k_top, mut layers @ ..] = match enrichment {
+            None => [const { None }; 5],
+            Some(x) => {
+                [&mut x.k_top, &mut x.v, &mut x.v_corner, &mut x.k, &mut x.k_corner].map(|m| Some(column_slices(m)))
+            }
+        };
+        let mut bubbles = match bubbles {
+            None => [const { None }; 2],
+            Some(b) => [&mut b.w, &mut b.w_corner].map(|m| Some(column_slices(m))),
+        };
         let mut groups = Vec::new();
         let (mut start, mut count) = (0, 0);
         for e in 0..self.len() {
             count += 2 * self.degree[e];
             if count >= TASK_COLUMNS || e + 1 == self.len() {
-                let [v, k, w] = base.each_mut().map(|m| m.by_ref().take(count).collect());
-                let [k_top, v_extra, k_extra, w_extra] = match &mut extra {
-                    None => Default::default(),
-                    Some([k_top, rest @ ..]) => {
-                        let [v, k, w] = rest.each_mut().map(|m| m.by_ref().take(2 * (e + 1 - start)).collect());
-                        [k_top.by_ref().take(count).collect(), v, k, w]
-                    }
-                };
-                groups.push(Columns { elements: start..e + 1, v, k, w, k_top, v_extra, k_extra, w_extra });
+                let extra = 2 * (e + 1 - start);
+                let [v_base, v_corner, k_base, k_corner] = layers.each_mut().map(|m| next_columns(m, extra));
+                groups.push(Columns {
+                    elements: start..e + 1,
+                    v: next_columns(&mut v, count),
+                    k: next_columns(&mut k, count),
+                    w: next_columns(&mut w, count),
+                    k_top: next_columns(&mut k_top, count),
+                    v_extra: [v_base, v_corner],
+                    k_extra: [k_base, k_corner],
+                    w_extra: bubbles.each_mut().map(|m| next_columns(m, extra)),
+                });
                 (start, count) = (e + 1, 0);
             }
         }
@@ -102,7 +123,6 @@ impl Pass<'_> {
         let group = columns.elements.clone();
         let before = group.clone().map(|e| self.previous[e]).filter(|e| !group.contains(e));
         let trials: Vec<usize> = before.chain(group.clone()).collect();
-        let more = usize::from(self.enriched);
         for test in block.rows.start..self.len() {
             for &trial in &trials {
                 let (first, second) = (test.min(trial), test.max(trial));
@@ -116,16 +136,14 @@ impl Pass<'_> {
                 let geometry = Geometry::with_log(self.segments[outer], self.segments[inner], self.log_half[inner]);
                 let (pa, pc) = (self.degree[test], self.degree[trial]);
                 let moments = &block.moments[start..start + storage(m - 1, n - 1)];
-                scratch.tables.fill(&geometry, m, n, moments, outer == test, pa + more, pc + more);
+                scratch.tables.fill(&geometry, m, n, moments, outer == test, pa + self.more, pc + self.more);
                 if group.contains(&trial) {
                     let column = 2 * (self.space.offset[trial] - self.space.offset[group.start]);
                     self.add_single_layer(test, trial, columns, column, &scratch.tables);
                     for j in 0..pc {
                         self.add_node(test, trial, j, columns, column + 2 * j, scratch);
                     }
-                    if self.enriched {
-                        self.add_bubble(test, trial, columns, scratch);
-                    }
+                    self.add_bubble(test, trial, columns, scratch);
                 }
                 let next = self.space.next[trial];
                 if group.contains(&next) {
@@ -151,14 +169,13 @@ impl Pass<'_> {
             (scale * (log + xx), scale * xy, scale * (log + yy))
         };
         for n in 0..pc {
-            let [vx, vy] = &mut columns.v[column + 2 * n..][..2] else { continue };
+            let Some([vx, vy]) = columns.v.get_mut(column + 2 * n..column + 2 * n + 2) else { break };
             add_entries(vx, vy, row0, (0..pa).map(|m| entry(m, n)));
         }
-        if self.enriched {
-            let first = 2 * (c - columns.elements.start);
-            let [vx, vy] = &mut columns.v_extra[first..][..2] else { return };
+        if let Some([base, corner]) = extra_columns(&mut columns.v_extra, c - columns.elements.start) {
+            let ([vx, vy], [tx, ty]) = (base, corner);
             add_entries(vx, vy, row0, (0..pa).map(|m| entry(m, pc)));
-            add_entries(vx, vy, self.extra_row(a), [entry(pa, pc)]);
+            add_entries(tx, ty, 2 * a, [entry(pa, pc)]);
         }
     }
 
@@ -175,22 +192,13 @@ impl Pass<'_> {
     ) {
         let row0 = 2 * self.space.offset[a];
         let pa = self.degree[a];
-        let [kx, ky] = &mut columns.k[column..][..2] else { return };
-        let top = |m: usize, entries: [f64; 4], kx: &mut [f64], ky: &mut [f64]| {
-            kx[m] += entries[0];
-            kx[m + 1] += entries[1];
-            ky[m] += entries[2];
-            ky[m + 1] += entries[3];
-        };
-        if self.enriched {
-            let [tx, ty] = &mut columns.k_top[column..][..2] else { return };
-            self.double_layer(a, trial, j, scratch, |m, entries| {
-                if m < pa { top(row0 + 2 * m, entries, kx, ky) } else { top(2 * a, entries, tx, ty) }
-            });
-        } else {
-            self.double_layer(a, trial, j, scratch, |m, entries| top(row0 + 2 * m, entries, kx, ky));
+        let range = column..column + 2;
+        if let Some([tx, ty]) = columns.k_top.get_mut(range.clone()) {
+            self.double_layer(a, trial, j, pa..pa + 1, scratch, |_, entries| add_block(tx, ty, 2 * a, entries));
         }
-        let [wx, wy] = &mut columns.w[column..][..2] else { return };
+        let Some([kx, ky]) = columns.k.get_mut(range.clone()) else { return };
+        self.double_layer(a, trial, j, 0..pa, scratch, |m, entries| add_block(kx, ky, row0 + 2 * m, entries));
+        let Some([wx, wy]) = columns.w.get_mut(range) else { return };
         let last = 2 * self.space.node(a, pa);
         for i in 0..=pa {
             let row = if i < pa { row0 + 2 * i } else { last };
@@ -201,37 +209,38 @@ impl Pass<'_> {
     /// K and W for the bubble of the trial element.
     #[inline(always)]
     fn add_bubble(&self, a: usize, trial: usize, columns: &mut Columns<'_>, scratch: &mut Scratch) {
-        let (row0, extra) = (2 * self.space.offset[a], self.extra_row(a));
+        let row0 = 2 * self.space.offset[a];
         let (pa, pc) = (self.degree[a], self.degree[trial]);
-        let first = 2 * (trial - columns.elements.start);
-        let [kx, ky] = &mut columns.k_extra[first..][..2] else { return };
-        self.double_layer(a, trial, pc + 1, scratch, |m, entries| {
-            let row = if m < pa { row0 + 2 * m } else { extra };
-            kx[row] += entries[0];
-            kx[row + 1] += entries[1];
-            ky[row] += entries[2];
-            ky[row + 1] += entries[3];
-        });
-        let [wx, wy] = &mut columns.w_extra[first..][..2] else { return };
+        let place = trial - columns.elements.start;
+        let layers = extra_columns(&mut columns.k_extra, place);
+        let bubbles = extra_columns(&mut columns.w_extra, place);
+        if layers.is_none() && bubbles.is_none() {
+            return;
+        }
+        match layers {
+            Some([[kx, ky], [tx, ty]]) => self.double_layer(a, trial, pc + 1, 0..pa + 1, scratch, |m, entries| {
+                if m < pa { add_block(kx, ky, row0 + 2 * m, entries) } else { add_block(tx, ty, 2 * a, entries) }
+            }),
+            None => self.double_layer(a, trial, pc + 1, 0..pa + 1, scratch, |_, _| ()),
+        }
+        let Some([[wx, wy], [tx, ty]]) = bubbles else { return };
         let last = 2 * self.space.node(a, pa);
-        for i in 0..=pa + 1 {
-            let row = match i {
-                _ if i < pa => row0 + 2 * i,
-                _ if i == pa => last,
-                _ => extra,
-            };
+        for i in 0..=pa {
+            let row = if i < pa { row0 + 2 * i } else { last };
             add_entries(wx, wy, row, [self.hypersingular(a, i, scratch)]);
         }
+        add_entries(tx, ty, 2 * a, [self.hypersingular(a, pa + 1, scratch)]);
     }
 
-    /// Entries [xx, yx, xy, yy] of K for each test degree m and function j of the trial element; keeps G̃ times its
-    /// derivative for [`Self::hypersingular`].
+    /// Entries [xx, yx, xy, yy] of K for the test degrees m in `rows` and function j of the trial element; keeps G̃ times
+    /// its derivative for [`Self::hypersingular`].
     #[inline(always)]
     fn double_layer(
         &self,
         a: usize,
         trial: usize,
         j: usize,
+        rows: Range<usize>,
         scratch: &mut Scratch,
         mut add: impl FnMut(usize, [f64; 4]),
     ) {
@@ -244,7 +253,7 @@ impl Pass<'_> {
         }
         let derivative = &local.derivatives[j * nc..][..nc];
         let value = &local.values[j * (nc + 1)..][..nc + 1];
-        for m in 0..ma {
+        for m in rows {
             let log = dot(&t.log[m * nc..][..nc], derivative);
             let xx = dot(&t.xx[m * nc..][..nc], derivative);
             let xy = dot(&t.xy[m * nc..][..nc], derivative);
@@ -273,11 +282,15 @@ impl Pass<'_> {
         let b = &self.locals[self.local_of[a]].derivatives[i * ma..][..ma];
         (dot(b, &scratch.g_xx), dot(b, &scratch.g_xy), dot(b, &scratch.g_yy))
     }
+}
 
-    /// Row of an element's extra unknown in the columns of the enrichment.
-    fn extra_row(&self, a: usize) -> usize {
-        self.space.dofs() + 2 * a
-    }
+/// Adds a 2×2 block [xx, yx, xy, yy] to two columns, from `row` on.
+#[inline(always)]
+fn add_block(x: &mut [f64], y: &mut [f64], row: usize, entries: [f64; 4]) {
+    x[row] += entries[0];
+    x[row + 1] += entries[1];
+    y[row] += entries[2];
+    y[row + 1] += entries[3];
 }
 
 /// Adds symmetric 2×2 entries (xx, xy, yy) to two columns, from `row` on.
@@ -300,4 +313,19 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 /// The columns of a matrix as slices.
 fn column_slices(a: &mut Mat<f64>) -> impl Iterator<Item = &mut [f64]> {
     a.col_iter_mut().filter_map(|column| column.try_as_col_major_mut()).map(|column| column.as_slice_mut())
+}
+
+/// The next columns of a matrix; none of one that is not wanted.
+fn next_columns<'m>(columns: &mut Option<impl Iterator<Item = &'m mut [f64]>>, count: usize) -> Vec<&'m mut [f64]> {
+    columns.iter_mut().flat_map(|columns| columns.take(count)).collect()
+}
+
+/// The two columns of an element's extra unknowns, rows of the base and extra rows; none if they are not wanted.
+#[inline(always)]
+fn extra_columns<'m, 'a>(
+    [base, corner]: &'m mut [Vec<&'a mut [f64]>; 2],
+    place: usize,
+) -> Option<[&'m mut [&'a mut [f64]; 2]; 2]> {
+    let range = 2 * place..2 * place + 2;
+    Some([base.get_mut(range.clone())?.try_into().ok()?, corner.get_mut(range)?.try_into().ok()?])
 }

@@ -61,7 +61,7 @@ impl Condensation {
     /// When an unknown is kept and held, or kept twice.
     pub fn new(mut matrix: Mat<f64>, partition: &Partition, motions: &[Vec<f64>]) -> Result<Self, BemError> {
         let n = matrix.nrows();
-        let par = parts();
+        let par = parts(n);
         add_springs(matrix.as_mut(), motions);
         for &(node, frame) in &partition.frames {
             rotate(matrix.as_mut(), node, frame);
@@ -109,7 +109,7 @@ impl Condensation {
             coupling.transpose(),
             BlockStructure::Rectangular,
             -1.0,
-            parts(),
+            parts(self.diagonal.len()),
         );
         crate::steklov::mirror_lower(condensed.as_mut());
         condensed

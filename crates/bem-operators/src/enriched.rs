@@ -2,11 +2,10 @@
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::prelude::*;
 use faer::{Accum, Col, Mat};
 
 use crate::steklov::{cholesky, parts};
-use crate::{BemError, Domain, Enrichment, Operators, Steklov};
+use crate::{BemError, Bubbles, Enrichment, Material, Mesh, PairCache, Space, TractionMap};
 
 /// S₊ of the spaces of one more degree, from the factors of S.
 ///
@@ -43,66 +42,100 @@ pub struct Enriched {
     pub extra: Vec<f64>,
 }
 
-impl Steklov {
-    /// S of the base and what S₊ needs besides. Bounded at infinity the extra tractions, which have no resultant, are made
+impl EnrichedSteklov {
+    /// What S₊ needs besides S, of a space with operators by [`crate::Operators::to_enrich`] of the same `material`, `length` and
+    /// `cache`, which have become `traction`. Bounded at infinity the extra tractions, which have no resultant, are made
     /// V-orthogonal to the base tractions without one.
     ///
-    /// Cost: besides [`Steklov::new`] 6 N²n multiplications and additions for n extra unknowns.
+    /// Cost: 6 N²n multiplications and additions for N unknowns and n extra ones; 4 Nn + 3 n² doubles.
     /// # Errors
-    /// As [`Steklov::new`].
-    pub fn enriched(
-        operators: Operators,
-        enrichment: Enrichment,
-        domain: Domain,
-    ) -> Result<(Self, EnrichedSteklov), BemError> {
-        let (length, diameter) = (operators.length, operators.diameter);
-        let steklov = Self::new(operators, domain)?;
-        let (l, x) = steklov.traction.factors();
-        let n = x.nrows();
-        let par = parts();
-        let Enrichment { mut v, mut k, k_top: mut top, w, mass, mass_top } = enrichment;
-        let extra = top.nrows();
-        let block = |a: &Mat<f64>, first: usize, e: usize| {
-            let at = |i: usize, j: usize| a[(first + 2 * e + i, 2 * e + j)];
-            [[at(0, 0), at(0, 1)], [at(1, 0), at(1, 1)]]
+    /// [`BemError::SingleLayerIndefinite`] when V₊ has no Cholesky factor; as [`Enrichment::assemble`].
+    pub fn new(
+        (mesh, space): (&Mesh, &Space),
+        material: &Material,
+        length: f64,
+        traction: &TractionMap,
+        cache: &mut PairCache,
+    ) -> Result<Self, BemError> {
+        let (enrichment, bubbles) = Enrichment::with_bubbles(mesh, space, material, length, cache)?;
+        let layers = Layers::new(enrichment, traction, [length, mesh.diameter()])?;
+        let bubbles = match bubbles {
+            Some(bubbles) => bubbles,
+            None => Bubbles::assemble(mesh, space, material, length, cache)?,
         };
-        let blocks = (0..extra / 2).map(|e| [block(&v, n, e), block(&w, n, e)]).collect();
-        if domain.is_exterior() {
-            k *= -1.0;
+        Ok(layers.with(bubbles, traction))
+    }
+}
+
+/// The part of [`EnrichedSteklov`] that V₊ and H₊ give.
+struct Layers {
+    factor: Mat<f64>,
+    top: Mat<f64>,
+    corner: Mat<f64>,
+    /// X_bx, N×n.
+    x_bubble: Mat<f64>,
+    /// 2×2 blocks of V on the diagonal.
+    blocks: Vec<[[f64; 2]; 2]>,
+}
+
+impl Layers {
+    /// In the storage of the enrichment.
+    fn new(enrichment: Enrichment, traction: &TractionMap, [length, diameter]: [f64; 2]) -> Result<Self, BemError> {
+        let (l, x) = traction.factors();
+        let (n, par) = (x.nrows(), parts(x.nrows()));
+        let Enrichment {
+            v: mut y, v_corner: mut factor, k: mut x_bubble, k_corner: mut corner, k_top: mut top, ..
+        } = enrichment;
+        let extra = top.nrows();
+        let blocks = diagonal_blocks(&factor);
+        if traction.domain().is_exterior() {
+            x_bubble *= -1.0;
+            corner *= -1.0;
             top *= -1.0;
         }
-        for (&value, (row, column)) in &mass {
-            k[(row, column)] += 0.5 * value;
+        for (&value, (row, column)) in &enrichment.mass {
+            x_bubble[(row, column)] += 0.5 * value;
         }
-        for (&value, (row, column)) in &mass_top {
+        for (&value, (row, column)) in &enrichment.mass_top {
             top[(row, column)] += 0.5 * value;
         }
-        // L_xb = Yᵀ with Y = L⁻¹V_bx, and X_bx, in the storage of V_bx and H_bx
-        let (mut y, mut factor) = v.as_mut().split_at_row_mut(n);
-        let (mut x_bubble, mut corner) = k.as_mut().split_at_row_mut(n);
-        solve_lower_triangular_in_place(l, y.rb_mut(), par);
-        solve_lower_triangular_in_place(l, x_bubble.rb_mut(), par);
-        steklov.traction.balance(y.rb_mut());
-        steklov.traction.balance(x_bubble.rb_mut());
-        let (y, x_bubble) = (y.rb(), x_bubble.rb());
-        matmul(factor.rb_mut(), Accum::Add, y.transpose(), y, -1.0, par);
-        cholesky(factor.rb_mut(), par).map_err(|pivot| BemError::SingleLayerIndefinite {
+        // L_xb = Yᵀ with Y = L⁻¹V_bx
+        solve_lower_triangular_in_place(l, y.as_mut(), par);
+        solve_lower_triangular_in_place(l, x_bubble.as_mut(), par);
+        traction.balance(y.as_mut());
+        traction.balance(x_bubble.as_mut());
+        matmul(factor.as_mut(), Accum::Add, y.transpose(), &y, -1.0, par);
+        cholesky(factor.as_mut(), par).map_err(|pivot| BemError::SingleLayerIndefinite {
             pivot: n + pivot,
             size: n + extra,
             length,
             diameter,
         })?;
         matmul(top.as_mut(), Accum::Add, y.transpose(), x, -1.0, par);
-        matmul(corner.rb_mut(), Accum::Add, y.transpose(), x_bubble, -1.0, par);
-        solve_lower_triangular_in_place(factor.rb(), top.as_mut(), par);
-        solve_lower_triangular_in_place(factor.rb(), corner.rb_mut(), par);
-        let (w_coupling, w_bubble) = w.split_at_row(n);
-        let (mut coupling, mut bubble) = (w_coupling.to_owned(), w_bubble.to_owned());
-        matmul(coupling.as_mut(), Accum::Add, x.transpose(), x_bubble, 1.0, par);
-        matmul(bubble.as_mut(), Accum::Add, x_bubble.transpose(), x_bubble, 1.0, par);
-        let (factor, corner) = (factor.to_owned(), corner.to_owned());
-        Ok((steklov, EnrichedSteklov { factor, top, corner, coupling, bubble, blocks }))
+        matmul(corner.as_mut(), Accum::Add, y.transpose(), &x_bubble, -1.0, par);
+        drop(y);
+        solve_lower_triangular_in_place(factor.as_ref(), top.as_mut(), par);
+        solve_lower_triangular_in_place(factor.as_ref(), corner.as_mut(), par);
+        Ok(Self { factor, top, corner, x_bubble, blocks })
     }
+
+    /// In the storage of what W gains.
+    fn with(self, bubbles: Bubbles, traction: &TractionMap) -> EnrichedSteklov {
+        let Self { factor, top, corner, x_bubble, blocks } = self;
+        let Bubbles { w: mut coupling, w_corner: mut bubble } = bubbles;
+        let blocks = blocks.into_iter().zip(diagonal_blocks(&bubble)).map(|(v, w)| [v, w]).collect();
+        let (_, x) = traction.factors();
+        let par = parts(x.nrows());
+        matmul(coupling.as_mut(), Accum::Add, x.transpose(), &x_bubble, 1.0, par);
+        matmul(bubble.as_mut(), Accum::Add, x_bubble.transpose(), &x_bubble, 1.0, par);
+        EnrichedSteklov { factor, top, corner, coupling, bubble, blocks }
+    }
+}
+
+/// The 2×2 blocks on the diagonal of a matrix.
+fn diagonal_blocks(a: &Mat<f64>) -> Vec<[[f64; 2]; 2]> {
+    let at = |e: usize, i: usize, j: usize| a[(2 * e + i, 2 * e + j)];
+    (0..a.nrows() / 2).map(|e| [0, 1].map(|i| [0, 1].map(|j| at(e, i, j)))).collect()
 }
 
 impl EnrichedSteklov {

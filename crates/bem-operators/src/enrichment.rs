@@ -1,88 +1,126 @@
 //! One more degree on every element: the Galerkin matrices of bubbles and top tractions.
 
 use faer::Mat;
-use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
 
 use crate::cache::PairCache;
-use crate::columns::Scratch;
-use crate::pass::{Block, Pass};
-use crate::{BemError, Material, Mesh, Operators, Space};
+use crate::columns::Targets;
+use crate::pass::{Pass, Purpose};
+use crate::{BemError, Material, Mesh, Space};
 
-/// What V, K, W and M gain from two functions (times x, y) for each element: the displacement bubble
-/// b = ∫P_p = (P_(p+1) - P_(p-1))/(2p+1) and the traction mode P_p.
+/// What V, K and M gain from two functions (times x, y) for each element: the displacement bubble
+/// b = ∫P_p = (P_(p+1) - P_(p-1))/(2p+1) and the traction mode P_p. What W gains is [`Bubbles`].
 ///
 /// Extra unknown 2e+i belongs to element e, component i, and stands behind the N unknowns of the space: nodal functions
 /// and bubbles span degree p+1, tractions degree p. With n = 2·elements:
 #[derive(Debug, Clone)]
 pub struct Enrichment {
-    /// Columns of V for the top tractions, (N+n)×n.
+    /// Columns of V for the top tractions against the tractions of the space, N×n.
     pub v: Mat<f64>,
-    /// Columns of K for the bubbles, (N+n)×n.
+    /// V of the top tractions, n×n.
+    pub v_corner: Mat<f64>,
+    /// Columns of K for the bubbles against the tractions of the space, N×n.
     pub k: Mat<f64>,
+    /// K of the bubbles against the top tractions, n×n.
+    pub k_corner: Mat<f64>,
     /// Rows of K for the top tractions against the nodal functions, n×N.
     pub k_top: Mat<f64>,
-    /// Columns of W for the bubbles, (N+n)×n.
-    pub w: Mat<f64>,
-    /// Columns of M for the bubbles, (N+n)×n.
+    /// Columns of M for the bubbles, against the tractions of the space alone: they are orthogonal to the top ones; N×n.
     pub mass: CsMat<f64>,
     /// Rows of M for the top tractions against the nodal functions, n×N.
     pub mass_top: CsMat<f64>,
 }
 
+/// What W gains from the bubbles of an [`Enrichment`].
+#[derive(Debug, Clone)]
+pub struct Bubbles {
+    /// W of the bubbles against the nodal functions, N×n.
+    pub w: Mat<f64>,
+    /// W of the bubbles, n×n.
+    pub w_corner: Mat<f64>,
+}
+
 impl Enrichment {
-    /// Assembles the operators of a space and of its enrichment in one pass; moments of pairs of elements that `cache`
-    /// has seen with the same end points are taken from it.
+    /// Assembles the enrichment of a space whose operators are those of [`crate::Operators::to_enrich`] with the same `length` and
+    /// `cache`.
     ///
-    /// Cost: as [`Operators::assemble`] at degree p+1; memory besides the operators 3(N+n)n + nN doubles.
+    /// Cost: as [`crate::Operators::assemble`] at degree p+1; memory 2(N+n)n + nN doubles.
     /// # Errors
-    /// As [`Operators::assemble`].
+    /// As [`crate::Operators::assemble`].
     pub fn assemble(
         mesh: &Mesh,
         space: &Space,
         material: &Material,
-        length: Option<f64>,
+        length: f64,
         cache: &mut PairCache,
-    ) -> Result<(Operators, Self), BemError> {
-        let mut operators = Operators::empty(mesh, space, length)?;
+    ) -> Result<Self, BemError> {
+        mesh.check()?;
+        let mut enrichment = Self::empty(mesh, space);
+        let pass = Pass::new(mesh, space, material, length, Purpose::Extra);
+        pass.fill(Targets { enrichment: Some(&mut enrichment), ..Targets::default() }, cache);
+        Ok(enrichment)
+    }
+
+    /// As [`Self::assemble`], with the bubbles of W where that takes little memory: it saves a pass.
+    pub(crate) fn with_bubbles(
+        mesh: &Mesh,
+        space: &Space,
+        material: &Material,
+        length: f64,
+        cache: &mut PairCache,
+    ) -> Result<(Self, Option<Bubbles>), BemError> {
+        mesh.check()?;
+        let mut enrichment = Self::empty(mesh, space);
+        let pass = Pass::new(mesh, space, material, length, Purpose::Extra);
+        let mut bubbles = cache.holds(&pass).then(|| Bubbles::empty(mesh, space));
+        pass.fill(Targets { operators: None, enrichment: Some(&mut enrichment), bubbles: bubbles.as_mut() }, cache);
+        Ok((enrichment, bubbles))
+    }
+
+    fn empty(mesh: &Mesh, space: &Space) -> Self {
         let (n, x) = (space.dofs(), 2 * mesh.len());
         let (mass, mass_top) = extra_mass(mesh, space);
-        let zeros = || Mat::zeros(n + x, x);
-        let mut enrichment = Self { v: zeros(), k: zeros(), k_top: Mat::zeros(x, n), w: zeros(), mass, mass_top };
-        let pass = Pass::new(mesh, space, material, operators.length, true);
-        pass.fill(&mut operators, Some(&mut enrichment), cache);
-        Ok((operators, enrichment))
+        Self {
+            v: Mat::zeros(n, x),
+            v_corner: Mat::zeros(x, x),
+            k: Mat::zeros(n, x),
+            k_corner: Mat::zeros(x, x),
+            k_top: Mat::zeros(x, n),
+            mass,
+            mass_top,
+        }
     }
 }
 
-impl Pass<'_> {
-    /// Adds all pairs of elements to the matrices.
-    pub(crate) fn fill(&self, operators: &mut Operators, enrichment: Option<&mut Enrichment>, cache: &mut PairCache) {
-        let mut owners = self.columns(operators, enrichment);
-        let arch = pulp::Arch::new();
-        let mut add = |rows: std::ops::Range<usize>, moments: &[f64]| {
-            let block = Block { base: self.pair_base(rows.clone()), rows, moments };
-            owners.par_iter_mut().for_each_init(Scratch::default, |scratch, columns| {
-                arch.dispatch(|| self.add(columns, &block, scratch));
-            });
-        };
-        if self.enriched && cache.holds(self) {
-            cache.update(self);
-            add(0..self.len(), cache.moments());
-        } else {
-            let mut buffer = Vec::new();
-            for rows in self.blocks() {
-                self.moments(rows.clone(), &mut buffer, &|_, _| None);
-                add(rows, &buffer);
-            }
-        }
+impl Bubbles {
+    /// Assembles what W gains from the bubbles; as [`Enrichment::assemble`].
+    ///
+    /// # Errors
+    /// As [`Enrichment::assemble`].
+    pub fn assemble(
+        mesh: &Mesh,
+        space: &Space,
+        material: &Material,
+        length: f64,
+        cache: &mut PairCache,
+    ) -> Result<Self, BemError> {
+        mesh.check()?;
+        let mut bubbles = Self::empty(mesh, space);
+        let pass = Pass::new(mesh, space, material, length, Purpose::Extra);
+        pass.fill(Targets { bubbles: Some(&mut bubbles), ..Targets::default() }, cache);
+        Ok(bubbles)
+    }
+
+    fn empty(mesh: &Mesh, space: &Space) -> Self {
+        let (n, x) = (space.dofs(), 2 * mesh.len());
+        Self { w: Mat::zeros(n, x), w_corner: Mat::zeros(x, x) }
     }
 }
 
 /// <b,P_m> of the bubbles (only m = p-1 is not orthogonal) and <φ_j,P_p> of the top tractions.
 fn extra_mass(mesh: &Mesh, space: &Space) -> (CsMat<f64>, CsMat<f64>) {
     let (n, x) = (space.dofs(), 2 * mesh.len());
-    let mut bubbles = TriMat::new((n + x, x));
+    let mut bubbles = TriMat::new((n, x));
     let mut top = TriMat::new((x, n));
     for e in 0..mesh.len() {
         let p = space.degree(e);

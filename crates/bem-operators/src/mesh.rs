@@ -1,5 +1,7 @@
 //! hp meshes of the boundary: straight elements, each with a polynomial degree.
 
+use std::collections::HashMap;
+
 use num_complex::Complex64;
 
 use crate::BemError;
@@ -18,6 +20,8 @@ pub struct Mesh {
     pub degree: Vec<usize>,
     /// Polygon edge on which each element lies.
     pub edge: Vec<usize>,
+    /// Unit tangent of each element in the direction of traversal: that of its edge, see [`edge_tangents`].
+    pub tangent: Vec<[f64; 2]>,
     /// Side (an index into [`Mesh::side_names`]) to which that edge belongs.
     pub side: Vec<usize>,
     /// Edge parameter `[s_start, s_end]` of each element, in the direction in which the corners were listed:
@@ -61,42 +65,10 @@ impl Mesh {
         (4e-15 * (x.abs() + y.abs()) / self.length(e)).clamp(1e-12, 1e-3)
     }
 
-    /// Unit tangent of element e, in the direction of traversal.
-    pub fn tangent(&self, e: usize) -> [f64; 2] {
-        let d = self.half(e);
-        let r = d[0].hypot(d[1]);
-        [d[0] / r, d[1] / r]
-    }
-
     /// Unit normal of element e, pointing out of the body: the tangent turned by -90°.
     pub fn normal(&self, e: usize) -> [f64; 2] {
-        let t = self.tangent(e);
+        let t = self.tangent[e];
         [t[1], -t[0]]
-    }
-
-    /// Unit normal and tangent of each element as those of its whole edge: small elements of an oblique edge lose digits of
-    /// their own.
-    pub fn edge_frames(&self) -> Vec<[[f64; 2]; 2]> {
-        // per edge: start of its first and end of its last element in the order of traversal
-        let edges = self.edge.iter().max().map_or(0, |k| k + 1);
-        let mut ends = vec![[[0.0; 2]; 2]; edges];
-        let previous = self.previous();
-        for e in 0..self.len() {
-            let [a, b] = self.ends(e);
-            if self.edge[previous[e]] != self.edge[e] {
-                ends[self.edge[e]][0] = a;
-            }
-            if self.edge[self.next[e]] != self.edge[e] {
-                ends[self.edge[e]][1] = b;
-            }
-        }
-        let frame = |[a, b]: [[f64; 2]; 2]| {
-            let d = [b[0] - a[0], b[1] - a[1]];
-            let r = d[0].hypot(d[1]);
-            let t = [d[0] / r, d[1] / r];
-            [[t[1], -t[0]], t]
-        };
-        self.edge.iter().map(|&k| frame(ends[k])).collect()
     }
 
     /// Point y(t) of element e, t ∈ [-1, 1], measured from the nearer end so that both ends are met exactly.
@@ -153,9 +125,10 @@ impl Mesh {
         if n == 0 {
             return fault("there is no element".into());
         }
-        let lengths = [self.next.len(), self.degree.len(), self.edge.len(), self.side.len(), self.span.len()];
+        let (edges, sides) = (self.edge.len(), self.side.len());
+        let lengths = [self.next.len(), self.degree.len(), edges, self.tangent.len(), sides, self.span.len()];
         if lengths.iter().any(|&l| l != n) {
-            return fault(format!("{n} vertices but {lengths:?} successors, degrees, edges, sides, spans"));
+            return fault(format!("{n} vertices but {lengths:?} successors, degrees, edges, tangents, sides, spans"));
         }
         let mut reached = vec![0; n];
         for (e, &next) in self.next.iter().enumerate() {
@@ -184,4 +157,25 @@ impl Mesh {
 
     /// Highest degree that the moments are computed for.
     pub const MAX_DEGREE: usize = 64;
+}
+
+/// Unit tangent of each element, that of the whole edge on which it lies: small elements of an oblique edge lose digits of
+/// their own. Element e runs from `vertices[e]` to `vertices[next[e]]` on `edge[e]`.
+pub fn edge_tangents(vertices: &[[f64; 2]], next: &[usize], edge: &[usize]) -> Vec<[f64; 2]> {
+    let links = || (0..vertices.len()).filter_map(|e| Some((e, *next.get(e)?, edge.get(e)?, edge.get(*next.get(e)?)?)));
+    let (mut starts, mut ends) = (HashMap::new(), HashMap::new());
+    for (_, after, here, there) in links().filter(|(_, _, here, there)| here != there) {
+        starts.insert(*there, vertices[after]);
+        ends.insert(*here, vertices[after]);
+    }
+    links()
+        .map(|(e, after, k, _)| {
+            let ends = starts.get(k).zip(ends.get(k));
+            // a loop of one edge has no direction but that of each element
+            let (a, b) = ends.map_or((vertices[e], vertices[after]), |(a, b)| (*a, *b));
+            let d = [b[0] - a[0], b[1] - a[1]];
+            let r = d[0].hypot(d[1]);
+            [d[0] / r, d[1] / r]
+        })
+        .collect()
 }

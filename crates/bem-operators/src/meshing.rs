@@ -1,6 +1,6 @@
 //! Meshes from polygons, and their refinement.
 
-use crate::{BemError, Edge, Mesh, Polygon};
+use crate::{BemError, Edge, Mesh, Polygon, edge_tangents};
 
 /// Lengths that differ by less than this, relatively, are equal, so that rotating or scaling a body changes no mesh.
 const TIE: f64 = 1e-12;
@@ -154,6 +154,7 @@ impl Mesh {
             next: Vec::with_capacity(count),
             degree: of_parent(&self.degree),
             edge: of_parent(&self.edge),
+            tangent: parent.iter().map(|&e| self.tangent[e]).collect(),
             side: of_parent(&self.side),
             span: Vec::with_capacity(count),
             side_names: self.side_names.clone(),
@@ -234,6 +235,7 @@ fn build(polygon: &Polygon, breaks: &[Vec<f64>], degrees: &[Vec<usize>]) -> Mesh
         next: Vec::new(),
         degree: Vec::new(),
         edge: Vec::new(),
+        tangent: Vec::new(),
         side: Vec::new(),
         span: Vec::new(),
         side_names: polygon.side_names().to_vec(),
@@ -261,5 +263,6 @@ fn build(polygon: &Polygon, breaks: &[Vec<f64>], degrees: &[Vec<usize>]) -> Mesh
             *last = first;
         }
     }
+    mesh.tangent = edge_tangents(&mesh.vertices, &mesh.next, &mesh.edge);
     mesh
 }

@@ -9,8 +9,8 @@ use crate::moments::{Segment, first_is_outer, same, storage};
 use crate::near;
 use crate::{Material, Mesh, Space};
 
-/// Doubles that the moments of one block of pairs may take: 32 MiB.
-const BLOCK_STORAGE: usize = 1 << 22;
+/// Doubles that the moments of one block of pairs may take: 8 MiB.
+const BLOCK_STORAGE: usize = 1 << 20;
 /// Pairs that one task computes, so that batches fill up.
 const TASK_PAIRS: usize = 1024;
 
@@ -21,6 +21,17 @@ pub(crate) struct Block<'a> {
     pub(crate) moments: &'a [f64],
 }
 
+/// What a pass fills.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Purpose {
+    /// V, K, W.
+    Plain,
+    /// V, K, W of a space that is to be enriched, from the moments of its enrichment.
+    Base,
+    /// Bubbles and top tractions.
+    Extra,
+}
+
 /// A mesh as the assembly sees it.
 pub(crate) struct Pass<'a> {
     pub(crate) space: &'a Space,
@@ -29,8 +40,9 @@ pub(crate) struct Pass<'a> {
     pub(crate) degree: Vec<usize>,
     /// Highest degree of the moments of each element, at least p, or p + 1 for an enrichment.
     pub(crate) order: Vec<usize>,
-    /// Whether every element has a bubble and a top traction besides.
-    pub(crate) enriched: bool,
+    pub(crate) purpose: Purpose,
+    /// Degrees of the tables beyond those of each element: 1 for a bubble and a top traction.
+    pub(crate) more: usize,
     pub(crate) previous: Vec<usize>,
     /// log(|d|/L) of each element.
     pub(crate) log_half: Vec<f64>,
@@ -46,11 +58,12 @@ pub(crate) struct Pass<'a> {
 }
 
 impl<'a> Pass<'a> {
-    pub(crate) fn new(mesh: &Mesh, space: &'a Space, material: &Material, length: f64, enriched: bool) -> Self {
+    pub(crate) fn new(mesh: &Mesh, space: &'a Space, material: &Material, length: f64, purpose: Purpose) -> Self {
         let segments: Vec<Segment> = (0..mesh.len()).map(|e| mesh.segment(e)).collect();
         let log_half = segments.iter().map(|s| (s.half().norm() / length).ln()).collect();
         let degree = mesh.degree.clone();
-        let order: Vec<usize> = degree.iter().map(|&p| if enriched { enriched_order(p) } else { p }).collect();
+        let plain = purpose == Purpose::Plain;
+        let order: Vec<usize> = degree.iter().map(|&p| if plain { p } else { enriched_order(p) }).collect();
         let mut prefix = vec![0];
         for &order in &order {
             prefix.push(prefix[prefix.len() - 1] + order + 1);
@@ -58,7 +71,8 @@ impl<'a> Pass<'a> {
         let (degrees, local_of) = distinct(&degree);
         let (orders, order_of) = distinct(&order);
         let first_with = |p: usize| degree.iter().position(|&q| q == p).unwrap_or(0);
-        let locals = degrees.iter().map(|&p| Local::new(space, first_with(p), enriched)).collect();
+        let extra = purpose == Purpose::Extra;
+        let locals = degrees.iter().map(|&p| Local::new(space, first_with(p), extra)).collect();
         let classifiers = orders.iter().map(|&p| Classifier::new(p + 1)).collect();
         let previous = mesh.previous();
         let constants = Constants::new(material);
@@ -67,7 +81,8 @@ impl<'a> Pass<'a> {
             segments,
             degree,
             order,
-            enriched,
+            purpose,
+            more: usize::from(extra),
             previous,
             log_half,
             prefix,
@@ -89,11 +104,11 @@ impl<'a> Pass<'a> {
         (2 * rows + 1) * (self.prefix[b] - self.prefix[a]) + rows * (b - a)
     }
 
-    /// Consecutive ranges of first elements whose pairs fit the buffer.
-    pub(crate) fn blocks(&self) -> Vec<std::ops::Range<usize>> {
+    /// Consecutive ranges of first elements whose pairs fit the buffer, and the doubles that the largest of them takes.
+    pub(crate) fn blocks(&self) -> (Vec<std::ops::Range<usize>>, usize) {
         let n = self.len();
         let mut blocks = Vec::new();
-        let (mut start, mut used) = (0, 0);
+        let (mut start, mut used, mut largest) = (0, 0, 0);
         for a in 0..n {
             let size = self.pair_offset(a, n);
             if used > 0 && used + size > BLOCK_STORAGE {
@@ -101,9 +116,10 @@ impl<'a> Pass<'a> {
                 (start, used) = (a, 0);
             }
             used += size;
+            largest = largest.max(used);
         }
         blocks.push(start..n);
-        blocks
+        (blocks, largest)
     }
 
     /// Moments of all pairs (a, b), a in `rows`, b ≥ a; `known` gives those that need not be computed.

@@ -97,15 +97,15 @@ impl Translations {
 
     /// A := A - Q Qᵀ A.
     fn remove(&self, mut a: MatMut<'_, f64>) {
-        let part = along(&self.basis, a.rb());
-        matmul_dense(a.rb_mut(), Accum::Add, &self.basis, &part, -1.0, parts());
+        let (part, par) = (along(&self.basis, a.rb()), parts(a.nrows()));
+        matmul_dense(a.rb_mut(), Accum::Add, &self.basis, &part, -1.0, par);
     }
 }
 
 /// Qᵀ A.
 fn along(basis: &Mat<f64>, a: MatRef<'_, f64>) -> Mat<f64> {
     let mut part = Mat::zeros(2, a.ncols());
-    matmul_dense(part.as_mut(), Accum::Replace, basis.transpose(), a, 1.0, parts());
+    matmul_dense(part.as_mut(), Accum::Replace, basis.transpose(), a, 1.0, parts(a.nrows()));
     part
 }
 
@@ -119,7 +119,7 @@ impl Steklov {
     /// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987 (the symmetric form).
     pub fn new(operators: Operators, domain: Domain) -> Result<Self, BemError> {
         let Operators { v: mut factor, k: mut solved, w: mut matrix, mass, length, diameter } = operators;
-        let par = parts();
+        let par = parts(factor.nrows());
         if domain.is_exterior() {
             solved *= -1.0;
         }
@@ -159,6 +159,11 @@ impl TractionMap {
         (self.factor.as_ref(), self.solved.as_ref())
     }
 
+    /// On which side of the boundary the body lies.
+    pub(crate) fn domain(&self) -> Domain {
+        self.domain
+    }
+
     /// Takes out of L⁻¹ times a matrix of tractions what the displacement at infinity takes; nothing unless it is bounded there.
     pub(crate) fn balance(&self, a: MatMut<'_, f64>) {
         if let Some(translations) = &self.translations {
@@ -191,9 +196,12 @@ impl TractionMap {
 /// sums are taken depends on this number. More threads than parts do not help.
 pub const PARTS: usize = 16;
 
-/// The parallelism of dense algebra.
-pub(crate) fn parts() -> Par {
-    Par::rayon(PARTS)
+/// Unknowns up to which dense algebra stays on one thread: cutting it up costs more than the second thread gains.
+const SMALL: usize = 320;
+
+/// The parallelism of dense algebra of so many unknowns.
+pub(crate) fn parts(unknowns: usize) -> Par {
+    if unknowns <= SMALL { Par::Seq } else { Par::rayon(PARTS) }
 }
 
 /// Columns that are factorised at a time.

@@ -104,6 +104,11 @@ impl Subdivision {
         Mesh::from_breaks(polygon, &breaks, &degree)
     }
 
+    /// Number of elements of its mesh.
+    pub fn elements(&self) -> usize {
+        self.edges.iter().map(Vec::len).sum()
+    }
+
     /// Displacement unknowns of its mesh.
     pub fn dofs(&self) -> usize {
         2 * self.edges.iter().flatten().map(|p| p.degree).sum::<usize>()

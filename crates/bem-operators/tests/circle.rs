@@ -58,7 +58,7 @@ fn quotients(polygon: &Polygon, first: usize, material: &Material, length: f64) 
         (0..mesh.len()).flat_map(|e| if e >= first { f(e) } else { [0.0; 2] }).collect()
     };
     let radial_traction = traction(&|e| mesh.normal(e).map(|n| sign * n));
-    let tractions = [radial_traction.clone(), traction(&|e| mesh.tangent(e)), traction(&|_| [0.6, 0.8])];
+    let tractions = [radial_traction.clone(), traction(&|e| mesh.tangent[e]), traction(&|_| [0.6, 0.8])];
     let unit = |[x, y]: [f64; 2]| [x / x.hypot(y), y / x.hypot(y)];
     let radial: Vec<f64> = traction(&|e| unit(mesh.vertices[e]));
     let tangential = traction(&|e| unit([-mesh.vertices[e][1], mesh.vertices[e][0]]));
@@ -218,7 +218,7 @@ fn hole_in_a_plate_under_tension() {
             at_top.push(worst(1, -1.0));
             // stress along a side from its stretch, the side being free; sides across the axes
             let hoop = |e: usize| {
-                let (t, next) = (mesh.tangent(e), mesh.next[e]);
+                let (t, next) = (mesh.tangent[e], mesh.next[e]);
                 modulus * ((u[next][0] - u[e][0]) * t[0] + (u[next][1] - u[e][1]) * t[1]) / mesh.length(e)
             };
             hoop_top.push(hoop(n / 4 - 1) - 3.0);

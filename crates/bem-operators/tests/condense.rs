@@ -118,6 +118,42 @@ proptest! {
         }
     }
 
+    /// ∫ σ_p n φ and ∫ σ_p n b of the bubbles by quadrature, element by element, of degrees 1 to 4.
+    #[test]
+    fn the_loads_of_a_particular_solution_are_integrals(
+        (polygon, mesh) in polygon_and_mesh(4), material in material(), force in [-3.0..3.0f64, -3.0..3.0f64],
+    ) {
+        let particular = ParticularSolution::of_body_force(force, polygon.centroid(), &material);
+        let space = Space::new(&mesh);
+        let chosen = |e: usize, i: usize| (e + i).is_multiple_of(2);
+        let (mut nodal, mut bubbles) = (vec![0.0; space.dofs()], vec![0.0; 2 * mesh.len()]);
+        let rule = steklov_quadrature::gauss_legendre(8);
+        for e in 0..mesh.len() {
+            let (p, n) = (space.degree(e), mesh.normal(e));
+            let (mut phi, mut legendre) = (vec![0.0; p + 1], vec![0.0; p + 2]);
+            for (&t, w) in rule.points.iter().zip(&rule.weights) {
+                space.basis(e).evaluate(t, &mut phi);
+                steklov_quadrature::legendre_p(t, &mut legendre);
+                let bubble = (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64;
+                let traction = particular.traction(mesh.point(e, t), n).map(|t| w * mesh.length(e) / 2.0 * t);
+                for i in 0..2 {
+                    bubbles[2 * e + i] += traction[i] * bubble;
+                    for (node, phi) in space.element_nodes(e).zip(&phi).filter(|_| chosen(e, i)) {
+                        nodal[2 * node + i] += traction[i] * phi;
+                    }
+                }
+            }
+        }
+        let scale = force[0].hypot(force[1]) * mesh.diameter().powi(2) / (1.0 - 2.0 * material.nu());
+        for (found, wanted) in [
+            (particular.traction_load_of(&mesh, &space, chosen), nodal),
+            (particular.bubble_load(&mesh, &space), bubbles),
+        ] {
+            let off = found.iter().zip(&wanted).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+            prop_assert!(off < 1e-13 * scale.max(1e-3), "{off:e} of {scale}");
+        }
+    }
+
     /// A uniform stress and its displacement: Hooke's law back, and nothing to balance on a closed boundary.
     #[test]
     fn a_uniform_stress_is_its_own_particular_solution(

@@ -4,7 +4,8 @@ mod common;
 
 use faer::Mat;
 use steklov_bem_operators::{
-    Domain, Enriched, Enrichment, Material, Mesh, Operators, PairCache, Plane, Polygon, Space, Steklov,
+    Bubbles, Domain, Enriched, EnrichedSteklov, Enrichment, Material, Mesh, Operators, PairCache, Plane, Polygon,
+    Space, Steklov,
 };
 use steklov_quadrature::legendre_p;
 
@@ -65,15 +66,27 @@ fn difference(a: &Mat<f64>, b: impl Fn(usize, usize) -> f64) -> f64 {
     worst
 }
 
+fn assembled(mesh: &Mesh, cache: &mut PairCache) -> (Operators, Enrichment, Bubbles) {
+    let space = Space::new(mesh);
+    let operators = Operators::to_enrich(mesh, &space, &material(), None, cache).expect("operators");
+    let length = operators.length;
+    let enrichment = Enrichment::assemble(mesh, &space, &material(), length, cache).expect("enrichment");
+    (operators, enrichment, Bubbles::assemble(mesh, &space, &material(), length, cache).expect("bubbles"))
+}
+
 #[test]
 fn the_enriched_matrices_are_those_of_one_degree_more() {
     let mesh = mixed_mesh();
     let raised_mesh = mesh.raised(&vec![true; mesh.len()]);
     let (space, raised) = (Space::new(&mesh), Space::new(&raised_mesh));
     let whole = Operators::assemble(&raised_mesh, &raised, &material(), None).expect("operators");
-    let (base, extra) =
-        Enrichment::assemble(&mesh, &space, &material(), None, &mut PairCache::default()).expect("operators");
+    let (base, extra, bubbles) = assembled(&mesh, &mut PairCache::default());
     let n = space.dofs();
+    let stacked = |a: &Mat<f64>, b: &Mat<f64>| {
+        Mat::from_fn(n + b.nrows(), a.ncols(), |i, j| if i < n { a[(i, j)] } else { b[(i - n, j)] })
+    };
+    let (v_extra, k_extra) = (stacked(&extra.v, &extra.v_corner), stacked(&extra.k, &extra.k_corner));
+    let w_extra = stacked(&bubbles.w, &bubbles.w_corner);
     let (t, rows) = (prolongation(&space, &raised), traction_order(&space, &raised));
     let permuted = |a: &Mat<f64>, columns: usize| Mat::from_fn(rows.len(), columns, |i, j| a[(rows[i], j)]);
     let v = Mat::from_fn(rows.len(), rows.len(), |i, j| whole.v[(rows[i], rows[j])]);
@@ -86,18 +99,19 @@ fn the_enriched_matrices_are_those_of_one_degree_more() {
     let m = permuted(&dense, raised.dofs()) * &t;
 
     let of = |a: &Mat<f64>, i: usize, j: usize, full: &Mat<f64>| if j < n { a[(i, j)] } else { full[(i, j - n)] };
-    assert!(difference(&v.submatrix(0, 0, n, v.ncols()).to_owned(), |i, j| of(&base.v, i, j, &extra.v)) < 1e-13);
-    assert!(difference(&v.submatrix(0, n, v.nrows(), v.ncols() - n).to_owned(), |i, j| extra.v[(i, j)]) < 1e-13);
-    assert!(difference(&w.submatrix(0, 0, n, w.ncols()).to_owned(), |i, j| of(&base.w, i, j, &extra.w)) < 1e-12);
-    assert!(difference(&w.submatrix(0, n, w.nrows(), w.ncols() - n).to_owned(), |i, j| extra.w[(i, j)]) < 1e-12);
-    assert!(difference(&k.submatrix(0, 0, n, k.ncols()).to_owned(), |i, j| of(&base.k, i, j, &extra.k)) < 1e-13);
-    let corner = |i: usize, j: usize| if j < n { extra.k_top[(i, j)] } else { extra.k[(n + i, j - n)] };
+    assert!(difference(&v.submatrix(0, 0, n, v.ncols()).to_owned(), |i, j| of(&base.v, i, j, &v_extra)) < 1e-13);
+    assert!(difference(&v.submatrix(0, n, v.nrows(), v.ncols() - n).to_owned(), |i, j| v_extra[(i, j)]) < 1e-13);
+    assert!(difference(&w.submatrix(0, 0, n, w.ncols()).to_owned(), |i, j| of(&base.w, i, j, &w_extra)) < 1e-12);
+    assert!(difference(&w.submatrix(0, n, w.nrows(), w.ncols() - n).to_owned(), |i, j| w_extra[(i, j)]) < 1e-12);
+    assert!(difference(&k.submatrix(0, 0, n, k.ncols()).to_owned(), |i, j| of(&base.k, i, j, &k_extra)) < 1e-13);
+    let corner = |i: usize, j: usize| if j < n { extra.k_top[(i, j)] } else { k_extra[(n + i, j - n)] };
     assert!(difference(&k.submatrix(n, 0, k.nrows() - n, k.ncols()).to_owned(), corner) < 1e-13);
     let sparse = |a: &sprs::CsMat<f64>, i: usize, j: usize| a.get(i, j).copied().unwrap_or(0.0);
     let mass = |i: usize, j: usize| match (i < n, j < n) {
         (true, true) => sparse(&base.mass, i, j),
         (false, true) => sparse(&extra.mass_top, i - n, j),
-        _ => sparse(&extra.mass, i, j - n),
+        (true, false) => sparse(&extra.mass, i, j - n),
+        (false, false) => 0.0,
     };
     assert!(difference(&m, mass) < 1e-14);
 }
@@ -111,9 +125,12 @@ fn the_enriched_stiffness_is_that_of_one_degree_more() {
     let v_whole = whole.v.clone();
     let k_whole = whole.k.clone();
     let whole = Steklov::new(whole, Domain::Interior).expect("S");
-    let (base, extra) =
-        Enrichment::assemble(&mesh, &space, &material(), None, &mut PairCache::default()).expect("operators");
-    let (steklov, enriched) = Steklov::enriched(base, extra, Domain::Interior).expect("S");
+    let mut cache = PairCache::default();
+    let base = Operators::to_enrich(&mesh, &space, &material(), None, &mut cache).expect("operators");
+    let length = base.length;
+    let steklov = Steklov::new(base, Domain::Interior).expect("S");
+    let enriched =
+        EnrichedSteklov::new((&mesh, &space), &material(), length, &steklov.traction, &mut cache).expect("S₊");
     let (n, t) = (space.dofs(), prolongation(&space, &raised));
     let s = t.transpose() * &whole.matrix * &t;
     let scale = s.norm_max();
@@ -168,20 +185,20 @@ fn the_enriched_stiffness_is_that_of_one_degree_more() {
 fn a_cache_changes_no_bit() {
     let mesh = mixed_mesh();
     let mut cache = PairCache::default();
-    Enrichment::assemble(&mesh, &Space::new(&mesh), &material(), None, &mut cache).expect("operators");
+    assembled(&mesh, &mut cache);
     assert_eq!(cache.reused(), 0);
     // one element halved, one degree raised
     let mut marked = vec![false; mesh.len()];
     marked[3] = true;
     let (mut finer, _) = mesh.bisected(&marked);
     finer.degree[7] += 1;
-    let space = Space::new(&finer);
-    let (cached, cached_extra) =
-        Enrichment::assemble(&finer, &space, &material(), None, &mut cache).expect("operators");
+    let (cached, cached_extra, cached_bubbles) = assembled(&finer, &mut cache);
     assert!(cache.reused() > mesh.len() * mesh.len() / 4, "{}", cache.reused());
-    let (fresh, fresh_extra) =
-        Enrichment::assemble(&finer, &space, &material(), None, &mut PairCache::default()).expect("operators");
+    let (fresh, fresh_extra, fresh_bubbles) = assembled(&finer, &mut PairCache::default());
     assert!(cached.v == fresh.v && cached.k == fresh.k && cached.w == fresh.w);
-    assert!(cached_extra.v == fresh_extra.v && cached_extra.k == fresh_extra.k);
-    assert!(cached_extra.w == fresh_extra.w && cached_extra.k_top == fresh_extra.k_top);
+    assert!(
+        cached_extra.v == fresh_extra.v && cached_extra.k == fresh_extra.k && cached_extra.k_top == fresh_extra.k_top
+    );
+    assert!(cached_extra.v_corner == fresh_extra.v_corner && cached_extra.k_corner == fresh_extra.k_corner);
+    assert!(cached_bubbles.w == fresh_bubbles.w && cached_bubbles.w_corner == fresh_bubbles.w_corner);
 }

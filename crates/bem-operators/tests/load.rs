@@ -158,7 +158,7 @@ proptest! {
         prop_assume!(length > 0.0);
         let off = [0, 1].map(|i| f64::from_bits(end[i].to_bits().wrapping_add_signed(ulps[i])));
         let resolution = small.resolution(0);
-        let t = small.tangent(0);
+        let t = small.tangent[0];
         let distance = 2.0 * ((off[0] - end[0]) * t[0] + (off[1] - end[1]) * t[1]).abs() / length;
         prop_assert!(distance <= resolution || resolution == 1e-3, "{distance:e} {resolution:e}");
         let ulp = f64::EPSILON * (start[0].abs() + start[1].abs()) / length;

@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use proptest::collection::vec;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::mesh;
-use steklov_bem_operators::{Mesh, Space, doerfler, legendre_decay};
+use steklov_bem_operators::{Mesh, Space, doerfler, edge_tangents, legendre_decay};
 
 /// Whole numbers, many of them equal or zero, so that all sums are exact.
 fn indicators() -> impl Strategy<Value = Vec<f64>> {
@@ -81,7 +81,7 @@ fn an_indicator_that_is_no_number_is_refused() {
 fn with_coefficients(mesh: &Mesh, space: &Space, e: usize, coefficients: [&[f64]; 2]) -> Vec<f64> {
     let mut displacement = vec![0.0; space.dofs()];
     let p_n = &space.basis(e).vandermonde;
-    for (d, a) in [mesh.normal(e), mesh.tangent(e)].iter().zip(coefficients) {
+    for (d, a) in [mesh.normal(e), mesh.tangent[e]].iter().zip(coefficients) {
         for (j, node) in space.element_nodes(e).enumerate() {
             let value: f64 = a.iter().enumerate().map(|(i, a)| a * p_n[(j, i)]).sum();
             (0..2).for_each(|k| displacement[2 * node + k] += d[k] * value);
@@ -103,11 +103,17 @@ fn geometric(r: f64, c: f64, signs: u32, p: usize) -> Vec<f64> {
     (0..=p).map(|i| if signs >> i & 1 == 1 { -c * r.powi(i as i32) } else { c * r.powi(i as i32) }).collect()
 }
 
+/// The mesh with other vertices.
+fn of_vertices(vertices: Vec<[f64; 2]>, mesh: &Mesh) -> Mesh {
+    let tangent = edge_tangents(&vertices, &mesh.next, &mesh.edge);
+    Mesh { vertices, tangent, ..mesh.clone() }
+}
+
 /// The image in the y axis, traversed backwards so that the body is to the left; elements keep their numbers.
 fn mirrored(mesh: &Mesh) -> Mesh {
     let vertices = (0..mesh.len()).map(|e| mesh.ends(e)[1]).map(|[x, y]| [-x, y]).collect();
     let span = mesh.span.iter().map(|[a, b]| [*b, *a]).collect();
-    Mesh { vertices, next: mesh.previous(), span, ..mesh.clone() }
+    of_vertices(vertices, &Mesh { next: mesh.previous(), span, ..mesh.clone() })
 }
 
 proptest! {
@@ -156,7 +162,7 @@ proptest! {
             [scale * (cos * x - sin * y + shift[0]), scale * (sin * x + cos * y + shift[1])]
         };
         let [length, unit] = scale.map(|s| 10f64.powf(s));
-        let moved = Mesh { vertices: mesh.vertices.iter().map(|&x| map(x, length, [0.0; 2])).collect(), ..mesh.clone() };
+        let moved = of_vertices(mesh.vertices.iter().map(|&x| map(x, length, [0.0; 2])).collect(), &mesh);
         let turned: Vec<f64> = u.chunks_exact(2).flat_map(|u| map([u[0], u[1]], unit, shift)).collect();
         let got = legendre_decay(&moved, &Space::new(&moved), e, &turned).expect("coefficients");
         prop_assert!((got - want).abs() < 1e-7 * want, "{} {}", got, want);

@@ -158,7 +158,6 @@ pub fn contact_boundary(
     held: &dyn Fn(usize) -> [Option<f64>; 2],
 ) -> Result<ContactBoundary, ContactError> {
     let elements = contact_elements(mesh, space, sides)?;
-    let frames = mesh.edge_frames();
     let mut drafts: Vec<Draft> = Vec::new();
     let mut draft_of = vec![None; space.nodes()];
     for element in &elements {
@@ -167,7 +166,7 @@ pub fn contact_boundary(
                 drafts.push(Draft { node, held: held(node), conditions: Vec::new() });
                 drafts.len() - 1
             });
-            drafts[d].add(frames[element.element], element, j);
+            drafts[d].add([mesh.normal(element.element), mesh.tangent[element.element]], element, j);
         }
     }
     // draft and condition that receive, and the transfer

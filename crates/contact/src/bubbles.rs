@@ -126,21 +126,29 @@ pub fn oscillation(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Resul
         .map(|&t| f.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t))))
         .collect::<Result<_, _>>()?;
     let largest = nodal.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    let mut ends: Vec<f64> = (f.kinks)(e).into_iter().filter(|t| t.abs() < 1.0 - mesh.resolution(e)).collect();
+    ends.extend([-1.0, 1.0]);
+    ends.sort_by(f64::total_cmp);
     let mut phi = vec![0.0; basis.degree + 1];
     let rule = rule();
-    let mut w = Vec::with_capacity(POINTS);
-    for &t in &rule.points {
-        basis.evaluate(t, &mut phi);
-        let interpolant: f64 = phi.iter().zip(&nodal).map(|(p, v)| p * v).sum();
-        w.push(f.at(mesh, &Site::new(mesh, e, t))? - interpolant);
+    let (mut values, mut slopes, mut worst) = (0.0, 0.0, 0.0f64);
+    for piece in ends.windows(2) {
+        let (middle, half) = ((piece[0] + piece[1]) / 2.0, (piece[1] - piece[0]) / 2.0);
+        let mut w = Vec::with_capacity(POINTS);
+        for &x in &rule.points {
+            let t = middle + half * x;
+            basis.evaluate(t, &mut phi);
+            let interpolant: f64 = phi.iter().zip(&nodal).map(|(p, v)| p * v).sum();
+            w.push(f.at(mesh, &Site::new(mesh, e, t))? - interpolant);
+        }
+        worst = w.iter().fold(worst, |m, w| m.max(w.abs()));
+        let mut values_here = w.iter().copied();
+        let series = project(|_| values_here.next().unwrap_or(0.0), POINTS - 1, rule);
+        values += half * series.norm().powi(2);
+        slopes += series.derivative().norm().powi(2) / half;
     }
-    if w.iter().all(|w| w.abs() <= 1e-13 * largest) {
-        return Ok(0.0);
-    }
-    // both norms in t: the half lengths cancel in their product
-    let mut values = w.iter().copied();
-    let series = project(|_| values.next().unwrap_or(0.0), POINTS - 1, rule);
-    Ok(series.norm() * series.derivative().norm())
+    // both norms in t: the half lengths of the element cancel in their product
+    Ok(if worst <= 1e-13 * largest { 0.0 } else { (values * slopes).sqrt() })
 }
 
 /// The Gauss rule on an element.

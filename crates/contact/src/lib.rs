@@ -4,8 +4,9 @@
 //! Mesh, Space, gap, friction bound ─► ContactBoundary (weights, frames, conditions) ─┐
 //!                                        condensed stiffness and load ──────────────┴─► Problem
 //! Problem ─► interior_point | newton | active_set | uzawa | fixed_point ─► Solution ─► kkt
-//!                                        condensed stiffness and load ──────────────┬─► Problem
-//! Mesh, Space, MultiplierSpace ─► StabilisedForms (σ^h, γ, critical γ) ─────────────┘
+//!
+//! Mesh, Space, MultiplierSpace ─► StabilisedForms (σ^h, γ, critical γ) ──────────────┐
+//!                                        condensed stiffness and load ──────────────┴─► Problem
 //! ```
 //! Multipliers are biorthogonal to the displacement's trace ([`contact_boundary`]) or stabilised, on a mesh of their own
 //! ([`StabilisedForms`], also of almost incompressible bodies: the constant pressure, which would let γ fall with 1-2ν, is damped);
@@ -93,7 +94,7 @@ pub use inf_sup::{InfSup, dual_form, inf_sup};
 pub use interior_point::interior_point;
 pub use kkt::{Kkt, kkt, kkt_in_body};
 pub use lines::{ContactLine, ElementConditions, LinePoint};
-pub use motions::{ContactEdge, resisted_motions};
+pub use motions::{ContactEdge, lifting_motion, resisted_motions};
 pub use multiplier_space::{
     MultiplierCell, MultiplierDegree, MultiplierElement, MultiplierMesh, MultiplierNode, MultiplierSpace,
 };
@@ -105,6 +106,6 @@ pub use rows::{MultiplierRow, multiplier_rows};
 pub use several::{Contraction, contraction, other_solution};
 pub use sides::SideData;
 pub use stabilised::{LEAST_GAMMA, Loading, Stabilised, StabilisedForms, pairing};
-pub use tips::{Located, Solved, Tip, relocate, unlocated};
-pub use transitions::{TipFit, TipKind, Transition, first_guess, tip_fit, transitions};
+pub use tips::{Located, Obstacle, Solved, Tip, relocate, unlocated};
+pub use transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
 pub use uzawa::uzawa;

@@ -49,11 +49,10 @@ impl ContactBoundary {
             first += node.conditions.len();
             node.conditions.iter().flat_map(|c| &c.shares).for_each(|s| sides[s.side] = true);
         }
-        let frames = mesh.edge_frames();
         let contact = (0..mesh.len()).filter(|&e| sides[mesh.side[e]]);
         contact
             .map(|e| {
-                let [normal, _] = frames[e];
+                let normal = mesh.normal(e);
                 let nodes = space.element_nodes(e).enumerate();
                 let points = nodes.map(|(j, node)| {
                     let &(i, first) = of_node.get(&node)?;

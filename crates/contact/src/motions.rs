@@ -41,19 +41,10 @@ pub fn resisted_motions(
     let mut free: Vec<Vec<f64>> = Vec::new();
     let mut worst: Option<(f64, ContactError)> = None;
     let rows = Rows::new(candidates, edges);
-    for_each_ray(&rows.planes(), candidates.len(), |ray| {
-        if !rows.normal.iter().all(|row| dot(row, ray) <= ZERO * rows.scale) {
-            return;
-        }
+    rows.for_each_allowed_ray(|ray| {
         let motion = combine(candidates, ray);
         let (driven, scale) = work(&motion);
-        let slips = rows.tangential.iter().zip(edges);
-        let resisted: f64 = slips
-            .map(|(row, edge)| match dot(row, ray).abs() {
-                slip if slip <= ZERO * rows.scale => 0.0,
-                slip => edge.friction * slip,
-            })
-            .sum();
+        let resisted = rows.resistance(edges, ray);
         let zero = ZERO * (scale + if resisted.is_finite() { resisted } else { 0.0 });
         let excess = driven - resisted;
         if excess < -zero {
@@ -70,6 +61,22 @@ pub fn resisted_motions(
         Some((_, error)) => Err(error),
         None => Ok(free.iter().map(|ray| combine(candidates, ray)).collect()),
     }
+}
+
+/// A motion among the span of `free`, which [`resisted_motions`] found, that closes the obstacle nowhere, leaves it wherever
+/// one of them can, and meets no friction; of size 1 in their coefficients, None if there is none but 0.
+///
+/// No pressure is possible where such a motion leaves the obstacle: it would do work that nothing balances.
+pub fn lifting_motion(free: &[RigidMotion], edges: &[ContactEdge]) -> Option<RigidMotion> {
+    let rows = Rows::new(free, edges);
+    let mut sum = vec![0.0; free.len()];
+    rows.for_each_allowed_ray(|ray| {
+        if rows.resistance(edges, ray) == 0.0 && rows.normal.iter().any(|row| dot(row, ray) < -ZERO * rows.scale) {
+            sum.iter_mut().zip(ray).for_each(|(sum, r)| *sum += r);
+        }
+    });
+    let size = dot(&sum, &sum).sqrt();
+    (size > ZERO).then(|| combine(free, &sum.iter().map(|c| c / size).collect::<Vec<f64>>()))
 }
 
 /// u_n ± μ u_t at the ends of the edges and u_t on the edges, as linear functions of the candidates' coefficients.
@@ -97,6 +104,34 @@ impl Rows {
         Self { normal, tangential, scale }
     }
 
+    /// Unit vectors along the rays in which the planes meet, of motions that close the obstacle nowhere.
+    fn for_each_allowed_ray(&self, mut visit: impl FnMut(&[f64])) {
+        let closes = |row: &[f64], ray: &[f64]| dot(row, ray) > ZERO * self.scale;
+        // what stops the two rays of a line mostly stops those of the next: few cost a look at all rows
+        let mut last = [0; 2];
+        let candidates = self.normal.first().or(self.tangential.first()).map_or(0, Vec::len);
+        for_each_ray(&self.planes(), candidates, |ray| {
+            if last.iter().any(|&k| self.normal.get(k).is_some_and(|row| closes(row, ray))) {
+                return;
+            }
+            match self.normal.iter().position(|row| closes(row, ray)) {
+                Some(row) => last = [row, last[0]],
+                None => visit(ray),
+            }
+        });
+    }
+
+    /// ∫F |r_t| of the motion along a ray.
+    fn resistance(&self, edges: &[ContactEdge], ray: &[f64]) -> f64 {
+        let slips = self.tangential.iter().zip(edges);
+        slips
+            .map(|(row, edge)| match dot(row, ray).abs() {
+                slip if slip <= ZERO * self.scale => 0.0,
+                slip => edge.friction * slip,
+            })
+            .sum()
+    }
+
     /// Planes through the origin that cut the cone; rows that vanish are left out.
     fn planes(&self) -> Vec<Vec<f64>> {
         let size = |row: &[f64]| row.iter().map(|v| v * v).sum::<f64>().sqrt();
@@ -108,10 +143,11 @@ impl Rows {
 /// Unit vectors along the lines in which k - 1 of the planes meet, both ways.
 fn for_each_ray(planes: &[Vec<f64>], k: usize, mut visit: impl FnMut(&[f64])) {
     let mut both_ways = |line: &[f64]| {
-        let size = dot(line, line).sqrt();
+        let (size, mut ray) = (dot(line, line).sqrt(), [0.0; 3]);
         if size > ZERO {
             for sign in [1.0, -1.0] {
-                visit(&line.iter().map(|v| sign * v / size).collect::<Vec<f64>>());
+                ray.iter_mut().zip(line).for_each(|(r, v)| *r = sign * v / size);
+                visit(&ray[..line.len()]);
             }
         }
     };

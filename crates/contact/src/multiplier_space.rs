@@ -105,7 +105,6 @@ impl MultiplierSpace {
         if matches!(kind, MultiplierMesh::Coarser(0) | MultiplierMesh::Finer(0)) {
             return Err(ContactError::Inconsistent { what: format!("a multiplier mesh {kind:?} has no elements") });
         }
-        let frames = mesh.edge_frames();
         let mut edges: Vec<usize> =
             (0..mesh.len()).filter(|&e| sides.contains(&mesh.side[e])).map(|e| mesh.edge[e]).collect();
         edges.sort_unstable();
@@ -116,7 +115,7 @@ impl MultiplierSpace {
             let start = |e: usize| mesh.span[e][0].min(mesh.span[e][1]);
             own.sort_by(|&a, &b| start(a).total_cmp(&start(b)));
             let breaks = kind.breaks(&own.iter().map(|&e| sorted(mesh.span[e])).collect::<Vec<_>>());
-            let place = Place { mesh, own: &own, frame: frames[own[0]] };
+            let place = Place { mesh, own: &own, frame: [mesh.normal(own[0]), mesh.tangent[own[0]]] };
             let first = space.nodes.len();
             for span in breaks.windows(2) {
                 let span = [span[0], span[1]];

@@ -23,7 +23,7 @@ pub fn multiplier_trace(
     multipliers: &[[f64; 2]],
     element: usize,
 ) -> Vec<[f64; 2]> {
-    let (side, [normal, _]) = (mesh.side[element], mesh.edge_frames()[element]);
+    let (side, normal) = (mesh.side[element], mesh.normal(element));
     let basis = space.basis(element);
     let mut weighted = vec![[0.0; 2]; basis.degree + 1];
     let local = |node: usize| space.element_nodes(element).position(|n| n == node);

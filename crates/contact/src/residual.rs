@@ -159,7 +159,7 @@ fn element_residual(
     e: usize,
 ) -> Result<ContactResidual, ContactError> {
     let ContactSolution { mesh, space, displacement, .. } = *solution;
-    let (basis, normal, tangent) = (space.basis(e), mesh.normal(e), mesh.tangent(e));
+    let (basis, normal, tangent) = (space.basis(e), mesh.normal(e), mesh.tangent[e]);
     let scale = mesh.length(e) / basis.degree as f64;
     let lambda = match solution.multiplier {
         Multiplier::Biorthogonal(boundary, multipliers) => multiplier_trace(mesh, space, boundary, multipliers, e),

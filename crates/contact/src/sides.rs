@@ -35,6 +35,9 @@ pub(crate) struct ContactElement {
 /// A bound or a gap that changes by more than this part of its largest value next to a node jumps there.
 pub(crate) const JUMP: f64 = 1e-4;
 
+/// Nodal bounds whose integral is off by less than this part are taken as they are.
+const FOLLOWED: f64 = 0.1;
+
 /// All contact elements, each loop in the order of traversal, beginning where the contact boundary begins.
 pub(crate) fn contact_elements(
     mesh: &Mesh,
@@ -92,7 +95,7 @@ pub(crate) fn from_within(mesh: &Mesh, e: usize, t: f64) -> f64 {
 }
 
 /// Values of F or μ at the nodes of the elements of a side. Where it jumps: inside an element the mean of the limits from
-/// both sides, at its ends the limit from within.
+/// both sides, at its ends the limit from within. Where the nodes do not follow it: see [`keep_integral`].
 fn nodal_values(mesh: &Mesh, space: &Space, side: usize, bound: &Datum<'_>) -> Result<Vec<Vec<f64>>, ContactError> {
     let elements: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.side[e] == side).collect();
     let mut samples = Vec::new(); // for each element and node: F there, and close to it on one or two sides
@@ -120,5 +123,47 @@ fn nodal_values(mesh: &Mesh, space: &Space, side: usize, bound: &Datum<'_>) -> R
         let jumps = close.iter().any(|c| (c - f).abs() > JUMP * largest);
         if jumps { close.iter().sum::<f64>() / close.len() as f64 } else { *f }
     };
-    Ok(samples.iter().map(|nodes| nodes.iter().map(limit).collect()).collect())
+    let mut values: Vec<Vec<f64>> = samples.iter().map(|nodes| nodes.iter().map(limit).collect()).collect();
+    for ((e, moments), values) in side_moments(mesh, space, side, bound)?.into_iter().zip(&mut values) {
+        let half = mesh.length(e) / 2.0;
+        let weights: Vec<f64> = space.basis(e).weights.iter().map(|w| w * half).collect();
+        keep_integral(&weights, &moments, values);
+    }
+    Ok(values)
+}
+
+/// Nodal values whose sum Σ D_j F_j is far from ∫ F become ∫ F φ_j / D_j, what is negative of them left out: an element does not
+/// follow F, but its whole is that of F.
+fn keep_integral(weights: &[f64], moments: &[f64], values: &mut [f64]) {
+    let whole: f64 = moments.iter().sum();
+    let nodal: f64 = weights.iter().zip(values.iter()).map(|(w, f)| w * f).sum();
+    if (nodal - whole).abs() <= FOLLOWED * nodal.max(whole) {
+        return;
+    }
+    let positive: f64 = moments.iter().map(|m| m.max(0.0)).sum();
+    let factor = if positive > 0.0 { whole / positive } else { 0.0 };
+    for ((value, moment), weight) in values.iter_mut().zip(moments).zip(weights) {
+        *value = factor * moment.max(0.0) / weight;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A bound that the nodes follow stays, any other keeps its integral and sign.
+    #[test]
+    fn friction_bounds_keep_their_integrals() {
+        let weights = [0.5, 2.0, 0.5];
+        let mut linear = [1.0, 2.0, 3.0];
+        keep_integral(&weights, &[0.5, 4.0, 1.5], &mut linear);
+        assert_eq!(linear, [1.0, 2.0, 3.0]);
+        // a peak next to the first node, which no node sees, and one that a node takes for broad
+        for (moments, mut values) in [([0.7, 0.4, -0.1], [0.0; 3]), ([0.0, 0.1, 0.0], [0.0, 50.0, 0.0])] {
+            keep_integral(&weights, &moments, &mut values);
+            let sum: f64 = weights.iter().zip(&values).map(|(w, f)| w * f).sum();
+            let whole: f64 = moments.iter().sum();
+            assert!((sum - whole).abs() < 1e-15 && values.iter().all(|f| *f >= 0.0), "{values:?}");
+        }
+    }
 }

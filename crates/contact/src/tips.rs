@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::{SAME_PLACE, Subdivision};
 
-use crate::transitions::{TipKind, Transition, first_guess, tip_fit, transitions};
+use crate::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
 use crate::{ContactError, ContactLine, Problem, Sets, Solution};
 
 /// A transition that has a mesh vertex.
@@ -61,11 +61,30 @@ pub struct Solved<'a> {
     pub lines: &'a [ContactLine],
 }
 
+/// The obstacle along an edge (edge parameters).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Obstacle {
+    /// Where the gap is largest between two asperities: no tip passes there.
+    pub valleys: Vec<f64>,
+    /// Where the gap is smallest: vertices there stay.
+    pub peaks: Vec<f64>,
+}
+
+/// A transition that is told of, and the vertex that follows it.
+struct Followed<'a> {
+    line: &'a ContactLine,
+    tip: Tip,
+    transition: Transition,
+    /// Whether the mesh has had the vertex before.
+    old: bool,
+}
+
 /// Moves tips to where the solution has its transitions, drops those without one (their vertices stay), and gives each
-/// new transition a vertex. `singular[k]`: the other singular points of edge k, its ends included.
+/// new transition a vertex. `singular[k]`: the other singular points of edge k, its ends included; `obstacles[k]`: the obstacle
+/// along it.
 ///
-/// A tip takes the nearest transition of its kind and direction. Contact and stick ends are fitted ([`tip_fit`]) and
-/// move at most to the bracket of their transition and its width on both sides; a reversal of slip keeps its vertex.
+/// A tip takes the nearest transition of its kind and direction. Contact and stick ends are fitted ([`tip_fits`]) and move at
+/// most to the bracket of their transition and its width on both sides; a reversal of slip keeps its vertex.
 /// Returns where the transitions are believed to be, but for those at a singular point and nodes that differ from their
 /// neighbours on both sides by themselves.
 ///
@@ -76,61 +95,111 @@ pub fn relocate(
     subdivision: &mut Subdivision,
     solved: Solved<'_>,
     singular: &[Vec<f64>],
+    obstacles: &[Obstacle],
 ) -> Result<Vec<Located>, ContactError> {
-    let Solved { problem, solution, sets, lines } = solved;
-    let mut located = Vec::new();
-    for line in lines {
+    let mut followed: Vec<Followed<'_>> = Vec::new();
+    for line in solved.lines {
         let edge = line.edge;
-        let mut mine: Vec<Tip> = tips.iter().copied().filter(|t| t.edge == edge).collect();
-        let found = without_flicker(transitions(line, sets), &mine);
+        let mine: Vec<Tip> = tips.iter().copied().filter(|t| t.edge == edge).collect();
+        let found = without_flicker(transitions(line, solved.sets), &mine);
         let mut used = vec![false; found.len()];
         tips.retain(|t| t.edge != edge);
-        let mut i = 0;
-        while i < mine.len() {
-            let tip = mine[i];
-            let others: Vec<f64> = mine
-                .iter()
-                .enumerate()
-                .filter(|(j, _)| *j != i)
-                .map(|(_, t)| t.s)
-                .chain(singular[edge].clone())
-                .collect();
-            match follow(tip, line, &found, &used, solved, &others)? {
-                None => {
-                    mine.remove(i);
-                }
-                Some((transition, place)) => {
-                    used[transition] = true;
-                    let to = step(tip, &found[transition], place.s, &others);
-                    if tip.kind != TipKind::SlipReversal && (to - tip.s).abs() > 1e-10 {
-                        subdivision.shift(edge, tip.s, to, &others);
-                        mine[i].s = to;
-                    }
-                    located.push(place);
-                    i += 1;
-                }
+        let first = followed.len();
+        for tip in mine {
+            if let Some(j) = follow(tip, line, &found, &used, solved, &obstacles[edge].valleys) {
+                used[j] = true;
+                followed.push(Followed { line, tip, transition: found[j], old: true });
             }
         }
-        for (transition, _) in found.iter().zip(&used).filter(|(_, used)| !**used) {
-            let points: Vec<f64> = mine.iter().map(|t| t.s).chain(singular[edge].clone()).collect();
-            let guess = first_guess(line, transition, problem, solution);
-            if let Some(s) = new_vertex(transition, guess, subdivision, edge, &singular[edge], &points) {
-                subdivision.insert(edge, s, &points, SNAP);
-                mine.push(Tip { edge, s, kind: transition.kind, regular: transition.regular });
-                let [low, high] = transition.bracket;
-                let (off, kind) = ((high - low) / 2.0, transition.kind);
-                let fit = match kind {
-                    TipKind::SlipReversal => None,
-                    _ => tip_fit(line, kind, transition.regular, s, &points, problem, sets)?,
-                };
-                let curvature = fit.map(|f| f.curvature);
-                located.push(Located { edge, s, kind, off, curvature, at_vertex: false });
+        for transition in found.iter().zip(&used).filter(|(_, used)| !**used).map(|(t, _)| *t) {
+            let on_edge = followed[first..].iter().map(|f| f.tip.s);
+            let points: Vec<f64> = on_edge.chain(singular[edge].iter().copied()).collect();
+            let guess = first_guess(line, &transition, solved.problem, solved.solution);
+            if let Some(s) = new_vertex(&transition, guess, subdivision, edge, &singular[edge], &points) {
+                let tip = Tip { edge, s, kind: transition.kind, regular: transition.regular };
+                followed.push(Followed { line, tip, transition, old: false });
             }
         }
-        mine.sort_by(|a, b| a.s.total_cmp(&b.s));
-        tips.extend(mine);
     }
-    Ok(located)
+    let mut places = Vec::with_capacity(followed.len());
+    let mut moved: Vec<Tip> = followed.iter().filter(|f| f.old).map(|f| f.tip).collect();
+    let mut next = 0;
+    for (f, place) in followed.iter().zip(located(&followed, solved, singular)?) {
+        let Tip { edge, s, kind, .. } = f.tip;
+        let of_edge = |own: usize| {
+            let others = moved.iter().enumerate().filter(|(j, t)| *j != own && t.edge == edge).map(|(_, t)| t.s);
+            others.chain(singular[edge].iter().copied()).collect::<Vec<f64>>()
+        };
+        if f.old {
+            let mut fixed = of_edge(next);
+            fixed.extend(&obstacles[edge].valleys);
+            let to = step(f.tip, &f.transition, place.s, &fixed);
+            if kind != TipKind::SlipReversal && (to - s).abs() > 1e-10 {
+                subdivision.shift(edge, s, to, &fixed);
+                moved[next].s = to;
+            }
+            next += 1;
+        } else {
+            // the others may have moved there
+            let mut fixed = of_edge(usize::MAX);
+            if new_vertex(&f.transition, s, subdivision, edge, &singular[edge], &fixed).is_none() {
+                continue;
+            }
+            fixed.extend(obstacles[edge].valleys.iter().chain(&obstacles[edge].peaks));
+            subdivision.insert(edge, s, &fixed, SNAP);
+            moved.push(f.tip);
+        }
+        places.push(place);
+    }
+    tips.extend(moved);
+    tips.sort_by(|a, b| a.edge.cmp(&b.edge).then(a.s.total_cmp(&b.s)));
+    Ok(places)
+}
+
+/// Where followed transitions are believed to be: ends by fits, up to four factorisations for those that have a vertex
+/// and as many for the new ones; others by nodal values.
+fn located(followed: &[Followed<'_>], solved: Solved<'_>, singular: &[Vec<f64>]) -> Result<Vec<Located>, ContactError> {
+    let Solved { problem, solution, sets, .. } = solved;
+    let mut fits = vec![None; followed.len()];
+    // neighbours of one kind move each other: of these every other one is fitted at a time
+    let group = |i: usize| {
+        let Tip { edge, s, kind, .. } = followed[i].tip;
+        let before = followed.iter().filter(|f| f.tip.edge == edge && f.tip.kind == kind && f.tip.s < s).count();
+        (followed[i].old, kind == TipKind::StickEnd, before % 2)
+    };
+    for (old, stick, parity) in
+        [true, false].into_iter().flat_map(|old| [(old, false, 0), (old, false, 1), (old, true, 0), (old, true, 1)])
+    {
+        let fitted = |i: &usize| followed[*i].tip.kind != TipKind::SlipReversal;
+        let mine = |i: &usize| group(*i) == (old, stick, parity) && fitted(i);
+        let chosen: Vec<usize> = (0..followed.len()).filter(mine).collect();
+        let vertex = |&i: &usize| {
+            let Followed { line, tip, .. } = &followed[i];
+            let others = followed.iter().enumerate();
+            let others = others.filter(|(j, f)| *j != i && f.tip.edge == tip.edge && (f.old || !old));
+            let singular = others.map(|(_, f)| f.tip.s).chain(singular[tip.edge].iter().copied()).collect();
+            TipVertex { line, kind: tip.kind, regular: tip.regular, s: tip.s, singular }
+        };
+        let vertices: Vec<TipVertex<'_>> = chosen.iter().map(vertex).collect();
+        for (i, fit) in chosen.into_iter().zip(tip_fits(&vertices, problem, sets)?) {
+            fits[i] = fit;
+        }
+    }
+    let place = |(f, fit): (&Followed<'_>, &Option<TipFit>)| {
+        let Tip { edge, s, kind, .. } = f.tip;
+        let curvature = fit.map(|fit| fit.curvature);
+        if !f.old {
+            let [low, high] = f.transition.bracket;
+            return Located { edge, s, kind, off: (high - low) / 2.0, curvature, at_vertex: false };
+        }
+        let to = match (kind, fit) {
+            (TipKind::SlipReversal, _) => s,
+            (_, Some(fit)) => s + fit.shift,
+            (_, None) => first_guess(f.line, &f.transition, problem, solution),
+        };
+        Located { edge, s: to, kind, off: to - s, curvature, at_vertex: true }
+    };
+    Ok(followed.iter().zip(&fits).map(place).collect())
 }
 
 /// The transitions of a mesh that has no vertices for them: each with half of its bracket as what it may be off.
@@ -182,36 +251,35 @@ fn without_flicker(mut found: Vec<Transition>, tips: &[Tip]) -> Vec<Transition> 
     found
 }
 
-/// The transition that a tip takes, and where that is; none if there is none for it.
+/// The transition that a tip takes; none if there is none for it on its side of all valleys.
 fn follow(
     tip: Tip,
     line: &ContactLine,
     found: &[Transition],
     used: &[bool],
     solved: Solved<'_>,
-    others: &[f64],
-) -> Result<Option<(usize, Located)>, ContactError> {
-    let Solved { problem, solution, sets, .. } = solved;
+    valleys: &[f64],
+) -> Option<usize> {
     let middle = |t: &Transition| (t.bracket[0] + t.bracket[1]) / 2.0;
-    let nearest = (0..found.len())
-        .filter(|&j| !used[j] && found[j].kind == tip.kind && found[j].regular == tip.regular)
+    let apart = |t: &Transition| {
+        let (low, high) = (middle(t).min(tip.s), middle(t).max(tip.s));
+        valleys.iter().any(|b| low < *b && *b < high)
+    };
+    let (_, j) = (0..found.len())
+        .filter(|&j| !used[j] && found[j].kind == tip.kind && found[j].regular == tip.regular && !apart(&found[j]))
         .map(|j| ((middle(&found[j]) - tip.s).abs(), j))
         .filter(|(distance, _)| *distance <= REACH)
-        .min_by(|a, b| a.0.total_cmp(&b.0));
-    let Some((_, j)) = nearest else { return Ok(None) };
+        .min_by(|a, b| a.0.total_cmp(&b.0))?;
     let transition = &found[j];
-    let [low, high] = transition.bracket;
-    let guess = first_guess(line, transition, problem, solution);
-    let place =
-        |s: f64, curvature| Located { edge: tip.edge, s, kind: tip.kind, off: s - tip.s, curvature, at_vertex: true };
     if tip.kind == TipKind::SlipReversal {
+        let [low, high] = transition.bracket;
+        let guess = first_guess(line, transition, solved.problem, solved.solution);
         let inside = low - SAME_PLACE <= tip.s && tip.s <= high + SAME_PLACE;
-        let gone = !inside && (guess - tip.s).abs() > 0.02 * (high - low);
-        return Ok((!gone).then(|| (j, place(tip.s, None))));
+        if !inside && (guess - tip.s).abs() > 0.02 * (high - low) {
+            return None;
+        }
     }
-    let fit = tip_fit(line, tip.kind, tip.regular, tip.s, others, problem, sets)?;
-    let s = fit.map_or(guess, |fit| tip.s + fit.shift);
-    Ok(Some((j, place(s, fit.map(|f| f.curvature)))))
+    Some(j)
 }
 
 /// Where a tip goes that wants to go to s.

@@ -117,76 +117,116 @@ pub struct TipFit {
     pub curvature: f64,
 }
 
-/// The shift of a transition from the vertex at `s`, to first order.
+/// A vertex at a contact or stick end that is to be fitted.
+#[derive(Debug, Clone)]
+pub struct TipVertex<'a> {
+    /// The line on which it lies.
+    pub line: &'a ContactLine,
+    /// What ends there.
+    pub kind: TipKind,
+    /// 1 if the regular side (open, slipping) has the larger edge parameter, -1 if the smaller one.
+    pub regular: i8,
+    /// Edge parameter.
+    pub s: f64,
+    /// The other singular points of the edge, its ends included.
+    pub singular: Vec<f64>,
+}
+
+impl TipVertex<'_> {
+    /// Distance from the vertex towards the regular side.
+    fn distance(&self, s: f64) -> f64 {
+        (s - self.s) * f64::from(self.regular)
+    }
+
+    /// Distances of the nearest singular points on the regular side and on the other one.
+    fn nearest(&self) -> [f64; 2] {
+        [1.0, -1.0].map(|sign| {
+            let distances = self.singular.iter().map(|&x| sign * self.distance(x));
+            distances.filter(|&d| d > 1e-12).fold(f64::INFINITY, f64::min)
+        })
+    }
+
+    /// Changes the sets so that the transition is at the vertex; the direction of slip beyond it.
+    fn freeze(&self, sets: &mut Sets) -> i8 {
+        let [next, previous] = self.nearest();
+        let near = |d: f64| if d > 1e-12 { d < 0.6 * next } else { d > -0.6 * previous };
+        let points: Vec<(f64, usize)> =
+            self.line.points.iter().map(|p| (self.distance(p.s), p.index)).filter(|p| near(p.0)).collect();
+        let slips: i32 = points.iter().filter(|p| p.0 > 1e-12).map(|p| i32::from(sets.slip(p.1).unwrap_or(0))).sum();
+        let turn = if slips < 0 { -1 } else { 1 };
+        for (d, index) in points {
+            let on_regular = d > 1e-12;
+            match self.kind {
+                TipKind::ContactEnd => sets.set_closed(index, !on_regular),
+                _ if on_regular => sets.set_slip(index, turn),
+                _ => sets.set_slip(index, 0),
+            }
+        }
+        turn
+    }
+
+    /// The fit of the displacement v of sets that have the transition at the vertex.
+    fn fit(&self, turn: i8, v: &[f64], problem: &Problem) -> Option<TipFit> {
+        let [next, previous] = self.nearest();
+        let within = |reach: f64| -> Vec<(f64, f64)> {
+            let points = (0..self.line.points.len()).filter(|&i| {
+                let d = self.distance(self.line.points[i].s);
+                d > 1e-12 && d < reach
+            });
+            points
+                .map(|i| {
+                    let (c, w) = (condition(problem, self.line, i), problem.nodes[self.line.points[i].node].pick(v));
+                    // either is negative beyond a vertex that lies on the closed, the sticking side
+                    let contact = self.kind == TipKind::ContactEnd;
+                    let value = if contact { c.opening(w) } else { f64::from(turn) * c.slip(w) };
+                    (self.distance(self.line.points[i].s), value)
+                })
+                .collect()
+        };
+        // the expansion holds up to the nearest singular point on either side
+        let mut points = within(0.5 * next.min(previous));
+        if points.len() < 3 {
+            points = within(0.5 * next);
+        }
+        if points.len() < 3 {
+            points = within(0.99 * next);
+        }
+        if points.len() < 2 {
+            return None;
+        }
+        let [a, b] = square_root_fit(&points);
+        if !(b > 0.0 && a.is_finite()) {
+            return None;
+        }
+        let shift = (-a / (1.5 * b)).clamp(-0.4 * previous, 0.4 * next);
+        Some(TipFit { shift: shift * f64::from(self.regular), curvature: b })
+    }
+}
+
+/// The shifts of transitions from their vertices, to first order.
 ///
-/// With the sets changed so that the transition is at the vertex, the gap w = g - u_n (contact) or the slip w = ±u_t
-/// (stick, in the direction of most nodes there) on the regular side is A d^(1/2) + B d^(3/2) + C d^(5/2), while
+/// With the sets changed so that all transitions are at their vertices, the gap w = g - u_n (contact) or the slip w = ±u_t
+/// (stick, in the direction of most nodes there) on the regular side of each is A d^(1/2) + B d^(3/2) + C d^(5/2), while
 /// w ~ B (d - δ)^(3/2) with the transition in its place: the regular side begins at δ = -A/(1.5 B). The sets are changed
-/// up to 0.6 of the distance to the singular points next to the vertex (`singular`, the ends of the edge included), the
-/// fit is on the nodes up to half of the distance to the nearer one, or to that on the regular side, or nearly to the next
-/// singular point there, where these are fewer than three; the shift is at most 0.4 of the distance to a singular point. None if B ≤ 0 or there are fewer than two nodes.
+/// up to 0.6 of the distance to the singular points next to a vertex, the fit is on the nodes up to half of the distance to the
+/// nearer one, or to that on the regular side, or nearly to the next singular point there, where these are fewer than three;
+/// the shift is at most 0.4 of the distance to a singular point. None if B ≤ 0 or there are fewer than two nodes.
+/// *Cost*: one factorisation for all of them.
 ///
 /// # Errors
 /// [`ContactError::Decomposition`].
-pub fn tip_fit(
-    line: &ContactLine,
-    kind: TipKind,
-    regular: i8,
-    s: f64,
-    singular: &[f64],
+pub fn tip_fits(
+    vertices: &[TipVertex<'_>],
     problem: &Problem,
     sets: &Sets,
-) -> Result<Option<TipFit>, ContactError> {
-    let side = f64::from(regular);
-    let distance = |x: f64| (x - s) * side;
-    let nearest =
-        |sign: f64| singular.iter().map(|&x| sign * distance(x)).filter(|&d| d > 1e-12).fold(f64::INFINITY, f64::min);
-    let (next, previous) = (nearest(1.0), nearest(-1.0));
-    let near = |d: f64| if d > 1e-12 { d < 0.6 * next } else { d > -0.6 * previous };
+) -> Result<Vec<Option<TipFit>>, ContactError> {
+    if vertices.is_empty() {
+        return Ok(Vec::new());
+    }
     let mut sets = sets.clone();
-    let beyond = line.points.iter().filter(|p| distance(p.s) > 1e-12 && near(distance(p.s)));
-    let slips: i32 = beyond.map(|p| i32::from(sets.slip(p.index).unwrap_or(0))).sum();
-    let turn = if slips < 0 { -1 } else { 1 };
-    for point in line.points.iter().filter(|p| near(distance(p.s))) {
-        let on_regular = distance(point.s) > 1e-12;
-        match kind {
-            TipKind::ContactEnd => sets.set_closed(point.index, !on_regular),
-            _ if on_regular => sets.set_slip(point.index, turn),
-            _ => sets.set_slip(point.index, 0),
-        }
-    }
+    let turns: Vec<i8> = vertices.iter().map(|vertex| vertex.freeze(&mut sets)).collect();
     let v = Frozen::new(problem, &sets)?.displacement();
-    let within = |reach: f64| -> Vec<(f64, f64)> {
-        let points = (0..line.points.len()).filter(|&i| {
-            let d = distance(line.points[i].s);
-            d > 1e-12 && d < reach
-        });
-        points
-            .map(|i| {
-                let (c, w) = (condition(problem, line, i), problem.nodes[line.points[i].node].pick(&v));
-                // either is negative beyond a vertex that lies on the closed, the sticking side
-                let value = if kind == TipKind::ContactEnd { c.opening(w) } else { f64::from(turn) * c.slip(w) };
-                (distance(line.points[i].s), value)
-            })
-            .collect()
-    };
-    // the expansion holds up to the nearest singular point on either side
-    let mut points = within(0.5 * next.min(previous));
-    if points.len() < 3 {
-        points = within(0.5 * next);
-    }
-    if points.len() < 3 {
-        points = within(0.99 * next);
-    }
-    if points.len() < 2 {
-        return Ok(None);
-    }
-    let [a, b] = square_root_fit(&points);
-    if !(b > 0.0 && a.is_finite()) {
-        return Ok(None);
-    }
-    let shift = (-a / (1.5 * b)).clamp(-0.4 * previous, 0.4 * next);
-    Ok(Some(TipFit { shift: shift * side, curvature: b }))
+    Ok(vertices.iter().zip(turns).map(|(vertex, turn)| vertex.fit(turn, &v, problem)).collect())
 }
 
 /// A and B of w = A d^(1/2) + B d^(3/2) (+ C d^(5/2) from four points on), least squares with the weight 1/d.

@@ -93,7 +93,7 @@ proptest! {
         for e in 0..mesh.len() {
             let trace = multiplier_trace(&mesh, &space, &boundary, &lambda, e);
             prop_assert!(mesh.side[e] < 2 || trace.iter().all(|l| *l == [0.0; 2]));
-            let (basis, n, t) = (space.basis(e), mesh.normal(e), mesh.tangent(e));
+            let (basis, n, t) = (space.basis(e), mesh.normal(e), mesh.tangent[e]);
             let mut phi = vec![0.0; basis.degree + 1];
             for (&x, &w) in rule.points.iter().zip(&rule.weights) {
                 basis.evaluate(x, &mut phi);
@@ -244,6 +244,10 @@ fn coulomb_bounds_of_stabilised_multipliers() {
                 body_force: None,
             };
             let got = contact_residuals(&solution, &sides).expect("finite")[0];
+            // σ^h = 0: the multiplier itself is left, and once more over p
+            let whole = stress(lambda[0]) + stress(lambda[1]);
+            assert!((got.contact - whole).abs() < 1e-13 * whole && whole > 0.0, "p = {p}, {lambda:?}: {got:?}");
+            assert!((got.stabilisation - whole / p as f64).abs() < 1e-13 * whole, "p = {p}, {lambda:?}: {got:?}");
             let found = [got.bound, got.friction];
             assert!(
                 found.iter().zip(want).all(|(f, w)| (f - w).abs() < 1e-13),

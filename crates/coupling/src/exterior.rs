@@ -2,7 +2,7 @@
 
 use faer::Side;
 use faer::linalg::cholesky::llt::factor::LltError;
-use steklov_bem_operators::{BemError, BoundaryField, Inside, Material, Mesh, Operators, Space};
+use steklov_bem_operators::{BemError, BoundaryField, Inside, Material, Mesh, Operators, Space, Trace};
 
 use crate::dense::product;
 use crate::{Coupled, CouplingError};
@@ -47,25 +47,30 @@ impl Exterior {
         Ok(Self { mesh, space, material, operators })
     }
 
-    /// Strain energy ½ ⟨S(ξ - a), ξ - a⟩ of a solution in the medium (force times length per thickness); with a resultant of the
-    /// loads, whose energy is infinite, it depends on L.
-    pub fn energy(&self, solution: &Coupled) -> f64 {
+    /// S(ξ - a) = W (ξ - a) + (K - ½)'φ of a solution at the nodes, the forces with which the medium resists (force per thickness),
+    /// and ξ - a.
+    pub(crate) fn forces(&self, solution: &Coupled) -> (Vec<f64>, Vec<f64>) {
         let a = solution.constant;
         let xi: Vec<f64> = solution.exterior_displacement.iter().enumerate().map(|(k, u)| u - a[k % 2]).collect();
         let Operators { k, w, mass, .. } = &self.operators;
-        let mut moments = product(k.as_ref(), &xi);
+        let mut forces = product(w.as_ref(), &xi);
+        forces.iter_mut().zip(product(k.transpose(), &solution.traction)).for_each(|(f, t)| *f += t);
         for (&value, (row, column)) in mass {
-            moments[row] -= 0.5 * value * xi[column];
+            forces[column] -= 0.5 * value * solution.traction[row];
         }
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        0.5 * (dot(&xi, &product(w.as_ref(), &xi)) + dot(&solution.traction, &moments))
+        (forces, xi)
+    }
+
+    /// Strain energy ½ ⟨S(ξ - a), ξ - a⟩ of a solution in the medium (force times length per thickness); with a resultant of the
+    /// loads, whose energy is infinite, it depends on L.
+    pub fn energy(&self, solution: &Coupled) -> f64 {
+        let (forces, xi) = self.forces(solution);
+        0.5 * forces.iter().zip(&xi).map(|(f, u)| f * u).sum::<f64>()
     }
 
     /// The field of a solution in the medium.
     pub fn field(&self, solution: &Coupled) -> ExteriorField {
-        let (u, t) = (&solution.exterior_displacement, &solution.traction);
-        let field = BoundaryField::new(&self.mesh, &self.space, &self.material, u, t, self.operators.length);
-        ExteriorField { field, constant: solution.constant }
+        ExteriorField::new((&self.mesh, &self.space), &self.material, self.operators.length, solution)
     }
 }
 
@@ -77,6 +82,17 @@ pub struct ExteriorField {
 }
 
 impl ExteriorField {
+    /// The field of ξ, φ and a of a solution on boundary elements and their unknowns; `length` is L in log(L/r).
+    pub fn new((mesh, space): (&Mesh, &Space), material: &Material, length: f64, solution: &Coupled) -> Self {
+        let (u, t) = (&solution.exterior_displacement, &solution.traction);
+        Self { field: BoundaryField::new(mesh, space, material, u, t, length), constant: solution.constant }
+    }
+
+    /// Values on the boundary, from the medium, at the reference coordinate t of element e.
+    pub fn trace(&self, e: usize, t: f64) -> Trace {
+        self.field.trace(e, t)
+    }
+
     /// Values at a point outside of the body (not on the boundary; in the body u is 0 up to the error).
     pub fn at(&self, x: [f64; 2]) -> Inside {
         // the representation of a body has the opposite sign

@@ -39,7 +39,18 @@ pub struct Transmission<'a> {
     /// Load, reduced to the unknowns of the trace.
     load: Vec<f64>,
     /// The way back to the inside of a grid.
-    inside: Option<(Elimination, ReducedLoad)>,
+    inside: Option<Inside>,
+}
+
+/// A grid whose unknowns are eliminated but for those of its trace.
+#[derive(Debug)]
+struct Inside {
+    elimination: Elimination,
+    reduced: ReducedLoad,
+    /// Load of all unknowns (force per thickness).
+    load: Vec<f64>,
+    /// Unknowns of the trace.
+    kept: Vec<usize>,
 }
 
 /// Displacements and tractions of body and medium.
@@ -86,8 +97,9 @@ impl<'a> Transmission<'a> {
         let balance = Balance::new(&load);
         let elimination = Elimination::new(stiffness, &order, &trace.unknowns, &[])?;
         let reduced = elimination.reduce(&load, &[]);
-        let (stiffness, load) = (elimination.stiffness(), reduced.kept.clone());
-        Ok(Self { exterior, transfer, stiffness, balance, load, inside: Some((elimination, reduced)) })
+        let (stiffness, kept_load) = (elimination.stiffness(), reduced.kept.clone());
+        let inside = Some(Inside { elimination, reduced, load, kept: trace.unknowns });
+        Ok(Self { exterior, transfer, stiffness, balance, load: kept_load, inside })
     }
 
     /// The problem of a homogeneous body on the same boundary elements: all its unknowns are those of its trace.
@@ -147,7 +159,7 @@ impl<'a> Transmission<'a> {
         };
         let solved = solved.ok_or(CouplingError::Singular { size: self.stiffness.nrows(), contrast })?;
         let displacement = match &self.inside {
-            Some((elimination, load)) => elimination.expand(load, &solved.interface),
+            Some(inside) => inside.elimination.expand(&inside.reduced, &solved.interface),
             None => solved.interface.clone(),
         };
         let trace = dense::apply(&self.transfer.projection, &solved.interface);
@@ -168,6 +180,25 @@ impl<'a> Transmission<'a> {
             coupled.remove_mean(self.exterior);
         }
         Ok(coupled)
+    }
+
+    /// How far the forces of a solution by [`Form::TwoField`] or [`Form::Schur`] are out of balance,
+    /// max|A u + Πᵀ S(ξ - a) - F| / (max|A u| + max|F|) over all unknowns of the body: roundoff, which grows with the stiffness of
+    /// the body over that of the medium. 0 where nothing acts.
+    pub fn imbalance(&self, solved: &Coupled) -> f64 {
+        let of_medium = dense::apply_transposed(&self.transfer.projection, &self.exterior.forces(solved).0);
+        let (mut forces, load) = match &self.inside {
+            Some(inside) => (inside.elimination.multiply(&solved.displacement), &inside.load),
+            None => (dense::product(self.stiffness.as_ref(), &solved.displacement), &self.load),
+        };
+        let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+        let scale = largest(&forces) + largest(load);
+        match &self.inside {
+            Some(inside) => inside.kept.iter().zip(&of_medium).for_each(|(&u, f)| forces[u] += f),
+            None => forces.iter_mut().zip(&of_medium).for_each(|(all, f)| *all += f),
+        }
+        let worst = forces.iter().zip(load).fold(0.0f64, |m, (a, f)| m.max((a - f).abs()));
+        if scale > 0.0 { worst / scale } else { 0.0 }
     }
 
     /// Largest diagonal entry of A_c over that of W.

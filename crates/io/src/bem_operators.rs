@@ -4,7 +4,7 @@
 //! both with the same bits; S alone is stored by [`save_dense`].
 
 use hdf5::Group;
-use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon};
+use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon, edge_tangents};
 
 use crate::array::{
     load_integers, load_number, load_pairs, load_points, save_integers, save_number, save_pairs, save_points,
@@ -77,11 +77,14 @@ impl Persist for Mesh {
         if let Some(e) = elements.iter().enumerate().position(|(e, element)| element[0] != e) {
             return Err(invalid(at, "elements", format!("element {e} starts at node {}", elements[e][0])));
         }
+        let next: Vec<usize> = elements.iter().map(|element| element[1]).collect();
+        let edge = load_integers(at, "edge")?;
         let mesh = Self {
+            tangent: edge_tangents(&vertices, &next, &edge),
             vertices,
-            next: elements.iter().map(|element| element[1]).collect(),
+            next,
             degree: load_integers(at, "degree")?,
-            edge: load_integers(at, "edge")?,
+            edge,
             side: load_integers(at, "side")?,
             span: load_points(at, "span")?,
             side_names: load_texts(at, "side_names")?,

@@ -6,7 +6,10 @@ use std::path::{Path, PathBuf};
 
 use hdf5::File;
 use hdf5::file::{FileBuilder, FileCloseDegree, LibraryVersion};
+use tempfile::NamedTempFile;
 
+#[cfg(unix)]
+use crate::abandoned;
 use crate::attribute::{read_text_attribute, write_integer_attribute, write_text_attribute};
 use crate::error::IoError;
 use crate::persist::check_version;
@@ -43,7 +46,8 @@ pub fn is_special(path: &Path) -> bool {
 /// Returns what `fill` returns.
 ///
 /// The file has the root attributes `format` and `format_version`; equal content gives equal bytes. On any error no file
-/// stays, and an existing one is untouched.
+/// stays, and an existing one is untouched. A program that is killed leaves its half-written file, which the next call for the
+/// same path removes.
 ///
 /// # Errors
 /// [`IoError::Exists`] when `path` exists and `overwrite` is false, also when it appears meanwhile;
@@ -75,12 +79,8 @@ pub fn create_atomically<T, E: From<IoError>>(
         Some(folder) if folder != Path::new("") => folder.to_owned(),
         _ => PathBuf::from("."),
     };
-    let mut beside = tempfile::Builder::new();
     let prefix = format!(".{}.", name.to_string_lossy());
-    beside.prefix(&prefix).suffix(".part");
-    #[cfg(unix)]
-    beside.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    let temporary = beside.tempfile_in(&folder).map_err(|e| system("write in the folder", &folder, e))?;
+    let temporary = beside(&folder, &prefix).map_err(|e| system("write in the folder", &folder, e))?;
 
     let file = builder().create(temporary.path()).map_err(library)?;
     write_text_attribute(&file, "format", FORMAT)
@@ -98,6 +98,27 @@ pub fn create_atomically<T, E: From<IoError>>(
     #[cfg(unix)]
     let _ = fs::File::open(&folder).and_then(|folder| folder.sync_all());
     Ok(filled)
+}
+
+/// A new file to write in, which this program holds; those that killed programs have left are removed.
+#[cfg(unix)]
+fn beside(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(prefix).suffix(abandoned::SUFFIX).rand_bytes(abandoned::RANDOM);
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    loop {
+        let temporary = builder.tempfile_in(folder)?;
+        if abandoned::hold(temporary.as_file()) {
+            abandoned::remove(folder, prefix, temporary.as_file());
+            return Ok(temporary);
+        }
+    }
+}
+
+/// A new file to write in.
+#[cfg(not(unix))]
+fn beside(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
+    tempfile::Builder::new().prefix(prefix).suffix(".part").tempfile_in(folder)
 }
 
 /// Opens a result file for reading and checks that it is one.

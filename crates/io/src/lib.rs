@@ -37,6 +37,8 @@ mod persist;
 mod array;
 mod matrix;
 mod text;
+#[cfg(unix)]
+mod abandoned;
 mod file;
 mod foreign;
 pub mod vtkhdf;

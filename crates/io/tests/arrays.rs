@@ -217,3 +217,14 @@ fn a_wrong_sparse_structure_is_refused() {
         load_sparse(&written(|f| save_sparse(f, "s", &sparse(5, 4), &TWO)).1, "s").unwrap().nnz()
     );
 }
+
+/// Rows one after the other in the file, of square matrices too, which come back the same if both ways are turned.
+#[test]
+fn dense_matrices_are_stored_by_rows() {
+    for (n, m) in [(2, 2), (3, 3), (2, 3), (3, 2)] {
+        let a = Mat::from_fn(n, m, |i, j| (10 * i + j) as f64);
+        let (_folder, file) = written(|f| save_dense(f, "a", a.as_ref(), &TWO));
+        let rows: Vec<f64> = (0..n).flat_map(|i| (0..m).map(move |j| (10 * i + j) as f64)).collect();
+        assert_eq!(file.dataset("a").unwrap().read_raw::<f64>().unwrap(), rows, "{n} by {m}");
+    }
+}

@@ -49,6 +49,54 @@ fn a_file_that_appears_meanwhile_is_kept() {
     assert_eq!(load_vector(&open(&path).unwrap(), "v").unwrap(), [1.0]);
 }
 
+/// What killed programs left half-written goes with the next file of that name; what is held by a program, of another name or
+/// no regular file stays.
+#[cfg(unix)]
+#[test]
+fn half_written_files_that_nobody_holds_are_removed() {
+    let (folder, path) = place();
+    let at = |name: &str| folder.path().join(name);
+    let (left, held) = (".a result.vtkhdf.aB3xyZ.part", ".a result.vtkhdf.aB3xyY.part");
+    let others = [
+        ".a result.vtkhdf.aB3x.yZ.part",
+        ".a result.vtkhdf.aB3xyZ.part.part",
+        ".a result.vtkhdf.part",
+        ".another result.vtkhdf.aB3xyZ.part",
+        "a result.vtkhdf.aB3xyZ.part",
+    ];
+    for name in [left, held].iter().chain(&others) {
+        fs::write(at(name), b"half").unwrap();
+    }
+    let (link, inner) = (".a result.vtkhdf.linked.part", ".a result.vtkhdf.folder.part");
+    std::os::unix::fs::symlink(at(others[0]), at(link)).unwrap();
+    fs::create_dir(at(inner)).unwrap();
+    let holder = fs::File::open(at(held)).unwrap();
+    holder.lock().unwrap();
+    save(&path, false, &[1.0]).unwrap();
+    let mut kept: Vec<&str> = others.into_iter().chain([held, link, inner, "a result.vtkhdf"]).collect();
+    kept.sort_unstable();
+    assert_eq!(names(folder.path()), kept);
+    drop(holder);
+    save(&path, true, &[2.0]).unwrap();
+    kept.retain(|name| *name != held);
+    assert_eq!(names(folder.path()), kept);
+}
+
+/// Two writers of one name: neither takes the other's file for abandoned, and the last to finish wins.
+#[test]
+fn two_writers_of_one_file_do_not_meet() {
+    let (folder, path) = place();
+    create_atomically(&path, true, |f| {
+        save(&path, true, &[1.0])?;
+        let inner = open(&path)?;
+        assert_eq!(load_vector(&inner, "v")?, [1.0]);
+        save_vector(f, "v", &[2.0], &LABEL)
+    })
+    .unwrap();
+    assert_eq!(load_vector(&open(&path).unwrap(), "v").unwrap(), [2.0]);
+    assert_eq!(names(folder.path()), ["a result.vtkhdf"]);
+}
+
 #[test]
 fn an_error_or_panic_on_the_way_leaves_everything_as_it_was() {
     let (folder, path) = place();

@@ -179,18 +179,22 @@ proptest! {
     }
 
     #[test]
-    fn means_and_oscillations_of_a_linear_force_are_known(slope in -3.0..3.0_f64, constant in -3.0..3.0_f64) {
-        // f = (c + s x, 0) on a cell of side 1 with E = 2: H² ∫ |f̄|²/E = (c + s/2)²/2, H² ∫ |f - f̄|²/E = s²/24
+    fn means_and_oscillations_of_a_linear_force_are_known(
+        slope in -3.0..3.0_f64, constant in -3.0..3.0_f64, side in 0.2..5.0_f64,
+    ) {
+        // f = (c + s x, 0) on a cell of side H with E = 2: H² ∫ |f̄|²/E = H⁴ (c + s H/2)²/2, H² ∫ |f - f̄|²/E = s² H⁶/24
         let medium = Medium::new(
-            Grid::rectangle([1.0; 2], [4; 2]).unwrap(), vec![2.0; 16], Elasticity::new(0.3, Plane::Strain).unwrap(),
+            Grid::rectangle([side; 2], [4; 2]).unwrap(), vec![2.0; 16], Elasticity::new(0.3, Plane::Strain).unwrap(),
         ).unwrap();
         let mesh = CoarseMesh::uniform(&medium.grid, [4; 2]).unwrap();
         let mut loads = Loads::default();
         loads.set_body_force(&medium, |x| [constant + slope * x[0], 0.0]).unwrap();
         let u = vec![0.0; medium.grid.dofs()];
         let terms = Indicators::new(&medium, &mesh, &loads.body, &u, &|_, _| [Some(0.0); 2]);
-        prop_assert!((terms.volume_mean[0] - (constant + slope / 2.0).powi(2) / 2.0).abs() < 1e-12);
-        prop_assert!((terms.volume_oscillation[0] - slope * slope / 24.0).abs() < 1e-12);
+        let scale = side.powi(4) * (1.0 + side).powi(2);
+        let mean = side.powi(4) * (constant + slope * side / 2.0).powi(2) / 2.0;
+        prop_assert!((terms.volume_mean[0] - mean).abs() < 1e-12 * scale);
+        prop_assert!((terms.volume_oscillation[0] - slope * slope * side.powi(6) / 24.0).abs() < 1e-12 * scale);
     }
 
     #[test]

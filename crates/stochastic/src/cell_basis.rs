@@ -181,6 +181,18 @@ impl CellBasis {
         result
     }
 
+    /// The orthonormal polynomial of degree q_d + 1 of a direction at a germ: what an error of the next degree is there over its
+    /// root mean square in the cell.
+    ///
+    /// # Panics
+    /// If the direction is not there.
+    pub fn next_polynomial(&self, direction: usize, germ: f64) -> f64 {
+        let Axis { rule, recurrence, .. } = &self.axes[direction];
+        let mut values = vec![0.0; rule.len() + 1];
+        recurrence.evaluate(germ, &mut values);
+        values[rule.len()]
+    }
+
     /// Dual basis of a direction: ζ_i = Σ_j c_ij θ_j with ∫ ζ_i θ_j ρ = δ_ij D_j there, c = diag(D) M⁻¹.
     ///
     /// M⁻¹ = Σ_k p_k p_kᵀ, and the rule of the nodes misses in M the highest degree only: c_ij = δ_ij +

@@ -1,5 +1,7 @@
 //! Random fields of finitely many germs.
 
+use std::sync::OnceLock;
+
 use rayon::prelude::*;
 
 use crate::{Covariance, KarhunenLoeve, RectangleKarhunenLoeve, StochasticError, Truncation};
@@ -18,6 +20,8 @@ pub struct Field {
     expansion: Expansion,
     /// √λ_m.
     roots: Vec<f64>,
+    /// [`Field::steepness`], once it was asked for.
+    steepness: OnceLock<Vec<f64>>,
 }
 
 #[derive(Debug, Clone)]
@@ -29,14 +33,14 @@ enum Expansion {
 impl From<KarhunenLoeve> for Field {
     fn from(kl: KarhunenLoeve) -> Self {
         let roots = (0..kl.len()).map(|m| kl.eigenvalue(m).sqrt()).collect();
-        Self { expansion: Expansion::Interval(kl), roots }
+        Self { expansion: Expansion::Interval(kl), roots, steepness: OnceLock::new() }
     }
 }
 
 impl From<RectangleKarhunenLoeve> for Field {
     fn from(kl: RectangleKarhunenLoeve) -> Self {
         let roots = (0..kl.len()).map(|m| kl.eigenvalue(m).sqrt()).collect();
-        Self { expansion: Expansion::Rectangle(kl), roots }
+        Self { expansion: Expansion::Rectangle(kl), roots, steepness: OnceLock::new() }
     }
 }
 
@@ -123,6 +127,39 @@ impl Field {
     /// Standard deviation √(Σ λ_m b_m(x)²) of the truncated field at x, at most 1 up to the error of the eigenpairs.
     pub fn deviation(&self, x: [f64; 2]) -> f64 {
         self.modes(x).iter().map(|b| b * b).sum::<f64>().sqrt()
+    }
+
+    /// Largest steepness max |∂_x √λ_m b_m|, |∂_y √λ_m b_m| of each mode (1/length), from differences of samples at 12 points
+    /// a half wave of the last mode, and a tenth more. *Cost*: M values of modes at 12 (M + 4) points on an interval, at the
+    /// product of those of both directions on a rectangle; taken once.
+    pub fn steepness(&self) -> &[f64] {
+        self.steepness.get_or_init(|| {
+            let (sides, waves) = match &self.expansion {
+                Expansion::Interval(kl) => ([kl.length(), 0.0], [kl.len(), 0]),
+                Expansion::Rectangle(kl) => (kl.sides(), kl.waves()),
+            };
+            let samples = waves.map(|w| if w == 0 { 1 } else { SAMPLES * (w + 4) });
+            let step = [0, 1].map(|d| sides[d] / samples[d] as f64);
+            let row = |i: usize| -> Vec<Vec<f64>> {
+                let x = i as f64 * step[0];
+                (0..=samples[1]).map(|j| self.modes([x, j as f64 * step[1]])).collect()
+            };
+            let mut steepest = vec![0.0f64; self.len()];
+            let mut take = |a: &[f64], b: &[f64], step: f64| {
+                if step > 0.0 {
+                    let slopes = a.iter().zip(b).map(|(a, b)| 1.1 * (a - b).abs() / step);
+                    steepest.iter_mut().zip(slopes).for_each(|(s, slope)| *s = s.max(slope));
+                }
+            };
+            let mut before = row(0);
+            for i in 1..=samples[0] {
+                let here = row(i);
+                before.iter().zip(&here).for_each(|(a, b)| take(a, b, step[0]));
+                here.windows(2).for_each(|pair| take(&pair[0], &pair[1], step[1]));
+                before = here;
+            }
+            steepest
+        })
     }
 
     /// sup_x Σ √(3λ_m) |b_m(x)|: the largest |g| for germs uniform on [-√3, √3].

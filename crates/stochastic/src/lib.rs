@@ -50,7 +50,7 @@ pub use moments::{Accumulator, Moments, moments};
 pub use orthogonal::Recurrence;
 pub use rectangle::RectangleKarhunenLoeve;
 pub use sampling::{sample, uniform};
-pub use smolyak::{Points, smolyak};
+pub use smolyak::{Points, SparsePolynomials, smolyak};
 pub use statistics::{Histogram, Probability, density, probability, quantiles};
 pub use stochastic_mesh::{StochasticCell, StochasticMesh};
 pub use tensor_problem::{TensorProblem, TensorSolution};

@@ -91,6 +91,63 @@ pub fn smolyak(variables: &[Variable], level: usize) -> Result<Points, Stochasti
     Ok(result)
 }
 
+/// Polynomials of total degree L through the answers at the points of a sparse grid of level L, in the mean square that its rule sees.
+#[derive(Debug, Clone)]
+pub struct SparsePolynomials {
+    recurrences: Vec<Recurrence>,
+    /// Degrees of each orthonormal polynomial ψ_a in each germ.
+    degrees: Vec<Vec<usize>>,
+    /// w_j ψ_a(x_j), one row for each a.
+    weighted: Vec<Vec<f64>>,
+    level: usize,
+}
+
+impl Points {
+    /// The polynomials Σ_a c_a ψ_a, c_a = Σ_j w_j f(x_j) ψ_a(x_j), of total degree `level`, which has to be that of the grid: its rule
+    /// is exact for their products, so that polynomials of this degree come back.
+    ///
+    /// # Errors
+    /// [`StochasticError::Number`] for a level above 60.
+    pub fn polynomials(&self, variables: &[Variable], level: usize) -> Result<SparsePolynomials, StochasticError> {
+        let recurrences: Result<Vec<_>, _> =
+            variables.iter().map(|v| Recurrence::new(v, v.germ_support(), level + 1)).collect();
+        let mut degrees = vec![vec![0; variables.len()]];
+        let mut index = vec![0; variables.len()];
+        while next(&mut index, level) {
+            degrees.push(index.clone());
+        }
+        let mut made = SparsePolynomials { recurrences: recurrences?, degrees, weighted: vec![], level };
+        let at: Vec<Vec<f64>> = self.points.iter().map(|x| made.values(x)).collect();
+        let row = |a: usize| at.iter().zip(&self.weights).map(|(psi, w)| w * psi[a]).collect();
+        made.weighted = (0..made.degrees.len()).map(row).collect();
+        Ok(made)
+    }
+}
+
+impl SparsePolynomials {
+    /// ψ_a at a germ.
+    fn values(&self, germ: &[f64]) -> Vec<f64> {
+        let mut one = vec![vec![0.0; self.level + 1]; germ.len()];
+        for ((recurrence, &x), values) in self.recurrences.iter().zip(germ).zip(&mut one) {
+            recurrence.evaluate(x, values);
+        }
+        self.degrees.iter().map(|a| a.iter().zip(&one).map(|(&k, p)| p[k]).product()).collect()
+    }
+
+    /// θ_j with Σ_j θ_j f(x_j) the value of the polynomials at a germ.
+    ///
+    /// # Panics
+    /// If `germ` does not have a number for each variable.
+    pub fn evaluate(&self, germ: &[f64]) -> Vec<f64> {
+        assert_eq!(germ.len(), self.recurrences.len(), "a number for each variable");
+        let mut theta = vec![0.0; self.weighted[0].len()];
+        for (value, row) in self.values(germ).into_iter().zip(&self.weighted) {
+            theta.iter_mut().zip(row).for_each(|(t, w)| *t += value * w);
+        }
+        theta
+    }
+}
+
 /// Gauss rules of 1, 3, .., 2·`level` + 1 points.
 fn one_dimensional(variable: &Variable, level: usize) -> Result<Vec<Rule>, StochasticError> {
     let recurrence = Recurrence::new(variable, variable.germ_support(), 2 * level + 1)?;

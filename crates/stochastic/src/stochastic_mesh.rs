@@ -117,6 +117,22 @@ impl StochasticMesh {
         self.variables.iter().zip(bounds).map(|(v, &interval)| v.probability(interval)).product()
     }
 
+    /// Ends of a cell in each direction; where it has none the germ beyond which is the part `rare` of its probability.
+    ///
+    /// # Panics
+    /// If the cell is not there.
+    pub fn ends(&self, cell: usize, rare: f64) -> Vec<[f64; 2]> {
+        let of = |(variable, &[a, b]): (&Variable, &[f64; 2])| {
+            let below = variable.probability([variable.germ_support()[0], a]);
+            let inside = variable.probability([a, b]);
+            let end = |bound: f64, part: f64| {
+                if bound.is_finite() { bound } else { variable.quantile(below + part * inside) }
+            };
+            [end(a, rare), end(b, 1.0 - rare)]
+        };
+        self.variables.iter().zip(&self.cells[cell].bounds).map(of).collect()
+    }
+
     /// The cell with a germ; the first one for a germ on a common face, none for one outside of the support.
     pub fn locate(&self, germ: &[f64]) -> Option<usize> {
         let inside = |cell: &StochasticCell| cell.bounds.iter().zip(germ).all(|(&[a, b], x)| (a..=b).contains(x));

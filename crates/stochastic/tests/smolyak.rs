@@ -75,3 +75,30 @@ fn edges_and_refusals() {
         assert!(matches!(smolyak(&vec![v.clone(); d], level), Err(StochasticError::Number { .. })), "{d} {level}");
     }
 }
+
+/// Polynomials of the total degree of the level come back between the points; one of a degree more does not.
+#[test]
+fn polynomials_of_the_level_come_back() {
+    let variables = [
+        Variable::uniform(-1.0, 2.0).unwrap(),
+        Variable::normal(0.5, 0.3).unwrap(),
+        Variable::beta(2.0, 3.0, 0.0, 1.0).unwrap(),
+    ];
+    for level in 0..=3usize {
+        let grid = smolyak(&variables, level).unwrap();
+        let polynomials = grid.polynomials(&variables, level).unwrap();
+        for (degree, comes_back) in [(level, true), (level + 1, false)] {
+            let f = |x: &[f64]| (1.0 + x[0] - 0.7 * x[1] + 0.3 * x[2]).powi(degree as i32);
+            let mut off = 0.0f64;
+            for x in [[-0.9, 0.1, 0.2], [1.7, 0.9, 0.8], [0.3, 0.45, 0.5]] {
+                let theta = polynomials.evaluate(&x);
+                let value: f64 = theta.iter().zip(&grid.points).map(|(t, p)| t * f(p)).sum();
+                off = off.max((value / f(&x) - 1.0).abs());
+            }
+            assert!(
+                (off < 1e-10) == comes_back && (comes_back || off > 1e-3),
+                "level {level}, degree {degree}: {off:e}"
+            );
+        }
+    }
+}

@@ -264,3 +264,33 @@ fn coefficients_are_those_of_the_orthonormal_polynomials() {
         assert!((c - wanted).abs() < 1e-14, "{i}: {c}");
     }
 }
+
+/// Legendre's polynomials are √(2k+1) at the end, Hermite's x and (x² - 1)/√2, and what they are beyond the degree is an error's.
+#[test]
+fn the_next_polynomial_is_that_of_the_next_degree() {
+    for q in 0..6 {
+        let basis = standard(q, Nodes::Gauss);
+        assert!((basis.next_polynomial(0, 1.0) - (2.0 * q as f64 + 3.0).sqrt()).abs() < 1e-13);
+        // the nodes are its zeros
+        for x in &basis.points {
+            let zero = basis.next_polynomial(0, x[0]);
+            assert!(zero.abs() < 1e-13, "{zero}");
+        }
+    }
+    let mesh = StochasticMesh::uniform(vec![Variable::normal(1.0, 2.0).unwrap()], &[1], &[1]).unwrap();
+    let hermite = mesh.basis(0, Nodes::Gauss).unwrap().next_polynomial(0, 1.0 + 2.0 * 3.0);
+    assert!((hermite - 8.0 / 2.0f64.sqrt()).abs() < 1e-13, "{hermite}");
+}
+
+#[test]
+fn ends_of_cells_are_finite_and_leave_out_what_is_rare() {
+    let variables = vec![Variable::uniform(-1.0, 3.0).unwrap(), Variable::normal(0.0, 1.0).unwrap()];
+    let mesh = StochasticMesh::uniform(variables.clone(), &[1, 2], &[1, 1]).unwrap();
+    for (cell, unbounded) in [(0, 0), (1, 1)] {
+        let ends = mesh.ends(cell, 1e-4);
+        assert_eq!(ends[0], [-1.0, 3.0]);
+        assert_eq!(ends[1][1 - unbounded], mesh.cells[cell].bounds[1][1 - unbounded]);
+        let rest = variables[1].probability([ends[1][0], ends[1][1]]);
+        assert!((rest - 0.5 * (1.0 - 1e-4)).abs() < 1e-14, "{rest}");
+    }
+}

@@ -377,4 +377,18 @@ proptest! {
 
     #[test]
     fn coulomb(owned in coupled(ordinary(6, Friction::Coulomb(0.2)))) { agree(&owned)?; }
+
+    /// Next to a held end the tangential multiplier acts over more length than the normal one, or over less.
+    #[test]
+    fn coulomb_where_friction_and_pressure_have_different_weights(
+        owned in coupled(ordinary(6, Friction::Coulomb(0.2))), shares in prop::collection::vec(0.4..2.0f64, 6),
+    ) {
+        let mut owned = owned;
+        for node in &mut owned.nodes {
+            for (c, share) in node.iter_mut().flat_map(|n| &mut n.conditions).zip(&shares) {
+                c.tangent_weight = share * c.normal_weight;
+            }
+        }
+        agree(&owned)?;
+    }
 }

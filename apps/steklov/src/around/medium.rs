@@ -1,7 +1,7 @@
 //! The medium around a body, solved.
 
-use steklov_bem_operators::{BoundaryField, Material, Mesh, Space};
-use steklov_coupling::{Balance, Coupled, Radiation};
+use steklov_bem_operators::{Inside, Material, Mesh, ParticularSolution, Space};
+use steklov_coupling::{Balance, Coupled, ExteriorField, Radiation};
 
 use crate::scene::ExteriorInput;
 use crate::summary::ExteriorSummary;
@@ -29,38 +29,35 @@ pub struct Around {
     pub radiation: Radiation,
     /// Stress far away.
     pub remote_stress: [f64; 3],
-    /// Its displacement gradient.
-    remote_strain: [[f64; 2]; 2],
-    field: BoundaryField,
+    /// Its field.
+    remote: ParticularSolution,
+    field: ExteriorField,
 }
 
 impl Around {
     /// The medium of a solved transmission problem; `length` is L in log(L/r).
     pub fn new(input: &ExteriorInput, mesh: Mesh, space: Space, length: f64, coupled: &Coupled) -> Self {
-        let material = input.material;
-        let (displacement, traction) = (coupled.exterior_displacement.clone(), coupled.traction.clone());
-        let field = BoundaryField::new(&mesh, &space, &material, &displacement, &traction, length);
+        let field = ExteriorField::new((&mesh, &space), &input.material, length, coupled);
         Self {
             mesh,
             space,
-            material,
+            material: input.material,
             length,
-            displacement,
-            traction,
+            displacement: coupled.exterior_displacement.clone(),
+            traction: coupled.traction.clone(),
             constant: coupled.constant,
             balance: coupled.balance,
             radiation: input.radiation,
             remote_stress: input.remote_stress,
-            remote_strain: input.remote_strain(),
+            remote: input.remote(),
             field,
         }
     }
 
     /// Displacement and stress at a point outside of the body, the remote ones included.
     pub fn at(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-        // the representation of a body has the opposite sign
-        let inside = self.field.inside(x);
-        self.with_remote(x, [0, 1].map(|i| self.constant[i] - inside.displacement[i]), inside.stress.map(|s| -s))
+        let Inside { displacement, stress, .. } = self.field.at(x);
+        self.with_remote(x, displacement, stress)
     }
 
     /// Displacement and stress on the boundary, from the medium, at the reference coordinate t of element e.
@@ -91,8 +88,8 @@ impl Around {
         (displacement, [0, 1, 2].map(|k| (stress[k] + other[k]) / 2.0))
     }
 
-    fn with_remote(&self, [x, y]: [f64; 2], u: [f64; 2], stress: [f64; 3]) -> ([f64; 2], [f64; 3]) {
-        let remote = self.remote_strain.map(|[a, b]| a * x + b * y);
+    fn with_remote(&self, x: [f64; 2], u: [f64; 2], stress: [f64; 3]) -> ([f64; 2], [f64; 3]) {
+        let remote = self.remote.displacement(x);
         ([0, 1].map(|i| u[i] + remote[i]), [0, 1, 2].map(|k| stress[k] + self.remote_stress[k]))
     }
 

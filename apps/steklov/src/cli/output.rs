@@ -6,6 +6,7 @@ use steklov_io::{IoError, is_special};
 
 use super::Failure;
 use crate::solve::SolveError;
+use crate::store::unfinished;
 
 /// An output that cannot be written is said before anything is solved.
 pub(super) fn check_output(out: &Path, scene: &Path, replace: bool) -> Result<(), Failure> {
@@ -22,10 +23,14 @@ pub(super) fn check_output(out: &Path, scene: &Path, replace: bool) -> Result<()
         return Err(Failure(format!("error: {error} with --out")));
     }
     if !replace && out.symlink_metadata().is_ok() {
-        return Err(Failure(format!(
-            "error: {} exists; choose another --out, or --force to replace it",
-            out.display()
-        )));
+        let file = out.display();
+        return Err(Failure(match unfinished(out) {
+            Some(reason) => format!(
+                "error: {file} exists and holds a run that is not finished ({reason}): --resume goes on from its last step; \
+                 or choose another --out, or --force to replace it"
+            ),
+            None => format!("error: {file} exists; choose another --out, or --force to replace it"),
+        }));
     }
     Ok(())
 }

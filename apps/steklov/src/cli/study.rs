@@ -142,7 +142,6 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     }
 }
 
-/// Compares strategies on a scene.
 /// Studies of boundary elements are not of bodies on grids.
 pub(super) fn boundary_only(scene: &Scene) -> Result<(), Failure> {
     if !scene.is_on_grid() {
@@ -157,6 +156,7 @@ pub(super) fn boundary_only(scene: &Scene) -> Result<(), Failure> {
     Err(Failure(message))
 }
 
+/// Compares strategies on a scene.
 fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     let scene = scene(args, |text| settings(text, &args.overrides))?;
     boundary_only(&scene)?;

@@ -2,14 +2,22 @@
 
 use super::grid::grid_lines;
 use super::say;
-use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, Plan};
+use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, NEXT_MESH, Plan};
+use crate::report::TOUCHING;
 use crate::run::Reason;
 use crate::stochastic;
 use crate::store::Stored;
 use crate::summary::{ExteriorSummary, Summary};
 
-/// What to change when the contact solver did not reach its criterion.
+/// What to do about a run whose contact solver did not reach its criterion, or that memory ended.
 pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
+    if summary.reason == Reason::Interrupted.word() {
+        return Some("the same command with --resume goes on from the last step".to_owned());
+    }
+    if summary.reason == Reason::MaxDofs.word() {
+        let next = plan.left_out.iter().find(|d| d.what == NEXT_MESH)?;
+        return Some(format!("{}: {}", next.what, next.why));
+    }
     if summary.reason != Reason::Solver.word() {
         return None;
     }
@@ -48,6 +56,15 @@ fn far_away(exterior: &ExteriorSummary) -> Vec<String> {
         );
     }
     lines
+}
+
+/// Names of the contact sides without any pressure.
+fn untouched(stored: &Stored) -> Vec<&str> {
+    let Stored { contact, mesh, .. } = stored;
+    let largest = contact.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
+    let has = |side: usize, least: f64| contact.iter().any(|r| r.side == side && r.pressure > least);
+    let sides = (0..mesh.side_names.len()).filter(|&k| has(k, f64::NEG_INFINITY) && !has(k, TOUCHING * largest));
+    sides.map(|k| mesh.side_names[k].as_str()).collect()
 }
 
 /// Prints the summary of a result.
@@ -95,6 +112,7 @@ pub(super) fn print_summary(stored: &Stored) {
             say(&format!("            Coulomb friction, contraction {factor:.3}{note}"));
         }
         say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
+        untouched(stored).iter().for_each(|side| say(&format!("            nothing touches side {side}")));
     }
     if let Some(a) = &s.audit {
         say(&format!(
@@ -107,7 +125,11 @@ pub(super) fn print_summary(stored: &Stored) {
     }
     for p in &s.probe {
         let ([x, y], [u, v], [xx, yy, xy]) = (p.point, p.displacement, p.stress);
-        say(&format!("probe       ({x}, {y}): u = ({u:.6e}, {v:.6e}), stress = ({xx:.6e}, {yy:.6e}, {xy:.6e})"));
+        let stress = match p.stress_unbounded {
+            true => "stress unbounded: infinite at this vertex, whatever the mesh".to_owned(),
+            false => format!("stress = ({xx:.6e}, {yy:.6e}, {xy:.6e})"),
+        };
+        say(&format!("probe       ({x}, {y}): u = ({u:.6e}, {v:.6e}), {stress}"));
     }
     stochastic::lines(stored).iter().for_each(|line| say(line));
     say(&format!(

@@ -1,11 +1,23 @@
 //! Zeros of the switches of an expression along a path.
 
+use super::interval::Interval;
+use super::range::{enclose, leaves};
 use super::{Expression, Switch};
 
 /// Number of equal steps of the first look at a switch; a power of two, so that t is exact.
-const STEPS: usize = 128;
+const STEPS: usize = 64;
 /// Two zeros closer than this are one (t runs from -1 to 1).
 const SAME: f64 = 1e-14;
+/// Two places at which a switch comes down to its rounding errors without a change of sign, closer than this, are one.
+const SAME_TOUCH: f64 = 1e-6;
+/// Stretches of a path on which a switch is enclosed at most.
+const MOST_STRETCHES: usize = 20_000;
+/// A stretch is not halved below this.
+const SHORTEST: f64 = 4.0 * f64::EPSILON;
+/// One on which nothing is known of a switch, such as one on which it has no value, is not halved below this.
+const SHORTEST_UNDEFINED: f64 = 1.0 / 512.0;
+/// Minima below this part of the largest value touch zero.
+const TOUCH: f64 = 1e-15;
 
 /// State of a switch; a change of it is a kink.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -26,35 +38,70 @@ fn state(value: f64) -> State {
 }
 
 impl Expression {
-    /// Places t ∈ [-1, 1], rising, at which a switch changes sign, reaches or leaves zero along t ↦ (x, y, s).
+    /// Places t ∈ [-1, 1], rising, at which a switch changes sign, reaches or leaves zero along t ↦ (x, y, s), which is
+    /// affine.
     ///
-    /// Each switch is looked at in 129 points and wherever its modulus has a minimum between them; a change is then
-    /// bisected to 2⁻⁵⁴. A switch that vanishes on the whole path (up to rounding) has no kink there. Missed are zeros
-    /// closer to each other than 1/64 with no minimum seen between them.
+    /// Each switch is enclosed on stretches of the path, halved until it has no zero there, or one sign of its slope; a
+    /// change of sign is then bisected to 2⁻⁵⁴. A switch that vanishes on the whole path (up to rounding) has no kink there.
+    /// None is missed but where 20,000 stretches do not tell, and zeros of a switch that are closer than rounding.
     pub fn kinks(&self, path: impl Fn(f64) -> (f64, f64, f64)) -> Vec<f64> {
         let mut kinks = Vec::new();
         for switch in &self.code.switches {
-            let value = |t: f64| {
-                let (x, y, s) = path(t);
-                self.switch_value(switch, x, y, s)
-            };
-            let points: Vec<(f64, f64)> =
-                (0..=STEPS).map(|i| 2.0 * i as f64 / STEPS as f64 - 1.0).map(|t| (t, value(t))).collect();
-            let largest = points.iter().filter(|p| !p.1.is_nan()).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-            let Some(&(t, size)) = largest else { continue };
-            if size.abs() <= self.rounding(switch, path(t), [path(-1.0), path(1.0)]) {
-                continue;
-            }
-            for pair in points.windows(2) {
-                change(&value, pair[0], pair[1], &mut kinks);
-            }
-            for triple in points.windows(3) {
-                hidden(&value, [triple[0], triple[1], triple[2]], &mut kinks);
-            }
+            self.zeros(switch, &path, &mut kinks);
         }
         kinks.sort_by(f64::total_cmp);
         kinks.dedup_by(|b, a| *b - *a <= SAME);
         kinks
+    }
+
+    /// The kinks that one switch makes.
+    fn zeros(&self, switch: &Switch, path: &dyn Fn(f64) -> (f64, f64, f64), kinks: &mut Vec<f64>) {
+        let value = |t: f64| {
+            let (x, y, s) = path(t);
+            self.switch_value(switch, x, y, s)
+        };
+        let points: Vec<(f64, f64)> =
+            (0..=STEPS).map(|i| 2.0 * i as f64 / STEPS as f64 - 1.0).map(|t| (t, value(t))).collect();
+        let largest = points.iter().filter(|p| !p.1.is_nan()).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let Some(&(t, size)) = largest else { return };
+        let noise = self.rounding(switch, path(t), [path(-1.0), path(1.0)]);
+        let vanishes = size.abs() <= noise;
+        let most = if vanishes { MOST_STRETCHES / 20 } else { MOST_STRETCHES };
+        let (mut found, mut touches) = (Vec::new(), Vec::new());
+        let mut stretches = 0;
+        let mut stack: Vec<[(f64, f64); 2]> = points.windows(2).rev().map(|p| [p[0], p[1]]).collect();
+        while let Some([a, b]) = stack.pop() {
+            stretches += 1;
+            let enclosed = enclose([a.0, b.0], &|p, q| self.switch_range(switch, &leaves(path, p, q)));
+            let middle = a.0 + (b.0 - a.0) / 2.0;
+            let settled = enclosed.monotone || enclosed.value.single().is_some();
+            let differ = state(a.1) != state(b.1);
+            let last = match enclosed.value {
+                Interval::ANY => differ || b.0 - a.0 < SHORTEST_UNDEFINED,
+                v => settled || b.0 - a.0 < SHORTEST || v.magnitude() <= TOUCH * size.abs(),
+            };
+            match enclosed.value {
+                v if !v.contains(0.0) => {}
+                v if last || stretches > most => {
+                    if differ {
+                        change(&value, a, b, &mut found);
+                    } else if !settled && v != Interval::ANY && stretches <= most {
+                        touches.push(if value(middle).abs() <= a.1.abs().min(b.1.abs()) { middle } else { a.0 });
+                    }
+                }
+                _ => {
+                    let middle = (middle, value(middle));
+                    stack.extend([[middle, b], [a, middle]]);
+                }
+            }
+        }
+        if vanishes && found.iter().all(|t| value(*t).abs() <= noise) {
+            return;
+        }
+        touches.dedup_by(|b, a| *b - *a <= SAME_TOUCH);
+        touches.retain(|t| found.iter().all(|f| (f - t).abs() > SAME_TOUCH));
+        kinks.extend(found);
+        kinks.extend(touches);
     }
 
     /// What rounding of x, y, s to a few units in the last place of the path's ends does to the switch at a point:
@@ -72,11 +119,8 @@ impl Expression {
     }
 }
 
-/// The change of state between two points, if there is one: the zero itself where it is met.
+/// The change of state between two points that differ in it: the zero itself where it is met.
 fn change(value: &impl Fn(f64) -> f64, mut a: (f64, f64), mut b: (f64, f64), kinks: &mut Vec<f64>) {
-    if state(a.1) == state(b.1) {
-        return;
-    }
     while b.0 - a.0 > f64::EPSILON / 4.0 {
         let t = a.0 + (b.0 - a.0) / 2.0;
         if t <= a.0 || t >= b.0 {
@@ -87,38 +131,4 @@ fn change(value: &impl Fn(f64) -> f64, mut a: (f64, f64), mut b: (f64, f64), kin
     }
     let at_a = a.1.abs() < b.1.abs() || b.1.is_nan();
     kinks.push(if at_a { a.0 } else { b.0 });
-}
-
-/// Zeros between three points of one sign of which the middle one is nearest to zero.
-fn hidden(value: &impl Fn(f64) -> f64, [a, m, b]: [(f64, f64); 3], kinks: &mut Vec<f64>) {
-    let sign = state(m.1);
-    let same = state(a.1) == sign && state(b.1) == sign && matches!(sign, State::Negative | State::Positive);
-    let (low, mid, high) = (a.1.abs(), m.1.abs(), b.1.abs());
-    if !same || mid > low || mid > high || (mid == low && mid == high) {
-        return;
-    }
-    const GOLDEN: f64 = 0.618_033_988_749_894_9;
-    let modulus = |t: f64| (t, value(t));
-    let (mut left, mut right) = (a.0, b.0);
-    let mut inner = modulus(right - GOLDEN * (right - left));
-    let mut outer = modulus(left + GOLDEN * (right - left));
-    while right - left > 1e-9 {
-        let found = [inner, outer].into_iter().find(|p| state(p.1) != sign);
-        if let Some(zero) = found {
-            change(value, a, zero, kinks);
-            change(value, zero, b, kinks);
-            return;
-        }
-        if inner.1.abs() <= outer.1.abs() {
-            (right, outer) = (outer.0, inner);
-            inner = modulus(right - GOLDEN * (right - left));
-        } else {
-            (left, inner) = (inner.0, outer);
-            outer = modulus(left + GOLDEN * (right - left));
-        }
-    }
-    // It touches zero to rounding, as (x - 0.3)^2 does: its root has a kink there.
-    if inner.1.abs() <= 1e-15 * low.max(high) {
-        kinks.push(inner.0);
-    }
 }

@@ -14,7 +14,11 @@
 mod token;
 mod tape;
 mod parse;
+mod interval;
+mod range;
 mod kinks;
+mod survey;
+mod along;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -22,7 +26,11 @@ use std::sync::Arc;
 
 use crate::field::FieldValue;
 
+pub use along::Along;
+pub use interval::Interval;
 pub(crate) use parse::nearest;
+pub use range::{Enclosed, Leaves, Range as Enclosure, enclose, leaves};
+pub use survey::{Piece, Survey, Turn};
 use tape::Op;
 
 /// What is wrong with the text of an expression.
@@ -77,6 +85,7 @@ struct Code {
     /// The names that it uses.
     names: Vec<String>,
     fields: Vec<Arc<FieldValue>>,
+    known: along::Known,
 }
 
 impl Expression {
@@ -98,9 +107,24 @@ impl Expression {
         constants: &BTreeMap<String, f64>,
         fields: &BTreeMap<String, Arc<FieldValue>>,
     ) -> Result<Self, ExpressionError> {
-        let parse::Parsed { ops, switches, names, fields } = parse::parse(text, constants, fields)?;
+        Self::with_free_names(text, constants, fields, &[])
+    }
+
+    /// Reads `text` and leaves the names in `free` open: [`Expression::range`] is given their ranges, in this order, and
+    /// [`Expression::eval`] is NaN where one counts.
+    ///
+    /// # Errors
+    /// As [`Expression::parse`].
+    pub fn with_free_names(
+        text: &str,
+        constants: &BTreeMap<String, f64>,
+        fields: &BTreeMap<String, Arc<FieldValue>>,
+        free: &[String],
+    ) -> Result<Self, ExpressionError> {
+        let parse::Parsed { ops, switches, names, fields } = parse::parse(text, constants, fields, free)?;
         let height = tape::height(&ops);
-        let code = Code { text: text.to_owned(), height, ops, switches, names, fields };
+        let known = along::Known::default();
+        let code = Code { text: text.to_owned(), height, ops, switches, names, fields, known };
         Ok(Self { code: Arc::new(code), place: Place::default() })
     }
 
@@ -108,7 +132,8 @@ impl Expression {
     pub fn number(value: f64) -> Self {
         let ops = vec![Op::Constant(value)];
         let (switches, names, fields) = (Vec::new(), Vec::new(), Vec::new());
-        let code = Code { text: value.to_string(), ops, height: 1, switches, names, fields };
+        let known = along::Known::default();
+        let code = Code { text: value.to_string(), ops, height: 1, switches, names, fields, known };
         Self { code: Arc::new(code), place: Place::default() }
     }
 

@@ -38,6 +38,8 @@ struct Parser<'a> {
     text: &'a str,
     constants: &'a BTreeMap<String, f64>,
     fields: &'a BTreeMap<String, Arc<FieldValue>>,
+    /// Names without a value.
+    free: &'a [String],
     /// The token that comes next, and where it stands.
     token: Token<'a>,
     span: Range<usize>,
@@ -49,9 +51,10 @@ pub(super) fn parse(
     text: &str,
     constants: &BTreeMap<String, f64>,
     fields: &BTreeMap<String, Arc<FieldValue>>,
+    free: &[String],
 ) -> Result<Parsed, ExpressionError> {
     let out = Parsed { ops: Vec::new(), switches: Vec::new(), names: Vec::new(), fields: Vec::new() };
-    let mut parser = Parser { text, constants, fields, token: Token::End, span: 0..0, depth: 0, out };
+    let mut parser = Parser { text, constants, fields, free, token: Token::End, span: 0..0, depth: 0, out };
     parser.advance()?;
     parser.expression(COMPARISON)?;
     match parser.token {
@@ -178,6 +181,10 @@ impl<'a> Parser<'a> {
             "s" => Op::S,
             "pi" => Op::Constant(std::f64::consts::PI),
             _ => match (self.constants.get(name), self.fields.get(name)) {
+                _ if self.free.iter().any(|free| free == name) => {
+                    self.out.names.push(name.to_owned());
+                    Op::Name(self.free.iter().position(|free| free == name).unwrap_or_default())
+                }
                 (Some(&value), _) => {
                     self.out.names.push(name.to_owned());
                     Op::Constant(value)

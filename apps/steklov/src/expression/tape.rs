@@ -46,6 +46,8 @@ pub(super) enum Op {
     S,
     /// Value of a random field at (x, y), by its index.
     Field(usize),
+    /// A name without a value, by its index.
+    Name(usize),
     One(One),
     Two(Two),
     /// Takes a condition c: goes on if c is not 0, skips `otherwise` operations if c = 0, and for a NaN puts NaN and
@@ -122,7 +124,7 @@ pub(super) fn height(ops: &[Op]) -> usize {
     let (mut now, mut top) = (0, 0);
     for op in ops {
         match op {
-            Op::Constant(_) | Op::X | Op::Y | Op::S | Op::Field(_) => now += 1,
+            Op::Constant(_) | Op::X | Op::Y | Op::S | Op::Field(_) | Op::Name(_) => now += 1,
             Op::One(_) => {}
             // After a jump the other branch starts from where this one started.
             Op::Two(_) | Op::Branch { .. } | Op::Jump(_) => now -= 1,
@@ -166,11 +168,12 @@ fn run_on(ops: &[Op], fields: &[Arc<FieldValue>], stack: &mut [f64], (x, y, s): 
                 stack[top] = value;
                 top += 1;
             }
-            Op::X | Op::Y | Op::S | Op::Field(_) => {
+            Op::X | Op::Y | Op::S | Op::Field(_) | Op::Name(_) => {
                 stack[top] = match ops[next] {
                     Op::X => x,
                     Op::Y => y,
                     Op::Field(k) => fields[k].value([x, y]),
+                    Op::Name(_) => f64::NAN,
                     _ => s,
                 };
                 top += 1;

@@ -11,6 +11,7 @@ use super::layout::GridLayout;
 use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
 use super::trace::GridTrace;
 use crate::around::Around;
+use crate::body::UNBALANCED;
 use crate::elastic::plane_modulus;
 use crate::scene::{ExteriorInput, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
@@ -19,7 +20,20 @@ use crate::solve::{Energies, Seconds, SolveError, Stage};
 struct Joined {
     exterior: Exterior,
     coupled: Coupled,
+    /// How far the forces are out of balance.
+    imbalance: f64,
     seconds: Seconds,
+}
+
+/// The body of a solution.
+struct Inner {
+    medium: Medium,
+    trace: GridTrace,
+    /// Displacement of the fine nodes, and of the nodes of the trace.
+    displacement: Vec<f64>,
+    boundary_displacement: Vec<f64>,
+    coarse: Option<CoarseSolved>,
+    dofs: usize,
 }
 
 /// Solves the scene on a grid and in the medium around it.
@@ -41,23 +55,15 @@ pub(super) fn solve_coupled(
         let interior = Interior::fine(&medium, loads)?;
         observe(Stage::Stiffness("K", "node of the fine grid", &interior.stiffness))?;
         let assemble = clock.elapsed().as_secs_f64();
-        let joined = join(scene, input, interior, layout, observe)?;
+        let mut joined = join(scene, input, interior, layout, observe)?;
+        joined.seconds.assemble += assemble;
         let displacement = joined.coupled.displacement.clone();
         let at_boundary: Vec<usize> = fine.lattice.iter().map(|&p| node_at(grid, p)).collect();
         let boundary_displacement =
             at_boundary.iter().flat_map(|n| [displacement[2 * n], displacement[2 * n + 1]]).collect();
         let dofs = grid.dofs();
-        return solved(
-            scene,
-            input,
-            (medium, fine, loads),
-            joined,
-            displacement,
-            boundary_displacement,
-            None,
-            dofs,
-            assemble,
-        );
+        let inner = Inner { medium, trace: fine, displacement, boundary_displacement, coarse: None, dofs };
+        return solved(scene, input, loads, joined, inner);
     };
     let basis = basis(scene);
     let mut problem = Multiscale::new(&medium, CoarseMesh::new(grid, cells.clone())?, basis)?;
@@ -67,6 +73,7 @@ pub(super) fn solve_coupled(
     observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &interior.stiffness))?;
     let assemble = clock.elapsed().as_secs_f64();
     let mut joined = join(scene, input, interior, layout, observe)?;
+    joined.seconds.assemble += assemble;
     let clock = Instant::now();
     let bubbles = !loads.body.is_empty() && basis != steklov_msfem::Basis::Q1;
     let extra = Extra { bubbles, lift: Vec::new() };
@@ -80,18 +87,9 @@ pub(super) fn solve_coupled(
     let on_boundary = trace.lattice.iter().map(|&p| vertex_at(p).map_or([f64::NAN; 2], |v| vertices[v]));
     let boundary_displacement = on_boundary.flatten().collect();
     let (patterns, dofs, mesh) = (problem.patterns(), problem.dofs(), problem.mesh);
-    let coarse = CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() };
-    solved(
-        scene,
-        input,
-        (medium, trace, loads),
-        joined,
-        displacement,
-        boundary_displacement,
-        Some(coarse),
-        dofs,
-        assemble,
-    )
+    let coarse = Some(CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() });
+    let inner = Inner { medium, trace, displacement, boundary_displacement, coarse, dofs };
+    solved(scene, input, loads, joined, inner)
 }
 
 /// Boundary elements on the trace of the body, and the solution on the interface.
@@ -123,9 +121,10 @@ fn join(
     observe(Stage::Progress("interface", 0.6))?;
     // the two-field form, its tractions eliminated
     let coupled = problem.solve(&jump, Form::Schur, input.radiation)?;
+    let imbalance = problem.imbalance(&coupled);
     drop(problem);
     let seconds = Seconds { set_up: 0.0, assemble, factorise, solve: clock.elapsed().as_secs_f64() };
-    Ok(Joined { exterior, coupled, seconds })
+    Ok(Joined { exterior, coupled, imbalance, seconds })
 }
 
 /// The boundary elements of a layout: those between the points of the trace, or as many as the scene asks for, cut where
@@ -153,20 +152,16 @@ fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
     nearest.map_or((0, 0.0), |(_, k, s)| (k, s))
 }
 
-#[expect(clippy::too_many_arguments, reason = "the parts of one struct")]
+/// The solution of body and medium, their energies and what is left of the equations between them.
 fn solved(
     scene: &Scene,
     input: &ExteriorInput,
-    (medium, trace, loads): (Medium, GridTrace, &Loads),
+    loads: &Loads,
     joined: Joined,
-    displacement: Vec<f64>,
-    boundary_displacement: Vec<f64>,
-    coarse: Option<CoarseSolved>,
-    dofs: usize,
-    assemble: f64,
+    inner: Inner,
 ) -> Result<GridSolved, SolveError> {
-    let Joined { exterior, coupled, mut seconds } = joined;
-    seconds.assemble += assemble;
+    let Joined { exterior, coupled, imbalance, seconds } = joined;
+    let Inner { medium, trace, displacement, boundary_displacement, coarse, dofs } = inner;
     let load_work = loads.nodal(&medium).iter().zip(&displacement).map(|(f, u)| f * u).sum();
     let strain = medium.energy(&displacement, &displacement) / 2.0 + exterior.energy(&coupled);
     let clock = Instant::now();
@@ -190,7 +185,7 @@ fn solved(
         boundary_displacement,
         displacement,
         contact: None,
-        balanced: true,
+        balanced: imbalance <= UNBALANCED,
         reactions: Vec::new(),
         free_motions: Vec::new(),
         estimate: None,

@@ -24,7 +24,8 @@ use crate::solve::SolveError;
 pub struct GridEstimate {
     /// η² of each coarse cell (force times length per thickness); empty without coarse cells.
     pub indicators: Vec<f64>,
-    /// The terms of Theorem 5.3 of which the indicators are the sums; None of nodal residuals.
+    /// Residuals of coarse cells, of the edges between them and of tractions, of which the indicators are the sums; None of nodal
+    /// residuals.
     pub residual: Option<Indicators>,
     /// Their sum: the squared multiscale error.
     pub multiscale: f64,

@@ -13,13 +13,17 @@ fn decision(what: &str, choice: String, why: impl Into<String>) -> Decision {
     Decision { what: what.into(), choice, why: why.into() }
 }
 
-/// What is modelled of a scene whose model is "fem" or "msfem", and what it costs.
+/// What is modelled of a scene on a grid, with or without a medium around the body, and what it costs.
 pub(crate) fn plan(scene: &Scene) -> Plan {
     let (mut modelled, mut left_out) = (Vec::new(), Vec::new());
     let multiscale = scene.is_multiscale();
     let in_medium = scene.exterior.is_some();
     let Some(input) = &scene.grid else { unreachable!("a scene without a grid is refused where it is read") };
+    let one_modulus = scene.cells.as_ref().is_some_and(|cells| cells.young.constant().is_some());
     let why = match (&scene.cells, multiscale) {
+        (Some(_), _) if one_modulus => {
+            "as the scene says; all cells have one modulus: as material.young it would do for boundary elements"
+        }
         (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
         (Some(_), false) => "the modulus differs from cell to cell",
         (None, _) if scene.constant_force().is_none() && scene.body_force.is_some() => {
@@ -158,7 +162,11 @@ fn moduli(scene: &Scene) -> Decision {
                 CellModuli::File { path, dataset } => format!("{dataset} of {path}"),
                 CellModuli::Expression(young) => young.text().to_owned(),
             };
-            decision("Young's modulus", text, format!("constant in cells of the size {}", cells.size))
+            let why = match cells.young.constant() {
+                Some(_) => "the same in all cells".to_owned(),
+                None => format!("constant in cells of the size {}", cells.size),
+            };
+            decision("Young's modulus", text, why)
         }
     }
 }

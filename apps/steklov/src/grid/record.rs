@@ -14,7 +14,8 @@ use crate::plan::Plan;
 use crate::record::{Record, audit_summary};
 use crate::report::{ContactRow, contact_rows, contact_summary};
 use crate::scene::{Condition, Scene, Side};
-use crate::summary::{GridSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
+use crate::summary::{ExteriorSummary, GridSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
+use crate::vertices::tell_unbounded;
 
 /// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their
 /// order.
@@ -162,8 +163,12 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
             Some(around) if scene.polygon.contains(point) == Location::Outside => around.at(point),
             _ => solved.at(point),
         };
-        Probe { point, displacement, stress }
+        Probe { point, displacement, stress, stress_unbounded: false }
     };
+    let mut probe: Vec<Probe> = scene.probe.iter().map(probe).collect();
+    tell_unbounded(scene, rows, &mut probe, false);
+    let exterior = solved.around.as_ref().map(Around::summary);
+    let of_estimate = estimate.map_or(Vec::new(), GridEstimate::doubts);
     Summary {
         title: scene.title.clone(),
         model: scene.model().word().into(),
@@ -181,12 +186,12 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
         friction_work: solved.energies.friction_work,
         estimate: estimate.map(|e| e.error),
         estimate_relative: estimate.map(|e| e.relative),
-        estimate_doubts: estimate.map_or(Vec::new(), GridEstimate::doubts),
+        estimate_doubts: of_estimate.into_iter().chain(exterior.iter().filter_map(ExteriorSummary::doubt)).collect(),
         iterations: contact.map_or(0, |c| c.reported().iterations),
-        contact: contact.map(|c| contact_summary(scene, &solved.trace.mesh, c, rows, None)),
+        contact: contact.map(|c| contact_summary(scene, solved.trace(), c, rows, None)),
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: solved.reactions.iter().cloned().collect(),
-        probe: scene.probe.iter().map(probe).collect(),
+        probe,
         seconds: SecondsSummary {
             set_up: part(0),
             assemble: part(1),
@@ -196,7 +201,7 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
             ..Default::default()
         },
         grid: Some(grid_summary(solved)),
-        exterior: solved.around.as_ref().map(Around::summary),
+        exterior,
         peak_memory_bytes: peak_memory_bytes(),
         ..Summary::default()
     }

@@ -194,6 +194,8 @@ impl System {
                     free: &free,
                     driven: &of_load,
                     judged: true,
+                    // pins take the motions that the obstacle would make
+                    liftable: false,
                 };
                 let (displacement, result, _) =
                     solve_contact(&body, boundary, &mut |problem| solve_problem(problem, scene.method.solver))?;

@@ -6,11 +6,22 @@ use steklov_bem_operators::{BemError, Location, Loop, Material, Plane, Polygon, 
 
 use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::fields::{Context, Field, Fields};
+use super::keys;
 use crate::expression::{Expression, is_name, is_reserved};
 
+/// `[parameters]`.
+#[derive(Default)]
+pub(super) struct Parameters {
+    /// The names and their values.
+    pub(super) values: BTreeMap<String, f64>,
+    /// The names in their order, and the names above that each uses.
+    pub(super) uses: Vec<(String, Vec<String>)>,
+}
+
 /// Names and values of `[parameters]`: numbers, or expressions of the ones above.
-pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<BTreeMap<String, f64>, Problem> {
+pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameters, Problem> {
     let mut context = Context::new(source, BTreeMap::new());
+    let mut uses = Vec::new();
     for (key, place, value) in Fields::open(field)?.all() {
         check_name(key, place)?;
         let number = value.constant(&context)?;
@@ -18,8 +29,9 @@ pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<BTreeMap<
             return Err(value.problem(format!("the parameter {key} is {number}"), "it must be finite"));
         }
         context.constants.insert(key.to_owned(), number);
+        uses.push((key.to_owned(), context.used.take().into_iter().collect()));
     }
-    Ok(context.constants)
+    Ok(Parameters { values: context.constants, uses })
 }
 
 /// Whether a name can stand in an expression for something new.
@@ -53,7 +65,7 @@ fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), Problem> {
 
 /// The polygon of `[body]`; `cavity`: its loops are holes in the unbounded plane.
 pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, Problem> {
-    let fields = Fields::new(field, &["corners", "sides", "holes"])?;
+    let fields = Fields::new(field, &keys::BODY)?;
     let (first, names) = read_loop(&fields)?;
     let (mut loops, mut listed) = (vec![first], vec![names]);
     if let Some(list) = fields.get("holes") {
@@ -130,7 +142,7 @@ pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -
 
 /// `[body_force]`.
 pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], Problem> {
-    let value = Fields::new(field, &["value"])?.require("value", "value = [\"0\", \"-9.81\"]")?;
+    let value = Fields::new(field, &keys::BODY_FORCE)?.require("value", "value = [\"0\", \"-9.81\"]")?;
     let [x, y] = value.pair()?;
     let expressions = [x.expression_inside(context)?, y.expression_inside(context)?];
     for (expression, field) in expressions.iter().zip([x, y]) {
@@ -144,7 +156,7 @@ pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Ex
 
 /// `[probe]`: points of the body or of its boundary; `around`: also of the plane around it.
 pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Result<Vec<[f64; 2]>, Problem> {
-    let points = Fields::new(field, &["points"])?.require("points", "points = [[x, y], ...]")?;
+    let points = Fields::new(field, &keys::PROBE)?.require("points", "points = [[x, y], ...]")?;
     let mut list = Vec::new();
     for field in points.list()? {
         let [x, y] = field.point()?;

@@ -9,6 +9,8 @@ use crate::expression::Expression;
 
 /// Number of equal steps along an edge at which data are looked at.
 const STEPS: usize = 256;
+/// Differences across a jump are this part of those ten times as far away, or more; across (s - a)^p they are 10^-p of them.
+const JUMPING: f64 = 0.99;
 /// Largest gap, in diameters of the body: beyond it the displacements are lost in the rounding errors of the gap.
 const GAP: f64 = 1e12;
 
@@ -48,8 +50,8 @@ impl Scene {
             (x, y, s)
         };
         let steps = (0..=STEPS).map(|k| k as f64 / STEPS as f64);
-        let kinks = expression.kinks(|t| path((1.0 + t) / 2.0)).into_iter().map(|t| (1.0 + t) / 2.0);
-        let beside = kinks.flat_map(|s| [(s - 1e-9).max(0.0), s, (s + 1e-9).min(1.0)]);
+        let along = expression.along(edge);
+        let beside = along.kinks.iter().copied().flat_map(|s| [(s - 1e-9).max(0.0), s, (s + 1e-9).min(1.0)]);
         let mut largest: f64 = 0.0;
         for at in steps.chain(beside).map(path) {
             largest = largest.max(self.check_value(side, what, expression, at)?.abs());
@@ -75,7 +77,9 @@ impl Scene {
         for t in expression.kinks(|t| path((1.0 + t) / 2.0)) {
             let s = (1.0 + t) / 2.0;
             let (before, after) = (value(s - 1e-9), value(s + 1e-9));
-            if (after - before).abs() > 1e-2 * largest {
+            let farther = value(s + 1e-8) - value(s - 1e-8);
+            // a power of the distance shrinks with it, if slowly
+            if (after - before).abs() > (1e-2 * largest).max(JUMPING * farther.abs()) {
                 let (x, y, _) = path(s);
                 let message = format!(
                     "the displacement of side {side:?} jumps from {} to {} at the point ({x}, {y}), s = {s}: expression {:?}",

@@ -16,6 +16,8 @@ pub enum SceneErrorKind {
     Syntax,
     /// A key or the name of a side that does not exist.
     UnknownKey,
+    /// An override that changes nothing: no expression uses the name that it sets.
+    UnusedKey,
     /// A key that must be there.
     MissingKey,
     /// A value of another type than the key takes.
@@ -142,6 +144,7 @@ impl Problem {
     pub(super) fn new(kind: SceneErrorKind, place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
         let label = match kind {
             SceneErrorKind::UnknownKey => "not known",
+            SceneErrorKind::UnusedKey => "not used",
             SceneErrorKind::MissingKey => "incomplete",
             SceneErrorKind::WrongType => "wrong type",
             SceneErrorKind::Conflict => "excluded by another entry",

@@ -6,6 +6,7 @@ use steklov_coupling::Radiation;
 use super::body::material;
 use super::error::{Problem, SceneError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
+use super::keys;
 use super::method::Indicator;
 use super::sides::Condition;
 use super::{BasisInput, Model, Scene};
@@ -26,6 +27,8 @@ pub struct ExteriorInput {
     pub remote_stress: [f64; 3],
     /// What the displacement does far away, that of the remote stress apart.
     pub radiation: Radiation,
+    /// Whether the scene states that.
+    stated: bool,
     /// Whether the remote stress has names in it: with random ones it may vanish in an outcome.
     named: bool,
 }
@@ -38,8 +41,7 @@ pub(super) fn exterior(
 ) -> Result<ExteriorInput, Problem> {
     let jumps = ["displacement_jump", "traction_jump", "stress_jump"];
     let [displacement, traction, stress] = jumps;
-    let known = ["young", "poisson", "plane", displacement, traction, stress, "remote_stress", "at_infinity"];
-    let fields = Fields::new(field, &known)?;
+    let fields = Fields::new(field, &keys::EXTERIOR)?;
     let young = fields.require("young", "young = a positive number")?.constant(context)?;
     let mut material = material(&fields, context, young)?;
     match (fields.get("plane"), body) {
@@ -80,9 +82,20 @@ pub(super) fn exterior(
         None => [0.0; 3],
     };
     let words = [("decaying", Radiation::Decaying), ("bounded", Radiation::Bounded)];
-    let radiation = fields.get("at_infinity").map_or(Ok(Radiation::Decaying), |word| word.choice(&words))?;
+    let stated = fields.get("at_infinity").map(|word| word.choice(&words)).transpose()?;
+    let radiation = stated.unwrap_or(Radiation::Decaying);
     let (displacement_jump, traction_jump) = (pair(displacement)?, pair(traction)?);
-    Ok(ExteriorInput { material, displacement_jump, traction_jump, stress_jump, remote_stress, radiation, named })
+    let stated = stated.is_some();
+    Ok(ExteriorInput {
+        material,
+        displacement_jump,
+        traction_jump,
+        stress_jump,
+        remote_stress,
+        radiation,
+        stated,
+        named,
+    })
 }
 
 /// The three entries xx, yy, xy of a symmetric tensor.
@@ -94,18 +107,17 @@ fn tensor<'a>(field: &Field<'a>) -> Result<[Field<'a>; 3], Problem> {
 }
 
 impl ExteriorInput {
-    /// Gradient `[[∂x u_x, ∂y u_x], [∂x u_y, ∂y u_y]]` of the displacement that belongs to the remote stress, without rotation:
-    /// u_∞ = ε_∞ x.
-    pub fn remote_strain(&self) -> [[f64; 2]; 2] {
-        let ([xx, yy, xy], nu, mu) = (self.remote_stress, self.material.nu(), self.material.mu());
-        let along = |a: f64, b: f64| ((1.0 - nu) * a - nu * b) / (2.0 * mu);
-        let shear = xy / (2.0 * mu);
-        [[along(xx, yy), shear], [shear, along(yy, xx)]]
+    /// Of a medium that supports or obstacles hold, unless the scene states it: they leave no net force, for with one their
+    /// forces would depend on the length in its logarithm.
+    pub(super) fn bounded_by_supports(&mut self) {
+        if !self.stated {
+            self.radiation = Radiation::Bounded;
+        }
     }
 
-    /// The displacement that belongs to the remote stress.
-    pub fn remote_displacement(&self, [x, y]: [f64; 2]) -> [f64; 2] {
-        self.remote_strain().map(|[a, b]| a * x + b * y)
+    /// The uniform field of the remote stress, zero at the origin.
+    pub fn remote(&self) -> ParticularSolution {
+        ParticularSolution::of_uniform_stress(self.remote_stress, [0.0; 2], &self.material)
     }
 
     /// The expressions of the jumps and their names.
@@ -189,7 +201,7 @@ impl Scene {
     /// The uniform field of the medium around a body that belongs to the stress far away; none without that stress.
     pub(crate) fn remote_stress(&self) -> Option<ParticularSolution> {
         let exterior = self.exterior.as_ref().filter(|e| !self.is_cavity() && e.remote_stress != [0.0; 3])?;
-        Some(ParticularSolution::of_uniform_stress(exterior.remote_stress, [0.0; 2], &exterior.material))
+        Some(exterior.remote())
     }
 
     /// The expressions of the traction jump where a body meets the medium around it, their names, and the direction in which each
@@ -215,7 +227,7 @@ impl Scene {
     pub fn displacement_jump(&self, edge: usize, s: f64) -> [f64; 2] {
         let Some(exterior) = &self.exterior else { return [0.0; 2] };
         let [x, y] = self.polygon.edges()[edge].point(s);
-        let remote = exterior.remote_displacement([x, y]);
+        let remote = exterior.remote().displacement([x, y]);
         match &exterior.displacement_jump {
             Some(jump) => [0, 1].map(|i| remote[i] + jump[i].eval(x, y, s)),
             None => remote,

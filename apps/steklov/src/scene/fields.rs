@@ -5,6 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use super::error::{Problem, SceneErrorKind as Kind, Source};
+use super::keys;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
 use crate::expression::{Expression, Place};
 use crate::field::FieldValue;
@@ -45,12 +46,8 @@ impl<'a> Fields<'a> {
         match fields.entries.iter().find(|e| !known.contains(&e.key.as_str())) {
             Some(entry) => {
                 let message = format!("unknown key {}", fields.name(&entry.key));
-                Err(Problem::new(
-                    Kind::UnknownKey,
-                    entry.key_place,
-                    message,
-                    suggestion(&entry.key, known.iter().copied()),
-                ))
+                let help = keys::help(&entry.key, known, fields.entries);
+                Err(Problem::new(Kind::UnknownKey, entry.key_place, message, help))
             }
             None => Ok(fields),
         }

@@ -2,6 +2,7 @@
 
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
+use super::keys;
 use super::tree::Value;
 use crate::expression::Expression;
 
@@ -68,6 +69,17 @@ pub enum CellModuli {
     Expression(Expression),
 }
 
+impl CellModuli {
+    /// The one modulus of all cells, if the text of the scene gives it.
+    pub fn constant(&self) -> Option<f64> {
+        match self {
+            Self::Uniform { low, high, .. } => (low == high).then_some(*low),
+            Self::File { .. } => None,
+            Self::Expression(young) => young.constant(),
+        }
+    }
+}
+
 /// `[material.cells]`: NX × NY squares over the bounding box, counted from its lower left corner, with a modulus each.
 #[derive(Debug, Clone)]
 pub struct Cells {
@@ -78,7 +90,7 @@ pub struct Cells {
 }
 
 pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, Problem> {
-    let fields = Fields::new(field, &["coarse", "fine", "basis", "oversample"])?;
+    let fields = Fields::new(field, &keys::GRID)?;
     let counts = |key: &str| {
         let [x, y] = fields.require(key, &format!("{key} = [cells along x, cells along y]"))?.pair()?;
         Ok([x.whole(1, MOST_CELLS)?, y.whole(1, MOST_CELLS)?])
@@ -109,7 +121,7 @@ pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, Problem> {
 }
 
 pub(super) fn cells(field: &Field<'_>, context: &Context<'_>) -> Result<Cells, Problem> {
-    let fields = Fields::new(field, &["size", "young"])?;
+    let fields = Fields::new(field, &keys::CELLS)?;
     let size = fields.require("size", "size = the edge length of a cell")?;
     let size = size.number_where(|v| v > 0.0 && v.is_finite(), "a positive length")?;
     let young = fields.require("young", "young = { uniform = [low, high], seed = 1 }")?;

@@ -4,6 +4,7 @@ use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Field, Fields};
+use super::keys;
 use super::tree::Value;
 
 /// Discretisation that is asked for.
@@ -95,6 +96,10 @@ pub struct Method {
     pub degree: usize,
     /// Largest number of displacement unknowns.
     pub max_dofs: usize,
+    /// Whether the scene gives it.
+    pub max_dofs_given: bool,
+    /// Bytes that the matrices of a mesh may take; no limit if None.
+    pub memory: Option<u64>,
     /// Largest number of adaptive steps.
     pub max_steps: usize,
     /// Indicator of the error.
@@ -132,6 +137,8 @@ impl Default for Method {
             elements_given: false,
             degree: 1,
             max_dofs: 20_000,
+            max_dofs_given: false,
+            memory: None,
             max_steps: 60,
             indicator: Indicator::Bubble,
             marking: None,
@@ -161,24 +168,7 @@ pub struct Expectation {
 pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
     let mut method = Method::default();
     let Some(field) = field else { return Ok(method) };
-    let known = [
-        "model",
-        "tolerance",
-        "refine",
-        "elements",
-        "degree",
-        "max_dofs",
-        "max_steps",
-        "indicator",
-        "marking",
-        "smoothness",
-        "multiplier",
-        "gamma",
-        "multiplier_mesh",
-        "multiplier_degree",
-        "solver",
-    ];
-    let fields = Fields::new(&field, &known)?;
+    let fields = Fields::new(&field, &keys::METHOD)?;
     for (key, _, field) in fields.all() {
         match key {
             "model" => method.model = field.choice(&MODELS)?,
@@ -186,7 +176,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
             "refine" => method.refine = field.choice(&REFINES)?,
             "elements" => (method.elements, method.elements_given) = (field.whole(1, 1_000_000)?, true),
             "degree" => method.degree = field.whole(1, 64)?,
-            "max_dofs" => method.max_dofs = field.whole(1, 100_000_000)?,
+            "max_dofs" => (method.max_dofs, method.max_dofs_given) = (field.whole(1, 100_000_000)?, true),
             "max_steps" => method.max_steps = field.whole(1, 1_000_000)?,
             "indicator" => {
                 method.indicator = field.choice(&[("bubble", Indicator::Bubble), ("residual", Indicator::Residual)])?;

@@ -7,11 +7,13 @@
 
 mod error;
 mod tree;
+mod keys;
 mod fields;
 mod body;
 mod sides;
 mod method;
 mod random;
+mod germ_data;
 mod outcomes;
 mod grid;
 mod exterior;
@@ -28,6 +30,7 @@ use crate::expression::{Expression, Place};
 
 pub use error::{SceneError, SceneErrorKind, Source};
 pub use exterior::ExteriorInput;
+pub(crate) use germ_data::Signal;
 pub(crate) use grid::MOST_CELLS;
 pub use grid::{BasisInput, CellModuli, Cells, GridInput};
 pub(crate) use method::MULTIPLIER_MESHES;
@@ -35,6 +38,7 @@ pub use method::{Expectation, Indicator, Method, Model, Multiplier, Refine, Solv
 pub use random::{Germ, Random, RandomName, Sampling, Stochastic, Uses};
 pub use sides::{Condition, Friction, Side};
 
+use body::Parameters;
 use error::{Problem, SceneErrorKind as Kind};
 use fields::{Context, Field, Fields};
 use tree::Item;
@@ -72,7 +76,7 @@ pub struct Scene {
     pub expect: Vec<Expectation>,
     /// Random input, if any datum uses it; the other fields are then those of its nominal outcome.
     pub random: Option<Random>,
-    /// Names of random input that no datum uses.
+    /// Names of `[parameters]` and `[random]` that no datum uses.
     pub unused: Vec<String>,
     /// The texts from which the scene was read.
     pub source: Source,
@@ -102,6 +106,7 @@ impl Scene {
         let source = Source { name: name.to_owned(), text: text.to_owned(), overrides: overrides.to_vec() };
         let root = tree::build(&source).map_err(|p| source.error(p))?;
         let scene = scene(&root, &source, None).map_err(|p| source.error(p))?;
+        scene.check_overrides(&root)?;
         scene.check_data()?;
         scene.check_jumps()?;
         scene.check_model()?;
@@ -167,24 +172,10 @@ impl Scene {
 
 /// The nominal scene, or one outcome of its random input.
 fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Result<Scene, Problem> {
-    let known = [
-        "title",
-        "body",
-        "material",
-        "parameters",
-        "sides",
-        "body_force",
-        "probe",
-        "method",
-        "expect",
-        "random",
-        "stochastic",
-        "grid",
-        "exterior",
-    ];
-    let fields = Fields::new(&Field { name: String::new(), item: root }, &known)?;
+    let fields = Fields::new(&Field { name: String::new(), item: root }, &keys::SCENE)?;
     let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();
-    let parameters = fields.get("parameters").map_or_else(|| Ok(BTreeMap::new()), |p| body::parameters(&p, source))?;
+    let Parameters { values: parameters, uses: parameter_uses } =
+        fields.get("parameters").map_or_else(|| Ok(Parameters::default()), |p| body::parameters(&p, source))?;
     let cavity = fields.get("material").is_none() && fields.get("exterior").is_some();
     let polygon = body::body(&fields.require("body", "a table [body] with corners and sides")?, cavity)?;
     let mut context = Context::new(source, parameters.clone());
@@ -212,7 +203,7 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
         random::check_poisson(&field, &declared, &context)?;
         exterior::exterior(&field, plane, &context)
     });
-    let exterior = exterior.transpose()?;
+    let mut exterior = exterior.transpose()?;
     let (material, cells) = match (body, &exterior) {
         (Some(body), _) => body,
         (None, Some(exterior)) => (exterior.material, None),
@@ -222,6 +213,10 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
     let grid = fields.get("grid").map(|field| grid::grid(&field)).transpose()?;
     let sides = sides::sides(fields.get("sides").as_ref(), &polygon, &context)?;
     let in_sides = context.used.take();
+    let holds = |side: &Side| matches!(side.condition, Condition::Displacement { .. } | Condition::Contact { .. });
+    if let Some(exterior) = exterior.as_mut().filter(|_| cavity && sides.iter().any(holds)) {
+        exterior.bounded_by_supports();
+    }
     let body_force = fields.get("body_force").map(|f| body::body_force(&f, &context)).transpose()?;
     let probe = fields
         .get("probe")
@@ -254,13 +249,14 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
             let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
             let uses = random::uses(&sides, &is_random, in_material.iter().any(is_random), &in_body_force);
             unused.extend(declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)));
+            unused.extend(unused_parameters(&parameter_uses, &used));
             let (names, germs) = random::used(declared, &used)?;
-            let random = Random { names, germs, stochastic, uses, root: Arc::new(root.clone()) };
+            let random = Random { names, germs, stochastic, uses, cuts: Vec::new(), root: Arc::new(root.clone()) };
             (!random.names.is_empty()).then_some(random)
         }
     };
     let source = source.clone();
-    Ok(Scene {
+    let mut scene = Scene {
         title,
         polygon,
         material,
@@ -276,12 +272,35 @@ fn scene(root: &Item, source: &Source, outcome: Option<(&Random, &[f64])>) -> Re
         random,
         unused,
         source,
-    })
+    };
+    let cuts = scene.random.as_ref().map(|random| scene.cuts(random));
+    if let (Some(random), Some(cuts)) = (&mut scene.random, cuts) {
+        random.cuts = cuts;
+    }
+    Ok(scene)
+}
+
+/// The parameters that neither data nor used parameters use.
+fn unused_parameters<'a>(
+    parameters: &'a [(String, Vec<String>)],
+    used: &dyn Fn(&str) -> bool,
+) -> impl Iterator<Item = String> + use<'a> {
+    // an expression has the names above it only, so that the last ones are decided first
+    let mut reached: Vec<&str> = Vec::new();
+    let mut unused = Vec::new();
+    for (name, uses) in parameters.iter().rev() {
+        if used(name) || reached.contains(&name.as_str()) {
+            reached.extend(uses.iter().map(String::as_str));
+        } else {
+            unused.push(name.clone());
+        }
+    }
+    unused.into_iter().rev()
 }
 
 /// `[material]`; with `cells` these give Young's modulus.
 fn material(field: &Field<'_>, context: &Context<'_>) -> Result<(Material, Option<Cells>), Problem> {
-    let fields = Fields::new(field, &["young", "poisson", "plane", "cells"])?;
+    let fields = Fields::new(field, &keys::MATERIAL)?;
     match (fields.get("cells"), fields.get("young")) {
         (Some(cells), Some(young)) => Err(Problem::new(
             Kind::Conflict,

@@ -10,6 +10,7 @@ use super::body::check_name;
 use super::check::data;
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
+use super::keys;
 use super::sides::Side;
 use super::tree::{Item, Value, suggestion};
 use crate::expression::Place;
@@ -26,6 +27,8 @@ pub struct Random {
     pub stochastic: Stochastic,
     /// Which data use random names.
     pub uses: Uses,
+    /// For each germ where data have kinks or jumps, whatever the others: stochastic elements end there.
+    pub cuts: Vec<Vec<f64>>,
     /// The scene as a tree, from which outcomes are read.
     pub(super) root: Arc<Item>,
 }
@@ -125,6 +128,16 @@ impl Default for Stochastic {
             seed: 1,
             quantiles: vec![0.05, 0.5, 0.95],
             quantities: None,
+        }
+    }
+}
+
+impl RandomName {
+    /// The name.
+    pub(crate) fn name(&self) -> &str {
+        match self {
+            Self::Variable { name, .. } => name,
+            Self::Field { field, .. } => &field.name,
         }
     }
 }
@@ -404,26 +417,13 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, Problem> {
 
 pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, Problem> {
     let mut read = Stochastic::default();
-    let known = [
-        "method",
-        "degree",
-        "elements",
-        "level",
-        "refine",
-        "tolerance",
-        "max_nodes",
-        "samples",
-        "seed",
-        "quantiles",
-        "quantities",
-    ];
     let methods = [
         ("galerkin", Sampling::Galerkin),
         ("collocation", Sampling::Collocation),
         ("sparse", Sampling::Sparse),
         ("monte-carlo", Sampling::MonteCarlo),
     ];
-    for (key, _, field) in Fields::new(field, &known)?.all() {
+    for (key, _, field) in Fields::new(field, &keys::STOCHASTIC)?.all() {
         match key {
             "method" => read.method = field.choice(&methods)?,
             "degree" => read.degree = field.whole(0, 64)?,

@@ -4,6 +4,7 @@ use steklov_bem_operators::Polygon;
 
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
+use super::keys;
 use super::tree::{Value, suggestion};
 use crate::expression::Expression;
 
@@ -89,9 +90,8 @@ pub(super) fn sides(field: Option<&Field<'_>>, polygon: &Polygon, context: &Cont
 }
 
 fn condition(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Problem> {
-    const KEYS: [&str; 4] = ["contact", "displacement", "pressure", "traction"];
-    let fields = Fields::new(field, &KEYS)?;
-    let given: Vec<(&str, Field<'_>)> = KEYS.iter().filter_map(|&key| Some((key, fields.get(key)?))).collect();
+    let fields = Fields::new(field, &keys::SIDE)?;
+    let given: Vec<(&str, Field<'_>)> = keys::SIDE.iter().filter_map(|&key| Some((key, fields.get(key)?))).collect();
     match &given[..] {
         [] => Ok(Condition::Free),
         [("contact", contact)] => self::contact(contact, context),
@@ -149,7 +149,7 @@ fn displacement(field: &Field<'_>, traction: Option<&Field<'_>>, context: &Conte
 }
 
 fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Problem> {
-    let fields = Fields::new(field, &["gap", "friction"])?;
+    let fields = Fields::new(field, &keys::CONTACT)?;
     let gap = match fields.get("gap") {
         Some(gap) => gap.expression(context)?,
         None => Expression::number(0.0),
@@ -158,7 +158,7 @@ fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Proble
     if !matches!(law.item.value, Value::Table(_)) {
         return Err(law.wrong_type("a law: { tresca = \"0.3\" } or { coulomb = \"0.2\" }"));
     }
-    let laws = Fields::new(&law, &["tresca", "coulomb"])?;
+    let laws = Fields::new(&law, &keys::FRICTION)?;
     let friction = match (laws.get("tresca"), laws.get("coulomb")) {
         (Some(bound), None) => Friction::Tresca(bound.expression(context)?),
         (None, Some(coefficient)) => Friction::Coulomb(coefficient.expression(context)?),

@@ -89,6 +89,7 @@ pub(crate) fn solve_cell(
     for (j, (scene, e, mut given)) in given.into_iter().enumerate() {
         watch.check()?;
         given.load.clone_from(&loads[j]);
+        given.liftable = false; // the nodes are solved at once
         let (solved, _) = outcomes.body.answer(&scene, given, &mut |problem| {
             let NodeSolution { displacement, multipliers, outcome, history } =
                 solutions[j].take().unwrap_or_else(|| unreachable!("contact is solved for every node"));

@@ -3,8 +3,10 @@
 use steklov_contact::{Solution, unlocated};
 use steklov_stochastic::{CellBasis, Nodes, StochasticMesh, Variable, sample};
 
+use super::jumps::split_at_cuts;
 use super::outcomes::Outcomes;
 use crate::body::{Body, Factors};
+use crate::elastic::EnrichedBody;
 use crate::estimate::{Bubble, Estimate, estimate};
 use crate::scene::{Random, Scene};
 use crate::solve::{SolveError, Solved};
@@ -20,12 +22,12 @@ const SEED: u64 = 1;
 pub(crate) fn mean_estimate(
     scene: &Scene,
     random: &Random,
-    body: &Body,
+    (body, enriched): (&Body, &EnrichedBody),
     nominal: Estimate,
 ) -> Result<Estimate, SolveError> {
     let outcomes = Outcomes::new(scene, random, body)?;
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
-    let (points, weights) = outcomes_of(variables)?;
+    let (points, weights) = outcomes_of(random, variables)?;
     let mut mean = nominal;
     let (mut error, mut scale) = (0.0, 0.0);
     mean.indicators.fill(Bubble::default());
@@ -33,7 +35,7 @@ pub(crate) fn mean_estimate(
     for (germs, weight) in points.iter().zip(weights) {
         let (outcome, modulus, given) = outcomes.given(germs)?;
         let (solved, factors) = outcomes.solved(&outcome, given, &mut warm)?;
-        let Some(one) = one(&outcome, &solved, body, &factors)? else { continue };
+        let one = one(&outcome, &solved, (body, enriched), &factors)?;
         let weight = weight * modulus;
         error += weight * one.error * one.error;
         scale += weight * one.scale * one.scale;
@@ -54,20 +56,31 @@ pub(crate) fn mean_estimate(
 }
 
 /// Outcomes over which errors are averaged, and their weights.
-fn outcomes_of(variables: Vec<Variable>) -> Result<(Vec<Vec<f64>>, Vec<f64>), SolveError> {
+fn outcomes_of(random: &Random, variables: Vec<Variable>) -> Result<(Vec<Vec<f64>>, Vec<f64>), SolveError> {
     let germs = variables.len();
     if germs > FEW {
         let points = (0..SAMPLES).map(|i| sample(&variables, SEED, i)).collect();
         return Ok((points, vec![1.0 / SAMPLES as f64; SAMPLES as usize]));
     }
-    let mesh = StochasticMesh::uniform(variables, &vec![1; germs], &vec![1; germs])?;
-    let CellBasis { points, weights, .. } = mesh.basis(0, Nodes::Gauss)?;
+    let mut mesh = StochasticMesh::uniform(variables, &vec![1; germs], &vec![1; germs])?;
+    split_at_cuts(&mut mesh, random)?;
+    let (mut points, mut weights) = (Vec::new(), Vec::new());
+    for cell in 0..mesh.cells.len() {
+        let basis: CellBasis = mesh.basis(cell, Nodes::Gauss)?;
+        points.extend(basis.points);
+        weights.extend(basis.weights);
+    }
     Ok((points, weights))
 }
 
 /// The estimate of one outcome, with its transitions inside elements.
-fn one(scene: &Scene, solved: &Solved, body: &Body, factors: &Factors) -> Result<Option<Estimate>, SolveError> {
-    let Some(mut estimate) = estimate(scene, solved, body, factors)? else { return Ok(None) };
+fn one(
+    scene: &Scene,
+    solved: &Solved,
+    matrices: (&Body, &EnrichedBody),
+    factors: &Factors,
+) -> Result<Estimate, SolveError> {
+    let (mut estimate, _) = estimate(scene, solved, matrices, factors)?;
     if let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) {
         let located = unlocated(steklov_contact::Solved {
             problem: &part.problem,
@@ -77,5 +90,5 @@ fn one(scene: &Scene, solved: &Solved, body: &Body, factors: &Factors) -> Result
         });
         estimate.add_tips(scene, &located);
     }
-    Ok(Some(estimate))
+    Ok(estimate)
 }

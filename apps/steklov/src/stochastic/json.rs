@@ -14,6 +14,9 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         if let Some(error) = q.standard_error {
             one["standard_error"] = error.into();
         }
+        if let Some(truncation) = q.truncation {
+            one["truncation"] = truncation.into();
+        }
         one["effects"] = q.effects.as_ref().map_or(Value::Null, |effects| {
             let named = result.labels.iter().zip(effects).map(|(l, e)| (l.clone(), Value::from(*e)));
             Value::Object(named.collect())
@@ -33,10 +36,13 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         "germs": result.labels,
         "points": result.points.len(),
         "solves": result.solved,
+        "checks": result.checks,
         "cells": result.cells.as_ref().map(|c| c.degree.len()),
         "coupled": result.coupled,
         "reason": result.end.word(),
         "truncation_relative": result.truncation,
+        "unseen": result.unseen,
+        "truncation_measured": result.truncation_measured,
         "iterations": result.iterations,
         "unconverged": result.unconverged,
         "fields": Value::Object(fields.collect()),

@@ -8,6 +8,12 @@
 
 mod outcomes;
 mod coupled;
+mod events;
+mod jumps;
+mod looks;
+mod check;
+mod samples;
+mod unseen;
 mod nodes;
 mod effects;
 mod result;
@@ -29,5 +35,5 @@ pub(crate) use plan::decide;
 pub use plan::points;
 pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
 pub use store::{read, write};
-pub(crate) use tables::shortfall;
 pub use tables::{lines, tables};
+pub(crate) use tables::{overlooked, shortfall};

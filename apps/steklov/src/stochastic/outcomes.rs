@@ -7,6 +7,7 @@ use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
+use super::jumps::Data as DataInGerms;
 use crate::body::{Body, Factors, Given};
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
@@ -23,6 +24,8 @@ pub(crate) struct Outcomes<'a> {
     scene: &'a Scene,
     random: &'a Random,
     pub(crate) body: &'a Body,
+    /// The data in their germs.
+    pub(super) data: DataInGerms<'a>,
     loads: Loads,
     boundary: Option<ContactBoundary>,
 }
@@ -54,7 +57,8 @@ pub(crate) struct Answer {
 impl<'a> Outcomes<'a> {
     pub(crate) fn new(scene: &'a Scene, random: &'a Random, body: &'a Body) -> Result<Self, SolveError> {
         let data = Data { scene, mesh: &body.mesh, space: &body.space };
-        Ok(Self { scene, random, body, loads: data.load()?, boundary: data.contact(&body.held)? })
+        let in_germs = DataInGerms::new(scene, random);
+        Ok(Self { scene, random, body, data: in_germs, loads: data.load()?, boundary: data.contact(&body.held)? })
     }
 
     /// The outcome as a scene, its modulus over the nominal one, and what acts on the body of the nominal modulus.
@@ -145,6 +149,11 @@ impl<'a> Outcomes<'a> {
         }
         scale(&mut figures, modulus);
         (rows, figures)
+    }
+
+    /// ⟨Su, u⟩ of the nominal modulus.
+    pub(crate) fn energy(&self, u: &[f64]) -> f64 {
+        self.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum()
     }
 
     /// What statistics need of an outcome.

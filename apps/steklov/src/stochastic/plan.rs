@@ -3,6 +3,7 @@
 use steklov_stochastic::smolyak;
 
 use super::json::method;
+use super::jumps::intervals;
 use super::nodes::is_coupled;
 use crate::expression::Expression;
 use crate::plan::Decision;
@@ -18,11 +19,9 @@ const NAMED: usize = 8;
 /// Number of points at which a scene is solved, before any refinement of the stochastic mesh.
 pub fn points(random: &Random) -> f64 {
     let settings = &random.stochastic;
-    let germs = random.germs.len() as i32;
+    let of = |germ: usize| intervals(random, germ, settings.elements) as f64 * (settings.degree as f64 + 1.0);
     match settings.method {
-        Sampling::Galerkin | Sampling::Collocation => {
-            ((settings.elements as f64) * (settings.degree as f64 + 1.0)).powi(germs)
-        }
+        Sampling::Galerkin | Sampling::Collocation => (0..random.germs.len()).map(of).product(),
         Sampling::Sparse => sparse(random).unwrap_or(f64::INFINITY),
         Sampling::MonteCarlo => settings.samples as f64,
     }
@@ -40,9 +39,6 @@ fn sparse(random: &Random) -> Option<f64> {
 /// Adds what is modelled of random input, or that there is none.
 pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let decision = |what: &str, choice: String, why: String| Decision { what: what.into(), choice, why };
-    for name in &scene.unused {
-        left_out.push(decision("random input", name.clone(), "no datum uses it".into()));
-    }
     let Some(random) = &scene.random else {
         left_out.push(decision("random input", "one solve".into(), "no random name is used".into()));
         return;

@@ -4,13 +4,14 @@ use std::time::Instant;
 
 use rayon::prelude::*;
 use steklov_contact::Solution;
-use steklov_stochastic::{
-    Accumulator, Histogram, Moments, Variable, density, moments, quantiles, sample, smolyak, solve_points,
-};
+use steklov_stochastic::{Histogram, Moments, Variable, density, moments, quantiles, sample, smolyak, solve_points};
 
 use super::effects::{exact_effects, sampled_effect};
-use super::nodes::{End, Surrogate, events, is_coupled, solve_nodes};
+use super::events::events;
+use super::nodes::{Cell, End, Surrogate, is_coupled, solve_nodes};
 use super::outcomes::{Answer, Outcomes};
+use super::samples::of_samples;
+use super::unseen::{beside_grid, beside_samples};
 use crate::body::Body;
 use crate::field::RandomField;
 use crate::report::TOUCHING;
@@ -18,9 +19,9 @@ use crate::scene::{Condition, Random, Sampling, Scene};
 use crate::solve::SolveError;
 
 /// Answers that are held at a time while samples stream by.
-const BLOCK: usize = 1024;
+pub(super) const BLOCK: usize = 1024;
 /// Bins of densities.
-const BINS: usize = 40;
+pub(super) const BINS: usize = 40;
 /// Most samples of a surrogate of several cells for the effects of single germs.
 const EFFECTS: usize = 20_000;
 /// Relative to the mean square, variances below this are rounding.
@@ -30,6 +31,10 @@ const ROUNDING: f64 = 1e-10;
 /// Steps along a side, and in each direction over the body, at which modes of random fields are stored.
 const LINE: usize = 200;
 const GRID: usize = 32;
+/// Errors that many times those which the points show, and the tolerance, are of something that they do not see.
+pub(super) const OVERLOOKED: f64 = 2.0;
+/// Probability of outcomes with data that are neither known nor excluded below which they do not count.
+pub(super) const UNDECIDED: f64 = 1e-4;
 /// Answers with more numbers than this together are not kept.
 const KEPT: usize = 8_000_000;
 
@@ -46,6 +51,9 @@ pub struct Quantity {
     pub variance: f64,
     /// Standard error of the mean; Monte Carlo only.
     pub standard_error: Option<f64>,
+    /// Root mean square of what polynomials leave out, which is more than the error of the mean; infinite of degree 0. Of samples what
+    /// outcomes that they have not seen may add to the mean.
+    pub truncation: Option<f64>,
     /// At the probabilities of the scene; none of a sparse grid, whose answers are not a surrogate.
     pub quantiles: Option<Vec<f64>>,
     /// Of samples.
@@ -112,8 +120,17 @@ pub struct StochasticResult {
     pub fields: Vec<FieldModes>,
     /// The stochastic mesh.
     pub cells: Option<Cells>,
-    /// Estimated error of the truncation over the energy norm, both in mean square; none without a stochastic mesh.
+    /// Error of the truncation over the energy norm, both in mean square: estimated, or measured if that is more; none without a
+    /// stochastic mesh.
     pub truncation: Option<f64>,
+    /// That which fresh outcomes show.
+    pub truncation_measured: Option<f64>,
+    /// Whether outcomes have shown what the points do not, beyond the tolerance.
+    pub overlooked: bool,
+    /// Probability below which other contact, slip or data than those of the points cannot be excluded; none where nothing is left open.
+    pub unseen: Option<f64>,
+    /// Outcomes solved to look between the points.
+    pub checks: usize,
     /// Why no more outcomes were solved.
     pub end: End,
     /// Square of it for each germ.
@@ -134,6 +151,13 @@ pub struct StochasticResult {
 pub(crate) struct Watch<'a> {
     pub(crate) progress: &'a (dyn Fn(usize, usize) + Sync),
     pub(crate) stopped: &'a (dyn Fn() -> bool + Sync),
+}
+
+impl StochasticResult {
+    /// Whether the outcomes are in doubt: they show what the points do not, or may do so.
+    pub fn is_doubtful(&self) -> bool {
+        self.overlooked || self.unseen.is_some()
+    }
 }
 
 impl Watch<'_> {
@@ -202,9 +226,15 @@ pub fn solve_stochastic(
                 watch.tell(i + 1, grid.points.len());
                 outcomes.answer(&grid.points[i], &paths, warm)
             })?;
-            of_grid(grid.points, grid.weights, &answers, &paths)?
+            let mut result = of_grid(grid.points.clone(), grid.weights.clone(), &answers, &paths)?;
+            beside_grid(&mut result, (&grid, &answers), &outcomes, random, &paths, &watch)?;
+            result
         }
-        Sampling::MonteCarlo => of_samples(&outcomes, &variables, random, &paths, &watch)?,
+        Sampling::MonteCarlo => {
+            let mut result = of_samples(&outcomes, &variables, random, &paths, &watch)?;
+            beside_samples(&mut result, &outcomes, random, &paths, &watch)?;
+            result
+        }
     };
     result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
     result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
@@ -266,6 +296,7 @@ fn of_grid(
             mean,
             variance: if negative { f64::NAN } else { both.variance[0] },
             standard_error: None,
+            truncation: None,
             quantiles: None,
             density: None,
             effects: None,
@@ -296,6 +327,10 @@ fn of_grid(
         fields: Vec::new(),
         cells: None,
         truncation: None,
+        truncation_measured: None,
+        overlooked: false,
+        unseen: None,
+        checks: 0,
         end: End::Solved,
         truncation_by_germ: Vec::new(),
         coupled: false,
@@ -303,7 +338,7 @@ fn of_grid(
     })
 }
 
-fn touches(answer: &Answer, condition: usize) -> bool {
+pub(super) fn touches(answer: &Answer, condition: usize) -> bool {
     let largest = answer.pressure.iter().fold(0.0, |m: f64, p| m.max(*p));
     answer.pressure[condition] > TOUCHING * largest
 }
@@ -326,14 +361,14 @@ fn of_surrogate(
     paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<StochasticResult, SolveError> {
-    let Surrogate { mesh, cells, coupled, relative, end, solved } = surrogate;
+    let Surrogate { mesh, cells, coupled, told, end, solved } = surrogate;
     let points = cells.iter().flat_map(|c| c.basis.points.clone()).collect();
     let weights = cells.iter().flat_map(|c| c.basis.weights.clone()).collect();
     let answers: Vec<Answer> = cells.iter().flat_map(|c| c.answers.clone()).collect();
     let mut result = of_grid(points, weights, &answers, paths)?;
     let settings = &random.stochastic;
     let changes: Vec<Vec<Vec<f64>>> = {
-        let all = events(&answers);
+        let all = events(&answers.iter().collect::<Vec<_>>());
         let mut rest = all.into_iter();
         cells.iter().map(|c| rest.by_ref().take(c.answers.len()).collect()).collect()
     };
@@ -382,6 +417,7 @@ fn of_surrogate(
         })
         .collect();
     for (k, quantity) in result.quantities.iter_mut().enumerate() {
+        quantity.truncation = Some(told.quantities[k].sqrt());
         let values = &samples[k];
         quantity.quantiles = Some(quantiles(values, &equal, &settings.quantiles)?);
         quantity.density = density(values, &equal, BINS).ok(); // none of a constant
@@ -395,100 +431,21 @@ fn of_surrogate(
         });
     }
     let energy: f64 = result.weights.iter().zip(&answers).map(|(w, a)| w * 2.0 * a.strain).sum();
-    let by_germ = |d: usize| cells.iter().map(|c| c.errors[d].error).sum::<f64>();
+    let errors: Vec<_> = cells.iter().map(Cell::errors).collect();
+    let by_germ = |d: usize| errors.iter().map(|e| e[d].error).sum::<f64>();
     let part = |error: f64| if error == 0.0 { 0.0 } else { error / energy };
     result.truncation_by_germ = (0..variables.len()).map(|d| part(by_germ(d))).collect();
     result.probability = probability;
     let bound = |k: usize| mesh.cells.iter().map(|c| c.bounds.iter().map(|b| b[k]).collect()).collect();
     let degree = mesh.cells.iter().map(|c| c.degree.clone()).collect();
     result.cells = Some(Cells { low: bound(0), high: bound(1), degree });
-    result.truncation = Some(*relative);
+    result.truncation = Some(told.relative);
+    result.truncation_measured = Some(told.measured);
+    result.overlooked = told.relative > OVERLOOKED * told.by_nodes.max(settings.tolerance);
+    result.unseen = (told.undecided > UNDECIDED).then_some(told.undecided);
+    result.checks = told.checks;
     result.end = *end;
     result.coupled = *coupled;
     result.solved = *solved;
     Ok(result)
-}
-
-fn of_samples(
-    outcomes: &Outcomes<'_>,
-    variables: &[Variable],
-    random: &Random,
-    paths: &[String],
-    watch: &Watch<'_>,
-) -> Result<StochasticResult, SolveError> {
-    let settings = &random.stochastic;
-    let count = settings.samples;
-    // displacement, stress displacement, pressure, shear, touching, quantities
-    let mut sums: [Accumulator; 6] = Default::default();
-    let (mut points, mut young, mut values) = (Vec::new(), Vec::new(), vec![Vec::with_capacity(count); paths.len()]);
-    let (mut iterations, mut unconverged) = (0, 0);
-    for first in (0..count).step_by(BLOCK) {
-        let block = BLOCK.min(count - first);
-        let answers = solve_points(block, |i, warm: &mut Option<Solution>| {
-            watch.check()?;
-            let germs = sample(variables, settings.seed, (first + i) as u64);
-            let answer = outcomes.answer(&germs, paths, warm)?;
-            Ok::<_, SolveError>((germs, answer))
-        })?;
-        watch.tell(first + block, count);
-        for (germs, answer) in answers {
-            let touching: Vec<f64> =
-                (0..answer.pressure.len()).map(|i| f64::from(u8::from(touches(&answer, i)))).collect();
-            let parts = [
-                &answer.displacement,
-                &answer.stressed,
-                &answer.pressure,
-                &answer.shear,
-                &touching,
-                &answer.quantities,
-            ];
-            for (sum, part) in sums.iter_mut().zip(parts) {
-                sum.push(1.0, part)?;
-            }
-            points.push(germs);
-            young.push(answer.modulus);
-            values.iter_mut().zip(&answer.quantities).for_each(|(all, v)| all.push(*v));
-            iterations += answer.iterations;
-            unconverged += usize::from(!answer.converged);
-        }
-    }
-    let equal = vec![1.0; count];
-    let (both, errors) = (sums[5].moments(), sums[5].standard_errors());
-    let mut quantities = Vec::new();
-    for (k, values) in values.into_iter().enumerate() {
-        quantities.push(Quantity {
-            name: paths[k].clone(),
-            mean: both.mean[k],
-            variance: both.variance[k],
-            standard_error: Some(errors.mean[k]),
-            quantiles: Some(quantiles(&values, &equal, &settings.quantiles)?),
-            density: density(&values, &equal, BINS).ok(), // none of a constant
-            effects: None,
-            values,
-        });
-    }
-    Ok(StochasticResult {
-        labels: Vec::new(),
-        probabilities: Vec::new(),
-        weights: vec![1.0 / count as f64; count],
-        points,
-        young,
-        quantities,
-        displacement: sums[0].moments(),
-        stress_displacement: sums[1].moments().mean,
-        pressure: sums[2].moments(),
-        shear: sums[3].moments(),
-        probability: sums[4].moments().mean,
-        displacements: Vec::new(),
-        fields: Vec::new(),
-        cells: None,
-        truncation: None,
-        end: End::Solved,
-        truncation_by_germ: Vec::new(),
-        coupled: false,
-        solved: count,
-        iterations,
-        unconverged,
-        seconds: 0.0,
-    })
 }

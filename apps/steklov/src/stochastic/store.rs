@@ -43,6 +43,12 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
         save_dense(at, "displacements", matrix(&result.displacements).as_ref(), &meaning)?;
     }
     let counts = [result.solved, result.iterations, result.unconverged, usize::from(result.coupled)];
+    let checks = [result.checks, usize::from(result.overlooked)];
+    let meaning = "outcomes solved to look between the points, 1 if they show what the points do not";
+    save_integers(at, "checks", &checks, &label("1", meaning, &["what"]))?;
+    if let Some(unseen) = result.unseen {
+        save_number(at, "unseen", unseen, "1", "probability below which other data or contact cannot be excluded")?;
+    }
     let meaning = "points solved, iterations of the contact solver, points without convergence, 1 for coupled nodes";
     save_integers(at, "counts", &counts, &label("1", meaning, &["what"]))?;
     save_texts(at, "reason", &[result.end.word().to_owned()], "why no more outcomes were solved", "what")?;
@@ -50,6 +56,9 @@ pub fn write(at: &Group, result: &StochasticResult) -> Result<(), IoError> {
     if let (Some(cells), Some(truncation)) = (&result.cells, result.truncation) {
         let group = create_group(at, "mesh")?;
         save_number(&group, "truncation", truncation, "1", "estimated truncation over the energy norm, mean square")?;
+        if let Some(measured) = result.truncation_measured {
+            save_number(&group, "truncation_measured", measured, "1", "that of fresh outcomes")?;
+        }
         let by_germ = label("1", "its square, by germ", &["germ"]);
         save_vector(&group, "truncation_by_germ", &result.truncation_by_germ, &by_germ)?;
         let axes = &["cell", "germ"];
@@ -97,6 +106,9 @@ fn save_quantity(at: &Group, q: &Quantity) -> Result<(), IoError> {
     if let Some(error) = q.standard_error {
         save_number(at, "standard_error", error, "of the quantity", "standard error of the mean")?;
     }
+    if let Some(truncation) = q.truncation {
+        save_number(at, "truncation", truncation, "of the quantity", "what polynomials leave out, root mean square")?;
+    }
     if let Some(quantiles) = &q.quantiles {
         let meaning = label("of the quantity", "at the probabilities of the scene", &["probability"]);
         save_vector(at, "quantiles", quantiles, &meaning)?;
@@ -121,11 +133,16 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
     let &[solved, iterations, unconverged, coupled] = &counts[..] else {
         return Err(invalid(at, "counts", "it does not have 4 numbers"));
     };
+    let &[checks, overlooked] = &load_integers(at, "checks")?[..] else {
+        return Err(invalid(at, "checks", "it does not have 2 numbers"));
+    };
     let vectors = |group: &Group, name: &str| Ok::<_, IoError>(rows(&load_dense(group, name)?));
-    let (mut cells, mut truncation, mut truncation_by_germ) = (None, None, Vec::new());
+    let number = |group: &Group, name: &str| group.link_exists(name).then(|| load_number(group, name)).transpose();
+    let (mut cells, mut truncation, mut truncation_measured, mut truncation_by_germ) = (None, None, None, Vec::new());
     if at.link_exists("mesh") {
         let group = open_group(at, "mesh")?;
         truncation = Some(load_number(&group, "truncation")?);
+        truncation_measured = number(&group, "truncation_measured")?;
         truncation_by_germ = load_vector(&group, "truncation_by_germ")?;
         let degree = vectors(&group, "degree")?.iter().map(|d| d.iter().map(|q| *q as usize).collect()).collect();
         cells = Some(Cells { low: vectors(&group, "low")?, high: vectors(&group, "high")?, degree });
@@ -164,7 +181,11 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
         fields,
         cells,
         truncation,
+        truncation_measured,
         truncation_by_germ,
+        checks,
+        overlooked: overlooked != 0,
+        unseen: number(at, "unseen")?,
         coupled: coupled != 0,
         solved,
         iterations,
@@ -232,6 +253,7 @@ fn load_quantity(at: &Group, name: String) -> Result<Quantity, IoError> {
     Ok(Quantity {
         values: load_vector(at, "values")?,
         standard_error: at.link_exists("standard_error").then(|| load_number(at, "standard_error")).transpose()?,
+        truncation: at.link_exists("truncation").then(|| load_number(at, "truncation")).transpose()?,
         quantiles: optional("quantiles")?,
         effects: optional("effects")?,
         name,

@@ -26,12 +26,15 @@ pub fn tables(stored: &Stored) -> Vec<(&'static str, String)> {
 fn quantities(result: &StochasticResult) -> String {
     let mut text = String::from("name,mean,variance,standard_error");
     result.probabilities.iter().for_each(|p| text += &format!(",quantile_{p}"));
+    text += ",truncation";
+    let optional = |error: Option<f64>| error.map_or(String::new(), |e| format!("{e:?}"));
     for q in &result.quantities {
-        let error = q.standard_error.map_or(String::new(), |e| format!("{e:?}"));
+        let error = optional(q.standard_error);
         let _ = write!(text, "\n{},{:?},{:?},{error}", quoted(&q.name), q.mean, q.variance);
         for k in 0..result.probabilities.len() {
             text += &q.quantiles.as_ref().map_or(",".to_owned(), |values| format!(",{:?}", values[k]));
         }
+        let _ = write!(text, ",{}", optional(q.truncation));
     }
     text + "\n"
 }
@@ -88,8 +91,12 @@ pub fn lines(stored: &Stored) -> Vec<String> {
     if let Some(truncation) = result.truncation {
         let _ = write!(head, ", truncation {truncation:.1e} estimated, relative");
     }
+    if let Some(measured) = result.truncation_measured {
+        let _ = write!(head, ", {measured:.1e} measured by {}", count(result.checks, "outcome"));
+    }
     let mut lines = vec![head];
     lines.extend(shortfall(result).map(|text| format!("            {text}")));
+    lines.extend(overlooked(result).map(|text| format!("            {text}")));
     if result.unconverged > 0 {
         lines.push(format!("            {} NOT CONVERGED", count(result.unconverged, "point")));
     }
@@ -105,6 +112,9 @@ pub fn lines(stored: &Stored) -> Vec<String> {
         };
         if let Some(error) = q.standard_error {
             let _ = write!(line, ", standard error of the mean {error:.1e}");
+        }
+        if let Some(truncation) = q.truncation {
+            let _ = write!(line, ", truncation {truncation:.1e}");
         }
         for (k, (p, value)) in result.probabilities.iter().zip(q.quantiles.iter().flatten()).enumerate() {
             let _ = write!(line, "{} {} % {value:.6e}", if k == 0 { "; quantiles" } else { "," }, percent(*p));
@@ -128,6 +138,21 @@ pub(crate) fn shortfall(result: &StochasticResult) -> Option<String> {
     };
     let truncation = result.truncation.unwrap_or(f64::NAN);
     Some(format!("stochastic tolerance NOT REACHED: truncation {truncation:.1e} after {}: {help}", result.end.word()))
+}
+
+/// What is told where outcomes show what the points do not, or may do so.
+pub(crate) fn overlooked(result: &StochasticResult) -> Option<String> {
+    const HELP: &str = "refine = \"adaptive\", a higher degree, more elements or samples";
+    match result.unseen {
+        _ if result.overlooked => {
+            Some(format!("outcomes NOT RESOLVED: contact, slip or data change where no point is: {HELP}"))
+        }
+        Some(unseen) => Some(format!(
+            "outcomes NOT RESOLVED: other contact or data in less than {:.1e} % of them cannot be excluded: {HELP}",
+            100.0 * unseen
+        )),
+        None => None,
+    }
 }
 
 /// A probability in per cent, without the digits of rounding.

@@ -139,6 +139,11 @@ impl Running {
         assert!(kill.success());
     }
 
+    /// Waits until it has ended, however it does.
+    pub fn wait(mut self) {
+        self.0.wait().unwrap();
+    }
+
     pub fn end(self) -> Ran {
         Ran::new(self.0.wait_with_output().unwrap())
     }

@@ -7,9 +7,9 @@ use crate::proptest::{Friction, mixed, ordinary};
 use crate::{ContactNode, Outcome, Problem, Solution, Start, active_set, interior_point, kkt, newton, uzawa};
 
 /// The three answers; each must have converged and pass the judge. Uzawa's iteration may reach its limit at a corner,
-/// whose two normals and two tangents are dependent, and is left out then.
+/// whose two normals and two tangents are dependent, and where normal and tangent share one unknown; it is left out then.
 fn all(problem: &Problem) -> Vec<Solution> {
-    let corners = problem.nodes.iter().any(|n| n.conditions.len() > 1);
+    let corners = problem.nodes.iter().any(|n| n.conditions.len() > 1 || n.unknowns == 1);
     let mut answers =
         vec![active_set(problem, None).unwrap(), newton(problem, None).unwrap(), uzawa(problem, None, None).unwrap()];
     if corners && answers[2].outcome == Outcome::IterationLimit {

@@ -6,7 +6,7 @@ use steklov_bem_operators::{Mark, Piece, Subdivision};
 
 use super::rows::Row;
 use crate::TipKind::{ContactEnd, SlipReversal, StickEnd};
-use crate::{Located, Solution, Solved, Tip, TipKind, active_set, relocate};
+use crate::{Located, Obstacle, Solution, Solved, Tip, TipKind, active_set, relocate};
 use crate::{Sets, transitions};
 
 /// Degree of all pieces.
@@ -46,7 +46,7 @@ fn step(
 ) -> Vec<Located> {
     let lines = [row.line.clone()];
     let solved = Solved { problem: &row.problem, solution, sets, lines: &lines };
-    relocate(tips, mesh, solved, &[singular.to_vec()]).unwrap()
+    relocate(tips, mesh, solved, &[singular.to_vec()], &[Obstacle::default()]).unwrap()
 }
 
 /// A contact or stick end at `a`: λ_n or F - |λ_t| is 6 k (a - s)^½, the gap or slip (s - a)^(3/2), mirrored where the

@@ -5,7 +5,7 @@ use proptest::prelude::*;
 
 use super::rows::Row;
 use crate::TipKind::{ContactEnd, SlipReversal, StickEnd};
-use crate::{TipFit, TipKind, Transition, first_guess, tip_fit, transitions};
+use crate::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
 
 fn numbered(states: &[(bool, i8)]) -> Row {
     Row::new(&(0..states.len()).map(|i| i as f64).collect::<Vec<_>>(), 0.3, 0.7)
@@ -160,7 +160,9 @@ impl Vertex {
     }
 
     fn fit(&self, row: &Row, states: &[(bool, i8)], singular: &[f64]) -> Option<TipFit> {
-        tip_fit(&row.line, self.kind, self.regular, self.s, singular, &row.problem, &row.sets(states)).unwrap()
+        let Self { s, kind, regular, .. } = *self;
+        let vertex = TipVertex { line: &row.line, kind, regular, s, singular: singular.to_vec() };
+        tip_fits(&[vertex], &row.problem, &row.sets(states)).unwrap()[0]
     }
 
     /// From the sets of the vertex itself, the ends 0 and 1 of the edge being the singular points.

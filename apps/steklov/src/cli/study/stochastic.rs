@@ -31,7 +31,7 @@ pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {
         }
         Ok(())
     });
-    let chance = chance(&scene, random, &last.map_err(failed)?, &stop, tell).map_err(failed)?;
+    let chance = chance(&scene, random, &mut last.map_err(failed)?, &stop, tell).map_err(failed)?;
     let space = space(&scene, random, &stop, tell).map_err(failed)?;
     let solvers = solvers(&scene, random, &stop, tell).map_err(failed)?;
     watch.show("files", "");

@@ -145,16 +145,21 @@ impl Chance {
 pub fn chance(
     scene: &Scene,
     random: &Random,
-    run: &Run,
+    run: &mut Run,
     interrupts: &AtomicUsize,
     tell: &mut dyn FnMut(&str, &str),
 ) -> Result<Chance, SolveError> {
     let step = run.step();
+    let deterministic = step.seconds[..4].iter().sum();
     let estimate = step.estimate.as_ref().map_or(f64::NAN, |e| e.relative);
     let mut chance = Chance { dofs: step.dofs, estimate, ..Chance::default() };
+    let body = match run.matrices(scene) {
+        Err(SolveError::Interrupted) => return Ok(chance),
+        body => body?,
+    };
     let solve = |settings: &Stochastic| {
         let random = with(random, settings.clone());
-        solve_stochastic(scene, &random, &run.body, &|_, _| {}, &|| interrupts.load(Ordering::Relaxed) > 0)
+        solve_stochastic(scene, &random, body, &|_, _| {}, &|| interrupts.load(Ordering::Relaxed) > 0)
     };
     match judge(random, &solve, &mut chance, tell) {
         Err(SolveError::Interrupted) => return Ok(chance),
@@ -165,7 +170,6 @@ pub fn chance(
     tell("outcomes", "by the scene's own rule");
     match solve(&named(&random.stochastic)) {
         Ok(r) => {
-            let deterministic = step.seconds[..4].iter().sum();
             let StochasticResult { solved: solves, iterations, unconverged, seconds, .. } = r;
             chance.cost = Some(Cost { solves, iterations, unconverged, seconds, deterministic });
         }

@@ -103,12 +103,13 @@ pub fn solvers(
         }
         let dofs = progress.next.dofs();
         tell("contact solvers", &format!("{dofs} dofs"));
-        let body = match run(&scene, progress, interrupts, &mut |_, _| Ok(())) {
+        let mut run = match run(&scene, progress, interrupts, &mut |_, _| Ok(())) {
             Err(SolveError::Interrupted) => break,
-            run => run?.body,
+            run => run?,
         };
+        let body = run.matrices(&scene)?;
         let elements = body.mesh.len();
-        let outcomes = Outcomes::new(&scene, random, &body)?;
+        let outcomes = Outcomes::new(&scene, random, body)?;
         let (outcome, _, given) = outcomes.given(&random.nominal())?;
         let (_, factors) = outcomes.solved(&outcome, given, &mut None)?;
         let Some(contact) = factors.contact else { break };

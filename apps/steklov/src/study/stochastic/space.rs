@@ -165,7 +165,7 @@ fn meshes(
     let (max_dofs, max_steps) = (scene.method.max_dofs, scene.method.max_steps);
     loop {
         scene.method.max_steps = progress.steps.len() + 1;
-        let run = run(&scene, progress, interrupts, &mut |step, stage| {
+        let mut run = run(&scene, progress, interrupts, &mut |step, stage| {
             if let Stage::Progress(part, _) = stage {
                 tell(&format!("step {}, {part}", step + 1));
             }
@@ -173,7 +173,7 @@ fn meshes(
         })?;
         for (curve, settings) in curves {
             tell(&format!("step {}, outcomes", run.progress.steps.len()));
-            points.push(point(&scene, random, &run, *curve, settings, interrupts)?);
+            points.push(point(&scene, random, &mut run, *curve, settings, interrupts)?);
         }
         let next = run.progress.next.dofs();
         let degree = run.step().mesh.degree.iter().copied().max().unwrap_or(0);
@@ -190,7 +190,7 @@ fn meshes(
 fn point(
     scene: &Scene,
     random: &Random,
-    run: &Run,
+    run: &mut Run,
     curve: usize,
     settings: &Stochastic,
     interrupts: &AtomicUsize,
@@ -198,7 +198,7 @@ fn point(
     let quantities = Some(PATHS.map(String::from).to_vec());
     let random = with(random, Stochastic { quantities, ..settings.clone() });
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-    let result = solve_stochastic(scene, &random, &run.body, &|_, _| {}, &stopped)?;
+    let result = solve_stochastic(scene, &random, run.matrices(scene)?, &|_, _| {}, &stopped)?;
     let step = run.step();
     Ok(Point {
         curve,

@@ -1,0 +1,152 @@
+//! All values of an expression along a path, known within bounds: what no point has looked at is enclosed.
+
+use super::Expression;
+use super::interval::Interval;
+use super::range::{enclose, leaves};
+
+/// A stretch of a path and what the expression is there.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Piece {
+    /// First and last t.
+    pub ends: [f64; 2],
+    /// Holds all values.
+    pub value: Interval,
+    /// Largest difference of the values at its ends and its middle.
+    pub change: f64,
+    /// Whether the values at ends and middle tell them.
+    pub known: bool,
+    /// Whether a kink or a jump lies in it, or at its ends.
+    pub kink: bool,
+}
+
+/// The pieces of a path, one after the other.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Survey {
+    /// In the order of t.
+    pub pieces: Vec<Piece>,
+    /// Holds the values at the ends and middles of all pieces.
+    pub sampled: Interval,
+    /// The ends of all pieces and the values there.
+    pub samples: Vec<(f64, f64)>,
+}
+
+/// Values that rules may be off by where they are looked at, as part of the largest one that was met.
+const SMALL: f64 = 1e-3;
+/// Widths of what is sampled that an enclosure may have.
+const WIDER: f64 = 2.0;
+/// Pieces of a path at most.
+const MOST_PIECES: usize = 20_000;
+/// A piece is not halved below this part of the path.
+const SHORTEST: f64 = 1e-12;
+/// Nor below this one where a kink lies in it.
+const SHORTEST_AT_KINK: f64 = 1e-6;
+
+impl Survey {
+    /// Halves [a, b] until the values at both ends and the middle of every piece tell all of its values: to twice their
+    /// width, or to 1e-3 of the largest value that was met, or a kink lies in a piece of 1e-6. `kinks` has these, rising.
+    pub fn new(
+        expression: &Expression,
+        path: &dyn Fn(f64) -> (f64, f64, f64),
+        [a, b]: [f64; 2],
+        kinks: &[f64],
+    ) -> Self {
+        let value = |t: f64| {
+            let (x, y, s) = path(t);
+            expression.eval(x, y, s)
+        };
+        let mut survey = Self { pieces: Vec::new(), sampled: Interval::ANY, samples: vec![(a, value(a))] };
+        let mut met: Option<Interval> = None;
+        let mut stack = vec![[(a, value(a)), (b, value(b))]];
+        let mut looked = 0;
+        while let Some([a, b]) = stack.pop() {
+            looked += 1;
+            let m = a.0 + (b.0 - a.0) / 2.0;
+            let middle = (m, value(m));
+            let mut seen: Option<Interval> = None;
+            for v in [a.1, middle.1, b.1].into_iter().filter(|v| v.is_finite()) {
+                let point = Interval::point(v);
+                seen = Some(seen.map_or(point, |seen| seen.hull(point)));
+                met = Some(met.map_or(point, |met| met.hull(point)));
+            }
+            let enclosed = enclose([a.0, b.0], &|p, q| expression.range(&leaves(path, p, q)));
+            let width = enclosed.value.width();
+            let known = seen.zip(met).is_some_and(|(seen, met)| {
+                enclosed.monotone || width <= WIDER * seen.width() || width <= SMALL * met.magnitude()
+            });
+            let first = kinks.partition_point(|k| *k < a.0);
+            let kink = kinks.get(first).is_some_and(|k| *k <= b.0);
+            let shortest = b.0 - a.0 < if kink { SHORTEST_AT_KINK } else { SHORTEST } || m <= a.0 || m >= b.0;
+            if known || shortest || looked > MOST_PIECES {
+                // a jump between two neighbouring numbers is what both ends say
+                let value = if shortest && !enclosed.value.is_bounded() {
+                    seen.unwrap_or(Interval::ANY)
+                } else {
+                    enclosed.value
+                };
+                survey.samples.extend([middle, b].into_iter().filter(|p| p.1.is_finite()));
+                survey.pieces.push(Piece {
+                    ends: [a.0, b.0],
+                    value,
+                    change: seen.map_or(0.0, Interval::width),
+                    known: known || shortest,
+                    kink,
+                });
+            } else {
+                stack.extend([[middle, b], [a, middle]]);
+            }
+        }
+        survey.sampled = met.unwrap_or(Interval::ANY);
+        survey
+    }
+
+    /// Whether every piece is known.
+    pub fn is_complete(&self) -> bool {
+        self.pieces.iter().all(|p| p.known)
+    }
+
+    /// The ends inside of (a, b) of pieces that are narrow: shorter than `shortest`, with values that change by more than `part`
+    /// of the largest, kinks apart.
+    pub fn narrow(&self, [a, b]: [f64; 2], shortest: f64, part: f64) -> Vec<f64> {
+        let least = part * self.sampled.magnitude();
+        let mut ends = Vec::new();
+        for piece in &self.pieces {
+            let [from, to] = piece.ends;
+            if to - from < shortest && !piece.kink && piece.change > least {
+                ends.extend([from, to].into_iter().filter(|t| a < *t && *t < b));
+            }
+        }
+        ends.sort_by(f64::total_cmp);
+        ends.dedup();
+        ends
+    }
+
+    /// Where the values turn: a maximum, or a minimum, of which the values before and behind it differ by more than a thousandth
+    /// of the range that was met.
+    pub fn turns(&self) -> Vec<Turn> {
+        let least = SMALL * self.sampled.width();
+        let mut turns = Vec::new();
+        let Some(&first) = self.samples.first() else { return turns };
+        let (mut highest, mut lowest, mut rising) = (first, first, None);
+        for &sample in &self.samples {
+            highest = if sample.1 > highest.1 { sample } else { highest };
+            lowest = if sample.1 < lowest.1 { sample } else { lowest };
+            if rising != Some(false) && sample.1 < highest.1 - least {
+                turns.extend(rising.map(|_| Turn { at: highest.0, maximum: true }));
+                (lowest, rising) = (sample, Some(false));
+            } else if rising != Some(true) && sample.1 > lowest.1 + least {
+                turns.extend(rising.map(|_| Turn { at: lowest.0, maximum: false }));
+                (highest, rising) = (sample, Some(true));
+            }
+        }
+        turns
+    }
+}
+
+/// A place where values turn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Turn {
+    /// Where.
+    pub at: f64,
+    /// Whether they are largest there, not smallest.
+    pub maximum: bool,
+}

@@ -1,0 +1,151 @@
+//! Data of a scene as functions of its germs, enclosed over boxes of them.
+
+use super::Scene;
+use super::check::data;
+use super::random::{Random, RandomName};
+use super::tree::Value;
+use crate::expression::{Enclosure, Expression, Interval, Leaves, Switch};
+
+/// Boxes of one germ that are looked at for the zeros of a switch.
+const BOXES: usize = 10_000;
+/// Most cuts of a germ: more of them are left to refinement.
+const CUTS: usize = 16;
+/// Probability on either side of a cut that is worth one.
+const RARE: f64 = 1e-12;
+
+/// What tells of the data for an outcome: the values of an expression, or of one of its switches.
+#[derive(Debug, Clone)]
+pub(crate) struct Signal {
+    expression: Expression,
+    switch: Option<Switch>,
+    /// Germs that it depends on.
+    pub(crate) germs: Vec<usize>,
+    /// Start and end of the edges along which it acts; one of length 0 if it is the same at all places.
+    pub(crate) paths: Vec<[[f64; 2]; 2]>,
+}
+
+impl Signal {
+    /// Whether it is a switch: the data have a kink or a jump where it is 0.
+    pub(crate) fn is_switch(&self) -> bool {
+        self.switch.is_some()
+    }
+
+    /// Holds all values for germs in a box along a part of a path, from 0 to 1.
+    pub(crate) fn range(&self, random: &Random, germs: &[[f64; 2]], path: usize, part: [f64; 2]) -> Interval {
+        let [start, end] = self.paths[path];
+        let coordinate = |i: usize| {
+            let [a, b] = part.map(|t| start[i] + t * (end[i] - start[i]));
+            Enclosure::fixed(Interval::new(a.min(b), a.max(b)))
+        };
+        let (x, y) = (coordinate(0), coordinate(1));
+        let name = |name: &RandomName| match name {
+            RandomName::Variable { germ, .. } => {
+                let [a, b] = germs[*germ].map(|xi| random.germs[*germ].variable.value(xi));
+                Enclosure::fixed(Interval::new(a, b))
+            }
+            RandomName::Field { field, first } => field.range(&germs[*first..*first + field.expansion.len()], x, y),
+        };
+        let names: Vec<Enclosure> = random.names.iter().map(name).collect();
+        let s = Enclosure::fixed(Interval::new(part[0], part[1]));
+        let leaves = Leaves { x, y, s, names: &names };
+        match &self.switch {
+            Some(switch) => self.expression.switch_range(switch, &leaves).value,
+            None => self.expression.range(&leaves).value,
+        }
+    }
+}
+
+impl Scene {
+    /// The signals of all data that depend on germs.
+    pub(crate) fn signals(&self, random: &Random) -> Vec<Signal> {
+        let names: Vec<String> = random.names.iter().map(|n| n.name().to_owned()).collect();
+        let free = |text: &str| {
+            let read = Expression::with_free_names(text, &self.parameters, &Default::default(), &names).ok()?;
+            (!read.free_names(None).is_empty()).then_some(read)
+        };
+        let nowhere = vec![[[0.0; 2]; 2]];
+        let mut all: Vec<(Expression, Vec<[[f64; 2]; 2]>)> = Vec::new();
+        if let Some(Value::Text(text)) = random.root.at(&["material", "young"]).map(|item| &item.value) {
+            all.extend(free(text).map(|e| (e, nowhere.clone())));
+        }
+        let forces = self.body_force.iter().flatten();
+        all.extend(forces.filter_map(|e| free(e.text())).map(|e| (e, nowhere.clone())));
+        for (index, side) in self.sides.iter().enumerate() {
+            let edges = self.polygon.edges().iter().filter(|e| e.side == index);
+            let paths: Vec<[[f64; 2]; 2]> = edges.map(|e| [e.point(0.0), e.point(1.0)]).collect();
+            let read = data(side).into_iter().filter_map(|(_, e)| free(e.text()));
+            all.extend(read.map(|e| (e, paths.clone())));
+        }
+        let germs_of = |name: &RandomName| match name {
+            RandomName::Variable { germ, .. } => *germ..*germ + 1,
+            RandomName::Field { field, first } => *first..*first + field.expansion.len(),
+        };
+        let mut signals = Vec::new();
+        for (expression, paths) in all {
+            let switches = expression.switches().to_vec();
+            for switch in switches.into_iter().map(Some).chain([None]) {
+                let germs: Vec<usize> = expression
+                    .free_names(switch.as_ref())
+                    .into_iter()
+                    .flat_map(|name| germs_of(&random.names[name]))
+                    .collect();
+                let fields = random.fields().any(|(_, first)| germs.contains(&first));
+                let paths =
+                    if fields || expression.uses_place(switch.as_ref()) { paths.clone() } else { nowhere.clone() };
+                if !germs.is_empty() {
+                    signals.push(Signal { expression: expression.clone(), switch, germs, paths });
+                }
+            }
+        }
+        signals
+    }
+
+    /// Where data have kinks or jumps in one germ, whatever the others and the place: rising, for each germ.
+    pub(super) fn cuts(&self, random: &Random) -> Vec<Vec<f64>> {
+        let mut cuts = vec![Vec::new(); random.germs.len()];
+        for signal in self.signals(random).iter().filter(|s| s.is_switch()) {
+            if let ([germ], true) = (&signal.germs[..], signal.paths.iter().all(|[a, b]| a == b)) {
+                cuts[*germ].extend(zeros(random, signal, *germ));
+            }
+        }
+        for (germ, cuts) in cuts.iter_mut().enumerate() {
+            let variable = &random.germs[germ].variable;
+            let [low, high] = variable.germ_support();
+            cuts.retain(|&c| variable.probability([low, c]) > RARE && variable.probability([c, high]) > RARE);
+            cuts.sort_by(f64::total_cmp);
+            cuts.dedup_by(|b, a| variable.probability([*a, *b]) < RARE);
+            if cuts.len() > CUTS {
+                cuts.clear();
+            }
+        }
+        cuts
+    }
+}
+
+/// Germs at which a switch of one germ is 0; none if they are too many to be told apart.
+fn zeros(random: &Random, signal: &Signal, germ: usize) -> Vec<f64> {
+    let variable = &random.germs[germ].variable;
+    let mut all: Vec<[f64; 2]> = random.nominal().iter().map(|&xi| [xi, xi]).collect();
+    let mut boxes = vec![[variable.quantile(RARE), variable.quantile(1.0 - RARE)]];
+    let (mut zeros, mut looked) = (Vec::<[f64; 2]>::new(), 0);
+    while let Some([a, b]) = boxes.pop() {
+        looked += 1;
+        if looked > BOXES {
+            return Vec::new();
+        }
+        all[germ] = [a, b];
+        if !signal.range(random, &all, 0, [0.0, 0.0]).contains(0.0) {
+            continue;
+        }
+        let middle = a + 0.5 * (b - a);
+        if b - a > 1e-14 * a.abs().max(b.abs()) && a < middle && middle < b {
+            boxes.extend([[middle, b], [a, middle]]);
+        } else {
+            match zeros.last_mut() {
+                Some(last) if last[1] == a => last[1] = b,
+                _ => zeros.push([a, b]),
+            }
+        }
+    }
+    zeros.into_iter().map(|[a, b]| a + 0.5 * (b - a)).collect()
+}

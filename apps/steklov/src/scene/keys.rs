@@ -1,0 +1,145 @@
+//! The keys of the tables of a scene, where a key belongs that stands at a wrong place, and overrides without effect.
+
+use super::error::{Problem, SceneErrorKind as Kind};
+use super::tree::{Entry, Item, Value, suggestion};
+use super::{Scene, SceneError};
+use crate::expression::nearest;
+
+pub(super) const SCENE: [&str; 13] = [
+    "title",
+    "body",
+    "material",
+    "parameters",
+    "sides",
+    "body_force",
+    "probe",
+    "method",
+    "expect",
+    "random",
+    "stochastic",
+    "grid",
+    "exterior",
+];
+pub(super) const BODY: [&str; 3] = ["corners", "sides", "holes"];
+pub(super) const MATERIAL: [&str; 4] = ["young", "poisson", "plane", "cells"];
+pub(super) const CELLS: [&str; 2] = ["size", "young"];
+pub(super) const SIDE: [&str; 4] = ["contact", "displacement", "pressure", "traction"];
+pub(super) const CONTACT: [&str; 2] = ["gap", "friction"];
+pub(super) const FRICTION: [&str; 2] = ["tresca", "coulomb"];
+pub(super) const BODY_FORCE: [&str; 1] = ["value"];
+pub(super) const PROBE: [&str; 1] = ["points"];
+pub(super) const METHOD: [&str; 15] = [
+    "model",
+    "tolerance",
+    "refine",
+    "elements",
+    "degree",
+    "max_dofs",
+    "max_steps",
+    "indicator",
+    "marking",
+    "smoothness",
+    "multiplier",
+    "gamma",
+    "multiplier_mesh",
+    "multiplier_degree",
+    "solver",
+];
+pub(super) const STOCHASTIC: [&str; 11] = [
+    "method",
+    "degree",
+    "elements",
+    "level",
+    "refine",
+    "tolerance",
+    "max_nodes",
+    "samples",
+    "seed",
+    "quantiles",
+    "quantities",
+];
+pub(super) const GRID: [&str; 4] = ["coarse", "fine", "basis", "oversample"];
+pub(super) const EXTERIOR: [&str; 8] =
+    ["young", "poisson", "plane", "displacement_jump", "traction_jump", "stress_jump", "remote_stress", "at_infinity"];
+
+/// The tables whose keys are fixed, the likelier ones first.
+const TABLES: [(&str, &[&str]); 12] = [
+    ("method", &METHOD),
+    ("material", &MATERIAL),
+    ("body", &BODY),
+    ("sides.NAME", &SIDE),
+    ("sides.NAME.contact", &CONTACT),
+    ("sides.NAME.contact.friction", &FRICTION),
+    ("body_force", &BODY_FORCE),
+    ("probe", &PROBE),
+    ("grid", &GRID),
+    ("material.cells", &CELLS),
+    ("stochastic", &STOCHASTIC),
+    ("exterior", &EXTERIOR),
+];
+
+/// Help for a key that is unknown in a table with these entries and known keys: where such a key belongs, or the nearest one.
+pub(super) fn help(key: &str, known: &[&str], entries: &[Entry]) -> String {
+    let near = || nearest(key, known.iter().copied());
+    let elsewhere = || nearest(key, TABLES.iter().flat_map(|(_, keys)| keys.iter().copied()));
+    match homes(key, entries).or_else(|| if near().is_none() { homes(elsewhere()?, entries) } else { None }) {
+        Some(homes) => format!("did you mean {homes}?"),
+        None => suggestion(key, known.iter().copied()),
+    }
+}
+
+/// The full names that end in `key`: those of tables among the entries, and of `[method]`, if there are any.
+fn homes(key: &str, entries: &[Entry]) -> Option<String> {
+    let table = |name: &str| entries.iter().find(|e| e.key == name).map(|e| &e.item);
+    let mut homes = Vec::new();
+    for name in ["parameters", "random"] {
+        if table(name).is_some_and(|names| names.at(&[key]).is_some()) {
+            homes.push(format!("{name}.{key}"));
+        }
+    }
+    let is_side = |item: &Item| matches!(&item.value, Value::Text(name) if name == key);
+    if let Some(Value::Array(sides)) = table("body").and_then(|body| body.at(&["sides"])).map(|sides| &sides.value)
+        && sides.iter().any(is_side)
+    {
+        homes.push(format!("sides.{key}"));
+    }
+    let with_key = || TABLES.iter().filter(|(_, keys)| keys.contains(&key)).map(|(name, _)| *name);
+    let is_there = |name: &&str| {
+        let path: Vec<&str> = name.split('.').take_while(|key| *key != "NAME").collect();
+        *name == "method" || table(path[0]).is_some_and(|first| first.at(&path[1..]).is_some())
+    };
+    let there: Vec<&str> = with_key().filter(is_there).collect();
+    let named = if there.is_empty() && homes.is_empty() { with_key().collect() } else { there };
+    homes.extend(named.iter().map(|name| format!("{name}.{key}")));
+    (!homes.is_empty()).then(|| homes.join(" or "))
+}
+
+impl Scene {
+    /// Overrides of names that nothing uses, and of `[stochastic]` without random input, change nothing: they are refused.
+    pub(super) fn check_overrides(&self, root: &Item) -> Result<(), SceneError> {
+        let Value::Table(tables) = &root.value else { return Ok(()) };
+        for table in tables {
+            let names = match (&table.item.value, table.key.as_str()) {
+                (Value::Table(names), "parameters" | "random") => names,
+                (_, "stochastic") if table.key_place.source > 0 && self.random.is_none() => {
+                    let message = "[stochastic] has no effect: nothing in the scene is random";
+                    let help = "use a name of [random] in an expression, or leave out this override";
+                    return Err(self.source.error(Problem::new(Kind::UnusedKey, table.key_place, message, help)));
+                }
+                _ => continue,
+            };
+            let is_unused = |entry: &&Entry| self.unused.contains(&entry.key);
+            if let Some(entry) = names.iter().filter(is_unused).find(|entry| entry.key_place.source > 0) {
+                let used = names.iter().filter(|entry| !is_unused(entry)).map(|entry| entry.key.as_str());
+                let message = format!("{}.{} has no effect: no expression uses {}", table.key, entry.key, entry.key);
+                let help = match (nearest(&entry.key, used.clone()), used.clone().next()) {
+                    (Some(near), _) => format!("did you mean {}.{near}?", table.key),
+                    (None, Some(_)) => format!("used are {}", used.collect::<Vec<_>>().join(", ")),
+                    (None, None) => "set the key itself whose value is to change".to_owned(),
+                };
+                return Err(self.source.error(Problem::new(Kind::UnusedKey, entry.key_place, message, help)));
+            }
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,39 @@
+//! Half-written files of runs that were killed: locked by the program that writes them, so that an unlocked one is nobody's.
+
+use std::fs::{self, File};
+use std::os::unix::fs::MetadataExt;
+use std::path::Path;
+
+/// Suffix of half-written files.
+pub(crate) const SUFFIX: &str = ".part";
+/// Letters and digits between prefix and suffix.
+pub(crate) const RANDOM: usize = 6;
+
+/// Locks a file that this program has just made, and says whether it is still there: another program may have taken it for
+/// abandoned before it was locked. Where the file system has no locks nothing is ever taken for abandoned.
+pub(crate) fn hold(made: &File) -> bool {
+    use std::fs::TryLockError::WouldBlock;
+    !matches!(made.try_lock(), Err(WouldBlock)) && made.metadata().map_or(true, |made| made.nlink() > 0)
+}
+
+/// Removes half-written files of this name that no program holds and that belong to the user of `own`; whatever cannot be
+/// looked at or removed stays.
+pub(crate) fn remove(folder: &Path, prefix: &str, own: &File) {
+    let (Ok(own), Ok(entries)) = (own.metadata(), fs::read_dir(folder)) else { return };
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let random = name.to_str().and_then(|name| name.strip_prefix(prefix)?.strip_suffix(SUFFIX));
+        let is_ours = random.is_some_and(|r| r.len() == RANDOM && r.bytes().all(|b| b.is_ascii_alphanumeric()));
+        let path = entry.path();
+        // links are not followed, and a pipe is not opened
+        let same_user = |found: fs::Metadata| found.is_file() && found.uid() == own.uid() && found.ino() != own.ino();
+        if !is_ours || !path.symlink_metadata().is_ok_and(same_user) {
+            continue;
+        }
+        if let Ok(left) = File::open(&path)
+            && left.try_lock().is_ok()
+        {
+            let _ = fs::remove_file(&path);
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! Data far narrower than any element of a first mesh: each scene beside itself with corners of the body where its data are
+//! narrow, so that the first mesh has vertices there.
+
+use std::fmt::Write;
+
+use steklov::run::{Reason, Run};
+use steklov_tests::{Random, adapt, parse};
+
+/// Seed of all places.
+const SEED: u64 = 20_261;
+
+/// A datum of the floor of a unit square, in words of its bump Σ exp(-((x-x0)/w)²).
+#[derive(Debug, Clone, Copy)]
+enum Datum {
+    Gap,
+    Bound,
+    Load,
+    Displacement,
+}
+
+/// The scene, with corners about each bump if they are to be `shown`.
+fn scene(datum: Datum, width: f64, places: &[f64], shown: bool) -> String {
+    let mut corners = vec![0.0];
+    if shown {
+        corners.extend(places.iter().flat_map(|x| [x - 4.0 * width, *x, x + 4.0 * width]));
+        corners.retain(|x| (0.0..0.999).contains(x));
+        corners.sort_by(f64::total_cmp);
+        corners.dedup_by(|b, a| *b - *a < 1e-9);
+    }
+    let mut bump = String::new();
+    places.iter().for_each(|x| write!(bump, "+exp(-((x-({x}))/{width})^2)").unwrap());
+    let floor: String = corners.iter().map(|x| format!("[{x:?},0.0],")).collect();
+    let sides = "\"floor\",".repeat(corners.len());
+    let part = 1.0 / (width * places.len() as f64 * std::f64::consts::PI.sqrt());
+    let held = "sides.top.displacement = [\"0\",\"0\"]\nsides.left.pressure = 0.1\n";
+    let data = match datum {
+        Datum::Gap => format!("{held}sides.floor.contact = {{ gap = \"0.01-0.02*({bump})\" }}\n"),
+        Datum::Bound => format!(
+            "sides.top.traction = [\"0.3\",\"-1\"]\n\
+             sides.floor.contact = {{ gap = \"0\", friction = {{ tresca = \"{}*({bump})\" }} }}\n",
+            1.77 * part
+        ),
+        Datum::Load => format!("{held}sides.floor.traction = [\"0\",\"{}*({bump})\"]\n", 0.2 * part),
+        Datum::Displacement => format!("{held}sides.floor.displacement = [\"0\",\"0.002*({bump})\"]\n"),
+    };
+    format!(
+        "body.corners = [{floor}[1.0,0.0],[1.0,1.0],[0.0,1.0]]\nbody.sides = [{sides}\"right\",\"top\",\"left\"]\n\
+         material = {{ young = 100.0, poisson = 0.3 }}\n{data}"
+    )
+}
+
+fn solved(text: &str, tolerance: &str) -> Run {
+    let scene = parse(text, &[&format!("method.tolerance={tolerance}")]).unwrap_or_else(|e| panic!("{text}\n{e}"));
+    adapt(&scene).unwrap_or_else(|e| panic!("{text}\n{e}"))
+}
+
+/// J and the strain energy of both, and whether the first is said to be right.
+fn compared(datum: Datum, width: f64, places: &[f64]) -> (f64, f64, f64, bool) {
+    let plain = solved(&scene(datum, width, places, false), "1e-3");
+    let shown = solved(&scene(datum, width, places, true), "3e-4");
+    assert!(matches!(shown.reason, Reason::Tolerance), "{datum:?} {width} at {places:?}: {:?}", shown.reason);
+    let told = matches!(plain.reason, Reason::Tolerance) && plain.step().estimate().doubts.is_empty();
+    (plain.last.energies.total, shown.last.energies.total, shown.last.energies.strain, told)
+}
+
+/// The error in the energy norm, |J - J*|^½ over that of the strain energy, is at most twice the tolerance where no doubt is told.
+#[test]
+fn narrow_data_are_seen_wherever_they_are() {
+    let mut random = Random::new(SEED);
+    let (mut told_right, mut worst) = (0, 0.0f64);
+    for width in [1e-1, 1e-2, 1e-3, 1e-4, 1e-5] {
+        for datum in [Datum::Gap, Datum::Bound, Datum::Load, Datum::Displacement] {
+            let place = random.between(0.08, 0.92);
+            let (j, exact, strain, told) = compared(datum, width, &[place]);
+            let off = (j - exact).abs() / strain;
+            println!("{datum:?} {width:e} at {place:.4}: J {j:e}, {exact:e}, off by {off:.1e}, told {told}");
+            assert!(off <= 4e-6 || !told, "seed {SEED}, {datum:?} {width} at {place}: {j} for {exact}");
+            told_right += usize::from(told);
+            worst = worst.max(off);
+        }
+    }
+    println!("{told_right} of 20 without a doubt, worst {worst:.1e}");
+    assert!(told_right >= 15 && worst < 1e-4, "{told_right} told without a doubt, worst {worst}");
+}
+
+/// Ten of them at once.
+#[test]
+fn tens_of_asperities_are_all_seen() {
+    let mut random = Random::new(SEED + 1);
+    for width in [1e-2, 1e-4] {
+        let places: Vec<f64> = (0..10).map(|k| 0.1 + 0.08 * k as f64 + random.between(0.0, 0.04)).collect();
+        let (j, exact, strain, _) = compared(Datum::Gap, width, &places);
+        assert!((j - exact).abs() <= 4e-6 * strain, "seed {SEED}, width {width}: {j} for {exact}, {places:?}");
+        assert!(j > 1e-3, "ten asperities press: {j}");
+    }
+}
+
+/// A wavy floor: 64 periods, of which the body touches those that it bulges onto. J and force by meshes of several times the
+/// unknowns are -7.77190e-5 and 0.037156.
+#[test]
+fn a_wavy_floor_is_touched_where_it_is() {
+    let text = "body.corners = [[0,0],[1,0],[1,1],[0,1]]\nbody.sides = [\"floor\",\"right\",\"top\",\"left\"]\n\
+                material = { young = 100.0, poisson = 0.3 }\nsides.top.displacement = [\"0\",\"0\"]\nsides.left.pressure = 0.1\n\
+                sides.floor.contact = { gap = \"0.005*(1-cos(2*pi*64*s))\" }\nmethod.max_steps = 18\n";
+    let run = solved(text, "2e-2");
+    let force = run.last.contact.as_ref().map_or([0.0; 2], |c| c.force(0));
+    assert!((force[1] - 0.037156).abs() < 5e-4, "{force:?}, {:?}", run.reason);
+    assert!((run.last.energies.total + 7.77190e-5).abs() < 1e-7, "{}", run.last.energies.total);
+}
