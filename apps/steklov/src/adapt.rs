@@ -147,10 +147,29 @@ fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]
 /// Where the gap of each edge turns: asperities of the obstacle, and valleys between them.
 fn gap_turns(scene: &Scene) -> Vec<Vec<Turn>> {
     let of = |edge: &Edge| match &scene.sides[edge.side].condition {
-        Condition::Contact { gap, .. } if gap.constant().is_none() => gap.along(edge).survey.turns(),
+        Condition::Contact { gap, .. } if gap.constant().is_none() => gap.turns(edge),
         _ => Vec::new(),
     };
     scene.polygon.edges().iter().map(of).collect()
+}
+
+/// How often the gap turns within an element.
+fn turns_within(mesh: &Mesh, turns: &[Vec<Turn>], e: usize) -> usize {
+    let [a, b] = mesh.span[e];
+    turns[mesh.edge[e]].iter().filter(|t| (t.at - a) * (t.at - b) < 0.0).count()
+}
+
+/// Vertices at all asperities of an overlap, and at the valleys next to them.
+fn insert_turns(subdivision: &mut Subdivision, mesh: &Mesh, overlap: &Overlap, turns: &[Turn]) {
+    let edge = mesh.edge[overlap.element];
+    let ends = [overlap.at[0], overlap.at[2]].map(|t| mesh.edge_parameter(overlap.element, t));
+    let [low, high] = [ends[0].min(ends[1]), ends[0].max(ends[1])];
+    let first = turns.partition_point(|t| t.at < low);
+    let last = turns.partition_point(|t| t.at <= high);
+    let from = if turns.get(first).is_some_and(|t| t.maximum) { first } else { first.saturating_sub(1) };
+    for turn in &turns[from..(last + 1).min(turns.len())] {
+        subdivision.insert(edge, turn.at, &[], 0.0);
+    }
 }
 
 /// The same for the contact crate.
@@ -162,19 +181,23 @@ fn obstacles(turns: &[Vec<Turn>]) -> Vec<Obstacle> {
     turns.iter().map(of).collect()
 }
 
-/// Cuts the marked contact elements along which the gap turns twice or more at a valley between two asperities: the multipliers
-/// of a degree that does not follow the gap feel contact where there is none.
-fn cut_at_valleys(subdivision: &mut Subdivision, turns: &[Vec<Turn>]) {
+/// Cuts the marked contact elements along which the gap turns twice or more: the multipliers of a degree that does not follow the
+/// gap feel contact where there is none. Those whose error is that of the gap are cut at all asperities and valleys, others
+/// at one valley.
+fn cut_at_turns(subdivision: &mut Subdivision, turns: &[Vec<Turn>], rough: &dyn Fn(usize, &Piece) -> bool) {
     for (edge, turns) in turns.iter().enumerate() {
         let mut cuts = Vec::new();
         for piece in subdivision.edges[edge].iter_mut().filter(|p| p.mark != Mark::Keep) {
             let inside = || turns.iter().filter(|t| piece.start < t.at && t.at < piece.end);
             let off = |t: &&Turn| (t.at - (piece.start + piece.end) / 2.0).abs();
             let valley = inside().filter(|t| t.maximum).min_by(|a, b| off(a).total_cmp(&off(b)));
-            if let (true, Some(valley)) = (inside().count() > 1, valley) {
+            let (true, Some(valley)) = (inside().count() > 1, valley) else { continue };
+            if rough(edge, piece) {
+                cuts.extend(inside().map(|t| t.at));
+            } else {
                 cuts.push(valley.at);
-                piece.mark = Mark::Keep;
             }
+            piece.mark = Mark::Keep;
         }
         cuts.into_iter().for_each(|s| subdivision.insert(edge, s, &[], 0.0));
     }
@@ -301,10 +324,15 @@ impl Layout {
                         marks[e] = Mark::Refine { rough: true, excess: 1.0 };
                     }
                 }
-                let narrow: Vec<&Overlap> = unseen.overlaps.iter().filter(|o| o.at[2] - o.at[0] < NARROW).collect();
-                narrow.iter().for_each(|o| marks[o.element] = Mark::Keep);
-                let mut subdivision = Subdivision::new(mesh, &marks);
                 let turns = gap_turns(scene);
+                let (several, single): (Vec<&Overlap>, Vec<&Overlap>) =
+                    unseen.overlaps.iter().partition(|o| turns_within(mesh, &turns, o.element) > 1);
+                let narrow: Vec<&Overlap> = single.into_iter().filter(|o| o.at[2] - o.at[0] < NARROW).collect();
+                several.iter().chain(&narrow).for_each(|o| marks[o.element] = Mark::Keep);
+                let mut subdivision = Subdivision::new(mesh, &marks);
+                for overlap in several {
+                    insert_turns(&mut subdivision, mesh, overlap, &turns[mesh.edge[overlap.element]]);
+                }
                 for overlap in narrow {
                     let (e, edge) = (overlap.element, mesh.edge[overlap.element]);
                     let at = overlap.at.map(|t| mesh.edge_parameter(e, t));
@@ -315,7 +343,18 @@ impl Layout {
                     let after = valleys.filter(|s| *s > at[1]).fold(f64::INFINITY, f64::min);
                     insert_apart(&mut subdivision, edge, [before, at[1], after]);
                 }
-                cut_at_valleys(&mut subdivision, &turns);
+                let of_gap = |edge: usize, piece: &Piece| {
+                    let inside = |e: &usize| {
+                        let [a, b] = mesh.span[*e];
+                        mesh.edge[*e] == edge && a.min(b) <= piece.start && piece.start < a.max(b)
+                    };
+                    let element = (0..mesh.len()).find(inside);
+                    element.zip(estimate).is_some_and(|(e, all)| {
+                        let bubble = &all.indicators[e];
+                        bubble.oscillation > 0.5 * bubble.total()
+                    })
+                };
+                cut_at_turns(&mut subdivision, &turns, &of_gap);
                 let mut tips = self.tips.clone();
                 let located = match state {
                     Some(state) => relocate(&mut tips, &mut subdivision, state, &singular, &obstacles(&turns))?,

@@ -35,6 +35,14 @@ pub struct Located {
     pub at_vertex: bool,
 }
 
+impl Located {
+    /// A transition that has no vertex: half of its bracket is what it may be off.
+    fn unlocated(edge: usize, transition: &Transition, s: f64) -> Self {
+        let [low, high] = transition.bracket;
+        Self { edge, s, kind: transition.kind, off: (high - low) / 2.0, curvature: None, at_vertex: false }
+    }
+}
+
 /// A tip takes a transition closer than this part of its edge.
 const REACH: f64 = 0.25;
 /// A transition closer than this part of its bracket to a singular point belongs to it.
@@ -98,10 +106,12 @@ pub fn relocate(
     obstacles: &[Obstacle],
 ) -> Result<Vec<Located>, ContactError> {
     let mut followed: Vec<Followed<'_>> = Vec::new();
+    let mut uncut = Vec::new();
     for line in solved.lines {
         let edge = line.edge;
         let mine: Vec<Tip> = tips.iter().copied().filter(|t| t.edge == edge).collect();
         let found = without_flicker(transitions(line, solved.sets), &mine);
+        let found = one_zone_an_asperity(found, &obstacles[edge]);
         let mut used = vec![false; found.len()];
         tips.retain(|t| t.edge != edge);
         let first = followed.len();
@@ -112,6 +122,14 @@ pub fn relocate(
             }
         }
         for transition in found.iter().zip(&used).filter(|(_, used)| !**used).map(|(t, _)| *t) {
+            if cut_at_turns(subdivision, edge, &transition, &obstacles[edge]) {
+                uncut.push(Located::unlocated(
+                    edge,
+                    &transition,
+                    first_guess(line, &transition, solved.problem, solved.solution),
+                ));
+                continue;
+            }
             let on_edge = followed[first..].iter().map(|f| f.tip.s);
             let points: Vec<f64> = on_edge.chain(singular[edge].iter().copied()).collect();
             let guess = first_guess(line, &transition, solved.problem, solved.solution);
@@ -124,7 +142,7 @@ pub fn relocate(
     let mut places = Vec::with_capacity(followed.len());
     let mut moved: Vec<Tip> = followed.iter().filter(|f| f.old).map(|f| f.tip).collect();
     let mut next = 0;
-    for (f, place) in followed.iter().zip(located(&followed, solved, singular)?) {
+    for (f, place) in followed.iter().zip(located(&followed, solved, singular, obstacles)?) {
         let Tip { edge, s, kind, .. } = f.tip;
         let of_edge = |own: usize| {
             let others = moved.iter().enumerate().filter(|(j, t)| *j != own && t.edge == edge).map(|(_, t)| t.s);
@@ -151,6 +169,7 @@ pub fn relocate(
         }
         places.push(place);
     }
+    places.extend(uncut);
     tips.extend(moved);
     tips.sort_by(|a, b| a.edge.cmp(&b.edge).then(a.s.total_cmp(&b.s)));
     Ok(places)
@@ -158,7 +177,12 @@ pub fn relocate(
 
 /// Where followed transitions are believed to be: ends by fits, up to four factorisations for those that have a vertex
 /// and as many for the new ones; others by nodal values.
-fn located(followed: &[Followed<'_>], solved: Solved<'_>, singular: &[Vec<f64>]) -> Result<Vec<Located>, ContactError> {
+fn located(
+    followed: &[Followed<'_>],
+    solved: Solved<'_>,
+    singular: &[Vec<f64>],
+    obstacles: &[Obstacle],
+) -> Result<Vec<Located>, ContactError> {
     let Solved { problem, solution, sets, .. } = solved;
     let mut fits = vec![None; followed.len()];
     // neighbours of one kind move each other: of these every other one is fitted at a time
@@ -177,7 +201,8 @@ fn located(followed: &[Followed<'_>], solved: Solved<'_>, singular: &[Vec<f64>])
             let Followed { line, tip, .. } = &followed[i];
             let others = followed.iter().enumerate();
             let others = others.filter(|(j, f)| *j != i && f.tip.edge == tip.edge && (f.old || !old));
-            let singular = others.map(|(_, f)| f.tip.s).chain(singular[tip.edge].iter().copied()).collect();
+            let fixed = singular[tip.edge].iter().chain(&obstacles[tip.edge].valleys).copied();
+            let singular = others.map(|(_, f)| f.tip.s).chain(fixed).collect();
             TipVertex { line, kind: tip.kind, regular: tip.regular, s: tip.s, singular }
         };
         let vertices: Vec<TipVertex<'_>> = chosen.iter().map(vertex).collect();
@@ -206,10 +231,7 @@ fn located(followed: &[Followed<'_>], solved: Solved<'_>, singular: &[Vec<f64>])
 pub fn unlocated(solved: Solved<'_>) -> Vec<Located> {
     let Solved { problem, solution, sets, lines } = solved;
     let place = |line: &ContactLine, transition: &Transition| {
-        let [low, high] = transition.bracket;
-        let s = first_guess(line, transition, problem, solution);
-        let (edge, kind, off) = (line.edge, transition.kind, (high - low) / 2.0);
-        Located { edge, s, kind, off, curvature: None, at_vertex: false }
+        Located::unlocated(line.edge, transition, first_guess(line, transition, problem, solution))
     };
     lines.iter().flat_map(|line| transitions(line, sets).iter().map(|t| place(line, t)).collect::<Vec<_>>()).collect()
 }
@@ -249,6 +271,45 @@ fn without_flicker(mut found: Vec<Transition>, tips: &[Tip]) -> Vec<Transition> 
         }
     }
     found
+}
+
+/// Vertices at all asperities and valleys of the element in which a transition lies, if there are several: where contact ends at
+/// one of them cannot be told before each has elements of its own. Whether there were.
+fn cut_at_turns(subdivision: &mut Subdivision, edge: usize, transition: &Transition, obstacle: &Obstacle) -> bool {
+    let middle = (transition.bracket[0] + transition.bracket[1]) / 2.0;
+    let Some(piece) = subdivision.edges[edge].iter().find(|p| p.start <= middle && middle < p.end) else {
+        return false;
+    };
+    let (start, end) = (piece.start, piece.end);
+    let turns = obstacle.valleys.iter().chain(&obstacle.peaks).copied();
+    let inside: Vec<f64> = turns.filter(|s| start + SAME_PLACE < *s && *s < end - SAME_PLACE).collect();
+    if inside.len() > 1 {
+        inside.iter().for_each(|&s| subdivision.insert(edge, s, &[], 0.0));
+    }
+    inside.len() > 1
+}
+
+/// Leaves out pairs of contact ends that split the zone of one asperity, or are beside it, and enclose a run of few nodes: these
+/// flicker as long as the elements about them are not much shorter than the zone.
+fn one_zone_an_asperity(mut found: Vec<Transition>, obstacle: &Obstacle) -> Vec<Transition> {
+    let middle = |t: &Transition| (t.bracket[0] + t.bracket[1]) / 2.0;
+    let cell = |t: &Transition| obstacle.valleys.partition_point(|v| *v < middle(t));
+    let of_peak = |s: f64| obstacle.valleys.partition_point(|v| *v < s);
+    loop {
+        let ends: Vec<usize> = (0..found.len()).filter(|&i| found[i].kind == TipKind::ContactEnd).collect();
+        let several = |c: usize| ends.iter().filter(|&&i| cell(&found[i]) == c).count() > 2;
+        let flickers = |pair: &[usize]| {
+            let (a, b) = (&found[pair[0]], &found[pair[1]]);
+            let c = cell(a);
+            let peaks = obstacle.peaks.iter().filter(|p| of_peak(**p) == c).count();
+            cell(b) == c && peaks == 1 && b.point - a.point <= FLICKER_NODES && several(c)
+        };
+        let length = |pair: &[usize]| middle(&found[pair[1]]) - middle(&found[pair[0]]);
+        let pair = ends.windows(2).filter(|pair| flickers(pair)).min_by(|a, b| length(a).total_cmp(&length(b)));
+        let Some(pair) = pair.map(|pair| [pair[0], pair[1]]) else { return found };
+        found.remove(pair[1]);
+        found.remove(pair[0]);
+    }
 }
 
 /// The transition that a tip takes; none if there is none for it on its side of all valleys.

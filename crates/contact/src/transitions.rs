@@ -189,7 +189,7 @@ impl TipVertex<'_> {
             points = within(0.5 * next);
         }
         if points.len() < 3 {
-            points = within(0.99 * next);
+            points = within((1.0 + 1e-9) * next);
         }
         if points.len() < 2 {
             return None;
@@ -209,7 +209,7 @@ impl TipVertex<'_> {
 /// (stick, in the direction of most nodes there) on the regular side of each is A d^(1/2) + B d^(3/2) + C d^(5/2), while
 /// w ~ B (d - δ)^(3/2) with the transition in its place: the regular side begins at δ = -A/(1.5 B). The sets are changed
 /// up to 0.6 of the distance to the singular points next to a vertex, the fit is on the nodes up to half of the distance to the
-/// nearer one, or to that on the regular side, or nearly to the next singular point there, where these are fewer than three;
+/// nearer one, or to that on the regular side, or to the next singular point there, where these are fewer than three;
 /// the shift is at most 0.4 of the distance to a singular point. None if B ≤ 0 or there are fewer than two nodes.
 /// *Cost*: one factorisation for all of them.
 ///

@@ -1,12 +1,12 @@
 //! What is known of an expression along an edge, found once.
 
 use std::collections::BTreeMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 
 use steklov_bem_operators::Edge;
 
 use super::Expression;
-use super::survey::Survey;
+use super::survey::{Survey, Turn, turns};
 
 /// An expression along an edge, by the edge parameter.
 #[derive(Debug)]
@@ -15,6 +15,7 @@ pub struct Along {
     pub kinks: Vec<f64>,
     /// Its values.
     pub survey: Survey,
+    turns: OnceLock<Vec<Turn>>,
 }
 
 /// [`Along`] of the edges that were asked for, by the bits of their corners.
@@ -27,14 +28,26 @@ impl Expression {
         let key = [a[0], a[1], b[0], b[1]].map(f64::to_bits);
         let mut known = self.code.known.lock().unwrap_or_else(PoisonError::into_inner);
         let new = || {
-            let path = |s: f64| {
-                let [x, y] = edge.point(s);
-                (x, y, s)
-            };
+            let path = path(edge);
             let kinks: Vec<f64> = self.kinks(|t| path((1.0 + t) / 2.0)).into_iter().map(|t| (1.0 + t) / 2.0).collect();
             let survey = Survey::new(self, &path, [0.0, 1.0], &kinks);
-            Arc::new(Along { kinks, survey })
+            Arc::new(Along { kinks, survey, turns: OnceLock::new() })
         };
         known.entry(key).or_insert_with(new).clone()
+    }
+
+    /// Where it turns along an edge.
+    pub fn turns(&self, edge: &Edge) -> Vec<Turn> {
+        let along = self.along(edge);
+        along.turns.get_or_init(|| turns(self, &path(edge), [0.0, 1.0], along.survey.sampled)).clone()
+    }
+}
+
+/// Point and edge parameter.
+fn path(edge: &Edge) -> impl Fn(f64) -> (f64, f64, f64) {
+    let edge = edge.clone();
+    move |s| {
+        let [x, y] = edge.point(s);
+        (x, y, s)
     }
 }

@@ -119,27 +119,51 @@ impl Survey {
         ends.dedup();
         ends
     }
+}
 
-    /// Where the values turn: a maximum, or a minimum, of which the values before and behind it differ by more than a thousandth
-    /// of the range that was met.
-    pub fn turns(&self) -> Vec<Turn> {
-        let least = SMALL * self.sampled.width();
-        let mut turns = Vec::new();
-        let Some(&first) = self.samples.first() else { return turns };
-        let (mut highest, mut lowest, mut rising) = (first, first, None);
-        for &sample in &self.samples {
-            highest = if sample.1 > highest.1 { sample } else { highest };
-            lowest = if sample.1 < lowest.1 { sample } else { lowest };
-            if rising != Some(false) && sample.1 < highest.1 - least {
+/// Where the values of an expression turn along [a, b]: a maximum, or a minimum, of which the values before and behind it differ
+/// by more than a thousandth of the range that the survey met. Pieces are halved until each is monotone or changes by less.
+pub(super) fn turns(
+    expression: &Expression,
+    path: &dyn Fn(f64) -> (f64, f64, f64),
+    [a, b]: [f64; 2],
+    range: Interval,
+) -> Vec<Turn> {
+    let least = SMALL * range.width();
+    let mut turns = Vec::new();
+    if least == 0.0 {
+        return turns;
+    }
+    let sample = |t: f64| {
+        let (x, y, s) = path(t);
+        (t, expression.eval(x, y, s))
+    };
+    let first = sample(a);
+    let (mut highest, mut lowest, mut rising) = (first, first, None);
+    let mut stack = vec![[a, b]];
+    let mut looked = 0;
+    while let Some([a, b]) = stack.pop() {
+        looked += 1;
+        let m = a + (b - a) / 2.0;
+        let enclosed = enclose([a, b], &|p, q| expression.range(&leaves(path, p, q)));
+        let flat = enclosed.monotone || enclosed.value.width() <= least;
+        if !flat && looked <= MOST_PIECES && b - a > SHORTEST_AT_KINK {
+            stack.extend([[m, b], [a, m]]);
+            continue;
+        }
+        for at in [m, b].map(sample).into_iter().filter(|at| at.1.is_finite()) {
+            highest = if at.1 > highest.1 { at } else { highest };
+            lowest = if at.1 < lowest.1 { at } else { lowest };
+            if rising != Some(false) && at.1 < highest.1 - least {
                 turns.extend(rising.map(|_| Turn { at: highest.0, maximum: true }));
-                (lowest, rising) = (sample, Some(false));
-            } else if rising != Some(true) && sample.1 > lowest.1 + least {
+                (lowest, rising) = (at, Some(false));
+            } else if rising != Some(true) && at.1 > lowest.1 + least {
                 turns.extend(rising.map(|_| Turn { at: lowest.0, maximum: false }));
-                (highest, rising) = (sample, Some(true));
+                (highest, rising) = (at, Some(true));
             }
         }
-        turns
     }
+    turns
 }
 
 /// A place where values turn.
