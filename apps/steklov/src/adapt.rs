@@ -20,6 +20,9 @@ pub struct Layout {
     pub tips: Vec<Tip>,
 }
 
+/// Part of the estimate whose elements the hp strategy refines; as long as most transitions have no vertices.
+const MARKED: f64 = 0.95;
+const FIRST_MARKED: f64 = 0.7;
 /// Degree from which the decay of Legendre coefficients tells whether a solution is smooth.
 const TELLING: usize = 4;
 /// Degree from which an element whose data are not resolved is halved.
@@ -318,7 +321,10 @@ impl Layout {
                             && (unresolved.contains(&e) || estimate.is_some_and(|all| oscillates(&all.indicators[e])))
                 };
                 let mut singular = singular_points(scene, true);
-                let mut marks = marked(0.95, &rough);
+                // as long as most transitions have no vertices they are where the error is
+                let found = located().len();
+                let unsettled = found > 2 * self.tips.len();
+                let mut marks = marked(if unsettled { FIRST_MARKED } else { MARKED }, &rough);
                 for e in coarse_elements(mesh, &singular) {
                     if marks[e] == Mark::Keep {
                         marks[e] = Mark::Refine { rough: true, excess: 1.0 };

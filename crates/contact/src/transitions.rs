@@ -188,7 +188,8 @@ impl TipVertex<'_> {
         if points.len() < 3 {
             points = within(0.5 * next);
         }
-        if points.len() < 3 {
+        let far = points.len() < 3;
+        if far {
             points = within((1.0 + 1e-9) * next);
         }
         if points.len() < 2 {
@@ -198,7 +199,12 @@ impl TipVertex<'_> {
         if !(b > 0.0 && a.is_finite()) {
             return None;
         }
-        let shift = (-a / (1.5 * b)).clamp(-0.4 * previous, 0.4 * next);
+        let shift = -a / (1.5 * b);
+        let limited = shift.clamp(-0.4 * previous, 0.4 * next);
+        if far && shift != limited {
+            return None;
+        }
+        let shift = limited;
         Some(TipFit { shift: shift * f64::from(self.regular), curvature: b })
     }
 }
@@ -210,7 +216,8 @@ impl TipVertex<'_> {
 /// w ~ B (d - δ)^(3/2) with the transition in its place: the regular side begins at δ = -A/(1.5 B). The sets are changed
 /// up to 0.6 of the distance to the singular points next to a vertex, the fit is on the nodes up to half of the distance to the
 /// nearer one, or to that on the regular side, or to the next singular point there, where these are fewer than three;
-/// the shift is at most 0.4 of the distance to a singular point. None if B ≤ 0 or there are fewer than two nodes.
+/// the shift is at most 0.4 of the distance to a singular point. None if B ≤ 0, if there are fewer than two nodes, or if it
+/// would be more with nodes up to the next singular point.
 /// *Cost*: one factorisation for all of them.
 ///
 /// # Errors
