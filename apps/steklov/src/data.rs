@@ -12,7 +12,7 @@ use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::estimate::Residual;
 use crate::expression::{Expression, Piece};
-use crate::scene::{Condition, Scene, SceneErrorKind};
+use crate::scene::{Condition, Friction, Scene, SceneErrorKind};
 use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
 
@@ -347,6 +347,14 @@ impl Data<'_> {
             }
         }
         Ok(residuals)
+    }
+
+    /// [`Self::contact`] with the unknowns only that its conditions need.
+    pub(crate) fn condensed_contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
+        let frictionless = |side: usize| {
+            matches!(self.scene.sides[side].condition, Condition::Contact { friction: Friction::None, .. })
+        };
+        Ok(self.contact(held)?.map(|boundary| boundary.without_tangents(&frictionless)))
     }
 
     /// Contact nodes, weights and conditions; none without a contact side.

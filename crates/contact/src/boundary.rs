@@ -4,7 +4,7 @@ use steklov_bem_operators::{Dof, Mesh, Space};
 
 use crate::law::{cross, dot};
 use crate::sides::{ContactElement, JUMP, SideData, contact_elements};
-use crate::{Condition, ContactError, ContactNode};
+use crate::{Condition, ContactError, ContactNode, Status};
 
 /// Components smaller than this count as zero: normals that agree, directions in which a node cannot move.
 const ALIGNED: f64 = 1e-12;
@@ -38,8 +38,11 @@ pub struct BoundaryNode {
     pub node: usize,
     /// The point.
     pub point: [f64; 2],
-    /// Unit directions of its unknowns: (n, t); x and y at a corner; the free one of x and y if the other is held.
+    /// Unit directions of its unknowns: (n, t), or n alone where nothing resists t; x and y at a corner; the free one of x and y
+    /// if the other is held.
     pub directions: Vec<[f64; 2]>,
+    /// (n, t) of a node with one normal that is not held.
+    pub frame: Option<[[f64; 2]; 2]>,
     /// Its conditions, as many as those of the contact node.
     pub conditions: Vec<BoundaryCondition>,
 }
@@ -112,8 +115,9 @@ impl ContactBoundary {
     /// `Partition::kept`).
     pub fn kept(&self) -> Vec<Dof> {
         let of = |n: &BoundaryNode| -> Vec<Dof> {
-            match n.directions.as_slice() {
-                &[d] => vec![2 * n.node + usize::from(d[0] == 0.0)],
+            match (n.directions.as_slice(), n.frame) {
+                ([_], Some(_)) => vec![2 * n.node],
+                (&[d], None) => vec![2 * n.node + usize::from(d[0] == 0.0)],
                 _ => vec![2 * n.node, 2 * n.node + 1],
             }
         };
@@ -122,11 +126,35 @@ impl ContactBoundary {
 
     /// Nodes whose unknowns are along (n, t) (for `Partition::frames`).
     pub fn frames(&self) -> Vec<(usize, [[f64; 2]; 2])> {
-        let frame = |n: &BoundaryNode| match n.directions.as_slice() {
-            &[a, b] if n.conditions.len() == 1 => Some((n.node, [a, b])),
-            _ => None,
-        };
-        self.nodes.iter().filter_map(frame).collect()
+        self.nodes.iter().filter_map(|n| Some((n.node, n.frame?))).collect()
+    }
+
+    /// The same without the tangential unknowns of nodes with one normal whose sides are all without friction: nothing of them
+    /// is in any condition, and they are eliminated with those that are not on the contact boundary.
+    pub fn without_tangents(mut self, frictionless: &dyn Fn(usize) -> bool) -> Self {
+        let mut first = 0;
+        for (node, contact) in self.nodes.iter_mut().zip(&mut self.contact) {
+            let free = node.conditions[0].shares.iter().all(|share| frictionless(share.side));
+            if let (Some([normal, _]), true) = (node.frame, free) {
+                node.directions = vec![normal];
+                contact.unknowns = 1;
+                (contact.conditions[0].tangent, contact.conditions[0].tangent_weight) = ([0.0; 2], 0.0);
+            }
+            contact.first = first;
+            first += contact.unknowns;
+        }
+        self
+    }
+
+    /// Gives closed nodes without a tangential unknown the direction in which they slip under a displacement of all nodes.
+    pub fn tell_slip(&self, displacement: &[f64], status: &mut [Status]) {
+        let conditions = self.nodes.iter().flat_map(|node| node.conditions.iter().map(move |_| node));
+        for (node, status) in conditions.zip(status) {
+            if let (Some([_, t]), [_], Status::Stick) = (node.frame, node.directions.as_slice(), &status) {
+                let slip = displacement[2 * node.node] * t[0] + displacement[2 * node.node + 1] * t[1];
+                *status = if slip < 0.0 { Status::SlipMinus } else { Status::SlipPlus };
+            }
+        }
     }
 
     /// Force of the obstacle on the body over one side, -∫ (λ_n n + λ_t t) ds (force per thickness), of the
@@ -349,7 +377,8 @@ impl Draft {
             conditions: self.conditions.iter().map(condition).collect(),
         };
         let conditions = self.conditions.iter().map(described).collect();
-        (BoundaryNode { node: self.node, point: space.points[self.node], directions, conditions }, contact)
+        let frame = ordinary.then(|| [self.conditions[0].normal, self.conditions[0].tangent]);
+        (BoundaryNode { node: self.node, point: space.points[self.node], directions, frame, conditions }, contact)
     }
 }
 

@@ -40,7 +40,9 @@ impl State {
 
     fn new(boundary: &ContactBoundary, sets: &Sets, at: &LinePoint) -> Self {
         let condition = &boundary.contact[at.node].conditions[at.condition];
-        let held = [condition.normal_weight == 0.0, condition.tangent_weight == 0.0];
+        // a node without friction may have no tangential multiplier either
+        let free = boundary.nodes[at.node].frame.is_some();
+        let held = [condition.normal_weight, condition.tangent_weight].map(|weight| weight == 0.0 && !free);
         Self { closed: sets.closed(at.index), slip: sets.slip(at.index), held }
     }
 }

@@ -58,7 +58,14 @@ impl<'a> Outcomes<'a> {
     pub(crate) fn new(scene: &'a Scene, random: &'a Random, body: &'a Body) -> Result<Self, SolveError> {
         let data = Data { scene, mesh: &body.mesh, space: &body.space };
         let in_germs = DataInGerms::new(scene, random);
-        Ok(Self { scene, random, body, data: in_germs, loads: data.load()?, boundary: data.contact(&body.held)? })
+        Ok(Self {
+            scene,
+            random,
+            body,
+            data: in_germs,
+            loads: data.load()?,
+            boundary: data.condensed_contact(&body.held)?,
+        })
     }
 
     /// The outcome as a scene, its modulus over the nominal one, and what acts on the body of the nominal modulus.
@@ -72,7 +79,8 @@ impl<'a> Outcomes<'a> {
         let held = if uses.held { data.held()? } else { self.body.held.clone() };
         let mut loads = if uses.loads { data.load()? } else { self.loads.clone() };
         loads.scale(1.0 / modulus);
-        let mut boundary = if uses.contact || uses.held { data.contact(&held)? } else { self.boundary.clone() };
+        let mut boundary =
+            if uses.contact || uses.held { data.condensed_contact(&held)? } else { self.boundary.clone() };
         if let Some(boundary) = &mut boundary {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
