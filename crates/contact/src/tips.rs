@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::{SAME_PLACE, Subdivision};
 
-use crate::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
+use crate::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, nodal_guess, tip_fits, transitions};
 use crate::{ContactError, ContactLine, Problem, Sets, Solution};
 
 /// A transition that has a mesh vertex.
@@ -152,7 +152,13 @@ pub fn relocate(
             let mut fixed = of_edge(next);
             fixed.extend(&obstacles[edge].valleys);
             let to = step(f.tip, &f.transition, place.s, &fixed);
-            if kind != TipKind::SlipReversal && (to - s).abs() > 1e-10 {
+            // a vertex at an end of the bracket may be where it belongs: nothing tells where else it is to go
+            let [low, high] = f.transition.bracket;
+            let told = place.curvature.is_some()
+                || s < low - SAME_PLACE
+                || s > high + SAME_PLACE
+                || nodal_guess(f.line, &f.transition, solved.problem, solved.solution).is_some();
+            if told && kind != TipKind::SlipReversal && (to - s).abs() > 1e-10 {
                 subdivision.shift(edge, s, to, &fixed);
                 moved[next].s = to;
             }

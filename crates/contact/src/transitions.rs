@@ -77,18 +77,29 @@ fn condition<'a>(problem: &'a Problem, line: &ContactLine, i: usize) -> &'a Cond
 /// linear in between, vanishes.
 pub fn first_guess(line: &ContactLine, transition: &Transition, problem: &Problem, solution: &Solution) -> f64 {
     let [low, high] = transition.bracket;
+    nodal_guess(line, transition, problem, solution).unwrap_or((low + high) / 2.0)
+}
+
+/// [`first_guess`], none where the nodal values tell nothing.
+pub(crate) fn nodal_guess(
+    line: &ContactLine,
+    transition: &Transition,
+    problem: &Problem,
+    solution: &Solution,
+) -> Option<f64> {
+    let [low, high] = transition.bracket;
     let i = transition.point;
     let s = |i: usize| line.points[i].s;
     if transition.kind == TipKind::SlipReversal {
         if s(i + 1) < high {
-            return s(i + 1); // the one node that sticks
+            return Some(s(i + 1)); // the one node that sticks
         }
         let slip = |i: usize| {
             let node = &problem.nodes[line.points[i].node];
             condition(problem, line, i).slip(node.pick(&solution.displacement)).abs()
         };
         let (a, b) = (slip(i), slip(i + 1));
-        return if a + b > 0.0 { low + (high - low) * a / (a + b) } else { (low + high) / 2.0 };
+        return (a + b > 0.0).then(|| low + (high - low) * a / (a + b));
     }
     let value = |i: usize| {
         let [pressure, shear] = solution.multipliers[line.points[i].index];
@@ -100,12 +111,11 @@ pub fn first_guess(line: &ContactLine, transition: &Transition, problem: &Proble
     };
     let (last, before) = if transition.regular > 0 { (i, i.checked_sub(1)) } else { (i + 1, Some(i + 2)) };
     let before = before.filter(|&j| j < line.points.len());
-    let zero = before.map_or(f64::NAN, |j| {
-        let (a, b) = (value(last).powi(2), value(j).powi(2));
-        if b > a && value(last) > 0.0 { s(last) + (s(last) - s(j)) * a / (b - a) } else { f64::NAN }
-    });
+    let j = before?;
+    let (a, b) = (value(last).powi(2), value(j).powi(2));
+    let zero = (b > a && value(last) > 0.0).then(|| s(last) + (s(last) - s(j)) * a / (b - a));
     let margin = 0.15 * (high - low);
-    if zero.is_nan() { (low + high) / 2.0 } else { zero.clamp(low + margin, high - margin) }
+    zero.map(|zero| zero.clamp(low + margin, high - margin))
 }
 
 /// Where a fitted transition lies.
