@@ -205,6 +205,14 @@ fn nothing_hides_between_points() {
         let narrow = survey.narrow([-1.0, 1.0], 0.01, 1e-3);
         assert!(narrow.iter().all(|t| (t - place).abs() < 20.0 * width) && narrow.len() >= 3, "{narrow:?}");
     }
+    // a peak that a point of every halving lies on is as narrow as any other, and so is a front
+    for (datum, place) in [("exp(-((x-0.25001)/1e-4)^2)", 0.25), ("exp(-(x/1e-5)^2)", 0.0), ("atan((x-0.5)/1e-6)", 0.5)]
+    {
+        let survey = Survey::new(&parse(datum), &|t| (t, 0.5, (1.0 + t) / 2.0), [-1.0, 1.0], &[]);
+        let narrow = survey.narrow([-1.0, 1.0], 0.01, 1e-3);
+        let about = |side: f64| narrow.iter().any(|t| 0.0 < side * (t - place) && side * (t - place) < 0.01);
+        assert!(survey.is_complete() && about(1.0) && about(-1.0), "{datum}: {narrow:?}");
+    }
     assert_kinks("abs(cos(2000*pi*x))", &(0..4000).map(|k| (f64::from(k) + 0.5) / 2000.0 - 1.0).collect::<Vec<_>>());
     let touch = parse("abs((x-0.3)^2)").kinks(|t| (t, 0.5, (1.0 + t) / 2.0));
     assert!(touch.len() == 1 && (touch[0] - 0.3).abs() < 1e-7, "{touch:?}");

@@ -219,6 +219,8 @@ impl Expression {
 pub struct Enclosed {
     /// Holds all of its values.
     pub value: Interval,
+    /// Holds all of its slopes.
+    pub slope: Interval,
     /// Whether it rises or falls all along, so that its extrema are those of the ends.
     pub monotone: bool,
 }
@@ -235,12 +237,12 @@ pub fn enclose([a, b]: [f64; 2], over: &dyn Fn(f64, f64) -> Range) -> Enclosed {
     let Range { value, slope } = over(a, b);
     if slope.low >= 0.0 || slope.high <= 0.0 {
         let ends = over(a, a).value.hull(over(b, b).value);
-        return Enclosed { value: ends.within(value), monotone: true };
+        return Enclosed { value: ends.within(value), slope, monotone: true };
     }
     if !slope.is_bounded() {
-        return Enclosed { value, monotone: false };
+        return Enclosed { value, slope, monotone: false };
     }
     let m = a + (b - a) / 2.0;
     let about = slope * Interval::new(a - m, b - m);
-    Enclosed { value: (over(m, m).value + about).within(value), monotone: false }
+    Enclosed { value: (over(m, m).value + about).within(value), slope, monotone: false }
 }

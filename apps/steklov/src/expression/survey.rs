@@ -34,6 +34,8 @@ pub struct Survey {
 const SMALL: f64 = 1e-3;
 /// Widths of what is sampled that an enclosure may have.
 const WIDER: f64 = 2.0;
+/// Values may change so many times as steeply as the samples of a piece do over its length.
+const STEEPER: f64 = 16.0;
 /// Pieces of a path at most.
 const MOST_PIECES: usize = 20_000;
 /// A piece is not halved below this part of the path.
@@ -42,20 +44,34 @@ const SHORTEST: f64 = 1e-12;
 const SHORTEST_AT_KINK: f64 = 1e-6;
 
 impl Survey {
-    /// Halves [a, b] until the values at both ends and the middle of every piece tell all of its values: to twice their
-    /// width, or to 1e-3 of the largest value that was met, or a kink lies in a piece of 1e-6. `kinks` has these, rising.
+    /// Halves [a, b] until the values at both ends and the middle of every piece tell what it does: nothing in it is 16 times
+    /// steeper than these, so that a peak on one of them shows how narrow it is; or all of its values are within 1e-3 of the
+    /// largest one that was met, or a kink lies in a piece of 1e-6. `kinks` has these, rising.
     pub fn new(
         expression: &Expression,
         path: &dyn Fn(f64) -> (f64, f64, f64),
         [a, b]: [f64; 2],
         kinks: &[f64],
     ) -> Self {
+        // the largest value first: the tails of a peak are as steep as its flanks, for their own size
+        let met = Self::halved(expression, path, [a, b], kinks, None).1;
+        Self::halved(expression, path, [a, b], kinks, met).0
+    }
+
+    /// Halves [a, b] until enclosures tell all values; where some values have been `met`, until samples tell their changes.
+    fn halved(
+        expression: &Expression,
+        path: &dyn Fn(f64) -> (f64, f64, f64),
+        [a, b]: [f64; 2],
+        kinks: &[f64],
+        mut met: Option<Interval>,
+    ) -> (Self, Option<Interval>) {
         let value = |t: f64| {
             let (x, y, s) = path(t);
             expression.eval(x, y, s)
         };
+        let values_only = met.is_none();
         let mut survey = Self { pieces: Vec::new(), sampled: Interval::ANY, samples: vec![(a, value(a))] };
-        let mut met: Option<Interval> = None;
         let mut stack = vec![[(a, value(a)), (b, value(b))]];
         let mut looked = 0;
         while let Some([a, b]) = stack.pop() {
@@ -71,7 +87,12 @@ impl Survey {
             let enclosed = enclose([a.0, b.0], &|p, q| expression.range(&leaves(path, p, q)));
             let width = enclosed.value.width();
             let known = seen.zip(met).is_some_and(|(seen, met)| {
-                enclosed.monotone || width <= WIDER * seen.width() || width <= SMALL * met.magnitude()
+                let steepest = enclosed.slope.magnitude() * (b.0 - a.0);
+                let told = match values_only {
+                    true => enclosed.monotone || width <= WIDER * seen.width(),
+                    false => steepest <= STEEPER * seen.width(),
+                };
+                told || width <= SMALL * met.magnitude()
             });
             let first = kinks.partition_point(|k| *k < a.0);
             let kink = kinks.get(first).is_some_and(|k| *k <= b.0);
@@ -96,7 +117,7 @@ impl Survey {
             }
         }
         survey.sampled = met.unwrap_or(Interval::ANY);
-        survey
+        (survey, met)
     }
 
     /// Whether every piece is known.
