@@ -83,6 +83,33 @@ fn narrow_data_are_seen_wherever_they_are() {
     assert!(told_right >= 15 && worst < 1e-4, "{told_right} told without a doubt, worst {worst}");
 }
 
+/// What is told of J holds, whether a bump of the data lies between nodes or, like the last two, on a point of every halving.
+#[test]
+fn the_uncertainty_of_j_knows_what_nodes_leave_of_data() {
+    let mut random = Random::new(SEED + 2);
+    let mut cases: Vec<(Datum, f64, Vec<f64>)> = Vec::new();
+    for datum in [Datum::Gap, Datum::Bound, Datum::Load, Datum::Displacement] {
+        for width in [1e-1, 1e-2, 1e-3, 1e-4] {
+            cases.push((datum, width, vec![random.between(0.08, 0.92)]));
+        }
+        cases.push((datum, 1e-2, (0..10).map(|k| 0.1 + 0.08 * f64::from(k) + random.between(0.0, 0.04)).collect()));
+    }
+    cases.push((Datum::Displacement, 1e-4, vec![0.624_982]));
+    cases.push((Datum::Bound, 1e-4, vec![0.375_018]));
+    let mut worst = 0.0f64;
+    for (datum, width, places) in &cases {
+        let plain = solved(&scene(*datum, *width, places, false), "1e-2");
+        let shown = solved(&scene(*datum, *width, places, true), "3e-4");
+        let (estimate, exact) = (plain.step().estimate(), shown.step().estimate());
+        let off = (estimate.energy - exact.energy).abs() - exact.uncertainty;
+        let part = off / estimate.uncertainty;
+        println!("{datum:?} {width:e} at {places:.4?}: off by {part:.2} of what is told, {:?}", estimate.doubts);
+        assert!(part <= 1.0 || !estimate.doubts.is_empty(), "{datum:?} {width} at {places:?}: {off} of {estimate:?}");
+        worst = if estimate.doubts.is_empty() { worst.max(part) } else { worst };
+    }
+    println!("at most {worst:.2} of what is told");
+}
+
 /// Ten of them at once.
 #[test]
 fn tens_of_asperities_are_all_seen() {

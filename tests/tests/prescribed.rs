@@ -6,6 +6,37 @@ use steklov::plan::plan;
 use steklov::record::Record;
 use steklov_tests::{adapt, parse};
 
+/// u = (2xy, x² - y² + b y²/2(λ+2μ)) on the unit square about 0 is in equilibrium under the body force (0, -b); μ = 1, λ = 3/2.
+/// Held so all around on coarse meshes of linear elements, whose nodes know u up to h²: J = ½∫σ:ε - ∫b·u is right within its
+/// uncertainty all the same, and converges faster than J of the nodes' data.
+#[test]
+fn j_is_that_of_the_displacements_between_the_nodes() {
+    for force in [0.0, 1.0] {
+        let slope = force / 3.5;
+        let (exx, eyy, exy): (f64, f64, f64) = (2.0, slope - 2.0, 2.0);
+        let strain = (0.75 * (exx + eyy).powi(2) + exx * exx + eyy * eyy + 2.0 * exy * exy) / 12.0;
+        let exact = strain + force * slope / 24.0;
+        let held = format!("[\"2*x*y\", \"x^2-y^2+{}*y^2\"]", slope / 2.0);
+        let sides: String = ["a", "b", "c", "d"].map(|side| format!("sides.{side}.displacement = {held}\n")).concat();
+        let mut before = f64::INFINITY;
+        for elements in [16, 32, 64] {
+            let text = format!(
+                "body.corners = [[-0.5,-0.5],[0.5,-0.5],[0.5,0.5],[-0.5,0.5]]\nbody.sides = [\"a\",\"b\",\"c\",\"d\"]\n\
+                 material = {{ young = 2.6, poisson = 0.3 }}\n{sides}body_force.value = [\"0\", \"{}\"]\n\
+                 method.elements = {elements}\nmethod.refine = \"none\"\n",
+                -force
+            );
+            let run = adapt(&parse(&text, &[]).unwrap_or_else(|e| panic!("{e}"))).unwrap_or_else(|e| panic!("{e}"));
+            let estimate = run.step().estimate();
+            let (nodal, off) = (run.last.energies.total - exact, estimate.energy - exact);
+            println!("b = {force}, {elements}: J {nodal:e}, {off:e} ± {:e}", estimate.uncertainty);
+            assert!(off.abs() <= estimate.uncertainty, "{off} of {}", estimate.uncertainty);
+            assert!(nodal.abs() > 10.0 * estimate.uncertainty && off.abs() < 0.35 * before);
+            before = off.abs();
+        }
+    }
+}
+
 #[test]
 fn steep_displacements_are_no_jumps() {
     let text = |u: &str| {

@@ -266,7 +266,7 @@ impl Data<'_> {
     }
 
     /// An expression less the particular solution along a direction.
-    fn less_particular<'e>(
+    pub(crate) fn less_particular<'e>(
         &'e self,
         expression: &'e Expression,
         body: Option<&'e ParticularSolution>,

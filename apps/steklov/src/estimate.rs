@@ -73,7 +73,7 @@ pub struct Estimate {
     pub relative: f64,
     /// (2 strain energy)^½.
     pub scale: f64,
-    /// J of the enriched spaces.
+    /// J of the enriched spaces and of the data themselves.
     pub energy: f64,
     /// How far the exact J may be from that.
     pub uncertainty: f64,
@@ -120,6 +120,8 @@ impl Doubt {
 /// Error over the geometric mean of η and of the correction, measured: the correction alone sees 0.6 to 0.95 of the error, η,
 /// which has the error of the traction in it, is 0.95 to 1.6 of it, and their mean 0.88 to 1.07.
 const SATURATION: f64 = 1.03;
+/// What held displacements less their interpolants add to J beyond the first order, over their η_g²: from 0 to ½.
+const HELD_REST: f64 = 0.25;
 /// How far J may be off under Coulomb's law, over the error times (2 friction work)^½: up to 0.025 was measured. J is not
 /// stationary there, as the bounds of friction are those of the approximate pressure.
 const NOT_STATIONARY: f64 = 0.06;
@@ -209,8 +211,10 @@ pub fn estimate(
     for bubble in &bubbles {
         indicators[bubble.element].oscillation += modulus / 2.0 * bubble.oscillation;
     }
+    let mut held_oscillation = 0.0;
     for (e, oscillation) in data.held_oscillation(solved.particular.as_ref())? {
         indicators[e].oscillation += modulus / 2.0 * oscillation;
+        held_oscillation += modulus / 2.0 * oscillation;
     }
 
     for (e, oscillation) in data.jump_oscillation()? {
@@ -252,13 +256,16 @@ pub fn estimate(
     let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
     let energies = &solved.energies;
     let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
-    let energy = factors.energy + of_jump + 0.5 * gained - 0.5 * squared;
+    let friction = data.friction_work_left(solved, factors)?;
+    let of_data = of_jump + data.held_work(solved)? + HELD_REST * held_oscillation + friction;
+    let extrapolation = 0.5 * (gained - squared);
+    let energy = factors.energy + of_data + extrapolation;
     if !error.is_finite() || !energy.is_finite() {
         return Err(SolveError::NotFinite { energy });
     }
     let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
     let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * energies.friction_work).sqrt() } else { 0.0 };
-    let uncertainty = 0.5 * (energy - factors.energy).abs() + 0.4 * error * error + bounds;
+    let uncertainty = 0.5 * (extrapolation.abs() + of_jump.abs()) + friction.abs() + 0.4 * error * error + bounds;
     let mut unresolved = factors.unresolved.clone();
     let pressure = solved
         .contact

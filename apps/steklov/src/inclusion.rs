@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use faer::{Col, Mat};
 use steklov_bem_operators::{
-    BemError, Domain, EnrichedSteklov, Mesh, Operators, PairCache, RigidMotion, Site, Space, Steklov, TractionMap,
+    BemError, Domain, EnrichedSteklov, Mesh, Operators, PairCache, RigidMotion, Space, Steklov, TractionMap,
     side_moments,
 };
 use steklov_contact::oscillation;
@@ -167,25 +167,18 @@ impl Data<'_> {
 
     /// ∮ φ·(u0 - I_p u0): what J gains, to first order, by what the nodes leave of the jump.
     pub(crate) fn jump_work(&self, around: &Around) -> Result<f64, SolveError> {
-        let (mesh, space) = (self.mesh, self.space);
+        let space = self.space;
         let mut work = 0.0;
         let jumps = self.scene.exterior.iter().flat_map(|e| e.displacement_jump.iter().flatten());
         for (i, expression) in jumps.enumerate().filter(|(_, jump)| jump.constant().is_none()) {
             let function = self.function(expression);
-            let datum = function.datum("displacement jump");
+            let traction = |e: usize, t: f64| -> f64 {
+                let mut legendre = vec![0.0; space.degree(e)];
+                legendre_p(t, &mut legendre);
+                legendre.iter().zip(space.offset[e]..).map(|(p, m)| p * around.traction[2 * m + i]).sum()
+            };
             for side in self.interface_sides() {
-                let moments = side_moments(mesh, space, side, &datum);
-                for (e, moments) in moments.map_err(|error| self.located(error, expression))? {
-                    let (basis, half) = (space.basis(e), mesh.length(e) / 2.0);
-                    let mut legendre = vec![0.0; basis.degree];
-                    for (j, (&t, weight)) in basis.nodes.iter().zip(&basis.weights).enumerate() {
-                        legendre_p(t, &mut legendre);
-                        let phi: f64 =
-                            legendre.iter().zip(space.offset[e]..).map(|(p, m)| p * around.traction[2 * m + i]).sum();
-                        // the Lobatto rule is exact for φ times the interpolant
-                        work += phi * (moments[j] - half * weight * datum.at(mesh, &Site::new(mesh, e, t))?);
-                    }
-                }
+                work += self.work_on_rest(side, expression, &function.datum("displacement jump"), &traction)?;
             }
         }
         Ok(work)

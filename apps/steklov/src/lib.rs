@@ -14,6 +14,7 @@ pub mod around;
 pub mod grid;
 pub mod plan;
 mod data;
+mod data_work;
 mod hidden;
 mod supports;
 mod body_load;

@@ -27,7 +27,7 @@ pub struct Summary {
     /// J = strain energy - load work + friction work; around a hole under remote stress that of what the hole adds, as all
     /// energies.
     pub energy: f64,
-    /// J of the spaces of one degree more.
+    /// J of the spaces of one degree more, and of the data themselves in place of what the nodes know of them.
     pub energy_extrapolated: Option<f64>,
     /// How far the exact J may be from that.
     #[serde(default)]
