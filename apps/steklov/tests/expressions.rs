@@ -206,7 +206,7 @@ fn nothing_hides_between_points() {
         assert!(narrow.iter().all(|t| (t - place).abs() < 20.0 * width) && narrow.len() >= 3, "{narrow:?}");
     }
     // a peak that a point of every halving lies on is as narrow as any other, and so is a front
-    for (datum, place) in [("exp(-((x-0.25001)/1e-4)^2)", 0.25), ("exp(-(x/1e-5)^2)", 0.0), ("atan((x-0.5)/1e-6)", 0.5)]
+    for (datum, place) in [("exp(-((x-0.25001)/1e-4)^2)", 0.25), ("exp(-(x/1e-5)^2)", 0.0), ("atan2(x-0.5, 1e-6)", 0.5)]
     {
         let survey = Survey::new(&parse(datum), &|t| (t, 0.5, (1.0 + t) / 2.0), [-1.0, 1.0], &[]);
         let narrow = survey.narrow([-1.0, 1.0], 0.01, 1e-3);
