@@ -45,8 +45,9 @@ const SHORTEST_AT_KINK: f64 = 1e-6;
 
 impl Survey {
     /// Halves [a, b] until the values at both ends and the middle of every piece tell what it does: nothing in it is 16 times
-    /// steeper than these, so that a peak on one of them shows how narrow it is; or all of its values are within 1e-3 of the
-    /// largest one that was met, or a kink lies in a piece of 1e-6. `kinks` has these, rising.
+    /// steeper than these, so that a peak on one of them shows how narrow it is (where slopes are not bounded: its values are
+    /// within twice those); or all of its values are within 1e-3 of the largest one that was met, or a kink lies in a piece of
+    /// 1e-6. `kinks` has these, rising.
     pub fn new(
         expression: &Expression,
         path: &dyn Fn(f64) -> (f64, f64, f64),
@@ -88,7 +89,7 @@ impl Survey {
             let width = enclosed.value.width();
             let known = seen.zip(met).is_some_and(|(seen, met)| {
                 let steepest = enclosed.slope.magnitude() * (b.0 - a.0);
-                let told = match values_only {
+                let told = match values_only || !enclosed.slope.is_bounded() {
                     true => enclosed.monotone || width <= WIDER * seen.width(),
                     false => steepest <= STEEPER * seen.width(),
                 };
