@@ -7,11 +7,11 @@
 //! overlap           δ = max (u_n - g) between the nodes        η_g² = E*/2 δ², where it is more than all of the others
 //! ```
 //! The indicators steer the refinement. The estimate is the geometric mean of their sum and of the energy of e₊, the
-//! displacement that S₊ of the enriched spaces adds with the contact sets, and the bounds of Coulomb friction, as they are; that
-//! and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
+//! displacement that S₊ of the enriched spaces adds with the contact sets, and the bounds of Coulomb friction, as they are, both
+//! with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
-use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, Mesh, SAME_PLACE};
+use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, Material, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
 
 use crate::adapt::{coarse_elements, singular_points};
@@ -21,6 +21,7 @@ use crate::elastic::{Elastic, EnrichedBody, plane_modulus};
 use crate::hidden::{Overlap, Unseen};
 use crate::scene::{Condition, Indicator, Refine, Scene};
 use crate::solve::{SolveError, Solved};
+use crate::unseen::unseen_by_tractions;
 
 /// The part of an estimate on one element; each an energy (force*length/thickness).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -244,15 +245,18 @@ pub fn estimate(
         frames: &frames,
         blocks: (0..mesh.len()).map(|e| elastic.stiffness_block(e)).collect(),
     };
-    let squared = system.energy_of_correction(&r);
+    let (squared, correction) = system.correction(&r);
 
     let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
     let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
     let held: f64 = indicators.iter().zip(&frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
     let moduli = solved.around.as_ref().map(|around| [modulus, plane_modulus(&around.material)]);
     let held = held.max(elastic.held_tractions(mesh.len(), moduli));
+    let materials: Vec<Material> =
+        std::iter::once(scene.material).chain(solved.around.as_ref().map(|around| around.material)).collect();
+    let unseen = unseen_by_tractions(mesh, &correction, &materials);
     // the product of two energies may leave the range of floating point
-    let mean = squared.sqrt() * two_level.sqrt();
+    let mean = (squared + unseen).sqrt() * (two_level + unseen).sqrt();
     let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
     let energies = &solved.energies;
     let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
@@ -586,8 +590,9 @@ impl System<'_> {
         Enriched { base, extra: extra.collect() }
     }
 
-    /// ⟨S₊e, e⟩ of the solution of S₊e = r, by conjugate gradients.
-    fn energy_of_correction(&self, r: &Enriched) -> f64 {
+    /// ⟨S₊e, e⟩ and e of S₊e = r, by conjugate gradients.
+    fn correction(&self, r: &Enriched) -> (f64, Enriched) {
+        let mut e = Enriched { base: vec![0.0; r.base.len()], extra: vec![0.0; r.extra.len()] };
         let mut r = r.clone();
         let mut z = self.precondition(&r);
         let mut p = z.clone();
@@ -600,6 +605,7 @@ impl System<'_> {
                 break;
             }
             energy += step * rz;
+            e.add(step, &p);
             if step * rz <= ENOUGH * energy {
                 break;
             }
@@ -610,6 +616,6 @@ impl System<'_> {
             direction.add(next / rz, &p);
             (p, rz) = (direction, next);
         }
-        energy
+        (energy, e)
     }
 }

@@ -37,6 +37,7 @@ pub mod triangulate;
 pub mod picture;
 pub mod summary;
 mod unbounded;
+mod unseen;
 mod large;
 mod vertices;
 mod wedge;

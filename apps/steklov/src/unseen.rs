@@ -1,0 +1,28 @@
+//! Energy of a correction that tractions of one degree more do not see, on elements of degree 1.
+//!
+//! A smooth error of linear elements of length h is, but for terms of higher order, v = Σ c b of the bubbles b = (t²-1)/2 less
+//! its mean: even about the middle of each element, so that tractions of degrees 0 and 1 are orthogonal to it. Of
+//! ⟨Sv, v⟩ = ⟨Wv, v⟩ + ⟨V⁻¹(½+K)v, (½+K)v⟩ enriched spaces see the first term alone. With the symbols of a half plane,
+//!
+//! ```text
+//! S = a |k|,  a = 4μ(1-ν)/(3-4ν)        W = w |k|,  w = μ/(2(1-ν))        along each component
+//! v = Σ_n 2(-1)ⁿ/(n²π²) cos nπt         ⟨|k| v, v⟩ = Σ_n nπ (2/(n²π²))² = 4ζ(3)/π³ on each element
+//! ```
+//! what they do not see is (a - w) 4ζ(3)/π³ |c|², where c varies slowly from element to element. From degree 2 on they see most.
+
+use std::f64::consts::PI;
+
+use steklov_bem_operators::{Enriched, Material, Mesh};
+
+/// ζ(3).
+const ZETA: f64 = 1.202_056_903_159_594;
+
+/// The sum of (a - w) 4ζ(3)/π³ |c|² over the elements of degree 1, of bodies and media on both sides of the mesh (energy:
+/// force/thickness times length).
+pub(crate) fn unseen_by_tractions(mesh: &Mesh, correction: &Enriched, materials: &[Material]) -> f64 {
+    let rest = |m: &Material| m.mu() * (4.0 * (1.0 - m.nu()) / (3.0 - 4.0 * m.nu()) - 0.5 / (1.0 - m.nu()));
+    let stiffness: f64 = materials.iter().map(rest).sum();
+    let linear = (0..mesh.len()).filter(|&e| mesh.degree[e] == 1);
+    let squares: f64 = linear.map(|e| correction.extra[2 * e].powi(2) + correction.extra[2 * e + 1].powi(2)).sum();
+    4.0 * ZETA / PI.powi(3) * stiffness * squares
+}
