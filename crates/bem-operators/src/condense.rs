@@ -1,11 +1,11 @@
 //! Elimination of the free unknowns, in the storage of S itself.
 
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
-use faer::{Accum, Col, Mat, MatMut, Par};
+use faer::{Col, Mat, MatMut, Par};
 
-use crate::steklov::{cholesky, parts};
+use crate::dense::{add_to_lower, solve_lower};
+use crate::steklov::cholesky;
 use crate::{BemError, Dof};
 
 /// What becomes of the unknowns: each displacement unknown is eliminated, kept, or held at a value.
@@ -61,7 +61,6 @@ impl Condensation {
     /// When an unknown is kept and held, or kept twice.
     pub fn new(mut matrix: Mat<f64>, partition: &Partition, motions: &[Vec<f64>]) -> Result<Self, BemError> {
         let n = matrix.nrows();
-        let par = parts(n);
         add_springs(matrix.as_mut(), motions);
         for &(node, frame) in &partition.frames {
             rotate(matrix.as_mut(), node, frame);
@@ -77,7 +76,7 @@ impl Condensation {
         permute(matrix.as_mut(), &order);
         let diagonal: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
 
-        cholesky(matrix.as_mut().submatrix_mut(0, 0, eliminated, eliminated), par)
+        cholesky(matrix.as_mut().submatrix_mut(0, 0, eliminated, eliminated))
             .map_err(|pivot| BemError::StiffnessSingular { pivot, size: eliminated })?;
         let smallest =
             (0..eliminated).map(|i| (i, matrix[(i, i)].powi(2) / diagonal[i])).min_by(|a, b| a.1.total_cmp(&b.1));
@@ -89,7 +88,7 @@ impl Condensation {
         let (upper, lower) = matrix.as_mut().split_at_row_mut(eliminated);
         let factor = upper.rb().submatrix(0, 0, eliminated, eliminated);
         let coupling = lower.submatrix_mut(0, 0, kept, eliminated);
-        solve_lower_triangular_in_place(factor, coupling.transpose_mut(), par);
+        solve_lower(factor, coupling.transpose_mut());
 
         let held = partition.held.iter().map(|h| h.1).collect();
         Ok(Self { matrix, diagonal, order, eliminated, kept, held, frames: partition.frames.clone() })
@@ -100,17 +99,7 @@ impl Condensation {
         let (r, k) = (self.eliminated, self.kept);
         let coupling = self.coupling();
         let mut condensed = Mat::from_fn(k, k, |i, j| self.entry(r + i.min(j), r + i.max(j)));
-        matmul(
-            condensed.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            coupling,
-            BlockStructure::Rectangular,
-            coupling.transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            parts(self.diagonal.len()),
-        );
+        add_to_lower(condensed.as_mut(), coupling, coupling.transpose(), -1.0);
         crate::steklov::mirror_lower(condensed.as_mut());
         condensed
     }

@@ -1,10 +1,9 @@
 //! The Steklov-Poincaré matrix of the enriched spaces, by blocks on top of that of the base.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Col, Mat};
+use faer::{Col, Mat};
 
-use crate::steklov::{cholesky, parts};
+use crate::dense::{add_product, solve_lower};
+use crate::steklov::cholesky;
 use crate::{BemError, Bubbles, Enrichment, Material, Mesh, PairCache, Space, TractionMap};
 
 /// S₊ of the spaces of one more degree, from the factors of S.
@@ -82,7 +81,7 @@ impl Layers {
     /// In the storage of the enrichment.
     fn new(enrichment: Enrichment, traction: &TractionMap, [length, diameter]: [f64; 2]) -> Result<Self, BemError> {
         let (l, x) = traction.factors();
-        let (n, par) = (x.nrows(), parts(x.nrows()));
+        let n = x.nrows();
         let Enrichment {
             v: mut y, v_corner: mut factor, k: mut x_bubble, k_corner: mut corner, k_top: mut top, ..
         } = enrichment;
@@ -100,22 +99,22 @@ impl Layers {
             top[(row, column)] += 0.5 * value;
         }
         // L_xb = Yᵀ with Y = L⁻¹V_bx
-        solve_lower_triangular_in_place(l, y.as_mut(), par);
-        solve_lower_triangular_in_place(l, x_bubble.as_mut(), par);
+        solve_lower(l, y.as_mut());
+        solve_lower(l, x_bubble.as_mut());
         traction.balance(y.as_mut());
         traction.balance(x_bubble.as_mut());
-        matmul(factor.as_mut(), Accum::Add, y.transpose(), &y, -1.0, par);
-        cholesky(factor.as_mut(), par).map_err(|pivot| BemError::SingleLayerIndefinite {
+        add_product(factor.as_mut(), y.transpose(), y.as_ref(), -1.0);
+        cholesky(factor.as_mut()).map_err(|pivot| BemError::SingleLayerIndefinite {
             pivot: n + pivot,
             size: n + extra,
             length,
             diameter,
         })?;
-        matmul(top.as_mut(), Accum::Add, y.transpose(), x, -1.0, par);
-        matmul(corner.as_mut(), Accum::Add, y.transpose(), &x_bubble, -1.0, par);
+        add_product(top.as_mut(), y.transpose(), x, -1.0);
+        add_product(corner.as_mut(), y.transpose(), x_bubble.as_ref(), -1.0);
         drop(y);
-        solve_lower_triangular_in_place(factor.as_ref(), top.as_mut(), par);
-        solve_lower_triangular_in_place(factor.as_ref(), corner.as_mut(), par);
+        solve_lower(factor.as_ref(), top.as_mut());
+        solve_lower(factor.as_ref(), corner.as_mut());
         Ok(Self { factor, top, corner, x_bubble, blocks })
     }
 
@@ -125,9 +124,8 @@ impl Layers {
         let Bubbles { w: mut coupling, w_corner: mut bubble } = bubbles;
         let blocks = blocks.into_iter().zip(diagonal_blocks(&bubble)).map(|(v, w)| [v, w]).collect();
         let (_, x) = traction.factors();
-        let par = parts(x.nrows());
-        matmul(coupling.as_mut(), Accum::Add, x.transpose(), &x_bubble, 1.0, par);
-        matmul(bubble.as_mut(), Accum::Add, x_bubble.transpose(), &x_bubble, 1.0, par);
+        add_product(coupling.as_mut(), x.transpose(), x_bubble.as_ref(), 1.0);
+        add_product(bubble.as_mut(), x_bubble.transpose(), x_bubble.as_ref(), 1.0);
         EnrichedSteklov { factor, top, corner, coupling, bubble, blocks }
     }
 }

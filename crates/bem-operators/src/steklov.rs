@@ -2,12 +2,12 @@
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::matmul::matmul as matmul_dense;
-use faer::linalg::matmul::triangular::{BlockStructure, matmul};
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::linalg::matmul::matmul;
+use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::prelude::*;
 use faer::{Accum, Col, Mat, MatMut, MatRef, Par};
 
+use crate::dense::{add_to_lower, parts, solve_lower};
 use crate::{BemError, Operators};
 
 /// On which side of the boundary the elastic body lies, and what its displacement does at infinity.
@@ -98,14 +98,14 @@ impl Translations {
     /// A := A - Q Qᵀ A.
     fn remove(&self, mut a: MatMut<'_, f64>) {
         let (part, par) = (along(&self.basis, a.rb()), parts(a.nrows()));
-        matmul_dense(a.rb_mut(), Accum::Add, &self.basis, &part, -1.0, par);
+        matmul(a.rb_mut(), Accum::Add, &self.basis, &part, -1.0, par);
     }
 }
 
 /// Qᵀ A.
 fn along(basis: &Mat<f64>, a: MatRef<'_, f64>) -> Mat<f64> {
     let mut part = Mat::zeros(2, a.ncols());
-    matmul_dense(part.as_mut(), Accum::Replace, basis.transpose(), a, 1.0, parts(a.nrows()));
+    matmul(part.as_mut(), Accum::Replace, basis.transpose(), a, 1.0, parts(a.nrows()));
     part
 }
 
@@ -119,35 +119,24 @@ impl Steklov {
     /// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987 (the symmetric form).
     pub fn new(operators: Operators, domain: Domain) -> Result<Self, BemError> {
         let Operators { v: mut factor, k: mut solved, w: mut matrix, mass, length, diameter } = operators;
-        let par = parts(factor.nrows());
         if domain.is_exterior() {
             solved *= -1.0;
         }
         for (&value, (row, column)) in &mass {
             solved[(row, column)] += 0.5 * value;
         }
-        cholesky(factor.as_mut(), par).map_err(|pivot| BemError::SingleLayerIndefinite {
+        cholesky(factor.as_mut()).map_err(|pivot| BemError::SingleLayerIndefinite {
             pivot,
             size: factor.nrows(),
             length,
             diameter,
         })?;
-        solve_lower_triangular_in_place(factor.as_ref(), solved.as_mut(), par);
+        solve_lower(factor.as_ref(), solved.as_mut());
         let translations = domain.is_bounded_at_infinity().then(|| Translations::new(solved.as_ref()));
         if let Some(translations) = &translations {
             translations.remove(solved.as_mut());
         }
-        matmul(
-            matrix.as_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            solved.as_ref().transpose(),
-            BlockStructure::Rectangular,
-            solved.as_ref(),
-            BlockStructure::Rectangular,
-            1.0,
-            par,
-        );
+        add_to_lower(matrix.as_mut(), solved.as_ref().transpose(), solved.as_ref(), 1.0);
         mirror_lower(matrix.as_mut());
         Ok(Self { matrix, traction: TractionMap { factor, solved, domain, translations } })
     }
@@ -192,18 +181,6 @@ impl TractionMap {
     }
 }
 
-/// Parts into which dense products and factorisations are cut, whatever the number of threads: the order in which their
-/// sums are taken depends on this number. More threads than parts do not help.
-pub const PARTS: usize = 16;
-
-/// Unknowns up to which dense algebra stays on one thread: cutting it up costs more than the second thread gains.
-const SMALL: usize = 320;
-
-/// The parallelism of dense algebra of so many unknowns.
-pub(crate) fn parts(unknowns: usize) -> Par {
-    if unknowns <= SMALL { Par::Seq } else { Par::rayon(PARTS) }
-}
-
 /// Columns that are factorised at a time.
 const PANEL: usize = 256;
 
@@ -211,8 +188,8 @@ const PANEL: usize = 256;
 ///
 /// Panel by panel: the diagonal block is factorised in a copy, because the library's own factorisation may use the
 /// storage above the diagonal.
-pub(crate) fn cholesky(mut a: MatMut<'_, f64>, par: Par) -> Result<(), usize> {
-    let n = a.nrows();
+pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<(), usize> {
+    let (n, par) = (a.nrows(), parts(a.nrows()));
     for start in (0..n).step_by(PANEL) {
         let size = PANEL.min(n - start);
         let (mut block, _, mut below, mut rest) = a.rb_mut().get_mut(start.., start..).split_at_mut(size, size);
@@ -228,18 +205,8 @@ pub(crate) fn cholesky(mut a: MatMut<'_, f64>, par: Par) -> Result<(), usize> {
                 block[(i, j)] = factor[(i, j)];
             }
         }
-        solve_lower_triangular_in_place(factor.as_ref(), below.rb_mut().transpose_mut(), par);
-        matmul(
-            rest.rb_mut(),
-            BlockStructure::TriangularLower,
-            Accum::Add,
-            below.rb(),
-            BlockStructure::Rectangular,
-            below.rb().transpose(),
-            BlockStructure::Rectangular,
-            -1.0,
-            par,
-        );
+        solve_lower(factor.as_ref(), below.rb_mut().transpose_mut());
+        add_to_lower(rest.rb_mut(), below.rb(), below.rb().transpose(), -1.0);
     }
     Ok(())
 }

@@ -1,0 +1,152 @@
+//! Dense products and triangular solves on as many threads as they are worth.
+//!
+//! The library cuts a product into tiles whose threads wait for each other again and again: of some hundred unknowns two
+//! threads then take up to twice the processor time of one. Matrices of that size are cut once, into groups of columns that know
+//! nothing of each other, and what is smaller still stays on one thread. Sizes alone decide, and each entry is summed in the same order
+//! in all three ways: the same bits for any number of threads.
+
+use faer::linalg::matmul::matmul;
+use faer::linalg::matmul::triangular::{self, BlockStructure};
+use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
+use faer::{Accum, MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+/// Parts into which the library cuts dense products and factorisations, whatever the number of threads: the order in which
+/// their sums are taken depends on this number. More threads than parts do not help.
+pub const PARTS: usize = 16;
+
+/// Multiplications up to which one thread is as fast as two: about a quarter of a millisecond.
+const SMALL: usize = 3_000_000;
+
+/// Unknowns from which the library's own parallelism is the better one: it shares what it packs.
+const LARGE: usize = 1024;
+
+/// Columns of a group, about: enough of them for the fastest kernels, few enough to keep all threads busy.
+const GROUP: usize = 48;
+
+/// Columns of each group but the last one, which has not many less: single columns are summed in another order.
+fn group(columns: usize) -> usize {
+    columns.div_ceil((columns / GROUP).max(1))
+}
+
+/// How so many multiplications with matrices of such a size are done.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Way {
+    OneThread,
+    Columns,
+    Library,
+}
+
+fn way(multiplications: usize, size: usize) -> Way {
+    match size {
+        _ if multiplications <= SMALL => Way::OneThread,
+        LARGE.. => Way::Library,
+        _ => Way::Columns,
+    }
+}
+
+/// The library's parallelism for matrices of so many unknowns.
+pub(crate) fn parts(unknowns: usize) -> Par {
+    if unknowns < LARGE { Par::Seq } else { Par::rayon(PARTS) }
+}
+
+/// B := L⁻¹ B, L lower triangular.
+pub(crate) fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
+    let (n, columns) = (b.nrows(), b.ncols());
+    match way(n * n / 2 * columns, n.max(columns)) {
+        Way::OneThread => solve_lower_triangular_in_place(l, b, Par::Seq),
+        Way::Library => solve_lower_triangular_in_place(l, b, Par::rayon(PARTS)),
+        Way::Columns => {
+            b.par_col_chunks_mut(group(columns)).for_each(|group| solve_lower_triangular_in_place(l, group, Par::Seq));
+        }
+    }
+}
+
+/// C := C + α A B.
+pub(crate) fn add_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) {
+    let (m, inner, n) = (a.nrows(), a.ncols(), b.ncols());
+    match way(m * inner * n, m.max(inner).max(n)) {
+        Way::OneThread => matmul(c, Accum::Add, a, b, alpha, Par::Seq),
+        Way::Library => matmul(c, Accum::Add, a, b, alpha, Par::rayon(PARTS)),
+        Way::Columns => c
+            .par_col_chunks_mut(group(n))
+            .zip(b.par_col_chunks(group(n)))
+            .for_each(|(c, b)| matmul(c, Accum::Add, a, b, alpha, Par::Seq)),
+    }
+}
+
+/// The lower triangle of C := C + α A B.
+pub(crate) fn add_to_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) {
+    let (n, inner) = (a.nrows(), a.ncols());
+    match way(n * n / 2 * inner, n.max(inner)) {
+        Way::OneThread => lower(c, a, b, alpha, Par::Seq),
+        Way::Library => lower(c, a, b, alpha, Par::rayon(PARTS)),
+        Way::Columns => {
+            let size = group(n);
+            let groups = c.par_col_chunks_mut(size).zip(b.par_col_chunks(size)).enumerate();
+            groups.for_each(|(k, (c, b))| {
+                let start = k * size;
+                let (_, from_diagonal) = c.split_at_row_mut(start);
+                let (diagonal, below) = from_diagonal.split_at_row_mut(b.ncols());
+                let (at_diagonal, at_below) = a.subrows(start, n - start).split_at_row(b.ncols());
+                lower(diagonal, at_diagonal, b, alpha, Par::Seq);
+                matmul(below, Accum::Add, at_below, b, alpha, Par::Seq);
+            });
+        }
+    }
+}
+
+fn lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64, par: Par) {
+    let whole = BlockStructure::Rectangular;
+    triangular::matmul(c, BlockStructure::TriangularLower, Accum::Add, a, whole, b, whole, alpha, par);
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::Mat;
+
+    use super::*;
+
+    fn matrix(rows: usize, columns: usize) -> Mat<f64> {
+        Mat::from_fn(rows, columns, |i, j| ((7 * i + 3 * j) as f64).sin() + if i == j { rows as f64 } else { 0.0 })
+    }
+
+    fn same_bits(a: &Mat<f64>, b: &Mat<f64>) {
+        for j in 0..a.ncols() {
+            for i in 0..a.nrows() {
+                assert_eq!(a[(i, j)].to_bits(), b[(i, j)].to_bits(), "({i}, {j}) of {}×{}", a.nrows(), a.ncols());
+            }
+        }
+    }
+
+    /// Sizes on both sides of the limits, with a column more than whole groups, and with two less.
+    const SIZES: [(usize, usize); 4] = [(130, 50), (200, 193), (231, 335), (418, 418)];
+
+    #[test]
+    fn groups_of_columns_have_the_bits_of_the_whole() {
+        for (n, columns) in SIZES {
+            let (l, b, c) = (matrix(n, n), matrix(n, columns), matrix(columns, columns));
+            let (mut got, mut want) = (b.clone(), b.clone());
+            solve_lower(l.as_ref(), got.as_mut());
+            solve_lower_triangular_in_place(l.as_ref(), want.as_mut(), Par::Seq);
+            same_bits(&got, &want);
+
+            let (mut got, mut want) = (c.clone(), c.clone());
+            add_product(got.as_mut(), b.transpose(), b.as_ref(), -1.0);
+            matmul(want.as_mut(), Accum::Add, b.transpose(), b.as_ref(), -1.0, Par::Seq);
+            same_bits(&got, &want);
+
+            let (mut got, mut want) = (c.clone(), c);
+            add_to_lower(got.as_mut(), b.transpose(), b.as_ref(), 1.0);
+            lower(want.as_mut(), b.transpose(), b.as_ref(), 1.0, Par::Seq);
+            same_bits(&got, &want);
+        }
+    }
+
+    #[test]
+    fn the_sizes_are_done_in_both_ways() {
+        let ways = SIZES.map(|(n, columns)| way(n * n / 2 * columns, n.max(columns)));
+        assert_eq!(ways, [Way::OneThread, Way::Columns, Way::Columns, Way::Columns]);
+        assert_eq!(way(LARGE * LARGE * LARGE, LARGE), Way::Library);
+    }
+}
