@@ -1,12 +1,14 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
+use std::ops::Range;
+
 use steklov_bem_operators::{
-    BemError, BoundaryField, Datum, Location, Mesh, ParticularSolution, Site, Space, add_load, boundary_residuals,
-    side_moments, side_moments_and_squares,
+    BemError, BoundaryField, Datum, Location, Look, Mesh, ParticularSolution, Site, Space, add_load,
+    boundary_residuals_of, side_moments, side_moments_and_squares,
 };
 use steklov_contact::{
     ContactBoundary, ContactBubble, ContactSolution, Multiplier, Sets, SideData, contact_boundary, contact_bubbles,
-    contact_residuals, oscillation,
+    contact_residuals_of, oscillation,
 };
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
@@ -307,8 +309,13 @@ impl Data<'_> {
         call(&sides)
     }
 
-    /// Residual indicators of all elements.
-    pub(crate) fn residuals(&self, solved: &Solved) -> Result<Vec<Residual>, SolveError> {
+    /// Residual indicators of some elements.
+    pub(crate) fn residuals(
+        &self,
+        solved: &Solved,
+        elements: Range<usize>,
+        look: Look,
+    ) -> Result<Vec<Residual>, SolveError> {
         let body = solved.particular.as_ref();
         let traction = |site: &Site| -> [Option<f64>; 2] {
             let e = site.element;
@@ -327,7 +334,8 @@ impl Data<'_> {
             let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e)));
             [0, 1].map(|i| given[i].map(|t| t - particular[i]))
         };
-        let boundary = boundary_residuals(self.mesh, &solved.field, &traction)?;
+        let first = elements.start;
+        let boundary = boundary_residuals_of(self.mesh, &solved.field, &traction, elements.clone(), look)?;
         let mut residuals: Vec<Residual> =
             boundary.into_iter().map(|boundary| Residual { boundary, ..Default::default() }).collect();
         if let Some(contact) = &solved.contact {
@@ -342,8 +350,8 @@ impl Data<'_> {
                 field: &solved.field,
                 body_force: body,
             };
-            for residual in self.with_contact_data(|sides| contact_residuals(&solution, sides))? {
-                residuals[residual.element].contact = residual;
+            for residual in self.with_contact_data(|sides| contact_residuals_of(&solution, sides, elements, look))? {
+                residuals[residual.element - first].contact = residual;
             }
         }
         Ok(residuals)

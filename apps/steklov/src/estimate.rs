@@ -11,7 +11,7 @@
 //! with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
-use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, Material, Mesh, SAME_PLACE};
+use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, Look, Material, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
 
 use crate::adapt::{coarse_elements, singular_points};
@@ -228,7 +228,7 @@ pub fn estimate(
 
     let residuals = match scene.method.indicator {
         Indicator::Bubble => Vec::new(),
-        Indicator::Residual => data.residuals(solved)?,
+        Indicator::Residual => data.residuals(solved, 0..solved.mesh.len(), Look::Close)?,
     };
 
     // the enriched problem: r = f₊ - S₊(u, 0)

@@ -64,7 +64,7 @@ pub use particular::ParticularSolution;
 pub use polygon::{Edge, Location, Loop, Polygon};
 pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};
-pub use residual::{BoundaryResidual, boundary_residuals, graded_panels, residual_panels};
+pub use residual::{BoundaryResidual, Look, boundary_residuals, boundary_residuals_of, graded_panels, residual_panels};
 pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};

@@ -12,6 +12,8 @@
 //! term that factor grows like √p: the residual of the equation has no moments against the tractions, which gains
 //! the power of p). Not seen: how well held displacements are met by their nodal values, and what contact adds.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
 use steklov_quadrature::{Rule, gauss_legendre};
 
@@ -53,7 +55,21 @@ pub fn boundary_residuals(
     field: &BoundaryField,
     traction: &(dyn Fn(&Site) -> [Option<f64>; 2] + Sync),
 ) -> Result<Vec<BoundaryResidual>, BemError> {
-    let all: Vec<_> = (0..mesh.len()).into_par_iter().map(|e| element_residual(mesh, field, traction, e)).collect();
+    boundary_residuals_of(mesh, field, traction, 0..mesh.len(), Look::Close)
+}
+
+/// [`boundary_residuals`] of some elements, taken as closely as asked for.
+///
+/// # Errors
+/// As [`boundary_residuals`].
+pub fn boundary_residuals_of(
+    mesh: &Mesh,
+    field: &BoundaryField,
+    traction: &(dyn Fn(&Site) -> [Option<f64>; 2] + Sync),
+    elements: Range<usize>,
+    look: Look,
+) -> Result<Vec<BoundaryResidual>, BemError> {
+    let all: Vec<_> = elements.into_par_iter().map(|e| element_residual(mesh, field, traction, look, e)).collect();
     all.into_iter().collect()
 }
 
@@ -61,10 +77,11 @@ fn element_residual(
     mesh: &Mesh,
     field: &BoundaryField,
     traction: &(dyn Fn(&Site) -> [Option<f64>; 2] + Sync),
+    look: Look,
     e: usize,
 ) -> Result<BoundaryResidual, BemError> {
     let (mut neumann, mut equation) = (0.0, 0.0);
-    for panel in residual_panels(mesh.degree[e], &[]) {
+    for panel in look.panels(mesh.degree[e], &[]) {
         for (&t, &w) in panel.points.iter().zip(&panel.weights) {
             let site = Site::new(mesh, e, t);
             let (steklov, slope) = field.boundary_derivatives(e, t, 0..mesh.len());
@@ -83,6 +100,25 @@ fn element_residual(
     // ds = h/2 dt
     let (neumann, equation) = (h / (p * young) * (h / 2.0) * neumann, h * young / p * (h / 2.0) * equation);
     Ok(BoundaryResidual { neumann, equation })
+}
+
+/// How closely residuals are looked at.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Look {
+    /// By [`residual_panels`]: to 1 % of their norm.
+    Close,
+    /// At 8 to 8 + 2p points of an element of degree p, to a factor of two or so: whether there is anything of a size that counts.
+    Quick,
+}
+
+impl Look {
+    /// The rules on an element of degree p, cut at the given kinks of the data too.
+    pub fn panels(self, degree: usize, kinks: &[f64]) -> Vec<Rule> {
+        match self {
+            Self::Close => residual_panels(degree, kinks),
+            Self::Quick => graded_panels(1, 2, degree, kinks),
+        }
+    }
 }
 
 /// Layers towards each end of an element, and their ratio.

@@ -6,8 +6,8 @@ use common::*;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, mesh};
 use steklov_bem_operators::{
-    BemError, BoundaryField, BoundaryResidual, Condensation, Datum, Domain, Material, Mesh, Operators, Partition,
-    Plane, Site, Space, Steklov, add_load, boundary_residuals, residual_panels, side_moments,
+    BemError, BoundaryField, BoundaryResidual, Condensation, Datum, Domain, Look, Material, Mesh, Operators, Partition,
+    Plane, Site, Space, Steklov, add_load, boundary_residuals, boundary_residuals_of, residual_panels, side_moments,
 };
 
 /// Field of a nodal displacement with the traction that the operators give to it.
@@ -246,4 +246,23 @@ fn the_number_of_threads_changes_no_bit() {
         pool.install(|| boundary_residuals(&mesh, &field, &|_| [Some(1.0), None]).expect("finite"))
     };
     assert_eq!(on(1), on(4));
+}
+
+/// By few points residuals (squares) are those of the close look to a factor of two; groups of elements have the bits of all.
+#[test]
+fn a_quick_look_sees_what_a_close_one_does() {
+    let material = Gold::read().material();
+    let mesh = Mesh::uniform(&polygon(&L_SHAPE, &[]), 20, 3);
+    let space = Space::new(&mesh);
+    let field = with_traction(&mesh, &space, &material, &space.interpolate(|[x, y]| [x * x * y, (5.0 * y).sin()]));
+    let given = |_: &Site| [Some(1.0), None];
+    let of = |elements, look| boundary_residuals_of(&mesh, &field, &given, elements, look).expect("finite");
+    let (close, quick) = (of(0..mesh.len(), Look::Close), of(0..mesh.len(), Look::Quick));
+    assert_eq!(close, boundary_residuals(&mesh, &field, &given).expect("finite"));
+    for (close, quick) in close.iter().zip(&quick) {
+        for (close, quick) in [(close.neumann, quick.neumann), (close.equation, quick.equation)] {
+            assert!(quick < 2.0 * close && close < 2.0 * quick, "{quick} {close}");
+        }
+    }
+    assert_eq!([of(0..7, Look::Quick), of(7..mesh.len(), Look::Quick)].concat(), quick);
 }

@@ -71,6 +71,7 @@ mod newton;
 mod rows;
 mod uzawa;
 mod motions;
+mod stopped;
 mod multiplier_trace;
 mod residual;
 mod multiplier_space;
@@ -101,7 +102,7 @@ pub use multiplier_space::{
 pub use multiplier_trace::multiplier_trace;
 pub use newton::newton;
 pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
-pub use residual::{ContactResidual, ContactSolution, Multiplier, contact_residuals};
+pub use residual::{ContactResidual, ContactSolution, Multiplier, contact_residuals, contact_residuals_of};
 pub use rows::{MultiplierRow, multiplier_rows};
 pub use several::{Contraction, contraction, other_solution};
 pub use sides::SideData;

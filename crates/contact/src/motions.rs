@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::RigidMotion;
 
-use crate::ContactError;
+use crate::{ContactError, stopped};
 
 /// A straight part of the contact boundary, as far as rigid motions are concerned: on it u_n is linear and u_t constant.
 #[derive(Debug, Clone, PartialEq)]
@@ -19,6 +19,8 @@ pub struct ContactEdge {
 
 /// What counts as zero, relative to the scale of the quantity.
 const ZERO: f64 = 1e-9;
+/// Rows from which it is asked first whether a few of them leave any motion: the pairs of all are a thousand times as many.
+const MANY: usize = 64;
 
 /// The motions among the span of `candidates` that nothing resists and no load drives; each of them needs a spring.
 ///
@@ -106,6 +108,9 @@ impl Rows {
 
     /// Unit vectors along the rays in which the planes meet, of motions that close the obstacle nowhere.
     fn for_each_allowed_ray(&self, mut visit: impl FnMut(&[f64])) {
+        if self.normal.len() > MANY && stopped::every_way(&self.normal, ZERO * self.scale) {
+            return;
+        }
         let closes = |row: &[f64], ray: &[f64]| dot(row, ray) > ZERO * self.scale;
         // what stops the two rays of a line mostly stops those of the next: few cost a look at all rows
         let mut last = [0; 2];

@@ -24,8 +24,10 @@
 //! falls like h^(p+1) (normal) and h^p (tangential) only, not h^(2p+1), where gap or bound are no polynomials, and has
 //! no digits under a bound beyond all shears.
 
+use std::ops::Range;
+
 use rayon::prelude::*;
-use steklov_bem_operators::{BoundaryField, Datum, Mesh, ParticularSolution, Site, Space, residual_panels};
+use steklov_bem_operators::{BoundaryField, Datum, Look, Mesh, ParticularSolution, Site, Space};
 use steklov_quadrature::{gauss_legendre, project};
 
 use crate::law::dot;
@@ -108,10 +110,23 @@ pub fn contact_residuals(
     solution: &ContactSolution<'_>,
     sides: &[SideData<'_>],
 ) -> Result<Vec<ContactResidual>, ContactError> {
+    contact_residuals_of(solution, sides, 0..solution.mesh.len(), Look::Close)
+}
+
+/// [`contact_residuals`] of some elements, taken as closely as asked for.
+///
+/// # Errors
+/// As [`contact_residuals`].
+pub fn contact_residuals_of(
+    solution: &ContactSolution<'_>,
+    sides: &[SideData<'_>],
+    elements: Range<usize>,
+    look: Look,
+) -> Result<Vec<ContactResidual>, ContactError> {
     let mesh = solution.mesh;
     let data = |e: usize| sides.iter().find(|s| s.side == mesh.side[e]).map(|s| (e, s));
-    let elements: Vec<_> = (0..mesh.len()).filter_map(data).collect();
-    let all: Vec<_> = elements.par_iter().map(|&(e, data)| element_residual(solution, data, e)).collect();
+    let elements: Vec<_> = elements.filter_map(data).collect();
+    let all: Vec<_> = elements.par_iter().map(|&(e, data)| element_residual(solution, data, look, e)).collect();
     all.into_iter().collect()
 }
 
@@ -156,6 +171,7 @@ impl ContactResidual {
 fn element_residual(
     solution: &ContactSolution<'_>,
     data: &SideData<'_>,
+    look: Look,
     e: usize,
 ) -> Result<ContactResidual, ContactError> {
     let ContactSolution { mesh, space, displacement, .. } = *solution;
@@ -186,7 +202,7 @@ fn element_residual(
     // one that rounding put beside an end is there
     kinks.retain(|t| t.abs() < 1.0 - mesh.resolution(e));
     let mut residual = ContactResidual { element: e, ..ContactResidual::default() };
-    for panel in residual_panels(basis.degree, &kinks) {
+    for panel in look.panels(basis.degree, &kinks) {
         let mut samples = Vec::with_capacity(panel.len());
         for (&t, &w) in panel.points.iter().zip(&panel.weights) {
             let site = Site::new(mesh, e, t);
