@@ -5,7 +5,7 @@ use steklov_contact::{Located, Obstacle, Tip, relocate, unlocated};
 
 use crate::apart::{limited_by_multipliers, multiplier_indicators};
 use crate::body::Factors;
-use crate::estimate::{Bubble, Doubt, Estimate};
+use crate::estimate::{Bubble, Doubt, Estimate, unlocated_energy};
 use crate::expression::{Expression, Turn};
 use crate::hidden::{Overlap, Unseen};
 use crate::scene::{Condition, Friction, Refine, Scene};
@@ -20,7 +20,8 @@ pub struct Layout {
     pub tips: Vec<Tip>,
 }
 
-/// Part of the estimate whose elements the hp strategy refines; as long as most transitions have no vertices.
+/// Part of the estimate whose elements the hp strategy refines; the same among asperities as long as many ends of contact have no
+/// vertices.
 const MARKED: f64 = 0.95;
 const FIRST_MARKED: f64 = 0.7;
 /// Degree from which the decay of Legendre coefficients tells whether a solution is smooth.
@@ -154,6 +155,17 @@ fn gap_turns(scene: &Scene) -> Vec<Vec<Turn>> {
         _ => Vec::new(),
     };
     scene.polygon.edges().iter().map(of).collect()
+}
+
+/// The part of the indicators whose elements are refined among asperities. Transitions that get vertices count with their
+/// energy, and as marked: while that is most of the estimate nothing else is refined; nor is much while many have none, nor more
+/// than half of the tolerance asks for, which is `goal` of the estimate.
+fn part_to_mark(squared: &[f64], located: &[Located], energy: f64, goal: f64) -> f64 {
+    let new = located.iter().filter(|tip| !tip.at_vertex).count();
+    let part = if 4 * new > located.len() { FIRST_MARKED } else { MARKED };
+    let part = part.min(1.0 - (goal / 2.0).powi(2));
+    let sum: f64 = squared.iter().sum();
+    if sum > 0.0 { (part - (1.0 - part) * energy / sum).max(0.0) } else { part }
 }
 
 /// How often the gap turns within an element.
@@ -321,16 +333,21 @@ impl Layout {
                             && (unresolved.contains(&e) || estimate.is_some_and(|all| oscillates(&all.indicators[e])))
                 };
                 let mut singular = singular_points(scene, true);
-                // as long as most transitions have no vertices they are where the error is
-                let found = located().len();
-                let unsettled = found > 2 * self.tips.len();
-                let mut marks = marked(if unsettled { FIRST_MARKED } else { MARKED }, &rough);
+                let turns = gap_turns(scene);
+                let mut part = MARKED;
+                if let (Some(state), true) = (state, turns.iter().flatten().any(|t| t.maximum)) {
+                    let mut whole = Subdivision::new(mesh, &vec![Mark::Keep; mesh.len()]);
+                    let tips = &mut self.tips.clone();
+                    let located = relocate(tips, &mut whole, state, &singular, &obstacles(&turns))?;
+                    let goal = estimate.map_or(0.0, |all| method.tolerance / all.relative);
+                    part = part_to_mark(&squared, &located, unlocated_energy(scene, &located), goal);
+                }
+                let mut marks = marked(part, &rough);
                 for e in coarse_elements(mesh, &singular) {
                     if marks[e] == Mark::Keep {
                         marks[e] = Mark::Refine { rough: true, excess: 1.0 };
                     }
                 }
-                let turns = gap_turns(scene);
                 let (several, single): (Vec<&Overlap>, Vec<&Overlap>) =
                     unseen.overlaps.iter().partition(|o| turns_within(mesh, &turns, o.element) > 1);
                 let narrow: Vec<&Overlap> = single.into_iter().filter(|o| o.at[2] - o.at[0] < NARROW).collect();

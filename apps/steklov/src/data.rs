@@ -362,7 +362,10 @@ impl Data<'_> {
         let frictionless = |side: usize| {
             matches!(self.scene.sides[side].condition, Condition::Contact { friction: Friction::None, .. })
         };
-        Ok(self.contact(held)?.map(|boundary| boundary.without_tangents(&frictionless)))
+        // of as few unknowns as rigid motions there may be no stiffness left
+        let enough = |boundary: &ContactBoundary| boundary.kept().len() > 3;
+        let boundary = self.contact(held)?;
+        Ok(boundary.map(|whole| Some(whole.clone().without_tangents(&frictionless)).filter(enough).unwrap_or(whole)))
     }
 
     /// Contact nodes, weights and conditions; none without a contact side.

@@ -7,8 +7,8 @@
 //! overlap           δ = max (u_n - g) between the nodes        η_g² = E*/2 δ², where it is more than all of the others
 //! ```
 //! The indicators steer the refinement. The estimate is the geometric mean of their sum and of the energy of e₊, the
-//! displacement that S₊ of the enriched spaces adds with the contact sets, and the bounds of Coulomb friction, as they are, both
-//! with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
+//! displacement that S₊ of the enriched spaces adds with the contact sets, and the bounds of Coulomb friction, as they are, both,
+//! with strategies that keep the degree, with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
 use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, Look, Material, Mesh, SAME_PLACE};
@@ -254,7 +254,8 @@ pub fn estimate(
     let held = held.max(elastic.held_tractions(mesh.len(), moduli));
     let materials: Vec<Material> =
         std::iter::once(scene.material).chain(solved.around.as_ref().map(|around| around.material)).collect();
-    let unseen = unseen_by_tractions(mesh, &correction, &materials);
+    let hp = matches!(scene.method.refine, Refine::Hp | Refine::HpDecay);
+    let unseen = if hp { 0.0 } else { unseen_by_tractions(mesh, &correction, &materials) };
     // the product of two energies may leave the range of floating point
     let mean = (squared + unseen).sqrt() * (two_level + unseen).sqrt();
     let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
@@ -381,7 +382,7 @@ impl Estimate {
         let sum = |of: &dyn Fn(&Located) -> bool| -> f64 {
             located.iter().filter(|tip| of(tip)).map(|tip| tip_energy(modulus, tip)).sum()
         };
-        self.tips = sum(&|tip| !tip.at_vertex);
+        self.tips = unlocated_energy(scene, located);
         // a vertex that is off moves the sets of the nodes about it, which undoes most of that
         let lost = sum(&|tip| tip.at_vertex) > (UNDONE * self.error).powi(2);
         self.error = self.error.hypot(self.tips.sqrt());
@@ -465,6 +466,12 @@ fn zone(tip: &Located, located: &[Located]) -> f64 {
 /// 0.3 E* B² |δ|³, in which the unit of d and δ cancels; 0 for a transition without a fit.
 fn tip_energy(modulus: f64, tip: &Located) -> f64 {
     tip.curvature.map_or(0.0, |b| TIP * modulus * b * b * tip.off.abs().powi(3))
+}
+
+/// Energy of the transitions that no vertex of the mesh follows.
+pub(crate) fn unlocated_energy(scene: &Scene, located: &[Located]) -> f64 {
+    let modulus = plane_modulus(&scene.material);
+    with_curvatures(located).iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum()
 }
 
 /// The transitions, those without a vertex with curvatures of at most twice the largest of four or more of their edge that have

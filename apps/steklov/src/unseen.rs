@@ -23,6 +23,7 @@ pub(crate) fn unseen_by_tractions(mesh: &Mesh, correction: &Enriched, materials:
     let rest = |m: &Material| m.mu() * (4.0 * (1.0 - m.nu()) / (3.0 - 4.0 * m.nu()) - 0.5 / (1.0 - m.nu()));
     let stiffness: f64 = materials.iter().map(rest).sum();
     let linear = (0..mesh.len()).filter(|&e| mesh.degree[e] == 1);
-    let squares: f64 = linear.map(|e| correction.extra[2 * e].powi(2) + correction.extra[2 * e + 1].powi(2)).sum();
-    4.0 * ZETA / PI.powi(3) * stiffness * squares
+    // the squares of displacements alone may leave the range of floating point
+    let root = (4.0 * ZETA / PI.powi(3) * stiffness).sqrt();
+    linear.map(|e| (root * correction.extra[2 * e]).powi(2) + (root * correction.extra[2 * e + 1]).powi(2)).sum()
 }

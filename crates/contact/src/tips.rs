@@ -152,9 +152,10 @@ pub fn relocate(
             let mut fixed = of_edge(next);
             fixed.extend(&obstacles[edge].valleys);
             let to = step(f.tip, &f.transition, place.s, &fixed);
-            // a vertex at an end of the bracket may be where it belongs: nothing tells where else it is to go
+            // among asperities a vertex at an end of the bracket may be where it belongs: nothing tells where else it is to go
             let [low, high] = f.transition.bracket;
-            let told = place.curvature.is_some()
+            let told = obstacles[edge].valleys.is_empty()
+                || place.curvature.is_some()
                 || s < low - SAME_PLACE
                 || s > high + SAME_PLACE
                 || nodal_guess(f.line, &f.transition, solved.problem, solved.solution).is_some();
@@ -207,9 +208,11 @@ fn located(
             let Followed { line, tip, .. } = &followed[i];
             let others = followed.iter().enumerate();
             let others = others.filter(|(j, f)| *j != i && f.tip.edge == tip.edge && (f.old || !old));
-            let fixed = singular[tip.edge].iter().chain(&obstacles[tip.edge].valleys).copied();
+            let valleys = &obstacles[tip.edge].valleys;
+            let fixed = singular[tip.edge].iter().chain(valleys).copied();
             let singular = others.map(|(_, f)| f.tip.s).chain(fixed).collect();
-            TipVertex { line, kind: tip.kind, regular: tip.regular, s: tip.s, singular }
+            let among_valleys = !valleys.is_empty();
+            TipVertex { line, kind: tip.kind, regular: tip.regular, s: tip.s, singular, among_valleys }
         };
         let vertices: Vec<TipVertex<'_>> = chosen.iter().map(vertex).collect();
         for (i, fit) in chosen.into_iter().zip(tip_fits(&vertices, problem, sets)?) {

@@ -140,6 +140,8 @@ pub struct TipVertex<'a> {
     pub s: f64,
     /// The other singular points of the edge, its ends included.
     pub singular: Vec<f64>,
+    /// Whether valleys of the obstacle are among them: the nodes up to these are few, and all count.
+    pub among_valleys: bool,
 }
 
 impl TipVertex<'_> {
@@ -200,7 +202,7 @@ impl TipVertex<'_> {
         }
         let far = points.len() < 3;
         if far {
-            points = within((1.0 + 1e-9) * next);
+            points = within(if self.among_valleys { 1.0 + 1e-9 } else { 0.99 } * next);
         }
         if points.len() < 2 {
             return None;
@@ -211,7 +213,7 @@ impl TipVertex<'_> {
         }
         let shift = -a / (1.5 * b);
         let limited = shift.clamp(-0.4 * previous, 0.4 * next);
-        if far && shift != limited {
+        if self.among_valleys && far && shift != limited {
             return None;
         }
         let shift = limited;
@@ -225,9 +227,9 @@ impl TipVertex<'_> {
 /// (stick, in the direction of most nodes there) on the regular side of each is A d^(1/2) + B d^(3/2) + C d^(5/2), while
 /// w ~ B (d - δ)^(3/2) with the transition in its place: the regular side begins at δ = -A/(1.5 B). The sets are changed
 /// up to 0.6 of the distance to the singular points next to a vertex, the fit is on the nodes up to half of the distance to the
-/// nearer one, or to that on the regular side, or to the next singular point there, where these are fewer than three;
+/// nearer one, or to that on the regular side, or (nearly) to the next singular point there, where these are fewer than three;
 /// the shift is at most 0.4 of the distance to a singular point. None if B ≤ 0, if there are fewer than two nodes, or if it
-/// would be more with nodes up to the next singular point.
+/// would be more with nodes up to a valley of the obstacle.
 /// *Cost*: one factorisation for all of them.
 ///
 /// # Errors

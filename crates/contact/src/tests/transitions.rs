@@ -161,7 +161,7 @@ impl Vertex {
 
     fn fit(&self, row: &Row, states: &[(bool, i8)], singular: &[f64]) -> Option<TipFit> {
         let Self { s, kind, regular, .. } = *self;
-        let vertex = TipVertex { line: &row.line, kind, regular, s, singular: singular.to_vec() };
+        let vertex = TipVertex { line: &row.line, kind, regular, s, singular: singular.to_vec(), among_valleys: false };
         tip_fits(&[vertex], &row.problem, &row.sets(states)).unwrap()[0]
     }
 
