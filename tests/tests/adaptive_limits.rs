@@ -85,6 +85,25 @@ fn loads_finer_than_the_elements_are_in_doubt() {
     }
 }
 
+/// Linear elements, which tractions of degree 1 do not see all of: the estimate is the error where it is smooth and where corners
+/// are singular.
+#[test]
+fn linear_elements_tell_their_error() {
+    let square = on_floor(On::traction("x*(1-x)", "-1-x^2"));
+    let corners = [[0.4, 0.0], [0.6, 0.0], [0.6, 0.8], [1.0, 0.8], [1.0, 1.0], [0.0, 1.0], [0.0, 0.8], [0.4, 0.8]];
+    let tee = Case::new(&corners, &["floor", "a", "b", "c", "top", "d", "e", "f"], 0.3);
+    let tee = tee.on("floor", On::held("0", "0")).on("top", On::traction("0.3", "-1-x^2"));
+    for (case, tolerance) in [(square, "0.03"), (tee, "0.08")] {
+        for refine in ["h", "uniform-h"] {
+            println!("{refine} to {tolerance}");
+            let (refine, tolerance) = (format!("method.refine=\"{refine}\""), format!("method.tolerance={tolerance}"));
+            let found = effectivities(&parsed(&case, &[&refine, &tolerance]), 1500, Doubt::Coarse);
+            assert!(found.iter().all(|&(e, doubted)| doubted || (0.9..1.3).contains(&e)), "{found:?}");
+            assert!((0.9..1.3).contains(&found[found.len() - 1].0), "{found:?}");
+        }
+    }
+}
+
 /// A held strip under a load that rises along it: while its elements are long beside its thickness the bubbles miss most of
 /// the error, and say so.
 #[test]

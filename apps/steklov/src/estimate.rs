@@ -121,6 +121,8 @@ impl Doubt {
 /// Error over the geometric mean of η and of the correction, measured: the correction alone sees 0.6 to 0.95 of the error, η,
 /// which has the error of the traction in it, is 0.95 to 1.6 of it, and their mean 0.88 to 1.07.
 const SATURATION: f64 = 1.03;
+/// Loads vary within an element if what its degree leaves of them is more than this part of its indicators.
+const UNFOLLOWED: f64 = 0.01;
 /// What held displacements less their interpolants add to J beyond the first order, over their η_g²: from 0 to ½.
 const HELD_REST: f64 = 0.25;
 /// How far J may be off under Coulomb's law, over the error times (2 friction work)^½: up to 0.025 was measured. J is not
@@ -255,7 +257,8 @@ pub fn estimate(
     let materials: Vec<Material> =
         std::iter::once(scene.material).chain(solved.around.as_ref().map(|around| around.material)).collect();
     let hp = matches!(scene.method.refine, Refine::Hp | Refine::HpDecay);
-    let unseen = if hp { 0.0 } else { unseen_by_tractions(mesh, &correction, &materials) };
+    let varies = |e: usize| factors.unresolved[e] > UNFOLLOWED * modulus * indicators[e].total();
+    let unseen = if hp { 0.0 } else { unseen_by_tractions(mesh, &correction, &materials, &varies) };
     // the product of two energies may leave the range of floating point
     let mean = (squared + unseen).sqrt() * (two_level + unseen).sqrt();
     let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
