@@ -122,7 +122,7 @@ impl Doubt {
 /// which has the error of the traction in it, is 0.95 to 1.6 of it, and their mean 0.88 to 1.07.
 const SATURATION: f64 = 1.03;
 /// Loads vary within an element if what its degree leaves of them is more than this part of its indicators.
-const UNFOLLOWED: f64 = 0.01;
+const UNFOLLOWED: f64 = 1e-3;
 /// What held displacements less their interpolants add to J beyond the first order, over their η_g²: from 0 to ½.
 const HELD_REST: f64 = 0.25;
 /// How far J may be off under Coulomb's law, over the error times (2 friction work)^½: up to 0.025 was measured. J is not

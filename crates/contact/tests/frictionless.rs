@@ -90,6 +90,12 @@ proptest! {
             let off = (a[0] - b[0]).abs().max((a[1] - b[1]).abs());
             prop_assert!(off < 1e-7 * pressure, "{i}: {a:?} {b:?}");
         }
-        prop_assert_eq!(a.status, b.status);
+        // which way a node slips that does not move is a matter of rounding
+        let nodes = whole.nodes.iter().flat_map(|node| node.conditions.iter().map(move |c| (node.node, c.tangent)));
+        for (i, (node, t)) in nodes.enumerate() {
+            let slip = u[2 * node] * t[0] + u[2 * node + 1] * t[1];
+            let moves = slip.abs() > 1e-8 * largest && a.multipliers[i][0] > 1e-6 * pressure;
+            prop_assert!(!moves || a.status[i] == b.status[i], "{i}: {:?} {:?}", a.status[i], b.status[i]);
+        }
     }
 }
