@@ -148,10 +148,12 @@ impl ContactBoundary {
 
     /// Gives closed nodes without a tangential unknown the direction in which they slip under a displacement of all nodes.
     pub fn tell_slip(&self, displacement: &[f64], status: &mut [Status]) {
-        let conditions = self.nodes.iter().flat_map(|node| node.conditions.iter().map(move |_| node));
-        for (node, status) in conditions.zip(status) {
+        let nodes = self.nodes.iter().zip(&self.contact);
+        let conditions = nodes.flat_map(|(node, contact)| contact.conditions.iter().map(move |c| (node, c)));
+        for ((node, condition), status) in conditions.zip(status) {
             if let (Some([_, t]), [_], Status::Stick) = (node.frame, node.directions.as_slice(), &status) {
-                let slip = displacement[2 * node.node] * t[0] + displacement[2 * node.node + 1] * t[1];
+                let own = displacement[2 * node.node] * t[0] + displacement[2 * node.node + 1] * t[1];
+                let slip = own + condition.slip_offset;
                 *status = if slip < 0.0 { Status::SlipMinus } else { Status::SlipPlus };
             }
         }

@@ -91,9 +91,12 @@ proptest! {
             prop_assert!(off < 1e-7 * pressure, "{i}: {a:?} {b:?}");
         }
         // which way a node slips that does not move is a matter of rounding
-        let nodes = whole.nodes.iter().flat_map(|node| node.conditions.iter().map(move |c| (node.node, c.tangent)));
-        for (i, (node, t)) in nodes.enumerate() {
-            let slip = u[2 * node] * t[0] + u[2 * node + 1] * t[1];
+        let nodes = whole.nodes.iter().zip(&whole.contact);
+        let conditions = nodes.flat_map(|(node, contact)| {
+            node.conditions.iter().zip(&contact.conditions).map(move |(plane, c)| (node.node, plane.tangent, c.slip_offset))
+        });
+        for (i, (node, t, offset)) in conditions.enumerate() {
+            let slip = u[2 * node] * t[0] + u[2 * node + 1] * t[1] + offset;
             let moves = slip.abs() > 1e-8 * largest && a.multipliers[i][0] > 1e-6 * pressure;
             prop_assert!(!moves || a.status[i] == b.status[i], "{i}: {:?} {:?}", a.status[i], b.status[i]);
         }
