@@ -11,15 +11,16 @@
 //! with strategies that keep the degree, with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
-use steklov_bem_operators::{BoundaryResidual, Condensation, Enriched, Look, Material, Mesh, SAME_PLACE};
-use steklov_contact::{ContactBubble, ContactResidual, Frozen, Located, TipKind};
+use steklov_bem_operators::{BoundaryResidual, Enriched, Look, Material, Mesh, SAME_PLACE};
+use steklov_contact::{ContactBubble, ContactResidual, Frozen};
 
-use crate::adapt::{coarse_elements, singular_points};
+use crate::adapt::coarse_elements;
 use crate::body::{Body, Factors, UNBALANCED};
 use crate::data::Data;
 use crate::elastic::{Elastic, EnrichedBody, plane_modulus};
+use crate::enriched_problem::{Frame, System, frames};
 use crate::hidden::{Overlap, Unseen};
-use crate::scene::{Condition, Indicator, Refine, Scene};
+use crate::scene::{Indicator, Refine, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::unseen::unseen_by_tractions;
 
@@ -125,20 +126,11 @@ const SATURATION: f64 = 1.03;
 const UNFOLLOWED: f64 = 1e-3;
 /// What held displacements less their interpolants add to J beyond the first order, over their η_g²: from 0 to ½.
 const HELD_REST: f64 = 0.25;
+/// How far J may be off, over the squared error.
+pub(crate) const OF_SQUARE: f64 = 0.4;
 /// How far J may be off under Coulomb's law, over the error times (2 friction work)^½: up to 0.025 was measured. J is not
 /// stationary there, as the bounds of friction are those of the approximate pressure.
 const NOT_STATIONARY: f64 = 0.06;
-/// Energy of a tip that is off by δ: 0.3 E* B² |δ|³.
-const TIP: f64 = 0.3;
-/// A tip farther from its vertex than this part of its edge, or a contact end farther than this part of the zone beside it:
-/// the contact sets are not those of the solution yet.
-const FAR: f64 = 0.006;
-const FAR_IN_ZONE: f64 = 0.025;
-/// Energy norm that vertices off their transitions may cost by themselves, over the estimated error, beyond which that is in
-/// doubt.
-const UNDONE: f64 = 10.0;
-/// Part of the squared estimate from which on energies of transitions that are not where they were believed to be count.
-const MATTERS: f64 = 0.05;
 /// Part of the squared estimate that loads may have between the points that the elements' degrees follow.
 pub const UNRESOLVED: f64 = 0.25;
 /// Next to a singular point e_p falls like p^-2λ: beyond this degree a bubble shows less than half of the error.
@@ -149,10 +141,6 @@ const SLOW_PART: f64 = 0.1;
 const SLENDER: f64 = 4.0;
 /// Relative error (energy norm) below which rounding decides.
 pub const ROUNDOFF: f64 = 1e-7;
-/// Reduction of the squared energy of the rest at which the correction is good enough.
-const ENOUGH: f64 = 1e-4;
-/// Steps of conjugate gradients at most.
-const STEPS: usize = 40;
 
 /// Unknowns of a single mesh beyond which the estimate is left out: it takes up to six times the time and three times the
 /// memory of the solution.
@@ -181,7 +169,6 @@ pub fn estimate(
 ) -> Result<(Estimate, Unseen), SolveError> {
     let Solved { mesh, space, .. } = solved;
     let elastic = Elastic::new(enriched, factors);
-    let modulus = plane_modulus(&scene.material);
     let data = Data { scene, mesh, space };
     let bubbles = match (&solved.contact, &factors.contact) {
         (Some(contact), Some(part)) => {
@@ -190,51 +177,19 @@ pub fn estimate(
         _ => Vec::new(),
     };
     let frames = frames(scene, mesh, &bubbles);
-    let force = elastic.bubble_force();
-    let mut residual: Vec<f64> = factors.extra_load.iter().zip(&force).map(|(f, s)| f - s).collect();
-    for bubble in &bubbles {
-        let (e, n, t) = (bubble.element, mesh.normal(bubble.element), mesh.tangent[bubble.element]);
-        // a closed bubble's residual along n is ∫λ_n b
-        let pressure = residual[2 * e] * n[0] + residual[2 * e + 1] * n[1];
-        let shear = bubble.load[1] - bubble.coupling * pressure;
-        for i in 0..2 {
-            residual[2 * e + i] += bubble.load[0] * n[i] + shear * t[i];
-        }
-    }
-    let tractions = elastic.traction_indicators(mesh.len());
-    let mut indicators = Vec::with_capacity(mesh.len());
-    for e in 0..mesh.len() {
-        let rho = [residual[2 * e], residual[2 * e + 1]];
-        indicators.push(Bubble {
-            displacement: frames[e].energy(elastic.hypersingular_block(e), rho),
-            traction: tractions[e],
-            oscillation: 0.0,
-        });
-    }
-    for bubble in &bubbles {
-        indicators[bubble.element].oscillation += modulus / 2.0 * bubble.oscillation;
-    }
-    let mut held_oscillation = 0.0;
-    for (e, oscillation) in data.held_oscillation(solved.particular.as_ref())? {
-        indicators[e].oscillation += modulus / 2.0 * oscillation;
-        held_oscillation += modulus / 2.0 * oscillation;
-    }
-
-    for (e, oscillation) in data.jump_oscillation()? {
-        indicators[e].oscillation += oscillation;
-    }
-
+    let residual = bubble_residual(mesh, factors, &elastic, &bubbles);
+    let (mut indicators, held_oscillation) = indicators(&data, solved, &elastic, (&bubbles, &frames), &residual)?;
     let scale = scale(solved.energies.strain, body, factors);
     let closed: Vec<usize> = bubbles.iter().filter(|b| !b.free[0]).map(|b| b.element).collect();
-    let overlaps = hidden_overlaps(&data, solved, (scale, modulus), &closed, &mut indicators);
-
+    let overlaps = hidden_overlaps(&data, solved, scale, &closed, &mut indicators);
     let residuals = match scene.method.indicator {
         Indicator::Bubble => Vec::new(),
-        Indicator::Residual => data.residuals(solved, 0..solved.mesh.len(), Look::Close)?,
+        Indicator::Residual => data.residuals(solved, 0..mesh.len(), Look::Close)?,
     };
 
     // the enriched problem: r = f₊ - S₊(u, 0)
     let (excess, gained) = elastic.excess();
+    let force = elastic.bubble_force();
     let r = Enriched {
         base: excess.base.iter().map(|s| -s).collect(),
         extra: residual.iter().zip(&force).zip(&excess.extra).map(|((r, f), s)| r + f - s).collect(),
@@ -249,20 +204,9 @@ pub fn estimate(
     };
     let (squared, correction) = system.correction(&r);
 
-    let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
-    let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
-    let held: f64 = indicators.iter().zip(&frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
-    let moduli = solved.around.as_ref().map(|around| [modulus, plane_modulus(&around.material)]);
-    let held = held.max(elastic.held_tractions(mesh.len(), moduli));
-    let materials: Vec<Material> =
-        std::iter::once(scene.material).chain(solved.around.as_ref().map(|around| around.material)).collect();
-    let hp = matches!(scene.method.refine, Refine::Hp | Refine::HpDecay);
-    let varies = |e: usize| factors.unresolved[e] > UNFOLLOWED * modulus * indicators[e].total();
-    let unseen = if hp { 0.0 } else { unseen_by_tractions(mesh, &correction, &materials, &varies) };
-    // the product of two energies may leave the range of floating point
-    let mean = (squared + unseen).sqrt() * (two_level + unseen).sqrt();
-    let error = (SATURATION.powi(2) * mean.max(held) + oscillation + factors.difference).sqrt();
-    let energies = &solved.energies;
+    let held = held_tractions(scene, solved, &elastic, &indicators, &frames);
+    let unseen = unseen_of(scene, solved, factors, &indicators, &correction);
+    let error = combined_error(&indicators, squared, unseen, held, factors.difference);
     let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
     let friction = data.friction_work_left(solved, factors)?;
     let of_data = of_jump + data.held_work(solved)? + HELD_REST * held_oscillation + friction;
@@ -272,8 +216,104 @@ pub fn estimate(
         return Err(SolveError::NotFinite { energy });
     }
     let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
-    let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * energies.friction_work).sqrt() } else { 0.0 };
-    let uncertainty = 0.5 * (extrapolation.abs() + of_jump.abs()) + friction.abs() + 0.4 * error * error + bounds;
+    let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * solved.energies.friction_work).sqrt() } else { 0.0 };
+    let uncertainty = 0.5 * (extrapolation.abs() + of_jump.abs()) + friction.abs() + OF_SQUARE * error * error + bounds;
+    let unresolved = unresolved(&data, solved, factors, &bubbles)?;
+    let doubts = doubts(scene, solved, (&unresolved, &overlaps), error);
+    let relative = ratio(error, scale);
+    let correction = squared;
+    let estimate =
+        Estimate { indicators, residuals, correction, tips: 0.0, error, relative, scale, energy, uncertainty, doubts };
+    Ok((estimate, Unseen { overlaps, unresolved }))
+}
+
+/// ρ_u, with what contact does on the bubbles.
+fn bubble_residual(mesh: &Mesh, factors: &Factors, elastic: &Elastic<'_>, bubbles: &[ContactBubble]) -> Vec<f64> {
+    let mut residual: Vec<f64> = factors.extra_load.iter().zip(elastic.bubble_force()).map(|(f, s)| f - s).collect();
+    for bubble in bubbles {
+        let (e, n, t) = (bubble.element, mesh.normal(bubble.element), mesh.tangent[bubble.element]);
+        // a closed bubble's residual along n is ∫λ_n b
+        let pressure = residual[2 * e] * n[0] + residual[2 * e + 1] * n[1];
+        let shear = bubble.load[1] - bubble.coupling * pressure;
+        for i in 0..2 {
+            residual[2 * e + i] += bubble.load[0] * n[i] + shear * t[i];
+        }
+    }
+    residual
+}
+
+/// η_u², η_ψ² and η_g² of the elements, overlaps left out, and the sum of the η_g² of held displacements.
+fn indicators(
+    data: &Data<'_>,
+    solved: &Solved,
+    elastic: &Elastic<'_>,
+    (bubbles, frames): (&[ContactBubble], &[Frame]),
+    residual: &[f64],
+) -> Result<(Vec<Bubble>, f64), SolveError> {
+    let modulus = plane_modulus(&data.scene.material);
+    let tractions = elastic.traction_indicators(data.mesh.len());
+    let of = |e: usize| Bubble {
+        displacement: frames[e].energy(elastic.hypersingular_block(e), [residual[2 * e], residual[2 * e + 1]]),
+        traction: tractions[e],
+        oscillation: 0.0,
+    };
+    let mut indicators: Vec<Bubble> = (0..data.mesh.len()).map(of).collect();
+    for bubble in bubbles {
+        indicators[bubble.element].oscillation += modulus / 2.0 * bubble.oscillation;
+    }
+    let mut held = 0.0;
+    for (e, oscillation) in data.held_oscillation(solved.particular.as_ref())? {
+        indicators[e].oscillation += modulus / 2.0 * oscillation;
+        held += modulus / 2.0 * oscillation;
+    }
+    for (e, oscillation) in data.jump_oscillation()? {
+        indicators[e].oscillation += oscillation;
+    }
+    Ok((indicators, held))
+}
+
+/// Σ η_ψ² of the elements whose components are both held, at least what the medium makes of it.
+fn held_tractions(
+    scene: &Scene,
+    solved: &Solved,
+    elastic: &Elastic<'_>,
+    indicators: &[Bubble],
+    frames: &[Frame],
+) -> f64 {
+    let held: f64 = indicators.iter().zip(frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
+    let moduli = solved.around.as_ref().map(|around| [&scene.material, &around.material].map(plane_modulus));
+    held.max(elastic.held_tractions(solved.mesh.len(), moduli))
+}
+
+/// What tractions do not see of the displacement, with the strategies that keep the degree, where loads do not vary within elements.
+fn unseen_of(scene: &Scene, solved: &Solved, factors: &Factors, indicators: &[Bubble], correction: &Enriched) -> f64 {
+    if matches!(scene.method.refine, Refine::Hp | Refine::HpDecay) {
+        return 0.0;
+    }
+    let materials: Vec<Material> =
+        std::iter::once(scene.material).chain(solved.around.as_ref().map(|around| around.material)).collect();
+    let modulus = plane_modulus(&scene.material);
+    let varies = |e: usize| factors.unresolved[e] > UNFOLLOWED * modulus * indicators[e].total();
+    unseen_by_tractions(&solved.mesh, correction, &materials, &varies)
+}
+
+/// The error: the geometric mean of the correction and of η without oscillation, at least that of the `held`, with what the
+/// oscillations and the `difference` of multipliers add.
+fn combined_error(indicators: &[Bubble], correction: f64, unseen: f64, held: f64, difference: f64) -> f64 {
+    let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
+    let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
+    // the product of two energies may leave the range of floating point
+    let mean = (correction + unseen).sqrt() * (two_level + unseen).sqrt();
+    (SATURATION.powi(2) * mean.max(held) + oscillation + difference).sqrt()
+}
+
+/// What loads and bounds have between the points that the elements' degrees follow, of each element.
+fn unresolved(
+    data: &Data<'_>,
+    solved: &Solved,
+    factors: &Factors,
+    bubbles: &[ContactBubble],
+) -> Result<Vec<f64>, SolveError> {
     let mut unresolved = factors.unresolved.clone();
     let pressure = solved
         .contact
@@ -281,35 +321,20 @@ pub fn estimate(
         .map_or(0.0, |c| c.reported().multipliers.iter().fold(0.0, |m: f64, [pressure, _]| m.max(*pressure)));
     let slips = |e: usize| bubbles.iter().any(|b| b.element == e && b.free[1]);
     data.add_unresolved_bounds(&mut unresolved, pressure, &slips)?;
+    Ok(unresolved)
+}
+
+/// What is in doubt of the data, of overlaps and of Coulomb's law.
+fn doubts(scene: &Scene, solved: &Solved, (unresolved, overlaps): (&[f64], &[Overlap]), error: f64) -> Vec<Doubt> {
     let part: f64 = unresolved.iter().sum();
+    let of_data = part > plane_modulus(&scene.material) * UNRESOLVED * error * error;
     let several = solved.contact.as_ref().and_then(|c| c.coulomb).is_some_and(|c| c.several);
-    let mut doubts = Vec::new();
-    if part > modulus * UNRESOLVED * error * error {
-        doubts.push(Doubt::Data);
-    }
-    if overlaps.iter().any(|o| !o.known) && !doubts.contains(&Doubt::Data) {
-        doubts.push(Doubt::Data);
-    }
-    if overlaps.iter().any(|o| o.known) {
-        doubts.push(Doubt::Sets);
-    }
-    if several {
-        doubts.push(Doubt::Several);
-    }
-    let relative = ratio(error, scale);
-    let estimate = Estimate {
-        indicators,
-        residuals,
-        correction: squared,
-        tips: 0.0,
-        error,
-        relative,
-        scale,
-        energy,
-        uncertainty,
-        doubts,
-    };
-    Ok((estimate, Unseen { overlaps, unresolved }))
+    let found = [
+        (Doubt::Data, of_data || overlaps.iter().any(|o| !o.known)),
+        (Doubt::Sets, overlaps.iter().any(|o| o.known)),
+        (Doubt::Several, several),
+    ];
+    found.into_iter().filter(|(_, is)| *is).map(|(doubt, _)| doubt).collect()
 }
 
 /// Adds the energies of overlaps that are more than the indicators of their elements, and returns these overlaps. What a gap does
@@ -317,11 +342,12 @@ pub fn estimate(
 fn hidden_overlaps(
     data: &Data<'_>,
     solved: &Solved,
-    (scale, modulus): (f64, f64),
+    scale: f64,
     closed: &[usize],
     indicators: &mut [Bubble],
 ) -> Vec<Overlap> {
     let Some(contact) = &solved.contact else { return Vec::new() };
+    let modulus = plane_modulus(&data.scene.material);
     let moved = solved.displacement.iter().fold(contact.boundary.largest_gap(), |m, u| m.max(u.abs()));
     let found = indicators.iter().map(Bubble::total).sum::<f64>().sqrt();
     let wanted = LEAST_OVERLAP * (data.scene.method.tolerance * scale).max(found) * (2.0 / modulus).sqrt();
@@ -351,7 +377,7 @@ impl Estimate {
 
     /// Whether an element may have much more error than its bubble shows: between two singular points, of high degree next to
     /// one with a good part of the estimate, or, where the estimate is, longer than the body is thick.
-    fn is_coarse(&self, mesh: &Mesh, singular: &[Vec<f64>]) -> bool {
+    pub(crate) fn is_coarse(&self, mesh: &Mesh, singular: &[Vec<f64>]) -> bool {
         let total: f64 = self.indicators.iter().map(Bubble::total).sum();
         let touches = |e: usize| {
             let points = &singular[mesh.edge[e]];
@@ -361,53 +387,6 @@ impl Estimate {
         let slender: f64 =
             (0..mesh.len()).map(|e| self.indicators[e].total() * mesh.length(e) / thickness(mesh, e)).sum();
         !coarse_elements(mesh, singular).is_empty() || (0..mesh.len()).any(slow) || slender > SLENDER * total
-    }
-
-    /// Adds the energy of transitions that no vertex of the mesh follows.
-    pub(crate) fn add_tips(&mut self, scene: &Scene, located: &[Located]) {
-        let modulus = plane_modulus(&scene.material);
-        self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum();
-        self.error = self.error.hypot(self.tips.sqrt());
-        self.relative = ratio(self.error, self.scale);
-    }
-
-    /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `before`: the transitions of the step
-    /// before, if there was one.
-    pub(crate) fn add_transitions(
-        &mut self,
-        scene: &Scene,
-        mesh: &Mesh,
-        located: &[Located],
-        before: Option<&[Located]>,
-    ) {
-        let modulus = plane_modulus(&scene.material);
-        let (located, before) = (&with_curvatures(located), before.map(with_curvatures));
-        let sum = |of: &dyn Fn(&Located) -> bool| -> f64 {
-            located.iter().filter(|tip| of(tip)).map(|tip| tip_energy(modulus, tip)).sum()
-        };
-        self.tips = unlocated_energy(scene, located);
-        // a vertex that is off moves the sets of the nodes about it, which undoes most of that
-        let lost = sum(&|tip| tip.at_vertex) > (UNDONE * self.error).powi(2);
-        self.error = self.error.hypot(self.tips.sqrt());
-        self.relative = ratio(self.error, self.scale);
-        let matters = |energy: f64| energy > MATTERS * self.error * self.error;
-        // linear elements follow a transition as well as they do anything
-        let hp = scene.method.refine == Refine::Hp;
-        let hidden = |tip: &Located| !tip.at_vertex && (hp || degree_at(mesh, tip) > 1);
-        let fitted = |of: &dyn Fn(&Located) -> bool| located.iter().filter(|t| of(t)).all(|t| t.curvature.is_some());
-        if lost || located.iter().any(hidden) && (!fitted(&hidden) || matters(sum(&hidden))) {
-            self.doubts.push(Doubt::Transition);
-        }
-        let far = |tip: &Located| tip.at_vertex && tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR);
-        let moving = located.iter().any(far) && (!fitted(&far) || matters(sum(&far)));
-        let contact = scene.sides.iter().any(|side| matches!(side.condition, Condition::Contact { .. }));
-        let changed = before.map_or(contact, |before| matters(changed_energy(modulus, &before, located)));
-        if (moving || changed) && !self.doubts.contains(&Doubt::Sets) {
-            self.doubts.push(Doubt::Sets);
-        }
-        if self.is_coarse(mesh, &singular_points(scene, hp)) {
-            self.doubts.push(Doubt::Coarse);
-        }
     }
 
     /// Says whether rounding errors are in the way: of an error down at theirs, or of forces that do not balance.
@@ -434,7 +413,7 @@ fn thickness(mesh: &Mesh, e: usize) -> f64 {
     others.map(across).fold(f64::INFINITY, f64::min).sqrt()
 }
 
-fn ratio(error: f64, scale: f64) -> f64 {
+pub(crate) fn ratio(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
 }
 
@@ -443,189 +422,4 @@ fn scale(strain: f64, body: &Body, factors: &Factors) -> f64 {
     let largest = factors.homogeneous.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let floor = 1e-20 * body.condensation.largest_diagonal() * largest * largest;
     (2.0 * strain).max(floor).sqrt()
-}
-
-/// Degree of the element in which a transition lies.
-fn degree_at(mesh: &Mesh, tip: &Located) -> usize {
-    let inside = |e: &usize| {
-        mesh.edge[*e] == tip.edge && {
-            let [a, b] = mesh.span[*e];
-            (a - tip.s) * (b - tip.s) <= 0.0
-        }
-    };
-    (0..mesh.len()).find(inside).map_or(1, |e| mesh.degree[e])
-}
-
-/// Distance (edge parameter) of a contact end to the next one or the end of the edge; infinite for others.
-fn zone(tip: &Located, located: &[Located]) -> f64 {
-    if tip.kind != TipKind::ContactEnd {
-        return f64::INFINITY;
-    }
-    let ends = located.iter().filter(|l| l.kind == tip.kind && l.edge == tip.edge).map(|l| l.s);
-    let distances = ends.chain([0.0, 1.0]).map(|s| (s - tip.s).abs());
-    distances.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
-}
-
-/// 0.3 E* B² |δ|³, in which the unit of d and δ cancels; 0 for a transition without a fit.
-fn tip_energy(modulus: f64, tip: &Located) -> f64 {
-    tip.curvature.map_or(0.0, |b| TIP * modulus * b * b * tip.off.abs().powi(3))
-}
-
-/// Energy of the transitions that no vertex of the mesh follows.
-pub(crate) fn unlocated_energy(scene: &Scene, located: &[Located]) -> f64 {
-    let modulus = plane_modulus(&scene.material);
-    with_curvatures(located).iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum()
-}
-
-/// The transitions, those without a vertex with curvatures of at most twice the largest of four or more of their edge that have
-/// one: the fit of a new one, among others that move, may be far off.
-fn with_curvatures(located: &[Located]) -> Vec<Located> {
-    let limit = |edge: usize| {
-        let settled = located.iter().filter(|tip| tip.edge == edge && tip.at_vertex).filter_map(|tip| tip.curvature);
-        let settled: Vec<f64> = settled.collect();
-        (settled.len() >= 4).then(|| 2.0 * settled.into_iter().fold(0.0, f64::max))
-    };
-    let of = |tip: &Located| match (tip.curvature, limit(tip.edge)) {
-        (curvature, Some(limit)) if !tip.at_vertex => Located { curvature: curvature.map(|b| b.min(limit)), ..*tip },
-        _ => *tip,
-    };
-    located.iter().map(of).collect()
-}
-
-/// What the zones had or have that only one of two steps knows: of each kind of transition on each edge, the smallest as many as
-/// there are more of; infinite where one was not fitted.
-fn changed_energy(modulus: f64, before: &[Located], after: &[Located]) -> f64 {
-    let mut groups: Vec<(usize, TipKind)> = before.iter().chain(after).map(|tip| (tip.edge, tip.kind)).collect();
-    groups.sort_by_key(|&(edge, kind)| (edge, kind as usize));
-    groups.dedup();
-    let mut sum = 0.0;
-    for group in groups {
-        let zones = |all: &[Located]| -> Vec<f64> {
-            let of_group: Vec<&Located> = all.iter().filter(|tip| (tip.edge, tip.kind) == group).collect();
-            let length = |tip: &Located| {
-                let others = of_group.iter().map(|t| t.s).chain([0.0, 1.0]).map(|s| (s - tip.s).abs());
-                others.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
-            };
-            let energy = |tip: &&Located| match tip.curvature {
-                Some(_) => tip_energy(modulus, &Located { off: length(tip) / 2.0, ..**tip }),
-                None => f64::INFINITY,
-            };
-            let mut zones: Vec<f64> = of_group.iter().map(energy).collect();
-            zones.sort_by(f64::total_cmp);
-            zones
-        };
-        let (a, b) = (zones(before), zones(after));
-        let more = a.len().abs_diff(b.len());
-        sum += if a.len() > b.len() { &a } else { &b }[..more].iter().sum::<f64>();
-    }
-    sum
-}
-
-/// The directions in which the bubble of an element is free.
-#[derive(Debug, Clone, Copy)]
-struct Frame {
-    directions: [[f64; 2]; 2],
-    free: [bool; 2],
-}
-
-impl Frame {
-    const FREE: Self = Self { directions: [[1.0, 0.0], [0.0, 1.0]], free: [true; 2] };
-
-    /// x = A⁻¹ρ in the free directions.
-    fn solve(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> [f64; 2] {
-        let [d, t] = self.directions;
-        let form = |x: [f64; 2], y: [f64; 2]| {
-            x[0] * (a[0][0] * y[0] + a[0][1] * y[1]) + x[1] * (a[1][0] * y[0] + a[1][1] * y[1])
-        };
-        let along = |x: [f64; 2]| x[0] * rho[0] + x[1] * rho[1];
-        let one = |x: [f64; 2]| x.map(|c| c * along(x) / form(x, x));
-        match self.free {
-            [false, false] => [0.0; 2],
-            [true, false] => one(d),
-            [false, true] => one(t),
-            [true, true] => {
-                let det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
-                [(a[1][1] * rho[0] - a[0][1] * rho[1]) / det, (a[0][0] * rho[1] - a[1][0] * rho[0]) / det]
-            }
-        }
-    }
-
-    /// ρᵀA⁻¹ρ in the free directions.
-    fn energy(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> f64 {
-        let x = self.solve(a, rho);
-        (x[0] * rho[0] + x[1] * rho[1]).max(0.0)
-    }
-}
-
-/// What is free of every bubble: all, less what is held, less what the contact state prescribes.
-fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble]) -> Vec<Frame> {
-    let mut frames: Vec<Frame> = (0..mesh.len())
-        .map(|e| match &scene.sides[mesh.side[e]].condition {
-            Condition::Displacement { values, .. } => {
-                Frame { free: [values[0].is_none(), values[1].is_none()], ..Frame::FREE }
-            }
-            _ => Frame::FREE,
-        })
-        .collect();
-    for bubble in bubbles {
-        let e = bubble.element;
-        frames[e] = Frame { directions: [mesh.normal(e), mesh.tangent[e]], free: bubble.free };
-    }
-    frames
-}
-
-/// S₊ on what the supports and the contact sets leave free, and S with single bubbles as its preconditioner.
-struct System<'a> {
-    condensation: &'a Condensation,
-    elastic: &'a Elastic<'a>,
-    frozen: Option<&'a Frozen<'a>>,
-    frames: &'a [Frame],
-    /// ⟨S₊ b, b⟩ of each bubble.
-    blocks: Vec<[[f64; 2]; 2]>,
-}
-
-impl System<'_> {
-    fn multiply(&self, v: &Enriched) -> Enriched {
-        self.elastic.multiply(v, self.condensation.multiply(&v.base))
-    }
-
-    fn precondition(&self, r: &Enriched) -> Enriched {
-        let load = self.condensation.load_of_correction(&r.base);
-        let kept = self.frozen.map_or(Vec::new(), |f| f.correction(&load.kept));
-        let base = self.condensation.expand(&load, &kept);
-        let extra = (0..self.frames.len()).flat_map(|e| {
-            let rho = [r.extra[2 * e], r.extra[2 * e + 1]];
-            self.frames[e].solve(self.blocks[e], rho)
-        });
-        Enriched { base, extra: extra.collect() }
-    }
-
-    /// ⟨S₊e, e⟩ and e of S₊e = r, by conjugate gradients.
-    fn correction(&self, r: &Enriched) -> (f64, Enriched) {
-        let mut e = Enriched { base: vec![0.0; r.base.len()], extra: vec![0.0; r.extra.len()] };
-        let mut r = r.clone();
-        let mut z = self.precondition(&r);
-        let mut p = z.clone();
-        let mut rz = r.dot(&z);
-        let mut energy = 0.0;
-        for _ in 0..STEPS {
-            let s = self.multiply(&p);
-            let step = rz / p.dot(&s);
-            if rz <= 0.0 || !step.is_finite() {
-                break;
-            }
-            energy += step * rz;
-            e.add(step, &p);
-            if step * rz <= ENOUGH * energy {
-                break;
-            }
-            r.add(-step, &s);
-            z = self.precondition(&r);
-            let next = r.dot(&z);
-            let mut direction = z.clone();
-            direction.add(next / rz, &p);
-            (p, rz) = (direction, next);
-        }
-        (energy, e)
-    }
 }

@@ -4,7 +4,7 @@ mod broken;
 
 use std::path::Path;
 
-use broken::{CASES, SOUND};
+use broken::{SOUND, cases};
 use proptest::prelude::*;
 use steklov::scene::{
     Condition, Expectation, Friction, Method, Model, Refine, Scene, SceneErrorKind, Solver, TEMPLATE,
@@ -22,7 +22,7 @@ fn sound(text: &str, overrides: &[&str]) -> Scene {
 #[test]
 fn every_mistake_is_named_with_its_line_and_remedy() {
     let mut wrong = String::new();
-    for case in CASES {
+    for case in cases() {
         let text = case.scene();
         let Err(error) = parse(&text, case.set) else {
             wrong += &format!("accepted: {:?} {:?}\n", case.edit.1, case.set);

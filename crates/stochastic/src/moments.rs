@@ -3,7 +3,7 @@
 use crate::StochasticError;
 
 /// Mean and variance of each component of vector answers.
-#[derive(Debug, Clone, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct Moments {
     /// Means.
     pub mean: Vec<f64>,

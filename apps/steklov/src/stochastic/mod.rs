@@ -12,6 +12,7 @@ mod events;
 mod jumps;
 mod looks;
 mod check;
+mod of_surrogate;
 mod samples;
 mod unseen;
 mod nodes;

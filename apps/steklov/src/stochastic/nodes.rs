@@ -28,9 +28,10 @@ const AFFINE: f64 = 1e-12;
 const PLACES: usize = 12;
 
 /// Why no more outcomes were solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum End {
     /// Those that were asked for are solved.
+    #[default]
     Solved,
     /// The estimated truncation is down at the tolerance.
     Tolerance,

@@ -2,13 +2,11 @@
 
 use std::time::Instant;
 
-use rayon::prelude::*;
 use steklov_contact::Solution;
-use steklov_stochastic::{Histogram, Moments, Variable, density, moments, quantiles, sample, smolyak, solve_points};
+use steklov_stochastic::{Histogram, Moments, Variable, moments, smolyak, solve_points};
 
-use super::effects::{exact_effects, sampled_effect};
-use super::events::events;
-use super::nodes::{Cell, End, Surrogate, is_coupled, solve_nodes};
+use super::nodes::{End, is_coupled, solve_nodes};
+use super::of_surrogate::of_surrogate;
 use super::outcomes::{Answer, Outcomes};
 use super::samples::of_samples;
 use super::unseen::{beside_grid, beside_samples};
@@ -22,10 +20,6 @@ use crate::solve::SolveError;
 pub(super) const BLOCK: usize = 1024;
 /// Bins of densities.
 pub(super) const BINS: usize = 40;
-/// Most samples of a surrogate of several cells for the effects of single germs.
-const EFFECTS: usize = 20_000;
-/// Relative to the mean square, variances below this are rounding.
-const NO_VARIANCE: f64 = 1e-20;
 /// Of sums with weights of both signs, relative.
 const ROUNDING: f64 = 1e-10;
 /// Steps along a side, and in each direction over the body, at which modes of random fields are stored.
@@ -90,7 +84,7 @@ pub struct Cells {
 }
 
 /// All outcomes of a scene.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct StochasticResult {
     /// Names of the germs.
     pub labels: Vec<String>,
@@ -273,7 +267,8 @@ fn averaged(weights: &[f64], answers: &[&Answer]) -> Result<(Moments, Vec<f64>, 
     ))
 }
 
-fn of_grid(
+/// Statistics of the answers at points with weights.
+pub(super) fn of_grid(
     points: Vec<Vec<f64>>,
     weights: Vec<f64>,
     answers: &[Answer],
@@ -309,8 +304,6 @@ fn of_grid(
     };
     let size = answers.iter().map(|a| a.displacement.len()).sum::<usize>();
     Ok(StochasticResult {
-        labels: Vec::new(),
-        probabilities: Vec::new(),
         probability: (0..pressure.mean.len()).map(touching).collect(),
         young: answers.iter().map(|a| a.modulus).collect(),
         displacements: if size <= KEPT { answers.iter().map(|a| a.displacement.clone()).collect() } else { Vec::new() },
@@ -324,17 +317,7 @@ fn of_grid(
         shear,
         points,
         weights,
-        fields: Vec::new(),
-        cells: None,
-        truncation: None,
-        truncation_measured: None,
-        overlooked: false,
-        unseen: None,
-        checks: 0,
-        end: End::Solved,
-        truncation_by_germ: Vec::new(),
-        coupled: false,
-        seconds: 0.0,
+        ..StochasticResult::default()
     })
 }
 
@@ -344,7 +327,7 @@ pub(super) fn touches(answer: &Answer, condition: usize) -> bool {
 }
 
 /// Values that a quantity cannot leave, though polynomials may.
-fn bounds(scene: &Scene, path: &str) -> [f64; 2] {
+pub(super) fn bounds(scene: &Scene, path: &str) -> [f64; 2] {
     let contact = |side: usize| matches!(scene.sides[side].condition, Condition::Contact { .. });
     let edges = scene.polygon.edges().iter().filter(|e| contact(e.side));
     match path {
@@ -352,100 +335,4 @@ fn bounds(scene: &Scene, path: &str) -> [f64; 2] {
         "contact.max_pressure" | "strain_energy" | "friction_work" => [0.0, f64::INFINITY],
         _ => [f64::NEG_INFINITY, f64::INFINITY],
     }
-}
-
-fn of_surrogate(
-    scene: &Scene,
-    random: &Random,
-    surrogate: &Surrogate,
-    paths: &[String],
-    watch: &Watch<'_>,
-) -> Result<StochasticResult, SolveError> {
-    let Surrogate { mesh, cells, coupled, told, end, solved } = surrogate;
-    let points = cells.iter().flat_map(|c| c.basis.points.clone()).collect();
-    let weights = cells.iter().flat_map(|c| c.basis.weights.clone()).collect();
-    let answers: Vec<Answer> = cells.iter().flat_map(|c| c.answers.clone()).collect();
-    let mut result = of_grid(points, weights, &answers, paths)?;
-    let settings = &random.stochastic;
-    let changes: Vec<Vec<Vec<f64>>> = {
-        let all = events(&answers.iter().collect::<Vec<_>>());
-        let mut rest = all.into_iter();
-        cells.iter().map(|c| rest.by_ref().take(c.answers.len()).collect()).collect()
-    };
-    let limits: Vec<[f64; 2]> = paths.iter().map(|p| bounds(scene, p)).collect();
-    // at a sample: the quantities, and 1 where the surrogate of the change of contact is positive
-    let at = |germ: &[f64], with_contact: bool| -> (Vec<f64>, Vec<f64>) {
-        let c = mesh.locate(germ).unwrap_or(0);
-        let cell = &cells[c];
-        let mut theta = vec![0.0; cell.answers.len()];
-        cell.basis.evaluate(germ, &mut theta);
-        let sum = |value: &dyn Fn(usize) -> f64| theta.iter().enumerate().map(|(j, t)| t * value(j)).sum::<f64>();
-        let value = |k: usize| sum(&|j| cell.answers[j].quantities[k]).clamp(limits[k][0], limits[k][1]);
-        let quantities = (0..paths.len()).map(value).collect();
-        let conditions = if with_contact { result.pressure.mean.len() } else { 0 };
-        let contact = (0..conditions).map(|i| f64::from(u8::from(sum(&|j| changes[c][j][i]) > 0.0))).collect();
-        (quantities, contact)
-    };
-    let variables = &mesh.variables;
-    let germ = |i: usize| sample(variables, settings.seed, i as u64);
-    let count = settings.samples;
-    let mut samples = vec![Vec::with_capacity(count); paths.len()];
-    let mut touching = vec![0.0; result.pressure.mean.len()];
-    for first in (0..count).step_by(BLOCK) {
-        watch.check()?;
-        let block: Vec<(Vec<f64>, Vec<f64>)> =
-            (first..count.min(first + BLOCK)).into_par_iter().map(|i| at(&germ(i), true)).collect();
-        for (quantities, contact) in block {
-            samples.iter_mut().zip(quantities).for_each(|(all, v)| all.push(v));
-            touching.iter_mut().zip(contact).for_each(|(sum, c)| *sum += c);
-        }
-    }
-    let equal = vec![1.0; count];
-    let probability = touching.iter().map(|sum| sum / count as f64).collect();
-    // in Jansen's formula only germ d changes from a sample to its partner
-    let few = if cells.len() > 1 { count.min(EFFECTS) } else { 0 };
-    let partners: Vec<Vec<Vec<f64>>> = (0..few)
-        .into_par_iter()
-        .map(|i| {
-            let (base, other) = (germ(i), germ(count + i));
-            let changed = |d: usize| {
-                let mut germ = base.clone();
-                germ[d] = other[d];
-                at(&germ, false).0
-            };
-            (0..variables.len()).map(changed).collect()
-        })
-        .collect();
-    for (k, quantity) in result.quantities.iter_mut().enumerate() {
-        quantity.truncation = Some(told.quantities[k].sqrt());
-        let values = &samples[k];
-        quantity.quantiles = Some(quantiles(values, &equal, &settings.quantiles)?);
-        quantity.density = density(values, &equal, BINS).ok(); // none of a constant
-        let square = quantity.mean * quantity.mean + quantity.variance;
-        quantity.effects = (quantity.variance > NO_VARIANCE * square).then(|| match &cells[..] {
-            [cell] => exact_effects(&cell.basis, &quantity.values),
-            _ => {
-                let pairs = |d: usize| partners.iter().zip(values).map(move |(p, v)| [*v, p[d][k]]).collect::<Vec<_>>();
-                (0..variables.len()).map(|d| sampled_effect(&pairs(d))).collect()
-            }
-        });
-    }
-    let energy: f64 = result.weights.iter().zip(&answers).map(|(w, a)| w * 2.0 * a.strain).sum();
-    let errors: Vec<_> = cells.iter().map(Cell::errors).collect();
-    let by_germ = |d: usize| errors.iter().map(|e| e[d].error).sum::<f64>();
-    let part = |error: f64| if error == 0.0 { 0.0 } else { error / energy };
-    result.truncation_by_germ = (0..variables.len()).map(|d| part(by_germ(d))).collect();
-    result.probability = probability;
-    let bound = |k: usize| mesh.cells.iter().map(|c| c.bounds.iter().map(|b| b[k]).collect()).collect();
-    let degree = mesh.cells.iter().map(|c| c.degree.clone()).collect();
-    result.cells = Some(Cells { low: bound(0), high: bound(1), degree });
-    result.truncation = Some(told.relative);
-    result.truncation_measured = Some(told.measured);
-    result.overlooked = told.relative > OVERLOOKED * told.by_nodes.max(settings.tolerance);
-    result.unseen = (told.undecided > UNDECIDED).then_some(told.undecided);
-    result.checks = told.checks;
-    result.end = *end;
-    result.coupled = *coupled;
-    result.solved = *solved;
-    Ok(result)
 }

@@ -3,12 +3,44 @@
 use steklov_contact::Solution;
 use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample, solve_points};
 
-use super::nodes::End;
-use super::outcomes::Outcomes;
+use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Quantity, StochasticResult, Watch, touches};
 use crate::scene::Random;
 use crate::solve::SolveError;
 
+/// What is kept of the outcomes that have gone by.
+struct Passed {
+    /// Displacement, stress displacement, pressure, shear, touching, quantities.
+    sums: [Accumulator; 6],
+    points: Vec<Vec<f64>>,
+    young: Vec<f64>,
+    /// Of each quantity its values.
+    values: Vec<Vec<f64>>,
+    iterations: usize,
+    unconverged: usize,
+}
+
+impl Passed {
+    fn push(&mut self, germs: Vec<f64>, answer: &Answer) -> Result<(), SolveError> {
+        let touching: Vec<f64> = (0..answer.pressure.len()).map(|i| f64::from(u8::from(touches(answer, i)))).collect();
+        let Answer { displacement, stressed, pressure, shear, quantities, .. } = answer;
+        let parts = [displacement, stressed, pressure, shear, &touching, quantities];
+        for (sum, part) in self.sums.iter_mut().zip(parts) {
+            sum.push(1.0, part)?;
+        }
+        self.points.push(germs);
+        self.young.push(answer.modulus);
+        self.values.iter_mut().zip(quantities).for_each(|(all, v)| all.push(*v));
+        self.iterations += answer.iterations;
+        self.unconverged += usize::from(!answer.converged);
+        Ok(())
+    }
+}
+
+/// Statistics of seeded samples.
+///
+/// # Errors
+/// An outcome that is impossible; [`SolveError::Interrupted`].
 pub(super) fn of_samples(
     outcomes: &Outcomes<'_>,
     variables: &[Variable],
@@ -18,10 +50,14 @@ pub(super) fn of_samples(
 ) -> Result<StochasticResult, SolveError> {
     let settings = &random.stochastic;
     let count = settings.samples;
-    // displacement, stress displacement, pressure, shear, touching, quantities
-    let mut sums: [Accumulator; 6] = Default::default();
-    let (mut points, mut young, mut values) = (Vec::new(), Vec::new(), vec![Vec::with_capacity(count); paths.len()]);
-    let (mut iterations, mut unconverged) = (0, 0);
+    let mut passed = Passed {
+        sums: Default::default(),
+        points: Vec::new(),
+        young: Vec::new(),
+        values: vec![Vec::with_capacity(count); paths.len()],
+        iterations: 0,
+        unconverged: 0,
+    };
     for first in (0..count).step_by(BLOCK) {
         let block = BLOCK.min(count - first);
         let answers = solve_points(block, |i, warm: &mut Option<Solution>| {
@@ -32,30 +68,14 @@ pub(super) fn of_samples(
         })?;
         watch.tell(first + block, count);
         for (germs, answer) in answers {
-            let touching: Vec<f64> =
-                (0..answer.pressure.len()).map(|i| f64::from(u8::from(touches(&answer, i)))).collect();
-            let parts = [
-                &answer.displacement,
-                &answer.stressed,
-                &answer.pressure,
-                &answer.shear,
-                &touching,
-                &answer.quantities,
-            ];
-            for (sum, part) in sums.iter_mut().zip(parts) {
-                sum.push(1.0, part)?;
-            }
-            points.push(germs);
-            young.push(answer.modulus);
-            values.iter_mut().zip(&answer.quantities).for_each(|(all, v)| all.push(*v));
-            iterations += answer.iterations;
-            unconverged += usize::from(!answer.converged);
+            passed.push(germs, &answer)?;
         }
     }
+    let [displacement, stressed, pressure, shear, touching, both] = passed.sums;
+    let (both, errors) = (both.moments(), both.standard_errors());
     let equal = vec![1.0; count];
-    let (both, errors) = (sums[5].moments(), sums[5].standard_errors());
     let mut quantities = Vec::new();
-    for (k, values) in values.into_iter().enumerate() {
+    for (k, values) in passed.values.into_iter().enumerate() {
         quantities.push(Quantity {
             name: paths[k].clone(),
             mean: both.mean[k],
@@ -69,31 +89,18 @@ pub(super) fn of_samples(
         });
     }
     Ok(StochasticResult {
-        labels: Vec::new(),
-        probabilities: Vec::new(),
         weights: vec![1.0 / count as f64; count],
-        points,
-        young,
         quantities,
-        displacement: sums[0].moments(),
-        stress_displacement: sums[1].moments().mean,
-        pressure: sums[2].moments(),
-        shear: sums[3].moments(),
-        probability: sums[4].moments().mean,
-        displacements: Vec::new(),
-        fields: Vec::new(),
-        cells: None,
-        truncation: None,
-        truncation_measured: None,
-        overlooked: false,
-        unseen: None,
-        checks: 0,
-        end: End::Solved,
-        truncation_by_germ: Vec::new(),
-        coupled: false,
+        displacement: displacement.moments(),
+        stress_displacement: stressed.moments().mean,
+        pressure: pressure.moments(),
+        shear: shear.moments(),
+        probability: touching.moments().mean,
+        points: passed.points,
+        young: passed.young,
         solved: count,
-        iterations,
-        unconverged,
-        seconds: 0.0,
+        iterations: passed.iterations,
+        unconverged: passed.unconverged,
+        ..StochasticResult::default()
     })
 }

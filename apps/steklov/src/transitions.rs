@@ -1,0 +1,150 @@
+//! Whether ends of contact and stick are where the mesh has vertices for them, and what it costs if they are not.
+//!
+//! ```text
+//! a transition off by δ costs 0.3 E* B² |δ|³,  B of the gap or slip B d^(3/2) beside it
+//! ```
+//! Those without a vertex count in the estimate; those that are off or changed since the step before are in doubt, by their energy.
+
+use steklov_bem_operators::Mesh;
+use steklov_contact::{Located, TipKind};
+
+use crate::adapt::singular_points;
+use crate::elastic::plane_modulus;
+use crate::estimate::{Doubt, Estimate, OF_SQUARE, ratio};
+use crate::scene::{Condition, Refine, Scene};
+
+/// Energy of a tip that is off by δ: 0.3 E* B² |δ|³.
+const TIP: f64 = 0.3;
+/// A tip farther from its vertex than this part of its edge, or than this part of the way to the next transition:
+/// the contact sets are not those of the solution yet.
+const FAR: f64 = 0.006;
+const FAR_IN_ZONE: f64 = 0.025;
+/// Energy norm that vertices off their transitions may cost by themselves, over the estimated error, beyond which that is in
+/// doubt.
+const UNDONE: f64 = 10.0;
+/// Part of the squared estimate from which on energies of transitions that are not where they were believed to be count.
+const MATTERS: f64 = 0.05;
+
+impl Estimate {
+    /// Adds the energy of transitions that no vertex of the mesh follows.
+    pub(crate) fn add_tips(&mut self, scene: &Scene, located: &[Located]) {
+        let modulus = plane_modulus(&scene.material);
+        self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum();
+        self.error = self.error.hypot(self.tips.sqrt());
+        self.uncertainty += OF_SQUARE * self.tips;
+        self.relative = ratio(self.error, self.scale);
+    }
+
+    /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `before`: the transitions of the step
+    /// before, if there was one.
+    pub(crate) fn add_transitions(
+        &mut self,
+        scene: &Scene,
+        mesh: &Mesh,
+        located: &[Located],
+        before: Option<&[Located]>,
+    ) {
+        let modulus = plane_modulus(&scene.material);
+        let (located, before) = (&with_curvatures(located), before.map(with_curvatures));
+        let sum = |of: &dyn Fn(&Located) -> bool| -> f64 {
+            located.iter().filter(|tip| of(tip)).map(|tip| tip_energy(modulus, tip)).sum()
+        };
+        self.tips = unlocated_energy(scene, located);
+        // a vertex that is off moves the sets of the nodes about it, which undoes most of that
+        let lost = sum(&|tip| tip.at_vertex) > (UNDONE * self.error).powi(2);
+        self.error = self.error.hypot(self.tips.sqrt());
+        self.uncertainty += OF_SQUARE * self.tips;
+        self.relative = ratio(self.error, self.scale);
+        let matters = |energy: f64| energy > MATTERS * self.error * self.error;
+        // linear elements follow a transition as well as they do anything
+        let hp = scene.method.refine == Refine::Hp;
+        let hidden = |tip: &Located| !tip.at_vertex && (hp || degree_at(mesh, tip) > 1);
+        let fitted = |of: &dyn Fn(&Located) -> bool| located.iter().filter(|t| of(t)).all(|t| t.curvature.is_some());
+        if lost || located.iter().any(hidden) && (!fitted(&hidden) || matters(sum(&hidden))) {
+            self.doubts.push(Doubt::Transition);
+        }
+        let far = |tip: &Located| tip.at_vertex && tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR);
+        let moving = located.iter().any(far) && (!fitted(&far) || matters(sum(&far)));
+        let contact = scene.sides.iter().any(|side| matches!(side.condition, Condition::Contact { .. }));
+        let changed = before.map_or(contact, |before| matters(changed_energy(modulus, &before, located)));
+        if (moving || changed) && !self.doubts.contains(&Doubt::Sets) {
+            self.doubts.push(Doubt::Sets);
+        }
+        if self.is_coarse(mesh, &singular_points(scene, hp)) {
+            self.doubts.push(Doubt::Coarse);
+        }
+    }
+}
+
+/// Degree of the element in which a transition lies.
+fn degree_at(mesh: &Mesh, tip: &Located) -> usize {
+    let inside = |e: &usize| {
+        mesh.edge[*e] == tip.edge && {
+            let [a, b] = mesh.span[*e];
+            (a - tip.s) * (b - tip.s) <= 0.0
+        }
+    };
+    (0..mesh.len()).find(inside).map_or(1, |e| mesh.degree[e])
+}
+
+/// Distance (edge parameter) of a transition to the next one or the end of the edge.
+fn zone(tip: &Located, located: &[Located]) -> f64 {
+    let ends = located.iter().filter(|l| l.edge == tip.edge).map(|l| l.s);
+    let distances = ends.chain([0.0, 1.0]).map(|s| (s - tip.s).abs());
+    distances.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+/// 0.3 E* B² |δ|³, in which the unit of d and δ cancels; 0 for a transition without a fit.
+fn tip_energy(modulus: f64, tip: &Located) -> f64 {
+    tip.curvature.map_or(0.0, |b| TIP * modulus * b * b * tip.off.abs().powi(3))
+}
+
+/// Energy of the transitions that no vertex of the mesh follows.
+pub(crate) fn unlocated_energy(scene: &Scene, located: &[Located]) -> f64 {
+    let modulus = plane_modulus(&scene.material);
+    with_curvatures(located).iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum()
+}
+
+/// The transitions, those without a vertex with curvatures of at most twice the largest of four or more of their edge that have
+/// one: the fit of a new one, among others that move, may be far off.
+fn with_curvatures(located: &[Located]) -> Vec<Located> {
+    let limit = |edge: usize| {
+        let settled = located.iter().filter(|tip| tip.edge == edge && tip.at_vertex).filter_map(|tip| tip.curvature);
+        let settled: Vec<f64> = settled.collect();
+        (settled.len() >= 4).then(|| 2.0 * settled.into_iter().fold(0.0, f64::max))
+    };
+    let of = |tip: &Located| match (tip.curvature, limit(tip.edge)) {
+        (curvature, Some(limit)) if !tip.at_vertex => Located { curvature: curvature.map(|b| b.min(limit)), ..*tip },
+        _ => *tip,
+    };
+    located.iter().map(of).collect()
+}
+
+/// What the zones had or have that only one of two steps knows: of each kind of transition on each edge, the smallest as many as
+/// there are more of; infinite where one was not fitted.
+fn changed_energy(modulus: f64, before: &[Located], after: &[Located]) -> f64 {
+    let mut groups: Vec<(usize, TipKind)> = before.iter().chain(after).map(|tip| (tip.edge, tip.kind)).collect();
+    groups.sort_by_key(|&(edge, kind)| (edge, kind as usize));
+    groups.dedup();
+    let mut sum = 0.0;
+    for group in groups {
+        let zones = |all: &[Located]| -> Vec<f64> {
+            let of_group: Vec<&Located> = all.iter().filter(|tip| (tip.edge, tip.kind) == group).collect();
+            let length = |tip: &Located| {
+                let others = of_group.iter().map(|t| t.s).chain([0.0, 1.0]).map(|s| (s - tip.s).abs());
+                others.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
+            };
+            let energy = |tip: &&Located| match tip.curvature {
+                Some(_) => tip_energy(modulus, &Located { off: length(tip) / 2.0, ..**tip }),
+                None => f64::INFINITY,
+            };
+            let mut zones: Vec<f64> = of_group.iter().map(energy).collect();
+            zones.sort_by(f64::total_cmp);
+            zones
+        };
+        let (a, b) = (zones(before), zones(after));
+        let more = a.len().abs_diff(b.len());
+        sum += if a.len() > b.len() { &a } else { &b }[..more].iter().sum::<f64>();
+    }
+    sum
+}
