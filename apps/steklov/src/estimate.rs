@@ -423,3 +423,26 @@ fn scale(strain: f64, body: &Body, factors: &Factors) -> f64 {
     let floor = 1e-20 * body.condensation.largest_diagonal() * largest * largest;
     (2.0 * strain).max(floor).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use steklov_bem_operators::{Loop, Polygon};
+
+    use super::*;
+
+    /// A channel: its legs and its web are of thickness 1, 2 and 0.5, and what is across the open part does not count.
+    #[test]
+    fn a_body_is_as_thick_as_it_is_across_its_inside() {
+        let corners = [[0.0, 0.0], [6.0, 0.0], [6.0, 9.0], [4.0, 9.0], [4.0, 0.5], [3.8, 0.5], [3.8, 9.0], [2.8, 9.0]];
+        let corners: Vec<[f64; 2]> = corners.into_iter().chain([[2.8, 0.5], [0.0, 0.5]]).collect();
+        let sides = (0..corners.len()).map(|k| format!("side {k}")).collect();
+        let polygon = Polygon::new(Loop { corners, sides }, Vec::new()).unwrap();
+        let mesh = Mesh::uniform(&polygon, 21, 1);
+        // (edge, thickness): right face of the right leg, faces of the slot, left face of the other leg
+        for (edge, thick) in [(1, 2.0), (3, 2.0), (5, 1.0), (7, 1.0)] {
+            let on_edge: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.edge[e] == edge).collect();
+            let middle = on_edge[on_edge.len() / 2];
+            assert!((thickness(&mesh, middle) - thick).abs() < 1e-12, "{edge}: {}", thickness(&mesh, middle));
+        }
+    }
+}

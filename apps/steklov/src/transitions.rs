@@ -1,7 +1,10 @@
 //! Whether ends of contact and stick are where the mesh has vertices for them, and what it costs if they are not.
 //!
 //! ```text
-//! a transition off by δ costs 0.3 E* B² |δ|³,  B of the gap or slip B d^(3/2) beside it
+//! gap or slip beside a transition in its place   B d^(3/2)
+//! off by δ, the traction has                     K/(2πd)^½,  K = ⅜ (2π)^½ E* B δ
+//! energy release rate of one body                K²/(2E*)
+//! a transition off by δ costs, twice its energy  2 ∫ K²/(2E*) dδ = (3π/32) E* B² |δ|³
 //! ```
 //! Those without a vertex count in the estimate; those that are off or changed since the step before are in doubt, by their energy.
 
@@ -13,8 +16,8 @@ use crate::elastic::plane_modulus;
 use crate::estimate::{Doubt, Estimate, OF_SQUARE, ratio};
 use crate::scene::{Condition, Refine, Scene};
 
-/// Energy of a tip that is off by δ: 0.3 E* B² |δ|³.
-const TIP: f64 = 0.3;
+/// Squared energy norm of a tip that is off by δ, over E* B² |δ|³.
+const TIP: f64 = 3.0 * std::f64::consts::PI / 32.0;
 /// A tip farther from its vertex than this part of its edge, or than this part of the way to the next transition:
 /// the contact sets are not those of the solution yet.
 const FAR: f64 = 0.006;
@@ -94,7 +97,7 @@ fn zone(tip: &Located, located: &[Located]) -> f64 {
     distances.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
 }
 
-/// 0.3 E* B² |δ|³, in which the unit of d and δ cancels; 0 for a transition without a fit.
+/// (3π/32) E* B² |δ|³, in which the unit of d and δ cancels; 0 for a transition without a fit.
 fn tip_energy(modulus: f64, tip: &Located) -> f64 {
     tip.curvature.map_or(0.0, |b| TIP * modulus * b * b * tip.off.abs().powi(3))
 }
@@ -147,4 +150,33 @@ fn changed_energy(modulus: f64, before: &[Located], after: &[Located]) -> f64 {
         sum += if a.len() > b.len() { &a } else { &b }[..more].iter().sum::<f64>();
     }
     sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// K of a transition off by δ, and from it twice the energy that is released on the way, by the midpoint rule.
+    #[test]
+    fn a_transition_off_its_place_costs_what_is_released_on_the_way() {
+        let (modulus, curvature) = (110.0, 0.16);
+        for off in [-3e-3, 2e-2] {
+            let tip = Located {
+                edge: 0,
+                kind: TipKind::ContactEnd,
+                s: 0.4,
+                off,
+                curvature: Some(curvature),
+                at_vertex: true,
+            };
+            let steps = 1000;
+            let step = f64::abs(off) / f64::from(steps);
+            // half the opening of a crack is 4K/E* (d/2π)^½, a gap off by δ opens as 3/2 B δ d^½
+            let intensity = |delta: f64| 1.5 * curvature * delta * modulus / 4.0 * (2.0 * std::f64::consts::PI).sqrt();
+            let rate = |delta: f64| intensity(delta).powi(2) / (2.0 * modulus);
+            let released: f64 = (0..steps).map(|k| rate((f64::from(k) + 0.5) * step) * step).sum();
+            let told = tip_energy(modulus, &tip);
+            assert!((told / (2.0 * released) - 1.0).abs() < 1e-6, "{told} {released}");
+        }
+    }
 }

@@ -307,3 +307,35 @@ impl From<CouplingError> for SolveError {
         Self::Coupling(Box::new(error))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use steklov_bem_operators::{Loop, Polygon};
+
+    use super::*;
+
+    /// v = 1 + c t along an element of length 3, t in [-1, 1]: ∫(1-s)v and ∫sv of halves of it in closed form.
+    #[test]
+    fn moments_of_a_linear_traction_are_exact() {
+        let corners = vec![[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]];
+        let polygon = Polygon::new(Loop { corners, sides: vec!["all".to_owned(); 4] }, Vec::new()).unwrap();
+        let mesh = Mesh::uniform(&polygon, 1, 2);
+        let space = Space::new(&mesh);
+        let mut traction = vec![0.0; space.dofs()];
+        let slope = 0.4;
+        let first = space.offset[0];
+        traction[2 * first] = 1.0;
+        traction[2 * (first + 1)] = slope;
+        // v = v0 + (v1 - v0) s on the half: its moments are h (v0/3 + v1/6), h (v0/6 + v1/3)
+        for (a, b) in [(0.0, 0.5), (0.5, 1.0)] {
+            let [v0, v1] = [a, b].map(|s: f64| 1.0 + slope * (2.0 * s - 1.0));
+            let mut moments = [[0.0; 2]; 2];
+            let ends = [[3.0 * a, 0.0], [3.0 * b, 0.0]];
+            add_moments(&mut moments, ends, [0.0, 1.0], (&mesh, &space, &traction), 0);
+            let exact = [1.5 * (v0 / 3.0 + v1 / 6.0), 1.5 * (v0 / 6.0 + v1 / 3.0)];
+            for k in 0..2 {
+                assert!((moments[k][0] - exact[k]).abs() < 1e-14 && moments[k][1] == 0.0, "{moments:?} {exact:?}");
+            }
+        }
+    }
+}

@@ -191,8 +191,11 @@ pub(super) fn estimate(
 /// What is left of the balance of tractions acts on body and medium alike: of the energy r²/k₁ that it would have in a cell
 /// alone the part k₁/(k₁ + k₂) remains, k₁ and k₂ as their moduli.
 fn share(solved: &GridSolved, around: &Around, cell: usize) -> f64 {
-    let young = solved.medium.young[cell];
-    (young / (young + around.material.young)).sqrt()
+    share_of_moduli(solved.medium.young[cell], around.material.young)
+}
+
+fn share_of_moduli(own: f64, other: f64) -> f64 {
+    (own / (own + other)).sqrt()
 }
 
 /// The traction on a side of the interface, the jump `given` and that of the medium, drawn to that of the cell.
@@ -287,4 +290,18 @@ fn contact_sides(solved: &GridSolved) -> Vec<ContactSide> {
         }
     }
     pressed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two springs k₁ and k₂ that a force r pulls apart from their balance have the energy r²/(k₁ + k₂), those of both shares together.
+    #[test]
+    fn the_share_of_a_cell_leaves_the_energy_of_both_springs() {
+        for [own, other, r] in [[1.0, 1.0, 3.0], [200.0, 2.0, 0.1], [2.0, 200.0, 0.1]] {
+            let energy = (r * share_of_moduli(own, other)).powi(2) / own;
+            assert!((energy * (own + other) / (r * r) - 1.0).abs() < 1e-14, "{own} {other}: {energy}");
+        }
+    }
 }
