@@ -6,7 +6,9 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use steklov_bem_operators::Edge;
 
 use super::Expression;
-use super::survey::{Survey, Turn, turns};
+use super::interval::Interval;
+use super::range::{enclose, leaves};
+use super::survey::{SHORTEST, Survey, Turn, turns};
 
 /// An expression along an edge, by the edge parameter.
 #[derive(Debug)]
@@ -40,6 +42,32 @@ impl Expression {
     pub fn turns(&self, edge: &Edge) -> Vec<Turn> {
         let along = self.along(edge);
         along.turns.get_or_init(|| turns(self, &path(edge), [0.0, 1.0], along.survey.sampled)).clone()
+    }
+}
+
+/// Stretches at most that are halved to find values that are not possible.
+const MOST_STRETCHES: usize = 2000;
+
+impl Expression {
+    /// An edge parameter at which the value is not finite, or below `least`, if one can be found between those that were looked at.
+    pub fn impossible(&self, edge: &Edge, least: f64) -> Option<f64> {
+        let (along, path) = (self.along(edge), path(edge));
+        let allowed = |value: Interval| value.low >= least && value.is_bounded();
+        let enclosed = |[a, b]: [f64; 2]| enclose([a, b], &|p, q| self.range(&leaves(&path, p, q))).value;
+        let mut stretches: Vec<[f64; 2]> = along.survey.pieces.iter().map(|piece| piece.ends).collect();
+        stretches.retain(|stretch| !allowed(enclosed(*stretch)));
+        for _ in 0..MOST_STRETCHES {
+            let [a, b] = stretches.pop()?;
+            let m = a + (b - a) / 2.0;
+            let (x, y, s) = path(m);
+            let value = self.eval(x, y, s);
+            if value < least || !value.is_finite() {
+                return Some(m);
+            }
+            let halves = [[a, m], [m, b]].into_iter();
+            stretches.extend(halves.filter(|[p, q]| q - p > SHORTEST && !allowed(enclosed([*p, *q]))));
+        }
+        None
     }
 }
 

@@ -39,7 +39,7 @@ const STEEPER: f64 = 16.0;
 /// Pieces of a path at most.
 const MOST_PIECES: usize = 20_000;
 /// A piece is not halved below this part of the path.
-const SHORTEST: f64 = 1e-12;
+pub(super) const SHORTEST: f64 = 1e-12;
 /// Nor below this one where a kink lies in it.
 const SHORTEST_AT_KINK: f64 = 1e-6;
 

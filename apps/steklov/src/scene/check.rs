@@ -14,6 +14,10 @@ const JUMPING: f64 = 0.99;
 /// Largest gap, in diameters of the body: beyond it the displacements are lost in the rounding errors of the gap.
 const GAP: f64 = 1e12;
 
+/// What to do about values that are not finite.
+const NOT_FINITE: &str =
+    "change the expression so that it is finite everywhere on the side; if(cond, a, b) takes only the branch it needs";
+
 /// A number as text; very large and very small ones with an exponent.
 fn short(value: f64) -> String {
     let plain = value == 0.0 || (1e-6..1e9).contains(&value.abs());
@@ -21,7 +25,8 @@ fn short(value: f64) -> String {
 }
 
 impl Scene {
-    /// Looks at every expression of every side in 257 points of each of its edges, at its kinks and beside them.
+    /// Looks at every expression of every side in 257 points of each of its edges, at its kinks and beside them, and over the
+    /// stretches between them.
     ///
     /// # Errors
     /// A value that is not finite, a negative bound or coefficient of friction, a displacement that jumps: names side,
@@ -55,6 +60,10 @@ impl Scene {
         let mut largest: f64 = 0.0;
         for at in steps.chain(beside).map(path) {
             largest = largest.max(self.check_value(side, what, expression, at)?.abs());
+        }
+        let least = if what.starts_with("friction") { 0.0 } else { f64::NEG_INFINITY };
+        if let Some(s) = expression.impossible(edge, least) {
+            self.check_value(side, what, expression, path(s))?;
         }
         if what.starts_with("displacement") {
             self.check_continuous(side, expression, largest, path)?;
@@ -128,9 +137,7 @@ impl Scene {
                 "a gap is a finite distance at every point; for a side that nothing can touch leave the contact out"
             }
             _ if negative => "friction cannot be negative: write max(0, ...), or correct the expression",
-            _ => {
-                "change the expression so that it is finite everywhere on the side; if(cond, a, b) takes only the branch it needs"
-            }
+            _ => NOT_FINITE,
         };
         Err(self.source.error(Problem::new(Kind::Data, expression.place, message, help)))
     }

@@ -26,6 +26,31 @@ pub const CASES: &[Case] = &[
     edit("tresca = \"F\"", "tresca = \"1.999-x\"", 11, "\"1.999-x\"", "at the point (2, 0), s = 1", "max(0, ...)"),
     edit("tresca = \"F\"", "coulomb = -1", 11, "-1", "the friction coefficient of side \"floor\" is -1", "max(0, ...)"),
     edit(
+        "tresca = \"F\"",
+        "tresca = \"1-2*exp(-((x-0.71234)/1e-4)^2)\"",
+        11,
+        "\"1-2*exp(-((x-0.71234)/1e-4)^2)\"",
+        "the friction bound of side \"floor\" is -0.",
+        "max(0, ...)",
+    ),
+    // not a number on a stretch of 1e-3
+    edit(
+        "traction = [\"0\", \"-1\"]",
+        "pressure = \"log((x-0.3712)^2-1e-7)\"",
+        13,
+        "\"log((x-0.3712)^2-1e-7)\"",
+        "the pressure of side \"top\" is NaN at the point (0.37",
+        "finite everywhere",
+    ),
+    edit(
+        LOAD,
+        "[\"0\", \"sqrt((x-0.71234)^2-1e-9)\"]",
+        13,
+        "\"sqrt((x-0.71234)^2-1e-9)\"",
+        "the traction of side \"top\" is NaN at the point (0.712",
+        "finite everywhere",
+    ),
+    edit(
         LOAD,
         "[\"0\", \"1/(x-1)\"]",
         13,
