@@ -199,8 +199,10 @@ fn element_residual(
     let mut kinks = (data.gap.kinks)(e);
     kinks.extend(data.bound.iter().chain(&data.coefficient).flat_map(|b| (b.kinks)(e)));
     kinks.extend(cells.iter().map(|c| c.span[0]));
-    // one that rounding put beside an end is there
+    // one that rounding put beside an end or another one is there
     kinks.retain(|t| t.abs() < 1.0 - mesh.resolution(e));
+    kinks.sort_by(f64::total_cmp);
+    kinks.dedup_by(|b, a| *b - *a <= mesh.resolution(e));
     let mut residual = ContactResidual { element: e, ..ContactResidual::default() };
     for panel in look.panels(basis.degree, &kinks) {
         let mut samples = Vec::with_capacity(panel.len());

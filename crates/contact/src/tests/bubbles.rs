@@ -175,3 +175,19 @@ fn data_that_are_not_finite_are_named() {
     let error = oscillation(&m.0, &m.1, 1, &datum(&|_| f64::NAN)).unwrap_err();
     assert!(error.to_string().contains("floor"), "{error}");
 }
+
+/// A kink that two functions of one expression have, but for rounding, is one kink.
+#[test]
+fn kinks_that_rounding_tells_apart_are_one() {
+    let m = rectangle(1.0, &[2; 4]);
+    let value = |x: &Site| (x.t - 0.3).abs().sqrt();
+    let of = |kinks: &'static [f64]| {
+        let once = |_: usize| kinks.to_vec();
+        oscillation(&m.0, &m.1, 1, &Datum { name: "gap", value: &value, kinks: &once }).unwrap()
+    };
+    let one = of(&[0.3]);
+    assert!(one > 0.0 && one.is_finite());
+    for twice in [&[0.3, 0.3], &[0.3, 0.3 + 1e-16], &[0.3, 0.3 + 1e-13]] {
+        assert_eq!(of(twice), one, "{twice:?}");
+    }
+}
