@@ -1,5 +1,6 @@
 //! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
 
+use steklov::report::{contact_rows, contact_summary, located};
 use steklov::scene::SceneErrorKind;
 use steklov::solve::SolveError;
 use steklov_tests::{adapt, answer, attempt, parse};
@@ -121,6 +122,24 @@ fn an_unloaded_body_far_from_its_obstacle_rests() {
             // rounding of E u²
             assert!(run.last.energies.total.abs() < 1e-14 * 10.0 * 0.01f64.powi(2), "{}", run.last.energies.total);
         }
+    }
+}
+
+/// An answer that is nothing everywhere is exact, whatever the obstacle looks like where it touches.
+#[test]
+fn an_unloaded_body_at_rest_on_its_obstacle_is_not_doubted() {
+    for gap in ["0", "0.01*abs(x-0.37)", "0.002*max(0, 1-abs(x-0.41)/3e-4)", "0.01*(1-cos(6*pi*x))"] {
+        let held = "[sides.right]\ndisplacement = [0, 0]\n";
+        let text = square(UNIT, &format!("[sides.floor]\ncontact = {{ gap = \"{gap}\" }}\n{held}"));
+        let scene = parse(&text, &[]).expect("a scene");
+        let run = adapt(&scene).expect("a rest");
+        let estimate = run.step().estimate();
+        assert!(run.converged() && run.last.displacement.iter().all(|u| *u == 0.0), "{gap}");
+        assert_eq!((estimate.error, &estimate.doubts[..]), (0.0, &[][..]), "{gap}");
+        let solved = run.last.contact.as_ref().expect("contact");
+        let rows = contact_rows(run.last.trace(), solved);
+        let contact = contact_summary(&scene, run.last.trace(), solved, &rows, located(&scene, run.step()));
+        assert_eq!((contact.length, contact.ends.unwrap_or_default().len()), (0.0, 0), "{gap}");
     }
 }
 

@@ -13,7 +13,7 @@ impl Estimate {
     /// bubbles, is down at rounding errors as well. That Coulomb's law has several solutions stays.
     pub(crate) fn settle_exact(&mut self, scene: &Scene, solved: &Solved) -> Result<(), SolveError> {
         let unbalanced = solved.contact.as_ref().is_some_and(|c| c.audit.equilibrium > UNBALANCED);
-        let judged = self.relative < ROUNDOFF && self.scale > 0.0;
+        let judged = self.relative < ROUNDOFF;
         // residuals know no medium around a body
         if !judged || unbalanced || solved.around.is_some() || self.doubts.contains(&Doubt::Data) {
             return Ok(());
@@ -28,7 +28,7 @@ impl Estimate {
 /// Elements that are looked at before it is asked whether the others matter.
 const GROUP: usize = 64;
 
-/// Whether residuals at a few points of every element add up to less than an error (energy norm). What is more than rounding
+/// Whether residuals at a few points of every element add up to no more than an error (energy norm); to nothing where the answer is 0. What is more than rounding
 /// errors anywhere mostly shows in the first group: residuals of polynomials reach everywhere.
 fn leaves_less(scene: &Scene, solved: &Solved, error: f64) -> Result<bool, SolveError> {
     let Solved { mesh, space, .. } = solved;
@@ -37,9 +37,9 @@ fn leaves_less(scene: &Scene, solved: &Solved, error: f64) -> Result<bool, Solve
     for start in (0..mesh.len()).step_by(GROUP) {
         let group = start..(start + GROUP).min(mesh.len());
         left += data.residuals(solved, group, Look::Quick)?.iter().map(Residual::total).sum::<f64>();
-        if left.sqrt() >= error {
+        if left.sqrt() > error {
             return Ok(false);
         }
     }
-    Ok(left.sqrt() < error)
+    Ok(left.sqrt() <= error)
 }

@@ -90,14 +90,18 @@ impl Data<'_> {
             }
             let samples = [a, m, b].map(|t| (t, at(t) - gap_at(t)));
             let deepest = samples.into_iter().fold((m, 0.0), |most, w| if w.1 > most.1 { w } else { most });
-            let known = low.monotone || low.value.low >= -(1.0 + PRECISE) * deepest.1.max(least);
-            let last = b - a < 2.0 * SHORTEST || looked >= MOST_STRETCHES;
+            let shortest = b - a < 2.0 * SHORTEST;
+            let last = shortest || looked >= MOST_STRETCHES;
+            // of a root that has no slope within so little the points tell all
+            let known = low.monotone
+                || low.value.low >= -(1.0 + PRECISE) * deepest.1.max(least)
+                || shortest && !low.value.is_bounded();
             if !known && !last {
                 stack.extend([([m, b], right), ([a, m], left)]);
             } else {
                 // a gap without anything narrow in the element is seen by as many points
                 let known = known || !narrow;
-                let depth = if known { deepest.1 } else { -low.value.low };
+                let depth = if known || !low.value.is_bounded() { deepest.1 } else { -low.value.low };
                 join(&mut overlaps, Overlap { element: e, at: [a, deepest.0, b], depth, known });
             }
         }

@@ -158,6 +158,8 @@ pub fn contact_summary(
         tips.and_then(|tips| Some((length_between(scene, trace, contact, &tips, stick)?, tips)))
     };
     let touches = |r: &ContactRow| r.pressure > TOUCHING * max_pressure;
+    // where nothing presses, touching has no ends
+    let located = located.map(|located| if max_pressure > 0.0 { located } else { &[] });
     let ends = between(vertices(located, &|kind| kind == TipKind::ContactEnd), false);
     let length = ends.as_ref().map_or_else(|| weight_of(&touches), |(length, _)| *length);
     let stick = between(vertices(located, &|_| true), true);

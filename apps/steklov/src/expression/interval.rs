@@ -271,7 +271,13 @@ impl Div for Interval {
             return self;
         }
         let (a, b) = (self, other);
-        Self::of([a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high]).rounded(1)
+        let quotient = Self::of([a.low / b.low, a.low / b.high, a.high / b.low, a.high / b.high]).rounded(1);
+        // rounding does not take a quotient of 0 beyond it
+        match [a.low >= 0.0, a.high <= 0.0, b.low > 0.0] {
+            [true, _, true] | [_, true, false] => quotient.within(Self { low: 0.0, high: f64::INFINITY }),
+            [true, _, false] | [_, true, true] => quotient.within(Self { low: f64::NEG_INFINITY, high: 0.0 }),
+            _ => quotient,
+        }
     }
 }
 
