@@ -159,3 +159,33 @@ fn lengths_of_random_scenes_are_those_between_their_ends() {
     println!("{located} located");
     assert!(located >= 8, "{located} of 24 have located ends");
 }
+
+/// The first meshes have the end of contact beyond the zero of the friction bound, at s = 0.698, the solution before it: the end
+/// of a coarse tolerance is that of a fine one.
+#[test]
+fn ends_of_contact_pass_singular_points_of_the_data() {
+    let scene = |tolerance: &str| {
+        let text = "body.corners = [[0,0],[0.737840606481611,0],[0.737840606481611,0.6415438613725092],[0,0.6415438613725092]]\n\
+             body.sides = [\"floor\",\"right\",\"top\",\"left\"]\nmaterial = { young = 100.0, poisson = 0.26 }\n\
+             sides.floor.contact = { gap = \"0.009808*(s-0.411974)^2-0.000736\", \
+             friction = { tresca = \"max(0,0.393671*(s-0.69793)^2)\" } }\n\
+             sides.left.displacement = [\"0\",\"0\"]\n\
+             sides.right.traction = [\"0.13792*exp(-((s-0.127635)/0.0199)^2)+0.104509*exp(-((s-0.329908)/0.0199)^2)\
+             +0.133292*exp(-((s-0.609409)/0.0199)^2)+0.090623*exp(-((s-0.800723)/0.0199)^2)\",\"-0.546597*(s-0.389044)^2\"]\n";
+        parse(text, &[&format!("method.tolerance={tolerance}")]).expect("a scene")
+    };
+    let ends = |tolerance: &str| {
+        let scene = scene(tolerance);
+        let run = adapt(&scene).expect("an answer");
+        let (_, summary) = told(&scene, &run).expect("contact");
+        let doubts = run.step().estimate().doubts.clone();
+        (summary.length, summary.ends.expect("located ends"), doubts)
+    };
+    let (fine, exact, _) = ends("1e-5");
+    let (coarse, found, doubts) = ends("1e-3");
+    assert_eq!(doubts, []);
+    assert_eq!(found.len(), exact.len(), "{found:?} {exact:?}");
+    let off = found.iter().zip(&exact).map(|(a, b)| (a[0] - b[0]).abs()).fold(0.0, f64::max);
+    assert!(off < 1e-3 * fine && (coarse - fine).abs() < 2e-3 * fine, "{found:?} {exact:?}, {coarse} {fine}");
+    assert!(exact[1][0] < 0.69793 * 0.737840606481611, "{exact:?}");
+}

@@ -116,7 +116,7 @@ pub fn relocate(
         tips.retain(|t| t.edge != edge);
         let first = followed.len();
         for tip in mine {
-            if let Some(j) = follow(tip, line, &found, &used, solved, &obstacles[edge].valleys) {
+            if let Some(j) = follow(tip, line, &found, &used, solved, &obstacles[edge].valleys, &singular[edge]) {
                 used[j] = true;
                 followed.push(Followed { line, tip, transition: found[j], old: true });
             }
@@ -321,7 +321,8 @@ fn one_zone_an_asperity(mut found: Vec<Transition>, obstacle: &Obstacle) -> Vec<
     }
 }
 
-/// The transition that a tip takes; none if there is none for it on its side of all valleys.
+/// The transition that a tip takes; none if there is none for it on its side of all valleys, with a bracket that reaches to its
+/// side of all singular points.
 fn follow(
     tip: Tip,
     line: &ContactLine,
@@ -329,11 +330,15 @@ fn follow(
     used: &[bool],
     solved: Solved<'_>,
     valleys: &[f64],
+    singular: &[f64],
 ) -> Option<usize> {
     let middle = |t: &Transition| (t.bracket[0] + t.bracket[1]) / 2.0;
     let apart = |t: &Transition| {
         let (low, high) = (middle(t).min(tip.s), middle(t).max(tip.s));
-        valleys.iter().any(|b| low < *b && *b < high)
+        // no vertex goes past a singular point
+        let nearer = if tip.s < t.bracket[0] { t.bracket[0] } else { tip.s.min(t.bracket[1]) };
+        let (from, to) = (nearer.min(tip.s) + SAME_PLACE, nearer.max(tip.s) - SAME_PLACE);
+        valleys.iter().any(|b| low < *b && *b < high) || singular.iter().any(|p| from < *p && *p < to)
     };
     let (_, j) = (0..found.len())
         .filter(|&j| !used[j] && found[j].kind == tip.kind && found[j].regular == tip.regular && !apart(&found[j]))
