@@ -253,11 +253,10 @@ fn uzawa_with_a_step_that_is_too_large() {
     assert!(forced(10.0 * fails).outcome == Outcome::Diverged && !forced(10.0 * fails).converged());
 }
 
-/// Data that are not finite are refused with side, point and expression, when the scene is read if a look along the side
-/// sees them, else when a quadrature point does; those that cannot be integrated, with the side and what to change.
+/// Data that are not finite are refused with side, point and expression when the scene is read, also where only a stretch between
+/// the points that are looked at has them; those that cannot be integrated, with the side and what to change.
 #[test]
 fn data_that_are_not_finite() {
-    let mut stages = [0; 2];
     for (condition, expression) in [
         (On::smooth("sqrt(x)"), "sqrt(x)"),
         (On::smooth("1/x"), "1/x"),
@@ -272,11 +271,10 @@ fn data_that_are_not_finite() {
     ] {
         let (late, message) = refusal(&condition);
         println!("{late}: {}", message.lines().next().unwrap_or_default());
-        stages[usize::from(late)] += 1;
+        assert!(!late, "{message}");
         let point = ["floor", "(", "-0.5)", expression];
         assert!(point.iter().all(|w| message.contains(w)), "{message}");
     }
-    assert!(stages[0] > 0 && stages[1] > 0, "when a scene is read and when it is solved: {stages:?}");
     for (condition, expression) in [
         (On::traction("1/(x - 0.123456)", "0"), "1/(x - 0.123456)"),
         (On::pressure("log(abs(x - 0.25))/abs(x - 0.25)"), "log(abs(x - 0.25))"),
