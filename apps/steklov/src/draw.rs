@@ -7,10 +7,10 @@ use steklov_io::vtkhdf::Field;
 
 use crate::around::body_part;
 use crate::grid;
-use crate::picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 use crate::report::ContactRow;
 use crate::stochastic;
 use crate::store::Stored;
+use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 
 /// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
 ///

@@ -37,7 +37,6 @@ pub mod run;
 pub mod reference;
 pub mod study;
 pub mod triangulate;
-pub mod picture;
 pub mod summary;
 mod unbounded;
 mod unseen;

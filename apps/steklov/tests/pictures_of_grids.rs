@@ -3,7 +3,7 @@
 mod frame;
 
 use frame::{check, check_up_to};
-use steklov::picture::{BasisFunction, Body, CellField, basis, body, cell_fields, lattice_triangles};
+use steklov_picture::{BasisFunction, Body, CellField, basis, body, cell_fields, lattice_triangles};
 
 /// Values of cells (ix, iy) at ix·ny + iy from a function of their centres in the unit square.
 fn values([nx, ny]: [usize; 2], f: impl Fn(f64, f64) -> f64) -> Vec<f64> {

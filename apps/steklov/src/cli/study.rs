@@ -19,7 +19,6 @@ use steklov_io::{File, IoError, create_atomically};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
-use crate::picture::{self, PictureError};
 use crate::plan::plan;
 use crate::reference::{Reference, ReferenceError};
 use crate::scene::{Multiplier, Refine, Scene};
@@ -27,6 +26,7 @@ use crate::solve::Stage;
 use crate::study::{
     MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write,
 };
+use steklov_picture::{self as picture, PictureError};
 
 #[derive(Args)]
 pub(super) struct StudyArgs {

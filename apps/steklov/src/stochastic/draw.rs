@@ -3,13 +3,13 @@
 use super::tables::percent;
 use super::{Quantity, StochasticResult, draw_fields};
 use crate::draw::{positions, walls};
-use crate::picture::{
-    BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,
-    short, spread,
-};
 use crate::report::ContactRow;
 use crate::store::Stored;
 use steklov_bem_operators::Space;
+use steklov_picture::{
+    BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,
+    short, spread,
+};
 
 /// Panels in one picture at most.
 const PANELS: usize = 6;

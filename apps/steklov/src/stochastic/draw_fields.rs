@@ -2,8 +2,8 @@
 
 use super::{FieldModes, StochasticResult};
 use crate::draw::file_name;
-use crate::picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
 use crate::store::Stored;
+use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
 
 /// Modes that are drawn at most.
 const MODES: usize = 6;

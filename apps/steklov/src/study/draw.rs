@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use super::strategy::{Point, Strategy};
 use super::{Law, Study};
 use crate::draw::contact_pictures;
-use crate::picture::{
+use steklov_picture::{
     Axis, Band, Chart, Curve, MeshFigure, MeshPanel, PictureError, Scale, Series, chart, meshes, write,
 };
 
@@ -80,7 +80,7 @@ struct Comparison<'a> {
     band: Option<Band<'a>>,
 }
 
-fn comparison(study: &Study<'_>, c: &Comparison<'_>) -> Result<crate::picture::Picture, PictureError> {
+fn comparison(study: &Study<'_>, c: &Comparison<'_>) -> Result<steklov_picture::Picture, PictureError> {
     let drawn: Vec<Vec<Drawn>> =
         study.strategies.iter().map(|s| c.quantities.iter().map(|q| drawn(s, c.cost, q)).collect()).collect();
     let curves: Vec<Vec<Curve<'_>>> = drawn

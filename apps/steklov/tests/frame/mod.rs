@@ -3,7 +3,7 @@
 
 use std::path::PathBuf;
 
-use steklov::picture::{Picture, write};
+use steklov_picture::{Picture, write};
 
 /// Edges with the numbers of their loops.
 pub fn loops(corners: &[&[[f64; 2]]]) -> Vec<([f64; 2], [f64; 2], usize)> {

@@ -55,7 +55,7 @@ pub fn pairs(scene: &Scene) -> Result<Vec<Pair>, SceneError> {
 
 /// A modulus as a name shows it.
 fn rounded(young: f64) -> String {
-    crate::picture::short(young, 3)
+    steklov_picture::short(young, 3)
 }
 
 /// The coarsest grid of the body: the scene's fine cells, joined two by two along x and y as often as the body is made of such

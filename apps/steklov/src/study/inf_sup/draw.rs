@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use super::pairs::{PAIRS, Point};
 use super::{InfSup, Pressure};
 use crate::draw::{positions, side_file};
-use crate::picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 use crate::report::ContactRow;
+use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// Draws β over elements and over the degree, and the pressure along each contact side, into a folder; returns the files.
 ///

@@ -7,7 +7,7 @@ use super::convergence::Point;
 use super::laminates::{LAMINATES, Layers, RESONATING};
 use super::measure::BASES;
 use super::{FineGrid, MultiscaleStudy};
-use crate::picture::{Axis, Band, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
+use steklov_picture::{Axis, Band, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// A line of a chart: a name, and a curve for each quantity.
 struct Line {

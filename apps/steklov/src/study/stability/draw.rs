@@ -6,7 +6,7 @@ use super::beside::judged;
 use super::incompressible::Point;
 use super::table::mesh_name;
 use super::{SingleLayer, Spectrum, Stabilisation, Stability};
-use crate::picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
+use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// A curve that owns its points.
 struct Line {

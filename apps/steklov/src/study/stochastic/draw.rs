@@ -7,7 +7,7 @@ use super::rules::FAMILIES;
 use super::solvers::SOLVERS;
 use super::space::CURVES;
 use super::{Solvers, Stochastic};
-use crate::picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
+use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// Iterations of a history that are drawn at most.
 const DRAWN: usize = 40;

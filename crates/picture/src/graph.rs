@@ -205,8 +205,8 @@ impl Graph {
 
 #[cfg(test)]
 mod tests {
-    use super::super::canvas::Rect;
     use super::*;
+    use crate::canvas::Rect;
     use proptest::prelude::*;
 
     const FRAME: Rect = Rect { left: 90.0, top: 40.0, width: 560.0, height: 420.0 };

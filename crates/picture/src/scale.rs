@@ -91,7 +91,7 @@ fn power_of_ten(exponent: i32) -> String {
 }
 
 /// A number with `digits` significant digits, with a power of ten where it is long otherwise.
-pub(crate) fn short(value: f64, digits: usize) -> String {
+pub fn short(value: f64, digits: usize) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
     }

@@ -36,7 +36,7 @@ pub use graph::Scale;
 pub use lattice::{LatticeTriangles, lattice_triangles};
 pub use mesh::{MeshFigure, MeshPanel, meshes};
 pub use panels::{Ends, Layer, Panel, Shape, panels};
-pub(crate) use scale::short;
+pub use scale::short;
 pub use spread::{SpreadLoop, spread};
 pub use tiles::{DegreeBox, Tile, boxes, tiles};
 
@@ -89,7 +89,7 @@ pub fn write(dir: &Path, name: &str, picture: &Picture) -> Result<[PathBuf; 2], 
 }
 
 /// Writes a file of the folder `dir` that appears whole or not at all.
-pub(crate) fn replace(dir: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
+pub fn replace(dir: &Path, path: &Path, bytes: &[u8]) -> std::io::Result<()> {
     // tempfile makes private files; this one gets the permissions of any other new file.
     let mut builder = tempfile::Builder::new();
     #[cfg(unix)]
