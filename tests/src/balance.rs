@@ -3,7 +3,8 @@
 
 use steklov::grid::GridSolved;
 use steklov::scene::{Condition, Scene};
-use steklov_bem_operators::{Mesh, Plane, Site};
+use steklov_bem_operators::{Mesh, Site};
+use steklov_elastic::Plane;
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 /// Elements of the boundary on which tractions are integrated, about, and points on each.

@@ -1,8 +1,9 @@
 //! A body on a mesh: its matrices, which no load changes, and its answer to loads.
 
 use faer::Mat;
-use steklov_bem_operators::{BoundaryField, Condensation, Material, Mesh, RigidMotion, Space, TractionMap};
+use steklov_bem_operators::{BoundaryField, Condensation, Mesh, Space, TractionMap};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution, resisted_motions};
+use steklov_elastic::{Material, RigidMotion};
 
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};

@@ -1,11 +1,12 @@
 //! Contact on one mesh: the condensed problem, its solution, and what is told of it.
 
 use faer::Mat;
-use steklov_bem_operators::{Mesh, RigidMotion, Space};
+use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{
     ContactBoundary, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, contraction, interior_point,
     kkt_in_body, lifting_motion, newton, other_solution, uzawa,
 };
+use steklov_elastic::RigidMotion;
 
 use crate::motions::{edges, unpressed};
 use crate::scene::Solver;

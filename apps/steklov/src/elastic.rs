@@ -9,7 +9,8 @@
 //! What the nodes leave of u0 is no part of that: its solution, which has no jump of tractions, is orthogonal in the energy of
 //! body and medium to all that has no jump of displacements.
 
-use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, Material, PairCache};
+use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache};
+use steklov_elastic::Material;
 
 use crate::body::{Body, Factors};
 

@@ -11,8 +11,9 @@
 //! with strategies that keep the degree, with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
-use steklov_bem_operators::{BoundaryResidual, Enriched, Look, Material, Mesh, SAME_PLACE};
+use steklov_bem_operators::{BoundaryResidual, Enriched, Look, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen};
+use steklov_elastic::Material;
 
 use crate::adapt::coarse_elements;
 use crate::body::{Body, Factors, UNBALANCED};

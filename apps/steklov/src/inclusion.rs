@@ -12,11 +12,11 @@ use std::collections::BTreeSet;
 
 use faer::{Col, Mat};
 use steklov_bem_operators::{
-    BemError, Domain, EnrichedSteklov, Mesh, Operators, PairCache, RigidMotion, Space, Steklov, TractionMap,
-    side_moments,
+    BemError, Domain, EnrichedSteklov, Mesh, Operators, PairCache, Space, Steklov, TractionMap, side_moments,
 };
 use steklov_contact::oscillation;
 use steklov_coupling::{Balance, Coupled, Radiation};
+use steklov_elastic::RigidMotion;
 use steklov_quadrature::legendre_p;
 
 use crate::around::Around;

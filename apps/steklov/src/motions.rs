@@ -1,7 +1,8 @@
 //! Rigid motions that nothing holds, and the work of loads and contact forces on them.
 
-use steklov_bem_operators::{BemError, RigidMotion};
+use steklov_bem_operators::BemError;
 use steklov_contact::{ContactBoundary, ContactEdge, ContactError};
+use steklov_elastic::RigidMotion;
 
 use crate::solve::SolveError;
 

@@ -1,9 +1,10 @@
 //! The least model that can answer a scene, chosen before anything is solved.
 
 use serde::{Deserialize, Serialize};
-use steklov_bem_operators::{Mesh, RigidMotion, free_motions};
+use steklov_bem_operators::Mesh;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
+use steklov_elastic::{Plane, RigidMotion, free_motions};
 
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
@@ -110,8 +111,8 @@ pub(crate) fn largest_mesh(scene: &Scene) -> Decision {
 /// Plane strain or plane stress.
 pub(crate) fn plane(scene: &Scene) -> &'static str {
     match scene.material.plane {
-        steklov_bem_operators::Plane::Strain => "plane strain",
-        steklov_bem_operators::Plane::Stress => "plane stress",
+        Plane::Strain => "plane strain",
+        Plane::Stress => "plane stress",
     }
 }
 
@@ -143,8 +144,8 @@ fn boundary_plan(scene: &Scene) -> Plan {
         ),
     });
     let plane = match scene.material.plane {
-        steklov_bem_operators::Plane::Strain => "plane strain",
-        steklov_bem_operators::Plane::Stress => "plane stress, as plane strain with E(1+2ν)/(1+ν)² and ν/(1+ν)",
+        Plane::Strain => "plane strain",
+        Plane::Stress => "plane stress, as plane strain with E(1+2ν)/(1+ν)² and ν/(1+ν)",
     };
     modelled.push(decision("plane", plane.into(), "as the scene says"));
     modelled.push(elements(scene, mesh.len()));

@@ -5,11 +5,11 @@ use std::time::Instant;
 use faer::{Col, Mat};
 use sprs::CsMat;
 use steklov_bem_operators::{
-    BemError, BoundaryField, Condensation, Mesh, Operators, PairCache, ParticularSolution, Partition, RigidMotion,
-    Space, Steklov,
+    BemError, BoundaryField, Condensation, Mesh, Operators, PairCache, ParticularSolution, Partition, Space, Steklov,
 };
 use steklov_contact::{ContactBoundary, ContactError};
 use steklov_coupling::{Trace, Transfer};
+use steklov_elastic::RigidMotion;
 
 use crate::around::Around;
 use crate::body::{Body, Factors, Given};

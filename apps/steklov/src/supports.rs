@@ -1,6 +1,7 @@
 //! Held displacements: what they leave free, and the forces that they carry.
 
-use steklov_bem_operators::{Mesh, RigidMotion, Space, free_motions};
+use steklov_bem_operators::{Mesh, Space};
+use steklov_elastic::{RigidMotion, free_motions};
 
 use crate::scene::{Condition, Side};
 

@@ -13,7 +13,8 @@
 
 use std::f64::consts::PI;
 
-use steklov_bem_operators::{Enriched, Material, Mesh};
+use steklov_bem_operators::{Enriched, Mesh};
+use steklov_elastic::Material;
 
 /// ζ(3).
 const ZETA: f64 = 1.202_056_903_159_594;

@@ -2,7 +2,8 @@
 
 use std::f64::consts::PI;
 
-use steklov_bem_operators::{Edge, Material, SAME_PLACE};
+use steklov_bem_operators::{Edge, SAME_PLACE};
+use steklov_elastic::Material;
 
 use crate::report::{ContactRow, TOUCHING};
 use crate::scene::{Condition, Friction, Scene};

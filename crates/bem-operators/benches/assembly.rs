@@ -6,9 +6,9 @@ use std::time::Instant;
 
 use num_complex::Complex64;
 use steklov_bem_operators::{
-    Condensation, Domain, Loop, Material, Mesh, Operators, PairMoments, Partition, Plane, Polygon, Segment, Space,
-    Steklov, far_moments,
+    Condensation, Domain, Loop, Mesh, Operators, PairMoments, Partition, Polygon, Segment, Space, Steklov, far_moments,
 };
+use steklov_elastic::{Material, Plane};
 
 fn median(mut values: Vec<f64>) -> f64 {
     values.sort_by(f64::total_cmp);

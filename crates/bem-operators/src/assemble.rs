@@ -12,7 +12,8 @@ use sprs::{CsMat, TriMat};
 use crate::cache::PairCache;
 use crate::columns::{Scratch, Targets};
 use crate::pass::{Block, Pass, Purpose};
-use crate::{BemError, Material, Mesh, Space};
+use crate::{BemError, Mesh, Space};
+use steklov_elastic::Material;
 
 /// Galerkin matrices of the single layer V, the double layer K and the hypersingular operator W, and the mass matrix M.
 ///

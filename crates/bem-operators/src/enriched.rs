@@ -4,7 +4,8 @@ use faer::{Col, Mat};
 
 use crate::dense::{add_product, solve_lower};
 use crate::steklov::cholesky;
-use crate::{BemError, Bubbles, Enrichment, Material, Mesh, PairCache, Space, TractionMap};
+use crate::{BemError, Bubbles, Enrichment, Mesh, PairCache, Space, TractionMap};
+use steklov_elastic::Material;
 
 /// S₊ of the spaces of one more degree, from the factors of S.
 ///

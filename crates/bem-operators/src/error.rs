@@ -1,23 +1,14 @@
 //! What can go wrong between a polygon and a displacement.
 
-use crate::RigidMotion;
+use steklov_elastic::RigidMotion;
 
 /// Errors of this crate; each carries the numbers that tell what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BemError {
-    /// Young's modulus must be positive and finite.
-    #[error("Young's modulus is {young}; it must be positive and finite")]
-    Young {
-        /// The value given.
-        young: f64,
-    },
-    /// Poisson's ratio must lie in (-1, 1/2).
-    #[error("Poisson's ratio is {poisson}; it must lie in (-1, 1/2)")]
-    Poisson {
-        /// The value given.
-        poisson: f64,
-    },
+    /// Constants that are no material's.
+    #[error(transparent)]
+    Material(#[from] steklov_elastic::MaterialError),
     /// An element list that is not a set of closed loops.
     #[error("the mesh is not a set of closed loops of elements: {what}")]
     Mesh {

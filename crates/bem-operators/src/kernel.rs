@@ -1,6 +1,6 @@
 //! Constants of the Lamé kernels.
 
-use crate::Material;
+use steklov_elastic::Material;
 
 /// Constants of the kernels, with μ, κ and ν of plane strain.
 #[derive(Debug, Clone, Copy)]

@@ -16,8 +16,6 @@
 //! plane strain unless [`Plane::Stress`] is chosen; everything is per unit thickness.
 
 mod error;
-mod material;
-mod rigid;
 mod polygon;
 mod polygon_check;
 mod mesh;
@@ -57,7 +55,6 @@ pub use error::BemError;
 pub use far::far_moments;
 pub use load::{Datum, ElementMoments, Site, add_load, side_moments, side_moments_and_squares};
 pub use marking::{doerfler, legendre_decay};
-pub use material::{Material, Plane};
 pub use mesh::{Mesh, edge_tangents};
 pub use moments::{PairMoments, Segment, Tables};
 pub use particular::ParticularSolution;
@@ -65,7 +62,6 @@ pub use polygon::{Edge, Location, Loop, Polygon};
 pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};
 pub use residual::{BoundaryResidual, Look, boundary_residuals, boundary_residuals_of, graded_panels, residual_panels};
-pub use rigid::{RigidMotion, free_motions};
 pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap};
 pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};

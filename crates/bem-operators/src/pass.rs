@@ -7,7 +7,8 @@ use crate::far::{Batch, Classifier, KINDS, LANES, flush, kind_index};
 use crate::kernel::Constants;
 use crate::moments::{Segment, first_is_outer, same, storage};
 use crate::near;
-use crate::{Material, Mesh, Space};
+use crate::{Mesh, Space};
+use steklov_elastic::Material;
 
 /// Doubles that the moments of one block of pairs may take: 8 MiB.
 const BLOCK_STORAGE: usize = 1 << 20;

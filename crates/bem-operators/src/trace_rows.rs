@@ -14,7 +14,8 @@ use steklov_quadrature::legendre_p;
 
 use crate::near::MAX_ORDER;
 use crate::potential::{AtPoint, BoundaryField};
-use crate::{Material, Mesh, Space, TractionMap};
+use crate::{Mesh, Space, TractionMap};
+use steklov_elastic::Material;
 
 /// σ^h at the reference coordinates of the elements `(e, t)`: rows 2i and 2i+1 are its x and y components at point i,
 /// columns the nodal displacements (stress per displacement).

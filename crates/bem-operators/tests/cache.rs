@@ -9,8 +9,9 @@ use proptest::collection::vec;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, polygon_and_mesh};
 use steklov_bem_operators::{
-    Bubbles, Enrichment, Grading, Loop, Mark, Material, Mesh, Operators, PairCache, Plane, Polygon, Space, Subdivision,
+    Bubbles, Enrichment, Grading, Loop, Mark, Mesh, Operators, PairCache, Polygon, Space, Subdivision,
 };
+use steklov_elastic::{Material, Plane};
 
 type Matrices = (Operators, Enrichment, Bubbles);
 

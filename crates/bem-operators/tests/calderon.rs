@@ -8,7 +8,8 @@ use common::{Field, dot, max_abs, polygon, product};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, polygon as bodies};
-use steklov_bem_operators::{Domain, Location, Material, Mesh, Operators, Polygon, Space, Steklov};
+use steklov_bem_operators::{Domain, Location, Mesh, Operators, Polygon, Space, Steklov};
+use steklov_elastic::Material;
 
 /// Place of the force of `Field::new("kelvin", …)`, and the force.
 const SOURCE: [f64; 2] = [0.9, 0.35];
@@ -170,7 +171,7 @@ proptest! {
 #[test]
 fn energies_converge_exponentially_in_the_degree() {
     // a force in the hole of a square: <S u,u> = ∫ t·u, the integral by Gauss points of the exact field
-    let material = Material::new(2.5, 0.3, steklov_bem_operators::Plane::Strain).expect("material");
+    let material = Material::new(2.5, 0.3, steklov_elastic::Plane::Strain).expect("material");
     let hole = [[-0.2, -0.1], [0.2, -0.15], [0.1, 0.2]];
     let body = polygon(&common::SQUARE, &[&hole]);
     let source = [0.03, -0.02];

@@ -14,9 +14,8 @@ use faer::Side;
 use faer::prelude::*;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, polygon_and_mesh};
-use steklov_bem_operators::{
-    Condensation, Domain, Material, Mesh, Operators, Partition, Plane, Polygon, RigidMotion, Space, Steklov,
-};
+use steklov_bem_operators::{Condensation, Domain, Mesh, Operators, Partition, Polygon, Space, Steklov};
+use steklov_elastic::{Material, Plane, RigidMotion};
 
 /// Corners of the regular polygon inscribed in the circle of radius r about the origin.
 fn ring(r: f64, n: usize) -> Vec<[f64; 2]> {

@@ -7,9 +7,8 @@ use faer::prelude::*;
 use faer::{Col, Mat, Side};
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, mesh, polygon_and_mesh};
-use steklov_bem_operators::{
-    Condensation, Domain, Mesh, Operators, ParticularSolution, Partition, Plane, RigidMotion, Space, Steklov,
-};
+use steklov_bem_operators::{Condensation, Domain, Mesh, Operators, ParticularSolution, Partition, Space, Steklov};
+use steklov_elastic::{Plane, RigidMotion};
 
 /// A random symmetric positive definite matrix AᵀA + n I from proptest's numbers.
 fn spd(n: usize, values: &[f64]) -> Mat<f64> {
@@ -193,7 +192,7 @@ proptest! {
 #[test]
 fn body_force_energies_of_a_unit_square_are_those_of_the_integrals() {
     // b = (0,-1), x_0 = 0, square [-1/2,1/2]²: u_y = y²/(2M), ∫b·u = -∫y²/(2M) = -1/(24 M), a = ∫ M (y/M)² = 1/(12 M)
-    let material = steklov_bem_operators::Material::new(2.0, 0.3, Plane::Stress).expect("material");
+    let material = steklov_elastic::Material::new(2.0, 0.3, Plane::Stress).expect("material");
     let mesh = Mesh::uniform(&polygon(&SQUARE, &[]), 4, 1);
     let modulus = material.lambda() + 2.0 * material.mu();
     let (energy, work) = ParticularSolution::of_body_force([0.0, -1.0], [0.0, 0.0], &material).energies(&mesh);

@@ -4,9 +4,9 @@ mod common;
 
 use faer::Mat;
 use steklov_bem_operators::{
-    Bubbles, Domain, Enriched, EnrichedSteklov, Enrichment, Material, Mesh, Operators, PairCache, Plane, Polygon,
-    Space, Steklov,
+    Bubbles, Domain, Enriched, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, Polygon, Space, Steklov,
 };
+use steklov_elastic::{Material, Plane};
 use steklov_quadrature::legendre_p;
 
 fn l_shape() -> Polygon {

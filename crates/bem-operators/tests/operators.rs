@@ -6,7 +6,8 @@ use common::*;
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, mesh};
-use steklov_bem_operators::{Domain, Material, Mesh, Operators, PairMoments, RigidMotion, Space, Steklov, Tables};
+use steklov_bem_operators::{Domain, Mesh, Operators, PairMoments, Space, Steklov, Tables};
+use steklov_elastic::{Material, RigidMotion};
 
 /// V, K, W by the plain formulas, one ordered pair after the other, every pair by the rule for arbitrary positions.
 fn reference(mesh: &Mesh, space: &Space, material: &Material, length: f64) -> [Mat<f64>; 3] {
@@ -164,7 +165,7 @@ fn the_patch_test_is_exact_to_twelve_digits_on_ordinary_bodies() {
     for (corners, holes) in [(&SQUARE[..], &[][..]), (&L_SHAPE, &[]), (&L_SHAPE, &[&hole[..]])] {
         let polygon = polygon(corners, holes);
         for nu in [-0.5, 0.0, 0.3, 0.49] {
-            let material = Material::new(7.0, nu, steklov_bem_operators::Plane::Strain).expect("material");
+            let material = Material::new(7.0, nu, steklov_elastic::Plane::Strain).expect("material");
             let field = Field::new("linear", &material);
             for degree in [1, 2] {
                 let mut mesh = Mesh::uniform(&polygon, 40, degree);
@@ -259,7 +260,7 @@ fn matrices_have_the_same_bits_for_one_and_many_threads() {
 #[test]
 fn a_length_below_the_degenerate_scale_is_refused() {
     // bem.md: at ν = 0.3 and L = 1 the square of side 2.21318821 is degenerate, V is indefinite beyond
-    let material = Material::new(1.0, 0.3, steklov_bem_operators::Plane::Strain).expect("material");
+    let material = Material::new(1.0, 0.3, steklov_elastic::Plane::Strain).expect("material");
     for (side, holds) in [(2.19, true), (2.24, false), (3.0, false)] {
         let polygon = polygon(&SQUARE.map(|[x, y]| [side * x, side * y]), &[]);
         let mesh = Mesh::uniform(&polygon, 16, 4);

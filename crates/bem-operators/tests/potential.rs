@@ -5,7 +5,8 @@ mod common;
 use common::*;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, polygon_and_mesh};
-use steklov_bem_operators::{BoundaryField, Domain, Location, Material, Mesh, Operators, Space, Steklov};
+use steklov_bem_operators::{BoundaryField, Domain, Location, Mesh, Operators, Space, Steklov};
+use steklov_elastic::Material;
 
 struct Solved {
     mesh: Mesh,

@@ -6,9 +6,10 @@ use common::*;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, mesh};
 use steklov_bem_operators::{
-    BemError, BoundaryField, BoundaryResidual, Condensation, Datum, Domain, Look, Material, Mesh, Operators, Partition,
-    Plane, Site, Space, Steklov, add_load, boundary_residuals, boundary_residuals_of, residual_panels, side_moments,
+    BemError, BoundaryField, BoundaryResidual, Condensation, Datum, Domain, Look, Mesh, Operators, Partition, Site,
+    Space, Steklov, add_load, boundary_residuals, boundary_residuals_of, residual_panels, side_moments,
 };
+use steklov_elastic::{Material, Plane};
 
 /// Field of a nodal displacement with the traction that the operators give to it.
 fn with_traction(mesh: &Mesh, space: &Space, material: &Material, displacement: &[f64]) -> BoundaryField {

@@ -6,9 +6,8 @@ mod common;
 use common::{Field, L_SHAPE, SQUARE, dot, max_abs, polygon, product};
 use faer::Mat;
 use faer::Side;
-use steklov_bem_operators::{
-    BemError, Condensation, Domain, Material, Mesh, Operators, Partition, Plane, Space, Steklov,
-};
+use steklov_bem_operators::{BemError, Condensation, Domain, Mesh, Operators, Partition, Space, Steklov};
+use steklov_elastic::{Material, Plane};
 
 fn strain(poisson: f64) -> Material {
     Material::new(1.0, poisson, Plane::Strain).expect("material")

@@ -10,9 +10,10 @@ use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, star};
 use steklov_bem_operators::{
-    BoundaryField, Condensation, Domain, Enriched, EnrichedSteklov, Location, Loop, Material, Mesh, Operators,
-    PairCache, Partition, Plane, Polygon, PolygonError, RigidMotion, Space, Steklov,
+    BoundaryField, Condensation, Domain, Enriched, EnrichedSteklov, Location, Loop, Mesh, Operators, PairCache,
+    Partition, Polygon, PolygonError, Space, Steklov,
 };
+use steklov_elastic::{Material, Plane, RigidMotion};
 
 fn chain(corners: &[[f64; 2]]) -> Loop {
     Loop { corners: corners.to_vec(), sides: (0..corners.len()).map(|k| format!("s{k}")).collect() }

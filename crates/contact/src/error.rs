@@ -1,6 +1,7 @@
 //! What can go wrong in a contact problem.
 
-use steklov_bem_operators::{BemError, RigidMotion};
+use steklov_bem_operators::BemError;
+use steklov_elastic::RigidMotion;
 
 /// Errors of this crate; each carries the numbers that tell what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]

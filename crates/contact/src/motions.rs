@@ -1,6 +1,6 @@
 //! Rigid motions that supports leave free: whether contact and friction hold them.
 
-use steklov_bem_operators::RigidMotion;
+use steklov_elastic::RigidMotion;
 
 use crate::{ContactError, stopped};
 

@@ -25,9 +25,8 @@ use faer::linalg::solvers::{DenseSolveCore, Llt};
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
 use faer::{Accum, Mat, Par, Scale, Side};
-use steklov_bem_operators::{
-    Dof, Material, Mesh, ParticularSolution, Space, TractionMap, graded_panels, steklov_trace_rows,
-};
+use steklov_bem_operators::{Dof, Mesh, ParticularSolution, Space, TractionMap, graded_panels, steklov_trace_rows};
+use steklov_elastic::Material;
 use steklov_quadrature::gauss_legendre;
 
 use crate::inf_sup::dual_form;

@@ -27,7 +27,8 @@
 //! The bound of the energy is Cauchy's inequality for ∫ div u = V.
 
 use faer::Mat;
-use steklov_bem_operators::{Material, Mesh};
+use steklov_bem_operators::Mesh;
+use steklov_elastic::Material;
 
 /// Q on the points of the stabilisation's rule.
 pub(crate) struct UniformPressure {

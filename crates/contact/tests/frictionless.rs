@@ -3,10 +3,11 @@
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{
-    Condensation, Datum, Domain, Loop, Material, Mesh, Operators, Partition, Plane, Polygon, Site, Space, Steklov,
-    add_load, side_moments,
+    Condensation, Datum, Domain, Loop, Mesh, Operators, Partition, Polygon, Site, Space, Steklov, add_load,
+    side_moments,
 };
 use steklov_contact::{ContactBoundary, Problem, SideData, Solution, contact_boundary, interior_point};
+use steklov_elastic::{Material, Plane};
 
 fn turned(angle: f64, [x, y]: [f64; 2]) -> [f64; 2] {
     [x * angle.cos() - y * angle.sin(), x * angle.sin() + y * angle.cos()]

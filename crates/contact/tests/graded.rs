@@ -2,10 +2,11 @@
 //! against the balance of forces.
 
 use steklov_bem_operators::{
-    Condensation, Datum, Domain, Loop, Material, Mesh, Operators, Partition, Plane, Polygon, Site, Space, Steklov,
-    add_load, side_moments,
+    Condensation, Datum, Domain, Loop, Mesh, Operators, Partition, Polygon, Site, Space, Steklov, add_load,
+    side_moments,
 };
 use steklov_contact::{ContactError, Problem, SideData, contact_boundary, interior_point, kkt};
+use steklov_elastic::{Material, Plane};
 
 /// Breaks and degrees of a side of length 1 graded with ratio 0.15 towards each of the points: layers before and after it.
 fn graded(points: &[(f64, usize, usize)], slope: usize) -> (Vec<f64>, Vec<usize>) {

@@ -1,8 +1,8 @@
 //! Rigid motions of bodies on obstacles: held, free, or driven.
 
 use proptest::prelude::*;
-use steklov_bem_operators::{RigidMotion, free_motions};
 use steklov_contact::{ContactEdge, ContactError, resisted_motions};
+use steklov_elastic::{RigidMotion, free_motions};
 
 const CORNERS: [[f64; 2]; 4] = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
 

@@ -4,13 +4,12 @@ mod solved;
 
 use proptest::prelude::*;
 use solved::{Case, Field, square};
-use steklov_bem_operators::{
-    BoundaryField, Datum, Loop, Material, Mesh, ParticularSolution, Plane, Polygon, Site, Space,
-};
+use steklov_bem_operators::{BoundaryField, Datum, Loop, Mesh, ParticularSolution, Polygon, Site, Space};
 use steklov_contact::{
     ContactError, ContactResidual, ContactSolution, Multiplier, MultiplierDegree, MultiplierMesh, MultiplierSpace,
     SideData, contact_boundary, contact_residuals, multiplier_trace,
 };
+use steklov_elastic::{Material, Plane};
 
 fn sum(residuals: &[ContactResidual], term: impl Fn(&ContactResidual) -> f64) -> f64 {
     residuals.iter().map(term).sum()

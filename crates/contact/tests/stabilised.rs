@@ -1,10 +1,11 @@
 //! Stabilised multipliers: the coercivity limit, agreement with closed forms and with biorthogonal multipliers.
 
-use steklov_bem_operators::{Datum, Domain, Loop, Material, Mesh, Operators, Plane, Polygon, Site, Steklov};
+use steklov_bem_operators::{Datum, Domain, Loop, Mesh, Operators, Polygon, Site, Steklov};
 use steklov_contact::{
     ContactError, Loading, MultiplierDegree, MultiplierMesh, MultiplierSpace, SideData, Stabilised, StabilisedForms,
     active_set, dual_form, inf_sup, interior_point, kkt, newton, pairing,
 };
+use steklov_elastic::{Material, Plane};
 
 mod clamped;
 

@@ -3,10 +3,11 @@
 mod clamped;
 
 use clamped::Clamped;
-use steklov_bem_operators::{Datum, Loop, Material, Mesh, Plane, Polygon, Site};
+use steklov_bem_operators::{Datum, Loop, Mesh, Polygon, Site};
 use steklov_contact::{
     Loading, MultiplierDegree, MultiplierMesh, SideData, dual_form, inf_sup, interior_point, kkt, pairing,
 };
+use steklov_elastic::{Material, Plane};
 
 const NEARLY_HALF: f64 = 0.499_99;
 

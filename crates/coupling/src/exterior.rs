@@ -2,7 +2,8 @@
 
 use faer::Side;
 use faer::linalg::cholesky::llt::factor::LltError;
-use steklov_bem_operators::{BemError, BoundaryField, Inside, Material, Mesh, Operators, Space, Trace};
+use steklov_bem_operators::{BemError, BoundaryField, Inside, Mesh, Operators, Space, Trace};
+use steklov_elastic::Material;
 
 use crate::dense::product;
 use crate::{Coupled, CouplingError};

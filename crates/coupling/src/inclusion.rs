@@ -1,7 +1,8 @@
 //! A homogeneous body by boundary elements alone.
 
 use faer::Mat;
-use steklov_bem_operators::{BoundaryField, Domain, Material, Operators, Steklov, TractionMap};
+use steklov_bem_operators::{BoundaryField, Domain, Operators, Steklov, TractionMap};
+use steklov_elastic::Material;
 use steklov_quadrature::gauss_legendre;
 
 use crate::{Coupled, CouplingError, Exterior};

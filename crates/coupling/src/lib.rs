@@ -36,13 +36,13 @@
 //! Units: any consistent ones; everything is per unit thickness, body and medium in the same plane. Fields are interleaved x, y.
 //!
 //! ```
-//! use steklov_bem_operators::{Material, Plane};
+//! use steklov_elastic::{Material, Plane};
 //! use steklov_coupling::{Exterior, Form, Interior, Radiation, Transmission};
 //! use steklov_msfem::{Elasticity, Grid, Loads, Medium};
 //!
 //! // a square that is too large for its hole by one part in a hundred
 //! let grid = Grid::rectangle([1.0, 1.0], [8, 8])?;
-//! let medium = Medium::new(grid, vec![5.0; 64], Elasticity::new(0.3, steklov_msfem::Plane::Strain)?)?;
+//! let medium = Medium::new(grid, vec![5.0; 64], Elasticity::new(0.3, steklov_elastic::Plane::Strain)?)?;
 //! let interior = Interior::fine(&medium, &Loads::default())?;
 //! let around = Material::new(1.0, 0.3, Plane::Strain)?;
 //! let exterior = Exterior::new(interior.trace.mesh(1, 1)?, around, None)?;

@@ -23,7 +23,7 @@ proptest! {
     ) {
         let grid = Grid::new([-0.3, 0.7], [0.1, 0.07], [24, 16], |i, j| i < 8 || j < 8).unwrap();
         let count = 24 * 16;
-        let medium = Medium::new(grid, vec![1.0; count], Elasticity::new(0.3, steklov_msfem::Plane::Strain).unwrap()).unwrap();
+        let medium = Medium::new(grid, vec![1.0; count], Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap()).unwrap();
         let outline = Outline::new(&medium.grid).unwrap();
         let mut cells = CoarseMesh::uniform(&medium.grid, [8, 8]).unwrap();
         let trace_of = |cells: &CoarseMesh| {
@@ -94,7 +94,7 @@ fn refinement_by_the_error_of_the_traction_needs_fewer_elements_than_uniform_one
         let pulled = |_: [f64; 2], normal: [f64; 2]| traction(around.stress(gradient), normal);
         let mut loads = Loads::default();
         outline.add_traction_jump(&grid, &mut loads, pulled);
-        let elasticity = Elasticity::new(0.3, steklov_msfem::Plane::Strain).unwrap();
+        let elasticity = Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap();
         let medium = Medium::new(grid, vec![young; n * n], elasticity).unwrap();
         let interior = Interior::fine(&medium, &loads).unwrap();
         let jumps = Jumps { displacement: &strained, traction: &pulled, halvings: 0 };

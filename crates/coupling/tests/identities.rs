@@ -4,8 +4,8 @@ mod common;
 
 use common::{around, difference, manufactured, material, problem, traction};
 use proptest::prelude::*;
-use steklov_bem_operators::{Material, Plane};
 use steklov_coupling::{CouplingError, Exterior, Form, Interior, Outline, Radiation, Transmission};
+use steklov_elastic::{Material, Plane};
 use steklov_msfem::{Elasticity, Grid, Loads, Medium};
 
 const FORMS: [Form; 3] = [Form::TwoField, Form::ThreeField, Form::Schur];
@@ -34,12 +34,8 @@ proptest! {
         let grid = ell([0.3, -1.0], [0.25, 0.2], cells);
         let outline = Outline::new(&grid).unwrap();
         let young = 10f64.powf(contrast);
-        let (plane, same) = if stress {
-            (steklov_msfem::Plane::Stress, Plane::Stress)
-        } else {
-            (steklov_msfem::Plane::Strain, Plane::Strain)
-        };
-        let body = Material::new(young, ratios[0], same).unwrap();
+        let plane = if stress { Plane::Stress } else { Plane::Strain };
+        let body = Material::new(young, ratios[0], plane).unwrap();
         let field = |[x, y]: [f64; 2]| [0, 1].map(|i| gradient[i][0] * x + gradient[i][1] * y + shift[i]);
         let mut loads = Loads::default();
         outline.add_traction_jump(&grid, &mut loads, |_, n| traction(body.stress(gradient), n));
@@ -52,7 +48,7 @@ proptest! {
         } else {
             interior.trace.mesh(parts, degree).unwrap()
         };
-        let exterior = Exterior::new(mesh, Material::new(1.0, ratios[1], same).unwrap(), None).unwrap();
+        let exterior = Exterior::new(mesh, Material::new(1.0, ratios[1], plane).unwrap(), None).unwrap();
         let problem = Transmission::new(interior, &exterior).unwrap();
         prop_assert!(problem.balance.is_balanced());
         let jump = exterior.space.interpolate(field);
@@ -73,7 +69,7 @@ proptest! {
         let solve = |e: f64, l: f64, form| {
             let grid = ell([0.0; 2], [l * 0.25; 2], [4, 5]);
             let young = (0..20).map(|c| e * (1.0 + f64::from(c))).collect();
-            let elasticity = Elasticity::new(0.3, steklov_msfem::Plane::Strain).unwrap();
+            let elasticity = Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap();
             let medium = Medium::new(grid, young, elasticity).unwrap();
             let mut loads = Loads::default();
             loads.set_body_force(&medium, |[x, y]| [e / l * (1.0 + x / l), e / l * (y / l - 0.5)]).unwrap();
@@ -109,7 +105,7 @@ fn an_interface_in_one_material_cannot_be_seen() {
     for n in [8, 16, 32] {
         // off the centre, so that nothing cancels by symmetry
         let grid = Grid::new([-0.5, -0.75], [1.25 / n as f64; 2], [n; 2], |_, _| true).unwrap();
-        let elasticity = Elasticity::new(poisson, steklov_msfem::Plane::Strain).unwrap();
+        let elasticity = Elasticity::new(poisson, steklov_elastic::Plane::Strain).unwrap();
         let medium = Medium::new(grid, vec![young; n * n], elasticity).unwrap();
         let mut loads = Loads::default();
         loads
@@ -197,7 +193,7 @@ fn digits_are_lost_as_the_body_becomes_stiffer_than_the_medium() {
         let field = |[x, y]: [f64; 2]| [0.3 * x - 0.2 * y + 0.2, 0.5 * x + 0.1 * y - 0.4];
         let outline = Outline::new(&grid).unwrap();
         outline.add_traction_jump(&grid, &mut loads, |_, n| traction(body.stress(gradient), n));
-        let elasticity = Elasticity::new(0.3, steklov_msfem::Plane::Strain).unwrap();
+        let elasticity = Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap();
         let medium = Medium::new(grid, vec![young; 16], elasticity).unwrap();
         let interior = Interior::fine(&medium, &loads).unwrap();
         let exterior = around(&interior, 1, 1, [1.0, 0.3]);

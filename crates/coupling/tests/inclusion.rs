@@ -4,8 +4,9 @@ mod common;
 
 use common::{around, difference, manufactured, material, problem, traction};
 use proptest::prelude::*;
-use steklov_bem_operators::{Loop, Material, Mesh, Plane, Polygon};
+use steklov_bem_operators::{Loop, Mesh, Polygon};
 use steklov_coupling::{CouplingError, Exterior, Form, Inclusion, Interior, Radiation, Transmission};
+use steklov_elastic::{Material, Plane};
 
 const FORMS: [Form; 3] = [Form::TwoField, Form::ThreeField, Form::Schur];
 

@@ -8,11 +8,12 @@ use common::{
 };
 use faer::Mat;
 use proptest::prelude::*;
-use steklov_bem_operators::{Material, Mesh, Operators, Plane, Space};
+use steklov_bem_operators::{Mesh, Operators, Space};
 use steklov_coupling::{
     CellIndicators, Coupled, CouplingError, Exterior, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Outline,
     Radiation, Transmission,
 };
+use steklov_elastic::{Material, Plane};
 use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, Multiscale};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
@@ -88,7 +89,7 @@ fn all_terms_are_those_of_the_reference_file_and_the_wrong_sign_does_not_converg
 fn ell(cells: [usize; 2], young: impl Fn(usize) -> f64, poisson: f64) -> Medium {
     let grid = Grid::new([0.3, -1.0], [0.25, 0.2], cells, |i, j| i < 2 || j < 2).unwrap();
     let young = (0..cells[0] * cells[1]).map(young).collect();
-    Medium::new(grid, young, Elasticity::new(poisson, steklov_msfem::Plane::Strain).unwrap()).unwrap()
+    Medium::new(grid, young, Elasticity::new(poisson, steklov_elastic::Plane::Strain).unwrap()).unwrap()
 }
 
 /// Fields that need not solve anything.

@@ -4,7 +4,8 @@ mod common;
 
 use common::{around, close, difference, energy_error, manufactured, number, problem, reference};
 use steklov_coupling::{CouplingError, Form, Interior, Outline, Radiation, Trace, Transmission};
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, Multiscale, Plane};
+use steklov_elastic::Plane;
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, Multiscale};
 use steklov_quadrature::unit_uniform;
 
 const SAME: [f64; 2] = [2.0, 0.3];

@@ -4,7 +4,8 @@
 //! both with the same bits; S alone is stored by [`save_dense`].
 
 use hdf5::Group;
-use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon, edge_tangents};
+use steklov_bem_operators::{Loop, Mesh, Operators, Polygon, edge_tangents};
+use steklov_elastic::{Material, Plane};
 
 use crate::array::{
     load_integers, load_number, load_pairs, load_points, save_integers, save_number, save_pairs, save_points,

@@ -4,9 +4,9 @@
 
 use faer::Mat;
 use hdf5::Group;
+use steklov_elastic::Plane;
 use steklov_msfem::{
     CellBasis, CoarseCell, CoarseMesh, CoarseSystem, CrossingContrast, Elasticity, Grid, Indicators, Loads, Medium,
-    Plane,
 };
 
 use crate::array::{

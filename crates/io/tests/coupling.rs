@@ -5,11 +5,12 @@ mod common;
 use common::{check_round_trip, spoiled};
 use faer::Mat;
 use proptest::prelude::*;
-use steklov_bem_operators::{Material, Plane, Space};
+use steklov_bem_operators::Space;
 use steklov_coupling::{
     CellIndicators, Coupled, Exterior, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Outline, Radiation,
     Trace, Transfer, Transmission,
 };
+use steklov_elastic::{Material, Plane};
 use steklov_io::*;
 use steklov_msfem::{Basis, CoarseMesh, Elasticity, Grid, Loads, Medium, Multiscale};
 
@@ -18,7 +19,7 @@ fn medium(missing: u8, origin: [f64; 2], spacing: [f64; 2]) -> Medium {
     let inside = |ix: usize, iy: usize| iy < 2 || missing >> (ix / 2) & 1 == 0;
     let grid = Grid::new(origin, spacing, [6, 4], inside).unwrap();
     let young = |c: usize| if inside(c / 4, c % 4) { 1.0 + ((c * c) % 13) as f64 / 7.0 } else { f64::NAN };
-    let elasticity = Elasticity::new(0.3, steklov_msfem::Plane::Strain).unwrap();
+    let elasticity = Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap();
     Medium::new(grid, (0..24).map(young).collect(), elasticity).unwrap()
 }
 

@@ -5,10 +5,11 @@ mod common;
 use common::{check_round_trip, spoiled};
 use faer::Mat;
 use proptest::prelude::*;
+use steklov_elastic::Plane;
 use steklov_io::*;
 use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, CoarseSystem, CrossingContrast, Elasticity, Extra, Grid, Indicators, Loads, Medium,
-    Multiscale, Plane, mark, refine,
+    Multiscale, mark, refine,
 };
 
 /// A body of 4 × 3 blocks of 4 × 4 cells, some of which are missing, with rough moduli; NaN outside.

@@ -5,9 +5,10 @@ mod common;
 use common::{check_round_trip, spoiled, written};
 use faer::Mat;
 use proptest::prelude::*;
-use steklov_bem_operators::{Loop, Material, Mesh, Operators, Plane, Polygon, Space};
+use steklov_bem_operators::{Loop, Mesh, Operators, Polygon, Space};
 use steklov_contact::proptest::{Friction, mixed};
 use steklov_contact::{Condition, ContactNode, Outcome, Problem, Solution, Status, active_set, kkt};
+use steklov_elastic::{Material, Plane};
 use steklov_io::*;
 use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Rule2, Series, gauss_legendre, tensor};
 

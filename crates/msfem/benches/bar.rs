@@ -4,9 +4,8 @@
 
 use std::time::Instant;
 
-use steklov_msfem::{
-    Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, MsfemError, Multiscale, Plane,
-};
+use steklov_elastic::Plane;
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, MsfemError, Multiscale};
 use steklov_quadrature::unit_uniform;
 
 /// Twice the strain energy of the homogeneous bar on ever finer meshes.

@@ -3,16 +3,9 @@
 //! Voigt strain (ε_xx, ε_yy, 2 ε_xy), stress (σ_xx, σ_yy, σ_xy). Local nodes (0,0), (1,0), (1,1), (0,1), local unknown
 //! 2·node + component.
 
-use crate::MsfemError;
+use steklov_elastic::Plane;
 
-/// Which component out of the plane vanishes.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Plane {
-    /// ε_zz = 0.
-    Strain,
-    /// σ_zz = 0.
-    Stress,
-}
+use crate::MsfemError;
 
 /// Everything of an isotropic material but Young's modulus, which may vary from cell to cell.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -101,12 +94,8 @@ impl Elasticity {
     }
 
     /// Von Mises stress, with σ_zz = ν (σ_xx + σ_yy) in plane strain and 0 in plane stress.
-    pub fn von_mises(&self, [xx, yy, xy]: [f64; 3]) -> f64 {
-        let zz = match self.plane {
-            Plane::Strain => self.poisson * (xx + yy),
-            Plane::Stress => 0.0,
-        };
-        (((xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2)) / 2.0 + 3.0 * xy * xy).sqrt()
+    pub fn von_mises(&self, stress: [f64; 3]) -> f64 {
+        steklov_elastic::von_mises(stress, self.poisson, self.plane)
     }
 }
 

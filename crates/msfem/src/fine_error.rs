@@ -164,8 +164,9 @@ mod tests {
     use std::collections::HashMap;
 
     use super::*;
-    use crate::{Grid, Plane};
+    use crate::Grid;
     use proptest::prelude::*;
+    use steklov_elastic::Plane;
     use steklov_quadrature::unit_uniform;
 
     /// The residuals and diagonal entries of all bubbles, by twice the lattice points of their middles; then R(v)²/a(v, v) of

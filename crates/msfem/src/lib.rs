@@ -38,7 +38,8 @@
 //! bits for any number of threads, but for matrices so large that their factorisation uses several.
 //!
 //! ```
-//! use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, Multiscale, Plane};
+//! use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, Multiscale};
+//! use steklov_elastic::Plane;
 //!
 //! // a strip of 64 × 16 cells, every other column stiffer, pulled at its right end; the left end is held
 //! let grid = Grid::rectangle([4.0, 1.0], [64, 16])?;
@@ -89,7 +90,7 @@ mod contrast;
 pub use basis::{Basis, CellBasis};
 pub use coarse_mesh::{CoarseCell, CoarseMesh, Hanging};
 pub use contrast::{CrossingContrast, crossing_contrast};
-pub use elasticity::{Elasticity, Plane};
+pub use elasticity::Elasticity;
 pub use elimination::{Elimination, ReducedLoad};
 pub use error::MsfemError;
 pub use fine_error::bubble_indicators;

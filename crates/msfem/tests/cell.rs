@@ -4,7 +4,8 @@ mod common;
 
 use common::{kind, number, reference, strain};
 use proptest::prelude::*;
-use steklov_msfem::{Basis, CellBasis, CoarseMesh, Elasticity, Grid, Medium, Multiscale, Plane};
+use steklov_elastic::Plane;
+use steklov_msfem::{Basis, CellBasis, CoarseMesh, Elasticity, Grid, Medium, Multiscale};
 use steklov_quadrature::unit_uniform;
 
 /// The unit square of m × m cells as one coarse cell.

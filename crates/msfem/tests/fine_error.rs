@@ -6,7 +6,8 @@ use std::f64::consts::PI;
 
 use common::{Cantilever, bar, kind, strain, unless_held};
 use proptest::prelude::*;
-use steklov_msfem::{Elasticity, Elimination, Grid, Loads, Medium, Plane, bubble_indicators, nodal_indicators};
+use steklov_elastic::Plane;
+use steklov_msfem::{Elasticity, Elimination, Grid, Loads, Medium, bubble_indicators, nodal_indicators};
 use steklov_quadrature::unit_uniform;
 
 fn clamped(problem: &Cantilever) -> Vec<bool> {

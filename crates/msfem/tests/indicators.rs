@@ -4,9 +4,8 @@ mod common;
 
 use common::{Cantilever, MESHES, Solved, bar, bar_moduli, close, kind, number, plate, reference, unless_held};
 use proptest::prelude::*;
-use steklov_msfem::{
-    Basis, CoarseCell, CoarseMesh, Elasticity, Grid, Indicators, Loads, Medium, Plane, nodal_indicators,
-};
+use steklov_elastic::Plane;
+use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Elasticity, Grid, Indicators, Loads, Medium, nodal_indicators};
 
 fn held(problem: &Cantilever) -> Vec<bool> {
     let grid = &problem.medium.grid;

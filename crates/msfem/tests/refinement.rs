@@ -4,9 +4,8 @@ mod common;
 
 use common::{Cantilever, close, strain};
 use proptest::prelude::*;
-use steklov_msfem::{
-    Basis, CoarseMesh, Elasticity, Grid, Loads, Medium, MsfemError, Plane, mark, nodal_indicators, refine,
-};
+use steklov_elastic::Plane;
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Grid, Loads, Medium, MsfemError, mark, nodal_indicators, refine};
 use steklov_quadrature::unit_uniform;
 
 /// An L-shaped body of side 1 with `cells` × `cells` fine cells less the upper right quarter, clamped on the left, with the

@@ -1,7 +1,8 @@
 //! The medium around a body, solved.
 
-use steklov_bem_operators::{Inside, Material, Mesh, ParticularSolution, Space};
+use steklov_bem_operators::{Inside, Mesh, ParticularSolution, Space};
 use steklov_coupling::{Balance, Coupled, ExteriorField, Radiation};
+use steklov_elastic::Material;
 
 use crate::scene::ExteriorInput;
 use crate::summary::ExteriorSummary;

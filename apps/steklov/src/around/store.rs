@@ -1,7 +1,8 @@
 //! `/coupling`: boundary elements of the medium, their fields, and a window of it.
 
 use faer::Mat;
-use steklov_bem_operators::{Material, Mesh, Space};
+use steklov_bem_operators::{Mesh, Space};
+use steklov_elastic::Material;
 use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_points, load_vector, open_group, save,
     save_dense, save_points, save_vector, vtkhdf,

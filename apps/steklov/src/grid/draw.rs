@@ -239,7 +239,8 @@ fn basis_in(medium: &Medium, cell: CoarseCell, kind: Basis) -> Option<CellBasis>
 #[cfg(test)]
 mod tests {
     use super::*;
-    use steklov_msfem::{Elasticity, Plane};
+    use steklov_elastic::Plane;
+    use steklov_msfem::Elasticity;
 
     /// A medium of rough moduli without the upper right quarter.
     fn rough() -> Medium {

@@ -1,6 +1,6 @@
 //! The plan of a scene on a grid.
 
-use steklov_bem_operators::RigidMotion;
+use steklov_elastic::RigidMotion;
 
 use super::body::{bounding_box, grid_of};
 use crate::plan::{Cost, Decision, Plan, contact, far_away, free_of_supports, plane};

@@ -2,11 +2,9 @@
 
 use std::time::Instant;
 
-use steklov_bem_operators::RigidMotion;
 use steklov_coupling::InterfaceIndicators;
-use steklov_msfem::{
-    Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale, Plane,
-};
+use steklov_elastic::RigidMotion;
+use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale};
 
 use super::coupled::solve_coupled;
 use super::estimate::{GridEstimate, estimate};
@@ -97,11 +95,7 @@ pub(crate) fn medium(scene: &Scene, layout: &GridLayout) -> Result<Medium, Solve
     let spacing = coarse.spacing.map(|h| h / parts as f64);
     let grid = Grid::new(coarse.origin, spacing, cells, |ix, iy| coarse.inside(ix / parts, iy / parts))?;
     let young = moduli(scene, &grid)?;
-    let plane = match scene.material.plane {
-        steklov_bem_operators::Plane::Strain => Plane::Strain,
-        steklov_bem_operators::Plane::Stress => Plane::Stress,
-    };
-    Ok(Medium::new(grid, young, Elasticity::new(scene.material.poisson, plane)?)?)
+    Ok(Medium::new(grid, young, Elasticity::new(scene.material.poisson, scene.material.plane)?)?)
 }
 
 /// The basis that a scene asks for.

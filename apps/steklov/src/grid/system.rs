@@ -3,8 +3,8 @@
 
 use faer::Mat;
 use sprs::CsMat;
-use steklov_bem_operators::RigidMotion;
 use steklov_contact::{ContactBoundary, resisted_motions};
+use steklov_elastic::RigidMotion;
 use steklov_msfem::Elimination;
 
 use super::trace::GridTrace;

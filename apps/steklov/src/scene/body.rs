@@ -2,7 +2,8 @@
 
 use std::collections::BTreeMap;
 
-use steklov_bem_operators::{BemError, Location, Loop, Material, Plane, Polygon, PolygonError};
+use steklov_bem_operators::{Location, Loop, Polygon, PolygonError};
+use steklov_elastic::{Material, MaterialError, Plane};
 
 use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::fields::{Context, Field, Fields};
@@ -132,7 +133,7 @@ pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -
         None => Plane::Strain,
     };
     Material::new(young, poisson.constant(context)?, plane).map_err(|e| match e {
-        BemError::Young { .. } => {
+        MaterialError::Young { .. } => {
             let field = fields.get("young").unwrap_or(Field { name: String::new(), item: poisson.item });
             field.problem(e.to_string(), "give a positive number in the scene's unit of stress")
         }

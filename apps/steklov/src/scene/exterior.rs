@@ -1,7 +1,8 @@
 //! `[exterior]`: the unbounded medium around the body, or around the hole that the corners of `[body]` outline.
 
-use steklov_bem_operators::{Domain, Edge, Material, ParticularSolution, Plane, RigidMotion};
+use steklov_bem_operators::{Domain, Edge, ParticularSolution};
 use steklov_coupling::Radiation;
+use steklov_elastic::{Material, Plane, RigidMotion};
 
 use super::body::material;
 use super::error::{Problem, SceneError, SceneErrorKind as Kind};

@@ -24,7 +24,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::Arc;
 
-use steklov_bem_operators::{Material, Polygon};
+use steklov_bem_operators::Polygon;
+use steklov_elastic::Material;
 
 use crate::expression::{Expression, Place};
 

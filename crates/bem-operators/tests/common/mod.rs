@@ -3,7 +3,8 @@
 
 use num_complex::Complex64;
 use serde_json::Value;
-use steklov_bem_operators::{Loop, Material, PairMoments, Plane, Polygon, Segment, Tables};
+use steklov_bem_operators::{Loop, PairMoments, Polygon, Segment, Tables};
+use steklov_elastic::{Material, Plane};
 
 /// Degrees of the gold blocks V, W, K.
 pub const K_DEGREES: usize = 4;

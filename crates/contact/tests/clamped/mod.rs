@@ -1,8 +1,9 @@
 //! A square clamped at its top, for stabilised multipliers.
 
 use faer::Mat;
-use steklov_bem_operators::{Dof, Domain, Material, Mesh, Operators, Space, Steklov, TractionMap};
+use steklov_bem_operators::{Dof, Domain, Mesh, Operators, Space, Steklov, TractionMap};
 use steklov_contact::{MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms};
+use steklov_elastic::Material;
 
 /// The square of side 1 about the origin, its top held at 0, in contact along its floor.
 pub struct Clamped {

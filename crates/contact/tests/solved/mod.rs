@@ -3,13 +3,14 @@
 use faer::{Col, Mat};
 use num_complex::Complex64;
 use steklov_bem_operators::{
-    BoundaryField, BoundaryResidual, Condensation, Datum, Domain, Loop, Material, Mesh, Operators, ParticularSolution,
-    Partition, Plane, Polygon, Site, Space, Steklov, add_load, boundary_residuals, side_moments,
+    BoundaryField, BoundaryResidual, Condensation, Datum, Domain, Loop, Mesh, Operators, ParticularSolution, Partition,
+    Polygon, Site, Space, Steklov, add_load, boundary_residuals, side_moments,
 };
 use steklov_contact::{
     ContactResidual, ContactSolution, Multiplier, Problem, SideData, Solution, contact_boundary, contact_residuals,
     newton,
 };
+use steklov_elastic::{Material, Plane};
 
 type Vector = [f64; 2];
 type OfPoint<T> = Box<dyn Fn(&Site) -> T + Sync>;

@@ -4,8 +4,8 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
 use sprs::CsMat;
-use steklov_bem_operators::{Material, Plane};
 use steklov_coupling::{Exterior, Interior, Jumps, Outline, Transmission};
+use steklov_elastic::{Material, Plane};
 use steklov_msfem::{Elasticity, Grid, Loads, Medium};
 use steklov_quadrature::gauss_legendre;
 
@@ -95,7 +95,7 @@ pub fn jump(around: &Material, x: [f64; 2]) -> [f64; 2] {
 pub fn manufactured(n: usize, body: [f64; 2], around: [f64; 2]) -> (Medium, Loads) {
     let h = 1.0 / n as f64;
     let grid = Grid::new([-0.5; 2], [h; 2], [n; 2], |_, _| true).unwrap();
-    let elasticity = Elasticity::new(body[1], steklov_msfem::Plane::Strain).unwrap();
+    let elasticity = Elasticity::new(body[1], steklov_elastic::Plane::Strain).unwrap();
     let medium = Medium::new(grid, vec![body[0]; n * n], elasticity).unwrap();
     let (body, around) = (material(body), material(around));
     let mut loads = Loads { body: vec![[0.0; 8]; n * n], ..Loads::default() };

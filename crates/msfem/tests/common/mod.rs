@@ -1,7 +1,8 @@
 //! Problems of the reference file, solved by the crate.
 #![allow(dead_code)] // each test uses its part
 
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, Multiscale, Plane};
+use steklov_elastic::Plane;
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, Multiscale};
 use steklov_quadrature::unit_uniform;
 
 /// A part of the reference file.

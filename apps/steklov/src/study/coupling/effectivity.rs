@@ -2,10 +2,11 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use steklov_bem_operators::{Material, Polygon};
+use steklov_bem_operators::Polygon;
 use steklov_coupling::{
     CellIndicators, CouplingError, Form, InterfaceIndicators, Interior, Jumps, Radiation, Transmission,
 };
+use steklov_elastic::Material;
 
 use super::convergence::ENERGY;
 use super::grids::Level;

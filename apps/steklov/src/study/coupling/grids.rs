@@ -1,7 +1,7 @@
 //! The pairs of materials and the grids of the study.
 
-use steklov_bem_operators::{Material, Plane};
 use steklov_coupling::Outline;
+use steklov_elastic::{Material, Plane};
 use steklov_msfem::Grid;
 
 use super::manufactured::Pair;

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
-use steklov_bem_operators::{Location, Material, Plane, Polygon};
+use steklov_bem_operators::{Location, Polygon};
 use steklov_coupling::{CouplingError, Exterior, Interior, Outline};
+use steklov_elastic::Material;
 use steklov_msfem::{Elasticity, Grid, Loads, Medium};
 use steklov_quadrature::gauss_legendre;
 
@@ -161,11 +162,7 @@ impl<'a> Manufactured<'a> {
     /// # Errors
     /// Those of the grid.
     pub fn problem(&self, grid: &Grid) -> Result<Problem, CouplingError> {
-        let plane = match self.pair.body.plane {
-            Plane::Strain => steklov_msfem::Plane::Strain,
-            Plane::Stress => steklov_msfem::Plane::Stress,
-        };
-        let elasticity = Elasticity::new(self.pair.body.poisson, plane)?;
+        let elasticity = Elasticity::new(self.pair.body.poisson, self.pair.body.plane)?;
         let count = grid.cells[0] * grid.cells[1];
         let medium = Medium::new(grid.clone(), vec![self.pair.body.young; count], elasticity)?;
         let mut loads = Loads::default();

@@ -179,7 +179,7 @@ fn wrongs(text: &mut String, study: &CouplingStudy<'_>) {
 
 /// The JSON object; numbers that are not known are null.
 pub fn json(study: &CouplingStudy<'_>) -> Value {
-    let material = |m: &steklov_bem_operators::Material| object!({ "young": m.young, "poisson": m.poisson });
+    let material = |m: &steklov_elastic::Material| object!({ "young": m.young, "poisson": m.poisson });
     let pair = |p: &super::Pair| object!({ "name": p.name, "body": material(&p.body), "medium": material(&p.medium) });
     let form = |(k, (name, _)): (usize, &(&str, steklov_coupling::Form))| object!({ "name": name, "points": columns::json(&of_form(study, k), &POINTS) });
     object!({

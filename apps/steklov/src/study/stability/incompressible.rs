@@ -4,7 +4,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use steklov_bem_operators::Material;
+use steklov_elastic::Material;
 
 use super::columns::Column;
 use crate::plan::first_mesh;
@@ -127,8 +127,8 @@ pub fn incompressible(
     let mut all = Incompressible::default();
     for poisson in POISSON {
         let mut scene = scene.clone();
-        scene.material =
-            Material::new(scene.material.young, poisson, scene.material.plane).map_err(SolveError::from)?;
+        scene.material = Material::new(scene.material.young, poisson, scene.material.plane)
+            .map_err(|error| SolveError::Bem(error.into()))?;
         scene.expect.clear(); // it is of another ratio
         let what = format!("ν = {poisson}");
         let reference = Reference::new(&scene, interrupts, &mut |step, stage| {

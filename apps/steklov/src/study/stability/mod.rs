@@ -15,7 +15,7 @@ mod table;
 mod store;
 mod draw;
 
-use steklov_bem_operators::Plane;
+use steklov_elastic::Plane;
 
 use super::columns;
 use crate::scene::Scene;

@@ -13,7 +13,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::linalg::solvers::{LltError, Solve as _};
 use faer::{Mat, Side};
-use steklov_bem_operators::{BemError, Material, Mesh, Operators, Polygon, Space};
+use steklov_bem_operators::{BemError, Mesh, Operators, Polygon, Space};
+use steklov_elastic::Material;
 
 use super::columns::Column;
 use crate::scene::Scene;
@@ -164,7 +165,8 @@ fn degenerate(mesh: &Mesh, space: &Space, material: &Material) -> Result<[f64; 2
 
 #[cfg(test)]
 mod tests {
-    use steklov_bem_operators::{Loop, Plane};
+    use steklov_bem_operators::Loop;
+    use steklov_elastic::Plane;
 
     use super::*;
 

@@ -1,6 +1,21 @@
 //! Isotropic linear elasticity in the plane.
 
-use crate::BemError;
+/// Constants that are no material's.
+#[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
+pub enum MaterialError {
+    /// Young's modulus must be positive and finite.
+    #[error("Young's modulus is {young}; it must be positive and finite")]
+    Young {
+        /// The value given.
+        young: f64,
+    },
+    /// Poisson's ratio must lie in (-1, 1/2).
+    #[error("Poisson's ratio is {poisson}; it must lie in (-1, 1/2)")]
+    Poisson {
+        /// The value given.
+        poisson: f64,
+    },
+}
 
 /// Plane strain, or plane stress by the equivalent constants of plane strain.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -26,13 +41,13 @@ pub struct Material {
 
 impl Material {
     /// # Errors
-    /// [`BemError::Young`] unless 0 < E < ∞, [`BemError::Poisson`] unless -1 < ν < 1/2.
-    pub fn new(young: f64, poisson: f64, plane: Plane) -> Result<Self, BemError> {
+    /// [`MaterialError::Young`] unless 0 < E < ∞, [`MaterialError::Poisson`] unless -1 < ν < 1/2.
+    pub fn new(young: f64, poisson: f64, plane: Plane) -> Result<Self, MaterialError> {
         if !(young > 0.0 && young.is_finite()) {
-            return Err(BemError::Young { young });
+            return Err(MaterialError::Young { young });
         }
         if !(poisson > -1.0 && poisson < 0.5) {
-            return Err(BemError::Poisson { poisson });
+            return Err(MaterialError::Poisson { poisson });
         }
         Ok(Self { young, poisson, plane })
     }
@@ -69,11 +84,15 @@ impl Material {
 
     /// Von Mises stress of `[σ_xx, σ_yy, σ_xy]`, with σ_zz = ν(σ_xx+σ_yy) in plane strain and 0 in plane stress.
     pub fn von_mises(&self, stress: [f64; 3]) -> f64 {
-        let [xx, yy, xy] = stress;
-        let zz = match self.plane {
-            Plane::Strain => self.poisson * (xx + yy),
-            Plane::Stress => 0.0,
-        };
-        (0.5 * ((xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2)) + 3.0 * xy * xy).sqrt()
+        von_mises(stress, self.poisson, self.plane)
     }
+}
+
+/// Von Mises stress of `[σ_xx, σ_yy, σ_xy]`, with σ_zz = ν(σ_xx+σ_yy) in plane strain and 0 in plane stress.
+pub fn von_mises([xx, yy, xy]: [f64; 3], poisson: f64, plane: Plane) -> f64 {
+    let zz = match plane {
+        Plane::Strain => poisson * (xx + yy),
+        Plane::Stress => 0.0,
+    };
+    (0.5 * ((xx - yy).powi(2) + (yy - zz).powi(2) + (zz - xx).powi(2)) + 3.0 * xy * xy).sqrt()
 }

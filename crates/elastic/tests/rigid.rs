@@ -1,7 +1,7 @@
 //! Rigid motions that given constraints leave free, and their names.
 
 use proptest::prelude::*;
-use steklov_bem_operators::{RigidMotion, free_motions};
+use steklov_elastic::{RigidMotion, free_motions};
 
 type Held = ([f64; 2], [f64; 2]);
 
