@@ -40,7 +40,7 @@ pub fn unbalanced_forces(scene: &Scene, solved: &GridSolved) -> f64 {
             add([tx, ty].map(|t| w * mesh.length(e) / 2.0 * t));
         }
     }
-    let grid = &solved.medium.grid;
+    let grid = &solved.body.grid;
     for cell in grid.body_cells() {
         let at = grid.lattice_point(grid.cell(cell));
         each_point(at, grid.spacing, |x, _, area| {
@@ -69,16 +69,16 @@ pub fn unbalanced_forces(scene: &Scene, solved: &GridSolved) -> f64 {
 /// # Panics
 /// If there is no such node.
 pub fn unbalanced_nodes(scene: &Scene, solved: &GridSolved) -> Option<f64> {
-    let medium = &solved.medium;
+    let body = &solved.body;
     if solved.coarse.as_ref().is_some_and(|coarse| !coarse.basis.is_conforming()) {
         return None;
     }
-    let grid = &medium.grid;
+    let grid = &body.grid;
     let mut forces = vec![[0.0; 2]; grid.nodes()];
     let mut cells_at = vec![0; grid.nodes()];
     let mut largest = 0.0f64;
     for cell in grid.body_cells() {
-        let u = medium.cell_values(&solved.displacement, cell);
+        let u = body.cell_values(&solved.displacement, cell);
         let nodes = grid.cell_nodes(cell);
         let mut own = [[0.0; 2]; 4];
         each_point(grid.lattice_point(grid.cell(cell)), grid.spacing, |x, [xi, eta], area| {
@@ -88,7 +88,7 @@ pub fn unbalanced_nodes(scene: &Scene, solved: &GridSolved) -> Option<f64> {
             let gradient = |i: usize, d: &[f64; 4]| (0..4).map(|a| d[a] * u[2 * a + i]).sum::<f64>();
             let [xx, yy, xy] = stress(
                 scene,
-                medium.young[cell],
+                body.young[cell],
                 [gradient(0, &dx), gradient(1, &dy), gradient(0, &dy) + gradient(1, &dx)],
             );
             let b = scene.force_at(x).expect("a finite force");

@@ -242,7 +242,7 @@ fn bodies_that_are_free() {
         let u = &balanced.displacement;
         // neither moved nor turned, node by node
         let mean = [0, 1].map(|k| u.iter().skip(k).step_by(2).sum::<f64>());
-        let points = (0..u.len() / 2).map(|n| balanced.medium.grid.point(n));
+        let points = (0..u.len() / 2).map(|n| balanced.body.grid.point(n));
         let turned: f64 = points.zip(u.chunks_exact(2)).map(|(p, u)| (p[0] - 1.0) * u[1] - (p[1] - 0.75) * u[0]).sum();
         if basis == "fem" {
             assert!(mean.iter().chain([&turned]).all(|v| v.abs() < 1e-10), "{basis}: {mean:?} {turned}");

@@ -22,13 +22,13 @@ use steklov_quadrature::legendre_p;
 use crate::around::Around;
 use crate::data::Data;
 use crate::elastic::plane_modulus;
-use crate::scene::ExteriorInput;
+use crate::scene::MediumInput;
 use crate::solve::SolveError;
 
 /// The medium around a body, on the mesh of the body, and the jump of the displacement between them.
 pub struct Outside {
     /// What the scene says.
-    input: ExteriorInput,
+    input: MediumInput,
     /// Length in the logarithm of the kernel.
     length: f64,
     /// S_e.

@@ -20,7 +20,7 @@ use crate::scene::Scene;
 use crate::solve::Solved;
 use crate::stochastic::{self, StochasticResult};
 use crate::store::Stored;
-use crate::summary::{Audit, ExteriorSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
+use crate::summary::{Audit, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::triangulate::{Triangulation, triangulate};
 use crate::vertices::tell_unbounded;
 
@@ -178,7 +178,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
         friction_work: solved.energies.friction_work,
         estimate: estimate.map(|e| e.error),
         estimate_relative: estimate.map(|e| e.relative),
-        estimate_doubts: of_estimate.chain(exterior.iter().filter_map(ExteriorSummary::doubt)).collect(),
+        estimate_doubts: of_estimate.chain(exterior.iter().filter_map(MediumSummary::doubt)).collect(),
         iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact.map(|c| contact_summary(scene, solved.trace(), c, rows, located(scene, run.step()))),
         audit: contact.map(|c| audit_summary(&c.audit)),
@@ -200,7 +200,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow], file: &Path) -> Summar
 }
 
 /// What a hole in an unbounded medium does far away; none of another body.
-fn exterior_summary(scene: &Scene, run: &Run) -> Option<ExteriorSummary> {
+fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
     let exterior = scene.exterior.as_ref().filter(|_| scene.is_cavity())?;
     let Solved { mesh, space, field, .. } = &run.last;
     let (mut resultant, mut sum) = ([0.0; 2], 0.0);
@@ -212,7 +212,7 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<ExteriorSummary> {
             sum += force[0].hypot(force[1]);
         }
     }
-    Some(ExteriorSummary {
+    Some(MediumSummary {
         radiation: match exterior.radiation {
             Radiation::Decaying => "decaying".into(),
             Radiation::Bounded => "bounded".into(),

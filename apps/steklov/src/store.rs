@@ -380,7 +380,7 @@ pub fn read_grid_steps(file: &File, scene: &Scene) -> Result<Vec<GridStep>, IoEr
     check_scene(file, scene)?;
     let steps = grid::read_steps(file)?;
     // moduli from another file may have changed since
-    let stored = grid::read(file, &vtkhdf::read(file)?)?.medium;
+    let stored = grid::read(file, &vtkhdf::read(file)?)?.body;
     let now = crate::grid::moduli(scene, &stored.grid).map_err(|e| invalid(file, "multiscale", e.to_string()))?;
     if stored.grid.body_cells().any(|c| stored.young[c] != now[c]) {
         return Err(invalid(

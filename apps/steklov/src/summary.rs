@@ -65,7 +65,7 @@ pub struct Summary {
     pub grid: Option<GridSummary>,
     /// Scenes with a medium around the body only: what happens far away.
     #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub exterior: Option<ExteriorSummary>,
+    pub exterior: Option<MediumSummary>,
     /// Wall seconds.
     pub seconds: SecondsSummary,
     /// Largest resident memory of the process.
@@ -108,7 +108,7 @@ pub struct Stabilisation {
 
 /// The unbounded medium around a body, or around a hole.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct ExteriorSummary {
+pub struct MediumSummary {
     /// "decaying" or "bounded".
     pub radiation: String,
     /// Resultant of what acts on the medium, the remote stress apart (force per thickness).
@@ -121,7 +121,7 @@ pub struct ExteriorSummary {
     pub length: f64,
 }
 
-impl ExteriorSummary {
+impl MediumSummary {
     /// `length` among the doubts: without balance displacements and energies, and with supports or contact also stresses and
     /// forces, are those of the length L.
     pub(crate) fn doubt(&self) -> Option<String> {

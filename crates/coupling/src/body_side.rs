@@ -1,16 +1,16 @@
 //! The body at a point of the interface, by the cells of a grid or by boundary elements.
 
 use steklov_bem_operators::{BoundaryField, Mesh, Space};
-use steklov_msfem::Medium;
+use steklov_msfem::HeterogeneousBody;
 use steklov_quadrature::legendre_p;
 
 use crate::transfer::{Overlap, overlaps};
-use crate::{Coupled, CouplingError, Exterior, Inclusion, Outline, Trace};
+use crate::{Coupled, CouplingError, Inclusion, Medium, Outline, Trace};
 
 /// Where displacement and stress of the body come from.
 pub(crate) enum Body<'a> {
-    Grid { medium: &'a Medium, fine: &'a [f64], outline: Outline, trace: Box<Trace> },
-    BoundaryElements { exterior: &'a Exterior, displacement: &'a [f64], field: BoundaryField },
+    Grid { body: &'a HeterogeneousBody, fine: &'a [f64], outline: Outline, trace: Box<Trace> },
+    BoundaryElements { medium: &'a Medium, displacement: &'a [f64], field: BoundaryField },
 }
 
 /// The body at a point.
@@ -26,14 +26,14 @@ pub(crate) struct Side {
 }
 
 impl<'a> Body<'a> {
-    pub fn grid(medium: &'a Medium, fine: &'a [f64]) -> Result<Self, CouplingError> {
-        let outline = Outline::new(&medium.grid)?;
-        let trace = Box::new(Trace::fine(&medium.grid, &outline));
-        Ok(Self::Grid { medium, fine, outline, trace })
+    pub fn grid(body: &'a HeterogeneousBody, fine: &'a [f64]) -> Result<Self, CouplingError> {
+        let outline = Outline::new(&body.grid)?;
+        let trace = Box::new(Trace::fine(&body.grid, &outline));
+        Ok(Self::Grid { body, fine, outline, trace })
     }
 
-    pub fn boundary_elements(body: &Inclusion, exterior: &'a Exterior, solved: &'a Coupled) -> Self {
-        Self::BoundaryElements { exterior, displacement: &solved.trace, field: body.field(exterior, solved) }
+    pub fn boundary_elements(body: &Inclusion, medium: &'a Medium, solved: &'a Coupled) -> Self {
+        Self::BoundaryElements { medium, displacement: &solved.trace, field: body.field(medium, solved) }
     }
 
     /// The sides of cells on an element.
@@ -47,7 +47,7 @@ impl<'a> Body<'a> {
     /// The body at the point t of element e, and these sides on it.
     pub fn at(&self, e: usize, t: f64, overlaps: &[Overlap]) -> Side {
         match self {
-            Self::Grid { medium, fine, outline, .. } => {
+            Self::Grid { body, fine, outline, .. } => {
                 let Some(overlap) = overlaps.iter().find(|o| t <= o.span[1] + SAME) else {
                     unreachable!("the element is covered by sides of cells")
                 };
@@ -55,16 +55,16 @@ impl<'a> Body<'a> {
                 // along the side with the body to the left
                 let s = overlap.hats(t)[1].clamp(0.0, 1.0);
                 let local = [[s, 0.0], [1.0, s], [1.0 - s, 1.0], [0.0, 1.0 - s]][number];
-                let (u, young, spacing) = (medium.cell_values(fine, cell), medium.young[cell], medium.grid.spacing);
-                let [xx, yy, xy] = medium.elasticity.stress(young, &u, local, spacing);
+                let (u, young, spacing) = (body.cell_values(fine, cell), body.young[cell], body.grid.spacing);
+                let [xx, yy, xy] = body.elasticity.stress(young, &u, local, spacing);
                 let traction = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
                 let (a, b, length) = (number, (number + 1) % 4, spacing[number % 2]);
                 let slope = [0, 1].map(|i| (u[2 * b + i] - u[2 * a + i]) / length);
                 Side { traction, slope, equation: [0.0; 2], young }
             }
-            Self::BoundaryElements { exterior, displacement, field } => Side {
+            Self::BoundaryElements { medium, displacement, field } => Side {
                 traction: field.steklov_trace(e, t),
-                slope: derivative(&exterior.mesh, &exterior.space, e, t, displacement),
+                slope: derivative(&medium.mesh, &medium.space, e, t, displacement),
                 equation: field.equation_slope(e, t),
                 young: field.material().young,
             },

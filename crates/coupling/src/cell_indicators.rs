@@ -1,7 +1,7 @@
 //! What the displacement of the grid leaves of the equations in the body, cell by cell.
 
 use rayon::prelude::*;
-use steklov_msfem::Medium;
+use steklov_msfem::HeterogeneousBody;
 use steklov_quadrature::gauss_legendre;
 
 /// Residuals of bilinear elements in each cell of the bounding box of a grid, 0 in dropped ones, as squares of energies (force
@@ -29,11 +29,11 @@ impl CellIndicators {
     ///
     /// # Panics
     /// If u has fewer values than the grid has unknowns.
-    pub fn new(medium: &Medium, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64; 2] + Sync)) -> Self {
-        let [nx, ny] = medium.grid.cells;
+    pub fn new(body: &HeterogeneousBody, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64; 2] + Sync)) -> Self {
+        let [nx, ny] = body.grid.cells;
         let terms = |cell: usize| {
-            if medium.grid.inside(cell / ny, cell % ny) {
-                [volume(medium, u, force, cell), jump(medium, u, cell)]
+            if body.grid.inside(cell / ny, cell % ny) {
+                [volume(body, u, force, cell), jump(body, u, cell)]
             } else {
                 [0.0; 2]
             }
@@ -48,14 +48,14 @@ impl CellIndicators {
     }
 }
 
-fn volume(medium: &Medium, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64; 2] + Sync), cell: usize) -> f64 {
-    let (grid, young) = (&medium.grid, medium.young[cell]);
+fn volume(body: &HeterogeneousBody, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64; 2] + Sync), cell: usize) -> f64 {
+    let (grid, young) = (&body.grid, body.young[cell]);
     let ([hx, hy], [x, y]) = (grid.spacing, grid.lattice_point(grid.cell(cell)));
-    let u = medium.cell_values(u, cell);
+    let u = body.cell_values(u, cell);
     // of the second derivatives only the mixed one: div σ = (λ + μ) (∂xy u_y, ∂xy u_x)
     let mixed = [0, 1].map(|i| (u[i] - u[2 + i] + u[4 + i] - u[6 + i]) / (hx * hy));
     let (lambda, mu) =
-        (medium.elasticity.unit_stress([0.0, 1.0, 0.0])[0], medium.elasticity.unit_stress([0.0, 0.0, 1.0])[2]);
+        (body.elasticity.unit_stress([0.0, 1.0, 0.0])[0], body.elasticity.unit_stress([0.0, 0.0, 1.0])[2]);
     let divergence = [1, 0].map(|i: usize| young * (lambda + mu) * mixed[i]);
     let rule = gauss_legendre(3).mapped(0.0, 1.0);
     let mut sum = 0.0;
@@ -68,8 +68,8 @@ fn volume(medium: &Medium, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64; 2] + Sy
     hx.max(hy).powi(2) / young * sum
 }
 
-fn jump(medium: &Medium, u: &[f64], cell: usize) -> f64 {
-    let grid = &medium.grid;
+fn jump(body: &HeterogeneousBody, u: &[f64], cell: usize) -> f64 {
+    let grid = &body.grid;
     let [ix, iy] = grid.cell(cell);
     let [nx, ny] = grid.cells;
     // right, upper, left and lower neighbour, where there is one
@@ -84,8 +84,8 @@ fn jump(medium: &Medium, u: &[f64], cell: usize) -> f64 {
     let across = |cell: usize, axis: usize, upper: bool, at: f64| {
         let side = f64::from(u8::from(upper));
         let local = if axis == 0 { [side, at] } else { [at, side] };
-        let values = medium.cell_values(u, cell);
-        let [xx, yy, xy] = medium.elasticity.stress(medium.young[cell], &values, local, grid.spacing);
+        let values = body.cell_values(u, cell);
+        let [xx, yy, xy] = body.elasticity.stress(body.young[cell], &values, local, grid.spacing);
         if axis == 0 { [xx, xy] } else { [xy, yy] }
     };
     let mut sum = 0.0;
@@ -93,7 +93,7 @@ fn jump(medium: &Medium, u: &[f64], cell: usize) -> f64 {
         let Some([jx, jy]) = neighbour.filter(|&[jx, jy]| grid.inside(jx, jy)) else { continue };
         let other = jx * ny + jy;
         let (axis, upper) = (k % 2, k < 2);
-        let (length, weight) = (grid.spacing[1 - axis], 2.0 / (medium.young[cell] + medium.young[other]));
+        let (length, weight) = (grid.spacing[1 - axis], 2.0 / (body.young[cell] + body.young[other]));
         for (&at, w) in rule.points.iter().zip(&rule.weights) {
             let (own, beyond) = (across(cell, axis, upper, at), across(other, axis, !upper, at));
             let half = [0, 1].map(|i| (own[i] - beyond[i]) / 2.0);

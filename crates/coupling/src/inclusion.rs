@@ -5,7 +5,7 @@ use steklov_bem_operators::{BoundaryField, Domain, Operators, Steklov, TractionM
 use steklov_elastic::Material;
 use steklov_quadrature::gauss_legendre;
 
-use crate::{Coupled, CouplingError, Exterior};
+use crate::{Coupled, CouplingError, Medium};
 
 /// Points of the rule on each element for the jump of tractions, in addition to its degree.
 const POINTS: usize = 8;
@@ -34,10 +34,10 @@ impl Inclusion {
     /// [`CouplingError::Inconsistent`] for boundary elements of several loops, or jumps that are not finite.
     pub fn new(
         material: Material,
-        exterior: &Exterior,
+        medium: &Medium,
         jump: impl Fn([f64; 2], [f64; 2]) -> [f64; 2],
     ) -> Result<Self, CouplingError> {
-        let Exterior { mesh, space, .. } = exterior;
+        let Medium { mesh, space, .. } = medium;
         let (mut loop_length, mut at) = (1, mesh.next[0]);
         while at != 0 {
             (loop_length, at) = (loop_length + 1, mesh.next[at]);
@@ -70,8 +70,8 @@ impl Inclusion {
     }
 
     /// The field of a solution in the body.
-    pub fn field(&self, exterior: &Exterior, solved: &Coupled) -> BoundaryField {
-        let Exterior { mesh, space, operators, .. } = exterior;
+    pub fn field(&self, medium: &Medium, solved: &Coupled) -> BoundaryField {
+        let Medium { mesh, space, operators, .. } = medium;
         let traction = self.traction.apply(&solved.trace);
         BoundaryField::new(mesh, space, &self.material, &solved.trace, &traction, operators.diameter)
     }

@@ -2,14 +2,14 @@
 
 use rayon::prelude::*;
 use steklov_bem_operators::BoundaryField;
-use steklov_msfem::Medium;
+use steklov_msfem::HeterogeneousBody;
 use steklov_quadrature::{Rule, gauss_legendre, legendre_p, substituted};
 
 use crate::body_side::{Body, derivative};
 use crate::far::Split;
 use crate::subdivided::Subdivided;
 use crate::transfer::Overlap;
-use crate::{Coupled, CouplingError, Exterior, Form, Inclusion};
+use crate::{Coupled, CouplingError, Form, Inclusion, Medium};
 
 /// The jumps on the interface, as functions.
 #[derive(Clone, Copy)]
@@ -72,16 +72,16 @@ impl InterfaceIndicators {
     /// [`CouplingError::Boundary`] for a medium around another body, [`CouplingError::Inconsistent`] for fields of another size,
     /// values that are not finite, or too many halvings, and as [`crate::Outline::new`].
     pub fn new(
-        exterior: &Exterior,
         medium: &Medium,
+        body: &HeterogeneousBody,
         fine: &[f64],
         solved: &Coupled,
         form: Form,
         jumps: &Jumps<'_>,
     ) -> Result<Self, CouplingError> {
-        check(exterior, solved, jumps)?;
-        check_field("displacement of the grid", fine, medium.grid.dofs())?;
-        Self::of_body(Body::grid(medium, fine)?, exterior, solved, form, jumps)
+        check(medium, solved, jumps)?;
+        check_field("displacement of the grid", fine, body.grid.dofs())?;
+        Self::of_body(Body::grid(body, fine)?, medium, solved, form, jumps)
     }
 
     /// The residuals of a solution in a body of boundary elements, that of its own first equation among them.
@@ -89,31 +89,31 @@ impl InterfaceIndicators {
     /// # Errors
     /// [`CouplingError::Inconsistent`] for fields of another size, values that are not finite, or too many halvings.
     pub fn of_inclusion(
-        exterior: &Exterior,
+        medium: &Medium,
         body: &Inclusion,
         solved: &Coupled,
         form: Form,
         jumps: &Jumps<'_>,
     ) -> Result<Self, CouplingError> {
-        check(exterior, solved, jumps)?;
+        check(medium, solved, jumps)?;
         let given = body.load.len();
-        if given != exterior.space.dofs() {
-            let what = format!("the body has {given} unknowns, and the medium {}", exterior.space.dofs());
+        if given != medium.space.dofs() {
+            let what = format!("the body has {given} unknowns, and the medium {}", medium.space.dofs());
             return Err(CouplingError::Inconsistent { what });
         }
-        Self::of_body(Body::boundary_elements(body, exterior, solved), exterior, solved, form, jumps)
+        Self::of_body(Body::boundary_elements(body, medium, solved), medium, solved, form, jumps)
     }
 
     fn of_body(
         body: Body<'_>,
-        exterior: &Exterior,
+        medium: &Medium,
         solved: &Coupled,
         form: Form,
         jumps: &Jumps<'_>,
     ) -> Result<Self, CouplingError> {
         let three = form == Form::ThreeField;
         let own = matches!(body, Body::BoundaryElements { .. });
-        let parts = Subdivided::new(&exterior.mesh, jumps.halvings);
+        let parts = Subdivided::new(&medium.mesh, jumps.halvings);
         let jump = parts.space.interpolate(jumps.displacement);
         if let Some((k, value)) = jump.iter().enumerate().find(|(_, u)| !u.is_finite()) {
             let [x, y] = parts.space.points[k / 2];
@@ -121,16 +121,16 @@ impl InterfaceIndicators {
             return Err(CouplingError::Inconsistent { what });
         }
         let xi = if three {
-            parts.displacement(&exterior.space, &solved.exterior_displacement)
+            parts.displacement(&medium.space, &solved.exterior_displacement)
         } else {
-            let trace = parts.displacement(&exterior.space, &solved.trace);
+            let trace = parts.displacement(&medium.space, &solved.trace);
             trace.iter().zip(&jump).map(|(u, u0)| u - u0).collect()
         };
-        let phi = parts.traction(&exterior.space, &solved.traction);
-        let (material, length) = (&exterior.material, exterior.operators.length);
+        let phi = parts.traction(&medium.space, &solved.traction);
+        let (material, length) = (&medium.material, medium.operators.length);
         let field = BoundaryField::new(&parts.mesh, &parts.space, material, &xi, &phi, length);
-        let residual = Residual { exterior, body, jumps, parts, jump, field, three };
-        let all: Vec<_> = (0..exterior.mesh.len()).into_par_iter().map(|e| residual.element(e)).collect();
+        let residual = Residual { medium, body, jumps, parts, jump, field, three };
+        let all: Vec<_> = (0..medium.mesh.len()).into_par_iter().map(|e| residual.element(e)).collect();
         let all: Vec<[f64; 5]> = all.into_iter().collect::<Result<_, _>>()?;
         let term = |k: usize| all.iter().map(|terms| terms[k]).collect::<Vec<f64>>();
         Ok(Self {
@@ -151,8 +151,8 @@ impl InterfaceIndicators {
 }
 
 /// The fields of a solution, of the size of the boundary elements and finite, and not too many halvings.
-fn check(exterior: &Exterior, solved: &Coupled, jumps: &Jumps<'_>) -> Result<(), CouplingError> {
-    let needed = exterior.space.dofs();
+fn check(medium: &Medium, solved: &Coupled, jumps: &Jumps<'_>) -> Result<(), CouplingError> {
+    let needed = medium.space.dofs();
     check_field("displacement on the interface", &solved.trace, needed)?;
     check_field("displacement of the medium", &solved.exterior_displacement, needed)?;
     check_field("traction of the medium", &solved.traction, needed)?;
@@ -188,7 +188,7 @@ const SAME: f64 = 1e-9;
 
 /// Everything that tells the residuals at a point.
 struct Residual<'a> {
-    exterior: &'a Exterior,
+    medium: &'a Medium,
     body: Body<'a>,
     jumps: &'a Jumps<'a>,
     parts: Subdivided,
@@ -205,14 +205,14 @@ type Values = [[f64; 2]; 4];
 impl Residual<'_> {
     /// Traction, displacement, hypersingular, body, error of the traction of an element.
     fn element(&self, e: usize) -> Result<[f64; 5], CouplingError> {
-        let overlaps = self.body.overlaps(&self.exterior.mesh, e)?;
-        let (h, p) = (self.exterior.mesh.length(e), self.exterior.space.degree(e));
+        let overlaps = self.body.overlaps(&self.medium.mesh, e)?;
+        let (h, p) = (self.medium.mesh.length(e), self.medium.space.degree(e));
         let count = (4 * p).max((2 * overlaps.len()).next_multiple_of(4));
         let knot = |k: usize| 2.0 * k as f64 / count as f64 - 1.0;
         let mut averages = vec![Values::default(); count + 1];
         let mut moments = [[0.0; 2]; 2];
         let mut legendre = vec![0.0; p + 3];
-        let all = Split::new(&self.field, &self.parts, &self.exterior.mesh, e);
+        let all = Split::new(&self.field, &self.parts, &self.medium.mesh, e);
         for (rule, part) in self.rules(e, count, &overlaps) {
             for (&t, w) in rule.points.iter().zip(&rule.weights) {
                 let values = self.at(e, part, t, &overlaps, &all)?;
@@ -236,7 +236,7 @@ impl Residual<'_> {
             h * h / p as f64 * sum / (count - 1) as f64
         };
         // ⟨V P_m, P_m⟩ = κ/(8πμ(1-ν)) (h/2)² 2/(m(m+1)): only the logarithm acts
-        let material = &self.exterior.material;
+        let material = &self.medium.material;
         let single = material.kappa() / (8.0 * std::f64::consts::PI * material.mu() * (1.0 - material.nu()));
         let gain = |(m, moment): (usize, [f64; 2])| {
             let squared = (moment[0].powi(2) + moment[1].powi(2)) / material.young;
@@ -254,7 +254,7 @@ impl Residual<'_> {
         breaks.extend(overlaps.iter().flat_map(|o| o.span));
         breaks.sort_by(f64::total_cmp);
         breaks.dedup_by(|b, a| *b - *a < SAME);
-        let p = self.exterior.space.degree(e);
+        let p = self.medium.space.degree(e);
         let (tamed, smooth) = (substituted(POINTS[0] + p / 2, POWER), gauss_legendre(POINTS[1] + p / 2));
         // from the end with the logarithm to the other one
         let towards = |end: f64, other: f64| Rule {
@@ -281,7 +281,7 @@ impl Residual<'_> {
 
     /// The residuals at the point t of an element, which lies on this part of it.
     fn at(&self, e: usize, part: usize, t: f64, overlaps: &[Overlap], all: &Split) -> Result<Values, CouplingError> {
-        let (mesh, young) = (&self.exterior.mesh, self.exterior.material.young);
+        let (mesh, young) = (&self.medium.mesh, self.medium.material.young);
         let side = self.body.at(e, t, overlaps);
         let (x, n) = (mesh.point(e, t), mesh.normal(e));
         let given = (self.jumps.traction)(x, n);

@@ -1,7 +1,7 @@
 //! The body: its stiffness, its loads and the displacement on its outer boundary.
 
 use sprs::CsMat;
-use steklov_msfem::{Extra, Loads, Medium, Multiscale};
+use steklov_msfem::{Extra, HeterogeneousBody, Loads, Multiscale};
 
 use crate::{CouplingError, Outline, Trace};
 
@@ -23,13 +23,13 @@ impl Interior {
     ///
     /// # Errors
     /// As [`Outline::new`].
-    pub fn fine(medium: &Medium, loads: &Loads) -> Result<Self, CouplingError> {
-        let outline = Outline::new(&medium.grid)?;
+    pub fn fine(body: &HeterogeneousBody, loads: &Loads) -> Result<Self, CouplingError> {
+        let outline = Outline::new(&body.grid)?;
         Ok(Self {
-            stiffness: medium.stiffness(),
-            load: loads.nodal(medium),
-            order: medium.elimination_order(),
-            trace: Trace::fine(&medium.grid, &outline),
+            stiffness: body.stiffness(),
+            load: loads.nodal(body),
+            order: body.elimination_order(),
+            trace: Trace::fine(&body.grid, &outline),
         })
     }
 
@@ -43,7 +43,7 @@ impl Interior {
         loads: &Loads,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Self, CouplingError> {
-        let outline = Outline::new(&problem.medium.grid)?;
+        let outline = Outline::new(&problem.body.grid)?;
         let trace = Trace::coarse(problem, &outline)?;
         // the response of the cells' insides to their load does no work on the basis: the system is the same with it
         let system = problem.assemble(loads, &Extra::default(), go_on)?;

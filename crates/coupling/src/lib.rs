@@ -2,13 +2,13 @@
 //! medium, with jumps of displacement and traction where they meet.
 //!
 //! ```text
-//! Medium + Loads (f, t0) ─► Outline ─► Interior (A, F, Trace) ─┐
+//! HeterogeneousBody + Loads (f, t0) ─► Outline ─► Interior (A, F, Trace) ─┐
 //!       or Multiscale                                          ├─► Transmission (A_c, Transfer Π and B, Balance)
-//! Mesh + Material (+ L) ──► Exterior (V, K, W, M) ─────────────┤          │
+//! Mesh + Material (+ L) ──► Medium (V, K, W, M) ─────────────┤          │
 //! Material + t0 on its mesh ──► Inclusion (S, no grid) ────────┘          │
 //!                                                     jump u0, Form, Radiation
 //!                                                                         ▼
-//! Multiscale::downscale ◄── displacement, trace ◄────────────────────── Coupled ──► ξ, φ, a ──► ExteriorField
+//! Multiscale::downscale ◄── displacement, trace ◄────────────────────── Coupled ──► ξ, φ, a ──► MediumField
 //! ```
 //! In the body -div σ(u) = f, around it the equations of the homogeneous medium without a force; on the interface Γ
 //!
@@ -24,10 +24,10 @@
 //! | the body: bilinear or multiscale elements | [`Interior`], [`Trace`] |
 //! | boundary elements on a trace, also refined ones whose trace changes | [`Trace::mesh`], [`Trace::mesh_with`] |
 //! | a homogeneous body of any outline, without a grid | [`Inclusion`] |
-//! | the medium: boundary elements of any size and degree on the same curve | [`Exterior`] |
+//! | the medium: boundary elements of any size and degree on the same curve | [`Medium`] |
 //! | the problem on the interface, its solution | [`Transmission`], [`Form`], [`Coupled`] |
 //! | behaviour at infinity, resultants | [`Radiation`], [`Balance`] |
-//! | displacement and stress around the body | [`ExteriorField`] |
+//! | displacement and stress around the body | [`MediumField`] |
 //! | residuals on the interface and in the cells, the error of the traction | [`InterfaceIndicators`], [`CellIndicators`] |
 //!
 //! Boundary elements that are finer than the trace, of any degree, take it as it is; where the trace is finer, they take its
@@ -37,25 +37,25 @@
 //!
 //! ```
 //! use steklov_elastic::{Material, Plane};
-//! use steklov_coupling::{Exterior, Form, Interior, Radiation, Transmission};
-//! use steklov_msfem::{Elasticity, Grid, Loads, Medium};
+//! use steklov_coupling::{Medium, Form, Interior, Radiation, Transmission};
+//! use steklov_msfem::{Elasticity, Grid, Loads, HeterogeneousBody};
 //!
 //! // a square that is too large for its hole by one part in a hundred
 //! let grid = Grid::rectangle([1.0, 1.0], [8, 8])?;
-//! let medium = Medium::new(grid, vec![5.0; 64], Elasticity::new(0.3, steklov_elastic::Plane::Strain)?)?;
-//! let interior = Interior::fine(&medium, &Loads::default())?;
+//! let body = HeterogeneousBody::new(grid, vec![5.0; 64], Elasticity::new(0.3, steklov_elastic::Plane::Strain)?)?;
+//! let interior = Interior::fine(&body, &Loads::default())?;
 //! let around = Material::new(1.0, 0.3, Plane::Strain)?;
-//! let exterior = Exterior::new(interior.trace.mesh(1, 1)?, around, None)?;
-//! let problem = Transmission::new(interior, &exterior)?;
-//! let jump = exterior.space.interpolate(|[x, y]| [-0.01 * (x - 0.5), -0.01 * (y - 0.5)]);
+//! let medium = Medium::new(interior.trace.mesh(1, 1)?, around, None)?;
+//! let problem = Transmission::new(interior, &medium)?;
+//! let jump = medium.space.interpolate(|[x, y]| [-0.01 * (x - 0.5), -0.01 * (y - 0.5)]);
 //! let solved = problem.solve(&jump, Form::Schur, Radiation::Decaying)?;
 //!
 //! // the hole widens, and its tractions have no resultant
 //! let corner = 0;
 //! assert!(solved.exterior_displacement[corner] < 0.0);
-//! let resultant: f64 = (0..exterior.mesh.len()).map(|e| exterior.mesh.length(e) * solved.traction[2 * e]).sum();
+//! let resultant: f64 = (0..medium.mesh.len()).map(|e| medium.mesh.length(e) * solved.traction[2 * e]).sum();
 //! assert!(resultant.abs() < 1e-14);
-//! assert!(exterior.field(&solved).at([1e6, 0.0]).displacement[0].abs() < 1e-8);
+//! assert!(medium.field(&solved).at([1e6, 0.0]).displacement[0].abs() < 1e-8);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
@@ -64,7 +64,7 @@ mod outline;
 mod trace;
 mod interior;
 mod transfer;
-mod exterior;
+mod medium;
 mod inclusion;
 mod balance;
 mod form;
@@ -82,11 +82,11 @@ mod cell_indicators;
 pub use balance::{Balance, Radiation};
 pub use cell_indicators::CellIndicators;
 pub use error::CouplingError;
-pub use exterior::{Exterior, ExteriorField};
 pub use form::Form;
 pub use inclusion::Inclusion;
 pub use indicators::{InterfaceIndicators, Jumps};
 pub use interior::Interior;
+pub use medium::{Medium, MediumField};
 pub use outline::Outline;
 pub use trace::Trace;
 pub use transfer::Transfer;

@@ -5,11 +5,11 @@ use faer::linalg::solvers::Solve;
 
 use crate::dense::solve_indefinite;
 use crate::transmission::Unknowns;
-use crate::{Exterior, Transmission};
+use crate::{Medium, Transmission};
 
 /// Two translations and the rotation about the mean node, each of norm 1; W and K + ½M vanish on all three.
-fn rigid_motions(exterior: &Exterior) -> Mat<f64> {
-    let points = &exterior.space.points;
+fn rigid_motions(medium: &Medium) -> Mat<f64> {
+    let points = &medium.space.points;
     let centre = [0, 1].map(|i| points.iter().map(|x| x[i]).sum::<f64>() / points.len() as f64);
     let mut z = Mat::from_fn(2 * points.len(), 3, |row, k| {
         let x = points[row / 2];
@@ -28,10 +28,10 @@ fn rigid_motions(exterior: &Exterior) -> Mat<f64> {
 
 /// Solves [`crate::Form::ThreeField`]; ξ has no rigid motion at the nodes.
 pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns> {
-    let operators = &problem.exterior.operators;
+    let operators = &problem.medium.operators;
     // tractions over E: all blocks have the magnitude of a length
-    let young = problem.exterior.material.young;
-    let z = rigid_motions(problem.exterior);
+    let young = problem.medium.material.young;
+    let z = rigid_motions(problem.medium);
     let rigid = &z * z.transpose();
     let size = jump.len();
     let scale = (0..size).fold(0.0f64, |m, i| m.max(operators.w[(i, i)])) / young;
@@ -57,14 +57,14 @@ pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns
     right.resize(n + 2 * size, 0.0);
     let mut interface = solve_indefinite(matrix, right)?;
     let mut traction = interface.split_off(n);
-    let exterior = traction.split_off(size);
+    let medium = traction.split_off(size);
     traction.iter_mut().for_each(|t| *t *= young);
-    Some(Unknowns { interface, traction, exterior: Some(exterior) })
+    Some(Unknowns { interface, traction, medium: Some(medium) })
 }
 
 /// ξ plus the rigid motion that it lacks of another field, by least squares at the nodes.
-pub(crate) fn with_rigid_motion_of(field: &[f64], mut xi: Vec<f64>, exterior: &Exterior) -> Vec<f64> {
-    let z = rigid_motions(exterior);
+pub(crate) fn with_rigid_motion_of(field: &[f64], mut xi: Vec<f64>, medium: &Medium) -> Vec<f64> {
+    let z = rigid_motions(medium);
     let difference = Mat::from_fn(xi.len(), 1, |i, _| field[i] - xi[i]);
     let coefficients = (z.transpose() * &z).partial_piv_lu().solve(z.transpose() * difference);
     let motion = z * coefficients;

@@ -41,7 +41,7 @@ impl Trace {
             );
             return Err(CouplingError::Inconsistent { what });
         }
-        let grid = &problem.medium.grid;
+        let grid = &problem.body.grid;
         let vertex: HashMap<[usize; 2], usize> =
             problem.mesh.vertices.iter().enumerate().map(|(v, &point)| (point, v)).collect();
         let found = |node: usize| {
@@ -157,7 +157,7 @@ fn oscillatory(
     outline: &Outline,
     vertices: &[(usize, usize)],
 ) -> Result<CsMat<f64>, CouplingError> {
-    let grid = &problem.medium.grid;
+    let grid = &problem.body.grid;
     let column: HashMap<usize, usize> = vertices.iter().enumerate().map(|(k, (_, u))| (*u, 2 * k)).collect();
     let mut around = vec![0; grid.cells[0] * grid.cells[1]];
     for (coarse, cell) in problem.mesh.cells.iter().enumerate() {

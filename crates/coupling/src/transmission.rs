@@ -5,7 +5,7 @@ use sprs::CsMat;
 use steklov_msfem::{Elimination, ReducedLoad};
 
 use crate::balance::Balance;
-use crate::{CouplingError, Exterior, Form, Inclusion, Interior, Radiation, Transfer, three_field, two_field};
+use crate::{CouplingError, Form, Inclusion, Interior, Medium, Radiation, Transfer, three_field, two_field};
 use crate::{dense, schur};
 
 /// Stiffness of the body over that of the medium from which too few digits are left.
@@ -29,7 +29,7 @@ const CONTRAST: f64 = 1e10;
 #[derive(Debug)]
 pub struct Transmission<'a> {
     /// The medium around the body.
-    pub exterior: &'a Exterior,
+    pub medium: &'a Medium,
     /// From the unknowns of the trace to the boundary elements.
     pub transfer: Transfer,
     /// The body's stiffness A_c, reduced to the unknowns of the trace (stress).
@@ -78,7 +78,7 @@ pub(crate) struct Unknowns {
     /// φ.
     pub traction: Vec<f64>,
     /// ξ up to a rigid motion where it is an unknown of its own.
-    pub exterior: Option<Vec<f64>>,
+    pub medium: Option<Vec<f64>>,
 }
 
 impl<'a> Transmission<'a> {
@@ -87,34 +87,34 @@ impl<'a> Transmission<'a> {
     /// # Errors
     /// [`CouplingError::Boundary`] for boundary elements elsewhere, [`CouplingError::Msfem`] for moduli of too many magnitudes,
     /// [`CouplingError::Inconsistent`] for loads that are not finite.
-    pub fn new(interior: Interior, exterior: &'a Exterior) -> Result<Self, CouplingError> {
+    pub fn new(interior: Interior, medium: &'a Medium) -> Result<Self, CouplingError> {
         let Interior { stiffness, load, order, trace } = interior;
         if let Some((unknown, value)) = load.iter().enumerate().find(|(_, f)| !f.is_finite()) {
             let what = format!("the load of unknown {unknown} of the body is {value}: it must be finite");
             return Err(CouplingError::Inconsistent { what });
         }
-        let transfer = Transfer::new(&trace, &exterior.mesh, &exterior.space)?;
+        let transfer = Transfer::new(&trace, &medium.mesh, &medium.space)?;
         let balance = Balance::new(&load);
         let elimination = Elimination::new(stiffness, &order, &trace.unknowns, &[])?;
         let reduced = elimination.reduce(&load, &[]);
         let (stiffness, kept_load) = (elimination.stiffness(), reduced.kept.clone());
         let inside = Some(Inside { elimination, reduced, load, kept: trace.unknowns });
-        Ok(Self { exterior, transfer, stiffness, balance, load: kept_load, inside })
+        Ok(Self { medium, transfer, stiffness, balance, load: kept_load, inside })
     }
 
     /// The problem of a homogeneous body on the same boundary elements: all its unknowns are those of its trace.
     ///
     /// # Errors
     /// [`CouplingError::Inconsistent`] for a body on other boundary elements.
-    pub fn of_inclusion(body: &Inclusion, exterior: &'a Exterior) -> Result<Self, CouplingError> {
-        let (given, size) = (body.load.len(), exterior.space.dofs());
+    pub fn of_inclusion(body: &Inclusion, medium: &'a Medium) -> Result<Self, CouplingError> {
+        let (given, size) = (body.load.len(), medium.space.dofs());
         if given != size {
             let what = format!("the body has {given} unknowns, and the boundary elements of the medium have {size}");
             return Err(CouplingError::Inconsistent { what });
         }
         Ok(Self {
-            exterior,
-            transfer: Transfer { projection: CsMat::eye_csc(size), mass: exterior.operators.mass.to_csc() },
+            medium,
+            transfer: Transfer { projection: CsMat::eye_csc(size), mass: medium.operators.mass.to_csc() },
             stiffness: body.stiffness.clone(),
             balance: Balance::new(&body.load),
             load: body.load.clone(),
@@ -133,14 +133,14 @@ impl<'a> Transmission<'a> {
     /// [`CouplingError::Inconsistent`] for a jump of another size or one that is not finite, [`CouplingError::Unbalanced`] for
     /// a resultant and [`Radiation::Bounded`], [`CouplingError::Contrast`], [`CouplingError::Singular`].
     pub fn solve(&self, jump: &[f64], form: Form, radiation: Radiation) -> Result<Coupled, CouplingError> {
-        let needed = self.exterior.space.dofs();
+        let needed = self.medium.space.dofs();
         if jump.len() != needed {
             let what =
                 format!("the jump of displacements has {} values, and the boundary elements {needed}", jump.len());
             return Err(CouplingError::Inconsistent { what });
         }
         if let Some((k, value)) = jump.iter().enumerate().find(|(_, u)| !u.is_finite()) {
-            let [x, y] = self.exterior.space.points[k / 2];
+            let [x, y] = self.medium.space.points[k / 2];
             let what = format!("the jump of displacements is {value} at ({x}, {y}): it must be finite");
             return Err(CouplingError::Inconsistent { what });
         }
@@ -164,8 +164,8 @@ impl<'a> Transmission<'a> {
         };
         let trace = dense::apply(&self.transfer.projection, &solved.interface);
         let exterior_displacement: Vec<f64> = trace.iter().zip(jump).map(|(u, u0)| u - u0).collect();
-        let exterior_displacement = match solved.exterior {
-            Some(exterior) => three_field::with_rigid_motion_of(&exterior_displacement, exterior, self.exterior),
+        let exterior_displacement = match solved.medium {
+            Some(medium) => three_field::with_rigid_motion_of(&exterior_displacement, medium, self.medium),
             None => exterior_displacement,
         };
         let mut coupled = Coupled {
@@ -177,7 +177,7 @@ impl<'a> Transmission<'a> {
             balance: self.balance,
         };
         if radiation == Radiation::Bounded {
-            coupled.remove_mean(self.exterior);
+            coupled.remove_mean(self.medium);
         }
         Ok(coupled)
     }
@@ -186,7 +186,7 @@ impl<'a> Transmission<'a> {
     /// max|A u + Πᵀ S(ξ - a) - F| / (max|A u| + max|F|) over all unknowns of the body: roundoff, which grows with the stiffness of
     /// the body over that of the medium. 0 where nothing acts.
     pub fn imbalance(&self, solved: &Coupled) -> f64 {
-        let of_medium = dense::apply_transposed(&self.transfer.projection, &self.exterior.forces(solved).0);
+        let of_medium = dense::apply_transposed(&self.transfer.projection, &self.medium.forces(solved).0);
         let (mut forces, load) = match &self.inside {
             Some(inside) => (inside.elimination.multiply(&solved.displacement), &inside.load),
             None => (dense::product(self.stiffness.as_ref(), &solved.displacement), &self.load),
@@ -204,7 +204,7 @@ impl<'a> Transmission<'a> {
     /// Largest diagonal entry of A_c over that of W.
     fn contrast(&self) -> f64 {
         let largest = |m: &Mat<f64>| (0..m.nrows()).fold(0.0f64, |l, i| l.max(m[(i, i)]));
-        largest(&self.stiffness) / largest(&self.exterior.operators.w)
+        largest(&self.stiffness) / largest(&self.medium.operators.w)
     }
 }
 
@@ -213,13 +213,13 @@ impl Coupled {
     ///
     /// With a free, u, u_c and a have one constant in common: V φ = (K - ½) ξ + a is unchanged, (K - ½) 1 being -1, and where
     /// the loads have no resultant φ has none, so that the decaying solution is one of the bounded ones.
-    fn remove_mean(&mut self, exterior: &Exterior) {
+    fn remove_mean(&mut self, medium: &Medium) {
         let (mut integral, mut length) = ([0.0; 2], 0.0);
-        for e in 0..exterior.mesh.len() {
-            let scale = exterior.mesh.length(e);
+        for e in 0..medium.mesh.len() {
+            let scale = medium.mesh.length(e);
             length += scale;
-            let mean = exterior.space.basis(e).to_legendre.row(0);
-            for (node, weight) in exterior.space.element_nodes(e).zip(mean.iter()) {
+            let mean = medium.space.basis(e).to_legendre.row(0);
+            for (node, weight) in medium.space.element_nodes(e).zip(mean.iter()) {
                 (0..2).for_each(|i| integral[i] += scale * weight * self.trace[2 * node + i]);
             }
         }

@@ -8,7 +8,7 @@ use crate::transmission::Unknowns;
 
 /// (K - ½M), the double layer of the medium.
 pub(crate) fn double_layer(problem: &Transmission<'_>) -> Mat<f64> {
-    let operators = &problem.exterior.operators;
+    let operators = &problem.medium.operators;
     let mut k = operators.k.clone();
     for (&value, (row, column)) in &operators.mass {
         k[(row, column)] -= 0.5 * value;
@@ -18,9 +18,9 @@ pub(crate) fn double_layer(problem: &Transmission<'_>) -> Mat<f64> {
 
 /// Solves [`crate::Form::TwoField`].
 pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns> {
-    let (operators, projection) = (&problem.exterior.operators, &problem.transfer.projection);
+    let (operators, projection) = (&problem.medium.operators, &problem.transfer.projection);
     // tractions over E: all blocks have the magnitude of a length
-    let young = problem.exterior.material.young;
+    let young = problem.medium.material.young;
     let k = double_layer(problem);
     let w = congruence(operators.w.as_ref(), projection);
     let on_trace = times(k.as_ref(), projection);
@@ -36,5 +36,5 @@ pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns
     right.extend(product(k.as_ref(), jump));
     let mut interface = solve_indefinite(matrix, right)?;
     let traction = interface.split_off(n).iter().map(|t| young * t).collect();
-    Some(Unknowns { interface, traction, exterior: None })
+    Some(Unknowns { interface, traction, medium: None })
 }

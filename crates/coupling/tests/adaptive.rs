@@ -6,10 +6,10 @@ use common::{dense, manufactured, material, traction};
 use proptest::prelude::*;
 use steklov_bem_operators::{Mesh, doerfler};
 use steklov_coupling::{
-    CouplingError, Exterior, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Outline, Radiation, Trace,
-    Transfer, Transmission,
+    CouplingError, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Medium, Outline, Radiation, Trace, Transfer,
+    Transmission,
 };
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Grid, Loads, Medium, Multiscale, mark, refine};
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Grid, HeterogeneousBody, Loads, Multiscale, mark, refine};
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(24))]
@@ -23,7 +23,7 @@ proptest! {
     ) {
         let grid = Grid::new([-0.3, 0.7], [0.1, 0.07], [24, 16], |i, j| i < 8 || j < 8).unwrap();
         let count = 24 * 16;
-        let medium = Medium::new(grid, vec![1.0; count], Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap()).unwrap();
+        let medium = HeterogeneousBody::new(grid, vec![1.0; count], Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap()).unwrap();
         let outline = Outline::new(&medium.grid).unwrap();
         let mut cells = CoarseMesh::uniform(&medium.grid, [8, 8]).unwrap();
         let trace_of = |cells: &CoarseMesh| {
@@ -62,7 +62,7 @@ proptest! {
                 });
                 prop_assert_eq!(Some(mesh.degree[e]), owner.map(|f| finer.degree[f]));
             }
-            let exterior = Exterior::new(mesh.clone(), material([1.0, 0.3]), None).unwrap();
+            let exterior = Medium::new(mesh.clone(), material([1.0, 0.3]), None).unwrap();
             let transfer = Transfer::new(&trace, &exterior.mesh, &exterior.space).unwrap();
             let through = dense(&exterior.operators.mass) * dense(&transfer.projection);
             let b = dense(&transfer.mass);
@@ -95,11 +95,11 @@ fn refinement_by_the_error_of_the_traction_needs_fewer_elements_than_uniform_one
         let mut loads = Loads::default();
         outline.add_traction_jump(&grid, &mut loads, pulled);
         let elasticity = Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap();
-        let medium = Medium::new(grid, vec![young; n * n], elasticity).unwrap();
+        let medium = HeterogeneousBody::new(grid, vec![young; n * n], elasticity).unwrap();
         let interior = Interior::fine(&medium, &loads).unwrap();
         let jumps = Jumps { displacement: &strained, traction: &pulled, halvings: 0 };
         let gains = |mesh: &Mesh| {
-            let exterior = Exterior::new(mesh.clone(), around, None).unwrap();
+            let exterior = Medium::new(mesh.clone(), around, None).unwrap();
             let transmission = Transmission::new(interior.clone(), &exterior).unwrap();
             let u0 = exterior.space.interpolate(strained);
             let solved = transmission.solve(&u0, Form::Schur, Radiation::Decaying).unwrap();
@@ -147,7 +147,7 @@ fn refinement_of_body_and_medium_has_the_rate_of_smooth_fields() {
         let pulled = |_: [f64; 2], normal: [f64; 2]| traction(around.stress(gradient), normal);
         let jumps = Jumps { displacement: &strained, traction: &pulled, halvings: 0 };
         let judged = |mesh: &Mesh| {
-            let exterior = Exterior::new(mesh.clone(), around, None).unwrap();
+            let exterior = Medium::new(mesh.clone(), around, None).unwrap();
             let inclusion = Inclusion::new(body, &exterior, pulled).unwrap();
             let transmission = Transmission::of_inclusion(&inclusion, &exterior).unwrap();
             let u0 = exterior.space.interpolate(strained);

@@ -4,7 +4,7 @@ mod common;
 
 use common::{around, dense, difference, energy_error, manufactured, material, outer, problem};
 use steklov_bem_operators::Mesh;
-use steklov_coupling::{Coupled, CouplingError, Exterior, Form, Interior, Outline, Radiation, Transfer, Transmission};
+use steklov_coupling::{Coupled, CouplingError, Form, Interior, Medium, Outline, Radiation, Transfer, Transmission};
 use steklov_msfem::{Grid, Loads, MsfemError};
 
 const SAME: [f64; 2] = [2.0, 0.3];
@@ -13,7 +13,7 @@ const SAME: [f64; 2] = [2.0, 0.3];
 const POINTS: [[f64; 2]; 4] = [[0.9, 0.2], [-0.3, 1.4], [-0.7, -0.8], [5.0, -3.0]];
 
 /// Relative errors of displacement and stress at those points.
-fn errors_around(exterior: &Exterior, solved: &Coupled) -> [f64; 2] {
+fn errors_around(exterior: &Medium, solved: &Coupled) -> [f64; 2] {
     let field = exterior.field(solved);
     let (mut errors, mut scale) = ([0.0f64; 2], [0.0f64; 2]);
     for x in POINTS {
@@ -76,7 +76,7 @@ fn a_few_elements_of_high_degree_serve_a_fine_grid() {
     for form in [Form::TwoField, Form::ThreeField, Form::Schur] {
         let errors = [1, 3, 6, 9].map(|p| {
             let mesh = Mesh::from_breaks(&polygon, &breaks, &vec![vec![p; 2]; 4]).unwrap();
-            let exterior = Exterior::new(mesh, material(SAME), None).unwrap();
+            let exterior = Medium::new(mesh, material(SAME), None).unwrap();
             let (problem, jump) = problem(interior.clone(), &exterior);
             let solved = problem.solve(&jump, form, Radiation::Decaying).unwrap();
             energy_error(&medium, SAME, &solved.displacement)
@@ -97,7 +97,7 @@ fn nested_traces_are_taken_as_they_are_and_others_are_projected() {
     let values = faer::Mat::from_fn(v.len(), 1, |i, _| v[i]);
     let coarse = Mesh::from_breaks(&trace.polygon, &vec![vec![0.4]; 4], &vec![vec![3, 2]; 4]).unwrap();
     for (mesh, nested) in [(trace.mesh(1, 1).unwrap(), true), (trace.mesh(2, 3).unwrap(), true), (coarse, false)] {
-        let exterior = Exterior::new(mesh, material(SAME), None).unwrap();
+        let exterior = Medium::new(mesh, material(SAME), None).unwrap();
         let transfer = Transfer::new(&trace, &exterior.mesh, &exterior.space).unwrap();
         // linear fields in both cases
         let found = dense(&transfer.projection) * &values;
@@ -148,14 +148,14 @@ fn what_cannot_be_solved_is_refused_with_numbers() {
     for (origin, h) in [([-0.4, -0.5], 0.25), ([-0.5, -0.5], 0.125)] {
         let other = Grid::new(origin, [h; 2], [4, 4], |_, _| true).unwrap();
         let mesh = Mesh::uniform(&Outline::new(&other).unwrap().polygon, 4, 1);
-        let elsewhere = Exterior::new(mesh, material(SAME), None).unwrap();
+        let elsewhere = Medium::new(mesh, material(SAME), None).unwrap();
         let refused = Transmission::new(interior.clone(), &elsewhere).unwrap_err();
         assert!(matches!(refused, CouplingError::Boundary { .. }), "{refused}");
     }
     // V loses definiteness on the square of side 2.213, and a little above on few elements
     let mesh = || interior.trace.mesh(1, 1).unwrap();
-    assert!(Exterior::new(mesh(), material(SAME), Some(1.0 / 2.20)).is_ok());
-    let refused = Exterior::new(mesh(), material(SAME), Some(1.0 / 2.23)).unwrap_err().to_string();
+    assert!(Medium::new(mesh(), material(SAME), Some(1.0 / 2.20)).is_ok());
+    let refused = Medium::new(mesh(), material(SAME), Some(1.0 / 2.23)).unwrap_err().to_string();
     assert!(refused.contains("not positive definite"), "{refused}");
     assert!(matches!(interior.trace.mesh(0, 1), Err(CouplingError::Bem(_))));
     assert!(matches!(interior.trace.mesh(1, 0), Err(CouplingError::Bem(_))));

@@ -4,7 +4,7 @@ mod common;
 
 use common::{PAIRS, around, close, double_layers, manufactured, outer, problem, traction};
 use faer::Mat;
-use steklov_coupling::{Coupled, Exterior, Form, Interior, Radiation};
+use steklov_coupling::{Coupled, Form, Interior, Medium, Radiation};
 use steklov_quadrature::gauss_legendre;
 
 fn largest(values: &[f64]) -> f64 {
@@ -12,7 +12,7 @@ fn largest(values: &[f64]) -> f64 {
 }
 
 /// ½ (ξᵀ W ξ + φᵀ V φ), which is ½ ⟨S ξ, ξ⟩ where V φ = (K - ½) ξ.
-fn by_matrices(exterior: &Exterior, solved: &Coupled) -> f64 {
+fn by_matrices(exterior: &Medium, solved: &Coupled) -> f64 {
     let form = |matrix: &Mat<f64>, v: &[f64]| {
         (0..v.len()).map(|i| (0..v.len()).map(|j| v[i] * matrix[(i, j)] * v[j]).sum::<f64>()).sum::<f64>()
     };
@@ -21,7 +21,7 @@ fn by_matrices(exterior: &Exterior, solved: &Coupled) -> f64 {
 }
 
 /// -½ ∮ σ(u)n·u of the two forces, n into the medium.
-fn exact(exterior: &Exterior) -> f64 {
+fn exact(exterior: &Medium) -> f64 {
     let (mesh, rule) = (&exterior.mesh, gauss_legendre(16));
     let density = |e: usize, t: f64| {
         let (u, stress) = outer(&exterior.material, mesh.point(e, t));

@@ -4,9 +4,9 @@ mod common;
 
 use common::{around, difference, manufactured, material, problem, traction};
 use proptest::prelude::*;
-use steklov_coupling::{CouplingError, Exterior, Form, Interior, Outline, Radiation, Transmission};
+use steklov_coupling::{CouplingError, Form, Interior, Medium, Outline, Radiation, Transmission};
 use steklov_elastic::{Material, Plane};
-use steklov_msfem::{Elasticity, Grid, Loads, Medium};
+use steklov_msfem::{Elasticity, Grid, HeterogeneousBody, Loads};
 
 const FORMS: [Form; 3] = [Form::TwoField, Form::ThreeField, Form::Schur];
 
@@ -40,7 +40,7 @@ proptest! {
         let mut loads = Loads::default();
         outline.add_traction_jump(&grid, &mut loads, |_, n| traction(body.stress(gradient), n));
         let count = cells[0] * cells[1];
-        let medium = Medium::new(grid, vec![young; count], Elasticity::new(ratios[0], plane).unwrap()).unwrap();
+        let medium = HeterogeneousBody::new(grid, vec![young; count], Elasticity::new(ratios[0], plane).unwrap()).unwrap();
         let interior = Interior::fine(&medium, &loads).unwrap();
         // one element an edge is coarser than the trace
         let mesh = if coarse {
@@ -48,7 +48,7 @@ proptest! {
         } else {
             interior.trace.mesh(parts, degree).unwrap()
         };
-        let exterior = Exterior::new(mesh, Material::new(1.0, ratios[1], plane).unwrap(), None).unwrap();
+        let exterior = Medium::new(mesh, Material::new(1.0, ratios[1], plane).unwrap(), None).unwrap();
         let problem = Transmission::new(interior, &exterior).unwrap();
         prop_assert!(problem.balance.is_balanced());
         let jump = exterior.space.interpolate(field);
@@ -70,12 +70,12 @@ proptest! {
             let grid = ell([0.0; 2], [l * 0.25; 2], [4, 5]);
             let young = (0..20).map(|c| e * (1.0 + f64::from(c))).collect();
             let elasticity = Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap();
-            let medium = Medium::new(grid, young, elasticity).unwrap();
+            let medium = HeterogeneousBody::new(grid, young, elasticity).unwrap();
             let mut loads = Loads::default();
             loads.set_body_force(&medium, |[x, y]| [e / l * (1.0 + x / l), e / l * (y / l - 0.5)]).unwrap();
             let interior = Interior::fine(&medium, &loads).unwrap();
             let exterior =
-                Exterior::new(interior.trace.mesh(1, 2).unwrap(), material([3.0 * e, 0.2]), Some(5.0 * l)).unwrap();
+                Medium::new(interior.trace.mesh(1, 2).unwrap(), material([3.0 * e, 0.2]), Some(5.0 * l)).unwrap();
             let jump = exterior.space.interpolate(|[x, y]| [y * y / l, x]);
             let solved = Transmission::new(interior, &exterior).unwrap().solve(&jump, form, Radiation::Decaying).unwrap();
             let u: Vec<f64> = solved.displacement.iter().map(|u| u / l).collect();
@@ -106,7 +106,7 @@ fn an_interface_in_one_material_cannot_be_seen() {
         // off the centre, so that nothing cancels by symmetry
         let grid = Grid::new([-0.5, -0.75], [1.25 / n as f64; 2], [n; 2], |_, _| true).unwrap();
         let elasticity = Elasticity::new(poisson, steklov_elastic::Plane::Strain).unwrap();
-        let medium = Medium::new(grid, vec![young; n * n], elasticity).unwrap();
+        let medium = HeterogeneousBody::new(grid, vec![young; n * n], elasticity).unwrap();
         let mut loads = Loads::default();
         loads
             .set_body_force(&medium, |[x, y]| {
@@ -115,7 +115,7 @@ fn an_interface_in_one_material_cannot_be_seen() {
             })
             .unwrap();
         let interior = Interior::fine(&medium, &loads).unwrap();
-        let exterior = Exterior::new(interior.trace.mesh(1, 1).unwrap(), around, None).unwrap();
+        let exterior = Medium::new(interior.trace.mesh(1, 1).unwrap(), around, None).unwrap();
         let problem = Transmission::new(interior, &exterior).unwrap();
         let jump = vec![0.0; exterior.space.dofs()];
         let solved = problem.solve(&jump, Form::TwoField, Radiation::Decaying).unwrap();
@@ -143,7 +143,7 @@ fn balanced_loads_do_not_depend_on_the_length_and_others_shift_by_their_resultan
         }
         let interior = Interior::fine(&medium, &loads).unwrap();
         let mesh = interior.trace.mesh(1, 1).unwrap();
-        let [a, b] = [1.0, 30.0].map(|l| Exterior::new(mesh.clone(), material(outside), Some(l)).unwrap());
+        let [a, b] = [1.0, 30.0].map(|l| Medium::new(mesh.clone(), material(outside), Some(l)).unwrap());
         let solve = |exterior, form| {
             let (problem, jump) = problem(interior.clone(), exterior);
             assert_eq!(problem.balance.is_balanced(), balanced);
@@ -194,7 +194,7 @@ fn digits_are_lost_as_the_body_becomes_stiffer_than_the_medium() {
         let outline = Outline::new(&grid).unwrap();
         outline.add_traction_jump(&grid, &mut loads, |_, n| traction(body.stress(gradient), n));
         let elasticity = Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap();
-        let medium = Medium::new(grid, vec![young; 16], elasticity).unwrap();
+        let medium = HeterogeneousBody::new(grid, vec![young; 16], elasticity).unwrap();
         let interior = Interior::fine(&medium, &loads).unwrap();
         let exterior = around(&interior, 1, 1, [1.0, 0.3]);
         let jump = exterior.space.interpolate(field);
@@ -222,7 +222,7 @@ fn the_interface_has_the_same_bits_for_any_number_of_threads() {
             let interior = Interior::fine(&medium, &Loads::default()).unwrap();
             // coarser than the trace: projected
             let mesh = steklov_bem_operators::Mesh::uniform(&interior.trace.polygon, 24, 5);
-            let exterior = Exterior::new(mesh, material([2.0, 0.3]), None).unwrap();
+            let exterior = Medium::new(mesh, material([2.0, 0.3]), None).unwrap();
             let (problem, jump) = problem(interior, &exterior);
             let solved = problem.solve(&jump, form, Radiation::Decaying).unwrap();
             (solved.trace, solved.traction, solved.exterior_displacement)

@@ -5,7 +5,7 @@ mod common;
 use common::{around, difference, manufactured, material, problem, traction};
 use proptest::prelude::*;
 use steklov_bem_operators::{Loop, Mesh, Polygon};
-use steklov_coupling::{CouplingError, Exterior, Form, Inclusion, Interior, Radiation, Transmission};
+use steklov_coupling::{CouplingError, Form, Inclusion, Interior, Medium, Radiation, Transmission};
 use steklov_elastic::{Material, Plane};
 
 const FORMS: [Form; 3] = [Form::TwoField, Form::ThreeField, Form::Schur];
@@ -39,7 +39,7 @@ proptest! {
         };
         let mesh = Mesh::uniform(&polygon(radii.iter().enumerate().map(corner).collect()), elements, degree);
         let same = Material::new(3.0, poisson, if stress { Plane::Stress } else { Plane::Strain }).unwrap();
-        let exterior = Exterior::new(mesh, same, None).unwrap();
+        let exterior = Medium::new(mesh, same, None).unwrap();
         let pulled = |_: [f64; 2], n: [f64; 2]| traction(same.stress(gradient), n);
         let body = Inclusion::new(same, &exterior, pulled).unwrap();
         let problem = Transmission::of_inclusion(&body, &exterior).unwrap();
@@ -83,7 +83,7 @@ fn errors_of_circle(body: &Material, form: Form, n: usize, angle: impl Fn(f64) -
         [angle.cos(), angle.sin()]
     };
     let mesh = Mesh::uniform(&polygon((0..n).map(corner).collect()), n, 1);
-    let exterior = Exterior::new(mesh, outside, None).unwrap();
+    let exterior = Medium::new(mesh, outside, None).unwrap();
     let remote = [1.0, 0.0, 0.4];
     let gradient = strain(&outside, remote);
     let inclusion = Inclusion::new(*body, &exterior, |_, n| traction(remote, n)).unwrap();
@@ -125,7 +125,7 @@ fn the_length_in_the_logarithm_does_not_matter() {
     let (body, outside) = (material([20.0, 0.1]), material([2.0, 0.3]));
     let gradient = [[0.3, -0.1], [0.4, 0.2]];
     let solve = |length: f64, form| {
-        let exterior = Exterior::new(mesh.clone(), outside, Some(length)).unwrap();
+        let exterior = Medium::new(mesh.clone(), outside, Some(length)).unwrap();
         let inclusion = Inclusion::new(body, &exterior, |_, n| traction(outside.stress(gradient), n)).unwrap();
         let u0 = exterior.space.interpolate(|x| linear(gradient, x));
         Transmission::of_inclusion(&inclusion, &exterior).unwrap().solve(&u0, form, Radiation::Decaying).unwrap()
@@ -146,7 +146,7 @@ fn a_grid_tends_to_the_body_of_boundary_elements() {
     let fine = {
         let (medium, _) = manufactured(4, body, outside);
         let mesh = Interior::fine(&medium, &Default::default()).unwrap().trace;
-        let exterior = Exterior::new(mesh.mesh(8, 2).unwrap(), material(outside), None).unwrap();
+        let exterior = Medium::new(mesh.mesh(8, 2).unwrap(), material(outside), None).unwrap();
         let inclusion = Inclusion::new(material(body), &exterior, |_, n| traction(remote, n)).unwrap();
         let u0 = exterior.space.interpolate(|x| linear(gradient, x));
         let problem = Transmission::of_inclusion(&inclusion, &exterior).unwrap();
@@ -181,10 +181,10 @@ fn what_is_no_body_of_these_elements_is_refused() {
     let holed = Polygon::new(Loop { corners: corners.clone(), sides: sides(4) }, vec![hole]).unwrap();
     let m = material([1.0, 0.3]);
     let still = |_: [f64; 2], _: [f64; 2]| [0.0; 2];
-    let exterior = Exterior::new(Mesh::uniform(&holed, 14, 1), m, None).unwrap();
+    let exterior = Medium::new(Mesh::uniform(&holed, 14, 1), m, None).unwrap();
     let refused = Inclusion::new(m, &exterior, still).unwrap_err();
     assert!(matches!(&refused, CouplingError::Inconsistent { what } if what.contains("no holes")), "{refused}");
-    let [a, b] = [8, 12].map(|n| Exterior::new(Mesh::uniform(&polygon(corners.clone()), n, 1), m, None).unwrap());
+    let [a, b] = [8, 12].map(|n| Medium::new(Mesh::uniform(&polygon(corners.clone()), n, 1), m, None).unwrap());
     let refused = Inclusion::new(m, &a, |_, _| [f64::NAN, 0.0]).unwrap_err();
     assert!(refused.to_string().contains("jump of tractions is NaN"), "{refused}");
     let body = Inclusion::new(m, &a, still).unwrap();

@@ -10,15 +10,15 @@ use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{Mesh, Operators, Space};
 use steklov_coupling::{
-    CellIndicators, Coupled, CouplingError, Exterior, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Outline,
+    CellIndicators, Coupled, CouplingError, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Medium, Outline,
     Radiation, Transmission,
 };
 use steklov_elastic::{Material, Plane};
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, Multiscale};
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 /// d/ds of w by matrices of elements a quarter as long: h E₂ times h times the mean square of differences of mean values.
-fn slope_by_matrices(interior: &Interior, exterior: &Exterior, solved: &Coupled, wrong_sign: bool) -> f64 {
+fn slope_by_matrices(interior: &Interior, exterior: &Medium, solved: &Coupled, wrong_sign: bool) -> f64 {
     let fine = around(interior, 4, 1, [exterior.material.young, exterior.material.poisson]);
     let n = exterior.mesh.len();
     let xi = Mat::from_fn(8 * n, 1, |row, _| {
@@ -86,16 +86,16 @@ fn all_terms_are_those_of_the_reference_file_and_the_wrong_sign_does_not_converg
 }
 
 /// A medium of these moduli on an L of cells.
-fn ell(cells: [usize; 2], young: impl Fn(usize) -> f64, poisson: f64) -> Medium {
+fn ell(cells: [usize; 2], young: impl Fn(usize) -> f64, poisson: f64) -> HeterogeneousBody {
     let grid = Grid::new([0.3, -1.0], [0.25, 0.2], cells, |i, j| i < 2 || j < 2).unwrap();
     let young = (0..cells[0] * cells[1]).map(young).collect();
-    Medium::new(grid, young, Elasticity::new(poisson, steklov_elastic::Plane::Strain).unwrap()).unwrap()
+    HeterogeneousBody::new(grid, young, Elasticity::new(poisson, steklov_elastic::Plane::Strain).unwrap()).unwrap()
 }
 
 /// Fields that need not solve anything.
-fn fields(medium: &Medium, trace: Vec<f64>, outside: Vec<f64>, phi: Vec<f64>) -> Coupled {
+fn fields(medium: &HeterogeneousBody, trace: Vec<f64>, outside: Vec<f64>, phi: Vec<f64>) -> Coupled {
     let exterior =
-        Exterior::new(Mesh::uniform(&Outline::new(&medium.grid).unwrap().polygon, 6, 1), material([1.0, 0.3]), None);
+        Medium::new(Mesh::uniform(&Outline::new(&medium.grid).unwrap().polygon, 6, 1), material([1.0, 0.3]), None);
     let exterior = exterior.unwrap();
     let transmission = Transmission::new(Interior::fine(medium, &Loads::default()).unwrap(), &exterior).unwrap();
     let at_rest = transmission.solve(&vec![0.0; exterior.space.dofs()], Form::Schur, Radiation::Decaying).unwrap();
@@ -127,7 +127,7 @@ proptest! {
         let interior = Interior::fine(&medium, &loads).unwrap();
         let mesh =
             if coarse { Mesh::uniform(&outline.polygon, 0, degree) } else { interior.trace.mesh(parts, degree).unwrap() };
-        let exterior = Exterior::new(mesh, material([1.0, 0.2]), None).unwrap();
+        let exterior = Medium::new(mesh, material([1.0, 0.2]), None).unwrap();
         let u0 = exterior.space.interpolate(field);
         let transmission = Transmission::new(interior, &exterior).unwrap();
         for form in [Form::Schur, Form::ThreeField] {
@@ -160,7 +160,7 @@ proptest! {
         let polygon = Outline::new(&medium.grid).unwrap().polygon;
         let mesh = Mesh::uniform(&polygon, 9, degree);
         let around = Material::new(3.0, poisson, if stress { Plane::Stress } else { Plane::Strain }).unwrap();
-        let exterior = Exterior::new(mesh.clone(), around, None).unwrap();
+        let exterior = Medium::new(mesh.clone(), around, None).unwrap();
         let u0 = |x: [f64; 2]| [(9.0 * x[0] + seed as f64).sin(), (8.0 * x[1] - x[0] * seed as f64).cos()];
         let still = vec![0.0; exterior.space.dofs()];
         let solved = fields(&medium, still.clone(), still.clone(), still);
@@ -202,7 +202,7 @@ proptest! {
     }
 }
 
-fn solved_field(medium: &Medium, field: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
+fn solved_field(medium: &HeterogeneousBody, field: impl Fn([f64; 2]) -> [f64; 2]) -> Vec<f64> {
     (0..medium.grid.nodes()).flat_map(|node| field(medium.grid.point(node))).collect()
 }
 
@@ -227,7 +227,7 @@ fn each_place_has_the_weight_of_its_cell() {
             .collect();
         let degrees: Vec<Vec<usize>> = breaks.iter().map(|b| vec![1; b.len() + 1]).collect();
         let mesh = Mesh::from_breaks(&outline.polygon, &breaks, &degrees).unwrap();
-        let exterior = Exterior::new(mesh, material([5.0, 0.2]), None).unwrap();
+        let exterior = Medium::new(mesh, material([5.0, 0.2]), None).unwrap();
         let still = vec![0.0; exterior.space.dofs()];
         let solved = fields(&medium, still.clone(), still.clone(), still);
         let found = InterfaceIndicators::new(&exterior, &medium, &fine, &solved, Form::ThreeField, &jumps).unwrap();
@@ -294,7 +294,7 @@ fn elements_longer_than_the_sides_of_cells_have_indicators_that_follow_the_error
     let interior = Interior::fine(&grid, &loads).unwrap();
     for (elements, degree) in [(8, 2), (8, 4), (12, 3), (16, 4)] {
         let mesh = Mesh::uniform(&interior.trace.polygon, elements, degree);
-        let exterior = Exterior::new(mesh, material(medium), None).unwrap();
+        let exterior = Medium::new(mesh, material(medium), None).unwrap();
         for form in [Form::TwoField, Form::ThreeField] {
             let (transmission, u0) = problem(interior.clone(), &exterior);
             let solved = transmission.solve(&u0, form, Radiation::Decaying).unwrap();
@@ -358,7 +358,7 @@ fn fields_of_another_size_or_not_finite_are_refused() {
     let (transmission, u0) = problem(interior.clone(), &exterior);
     let solved = transmission.solve(&u0, Form::Schur, Radiation::Decaying).unwrap();
     let (still, free) = (|_: [f64; 2]| [0.0; 2], |_: [f64; 2], _: [f64; 2]| [0.0; 2]);
-    let refused = |exterior: &Exterior, fine: &[f64], solved: &Coupled, jumps: &Jumps<'_>| {
+    let refused = |exterior: &Medium, fine: &[f64], solved: &Coupled, jumps: &Jumps<'_>| {
         InterfaceIndicators::new(exterior, &grid, fine, solved, Form::Schur, jumps).unwrap_err()
     };
     let jumps = Jumps { displacement: &still, traction: &free, halvings: 0 };
@@ -383,12 +383,12 @@ fn fields_of_another_size_or_not_finite_are_refused() {
     assert!(refused(&exterior, u, &solved, &wild).to_string().contains("displacements is NaN at (-0.5, -0.5)"));
     let wild = Jumps { traction: &|_, n| [n[0] / 0.0, 0.0], ..jumps };
     assert!(refused(&exterior, u, &solved, &wild).to_string().contains("jump of tractions is"));
-    let other = Exterior::new(interior.trace.mesh(2, 1).unwrap(), material([2.0, 0.3]), None).unwrap();
+    let other = Medium::new(interior.trace.mesh(2, 1).unwrap(), material([2.0, 0.3]), None).unwrap();
     let body = Inclusion::new(material([1.0, 0.3]), &other, free).unwrap();
     let wrong = InterfaceIndicators::of_inclusion(&exterior, &body, &solved, Form::Schur, &jumps).unwrap_err();
     assert!(wrong.to_string().contains("64 unknowns, and the medium 32"), "{wrong}");
     let elsewhere = Grid::rectangle([1.0, 1.0], [4, 4]).unwrap();
     let mesh = Mesh::uniform(&Outline::new(&elsewhere).unwrap().polygon, 16, 1);
-    let elsewhere = Exterior::new(mesh, material([2.0, 0.3]), None).unwrap();
+    let elsewhere = Medium::new(mesh, material([2.0, 0.3]), None).unwrap();
     assert!(matches!(refused(&elsewhere, u, &solved, &jumps), CouplingError::Boundary { .. }));
 }

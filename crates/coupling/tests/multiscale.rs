@@ -5,7 +5,7 @@ mod common;
 use common::{around, close, difference, energy_error, manufactured, number, problem, reference};
 use steklov_coupling::{CouplingError, Form, Interior, Outline, Radiation, Trace, Transmission};
 use steklov_elastic::Plane;
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, Multiscale};
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
 use steklov_quadrature::unit_uniform;
 
 const SAME: [f64; 2] = [2.0, 0.3];
@@ -32,11 +32,11 @@ fn the_homogeneous_body_has_the_errors_of_the_reference_file() {
 }
 
 /// E in [1, 10] on 64 × 64 cells, and the jump of tractions (n_x, -n_y/2).
-fn rough() -> (Medium, Loads) {
+fn rough() -> (HeterogeneousBody, Loads) {
     let n = 64;
     let grid = Grid::new([-0.5; 2], [1.0 / n as f64; 2], [n; 2], |_, _| true).unwrap();
     let young = (0..n * n).map(|k| 1.0 + 9.0 * unit_uniform(99, k as u64)).collect();
-    let medium = Medium::new(grid, young, Elasticity::new(0.3, Plane::Strain).unwrap()).unwrap();
+    let medium = HeterogeneousBody::new(grid, young, Elasticity::new(0.3, Plane::Strain).unwrap()).unwrap();
     let mut loads = Loads::default();
     let outline = Outline::new(&medium.grid).unwrap();
     outline.add_traction_jump(&medium.grid, &mut loads, |_, n| [n[0], -0.5 * n[1]]);

@@ -4,15 +4,15 @@ mod common;
 
 use common::{PAIRS, around, dense, difference, double_layers, energy_error, lu, manufactured, problem};
 use faer::{Mat, MatMut, Scale};
-use steklov_coupling::{Exterior, Form, Interior, Radiation};
-use steklov_msfem::Medium;
+use steklov_coupling::{Form, Interior, Medium, Radiation};
+use steklov_msfem::HeterogeneousBody;
 
 const SAME: [f64; 2] = [2.0, 0.3];
 
 /// A body of n × n cells, its system with all unknowns, and the jump.
 struct Full {
-    medium: Medium,
-    exterior: Exterior,
+    medium: HeterogeneousBody,
+    exterior: Medium,
     stiffness: Mat<f64>,
     load: Vec<f64>,
     /// Unknowns of the trace, in the order of the boundary elements.

@@ -6,7 +6,7 @@ use common::{PAIRS, around, double_layers, lu, manufactured, material, outer, pr
 use faer::Mat;
 use steklov_bem_operators::{Loop, Mesh, Polygon, Space};
 use steklov_coupling::{
-    Coupled, Exterior, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Radiation, Transmission,
+    Coupled, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Medium, Radiation, Transmission,
 };
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
@@ -27,11 +27,11 @@ fn raised(space: &Space, fine: &Space, nodal: &[f64]) -> Vec<f64> {
 
 /// φ of many degrees more: the errors of φ_h, in the norm of V, against the exact traction and against V⁻¹(K - ½)ξ_h, of which φ_h
 /// is the best approximation.
-fn errors_of_traction(exterior: &Exterior, solved: &Coupled) -> [f64; 2] {
+fn errors_of_traction(exterior: &Medium, solved: &Coupled) -> [f64; 2] {
     let more = 8;
     let degree: Vec<usize> = exterior.mesh.degree.iter().map(|p| p + more).collect();
     let fine = Mesh { degree, ..exterior.mesh.clone() };
-    let fine = Exterior::new(fine, exterior.material, Some(exterior.operators.length)).unwrap();
+    let fine = Medium::new(fine, exterior.material, Some(exterior.operators.length)).unwrap();
     let (mesh, space, rule) = (&fine.mesh, &fine.space, gauss_legendre(16));
     let mut exact = vec![0.0; space.dofs()];
     let mut found = exact.clone();
@@ -104,7 +104,7 @@ fn the_indicators_of_a_body_of_boundary_elements_follow_the_error() {
             for form in [Form::Schur, Form::ThreeField] {
                 let mut before: Option<f64> = None;
                 for elements in [16, 32] {
-                    let exterior = Exterior::new(Mesh::uniform(&polygon, elements, degree), outside, None).unwrap();
+                    let exterior = Medium::new(Mesh::uniform(&polygon, elements, degree), outside, None).unwrap();
                     let inclusion = Inclusion::new(body, &exterior, t0).unwrap();
                     let transmission = Transmission::of_inclusion(&inclusion, &exterior).unwrap();
                     let given = exterior.space.interpolate(u0);
@@ -114,7 +114,7 @@ fn the_indicators_of_a_body_of_boundary_elements_follow_the_error() {
                     let estimate = found.squared().iter().sum::<f64>().sqrt();
                     // ⟨S e, e⟩ of the error of u and that of φ, by elements of higher degree
                     let fine = Mesh { degree: vec![degree + 6; elements], ..exterior.mesh.clone() };
-                    let fine = Exterior::new(fine, outside, None).unwrap();
+                    let fine = Medium::new(fine, outside, None).unwrap();
                     let stiffness = Inclusion::new(body, &fine, t0).unwrap().stiffness;
                     let (exact, u) =
                         (fine.space.interpolate(|x| inner(x).0), raised(&exterior.space, &fine.space, &solved.trace));

@@ -6,7 +6,7 @@
 use hdf5::Group;
 use sprs::CsMat;
 use steklov_bem_operators::{Mesh, Operators, Polygon, Space};
-use steklov_coupling::{Balance, CellIndicators, Coupled, Exterior, InterfaceIndicators, Trace, Transfer};
+use steklov_coupling::{Balance, CellIndicators, Coupled, InterfaceIndicators, Medium, Trace, Transfer};
 
 use crate::array::{load_integers, load_points, load_vector, save_integers, save_points, save_vector};
 use crate::dataset::Label;
@@ -154,7 +154,7 @@ impl Persist for Transfer {
     }
 }
 
-impl Persist for Exterior {
+impl Persist for Medium {
     const KIND: &'static str = "unbounded medium";
     const VERSION: u32 = 1;
 

@@ -6,7 +6,8 @@ use faer::Mat;
 use hdf5::Group;
 use steklov_elastic::Plane;
 use steklov_msfem::{
-    CellBasis, CoarseCell, CoarseMesh, CoarseSystem, CrossingContrast, Elasticity, Grid, Indicators, Loads, Medium,
+    CellBasis, CoarseCell, CoarseMesh, CoarseSystem, CrossingContrast, Elasticity, Grid, HeterogeneousBody, Indicators,
+    Loads,
 };
 
 use crate::array::{
@@ -98,7 +99,7 @@ impl Persist for Grid {
     }
 }
 
-impl Persist for Medium {
+impl Persist for HeterogeneousBody {
     const KIND: &'static str = "heterogeneous body";
     const VERSION: u32 = 1;
 

@@ -7,24 +7,24 @@ use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::Space;
 use steklov_coupling::{
-    CellIndicators, Coupled, Exterior, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Outline, Radiation,
-    Trace, Transfer, Transmission,
+    CellIndicators, Coupled, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Medium, Outline, Radiation, Trace,
+    Transfer, Transmission,
 };
 use steklov_elastic::{Material, Plane};
 use steklov_io::*;
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Grid, Loads, Medium, Multiscale};
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Grid, HeterogeneousBody, Loads, Multiscale};
 
 /// A body of 3 × 2 blocks of 2 × 2 cells; some blocks of the upper row may be missing.
-fn medium(missing: u8, origin: [f64; 2], spacing: [f64; 2]) -> Medium {
+fn medium(missing: u8, origin: [f64; 2], spacing: [f64; 2]) -> HeterogeneousBody {
     let inside = |ix: usize, iy: usize| iy < 2 || missing >> (ix / 2) & 1 == 0;
     let grid = Grid::new(origin, spacing, [6, 4], inside).unwrap();
     let young = |c: usize| if inside(c / 4, c % 4) { 1.0 + ((c * c) % 13) as f64 / 7.0 } else { f64::NAN };
     let elasticity = Elasticity::new(0.3, steklov_elastic::Plane::Strain).unwrap();
-    Medium::new(grid, (0..24).map(young).collect(), elasticity).unwrap()
+    HeterogeneousBody::new(grid, (0..24).map(young).collect(), elasticity).unwrap()
 }
 
-fn exterior(trace: &Trace, parts: usize, degree: usize) -> Exterior {
-    Exterior::new(trace.mesh(parts, degree).unwrap(), Material::new(2.0, 0.25, Plane::Strain).unwrap(), None).unwrap()
+fn exterior(trace: &Trace, parts: usize, degree: usize) -> Medium {
+    Medium::new(trace.mesh(parts, degree).unwrap(), Material::new(2.0, 0.25, Plane::Strain).unwrap(), None).unwrap()
 }
 
 fn bits(values: &[f64]) -> Vec<u64> {
@@ -58,7 +58,7 @@ proptest! {
         let form = [Form::TwoField, Form::ThreeField, Form::Schur][form];
         let radiation = if bounded { Radiation::Bounded } else { Radiation::Decaying };
         let jump = |[x, y]: [f64; 2]| [0.01 * y, hx * (0.3 * x / hx).sin()];
-        let solve = |around: &Exterior| {
+        let solve = |around: &Medium| {
             let problem = Transmission::new(interior.clone(), around).unwrap();
             problem.solve(&around.space.interpolate(jump), form, radiation).unwrap()
         };
@@ -122,7 +122,7 @@ fn integers(name: &str, v: Vec<usize>) -> impl FnOnce(&Group) -> Result<(), IoEr
 }
 
 /// The unit square in 2 × 2 cells, 8 points.
-fn square() -> (Trace, Exterior) {
+fn square() -> (Trace, Medium) {
     let grid = Grid::rectangle([1.0, 1.0], [2, 2]).unwrap();
     let trace = Trace::fine(&grid, &Outline::new(&grid).unwrap());
     let around = exterior(&trace, 1, 1);

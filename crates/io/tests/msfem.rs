@@ -8,17 +8,17 @@ use proptest::prelude::*;
 use steklov_elastic::Plane;
 use steklov_io::*;
 use steklov_msfem::{
-    Basis, CoarseCell, CoarseMesh, CoarseSystem, CrossingContrast, Elasticity, Extra, Grid, Indicators, Loads, Medium,
-    Multiscale, mark, refine,
+    Basis, CoarseCell, CoarseMesh, CoarseSystem, CrossingContrast, Elasticity, Extra, Grid, HeterogeneousBody,
+    Indicators, Loads, Multiscale, mark, refine,
 };
 
 /// A body of 4 × 3 blocks of 4 × 4 cells, some of which are missing, with rough moduli; NaN outside.
-fn medium(missing: u16, origin: f64, spacing: [f64; 2], strain: bool) -> Medium {
+fn medium(missing: u16, origin: f64, spacing: [f64; 2], strain: bool) -> HeterogeneousBody {
     let inside = |ix: usize, iy: usize| missing >> (ix / 4 * 3 + iy / 4) & 1 == 0;
     let grid = Grid::new([origin, -0.0], spacing, [16, 12], inside).unwrap();
     let young = |c: usize| if inside(c / 12, c % 12) { 1.0 + ((c * c) % 13) as f64 / 7.0 } else { f64::NAN };
     let plane = if strain { Plane::Strain } else { Plane::Stress };
-    Medium::new(grid, (0..16 * 12).map(young).collect(), Elasticity::new(0.3, plane).unwrap()).unwrap()
+    HeterogeneousBody::new(grid, (0..16 * 12).map(young).collect(), Elasticity::new(0.3, plane).unwrap()).unwrap()
 }
 
 proptest! {
@@ -118,7 +118,7 @@ fn parts_that_do_not_fit_are_refused() {
         group.unlink("young").unwrap();
         // outside of the body anything goes
         save_vector(&group, "young", &young, &ONE)?;
-        load::<Medium>(f, "value").map(drop)
+        load::<HeterogeneousBody>(f, "value").map(drop)
     });
     young.swap(0, 191);
     assert!(spoiled(&medium, "young", vector("young", young)).contains("cell (15, 11)"));

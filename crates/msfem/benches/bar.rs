@@ -5,27 +5,29 @@
 use std::time::Instant;
 
 use steklov_elastic::Plane;
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, MsfemError, Multiscale};
+use steklov_msfem::{
+    Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale,
+};
 use steklov_quadrature::unit_uniform;
 
 /// Twice the strain energy of the homogeneous bar on ever finer meshes.
 const LIMIT: f64 = 2.0 * 0.200_110;
 
-fn bar(cells: [usize; 2], random: bool) -> Result<(Medium, Loads), MsfemError> {
+fn bar(cells: [usize; 2], random: bool) -> Result<(HeterogeneousBody, Loads), MsfemError> {
     let grid = Grid::rectangle([6.0, 1.0], cells)?;
     let young = |c: usize| 2000.0 + if random { 1000.0 * unit_uniform(2014, c as u64) } else { 0.0 };
     let moduli = (0..cells[0] * cells[1]).map(young).collect();
-    let medium = Medium::new(grid, moduli, Elasticity::new(0.3, Plane::Strain)?)?;
+    let body = HeterogeneousBody::new(grid, moduli, Elasticity::new(0.3, Plane::Strain)?)?;
     let mut loads = Loads::default();
-    let half = -medium.grid.spacing[1] / 2.0;
-    for (cell, side) in medium.grid.boundary().into_iter().filter(|(_, side)| *side == 1) {
+    let half = -body.grid.spacing[1] / 2.0;
+    for (cell, side) in body.grid.boundary().into_iter().filter(|(_, side)| *side == 1) {
         loads.add_side(cell, side, [[0.0, half]; 2]);
     }
-    Ok((medium, loads))
+    Ok((body, loads))
 }
 
 fn fine(cells: [usize; 2]) -> Result<(), MsfemError> {
-    let (medium, loads) = bar(cells, false)?;
+    let (body, loads) = bar(cells, false)?;
     let clock = Instant::now();
     let mut lap = clock;
     let mut part = || {
@@ -33,15 +35,15 @@ fn fine(cells: [usize; 2]) -> Result<(), MsfemError> {
         lap = Instant::now();
         seconds
     };
-    let stiffness = medium.stiffness();
+    let stiffness = body.stiffness();
     let assembly = part();
-    let order = medium.elimination_order();
+    let order = body.elimination_order();
     let ordering = part();
     let held: Vec<usize> =
-        (0..medium.grid.nodes()).filter(|&n| medium.grid.lattice(n)[0] == 0).flat_map(|n| [2 * n, 2 * n + 1]).collect();
+        (0..body.grid.nodes()).filter(|&n| body.grid.lattice(n)[0] == 0).flat_map(|n| [2 * n, 2 * n + 1]).collect();
     let solver = Elimination::new(stiffness, &order, &[], &held)?;
     let factorisation = part();
-    let load = loads.nodal(&medium);
+    let load = loads.nodal(&body);
     let u = solver.expand(&solver.reduce(&load, &vec![0.0; held.len()]), &[]);
     let solution = part();
     let total = clock.elapsed().as_secs_f64();
@@ -49,17 +51,17 @@ fn fine(cells: [usize; 2]) -> Result<(), MsfemError> {
     println!(
         "{:>9} dofs: assembly {assembly:.3}, ordering {ordering:.3}, factor {factorisation:.3}, solution {solution:.3}, \
          total {total:.3} s; energy error {:.2e}",
-        medium.grid.dofs(),
+        body.grid.dofs(),
         ((LIMIT - work) / LIMIT).abs().sqrt(),
     );
     Ok(())
 }
 
 fn multiscale(cells: [usize; 2], fine: usize, random: bool) -> Result<(), MsfemError> {
-    let (medium, loads) = bar(cells, random)?;
+    let (body, loads) = bar(cells, random)?;
     let clock = Instant::now();
-    let mesh = CoarseMesh::uniform(&medium.grid, [fine; 2])?;
-    let mut problem = Multiscale::new(&medium, mesh, Basis::Coupled)?;
+    let mesh = CoarseMesh::uniform(&body.grid, [fine; 2])?;
+    let mut problem = Multiscale::new(&body, mesh, Basis::Coupled)?;
     let patterns = clock.elapsed().as_secs_f64();
     let system = problem.assemble(&loads, &Extra::default(), &mut |_| true)?;
     let assembly = clock.elapsed().as_secs_f64();
@@ -70,14 +72,14 @@ fn multiscale(cells: [usize; 2], fine: usize, random: bool) -> Result<(), MsfemE
     let solved = clock.elapsed().as_secs_f64();
     let u = problem.downscale(&coarse, &loads, &Extra::default(), &mut |_| true)?;
     let downscaled = clock.elapsed().as_secs_f64();
-    let stresses = medium.stresses(&u);
+    let stresses = body.stresses(&u);
     let total = clock.elapsed().as_secs_f64();
     let work: f64 = coarse.iter().zip(&system.load).map(|(u, f)| u * f).sum();
-    let largest = stresses.iter().fold(0.0, |m: f64, s| m.max(medium.elasticity.von_mises(*s)));
+    let largest = stresses.iter().fold(0.0, |m: f64, s| m.max(body.elasticity.von_mises(*s)));
     println!(
         "{:>9} fine dofs, {:>6} coarse, {:>5} patterns: patterns {patterns:.3}, bases {:.3}, coarse {:.3}, downscale {:.3}, \
          stresses {:.3}, total {total:.3} s; compliance {work:.6}, von Mises {largest:.2}, peak {} MiB",
-        medium.grid.dofs(),
+        body.grid.dofs(),
         problem.dofs(),
         problem.patterns(),
         assembly - patterns,

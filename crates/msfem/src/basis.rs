@@ -63,7 +63,7 @@ pub struct CellBasis {
 
 impl CellBasis {
     /// C_ab = Ū_aᵀ K_T^H Ū_b / |T|, Ū_a the corner displacements of the unit Voigt strain a (stress), on fine cells with
-    /// these sides: the homogenised tensor of a periodic medium for [`Basis::Periodic`], an upper bound of it (uniform strain
+    /// these sides: the homogenised tensor of a periodic body for [`Basis::Periodic`], an upper bound of it (uniform strain
     /// on the boundary) for [`Basis::Coupled`].
     ///
     /// # Source

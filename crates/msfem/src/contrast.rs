@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use crate::indicators::{neighbour, side_cells};
-use crate::{CoarseMesh, Medium};
+use crate::{CoarseMesh, HeterogeneousBody};
 
 /// How much the modulus varies along the sides of coarse cells.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -26,13 +26,13 @@ pub struct CrossingContrast {
 /// 0.6 for κ = 10 and 0.9 for κ = 100, and from κ = 10³ on no residual estimate sees it whole. Remedy: coarse cells whose
 /// sides follow the inclusions, or the fine grid. With [`crate::Basis::Q1`] inclusions inside of cells do the same harm.
 /// Cost: four visits of the fine cells along the sides.
-pub fn crossing_contrast(medium: &Medium, mesh: &CoarseMesh, threshold: f64) -> CrossingContrast {
-    let grid = &medium.grid;
+pub fn crossing_contrast(body: &HeterogeneousBody, mesh: &CoarseMesh, threshold: f64) -> CrossingContrast {
+    let grid = &body.grid;
     let side = |number: usize, side: usize| {
         let (mut low, mut high) = (f64::INFINITY, 0.0_f64);
         for cell in side_cells(mesh, grid, number, side) {
-            let other = neighbour(grid, cell, side).map_or(0.0, |other| medium.young[other]);
-            let young = medium.young[cell].max(other);
+            let other = neighbour(grid, cell, side).map_or(0.0, |other| body.young[other]);
+            let young = body.young[cell].max(other);
             (low, high) = (low.min(young), high.max(young));
         }
         let corners = mesh.cells[number].corners();

@@ -5,7 +5,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;
 use steklov_quadrature::gauss_legendre;
 
-use crate::Medium;
+use crate::HeterogeneousBody;
 use crate::elasticity::{Elasticity, GAUSS, gradients, strain};
 use crate::indicators::{SideTraction, gauss_values, neighbour};
 
@@ -34,27 +34,32 @@ const BUBBLES: usize = 5;
 /// # Source
 /// Bank and Weiser, *Some a posteriori error estimators for elliptic partial differential equations*, Math. Comp. 44 (1985),
 /// with tractions weighted by the moduli.
-pub fn bubble_indicators(medium: &Medium, body: &[[f64; 8]], u: &[f64], traction: &SideTraction<'_>) -> Vec<f64> {
-    let grid = &medium.grid;
+pub fn bubble_indicators(
+    body: &HeterogeneousBody,
+    body_force: &[[f64; 8]],
+    u: &[f64],
+    traction: &SideTraction<'_>,
+) -> Vec<f64> {
+    let grid = &body.grid;
     let [nx, ny] = grid.cells;
-    let unit = Unit::new(&medium.elasticity, grid.spacing);
+    let unit = Unit::new(&body.elasticity, grid.spacing);
     let free = unit.flexibility(&[false; 10]);
     let at = |cell: usize| -> f64 {
         if !grid.inside(cell / ny, cell % ny) {
             return 0.0;
         }
-        let young = medium.young[cell];
-        let values = medium.cell_values(u, cell);
-        let load = body.get(cell).map(gauss_values);
+        let young = body.young[cell];
+        let values = body.cell_values(u, cell);
+        let load = body_force.get(cell).map(gauss_values);
         let mut residual = [0.0; 10];
         let mut is_held = [false; 10];
         for bubble in 0..BUBBLES {
             let mut force = unit.forces(young, &values, load.as_ref(), bubble);
             if bubble < 4 {
                 if let Some(other) = neighbour(grid, cell, bubble) {
-                    let (values, load) = (medium.cell_values(u, other), body.get(other).map(gauss_values));
-                    let beyond = unit.forces(medium.young[other], &values, load.as_ref(), (bubble + 2) % 4);
-                    let share = young / (young + medium.young[other]);
+                    let (values, load) = (body.cell_values(u, other), body_force.get(other).map(gauss_values));
+                    let beyond = unit.forces(body.young[other], &values, load.as_ref(), (bubble + 2) % 4);
+                    let share = young / (young + body.young[other]);
                     (0..2).for_each(|k| force[k] = share * (force[k] + beyond[k]));
                 } else {
                     let given = traction(cell, bubble);
@@ -171,18 +176,18 @@ mod tests {
 
     /// The residuals and diagonal entries of all bubbles, by twice the lattice points of their middles; then R(v)²/a(v, v) of
     /// the field v that has their quotients.
-    fn reached(medium: &Medium, u: &[f64]) -> f64 {
-        let grid = &medium.grid;
-        let unit = Unit::new(&medium.elasticity, grid.spacing);
+    fn reached(body: &HeterogeneousBody, u: &[f64]) -> f64 {
+        let grid = &body.grid;
+        let unit = Unit::new(&body.elasticity, grid.spacing);
         let middle = |cell: usize, bubble: usize| {
             let [i, j] = grid.cell(cell).map(|i| 2 * i + 1);
             [[i, j - 1], [i + 1, j], [i, j + 1], [i - 1, j], [i, j]][bubble]
         };
         let mut sums: HashMap<([usize; 2], usize), [f64; 2]> = HashMap::new();
         for (cell, b) in grid.body_cells().flat_map(|cell| (0..10).map(move |b| (cell, b))) {
-            let force = unit.forces(medium.young[cell], &medium.cell_values(u, cell), None, b / 2);
+            let force = unit.forces(body.young[cell], &body.cell_values(u, cell), None, b / 2);
             let sum = sums.entry((middle(cell, b / 2), b % 2)).or_default();
-            (sum[0], sum[1]) = (sum[0] + force[b % 2], sum[1] + medium.young[cell] * unit.bubbles[b][b]);
+            (sum[0], sum[1]) = (sum[0] + force[b % 2], sum[1] + body.young[cell] * unit.bubbles[b][b]);
         }
         let residual: f64 = sums.values().map(|[r, d]| r * r / d).sum();
         let mut energy = 0.0;
@@ -192,7 +197,7 @@ mod tests {
                 r / d
             });
             for b in 0..10 {
-                energy += (0..10).map(|c| medium.young[cell] * v[b] * unit.bubbles[b][c] * v[c]).sum::<f64>();
+                energy += (0..10).map(|c| body.young[cell] * v[b] * unit.bubbles[b][c] * v[c]).sum::<f64>();
             }
         }
         residual * residual / energy
@@ -204,10 +209,10 @@ mod tests {
             let grid = Grid::new([0.0; 2], [0.5, 0.3], [4, 3], |i, j| i < 3 || j < 2).unwrap();
             let number = |i: usize| unit_uniform(seed, 5000 + i as u64);
             let young = (0..12).map(|c| 10.0_f64.powf(4.0 * number(c))).collect();
-            let medium = Medium::new(grid, young, Elasticity::new(nu, Plane::Strain).unwrap()).unwrap();
-            let u: Vec<f64> = (0..medium.grid.dofs()).map(|i| number(100 + i) - 0.5).collect();
-            let eta = bubble_indicators(&medium, &[], &u, &|_, _| [Some(0.0); 2]).iter().sum::<f64>();
-            let reached = reached(&medium, &u);
+            let body = HeterogeneousBody::new(grid, young, Elasticity::new(nu, Plane::Strain).unwrap()).unwrap();
+            let u: Vec<f64> = (0..body.grid.dofs()).map(|i| number(100 + i) - 0.5).collect();
+            let eta = bubble_indicators(&body, &[], &u, &|_, _| [Some(0.0); 2]).iter().sum::<f64>();
+            let reached = reached(&body, &u);
             prop_assert!(reached <= eta && reached > 0.1 * eta, "{reached} of {eta}");
         }
     }

@@ -6,7 +6,7 @@
 use rayon::prelude::*;
 
 use crate::elasticity::GAUSS;
-use crate::{CoarseMesh, Grid, Medium};
+use crate::{CoarseMesh, Grid, HeterogeneousBody};
 
 /// The terms of the residual indicator of each coarse cell T, with w = 1/E.
 ///
@@ -61,11 +61,18 @@ impl Indicators {
     ///
     /// Coarse cells of one fine cell have no multiscale error: sides between two of them, and theirs on the boundary, count 0.
     /// With bubbles ([`crate::Extra`]) the field answers the load inside of the cells: pass no body force then.
-    pub fn new(medium: &Medium, mesh: &CoarseMesh, body: &[[f64; 8]], u: &[f64], traction: &SideTraction<'_>) -> Self {
-        let owner = owners(mesh, &medium.grid);
+    pub fn new(
+        body: &HeterogeneousBody,
+        mesh: &CoarseMesh,
+        body_force: &[[f64; 8]],
+        u: &[f64],
+        traction: &SideTraction<'_>,
+    ) -> Self {
+        let owner = owners(mesh, &body.grid);
         let terms = |cell: usize| -> [f64; 5] {
-            let [mean, oscillation] = if body.is_empty() { [0.0; 2] } else { volume(medium, mesh, cell, body) };
-            let [jump_mean, jump_oscillation, neumann] = edges(medium, mesh, &owner, cell, u, traction);
+            let [mean, oscillation] =
+                if body_force.is_empty() { [0.0; 2] } else { volume(body, mesh, cell, body_force) };
+            let [jump_mean, jump_oscillation, neumann] = edges(body, mesh, &owner, cell, u, traction);
             [mean, oscillation, jump_mean, jump_oscillation, neumann]
         };
         let all: Vec<[f64; 5]> = (0..mesh.cells.len()).into_par_iter().map(terms).collect();
@@ -96,18 +103,24 @@ impl Indicators {
 /// *Use when* the basis conforms; the residual is the whole one, body force included, whether there are bubbles or not.
 /// *Fails when* stiff parts cross coarse edges, as with [`Indicators`].
 /// Cost: one product K u.
-pub fn nodal_indicators(medium: &Medium, mesh: &CoarseMesh, load: &[f64], u: &[f64], held: &[bool]) -> Vec<f64> {
-    let grid = &medium.grid;
+pub fn nodal_indicators(
+    body: &HeterogeneousBody,
+    mesh: &CoarseMesh,
+    load: &[f64],
+    u: &[f64],
+    held: &[bool],
+) -> Vec<f64> {
+    let grid = &body.grid;
     let owner = owners(mesh, grid);
-    let forces = medium.forces(u);
+    let forces = body.forces(u);
     let h = grid.spacing[0].min(grid.spacing[1]);
     let share = |node: usize| -> f64 {
         let residual = |i: usize| if held[i] { 0.0 } else { load[i] - forces[i] };
         let squared = residual(2 * node).powi(2) + residual(2 * node + 1).powi(2);
         let (mut young, mut fine) = (0.0, 0.0);
         let mut coarse: Vec<u32> = Vec::with_capacity(4);
-        for (cell, _) in medium.around(node).into_iter().flatten() {
-            young += medium.young[cell];
+        for (cell, _) in body.around(node).into_iter().flatten() {
+            young += body.young[cell];
             fine += 1.0;
             if !coarse.contains(&owner[cell]) {
                 coarse.push(owner[cell]);
@@ -130,15 +143,15 @@ fn owners(mesh: &CoarseMesh, grid: &Grid) -> Vec<u32> {
 }
 
 /// Both volume terms of a coarse cell.
-fn volume(medium: &Medium, mesh: &CoarseMesh, cell: usize, body: &[[f64; 8]]) -> [f64; 2] {
-    let area = medium.grid.spacing[0] * medium.grid.spacing[1];
+fn volume(body: &HeterogeneousBody, mesh: &CoarseMesh, cell: usize, body_force: &[[f64; 8]]) -> [f64; 2] {
+    let area = body.grid.spacing[0] * body.grid.spacing[1];
     let mut samples = Samples::default();
-    for fine in mesh.cells[cell].fine_cells(&medium.grid) {
-        for force in gauss_values(&body[fine]) {
-            samples.0.push((0.25 * area / medium.young[fine], force.map(|f| f / (0.25 * area))));
+    for fine in mesh.cells[cell].fine_cells(&body.grid) {
+        for force in gauss_values(&body_force[fine]) {
+            samples.0.push((0.25 * area / body.young[fine], force.map(|f| f / (0.25 * area))));
         }
     }
-    samples.parts().map(|part| mesh.extent(&medium.grid, cell).powi(2) * part)
+    samples.parts().map(|part| mesh.extent(&body.grid, cell).powi(2) * part)
 }
 
 /// What a force gave to each Gauss point, from its moments against the four bilinear functions: the inverse of the rule that
@@ -158,14 +171,14 @@ pub(crate) fn gauss_values(moments: &[f64; 8]) -> [[f64; 2]; 4] {
 
 /// Both jump terms and the Neumann term of a coarse cell.
 fn edges(
-    medium: &Medium,
+    body: &HeterogeneousBody,
     mesh: &CoarseMesh,
     owner: &[u32],
     cell: usize,
     u: &[f64],
     traction: &SideTraction<'_>,
 ) -> [f64; 3] {
-    let grid = &medium.grid;
+    let grid = &body.grid;
     let mut terms = [0.0; 3];
     for side in 0..4 {
         let fine: Vec<usize> = side_cells(mesh, grid, cell, side).collect();
@@ -181,13 +194,12 @@ fn edges(
             let mut samples = Samples::default();
             for &inner in edge {
                 let outer = neighbour(grid, inner, side);
-                let young =
-                    outer.map_or(medium.young[inner], |outer| (medium.young[inner] + medium.young[outer]) / 2.0);
+                let young = outer.map_or(body.young[inner], |outer| (body.young[inner] + body.young[outer]) / 2.0);
                 for at in GAUSS {
-                    let stress = side_traction(medium, u, inner, side, at);
+                    let stress = side_traction(body, u, inner, side, at);
                     let residual = match outer {
                         Some(outer) => {
-                            let other = side_traction(medium, u, outer, (side + 2) % 4, at);
+                            let other = side_traction(body, u, outer, (side + 2) % 4, at);
                             [0, 1].map(|k| (stress[k] + other[k]) / 2.0)
                         }
                         None => {
@@ -237,9 +249,9 @@ pub(crate) fn neighbour(grid: &Grid, cell: usize, side: usize) -> Option<usize> 
 }
 
 /// σn at a point of a side of a fine cell, n its outward normal; `at` rises from left to right or upwards.
-fn side_traction(medium: &Medium, u: &[f64], cell: usize, side: usize, at: f64) -> [f64; 2] {
+fn side_traction(body: &HeterogeneousBody, u: &[f64], cell: usize, side: usize, at: f64) -> [f64; 2] {
     let point = [[at, 0.0], [1.0, at], [at, 1.0], [0.0, at]][side];
-    let values = medium.cell_values(u, cell);
-    let [xx, yy, xy] = medium.elasticity.stress(medium.young[cell], &values, point, medium.grid.spacing);
+    let values = body.cell_values(u, cell);
+    let [xx, yy, xy] = body.elasticity.stress(body.young[cell], &values, point, body.grid.spacing);
     [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][side]
 }

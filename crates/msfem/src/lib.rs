@@ -1,9 +1,9 @@
 //! Plane elasticity of heterogeneous bodies on grids of rectangles: bilinear and extended multiscale finite elements.
 //!
 //! ```text
-//! Grid (cells inside of a body) + Young's moduli + Elasticity ─► Medium        Loads, cell by cell
+//! Grid (cells inside of a body) + Young's moduli + Elasticity ─► HeterogeneousBody        Loads, cell by cell
 //!                                                                  │             │
-//! all fine nodes:   Medium::stiffness, Loads::nodal ───────────────┼─────────────┤
+//! all fine nodes:   HeterogeneousBody::stiffness, Loads::nodal ───────────────┼─────────────┤
 //!                                                                  │             │
 //! coarse vertices:  CoarseMesh + Basis ─► Multiscale ─► CellBasis R_T, K_T^H = R_Tᵀ K_T R_T ─► CoarseSystem
 //!                      ▲                                                         │
@@ -19,7 +19,7 @@
 //! | wanted | item |
 //! |---|---|
 //! | cells, nodes, places | [`Grid`], [`CoarseMesh`] |
-//! | moduli, stiffness, stresses, fields at points | [`Medium`], [`Elasticity`] |
+//! | moduli, stiffness, stresses, fields at points | [`HeterogeneousBody`], [`Elasticity`] |
 //! | tractions, body forces | [`Loads`] |
 //! | bases: boundary data, homogenised tensor | [`Basis`], [`CellBasis`] |
 //! | the coarse problem and the way back | [`Multiscale`], [`CoarseSystem`], [`Extra`] |
@@ -38,20 +38,20 @@
 //! bits for any number of threads, but for matrices so large that their factorisation uses several.
 //!
 //! ```
-//! use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, Multiscale};
+//! use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, HeterogeneousBody, Multiscale};
 //! use steklov_elastic::Plane;
 //!
 //! // a strip of 64 × 16 cells, every other column stiffer, pulled at its right end; the left end is held
 //! let grid = Grid::rectangle([4.0, 1.0], [64, 16])?;
 //! let young = (0..64 * 16).map(|cell| if cell / 16 % 2 == 0 { 1.0 } else { 3.0 }).collect();
-//! let medium = Medium::new(grid, young, Elasticity::new(0.0, Plane::Strain)?)?;
+//! let body = HeterogeneousBody::new(grid, young, Elasticity::new(0.0, Plane::Strain)?)?;
 //! let mut loads = Loads::default();
-//! for (cell, side) in medium.grid.boundary().into_iter().filter(|(_, side)| *side == 1) {
-//!     let half = medium.grid.spacing[1] / 2.0;
+//! for (cell, side) in body.grid.boundary().into_iter().filter(|(_, side)| *side == 1) {
+//!     let half = body.grid.spacing[1] / 2.0;
 //!     loads.add_side(cell, side, [[half, 0.0]; 2]);
 //! }
 //!
-//! let mut coarse = Multiscale::new(&medium, CoarseMesh::uniform(&medium.grid, [8, 8])?, Basis::Oscillatory)?;
+//! let mut coarse = Multiscale::new(&body, CoarseMesh::uniform(&body.grid, [8, 8])?, Basis::Oscillatory)?;
 //! let system = coarse.assemble(&loads, &Extra::default(), &mut |_| true)?;
 //! let held: Vec<usize> = (0..coarse.mesh.vertices.len())
 //!     .filter(|&v| coarse.mesh.vertices[v][0] == 0)
@@ -63,7 +63,7 @@
 //! let fine = coarse.downscale(&u, &loads, &Extra::default(), &mut |_| true)?;
 //!
 //! // without Poisson's effect a bar: u = F ∫ 1/E = 4 (1/1 + 1/3) / 2, at every point of the end
-//! let corner = medium.grid.node(64, 0).expect("a corner of the strip");
+//! let corner = body.grid.node(64, 0).expect("a corner of the strip");
 //! assert!((fine[2 * corner] - 8.0 / 3.0).abs() < 1e-12);
 //! assert_eq!(coarse.patterns(), 3); // cells inside, and those at either end, whose edges there have one neighbour
 //! # Ok::<(), steklov_msfem::MsfemError>(())
@@ -72,7 +72,7 @@
 mod error;
 mod grid;
 mod elasticity;
-mod medium;
+mod body;
 mod load;
 mod ordering;
 mod cholesky;
@@ -88,6 +88,7 @@ mod refinement;
 mod contrast;
 
 pub use basis::{Basis, CellBasis};
+pub use body::HeterogeneousBody;
 pub use coarse_mesh::{CoarseCell, CoarseMesh, Hanging};
 pub use contrast::{CrossingContrast, crossing_contrast};
 pub use elasticity::Elasticity;
@@ -97,6 +98,5 @@ pub use fine_error::bubble_indicators;
 pub use grid::Grid;
 pub use indicators::{Indicators, SideTraction, nodal_indicators};
 pub use load::Loads;
-pub use medium::Medium;
 pub use multiscale::{CoarseSystem, Extra, Multiscale};
 pub use refinement::{mark, refine};

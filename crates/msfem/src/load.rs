@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use steklov_quadrature::{Rule, gauss_legendre};
 
 use crate::elasticity::shape;
-use crate::{Medium, MsfemError};
+use crate::{HeterogeneousBody, MsfemError};
 
 /// Two rules must agree to this part of the integral of |f|.
 const AGREEMENT: f64 = 1e-12;
@@ -86,10 +86,10 @@ impl Loads {
     /// whole.
     pub fn set_body_force(
         &mut self,
-        medium: &Medium,
+        body: &HeterogeneousBody,
         force: impl Fn([f64; 2]) -> [f64; 2] + Sync,
     ) -> Result<(), MsfemError> {
-        let grid = &medium.grid;
+        let grid = &body.grid;
         let ny = grid.cells[1];
         let rules = [4, 6].map(gauss_legendre);
         let count = grid.cells[0] * ny;
@@ -146,15 +146,15 @@ impl Loads {
     }
 
     /// The load of all unknowns of the fine grid.
-    pub fn nodal(&self, medium: &Medium) -> Vec<f64> {
-        let mut nodal = vec![0.0; medium.grid.dofs()];
+    pub fn nodal(&self, body: &HeterogeneousBody) -> Vec<f64> {
+        let mut nodal = vec![0.0; body.grid.dofs()];
         let mut add = |cell: usize, load: &[f64; 8]| {
-            for (a, node) in medium.grid.cell_nodes(cell).into_iter().enumerate() {
+            for (a, node) in body.grid.cell_nodes(cell).into_iter().enumerate() {
                 (0..2).for_each(|i| nodal[2 * node + i] += load[2 * a + i]);
             }
         };
         if !self.body.is_empty() {
-            medium.grid.body_cells().for_each(|cell| add(cell, &self.body[cell]));
+            body.grid.body_cells().for_each(|cell| add(cell, &self.body[cell]));
         }
         self.boundary.iter().for_each(|(cell, load)| add(*cell, load));
         nodal

@@ -9,7 +9,7 @@ use crate::basis::{Basis, CellBasis, Structures, bar, cell_basis};
 use crate::coarse_mesh::{CoarseCell, CoarseMesh, Hanging};
 use crate::local::{Freedom, cell_dofs, nodes};
 use crate::ordering::Incidence;
-use crate::{Loads, Medium, MsfemError};
+use crate::{HeterogeneousBody, Loads, MsfemError};
 
 /// Most bytes of bases that are kept for the way back; others are computed again.
 const KEPT: usize = 128 << 20;
@@ -20,11 +20,11 @@ pub(crate) const BATCH: usize = 1024;
 /// Displacement unknowns of a coarse vertex: combinations of those of vertices that do not hang.
 type Combination = Vec<(usize, f64)>;
 
-/// A coarse mesh with one kind of basis on a medium.
+/// A coarse mesh with one kind of basis on a body.
 #[derive(Debug)]
 pub struct Multiscale<'a> {
     /// The body.
-    pub medium: &'a Medium,
+    pub body: &'a HeterogeneousBody,
     /// The coarse cells.
     pub mesh: CoarseMesh,
     /// The kind of basis.
@@ -63,13 +63,13 @@ impl<'a> Multiscale<'a> {
     ///
     /// # Errors
     /// [`MsfemError::Inconsistent`] for hanging vertices and a basis that is not conforming.
-    pub fn new(medium: &'a Medium, mesh: CoarseMesh, basis: Basis) -> Result<Self, MsfemError> {
+    pub fn new(body: &'a HeterogeneousBody, mesh: CoarseMesh, basis: Basis) -> Result<Self, MsfemError> {
         if !basis.is_conforming() && !mesh.hanging.is_empty() {
             let what = format!("cells of different sizes need a conforming basis, not \"{}\"", basis.word());
             return Err(MsfemError::Inconsistent { what });
         }
         let mut this = Self {
-            medium,
+            body,
             unknown: Vec::new(),
             combinations: Vec::new(),
             patterns: Vec::new(),
@@ -150,7 +150,7 @@ impl<'a> Multiscale<'a> {
     /// # Panics
     /// For a fine cell that is not in the body.
     pub fn trace_weights(&self, fine_cell: usize, side: usize) -> Vec<f64> {
-        let at = self.medium.grid.cell(fine_cell);
+        let at = self.body.grid.cell(fine_cell);
         let around = |c: &CoarseCell| (0..2).all(|k| (c.first[k]..c.first[k] + c.size[k]).contains(&at[k]));
         let cell = self.mesh.cells.iter().position(around);
         let cell = cell.unwrap_or_else(|| panic!("fine cell {fine_cell} is in no coarse cell"));
@@ -168,7 +168,7 @@ impl<'a> Multiscale<'a> {
     /// # Errors
     /// [`MsfemError::Singular`] where moduli of too many magnitudes meet.
     pub fn cell_basis(&self, cell: usize) -> Result<CellBasis, MsfemError> {
-        cell_basis(self.basis, &self.patch(cell), self.medium.grid.spacing, &self.medium.unit, &self.structures)
+        cell_basis(self.basis, &self.patch(cell), self.body.grid.spacing, &self.body.unit, &self.structures)
     }
 
     /// The coarse problem of some loads. `go_on` is told the share of the patterns that are done, and stops the work by false.
@@ -242,15 +242,15 @@ impl<'a> Multiscale<'a> {
             }
         };
         if self.is_loaded(cell, loads) {
-            for (local, fine) in coarse.fine_cells(&self.medium.grid).enumerate() {
+            for (local, fine) in coarse.fine_cells(&self.body.grid).enumerate() {
                 add(local, &loads.cell(fine));
             }
         }
         if let Some(particular) = self.particular(cell, loads, extra)? {
-            for (local, fine) in coarse.fine_cells(&self.medium.grid).enumerate() {
+            for (local, fine) in coarse.fine_cells(&self.body.grid).enumerate() {
                 let [_, n] = coarse.size;
                 let u = cell_dofs(coarse.size, local / n, local % n).map(|d| particular[d]);
-                add(local, &self.medium.cell_forces(fine, &u).map(|f| -f));
+                add(local, &self.body.cell_forces(fine, &u).map(|f| -f));
             }
         }
         Ok(CellSystem { cell, stiffness: basis.stiffness.map(|row| row.map(|k| factor * k)), load })
@@ -258,14 +258,14 @@ impl<'a> Multiscale<'a> {
 
     fn is_loaded(&self, cell: usize, loads: &Loads) -> bool {
         !loads.body.is_empty()
-            || self.mesh.cells[cell].fine_cells(&self.medium.grid).any(|c| loads.boundary.contains_key(&c))
+            || self.mesh.cells[cell].fine_cells(&self.body.grid).any(|c| loads.boundary.contains_key(&c))
     }
 
     /// p_T: the lift on the boundary and, with bubbles, the response to the load inside; None where both vanish.
     fn particular(&self, cell: usize, loads: &Loads, extra: &Extra) -> Result<Option<Vec<f64>>, MsfemError> {
         let coarse = self.mesh.cells[cell];
         let [m, n] = coarse.size;
-        let grid = &self.medium.grid;
+        let grid = &self.body.grid;
         let mut field = vec![[0.0; 8]; 2 * nodes(coarse.size)];
         let mut lifted = false;
         if !extra.lift.is_empty() {
@@ -292,10 +292,10 @@ impl<'a> Multiscale<'a> {
             }
         }
         let problem = self.structures.get(coarse.size, Freedom::Interior)?;
-        let young: Vec<f64> = coarse.fine_cells(grid).map(|c| self.medium.young[c]).collect();
-        let factor = problem.factorise(&young, &self.medium.unit)?;
+        let young: Vec<f64> = coarse.fine_cells(grid).map(|c| self.body.young[c]).collect();
+        let factor = problem.factorise(&young, &self.body.unit)?;
         let load = loaded.then_some(&load[..]);
-        problem.solve(factor.as_ref(), &young, &self.medium.unit, &mut field, &[0], load);
+        problem.solve(factor.as_ref(), &young, &self.body.unit, &mut field, &[0], load);
         Ok(Some(field.iter().map(|row| row[0]).collect()))
     }
 
@@ -356,7 +356,7 @@ impl<'a> Multiscale<'a> {
         let coarse = &self.mesh.cells[cell];
         let n = coarse.size[1];
         let values = move |local: usize| cell_dofs(coarse.size, local / n, local % n).map(|dof| field[dof]);
-        coarse.fine_cells(&self.medium.grid).enumerate().map(move |(local, fine)| (fine, values(local)))
+        coarse.fine_cells(&self.body.grid).enumerate().map(move |(local, fine)| (fine, values(local)))
     }
 
     /// Displacement of all fine nodes; where cells meet, the mean of theirs (they differ for bases that do not conform).
@@ -370,7 +370,7 @@ impl<'a> Multiscale<'a> {
         extra: &Extra,
         go_on: &mut dyn FnMut(f64) -> bool,
     ) -> Result<Vec<f64>, MsfemError> {
-        let grid = &self.medium.grid;
+        let grid = &self.body.grid;
         let (mut sum, mut count) = (vec![0.0; grid.dofs()], vec![0u8; grid.nodes()]);
         self.downscale_cells(coarse, loads, extra, go_on, |cell, field| {
             for (node, u) in self.mesh.cells[cell].fine_nodes(grid).zip(field.chunks_exact(2)) {
@@ -409,7 +409,7 @@ struct CellSystem {
     load: [f64; 8],
 }
 
-impl Medium {
+impl HeterogeneousBody {
     /// An order in which the nodes of the fine grid are eliminated with little fill.
     pub fn elimination_order(&self) -> Vec<usize> {
         let mut incidence = Incidence::default();

@@ -12,12 +12,12 @@ impl Multiscale<'_> {
     /// Moduli along the lower, right, upper and left edge of a coarse cell: the harmonic mean of the two fine cells at each
     /// fine side, or that of the one cell in the body.
     pub(crate) fn edge_moduli(&self, cell: usize) -> [Vec<f64>; 4] {
-        let grid = &self.medium.grid;
+        let grid = &self.body.grid;
         let [nx, ny] = grid.cells;
         let ([i, j], [m, n]) = (self.mesh.cells[cell].first, self.mesh.cells[cell].size);
         let young = |ix: Option<usize>, iy: Option<usize>| {
             let (ix, iy) = (ix.filter(|ix| *ix < nx)?, iy.filter(|iy| *iy < ny)?);
-            grid.inside(ix, iy).then(|| self.medium.young[ix * ny + iy])
+            grid.inside(ix, iy).then(|| self.body.young[ix * ny + iy])
         };
         let mean = |a: Option<f64>, b: Option<f64>| match (a, b) {
             (Some(a), Some(b)) => 2.0 / (1.0 / a + 1.0 / b),
@@ -32,7 +32,7 @@ impl Multiscale<'_> {
 
     /// The moduli on which the basis of a cell depends.
     pub(crate) fn patch(&self, cell: usize) -> Patch {
-        let grid = &self.medium.grid;
+        let grid = &self.body.grid;
         let [nx, ny] = grid.cells;
         let ([i, j], inner) = (self.mesh.cells[cell].first, self.mesh.cells[cell].size);
         let (mut low, mut high) = ([i, j], [i + inner[0], j + inner[1]]);
@@ -55,7 +55,7 @@ impl Multiscale<'_> {
             }
         }
         let size = [high[0] - low[0], high[1] - low[1]];
-        let young = |c: usize| self.medium.young[(low[0] + c / size[1]) * ny + low[1] + c % size[1]];
+        let young = |c: usize| self.body.young[(low[0] + c / size[1]) * ny + low[1] + c % size[1]];
         Patch {
             size,
             young: (0..size[0] * size[1]).map(young).collect(),
@@ -77,7 +77,7 @@ impl Multiscale<'_> {
     /// The modulus to which those of a cell are referred: that of its lower left fine cell.
     pub(crate) fn reference(&self, cell: usize) -> f64 {
         let [i, j] = self.mesh.cells[cell].first;
-        self.medium.young[i * self.medium.grid.cells[1] + j]
+        self.body.young[i * self.body.grid.cells[1] + j]
     }
 
     /// Finds the cells of each pattern.

@@ -27,7 +27,7 @@ fn homogeneous_and_random_bar_have_the_published_digits() {
         let work: f64 = fine.iter().zip(&problem.load).map(|(u, f)| u * f).sum();
         let von_mises = problem.von_mises(&fine);
         close("compliance", work, number(&wanted["compliance"]), tolerance);
-        close("energy", problem.medium.energy(&fine, &fine), number(&wanted["energy"]), tolerance);
+        close("energy", problem.body.energy(&fine, &fine), number(&wanted["energy"]), tolerance);
         close("tip", problem.tip(&fine), number(&wanted["tip"]), tolerance);
         close("vm_max", von_mises.iter().fold(0.0, |m: f64, v| m.max(*v)), number(&wanted["vm_max"]), tolerance);
         close("vm_center", von_mises[96 * 32], number(&wanted["vm_center_i96_j0"]), tolerance);
@@ -128,17 +128,17 @@ fn cells_of_different_sizes_conform() {
         };
         cells.iter().flat_map(|c| if which(c) { quarter(c).to_vec() } else { vec![*c] }).collect()
     };
-    let coarse = CoarseMesh::uniform(&problem.medium.grid, [16; 2]).unwrap().cells;
+    let coarse = CoarseMesh::uniform(&problem.body.grid, [16; 2]).unwrap().cells;
     let once = split(&coarse, &|c| c.first[0] < 96);
     let twice = split(&once, &|c| c.first[0] < 16);
     for basis in [Basis::Q1, Basis::Coupled, Basis::Oscillatory] {
         let mut last = f64::INFINITY;
         for cells in [&coarse, &once, &twice] {
-            let mesh = CoarseMesh::new(&problem.medium.grid, cells.clone()).unwrap();
+            let mesh = CoarseMesh::new(&problem.body.grid, cells.clone()).unwrap();
             let solved = problem.on_mesh(mesh, basis, false);
             // a conforming field: the mean over cells has the energy of the broken field
             let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
-            close("work is energy", problem.medium.energy(&u, &u), solved.compliance, 1e-9);
+            close("work is energy", problem.body.energy(&u, &u), solved.compliance, 1e-9);
             let error = problem.errors(&solved, &fine)[0];
             assert!(error < last, "{basis:?}: {error} after {last}");
             last = error;

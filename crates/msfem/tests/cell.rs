@@ -5,14 +5,14 @@ mod common;
 use common::{kind, number, reference, strain};
 use proptest::prelude::*;
 use steklov_elastic::Plane;
-use steklov_msfem::{Basis, CellBasis, CoarseMesh, Elasticity, Grid, Medium, Multiscale};
+use steklov_msfem::{Basis, CellBasis, CoarseMesh, Elasticity, Grid, HeterogeneousBody, Multiscale};
 use steklov_quadrature::unit_uniform;
 
 /// The unit square of m × m cells as one coarse cell.
 fn unit_cell(m: usize, young: Vec<f64>, basis: Basis) -> CellBasis {
-    let medium = Medium::new(Grid::rectangle([1.0; 2], [m; 2]).unwrap(), young, strain()).unwrap();
-    let mesh = CoarseMesh::uniform(&medium.grid, [m; 2]).unwrap();
-    Multiscale::new(&medium, mesh, basis).unwrap().cell_basis(0).unwrap()
+    let body = HeterogeneousBody::new(Grid::rectangle([1.0; 2], [m; 2]).unwrap(), young, strain()).unwrap();
+    let mesh = CoarseMesh::uniform(&body.grid, [m; 2]).unwrap();
+    Multiscale::new(&body, mesh, basis).unwrap().cell_basis(0).unwrap()
 }
 
 /// Corner values of a field.
@@ -170,10 +170,10 @@ proptest! {
         let plane = if stress { Plane::Stress } else { Plane::Strain };
         let grid = Grid::rectangle([lengths.0, lengths.1], [5, 4]).unwrap();
         let spacing = grid.spacing;
-        let medium = Medium::new(grid, young.clone(), Elasticity::new(poisson, plane).unwrap()).unwrap();
+        let body = HeterogeneousBody::new(grid, young.clone(), Elasticity::new(poisson, plane).unwrap()).unwrap();
         let cell = |basis| {
-            let mesh = CoarseMesh::uniform(&medium.grid, [5, 4]).unwrap();
-            Multiscale::new(&medium, mesh, basis).unwrap().cell_basis(0).unwrap()
+            let mesh = CoarseMesh::uniform(&body.grid, [5, 4]).unwrap();
+            Multiscale::new(&body, mesh, basis).unwrap().cell_basis(0).unwrap()
         };
         let points = [[0.0, 0.0], [lengths.0, 0.0], [lengths.0, lengths.1], [0.0, lengths.1]];
         let at = |f: &dyn Fn([f64; 2]) -> [f64; 2]| -> [f64; 8] { std::array::from_fn(|c| f(points[c / 2])[c % 2]) };
@@ -215,10 +215,10 @@ proptest! {
         let grid = Grid::rectangle([1.3, 0.7], [m, n]).unwrap();
         let spacing = grid.spacing;
         let elasticity = Elasticity::new(poisson, Plane::Strain).unwrap();
-        let medium = Medium::new(grid, vec![young; m * n], elasticity).unwrap();
+        let body = HeterogeneousBody::new(grid, vec![young; m * n], elasticity).unwrap();
         for kind in KINDS {
-            let mesh = CoarseMesh::uniform(&medium.grid, [m, n]).unwrap();
-            let tensor = Multiscale::new(&medium, mesh, kind).unwrap().cell_basis(0).unwrap().tensor(spacing);
+            let mesh = CoarseMesh::uniform(&body.grid, [m, n]).unwrap();
+            let tensor = Multiscale::new(&body, mesh, kind).unwrap().cell_basis(0).unwrap().tensor(spacing);
             for a in 0..3 {
                 let mut strain = [0.0; 3];
                 strain[a] = 1.0;

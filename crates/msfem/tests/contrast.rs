@@ -66,8 +66,8 @@ fn what_crosses_coarse_edges_is_seen() {
     for (name, crosses) in [("inside", false), ("crossing", true), ("channel", true)] {
         for contrast in [1e4, 1e-4, 1.0] {
             let problem = plate(name, contrast);
-            let mesh = CoarseMesh::uniform(&problem.medium.grid, [16; 2]).unwrap();
-            let found = crossing_contrast(&problem.medium, &mesh, 1e3);
+            let mesh = CoarseMesh::uniform(&problem.body.grid, [16; 2]).unwrap();
+            let found = crossing_contrast(&problem.body, &mesh, 1e3);
             let wanted = if crosses { f64::max(contrast, 1.0 / contrast) } else { 1.0 };
             close(name, found.largest, wanted, 1e-12);
             assert_eq!(found.share > 0.0, crosses && contrast != 1.0, "{name} {contrast}: {found:?}");
@@ -75,12 +75,12 @@ fn what_crosses_coarse_edges_is_seen() {
     }
     // the channels cross the seven inner lines in each of four rows, of 9 · 4 + 8 · 5 sides
     let problem = plate("channel", 1e4);
-    let mesh = CoarseMesh::uniform(&problem.medium.grid, [16; 2]).unwrap();
-    let found = crossing_contrast(&problem.medium, &mesh, 1e3);
+    let mesh = CoarseMesh::uniform(&problem.body.grid, [16; 2]).unwrap();
+    let found = crossing_contrast(&problem.body, &mesh, 1e3);
     close("share", found.share, 28.0 / 76.0, 1e-12);
     // the lowest of the leftmost line
     assert_eq!(found.at, [0.25, 0.125]);
-    assert_eq!(crossing_contrast(&problem.medium, &mesh, 1e4 * 1.001).share, 0.0);
+    assert_eq!(crossing_contrast(&problem.body, &mesh, 1e4 * 1.001).share, 0.0);
 }
 
 #[test]
@@ -92,7 +92,7 @@ fn stiff_coarse_cells_do_no_harm() {
     };
     let error = |problem: &Cantilever, fine: usize| {
         let solved = problem.multiscale([fine; 2], Basis::Coupled, false);
-        (problem.errors(&solved, &problem.fine())[0], crossing_contrast(&problem.medium, &solved.problem.mesh, 1e3))
+        (problem.errors(&solved, &problem.fine())[0], crossing_contrast(&problem.body, &solved.problem.mesh, 1e3))
     };
     let (soft, _) = error(&board(1.0), 16);
     let (aligned, seen) = error(&board(1e4), 16);

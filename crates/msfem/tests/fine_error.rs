@@ -7,11 +7,11 @@ use std::f64::consts::PI;
 use common::{Cantilever, bar, kind, strain, unless_held};
 use proptest::prelude::*;
 use steklov_elastic::Plane;
-use steklov_msfem::{Elasticity, Elimination, Grid, Loads, Medium, bubble_indicators, nodal_indicators};
+use steklov_msfem::{Elasticity, Elimination, Grid, HeterogeneousBody, Loads, bubble_indicators, nodal_indicators};
 use steklov_quadrature::unit_uniform;
 
 fn clamped(problem: &Cantilever) -> Vec<bool> {
-    let grid = &problem.medium.grid;
+    let grid = &problem.body.grid;
     (0..grid.dofs()).map(|u| grid.lattice(u / 2)[0] == 0).collect()
 }
 
@@ -20,7 +20,7 @@ fn pull(_: usize, side: usize) -> [f64; 2] {
 }
 
 fn estimate(problem: &Cantilever, u: &[f64]) -> f64 {
-    bubble_indicators(&problem.medium, &[], u, &unless_held(&problem.medium, &clamped(problem), pull))
+    bubble_indicators(&problem.body, &[], u, &unless_held(&problem.body, &clamped(problem), pull))
         .iter()
         .sum::<f64>()
         .sqrt()
@@ -56,7 +56,7 @@ fn cantilever(
     let [nx, ny] = cells.map(|n| n * parts);
     let moduli = (0..nx * ny).map(|c| young(c / ny / parts, c % ny / parts)).collect();
     let mut problem = Cantilever::new(size, [nx, ny], moduli);
-    problem.medium = Medium::new(problem.medium.grid.clone(), problem.medium.young.clone(), elasticity).unwrap();
+    problem.body = HeterogeneousBody::new(problem.body.grid.clone(), problem.body.young.clone(), elasticity).unwrap();
     problem
 }
 
@@ -113,21 +113,21 @@ fn the_estimate_of_a_smooth_field_tends_to_its_error() {
         let energy = PI * PI * (lambda + 3.0 * mu) * 1.25 / 4.0;
         let found = [8, 64].map(|n| {
             let grid = Grid::rectangle([1.0; 2], [aspect * n, n]).unwrap();
-            let medium = Medium::new(grid, vec![1.0; aspect * n * n], elasticity).unwrap();
+            let body = HeterogeneousBody::new(grid, vec![1.0; aspect * n * n], elasticity).unwrap();
             let mut loads = Loads::default();
-            loads.set_body_force(&medium, force).unwrap();
-            let load = loads.nodal(&medium);
-            let held: Vec<bool> = (0..medium.grid.dofs())
+            loads.set_body_force(&body, force).unwrap();
+            let load = loads.nodal(&body);
+            let held: Vec<bool> = (0..body.grid.dofs())
                 .map(|u| {
-                    let [i, j] = medium.grid.lattice(u / 2);
+                    let [i, j] = body.grid.lattice(u / 2);
                     i == 0 || j == 0 || i == aspect * n || j == n
                 })
                 .collect();
             let fixed: Vec<usize> = (0..held.len()).filter(|u| held[*u]).collect();
-            let solver = Elimination::new(medium.stiffness(), &medium.elimination_order(), &[], &fixed).unwrap();
+            let solver = Elimination::new(body.stiffness(), &body.elimination_order(), &[], &fixed).unwrap();
             let u = solver.expand(&solver.reduce(&load, &vec![0.0; fixed.len()]), &[]);
             let error = (energy - u.iter().zip(&load).map(|(u, f)| u * f).sum::<f64>()).sqrt();
-            let eta = bubble_indicators(&medium, &loads.body, &u, &unless_held(&medium, &held, |_, _| [0.0; 2]))
+            let eta = bubble_indicators(&body, &loads.body, &u, &unless_held(&body, &held, |_, _| [0.0; 2]))
                 .iter()
                 .sum::<f64>()
                 .sqrt();
@@ -152,7 +152,7 @@ fn both_estimates_together_are_that_of_a_multiscale_field() {
                 let error = (limit - work(&problem, &u)).sqrt();
                 let bubbles = estimate(&problem, &u);
                 let squared =
-                    nodal_indicators(&problem.medium, &solved.problem.mesh, &problem.load, &u, &clamped(&problem));
+                    nodal_indicators(&problem.body, &solved.problem.mesh, &problem.load, &u, &clamped(&problem));
                 let nodal = squared.iter().sum::<f64>().sqrt();
                 let ratio = nodal.hypot(bubbles) / error;
                 let twice = (bubbles * bubbles - own * own) / (nodal * nodal);
@@ -164,10 +164,10 @@ fn both_estimates_together_are_that_of_a_multiscale_field() {
     }
 }
 
-fn body(moduli: &[f64], elasticity: Elasticity) -> Medium {
+fn body(moduli: &[f64], elasticity: Elasticity) -> HeterogeneousBody {
     let grid = Grid::new([0.0; 2], [0.25, 0.5], [8, 6], |i, j| i < 5 || j < 2).unwrap();
     let young = (0..48).map(|c| moduli[c % moduli.len()]).collect();
-    Medium::new(grid, young, elasticity).unwrap()
+    HeterogeneousBody::new(grid, young, elasticity).unwrap()
 }
 
 proptest! {
@@ -175,66 +175,66 @@ proptest! {
 
     #[test]
     fn homogeneous_strain_is_exact(gradient in prop::array::uniform4(-1.0..1.0_f64), nu in -0.5..0.49_f64) {
-        let medium = body(&[3.0], Elasticity::new(nu, Plane::Strain).unwrap());
+        let body = body(&[3.0], Elasticity::new(nu, Plane::Strain).unwrap());
         let [a, b, c, d] = gradient;
-        let u: Vec<f64> = (0..medium.grid.nodes()).flat_map(|n| {
-            let [x, y] = medium.grid.point(n);
+        let u: Vec<f64> = (0..body.grid.nodes()).flat_map(|n| {
+            let [x, y] = body.grid.point(n);
             [a * x + b * y, c * x + d * y]
         }).collect();
-        let [xx, yy, xy] = medium.elasticity.unit_stress([a, d, b + c]).map(|s| 3.0 * s);
+        let [xx, yy, xy] = body.elasticity.unit_stress([a, d, b + c]).map(|s| 3.0 * s);
         let exact = |_: usize, side: usize| [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][side];
         let scale = xx * xx + yy * yy + xy * xy;
-        prop_assert!(bubble_indicators(&medium, &[], &u, &|cell, side| exact(cell, side).map(Some)).iter().sum::<f64>() <= 1e-24 * scale);
+        prop_assert!(bubble_indicators(&body, &[], &u, &|cell, side| exact(cell, side).map(Some)).iter().sum::<f64>() <= 1e-24 * scale);
         // without the tractions there is an error, but for held sides
-        prop_assert!(bubble_indicators(&medium, &[], &u, &|_, _| [Some(0.0); 2]).iter().sum::<f64>() > 1e-4 * scale);
-        prop_assert!(bubble_indicators(&medium, &[], &u, &|_, _| [None; 2]).iter().sum::<f64>() <= 1e-24 * scale);
+        prop_assert!(bubble_indicators(&body, &[], &u, &|_, _| [Some(0.0); 2]).iter().sum::<f64>() > 1e-4 * scale);
+        prop_assert!(bubble_indicators(&body, &[], &u, &|_, _| [None; 2]).iter().sum::<f64>() <= 1e-24 * scale);
     }
 
     #[test]
     fn quadratic_fields_have_their_own_error(curvature in prop::array::uniform4(-1.0..1.0_f64), nu in 0.0..0.45_f64) {
         // u = (a x² + b y², c x² + d y²) lies in the bilinear functions and side bubbles; u_h its nodal values, u - u_h has
         // in each cell the energy of -(a hx² ξ(1-ξ) + b hy² η(1-η), ..), and all residuals are those of this field
-        let medium = body(&[2.0], Elasticity::new(nu, Plane::Stress).unwrap());
+        let body = body(&[2.0], Elasticity::new(nu, Plane::Stress).unwrap());
         let [a, b, c, d] = curvature;
-        let u: Vec<f64> = (0..medium.grid.nodes()).flat_map(|n| {
-            let [x, y] = medium.grid.point(n);
+        let u: Vec<f64> = (0..body.grid.nodes()).flat_map(|n| {
+            let [x, y] = body.grid.point(n);
             [a * x * x + b * y * y, c * x * x + d * y * y]
         }).collect();
-        let [h, k] = medium.grid.spacing;
-        let law = &medium.elasticity;
+        let [h, k] = body.grid.spacing;
+        let law = &body.elasticity;
         let [lambda, mu] = [law.unit_stress([0.0, 1.0, 0.0])[0], law.unit_stress([0.0, 0.0, 1.0])[2]];
         // div σ, and the means of σn: the stress is linear
         let e = 2.0;
         let f = [-e * 2.0 * ((lambda + 2.0 * mu) * a + mu * b), -e * 2.0 * ((lambda + 2.0 * mu) * d + mu * c)];
         let mut loads = Loads::default();
-        loads.set_body_force(&medium, |_| f).unwrap();
+        loads.set_body_force(&body, |_| f).unwrap();
         let stress = |[x, y]: [f64; 2]| law.unit_stress([2.0 * a * x, 2.0 * d * y, 2.0 * b * y + 2.0 * c * x]).map(|s| e * s);
         let traction = |cell: usize, side: usize| {
-            let [x, y] = medium.grid.centre(cell);
+            let [x, y] = body.grid.centre(cell);
             let middle = [[x, y - k / 2.0], [x + h / 2.0, y], [x, y + k / 2.0], [x - h / 2.0, y]][side];
             let [xx, yy, xy] = stress(middle);
             [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][side]
         };
-        let found = bubble_indicators(&medium, &loads.body, &u, &|cell, side| traction(cell, side).map(Some));
+        let found = bubble_indicators(&body, &loads.body, &u, &|cell, side| traction(cell, side).map(Some));
         // ∫ (h (1-2ξ))² = h²/3 over the cell
         let area = h * k;
         let (xx, yy) = (a * a * h * h / 3.0, d * d * k * k / 3.0);
         let xy = (b * b * k * k + c * c * h * h) / 3.0;
         let wanted = e * area * ((lambda + 2.0 * mu) * (xx + yy) + mu * xy);
-        for cell in medium.grid.body_cells() {
+        for cell in body.grid.body_cells() {
             prop_assert!((found[cell] - wanted).abs() < 1e-10 * wanted, "{} for {wanted}", found[cell]);
         }
-        prop_assert_eq!(found.iter().filter(|e| **e == 0.0).count(), 48 - medium.grid.body_cells().count());
+        prop_assert_eq!(found.iter().filter(|e| **e == 0.0).count(), 48 - body.grid.body_cells().count());
     }
 
     #[test]
     fn any_number_of_threads_gives_the_same_bits(seed in any::<u64>()) {
-        let medium = body(&[1.0, 7.0, 3.0, 40.0, 0.2], strain());
-        let u: Vec<f64> = (0..medium.grid.dofs()).map(|i| unit_uniform(seed, i as u64) - 0.5).collect();
+        let body = body(&[1.0, 7.0, 3.0, 40.0, 0.2], strain());
+        let u: Vec<f64> = (0..body.grid.dofs()).map(|i| unit_uniform(seed, i as u64) - 0.5).collect();
         let held: Vec<bool> = (0..u.len()).map(|i| i % 3 == 0 || i % 7 < 4).collect();
         let all = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| bubble_indicators(&medium, &[], &u, &unless_held(&medium, &held, pull)))
+            pool.install(|| bubble_indicators(&body, &[], &u, &unless_held(&body, &held, pull)))
         };
         prop_assert_eq!(all(1), all(3));
     }

@@ -5,10 +5,12 @@ mod common;
 use common::{Cantilever, MESHES, Solved, bar, bar_moduli, close, kind, number, plate, reference, unless_held};
 use proptest::prelude::*;
 use steklov_elastic::Plane;
-use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Elasticity, Grid, Indicators, Loads, Medium, nodal_indicators};
+use steklov_msfem::{
+    Basis, CoarseCell, CoarseMesh, Elasticity, Grid, HeterogeneousBody, Indicators, Loads, nodal_indicators,
+};
 
 fn held(problem: &Cantilever) -> Vec<bool> {
-    let grid = &problem.medium.grid;
+    let grid = &problem.body.grid;
     (0..grid.dofs()).map(|u| grid.lattice(u / 2)[0] == 0).collect()
 }
 
@@ -17,9 +19,8 @@ fn estimates(problem: &Cantilever, solved: &Solved<'_>) -> [f64; 2] {
     let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
     let (mesh, held) = (&solved.problem.mesh, held(problem));
     let traction = |_: usize, side: usize| if side == 1 { [0.0, -1.0] } else { [0.0; 2] };
-    let jump =
-        Indicators::new(&problem.medium, mesh, &[], &u, &unless_held(&problem.medium, &held, traction)).squared();
-    let nodal = nodal_indicators(&problem.medium, mesh, &problem.load, &u, &held);
+    let jump = Indicators::new(&problem.body, mesh, &[], &u, &unless_held(&problem.body, &held, traction)).squared();
+    let nodal = nodal_indicators(&problem.body, mesh, &problem.load, &u, &held);
     [jump, nodal].map(|squared| squared.iter().sum::<f64>().sqrt())
 }
 
@@ -32,7 +33,7 @@ fn judge(
     wanted: &serde_json::Value,
     tolerance: f64,
 ) {
-    let error = problem.errors(solved, fine)[0] * problem.medium.energy(fine, fine).sqrt();
+    let error = problem.errors(solved, fine)[0] * problem.body.energy(fine, fine).sqrt();
     let [jump, nodal] = estimates(problem, solved);
     close(&format!("{what} jump"), jump / error, number(&wanted["eff_jump"]), tolerance);
     close(&format!("{what} nodal"), nodal / error, number(&wanted["eff_nodal"]), tolerance);
@@ -73,7 +74,7 @@ fn contrast_misleads_only_where_it_crosses_edges() {
         let problem = plate(mask, contrast);
         let fine = problem.fine();
         let solved = problem.multiscale([16; 2], Basis::Coupled, false);
-        let error = problem.errors(&solved, &fine)[0] * problem.medium.energy(&fine, &fine).sqrt();
+        let error = problem.errors(&solved, &fine)[0] * problem.body.energy(&fine, &fine).sqrt();
         estimates(&problem, &solved).map(|estimate| estimate / error)
     };
     for power in 1..=6 {
@@ -91,8 +92,8 @@ fn contrast_misleads_only_where_it_crosses_edges() {
 fn the_fine_solution_has_no_nodal_residual() {
     let problem = Cantilever::with_weight([6.0, 1.0], [192, 32], bar_moduli(false, 1));
     let (fine, held) = (problem.fine(), held(&problem));
-    let mesh = CoarseMesh::uniform(&problem.medium.grid, [8; 2]).unwrap();
-    let sum = |u: &[f64]| nodal_indicators(&problem.medium, &mesh, &problem.load, u, &held).iter().sum::<f64>();
+    let mesh = CoarseMesh::uniform(&problem.body.grid, [8; 2]).unwrap();
+    let sum = |u: &[f64]| nodal_indicators(&problem.body, &mesh, &problem.load, u, &held).iter().sum::<f64>();
     // the residual of nothing is the load: h² at nodes inside, a half and a quarter of it on sides and at corners
     let squares = 191.0 * 31.0 + (2.0 * 191.0 + 31.0) / 4.0 + 2.0 / 16.0;
     let load = 8.0 * squares / 1024.0_f64.powi(2) / 2000.0;
@@ -106,9 +107,9 @@ fn bubbles_leave_no_residual_inside() {
     let solve = |bubbles| {
         let solved = problem.multiscale([16; 2], Basis::Coupled, bubbles);
         let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
-        let forces = problem.medium.forces(&u);
-        let inside = |n: &usize| problem.medium.grid.lattice(*n).iter().all(|i| i % 16 != 0);
-        let nodes: Vec<usize> = (0..problem.medium.grid.nodes()).filter(inside).collect();
+        let forces = problem.body.forces(&u);
+        let inside = |n: &usize| problem.body.grid.lattice(*n).iter().all(|i| i % 16 != 0);
+        let nodes: Vec<usize> = (0..problem.body.grid.nodes()).filter(inside).collect();
         nodes.iter().map(|n| (problem.load[2 * n + 1] - forces[2 * n + 1]).abs()).fold(0.0, f64::max)
     };
     let cell = 1.0 / 1024.0;
@@ -132,10 +133,10 @@ fn mixed(grid: &Grid, split: u64) -> CoarseMesh {
 }
 
 /// An L-shaped body of 16 × 8 cells with some moduli.
-fn l_shape(moduli: &[f64]) -> Medium {
+fn l_shape(moduli: &[f64]) -> HeterogeneousBody {
     let grid = Grid::new([0.0; 2], [0.125, 0.25], [16, 8], |i, j| i < 8 || j < 4).unwrap();
     let young = (0..128).map(|c| moduli[c % moduli.len()]).collect();
-    Medium::new(grid, young, Elasticity::new(0.3, Plane::Stress).unwrap()).unwrap()
+    HeterogeneousBody::new(grid, young, Elasticity::new(0.3, Plane::Stress).unwrap()).unwrap()
 }
 
 proptest! {
@@ -146,22 +147,22 @@ proptest! {
         gradient in prop::array::uniform4(-1.0..1.0_f64),
         split in any::<u64>(),
     ) {
-        let medium = l_shape(&[3.0]);
-        let grid = &medium.grid;
+        let body = l_shape(&[3.0]);
+        let grid = &body.grid;
         let mesh = mixed(grid, split);
         let [a, b, c, d] = gradient;
         let u: Vec<f64> = (0..grid.nodes()).flat_map(|n| {
             let [x, y] = grid.point(n);
             [a * x + b * y, c * x + d * y]
         }).collect();
-        let [xx, yy, xy] = medium.elasticity.unit_stress([a, d, b + c]).map(|s| 3.0 * s);
+        let [xx, yy, xy] = body.elasticity.unit_stress([a, d, b + c]).map(|s| 3.0 * s);
         let exact = |_: usize, side: usize| [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][side];
         let free = vec![false; grid.dofs()];
-        let right = Indicators::new(&medium, &mesh, &[], &u, &unless_held(&medium, &free, exact)).squared();
+        let right = Indicators::new(&body, &mesh, &[], &u, &unless_held(&body, &free, exact)).squared();
         prop_assert!(right.iter().sum::<f64>() < 1e-24);
         // twice the traction leaves the traction itself
         let twice = |cell: usize, side: usize| exact(cell, side).map(|t| 2.0 * t);
-        let terms = Indicators::new(&medium, &mesh, &[], &u, &unless_held(&medium, &free, twice));
+        let terms = Indicators::new(&body, &mesh, &[], &u, &unless_held(&body, &free, twice));
         let mut wanted = vec![0.0; mesh.cells.len()];
         for (fine, side) in grid.boundary() {
             let coarse = (0..wanted.len()).find(|&c| mesh.cells[c].fine_cells(grid).any(|f| f == fine)).unwrap();
@@ -174,7 +175,7 @@ proptest! {
         }
         // held components count nothing
         let all = vec![true; grid.dofs()];
-        prop_assert!(Indicators::new(&medium, &mesh, &[], &u, &unless_held(&medium, &all, twice)).squared().iter().sum::<f64>() < 1e-24);
+        prop_assert!(Indicators::new(&body, &mesh, &[], &u, &unless_held(&body, &all, twice)).squared().iter().sum::<f64>() < 1e-24);
     }
 
     #[test]
@@ -182,14 +183,14 @@ proptest! {
         slope in -3.0..3.0_f64, constant in -3.0..3.0_f64, side in 0.2..5.0_f64,
     ) {
         // f = (c + s x, 0) on a cell of side H with E = 2: H² ∫ |f̄|²/E = H⁴ (c + s H/2)²/2, H² ∫ |f - f̄|²/E = s² H⁶/24
-        let medium = Medium::new(
+        let body = HeterogeneousBody::new(
             Grid::rectangle([side; 2], [4; 2]).unwrap(), vec![2.0; 16], Elasticity::new(0.3, Plane::Strain).unwrap(),
         ).unwrap();
-        let mesh = CoarseMesh::uniform(&medium.grid, [4; 2]).unwrap();
+        let mesh = CoarseMesh::uniform(&body.grid, [4; 2]).unwrap();
         let mut loads = Loads::default();
-        loads.set_body_force(&medium, |x| [constant + slope * x[0], 0.0]).unwrap();
-        let u = vec![0.0; medium.grid.dofs()];
-        let terms = Indicators::new(&medium, &mesh, &loads.body, &u, &|_, _| [Some(0.0); 2]);
+        loads.set_body_force(&body, |x| [constant + slope * x[0], 0.0]).unwrap();
+        let u = vec![0.0; body.grid.dofs()];
+        let terms = Indicators::new(&body, &mesh, &loads.body, &u, &|_, _| [Some(0.0); 2]);
         let scale = side.powi(4) * (1.0 + side).powi(2);
         let mean = side.powi(4) * (constant + slope * side / 2.0).powi(2) / 2.0;
         prop_assert!((terms.volume_mean[0] - mean).abs() < 1e-12 * scale);
@@ -199,15 +200,15 @@ proptest! {
     #[test]
     fn jumps_of_a_kink_are_known_and_shared(split in any::<u64>(), moduli in prop::array::uniform2(1.0..9.0_f64)) {
         // u = (|x - 1|, 0): σ_xx jumps by c (E⁻ + E⁺) on the line x = 1 of length 1, σ_xy = 0; E is one number on each side
-        let medium = l_shape(&[1.0]);
-        let grid = medium.grid.clone();
+        let body = l_shape(&[1.0]);
+        let grid = body.grid.clone();
         let young = (0..128).map(|c| moduli[usize::from(c / 8 >= 8)]).collect();
-        let medium = Medium::new(grid, young, medium.elasticity).unwrap();
-        let grid = &medium.grid;
+        let body = HeterogeneousBody::new(grid, young, body.elasticity).unwrap();
+        let grid = &body.grid;
         let mesh = mixed(grid, split);
         let u: Vec<f64> = (0..grid.nodes()).flat_map(|n| [(grid.point(n)[0] - 1.0).abs(), 0.0]).collect();
-        let terms = Indicators::new(&medium, &mesh, &[], &u, &|_, _| [None; 2]);
-        let [c, _, _] = medium.elasticity.unit_stress([1.0, 0.0, 0.0]);
+        let terms = Indicators::new(&body, &mesh, &[], &u, &|_, _| [None; 2]);
+        let [c, _, _] = body.elasticity.unit_stress([1.0, 0.0, 0.0]);
         let half = c * (moduli[0] + moduli[1]) / 2.0;
         // edges of length 1, or two of 1/2 where either neighbour is split
         let at = |i: usize| mesh.cells.iter().filter(|cell| cell.first[0] + cell.size[0] == i || cell.first[0] == i)
@@ -226,8 +227,8 @@ proptest! {
 
     #[test]
     fn any_number_of_threads_gives_the_same_bits(split in any::<u64>(), seed in any::<u64>()) {
-        let medium = l_shape(&[1.0, 7.0, 3.0, 40.0, 0.2]);
-        let grid = &medium.grid;
+        let body = l_shape(&[1.0, 7.0, 3.0, 40.0, 0.2]);
+        let grid = &body.grid;
         let mesh = mixed(grid, split);
         let number = |i: usize| steklov_quadrature::unit_uniform(seed, i as u64) - 0.5;
         let u: Vec<f64> = (0..grid.dofs()).map(number).collect();
@@ -236,8 +237,8 @@ proptest! {
         let all = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| (
-                Indicators::new(&medium, &mesh, &[], &u, &unless_held(&medium, &held, |_, _| [1.0, 2.0])),
-                nodal_indicators(&medium, &mesh, &load, &u, &held),
+                Indicators::new(&body, &mesh, &[], &u, &unless_held(&body, &held, |_, _| [1.0, 2.0])),
+                nodal_indicators(&body, &mesh, &load, &u, &held),
             ))
         };
         prop_assert_eq!(all(1), all(3));

@@ -5,7 +5,9 @@ mod common;
 use common::{Cantilever, close, strain};
 use proptest::prelude::*;
 use steklov_elastic::Plane;
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Grid, Loads, Medium, MsfemError, mark, nodal_indicators, refine};
+use steklov_msfem::{
+    Basis, CoarseMesh, Elasticity, Grid, HeterogeneousBody, Loads, MsfemError, mark, nodal_indicators, refine,
+};
 use steklov_quadrature::unit_uniform;
 
 /// An L-shaped body of side 1 with `cells` × `cells` fine cells less the upper right quarter, clamped on the left, with the
@@ -13,20 +15,20 @@ use steklov_quadrature::unit_uniform;
 fn l_shape(cells: usize, young: impl Fn(usize) -> f64, elasticity: Elasticity) -> Cantilever {
     let h = 1.0 / cells as f64;
     let grid = Grid::new([0.0; 2], [h; 2], [cells; 2], |i, j| i < cells / 2 || j < cells / 2).unwrap();
-    let medium = Medium::new(grid, (0..cells * cells).map(young).collect(), elasticity).unwrap();
+    let body = HeterogeneousBody::new(grid, (0..cells * cells).map(young).collect(), elasticity).unwrap();
     let mut loads = Loads::default();
-    for (cell, side) in medium.grid.boundary() {
-        if side == 1 && medium.grid.cell(cell)[0] + 1 == cells {
+    for (cell, side) in body.grid.boundary() {
+        if side == 1 && body.grid.cell(cell)[0] + 1 == cells {
             loads.add_side(cell, side, [[0.0, -h / 2.0]; 2]);
         }
     }
-    let load = loads.nodal(&medium);
-    Cantilever { medium, loads, load }
+    let load = loads.nodal(&body);
+    Cantilever { body, loads, load }
 }
 
 /// Unknowns and relative energy error of meshes that follow the nodal indicators.
 fn adaptive(problem: &Cantilever, fine: &[f64], start: usize, most: usize) -> Vec<(usize, f64)> {
-    let grid = &problem.medium.grid;
+    let grid = &problem.body.grid;
     let held: Vec<bool> = (0..grid.dofs()).map(|u| grid.lattice(u / 2)[0] == 0).collect();
     let mut mesh = CoarseMesh::uniform(grid, [start; 2]).unwrap();
     let mut steps = Vec::new();
@@ -37,7 +39,7 @@ fn adaptive(problem: &Cantilever, fine: &[f64], start: usize, most: usize) -> Ve
             return steps;
         }
         let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
-        let squared = nodal_indicators(&problem.medium, &mesh, &problem.load, &u, &held);
+        let squared = nodal_indicators(&problem.body, &mesh, &problem.load, &u, &held);
         mesh = refine(grid, &mesh, &mark(&squared, 0.5)).unwrap();
     }
 }
@@ -165,17 +167,17 @@ proptest! {
         let cells = [4 * fine[0], 2 * fine[1]];
         let young = (0..cells[0] * cells[1]).map(|c| 1.0 + 9.0 * unit_uniform(3, c as u64)).collect();
         let mut problem = Cantilever::new([2.0, 1.0], cells, young);
-        problem.medium.elasticity = elasticity;
-        let medium = Medium::new(problem.medium.grid.clone(), problem.medium.young.clone(), elasticity).unwrap();
-        problem.medium = medium;
-        let meshes = two_rounds(&problem.medium.grid, fine, bits);
+        problem.body.elasticity = elasticity;
+        let body = HeterogeneousBody::new(problem.body.grid.clone(), problem.body.young.clone(), elasticity).unwrap();
+        problem.body = body;
+        let meshes = two_rounds(&problem.body.grid, fine, bits);
         for basis in [Basis::Q1, Basis::Coupled, Basis::Oscillatory] {
             let mut last = 0.0;
             for mesh in &meshes {
                 let solved = problem.on_mesh(mesh.clone(), basis, false);
                 let u = solved.problem.downscale(&solved.coarse, &problem.loads, &solved.extra, &mut |_| true).unwrap();
                 // the mean field of cells that do not fit together would have another energy
-                close("work is energy", problem.medium.energy(&u, &u), solved.compliance, 1e-9);
+                close("work is energy", problem.body.energy(&u, &u), solved.compliance, 1e-9);
                 if basis == Basis::Q1 {
                     prop_assert!(solved.compliance >= last * (1.0 - 1e-10));
                     last = solved.compliance;

@@ -1,11 +1,11 @@
 //! The medium around a body, solved.
 
 use steklov_bem_operators::{Inside, Mesh, ParticularSolution, Space};
-use steklov_coupling::{Balance, Coupled, ExteriorField, Radiation};
+use steklov_coupling::{Balance, Coupled, MediumField, Radiation};
 use steklov_elastic::Material;
 
-use crate::scene::ExteriorInput;
-use crate::summary::ExteriorSummary;
+use crate::scene::MediumInput;
+use crate::summary::MediumSummary;
 
 /// The medium around a body; its fields are those of the remote stress plus u_c = K ξ - V φ + a.
 #[derive(Debug, Clone)]
@@ -32,13 +32,13 @@ pub struct Around {
     pub remote_stress: [f64; 3],
     /// Its field.
     remote: ParticularSolution,
-    field: ExteriorField,
+    field: MediumField,
 }
 
 impl Around {
     /// The medium of a solved transmission problem; `length` is L in log(L/r).
-    pub fn new(input: &ExteriorInput, mesh: Mesh, space: Space, length: f64, coupled: &Coupled) -> Self {
-        let field = ExteriorField::new((&mesh, &space), &input.material, length, coupled);
+    pub fn new(input: &MediumInput, mesh: Mesh, space: Space, length: f64, coupled: &Coupled) -> Self {
+        let field = MediumField::new((&mesh, &space), &input.material, length, coupled);
         Self {
             mesh,
             space,
@@ -95,12 +95,12 @@ impl Around {
     }
 
     /// What is told of it.
-    pub(crate) fn summary(&self) -> ExteriorSummary {
+    pub(crate) fn summary(&self) -> MediumSummary {
         let radiation = match self.radiation {
             Radiation::Decaying => "decaying",
             Radiation::Bounded => "bounded",
         };
-        ExteriorSummary {
+        MediumSummary {
             radiation: radiation.into(),
             resultant: self.balance.force,
             balanced: self.balance.is_balanced(),

@@ -9,7 +9,7 @@ use steklov_io::{
 };
 
 use super::{Around, Window};
-use crate::summary::ExteriorSummary;
+use crate::summary::MediumSummary;
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }
@@ -60,7 +60,7 @@ pub(crate) fn write(file: &File, around: &Around, window: &Window) -> Result<(),
 ///
 /// # Errors
 /// A file that is not one of this program's, truncated or altered.
-pub(crate) fn check(file: &File, told: Option<&ExteriorSummary>, fields: &vtkhdf::Grid) -> Result<(), IoError> {
+pub(crate) fn check(file: &File, told: Option<&MediumSummary>, fields: &vtkhdf::Grid) -> Result<(), IoError> {
     let shown = fields.cell_data.iter().any(|field| field.name == "region");
     if !shown && !file.link_exists("coupling") {
         return Ok(());

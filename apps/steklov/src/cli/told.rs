@@ -7,7 +7,7 @@ use crate::report::TOUCHING;
 use crate::run::Reason;
 use crate::stochastic;
 use crate::store::Stored;
-use crate::summary::{ExteriorSummary, Summary};
+use crate::summary::{MediumSummary, Summary};
 
 /// What to do about a run whose contact solver did not reach its criterion, or that memory ended.
 pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
@@ -40,8 +40,8 @@ pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
 }
 
 /// What the medium does far away; with a net force also that its displacement depends on a length.
-fn far_away(exterior: &ExteriorSummary) -> Vec<String> {
-    let ExteriorSummary { radiation, resultant: [x, y], balanced, constant: [a, b], length } = exterior;
+fn far_away(exterior: &MediumSummary) -> Vec<String> {
+    let MediumSummary { radiation, resultant: [x, y], balanced, constant: [a, b], length } = exterior;
     let mut lines = vec![match (radiation.as_str(), balanced) {
         ("bounded", _) => format!("at infinity bounded, displacement ({a:.6e}, {b:.6e})"),
         (_, true) => "at infinity decaying: the forces on the medium are balanced".to_owned(),

@@ -4,8 +4,8 @@ use std::time::Instant;
 
 use steklov_bem_operators::{Datum, Mesh, Site, Space};
 use steklov_contact::oscillation;
-use steklov_coupling::{Coupled, CouplingError, Exterior, Form, InterfaceIndicators, Interior, Jumps, Transmission};
-use steklov_msfem::{CoarseMesh, Extra, Grid, Loads, Medium, Multiscale};
+use steklov_coupling::{Coupled, CouplingError, Form, InterfaceIndicators, Interior, Jumps, Medium, Transmission};
+use steklov_msfem::{CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
 
 use super::layout::GridLayout;
 use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
@@ -13,12 +13,12 @@ use super::trace::GridTrace;
 use crate::around::Around;
 use crate::body::UNBALANCED;
 use crate::elastic::plane_modulus;
-use crate::scene::{ExteriorInput, Scene};
+use crate::scene::{MediumInput, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 
 /// Parts of the solution that both kinds of elements have.
 struct Joined {
-    exterior: Exterior,
+    exterior: Medium,
     coupled: Coupled,
     /// How far the forces are out of balance.
     imbalance: f64,
@@ -27,7 +27,7 @@ struct Joined {
 
 /// The body of a solution.
 struct Inner {
-    medium: Medium,
+    body: HeterogeneousBody,
     trace: GridTrace,
     /// Displacement of the fine nodes, and of the nodes of the trace.
     displacement: Vec<f64>,
@@ -42,17 +42,17 @@ struct Inner {
 /// Those of [`Transmission`] and of the multiscale bases; an observer that fails.
 pub(super) fn solve_coupled(
     scene: &Scene,
-    input: &ExteriorInput,
-    medium: Medium,
+    input: &MediumInput,
+    body: HeterogeneousBody,
     fine: GridTrace,
     loads: &Loads,
     layout: &GridLayout,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<GridSolved, SolveError> {
-    let (grid, clock) = (&medium.grid, Instant::now());
+    let (grid, clock) = (&body.grid, Instant::now());
     let Some(cells) = &layout.coarse else {
         observe(Stage::Progress("assembling K", 0.05))?;
-        let interior = Interior::fine(&medium, loads)?;
+        let interior = Interior::fine(&body, loads)?;
         observe(Stage::Stiffness("K", "node of the fine grid", &interior.stiffness))?;
         let assemble = clock.elapsed().as_secs_f64();
         let mut joined = join(scene, input, interior, layout, observe)?;
@@ -62,11 +62,11 @@ pub(super) fn solve_coupled(
         let boundary_displacement =
             at_boundary.iter().flat_map(|n| [displacement[2 * n], displacement[2 * n + 1]]).collect();
         let dofs = grid.dofs();
-        let inner = Inner { medium, trace: fine, displacement, boundary_displacement, coarse: None, dofs };
+        let inner = Inner { body, trace: fine, displacement, boundary_displacement, coarse: None, dofs };
         return solved(scene, input, loads, joined, inner);
     };
     let basis = basis(scene);
-    let mut problem = Multiscale::new(&medium, CoarseMesh::new(grid, cells.clone())?, basis)?;
+    let mut problem = Multiscale::new(&body, CoarseMesh::new(grid, cells.clone())?, basis)?;
     let interior = watched("bases of coarse cells", [0.05, 0.4], observe, |go_on| -> Result<_, CouplingError> {
         Interior::coarse(&mut problem, loads, go_on)
     })?;
@@ -88,14 +88,14 @@ pub(super) fn solve_coupled(
     let boundary_displacement = on_boundary.flatten().collect();
     let (patterns, dofs, mesh) = (problem.patterns(), problem.dofs(), problem.mesh);
     let coarse = Some(CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() });
-    let inner = Inner { medium, trace, displacement, boundary_displacement, coarse, dofs };
+    let inner = Inner { body, trace, displacement, boundary_displacement, coarse, dofs };
     solved(scene, input, loads, joined, inner)
 }
 
 /// Boundary elements on the trace of the body, and the solution on the interface.
 fn join(
     scene: &Scene,
-    input: &ExteriorInput,
+    input: &MediumInput,
     interior: Interior,
     layout: &GridLayout,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
@@ -103,7 +103,7 @@ fn join(
     let clock = Instant::now();
     observe(Stage::Progress("assembling V, K, W", 0.4))?;
     let mesh = boundary_mesh(scene, layout, &interior)?;
-    let exterior = Exterior::new(mesh, input.material, None)?;
+    let exterior = Medium::new(mesh, input.material, None)?;
     observe(Stage::Medium(&exterior.operators))?;
     let jump = exterior.space.interpolate(|x| {
         let (edge, s) = on_interface(scene, x);
@@ -155,15 +155,15 @@ fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
 /// The solution of body and medium, their energies and what is left of the equations between them.
 fn solved(
     scene: &Scene,
-    input: &ExteriorInput,
+    input: &MediumInput,
     loads: &Loads,
     joined: Joined,
     inner: Inner,
 ) -> Result<GridSolved, SolveError> {
     let Joined { exterior, coupled, imbalance, seconds } = joined;
-    let Inner { medium, trace, displacement, boundary_displacement, coarse, dofs } = inner;
-    let load_work = loads.nodal(&medium).iter().zip(&displacement).map(|(f, u)| f * u).sum();
-    let strain = medium.energy(&displacement, &displacement) / 2.0 + exterior.energy(&coupled);
+    let Inner { body, trace, displacement, boundary_displacement, coarse, dofs } = inner;
+    let load_work = loads.nodal(&body).iter().zip(&displacement).map(|(f, u)| f * u).sum();
+    let strain = body.energy(&displacement, &displacement) / 2.0 + exterior.energy(&coupled);
     let clock = Instant::now();
     let jumps = Jumps {
         displacement: &|x| {
@@ -176,8 +176,8 @@ fn solved(
         },
         halvings: 0,
     };
-    let jump_oscillation = jump_oscillation(scene, input, &medium, &exterior)?;
-    let interface = InterfaceIndicators::new(&exterior, &medium, &displacement, &coupled, Form::Schur, &jumps)?;
+    let jump_oscillation = jump_oscillation(scene, input, &body, &exterior)?;
+    let interface = InterfaceIndicators::new(&exterior, &body, &displacement, &coupled, Form::Schur, &jumps)?;
     let estimate_seconds = clock.elapsed().as_secs_f64();
     Ok(GridSolved {
         dofs,
@@ -193,7 +193,7 @@ fn solved(
         estimate_seconds,
         coarse,
         trace,
-        medium,
+        body,
         around: Some(Around::new(input, exterior.mesh, exterior.space, exterior.operators.length, &coupled)),
         interface: Some(interface),
         jump_oscillation,
@@ -203,9 +203,9 @@ fn solved(
 /// What the nodes of each boundary element leave of the jump of the displacement, as an energy: both sides give way to it.
 fn jump_oscillation(
     scene: &Scene,
-    input: &ExteriorInput,
-    medium: &Medium,
-    exterior: &Exterior,
+    input: &MediumInput,
+    body: &HeterogeneousBody,
+    exterior: &Medium,
 ) -> Result<Vec<f64>, SolveError> {
     let (mesh, space) = (&exterior.mesh, &exterior.space);
     let mut energies = vec![0.0; mesh.len()];
@@ -220,8 +220,8 @@ fn jump_oscillation(
         let datum = Datum { name: "displacement jump", value: &value, kinks: &|_| Vec::new() };
         for (e, energy) in energies.iter_mut().enumerate() {
             let ([x, y], [nx, ny], within) = (mesh.point(e, 0.0), mesh.normal(e), 1e-6 * mesh.length(e));
-            let cell = medium.grid.locate([x - within * nx, y - within * ny]);
-            let body = cell.map_or(around, |(cell, _)| plane * medium.young[cell]);
+            let cell = body.grid.locate([x - within * nx, y - within * ny]);
+            let body = cell.map_or(around, |(cell, _)| plane * body.young[cell]);
             *energy += oscillation(mesh, space, e, &datum)? / (2.0 * (1.0 / body + 1.0 / around));
         }
     }

@@ -2,7 +2,7 @@
 
 use std::cmp::Reverse;
 
-use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, Medium, Multiscale};
+use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, HeterogeneousBody, Multiscale};
 
 use super::record::GridRecord;
 use super::store::of_quads;
@@ -41,7 +41,7 @@ pub(crate) struct DeformedBody {
 
 /// The deformed body by few triangles; `displacement` is that of the nodes.
 pub(crate) fn deformed(stored: &Stored, record: &GridRecord, displacement: &[[f64; 2]]) -> DeformedBody {
-    let grid = &record.medium.grid;
+    let grid = &record.body.grid;
     let lattice = lattice_triangles(grid.spacing, grid.cells, |ix, iy| grid.inside(ix, iy), POINTS);
     let stress = on_cells(stored, record);
     let [nx, ny] = grid.cells;
@@ -65,7 +65,7 @@ pub(crate) fn deformed(stored: &Stored, record: &GridRecord, displacement: &[[f6
 
 /// Von Mises stress of all cells of the bounding box; NaN outside of the body.
 fn on_cells(stored: &Stored, record: &GridRecord) -> Vec<f64> {
-    let grid = &record.medium.grid;
+    let grid = &record.body.grid;
     let mut all = vec![f64::NAN; grid.cells[0] * grid.cells[1]];
     let values = of_quads(&stored.grid, "von_mises", 1).unwrap_or_default();
     grid.body_cells().zip(values).for_each(|(cell, value)| all[cell] = *value);
@@ -81,8 +81,8 @@ fn on_cells(stored: &Stored, record: &GridRecord) -> Vec<f64> {
 /// A picture that cannot be drawn.
 pub(crate) fn pictures(stored: &Stored) -> Result<Vec<(String, Picture)>, PictureError> {
     let Some(record) = &stored.on_grid else { return Ok(Vec::new()) };
-    let (medium, title) = (&record.medium, &stored.summary.title);
-    let grid = &medium.grid;
+    let (body, title) = (&record.body, &stored.summary.title);
+    let grid = &body.grid;
     let coarse = rectangles(record);
     let field = |label: &str, values: &[f64]| {
         let [origin, spacing] = [grid.origin, grid.spacing];
@@ -90,12 +90,12 @@ pub(crate) fn pictures(stored: &Stored) -> Result<Vec<(String, Picture)>, Pictur
         cell_fields(title, &[field], false)
     };
     let mut pictures = Vec::new();
-    let inside = || grid.body_cells().map(|cell| medium.young[cell]);
+    let inside = || grid.body_cells().map(|cell| body.young[cell]);
     let (low, high) = inside().fold((f64::INFINITY, 0.0_f64), |(low, high), e| (low.min(e), high.max(e)));
     if high > low {
         let logarithmic = high >= CONTRAST * low;
         let label = if logarithmic { "log10 of Young's modulus" } else { "Young's modulus" };
-        let values: Vec<f64> = medium.young.iter().map(|e| if logarithmic { e.log10() } else { *e }).collect();
+        let values: Vec<f64> = body.young.iter().map(|e| if logarithmic { e.log10() } else { *e }).collect();
         // the moduli of a scene have values outside of the body too
         let values = values.into_iter().enumerate();
         let [_, ny] = grid.cells;
@@ -108,7 +108,7 @@ pub(crate) fn pictures(stored: &Stored) -> Result<Vec<(String, Picture)>, Pictur
     }
     pictures.extend(steps(title, record)?.map(|picture| ("steps".to_owned(), picture)));
     if let Some(mesh) = &record.coarse {
-        pictures.extend(bases(title, medium, mesh)?.map(|picture| ("basis".to_owned(), picture)));
+        pictures.extend(bases(title, body, mesh)?.map(|picture| ("basis".to_owned(), picture)));
     }
     Ok(pictures)
 }
@@ -116,14 +116,13 @@ pub(crate) fn pictures(stored: &Stored) -> Result<Vec<(String, Picture)>, Pictur
 /// Lower left and upper right corners of the coarse cells.
 fn rectangles(record: &GridRecord) -> Vec<[[f64; 2]; 2]> {
     let cells = record.coarse.as_ref().map_or(&[][..], |mesh| &mesh.cells);
-    let corners =
-        |cell: &CoarseCell| [cell.corners()[0], cell.corners()[2]].map(|p| record.medium.grid.lattice_point(p));
+    let corners = |cell: &CoarseCell| [cell.corners()[0], cell.corners()[2]].map(|p| record.body.grid.lattice_point(p));
     cells.iter().map(corners).collect()
 }
 
 /// log10 of η_T / max η on the fine cells of each coarse one.
 fn indicators(record: &GridRecord) -> Option<Vec<f64>> {
-    let (grid, mesh) = (&record.medium.grid, record.coarse.as_ref()?);
+    let (grid, mesh) = (&record.body.grid, record.coarse.as_ref()?);
     let squared = &record.steps.last()?.estimate.as_ref()?.indicators;
     let largest = squared.iter().copied().fold(0.0, f64::max);
     if largest <= 0.0 {
@@ -170,8 +169,8 @@ fn steps(title: &str, record: &GridRecord) -> Result<Option<Picture>, PictureErr
 }
 
 /// Φ_(0,x) of one coarse cell, a row for each kind of basis; None of a cell of one fine cell, or of very many.
-fn bases(title: &str, medium: &Medium, mesh: &CoarseMesh) -> Result<Option<Picture>, PictureError> {
-    let Some(cell) = example(medium, mesh) else { return Ok(None) };
+fn bases(title: &str, body: &HeterogeneousBody, mesh: &CoarseMesh) -> Result<Option<Picture>, PictureError> {
+    let Some(cell) = example(body, mesh) else { return Ok(None) };
     let [m, n] = cell.size;
     if m * n == 1 || m * n > LARGEST_BASIS {
         return Ok(None);
@@ -186,28 +185,28 @@ fn bases(title: &str, medium: &Medium, mesh: &CoarseMesh) -> Result<Option<Pictu
         ("periodic", Basis::Periodic),
     ];
     // a kind whose local problem has no solution is left out
-    let solved = kinds.into_iter().filter_map(|(name, kind)| Some((name, basis_in(medium, cell, kind)?)));
+    let solved = kinds.into_iter().filter_map(|(name, kind)| Some((name, basis_in(body, cell, kind)?)));
     let functions: Vec<(&str, [Vec<f64>; 2])> = solved
         .map(|(name, basis)| (name, [0, 1].map(|k| basis.values.iter().skip(k).step_by(2).map(|row| row[0]).collect())))
         .collect();
     if functions.is_empty() {
         return Ok(None);
     }
-    let size = [m as f64 * medium.grid.spacing[0], n as f64 * medium.grid.spacing[1]];
+    let size = [m as f64 * body.grid.spacing[0], n as f64 * body.grid.spacing[1]];
     let rows: Vec<BasisFunction<'_>> =
         functions.iter().map(|(name, [x, y])| BasisFunction { name, size, cells: [m, n], x, y }).collect();
-    let [x, y] = medium.grid.lattice_point(cell.first);
+    let [x, y] = body.grid.lattice_point(cell.first);
     let title = format!("{title}: x function of the corner ({x},{y})");
     Ok(Some(basis(&title, &rows)?))
 }
 
 /// The coarse cell whose basis is drawn: one whose moduli vary if there is any, of these the largest, of these the one next
 /// to the middle of the bounding box.
-fn example(medium: &Medium, mesh: &CoarseMesh) -> Option<CoarseCell> {
-    let grid = &medium.grid;
+fn example(body: &HeterogeneousBody, mesh: &CoarseMesh) -> Option<CoarseCell> {
+    let grid = &body.grid;
     let rank = |cell: &CoarseCell| {
-        let first = medium.young[cell.first[0] * grid.cells[1] + cell.first[1]];
-        let is_uniform = cell.fine_cells(grid).all(|c| medium.young[c] == first);
+        let first = body.young[cell.first[0] * grid.cells[1] + cell.first[1]];
+        let is_uniform = cell.fine_cells(grid).all(|c| body.young[c] == first);
         let off = |k: usize| (2 * cell.first[k] + cell.size[k]).abs_diff(grid.cells[k]) as f64 * grid.spacing[k];
         (is_uniform, Reverse(cell.size[0] * cell.size[1]), off(0).hypot(off(1)))
     };
@@ -217,8 +216,8 @@ fn example(medium: &Medium, mesh: &CoarseMesh) -> Option<CoarseCell> {
 }
 
 /// The basis of a coarse cell among neighbours of its size, as far as these are in the body.
-fn basis_in(medium: &Medium, cell: CoarseCell, kind: Basis) -> Option<CellBasis> {
-    let grid = &medium.grid;
+fn basis_in(body: &HeterogeneousBody, cell: CoarseCell, kind: Basis) -> Option<CellBasis> {
+    let grid = &body.grid;
     let ([m, n], [nx, ny]) = (cell.size, grid.cells);
     // the fine cell of the body at a place of the neighbourhood, 3m × 3n fine cells
     let fine = |ix: usize, iy: usize| {
@@ -229,8 +228,8 @@ fn basis_in(medium: &Medium, cell: CoarseCell, kind: Basis) -> Option<CellBasis>
     let whole: Vec<bool> =
         (0..9).map(|b| (0..m * n).all(|c| is_inside(b / 3 * m + c / n, b % 3 * n + c % n))).collect();
     let near = Grid::new([0.0; 2], grid.spacing, [3 * m, 3 * n], |ix, iy| whole[ix / m * 3 + iy / n]).ok()?;
-    let young = |c: usize| fine(c / (3 * n), c % (3 * n)).map_or(f64::NAN, |[i, j]| medium.young[i * ny + j]);
-    let near = Medium::new(near, (0..9 * m * n).map(young).collect(), medium.elasticity).ok()?;
+    let young = |c: usize| fine(c / (3 * n), c % (3 * n)).map_or(f64::NAN, |[i, j]| body.young[i * ny + j]);
+    let near = HeterogeneousBody::new(near, (0..9 * m * n).map(young).collect(), body.elasticity).ok()?;
     let mesh = CoarseMesh::uniform(&near.grid, cell.size).ok()?;
     let number = mesh.cells.iter().position(|c| c.first == [m, n])?;
     Multiscale::new(&near, mesh, kind).ok()?.cell_basis(number).ok()
@@ -243,20 +242,20 @@ mod tests {
     use steklov_msfem::Elasticity;
 
     /// A medium of rough moduli without the upper right quarter.
-    fn rough() -> Medium {
+    fn rough() -> HeterogeneousBody {
         let grid = Grid::new([1.0, -2.0], [0.25, 0.125], [16, 12], |ix, iy| ix < 8 || iy < 6).unwrap();
         let young = (0..16 * 12).map(|c| 1.0 + ((c * c) % 11) as f64).collect();
-        Medium::new(grid, young, Elasticity::new(0.3, Plane::Strain).unwrap()).unwrap()
+        HeterogeneousBody::new(grid, young, Elasticity::new(0.3, Plane::Strain).unwrap()).unwrap()
     }
 
     #[test]
     fn the_drawn_functions_are_those_of_the_whole_body() {
-        let medium = rough();
-        let mesh = CoarseMesh::uniform(&medium.grid, [4, 3]).unwrap();
+        let body = rough();
+        let mesh = CoarseMesh::uniform(&body.grid, [4, 3]).unwrap();
         for kind in [Basis::Linear, Basis::Coupled, Basis::Oscillatory, Basis::Oversampled(3), Basis::Periodic] {
-            let whole = Multiscale::new(&medium, mesh.clone(), kind).unwrap();
+            let whole = Multiscale::new(&body, mesh.clone(), kind).unwrap();
             for (number, &cell) in mesh.cells.iter().enumerate() {
-                let drawn = basis_in(&medium, cell, kind).unwrap();
+                let drawn = basis_in(&body, cell, kind).unwrap();
                 let wanted = whole.cell_basis(number).unwrap();
                 let both = drawn.values.as_flattened().iter().zip(wanted.values.as_flattened());
                 let off = both.fold(0.0, |m: f64, (a, b)| m.max((a - b).abs()));
@@ -267,20 +266,21 @@ mod tests {
 
     #[test]
     fn the_example_varies_then_is_large_then_in_the_middle() {
-        let mut medium = rough();
+        let mut body = rough();
         let cells = |sizes: &[([usize; 2], [usize; 2])]| -> Vec<CoarseCell> {
             sizes.iter().map(|&(first, size)| CoarseCell { first, size }).collect()
         };
         let mut layout = cells(&[([0, 0], [8, 6]), ([0, 6], [4, 6]), ([4, 6], [4, 6]), ([8, 0], [8, 6])]);
-        let mesh = |layout: &[CoarseCell], medium: &Medium| CoarseMesh::new(&medium.grid, layout.to_vec()).unwrap();
+        let mesh =
+            |layout: &[CoarseCell], body: &HeterogeneousBody| CoarseMesh::new(&body.grid, layout.to_vec()).unwrap();
         // both large cells are as far from the middle: the first one
-        assert_eq!(example(&medium, &mesh(&layout, &medium)), Some(layout[0]));
-        layout[0].fine_cells(&medium.grid.clone()).for_each(|c| medium.young[c] = 7.0);
-        assert_eq!(example(&medium, &mesh(&layout, &medium)), Some(layout[3]));
-        layout[3].fine_cells(&medium.grid.clone()).for_each(|c| medium.young[c] = 5.0);
-        assert_eq!(example(&medium, &mesh(&layout, &medium)), Some(layout[2]));
-        medium.young.fill(1.0);
+        assert_eq!(example(&body, &mesh(&layout, &body)), Some(layout[0]));
+        layout[0].fine_cells(&body.grid.clone()).for_each(|c| body.young[c] = 7.0);
+        assert_eq!(example(&body, &mesh(&layout, &body)), Some(layout[3]));
+        layout[3].fine_cells(&body.grid.clone()).for_each(|c| body.young[c] = 5.0);
+        assert_eq!(example(&body, &mesh(&layout, &body)), Some(layout[2]));
+        body.young.fill(1.0);
         layout.swap(0, 3);
-        assert_eq!(example(&medium, &mesh(&layout, &medium)), Some(layout[0]));
+        assert_eq!(example(&body, &mesh(&layout, &body)), Some(layout[0]));
     }
 }

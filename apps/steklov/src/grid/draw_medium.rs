@@ -17,7 +17,7 @@ pub(crate) fn medium(stored: &Stored) -> Result<Option<Picture>, PictureError> {
     let displacement: Vec<[f64; 2]> = displacement.values.chunks_exact(3).map(|u| [u[0], u[1]]).collect();
     let mut all = deformed(stored, record, &displacement);
     // points of the medium stand behind the nodes of the grid
-    let (first, offset) = (record.medium.grid.nodes(), all.points.len());
+    let (first, offset) = (record.body.grid.nodes(), all.points.len());
     let count = fields.points.len() - first;
     let (mut sums, mut counts) = (vec![0.0; count], vec![0.0; count]);
     for (corners, value) in fields.triangles.iter().zip(&stress.values[fields.lines.len()..]) {

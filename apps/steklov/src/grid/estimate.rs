@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use steklov_msfem::{
-    Basis, CoarseCell, CoarseMesh, CrossingContrast, Indicators, Loads, Medium, bubble_indicators, crossing_contrast,
-    nodal_indicators,
+    Basis, CoarseCell, CoarseMesh, CrossingContrast, HeterogeneousBody, Indicators, Loads, bubble_indicators,
+    crossing_contrast, nodal_indicators,
 };
 
 use steklov_coupling::{CellIndicators, InterfaceIndicators};
@@ -53,10 +53,10 @@ pub struct GridEstimate {
 const CROSSED: f64 = 1e2;
 
 /// Largest ratio of the softer of two opposite cells at a node to the stiffer one of the other two.
-fn contrast_crossed(medium: &Medium) -> f64 {
-    let grid = &medium.grid;
+fn contrast_crossed(body: &HeterogeneousBody) -> f64 {
+    let grid = &body.grid;
     let [nx, ny] = grid.cells;
-    let young = |ix: usize, iy: usize| if grid.inside(ix, iy) { medium.young[ix * ny + iy] } else { f64::NAN };
+    let young = |ix: usize, iy: usize| if grid.inside(ix, iy) { body.young[ix * ny + iy] } else { f64::NAN };
     let at = |ix: usize, iy: usize| {
         let [a, b, c, d] = [young(ix, iy), young(ix + 1, iy), young(ix + 1, iy + 1), young(ix, iy + 1)];
         let whole = [a, b, c, d].iter().all(|e| e.is_finite());
@@ -67,9 +67,9 @@ fn contrast_crossed(medium: &Medium) -> f64 {
 }
 
 /// Largest ratio of moduli in one coarse cell.
-fn contrast_inside(medium: &Medium, mesh: &CoarseMesh) -> f64 {
+fn contrast_inside(body: &HeterogeneousBody, mesh: &CoarseMesh) -> f64 {
     let ratio = |cell: &CoarseCell| {
-        let young = cell.fine_cells(&medium.grid).map(|c| medium.young[c]);
+        let young = cell.fine_cells(&body.grid).map(|c| body.young[c]);
         let (low, high) = young.fold((f64::INFINITY, 0.0f64), |(low, high), e| (low.min(e), high.max(e)));
         high / low
     };
@@ -115,12 +115,12 @@ pub(super) fn estimate(
     mut tractions: Tractions,
     held: &[bool],
 ) -> Result<Option<GridEstimate>, SolveError> {
-    let (medium, u) = (&solved.medium, &solved.displacement);
+    let (body, u) = (&solved.body, &solved.displacement);
     let coarse = solved.coarse.as_ref();
     if coarse.is_some_and(|c| !c.basis.is_conforming()) {
         return Ok(None);
     }
-    let mut load = loads.nodal(medium);
+    let mut load = loads.nodal(body);
     for pressed in contact_sides(solved) {
         let h = pressed.length;
         let [t0, t1] = pressed.tractions;
@@ -131,8 +131,8 @@ pub(super) fn estimate(
     }
     let residuals = scene.method.indicator == Indicator::Residual;
     if let Some(around) = &solved.around {
-        let fine = GridTrace::new(scene, &medium.grid, |_| true)?;
-        let sides = medium_tractions(&medium.grid, around, &fine);
+        let fine = GridTrace::new(scene, &body.grid, |_| true)?;
+        let sides = medium_tractions(&body.grid, around, &fine);
         for side in &sides {
             for (node, moment) in side.nodes.into_iter().zip(side.moments) {
                 (0..2).for_each(|i| load[2 * node + i] += moment[i]);
@@ -147,21 +147,21 @@ pub(super) fn estimate(
     let mut residual = None;
     let indicators = match (coarse, scene.method.indicator) {
         (None, _) => Vec::new(),
-        (Some(coarse), Indicator::Bubble) => nodal_indicators(medium, &coarse.mesh, &load, u, held),
+        (Some(coarse), Indicator::Bubble) => nodal_indicators(body, &coarse.mesh, &load, u, held),
         (Some(coarse), Indicator::Residual) => {
             // the bubbles of the solution answer the load inside of the cells
-            let body = if coarse.bubbles { &[][..] } else { &loads.body };
-            residual.insert(Indicators::new(medium, &coarse.mesh, body, u, &traction)).squared()
+            let force = if coarse.bubbles { &[][..] } else { &loads.body };
+            residual.insert(Indicators::new(body, &coarse.mesh, force, u, &traction)).squared()
         }
     };
     let multiscale = indicators.iter().sum::<f64>();
     let fine_grid: f64 = if residuals && coarse.is_none() && solved.around.is_some() {
         let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
-        CellIndicators::new(medium, u, &force).squared().iter().sum()
+        CellIndicators::new(body, u, &force).squared().iter().sum()
     } else {
-        let fine = GridTrace::new(scene, &medium.grid, |_| true)?;
-        bubble_indicators(medium, &loads.body, u, &traction).iter().sum::<f64>()
-            + load_oscillation(scene, medium, loads, &fine)?
+        let fine = GridTrace::new(scene, &body.grid, |_| true)?;
+        bubble_indicators(body, &loads.body, u, &traction).iter().sum::<f64>()
+            + load_oscillation(scene, body, loads, &fine)?
     };
     let interface = solved.interface.clone();
     let jump = solved.jump_oscillation.clone();
@@ -170,8 +170,8 @@ pub(super) fn estimate(
     let scale = (2.0 * solved.energies.strain).sqrt();
     // nothing is strained: all that is estimated is missing
     let relative = if scale > 0.0 { error / scale } else { f64::from(u8::from(error > 0.0)) };
-    let crossing = coarse.map(|c| crossing_contrast(medium, &c.mesh, FAILING));
-    let inside = coarse.filter(|c| c.basis == Basis::Q1).map_or(1.0, |c| contrast_inside(medium, &c.mesh));
+    let crossing = coarse.map(|c| crossing_contrast(body, &c.mesh, FAILING));
+    let inside = coarse.filter(|c| c.basis == Basis::Q1).map_or(1.0, |c| contrast_inside(body, &c.mesh));
     Ok(Some(GridEstimate {
         indicators,
         residual,
@@ -184,14 +184,14 @@ pub(super) fn estimate(
         relative,
         crossing,
         inside,
-        crossed: contrast_crossed(medium),
+        crossed: contrast_crossed(body),
     }))
 }
 
 /// What is left of the balance of tractions acts on body and medium alike: of the energy r²/k₁ that it would have in a cell
 /// alone the part k₁/(k₁ + k₂) remains, k₁ and k₂ as their moduli.
 fn share(solved: &GridSolved, around: &Around, cell: usize) -> f64 {
-    share_of_moduli(solved.medium.young[cell], around.material.young)
+    share_of_moduli(solved.body.young[cell], around.material.young)
 }
 
 fn share_of_moduli(own: f64, other: f64) -> f64 {
@@ -205,10 +205,10 @@ fn beside_medium(
     side: &MediumTraction,
     given: [Option<f64>; 2],
 ) -> [Option<f64>; 2] {
-    let (medium, (cell, number)) = (&solved.medium, side.side);
+    let (body, (cell, number)) = (&solved.body, side.side);
     let middle = [[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]][number];
-    let u = medium.cell_values(&solved.displacement, cell);
-    let [xx, yy, xy] = medium.elasticity.stress(medium.young[cell], &u, middle, medium.grid.spacing);
+    let u = body.cell_values(&solved.displacement, cell);
+    let [xx, yy, xy] = body.elasticity.stress(body.young[cell], &u, middle, body.grid.spacing);
     let own = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
     let share = share(solved, around, cell);
     [0, 1].map(|i| {
@@ -219,7 +219,7 @@ fn beside_medium(
 
 /// The same of the nodal forces on the interface.
 fn share_with_medium(solved: &GridSolved, around: &Around, sides: &[MediumTraction], load: &mut [f64]) {
-    let forces = solved.medium.forces(&solved.displacement);
+    let forces = solved.body.forces(&solved.displacement);
     // the mean over both sides at a node
     let mut shares: HashMap<usize, (f64, f64)> = HashMap::new();
     for side in sides {
@@ -252,7 +252,7 @@ struct ContactSide {
 /// The fine sides of contact elements with the tractions on them: the multipliers of the nodes, linear between them. A held end
 /// has that of its neighbour.
 fn contact_sides(solved: &GridSolved) -> Vec<ContactSide> {
-    let (grid, trace) = (&solved.medium.grid, &solved.trace);
+    let (grid, trace) = (&solved.body.grid, &solved.trace);
     let (mesh, next) = (&trace.mesh, &trace.mesh.next);
     let Some(contact) = &solved.contact else { return Vec::new() };
     let mut known: HashMap<(usize, usize), [f64; 2]> = HashMap::new();

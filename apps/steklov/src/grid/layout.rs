@@ -48,7 +48,7 @@ impl GridLayout {
             let parts = if marked.cells.contains(&true) { 2 * self.parts } else { self.parts };
             return Ok((refined || parts > self.parts).then_some(Self { parts, coarse: None, around }));
         };
-        let cells = refine(&solved.medium.grid, &coarse.mesh, &marked.cells)?.cells;
+        let cells = refine(&solved.body.grid, &coarse.mesh, &marked.cells)?.cells;
         let split = cells.len() > coarse.mesh.cells.len();
         Ok((refined || split).then_some(Self { parts: self.parts, coarse: Some(cells), around }))
     }

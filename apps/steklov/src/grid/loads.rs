@@ -1,7 +1,7 @@
 //! Loads and gaps of a scene on a grid.
 
 use steklov_bem_operators::{Mesh, Site};
-use steklov_msfem::{Loads, Medium, MsfemError};
+use steklov_msfem::{HeterogeneousBody, Loads, MsfemError};
 
 use super::estimate::Tractions;
 use super::trace::GridTrace;
@@ -10,17 +10,21 @@ use crate::scene::{Condition, Scene, SceneErrorKind};
 use crate::solve::SolveError;
 
 /// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
-pub(super) fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<(Loads, Tractions), SolveError> {
+pub(super) fn loads(
+    scene: &Scene,
+    body: &HeterogeneousBody,
+    fine: &GridTrace,
+) -> Result<(Loads, Tractions), SolveError> {
     let (mut loads, mut tractions) = (Loads::default(), Tractions::default());
     let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
     for e in 0..fine.mesh.len() {
         if let Condition::Displacement { values, .. } = &scene.sides[fine.mesh.side[e]].condition {
             let given = values.each_ref().map(|value| value.is_none().then_some(0.0));
-            tractions.insert(fine.cell(&medium.grid, e), given);
+            tractions.insert(fine.cell(&body.grid, e), given);
         }
     }
     for (e, moments) in data.side_loads()?.into_iter().chain(remote_tractions(scene, &fine.mesh)) {
-        let (cell, side) = fine.cell(&medium.grid, e);
+        let (cell, side) = fine.cell(&body.grid, e);
         loads.add_side(cell, side, moments);
         let mean = tractions.entry((cell, side)).or_insert([Some(0.0); 2]);
         for i in 0..2 {
@@ -29,7 +33,7 @@ pub(super) fn loads(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<
     }
     if scene.body_force.is_some() {
         let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
-        loads.set_body_force(medium, force).map_err(|error| body_force_error(scene, error))?;
+        loads.set_body_force(body, force).map_err(|error| body_force_error(scene, error))?;
     }
     Ok((loads, tractions))
 }

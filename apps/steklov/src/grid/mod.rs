@@ -1,7 +1,7 @@
 //! Bodies on grids of rectangles: bilinear and multiscale finite elements.
 //!
 //! ```text
-//! scene ─► GridLayout (how fine, which coarse cells) ─► Medium (cells and moduli) + Loads + GridTrace (the boundary)
+//! scene ─► GridLayout (how fine, which coarse cells) ─► HeterogeneousBody (cells and moduli) + Loads + GridTrace (the boundary)
 //!            ▲                                                      │
 //!            │                    fem: K of all fine nodes ─────────┤
 //!            │                  msfem: bases ─► K_H of the vertices ┤

@@ -4,7 +4,7 @@ use std::f64::consts::PI;
 
 use rayon::prelude::*;
 use steklov_bem_operators::side_moments_and_squares;
-use steklov_msfem::{Loads, Medium};
+use steklov_msfem::{HeterogeneousBody, Loads};
 use steklov_quadrature::gauss_legendre;
 
 use super::trace::GridTrace;
@@ -27,18 +27,18 @@ const POINTS: usize = 6;
 /// Loads that are not finite.
 pub(super) fn load_oscillation(
     scene: &Scene,
-    medium: &Medium,
+    body: &HeterogeneousBody,
     loads: &Loads,
     fine: &GridTrace,
 ) -> Result<f64, SolveError> {
-    Ok(of_body_force(scene, medium, loads) + of_tractions(scene, medium, fine)?)
+    Ok(of_body_force(scene, body, loads) + of_tractions(scene, body, fine)?)
 }
 
-fn of_body_force(scene: &Scene, medium: &Medium, loads: &Loads) -> f64 {
+fn of_body_force(scene: &Scene, body: &HeterogeneousBody, loads: &Loads) -> f64 {
     if scene.body_force.is_none() || scene.constant_force().is_some() {
         return 0.0;
     }
-    let grid = &medium.grid;
+    let grid = &body.grid;
     let ([hx, hy], rule) = (grid.spacing, gauss_legendre(POINTS).mapped(0.0, 1.0));
     let of_cell = |&cell: &usize| -> f64 {
         let [x, y] = grid.lattice_point(grid.cell(cell));
@@ -50,7 +50,7 @@ fn of_body_force(scene: &Scene, medium: &Medium, loads: &Loads) -> f64 {
             }
         }
         let h = hx.max(hy) / (2.0 * PI);
-        h * h / medium.young[cell] * rest(square, bilinear(&loads.body[cell], hx * hy))
+        h * h / body.young[cell] * rest(square, bilinear(&loads.body[cell], hx * hy))
     };
     let cells: Vec<usize> = grid.body_cells().collect();
     cells.par_iter().map(of_cell).collect::<Vec<f64>>().iter().sum()
@@ -67,7 +67,7 @@ fn bilinear(moments: &[f64; 8], area: f64) -> f64 {
     4.0 / area * pairs.map(product).sum::<f64>()
 }
 
-fn of_tractions(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<f64, SolveError> {
+fn of_tractions(scene: &Scene, body: &HeterogeneousBody, fine: &GridTrace) -> Result<f64, SolveError> {
     let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
     let mut sum = 0.0;
     data.each_traction(&mut |side, name, expression, direction| {
@@ -78,7 +78,7 @@ fn of_tractions(scene: &Scene, medium: &Medium, fine: &GridTrace) -> Result<f64,
         let found = side_moments_and_squares(data.mesh, data.space, side, &function.datum(name));
         let (moments, squares) = found.map_err(|error| data.located(error, expression))?;
         for ((e, moments), square) in moments.into_iter().zip(squares) {
-            let (h, young) = (data.mesh.length(e), medium.young[fine.cell(&medium.grid, e).0]);
+            let (h, young) = (data.mesh.length(e), body.young[fine.cell(&body.grid, e).0]);
             let (a, b) = (moments[0], moments[1]);
             let [nx, ny] = direction(e);
             let linear = 4.0 / h * (a * a - a * b + b * b);

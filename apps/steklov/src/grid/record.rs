@@ -4,7 +4,7 @@ use std::path::Path;
 
 use steklov_bem_operators::{Location, Mesh};
 use steklov_io::vtkhdf::{Field, Grid as VtkGrid};
-use steklov_msfem::{CoarseMesh, Medium, crossing_contrast};
+use steklov_msfem::{CoarseMesh, HeterogeneousBody, crossing_contrast};
 
 use super::estimate::GridEstimate;
 use super::run::{GridRun, GridStep};
@@ -14,7 +14,7 @@ use crate::plan::Plan;
 use crate::record::{Record, audit_summary};
 use crate::report::{ContactRow, contact_rows, contact_summary};
 use crate::scene::{Condition, Scene, Side};
-use crate::summary::{ExteriorSummary, GridSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
+use crate::summary::{GridSummary, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::vertices::tell_unbounded;
 
 /// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their
@@ -22,7 +22,7 @@ use crate::vertices::tell_unbounded;
 #[derive(Debug, Clone)]
 pub struct GridRecord {
     /// Fine cells, moduli, Poisson's ratio.
-    pub medium: Medium,
+    pub body: HeterogeneousBody,
     /// Coarse cells; None of bilinear elements on the fine grid.
     pub coarse: Option<CoarseMesh>,
     /// Displacement of the coarse vertices (length), those that hang included.
@@ -92,14 +92,14 @@ impl GridSolved {
     /// # Panics
     /// Outside of the body.
     pub fn at(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-        self.medium.at(&self.displacement, x).unwrap_or_else(|| panic!("({}, {}) is not in the body", x[0], x[1]))
+        self.body.at(&self.displacement, x).unwrap_or_else(|| panic!("({}, {}) is not in the body", x[0], x[1]))
     }
 }
 
 fn grid_record(solved: &GridSolved, steps: Vec<GridStep>) -> GridRecord {
     let coarse = solved.coarse.as_ref();
     GridRecord {
-        medium: solved.medium.clone(),
+        body: solved.body.clone(),
         coarse: coarse.map(|c| c.mesh.clone()),
         vertex_displacement: coarse.map_or(Vec::new(), |c| c.displacement.clone()),
         steps,
@@ -108,9 +108,9 @@ fn grid_record(solved: &GridSolved, steps: Vec<GridStep>) -> GridRecord {
 
 /// The fine cells with displacement, stress and moduli; the boundary as lines.
 fn vtk(solved: &GridSolved) -> VtkGrid {
-    let medium = &solved.medium;
-    let grid = &medium.grid;
-    let stresses = medium.stresses(&solved.displacement);
+    let body = &solved.body;
+    let grid = &body.grid;
+    let stresses = body.stresses(&solved.displacement);
     let boundary = grid.boundary();
     let lines = boundary.iter().map(|&(cell, side)| {
         let nodes = grid.cell_nodes(cell);
@@ -137,8 +137,8 @@ fn vtk(solved: &GridSolved) -> VtkGrid {
         )],
         cell_data: vec![
             field("stress", "stress", 3, cells.iter().flat_map(|&c| stresses[c]).collect()),
-            field("von_mises", "stress", 1, cells.iter().map(|&c| medium.elasticity.von_mises(stresses[c])).collect()),
-            field("young", "stress", 1, cells.iter().map(|&c| medium.young[c]).collect()),
+            field("von_mises", "stress", 1, cells.iter().map(|&c| body.elasticity.von_mises(stresses[c])).collect()),
+            field("young", "stress", 1, cells.iter().map(|&c| body.young[c]).collect()),
         ],
     }
 }
@@ -186,7 +186,7 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
         friction_work: solved.energies.friction_work,
         estimate: estimate.map(|e| e.error),
         estimate_relative: estimate.map(|e| e.relative),
-        estimate_doubts: of_estimate.into_iter().chain(exterior.iter().filter_map(ExteriorSummary::doubt)).collect(),
+        estimate_doubts: of_estimate.into_iter().chain(exterior.iter().filter_map(MediumSummary::doubt)).collect(),
         iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact.map(|c| contact_summary(scene, solved.trace(), c, rows, None)),
         audit: contact.map(|c| audit_summary(&c.audit)),
@@ -208,14 +208,14 @@ fn summary(scene: &Scene, run: &GridRun, rows: &[ContactRow], file: &Path) -> Su
 }
 
 fn grid_summary(solved: &GridSolved) -> GridSummary {
-    let (medium, estimate) = (&solved.medium, solved.estimate.as_ref());
+    let (body, estimate) = (&solved.body, solved.estimate.as_ref());
     let coarse = solved.coarse.as_ref();
-    let crossing = coarse.map(|c| crossing_contrast(medium, &c.mesh, FAILING));
-    let inside = medium.grid.body_cells().map(|c| medium.young[c]);
+    let crossing = coarse.map(|c| crossing_contrast(body, &c.mesh, FAILING));
+    let inside = body.grid.body_cells().map(|c| body.young[c]);
     let (low, high) = inside.fold((f64::INFINITY, 0.0), |(low, high): (f64, f64), e| (low.min(e), high.max(e)));
     GridSummary {
-        cells: medium.grid.cells,
-        fine_dofs: medium.grid.dofs(),
+        cells: body.grid.cells,
+        fine_dofs: body.grid.dofs(),
         basis: coarse.map(|c| c.basis.word().to_owned()),
         coarse_cells: coarse.map(|c| c.mesh.cells.len()),
         patterns: coarse.map(|c| c.patterns),

@@ -142,7 +142,7 @@ pub fn run_grid(
 
 /// Unknowns of the next step, held ones included.
 fn next_dofs(scene: &Scene, solved: &GridSolved, parts: usize, next: &GridLayout) -> usize {
-    let grid = &solved.medium.grid;
+    let grid = &solved.body.grid;
     match &next.coarse {
         None if next.parts == parts => solved.dofs,
         // vertices - sides + cells = 1 - holes, and each of them becomes a vertex

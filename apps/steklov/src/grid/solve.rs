@@ -4,7 +4,9 @@ use std::time::Instant;
 
 use steklov_coupling::InterfaceIndicators;
 use steklov_elastic::RigidMotion;
-use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, Loads, Medium, MsfemError, Multiscale};
+use steklov_msfem::{
+    Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale,
+};
 
 use super::coupled::solve_coupled;
 use super::estimate::{GridEstimate, estimate};
@@ -24,7 +26,7 @@ use crate::supports::Held;
 /// A solved grid.
 pub struct GridSolved {
     /// Cells, moduli, Poisson's ratio.
-    pub medium: Medium,
+    pub body: HeterogeneousBody,
     /// The coarse cells and what belongs to them; None of bilinear elements on the fine grid.
     pub coarse: Option<CoarseSolved>,
     /// The boundary elements on which supports and contact are set up.
@@ -88,14 +90,14 @@ impl GridSolved {
 }
 
 /// Cells, moduli and material of a scene on the grid of its layout.
-pub(crate) fn medium(scene: &Scene, layout: &GridLayout) -> Result<Medium, SolveError> {
+pub(crate) fn body(scene: &Scene, layout: &GridLayout) -> Result<HeterogeneousBody, SolveError> {
     let coarse = grid_of(scene)?;
     let parts = layout.parts;
     let cells = coarse.cells.map(|n| n * parts);
     let spacing = coarse.spacing.map(|h| h / parts as f64);
     let grid = Grid::new(coarse.origin, spacing, cells, |ix, iy| coarse.inside(ix / parts, iy / parts))?;
     let young = moduli(scene, &grid)?;
-    Ok(Medium::new(grid, young, Elasticity::new(scene.material.poisson, scene.material.plane)?)?)
+    Ok(HeterogeneousBody::new(grid, young, Elasticity::new(scene.material.poisson, scene.material.plane)?)?)
 }
 
 /// The basis that a scene asks for.
@@ -122,17 +124,17 @@ pub(crate) fn solve_grid(
 ) -> Result<GridSolved, SolveError> {
     let clock = Instant::now();
     observe(Stage::Progress("moduli, loads and supports", 0.0))?;
-    let medium = medium(scene, layout)?;
-    let fine = GridTrace::new(scene, &medium.grid, |_| true)?;
-    let (loads, tractions) = loads(scene, &medium, &fine)?;
+    let body = body(scene, layout)?;
+    let fine = GridTrace::new(scene, &body.grid, |_| true)?;
+    let (loads, tractions) = loads(scene, &body, &fine)?;
     let set_up = clock.elapsed().as_secs_f64();
     let (mut solved, held) = match (&scene.exterior, &layout.coarse) {
         (Some(input), _) => {
-            let held = vec![false; medium.grid.dofs()];
-            (solve_coupled(scene, input, medium, fine, &loads, layout, observe)?, held)
+            let held = vec![false; body.grid.dofs()];
+            (solve_coupled(scene, input, body, fine, &loads, layout, observe)?, held)
         }
-        (None, None) => solve_fine(scene, medium, fine, &loads, observe)?,
-        (None, Some(cells)) => solve_coarse(scene, medium, fine, &loads, cells.clone(), observe)?,
+        (None, None) => solve_fine(scene, body, fine, &loads, observe)?,
+        (None, Some(cells)) => solve_coarse(scene, body, fine, &loads, cells.clone(), observe)?,
     };
     solved.seconds.set_up += set_up;
     let Energies { total, strain, load_work, .. } = solved.energies;
@@ -193,7 +195,7 @@ pub(super) fn node_at(grid: &Grid, [i, j]: [usize; 2]) -> usize {
 /// Bilinear elements on all cells.
 fn solve_fine(
     scene: &Scene,
-    medium: Medium,
+    body: HeterogeneousBody,
     trace: GridTrace,
     loads: &Loads,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
@@ -206,12 +208,12 @@ fn solve_fine(
     let set_up = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     observe(Stage::Progress("assembling K", 0.1))?;
-    let grid = &medium.grid;
+    let grid = &body.grid;
     let system = System {
-        stiffness: medium.stiffness(),
-        load: loads.nodal(&medium),
+        stiffness: body.stiffness(),
+        load: loads.nodal(&body),
         points: (0..grid.nodes()).map(|n| grid.point(n)).collect(),
-        order: medium.elimination_order(),
+        order: body.elimination_order(),
         at_boundary: trace.lattice.iter().map(|&p| node_at(grid, p)).collect(),
     };
     let assemble = clock.elapsed().as_secs_f64();
@@ -219,8 +221,8 @@ fn solve_fine(
     let clock = Instant::now();
     let traction = |u: &[f64], e: usize, _: usize| {
         let cell = trace.cell(grid, e).0;
-        let values = medium.cell_values(u, cell);
-        moment(medium.elasticity.stress(medium.young[cell], &values, [0.5; 2], grid.spacing), &trace, e)
+        let values = body.cell_values(u, cell);
+        moment(body.elasticity.stress(body.young[cell], &values, [0.5; 2], grid.spacing), &trace, e)
     };
     let at_boundary = system.at_boundary.clone();
     let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
@@ -243,7 +245,7 @@ fn solve_fine(
         estimate_seconds: 0.0,
         coarse: None,
         trace,
-        medium,
+        body,
         around: None,
         interface: None,
         jump_oscillation: Vec::new(),
@@ -256,7 +258,7 @@ const ROUNDING: f64 = 1e-13;
 
 /// Displacements prescribed on the fine boundary less the trace of those at the vertices.
 fn lift(problem: &Multiscale<'_>, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse: &[Held]) -> Vec<f64> {
-    let grid = &problem.medium.grid;
+    let grid = &problem.body.grid;
     let mut lift = vec![0.0; grid.dofs()];
     let mut place = 0;
     let mut lifted = false;
@@ -322,7 +324,7 @@ fn broken_energies(
     let (mut strain, mut work) = (0.0, 0.0);
     problem.downscale_cells(coarse, loads, extra, &mut |_| true, |cell, field| {
         for (fine, u) in problem.fine_values(cell, field) {
-            strain += problem.medium.cell_energy(fine, &u) / 2.0;
+            strain += problem.body.cell_energy(fine, &u) / 2.0;
             work += loads.cell(fine).iter().zip(&u).map(|(f, u)| f * u).sum::<f64>();
         }
     })?;
@@ -332,17 +334,17 @@ fn broken_energies(
 /// Multiscale elements on coarse cells.
 fn solve_coarse(
     scene: &Scene,
-    medium: Medium,
+    body: HeterogeneousBody,
     fine: GridTrace,
     loads: &Loads,
     cells: Vec<CoarseCell>,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<(GridSolved, Vec<bool>), SolveError> {
     let clock = Instant::now();
-    let grid = &medium.grid;
+    let grid = &body.grid;
     let mesh = CoarseMesh::new(grid, cells)?;
     let basis = basis(scene);
-    let mut problem = Multiscale::new(&medium, mesh, basis)?;
+    let mut problem = Multiscale::new(&body, mesh, basis)?;
     let vertex_at = |p: [usize; 2]| {
         let found = problem.mesh.vertices.binary_search_by_key(&[p[1], p[0]], |v| [v[1], v[0]]);
         found.ok()
@@ -397,9 +399,9 @@ fn solve_coarse(
         problem.downscale(&answer.displacement, loads, &extra, go_on)
     })?;
     let (strain, load_work) = if basis.is_conforming() {
-        let load = loads.nodal(&medium);
+        let load = loads.nodal(&body);
         let work = displacement.iter().zip(&load).map(|(u, f)| u * f).sum();
-        (medium.energy(&displacement, &displacement) / 2.0, work)
+        (body.energy(&displacement, &displacement) / 2.0, work)
     } else {
         broken_energies(&problem, &answer.displacement, loads, &extra)?
     };
@@ -437,7 +439,7 @@ fn solve_coarse(
             lift: extra.lift,
         }),
         trace,
-        medium,
+        body,
         around: None,
         interface: None,
         jump_oscillation: Vec::new(),

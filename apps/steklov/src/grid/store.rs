@@ -5,7 +5,7 @@ use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_points,
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
 };
-use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, Indicators, Medium};
+use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, HeterogeneousBody, Indicators};
 
 use super::estimate::GridEstimate;
 use super::layout::GridLayout;
@@ -58,7 +58,7 @@ fn load_cells(at: &Group) -> Result<Vec<CoarseCell>, IoError> {
 pub(crate) fn write(file: &File, record: &GridRecord) -> Result<(), IoError> {
     let at = create_group(file, "multiscale")?;
     let axis = &["axis"];
-    let Medium { grid, elasticity, .. } = &record.medium;
+    let HeterogeneousBody { grid, elasticity, .. } = &record.body;
     save_vector(&at, "origin", &grid.origin, &label("length", "lower left corner of the grid", axis))?;
     save_vector(&at, "spacing", &grid.spacing, &label("length", "sides of a fine cell", axis))?;
     save_integers(&at, "cells", &grid.cells, &label("1", "fine cells along x and y", axis))?;
@@ -148,12 +148,12 @@ const RESIDUAL_TERMS: [Term; 5] = [
 /// A file that is not one of this program's, truncated or altered.
 pub(crate) fn read(file: &File, fields: &vtkhdf::Grid) -> Result<GridRecord, IoError> {
     let at = open_group(file, "multiscale")?;
-    let medium = load_medium(&at, fields)?;
+    let body = load_body(&at, fields)?;
     let steps = read_steps(file)?;
     let last = steps.last().and_then(|step| step.layout.coarse.as_ref());
     let (mut coarse, mut vertex_displacement) = (None, Vec::new());
     if at.link_exists("coarse_cells") {
-        let mesh = CoarseMesh::new(&medium.grid, load_cells(&at)?).map_err(|e| invalid(&at, "coarse_cells", e))?;
+        let mesh = CoarseMesh::new(&body.grid, load_cells(&at)?).map_err(|e| invalid(&at, "coarse_cells", e))?;
         vertex_displacement = load_points(&at, "vertex_displacement")?;
         if vertex_displacement.len() != mesh.vertices.len() {
             let why = format!("{} of {} vertices", vertex_displacement.len(), mesh.vertices.len());
@@ -164,11 +164,11 @@ pub(crate) fn read(file: &File, fields: &vtkhdf::Grid) -> Result<GridRecord, IoE
     if coarse.as_ref().map(|mesh| &mesh.cells) != last {
         return Err(invalid(&at, "", "its coarse cells are not those of the last step"));
     }
-    Ok(GridRecord { medium, coarse, vertex_displacement, steps })
+    Ok(GridRecord { body, coarse, vertex_displacement, steps })
 }
 
 /// Cells, moduli and material; the moduli are those of the fields.
-fn load_medium(at: &Group, fields: &vtkhdf::Grid) -> Result<Medium, IoError> {
+fn load_body(at: &Group, fields: &vtkhdf::Grid) -> Result<HeterogeneousBody, IoError> {
     let pair = |name: &str| -> Result<[f64; 2], IoError> {
         let values = load_vector(at, name)?;
         values.as_slice().try_into().map_err(|_| invalid(at, name, format!("{} numbers, not 2", values.len())))
@@ -194,7 +194,7 @@ fn load_medium(at: &Group, fields: &vtkhdf::Grid) -> Result<Medium, IoError> {
     let values = of_quads(fields, "young", 1).ok_or_else(|| invalid(at, "", "/VTKHDF has no modulus for each cell"))?;
     let mut young = vec![f64::NAN; rows.len()];
     grid.body_cells().zip(values).for_each(|(cell, value)| young[cell] = *value);
-    Medium::new(grid, young, load(at, "elasticity")?).map_err(|e| invalid(at, "", e))
+    HeterogeneousBody::new(grid, young, load(at, "elasticity")?).map_err(|e| invalid(at, "", e))
 }
 
 /// The values of a field in the quadrilaterals, if there is such a field.

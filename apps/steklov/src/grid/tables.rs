@@ -11,14 +11,14 @@ use crate::store::Stored;
 /// coarse cell and its η² in the last step, empty without an estimate.
 pub(crate) fn tables(stored: &Stored) -> Vec<(&'static str, String)> {
     let Some(record) = &stored.on_grid else { return Vec::new() };
-    let (medium, fields) = (&record.medium, &stored.grid);
-    let grid = &medium.grid;
+    let (body, fields) = (&record.body, &stored.grid);
+    let grid = &body.grid;
     let mut tables = Vec::new();
     if let (Some(stress), Some(von_mises)) = (of_quads(fields, "stress", 3), of_quads(fields, "von_mises", 1)) {
         let mut text = String::from("x,y,young,sigma_xx,sigma_yy,sigma_xy,von_mises\n");
         for ((cell, s), von_mises) in grid.body_cells().zip(stress.chunks_exact(3)).zip(von_mises) {
             let [x, y] = grid.centre(cell);
-            row(&mut text, &[x, y, medium.young[cell], s[0], s[1], s[2], *von_mises]);
+            row(&mut text, &[x, y, body.young[cell], s[0], s[1], s[2], *von_mises]);
         }
         tables.push(("cells", text));
     }

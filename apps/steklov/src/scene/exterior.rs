@@ -15,7 +15,7 @@ use crate::expression::Expression;
 
 /// `[exterior]`: the unbounded medium.
 #[derive(Debug, Clone)]
-pub struct ExteriorInput {
+pub struct MediumInput {
     /// Its material, in the same plane as the body's.
     pub material: Material,
     /// u - u_c where body and medium meet (length).
@@ -35,11 +35,7 @@ pub struct ExteriorInput {
 }
 
 /// Reads `[exterior]`; `body`: the plane of the body's material, None of a hole in the medium.
-pub(super) fn exterior(
-    field: &Field<'_>,
-    body: Option<Plane>,
-    context: &Context<'_>,
-) -> Result<ExteriorInput, Problem> {
+pub(super) fn exterior(field: &Field<'_>, body: Option<Plane>, context: &Context<'_>) -> Result<MediumInput, Problem> {
     let jumps = ["displacement_jump", "traction_jump", "stress_jump"];
     let [displacement, traction, stress] = jumps;
     let fields = Fields::new(field, &keys::EXTERIOR)?;
@@ -87,16 +83,7 @@ pub(super) fn exterior(
     let radiation = stated.unwrap_or(Radiation::Decaying);
     let (displacement_jump, traction_jump) = (pair(displacement)?, pair(traction)?);
     let stated = stated.is_some();
-    Ok(ExteriorInput {
-        material,
-        displacement_jump,
-        traction_jump,
-        stress_jump,
-        remote_stress,
-        radiation,
-        stated,
-        named,
-    })
+    Ok(MediumInput { material, displacement_jump, traction_jump, stress_jump, remote_stress, radiation, stated, named })
 }
 
 /// The three entries xx, yy, xy of a symmetric tensor.
@@ -107,7 +94,7 @@ fn tensor<'a>(field: &Field<'a>) -> Result<[Field<'a>; 3], Problem> {
     list.try_into().map_err(wrong)
 }
 
-impl ExteriorInput {
+impl MediumInput {
     /// Of a medium that supports or obstacles hold, unless the scene states it: they leave no net force, for with one their
     /// forces would depend on the length in its logarithm.
     pub(super) fn bounded_by_supports(&mut self) {
@@ -208,13 +195,13 @@ impl Scene {
     /// The expressions of the traction jump where a body meets the medium around it, their names, and the direction in which each
     /// acts on a side with a normal.
     pub(crate) fn traction_jumps(&self) -> Vec<(&'static str, &Expression, Direction)> {
-        self.exterior.as_ref().map_or(Vec::new(), ExteriorInput::traction_jumps)
+        self.exterior.as_ref().map_or(Vec::new(), MediumInput::traction_jumps)
     }
 
     /// The expressions of the jumps on an edge.
     pub(crate) fn jumps_on(&self, edge: &Edge) -> Vec<&Expression> {
         let meets = !self.is_cavity() && edge.loop_index == 0;
-        let jumps = self.exterior.iter().filter(|_| meets).flat_map(ExteriorInput::jumps);
+        let jumps = self.exterior.iter().filter(|_| meets).flat_map(MediumInput::jumps);
         jumps.map(|(_, expression)| expression).collect()
     }
 

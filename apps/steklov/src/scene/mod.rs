@@ -30,7 +30,7 @@ use steklov_elastic::Material;
 use crate::expression::{Expression, Place};
 
 pub use error::{SceneError, SceneErrorKind, Source};
-pub use exterior::ExteriorInput;
+pub use exterior::MediumInput;
 pub(crate) use germ_data::Signal;
 pub(crate) use grid::MOST_CELLS;
 pub use grid::{BasisInput, CellModuli, Cells, GridInput};
@@ -62,7 +62,7 @@ pub struct Scene {
     /// The grid over the body.
     pub grid: Option<GridInput>,
     /// The unbounded medium around the body.
-    pub exterior: Option<ExteriorInput>,
+    pub exterior: Option<MediumInput>,
     /// Names and values of `[parameters]`.
     pub parameters: BTreeMap<String, f64>,
     /// The sides in the order of [`Polygon::side_names`]; at least one is loaded, held or in contact.

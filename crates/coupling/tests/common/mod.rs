@@ -4,9 +4,9 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
 use sprs::CsMat;
-use steklov_coupling::{Exterior, Interior, Jumps, Outline, Transmission};
+use steklov_coupling::{Interior, Jumps, Medium, Outline, Transmission};
 use steklov_elastic::{Material, Plane};
-use steklov_msfem::{Elasticity, Grid, Loads, Medium};
+use steklov_msfem::{Elasticity, Grid, HeterogeneousBody, Loads};
 use steklov_quadrature::gauss_legendre;
 
 /// A part of the reference file.
@@ -92,11 +92,11 @@ pub fn jump(around: &Material, x: [f64; 2]) -> [f64; 2] {
 }
 
 /// The body of the manufactured problem on n × n cells, with f by 4×4 points a cell and t0.
-pub fn manufactured(n: usize, body: [f64; 2], around: [f64; 2]) -> (Medium, Loads) {
+pub fn manufactured(n: usize, body: [f64; 2], around: [f64; 2]) -> (HeterogeneousBody, Loads) {
     let h = 1.0 / n as f64;
     let grid = Grid::new([-0.5; 2], [h; 2], [n; 2], |_, _| true).unwrap();
     let elasticity = Elasticity::new(body[1], steklov_elastic::Plane::Strain).unwrap();
-    let medium = Medium::new(grid, vec![body[0]; n * n], elasticity).unwrap();
+    let medium = HeterogeneousBody::new(grid, vec![body[0]; n * n], elasticity).unwrap();
     let (body, around) = (material(body), material(around));
     let mut loads = Loads { body: vec![[0.0; 8]; n * n], ..Loads::default() };
     let rule = gauss_legendre(4);
@@ -122,12 +122,12 @@ pub fn manufactured(n: usize, body: [f64; 2], around: [f64; 2]) -> (Medium, Load
 }
 
 /// Boundary elements between the points of the trace; L as in the reference file.
-pub fn around(interior: &Interior, parts: usize, degree: usize, medium: [f64; 2]) -> Exterior {
-    Exterior::new(interior.trace.mesh(parts, degree).unwrap(), material(medium), Some(1.0)).unwrap()
+pub fn around(interior: &Interior, parts: usize, degree: usize, medium: [f64; 2]) -> Medium {
+    Medium::new(interior.trace.mesh(parts, degree).unwrap(), material(medium), Some(1.0)).unwrap()
 }
 
 /// <C ε(e), ε(e)>^½ of the error in the body by 3×3 points a cell.
-pub fn energy_error(medium: &Medium, body: [f64; 2], u: &[f64]) -> f64 {
+pub fn energy_error(medium: &HeterogeneousBody, body: [f64; 2], u: &[f64]) -> f64 {
     let (rule, m, grid) = (gauss_legendre(3), material(body), &medium.grid);
     let mut sum = 0.0;
     for cell in grid.body_cells() {
@@ -149,7 +149,7 @@ pub fn energy_error(medium: &Medium, body: [f64; 2], u: &[f64]) -> f64 {
 }
 
 /// ⟨V e, e⟩^½ of the error of the traction to its mean on each element (degree 1).
-pub fn traction_error(exterior: &Exterior, found: &[f64]) -> f64 {
+pub fn traction_error(exterior: &Medium, found: &[f64]) -> f64 {
     let rule = gauss_legendre(8);
     let mut error = found.to_vec();
     for e in 0..exterior.mesh.len() {
@@ -179,13 +179,13 @@ pub fn lu(matrix: MatRef<'_, f64>, right: &[f64]) -> Vec<f64> {
 }
 
 /// K - ½M and K + ½M.
-pub fn double_layers(exterior: &Exterior) -> [Mat<f64>; 2] {
+pub fn double_layers(exterior: &Medium) -> [Mat<f64>; 2] {
     let mass = dense(&exterior.operators.mass);
     [-0.5, 0.5].map(|half| &exterior.operators.k + faer::Scale(half) * &mass)
 }
 
 /// The manufactured problem, ready to solve, and its jump of displacements.
-pub fn problem<'a>(interior: Interior, exterior: &'a Exterior) -> (Transmission<'a>, Vec<f64>) {
+pub fn problem<'a>(interior: Interior, exterior: &'a Medium) -> (Transmission<'a>, Vec<f64>) {
     let u0 = exterior.space.interpolate(|x| jump(&exterior.material, x));
     (Transmission::new(interior, exterior).unwrap(), u0)
 }

@@ -2,7 +2,7 @@
 #![allow(dead_code)] // each test uses its part
 
 use steklov_elastic::Plane;
-use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, Medium, Multiscale};
+use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
 use steklov_quadrature::unit_uniform;
 
 /// A part of the reference file.
@@ -22,52 +22,52 @@ pub fn strain() -> Elasticity {
 
 /// A rectangle clamped on the left with the traction (0, -1) on the right, or the body force (0, -1).
 pub struct Cantilever {
-    pub medium: Medium,
+    pub body: HeterogeneousBody,
     pub loads: Loads,
     pub load: Vec<f64>,
 }
 
 impl Cantilever {
     pub fn new(size: [f64; 2], cells: [usize; 2], young: Vec<f64>) -> Self {
-        let medium = Medium::new(Grid::rectangle(size, cells).unwrap(), young, strain()).unwrap();
+        let body = HeterogeneousBody::new(Grid::rectangle(size, cells).unwrap(), young, strain()).unwrap();
         let mut loads = Loads::default();
-        let half = -medium.grid.spacing[1] / 2.0;
-        for (cell, side) in medium.grid.boundary() {
+        let half = -body.grid.spacing[1] / 2.0;
+        for (cell, side) in body.grid.boundary() {
             if side == 1 {
                 loads.add_side(cell, side, [[0.0, half]; 2]);
             }
         }
-        let load = loads.nodal(&medium);
-        Self { medium, loads, load }
+        let load = loads.nodal(&body);
+        Self { body, loads, load }
     }
 
     pub fn with_weight(size: [f64; 2], cells: [usize; 2], young: Vec<f64>) -> Self {
         let mut this = Self::new(size, cells, young);
         this.loads = Loads::default();
-        this.loads.set_body_force(&this.medium, |_| [0.0, -1.0]).unwrap();
-        this.load = this.loads.nodal(&this.medium);
+        this.loads.set_body_force(&this.body, |_| [0.0, -1.0]).unwrap();
+        this.load = this.loads.nodal(&this.body);
         this
     }
 
     /// Displacement of the fine grid.
     pub fn fine(&self) -> Vec<f64> {
-        let grid = &self.medium.grid;
+        let grid = &self.body.grid;
         let held: Vec<usize> =
             (0..grid.nodes()).filter(|&n| grid.lattice(n)[0] == 0).flat_map(|n| [2 * n, 2 * n + 1]).collect();
-        let order = self.medium.elimination_order();
-        let solver = Elimination::new(self.medium.stiffness(), &order, &[], &held).unwrap();
+        let order = self.body.elimination_order();
+        let solver = Elimination::new(self.body.stiffness(), &order, &[], &held).unwrap();
         let reduced = solver.reduce(&self.load, &vec![0.0; held.len()]);
         solver.expand(&reduced, &[])
     }
 
     /// The coarse problem with cells of `fine` fine cells, and its solution.
     pub fn multiscale(&self, fine: [usize; 2], basis: Basis, bubbles: bool) -> Solved<'_> {
-        let mesh = CoarseMesh::uniform(&self.medium.grid, fine).unwrap();
+        let mesh = CoarseMesh::uniform(&self.body.grid, fine).unwrap();
         self.on_mesh(mesh, basis, bubbles)
     }
 
     pub fn on_mesh(&self, mesh: CoarseMesh, basis: Basis, bubbles: bool) -> Solved<'_> {
-        let mut problem = Multiscale::new(&self.medium, mesh, basis).unwrap();
+        let mut problem = Multiscale::new(&self.body, mesh, basis).unwrap();
         let extra = Extra { bubbles, ..Extra::default() };
         let system = problem.assemble(&self.loads, &extra, &mut |_| true).unwrap();
         let clamped = |v: &usize| problem.mesh.vertices[*v][0] == 0;
@@ -86,9 +86,9 @@ impl Cantilever {
 
     /// Broken energy and nodal l2 error of a coarse solution relative to the fine one.
     pub fn errors(&self, solved: &Solved<'_>, fine: &[f64]) -> [f64; 2] {
-        let grid = &self.medium.grid;
+        let grid = &self.body.grid;
         let (mut energy, mut scale, mut l2, mut l2_scale) = (0.0, 0.0, 0.0, 0.0);
-        let unit = self.medium.elasticity.unit_stiffness(grid.spacing);
+        let unit = self.body.elasticity.unit_stiffness(grid.spacing);
         solved
             .problem
             .downscale_cells(&solved.coarse, &self.loads, &solved.extra, &mut |_| true, |cell, field| {
@@ -99,7 +99,7 @@ impl Cantilever {
                 // the form by itself, not by the crate
                 let form = |cell: usize, u: &[f64; 8]| -> f64 {
                     let sum = |a: usize| (0..8).map(|b| u[a] * unit[a][b] * u[b]).sum::<f64>();
-                    self.medium.young[cell] * (0..8).map(sum).sum::<f64>()
+                    self.body.young[cell] * (0..8).map(sum).sum::<f64>()
                 };
                 energy += solved.problem.fine_values(cell, &difference).map(|(c, u)| form(c, &u)).sum::<f64>();
                 scale += solved.problem.fine_values(cell, &reference).map(|(c, u)| form(c, &u)).sum::<f64>();
@@ -112,13 +112,13 @@ impl Cantilever {
 
     /// Von Mises stress at the centres of the cells.
     pub fn von_mises(&self, u: &[f64]) -> Vec<f64> {
-        self.medium.stresses(u).iter().map(|s| self.medium.elasticity.von_mises(*s)).collect()
+        self.body.stresses(u).iter().map(|s| self.body.elasticity.von_mises(*s)).collect()
     }
 
     /// u_y at the middle of the right side.
     pub fn tip(&self, u: &[f64]) -> f64 {
-        let [nx, ny] = self.medium.grid.cells;
-        u[2 * self.medium.grid.node(nx, ny / 2).unwrap() + 1]
+        let [nx, ny] = self.body.grid.cells;
+        u[2 * self.body.grid.node(nx, ny / 2).unwrap() + 1]
     }
 }
 
@@ -178,12 +178,12 @@ pub fn close(what: &str, got: f64, wanted: f64, tolerance: f64) {
 
 /// A given traction on sides of which not both ends are held, component by component.
 pub fn unless_held(
-    medium: &Medium,
+    body: &HeterogeneousBody,
     held: &[bool],
     traction: impl Fn(usize, usize) -> [f64; 2] + Sync,
 ) -> impl Fn(usize, usize) -> [Option<f64>; 2] + Sync {
     move |cell, side| {
-        let nodes = medium.grid.cell_nodes(cell);
+        let nodes = body.grid.cell_nodes(cell);
         let given = traction(cell, side);
         let is_held = |k: usize| [side, (side + 1) % 4].iter().all(|&a| held[2 * nodes[a] + k]);
         [0, 1].map(|k| (!is_held(k)).then_some(given[k]))

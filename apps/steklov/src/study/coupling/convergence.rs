@@ -121,7 +121,7 @@ fn solve(exact: &Manufactured<'_>, level: &Level, runs: usize) -> Result<Vec<Poi
     let mut points = Vec::new();
     for run in 0..runs {
         let start = Instant::now();
-        let interior = Interior::fine(&problem.medium, &problem.loads)?;
+        let interior = Interior::fine(&problem.body, &problem.loads)?;
         let exterior = exact.exterior(&interior)?;
         let transmission = Transmission::new(interior, &exterior)?;
         let set_up = start.elapsed().as_secs_f64();
@@ -131,7 +131,7 @@ fn solve(exact: &Manufactured<'_>, level: &Level, runs: usize) -> Result<Vec<Poi
             let solved = transmission.solve(&jump, equations, Radiation::Decaying)?;
             seconds.push(set_up + start.elapsed().as_secs_f64());
             if run == 0 {
-                let [error, norm] = exact.energy_error(&problem.medium, &solved.displacement);
+                let [error, norm] = exact.energy_error(&problem.body, &solved.displacement);
                 points.push(Point {
                     pair: 0,
                     form,

@@ -105,7 +105,7 @@ pub fn costs(
 
 fn cost(exact: &Manufactured<'_>, level: &Level, repeat: usize) -> Result<Cost, CouplingError> {
     let problem = exact.problem(&level.grid)?;
-    let interior = Interior::fine(&problem.medium, &problem.loads)?;
+    let interior = Interior::fine(&problem.body, &problem.loads)?;
     let exterior = exact.exterior(&interior)?;
     let jump = exterior.space.interpolate(|x| exact.jump(x));
     let order = boundary_last(&interior);

@@ -128,7 +128,7 @@ pub fn effectivity(
 /// The indicators of one pair on one grid, by both forms.
 fn indicated(exact: &Manufactured<'_>, level: &Level) -> Result<[Indicated; 2], CouplingError> {
     let problem = exact.problem(&level.grid)?;
-    let interior = Interior::fine(&problem.medium, &problem.loads)?;
+    let interior = Interior::fine(&problem.body, &problem.loads)?;
     let exterior = exact.exterior(&interior)?;
     let transmission = Transmission::new(interior, &exterior)?;
     let nodal = exterior.space.interpolate(|x| exact.jump(x));
@@ -138,11 +138,11 @@ fn indicated(exact: &Manufactured<'_>, level: &Level) -> Result<[Indicated; 2], 
         let form = INDICATED[number].1;
         let solved = transmission.solve(&nodal, form, Radiation::Decaying)?;
         let u = &solved.displacement;
-        let [energy, _] = exact.energy_error(&problem.medium, u);
+        let [energy, _] = exact.energy_error(&problem.body, u);
         let traction = exact.traction_error(&exterior, &solved.traction);
         let error = energy.hypot(traction);
-        let inside = CellIndicators::new(&problem.medium, u, &|x| exact.body_force(x));
-        let on = InterfaceIndicators::new(&exterior, &problem.medium, u, &solved, form, &jumps)?;
+        let inside = CellIndicators::new(&problem.body, u, &|x| exact.body_force(x));
+        let on = InterfaceIndicators::new(&exterior, &problem.body, u, &solved, form, &jumps)?;
         let sum = |terms: &[f64]| terms.iter().sum::<f64>();
         let hypersingular = on.hypersingular.as_ref().map_or(f64::NAN, |h| sum(h));
         let squared = [sum(&inside.volume), sum(&inside.jump), sum(&on.traction), sum(&on.displacement), hypersingular];

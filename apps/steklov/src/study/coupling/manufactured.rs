@@ -4,9 +4,9 @@ use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
 use steklov_bem_operators::{Location, Polygon};
-use steklov_coupling::{CouplingError, Exterior, Interior, Outline};
+use steklov_coupling::{CouplingError, Interior, Medium, Outline};
 use steklov_elastic::Material;
-use steklov_msfem::{Elasticity, Grid, Loads, Medium};
+use steklov_msfem::{Elasticity, Grid, HeterogeneousBody, Loads};
 use steklov_quadrature::gauss_legendre;
 
 use super::grids::sides;
@@ -48,7 +48,7 @@ pub struct Manufactured<'a> {
 /// A manufactured problem on a grid.
 pub struct Problem {
     /// The body.
-    pub medium: Medium,
+    pub body: HeterogeneousBody,
     /// Its loads.
     pub loads: Loads,
 }
@@ -164,9 +164,9 @@ impl<'a> Manufactured<'a> {
     pub fn problem(&self, grid: &Grid) -> Result<Problem, CouplingError> {
         let elasticity = Elasticity::new(self.pair.body.poisson, self.pair.body.plane)?;
         let count = grid.cells[0] * grid.cells[1];
-        let medium = Medium::new(grid.clone(), vec![self.pair.body.young; count], elasticity)?;
+        let body = HeterogeneousBody::new(grid.clone(), vec![self.pair.body.young; count], elasticity)?;
         let mut loads = Loads::default();
-        loads.set_body_force(&medium, |x| self.body_force(x))?;
+        loads.set_body_force(&body, |x| self.body_force(x))?;
         let outline = Outline::new(grid)?;
         outline.add_traction_jump(grid, &mut loads, |x, n| self.traction_jump(x, n));
         let outer: BTreeSet<(usize, usize)> = outline.sides.iter().copied().collect();
@@ -185,20 +185,20 @@ impl<'a> Manufactured<'a> {
             }
             loads.add_side(cell, side, moments);
         }
-        Ok(Problem { medium, loads })
+        Ok(Problem { body, loads })
     }
 
     /// Boundary elements of degree 1 between the nodes of the boundary; L is the size of the body.
     ///
     /// # Errors
     /// Those of the boundary elements.
-    pub fn exterior(&self, interior: &Interior) -> Result<Exterior, CouplingError> {
-        Exterior::new(interior.trace.mesh(1, 1)?, self.pair.medium, Some(self.size))
+    pub fn exterior(&self, interior: &Interior) -> Result<Medium, CouplingError> {
+        Medium::new(interior.trace.mesh(1, 1)?, self.pair.medium, Some(self.size))
     }
 
     /// ⟨C ε(e), ε(e)⟩^½ of the error in the body and of the field itself, by 3 × 3 points a cell ((force length/thickness)^½).
-    pub fn energy_error(&self, medium: &Medium, u: &[f64]) -> [f64; 2] {
-        let (rule, m, grid) = (gauss_legendre(3), &self.pair.body, &medium.grid);
+    pub fn energy_error(&self, body: &HeterogeneousBody, u: &[f64]) -> [f64; 2] {
+        let (rule, m, grid) = (gauss_legendre(3), &self.pair.body, &body.grid);
         // σ : C⁻¹ σ in the equivalent plane strain
         let density = |[xx, yy, xy]: [f64; 3]| {
             ((xx * xx + yy * yy + 2.0 * xy * xy) - m.nu() * (xx + yy).powi(2)) / (2.0 * m.mu())
@@ -206,12 +206,12 @@ impl<'a> Manufactured<'a> {
         let mut sums = [0.0; 2];
         for cell in grid.body_cells() {
             let [x, y] = grid.lattice_point(grid.cell(cell));
-            let v = medium.cell_values(u, cell);
+            let v = body.cell_values(u, cell);
             for (a, wa) in rule.points.iter().zip(&rule.weights) {
                 for (b, wb) in rule.points.iter().zip(&rule.weights) {
                     let at = [(1.0 + a) / 2.0, (1.0 + b) / 2.0];
                     let exact = self.inner_stress([x + at[0] * grid.spacing[0], y + at[1] * grid.spacing[1]]);
-                    let found = medium.elasticity.stress(medium.young[cell], &v, at, grid.spacing);
+                    let found = body.elasticity.stress(body.young[cell], &v, at, grid.spacing);
                     let weight = 0.25 * wa * wb * grid.spacing[0] * grid.spacing[1];
                     sums[0] += weight * density([0, 1, 2].map(|k| found[k] - exact[k]));
                     sums[1] += weight * density(exact);
@@ -222,7 +222,7 @@ impl<'a> Manufactured<'a> {
     }
 
     /// ⟨V e, e⟩^½ of the error of the medium's traction against its mean on each element ((force length/thickness)^½).
-    pub fn traction_error(&self, exterior: &Exterior, found: &[f64]) -> f64 {
+    pub fn traction_error(&self, exterior: &Medium, found: &[f64]) -> f64 {
         let (rule, mesh) = (gauss_legendre(8), &exterior.mesh);
         let mut error = found.to_vec();
         for e in 0..mesh.len() {

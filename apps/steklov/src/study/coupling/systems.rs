@@ -3,8 +3,8 @@
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Scale};
 use sprs::CsMat;
-use steklov_coupling::{CouplingError, Exterior, Interior};
-use steklov_msfem::{Elimination, Medium, ReducedLoad};
+use steklov_coupling::{CouplingError, Interior, Medium};
+use steklov_msfem::{Elimination, HeterogeneousBody, ReducedLoad};
 
 use super::grids::Level;
 use super::manufactured::Manufactured;
@@ -13,8 +13,8 @@ use super::manufactured::Manufactured;
 /// so that Π = I and B = M.
 pub(super) struct Reduced {
     /// The body.
-    pub medium: Medium,
-    exterior: Exterior,
+    pub body: HeterogeneousBody,
+    exterior: Medium,
     elimination: Elimination,
     load: ReducedLoad,
     /// A_c.
@@ -45,14 +45,14 @@ fn solve(matrix: &Mat<f64>, right: &Mat<f64>) -> Vec<f64> {
 impl Reduced {
     pub fn new(exact: &Manufactured<'_>, level: &Level) -> Result<Self, CouplingError> {
         let problem = exact.problem(&level.grid)?;
-        let interior = Interior::fine(&problem.medium, &problem.loads)?;
+        let interior = Interior::fine(&problem.body, &problem.loads)?;
         let exterior = exact.exterior(&interior)?;
         let Interior { stiffness, load, order, trace } = interior;
         let elimination = Elimination::new(stiffness, &order, &trace.unknowns, &[])?;
         let load = elimination.reduce(&load, &[]);
         let jump = exterior.space.interpolate(|x| exact.jump(x));
         let mass = dense(&exterior.operators.mass);
-        Ok(Self { medium: problem.medium, stiffness: elimination.stiffness(), exterior, elimination, load, jump, mass })
+        Ok(Self { body: problem.body, stiffness: elimination.stiffness(), exterior, elimination, load, jump, mass })
     }
 
     /// W + Hᵀ V⁻¹ H with H = K + `half` M: the medium has half = -½, the body itself ½.

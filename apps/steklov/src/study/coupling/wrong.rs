@@ -83,7 +83,7 @@ pub fn wrongs(
                     reduced.by_three_fields(2.0),
                 ];
                 for (system, field) in fields.iter().enumerate() {
-                    let [error, _] = exact.energy_error(&reduced.medium, field);
+                    let [error, _] = exact.energy_error(&reduced.body, field);
                     all.points.push(Wrong { system, cells, error });
                 }
             }

@@ -127,7 +127,7 @@ fn one(part: usize, contrast: f64, interrupts: &AtomicUsize, points: &mut Vec<St
         let solved = on_coarse_cells(&scene, [FINE; 2], *input, Some(FINE / 2), interrupts)?;
         let error = error(&truth, &solved)?;
         let Some(coarse) = &solved.coarse else { unreachable!("coarse cells were asked for") };
-        let crossing = crossing_contrast(&solved.medium, &coarse.mesh, FAILING).largest;
+        let crossing = crossing_contrast(&solved.body, &coarse.mesh, FAILING).largest;
         let nodal = estimate(&truth, &solved) / error;
         let jump = if coarse.basis.is_conforming() { jumps(&solved) / norm(&truth) / error } else { f64::NAN };
         points.push(Stiff { part, basis, contrast, error, nodal, jump, crossing });
@@ -137,12 +137,12 @@ fn one(part: usize, contrast: f64, interrupts: &AtomicUsize, points: &mut Vec<St
 
 /// The estimate by jumps of the plate: held on the left, the traction (0, -1) on the right.
 fn jumps(solved: &GridSolved) -> f64 {
-    let (medium, Some(coarse)) = (&solved.medium, &solved.coarse) else { return f64::NAN };
+    let (body, Some(coarse)) = (&solved.body, &solved.coarse) else { return f64::NAN };
     let traction = |_: usize, side: usize| match side {
         1 => [Some(0.0), Some(-1.0)],
         3 => [None; 2],
         _ => [Some(0.0); 2],
     };
-    let terms = Indicators::new(medium, &coarse.mesh, &[], &solved.displacement, &traction);
+    let terms = Indicators::new(body, &coarse.mesh, &[], &solved.displacement, &traction);
     terms.squared().iter().sum::<f64>().sqrt()
 }

@@ -116,7 +116,7 @@ pub fn convergence(
             if interrupts.load(Ordering::Relaxed) > 0 {
                 return all;
             }
-            let cells = fine_grid.truth.medium.grid.cells;
+            let cells = fine_grid.truth.body.grid.cells;
             let coarse = [0, 1].map(|k| cells[k] / fine[k]);
             let at = format!("{name}, {} by {} coarse cells", coarse[0], coarse[1]);
             tell(name, &at);

@@ -80,7 +80,7 @@ pub(super) fn error(truth: &GridSolved, solved: &GridSolved) -> Result<f64, Solv
         _ => {
             let difference: Vec<f64> =
                 truth.displacement.iter().zip(&solved.displacement).map(|(a, b)| a - b).collect();
-            truth.medium.energy(&difference, &difference)
+            truth.body.energy(&difference, &difference)
         }
     };
     Ok(squared.max(0.0).sqrt() / norm(truth))
@@ -88,8 +88,8 @@ pub(super) fn error(truth: &GridSolved, solved: &GridSolved) -> Result<f64, Solv
 
 /// The squared error, cell by cell.
 fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<f64, MsfemError> {
-    let medium = &truth.medium;
-    let mut problem = Multiscale::new(medium, coarse.mesh.clone(), coarse.basis)?;
+    let body = &truth.body;
+    let mut problem = Multiscale::new(body, coarse.mesh.clone(), coarse.basis)?;
     // the bases once more, those of equal cells once
     problem.assemble(&Loads::default(), &Extra::default(), &mut |_| true)?;
     let mut values = vec![0.0; problem.dofs()];
@@ -102,8 +102,8 @@ fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<f64, MsfemError> 
     let extra = Extra { lift: coarse.lift.clone(), ..Extra::default() };
     problem.downscale_cells(&values, &Loads::default(), &extra, &mut |_| true, |cell, field| {
         for (fine, u) in problem.fine_values(cell, field) {
-            let exact = medium.cell_values(&truth.displacement, fine);
-            squared += medium.cell_energy(fine, &std::array::from_fn(|a| u[a] - exact[a]));
+            let exact = body.cell_values(&truth.displacement, fine);
+            squared += body.cell_energy(fine, &std::array::from_fn(|a| u[a] - exact[a]));
         }
     })?;
     Ok(squared)

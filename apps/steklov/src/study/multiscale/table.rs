@@ -67,7 +67,7 @@ pub fn text(study: &MultiscaleStudy<'_>) -> String {
 
 fn fine_grid(text: &mut String, study: &MultiscaleStudy<'_>) {
     let fine = study.fine_grid;
-    let [nx, ny] = fine.truth.medium.grid.cells;
+    let [nx, ny] = fine.truth.body.grid.cells;
     let _ = writeln!(text, "\nbilinear elements; error of the fine grid: {}", fine.source());
     if let Some([limit, rate]) = fine.limit {
         let _ = writeln!(text, "limit       J = {limit:.9e}, J_h - J ~ h^{rate:.2}");
@@ -195,7 +195,7 @@ pub fn json(study: &MultiscaleStudy<'_>) -> Value {
         "repeat": study.repeat,
         "failures": study.failures().map(|(at, why)| object!({ "at": at, "message": why })).collect::<Value>(),
         "fine_grid": {
-            "cells": fine.truth.medium.grid.cells,
+            "cells": fine.truth.body.grid.cells,
             "error": columns::json(&fine.levels, &LEVELS)[0]["error"],
             "source": fine.source(),
             "limit": fine.limit.map(|l| l[0]),

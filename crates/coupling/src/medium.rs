@@ -17,7 +17,7 @@ use crate::{Coupled, CouplingError};
 /// ```
 /// with a the displacement at infinity.
 #[derive(Debug, Clone)]
-pub struct Exterior {
+pub struct Medium {
     /// Elements on the outer boundary of the body, with the body to the left.
     pub mesh: Mesh,
     /// Their unknowns.
@@ -28,7 +28,7 @@ pub struct Exterior {
     pub operators: Operators,
 }
 
-impl Exterior {
+impl Medium {
     /// Assembles the operators; `length` is L, by default the diameter.
     ///
     /// Loads without a resultant have a solution that does not depend on L; with one, L selects the rigid translation.
@@ -70,19 +70,19 @@ impl Exterior {
     }
 
     /// The field of a solution in the medium.
-    pub fn field(&self, solution: &Coupled) -> ExteriorField {
-        ExteriorField::new((&self.mesh, &self.space), &self.material, self.operators.length, solution)
+    pub fn field(&self, solution: &Coupled) -> MediumField {
+        MediumField::new((&self.mesh, &self.space), &self.material, self.operators.length, solution)
     }
 }
 
 /// Displacement and stress around the body: u = K ξ - V φ + a.
 #[derive(Debug, Clone)]
-pub struct ExteriorField {
+pub struct MediumField {
     field: BoundaryField,
     constant: [f64; 2],
 }
 
-impl ExteriorField {
+impl MediumField {
     /// The field of ξ, φ and a of a solution on boundary elements and their unknowns; `length` is L in log(L/r).
     pub fn new((mesh, space): (&Mesh, &Space), material: &Material, length: f64, solution: &Coupled) -> Self {
         let (u, t) = (&solution.exterior_displacement, &solution.traction);

@@ -8,7 +8,7 @@ use crate::{Grid, MsfemError};
 
 /// A body of cells with a Young's modulus each and one Poisson's ratio.
 #[derive(Debug, Clone)]
-pub struct Medium {
+pub struct HeterogeneousBody {
     /// The cells.
     pub grid: Grid,
     /// E of each cell (stress), dropped ones included.
@@ -19,7 +19,7 @@ pub struct Medium {
     pub(crate) unit: [[f64; 8]; 8],
 }
 
-impl Medium {
+impl HeterogeneousBody {
     /// A body of these cells.
     ///
     /// # Errors
