@@ -3,12 +3,12 @@
 //!
 //! ```text
 //! HeterogeneousBody + Loads (f, t0) ─► Outline ─► Interior (A, F, Trace) ─┐
-//!       or Multiscale                                          ├─► Transmission (A_c, Transfer Π and B, Balance)
-//! Mesh + Material (+ L) ──► Medium (V, K, W, M) ─────────────┤          │
-//! Material + t0 on its mesh ──► Inclusion (S, no grid) ────────┘          │
-//!                                                     jump u0, Form, Radiation
-//!                                                                         ▼
-//! Multiscale::downscale ◄── displacement, trace ◄────────────────────── Coupled ──► ξ, φ, a ──► MediumField
+//!       or Multiscale                                                     ├─► Transmission (A_c, Transfer Π and B, Balance)
+//! Mesh + Material (+ L) ──► Medium (V, K, W, M) ──────────────────────────┤          │
+//! Material + t0 on its mesh ──► Inclusion (S, no grid) ───────────────────┘          │
+//!                                                                jump u0, Form, Radiation
+//!                                                                                    ▼
+//! Multiscale::downscale ◄── displacement, trace ◄───────────────────────────────── Coupled ──► ξ, φ, a ──► MediumField
 //! ```
 //! In the body -div σ(u) = f, around it the equations of the homogeneous medium without a force; on the interface Γ
 //!
@@ -36,13 +36,13 @@
 //! Units: any consistent ones; everything is per unit thickness, body and medium in the same plane. Fields are interleaved x, y.
 //!
 //! ```
+//! use steklov_coupling::{Form, Interior, Medium, Radiation, Transmission};
 //! use steklov_elastic::{Material, Plane};
-//! use steklov_coupling::{Medium, Form, Interior, Radiation, Transmission};
-//! use steklov_msfem::{Elasticity, Grid, Loads, HeterogeneousBody};
+//! use steklov_msfem::{Elasticity, Grid, HeterogeneousBody, Loads};
 //!
 //! // a square that is too large for its hole by one part in a hundred
 //! let grid = Grid::rectangle([1.0, 1.0], [8, 8])?;
-//! let body = HeterogeneousBody::new(grid, vec![5.0; 64], Elasticity::new(0.3, steklov_elastic::Plane::Strain)?)?;
+//! let body = HeterogeneousBody::new(grid, vec![5.0; 64], Elasticity::new(0.3, Plane::Strain)?)?;
 //! let interior = Interior::fine(&body, &Loads::default())?;
 //! let around = Material::new(1.0, 0.3, Plane::Strain)?;
 //! let medium = Medium::new(interior.trace.mesh(1, 1)?, around, None)?;

@@ -1,9 +1,9 @@
 //! Plane elasticity of heterogeneous bodies on grids of rectangles: bilinear and extended multiscale finite elements.
 //!
 //! ```text
-//! Grid (cells inside of a body) + Young's moduli + Elasticity ─► HeterogeneousBody        Loads, cell by cell
+//! Grid (cells inside of a body) + Young's moduli + Elasticity ─► HeterogeneousBody   Loads, cell by cell
 //!                                                                  │             │
-//! all fine nodes:   HeterogeneousBody::stiffness, Loads::nodal ───────────────┼─────────────┤
+//! all fine nodes:   HeterogeneousBody::stiffness, Loads::nodal ────┼─────────────┤
 //!                                                                  │             │
 //! coarse vertices:  CoarseMesh + Basis ─► Multiscale ─► CellBasis R_T, K_T^H = R_Tᵀ K_T R_T ─► CoarseSystem
 //!                      ▲                                                         │
