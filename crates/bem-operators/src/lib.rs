@@ -13,7 +13,7 @@
 //!
 //! Conventions: the boundary is traversed with the body to the left (outer loop counter-clockwise, holes clockwise);
 //! n points out of the body, the tangent is n turned by +90°; points are `[f64; 2]`; nodal fields are interleaved x, y;
-//! plane strain unless [`Plane::Stress`] is chosen; everything is per unit thickness.
+//! plane strain unless [`steklov_elastic::Plane::Stress`] is chosen; everything is per unit thickness.
 
 mod error;
 mod polygon;
