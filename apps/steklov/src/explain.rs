@@ -32,7 +32,7 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
         SolveError::Bem(BemError::RigidMotion { .. }) if scene.is_inclusion() => unbalanced(),
         SolveError::Bem(BemError::StiffnessSingular { .. }) if scene.is_inclusion() => unequal(),
         SolveError::Scene(error) => Ok((**error).clone()),
-        SolveError::Io(_) | SolveError::Interrupted | SolveError::Outcome { .. } => Err(error),
+        SolveError::Observer(_) | SolveError::Interrupted | SolveError::Outcome { .. } => Err(error),
         SolveError::Msfem(error) => match **error {
             MsfemError::Memory { .. } => at(
                 Value,

@@ -193,7 +193,7 @@ pub fn run(
             (Err(SolveError::Interrupted), Some(last)) => {
                 return Ok(Run { last, body: None, progress, reason: Reason::Interrupted, error: None, clock });
             }
-            (Err(error), Some(last)) if !matches!(error, SolveError::Io(_)) => {
+            (Err(error), Some(last)) if !matches!(error, SolveError::Observer(_)) => {
                 return Ok(Run { last, body: None, progress, reason: Reason::Failed, error: Some(error), clock });
             }
             (next, _) => next?,

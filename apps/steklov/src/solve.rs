@@ -108,9 +108,9 @@ pub enum SolveError {
         /// What is wrong.
         error: Box<SolveError>,
     },
-    /// The observer failed to store what it was given.
+    /// The observer failed, as in storing what it was given.
     #[error(transparent)]
-    Io(#[from] steklov_io::IoError),
+    Observer(Box<dyn std::error::Error + Send + Sync>),
     /// The user stopped the run.
     #[error("interrupted before a step was finished: nothing was stored")]
     Interrupted,

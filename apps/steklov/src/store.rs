@@ -18,7 +18,7 @@ use crate::record::Record;
 use crate::report::ContactRow;
 use crate::run::Step;
 use crate::scene::Scene;
-use crate::solve::Stage;
+use crate::solve::{SolveError, Stage};
 use crate::steps;
 use crate::stochastic::{self, StochasticResult};
 use crate::summary::Summary;
@@ -48,6 +48,13 @@ pub struct Stored {
     pub stochastic: Option<StochasticResult>,
     /// The grid of finite elements.
     pub on_grid: Option<GridRecord>,
+}
+
+/// A run is observed by what stores it.
+impl From<IoError> for SolveError {
+    fn from(error: IoError) -> Self {
+        Self::Observer(Box::new(error))
+    }
 }
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {

@@ -37,7 +37,10 @@ pub(super) fn check_output(out: &Path, scene: &Path, replace: bool) -> Result<()
 
 /// The message about a file that was made under the name of the output while the run went on.
 pub(super) fn appeared(out: &Path, error: &SolveError) -> Option<Failure> {
-    matches!(error, SolveError::Io(IoError::Exists { .. })).then(|| {
+    let exists = |error: &(dyn std::error::Error + Send + Sync + 'static)| {
+        matches!(error.downcast_ref(), Some(IoError::Exists { .. }))
+    };
+    matches!(error, SolveError::Observer(error) if exists(error.as_ref())).then(|| {
         Failure(format!(
             "error: {} exists now: another program made it while this run went on, whose result is not stored; \
              choose another --out, or --force to replace it",

@@ -105,7 +105,7 @@ pub fn run_grid(
             (Err(SolveError::Interrupted), Some(last)) => {
                 return Ok(GridRun { last, steps, reason: Reason::Interrupted, error: None, clock });
             }
-            (Err(error), Some(last)) if !matches!(error, SolveError::Io(_)) => {
+            (Err(error), Some(last)) if !matches!(error, SolveError::Observer(_)) => {
                 return Ok(GridRun { last, steps, reason: Reason::Failed, error: Some(error), clock });
             }
             (solved, _) => solved?,
