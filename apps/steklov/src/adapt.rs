@@ -6,11 +6,11 @@ use steklov_contact::{Located, Obstacle, Tip, relocate, unlocated};
 use crate::apart::{limited_by_multipliers, multiplier_indicators};
 use crate::body::Factors;
 use crate::estimate::{Bubble, Doubt, Estimate};
-use crate::expression::{Expression, Turn};
 use crate::hidden::{Overlap, Unseen};
 use crate::scene::{Condition, Friction, Refine, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::transitions::unlocated_energy;
+use steklov_expression::{Expression, Turn};
 
 /// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
 #[derive(Debug, Clone, PartialEq)]

@@ -10,10 +10,10 @@ use steklov_contact::{ContactSolution, Multiplier, contact_residuals_of, oscilla
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::estimate::Residual;
-use crate::expression::{Expression, Piece};
 use crate::scene::{Condition, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
+use steklov_expression::{Expression, Piece};
 
 /// A scene on a mesh.
 pub(crate) struct Data<'a> {

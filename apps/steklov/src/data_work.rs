@@ -16,9 +16,9 @@ use steklov_quadrature::gauss_legendre;
 use crate::body::Factors;
 use crate::contact::{ContactFactors, ContactResult};
 use crate::data::Data;
-use crate::expression::Expression;
 use crate::scene::Condition;
 use crate::solve::{SolveError, Solved};
+use steklov_expression::Expression;
 
 impl Data<'_> {
     /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).

@@ -11,8 +11,8 @@ use steklov_bem_operators::Site;
 use steklov_quadrature::{Series, gauss_legendre, project};
 
 use crate::data::Data;
-use crate::expression::{Enclosure, Expression, Interval, enclose, leaves};
 use crate::scene::Condition;
+use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
 
 /// A part of a contact element in which the body lies in the obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -8,7 +8,7 @@ use steklov_elastic::{Material, MaterialError, Plane};
 use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use crate::expression::{Expression, is_name, is_reserved};
+use steklov_expression::{Expression, is_name, is_reserved};
 
 /// `[parameters]`.
 #[derive(Default)]
@@ -36,7 +36,7 @@ pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameter
 }
 
 /// Whether a name can stand in an expression for something new.
-pub(super) fn check_name(name: &str, place: crate::expression::Place) -> Result<(), Problem> {
+pub(super) fn check_name(name: &str, place: steklov_expression::Place) -> Result<(), Problem> {
     if is_reserved(name) {
         let message = format!("the name {name:?} has a meaning of its own in expressions");
         return Err(Problem::new(Kind::Conflict, place, message, format!("choose another name, such as {name}0")));

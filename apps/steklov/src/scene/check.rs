@@ -5,7 +5,7 @@ use steklov_bem_operators::Edge;
 use super::error::{Problem, SceneError, SceneErrorKind as Kind};
 use super::sides::{Condition, Friction};
 use super::{Scene, Side};
-use crate::expression::Expression;
+use steklov_expression::Expression;
 
 /// Number of equal steps along an edge at which data are looked at.
 const STEPS: usize = 256;

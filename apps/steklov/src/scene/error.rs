@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
 
-use crate::expression::Place;
+use steklov_expression::Place;
 
 /// Sorts of errors of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -11,7 +11,7 @@ use super::keys;
 use super::method::Indicator;
 use super::sides::Condition;
 use super::{BasisInput, Model, Scene};
-use crate::expression::Expression;
+use steklov_expression::Expression;
 
 /// `[exterior]`: the unbounded medium.
 #[derive(Debug, Clone)]

@@ -7,8 +7,8 @@ use std::sync::Arc;
 use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::keys;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
-use crate::expression::{Expression, Place};
-use crate::field::FieldValue;
+use steklov_expression::FieldValue;
+use steklov_expression::{Expression, Place};
 
 /// What expressions are read with.
 pub(super) struct Context<'a> {

@@ -4,7 +4,7 @@ use super::Scene;
 use super::check::data;
 use super::random::{Random, RandomName};
 use super::tree::Value;
-use crate::expression::{Enclosure, Expression, Interval, Leaves, Switch};
+use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch};
 
 /// Boxes of one germ that are looked at for the zeros of a switch.
 const BOXES: usize = 10_000;

@@ -4,7 +4,7 @@ use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::Value;
-use crate::expression::Expression;
+use steklov_expression::Expression;
 
 /// Most cells of a grid, over the whole bounding box.
 pub(crate) const MOST_CELLS: usize = 1 << 26;

@@ -3,7 +3,7 @@
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::tree::{Entry, Item, Value, suggestion};
 use super::{Scene, SceneError};
-use crate::expression::nearest;
+use steklov_expression::nearest;
 
 pub(super) const SCENE: [&str; 13] = [
     "title",

@@ -27,7 +27,7 @@ use std::sync::Arc;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 
-use crate::expression::{Expression, Place};
+use steklov_expression::{Expression, Place};
 
 pub use error::{SceneError, SceneErrorKind, Source};
 pub use exterior::MediumInput;

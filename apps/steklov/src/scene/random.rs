@@ -13,8 +13,8 @@ use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::sides::Side;
 use super::tree::{Item, Value, suggestion};
-use crate::expression::Place;
-use crate::field::{FieldValue, RandomField, Support};
+use steklov_expression::Place;
+use steklov_expression::{FieldValue, RandomField, Support};
 
 /// Random input that a scene uses, and how it is treated.
 #[derive(Debug, Clone)]

@@ -6,7 +6,7 @@ use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
-use crate::expression::Expression;
+use steklov_expression::Expression;
 
 /// Condition on a side; n points out of the body.
 #[derive(Debug, Clone)]

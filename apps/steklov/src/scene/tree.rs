@@ -4,7 +4,7 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{Problem, SceneErrorKind as Kind, Source};
-use crate::expression::{Place, nearest};
+use steklov_expression::{Place, nearest};
 
 /// A TOML value.
 #[derive(Debug, Clone)]

@@ -5,9 +5,9 @@ use steklov_stochastic::smolyak;
 use super::json::method;
 use super::jumps::intervals;
 use super::nodes::is_coupled;
-use crate::expression::Expression;
 use crate::plan::Decision;
 use crate::scene::{Condition, Random, Sampling, Scene};
+use steklov_expression::Expression;
 
 /// Points along an edge at which data are compared.
 const STEPS: usize = 32;

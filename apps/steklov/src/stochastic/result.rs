@@ -11,10 +11,10 @@ use super::outcomes::{Answer, Outcomes};
 use super::samples::of_samples;
 use super::unseen::{beside_grid, beside_samples};
 use crate::body::Body;
-use crate::field::RandomField;
 use crate::report::TOUCHING;
 use crate::scene::{Condition, Random, Sampling, Scene};
 use crate::solve::SolveError;
+use steklov_expression::RandomField;
 
 /// Answers that are held at a time while samples stream by.
 pub(super) const BLOCK: usize = 1024;

@@ -1,14 +1,14 @@
-//! Expressions of the scene: `0.3*sign(x)*exp(-10*(y+0.3)^2)`.
+//! Data of boundary value problems as expressions of the place: `0.3*sign(x)*exp(-10*(y+0.3)^2)`, and random fields in them.
 //!
 //! An [`Expression`] is read once into a flat tape and evaluated in about 0.1 µs. It knows where it is not smooth:
 //! [`Expression::kinks`] finds the places along an element at which integrals of it must be split.
 //!
 //! ```
 //! let parameters = [("F".to_owned(), 2.0)].into();
-//! let load = steklov::expression::Expression::parse("-F^2 + abs(x)", &parameters)?;
+//! let load = steklov_expression::Expression::parse("-F^2 + abs(x)", &parameters)?;
 //! assert_eq!(load.eval(-1.0, 0.0, 0.5), -3.0);
 //! assert_eq!(load.kinks(|t| (t - 0.25, 0.0, (1.0 + t) / 2.0)), [0.25]);
-//! # Ok::<(), steklov::expression::ExpressionError>(())
+//! # Ok::<(), steklov_expression::ExpressionError>(())
 //! ```
 
 mod token;
@@ -19,16 +19,16 @@ mod range;
 mod kinks;
 mod survey;
 mod along;
+mod field;
 
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::field::FieldValue;
-
 pub use along::Along;
+pub use field::{FieldValue, NoChain, RandomField, Support};
 pub use interval::Interval;
-pub(crate) use parse::nearest;
+pub use parse::nearest;
 pub use range::{Enclosed, Leaves, Range as Enclosure, enclose, leaves};
 pub use survey::{Piece, Survey, Turn};
 use tape::Op;
@@ -47,10 +47,13 @@ pub struct ExpressionError {
 
 /// Bytes `start..end` of a source: 0 is the scene file, k the k-th override.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(crate) struct Place {
-    pub(crate) source: usize,
-    pub(crate) start: usize,
-    pub(crate) end: usize,
+pub struct Place {
+    /// Of the source.
+    pub source: usize,
+    /// First byte.
+    pub start: usize,
+    /// The byte behind the last one.
+    pub end: usize,
 }
 
 /// Where an expression has a kink or a jump: the zeros of an operand, or of the difference of two.
@@ -72,7 +75,7 @@ impl Switch {
 pub struct Expression {
     code: Arc<Code>,
     /// Where the text stands in the scene.
-    pub(crate) place: Place,
+    pub place: Place,
 }
 
 /// What an expression was read into.
@@ -188,11 +191,11 @@ impl Expression {
 }
 
 /// Whether `name` has a meaning in expressions of its own, so that no parameter can have it.
-pub(crate) fn is_reserved(name: &str) -> bool {
+pub fn is_reserved(name: &str) -> bool {
     parse::VARIABLES.contains(&name) || parse::FUNCTIONS.contains(&name)
 }
 
 /// Whether `name` can be written in an expression.
-pub(crate) fn is_name(name: &str) -> bool {
+pub fn is_name(name: &str) -> bool {
     name.starts_with(|c: char| c.is_alphabetic() || c == '_') && name.chars().all(|c| c.is_alphanumeric() || c == '_')
 }

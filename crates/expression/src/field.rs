@@ -5,7 +5,7 @@ use std::sync::Arc;
 use steklov_bem_operators::Polygon;
 use steklov_stochastic::{Covariance, Field, StochasticError, Truncation};
 
-use crate::expression::{Enclosure, Interval};
+use crate::{Enclosure, Interval};
 
 /// A field and where it lives.
 #[derive(Debug, Clone)]
@@ -125,7 +125,7 @@ impl Support {
 
 impl RandomField {
     /// Encloses the values for germs in a box over a box of places.
-    pub(crate) fn range(&self, germs: &[[f64; 2]], x: Enclosure, y: Enclosure) -> Enclosure {
+    pub fn range(&self, germs: &[[f64; 2]], x: Enclosure, y: Enclosure) -> Enclosure {
         let middle = |range: Enclosure| range.value.low + range.value.width() / 2.0;
         let modes = self.expansion.modes(self.support.coordinates([middle(x), middle(y)]));
         let reach = (x.value.width() + y.value.width()) / 2.0;
@@ -160,7 +160,7 @@ impl FieldValue {
     /// Enclosures over a box: the value in its middle, and what it may change by up to the ends.
     ///
     /// Modes are as smooth as their number of half waves lets them be: their steepness is that of samples, not a bound.
-    pub(crate) fn range(&self, x: Enclosure, y: Enclosure) -> Enclosure {
+    pub fn range(&self, x: Enclosure, y: Enclosure) -> Enclosure {
         let Some((field, germs)) = &self.outcome else { return Enclosure::fixed(Interval::point(0.0)) };
         let middle = |range: Enclosure| range.value.low + range.value.width() / 2.0;
         let value = self.value([middle(x), middle(y)]);

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
-use steklov::expression::{Enclosed, Expression, ExpressionError, Interval, Survey, enclose, leaves};
+use steklov_expression::{Enclosed, Expression, ExpressionError, Interval, Survey, enclose, leaves};
 
 fn constants() -> BTreeMap<String, f64> {
     [("F".to_owned(), 0.3), ("long_name".to_owned(), -2.0)].into()
