@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, SAME_PLACE, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Located, Obstacle, Tip, relocate, unlocated};
+use steklov_expression::{Expression, Turn};
 
 use crate::apart::{limited_by_multipliers, multiplier_indicators};
 use crate::body::Factors;
@@ -10,7 +11,6 @@ use crate::hidden::{Overlap, Unseen};
 use crate::scene::{Condition, Friction, Refine, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::transitions::unlocated_energy;
-use steklov_expression::{Expression, Turn};
 
 /// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
 #[derive(Debug, Clone, PartialEq)]

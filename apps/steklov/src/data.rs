@@ -7,13 +7,13 @@ use steklov_bem_operators::{
     boundary_residuals_of, side_moments, side_moments_and_squares,
 };
 use steklov_contact::{ContactSolution, Multiplier, contact_residuals_of, oscillation};
+use steklov_expression::{Expression, Piece};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::estimate::Residual;
 use crate::scene::{Condition, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
-use steklov_expression::{Expression, Piece};
 
 /// A scene on a mesh.
 pub(crate) struct Data<'a> {

@@ -2,12 +2,12 @@
 
 use steklov_bem_operators::{BemError, ParticularSolution, Site};
 use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles};
+use steklov_expression::Expression;
 
 use crate::data::{Data, Function};
 use crate::scene::{Condition, Friction, SceneErrorKind};
 use crate::solve::SolveError;
 use crate::supports::Held;
-use steklov_expression::Expression;
 
 impl Data<'_> {
     /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.

@@ -11,6 +11,7 @@
 
 use steklov_bem_operators::{Datum, Site, side_moments};
 use steklov_contact::{LinePoint, Solution};
+use steklov_expression::Expression;
 use steklov_quadrature::gauss_legendre;
 
 use crate::body::Factors;
@@ -18,7 +19,6 @@ use crate::contact::{ContactFactors, ContactResult};
 use crate::data::Data;
 use crate::scene::Condition;
 use crate::solve::{SolveError, Solved};
-use steklov_expression::Expression;
 
 impl Data<'_> {
     /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use steklov_io::vtkhdf::Field;
+use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 
 use crate::around::body_part;
 use crate::grid;
 use crate::report::ContactRow;
 use crate::stochastic;
 use crate::store::Stored;
-use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 
 /// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
 ///

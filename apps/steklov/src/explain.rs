@@ -3,13 +3,13 @@
 use steklov_bem_operators::BemError;
 use steklov_contact::{ContactError, LEAST_GAMMA};
 use steklov_coupling::{CouplingError, Radiation};
+use steklov_expression::Expression;
 use steklov_msfem::MsfemError;
 use steklov_stochastic::StochasticError;
 
 use crate::scene::{Condition, Friction, Model, Sampling, Scene, SceneError, SceneErrorKind};
 use crate::solve::SolveError;
 use crate::summary::available_memory_bytes;
-use steklov_expression::Expression;
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
 pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, SolveError> {

@@ -8,11 +8,11 @@
 //! node. Pressed flat it has an energy of about E*/2 δ² for its depth δ, whatever its width.
 
 use steklov_bem_operators::Site;
+use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
 use steklov_quadrature::{Series, gauss_legendre, project};
 
 use crate::data::Data;
 use crate::scene::Condition;
-use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
 
 /// A part of a contact element in which the body lies in the obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]

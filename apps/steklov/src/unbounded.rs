@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 
 use steklov_bem_operators::Mesh;
+use steklov_expression::Expression;
 
 use crate::report::{ContactRow, TOUCHING};
 use crate::scene::{Condition, Scene};
-use steklov_expression::Expression;
 
 /// Distance from a kink, as part of the edge, at which the gap is looked at.
 const NEAR: f64 = 1e-6;

@@ -8,12 +8,12 @@
 use faer::Mat;
 use rayon::prelude::*;
 use sprs::{CsMat, TriMat};
+use steklov_elastic::Material;
 
 use crate::cache::PairCache;
 use crate::columns::{Scratch, Targets};
 use crate::pass::{Block, Pass, Purpose};
 use crate::{BemError, Mesh, Space};
-use steklov_elastic::Material;
 
 /// Galerkin matrices of the single layer V, the double layer K and the hypersingular operator W, and the mass matrix M.
 ///

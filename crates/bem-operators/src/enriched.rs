@@ -1,11 +1,11 @@
 //! The Steklov-Poincaré matrix of the enriched spaces, by blocks on top of that of the base.
 
 use faer::{Col, Mat};
+use steklov_elastic::Material;
 
 use crate::dense::{add_product, solve_lower};
 use crate::steklov::cholesky;
 use crate::{BemError, Bubbles, Enrichment, Mesh, PairCache, Space, TractionMap};
-use steklov_elastic::Material;
 
 /// S₊ of the spaces of one more degree, from the factors of S.
 ///

@@ -2,12 +2,12 @@
 
 use faer::Mat;
 use sprs::{CsMat, TriMat};
+use steklov_elastic::Material;
 
 use crate::cache::PairCache;
 use crate::columns::Targets;
 use crate::pass::{Pass, Purpose};
 use crate::{BemError, Mesh, Space};
-use steklov_elastic::Material;
 
 /// What V, K and M gain from two functions (times x, y) for each element: the displacement bubble
 /// b = ∫P_p = (P_(p+1) - P_(p-1))/(2p+1) and the traction mode P_p. What W gains is [`Bubbles`].

@@ -14,6 +14,26 @@
 //! Conventions: the boundary is traversed with the body to the left (outer loop counter-clockwise, holes clockwise);
 //! n points out of the body, the tangent is n turned by +90°; points are `[f64; 2]`; nodal fields are interleaved x, y;
 //! plane strain unless [`steklov_elastic::Plane::Stress`] is chosen; everything is per unit thickness.
+//!
+//! ```
+//! use steklov_bem_operators::{Domain, Loop, Mesh, Operators, Polygon, Space, Steklov};
+//! use steklov_elastic::{Material, Plane};
+//!
+//! // a rectangle of 2 by 1, each side cut into elements of degree 2
+//! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
+//! let polygon = Polygon::new(Loop { corners, sides: vec!["all".to_owned(); 4] }, vec![])?;
+//! let mesh = Mesh::uniform(&polygon, 6, 2);
+//! let space = Space::new(&mesh);
+//! let material = Material::new(70e3, 0.33, Plane::Stress)?;
+//! let steklov = Steklov::new(Operators::assemble(&mesh, &space, &material, None)?, Domain::Interior)?;
+//!
+//! // stretched along x by 1e-3: twice the strain energy is σ_xx ε_xx times the area, whatever the mesh
+//! let u = space.interpolate(|[x, _]| [1e-3 * x, 0.0]);
+//! let twice: f64 = (0..u.len()).map(|i| u[i] * (0..u.len()).map(|j| steklov.matrix[(i, j)] * u[j]).sum::<f64>()).sum();
+//! let stress = material.stress([[1e-3, 0.0], [0.0, 0.0]]);
+//! assert!((twice / (stress[0] * 1e-3 * 2.0) - 1.0).abs() < 1e-11);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod error;
 mod polygon;

@@ -1,7 +1,8 @@
 //! Particular solutions: of a constant body force, and of a uniform stress far away.
 
-use crate::{Mesh, Space};
 use steklov_elastic::Material;
+
+use crate::{Mesh, Space};
 
 /// Particular solution of div σ(u) + b = 0 for a constant force b per area, with a uniform stress σ_∞ added:
 ///

@@ -1,6 +1,7 @@
 //! All pairs of elements in blocks of rows: which there are, and their moments.
 
 use rayon::prelude::*;
+use steklov_elastic::Material;
 
 use crate::columns::Local;
 use crate::far::{Batch, Classifier, KINDS, LANES, flush, kind_index};
@@ -8,7 +9,6 @@ use crate::kernel::Constants;
 use crate::moments::{Segment, first_is_outer, same, storage};
 use crate::near;
 use crate::{Mesh, Space};
-use steklov_elastic::Material;
 
 /// Doubles that the moments of one block of pairs may take: 8 MiB.
 const BLOCK_STORAGE: usize = 1 << 20;

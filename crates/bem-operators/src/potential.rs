@@ -10,13 +10,13 @@
 //! the element ends is left.
 
 use num_complex::Complex64;
+use steklov_elastic::Material;
 use steklov_quadrature::{legendre_dq, legendre_p, legendre_q, legendre_q_cut};
 
 use crate::kernel::Constants;
 use crate::moments::Segment;
 use crate::near::MAX_ORDER;
 use crate::{Mesh, Space};
-use steklov_elastic::Material;
 
 /// The elastic field of a displacement and a traction on the boundary: u = a + V t - K u inside the body.
 #[derive(Debug, Clone)]

@@ -4,9 +4,9 @@ use std::f64::consts::TAU;
 
 use ::proptest::collection::vec;
 use ::proptest::prelude::*;
+use steklov_elastic::{Material, Plane};
 
 use crate::{Loop, Mesh, Polygon};
-use steklov_elastic::{Material, Plane};
 
 /// Corners of a polygon that is star-shaped about `centre`, counter-clockwise: n of 3 to `max_corners`, at distances
 /// of 0.4 to 1 times `radius`, any two neighbours seen from the centre under less than 170 degrees.

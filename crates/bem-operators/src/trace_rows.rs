@@ -10,12 +10,12 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
 use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
+use steklov_elastic::Material;
 use steklov_quadrature::legendre_p;
 
 use crate::near::MAX_ORDER;
 use crate::potential::{AtPoint, BoundaryField};
 use crate::{Mesh, Space, TractionMap};
-use steklov_elastic::Material;
 
 /// σ^h at the reference coordinates of the elements `(e, t)`: rows 2i and 2i+1 are its x and y components at point i,
 /// columns the nodal displacements (stress per displacement).

@@ -3,6 +3,25 @@
 //! Frame 900 units wide, PNG at two pixels a unit, letters from the font that kuva bundles: no display, no installed
 //! font and no browser is needed. Every curve that has a meaning of its own differs by line style or marker too, and
 //! the colour map rises in lightness, so all pictures can be read in grey.
+//!
+//! ```
+//! use steklov_picture::{Axis, Chart, Curve, Guide, Scale, Series, chart};
+//!
+//! let points: Vec<[f64; 2]> = (1..6).map(|k| [10.0 * 2f64.powi(k), 0.3 * 0.5f64.powi(k)]).collect();
+//! let curves = [Curve { points: &points, flagged: &[] }];
+//! let picture = chart(&Chart {
+//!     title: "Halved with every doubling",
+//!     x: Axis { label: "unknowns", scale: Scale::Log },
+//!     y: Axis { label: "relative error", scale: Scale::Log },
+//!     quantities: &["error"],
+//!     series: &[Series { name: "uniform", curves: &curves }],
+//!     flag: "not reliable",
+//!     guides: &[Guide { label: "N^-1", slope: -1.0 }],
+//!     band: None,
+//! })?;
+//! assert!(picture.svg.contains("unknowns") && picture.png.starts_with(b"\x89PNG"));
+//! # Ok::<(), steklov_picture::PictureError>(())
+//! ```
 
 mod axes;
 mod bands;

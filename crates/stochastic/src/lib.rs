@@ -17,6 +17,19 @@
 //!
 //! Same bits for any number of threads: random numbers are functions of seed, sample and direction, and sums are taken in
 //! a fixed order.
+//!
+//! ```
+//! use steklov_stochastic::{Distribution, Variable, moments, smolyak};
+//!
+//! // a spring k, uniform on [1, 2], under a unit load: E[1/k] = ln 2, E[1/k²] = 1/2
+//! let k = Variable::new(Distribution::Uniform, 1.0, 2.0)?;
+//! let grid = smolyak(&[k], 6)?;
+//! let answers: Vec<Vec<f64>> = grid.points.iter().map(|germ| vec![1.0 / germ[0]]).collect();
+//! let told = moments(&grid.weights, &answers)?;
+//! let exact = std::f64::consts::LN_2;
+//! assert!((told.mean[0] - exact).abs() < 1e-12 && (told.variance[0] - (0.5 - exact * exact)).abs() < 1e-12);
+//! # Ok::<(), steklov_stochastic::StochasticError>(())
+//! ```
 
 mod error;
 mod discrete;

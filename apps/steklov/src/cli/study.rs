@@ -16,6 +16,7 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 use steklov_io::{File, IoError, create_atomically};
+use steklov_picture::{self as picture, PictureError};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
@@ -26,7 +27,6 @@ use crate::solve::Stage;
 use crate::study::{
     MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write,
 };
-use steklov_picture::{self as picture, PictureError};
 
 #[derive(Args)]
 pub(super) struct StudyArgs {

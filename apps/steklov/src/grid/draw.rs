@@ -3,14 +3,14 @@
 use std::cmp::Reverse;
 
 use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, HeterogeneousBody, Multiscale};
-
-use super::record::GridRecord;
-use super::store::of_quads;
-use crate::store::Stored;
 use steklov_picture::{
     Axis, BasisFunction, CellField, Chart, Curve, Picture, PictureError, Scale, Series, basis, cell_fields, chart,
     lattice_triangles,
 };
+
+use super::record::GridRecord;
+use super::store::of_quads;
+use crate::store::Stored;
 
 /// Points of the deformed body at most, about.
 const POINTS: usize = 20_000;

@@ -1,8 +1,9 @@
 //! The picture of a body on a grid and of the medium around it.
 
+use steklov_picture::{Body, Picture, PictureError, body};
+
 use super::draw::deformed;
 use crate::store::Stored;
-use steklov_picture::{Body, Picture, PictureError, body};
 
 /// Body and medium, deformed alike, by their von Mises stress; none of other results.
 ///

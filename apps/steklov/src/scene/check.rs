@@ -1,11 +1,11 @@
 //! The data of every side, looked at along its edges before anything is solved.
 
 use steklov_bem_operators::Edge;
+use steklov_expression::Expression;
 
 use super::error::{Problem, SceneError, SceneErrorKind as Kind};
 use super::sides::{Condition, Friction};
 use super::{Scene, Side};
-use steklov_expression::Expression;
 
 /// Number of equal steps along an edge at which data are looked at.
 const STEPS: usize = 256;

@@ -3,7 +3,6 @@
 use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
-
 use steklov_expression::Place;
 
 /// Sorts of errors of a scene.

@@ -3,6 +3,7 @@
 use steklov_bem_operators::{Domain, Edge, ParticularSolution};
 use steklov_coupling::Radiation;
 use steklov_elastic::{Material, Plane, RigidMotion};
+use steklov_expression::Expression;
 
 use super::body::material;
 use super::error::{Problem, SceneError, SceneErrorKind as Kind};
@@ -11,7 +12,6 @@ use super::keys;
 use super::method::Indicator;
 use super::sides::Condition;
 use super::{BasisInput, Model, Scene};
-use steklov_expression::Expression;
 
 /// `[exterior]`: the unbounded medium.
 #[derive(Debug, Clone)]

@@ -4,11 +4,12 @@ use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
+use steklov_expression::FieldValue;
+use steklov_expression::{Expression, Place};
+
 use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::keys;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
-use steklov_expression::FieldValue;
-use steklov_expression::{Expression, Place};
 
 /// What expressions are read with.
 pub(super) struct Context<'a> {

@@ -1,10 +1,11 @@
 //! Data of a scene as functions of its germs, enclosed over boxes of them.
 
+use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch};
+
 use super::Scene;
 use super::check::data;
 use super::random::{Random, RandomName};
 use super::tree::Value;
-use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch};
 
 /// Boxes of one germ that are looked at for the zeros of a switch.
 const BOXES: usize = 10_000;

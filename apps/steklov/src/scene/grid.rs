@@ -1,10 +1,11 @@
 //! `[grid]` and `[material.cells]`: the grid of a heterogeneous body and its moduli.
 
+use steklov_expression::Expression;
+
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::Value;
-use steklov_expression::Expression;
 
 /// Most cells of a grid, over the whole bounding box.
 pub(crate) const MOST_CELLS: usize = 1 << 26;

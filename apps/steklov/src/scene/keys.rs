@@ -1,9 +1,10 @@
 //! The keys of the tables of a scene, where a key belongs that stands at a wrong place, and overrides without effect.
 
+use steklov_expression::nearest;
+
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::tree::{Entry, Item, Value, suggestion};
 use super::{Scene, SceneError};
-use steklov_expression::nearest;
 
 pub(super) const SCENE: [&str; 13] = [
     "title",

@@ -26,7 +26,6 @@ use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
-
 use steklov_expression::{Expression, Place};
 
 pub use error::{SceneError, SceneErrorKind, Source};

@@ -4,6 +4,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
+use steklov_expression::Place;
+use steklov_expression::{FieldValue, RandomField, Support};
 use steklov_stochastic::{Covariance, Distribution, Kernel, StochasticError, Truncation, Variable};
 
 use super::body::check_name;
@@ -13,8 +15,6 @@ use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::sides::Side;
 use super::tree::{Item, Value, suggestion};
-use steklov_expression::Place;
-use steklov_expression::{FieldValue, RandomField, Support};
 
 /// Random input that a scene uses, and how it is treated.
 #[derive(Debug, Clone)]

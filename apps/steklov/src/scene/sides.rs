@@ -1,12 +1,12 @@
 //! `[sides.NAME]`: what holds, loads or touches each side.
 
 use steklov_bem_operators::Polygon;
+use steklov_expression::Expression;
 
 use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
-use steklov_expression::Expression;
 
 /// Condition on a side; n points out of the body.
 #[derive(Debug, Clone)]

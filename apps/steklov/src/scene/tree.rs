@@ -1,10 +1,10 @@
 //! The scene as a tree of values that know their place in the text; overrides are put into it.
 
+use steklov_expression::{Place, nearest};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 use super::error::{Problem, SceneErrorKind as Kind, Source};
-use steklov_expression::{Place, nearest};
 
 /// A TOML value.
 #[derive(Debug, Clone)]

@@ -1,15 +1,16 @@
 //! Pictures of the statistics: the spread of the body, contact, densities, effects of germs, the stochastic mesh.
 
-use super::tables::percent;
-use super::{Quantity, StochasticResult, draw_fields};
-use crate::draw::{positions, walls};
-use crate::report::ContactRow;
-use crate::store::Stored;
 use steklov_bem_operators::Space;
 use steklov_picture::{
     BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,
     short, spread,
 };
+
+use super::tables::percent;
+use super::{Quantity, StochasticResult, draw_fields};
+use crate::draw::{positions, walls};
+use crate::report::ContactRow;
+use crate::store::Stored;
 
 /// Panels in one picture at most.
 const PANELS: usize = 6;

@@ -1,9 +1,10 @@
 //! Pictures of the expansions of random fields.
 
+use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
+
 use super::{FieldModes, StochasticResult};
 use crate::draw::file_name;
 use crate::store::Stored;
-use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
 
 /// Modes that are drawn at most.
 const MODES: usize = 6;

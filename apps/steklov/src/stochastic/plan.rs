@@ -1,5 +1,6 @@
 //! What random input costs, and which of it moves the data.
 
+use steklov_expression::Expression;
 use steklov_stochastic::smolyak;
 
 use super::json::method;
@@ -7,7 +8,6 @@ use super::jumps::intervals;
 use super::nodes::is_coupled;
 use crate::plan::Decision;
 use crate::scene::{Condition, Random, Sampling, Scene};
-use steklov_expression::Expression;
 
 /// Points along an edge at which data are compared.
 const STEPS: usize = 32;

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use super::strategy::{Point, Strategy};
-use super::{Law, Study};
-use crate::draw::contact_pictures;
 use steklov_picture::{
     Axis, Band, Chart, Curve, MeshFigure, MeshPanel, PictureError, Scale, Series, chart, meshes, write,
 };
+
+use super::strategy::{Point, Strategy};
+use super::{Law, Study};
+use crate::draw::contact_pictures;
 
 /// Meshes of a strategy in one figure at most.
 const PANELS: usize = 6;

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use steklov_picture::{Axis, Band, Chart, Curve, Guide, Picture, PictureError, Scale, Series, chart, write};
+
 use super::CouplingStudy;
 use super::convergence::{FORMS, Point};
 use super::cost::{Cost, WAYS};
 use super::effectivity::{Indicated, TERMS};
 use super::wrong::SYSTEMS;
-use steklov_picture::{Axis, Band, Chart, Curve, Guide, Picture, PictureError, Scale, Series, chart, write};
 
 /// A line of a chart: a name, and the points of each quantity.
 struct Line {

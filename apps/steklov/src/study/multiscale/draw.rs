@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use steklov_picture::{Axis, Band, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
+
 use super::contrast::{CONTRASTED, PARTS, Stiff};
 use super::convergence::Point;
 use super::laminates::{LAMINATES, Layers, RESONATING};
 use super::measure::BASES;
 use super::{FineGrid, MultiscaleStudy};
-use steklov_picture::{Axis, Band, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// A line of a chart: a name, and a curve for each quantity.
 struct Line {

@@ -2,11 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
+
 use super::beside::judged;
 use super::incompressible::Point;
 use super::table::mesh_name;
 use super::{SingleLayer, Spectrum, Stabilisation, Stability};
-use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// A curve that owns its points.
 struct Line {

@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
+
 use super::chance::Measured;
 use super::rules::FAMILIES;
 use super::solvers::SOLVERS;
 use super::space::CURVES;
 use super::{Solvers, Stochastic};
-use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 /// Iterations of a history that are drawn at most.
 const DRAWN: usize = 40;
