@@ -4,7 +4,8 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov::adapt::{Layout, singular_points};
+use steklov::adapt::Layout;
+use steklov::first_mesh::singular_points;
 use steklov::plan::plan;
 use steklov::record::Record;
 use steklov::run::{Progress, Reason, Run, run};

@@ -121,6 +121,23 @@ fn tens_of_asperities_are_all_seen() {
     }
 }
 
+/// Ten narrow places of prescribed displacements: the tractions beside them fall off within the long elements next to theirs. What
+/// is told of J holds, without a doubt.
+#[test]
+fn tens_of_narrow_displacements_are_told_right() {
+    let mut random = Random::new(SEED + 3);
+    for width in [1e-3, 1e-4, 1e-5] {
+        let places: Vec<f64> = (0..10).map(|k| 0.1 + 0.08 * f64::from(k) + random.between(0.0, 0.04)).collect();
+        let plain = solved(&scene(Datum::Displacement, width, &places, false), "1e-2");
+        let shown = solved(&scene(Datum::Displacement, width, &places, true), "1e-3");
+        let (estimate, exact) = (plain.step().estimate(), shown.step().estimate());
+        let off = (estimate.energy - exact.energy).abs();
+        println!("{width:e}: off by {:.2} of what is told", off / estimate.uncertainty);
+        assert_eq!((plain.reason, &estimate.doubts), (Reason::Tolerance, &vec![]), "{width} at {places:?}");
+        assert!(off <= estimate.uncertainty, "{width} at {places:?}: {off} of {estimate:?}");
+    }
+}
+
 /// A wavy floor: 64 periods, of which the body touches those that it bulges onto. J and force by meshes of several times the
 /// unknowns are -7.77190e-5 and 0.037156.
 #[test]

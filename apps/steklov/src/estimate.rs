@@ -15,11 +15,11 @@ use steklov_bem_operators::{BoundaryResidual, Enriched, Look, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen};
 use steklov_elastic::Material;
 
-use crate::adapt::coarse_elements;
 use crate::body::{Body, Factors, UNBALANCED};
 use crate::data::Data;
 use crate::elastic::{Elastic, EnrichedBody, plane_modulus};
 use crate::enriched_problem::{Frame, System, frames};
+use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
 use crate::scene::{Indicator, Refine, Scene};
 use crate::solve::{SolveError, Solved};

@@ -30,6 +30,8 @@ pub mod estimate;
 mod transitions;
 mod exact;
 mod apart;
+mod asperities;
+pub mod first_mesh;
 pub mod adapt;
 pub mod run;
 pub mod reference;

@@ -11,9 +11,9 @@
 use steklov_bem_operators::Mesh;
 use steklov_contact::{Located, TipKind};
 
-use crate::adapt::singular_points;
 use crate::elastic::plane_modulus;
 use crate::estimate::{Doubt, Estimate, OF_SQUARE, ratio};
+use crate::first_mesh::singular_points;
 use crate::scene::{Condition, Refine, Scene};
 
 /// Squared energy norm of a tip that is off by δ, over E* B² |δ|³.
