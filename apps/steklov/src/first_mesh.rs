@@ -126,15 +126,10 @@ fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]
             continue;
         }
         let along = datum.along(edge);
-        let ends = along.survey.narrow([-1.0, 2.0], 0.55 * shortest, STEEP);
-        let mut clusters: Vec<[f64; 2]> = Vec::new();
-        for s in ends {
-            match clusters.last_mut() {
-                Some(last) if s - last[1] < shortest / 4.0 => last[1] = s,
-                _ => clusters.push([s, s]),
-            }
-        }
-        // loads are integrated: a look between the nodes is enough to see them; bounds and held values count at nodes
+        let clusters = along.survey.stretches(0.55 * shortest, STEEP);
+        let held = matches!(condition, Condition::Displacement { .. });
+        // loads are integrated: a look between the nodes is enough to see them; bounds and held values count at nodes, and one
+        // node does not show how steep held values are
         let loads = matches!(condition, Condition::Traction(_) | Condition::Pressure(_) | Condition::Free);
         let value = |s: f64| {
             let [x, y] = edge.point(s);
@@ -149,7 +144,7 @@ fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]
             })
             .collect();
         for [a, b] in clusters.into_iter().filter(|c| c[0] < c[1] && c[1] - c[0] <= shortest) {
-            if !points.iter().any(|&s| a <= s && s <= b && value(s) > SEEN * largest) {
+            if held || !points.iter().any(|&s| a <= s && s <= b && value(s) > SEEN * largest) {
                 let inside = along.survey.samples.iter().filter(|p| a < p.0 && p.0 < b);
                 let peak = inside.max_by(|p, q| p.1.abs().total_cmp(&q.1.abs())).map_or((a + b) / 2.0, |p| p.0);
                 places.push([a, peak, b]);

@@ -126,6 +126,23 @@ impl Survey {
         self.pieces.iter().all(|p| p.known)
     }
 
+    /// Where values change by more than `part` of the largest within pieces shorter than `shortest`, kinks apart: rising, those with
+    /// less between them than the longer of two is long are one.
+    pub fn stretches(&self, shortest: f64, part: f64) -> Vec<[f64; 2]> {
+        let least = part * self.sampled.magnitude();
+        let narrow = |p: &&Piece| p.ends[1] - p.ends[0] < shortest && !p.kink && p.change > least;
+        let mut stretches: Vec<[f64; 2]> = self.pieces.iter().filter(narrow).map(|p| p.ends).collect();
+        stretches.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let mut merged: Vec<[f64; 2]> = Vec::new();
+        for [a, b] in stretches {
+            match merged.last_mut() {
+                Some([from, to]) if a - *to <= (*to - *from).max(b - a) => *to = b,
+                _ => merged.push([a, b]),
+            }
+        }
+        merged
+    }
+
     /// The ends inside of (a, b) of pieces that are narrow: shorter than `shortest`, with values that change by more than `part`
     /// of the largest, kinks apart.
     pub fn narrow(&self, [a, b]: [f64; 2], shortest: f64, part: f64) -> Vec<f64> {

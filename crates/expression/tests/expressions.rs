@@ -204,6 +204,16 @@ fn nothing_hides_between_points() {
         }
         let narrow = survey.narrow([-1.0, 1.0], 0.01, 1e-3);
         assert!(narrow.iter().all(|t| (t - place).abs() < 20.0 * width) && narrow.len() >= 3, "{narrow:?}");
+        // two of them are two, however near in parts of the whole
+        let beside = place + 100.0 * width;
+        let two = format!("{bump} + exp(-((x-({beside}))/{width})^2)");
+        let survey = Survey::new(&parse(&two), &|t| (t, 0.5, (1.0 + t) / 2.0), [-1.0, 1.0], &[]);
+        let stretches = survey.stretches(0.01, 0.05);
+        let holds = |[a, b]: &[f64; 2], x: f64| *a < x && x < *b && b - a < 40.0 * width;
+        assert!(
+            stretches.len() == 2 && holds(&stretches[0], place) && holds(&stretches[1], beside),
+            "{place} {width}: {stretches:?}"
+        );
     }
     // a peak that a point of every halving lies on is as narrow as any other, and so is a front
     for (datum, place) in [("exp(-((x-0.25001)/1e-4)^2)", 0.25), ("exp(-(x/1e-5)^2)", 0.0), ("atan2(x-0.5, 1e-6)", 0.5)]
