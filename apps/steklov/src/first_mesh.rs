@@ -1,6 +1,6 @@
 //! The first mesh: vertices at singular points and where the data are narrower than an element.
 
-use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, SAME_PLACE, Subdivision};
+use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
 use steklov_expression::Expression;
 
 use crate::adapt::Layout;
@@ -12,6 +12,8 @@ const STRAIGHT: f64 = 1e-9;
 const SNAP: f64 = 0.2;
 /// Data that vary within less than an element of the first mesh get vertices there, at so many places of an edge at most.
 const MOST_PLACES: usize = 64;
+/// A vertex within this part of its distance from such a place is as good as another one there.
+const NEAR: f64 = 0.4;
 /// They change by this part of the largest value there.
 const STEEP: f64 = 0.05;
 /// Values beyond this part of the largest one are seen.
@@ -30,7 +32,7 @@ impl Layout {
                 for place in narrow_places(scene, &scene.polygon.edges()[k], &subdivision.edges[k].clone()) {
                     insert_apart(&mut subdivision, k, place);
                     if matches!(scene.sides[scene.polygon.edges()[k].side].condition, Condition::Displacement { .. }) {
-                        insert_graded(&mut subdivision, k, place);
+                        insert_graded(&mut subdivision, &scene.polygon, k, place);
                     }
                 }
             }
@@ -95,20 +97,32 @@ pub(crate) fn insert_apart(subdivision: &mut Subdivision, edge: usize, places: [
     }
 }
 
-/// Vertices at distances that grow by 1/σ away from a narrow place of prescribed displacements, up to the next vertices: the
-/// tractions beside it fall off like those beside a singular point, but no estimate of one long element sees that.
-fn insert_graded(subdivision: &mut Subdivision, edge: usize, [begin, _, end]: [f64; 3]) {
+/// Vertices at distances that grow by 1/σ away from a narrow place of prescribed displacements, along this edge and those after
+/// it: the tractions beside it fall off like those beside a singular point, but no estimate of one long element sees that. There
+/// are none where a vertex is about as far away already.
+fn insert_graded(subdivision: &mut Subdivision, polygon: &Polygon, edge: usize, [begin, _, end]: [f64; 3]) {
     let sigma = Grading::default().sigma;
-    let half = (end - begin) / 2.0;
-    for (from, sign) in [(begin, -1.0), (end, 1.0)] {
-        let beside = from + sign * 1e-3 * half;
-        let Some(piece) = subdivision.edges[edge].iter().find(|p| p.start <= beside && beside < p.end) else {
-            continue;
-        };
-        let length = if sign > 0.0 { piece.end - from } else { from - piece.start };
+    let edges = polygon.edges();
+    let half = (end - begin) / 2.0 * edges[edge].length();
+    for (from, rising) in [(begin, false), (end, true)] {
+        let (mut at, mut rising) = (edge, rising);
+        // distance from the place to the end of this edge that the walk comes from
+        let mut passed = if rising { -from } else { from - 1.0 } * edges[edge].length();
         let mut distance = half;
-        while 2.0 * distance < length {
-            subdivision.insert(edge, from + sign * distance, &[], 0.0);
+        while distance < polygon.diameter() {
+            let length = edges[at].length();
+            if distance - passed >= length {
+                passed += length;
+                (at, rising) = polygon.neighbour(at, rising);
+                continue;
+            }
+            let s = (distance - passed) / length;
+            let s = if rising { s } else { 1.0 - s };
+            let apart = NEAR * distance / length;
+            let near = |p: &Piece| (p.start - s).abs() < apart || (p.end - s).abs() < apart;
+            if !subdivision.edges[at].iter().any(near) {
+                subdivision.insert(at, s, &[], 0.0);
+            }
             distance /= sigma;
         }
     }

@@ -159,6 +159,17 @@ impl Polygon {
         if self.edges[range.start].reversed { range.rev().collect() } else { range.collect() }
     }
 
+    /// The edge that meets another one at its end s = 1 (`rising`) or s = 0, and whether its own parameter rises from there.
+    pub fn neighbour(&self, edge: usize, rising: bool) -> (usize, bool) {
+        let Edge { loop_index, reversed, .. } = self.edges[edge];
+        let forward = rising != reversed;
+        let order = self.traversal(loop_index);
+        let count = order.len();
+        let at = order.iter().position(|&k| k == edge).unwrap_or(0);
+        let next = order[if forward { at + 1 } else { at + count - 1 } % count];
+        (next, forward != self.edges[next].reversed)
+    }
+
     /// Area of the body, holes excluded; infinite if it is unbounded.
     pub fn area(&self) -> f64 {
         self.area

@@ -112,6 +112,16 @@ fn holes_are_traversed_clockwise_with_the_numbers_as_listed() {
     assert_eq!(p.loops(), [0..4, 4..7, 7..10]);
     assert_eq!(p.traversal(0), [0, 1, 2, 3]);
     assert_eq!(p.traversal(1), [6, 5, 4]);
+    for (loop_index, listed) in [(0, vec![0, 1, 2, 3]), (1, vec![4, 5, 6]), (2, vec![7, 8, 9])] {
+        for &k in &listed {
+            let ends = |e: usize| [p.edges()[e].point(0.0), p.edges()[e].point(1.0)];
+            for rising in [false, true] {
+                let (next, on) = p.neighbour(k, rising);
+                assert!(next != k && p.edges()[next].loop_index == loop_index, "{k} {rising}");
+                assert_eq!(ends(k)[usize::from(rising)], ends(next)[usize::from(!on)], "{k} {rising}: {next} {on}");
+            }
+        }
+    }
     assert_eq!(p.traversal(2), [7, 8, 9]);
     assert!(p.edges()[4..7].iter().all(|e| e.reversed) && !p.edges()[7].reversed);
     let first = &p.edges()[4];
