@@ -2,8 +2,8 @@
 
 use std::sync::atomic::AtomicUsize;
 
+use steklov::problem::{Refine, Scene};
 use steklov::run::{Progress, Run, Step, run};
-use steklov::scene::{Refine, Scene};
 use steklov::solve::{SolveError, Stage};
 use steklov_bem_operators::{Mark, Subdivision};
 

@@ -6,10 +6,11 @@ use std::sync::atomic::AtomicUsize;
 use steklov::adapt::Layout;
 use steklov::grid::{GridProgress, GridRun, run_grid};
 use steklov::plan::{first_mesh, plan};
+use steklov::problem::{Model, Refine, Scene};
 use steklov::record::Record;
 use steklov::report::{ContactRow, contact_rows, contact_summary, located};
 use steklov::run::{Progress, Run, run};
-use steklov::scene::{Model, Refine, Scene, SceneError};
+use steklov::scene::{Document, SceneError};
 use steklov::solve::{SolveError, Solved};
 use steklov::summary::{ContactSummary, Summary};
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
@@ -53,10 +54,10 @@ impl Answer {
 /// A scene from TOML text and overrides `KEY=VALUE`.
 ///
 /// # Errors
-/// Those of [`Scene::parse`].
+/// Those of [`steklov::scene::parse`].
 pub fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Scene::parse(text, "test.toml", &overrides)
+    steklov::scene::parse(text, "test.toml", &overrides)
 }
 
 /// A scene of the gallery, `scenes/NAME.toml` or `scenes/NN-NAME.toml`, with overrides.
@@ -64,13 +65,21 @@ pub fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
 /// # Panics
 /// If there is no such scene or it is wrong.
 pub fn scene(name: &str, overrides: &[&str]) -> Scene {
+    document(name, overrides).scene
+}
+
+/// The same with its text.
+///
+/// # Panics
+/// As [`scene`].
+pub fn document(name: &str, overrides: &[&str]) -> Document {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     let files = std::fs::read_dir(&folder).expect("the folder of scenes");
     let mut paths = files.map(|f| f.expect("an entry of the folder").path());
     let wanted = |stem: &str| stem == name || stem.strip_suffix(name).is_some_and(|number| number.ends_with('-'));
     let path = paths.find(|p| p.file_stem().and_then(|s| s.to_str()).is_some_and(wanted)).expect("the scene exists");
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    Scene::read(&path, &overrides).unwrap_or_else(|e| panic!("{}", e.render()))
+    Document::read(&path, &overrides).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
 /// The scenes of the gallery on boundary elements by name, in order; links to them are left out.
@@ -85,7 +94,7 @@ pub fn gallery() -> Vec<(String, Scene)> {
     paths.sort();
     let named = paths.iter().map(|path| {
         let name = path.file_stem().expect("a file name").to_string_lossy().into_owned();
-        (name, Scene::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+        (name, steklov::scene::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
     });
     named.filter(|(_, scene)| scene.model() == Model::Bem).collect()
 }

@@ -2,7 +2,7 @@
 //! data, without the matrices and loads of the solver.
 
 use steklov::grid::GridSolved;
-use steklov::scene::{Condition, Scene};
+use steklov::problem::{Condition, Scene};
 use steklov_bem_operators::{Mesh, Site};
 use steklov_elastic::Plane;
 use steklov_quadrature::{gauss_legendre, legendre_p};

@@ -4,9 +4,9 @@
 use std::sync::atomic::AtomicUsize;
 
 use steklov::estimate::Doubt;
+use steklov::problem::Scene;
 use steklov::reference::true_error;
 use steklov::run::{Progress, Reason, run};
-use steklov::scene::Scene;
 use steklov::solve::{SolveError, Stage, solve};
 use steklov_bem_operators::{Mesh, PairCache};
 use steklov_tests::{Case, On, View, adapt, finer, parse, scene, solved_in_steps};

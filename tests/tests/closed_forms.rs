@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
+use steklov::problem::Scene;
 use steklov::report::{ContactRow, contact_rows, contact_summary};
 use steklov::run::{Reason, Run};
-use steklov::scene::Scene;
 use steklov::summary::ContactSummary;
 use steklov_tests::{adapt, line, scene};
 

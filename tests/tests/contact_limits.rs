@@ -3,7 +3,7 @@
 use faer::Mat;
 use proptest::prelude::*;
 use steklov::plan::first_mesh;
-use steklov::scene::Scene;
+use steklov::problem::Scene;
 use steklov::solve::SolveError;
 use steklov_bem_operators::Mesh;
 use steklov_contact::{Condition, ContactError, ContactNode, Problem};

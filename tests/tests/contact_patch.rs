@@ -2,7 +2,7 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
-use steklov::scene::Scene;
+use steklov::problem::Scene;
 use steklov::solve::SolveError;
 use steklov_bem_operators::proptest::{loops, star};
 use steklov_bem_operators::{Loop, Mesh};

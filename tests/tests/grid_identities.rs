@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
-use steklov::scene::Scene;
+use steklov::problem::Scene;
 use steklov::summary::Summary;
 use steklov_tests::{attempt_grid, on_grid, parse};
 

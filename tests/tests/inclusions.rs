@@ -3,9 +3,9 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
+use steklov::problem::{DataErrorKind, Scene};
 use steklov::reference::true_error;
 use steklov::run::{Reason, Run};
-use steklov::scene::{Scene, SceneErrorKind};
 use steklov::solve::SolveError;
 use steklov_bem_operators::BemError;
 use steklov_tests::{adapt, finer, line, parse, solved_in_steps};
@@ -471,6 +471,6 @@ fn what_boundary_elements_on_both_sides_cannot_have_is_refused() {
         (hole, "holes"),
     ] {
         let error = parse(&text(&SQUARE, m, m, rest), &[]).expect_err(word);
-        assert!(error.kind == SceneErrorKind::Unsupported && error.to_string().contains(word), "{error}");
+        assert!(error.kind == DataErrorKind::Unsupported && error.to_string().contains(word), "{error}");
     }
 }

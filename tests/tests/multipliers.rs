@@ -1,8 +1,8 @@
 //! Stabilised multipliers beside biorthogonal ones: the same answers, on any mesh of the multipliers, and what happens without
 //! stabilisation.
 
+use steklov::problem::{Condition, Multiplier, Refine, Scene};
 use steklov::report::{contact_rows, contact_summary};
-use steklov::scene::{Condition, Multiplier, Refine, Scene};
 use steklov::solve::SolveError;
 use steklov_contact::{ContactError, MultiplierDegree, MultiplierMesh};
 use steklov_quadrature::gauss_legendre;

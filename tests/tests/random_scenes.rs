@@ -8,9 +8,9 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::Instant;
 
+use steklov::problem::{DataErrorKind, Scene};
 use steklov::reference::true_error;
 use steklov::run::Reason;
-use steklov::scene::{Scene, SceneErrorKind};
 use steklov::solve::SolveError;
 use steklov_bem_operators::BemError;
 use steklov_contact::ContactError;
@@ -46,7 +46,7 @@ struct Outcome {
 /// The kind of an error that a scene may end with: nothing holds the body, or it is held inside the obstacle.
 fn expected(error: &SolveError) -> Option<&'static str> {
     match error {
-        SolveError::Scene(error) if error.kind == SceneErrorKind::Conflict => Some("conflict"),
+        SolveError::Data(error) if error.kind == DataErrorKind::Conflict => Some("conflict"),
         SolveError::Bem(BemError::RigidMotion { .. }) => Some("rigid motion"),
         SolveError::Contact(ContactError::RigidMotion { .. } | ContactError::NotHeld { .. }) => Some("rigid motion"),
         _ => None,

@@ -17,7 +17,7 @@
 
 use faer::Mat;
 use steklov::plan::first_mesh;
-use steklov::scene::{Scene, SceneErrorKind};
+use steklov::problem::{DataErrorKind, Scene};
 use steklov::solve::SolveError;
 use steklov_bem_operators::{BemError, Condensation, Datum, Domain, Mesh, Operators, Partition, Space, Steklov};
 use steklov_contact::{Outcome, Problem, SideData, contact_boundary, kkt, newton, uzawa};
@@ -43,7 +43,7 @@ fn both(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2]) -> Answer {
 
 fn both_judged(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2], judge: f64) -> Answer {
     let mut scene = scene.clone();
-    let answers = [steklov::scene::Solver::Newton, steklov::scene::Solver::ActiveSet].map(|solver| {
+    let answers = [steklov::problem::Solver::Newton, steklov::problem::Solver::ActiveSet].map(|solver| {
         scene.method.solver = solver;
         answer_on(&scene, mesh.clone())
     });
@@ -289,11 +289,11 @@ fn refusal(condition: &On) -> (bool, String) {
     let case = Case::square(0.3).on("top", On::held("0", "0")).on("floor", condition.clone());
     match parse(&case.method("elements = 20\ndegree = 3").toml(&View::PLAIN), &[]) {
         Err(error) => {
-            assert_eq!(error.kind, SceneErrorKind::Data, "{}", error.render());
+            assert_eq!(error.kind, DataErrorKind::Data, "{}", error.render());
             (false, error.render())
         }
         Ok(scene) => match attempt(&scene, first_mesh(&scene)).err() {
-            Some(SolveError::Scene(error)) => (true, error.render()),
+            Some(SolveError::Data(error)) => (true, error.to_string()),
             other => panic!("{condition:?}: {other:?}"),
         },
     }

@@ -2,7 +2,7 @@
 //! to step of an adaptive run; all of them end on one answer.
 
 use steklov::plan::first_mesh;
-use steklov::scene::Scene;
+use steklov::problem::Scene;
 use steklov::solve::solve;
 use steklov_bem_operators::{Mesh, PairCache};
 use steklov_contact::{

@@ -1,11 +1,12 @@
 //! Random input of scenes: exact scalings, outcomes against scenes of their own, methods against each other.
 
+use steklov::problem::Scene;
 use steklov::run::Run;
-use steklov::scene::Scene;
+use steklov::scene::Document;
 use steklov::stochastic::{Quantity, StochasticResult, solve_stochastic};
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
 use steklov_stochastic::{Nodes, StochasticMesh, Variable};
-use steklov_tests::{adapt, scene};
+use steklov_tests::{adapt, document};
 
 /// A square held at its top, on a floor: modulus, gap, friction, traction of the vertical sides, the rest.
 fn block(young: &str, gap: &str, friction: &str, traction: [&str; 2], rest: &str) -> Scene {
@@ -277,10 +278,10 @@ fn the_truncation_sees_where_sticking_turns_into_slip() {
 
 #[test]
 fn methods_agree_and_samples_stay_within_their_interval() {
-    let scene = scene("30-rough-obstacle", &[]);
+    let Document { scene, source } = document("30-rough-obstacle", &[]);
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
     let with = |change: &str| {
-        let text = scene.source.text.replace("degree = 1\n", &format!("{change}\n"));
+        let text = source.text.replace("degree = 1\n", &format!("{change}\n"));
         on(&parse(&text), &run)
     };
     let tensor = with("degree = 2");
@@ -306,7 +307,7 @@ fn methods_agree_and_samples_stay_within_their_interval() {
 
 #[test]
 fn the_same_bits_for_any_number_of_threads() {
-    let text = scene("31-random-load-and-modulus", &[]).source.text.replace("degree = 3", "degree = 1");
+    let text = document("31-random-load-and-modulus", &[]).source.text.replace("degree = 3", "degree = 1");
     let bits = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
         pool.install(|| {
@@ -322,7 +323,7 @@ fn the_same_bits_for_any_number_of_threads() {
 /// The estimate of the mesh is that of the mean over outcomes: true errors of single outcomes, in mean square, are about it.
 #[test]
 fn the_spatial_estimate_is_the_mean_over_outcomes() {
-    let text = scene("30-rough-obstacle", &[]).source.text;
+    let text = document("30-rough-obstacle", &[]).source.text;
     let scene = parse(&text.replace("tolerance = 5e-3", "tolerance = 2e-2"));
     let (run, result) = solved(&scene);
     let estimate = run.step().estimate();

@@ -3,8 +3,8 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
+use steklov::problem::Scene;
 use steklov::record::Record;
-use steklov::scene::Scene;
 use steklov::solve::SolveError;
 use steklov::summary::Summary;
 use steklov_bem_operators::{BemError, Mesh};

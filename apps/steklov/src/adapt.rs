@@ -10,7 +10,7 @@ use crate::body::Factors;
 use crate::estimate::{Bubble, Doubt, Estimate};
 use crate::first_mesh::{coarse_elements, singular_points};
 use crate::hidden::Unseen;
-use crate::scene::{Refine, Scene};
+use crate::problem::{Refine, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::transitions::unlocated_energy;
 

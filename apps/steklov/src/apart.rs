@@ -9,7 +9,7 @@
 use steklov_contact::{MultiplierDegree, multiplier_trace};
 use steklov_quadrature::gauss_legendre;
 
-use crate::scene::Scene;
+use crate::problem::Scene;
 use crate::solve::Solved;
 
 /// Part of an element's η² from which its multipliers limit it.

@@ -10,7 +10,7 @@ use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact
 use crate::data::{Data, Loads};
 use crate::inclusion::Outside;
 use crate::motions::{balanced, edges, work};
-use crate::scene::{Condition, Scene};
+use crate::problem::{Condition, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Solved};
 use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};

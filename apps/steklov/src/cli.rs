@@ -23,9 +23,10 @@ use self::told::{advice, print_summary};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
 use crate::plan::{Plan, largest_mesh, plan};
+use crate::problem::{Refine, Scene, grid_of, moduli};
 use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
-use crate::scene::{Refine, Scene, TEMPLATE};
+use crate::scene::{Document, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::stochastic::{self, End, StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
@@ -158,31 +159,30 @@ fn say(text: &str) {
     let _ = writeln!(std::io::stdout(), "{text}");
 }
 
-fn read_scene(path: &Path, overrides: &[String]) -> Result<Scene, Failure> {
-    Scene::read(path, overrides).map_err(|e| Failure(e.render()))
+fn read_scene(path: &Path, overrides: &[String]) -> Result<Document, Failure> {
+    Document::read(path, overrides).map_err(|e| Failure(e.render()))
 }
 
 /// A scene that is to be solved here: unless it gives method.max_dofs, matrices of boundary elements may take what is left of
 /// the memory.
-fn read_scene_within_memory(path: &Path, overrides: &[String]) -> Result<Scene, Failure> {
-    let mut scene = read_scene(path, overrides)?;
-    if !scene.method.max_dofs_given && !scene.is_on_grid() {
-        scene.method.memory = available_memory_bytes();
+fn read_scene_within_memory(path: &Path, overrides: &[String]) -> Result<Document, Failure> {
+    let mut document = read_scene(path, overrides)?;
+    if !document.scene.method.max_dofs_given && !document.scene.is_on_grid() {
+        document.scene.method.memory = available_memory_bytes();
     }
-    Ok(scene)
+    Ok(document)
 }
 
 fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
-    let scene = read_scene_within_memory(&args.scene, &args.overrides)?;
-    let mut plan = plan(&scene);
+    let document = read_scene_within_memory(&args.scene, &args.overrides)?;
+    let scene = &document.scene;
+    let mut plan = plan(scene);
     if scene.method.refine != Refine::None {
-        plan.modelled.push(largest_mesh(&scene));
+        plan.modelled.push(largest_mesh(scene));
     }
     if scene.cells.is_some() {
         // a plan for moduli that cannot be had is none
-        crate::grid::grid_of(&scene)
-            .and_then(|grid| crate::grid::moduli(&scene, &grid))
-            .map_err(|e| Failure(e.render()))?;
+        grid_of(scene).and_then(|grid| moduli(scene, &grid)).map_err(|e| Failure(document.error(e).render()))?;
     }
     say(&if args.json { serde_json::to_string_pretty(&plan)? } else { format!("{}\n{plan}", scene.title) });
     Ok(0)
@@ -190,30 +190,28 @@ fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
 
 fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let clock = Instant::now();
-    let scene = read_scene_within_memory(&args.scene, &args.overrides)?;
+    let document = read_scene_within_memory(&args.scene, &args.overrides)?;
+    let scene = &document.scene;
     let out = args.out.clone().unwrap_or_else(|| {
         let mut name = args.scene.file_stem().unwrap_or(args.scene.as_os_str()).to_owned();
         name.push(".vtkhdf"); // not with_extension: that would cut "a.b" to "a"
         PathBuf::from(name)
     });
     check_output(&out, &args.scene, args.force || args.resume)?;
-    let plan = plan(&scene);
-    if plan.cost.dofs > scene.method.max_dofs {
-        return Err(Failure(too_many_dofs(&scene, plan.cost.dofs).render()));
-    }
-    if let Some(error) = too_much_memory(&scene, plan.cost.memory_bytes) {
-        return Err(Failure(error.render()));
-    }
-    if let Some(error) = too_many_points(&scene) {
-        return Err(Failure(error.render()));
+    let plan = plan(scene);
+    let refused = too_many_dofs(scene, plan.cost.dofs)
+        .or_else(|| too_much_memory(scene, plan.cost.memory_bytes))
+        .or_else(|| too_many_points(scene));
+    if let Some(error) = refused {
+        return Err(Failure(document.error(error).render()));
     }
     let interrupts = interrupts(args.quiet)?;
     let bar = Bar::new(args.quiet);
     let reading = clock.elapsed().as_secs_f64();
     let old = old_result(&out, args.resume)?;
     let (record, held) = match scene.is_on_grid() {
-        true => solve_on_grid(args, &scene, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
-        false => solve_boundary(args, &scene, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
+        true => solve_on_grid(args, &document, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
+        false => solve_boundary(args, &document, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
     };
     bar.finish();
     let stored = match (record, &old) {
@@ -222,7 +220,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
             record.stored()
         }
         (Err(SolveError::Interrupted), Some(old)) => unchanged(old, &out, held, args.quiet)?,
-        (Err(error), _) => return Err(appeared(&out, &error).unwrap_or_else(|| explained(&scene, error))),
+        (Err(error), _) => return Err(appeared(&out, &error).unwrap_or_else(|| explained(&document, error))),
     };
     let files = match &args.plots {
         Some(folder) => pictures(&stored, folder, &out)?,
@@ -254,14 +252,15 @@ type Attempt = (Result<Record, SolveError>, usize);
 /// Solves by boundary elements.
 fn solve_boundary(
     args: &SolveArgs,
-    scene: &Scene,
+    document: &Document,
     mut plan: Plan,
     out: &Path,
     old: Option<&File>,
     (interrupts, bar): (&AtomicUsize, &Bar),
     reading: f64,
 ) -> Result<Attempt, Failure> {
-    let stored = old.map_or(Ok(Vec::new()), |old| store::read_steps(old, scene))?;
+    let Document { scene, source } = document;
+    let stored = old.map_or(Ok(Vec::new()), |old| store::read_steps(old, document))?;
     let held = stored.len();
     let first = Progress::before_last(stored).unwrap_or_else(|| Progress::first(scene));
     let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, SolveError> {
@@ -293,7 +292,7 @@ fn solve_boundary(
         queue.finish()?;
         let (mut record, writing) = (record, Instant::now());
         record.summary.peak_memory_bytes = peak_memory_bytes();
-        store::write(file, &record)?;
+        store::write(file, &record, source)?;
         record.summary.seconds.write += writing.elapsed().as_secs_f64();
         Ok(record)
     });
@@ -328,7 +327,7 @@ fn all_outcomes(
             run.reason = Reason::Interrupted;
             Ok((run, None))
         }
-        Err(error @ SolveError::Scene(_)) => Err(error),
+        Err(error @ SolveError::Data(_)) => Err(error),
         Err(error) => {
             (run.reason, run.error) = (Reason::Failed, Some(error));
             Ok((run, None))
@@ -366,9 +365,9 @@ fn interrupts(quiet: bool) -> Result<Arc<AtomicUsize>, Failure> {
 }
 
 /// An error of the solver, told with the text of the scene that causes it.
-fn explained(scene: &Scene, error: SolveError) -> Failure {
-    match explain(scene, error) {
-        Ok(error) => Failure(error.render()),
+fn explained(document: &Document, error: SolveError) -> Failure {
+    match explain(&document.scene, error) {
+        Ok(error) => Failure(document.error(error).render()),
         Err(error) => error.into(),
     }
 }

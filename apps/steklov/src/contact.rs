@@ -9,7 +9,7 @@ use steklov_contact::{
 use steklov_elastic::RigidMotion;
 
 use crate::motions::{edges, unpressed};
-use crate::scene::Solver;
+use crate::problem::Solver;
 use crate::stabilised::StabilisedContact;
 
 /// Contact on the solved mesh.

@@ -11,7 +11,7 @@ use steklov_expression::{Expression, Piece};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::estimate::Residual;
-use crate::scene::{Condition, Scene};
+use crate::problem::{Condition, DataError, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
 
@@ -341,10 +341,10 @@ impl Data<'_> {
                 match self.scene.check_value(side, name, expression, (point[0], point[1], s)) {
                     Err(error) => error.into(),
                     // rounding of s or of the point: the value was not finite all the same
-                    Ok(_) => self.scene.data_error(expression, &error.to_string()).into(),
+                    Ok(_) => DataError::of_values(expression, &error.to_string()).into(),
                 }
             }
-            BemError::DataRough { .. } => self.scene.data_error(expression, &error.to_string()).into(),
+            BemError::DataRough { .. } => DataError::of_values(expression, &error.to_string()).into(),
             _ => error.into(),
         }
     }

@@ -5,7 +5,7 @@ use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_bo
 use steklov_expression::Expression;
 
 use crate::data::{Data, Function};
-use crate::scene::{Condition, Friction, SceneErrorKind};
+use crate::problem::{Condition, DataError, DataErrorKind, Friction};
 use crate::solve::SolveError;
 use crate::supports::Held;
 
@@ -124,7 +124,7 @@ impl Data<'_> {
                     let keys = [vec!["sides", holder, "displacement"]];
                     let help =
                         "hold it outside of the obstacle, free the component along the normal, or change the gap";
-                    return Err(self.scene.error_at(SceneErrorKind::Conflict, &keys, message, help).into());
+                    return Err(DataError::at(DataErrorKind::Conflict, &keys, message, help).into());
                 }
             }
         }

@@ -17,7 +17,7 @@ use steklov_quadrature::gauss_legendre;
 use crate::body::Factors;
 use crate::contact::{ContactFactors, ContactResult};
 use crate::data::Data;
-use crate::scene::Condition;
+use crate::problem::Condition;
 use crate::solve::{SolveError, Solved};
 
 impl Data<'_> {

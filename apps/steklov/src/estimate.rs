@@ -21,7 +21,7 @@ use crate::elastic::{Elastic, EnrichedBody, plane_modulus};
 use crate::enriched_problem::{Frame, System, frames};
 use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
-use crate::scene::{Indicator, Refine, Scene};
+use crate::problem::{Indicator, Refine, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::unseen::unseen_by_tractions;
 

@@ -5,7 +5,7 @@ use steklov_bem_operators::Look;
 use crate::body::UNBALANCED;
 use crate::data::Data;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, Residual};
-use crate::scene::Scene;
+use crate::problem::Scene;
 use crate::solve::{SolveError, Solved};
 
 impl Estimate {

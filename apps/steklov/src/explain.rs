@@ -7,15 +7,15 @@ use steklov_expression::Expression;
 use steklov_msfem::MsfemError;
 use steklov_stochastic::StochasticError;
 
-use crate::scene::{Condition, Friction, Model, Sampling, Scene, SceneError, SceneErrorKind};
+use crate::problem::{Condition, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
 use crate::solve::SolveError;
 use crate::summary::available_memory_bytes;
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
-pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, SolveError> {
-    use SceneErrorKind::{Conflict, Geometry, Unsupported, Value};
+pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<DataError, SolveError> {
+    use DataErrorKind::{Conflict, Geometry, Unsupported, Value};
     let message = error.to_string();
-    let at = |kind, keys: &[Vec<&str>], help: &str| Ok(scene.error_at(kind, keys, message.clone(), help));
+    let at = |kind, keys: &[Vec<&str>], help: &str| Ok(DataError::at(kind, keys, message.clone(), help));
     let unbalanced = || {
         let keys = [vec!["exterior", "at_infinity"], vec!["exterior"]];
         at(
@@ -31,7 +31,7 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<SceneError, So
     match &error {
         SolveError::Bem(BemError::RigidMotion { .. }) if scene.is_inclusion() => unbalanced(),
         SolveError::Bem(BemError::StiffnessSingular { .. }) if scene.is_inclusion() => unequal(),
-        SolveError::Scene(error) => Ok((**error).clone()),
+        SolveError::Data(error) => Ok((**error).clone()),
         SolveError::Observer(_) | SolveError::Interrupted | SolveError::Outcome { .. } => Err(error),
         SolveError::Msfem(error) => match **error {
             MsfemError::Memory { .. } => at(
@@ -146,8 +146,11 @@ fn is_held_by_medium(scene: &Scene) -> bool {
     scene.exterior.as_ref().is_some_and(|exterior| exterior.radiation == Radiation::Decaying)
 }
 
-/// The first mesh is larger than the scene allows.
-pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
+/// The refusal of a first mesh that is larger than the scene allows; none if it is not.
+pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> Option<DataError> {
+    if dofs <= scene.method.max_dofs {
+        return None;
+    }
     let message = format!("the first mesh has {dofs} dofs, more than method.max_dofs = {}", scene.method.max_dofs);
     let (keys, help) = match scene.model() {
         Model::Fem | Model::FemBem => (
@@ -168,28 +171,28 @@ pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> SceneError {
         ),
     };
     let message = if scene.is_on_grid() { message.replace("first mesh", "first grid") } else { message };
-    scene.error_at(SceneErrorKind::Value, &keys, message, help)
+    Some(DataError::at(DataErrorKind::Value, &keys, message, help))
 }
 
 /// The refusal of a first mesh or a grid that does not fit into the memory that is left; none if it does, or the system does not tell.
-pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<SceneError> {
+pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<DataError> {
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
     if let Some(left) = scene.method.memory.filter(|left| needed > *left) {
         let message =
             format!("the first mesh needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(left));
         let keys = [vec!["method", "elements"], vec!["method", "degree"], vec!["body", "corners"]];
         let help = "ask for fewer elements or a lower degree; with method.max_dofs given it is tried all the same";
-        return Some(scene.error_at(SceneErrorKind::Value, &keys, message, help));
+        return Some(DataError::at(DataErrorKind::Value, &keys, message, help));
     }
     let available = available_memory_bytes().filter(|bytes| scene.grid.is_some() && needed > *bytes)?;
     let message =
         format!("the grid needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(available));
     let help = "take fewer cells; or model = \"msfem\" with coarse cells of some 16 by 16 fine ones, which are solved one by one";
-    Some(scene.error_at(SceneErrorKind::Value, &[vec!["grid"]], message, help))
+    Some(DataError::at(DataErrorKind::Value, &[vec!["grid"]], message, help))
 }
 
 /// The refusal of more stochastic nodes than are allowed; none if there are fewer.
-pub(crate) fn too_many_points(scene: &Scene) -> Option<SceneError> {
+pub(crate) fn too_many_points(scene: &Scene) -> Option<DataError> {
     let random = scene.random.as_ref()?;
     let (count, most) = (crate::stochastic::points(random), random.stochastic.max_nodes);
     if random.stochastic.method == Sampling::MonteCarlo || count <= most as f64 {
@@ -208,8 +211,8 @@ pub(crate) fn too_many_points(scene: &Scene) -> Option<SceneError> {
         ),
     };
     let keys = keys.map(|key| vec!["stochastic", key]);
-    Some(scene.error_at(
-        SceneErrorKind::Value,
+    Some(DataError::at(
+        DataErrorKind::Value,
         &[&keys[..], &[vec!["stochastic"], vec!["random"]]].concat(),
         message,
         help,

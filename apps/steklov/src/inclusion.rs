@@ -22,7 +22,7 @@ use steklov_quadrature::legendre_p;
 use crate::around::Around;
 use crate::data::Data;
 use crate::elastic::plane_modulus;
-use crate::scene::MediumInput;
+use crate::problem::MediumInput;
 use crate::solve::SolveError;
 
 /// The medium around a body, on the mesh of the body, and the jump of the displacement between them.

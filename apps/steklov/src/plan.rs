@@ -8,7 +8,7 @@ use steklov_elastic::{Plane, RigidMotion, free_motions};
 
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
-use crate::scene::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
+use crate::problem::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
 use crate::stochastic;
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.

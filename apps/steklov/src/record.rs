@@ -14,9 +14,9 @@ use crate::estimate::{Doubt, ROUNDOFF};
 use crate::grid::GridRecord;
 use crate::large::is_large;
 use crate::plan::Plan;
+use crate::problem::Scene;
 use crate::report::{ContactRow, contact_rows, contact_summary, located};
 use crate::run::{Run, Step};
-use crate::scene::Scene;
 use crate::solve::Solved;
 use crate::stochastic::{self, StochasticResult};
 use crate::store::Stored;
@@ -29,10 +29,6 @@ use crate::vertices::tell_unbounded;
 pub struct Record {
     /// The numbers.
     pub summary: Summary,
-    /// Text of the scene file.
-    pub scene: String,
-    /// The overrides, `KEY=VALUE`.
-    pub overrides: Vec<String>,
     /// What was modelled.
     pub plan: Plan,
     /// The last mesh.
@@ -114,8 +110,6 @@ impl Record {
         let Run { last: solved, progress, .. } = run;
         Self {
             summary,
-            scene: scene.source.text.clone(),
-            overrides: scene.source.overrides.clone(),
             plan,
             points: solved.space.points.clone(),
             displacement: solved.displacement.chunks_exact(2).map(|u| [u[0], u[1]]).collect(),

@@ -10,8 +10,8 @@ use steklov_quadrature::legendre_p;
 
 use crate::data::Data;
 use crate::estimate::Doubt;
+use crate::problem::{Refine, Scene};
 use crate::run::{Progress, Reason, Step, run};
-use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
 
 /// What errors are measured against.

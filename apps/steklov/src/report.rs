@@ -4,8 +4,8 @@ use steklov_bem_operators::{Mesh, SAME_PLACE, Space};
 use steklov_contact::{Condition, Located, MultiplierNode, Status, TipKind};
 
 use crate::contact::ContactResult;
+use crate::problem::{self, Refine, Scene};
 use crate::run::Step;
-use crate::scene::{self, Refine, Scene};
 use crate::solve::Solved;
 use crate::stabilised::StabilisedContact;
 use crate::summary::{ContactSummary, Stabilisation, Summary};
@@ -237,7 +237,7 @@ fn length_between(
     let lines = contact.boundary.lines(trace.mesh, trace.space);
     let mut length = 0.0;
     for (k, edge) in scene.polygon.edges().iter().enumerate() {
-        if !matches!(scene.sides[edge.side].condition, scene::Condition::Contact { .. }) {
+        if !matches!(scene.sides[edge.side].condition, problem::Condition::Contact { .. }) {
             continue;
         }
         let points = &lines.iter().find(|line| line.edge == k)?.points;

@@ -12,7 +12,7 @@ use crate::elastic::EnrichedBody;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::hidden::Unseen;
 use crate::plan::{Decision, without_memory};
-use crate::scene::{Refine, Scene};
+use crate::problem::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
 use crate::stochastic::mean_estimate;
 

@@ -17,8 +17,8 @@ use crate::body_load::Particular;
 use crate::contact::{ContactResult, solve_problem};
 use crate::data::Data;
 use crate::inclusion::Outside;
+use crate::problem::{DataError, Multiplier, Scene};
 use crate::run::Step;
-use crate::scene::{Multiplier, Scene, SceneError};
 use crate::stabilised::{self, solve_stabilised};
 use crate::supports::Supports;
 
@@ -55,7 +55,7 @@ pub enum Stage<'a> {
 pub enum SolveError {
     /// The scene's data cannot be used.
     #[error(transparent)]
-    Scene(#[from] Box<SceneError>),
+    Data(#[from] Box<DataError>),
     /// The boundary element part failed.
     #[error(transparent)]
     Bem(#[from] BemError),
@@ -116,9 +116,9 @@ pub enum SolveError {
     Interrupted,
 }
 
-impl From<SceneError> for SolveError {
-    fn from(error: SceneError) -> Self {
-        Self::Scene(Box::new(error))
+impl From<DataError> for SolveError {
+    fn from(error: DataError) -> Self {
+        Self::Data(Box::new(error))
     }
 }
 

@@ -14,10 +14,11 @@ use steklov_io::{
 use crate::around;
 use crate::grid::{GridRecord, GridStep, store as grid};
 use crate::plan::Plan;
+use crate::problem::Source;
 use crate::record::Record;
 use crate::report::ContactRow;
 use crate::run::Step;
-use crate::scene::Scene;
+use crate::scene::Document;
 use crate::solve::{SolveError, Stage};
 use crate::steps;
 use crate::stochastic::{self, StochasticResult};
@@ -166,11 +167,11 @@ fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn write(file: &File, record: &Record) -> Result<(), IoError> {
+pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoError> {
     write_text_attribute(file, "program", concat!("steklov ", env!("CARGO_PKG_VERSION")))?;
     write_integer_attribute(file, "threads", &[rayon::current_num_threads() as i64])?;
-    save_text(file, "scene", &record.scene, "text of the scene file")?;
-    save_texts(file, "overrides", &record.overrides, "keys changed on the command line, KEY=VALUE", "override")?;
+    save_text(file, "scene", &source.text, "text of the scene file")?;
+    save_texts(file, "overrides", &source.overrides, "keys changed on the command line, KEY=VALUE", "override")?;
     save_text(file, "summary", &json(&record.summary), "the JSON object of solve --json")?;
     save_text(file, "plan", &json(&record.plan), "what was modelled, what was left out and why, as JSON")?;
     let count = record.on_grid.as_ref().map_or(record.steps.len(), |grid| grid.steps.len());
@@ -374,21 +375,22 @@ fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<Stoch
 ///
 /// # Errors
 /// A file that is not one of this program's, truncated or altered, or of another scene.
-pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
-    check_scene(file, scene)?;
-    steps::load_all(file, scene)
+pub fn read_steps(file: &File, document: &Document) -> Result<Vec<Step>, IoError> {
+    check_scene(file, document)?;
+    steps::load_all(file, &document.scene)
 }
 
 /// Reads the steps on grids from which a run goes on.
 ///
 /// # Errors
 /// As [`read_steps`].
-pub fn read_grid_steps(file: &File, scene: &Scene) -> Result<Vec<GridStep>, IoError> {
-    check_scene(file, scene)?;
+pub fn read_grid_steps(file: &File, document: &Document) -> Result<Vec<GridStep>, IoError> {
+    check_scene(file, document)?;
     let steps = grid::read_steps(file)?;
     // moduli from another file may have changed since
     let stored = grid::read(file, &vtkhdf::read(file)?)?.body;
-    let now = crate::grid::moduli(scene, &stored.grid).map_err(|e| invalid(file, "multiscale", e.to_string()))?;
+    let now = crate::problem::moduli(&document.scene, &stored.grid)
+        .map_err(|e| invalid(file, "multiscale", e.to_string()))?;
     if stored.grid.body_cells().any(|c| stored.young[c] != now[c]) {
         return Err(invalid(
             file,
@@ -399,11 +401,11 @@ pub fn read_grid_steps(file: &File, scene: &Scene) -> Result<Vec<GridStep>, IoEr
     Ok(steps)
 }
 
-fn check_scene(file: &File, scene: &Scene) -> Result<(), IoError> {
-    if load_text(file, "scene")? != scene.source.text {
+fn check_scene(file: &File, document: &Document) -> Result<(), IoError> {
+    if load_text(file, "scene")? != document.source.text {
         return Err(invalid(file, "scene", "it holds the result of another scene, or the scene has been edited since"));
     }
-    if let Some(key) = scene.differing_key(&load_texts(file, "overrides")?) {
+    if let Some(key) = document.differing_key(&load_texts(file, "overrides")?) {
         let why = format!(
             "it was solved with other overrides, which differ in {key}; only method.tolerance, max_dofs and max_steps may change"
         );

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_elastic::Material;
 
+use crate::problem::{Condition, Friction, Scene};
 use crate::report::{ContactRow, TOUCHING};
-use crate::scene::{Condition, Friction, Scene};
 use crate::summary::Probe;
 use crate::wedge::{Face, Sector, Wedge};
 

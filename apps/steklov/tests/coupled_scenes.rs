@@ -5,8 +5,9 @@ use std::sync::atomic::AtomicUsize;
 
 use steklov::grid::{GridProgress, GridRun, run_grid};
 use steklov::plan::plan;
+use steklov::problem::{DataErrorKind as Kind, Scene};
 use steklov::record::Record;
-use steklov::scene::{Scene, SceneError, SceneErrorKind as Kind};
+use steklov::scene::SceneError;
 use steklov::summary::Summary;
 
 /// A square of one material in a medium of another, under remote stress.
@@ -33,7 +34,7 @@ refine = "none"
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    Scene::parse(text, "scene.toml", &overrides)
+    steklov::scene::parse(text, "scene.toml", &overrides)
 }
 
 fn run(text: &str, overrides: &[&str]) -> (Scene, GridRun) {

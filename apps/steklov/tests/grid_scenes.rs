@@ -5,8 +5,8 @@ mod place;
 
 use place::Place;
 use proptest::prelude::*;
-use steklov::grid::{grid_of, moduli};
-use steklov::scene::{BasisInput, CellModuli, Model, Scene, SceneError, SceneErrorKind as Kind};
+use steklov::problem::{BasisInput, CellModuli, DataErrorKind as Kind, Model, Scene, grid_of, moduli};
+use steklov::scene::{Document, SceneError};
 use steklov_io::{Label, create_atomically, save_dense, save_vector};
 use steklov_quadrature::unit_uniform;
 
@@ -31,15 +31,22 @@ const CELLS: &str = "cells = { size = 0.5, young = { uniform = [2000, 3000], see
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    Scene::parse(text, "broken.toml", &overrides)
+    steklov::scene::parse(text, "broken.toml", &overrides)
 }
 
 fn sound(text: &str, overrides: &[&str]) -> Scene {
     parse(text, overrides).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
-fn young(scene: &Scene) -> Result<Vec<f64>, SceneError> {
-    moduli(scene, &grid_of(scene)?)
+/// The same with its texts.
+fn document(text: &str, overrides: &[&str]) -> Document {
+    let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
+    Document::parse(text, "broken.toml", &overrides).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+fn young(document: &Document) -> Result<Vec<f64>, SceneError> {
+    let scene = &document.scene;
+    grid_of(scene).and_then(|grid| moduli(scene, &grid)).map_err(|e| document.error(e))
 }
 
 /// A mistake: kind, line, the text that is pointed at, part of the message, part of the remedy.
@@ -236,7 +243,8 @@ fn the_model_is_the_least_that_fits() {
     assert_eq!(sound(&heavy, &[]).force_at([0.5, 1.5]).unwrap(), [0.0, -1.5]);
     assert_eq!(sound(&heavy, &[]).constant_force(), None);
     assert_eq!(sound(&constant, &[]).force_at([0.5, 1.5]).unwrap(), [0.0, -9.81]);
-    let infinite = sound(&heavy, &["body_force.value=[\"1/x\", 0]"]).force_at([0.0, 0.5]).unwrap_err();
+    let infinite = document(&heavy, &["body_force.value=[\"1/x\", 0]"]);
+    let infinite = infinite.error(infinite.scene.force_at([0.0, 0.5]).unwrap_err());
     check(
         &infinite,
         Kind::Data,
@@ -287,7 +295,7 @@ fine = [16, 16]
 /// (0, 1), (1, 0), (191, 31).
 #[test]
 fn random_moduli_are_those_of_the_reference_and_stay_when_h_is_halved() {
-    let coarse = young(&sound(BAR, &[])).unwrap();
+    let coarse = young(&document(BAR, &[])).unwrap();
     let close = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b;
     assert_eq!(coarse.len(), 192 * 32);
     for (cell, u) in [0.7727061408, 0.01060959718, 0.6281408531, 0.07629860571].into_iter().enumerate() {
@@ -302,7 +310,7 @@ fn random_moduli_are_those_of_the_reference_and_stay_when_h_is_halved() {
     assert!((mean - 2500.0).abs() < 15.0, "{mean}");
     for m in [2, 4] {
         let set = format!("grid.fine=[{0}, {0}]", 16 * m);
-        let fine = young(&sound(BAR, &[&set])).unwrap();
+        let fine = young(&document(BAR, &[&set])).unwrap();
         assert_eq!(fine.len(), m * m * coarse.len());
         for (cell, value) in fine.iter().enumerate() {
             let (ix, iy) = (cell / (32 * m), cell % (32 * m));
@@ -323,7 +331,7 @@ fn cells_outside_of_the_body_are_numbered_and_not_judged() {
         assert_eq!(values[ix * 8 + iy], 2000.0 + 1000.0 * unit_uniform(2014, i), "({ix}, {iy})");
     }
     // an expression at the centres of modulus cells, bad ones only outside of the body
-    let by = |text: &str| young(&sound(L, &[&format!("material.cells.young=\"{text}\"")]));
+    let by = |text: &str| young(&document(L, &[&format!("material.cells.young=\"{text}\"")]));
     let values = by("if(min(x, y) > 1, log(-1), 1 + x + 10*y)").unwrap();
     for cell in grid.body_cells() {
         let centre = grid.centre(cell).map(|x| (x / 0.5).floor() * 0.5 + 0.25);
@@ -338,7 +346,7 @@ fn cells_outside_of_the_body_are_numbered_and_not_judged() {
         assert!(error.message.ends_with(&format!("): expression {text:?}")), "{}", error.message);
     }
     // one modulus is that of every cell
-    let one = sound(&L.replace(CELLS, "young = 7"), &["method.model=\"fem\""]);
+    let one = document(&L.replace(CELLS, "young = 7"), &["method.model=\"fem\""]);
     assert_eq!(young(&one).unwrap(), vec![7.0; 64]);
 }
 
@@ -377,8 +385,7 @@ fn with_file(rows: usize, columns: usize, value: impl Fn(usize, usize) -> f64) -
 fn moduli_of_a_file_beside_the_scene_are_indexed_by_column_and_row() {
     let read = |path: &std::path::Path, overrides: &[&str]| {
         let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-        let scene = Scene::read(path, &overrides).unwrap_or_else(|e| panic!("{}", e.render()));
-        young(&scene)
+        young(&Document::read(path, &overrides)?)
     };
     // what lies outside of the body is not judged
     let (_place, path) = with_file(4, 4, |ix, iy| if ix > 1 && iy > 1 { -1.0 } else { (1 + 10 * ix + iy) as f64 });

@@ -11,8 +11,8 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
+use steklov::problem::{Refine, Source};
 use steklov::reference::Reference;
-use steklov::scene::{Refine, Scene};
 use steklov::study::{End, NAMES, Study, csv, strategy, text};
 use steklov_bem_operators::Mesh;
 use steklov_quadrature::gauss_legendre;
@@ -384,7 +384,7 @@ fn an_expected_energy_is_used_if_it_is_confirmed() {
 fn strategies_that_fail_or_are_stopped_are_told() {
     let scene = |solver: &str| {
         let set = [format!("method.solver=\"{solver}\""), "method.tolerance=1e-2".into()];
-        Scene::parse(place::BLOCK, "block.toml", &set).unwrap()
+        steklov::scene::parse(place::BLOCK, "block.toml", &set).unwrap()
     };
     let (good, bad) = (scene("auto"), scene("uzawa"));
     let reference = Reference::new(&good, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
@@ -397,8 +397,15 @@ fn strategies_that_fail_or_are_stopped_are_told() {
     assert_eq!((strategies[1].end.word(), strategies[1].points.len()), ("interrupted", 1));
     assert_eq!(strategies[2].end.word(), "tolerance");
     assert_eq!(strategies.each_ref().map(|s| s.complete()), [false, false, true]);
-    let study =
-        |interrupted| Study { scene: &good, reference: &reference, strategies: &strategies, repeat: 1, interrupted };
+    let source = Source::default();
+    let study = |interrupted| Study {
+        scene: &good,
+        source: &source,
+        reference: &reference,
+        strategies: &strategies,
+        repeat: 1,
+        interrupted,
+    };
     assert!(!study(false).complete() && text(&study(false)).contains(&format!("FAILED after 0 steps: {why}")));
     assert!(text(&study(true)).contains("interrupted: what was finished is here"));
     assert_eq!(csv(&study(false)).lines().count(), 1 + 1 + strategies[2].points.len());

@@ -7,7 +7,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::scene::Scene;
+use steklov::problem::{Scene, Source};
 use steklov::study::coupling::{
     CouplingStudy, Effectivity, coarsest, conditioning, convergence, costs, effectivity, json as object, largest,
     levels, pairs, pictures, settings, text, wrongs,
@@ -61,7 +61,7 @@ model = "fem-bem"
 "#;
 
 fn parsed(scene: &str) -> Scene {
-    Scene::parse(scene, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+    steklov::scene::parse(scene, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
 fn number(value: &Value) -> f64 {
@@ -260,6 +260,7 @@ fn interruptions_keep_what_is_finished() {
     assert!(conditioning.points.is_empty() && wrongs.points.is_empty() && convergence.points.len() == 24);
     let study = CouplingStudy {
         scene: &scene,
+        source: &Source::default(),
         pairs: &pairs,
         convergence: &convergence,
         effectivity: &effectivity,

@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
+use steklov::problem::Source;
 use steklov::run::{Progress, run};
-use steklov::scene::Scene;
 use steklov::study::stochastic::{Stochastic, chance, pictures, solvers, space, text};
 
 const FILES: &str = "mean-contact-force-y.png mean-contact-force-y.svg mean-energy.png mean-energy.svg solver-history.png \
@@ -186,7 +186,7 @@ fn check(group: &steklov_io::Group, object: &Value) {
 /// After a wish to stop there is what there is, and it can be told and drawn.
 #[test]
 fn interruptions_keep_what_is_finished() {
-    let scene = Scene::parse(&pressed(), "scene", &[]).unwrap();
+    let scene = steklov::scene::parse(&pressed(), "scene", &[]).unwrap();
     let random = scene.random.as_ref().unwrap();
     let (stopped, tell) = (AtomicUsize::new(1), &mut |_: &str, _: &str| {});
     let mut last = run(&scene, Progress::first(&scene), &stopped, &mut |_, _| Ok(())).unwrap();
@@ -194,8 +194,14 @@ fn interruptions_keep_what_is_finished() {
     let space = space(&scene, random, &stopped, tell).unwrap();
     let solvers = solvers(&scene, random, &stopped, tell).unwrap().unwrap();
     assert!(chance.points.is_empty() && space.points.is_empty() && solvers.methods.is_empty());
-    let study =
-        Stochastic { scene: &scene, chance: &chance, space: &space, solvers: Some(&solvers), interrupted: true };
+    let study = Stochastic {
+        scene: &scene,
+        source: &Source::default(),
+        chance: &chance,
+        space: &space,
+        solvers: Some(&solvers),
+        interrupted: true,
+    };
     assert!(!study.complete() && text(&study).contains("interrupted: what was finished is here"));
     let folder = tempfile::tempdir().unwrap();
     assert!(pictures(&study, folder.path()).unwrap().is_empty());

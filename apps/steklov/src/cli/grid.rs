@@ -11,7 +11,7 @@ use super::{Attempt, Failure, SolveArgs};
 use crate::grid::{BLIND, FAILING, GridProgress, run_grid};
 use crate::plan::Plan;
 use crate::record::Record;
-use crate::scene::Scene;
+use crate::scene::Document;
 use crate::solve::SolveError;
 use crate::store;
 use crate::summary::{GridSummary, peak_memory_bytes};
@@ -19,14 +19,15 @@ use crate::summary::{GridSummary, peak_memory_bytes};
 /// Solves by finite elements on a grid.
 pub(super) fn solve_on_grid(
     args: &SolveArgs,
-    scene: &Scene,
+    document: &Document,
     plan: Plan,
     out: &Path,
     old: Option<&File>,
     (interrupts, bar): (&AtomicUsize, &Bar),
     reading: f64,
 ) -> Result<Attempt, Failure> {
-    let stored = old.map_or(Ok(Vec::new()), |old| store::read_grid_steps(old, scene))?;
+    let Document { scene, source } = document;
+    let stored = old.map_or(Ok(Vec::new()), |old| store::read_grid_steps(old, document))?;
     let held = stored.len();
     let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, SolveError> {
         let progress = GridProgress::new(scene, stored)?;
@@ -39,7 +40,7 @@ pub(super) fn solve_on_grid(
         })?;
         let (mut record, writing) = (Record::of_grid(scene, plan, run, out, reading), Instant::now());
         record.summary.peak_memory_bytes = peak_memory_bytes();
-        store::write(file, &record)?;
+        store::write(file, &record, source)?;
         record.summary.seconds.write += writing.elapsed().as_secs_f64();
         Ok(record)
     });

@@ -21,8 +21,9 @@ use steklov_picture::{self as picture, PictureError};
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
 use crate::plan::plan;
+use crate::problem::{Multiplier, Refine, Scene};
 use crate::reference::{Reference, ReferenceError};
-use crate::scene::{Multiplier, Refine, Scene};
+use crate::scene::Document;
 use crate::solve::Stage;
 use crate::study::{
     MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write,
@@ -158,26 +159,27 @@ pub(super) fn boundary_only(scene: &Scene) -> Result<(), Failure> {
 
 /// Compares strategies on a scene.
 fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
-    let scene = scene(args, |text| settings(text, &args.overrides))?;
-    boundary_only(&scene)?;
-    let out = folder(args, &scene, "study")?;
+    let document = document(args, |text| settings(text, &args.overrides))?;
+    let scene = &document.scene;
+    boundary_only(scene)?;
+    let out = folder(args, &document, "study")?;
     let mut names: Vec<(&str, Refine)> = args.strategies.iter().map(|n| n.strategy()).collect();
     if names.is_empty() {
         names = NAMES.to_vec();
     }
     names.sort_by_key(|n| NAMES.iter().position(|m| m == n));
     names.dedup();
-    let chosen = multipliers(args, &scene)?;
+    let chosen = multipliers(args, scene)?;
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
     let watch = Watch::new(args.quiet, 1 + names.len() * chosen.len() * (repeat + 1));
-    let reference = Reference::new(&for_truth(&scene), &stop, &mut |step, stage| {
+    let reference = Reference::new(&for_truth(scene), &stop, &mut |step, stage| {
         if let Stage::Progress(part, _) = stage {
             watch.show("reference", &format!("step {}, {part}", step + 1));
         }
         Ok(())
     });
-    let reference = reference.map_err(|error| unreferenced(&scene, error))?;
+    let reference = reference.map_err(|error| unreferenced(&document, error))?;
     let mut strategies = Vec::new();
     for ((name, refine), (suffix, multiplier)) in names.iter().flat_map(|n| chosen.iter().map(move |m| (n, m))) {
         if stop.load(Ordering::Relaxed) == 0 {
@@ -189,7 +191,8 @@ fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     }
     watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
-    let study = Study { scene: &scene, reference: &reference, strategies: &strategies, repeat, interrupted };
+    let study =
+        Study { scene, source: &document.source, reference: &reference, strategies: &strategies, repeat, interrupted };
     let tables = [("study.csv", csv(&study))];
     let files = store(&out, "study", &|file| write(file, &study), &tables, &|out| pictures(&study, out))?;
     watch.finish();
@@ -217,28 +220,27 @@ fn multipliers(args: &StudyArgs, scene: &Scene) -> Result<Vec<(String, Multiplie
 
 /// The scene with the settings of a study, which follow from its text; first as it is, so that its own faults are told at
 /// their places.
-fn scene(args: &StudyArgs, settings: impl Fn(&str) -> Vec<String>) -> Result<Scene, Failure> {
+fn document(args: &StudyArgs, settings: impl Fn(&str) -> Vec<String>) -> Result<Document, Failure> {
     let source = read_scene(&args.scene, &args.overrides)?.source;
-    Scene::parse(&source.text, &source.name, &settings(&source.text)).map_err(|e| Failure(e.render()))
+    Document::parse(&source.text, &source.name, &settings(&source.text)).map_err(|e| Failure(e.render()))
 }
 
 /// Why there is nothing to measure errors against.
-fn unreferenced(scene: &Scene, error: ReferenceError) -> Failure {
+fn unreferenced(document: &Document, error: ReferenceError) -> Failure {
     match error {
-        ReferenceError::Solve(error) => explained(scene, error),
+        ReferenceError::Solve(error) => explained(document, error),
         error @ ReferenceError::NotSolved { .. } => error.into(),
     }
 }
 
 /// The folder of the files, which is checked, and the size of the first mesh, before anything is solved.
-fn folder(args: &StudyArgs, scene: &Scene, what: &str) -> Result<PathBuf, Failure> {
+fn folder(args: &StudyArgs, document: &Document, what: &str) -> Result<PathBuf, Failure> {
     let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-{what}", stem(&args.scene))));
     check_folder(&out, args.force)?;
-    let cost = plan(scene).cost;
-    if cost.dofs > scene.method.max_dofs {
-        return Err(Failure(too_many_dofs(scene, cost.dofs).render()));
+    match too_many_dofs(&document.scene, plan(&document.scene).cost.dofs) {
+        Some(error) => Err(Failure(document.error(error).render())),
+        None => Ok(out),
     }
-    Ok(out)
 }
 
 /// A folder that cannot take the files is said.

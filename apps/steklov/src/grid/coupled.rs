@@ -13,7 +13,7 @@ use super::trace::GridTrace;
 use crate::around::Around;
 use crate::body::UNBALANCED;
 use crate::elastic::plane_modulus;
-use crate::scene::{MediumInput, Scene};
+use crate::problem::{MediumInput, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 
 /// Parts of the solution that both kinds of elements have.

@@ -3,9 +3,8 @@
 use steklov_bem_operators::Mesh;
 use steklov_msfem::{CoarseCell, CoarseMesh, mark, refine};
 
-use super::grid_of;
 use super::solve::GridSolved;
-use crate::scene::{Refine, Scene};
+use crate::problem::{Refine, Scene, grid_of};
 use crate::solve::SolveError;
 
 /// A grid and the coarse cells on it.

@@ -6,7 +6,7 @@ use steklov_msfem::{HeterogeneousBody, Loads, MsfemError};
 use super::estimate::Tractions;
 use super::trace::GridTrace;
 use crate::data::{Data, SideLoad};
-use crate::scene::{Condition, Scene, SceneErrorKind};
+use crate::problem::{Condition, DataError, DataErrorKind, Scene};
 use crate::solve::SolveError;
 
 /// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
@@ -52,7 +52,7 @@ fn body_force_error(scene: &Scene, error: MsfemError) -> SolveError {
     let (MsfemError::Force { point, .. }, Some([x, y])) = (&error, &scene.body_force) else { return error.into() };
     match scene.force_at(*point) {
         Err(error) => error.into(),
-        Ok(_) => scene.data_error(if x.constant().is_some() { y } else { x }, &error.to_string()).into(),
+        Ok(_) => DataError::of_values(if x.constant().is_some() { y } else { x }, &error.to_string()).into(),
     }
 }
 
@@ -81,7 +81,7 @@ pub(super) fn check_gaps(scene: &Scene, trace: &GridTrace) -> Result<(), SolveEr
                 );
                 let help = "choose [grid] so that this is a point of the (coarse) grid, or use model = \"bem\"";
                 let keys = [vec!["sides", side.name.as_str(), "contact", "gap"]];
-                return Err(scene.error_at(SceneErrorKind::Unsupported, &keys, message, help).into());
+                return Err(DataError::at(DataErrorKind::Unsupported, &keys, message, help).into());
             }
         }
     }

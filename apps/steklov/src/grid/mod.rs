@@ -12,8 +12,6 @@
 //! The boundary of the grid is a boundary mesh of degree 1, so that loads, supports and contact are set up by the same code as
 //! those of boundary elements.
 
-mod body;
-mod moduli;
 mod layout;
 mod trace;
 mod loads;
@@ -30,15 +28,11 @@ mod tables;
 mod draw;
 mod draw_medium;
 
-pub use body::grid_of;
-pub(crate) use body::{check_body, fitting_grid};
 pub(crate) use draw::{deformed, pictures};
 pub(crate) use draw_medium::medium;
 pub(crate) use estimate::BLIND;
 pub use estimate::GridEstimate;
 pub use layout::GridLayout;
-pub(crate) use moduli::check_modulus_cells;
-pub use moduli::moduli;
 pub(crate) use plan::plan;
 pub(crate) use record::FAILING;
 pub use record::GridRecord;

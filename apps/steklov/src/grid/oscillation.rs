@@ -9,7 +9,7 @@ use steklov_quadrature::gauss_legendre;
 
 use super::trace::GridTrace;
 use crate::data::Data;
-use crate::scene::Scene;
+use crate::problem::Scene;
 use crate::solve::SolveError;
 
 /// Part of a square that rounding leaves of what is resolved.

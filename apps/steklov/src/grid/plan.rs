@@ -2,9 +2,8 @@
 
 use steklov_elastic::RigidMotion;
 
-use super::body::{bounding_box, grid_of};
 use crate::plan::{Cost, Decision, Plan, contact, far_away, free_of_supports, plane};
-use crate::scene::{BasisInput, CellModuli, GridInput, Indicator, Refine, Scene};
+use crate::problem::{BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, bounding_box, grid_of};
 
 /// Bytes that the moduli, the fields and the result of a fine cell take.
 const BYTES_OF_CELL: f64 = 200.0;
@@ -159,7 +158,7 @@ fn moduli(scene: &Scene) -> Decision {
         Some(cells) => {
             let text = match &cells.young {
                 CellModuli::Uniform { low, high, seed } => format!("random in [{low}, {high}], seed {seed}"),
-                CellModuli::File { path, dataset } => format!("{dataset} of {path}"),
+                CellModuli::Table { source, .. } => source.clone(),
                 CellModuli::Expression(young) => young.text().to_owned(),
             };
             let why = match cells.young.constant() {

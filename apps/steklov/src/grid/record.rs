@@ -11,9 +11,9 @@ use super::run::{GridRun, GridStep};
 use super::solve::GridSolved;
 use crate::around::{Around, add_medium, window};
 use crate::plan::Plan;
+use crate::problem::{Condition, Scene, Side};
 use crate::record::{Record, audit_summary};
 use crate::report::{ContactRow, contact_rows, contact_summary};
-use crate::scene::{Condition, Scene, Side};
 use crate::summary::{GridSummary, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::vertices::tell_unbounded;
 
@@ -67,8 +67,6 @@ impl Record {
         summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();
         Self {
             summary,
-            scene: scene.source.text.clone(),
-            overrides: scene.source.overrides.clone(),
             plan,
             points,
             displacement,

@@ -6,8 +6,8 @@ use std::time::Instant;
 use super::estimate::GridEstimate;
 use super::layout::GridLayout;
 use super::solve::{GridSolved, solve_grid};
+use crate::problem::{Refine, Scene};
 use crate::run::Reason;
-use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Stage};
 
 /// Dörfler's θ where the scene has none.

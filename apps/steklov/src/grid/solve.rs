@@ -14,12 +14,11 @@ use super::layout::GridLayout;
 use super::loads::{check_gaps, loads};
 use super::system::{Answer, System, without_motions};
 use super::trace::GridTrace;
-use super::{grid_of, moduli};
 use crate::around::Around;
 use crate::contact::ContactResult;
 use crate::data::Data;
+use crate::problem::{BasisInput, Scene, grid_of, moduli};
 use crate::report::Trace;
-use crate::scene::{BasisInput, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 use crate::supports::Held;
 

@@ -11,7 +11,7 @@ use super::trace::GridTrace;
 use crate::body::UNBALANCED;
 use crate::contact::{CondensedBody, ContactResult, solve_contact, solve_problem};
 use crate::motions::{balanced, edges, work};
-use crate::scene::{Condition, Scene};
+use crate::problem::{Condition, Scene};
 use crate::solve::{SolveError, Stage};
 use crate::supports::{Held, Supports};
 

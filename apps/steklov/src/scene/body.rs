@@ -6,9 +6,9 @@ use steklov_bem_operators::{Location, Loop, Polygon, PolygonError};
 use steklov_elastic::{Material, MaterialError, Plane};
 use steklov_expression::{Expression, is_name, is_reserved};
 
-use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::fields::{Context, Field, Fields};
 use super::keys;
+use crate::problem::{DataError, DataErrorKind as Kind, Source};
 
 /// `[parameters]`.
 #[derive(Default)]
@@ -20,7 +20,7 @@ pub(super) struct Parameters {
 }
 
 /// Names and values of `[parameters]`: numbers, or expressions of the ones above.
-pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameters, Problem> {
+pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameters, DataError> {
     let mut context = Context::new(source, BTreeMap::new());
     let mut uses = Vec::new();
     for (key, place, value) in Fields::open(field)?.all() {
@@ -36,14 +36,14 @@ pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameter
 }
 
 /// Whether a name can stand in an expression for something new.
-pub(super) fn check_name(name: &str, place: steklov_expression::Place) -> Result<(), Problem> {
+pub(super) fn check_name(name: &str, place: steklov_expression::Place) -> Result<(), DataError> {
     if is_reserved(name) {
         let message = format!("the name {name:?} has a meaning of its own in expressions");
-        return Err(Problem::new(Kind::Conflict, place, message, format!("choose another name, such as {name}0")));
+        return Err(DataError::new(Kind::Conflict, place, message, format!("choose another name, such as {name}0")));
     }
     if !is_name(name) {
         let message = format!("the name {name:?} cannot be written in an expression");
-        return Err(Problem::new(Kind::Value, place, message, "use letters, digits and _, a letter first"));
+        return Err(DataError::new(Kind::Value, place, message, "use letters, digits and _, a letter first"));
     }
     Ok(())
 }
@@ -54,7 +54,7 @@ struct Listed<'a> {
     sides: Field<'a>,
 }
 
-fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), Problem> {
+fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), DataError> {
     let corners = fields.require("corners", "corners = [[x, y], ...]")?;
     let sides = fields.require("sides", "sides = [\"name\", ...], one name for each edge")?;
     let listed = Loop {
@@ -65,7 +65,7 @@ fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), Problem> {
 }
 
 /// The polygon of `[body]`; `cavity`: its loops are holes in the unbounded plane.
-pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, Problem> {
+pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, DataError> {
     let fields = Fields::new(field, &keys::BODY)?;
     let (first, names) = read_loop(&fields)?;
     let (mut loops, mut listed) = (vec![first], vec![names]);
@@ -83,7 +83,7 @@ pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, Problem> 
 }
 
 /// The place that a geometrical error means, and its remedy; `first` is the number that the first loop has in it.
-fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> Problem {
+fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> DataError {
     let corners = |l: usize| listed[l - first].corners.item.place;
     let corner = |l: usize, k: usize| listed[l - first].corners.list().map_or(corners(l), |list| list[k].item.place);
     let names = |l: usize| &listed[l - first].sides;
@@ -122,11 +122,11 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> Problem
         }
         _ => (corners(first), "correct the corners"),
     };
-    Problem::new(Kind::Geometry, place, error.to_string(), help)
+    DataError::new(Kind::Geometry, place, error.to_string(), help)
 }
 
 /// Young's modulus, Poisson's ratio and the plane assumption of a table.
-pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -> Result<Material, Problem> {
+pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -> Result<Material, DataError> {
     let poisson = fields.require("poisson", "poisson = 0.3")?;
     let plane = match fields.get("plane") {
         Some(plane) => plane.choice(&[("strain", Plane::Strain), ("stress", Plane::Stress)])?,
@@ -142,7 +142,7 @@ pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -
 }
 
 /// `[body_force]`.
-pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], Problem> {
+pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
     let value = Fields::new(field, &keys::BODY_FORCE)?.require("value", "value = [\"0\", \"-9.81\"]")?;
     let [x, y] = value.pair()?;
     let expressions = [x.expression_inside(context)?, y.expression_inside(context)?];
@@ -156,7 +156,7 @@ pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Ex
 }
 
 /// `[probe]`: points of the body or of its boundary; `around`: also of the plane around it.
-pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Result<Vec<[f64; 2]>, Problem> {
+pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Result<Vec<[f64; 2]>, DataError> {
     let points = Fields::new(field, &keys::PROBE)?.require("points", "points = [[x, y], ...]")?;
     let mut list = Vec::new();
     for field in points.list()? {

@@ -5,42 +5,15 @@ use std::sync::Arc;
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
 use steklov_expression::Place;
 
-/// Sorts of errors of a scene.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-#[non_exhaustive]
-pub enum SceneErrorKind {
-    /// The scene, or a file that it names, cannot be read.
-    Read,
-    /// The text is not TOML, or an override is not `KEY=VALUE`.
-    Syntax,
-    /// A key or the name of a side that does not exist.
-    UnknownKey,
-    /// An override that changes nothing: no expression uses the name that it sets.
-    UnusedKey,
-    /// A key that must be there.
-    MissingKey,
-    /// A value of another type than the key takes.
-    WrongType,
-    /// A value of the right type that is impossible.
-    Value,
-    /// The text of an expression cannot be read.
-    Expression,
-    /// Two entries exclude each other.
-    Conflict,
-    /// The loops do not bound a body.
-    Geometry,
-    /// A datum has an impossible value at a point of its side or of the body.
-    Data,
-    /// Neither supports nor contact hold the body.
-    Unsupported,
-}
+use super::tree;
+use crate::problem::{About, DataError, DataErrorKind, Source};
 
 /// An error of a scene. [`SceneError::render`] shows it with the line that is meant.
 #[derive(Debug, Clone, thiserror::Error, Diagnostic)]
 #[error("{message}")]
 pub struct SceneError {
     /// Sort of the error.
-    pub kind: SceneErrorKind,
+    pub kind: DataErrorKind,
     /// What is wrong.
     pub message: String,
     /// What to change.
@@ -84,7 +57,7 @@ impl SceneError {
     /// A file that cannot be read.
     pub(super) fn unreadable(name: &str, why: impl std::fmt::Display, help: &str) -> Self {
         Self {
-            kind: SceneErrorKind::Read,
+            kind: DataErrorKind::Read,
             message: format!("cannot read the scene {name}: {why}"),
             help: help.to_owned(),
             source_code: Arc::new(NamedSource::new(name, String::new())),
@@ -94,61 +67,44 @@ impl SceneError {
     }
 }
 
-/// The texts of a scene, as they were given.
-#[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Source {
-    /// Name of the file, for messages.
-    pub name: String,
-    /// Its text.
-    pub text: String,
-    /// The overrides `KEY=VALUE`, in order.
-    pub overrides: Vec<String>,
-}
-
-impl Source {
-    /// The text of a source: 0 is the file, k the k-th override.
-    pub(super) fn text(&self, source: usize) -> &str {
-        if source == 0 { &self.text } else { &self.overrides[source - 1] }
-    }
-
-    pub(super) fn error(&self, problem: Problem) -> SceneError {
-        let Problem { kind, message, help, place, label } = problem;
-        let text = self.text(place.source);
-        let name = if place.source == 0 { &self.name } else { "--set" };
-        // Only the first line of what is meant: tables and lists can be long.
-        let meant = text.get(place.start..place.end).unwrap_or("");
-        let length = meant.find('\n').unwrap_or(meant.len());
-        SceneError {
-            kind,
-            message,
-            help,
-            source_code: Arc::new(NamedSource::new(name, text.to_owned())),
-            span: Some((place.start.min(text.len()), length).into()),
-            label,
-        }
+/// The place that an error is about: the value of the first of its keys that the scene has, or its first line.
+fn place_of(source: &Source, about: About) -> Place {
+    match about {
+        About::Text(place) => place,
+        About::Keys(keys) => tree::build(source).map_or(Place::default(), |root| {
+            let at = |path: &Vec<String>| root.at(&path.iter().map(String::as_str).collect::<Vec<_>>());
+            keys.iter().find_map(at).unwrap_or(&root).place
+        }),
     }
 }
 
-/// An error before its source is attached.
-#[derive(Debug, Clone)]
-pub(super) struct Problem {
-    pub(super) kind: SceneErrorKind,
-    pub(super) message: String,
-    pub(super) help: String,
-    pub(super) place: Place,
-    pub(super) label: &'static str,
+/// An error of the data, at its place in the scene.
+pub fn located(source: &Source, error: DataError) -> SceneError {
+    let DataError { kind, message, help, about } = error;
+    let place = place_of(source, about);
+    let text = source.part(place.source);
+    let name = if place.source == 0 { &source.name } else { "--set" };
+    // Only the first line of what is meant: tables and lists can be long.
+    let meant = text.get(place.start..place.end).unwrap_or("");
+    let length = meant.find('\n').unwrap_or(meant.len());
+    SceneError {
+        kind,
+        message,
+        help,
+        source_code: Arc::new(NamedSource::new(name, text.to_owned())),
+        span: Some((place.start.min(text.len()), length).into()),
+        label: label(kind),
+    }
 }
 
-impl Problem {
-    pub(super) fn new(kind: SceneErrorKind, place: Place, message: impl Into<String>, help: impl Into<String>) -> Self {
-        let label = match kind {
-            SceneErrorKind::UnknownKey => "not known",
-            SceneErrorKind::UnusedKey => "not used",
-            SceneErrorKind::MissingKey => "incomplete",
-            SceneErrorKind::WrongType => "wrong type",
-            SceneErrorKind::Conflict => "excluded by another entry",
-            _ => "here",
-        };
-        Self { kind, message: message.into(), help: help.into(), place, label }
+/// What stands beside the text that is meant.
+fn label(kind: DataErrorKind) -> &'static str {
+    match kind {
+        DataErrorKind::UnknownKey => "not known",
+        DataErrorKind::UnusedKey => "not used",
+        DataErrorKind::MissingKey => "incomplete",
+        DataErrorKind::WrongType => "wrong type",
+        DataErrorKind::Conflict => "excluded by another entry",
+        _ => "here",
     }
 }

@@ -1,41 +1,19 @@
 //! `[exterior]`: the unbounded medium around the body, or around the hole that the corners of `[body]` outline.
 
-use steklov_bem_operators::{Domain, Edge, ParticularSolution};
 use steklov_coupling::Radiation;
-use steklov_elastic::{Material, Plane, RigidMotion};
-use steklov_expression::Expression;
+use steklov_elastic::Plane;
 
 use super::body::material;
-use super::error::{Problem, SceneError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use super::method::Indicator;
-use super::sides::Condition;
-use super::{BasisInput, Model, Scene};
-
-/// `[exterior]`: the unbounded medium.
-#[derive(Debug, Clone)]
-pub struct MediumInput {
-    /// Its material, in the same plane as the body's.
-    pub material: Material,
-    /// u - u_c where body and medium meet (length).
-    pub displacement_jump: Option<[Expression; 2]>,
-    /// σ(u)n - σ(u_c)n there (stress), n out of the body.
-    pub traction_jump: Option<[Expression; 2]>,
-    /// The same as a tensor xx, yy, xy (stress) that is applied to n; both are added.
-    pub stress_jump: Option<[Expression; 3]>,
-    /// Stress xx, yy, xy far away.
-    pub remote_stress: [f64; 3],
-    /// What the displacement does far away, that of the remote stress apart.
-    pub radiation: Radiation,
-    /// Whether the scene states that.
-    stated: bool,
-    /// Whether the remote stress has names in it: with random ones it may vanish in an outcome.
-    named: bool,
-}
+use crate::problem::{DataError, DataErrorKind as Kind, MediumInput};
 
 /// Reads `[exterior]`; `body`: the plane of the body's material, None of a hole in the medium.
-pub(super) fn exterior(field: &Field<'_>, body: Option<Plane>, context: &Context<'_>) -> Result<MediumInput, Problem> {
+pub(super) fn exterior(
+    field: &Field<'_>,
+    body: Option<Plane>,
+    context: &Context<'_>,
+) -> Result<MediumInput, DataError> {
     let jumps = ["displacement_jump", "traction_jump", "stress_jump"];
     let [displacement, traction, stress] = jumps;
     let fields = Fields::new(field, &keys::EXTERIOR)?;
@@ -44,7 +22,7 @@ pub(super) fn exterior(field: &Field<'_>, body: Option<Plane>, context: &Context
     match (fields.get("plane"), body) {
         (Some(plane), Some(body)) if material.plane != body => {
             let message = format!("{} is not that of the body", plane.name);
-            return Err(Problem::new(Kind::Conflict, plane.item.place, message, "remove it: material.plane counts"));
+            return Err(DataError::new(Kind::Conflict, plane.item.place, message, "remove it: material.plane counts"));
         }
         (_, Some(body)) => material.plane = body,
         (_, None) => {}
@@ -52,7 +30,7 @@ pub(super) fn exterior(field: &Field<'_>, body: Option<Plane>, context: &Context
     if let (Some(jump), None) = (jumps.iter().find_map(|jump| fields.get(jump)), body) {
         let message = format!("{} needs a body that the medium meets, and there is no [material] of one", jump.name);
         let help = "load the sides of the hole by [sides], or give the body a [material]";
-        return Err(Problem::new(Kind::Conflict, jump.item.place, message, help));
+        return Err(DataError::new(Kind::Conflict, jump.item.place, message, help));
     }
     let pair = |key: &str| fields.get(key).map(|jump| jump.expressions(context)).transpose();
     let stress_jump = match fields.get(stress) {
@@ -87,263 +65,9 @@ pub(super) fn exterior(field: &Field<'_>, body: Option<Plane>, context: &Context
 }
 
 /// The three entries xx, yy, xy of a symmetric tensor.
-fn tensor<'a>(field: &Field<'a>) -> Result<[Field<'a>; 3], Problem> {
+fn tensor<'a>(field: &Field<'a>) -> Result<[Field<'a>; 3], DataError> {
     let list = field.list()?;
     let count = list.len();
     let wrong = |_| field.problem(format!("{} has {count} entries", field.name), "it takes three: xx, yy and xy");
     list.try_into().map_err(wrong)
-}
-
-impl MediumInput {
-    /// Of a medium that supports or obstacles hold, unless the scene states it: they leave no net force, for with one their
-    /// forces would depend on the length in its logarithm.
-    pub(super) fn bounded_by_supports(&mut self) {
-        if !self.stated {
-            self.radiation = Radiation::Bounded;
-        }
-    }
-
-    /// The uniform field of the remote stress, zero at the origin.
-    pub fn remote(&self) -> ParticularSolution {
-        ParticularSolution::of_uniform_stress(self.remote_stress, [0.0; 2], &self.material)
-    }
-
-    /// The expressions of the jumps and their names.
-    fn jumps(&self) -> impl Iterator<Item = (&'static str, &Expression)> {
-        let displacement = self.displacement_jump.iter().flatten().map(|e| ("displacement jump", e));
-        let traction = self.traction_jump.iter().flatten().map(|e| ("traction jump", e));
-        let stress = self.stress_jump.iter().flatten().map(|e| ("stress jump", e));
-        displacement.chain(traction).chain(stress)
-    }
-
-    /// The expressions of the traction jump t0, their names, and the direction in which each acts on a side with a normal.
-    fn traction_jumps(&self) -> Vec<(&'static str, &Expression, Direction)> {
-        let mut jumps: Vec<(&'static str, &Expression, Direction)> = Vec::new();
-        if let Some([x, y]) = &self.traction_jump {
-            jumps.push(("traction jump", x, |_| [1.0, 0.0]));
-            jumps.push(("traction jump", y, |_| [0.0, 1.0]));
-        }
-        if let Some([xx, yy, xy]) = &self.stress_jump {
-            jumps.push(("stress jump", xx, |[nx, _]| [nx, 0.0]));
-            jumps.push(("stress jump", yy, |[_, ny]| [0.0, ny]));
-            jumps.push(("stress jump", xy, |[nx, ny]| [ny, nx]));
-        }
-        jumps
-    }
-
-    /// Whether anything of it loads the body.
-    pub(super) fn is_loaded(&self) -> bool {
-        self.named || self.remote_stress != [0.0; 3] || self.jumps().any(|(_, e)| e.constant() != Some(0.0))
-    }
-}
-
-/// From the normal of a side to the direction in which a datum acts.
-type Direction = fn([f64; 2]) -> [f64; 2];
-
-impl Scene {
-    /// Whether the corners of `[body]` outline a hole in the unbounded medium.
-    pub fn is_cavity(&self) -> bool {
-        !self.polygon.is_bounded()
-    }
-
-    /// Whether boundary elements are on both sides of the boundary of a body in a medium.
-    pub fn is_inclusion(&self) -> bool {
-        self.exterior.is_some() && !self.is_cavity() && !self.is_on_grid()
-    }
-
-    /// The domain of the boundary elements of one body.
-    pub(crate) fn domain(&self) -> Domain {
-        match self.radiation() {
-            Some(Radiation::Bounded) if self.is_cavity() => Domain::BoundedAtInfinity,
-            _ => Domain::Interior,
-        }
-    }
-
-    /// What the displacement of the medium does far away; none without one.
-    fn radiation(&self) -> Option<Radiation> {
-        self.exterior.as_ref().map(|e| e.radiation)
-    }
-
-    /// Those of the rigid motions that supports leave free which an unbounded medium does not resist either: none if its
-    /// displacement decays, translations if it is bounded at infinity.
-    pub(crate) fn unresisted(&self, free: Vec<RigidMotion>) -> Vec<RigidMotion> {
-        match self.radiation() {
-            None => free,
-            Some(Radiation::Decaying) => Vec::new(),
-            Some(Radiation::Bounded) => free.into_iter().filter(|motion| motion.rotation == 0.0).collect(),
-        }
-    }
-
-    /// The particular solution of the body force, or of the stress far from a hole, times a factor: zero at the centroid of the
-    /// body, or at the origin.
-    pub(crate) fn particular_solution(&self, factor: f64) -> Option<ParticularSolution> {
-        if let Some(force) = self.constant_force() {
-            let (force, centre) = (force.map(|b| b * factor), self.polygon.centroid());
-            return Some(ParticularSolution::of_body_force(force, centre, &self.material));
-        }
-        let stress = self.exterior.as_ref().filter(|_| self.is_cavity())?.remote_stress;
-        let stressed = stress != [0.0; 3];
-        stressed.then(|| ParticularSolution::of_uniform_stress(stress.map(|s| s * factor), [0.0; 2], &self.material))
-    }
-
-    /// The uniform field of the medium around a body that belongs to the stress far away; none without that stress.
-    pub(crate) fn remote_stress(&self) -> Option<ParticularSolution> {
-        let exterior = self.exterior.as_ref().filter(|e| !self.is_cavity() && e.remote_stress != [0.0; 3])?;
-        Some(exterior.remote())
-    }
-
-    /// The expressions of the traction jump where a body meets the medium around it, their names, and the direction in which each
-    /// acts on a side with a normal.
-    pub(crate) fn traction_jumps(&self) -> Vec<(&'static str, &Expression, Direction)> {
-        self.exterior.as_ref().map_or(Vec::new(), MediumInput::traction_jumps)
-    }
-
-    /// The expressions of the jumps on an edge.
-    pub(crate) fn jumps_on(&self, edge: &Edge) -> Vec<&Expression> {
-        let meets = !self.is_cavity() && edge.loop_index == 0;
-        let jumps = self.exterior.iter().filter(|_| meets).flat_map(MediumInput::jumps);
-        jumps.map(|(_, expression)| expression).collect()
-    }
-
-    /// The edges on which the body meets the medium around it.
-    pub(crate) fn interface(&self) -> impl Iterator<Item = (usize, &Edge)> {
-        let meets = self.exterior.is_some() && !self.is_cavity();
-        self.polygon.edges().iter().enumerate().filter(move |(_, edge)| meets && edge.loop_index == 0)
-    }
-
-    /// u0 = u - u_c at the edge parameter s of an edge of the interface, that of the remote stress included.
-    pub fn displacement_jump(&self, edge: usize, s: f64) -> [f64; 2] {
-        let Some(exterior) = &self.exterior else { return [0.0; 2] };
-        let [x, y] = self.polygon.edges()[edge].point(s);
-        let remote = exterior.remote().displacement([x, y]);
-        match &exterior.displacement_jump {
-            Some(jump) => [0, 1].map(|i| remote[i] + jump[i].eval(x, y, s)),
-            None => remote,
-        }
-    }
-
-    /// t0 = σ(u)n - σ(u_c)n at the edge parameter s of an edge of the interface with normal n, that of the remote stress included.
-    pub fn traction_jump(&self, edge: usize, s: f64, [nx, ny]: [f64; 2]) -> [f64; 2] {
-        let Some(exterior) = &self.exterior else { return [0.0; 2] };
-        let [x, y] = self.polygon.edges()[edge].point(s);
-        let [mut xx, mut yy, mut xy] = exterior.remote_stress;
-        if let Some(jump) = &exterior.stress_jump {
-            let [a, b, c] = jump.each_ref().map(|jump| jump.eval(x, y, s));
-            (xx, yy, xy) = (xx + a, yy + b, xy + c);
-        }
-        let of_stress = [xx * nx + xy * ny, xy * nx + yy * ny];
-        match &exterior.traction_jump {
-            Some(jump) => [0, 1].map(|i| of_stress[i] + jump[i].eval(x, y, s)),
-            None => of_stress,
-        }
-    }
-
-    /// Whether the jumps have values wherever body and medium meet, and the displacement has one at each corner.
-    pub(super) fn check_jumps(&self) -> Result<(), SceneError> {
-        let Some(exterior) = &self.exterior else { return Ok(()) };
-        for (what, jump) in exterior.jumps() {
-            let mut ends = Vec::new();
-            for (_, edge) in self.interface() {
-                let largest = self.check_along(edge, &self.sides[edge.side].name, what, jump)?;
-                let [(a, s), (b, t)] = [(edge.start, 0.0), (edge.end, 1.0)];
-                ends.push([jump.eval(a[0], a[1], s), jump.eval(b[0], b[1], t), largest]);
-            }
-            let largest = ends.iter().fold(0.0, |m: f64, [.., l]| m.max(*l));
-            let apart = |k: &usize| (ends[*k][1] - ends[(k + 1) % ends.len()][0]).abs() > 1e-6 * largest;
-            if let Some(k) = (0..ends.len()).find(apart).filter(|_| what == "displacement jump") {
-                let [x, y] = self.polygon.edges()[k].end;
-                let message = format!(
-                    "the {what} is {} before and {} after the corner ({x}, {y}): expression {:?}",
-                    ends[k][1],
-                    ends[(k + 1) % ends.len()][0],
-                    jump.text()
-                );
-                let help = "body and medium do not tear: write one continuous function of x and y";
-                return Err(self.source.error(Problem::new(Kind::Data, jump.place, message, help)));
-            }
-        }
-        Ok(())
-    }
-
-    /// What a scene with a medium around it cannot have.
-    pub(super) fn check_exterior(&self) -> Result<(), SceneError> {
-        let refuse = |kind, key: &[&str], message: &str, help: &str| {
-            Err(self.error_at(kind, &[key.to_vec()], message.to_owned(), help))
-        };
-        let model = self.model();
-        let coupled = matches!(model, Model::FemBem | Model::MsfemBem);
-        let Some(_) = &self.exterior else {
-            if coupled {
-                let message = "there is no medium around the body";
-                let help = "add a table [exterior] with young and poisson, or use \"fem\", \"msfem\" or \"auto\"";
-                return refuse(Kind::MissingKey, &["method", "model"], message, help);
-            }
-            return Ok(());
-        };
-        if matches!(model, Model::Fem | Model::Msfem) {
-            let message = "finite elements alone have no medium around the body";
-            let help = "use \"auto\", \"fem-bem\" or \"msfem-bem\", or remove [exterior]";
-            return refuse(Kind::Conflict, &["method", "model"], message, help);
-        }
-        if self.is_cavity() {
-            if coupled {
-                let message = "the scene has no [material] of a body: it is a hole in the medium of [exterior]";
-                return refuse(
-                    Kind::Conflict,
-                    &["method", "model"],
-                    message,
-                    "use \"bem\" or \"auto\", or add [material]",
-                );
-            }
-            if self.body_force.is_some() {
-                let message = "an unbounded medium cannot carry a body force";
-                let help = "give the stress that it makes as exterior.remote_stress, or load the sides of the hole";
-                return refuse(Kind::Unsupported, &["body_force"], message, help);
-            }
-            return Ok(());
-        }
-        for (index, side) in self.sides.iter().enumerate() {
-            let key = ["sides", side.name.as_str()];
-            let on_interface = self.interface().any(|(_, edge)| edge.side == index);
-            match &side.condition {
-                Condition::Free => {}
-                _ if on_interface => {
-                    let message = format!("side {:?} is where the body meets the medium of [exterior]", side.name);
-                    let help = "remove it; jumps there are exterior.displacement_jump and traction_jump";
-                    return refuse(Kind::Conflict, &key, &message, help);
-                }
-                Condition::Displacement { .. } | Condition::Contact { .. } => {
-                    let message = format!("side {:?} of a hole may be loaded, but not held or touched", side.name);
-                    let help = "give it a traction or a pressure: the medium holds the body";
-                    return refuse(Kind::Unsupported, &key, &message, help);
-                }
-                Condition::Traction(_) | Condition::Pressure(_) => {}
-            }
-        }
-        if self.random.is_some() {
-            let message = "random input needs one material, and there are a body and a medium";
-            return refuse(Kind::Unsupported, &["random"], message, "leave out [random], or remove [exterior]");
-        }
-        if model == Model::Bem {
-            if self.polygon.loops().len() > 1 {
-                let message = "boundary elements of a body in a medium cannot have holes in the body";
-                return refuse(Kind::Unsupported, &["body", "holes"], message, "use model = \"fem-bem\" with a [grid]");
-            }
-            if self.body_force.is_some() {
-                let message = "boundary elements of a body in a medium carry no body force";
-                return refuse(Kind::Unsupported, &["body_force"], message, "use model = \"fem-bem\" with a [grid]");
-            }
-            if self.method.indicator == Indicator::Residual {
-                let message = "boundary elements of a body in a medium have no residual indicator";
-                return refuse(Kind::Unsupported, &["method", "indicator"], message, "leave it at \"bubble\"");
-            }
-        }
-        let conforming = |basis| !matches!(basis, BasisInput::Oversampled | BasisInput::Periodic);
-        if model == Model::MsfemBem && self.grid.is_some_and(|grid| !conforming(grid.basis)) {
-            let message = "the basis has no single displacement where the body meets the medium";
-            let help = "take \"coupled\", \"oscillatory\", \"linear\" or \"q1\"";
-            return refuse(Kind::Unsupported, &["grid", "basis"], message, help);
-        }
-        Ok(())
-    }
 }

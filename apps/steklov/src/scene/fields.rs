@@ -7,9 +7,9 @@ use std::sync::Arc;
 use steklov_expression::FieldValue;
 use steklov_expression::{Expression, Place};
 
-use super::error::{Problem, SceneErrorKind as Kind, Source};
 use super::keys;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
+use crate::problem::{DataError, DataErrorKind as Kind, Source};
 
 /// What expressions are read with.
 pub(super) struct Context<'a> {
@@ -42,20 +42,20 @@ pub(super) struct Field<'a> {
 impl<'a> Fields<'a> {
     /// # Errors
     /// The field is no table, or has a key that is not in `known`.
-    pub(super) fn new(field: &Field<'a>, known: &[&str]) -> Result<Self, Problem> {
+    pub(super) fn new(field: &Field<'a>, known: &[&str]) -> Result<Self, DataError> {
         let fields = Self::open(field)?;
         match fields.entries.iter().find(|e| !known.contains(&e.key.as_str())) {
             Some(entry) => {
                 let message = format!("unknown key {}", fields.name(&entry.key));
                 let help = keys::help(&entry.key, known, fields.entries);
-                Err(Problem::new(Kind::UnknownKey, entry.key_place, message, help))
+                Err(DataError::new(Kind::UnknownKey, entry.key_place, message, help))
             }
             None => Ok(fields),
         }
     }
 
     /// A table whose keys are names that the user chooses.
-    pub(super) fn open(field: &Field<'a>) -> Result<Self, Problem> {
+    pub(super) fn open(field: &Field<'a>) -> Result<Self, DataError> {
         match &field.item.value {
             Value::Table(entries) => Ok(Self { path: field.name.clone(), place: field.item.place, entries }),
             _ => Err(field.wrong_type("a table")),
@@ -72,10 +72,10 @@ impl<'a> Fields<'a> {
 
     /// # Errors
     /// The key is missing; `example` shows how to write it.
-    pub(super) fn require(&self, key: &str, example: &str) -> Result<Field<'a>, Problem> {
+    pub(super) fn require(&self, key: &str, example: &str) -> Result<Field<'a>, DataError> {
         self.get(key).ok_or_else(|| {
             let message = format!("{} is missing", self.name(key));
-            Problem::new(Kind::MissingKey, self.place, message, format!("add {example}"))
+            DataError::new(Kind::MissingKey, self.place, message, format!("add {example}"))
         })
     }
 
@@ -86,23 +86,23 @@ impl<'a> Fields<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn wrong_type(&self, wanted: &str) -> Problem {
+    pub(super) fn wrong_type(&self, wanted: &str) -> DataError {
         let message = format!("{} is {}", self.name, type_name(&self.item.value));
-        Problem::new(Kind::WrongType, self.item.place, message, format!("{} takes {wanted}", self.name))
+        DataError::new(Kind::WrongType, self.item.place, message, format!("{} takes {wanted}", self.name))
     }
 
-    pub(super) fn problem(&self, message: impl Into<String>, help: impl Into<String>) -> Problem {
-        Problem::new(Kind::Value, self.item.place, message, help)
+    pub(super) fn problem(&self, message: impl Into<String>, help: impl Into<String>) -> DataError {
+        DataError::new(Kind::Value, self.item.place, message, help)
     }
 
-    pub(super) fn text(&self) -> Result<&'a str, Problem> {
+    pub(super) fn text(&self) -> Result<&'a str, DataError> {
         match &self.item.value {
             Value::Text(text) => Ok(text),
             _ => Err(self.wrong_type("a string in quotes")),
         }
     }
 
-    pub(super) fn number(&self) -> Result<f64, Problem> {
+    pub(super) fn number(&self) -> Result<f64, DataError> {
         match self.item.value {
             Value::Integer(n) => Ok(n as f64),
             Value::Float(v) => Ok(v),
@@ -111,7 +111,7 @@ impl<'a> Field<'a> {
     }
 
     /// A number for which `test` holds; `wanted` says it in words.
-    pub(super) fn number_where(&self, test: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, Problem> {
+    pub(super) fn number_where(&self, test: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, DataError> {
         let value = self.number()?;
         if test(value) {
             Ok(value)
@@ -121,7 +121,7 @@ impl<'a> Field<'a> {
     }
 
     /// A whole number between two bounds.
-    pub(super) fn whole(&self, least: usize, most: usize) -> Result<usize, Problem> {
+    pub(super) fn whole(&self, least: usize, most: usize) -> Result<usize, DataError> {
         let Value::Integer(value) = self.item.value else { return Err(self.wrong_type("a whole number")) };
         match usize::try_from(value) {
             Ok(n) if (least..=most).contains(&n) => Ok(n),
@@ -133,7 +133,7 @@ impl<'a> Field<'a> {
     }
 
     /// One of the given words.
-    pub(super) fn choice<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, Problem> {
+    pub(super) fn choice<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, DataError> {
         let text = self.text()?;
         words.iter().find(|w| w.0 == text).map(|w| w.1).ok_or_else(|| {
             let known = words.iter().map(|w| w.0);
@@ -146,13 +146,13 @@ impl<'a> Field<'a> {
         })
     }
 
-    pub(super) fn list(&self) -> Result<Vec<Field<'a>>, Problem> {
+    pub(super) fn list(&self) -> Result<Vec<Field<'a>>, DataError> {
         let Value::Array(list) = &self.item.value else { return Err(self.wrong_type("a list in brackets")) };
         Ok(list.iter().enumerate().map(|(k, item)| Field { name: format!("{}[{k}]", self.name), item }).collect())
     }
 
     /// The two entries of a list.
-    pub(super) fn pair(&self) -> Result<[Field<'a>; 2], Problem> {
+    pub(super) fn pair(&self) -> Result<[Field<'a>; 2], DataError> {
         let list = self.list()?;
         let count = list.len();
         list.try_into().map_err(|_| {
@@ -161,19 +161,19 @@ impl<'a> Field<'a> {
     }
 
     /// A point or vector of two plain, finite numbers.
-    pub(super) fn point(&self) -> Result<[f64; 2], Problem> {
+    pub(super) fn point(&self) -> Result<[f64; 2], DataError> {
         let [x, y] = self.pair()?;
         Ok([x.number()?, y.number()?])
     }
 
     /// A number, or the text of an expression.
-    pub(super) fn expression(&self, context: &Context<'_>) -> Result<Expression, Problem> {
+    pub(super) fn expression(&self, context: &Context<'_>) -> Result<Expression, DataError> {
         let mut expression = match &self.item.value {
             Value::Integer(n) => Expression::number(*n as f64),
             Value::Float(v) => Expression::number(*v),
             Value::Text(text) => Expression::with_fields(text, &context.constants, &context.fields).map_err(|e| {
                 let Place { source, start, end } = self.item.place;
-                let raw = &context.source.text(source)[start..end];
+                let raw = &context.source.part(source)[start..end];
                 let place = match raw.find(text.as_str()) {
                     Some(offset) if e.span.start < e.span.end => {
                         Place { source, start: start + offset + e.span.start, end: start + offset + e.span.end }
@@ -181,7 +181,7 @@ impl<'a> Field<'a> {
                     _ => self.item.place,
                 };
                 let message = format!("in the expression of {}: {}", self.name, e.message);
-                Problem::new(Kind::Expression, place, message, e.help)
+                DataError::new(Kind::Expression, place, message, e.help)
             })?,
             _ => return Err(self.wrong_type("a number or an expression in quotes")),
         };
@@ -191,13 +191,13 @@ impl<'a> Field<'a> {
     }
 
     /// The values of two expressions.
-    pub(super) fn expressions(&self, context: &Context<'_>) -> Result<[Expression; 2], Problem> {
+    pub(super) fn expressions(&self, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
         let [x, y] = self.pair()?;
         Ok([x.expression(context)?, y.expression(context)?])
     }
 
     /// A number, or an expression of a point of the body: s has no meaning there.
-    pub(super) fn expression_inside(&self, context: &Context<'_>) -> Result<Expression, Problem> {
+    pub(super) fn expression_inside(&self, context: &Context<'_>) -> Result<Expression, DataError> {
         let expression = self.expression(context)?;
         if expression.uses_edge() {
             let message = format!("{} uses s: {:?}", self.name, expression.text());
@@ -207,7 +207,7 @@ impl<'a> Field<'a> {
     }
 
     /// A number, or an expression that does not depend on the place.
-    pub(super) fn constant(&self, context: &Context<'_>) -> Result<f64, Problem> {
+    pub(super) fn constant(&self, context: &Context<'_>) -> Result<f64, DataError> {
         let expression = self.expression(context)?;
         expression.constant().ok_or_else(|| {
             self.problem(

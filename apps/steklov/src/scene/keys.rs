@@ -2,9 +2,8 @@
 
 use steklov_expression::nearest;
 
-use super::error::{Problem, SceneErrorKind as Kind};
 use super::tree::{Entry, Item, Value, suggestion};
-use super::{Scene, SceneError};
+use crate::problem::{DataError, DataErrorKind as Kind, Scene};
 
 pub(super) const SCENE: [&str; 13] = [
     "title",
@@ -115,32 +114,30 @@ fn homes(key: &str, entries: &[Entry]) -> Option<String> {
     (!homes.is_empty()).then(|| homes.join(" or "))
 }
 
-impl Scene {
-    /// Overrides of names that nothing uses, and of `[stochastic]` without random input, change nothing: they are refused.
-    pub(super) fn check_overrides(&self, root: &Item) -> Result<(), SceneError> {
-        let Value::Table(tables) = &root.value else { return Ok(()) };
-        for table in tables {
-            let names = match (&table.item.value, table.key.as_str()) {
-                (Value::Table(names), "parameters" | "random") => names,
-                (_, "stochastic") if table.key_place.source > 0 && self.random.is_none() => {
-                    let message = "[stochastic] has no effect: nothing in the scene is random";
-                    let help = "use a name of [random] in an expression, or leave out this override";
-                    return Err(self.source.error(Problem::new(Kind::UnusedKey, table.key_place, message, help)));
-                }
-                _ => continue,
-            };
-            let is_unused = |entry: &&Entry| self.unused.contains(&entry.key);
-            if let Some(entry) = names.iter().filter(is_unused).find(|entry| entry.key_place.source > 0) {
-                let used = names.iter().filter(|entry| !is_unused(entry)).map(|entry| entry.key.as_str());
-                let message = format!("{}.{} has no effect: no expression uses {}", table.key, entry.key, entry.key);
-                let help = match (nearest(&entry.key, used.clone()), used.clone().next()) {
-                    (Some(near), _) => format!("did you mean {}.{near}?", table.key),
-                    (None, Some(_)) => format!("used are {}", used.collect::<Vec<_>>().join(", ")),
-                    (None, None) => "set the key itself whose value is to change".to_owned(),
-                };
-                return Err(self.source.error(Problem::new(Kind::UnusedKey, entry.key_place, message, help)));
+/// Overrides of names that nothing uses, and of `[stochastic]` without random input, change nothing: they are refused.
+pub(super) fn check_overrides(scene: &Scene, root: &Item) -> Result<(), DataError> {
+    let Value::Table(tables) = &root.value else { return Ok(()) };
+    for table in tables {
+        let names = match (&table.item.value, table.key.as_str()) {
+            (Value::Table(names), "parameters" | "random") => names,
+            (_, "stochastic") if table.key_place.source > 0 && scene.random.is_none() => {
+                let message = "[stochastic] has no effect: nothing in the scene is random";
+                let help = "use a name of [random] in an expression, or leave out this override";
+                return Err(DataError::new(Kind::UnusedKey, table.key_place, message, help));
             }
+            _ => continue,
+        };
+        let is_unused = |entry: &&Entry| scene.unused.contains(&entry.key);
+        if let Some(entry) = names.iter().filter(is_unused).find(|entry| entry.key_place.source > 0) {
+            let used = names.iter().filter(|entry| !is_unused(entry)).map(|entry| entry.key.as_str());
+            let message = format!("{}.{} has no effect: no expression uses {}", table.key, entry.key, entry.key);
+            let help = match (nearest(&entry.key, used.clone()), used.clone().next()) {
+                (Some(near), _) => format!("did you mean {}.{near}?", table.key),
+                (None, Some(_)) => format!("used are {}", used.collect::<Vec<_>>().join(", ")),
+                (None, None) => "set the key itself whose value is to change".to_owned(),
+            };
+            return Err(DataError::new(Kind::UnusedKey, entry.key_place, message, help));
         }
-        Ok(())
     }
+    Ok(())
 }

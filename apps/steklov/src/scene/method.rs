@@ -1,171 +1,16 @@
 //! `[method]` and `[expect]`.
 
-use steklov_contact::{MultiplierDegree, MultiplierMesh};
+use steklov_contact::MultiplierDegree;
 
-use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Field, Fields};
 use super::keys;
 use super::tree::Value;
+use crate::problem::{
+    DataError, DataErrorKind as Kind, Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Multiplier, Refine,
+    Solver,
+};
 
-/// Discretisation that is asked for.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Model {
-    /// The least one that the scene needs.
-    Auto,
-    /// Boundary elements.
-    Bem,
-    /// Finite elements on a grid.
-    Fem,
-    /// Multiscale finite elements.
-    Msfem,
-    /// Finite elements, boundary elements around them.
-    FemBem,
-    /// Multiscale finite elements, boundary elements around them.
-    MsfemBem,
-}
-
-impl Model {
-    /// The word of the scene file.
-    pub fn word(self) -> &'static str {
-        MODELS.iter().find(|(_, model)| *model == self).map_or("", |(word, _)| word)
-    }
-}
-
-/// How the mesh is refined.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Refine {
-    /// Adaptive in h and p.
-    Hp,
-    /// Adaptive in h and p by the decay of Legendre coefficients.
-    HpDecay,
-    /// Adaptive in h.
-    H,
-    /// All elements halved.
-    UniformH,
-    /// All degrees raised.
-    UniformP,
-    /// One mesh.
-    None,
-}
-
-/// Error indicator.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Indicator {
-    /// Hierarchical bubbles.
-    Bubble,
-    /// Residuals.
-    Residual,
-}
-
-/// Multiplier space of contact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Multiplier {
-    /// Dual basis.
-    Biorthogonal,
-    /// Stabilised mixed form.
-    Stabilised,
-}
-
-/// Solver of contact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Solver {
-    /// Interior point, polished by active sets.
-    Auto,
-    /// Semi-smooth Newton.
-    Newton,
-    /// Active set.
-    ActiveSet,
-    /// Uzawa.
-    Uzawa,
-}
-
-/// Everything of `[method]`, defaults filled in.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Method {
-    /// Discretisation.
-    pub model: Model,
-    /// Wanted relative error in the energy norm, in (0, 1).
-    pub tolerance: f64,
-    /// Refinement.
-    pub refine: Refine,
-    /// Elements of the first mesh, at least 1.
-    pub elements: usize,
-    /// Whether the scene gives them.
-    pub elements_given: bool,
-    /// Degree of the first mesh, 1 to 64.
-    pub degree: usize,
-    /// Largest number of displacement unknowns.
-    pub max_dofs: usize,
-    /// Whether the scene gives it.
-    pub max_dofs_given: bool,
-    /// Bytes that the matrices of a mesh may take; no limit if None.
-    pub memory: Option<u64>,
-    /// Largest number of adaptive steps.
-    pub max_steps: usize,
-    /// Indicator of the error.
-    pub indicator: Indicator,
-    /// Dörfler's θ in (0, 1]; `None` is auto.
-    pub marking: Option<f64>,
-    /// δ in (0, 1] of the h-or-p decision.
-    pub smoothness: f64,
-    /// Multiplier space.
-    pub multiplier: Multiplier,
-    /// γ₀ > 0 (1/stress) of the stabilisation; `None` is auto.
-    pub gamma: Option<f64>,
-    /// Mesh of stabilised multipliers.
-    pub multiplier_mesh: MultiplierMesh,
-    /// Degree of stabilised multipliers.
-    pub multiplier_degree: MultiplierDegree,
-    /// Solver of contact.
-    pub solver: Solver,
-}
-
-pub(crate) const MULTIPLIER_MESHES: [(&str, MultiplierMesh); 4] = [
-    ("same", MultiplierMesh::Same),
-    ("coarser", MultiplierMesh::Coarser(2)),
-    ("finer", MultiplierMesh::Finer(2)),
-    ("shifted", MultiplierMesh::Shifted),
-];
-
-impl Default for Method {
-    fn default() -> Self {
-        Self {
-            model: Model::Auto,
-            tolerance: 1e-3,
-            refine: Refine::Hp,
-            elements: 16,
-            elements_given: false,
-            degree: 1,
-            max_dofs: 20_000,
-            max_dofs_given: false,
-            memory: None,
-            max_steps: 60,
-            indicator: Indicator::Bubble,
-            marking: None,
-            smoothness: 0.6,
-            multiplier: Multiplier::Biorthogonal,
-            gamma: None,
-            multiplier_mesh: MultiplierMesh::Same,
-            multiplier_degree: MultiplierDegree::Relative(0),
-            solver: Solver::Auto,
-        }
-    }
-}
-
-/// A number that a result must have.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Expectation {
-    /// Path in the JSON object, its keys joined by points: `contact.force.y`.
-    pub path: String,
-    /// The number.
-    pub value: f64,
-    /// How far the result may be from it.
-    pub tol: f64,
-    /// Where the number comes from.
-    pub source: String,
-}
-
-pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
+pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, DataError> {
     let mut method = Method::default();
     let Some(field) = field else { return Ok(method) };
     let fields = Fields::new(&field, &keys::METHOD)?;
@@ -211,7 +56,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
         ("multiplier_degree", method.multiplier_degree != default.multiplier_degree),
     ];
     match fields.all().find(|(key, ..)| changed.contains(&(key, true))) {
-        Some((_, place, field)) if method.multiplier == Multiplier::Biorthogonal => Err(Problem::new(
+        Some((_, place, field)) if method.multiplier == Multiplier::Biorthogonal => Err(DataError::new(
             Kind::Value,
             place,
             format!("{} has no effect with biorthogonal multipliers", field.name),
@@ -221,14 +66,6 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, Problem> {
     }
 }
 
-const MODELS: [(&str, Model); 6] = [
-    ("auto", Model::Auto),
-    ("bem", Model::Bem),
-    ("fem", Model::Fem),
-    ("msfem", Model::Msfem),
-    ("fem-bem", Model::FemBem),
-    ("msfem-bem", Model::MsfemBem),
-];
 const REFINES: [(&str, Refine); 6] = [
     ("hp", Refine::Hp),
     ("hp-decay", Refine::HpDecay),
@@ -241,7 +78,7 @@ const SOLVERS: [(&str, Solver); 4] =
     [("auto", Solver::Auto), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
 
 /// A number, or `None` for the word "auto".
-fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, Problem> {
+fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, DataError> {
     match &field.item.value {
         Value::Text(text) if text == "auto" => Ok(None),
         Value::Text(text) => Err(field.problem(format!("{} is {text:?}", field.name), format!("it must be {wanted}"))),
@@ -250,7 +87,7 @@ fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<O
 }
 
 /// The entries of `[expect]`, as quoted or as nested keys.
-pub(super) fn expect(field: &Field<'_>, path: &str, list: &mut Vec<Expectation>) -> Result<(), Problem> {
+pub(super) fn expect(field: &Field<'_>, path: &str, list: &mut Vec<Expectation>) -> Result<(), DataError> {
     for (key, _, entry) in Fields::open(field)?.all() {
         let path = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
         let leaf = match &entry.item.value {

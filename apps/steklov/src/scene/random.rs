@@ -1,198 +1,19 @@
 //! `[random]` and `[stochastic]`: variables, fields, and how to solve for all of their values.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
-use steklov_expression::Place;
-use steklov_expression::{FieldValue, RandomField, Support};
+use steklov_expression::{Expression, Place, RandomField, Support};
 use steklov_stochastic::{Covariance, Distribution, Kernel, StochasticError, Truncation, Variable};
 
 use super::body::check_name;
-use super::check::data;
-use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use super::sides::Side;
-use super::tree::{Item, Value, suggestion};
-
-/// Random input that a scene uses, and how it is treated.
-#[derive(Debug, Clone)]
-pub struct Random {
-    /// The names, in the order of the scene.
-    pub names: Vec<RandomName>,
-    /// The independent germs of all of them: the directions of the stochastic problem.
-    pub germs: Vec<Germ>,
-    /// How to solve.
-    pub stochastic: Stochastic,
-    /// Which data use random names.
-    pub uses: Uses,
-    /// For each germ where data have kinks or jumps, whatever the others: stochastic elements end there.
-    pub cuts: Vec<Vec<f64>>,
-    /// The scene as a tree, from which outcomes are read.
-    pub(super) root: Arc<Item>,
-}
-
-/// A direction of the stochastic problem.
-#[derive(Debug, Clone)]
-pub struct Germ {
-    /// `xi`, or `rough 3` for the third mode of a field.
-    pub label: String,
-    /// Its law.
-    pub variable: Variable,
-}
-
-/// A name in expressions.
-#[derive(Debug, Clone)]
-pub enum RandomName {
-    /// A variable.
-    Variable {
-        /// The name.
-        name: String,
-        /// Its germ.
-        germ: usize,
-    },
-    /// A field.
-    Field {
-        /// The field.
-        field: Arc<RandomField>,
-        /// Its first germ; there is one a mode.
-        first: usize,
-    },
-}
-
-/// Which data of a scene use random names.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Uses {
-    /// Young's modulus.
-    pub young: bool,
-    /// Tractions, pressures, body force.
-    pub loads: bool,
-    /// Gaps and friction.
-    pub contact: bool,
-    /// Prescribed displacements.
-    pub held: bool,
-}
-
-/// Points at which the problem is solved.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Sampling {
-    /// Galerkin in tensor products of polynomials on a stochastic mesh.
-    Galerkin,
-    /// Collocation at the same points.
-    Collocation,
-    /// Smolyak's sparse grid.
-    Sparse,
-    /// Independent samples.
-    MonteCarlo,
-}
-
-/// `[stochastic]`.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Stochastic {
-    /// Method.
-    pub method: Sampling,
-    /// Degree in each germ.
-    pub degree: usize,
-    /// Stochastic elements in each germ.
-    pub elements: usize,
-    /// Level of the sparse grid.
-    pub level: usize,
-    /// Whether the stochastic mesh is refined until `tolerance`.
-    pub refine: bool,
-    /// What the truncation in the germs may add to the relative error in the energy norm.
-    pub tolerance: f64,
-    /// Most stochastic nodes.
-    pub max_nodes: usize,
-    /// Samples of Monte Carlo, and of the surrogate for quantiles.
-    pub samples: usize,
-    /// Seed of the samples.
-    pub seed: u64,
-    /// Probabilities of the quantiles.
-    pub quantiles: Vec<f64>,
-    /// Paths of the JSON object.
-    pub quantities: Option<Vec<String>>,
-}
-
-impl Default for Stochastic {
-    fn default() -> Self {
-        Self {
-            method: Sampling::Galerkin,
-            degree: 3,
-            elements: 1,
-            level: 2,
-            refine: false,
-            tolerance: 1e-4,
-            max_nodes: 10_000,
-            samples: 10_000,
-            seed: 1,
-            quantiles: vec![0.05, 0.5, 0.95],
-            quantities: None,
-        }
-    }
-}
-
-impl RandomName {
-    /// The name.
-    pub(crate) fn name(&self) -> &str {
-        match self {
-            Self::Variable { name, .. } => name,
-            Self::Field { field, .. } => &field.name,
-        }
-    }
-}
-
-impl Random {
-    /// Values of the names for these germs.
-    pub(super) fn values(&self, germs: &[f64]) -> (BTreeMap<String, f64>, BTreeMap<String, Arc<FieldValue>>) {
-        let (mut constants, mut fields) = (BTreeMap::new(), BTreeMap::new());
-        for name in &self.names {
-            match name {
-                RandomName::Variable { name, germ } => {
-                    constants.insert(name.clone(), self.germs[*germ].variable.value(germs[*germ]));
-                }
-                RandomName::Field { field, first } => {
-                    let germs = germs[*first..first + field.expansion.len()].to_vec();
-                    fields.insert(field.name.clone(), Arc::new(FieldValue::new(field.clone(), germs)));
-                }
-            }
-        }
-        (constants, fields)
-    }
-
-    /// An outcome in words: the values of the names, the germs of fields.
-    pub(crate) fn outcome_name(&self, germs: &[f64]) -> String {
-        let value = |(g, xi): (&Germ, &f64)| format!("{} = {}", g.label, g.variable.value(*xi));
-        let first: Vec<String> = self.germs.iter().zip(germs).take(NAMED).map(value).collect();
-        let more = if germs.len() > NAMED { ", .." } else { "" };
-        format!("{}{more}", first.join(", "))
-    }
-
-    /// The fields, each with its first germ.
-    pub fn fields(&self) -> impl Iterator<Item = (&Arc<RandomField>, usize)> {
-        self.names.iter().filter_map(|name| match name {
-            RandomName::Field { field, first } => Some((field, *first)),
-            RandomName::Variable { .. } => None,
-        })
-    }
-
-    /// The germs of the nominal outcome: means of the variables, fields 0.
-    pub fn nominal(&self) -> Vec<f64> {
-        self.germs
-            .iter()
-            .map(|g| {
-                let [low, high] = g.variable.germ_support();
-                match g.variable.distribution() {
-                    Distribution::Lognormal { .. } => g.variable.mean().ln().clamp(low, high),
-                    _ => g.variable.mean(),
-                }
-            })
-            .collect()
-    }
-}
-
-/// Germs that messages name.
-const NAMED: usize = 12;
+use super::tree::{Value, suggestion};
+use crate::problem::{
+    DataError, DataErrorKind as Kind, Germ, RandomConstants, RandomName, Sampling, Side, Stochastic, Uses, side_data,
+};
 
 /// A random input as it stands in the scene.
 pub(super) enum Declared {
@@ -205,13 +26,13 @@ pub(super) fn random(
     field: &Field<'_>,
     polygon: &Polygon,
     context: &mut Context<'_>,
-) -> Result<Vec<(String, Declared)>, Problem> {
+) -> Result<Vec<(String, Declared)>, DataError> {
     let mut names = Vec::new();
     for (name, place, table) in Fields::open(field)?.all() {
         check_name(name, place)?;
         if context.constants.contains_key(name) {
             let message = format!("{name} is a parameter as well as a random input");
-            return Err(Problem::new(Kind::Conflict, place, message, "rename one of the two"));
+            return Err(DataError::new(Kind::Conflict, place, message, "rename one of the two"));
         }
         let declared = if Fields::open(&table)?.get("covariance").is_some() {
             context.fields.insert(name.to_owned(), Arc::default());
@@ -230,7 +51,7 @@ pub(super) fn random(
 pub(super) fn used(
     declared: Vec<(String, Declared)>,
     uses: &dyn Fn(&str) -> bool,
-) -> Result<(Vec<RandomName>, Vec<Germ>), Problem> {
+) -> Result<(Vec<RandomName>, Vec<Germ>), DataError> {
     let (mut names, mut germs) = (Vec::new(), Vec::new());
     for (name, declared) in declared.into_iter().filter(|(name, _)| uses(name)) {
         match declared {
@@ -240,7 +61,7 @@ pub(super) fn used(
             }
             Declared::Field { covariance, truncation, support, uniform, place } => {
                 let refused = |e: StochasticError| {
-                    Problem::new(Kind::Value, place, format!("the field {name}: {e}"), "change the field")
+                    DataError::new(Kind::Value, place, format!("the field {name}: {e}"), "change the field")
                 };
                 let expansion = support.expansion(&covariance, truncation).map_err(refused)?;
                 let bound = 3.0f64.sqrt();
@@ -259,16 +80,16 @@ pub(super) fn used(
 }
 
 /// A field on a side has no value on the others.
-pub(super) fn check_fields(sides: &[Side], declared: &[(String, Declared)]) -> Result<(), Problem> {
+pub(super) fn check_fields(sides: &[Side], declared: &[(String, Declared)]) -> Result<(), DataError> {
     for side in sides {
-        for (what, expression) in data(side) {
+        for (what, expression) in side_data(side) {
             for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
                 if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared
                     && *on != side.name
                 {
                     let message = format!("the {what} of side {:?} uses the field {name} of side {on:?}", side.name);
                     let help = format!("declare a field on {:?}, or on = \"body\"", side.name);
-                    return Err(Problem::new(Kind::Conflict, expression.place, message, help));
+                    return Err(DataError::new(Kind::Conflict, expression.place, message, help));
                 }
             }
         }
@@ -281,11 +102,11 @@ pub(super) fn check_poisson(
     material: &Field<'_>,
     declared: &[(String, Declared)],
     context: &Context<'_>,
-) -> Result<(), Problem> {
+) -> Result<(), DataError> {
     let Some(poisson) = Fields::open(material)?.get("poisson") else { return Ok(()) };
     let expression = poisson.expression(context)?;
     match declared.iter().find(|(name, _)| expression.uses(name)) {
-        Some((name, _)) => Err(Problem::new(
+        Some((name, _)) => Err(DataError::new(
             Kind::Unsupported,
             poisson.item.place,
             format!("{} depends on the random {name}", poisson.name),
@@ -305,7 +126,7 @@ pub(super) fn uses(
 ) -> Uses {
     let mut uses = Uses { young, loads: in_body_force.iter().any(is_random), ..Uses::default() };
     for side in sides {
-        for (what, expression) in data(side) {
+        for (what, expression) in side_data(side) {
             if expression.names().iter().any(is_random) {
                 match what {
                     "traction" | "pressure" => uses.loads = true,
@@ -318,6 +139,26 @@ pub(super) fn uses(
     uses
 }
 
+/// The numbers of a scene that use random names; `cavity`: its modulus is that of the medium.
+pub(super) fn constants(
+    scene: &Fields<'_>,
+    cavity: bool,
+    is_random: &dyn Fn(&String) -> bool,
+    context: &Context<'_>,
+) -> Result<RandomConstants, DataError> {
+    let table = |key: &str| scene.get(key).map(|field| Fields::open(&field)).transpose();
+    let varies = |expression: &Expression| expression.names().iter().any(is_random);
+    let young = table(if cavity { "exterior" } else { "material" })?.and_then(|table| table.get("young"));
+    let young = young.map(|young| young.expression(context)).transpose()?.filter(varies);
+    let stress = table("exterior")?.and_then(|table| table.get("remote_stress"));
+    let entries = match stress {
+        Some(stress) => stress.list()?.iter().map(|entry| entry.expression(context)).collect::<Result<Vec<_>, _>>()?,
+        None => Vec::new(),
+    };
+    let remote_stress = <[Expression; 3]>::try_from(entries).ok().filter(|stress| stress.iter().any(varies));
+    Ok(RandomConstants { young, remote_stress })
+}
+
 #[derive(Clone, Copy)]
 enum Law {
     Uniform,
@@ -326,7 +167,7 @@ enum Law {
     Beta,
 }
 
-fn variable(field: &Field<'_>) -> Result<Variable, Problem> {
+fn variable(field: &Field<'_>) -> Result<Variable, DataError> {
     let words =
         [("uniform", Law::Uniform), ("normal", Law::Normal), ("lognormal", Law::Lognormal), ("beta", Law::Beta)];
     const EXAMPLE: &str = "distribution = \"uniform\", or covariance = \"exponential\" for a field";
@@ -363,7 +204,7 @@ fn variable(field: &Field<'_>) -> Result<Variable, Problem> {
 }
 
 /// A random field.
-fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, Problem> {
+fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, DataError> {
     let fields = Fields::new(field, &["covariance", "correlation", "on", "captured", "modes", "variables"])?;
     let kernels =
         [("exponential", Kernel::Exponential), ("gaussian", Kernel::Gaussian), ("matern32", Kernel::Matern32)];
@@ -383,12 +224,12 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, Problem> {
     let word = on.text()?;
     if !names.clone().any(|name| name == word) {
         let message = format!("the body has no side {word:?}");
-        return Err(Problem::new(Kind::UnknownKey, on.item.place, message, suggestion(word, names)));
+        return Err(DataError::new(Kind::UnknownKey, on.item.place, message, suggestion(word, names)));
     }
     let truncation = match (fields.get("captured"), fields.get("modes")) {
         (Some(_), Some(modes)) => {
             let message = format!("{} stands beside captured", modes.name);
-            return Err(Problem::new(Kind::Conflict, modes.item.place, message, "keep captured or modes, not both"));
+            return Err(DataError::new(Kind::Conflict, modes.item.place, message, "keep captured or modes, not both"));
         }
         (None, Some(modes)) => Truncation::Modes(modes.whole(1, 10_000)?),
         (Some(captured), None) => {
@@ -415,7 +256,7 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, Problem> {
     Ok(Declared::Field { covariance, truncation, support, uniform, place: field.item.place })
 }
 
-pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, Problem> {
+pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, DataError> {
     let mut read = Stochastic::default();
     let methods = [
         ("galerkin", Sampling::Galerkin),

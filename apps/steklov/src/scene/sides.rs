@@ -3,77 +3,17 @@
 use steklov_bem_operators::Polygon;
 use steklov_expression::Expression;
 
-use super::error::{Problem, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
-
-/// Condition on a side; n points out of the body.
-#[derive(Debug, Clone)]
-pub enum Condition {
-    /// No traction.
-    Free,
-    /// Traction t = (t_x, t_y) (stress).
-    Traction([Expression; 2]),
-    /// Pressure q (stress): t = -q n.
-    Pressure(Expression),
-    /// Prescribed displacement (length) of the components that are held, at least one.
-    Displacement {
-        /// Value of each component; `None` where it is free.
-        values: [Option<Expression>; 2],
-        /// Traction (stress) on the free component; the held one is 0.
-        traction: Option<[Expression; 2]>,
-    },
-    /// Contact with a rigid obstacle.
-    Contact {
-        /// Distance to the obstacle along n from the undeformed point (length); negative is an overlap.
-        gap: Expression,
-        /// Law of friction.
-        friction: Friction,
-    },
-}
-
-/// Law of friction of a contact side.
-#[derive(Debug, Clone)]
-pub enum Friction {
-    /// Frictionless.
-    None,
-    /// Tresca: |λ_t| ≤ F with a given bound F ≥ 0 (stress).
-    Tresca(Expression),
-    /// Coulomb: |λ_t| ≤ μ λ_n with a given coefficient μ ≥ 0.
-    Coulomb(Expression),
-}
-
-impl Friction {
-    /// The bound of Tresca's law.
-    pub fn bound(&self) -> Option<&Expression> {
-        if let Self::Tresca(bound) = self { Some(bound) } else { None }
-    }
-
-    /// The coefficient of Coulomb's law.
-    pub fn coefficient(&self) -> Option<&Expression> {
-        if let Self::Coulomb(coefficient) = self { Some(coefficient) } else { None }
-    }
-}
-
-/// A side of the body: all edges of one name.
-#[derive(Debug, Clone)]
-pub struct Side {
-    /// Its name.
-    pub name: String,
-    /// What acts on it.
-    pub condition: Condition,
-}
-
-impl Side {
-    /// Whether it holds a component of the displacement.
-    pub(crate) fn holds(&self, component: usize) -> bool {
-        matches!(&self.condition, Condition::Displacement { values, .. } if values[component].is_some())
-    }
-}
+use crate::problem::{Condition, DataError, DataErrorKind as Kind, Friction, Side};
 
 /// The sides in the order of [`Polygon::side_names`].
-pub(super) fn sides(field: Option<&Field<'_>>, polygon: &Polygon, context: &Context<'_>) -> Result<Vec<Side>, Problem> {
+pub(super) fn sides(
+    field: Option<&Field<'_>>,
+    polygon: &Polygon,
+    context: &Context<'_>,
+) -> Result<Vec<Side>, DataError> {
     let names = polygon.side_names();
     let mut sides: Vec<Side> =
         names.iter().map(|name| Side { name: name.clone(), condition: Condition::Free }).collect();
@@ -82,14 +22,14 @@ pub(super) fn sides(field: Option<&Field<'_>>, polygon: &Polygon, context: &Cont
         let Some(side) = sides.iter_mut().find(|side| side.name == key) else {
             let message = format!("the body has no side {key:?}");
             let help = suggestion(key, names.iter().map(String::as_str));
-            return Err(Problem::new(Kind::UnknownKey, place, message, help));
+            return Err(DataError::new(Kind::UnknownKey, place, message, help));
         };
         side.condition = condition(&table, context)?;
     }
     Ok(sides)
 }
 
-fn condition(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Problem> {
+fn condition(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, DataError> {
     let fields = Fields::new(field, &keys::SIDE)?;
     let given: Vec<(&str, Field<'_>)> = keys::SIDE.iter().filter_map(|&key| Some((key, fields.get(key)?))).collect();
     match &given[..] {
@@ -99,7 +39,7 @@ fn condition(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Prob
         [("traction", traction)] => Ok(Condition::Traction(traction.expressions(context)?)),
         [(_, values)] => displacement(values, None, context),
         [("displacement", values), ("traction", traction)] => displacement(values, Some(traction), context),
-        [(first, _), .., (second, other)] => Err(Problem::new(
+        [(first, _), .., (second, other)] => Err(DataError::new(
             Kind::Conflict,
             other.item.place,
             format!("{} has both {first} and {second}; a side has one condition", field.name),
@@ -110,7 +50,11 @@ fn condition(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Prob
     }
 }
 
-fn displacement(field: &Field<'_>, traction: Option<&Field<'_>>, context: &Context<'_>) -> Result<Condition, Problem> {
+fn displacement(
+    field: &Field<'_>,
+    traction: Option<&Field<'_>>,
+    context: &Context<'_>,
+) -> Result<Condition, DataError> {
     let mut values = [None, None];
     for (value, component) in values.iter_mut().zip(field.pair()?) {
         let free = matches!(&component.item.value, Value::Text(text) if text.trim() == "free");
@@ -128,7 +72,7 @@ fn displacement(field: &Field<'_>, traction: Option<&Field<'_>>, context: &Conte
         return Ok(Condition::Traction(traction));
     }
     if values.iter().all(Option::is_some) {
-        return Err(Problem::new(
+        return Err(DataError::new(
             Kind::Conflict,
             loaded.item.place,
             format!("{} stands beside a displacement that holds both components", loaded.name),
@@ -137,7 +81,7 @@ fn displacement(field: &Field<'_>, traction: Option<&Field<'_>>, context: &Conte
     }
     for ((value, force), component) in values.iter().zip(&traction).zip(loaded.pair()?) {
         if value.is_some() && force.constant() != Some(0.0) {
-            return Err(Problem::new(
+            return Err(DataError::new(
                 Kind::Conflict,
                 component.item.place,
                 format!("{} is {:?}, but the displacement holds this component", component.name, force.text()),
@@ -148,7 +92,7 @@ fn displacement(field: &Field<'_>, traction: Option<&Field<'_>>, context: &Conte
     Ok(Condition::Displacement { values, traction: Some(traction) })
 }
 
-fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Problem> {
+fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, DataError> {
     let fields = Fields::new(field, &keys::CONTACT)?;
     let gap = match fields.get("gap") {
         Some(gap) => gap.expression(context)?,
@@ -164,12 +108,12 @@ fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, Proble
         (None, Some(coefficient)) => Friction::Coulomb(coefficient.expression(context)?),
         (Some(_), Some(second)) => {
             let message = format!("{} has two laws of friction", field.name);
-            return Err(Problem::new(Kind::Conflict, second.item.place, message, "keep tresca or coulomb, not both"));
+            return Err(DataError::new(Kind::Conflict, second.item.place, message, "keep tresca or coulomb, not both"));
         }
         (None, None) => {
             let message = format!("{} names no law", law.name);
             let help = "write { tresca = \"0.3\" } or { coulomb = \"0.2\" }, or leave friction out";
-            return Err(Problem::new(Kind::MissingKey, law.item.place, message, help));
+            return Err(DataError::new(Kind::MissingKey, law.item.place, message, help));
         }
     };
     Ok(Condition::Contact { gap, friction })

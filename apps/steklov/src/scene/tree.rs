@@ -4,7 +4,7 @@ use steklov_expression::{Place, nearest};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use super::error::{Problem, SceneErrorKind as Kind, Source};
+use crate::problem::{DataError, DataErrorKind as Kind, Source};
 
 /// A TOML value.
 #[derive(Debug, Clone)]
@@ -87,7 +87,7 @@ pub(super) struct Entry {
 }
 
 /// The tree of the file with the overrides applied in order.
-pub(super) fn build(source: &Source) -> Result<Item, Problem> {
+pub(super) fn build(source: &Source) -> Result<Item, DataError> {
     let mut root = document(&source.text, 0)?;
     // What a message about a missing table points at: the first line that says something.
     let first = source.text.lines().find(|l| !l.trim().is_empty()).unwrap_or("");
@@ -99,7 +99,7 @@ pub(super) fn build(source: &Source) -> Result<Item, Problem> {
     Ok(root)
 }
 
-fn document(text: &str, source: usize) -> Result<Item, Problem> {
+fn document(text: &str, source: usize) -> Result<Item, DataError> {
     let table = DeTable::parse(text).map_err(|e| {
         let span = e.span().unwrap_or(0..0);
         let place = Place { source, start: span.start, end: span.end };
@@ -109,14 +109,14 @@ fn document(text: &str, source: usize) -> Result<Item, Problem> {
             _ if source > 0 => "the value is typed as TOML; text needs quotes: --set 'method.refine=\"none\"'",
             _ => "scenes are TOML: key = value, text in quotes, lists in brackets, each table header once",
         };
-        Problem::new(Kind::Syntax, place, format!("this is not TOML: {message}"), help)
+        DataError::new(Kind::Syntax, place, format!("this is not TOML: {message}"), help)
     })?;
     let span = table.span();
     entries(table.get_ref(), source)
         .map(|e| Item { value: Value::Table(e), place: Place { source, start: span.start, end: span.end } })
 }
 
-fn entries(table: &DeTable<'_>, source: usize) -> Result<Vec<Entry>, Problem> {
+fn entries(table: &DeTable<'_>, source: usize) -> Result<Vec<Entry>, DataError> {
     let mut entries = Vec::new();
     for (key, value) in table {
         let span = key.span();
@@ -127,14 +127,19 @@ fn entries(table: &DeTable<'_>, source: usize) -> Result<Vec<Entry>, Problem> {
     Ok(entries)
 }
 
-fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, Problem> {
+fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, DataError> {
     let span = value.span();
     let place = Place { source, start: span.start, end: span.end };
     let value = match value.get_ref() {
         DeValue::String(text) => Value::Text(text.to_string()),
         DeValue::Integer(digits) => {
             Value::Integer(i64::from_str_radix(digits.as_str(), digits.radix()).map_err(|_| {
-                Problem::new(Kind::Value, place, "this integer does not fit in 64 bits", "write large numbers as 1e20")
+                DataError::new(
+                    Kind::Value,
+                    place,
+                    "this integer does not fit in 64 bits",
+                    "write large numbers as 1e20",
+                )
             })?)
         }
         // The parser has checked the form; what is too large becomes infinite and is refused by its key.
@@ -148,10 +153,10 @@ fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, Problem> {
 }
 
 /// Applies the override `KEY=VALUE`.
-fn set(root: &mut Item, text: &str, source: usize) -> Result<(), Problem> {
+fn set(root: &mut Item, text: &str, source: usize) -> Result<(), DataError> {
     let whole = Place { source, start: 0, end: text.len() };
     let form = || {
-        Problem::new(
+        DataError::new(
             Kind::Syntax,
             whole,
             format!("the override {text:?} is not of the form KEY=VALUE"),
@@ -204,7 +209,7 @@ fn depth(item: &Item) -> Option<usize> {
 }
 
 /// The value of the k-th key of the path in `target`; a key that is not there is made, for its table to judge.
-fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<&'a mut Item, Problem> {
+fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<&'a mut Item, DataError> {
     let (key, place) = (&path[k].0, path[k].1);
     let parent = path[..k].iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(".");
     match &mut target.value {
@@ -225,12 +230,12 @@ fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<
                     0 => format!("set the whole list: --set '{parent}=[...]'"),
                     _ => format!("count from 0 to {}", count - 1),
                 };
-                Problem::new(Kind::UnknownKey, place, message, help)
+                DataError::new(Kind::UnknownKey, place, message, help)
             })
         }
         other => {
             let message = format!("{parent} is {} and has no key {key}", type_name(other));
-            Err(Problem::new(Kind::WrongType, place, message, format!("set {parent} itself")))
+            Err(DataError::new(Kind::WrongType, place, message, format!("set {parent} itself")))
         }
     }
 }

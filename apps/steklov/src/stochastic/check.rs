@@ -8,7 +8,7 @@ use super::looks::{Miss, Residual, residual};
 use super::nodes::Cell;
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
-use crate::scene::Stochastic;
+use crate::problem::Stochastic;
 use crate::solve::SolveError;
 
 /// Samples of which polynomials say whether contact or stick change there as at no node.

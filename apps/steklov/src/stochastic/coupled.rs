@@ -14,8 +14,8 @@ use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::body::Given;
+use crate::problem::{Condition, Scene};
 use crate::report::ContactRow;
-use crate::scene::{Condition, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::summary::Summary;
 

@@ -8,7 +8,7 @@ use super::outcomes::Outcomes;
 use crate::body::{Body, Factors};
 use crate::elastic::EnrichedBody;
 use crate::estimate::{Bubble, Estimate, estimate};
-use crate::scene::{Random, Scene};
+use crate::problem::{Random, Scene};
 use crate::solve::{SolveError, Solved};
 
 /// Most germs of which all combinations of two values are taken, and samples beyond.

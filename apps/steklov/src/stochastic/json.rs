@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json as object};
 
 use super::StochasticResult;
-use crate::scene::{Random, Sampling};
+use crate::problem::{Random, Sampling};
 
 /// `{ "energy": { "mean", "variance", "quantiles", .. }, "contact": { "force": { "y": { .. } } }, "solution": { .. } }`: every
 /// quantity at its own path.

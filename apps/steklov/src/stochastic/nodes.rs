@@ -13,7 +13,7 @@ use super::looks::{Look, Looked, Miss, look, mean_modulus};
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::plan::free_of_supports;
-use crate::scene::{Condition, Friction, Random, Sampling, Scene, SceneError, Side};
+use crate::problem::{Condition, DataError, Friction, Random, Sampling, Scene, Side};
 use crate::solve::SolveError;
 
 /// Part of the squared error whose directions are refined at a time.
@@ -130,7 +130,7 @@ impl Cell {
 
 /// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
 /// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
-pub(crate) fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, SceneError> {
+pub(crate) fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
     let coulomb = |side: &Side| matches!(side.condition, Condition::Contact { friction: Friction::Coulomb(_), .. });
     let simple = scene.particular_solution(1.0).is_none() && !scene.sides.iter().any(coulomb);
@@ -138,7 +138,7 @@ pub(crate) fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, SceneEr
 }
 
 /// Whether E is affine in each germ where the others are kept: then the Galerkin equations of the nodes decouple.
-fn is_affine(scene: &Scene, random: &Random) -> Result<bool, SceneError> {
+fn is_affine(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let quantile = |d: usize, p: f64| random.germs[d].variable.quantile(p);
     for (k, others) in [0.5, 0.2, 0.9, 0.35].into_iter().enumerate() {
         for d in 0..random.germs.len() {
@@ -149,7 +149,7 @@ fn is_affine(scene: &Scene, random: &Random) -> Result<bool, SceneError> {
             let ends = [quantile(d, rare(low)), quantile(d, 1.0 - rare(high))];
             let mut at = |part: f64| {
                 germs[d] = ends[0] + part * (ends[1] - ends[0]);
-                Ok::<f64, SceneError>(scene.outcome(&germs)?.material.young)
+                Ok::<f64, DataError>(scene.outcome(&germs)?.material.young)
             };
             let (a, b) = (at(0.0)?, at(1.0)?);
             for place in 0..PLACES {

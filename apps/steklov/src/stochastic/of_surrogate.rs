@@ -8,7 +8,7 @@ use super::events::events;
 use super::nodes::{Cell, Surrogate};
 use super::outcomes::Answer;
 use super::result::{BINS, BLOCK, Cells, OVERLOOKED, Quantity, StochasticResult, UNDECIDED, Watch, bounds, of_grid};
-use crate::scene::{Random, Scene};
+use crate::problem::{Random, Scene};
 use crate::solve::SolveError;
 
 /// Most samples of a surrogate of several cells for the effects of single germs.

@@ -12,9 +12,9 @@ use crate::body::{Body, Factors, Given};
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
 use crate::data::{Data, Loads};
+use crate::problem::{Random, Scene, Solver};
 use crate::record::probe;
 use crate::report::{ContactRow, contact_rows, figures};
-use crate::scene::{Random, Scene, Solver};
 use crate::solve::{SolveError, Solved};
 use crate::summary::Summary;
 use crate::supports::Supports;
@@ -122,7 +122,7 @@ impl<'a> Outcomes<'a> {
         warm: &mut Option<Solution>,
     ) -> Result<Answer, SolveError> {
         let named = |error| match error {
-            SolveError::Scene(_) => error,
+            SolveError::Data(_) => error,
             error => SolveError::Outcome { outcome: self.random.outcome_name(germs), error: Box::new(error) },
         };
         let (scene, modulus, given) = self.given(germs).map_err(named)?;

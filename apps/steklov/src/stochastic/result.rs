@@ -12,8 +12,8 @@ use super::outcomes::{Answer, Outcomes};
 use super::samples::of_samples;
 use super::unseen::{beside_grid, beside_samples};
 use crate::body::Body;
+use crate::problem::{Condition, Random, Sampling, Scene};
 use crate::report::TOUCHING;
-use crate::scene::{Condition, Random, Sampling, Scene};
 use crate::solve::SolveError;
 
 /// Answers that are held at a time while samples stream by.

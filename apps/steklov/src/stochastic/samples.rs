@@ -5,7 +5,7 @@ use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample, solv
 
 use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Quantity, StochasticResult, Watch, touches};
-use crate::scene::Random;
+use crate::problem::Random;
 use crate::solve::SolveError;
 
 /// What is kept of the outcomes that have gone by.

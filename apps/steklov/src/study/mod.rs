@@ -18,8 +18,8 @@ pub mod stochastic;
 pub mod multiscale;
 pub mod coupling;
 
+use crate::problem::{Scene, Source};
 use crate::reference::{EnergySource, Reference};
-use crate::scene::Scene;
 
 pub use draw::pictures;
 pub use fit::{Fit, Law, fit};
@@ -37,6 +37,8 @@ const MEASURED: usize = 10;
 pub struct Study<'a> {
     /// The scene as it was run, [`settings`] included.
     pub scene: &'a Scene,
+    /// The texts from which it was read.
+    pub source: &'a Source,
     /// What the errors are measured against.
     pub reference: &'a Reference,
     /// The strategies in the order in which they were asked for.

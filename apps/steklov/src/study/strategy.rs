@@ -6,10 +6,10 @@ use steklov_bem_operators::Mesh;
 
 use super::fit::{Fit, Law, fit};
 use super::{MEASURED, chosen};
+use crate::problem::{Multiplier, Refine, Scene};
 use crate::reference::Reference;
 use crate::report::{ContactRow, contact_rows};
 use crate::run::{Progress, Reason, Run, Step, run};
-use crate::scene::{Multiplier, Refine, Scene};
 use crate::solve::{SolveError, Stage};
 
 /// The strategies and their names in scenes.

@@ -6,7 +6,7 @@ use steklov_quadrature::gauss_legendre;
 
 use crate::data::Data;
 use crate::plan::first_mesh;
-use crate::scene::{Condition, Refine, Scene};
+use crate::problem::{Condition, Refine, Scene};
 use crate::solve::SolveError;
 use crate::supports::Supports;
 

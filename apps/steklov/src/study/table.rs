@@ -51,7 +51,7 @@ pub fn text(study: &Study<'_>) -> String {
     let finest = reference.finest();
     let width = study.strategies.iter().map(|s| s.name.len()).fold(10, usize::max);
     let mut text = format!("{}\n", study.scene.title);
-    let _ = writeln!(text, "settings    {} (--set changes them)", study.scene.source.overrides.join(", "));
+    let _ = writeln!(text, "settings    {} (--set changes them)", study.source.overrides.join(", "));
     let _ = writeln!(
         text,
         "reference   {} dofs, estimated error {:.1e}, J = {:.12e} ± {:.0e}",
@@ -138,7 +138,7 @@ pub fn json(study: &Study<'_>) -> Value {
         .collect();
     object!({
         "title": study.scene.title,
-        "settings": study.scene.source.overrides,
+        "settings": study.source.overrides,
         "complete": study.complete(),
         "interrupted": study.interrupted,
         "repeat": study.repeat,

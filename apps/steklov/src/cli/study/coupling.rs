@@ -3,7 +3,8 @@
 use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, interrupts};
-use super::{StudyArgs, Watch, folder, scene, store, tell_results};
+use super::{StudyArgs, Watch, document, folder, store, tell_results};
+use crate::problem::DataError;
 use crate::study::coupling::{
     CouplingStudy, conditioning, convergence, costs, csv, effectivity, json, largest, levels, pairs, pictures,
     settings, text, write, wrongs,
@@ -14,16 +15,17 @@ const TRACE: [usize; 3] = [1100, 560, 280];
 
 /// Tells what the coupling of a body with a medium around it is worth.
 pub(super) fn coupling(args: &StudyArgs) -> Result<u8, Failure> {
-    let scene = scene(args, |text| settings(text, &args.overrides))?;
-    let refused = |error: crate::scene::SceneError| Failure(error.render());
-    let pairs = pairs(&scene).map_err(refused)?;
+    let document = document(args, |text| settings(text, &args.overrides))?;
+    let scene = &document.scene;
+    let refused = |error: DataError| Failure(document.error(error).render());
+    let pairs = pairs(scene).map_err(refused)?;
     let most = scene.method.max_dofs;
-    let at_most = |trace: usize| levels(&scene, most, trace).map_err(refused);
+    let at_most = |trace: usize| levels(scene, most, trace).map_err(refused);
     let (fine, middle, coarse) = (at_most(TRACE[0])?, at_most(TRACE[1])?, at_most(TRACE[2])?);
-    let mut all = levels(&scene, most, usize::MAX).map_err(refused)?;
+    let mut all = levels(scene, most, usize::MAX).map_err(refused)?;
     let dofs = all.last().map_or(0, |level| level.grid.dofs());
-    all.extend(largest(&scene, most, dofs).map_err(refused)?);
-    let out = folder(args, &scene, "coupling")?;
+    all.extend(largest(scene, most, dofs).map_err(refused)?);
+    let out = folder(args, &document, "coupling")?;
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
     let watch = Watch::new(args.quiet, pairs.len() + 5);
@@ -37,7 +39,8 @@ pub(super) fn coupling(args: &StudyArgs) -> Result<u8, Failure> {
     watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = CouplingStudy {
-        scene: &scene,
+        scene,
+        source: &document.source,
         pairs: &pairs,
         convergence: &convergence,
         effectivity: &effectivity,

@@ -4,8 +4,7 @@ use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, interrupts, read_scene};
 use super::{StudyArgs, Watch, folder, store, tell_results, unreferenced};
-use crate::grid::grid_of;
-use crate::scene::SceneErrorKind;
+use crate::problem::{DataError, DataErrorKind, grid_of};
 use crate::study::multiscale::{
     BASES, MOST_DOFS, MultiscaleStudy, coarse_cells, contrast, convergence, csv, fine_grid, json, laminates, pictures,
     text, write,
@@ -13,36 +12,38 @@ use crate::study::multiscale::{
 
 /// Tells what multiscale elements are worth.
 pub(super) fn multiscale(args: &StudyArgs) -> Result<u8, Failure> {
-    let scene = read_scene(&args.scene, &args.overrides)?;
-    let refused = |error: crate::scene::SceneError| Failure(error.render());
+    let document = read_scene(&args.scene, &args.overrides)?;
+    let scene = &document.scene;
+    let refused = |error: DataError| Failure(document.error(error).render());
     if scene.grid.is_none() {
         let message = "the study is about coarse cells on a fine grid, and the scene has no [grid]".to_owned();
         let help =
             "add [grid] coarse = [12, 2], fine = [16, 16] with the numbers of the body, or study --what convergence";
-        return Err(refused(scene.error_at(SceneErrorKind::Unsupported, &[vec!["body"]], message, help)));
+        return Err(refused(DataError::at(DataErrorKind::Unsupported, &[vec!["body"]], message, help)));
     }
-    let sizes = coarse_cells(&scene).map_err(refused)?;
-    let dofs = grid_of(&scene).map_err(refused)?.dofs();
+    let sizes = coarse_cells(scene).map_err(refused)?;
+    let dofs = grid_of(scene).map_err(refused)?.dofs();
     if dofs > scene.method.max_dofs.max(MOST_DOFS) {
         let message = format!(
             "the fine grid has {dofs} dofs, and the study solves all of them at once: {MOST_DOFS} at most, or method.max_dofs"
         );
         let help = "take fewer fine cells, or raise method.max_dofs as far as the memory allows";
-        return Err(refused(scene.error_at(SceneErrorKind::Value, &[vec!["grid", "fine"]], message, help)));
+        return Err(refused(DataError::at(DataErrorKind::Value, &[vec!["grid", "fine"]], message, help)));
     }
-    let out = folder(args, &scene, "multiscale")?;
+    let out = folder(args, &document, "multiscale")?;
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
     let watch = Watch::new(args.quiet, 4 + BASES.len());
     let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-    let fine = fine_grid(&scene, repeat, &stop, tell).map_err(|error| unreferenced(&scene, error))?;
-    let convergence = convergence(&scene, &fine, &sizes, repeat, &stop, tell);
+    let fine = fine_grid(scene, repeat, &stop, tell).map_err(|error| unreferenced(&document, error))?;
+    let convergence = convergence(scene, &fine, &sizes, repeat, &stop, tell);
     let laminates = laminates(&stop, tell);
     let contrast = contrast(&stop, tell);
     watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = MultiscaleStudy {
-        scene: &scene,
+        scene,
+        source: &document.source,
         fine_grid: &fine,
         convergence: &convergence,
         laminates: &laminates,

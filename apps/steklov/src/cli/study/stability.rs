@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, interrupts};
-use super::{StudyArgs, Watch, boundary_only, folder, scene, store, tell_results, unreferenced};
+use super::{StudyArgs, Watch, boundary_only, document, folder, store, tell_results, unreferenced};
 use crate::study::stability::{
     POISSON, Stability, csv, incompressible, json, pictures, read_beside, settings, single_layer, stabilisation, text,
     write,
@@ -11,20 +11,22 @@ use crate::study::stability::{
 
 /// Looks for trouble where such methods may have it.
 pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
-    let scene = scene(args, |text| settings(text, &args.overrides))?;
-    boundary_only(&scene)?;
+    let document = document(args, |text| settings(text, &args.overrides))?;
+    let scene = &document.scene;
+    boundary_only(scene)?;
     let beside = args.beside.as_deref().map_or(Ok(Vec::new()), read_beside)?;
-    let out = folder(args, &scene, "stability")?;
+    let out = folder(args, &document, "stability")?;
     let stop = interrupts(args.quiet)?;
     let watch = Watch::new(args.quiet, POISSON.len() + 3);
     let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-    let incompressible = incompressible(&scene, &stop, tell).map_err(|error| unreferenced(&scene, error))?;
-    let single_layer = single_layer(&scene, &stop, tell)?;
-    let stabilisation = stabilisation(&scene, &stop, tell);
+    let incompressible = incompressible(scene, &stop, tell).map_err(|error| unreferenced(&document, error))?;
+    let single_layer = single_layer(scene, &stop, tell)?;
+    let stabilisation = stabilisation(scene, &stop, tell);
     watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = Stability {
-        scene: &scene,
+        scene,
+        source: &document.source,
         incompressible: &incompressible,
         beside: &beside,
         single_layer: &single_layer,

@@ -3,40 +3,48 @@
 use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, explained, interrupts};
-use super::{StudyArgs, Watch, folder, scene, store, tell_results};
+use super::{StudyArgs, Watch, document, folder, store, tell_results};
+use crate::problem::{DataError, DataErrorKind};
 use crate::run::{Progress, run};
-use crate::scene::SceneErrorKind;
 use crate::solve::{SolveError, Stage};
 use crate::study::settings;
 use crate::study::stochastic::{FAMILIES, Stochastic, chance, csv, json, pictures, solvers, space, text, write};
 
 /// Tells how statistics converge, and what they cost.
 pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {
-    let scene = scene(args, |text| settings(text, &args.overrides))?;
+    let document = document(args, |text| settings(text, &args.overrides))?;
+    let scene = &document.scene;
     let Some(random) = &scene.random else {
         let message = "the study is about random input, and no datum of the scene uses any".to_owned();
         let help =
             "declare a name under [random] and use it in the modulus, a load or a gap, or study --what convergence";
         let keys = &[vec!["random"], vec!["material", "young"]];
-        return Err(Failure(scene.error_at(SceneErrorKind::Unsupported, keys, message, help).render()));
+        return Err(Failure(document.error(DataError::at(DataErrorKind::Unsupported, keys, message, help)).render()));
     };
-    let out = folder(args, &scene, "stochastic")?;
+    let out = folder(args, &document, "stochastic")?;
     let stop = interrupts(args.quiet)?;
     let watch = Watch::new(args.quiet, FAMILIES.len() + 8);
     let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-    let failed = |error: SolveError| explained(&scene, error);
-    let last = run(&scene, Progress::first(&scene), &stop, &mut |step, stage| {
+    let failed = |error: SolveError| explained(&document, error);
+    let last = run(scene, Progress::first(scene), &stop, &mut |step, stage| {
         if let Stage::Progress(part, _) = stage {
             watch.show("mesh", &format!("step {}, {part}", step + 1));
         }
         Ok(())
     });
-    let chance = chance(&scene, random, &mut last.map_err(failed)?, &stop, tell).map_err(failed)?;
-    let space = space(&scene, random, &stop, tell).map_err(failed)?;
-    let solvers = solvers(&scene, random, &stop, tell).map_err(failed)?;
+    let chance = chance(scene, random, &mut last.map_err(failed)?, &stop, tell).map_err(failed)?;
+    let space = space(scene, random, &stop, tell).map_err(failed)?;
+    let solvers = solvers(scene, random, &stop, tell).map_err(failed)?;
     watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
-    let study = Stochastic { scene: &scene, chance: &chance, space: &space, solvers: solvers.as_ref(), interrupted };
+    let study = Stochastic {
+        scene,
+        source: &document.source,
+        chance: &chance,
+        space: &space,
+        solvers: solvers.as_ref(),
+        interrupted,
+    };
     let files = store(&out, "stochastic", &|file| write(file, &study), &csv(&study), &|out| pictures(&study, out))?;
     watch.finish();
     tell_results(args, &out, &files, || json(&study), || text(&study))?;

@@ -5,8 +5,7 @@ use steklov_elastic::{Material, Plane};
 use steklov_msfem::Grid;
 
 use super::manufactured::Pair;
-use crate::grid::{check_body, grid_of, moduli};
-use crate::scene::{GridInput, Scene, SceneError, SceneErrorKind};
+use crate::problem::{DataError, DataErrorKind, GridInput, Scene, check_body, grid_of, moduli};
 
 /// Fewer cells than this along the shorter side of the body are no grid of the study.
 const FEWEST: usize = 4;
@@ -25,14 +24,14 @@ const GIVEN: [(&str, [f64; 2], [f64; 2]); 3] = [
 ///
 /// # Errors
 /// A scene without a grid or without a body in a medium; moduli that cannot be read.
-pub fn pairs(scene: &Scene) -> Result<Vec<Pair>, SceneError> {
+pub fn pairs(scene: &Scene) -> Result<Vec<Pair>, DataError> {
     let medium = match &scene.exterior {
         Some(exterior) if !scene.is_cavity() => exterior.material,
         _ => {
             let message =
                 "the study is about a body in an unbounded medium, and the scene does not have both".to_owned();
             let help = "add a table [exterior] with young and poisson, and a [material] of the body";
-            return Err(scene.error_at(SceneErrorKind::Unsupported, &[vec!["exterior"], vec!["body"]], message, help));
+            return Err(DataError::at(DataErrorKind::Unsupported, &[vec!["exterior"], vec!["body"]], message, help));
         }
     };
     let grid = grid_of(scene)?;
@@ -63,7 +62,7 @@ fn rounded(young: f64) -> String {
 ///
 /// # Errors
 /// As [`grid_of`].
-pub fn coarsest(scene: &Scene) -> Result<[usize; 2], SceneError> {
+pub fn coarsest(scene: &Scene) -> Result<[usize; 2], DataError> {
     let mut cells = grid_of(scene)?.cells;
     loop {
         let half = cells.map(|n| n / 2);
@@ -80,7 +79,7 @@ pub fn coarsest(scene: &Scene) -> Result<[usize; 2], SceneError> {
 ///
 /// # Errors
 /// As [`grid_of`].
-pub fn largest(scene: &Scene, most_dofs: usize, dofs: usize) -> Result<Option<Level>, SceneError> {
+pub fn largest(scene: &Scene, most_dofs: usize, dofs: usize) -> Result<Option<Level>, DataError> {
     let first = coarsest(scene)?;
     let unknowns = |times: usize| 2 * (first[0] * times + 1) * (first[1] * times + 1);
     let times = (1..).take_while(|&times| unknowns(times) <= most_dofs).last();
@@ -112,7 +111,7 @@ pub struct Level {
 ///
 /// # Errors
 /// A body that fits no such grid; one whose coarsest grid has more unknowns.
-pub fn levels(scene: &Scene, most_dofs: usize, most_trace: usize) -> Result<Vec<Level>, SceneError> {
+pub fn levels(scene: &Scene, most_dofs: usize, most_trace: usize) -> Result<Vec<Level>, DataError> {
     let first = coarsest(scene)?;
     let mut levels = Vec::new();
     for times in (0..12).map(|k| 1 << k) {
@@ -128,7 +127,7 @@ pub fn levels(scene: &Scene, most_dofs: usize, most_trace: usize) -> Result<Vec<
             first[0], first[1]
         );
         let help = "raise method.max_dofs, or take numbers of cells that can be halved: grid.coarse = [4, 4], grid.fine = [8, 8]";
-        return Err(scene.error_at(SceneErrorKind::Value, &[vec!["grid", "fine"]], message, help));
+        return Err(DataError::at(DataErrorKind::Value, &[vec!["grid", "fine"]], message, help));
     }
     Ok(levels)
 }
@@ -137,13 +136,13 @@ pub fn levels(scene: &Scene, most_dofs: usize, most_trace: usize) -> Result<Vec<
 ///
 /// # Errors
 /// As [`grid_of`], and a body whose outer boundary is not one curve.
-pub fn level(scene: &Scene, cells: [usize; 2]) -> Result<Level, SceneError> {
+pub fn level(scene: &Scene, cells: [usize; 2]) -> Result<Level, DataError> {
     let mut scene = scene.clone();
     scene.grid = scene.grid.map(|grid| GridInput { coarse: cells, fine: [1, 1], ..grid });
     let grid = grid_of(&scene)?;
     let outline = Outline::new(&grid).map_err(|error| {
         let help = "the medium meets one closed curve: part the body, or join its pieces by more than a point";
-        scene.error_at(SceneErrorKind::Geometry, &[vec!["body"]], error.to_string(), help)
+        DataError::at(DataErrorKind::Geometry, &[vec!["body"]], error.to_string(), help)
     })?;
     Ok(Level { grid, trace: 2 * outline.nodes.len() })
 }

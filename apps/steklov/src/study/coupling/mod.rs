@@ -21,7 +21,7 @@ mod store;
 mod draw;
 
 use super::columns;
-use crate::scene::Scene;
+use crate::problem::{Scene, Source};
 
 pub use conditioning::{Condition, Conditioning, conditioning};
 pub use convergence::{Convergence, FORMS, Point, convergence};
@@ -38,6 +38,8 @@ pub use wrong::{SYSTEMS, Wrong, Wrongs, wrongs};
 pub struct CouplingStudy<'a> {
     /// The scene as it was run, [`settings`] included.
     pub scene: &'a Scene,
+    /// The texts from which it was read.
+    pub source: &'a Source,
     /// The materials; the scene's own last.
     pub pairs: &'a [Pair],
     /// Errors of the forms.

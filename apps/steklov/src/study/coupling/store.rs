@@ -37,7 +37,7 @@ pub fn write(file: &File, study: &CouplingStudy<'_>) -> Result<(), IoError> {
     write_text_attribute(file, "program", concat!("steklov ", env!("CARGO_PKG_VERSION")))?;
     write_text_attribute(file, "content", "study: coupling")?;
     write_integer_attribute(file, "threads", &[rayon::current_num_threads() as i64])?;
-    let source = &study.scene.source;
+    let source = study.source;
     save_text(file, "scene", &source.text, "text of the scene file")?;
     save_texts(file, "overrides", &source.overrides, "settings of the study and the user, KEY=VALUE", "override")?;
     save_text(file, "summary", &json(study).to_string(), "the JSON object of study --json, without its list of files")?;

@@ -184,7 +184,7 @@ pub fn json(study: &CouplingStudy<'_>) -> Value {
     let form = |(k, (name, _)): (usize, &(&str, steklov_coupling::Form))| object!({ "name": name, "points": columns::json(&of_form(study, k), &POINTS) });
     object!({
         "title": study.scene.title,
-        "settings": study.scene.source.overrides,
+        "settings": study.source.overrides,
         "complete": study.complete(),
         "interrupted": study.interrupted,
         "repeat": study.repeat,

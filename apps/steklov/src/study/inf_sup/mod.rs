@@ -12,7 +12,7 @@ mod store;
 mod draw;
 
 use super::columns;
-use crate::scene::Scene;
+use crate::problem::{Scene, Source};
 
 pub use draw::pictures;
 pub use pairs::{PAIRS, Pair, Part, Point, pairs};
@@ -28,6 +28,8 @@ const ELEMENTS: &str = "method.elements=8";
 pub struct InfSup<'a> {
     /// The scene as it was run, settings included.
     pub scene: &'a Scene,
+    /// The texts from which it was read.
+    pub source: &'a Source,
     /// β of the pairs, mesh by mesh.
     pub points: &'a [Point],
     /// Pressures of an unstable pair.

@@ -17,7 +17,7 @@ use steklov_contact::{
 
 use super::subspace::{biorthogonal, continuous, restricted};
 use crate::data::Data;
-use crate::scene::Scene;
+use crate::problem::Scene;
 use crate::solve::SolveError;
 use crate::stabilised::SAFE;
 use crate::study::columns::Column;

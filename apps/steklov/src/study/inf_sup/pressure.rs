@@ -6,8 +6,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
+use crate::problem::{Condition, Friction, Multiplier, Scene};
 use crate::report::{ContactRow, contact_rows};
-use crate::scene::{Condition, Friction, Multiplier, Scene};
 use crate::solve::{SolveError, solve};
 use crate::study::columns::Column;
 use crate::study::supported::uniform_mesh;

@@ -28,7 +28,7 @@ fn prefixed(name: &str, cells: impl Iterator<Item = String>, table: &str) -> Str
 /// What is printed.
 pub fn text(study: &InfSup<'_>) -> String {
     let mut text = format!("{}\n", study.scene.title);
-    let _ = writeln!(text, "settings    {} (--set changes them)", study.scene.source.overrides.join(", "));
+    let _ = writeln!(text, "settings    {} (--set changes them)", study.source.overrides.join(", "));
     if let Some(note) = study.note() {
         let _ = writeln!(text, "note        {note}");
     }
@@ -115,7 +115,7 @@ pub fn json(study: &InfSup<'_>) -> Value {
     };
     object!({
         "title": study.scene.title,
-        "settings": study.scene.source.overrides,
+        "settings": study.source.overrides,
         "complete": study.complete(),
         "interrupted": study.interrupted,
         "note": study.note(),

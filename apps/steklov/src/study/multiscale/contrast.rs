@@ -8,8 +8,9 @@ use std::sync::atomic::AtomicUsize;
 use steklov_msfem::{Indicators, crossing_contrast};
 
 use super::measure::{error, estimate, norm, on_all_cells, on_coarse_cells};
+use super::plate::plate;
 use crate::grid::{FAILING, GridSolved};
-use crate::scene::{BasisInput, Scene};
+use crate::problem::BasisInput;
 use crate::solve::SolveError;
 use crate::study::columns::Column;
 
@@ -29,24 +30,6 @@ pub const CONTRASTED: [(&str, BasisInput); 3] = [
 const POWERS: std::ops::RangeInclusive<i32> = 1..=6;
 /// Fine cells along a coarse one.
 const FINE: usize = 16;
-
-pub(super) const PLATE: &str = r#"title = "Stiff parts"
-[body]
-corners = [[0, 0], [2, 0], [2, 1], [0, 1]]
-sides = ["bottom", "right", "top", "left"]
-[material]
-poisson = 0.3
-cells = { size = 0.015625, young = "(C + 1)/2 + (C - 1)/2*sign(STIFF)" }
-[parameters]
-C = 10
-[sides.left]
-displacement = [0, 0]
-[sides.right]
-traction = [0, -1]
-[grid]
-coarse = [8, 4]
-fine = [16, 16]
-"#;
 
 /// One basis at one contrast.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -121,7 +104,8 @@ pub fn contrast(interrupts: &AtomicUsize, tell: &mut dyn FnMut(&str, &str)) -> C
 
 /// All bases at one contrast.
 fn one(part: usize, contrast: f64, interrupts: &AtomicUsize, points: &mut Vec<Stiff>) -> Result<(), SolveError> {
-    let scene = Scene::parse(&PLATE.replace("STIFF", PARTS[part].1), "plate", &[format!("parameters.C={contrast:?}")])?;
+    let young = format!("(C + 1)/2 + (C - 1)/2*sign({})", PARTS[part].1);
+    let scene = plate([2.0, 1.0], &young, ("C", contrast), 4 * FINE, [[8, 4], [FINE; 2]])?;
     let truth = on_all_cells(&scene, 1, interrupts)?;
     for (basis, (_, input)) in CONTRASTED.iter().enumerate() {
         let solved = on_coarse_cells(&scene, [FINE; 2], *input, Some(FINE / 2), interrupts)?;

@@ -4,8 +4,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::FineGrid;
 use super::measure::{BASES, NOT_CONVERGED, error, estimate, on_coarse_cells, timed};
-use crate::grid::{check_body, grid_of};
-use crate::scene::{Scene, SceneError};
+use crate::problem::{DataError, Scene, check_body, grid_of};
 use crate::solve::SolveError;
 use crate::study::columns::Column;
 
@@ -75,7 +74,7 @@ impl Convergence {
 ///
 /// # Errors
 /// A scene without a grid; one with no such cells.
-pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, SceneError> {
+pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
     let grid = grid_of(scene)?;
     let Some(input) = &scene.grid else { return Err(scene.grid_error()) };
     let mut sizes = Vec::new();
@@ -95,7 +94,7 @@ pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, SceneError> {
             input.fine[0], input.fine[1]
         );
         let help = "take fewer coarse cells and more fine ones in each: grid.fine = [8, 8]";
-        return Err(scene.error_at(crate::scene::SceneErrorKind::Value, &[vec!["grid", "fine"]], message, help));
+        return Err(DataError::at(crate::problem::DataErrorKind::Value, &[vec!["grid", "fine"]], message, help));
     }
     Ok(sizes)
 }

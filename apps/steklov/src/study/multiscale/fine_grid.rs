@@ -3,9 +3,9 @@
 use std::sync::atomic::AtomicUsize;
 
 use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};
-use crate::grid::{GridSolved, grid_of};
+use crate::grid::GridSolved;
+use crate::problem::{Scene, grid_of};
 use crate::reference::ReferenceError;
-use crate::scene::Scene;
 use crate::solve::SolveError;
 use crate::study::columns::Column;
 

@@ -5,7 +5,8 @@
 use std::sync::atomic::AtomicUsize;
 
 use super::measure::{error, estimate, on_all_cells, on_coarse_cells};
-use crate::scene::{BasisInput, Scene, SceneError};
+use super::plate::plate;
+use crate::problem::{BasisInput, Scene};
 use crate::solve::SolveError;
 use crate::study::columns::Column;
 
@@ -26,24 +27,6 @@ const COARSE: [usize; 5] = [4, 8, 16, 32, 64];
 /// What is held: coarse cells while periods change; periods of each laminate while coarse cells change.
 const FIXED_COARSE: usize = 4;
 const FIXED_PERIODS: [usize; 2] = [16, 32];
-
-pub(super) const SQUARE: &str = r#"title = "Layers 1:10"
-[body]
-corners = [[0, 0], [1, 0], [1, 1], [0, 1]]
-sides = ["bottom", "right", "top", "left"]
-[material]
-poisson = 0.3
-cells = { size = 0.00390625, young = "5.5 + 4.5*sign(LAYERS)" }
-[parameters]
-P = 4
-[sides.left]
-displacement = [0, 0]
-[sides.right]
-traction = [0, -1]
-[grid]
-coarse = [4, 4]
-fine = [64, 64]
-"#;
 
 /// One basis on one coarse grid and one laminate.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -99,11 +82,10 @@ impl Laminates {
 }
 
 /// The square with so many periods of layers.
-///
-/// # Errors
-/// None: the scene is a part of the program.
-fn square(laminate: usize, periods: usize) -> Result<Scene, SceneError> {
-    Scene::parse(&SQUARE.replace("LAYERS", LAMINATES[laminate].1), "layers", &[format!("parameters.P={periods}")])
+fn square(laminate: usize, periods: usize) -> Result<Scene, SolveError> {
+    let young = format!("5.5 + 4.5*sign({})", LAMINATES[laminate].1);
+    let grid = [[FIXED_COARSE; 2], [FINE / FIXED_COARSE; 2]];
+    plate([1.0, 1.0], &young, ("P", periods as f64), FINE, grid)
 }
 
 /// Solves on all laminates. `tell` hears what is being done. After a wish to stop nothing more is solved.

@@ -8,6 +8,7 @@
 //! Each part is a file: what it computes, and the columns of its table.
 
 mod measure;
+mod plate;
 mod fine_grid;
 mod convergence;
 mod laminates;
@@ -17,7 +18,7 @@ mod store;
 mod draw;
 
 use super::columns;
-use crate::scene::Scene;
+use crate::problem::{Scene, Source};
 
 pub use contrast::{CONTRASTED, Contrast, PARTS, Stiff, contrast};
 pub use convergence::{Convergence, Point, coarse_cells, convergence};
@@ -32,6 +33,8 @@ pub use table::{csv, json, text};
 pub struct MultiscaleStudy<'a> {
     /// The scene as it was run.
     pub scene: &'a Scene,
+    /// The texts from which it was read.
+    pub source: &'a Source,
     /// Bilinear elements on all cells.
     pub fine_grid: &'a FineGrid,
     /// Multiscale elements on the scene.

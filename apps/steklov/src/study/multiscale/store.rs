@@ -11,11 +11,12 @@ use steklov_io::{
     File, IoError, create_group, save_number, save_text, save_texts, write_integer_attribute, write_text_attribute,
 };
 
-use super::contrast::{PLATE, STIFF};
+use super::contrast::STIFF;
 use super::convergence::{POINTS, Point};
 use super::fine_grid::LEVELS;
-use super::laminates::{LAYERS, SQUARE};
+use super::laminates::LAYERS;
 use super::measure::BASES;
+use super::plate::{PLATE, SQUARE};
 use super::{MultiscaleStudy, columns, json};
 
 /// Writes the study into a new file.
@@ -26,7 +27,7 @@ pub fn write(file: &File, study: &MultiscaleStudy<'_>) -> Result<(), IoError> {
     write_text_attribute(file, "program", concat!("steklov ", env!("CARGO_PKG_VERSION")))?;
     write_text_attribute(file, "content", "study: multiscale elements")?;
     write_integer_attribute(file, "threads", &[rayon::current_num_threads() as i64])?;
-    let source = &study.scene.source;
+    let source = study.source;
     save_text(file, "scene", &source.text, "text of the scene file")?;
     save_texts(file, "overrides", &source.overrides, "settings of the user, KEY=VALUE", "override")?;
     save_text(file, "summary", &json(study).to_string(), "the JSON object of study --json, without its list of files")?;

@@ -183,13 +183,13 @@ fn contrast(text: &mut String, study: &MultiscaleStudy<'_>) {
 /// The JSON object; numbers that are not known are null.
 pub fn json(study: &MultiscaleStudy<'_>) -> Value {
     let fine = study.fine_grid;
-    let basis = |(k, (name, _)): (usize, &(&str, crate::scene::BasisInput))| {
+    let basis = |(k, (name, _)): (usize, &(&str, crate::problem::BasisInput))| {
         let rows: Vec<Point> = study.convergence.of(k).copied().collect();
         object!({ "name": name, "points": columns::json(&rows, &POINTS) })
     };
     object!({
         "title": study.scene.title,
-        "settings": study.scene.source.overrides,
+        "settings": study.source.overrides,
         "complete": study.complete(),
         "interrupted": study.interrupted,
         "repeat": study.repeat,

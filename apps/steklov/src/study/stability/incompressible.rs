@@ -8,9 +8,9 @@ use steklov_elastic::Material;
 
 use super::columns::Column;
 use crate::plan::first_mesh;
+use crate::problem::{Refine, Scene};
 use crate::reference::{Reference, ReferenceError};
 use crate::run::{Progress, run};
-use crate::scene::{Refine, Scene};
 use crate::solve::{SolveError, Stage};
 
 /// Poisson's ratios of the study.

@@ -18,7 +18,7 @@ mod draw;
 use steklov_elastic::Plane;
 
 use super::columns;
-use crate::scene::Scene;
+use crate::problem::{Scene, Source};
 
 pub use beside::{Beside, BesideError, read_beside};
 pub use draw::pictures;
@@ -37,6 +37,8 @@ const TOLERANCE: &str = "method.tolerance=1e-3";
 pub struct Stability<'a> {
     /// The scene as it was run, settings included.
     pub scene: &'a Scene,
+    /// The texts from which it was read.
+    pub source: &'a Source,
     /// Errors as ν → ½.
     pub incompressible: &'a Incompressible,
     /// Results of other methods for the same scene.

@@ -11,8 +11,8 @@ use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms};
 
 use super::columns::Column;
+use crate::problem::{Multiplier, Scene};
 use crate::reference::{Reference, true_error};
-use crate::scene::{Multiplier, Scene};
 use crate::solve::{SolveError, solve};
 use crate::study::for_truth;
 use crate::study::supported::{Supported, contact_sides, uniform_mesh};

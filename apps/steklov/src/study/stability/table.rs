@@ -31,7 +31,7 @@ pub(super) fn mesh_name((elements, degree): (usize, usize)) -> String {
 /// What is printed.
 pub fn text(study: &Stability<'_>) -> String {
     let mut text = format!("{}\n", study.scene.title);
-    let _ = writeln!(text, "settings    {} (--set changes them)", study.scene.source.overrides.join(", "));
+    let _ = writeln!(text, "settings    {} (--set changes them)", study.source.overrides.join(", "));
     if let Some(note) = study.note() {
         let _ = writeln!(text, "note        {note}");
     }
@@ -139,7 +139,7 @@ pub fn json(study: &Stability<'_>) -> Value {
     });
     object!({
         "title": study.scene.title,
-        "settings": study.scene.source.overrides,
+        "settings": study.source.overrides,
         "complete": study.complete(),
         "interrupted": study.interrupted,
         "note": study.note(),

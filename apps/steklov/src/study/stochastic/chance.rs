@@ -9,8 +9,8 @@ use steklov_stochastic::Accumulator;
 
 use super::relative;
 use super::rules::{ADAPTED, FAMILIES, LIMIT, MONTE_CARLO, Rule, prefixes, reference, rules, with};
+use crate::problem::{Random, Scene, Stochastic};
 use crate::run::Run;
-use crate::scene::{Random, Scene, Stochastic};
 use crate::solve::SolveError;
 use crate::stochastic::{StochasticResult, is_coupled, solve_stochastic};
 use crate::study::columns::Column;

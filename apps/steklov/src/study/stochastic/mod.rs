@@ -16,7 +16,7 @@ mod store;
 mod draw;
 
 use super::columns;
-use crate::scene::Scene;
+use crate::problem::{Scene, Source};
 
 pub use chance::{Chance, Cost, Measured, Quantity, chance};
 pub use draw::pictures;
@@ -31,6 +31,8 @@ pub use table::{csv, json, text};
 pub struct Stochastic<'a> {
     /// The scene as it was run, settings included.
     pub scene: &'a Scene,
+    /// The texts from which it was read.
+    pub source: &'a Source,
     /// Errors in chance.
     pub chance: &'a Chance,
     /// Errors in space.

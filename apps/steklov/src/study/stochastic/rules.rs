@@ -1,6 +1,6 @@
 //! The rules in chance that are compared, and the finer one that judges them.
 
-use crate::scene::{Random, Sampling, Stochastic};
+use crate::problem::{Random, Sampling, Stochastic};
 use crate::stochastic::points;
 
 /// Families of rules: the name, and what changes from rule to rule.
@@ -166,7 +166,6 @@ pub(super) fn settled(random: &Random) -> (Stochastic, String) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::Scene;
 
     const SCENE: &str = "[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"floor\", \"right\", \"top\", \"left\"]\n\
                          [material]\nyoung = 1\npoisson = 0.3\n[sides.floor]\ndisplacement = [\"0\", \"0\"]\n";
@@ -179,7 +178,7 @@ mod tests {
             "{SCENE}[sides.top]\ntraction = [\"0\", \"{load}\"]\n{}[stochastic]\nmethod = \"{method}\"\ndegree = 1\n",
             names.collect::<String>()
         );
-        let scene = Scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        let scene = crate::scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
         let random = scene.random.unwrap();
         let finest = reference(&random);
         let rules = rules(&random, &finest.finest, false);

@@ -5,8 +5,8 @@ use std::time::Instant;
 
 use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, uzawa};
 
+use crate::problem::{Random, Refine, Scene};
 use crate::run::{Progress, run};
-use crate::scene::{Random, Refine, Scene};
 use crate::solve::SolveError;
 use crate::stochastic::Outcomes;
 use crate::study::columns::Column;

@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::relative;
 use super::rules::{settled, single, with};
+use crate::problem::{Random, Refine, Scene, Stochastic};
 use crate::run::{Progress, Reason, Run, run};
-use crate::scene::{Random, Refine, Scene, Stochastic};
 use crate::solve::{SolveError, Stage};
 use crate::stochastic::solve_stochastic;
 use crate::study::columns::Column;

@@ -37,7 +37,7 @@ fn prefixed(name: &str, cells: impl Iterator<Item = String>, table: &str) -> Str
 
 /// What is printed.
 pub fn text(study: &Stochastic<'_>) -> String {
-    let source = &study.scene.source;
+    let source = study.source;
     let mut text = format!("{}\n", study.scene.title);
     let _ = writeln!(text, "settings    {} (--set changes them)", source.overrides.join(", "));
     chance(&mut text, study.chance);
@@ -222,7 +222,7 @@ pub fn json(study: &Stochastic<'_>) -> Value {
         one["rules"] = FAMILIES.iter().enumerate().map(family).collect();
         one
     };
-    let curve = |(k, (name, ..)): (usize, &(&str, crate::scene::Refine, bool, crate::study::Law))| {
+    let curve = |(k, (name, ..)): (usize, &(&str, crate::problem::Refine, bool, crate::study::Law))| {
         let rows: Vec<Point> = study.space.of(k).copied().collect();
         object!({ "name": name, "points": columns::json(&rows, &POINTS) })
     };
@@ -239,7 +239,7 @@ pub fn json(study: &Stochastic<'_>) -> Value {
     let reference: Vec<Point> = study.space.reference.into_iter().collect();
     object!({
         "title": study.scene.title,
-        "settings": study.scene.source.overrides,
+        "settings": study.source.overrides,
         "complete": study.complete(),
         "interrupted": study.interrupted,
         "failures": study.failures().map(|(at, why)| object!({ "at": at, "message": why })).collect::<Value>(),

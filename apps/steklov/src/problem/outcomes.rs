@@ -2,9 +2,7 @@
 
 use steklov_stochastic::{CellBasis, Nodes, StochasticCell, StochasticError, Variable, smolyak};
 
-use super::Scene;
-use super::error::SceneError;
-use super::random::{Sampling, Stochastic};
+use super::{DataError, Sampling, Scene, Stochastic};
 
 /// Outcomes beyond this probability at either end of a germ without bounds are not looked at.
 const RARE: f64 = 1e-12;
@@ -20,7 +18,7 @@ impl Scene {
     ///
     /// # Errors
     /// Those of [`Scene::outcome`] and [`Scene::check_data`].
-    pub(super) fn check_outcomes(&self) -> Result<(), SceneError> {
+    pub(super) fn check_outcomes(&self) -> Result<(), DataError> {
         let Some(random) = &self.random else { return Ok(()) };
         let nominal = random.nominal();
         let ends: Vec<[f64; 2]> = random.germs.iter().map(|g| ends(&g.variable, &random.stochastic)).collect();

@@ -1,9 +1,10 @@
 //! The model that a scene needs, and whether the scene fits the model that it asks for.
 
-use super::error::{SceneError, SceneErrorKind as Kind};
-use super::method::{Indicator, Model, Multiplier};
-use super::{BasisInput, GridInput, Scene};
-use crate::grid::{check_body, check_modulus_cells, fitting_grid};
+use super::grid_fit::fitting_grid;
+use super::{
+    BasisInput, DataError, DataErrorKind as Kind, GridInput, Indicator, Model, Multiplier, Scene, check_body,
+    check_modulus_cells,
+};
 
 impl Scene {
     /// The model that is used, never [`Model::Auto`]: boundary elements unless the material or the body force differs from
@@ -49,20 +50,20 @@ impl Scene {
     ///
     /// # Errors
     /// A value that is not finite: names point and expression.
-    pub fn force_at(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], SceneError> {
+    pub fn force_at(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], DataError> {
         let Some(force) = &self.body_force else { return Ok([0.0; 2]) };
         let value = force.each_ref().map(|f| f.eval(x, y, 0.0));
         match value.iter().position(|v| !v.is_finite()) {
             None => Ok(value),
             Some(k) => {
                 let message = format!("the body force is {} at the point ({x}, {y})", value[k]);
-                Err(self.data_error(&force[k], &message))
+                Err(DataError::of_values(&force[k], &message))
             }
         }
     }
 
     /// Whether the scene has what its model needs, and nothing that the model cannot treat.
-    pub(super) fn check_model(&self) -> Result<(), SceneError> {
+    pub(super) fn check_model(&self) -> Result<(), DataError> {
         self.check_exterior()?;
         match (self.is_on_grid(), &self.grid) {
             (false, _) => self.check_uniform(),
@@ -72,27 +73,27 @@ impl Scene {
     }
 
     /// Boundary elements: one material, one force.
-    fn check_uniform(&self) -> Result<(), SceneError> {
+    fn check_uniform(&self) -> Result<(), DataError> {
         if self.cells.is_some() {
             let message = "boundary elements need one material, and [material.cells] has one for each cell".to_owned();
             let help = "use model = \"auto\" with a [grid], or give one Young's modulus as material.young";
-            return Err(self.error_at(Kind::Conflict, &[vec!["method", "model"]], message, help));
+            return Err(DataError::at(Kind::Conflict, &[vec!["method", "model"]], message, help));
         }
         let help = "give one constant force, or use model = \"auto\" with a [grid]";
         self.force_that_varies(help).map_or(Ok(()), Err)
     }
 
     /// What is wrong with a force that depends on the place.
-    fn force_that_varies(&self, help: &str) -> Option<SceneError> {
+    fn force_that_varies(&self, help: &str) -> Option<DataError> {
         let force = self.body_force.as_ref()?;
         let k = force.iter().position(|f| f.constant().is_none())?;
         let text = force[k].text();
         let message = format!("body_force.value[{k}] depends on the place: {text:?}; with boundary elements it cannot");
-        Some(self.error_at(Kind::Value, &[vec!["body_force", "value", &k.to_string()]], message, help))
+        Some(DataError::at(Kind::Value, &[vec!["body_force", "value", &k.to_string()]], message, help))
     }
 
     /// A grid is needed, and there is none.
-    pub(crate) fn grid_error(&self) -> SceneError {
+    pub fn grid_error(&self) -> DataError {
         let add = format!("add {}", fitting_grid(self));
         let asked = self.method.model != Model::Auto;
         if self.cells.is_none() && !asked {
@@ -106,27 +107,27 @@ impl Scene {
             (false, Some(_)) => ("a material that differs from cell to cell needs a [grid]", vec!["material", "cells"]),
             (false, None) => ("a body with a force or holes in it, in a medium, needs a [grid]", vec!["body"]),
         };
-        self.error_at(Kind::MissingKey, &[key], message.to_owned(), &add)
+        DataError::at(Kind::MissingKey, &[key], message, &add)
     }
 
     /// Finite elements: what they cannot treat, and whether body and modulus cells fit the grid.
-    fn check_grid(&self, grid: &GridInput) -> Result<(), SceneError> {
+    fn check_grid(&self, grid: &GridInput) -> Result<(), DataError> {
         if self.random.is_some() {
             let message = "random input needs one material, that is boundary elements, not finite elements".to_owned();
             let help = "leave out [random], or give one material and a constant body force with model = \"bem\"";
-            return Err(self.error_at(Kind::Unsupported, &[vec!["random"]], message, help));
+            return Err(DataError::at(Kind::Unsupported, &[vec!["random"]], message, help));
         }
         if self.method.multiplier == Multiplier::Stabilised {
             let message = "finite elements have biorthogonal multipliers only".to_owned();
             let help = "leave method.multiplier at \"biorthogonal\": it needs no stabilisation";
-            return Err(self.error_at(Kind::Unsupported, &[vec!["method", "multiplier"]], message, help));
+            return Err(DataError::at(Kind::Unsupported, &[vec!["method", "multiplier"]], message, help));
         }
         let harmonic = !matches!(grid.basis, BasisInput::Q1 | BasisInput::Linear);
         if self.is_multiscale() && self.method.indicator == Indicator::Residual && !harmonic {
             let message =
                 "residual indicators need a basis that solves the equations inside of coarse cells".to_owned();
             let help = "leave method.indicator at \"bubble\", or take the basis \"coupled\" or \"oscillatory\"";
-            return Err(self.error_at(Kind::Unsupported, &[vec!["method", "indicator"]], message, help));
+            return Err(DataError::at(Kind::Unsupported, &[vec!["method", "indicator"]], message, help));
         }
         match self.is_multiscale() {
             false => check_body(self, grid.cells(), "fine")?,

@@ -4,13 +4,13 @@ use steklov_bem_operators::{Location, Polygon};
 use steklov_msfem::Grid;
 
 use super::moduli::whole;
-use crate::scene::{Scene, SceneError, SceneErrorKind as Kind};
+use super::{DataError, DataErrorKind as Kind, Scene};
 
 /// A corner this close to a grid point, in sides of the bounding box, is that point.
 const ON_GRID: f64 = 1e-9;
 
 /// Lower left corner and sides of the bounding box.
-pub(super) fn bounding_box(polygon: &Polygon) -> ([f64; 2], [f64; 2]) {
+pub fn bounding_box(polygon: &Polygon) -> ([f64; 2], [f64; 2]) {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for edge in polygon.edges() {
         for k in 0..2 {
@@ -26,7 +26,7 @@ pub(super) fn bounding_box(polygon: &Polygon) -> ([f64; 2], [f64; 2]) {
 ///
 /// # Errors
 /// A scene without `[grid]`; a grid that rounding errors leave without a cell in the body.
-pub fn grid_of(scene: &Scene) -> Result<Grid, SceneError> {
+pub fn grid_of(scene: &Scene) -> Result<Grid, DataError> {
     let Some(input) = &scene.grid else { return Err(scene.grid_error()) };
     let (low, size) = bounding_box(&scene.polygon);
     let cells = input.cells();
@@ -36,7 +36,7 @@ pub fn grid_of(scene: &Scene) -> Result<Grid, SceneError> {
         scene.polygon.contains(centre) == Location::Inside
     };
     Grid::new(low, spacing, cells, inside)
-        .map_err(|e| scene.error_at(Kind::Value, &[vec!["grid"]], e.to_string(), "take fewer cells"))
+        .map_err(|e| DataError::at(Kind::Value, &[vec!["grid"]], e.to_string(), "take fewer cells"))
 }
 
 /// The grid point next to a point, by its numbers along x and y, and whether it is that point.
@@ -60,7 +60,7 @@ fn fits(polygon: &Polygon, cells: [usize; 2]) -> bool {
 ///
 /// # Errors
 /// The first corner, as the scene lists them, at which it is not: with the nearest grid point and the spacing.
-pub(crate) fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), SceneError> {
+pub fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), DataError> {
     let polygon = &scene.polygon;
     let (low, size) = bounding_box(polygon);
     for (loop_index, range) in polygon.loops().iter().enumerate() {
@@ -71,7 +71,7 @@ pub(crate) fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result
                 0 => vec!["body", "corners", &k],
                 _ => vec!["body", "holes", &hole, "corners", &k],
             };
-            let refuse = |message: String, help: &str| Err(scene.error_at(Kind::Geometry, &[key], message, help));
+            let refuse = |message: String, help: &str| Err(DataError::at(Kind::Geometry, &[key], message, help));
             if (0..2).all(|k| (b[k] - a[k]).abs() > ON_GRID * size[k]) {
                 let message = format!(
                     "the edge from ({}, {}) to ({}, {}) is neither horizontal nor vertical, as grids of rectangles need it",
@@ -98,7 +98,7 @@ pub(crate) fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result
 
 /// An example of a `[grid]` for the body and its modulus cells, as text: coarse cells that are about square and have the
 /// corners of the body among their points, 2 to 64 along the shorter side.
-pub(crate) fn fitting_grid(scene: &Scene) -> String {
+pub(super) fn fitting_grid(scene: &Scene) -> String {
     let (_, size) = bounding_box(&scene.polygon);
     let shorter = size[0].min(size[1]);
     // a long body is not cut into more than 1024 cells along it

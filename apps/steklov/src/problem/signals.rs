@@ -2,10 +2,8 @@
 
 use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch};
 
-use super::Scene;
 use super::check::data;
-use super::random::{Random, RandomName};
-use super::tree::Value;
+use super::{Random, RandomName, Scene};
 
 /// Boxes of one germ that are looked at for the zeros of a switch.
 const BOXES: usize = 10_000;
@@ -16,23 +14,23 @@ const RARE: f64 = 1e-12;
 
 /// What tells of the data for an outcome: the values of an expression, or of one of its switches.
 #[derive(Debug, Clone)]
-pub(crate) struct Signal {
+pub struct Signal {
     expression: Expression,
     switch: Option<Switch>,
     /// Germs that it depends on.
-    pub(crate) germs: Vec<usize>,
+    pub germs: Vec<usize>,
     /// Start and end of the edges along which it acts; one of length 0 if it is the same at all places.
-    pub(crate) paths: Vec<[[f64; 2]; 2]>,
+    pub paths: Vec<[[f64; 2]; 2]>,
 }
 
 impl Signal {
     /// Whether it is a switch: the data have a kink or a jump where it is 0.
-    pub(crate) fn is_switch(&self) -> bool {
+    pub fn is_switch(&self) -> bool {
         self.switch.is_some()
     }
 
     /// Holds all values for germs in a box along a part of a path, from 0 to 1.
-    pub(crate) fn range(&self, random: &Random, germs: &[[f64; 2]], path: usize, part: [f64; 2]) -> Interval {
+    pub fn range(&self, random: &Random, germs: &[[f64; 2]], path: usize, part: [f64; 2]) -> Interval {
         let [start, end] = self.paths[path];
         let coordinate = |i: usize| {
             let [a, b] = part.map(|t| start[i] + t * (end[i] - start[i]));
@@ -58,7 +56,7 @@ impl Signal {
 
 impl Scene {
     /// The signals of all data that depend on germs.
-    pub(crate) fn signals(&self, random: &Random) -> Vec<Signal> {
+    pub fn signals(&self, random: &Random) -> Vec<Signal> {
         let names: Vec<String> = random.names.iter().map(|n| n.name().to_owned()).collect();
         let free = |text: &str| {
             let read = Expression::with_free_names(text, &self.parameters, &Default::default(), &names).ok()?;
@@ -66,9 +64,8 @@ impl Scene {
         };
         let nowhere = vec![[[0.0; 2]; 2]];
         let mut all: Vec<(Expression, Vec<[[f64; 2]; 2]>)> = Vec::new();
-        if let Some(Value::Text(text)) = random.root.at(&["material", "young"]).map(|item| &item.value) {
-            all.extend(free(text).map(|e| (e, nowhere.clone())));
-        }
+        let young = random.constants.young.as_ref();
+        all.extend(young.and_then(|young| free(young.text())).map(|e| (e, nowhere.clone())));
         let forces = self.body_force.iter().flatten();
         all.extend(forces.filter_map(|e| free(e.text())).map(|e| (e, nowhere.clone())));
         for (index, side) in self.sides.iter().enumerate() {
@@ -102,7 +99,7 @@ impl Scene {
     }
 
     /// Where data have kinks or jumps in one germ, whatever the others and the place: rising, for each germ.
-    pub(super) fn cuts(&self, random: &Random) -> Vec<Vec<f64>> {
+    pub fn cuts(&self, random: &Random) -> Vec<Vec<f64>> {
         let mut cuts = vec![Vec::new(); random.germs.len()];
         for signal in self.signals(random).iter().filter(|s| s.is_switch()) {
             if let ([germ], true) = (&signal.germs[..], signal.paths.iter().all(|[a, b]| a == b)) {

@@ -1,13 +1,11 @@
 //! Young's modulus of every cell of a grid.
 
-use std::path::Path;
-
-use steklov_io::{IoError, load_foreign_table};
+use steklov_bem_operators::Polygon;
 use steklov_msfem::Grid;
 use steklov_quadrature::unit_uniform;
 
-use super::body::bounding_box;
-use crate::scene::{CellModuli, Cells, MOST_CELLS, Scene, SceneError, SceneErrorKind as Kind};
+use super::grid_fit::bounding_box;
+use super::{CellModuli, Cells, DataError, DataErrorKind as Kind, MOST_CELLS, Scene};
 
 /// Relative distance of a quotient from a whole number that counts as rounding.
 const WHOLE: f64 = 1e-9;
@@ -28,14 +26,20 @@ pub(super) fn fitting_fine(moduli: usize, coarse: usize, least: usize) -> usize 
     (moduli / divisor) * least.div_ceil(moduli / divisor)
 }
 
+/// How many modulus cells of a size lie along the sides of the bounding box, if whole ones do.
+pub fn modulus_cells(polygon: &Polygon, size: f64) -> Option<[usize; 2]> {
+    let [nx, ny] = bounding_box(polygon).1.map(|side| whole(side / size));
+    Some([nx?, ny?])
+}
+
 /// Numbers of modulus cells NX, NY along the sides of the bounding box: whole ones, each cell a whole number of the `fine`
 /// cells along both axes.
 ///
 /// # Errors
 /// A size that does not divide the sides of the bounding box, or that the fine cells do not divide.
-pub(crate) fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Result<[usize; 2], SceneError> {
+pub fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Result<[usize; 2], DataError> {
     let (_, box_size) = bounding_box(&scene.polygon);
-    let refuse = |message, help: &str| Err(scene.error_at(Kind::Value, &[SIZE.to_vec()], message, help));
+    let refuse = |message, help: &str| Err(DataError::at(Kind::Value, &[SIZE.to_vec()], message, help));
     let quotients = box_size.map(|side| side / cells.size);
     let [Some(nx), Some(ny)] = quotients.map(whole) else {
         let message = format!(
@@ -75,9 +79,9 @@ const YOUNG: [&str; 3] = ["material", "cells", "young"];
 /// at the cell's centre, which holds in the whole cell.
 ///
 /// # Errors
-/// Modulus cells that do not fit the grid; a file that cannot be read, or is not NX × NY numbers; a modulus in the body that
+/// Modulus cells that do not fit the grid; a table that does not have NX × NY numbers; a modulus in the body that
 /// is not positive and finite, with its place.
-pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, SceneError> {
+pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, DataError> {
     let [nx, ny] = grid.cells;
     let Some(cells) = &scene.cells else { return Ok(vec![scene.material.young; nx * ny]) };
     let counts = check_modulus_cells(scene, cells, grid.cells)?;
@@ -89,7 +93,7 @@ pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, SceneError> {
             all.map(|i| low + (high - low) * unit_uniform(*seed, i as u64)).collect()
         }
         CellModuli::Expression(young) => all.map(centre).map(|[x, y]| young.eval(x, y, 0.0)).collect(),
-        CellModuli::File { path, dataset } => read(scene, path, dataset, counts)?,
+        CellModuli::Table { values, .. } => values.to_vec(),
     };
     // from a fine cell to its modulus cell
     let parent = |cell: usize| {
@@ -98,32 +102,18 @@ pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, SceneError> {
     };
     match grid.body_cells().map(parent).find(|&i| !(values[i] > 0.0 && values[i].is_finite())) {
         None => Ok((0..nx * ny).map(|cell| values[parent(cell)]).collect()),
-        Some(i) => Err(impossible(scene, &cells.young, values[i], [i / counts[1], i % counts[1]], centre(i))),
+        Some(i) => Err(impossible(&cells.young, values[i], [i / counts[1], i % counts[1]], centre(i))),
     }
 }
 
 /// The error of a modulus that is not positive and finite.
-fn impossible(scene: &Scene, young: &CellModuli, value: f64, [ix, iy]: [usize; 2], [x, y]: [f64; 2]) -> SceneError {
+fn impossible(young: &CellModuli, value: f64, [ix, iy]: [usize; 2], [x, y]: [f64; 2]) -> DataError {
     let source = match young {
         CellModuli::Expression(expression) => format!(": expression {:?}", expression.text()),
-        CellModuli::File { path, dataset } => format!(": entry [{ix}, {iy}] of {dataset} of {path}"),
+        CellModuli::Table { source, .. } => format!(": entry [{ix}, {iy}] of {source}"),
         CellModuli::Uniform { .. } => String::new(),
     };
     let message = format!("Young's modulus is {value} in the cell with the centre ({x}, {y}){source}");
     let help = "a modulus is positive and finite in every cell of the body";
-    scene.error_at(Kind::Data, &[YOUNG.to_vec()], message, help)
-}
-
-/// The moduli of a file.
-fn read(scene: &Scene, path: &str, dataset: &str, counts: [usize; 2]) -> Result<Vec<f64>, SceneError> {
-    let folder = Path::new(&scene.source.name).parent().unwrap_or(Path::new(""));
-    load_foreign_table(folder.join(path), dataset, counts).map_err(|e| {
-        let (key, help) = match &e {
-            IoError::Missing { .. } => ("dataset", "name a dataset of the file; `h5ls -r` lists them"),
-            IoError::Mismatch { .. } => ("dataset", "store one number for each modulus cell, indexed [ix, iy]"),
-            _ => ("file", "the path is relative to the folder of the scene"),
-        };
-        let keys = [[&YOUNG[..], &[key]].concat()];
-        scene.error_at(Kind::Read, &keys, format!("cannot read Young's moduli: {e}"), help)
-    })
+    DataError::at(Kind::Data, &[YOUNG.to_vec()], message, help)
 }

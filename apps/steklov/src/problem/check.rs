@@ -3,9 +3,7 @@
 use steklov_bem_operators::Edge;
 use steklov_expression::Expression;
 
-use super::error::{Problem, SceneError, SceneErrorKind as Kind};
-use super::sides::{Condition, Friction};
-use super::{Scene, Side};
+use super::{Condition, DataError, DataErrorKind as Kind, Friction, Scene, Side};
 
 /// Number of equal steps along an edge at which data are looked at.
 const STEPS: usize = 256;
@@ -31,7 +29,7 @@ impl Scene {
     /// # Errors
     /// A value that is not finite, a negative bound or coefficient of friction, a displacement that jumps: names side,
     /// point and expression.
-    pub fn check_data(&self) -> Result<(), SceneError> {
+    pub fn check_data(&self) -> Result<(), DataError> {
         for (index, side) in self.sides.iter().enumerate() {
             for (what, expression) in data(side) {
                 for edge in self.polygon.edges().iter().filter(|edge| edge.side == index) {
@@ -49,7 +47,7 @@ impl Scene {
         side: &str,
         what: &str,
         expression: &Expression,
-    ) -> Result<f64, SceneError> {
+    ) -> Result<f64, DataError> {
         let path = |s: f64| {
             let [x, y] = edge.point(s);
             (x, y, s)
@@ -78,7 +76,7 @@ impl Scene {
         expression: &Expression,
         largest: f64,
         path: impl Fn(f64) -> (f64, f64, f64),
-    ) -> Result<(), SceneError> {
+    ) -> Result<(), DataError> {
         let value = |s: f64| {
             let (x, y, s) = path(s.clamp(0.0, 1.0));
             expression.eval(x, y, s)
@@ -97,7 +95,7 @@ impl Scene {
                     expression.text()
                 );
                 let help = "the body does not tear: prescribe a continuous displacement, or use two sides with a free one between them";
-                return Err(self.source.error(Problem::new(Kind::Data, expression.place, message, help)));
+                return Err(DataError::new(Kind::Data, expression.place, message, help));
             }
         }
         Ok(())
@@ -114,7 +112,7 @@ impl Scene {
         what: &str,
         expression: &Expression,
         at: (f64, f64, f64),
-    ) -> Result<f64, SceneError> {
+    ) -> Result<f64, DataError> {
         let (x, y, s) = at;
         let value = expression.eval(x, y, s);
         let negative = value < 0.0 && what.starts_with("friction");
@@ -139,12 +137,12 @@ impl Scene {
             _ if negative => "friction cannot be negative: write max(0, ...), or correct the expression",
             _ => NOT_FINITE,
         };
-        Err(self.source.error(Problem::new(Kind::Data, expression.place, message, help)))
+        Err(DataError::new(Kind::Data, expression.place, message, help))
     }
 }
 
 /// The expressions of a side and their names.
-pub(super) fn data(side: &Side) -> Vec<(&'static str, &Expression)> {
+pub fn data(side: &Side) -> Vec<(&'static str, &Expression)> {
     match &side.condition {
         Condition::Free => Vec::new(),
         Condition::Traction(traction) => traction.iter().map(|t| ("traction", t)).collect(),

@@ -1,0 +1,129 @@
+//! One outcome of random input as a problem of its own.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use steklov_elastic::Material;
+use steklov_expression::{Expression, FieldValue};
+
+use super::{Condition, DataError, DataErrorKind as Kind, Friction, Random, Scene};
+
+/// The values of all names of an outcome: an expression that uses a random one is read again with them.
+struct Names<'a> {
+    random: &'a Random,
+    constants: BTreeMap<String, f64>,
+    fields: BTreeMap<String, Arc<FieldValue>>,
+}
+
+impl Names<'_> {
+    /// The expression of this outcome.
+    fn expression(&self, expression: &mut Expression) -> Result<(), DataError> {
+        if !self.random.names.iter().any(|name| expression.uses(name.name())) {
+            return Ok(());
+        }
+        let read = Expression::with_fields(expression.text(), &self.constants, &self.fields);
+        let mut read = read.map_err(|e| DataError::new(Kind::Expression, expression.place, e.message, e.help))?;
+        read.place = expression.place;
+        *expression = read;
+        Ok(())
+    }
+
+    fn all<'e>(&self, expressions: impl Iterator<Item = &'e mut Expression>) -> Result<(), DataError> {
+        expressions.into_iter().try_for_each(|expression| self.expression(expression))
+    }
+
+    /// The value of an expression that is the same everywhere.
+    fn value(&self, expression: &Expression) -> Result<f64, DataError> {
+        let mut own = expression.clone();
+        self.expression(&mut own)?;
+        Ok(own.constant().unwrap_or(f64::NAN))
+    }
+}
+
+impl Scene {
+    /// The outcome of the random input for these germs; the scene itself if it has none.
+    ///
+    /// # Errors
+    /// A value that is impossible, such as a modulus that is not positive.
+    pub fn outcome(&self, germs: &[f64]) -> Result<Self, DataError> {
+        let Some(random) = &self.random else { return Ok(self.clone()) };
+        self.outcome_of(random, germs).map_err(|error| DataError {
+            message: format!("for {}: {}", random.outcome_name(germs), error.message),
+            ..error
+        })
+    }
+
+    fn outcome_of(&self, random: &Random, germs: &[f64]) -> Result<Self, DataError> {
+        let (values, fields) = random.values(germs);
+        let mut constants = self.parameters.clone();
+        constants.extend(values);
+        let names = Names { random, constants, fields };
+        let mut outcome = Self { random: None, unused: Vec::new(), ..self.clone() };
+        if let Some(young) = &random.constants.young {
+            outcome.material = with_young(&self.material, names.value(young)?, young)?;
+        }
+        for side in &mut outcome.sides {
+            names.all(side.condition.expressions_mut())?;
+        }
+        if let Some(medium) = &mut outcome.exterior {
+            if self.polygon.is_bounded() {
+                names.all(medium.expressions_mut())?;
+            } else {
+                medium.material = outcome.material;
+            }
+            if let Some(stress) = &random.constants.remote_stress {
+                for (value, expression) in medium.remote_stress.iter_mut().zip(stress) {
+                    *value = names.value(expression)?;
+                }
+                if medium.remote_stress.iter().any(|s| !s.is_finite()) {
+                    let message = format!("exterior.remote_stress is {:?}", medium.remote_stress);
+                    return Err(DataError::at(
+                        Kind::Value,
+                        &[vec!["exterior", "remote_stress"]],
+                        message,
+                        "it must be finite",
+                    ));
+                }
+            }
+        }
+        if let Some(force) = &mut outcome.body_force {
+            names.all(force.iter_mut())?;
+            for (k, expression) in force.iter().enumerate() {
+                if let Some(number) = expression.constant().filter(|v| !v.is_finite()) {
+                    let message = format!("body_force.value[{k}] is {number}: {:?}", expression.text());
+                    return Err(DataError::new(Kind::Value, expression.place, message, "it must be finite"));
+                }
+            }
+        }
+        Ok(outcome)
+    }
+}
+
+/// The material with another modulus, which `young` gives.
+fn with_young(material: &Material, value: f64, young: &Expression) -> Result<Material, DataError> {
+    Material::new(value, material.poisson, material.plane).map_err(|e| {
+        let help = "give a positive number in the scene's unit of stress";
+        DataError::new(Kind::Value, young.place, e.to_string(), help)
+    })
+}
+
+impl Condition {
+    /// The expressions of the condition.
+    fn expressions_mut(&mut self) -> Box<dyn Iterator<Item = &mut Expression> + '_> {
+        match self {
+            Self::Free => Box::new(std::iter::empty()),
+            Self::Traction(traction) => Box::new(traction.iter_mut()),
+            Self::Pressure(pressure) => Box::new(std::iter::once(pressure)),
+            Self::Displacement { values, traction } => {
+                Box::new(values.iter_mut().flatten().chain(traction.iter_mut().flatten()))
+            }
+            Self::Contact { gap, friction } => {
+                let law = match friction {
+                    Friction::None => None,
+                    Friction::Tresca(of) | Friction::Coulomb(of) => Some(of),
+                };
+                Box::new(std::iter::once(gap).chain(law))
+            }
+        }
+    }
+}

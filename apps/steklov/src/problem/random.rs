@@ -1,0 +1,194 @@
+//! Random input of a problem: its names, their germs, and how to solve for all of their values.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use steklov_expression::{Expression, FieldValue, RandomField};
+use steklov_stochastic::{Distribution, Variable};
+
+/// Random input that a scene uses, and how it is treated.
+#[derive(Debug, Clone)]
+pub struct Random {
+    /// The names, in the order of the scene.
+    pub names: Vec<RandomName>,
+    /// The independent germs of all of them: the directions of the stochastic problem.
+    pub germs: Vec<Germ>,
+    /// How to solve.
+    pub stochastic: Stochastic,
+    /// Which data use random names.
+    pub uses: Uses,
+    /// For each germ where data have kinks or jumps, whatever the others: stochastic elements end there.
+    pub cuts: Vec<Vec<f64>>,
+    /// Numbers of the problem that are random.
+    pub constants: RandomConstants,
+}
+
+/// Numbers of a problem that use random names: the expressions that give them.
+#[derive(Debug, Clone, Default)]
+pub struct RandomConstants {
+    /// Young's modulus of the body, or of the medium around a hole.
+    pub young: Option<Expression>,
+    /// Stress xx, yy, xy far away.
+    pub remote_stress: Option<[Expression; 3]>,
+}
+
+/// A direction of the stochastic problem.
+#[derive(Debug, Clone)]
+pub struct Germ {
+    /// `xi`, or `rough 3` for the third mode of a field.
+    pub label: String,
+    /// Its law.
+    pub variable: Variable,
+}
+
+/// A name in expressions.
+#[derive(Debug, Clone)]
+pub enum RandomName {
+    /// A variable.
+    Variable {
+        /// The name.
+        name: String,
+        /// Its germ.
+        germ: usize,
+    },
+    /// A field.
+    Field {
+        /// The field.
+        field: Arc<RandomField>,
+        /// Its first germ; there is one a mode.
+        first: usize,
+    },
+}
+
+/// Which data of a scene use random names.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Uses {
+    /// Young's modulus.
+    pub young: bool,
+    /// Tractions, pressures, body force.
+    pub loads: bool,
+    /// Gaps and friction.
+    pub contact: bool,
+    /// Prescribed displacements.
+    pub held: bool,
+}
+
+/// Points at which the problem is solved.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sampling {
+    /// Galerkin in tensor products of polynomials on a stochastic mesh.
+    Galerkin,
+    /// Collocation at the same points.
+    Collocation,
+    /// Smolyak's sparse grid.
+    Sparse,
+    /// Independent samples.
+    MonteCarlo,
+}
+
+/// `[stochastic]`.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Stochastic {
+    /// Method.
+    pub method: Sampling,
+    /// Degree in each germ.
+    pub degree: usize,
+    /// Stochastic elements in each germ.
+    pub elements: usize,
+    /// Level of the sparse grid.
+    pub level: usize,
+    /// Whether the stochastic mesh is refined until `tolerance`.
+    pub refine: bool,
+    /// What the truncation in the germs may add to the relative error in the energy norm.
+    pub tolerance: f64,
+    /// Most stochastic nodes.
+    pub max_nodes: usize,
+    /// Samples of Monte Carlo, and of the surrogate for quantiles.
+    pub samples: usize,
+    /// Seed of the samples.
+    pub seed: u64,
+    /// Probabilities of the quantiles.
+    pub quantiles: Vec<f64>,
+    /// Paths of the JSON object.
+    pub quantities: Option<Vec<String>>,
+}
+
+impl Default for Stochastic {
+    fn default() -> Self {
+        Self {
+            method: Sampling::Galerkin,
+            degree: 3,
+            elements: 1,
+            level: 2,
+            refine: false,
+            tolerance: 1e-4,
+            max_nodes: 10_000,
+            samples: 10_000,
+            seed: 1,
+            quantiles: vec![0.05, 0.5, 0.95],
+            quantities: None,
+        }
+    }
+}
+
+impl RandomName {
+    /// The name.
+    pub fn name(&self) -> &str {
+        match self {
+            Self::Variable { name, .. } => name,
+            Self::Field { field, .. } => &field.name,
+        }
+    }
+}
+
+impl Random {
+    /// Values of the names for these germs.
+    pub(crate) fn values(&self, germs: &[f64]) -> (BTreeMap<String, f64>, BTreeMap<String, Arc<FieldValue>>) {
+        let (mut constants, mut fields) = (BTreeMap::new(), BTreeMap::new());
+        for name in &self.names {
+            match name {
+                RandomName::Variable { name, germ } => {
+                    constants.insert(name.clone(), self.germs[*germ].variable.value(germs[*germ]));
+                }
+                RandomName::Field { field, first } => {
+                    let germs = germs[*first..first + field.expansion.len()].to_vec();
+                    fields.insert(field.name.clone(), Arc::new(FieldValue::new(field.clone(), germs)));
+                }
+            }
+        }
+        (constants, fields)
+    }
+
+    /// An outcome in words: the values of the names, the germs of fields.
+    pub(crate) fn outcome_name(&self, germs: &[f64]) -> String {
+        let value = |(g, xi): (&Germ, &f64)| format!("{} = {}", g.label, g.variable.value(*xi));
+        let first: Vec<String> = self.germs.iter().zip(germs).take(NAMED).map(value).collect();
+        let more = if germs.len() > NAMED { ", .." } else { "" };
+        format!("{}{more}", first.join(", "))
+    }
+
+    /// The fields, each with its first germ.
+    pub fn fields(&self) -> impl Iterator<Item = (&Arc<RandomField>, usize)> {
+        self.names.iter().filter_map(|name| match name {
+            RandomName::Field { field, first } => Some((field, *first)),
+            RandomName::Variable { .. } => None,
+        })
+    }
+
+    /// The germs of the nominal outcome: means of the variables, fields 0.
+    pub fn nominal(&self) -> Vec<f64> {
+        self.germs
+            .iter()
+            .map(|g| {
+                let [low, high] = g.variable.germ_support();
+                match g.variable.distribution() {
+                    Distribution::Lognormal { .. } => g.variable.mean().ln().clamp(low, high),
+                    _ => g.variable.mean(),
+                }
+            })
+            .collect()
+    }
+}
+
+/// Germs that messages name.
+const NAMED: usize = 12;

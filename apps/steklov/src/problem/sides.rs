@@ -1,0 +1,67 @@
+//! What holds, loads or touches each side.
+
+use steklov_expression::Expression;
+
+/// Condition on a side; n points out of the body.
+#[derive(Debug, Clone)]
+pub enum Condition {
+    /// No traction.
+    Free,
+    /// Traction t = (t_x, t_y) (stress).
+    Traction([Expression; 2]),
+    /// Pressure q (stress): t = -q n.
+    Pressure(Expression),
+    /// Prescribed displacement (length) of the components that are held, at least one.
+    Displacement {
+        /// Value of each component; `None` where it is free.
+        values: [Option<Expression>; 2],
+        /// Traction (stress) on the free component; the held one is 0.
+        traction: Option<[Expression; 2]>,
+    },
+    /// Contact with a rigid obstacle.
+    Contact {
+        /// Distance to the obstacle along n from the undeformed point (length); negative is an overlap.
+        gap: Expression,
+        /// Law of friction.
+        friction: Friction,
+    },
+}
+
+/// Law of friction of a contact side.
+#[derive(Debug, Clone)]
+pub enum Friction {
+    /// Frictionless.
+    None,
+    /// Tresca: |λ_t| ≤ F with a given bound F ≥ 0 (stress).
+    Tresca(Expression),
+    /// Coulomb: |λ_t| ≤ μ λ_n with a given coefficient μ ≥ 0.
+    Coulomb(Expression),
+}
+
+impl Friction {
+    /// The bound of Tresca's law.
+    pub fn bound(&self) -> Option<&Expression> {
+        if let Self::Tresca(bound) = self { Some(bound) } else { None }
+    }
+
+    /// The coefficient of Coulomb's law.
+    pub fn coefficient(&self) -> Option<&Expression> {
+        if let Self::Coulomb(coefficient) = self { Some(coefficient) } else { None }
+    }
+}
+
+/// A side of the body: all edges of one name.
+#[derive(Debug, Clone)]
+pub struct Side {
+    /// Its name.
+    pub name: String,
+    /// What acts on it.
+    pub condition: Condition,
+}
+
+impl Side {
+    /// Whether it holds a component of the displacement.
+    pub fn holds(&self, component: usize) -> bool {
+        matches!(&self.condition, Condition::Displacement { values, .. } if values[component].is_some())
+    }
+}
