@@ -2,10 +2,10 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use steklov::problem::{Refine, Scene};
 use steklov::run::{Progress, Run, Step, run};
 use steklov::solve::{SolveError, Stage};
 use steklov_bem_operators::{Mark, Subdivision};
+use steklov_problem::{Refine, Scene};
 
 use crate::{adapt, scene};
 

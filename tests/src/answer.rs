@@ -6,14 +6,14 @@ use std::sync::atomic::AtomicUsize;
 use steklov::adapt::Layout;
 use steklov::grid::{GridProgress, GridRun, run_grid};
 use steklov::plan::{first_mesh, plan};
-use steklov::problem::{Model, Refine, Scene};
 use steklov::record::Record;
 use steklov::report::{ContactRow, contact_rows, contact_summary, located};
 use steklov::run::{Progress, Run, run};
-use steklov::scene::{Document, SceneError};
 use steklov::solve::{SolveError, Solved};
 use steklov::summary::{ContactSummary, Summary};
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
+use steklov_problem::{Model, Refine, Scene};
+use steklov_scene::{Document, SceneError};
 
 /// A solved scene with its contact table.
 pub struct Answer {
@@ -54,10 +54,10 @@ impl Answer {
 /// A scene from TOML text and overrides `KEY=VALUE`.
 ///
 /// # Errors
-/// Those of [`steklov::scene::parse`].
+/// Those of [`steklov_scene::parse`].
 pub fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    steklov::scene::parse(text, "test.toml", &overrides)
+    steklov_scene::parse(text, "test.toml", &overrides)
 }
 
 /// A scene of the gallery, `scenes/NAME.toml` or `scenes/NN-NAME.toml`, with overrides.
@@ -94,7 +94,7 @@ pub fn gallery() -> Vec<(String, Scene)> {
     paths.sort();
     let named = paths.iter().map(|path| {
         let name = path.file_stem().expect("a file name").to_string_lossy().into_owned();
-        (name, steklov::scene::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+        (name, steklov_scene::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
     });
     named.filter(|(_, scene)| scene.model() == Model::Bem).collect()
 }

@@ -2,9 +2,9 @@
 //! data, without the matrices and loads of the solver.
 
 use steklov::grid::GridSolved;
-use steklov::problem::{Condition, Scene};
 use steklov_bem_operators::{Mesh, Site};
 use steklov_elastic::Plane;
+use steklov_problem::{Condition, Scene};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 /// Elements of the boundary on which tractions are integrated, about, and points on each.

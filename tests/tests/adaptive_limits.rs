@@ -4,11 +4,11 @@
 use std::sync::atomic::AtomicUsize;
 
 use steklov::estimate::Doubt;
-use steklov::problem::Scene;
 use steklov::reference::true_error;
 use steklov::run::{Progress, Reason, run};
 use steklov::solve::{SolveError, Stage, solve};
 use steklov_bem_operators::{Mesh, PairCache};
+use steklov_problem::Scene;
 use steklov_tests::{Case, On, View, adapt, finer, parse, scene, solved_in_steps};
 
 fn on_floor(top: On) -> Case {

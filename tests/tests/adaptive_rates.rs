@@ -2,7 +2,7 @@
 //!
 //! The energy error is like h^λ with u ~ r^λ at the strongest singularity that h > 0 sees.
 
-use steklov::problem::{Indicator, Refine};
+use steklov_problem::{Indicator, Refine};
 use steklov_tests::{Judged, adapt, judged, line, step_below};
 
 fn problem(name: &str) -> Judged {

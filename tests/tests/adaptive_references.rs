@@ -7,11 +7,11 @@ use std::sync::atomic::AtomicUsize;
 use steklov::adapt::Layout;
 use steklov::first_mesh::singular_points;
 use steklov::plan::plan;
-use steklov::problem::Scene;
 use steklov::record::Record;
 use steklov::run::{Progress, Reason, Run, run};
 use steklov::summary::Summary;
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
+use steklov_problem::Scene;
 use steklov_tests::{Judged, adapt, judged, line, parse, scene, step_below};
 
 /// Energy errors (|J - J_ref|/|J_ref|)^½ at which unknowns are counted.

@@ -3,10 +3,10 @@
 
 use std::f64::consts::PI;
 
-use steklov::problem::Scene;
 use steklov::report::{ContactRow, contact_rows, contact_summary};
 use steklov::run::{Reason, Run};
 use steklov::summary::ContactSummary;
+use steklov_problem::Scene;
 use steklov_tests::{adapt, line, scene};
 
 fn solved(scene: &Scene) -> Run {

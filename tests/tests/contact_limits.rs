@@ -3,10 +3,10 @@
 use faer::Mat;
 use proptest::prelude::*;
 use steklov::plan::first_mesh;
-use steklov::problem::Scene;
 use steklov::solve::SolveError;
 use steklov_bem_operators::Mesh;
 use steklov_contact::{Condition, ContactError, ContactNode, Problem};
+use steklov_problem::Scene;
 use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
 
 fn parsed(case: &Case) -> Scene {

@@ -2,12 +2,12 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
-use steklov::problem::Scene;
 use steklov::solve::SolveError;
 use steklov_bem_operators::proptest::{loops, star};
 use steklov_bem_operators::{Loop, Mesh};
 use steklov_contact::ContactError;
 use steklov_elastic::{Material, Plane};
+use steklov_problem::Scene;
 use steklov_tests::{Answer, Case, On, View, answer_on, attempt, parse};
 
 fn scene(case: &Case) -> Scene {

@@ -1,9 +1,9 @@
 //! Lengths of contact and stick against the ends of contact and the nodes between them.
 
-use steklov::problem::{Condition, Scene};
 use steklov::report::{ContactRow, contact_rows, contact_summary, located};
 use steklov::run::Run;
 use steklov::summary::ContactSummary;
+use steklov_problem::{Condition, Scene};
 use steklov_tests::{Random, View, adapt, parse, random_case};
 
 /// Oblique edges, of which one is in contact all along and one on a part in the middle.

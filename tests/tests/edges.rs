@@ -1,8 +1,8 @@
 //! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
 
-use steklov::problem::DataErrorKind;
 use steklov::report::{contact_rows, contact_summary, located};
 use steklov::solve::SolveError;
+use steklov_problem::DataErrorKind;
 use steklov_tests::{adapt, answer, attempt, parse};
 
 /// A unit square of E = 10, ν = 0.3 with the given tables of sides and method.

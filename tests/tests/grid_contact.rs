@@ -1,7 +1,7 @@
 //! Contact and friction on grids: against boundary elements, against the fine grid, and bodies that contact alone holds.
 
-use steklov::problem::{BasisInput, Model, Scene};
 use steklov::summary::{Audit, Summary};
+use steklov_problem::{BasisInput, Model, Scene};
 use steklov_tests::{attempt_grid, on_grid, parse, scene};
 
 /// A unit square that a scene of the gallery has, on n × n coarse cells of m × m fine ones.

@@ -3,8 +3,8 @@
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
-use steklov::problem::Scene;
 use steklov::summary::Summary;
+use steklov_problem::Scene;
 use steklov_tests::{attempt_grid, on_grid, parse};
 
 const CONFORMING: [&str; 5] = ["fem", "linear", "coupled", "oscillatory", "q1"];

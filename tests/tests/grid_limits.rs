@@ -1,9 +1,9 @@
 //! Where finite and multiscale finite elements fail: the result says so, by its estimate, a doubt or an error.
 
 use steklov::grid::GridRun;
-use steklov::problem::Scene;
 use steklov::run::Reason;
 use steklov::summary::Summary;
+use steklov_problem::Scene;
 use steklov_tests::{adapt, attempt_grid, on_grid, parse, scene};
 
 /// Inclusions of scene 36, moved by `shift`, of the contrast 10^k.
@@ -170,7 +170,7 @@ fn refinement_without_an_estimate_ends_at_the_fine_grid() {
     let refined = |basis: &str, model: &str| {
         let changes = [format!("grid.basis=\"{basis}\""), format!("method.model=\"{model}\"")];
         let mut scene = scene("checkerboard", &changes.each_ref().map(String::as_str));
-        scene.method.refine = if model == "fem" { steklov::problem::Refine::None } else { steklov::problem::Refine::H };
+        scene.method.refine = if model == "fem" { steklov_problem::Refine::None } else { steklov_problem::Refine::H };
         attempt_grid(&scene).unwrap_or_else(|e| panic!("{e}"))
     };
     let fine = refined("coupled", "fem").last.energies.total;

@@ -3,11 +3,11 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-use steklov::problem::{DataErrorKind, Scene};
 use steklov::reference::true_error;
 use steklov::run::{Reason, Run};
 use steklov::solve::SolveError;
 use steklov_bem_operators::BemError;
+use steklov_problem::{DataErrorKind, Scene};
 use steklov_tests::{adapt, finer, line, parse, solved_in_steps};
 
 /// A material by Young's modulus and Poisson's ratio.

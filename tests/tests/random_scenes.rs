@@ -8,12 +8,12 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use steklov::problem::{DataErrorKind, Scene};
 use steklov::reference::true_error;
 use steklov::run::Reason;
 use steklov::solve::SolveError;
 use steklov_bem_operators::BemError;
 use steklov_contact::ContactError;
+use steklov_problem::{DataErrorKind, Scene};
 use steklov_tests::{Random, View, finer, parse, random_case, solved_in_steps};
 
 const SCENES: u64 = 200;

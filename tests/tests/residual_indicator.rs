@@ -1,6 +1,6 @@
 //! The residual indicator on every scene of the gallery, and the estimate where nothing but tractions can be wrong.
 
-use steklov::problem::{Indicator, Refine};
+use steklov_problem::{Indicator, Refine};
 use steklov_tests::{adapt, gallery, parse};
 
 /// Scenes with a solution that their elements have.

@@ -17,10 +17,10 @@
 
 use faer::Mat;
 use steklov::plan::first_mesh;
-use steklov::problem::{DataErrorKind, Scene};
 use steklov::solve::SolveError;
 use steklov_bem_operators::{BemError, Condensation, Datum, Domain, Mesh, Operators, Partition, Space, Steklov};
 use steklov_contact::{Outcome, Problem, SideData, contact_boundary, kkt, newton, uzawa};
+use steklov_problem::{DataErrorKind, Scene};
 use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
 
 const SOLVERS: [&str; 2] = ["newton", "active-set"];
@@ -43,7 +43,7 @@ fn both(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2]) -> Answer {
 
 fn both_judged(what: &str, scene: &Scene, mesh: &Mesh, most: [usize; 2], judge: f64) -> Answer {
     let mut scene = scene.clone();
-    let answers = [steklov::problem::Solver::Newton, steklov::problem::Solver::ActiveSet].map(|solver| {
+    let answers = [steklov_problem::Solver::Newton, steklov_problem::Solver::ActiveSet].map(|solver| {
         scene.method.solver = solver;
         answer_on(&scene, mesh.clone())
     });

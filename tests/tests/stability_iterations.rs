@@ -2,12 +2,12 @@
 //! to step of an adaptive run; all of them end on one answer.
 
 use steklov::plan::first_mesh;
-use steklov::problem::Scene;
 use steklov::solve::solve;
 use steklov_bem_operators::{Mesh, PairCache};
 use steklov_contact::{
     ContactBoundary, ContactError, Problem, Solution, Start, active_set, interior_point, kkt, newton,
 };
+use steklov_problem::Scene;
 use steklov_tests::{adapt, gallery};
 
 type Solver = fn(&Problem, Option<Start<'_>>) -> Result<Solution, ContactError>;

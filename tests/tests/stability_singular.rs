@@ -2,8 +2,8 @@
 //! hp meshes exponentially. Re-entrant corners, held corners and ends of contact are in `adaptive_rates.rs` and
 //! `adaptive_references.rs`; here are points where conditions change on a straight side, and crack tips.
 
-use steklov::problem::{Refine, Scene};
 use steklov::run::Reason;
+use steklov_problem::{Refine, Scene};
 use steklov_tests::{adapt, line, parse};
 
 /// A plate with a notch whose faces are 2e-3 apart at the mouth, torn open: λ = ½ but for the cube of that angle

@@ -1,10 +1,10 @@
 //! Random input of scenes: exact scalings, outcomes against scenes of their own, methods against each other.
 
-use steklov::problem::Scene;
 use steklov::run::Run;
-use steklov::scene::Document;
 use steklov::stochastic::{Quantity, StochasticResult, solve_stochastic};
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
+use steklov_problem::Scene;
+use steklov_scene::Document;
 use steklov_stochastic::{Nodes, StochasticMesh, Variable};
 use steklov_tests::{adapt, document};
 

@@ -3,11 +3,11 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
-use steklov::problem::Scene;
 use steklov::record::Record;
 use steklov::solve::SolveError;
 use steklov::summary::Summary;
 use steklov_bem_operators::{BemError, Mesh};
+use steklov_problem::Scene;
 use steklov_tests::{adapt, answer_on, parse, scene};
 
 /// A scene with holes in the plane: corners and the side names of each.

@@ -10,9 +10,9 @@ use crate::body::Factors;
 use crate::estimate::{Bubble, Doubt, Estimate};
 use crate::first_mesh::{coarse_elements, singular_points};
 use crate::hidden::Unseen;
-use crate::problem::{Refine, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::transitions::unlocated_energy;
+use steklov_problem::{Refine, Scene};
 
 /// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,7 @@ use steklov_expression::Turn;
 
 use crate::first_mesh::insert_apart;
 use crate::hidden::Overlap;
-use crate::problem::{Condition, Scene};
+use steklov_problem::{Condition, Scene};
 
 /// Part of the estimate whose elements the hp strategy refines; the same among asperities as long as many ends of contact have no
 /// vertices.

@@ -10,10 +10,10 @@ use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact
 use crate::data::{Data, Loads};
 use crate::inclusion::Outside;
 use crate::motions::{balanced, edges, work};
-use crate::problem::{Condition, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Solved};
 use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};
+use steklov_problem::{Condition, Scene};
 
 /// Relative residual of equilibrium beyond which an answer has lost too many digits.
 pub(crate) const UNBALANCED: f64 = 1e-7;

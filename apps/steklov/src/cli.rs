@@ -23,14 +23,14 @@ use self::told::{advice, print_summary};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
 use crate::plan::{Plan, largest_mesh, plan};
-use crate::problem::{Refine, Scene, grid_of, moduli};
 use crate::record::Record;
 use crate::run::{Progress, Reason, Run, Step, run};
-use crate::scene::{Document, TEMPLATE};
 use crate::solve::{SolveError, Stage};
 use crate::stochastic::{self, End, StochasticResult, solve_stochastic};
 use crate::store::{self, Stored};
 use crate::summary::{available_memory_bytes, peak_memory_bytes};
+use steklov_problem::{Refine, Scene, grid_of, moduli};
+use steklov_scene::{Document, TEMPLATE};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
 const WRONG: u8 = 1;

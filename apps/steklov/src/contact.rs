@@ -9,8 +9,8 @@ use steklov_contact::{
 use steklov_elastic::RigidMotion;
 
 use crate::motions::{edges, unpressed};
-use crate::problem::Solver;
 use crate::stabilised::StabilisedContact;
+use steklov_problem::Solver;
 
 /// Contact on the solved mesh.
 #[derive(Debug, Clone)]

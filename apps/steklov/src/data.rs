@@ -11,9 +11,9 @@ use steklov_expression::{Expression, Piece};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::estimate::Residual;
-use crate::problem::{Condition, DataError, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
+use steklov_problem::{Condition, DataError, Scene};
 
 /// A scene on a mesh.
 pub(crate) struct Data<'a> {

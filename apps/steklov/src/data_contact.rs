@@ -5,9 +5,9 @@ use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_bo
 use steklov_expression::Expression;
 
 use crate::data::{Data, Function};
-use crate::problem::{Condition, DataError, DataErrorKind, Friction};
 use crate::solve::SolveError;
 use crate::supports::Held;
+use steklov_problem::{Condition, DataError, DataErrorKind, Friction};
 
 impl Data<'_> {
     /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.

@@ -17,8 +17,8 @@ use steklov_quadrature::gauss_legendre;
 use crate::body::Factors;
 use crate::contact::{ContactFactors, ContactResult};
 use crate::data::Data;
-use crate::problem::Condition;
 use crate::solve::{SolveError, Solved};
+use steklov_problem::Condition;
 
 impl Data<'_> {
     /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).

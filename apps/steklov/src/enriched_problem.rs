@@ -4,7 +4,7 @@ use steklov_bem_operators::{Condensation, Enriched, Mesh};
 use steklov_contact::{ContactBubble, Frozen};
 
 use crate::elastic::Elastic;
-use crate::problem::{Condition, Scene};
+use steklov_problem::{Condition, Scene};
 
 /// Reduction of the squared energy of the rest at which the correction is good enough.
 const ENOUGH: f64 = 1e-4;

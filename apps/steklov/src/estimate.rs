@@ -21,9 +21,9 @@ use crate::elastic::{Elastic, EnrichedBody, plane_modulus};
 use crate::enriched_problem::{Frame, System, frames};
 use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
-use crate::problem::{Indicator, Refine, Scene};
 use crate::solve::{SolveError, Solved};
 use crate::unseen::unseen_by_tractions;
+use steklov_problem::{Indicator, Refine, Scene};
 
 /// The part of an estimate on one element; each an energy (force*length/thickness).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

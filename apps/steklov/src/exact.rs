@@ -5,8 +5,8 @@ use steklov_bem_operators::Look;
 use crate::body::UNBALANCED;
 use crate::data::Data;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, Residual};
-use crate::problem::Scene;
 use crate::solve::{SolveError, Solved};
+use steklov_problem::Scene;
 
 impl Estimate {
     /// Takes back the doubts about an answer that is exact: what it leaves of the equations at all points, not only against

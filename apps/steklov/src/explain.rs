@@ -7,9 +7,9 @@ use steklov_expression::Expression;
 use steklov_msfem::MsfemError;
 use steklov_stochastic::StochasticError;
 
-use crate::problem::{Condition, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
 use crate::solve::SolveError;
 use crate::summary::available_memory_bytes;
+use steklov_problem::{Condition, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
 pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<DataError, SolveError> {

@@ -4,7 +4,7 @@ use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLAC
 use steklov_expression::Expression;
 
 use crate::adapt::Layout;
-use crate::problem::{Condition, Friction, Refine, Scene};
+use steklov_problem::{Condition, Friction, Refine, Scene};
 
 /// Straight corners are those whose sides turn by less than this (radian).
 const STRAIGHT: f64 = 1e-9;

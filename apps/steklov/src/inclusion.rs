@@ -22,8 +22,8 @@ use steklov_quadrature::legendre_p;
 use crate::around::Around;
 use crate::data::Data;
 use crate::elastic::plane_modulus;
-use crate::problem::MediumInput;
 use crate::solve::SolveError;
+use steklov_problem::MediumInput;
 
 /// The medium around a body, on the mesh of the body, and the jump of the displacement between them.
 pub struct Outside {

@@ -7,8 +7,6 @@
 //! Scene ─► Reference, then run by run (strategy by strategy) ─► Study ─► HDF5, CSV, JSON, charts and meshes
 //! ```
 
-pub mod problem;
-pub mod scene;
 pub mod around;
 pub mod grid;
 pub mod plan;

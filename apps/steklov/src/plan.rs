@@ -8,8 +8,8 @@ use steklov_elastic::{Plane, RigidMotion, free_motions};
 
 use crate::adapt::Layout;
 use crate::estimate::is_estimated;
-use crate::problem::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
 use crate::stochastic;
+use steklov_problem::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]

@@ -14,7 +14,6 @@ use crate::estimate::{Doubt, ROUNDOFF};
 use crate::grid::GridRecord;
 use crate::large::is_large;
 use crate::plan::Plan;
-use crate::problem::Scene;
 use crate::report::{ContactRow, contact_rows, contact_summary, located};
 use crate::run::{Run, Step};
 use crate::solve::Solved;
@@ -23,6 +22,7 @@ use crate::store::Stored;
 use crate::summary::{Audit, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::triangulate::{Triangulation, triangulate};
 use crate::vertices::tell_unbounded;
+use steklov_problem::Scene;
 
 /// A result: the arrays of the result file and the numbers of its summary.
 #[derive(Debug, Clone)]

@@ -10,9 +10,9 @@ use steklov_quadrature::legendre_p;
 
 use crate::data::Data;
 use crate::estimate::Doubt;
-use crate::problem::{Refine, Scene};
 use crate::run::{Progress, Reason, Step, run};
 use crate::solve::{SolveError, Solved, Stage, solve};
+use steklov_problem::{Refine, Scene};
 
 /// What errors are measured against.
 #[derive(Debug, Clone)]

@@ -4,12 +4,12 @@ use steklov_bem_operators::{Mesh, SAME_PLACE, Space};
 use steklov_contact::{Condition, Located, MultiplierNode, Status, TipKind};
 
 use crate::contact::ContactResult;
-use crate::problem::{self, Refine, Scene};
 use crate::run::Step;
 use crate::solve::Solved;
 use crate::stabilised::StabilisedContact;
 use crate::summary::{ContactSummary, Stabilisation, Summary};
 use crate::unbounded::is_unbounded;
+use steklov_problem::{Refine, Scene};
 
 /// A condition of a contact node: one row of `/contact`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -237,7 +237,7 @@ fn length_between(
     let lines = contact.boundary.lines(trace.mesh, trace.space);
     let mut length = 0.0;
     for (k, edge) in scene.polygon.edges().iter().enumerate() {
-        if !matches!(scene.sides[edge.side].condition, problem::Condition::Contact { .. }) {
+        if !matches!(scene.sides[edge.side].condition, steklov_problem::Condition::Contact { .. }) {
             continue;
         }
         let points = &lines.iter().find(|line| line.edge == k)?.points;

@@ -12,9 +12,9 @@ use crate::elastic::EnrichedBody;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::hidden::Unseen;
 use crate::plan::{Decision, without_memory};
-use crate::problem::{Refine, Scene};
 use crate::solve::{SolveError, Solved, Stage, solve};
 use crate::stochastic::mean_estimate;
+use steklov_problem::{Refine, Scene};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

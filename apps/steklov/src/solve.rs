@@ -17,10 +17,10 @@ use crate::body_load::Particular;
 use crate::contact::{ContactResult, solve_problem};
 use crate::data::Data;
 use crate::inclusion::Outside;
-use crate::problem::{DataError, Multiplier, Scene};
 use crate::run::Step;
 use crate::stabilised::{self, solve_stabilised};
 use crate::supports::Supports;
+use steklov_problem::{DataError, Multiplier, Scene};
 
 /// What a run hands to its observer while it has it.
 pub enum Stage<'a> {

@@ -12,8 +12,8 @@ use steklov_contact::{
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
 use crate::data::Data;
-use crate::problem::Condition;
 use crate::solve::SolveError;
+use steklov_problem::Condition;
 
 /// Stabilised multipliers on a solved mesh.
 #[derive(Debug, Clone)]

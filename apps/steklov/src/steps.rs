@@ -11,8 +11,8 @@ use steklov_io::{
 };
 
 use crate::estimate::{Bubble, Doubt, Estimate, Residual};
-use crate::problem::Scene;
 use crate::run::Step;
+use steklov_problem::Scene;
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }

@@ -14,15 +14,15 @@ use steklov_io::{
 use crate::around;
 use crate::grid::{GridRecord, GridStep, store as grid};
 use crate::plan::Plan;
-use crate::problem::Source;
 use crate::record::Record;
 use crate::report::ContactRow;
 use crate::run::Step;
-use crate::scene::Document;
 use crate::solve::{SolveError, Stage};
 use crate::steps;
 use crate::stochastic::{self, StochasticResult};
 use crate::summary::Summary;
+use steklov_problem::Source;
+use steklov_scene::Document;
 
 /// What `show` reads of a result file.
 #[derive(Debug, Clone)]
@@ -389,7 +389,7 @@ pub fn read_grid_steps(file: &File, document: &Document) -> Result<Vec<GridStep>
     let steps = grid::read_steps(file)?;
     // moduli from another file may have changed since
     let stored = grid::read(file, &vtkhdf::read(file)?)?.body;
-    let now = crate::problem::moduli(&document.scene, &stored.grid)
+    let now = steklov_problem::moduli(&document.scene, &stored.grid)
         .map_err(|e| invalid(file, "multiscale", e.to_string()))?;
     if stored.grid.body_cells().any(|c| stored.young[c] != now[c]) {
         return Err(invalid(

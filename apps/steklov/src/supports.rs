@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::{RigidMotion, free_motions};
 
-use crate::problem::{Condition, Side};
+use steklov_problem::{Condition, Side};
 
 /// Prescribed components of one node: value and the first side that holds it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

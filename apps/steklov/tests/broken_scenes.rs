@@ -6,12 +6,12 @@ use std::path::Path;
 
 use broken::{SOUND, cases};
 use proptest::prelude::*;
-use steklov::problem::{Condition, DataErrorKind, Expectation, Friction, Method, Model, Refine, Scene, Solver};
-use steklov::scene::{Document, TEMPLATE};
+use steklov_problem::{Condition, DataErrorKind, Expectation, Friction, Method, Model, Refine, Scene, Solver};
+use steklov_scene::{Document, TEMPLATE};
 
-fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov::scene::SceneError> {
+fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov_scene::SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    steklov::scene::parse(text, "broken.toml", &overrides)
+    steklov_scene::parse(text, "broken.toml", &overrides)
 }
 
 fn sound(text: &str, overrides: &[&str]) -> Scene {
@@ -74,7 +74,10 @@ fn the_sound_scene_and_the_template_are_read() {
         .collect();
     let all = sound(&all, &[]);
     assert_eq!((all.expect.len(), all.probe.len(), all.polygon.loops().len()), (1, 1, 2));
-    assert_eq!(all.method, Method { elements_given: true, max_dofs_given: true, ..Method::default() });
+    assert_eq!(
+        all.method,
+        Method { tolerance_given: true, elements_given: true, max_dofs_given: true, ..Method::default() }
+    );
     assert_eq!((all.grid.map(|g| g.cells()), all.model()), (Some([32, 32]), Model::Bem));
     // The moduli of cells, in place of the one modulus.
     let edits = [
@@ -236,7 +239,7 @@ fn impossible_outcomes_are_refused_before_anything_is_solved() {
 #[test]
 fn files_that_cannot_be_read_are_named() {
     for path in ["no/such/scene.toml", env!("CARGO_MANIFEST_DIR")] {
-        let error = steklov::scene::read(Path::new(path), &[]).unwrap_err();
+        let error = steklov_scene::read(Path::new(path), &[]).unwrap_err();
         assert_eq!((error.kind, error.line()), (DataErrorKind::Read, None));
         assert!(error.render().contains(path) && error.help.contains("steklov new"));
     }

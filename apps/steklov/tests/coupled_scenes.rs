@@ -5,10 +5,10 @@ use std::sync::atomic::AtomicUsize;
 
 use steklov::grid::{GridProgress, GridRun, run_grid};
 use steklov::plan::plan;
-use steklov::problem::{DataErrorKind as Kind, Scene};
 use steklov::record::Record;
-use steklov::scene::SceneError;
 use steklov::summary::Summary;
+use steklov_problem::{DataErrorKind as Kind, Scene};
+use steklov_scene::SceneError;
 
 /// A square of one material in a medium of another, under remote stress.
 const SQUARE: &str = r#"title = "square"
@@ -34,7 +34,7 @@ refine = "none"
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    steklov::scene::parse(text, "scene.toml", &overrides)
+    steklov_scene::parse(text, "scene.toml", &overrides)
 }
 
 fn run(text: &str, overrides: &[&str]) -> (Scene, GridRun) {

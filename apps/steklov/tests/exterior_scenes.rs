@@ -4,8 +4,8 @@ mod place;
 
 use place::Place;
 use serde_json::Value;
-use steklov::problem::DataErrorKind as Kind;
 use steklov_io::{open, vtkhdf};
+use steklov_problem::DataErrorKind as Kind;
 
 /// A square and a triangle in the plane, under remote stress; the square is loaded too.
 const HOLES: &str = r#"title = "Two holes"
@@ -157,7 +157,7 @@ fn what_a_hole_cannot_have_is_refused_at_its_place() {
         ("[method]", "[method]\nmodel = \"fem-bem\"", Kind::Conflict, 19, "no [material] of a body"),
     ] {
         assert!(HOLES.contains(from), "{from}");
-        let error = steklov::scene::parse(&HOLES.replace(from, to), "holes.toml", &[]).expect_err(message);
+        let error = steklov_scene::parse(&HOLES.replace(from, to), "holes.toml", &[]).expect_err(message);
         assert_eq!((error.kind, error.line()), (kind, Some(line)), "{error}");
         assert!(error.render().contains(message), "{message}: {}", error.render());
     }

@@ -5,10 +5,10 @@ mod place;
 
 use place::Place;
 use proptest::prelude::*;
-use steklov::problem::{BasisInput, CellModuli, DataErrorKind as Kind, Model, Scene, grid_of, moduli};
-use steklov::scene::{Document, SceneError};
 use steklov_io::{Label, create_atomically, save_dense, save_vector};
+use steklov_problem::{BasisInput, CellModuli, DataErrorKind as Kind, Model, Scene, grid_of, moduli};
 use steklov_quadrature::unit_uniform;
+use steklov_scene::{Document, SceneError};
 
 /// An L of three unit squares with 4 × 4 moduli in its bounding box, 2 × 2 fine cells each.
 const L: &str = r#"title = "L"
@@ -31,7 +31,7 @@ const CELLS: &str = "cells = { size = 0.5, young = { uniform = [2000, 3000], see
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    steklov::scene::parse(text, "broken.toml", &overrides)
+    steklov_scene::parse(text, "broken.toml", &overrides)
 }
 
 fn sound(text: &str, overrides: &[&str]) -> Scene {

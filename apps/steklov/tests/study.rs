@@ -11,10 +11,10 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
-use steklov::problem::{Refine, Source};
 use steklov::reference::Reference;
 use steklov::study::{End, NAMES, Study, csv, strategy, text};
 use steklov_bem_operators::Mesh;
+use steklov_problem::{Refine, Source};
 use steklov_quadrature::gauss_legendre;
 
 /// sin(3π/2 λ) = λ: the symmetric singularity of a free re-entrant corner of 270 degrees.
@@ -384,7 +384,7 @@ fn an_expected_energy_is_used_if_it_is_confirmed() {
 fn strategies_that_fail_or_are_stopped_are_told() {
     let scene = |solver: &str| {
         let set = [format!("method.solver=\"{solver}\""), "method.tolerance=1e-2".into()];
-        steklov::scene::parse(place::BLOCK, "block.toml", &set).unwrap()
+        steklov_scene::parse(place::BLOCK, "block.toml", &set).unwrap()
     };
     let (good, bad) = (scene("auto"), scene("uzawa"));
     let reference = Reference::new(&good, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();

@@ -7,11 +7,11 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::problem::{Scene, Source};
 use steklov::study::coupling::{
     CouplingStudy, Effectivity, coarsest, conditioning, convergence, costs, effectivity, json as object, largest,
     levels, pairs, pictures, settings, text, wrongs,
 };
+use steklov_problem::{Method, Scene, Source};
 
 const FILES: &str = "conditioning.csv conditioning.png conditioning.svg contrast.csv convergence.csv cost-entries.png \
                      cost-entries.svg cost-seconds.png cost-seconds.svg cost.csv coupling.h5 effectivity-cells.png \
@@ -61,7 +61,7 @@ model = "fem-bem"
 "#;
 
 fn parsed(scene: &str) -> Scene {
-    steklov::scene::parse(scene, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+    steklov_scene::parse(scene, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
 fn number(value: &Value) -> f64 {
@@ -193,10 +193,11 @@ fn grids_double_and_the_largest_multiple_is_the_last() {
     assert_eq!(largest(&scene, 2000, 578).unwrap().unwrap().grid.cells, [28, 28]);
     assert!(largest(&scene, 700, 578).unwrap().is_none());
     let own = vec!["method.max_dofs=100000".to_owned()];
-    assert_eq!(settings("", &[]), own);
-    assert!(settings("[method]\nmax_dofs = 7", &[]).is_empty());
+    let given = Method { max_dofs: 7, max_dofs_given: true, ..Method::default() };
+    assert_eq!(settings(&Method::default(), &[]), own);
+    assert!(settings(&given, &[]).is_empty());
     let user = vec!["method.max_dofs = 9".to_owned()];
-    assert_eq!(settings("", &user), user);
+    assert_eq!(settings(&given, &user), user);
 }
 
 /// Bit by bit the columns of HDF5 are those of the JSON object, and they say what they mean.

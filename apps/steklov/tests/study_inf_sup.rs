@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::problem::Source;
 use steklov::study::inf_sup::{InfSup, PAIRS, Point, Pressure, Pressures, pairs, pictures, pressures, text};
+use steklov_problem::Source;
 
 const FILES: &str = "inf-sup-degree.png inf-sup-degree.svg inf-sup-elements-1.png inf-sup-elements-1.svg \
                      inf-sup-elements-2.png inf-sup-elements-2.svg inf-sup-elements-3.png inf-sup-elements-3.svg \
@@ -25,7 +25,7 @@ fn square(young: f64, top: &str) -> String {
 }
 
 fn betas(text: &str) -> Vec<Point> {
-    pairs(&steklov::scene::parse(text, "scene", &[]).unwrap(), &AtomicUsize::new(0), &mut |_, _| {}).unwrap()
+    pairs(&steklov_scene::parse(text, "scene", &[]).unwrap(), &AtomicUsize::new(0), &mut |_, _| {}).unwrap()
 }
 
 fn called(name: &str) -> usize {
@@ -127,7 +127,7 @@ fn the_files_agree() {
 fn the_unstable_pressure_oscillates() {
     let wedge = square(1000.0, "displacement = [\"0\", \"0\"]").replace("\"0\" }", "\"abs(x-1)/10 - 0.1\" }");
     let wedge = wedge.replace("max_dofs = 64", "max_dofs = 128");
-    let scene = steklov::scene::parse(&wedge, "scene", &[]).unwrap();
+    let scene = steklov_scene::parse(&wedge, "scene", &[]).unwrap();
     let all = pressures(&scene, &AtomicUsize::new(0), &mut |_, _| {}).unwrap();
     let [stable, unstable] = &all.solutions[..] else { panic!("{all:?}") };
     assert!((stable.gamma / stable.critical - 0.5).abs() < 1e-12 && unstable.gamma < 1e-4 * stable.gamma);
@@ -176,7 +176,7 @@ fn check(group: &steklov_io::Group, table: &Table, object: &Value) {
 /// What failed is told with its mesh; after a wish to stop there is what there is, and it can be drawn.
 #[test]
 fn failures_and_interruptions_are_told() {
-    let scene = steklov::scene::parse(place::BLOCK, "block.toml", &[]).unwrap();
+    let scene = steklov_scene::parse(place::BLOCK, "block.toml", &[]).unwrap();
     let stopped = AtomicUsize::new(1);
     let (none, nothing) =
         (pairs(&scene, &stopped, &mut |_, _| {}).unwrap(), pressures(&scene, &stopped, &mut |_, _| {}).unwrap());

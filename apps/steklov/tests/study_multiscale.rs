@@ -6,11 +6,11 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::problem::Source;
 use steklov::study::multiscale::{
     Contrast, Laminates, MultiscaleStudy, coarse_cells, contrast, convergence, fine_grid, json as object, laminates,
     pictures, text,
 };
+use steklov_problem::Source;
 
 const FILES: &str = "contrast-effectivity.png contrast-effectivity.svg contrast-error.png contrast-error.svg contrast.csv \
                      convergence.csv effectivity.png effectivity.svg error-dofs.png error-dofs.svg error-seconds.png \
@@ -57,7 +57,7 @@ fn close(what: &str, got: f64, wanted: f64, tolerance: f64) {
 /// The parts of the study that are about the scene: the JSON object and the table.
 fn of_scene(scene: &str, overrides: &[&str]) -> (Value, String) {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    let scene = steklov::scene::parse(scene, "scene", &overrides).unwrap_or_else(|e| panic!("{}", e.render()));
+    let scene = steklov_scene::parse(scene, "scene", &overrides).unwrap_or_else(|e| panic!("{}", e.render()));
     let (run, tell) = (AtomicUsize::new(0), &mut |_: &str, _: &str| {});
     let fine = fine_grid(&scene, 1, &run, tell).unwrap();
     let convergence = convergence(&scene, &fine, &coarse_cells(&scene).unwrap(), 1, &run, tell);
@@ -256,7 +256,7 @@ fn contact_and_other_models_are_studied() {
 #[test]
 fn interruptions_keep_what_is_finished() {
     let scene =
-        steklov::scene::parse(BAR, "scene", &["grid.fine=[4, 4]".into(), "material.cells.size=0.125".into()]).unwrap();
+        steklov_scene::parse(BAR, "scene", &["grid.fine=[4, 4]".into(), "material.cells.size=0.125".into()]).unwrap();
     let (go, stopped, tell) = (AtomicUsize::new(0), AtomicUsize::new(1), &mut |_: &str, _: &str| {});
     assert!(fine_grid(&scene, 1, &stopped, tell).is_err());
     let fine = fine_grid(&scene, 1, &go, tell).unwrap();

@@ -8,11 +8,11 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
-use steklov::problem::Source;
 use steklov::study::stability::{
     Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, stabilisation,
     text,
 };
+use steklov_problem::Source;
 
 const FILES: &str = "incompressible-energy.png incompressible-energy.svg incompressible-error.png \
                      incompressible-error.svg incompressible.csv single-layer.csv single-layer.png single-layer.svg \
@@ -188,7 +188,7 @@ fn the_files_agree_and_eigenvalues_change_sign_at_degenerate_sizes() {
 /// A ratio without a reference or a mesh without a solution is told, and the study is not complete.
 #[test]
 fn failures_are_told_with_their_ratio() {
-    let scene = steklov::scene::parse(place::BLOCK, "block.toml", &[]).unwrap();
+    let scene = steklov_scene::parse(place::BLOCK, "block.toml", &[]).unwrap();
     let truth = |poisson, failure: Option<&str>| {
         let energy = if failure.is_some() { f64::NAN } else { -1.0 };
         Truth { poisson, energy, estimate: 1e-5, dofs: 100, failure: failure.map(String::from) }
@@ -264,7 +264,7 @@ fn stabilised_multipliers_have_a_critical_gamma() {
             3e-4 * young
         );
         let sets = ["method.elements=16".into(), "method.degree=1".into()];
-        let scene = steklov::scene::parse(&text, "scene", &sets).unwrap();
+        let scene = steklov_scene::parse(&text, "scene", &sets).unwrap();
         let all = stabilisation(&scene, &AtomicUsize::new(0), &mut |_, _| {}).unwrap();
         assert!(all.complete());
         for (elements, degree, want) in [(32, 1, 0.644), (64, 1, 0.627), (32, 2, 0.99), (16, 4, 1.49), (16, 12, 1.95)] {
@@ -281,7 +281,7 @@ fn stabilised_multipliers_have_a_critical_gamma() {
             assert!(of(0.5) < 1.5 * of(1e-4) && of(0.99) > 1.1 * of(0.5), "{elements} {degree}");
         }
     }
-    let free = steklov::scene::parse(&bending("strain"), "scene", &[]).unwrap();
+    let free = steklov_scene::parse(&bending("strain"), "scene", &[]).unwrap();
     assert_eq!(stabilisation(&free, &AtomicUsize::new(0), &mut |_, _| {}), None);
 }
 

@@ -7,9 +7,9 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::problem::Source;
 use steklov::run::{Progress, run};
 use steklov::study::stochastic::{Stochastic, chance, pictures, solvers, space, text};
+use steklov_problem::Source;
 
 const FILES: &str = "mean-contact-force-y.png mean-contact-force-y.svg mean-energy.png mean-energy.svg solver-history.png \
                      solver-history.svg solver-iterations.png solver-iterations.svg solvers.csv space-energy.png \
@@ -186,7 +186,7 @@ fn check(group: &steklov_io::Group, object: &Value) {
 /// After a wish to stop there is what there is, and it can be told and drawn.
 #[test]
 fn interruptions_keep_what_is_finished() {
-    let scene = steklov::scene::parse(&pressed(), "scene", &[]).unwrap();
+    let scene = steklov_scene::parse(&pressed(), "scene", &[]).unwrap();
     let random = scene.random.as_ref().unwrap();
     let (stopped, tell) = (AtomicUsize::new(1), &mut |_: &str, _: &str| {});
     let mut last = run(&scene, Progress::first(&scene), &stopped, &mut |_, _| Ok(())).unwrap();

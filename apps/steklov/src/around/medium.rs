@@ -4,8 +4,8 @@ use steklov_bem_operators::{Inside, Mesh, ParticularSolution, Space};
 use steklov_coupling::{Balance, Coupled, MediumField, Radiation};
 use steklov_elastic::Material;
 
-use crate::problem::MediumInput;
 use crate::summary::MediumSummary;
+use steklov_problem::MediumInput;
 
 /// The medium around a body; its fields are those of the remote stress plus u_c = K ξ - V φ + a.
 #[derive(Debug, Clone)]

@@ -11,10 +11,10 @@ use super::{Attempt, Failure, SolveArgs};
 use crate::grid::{BLIND, FAILING, GridProgress, run_grid};
 use crate::plan::Plan;
 use crate::record::Record;
-use crate::scene::Document;
 use crate::solve::SolveError;
 use crate::store;
 use crate::summary::{GridSummary, peak_memory_bytes};
+use steklov_scene::Document;
 
 /// Solves by finite elements on a grid.
 pub(super) fn solve_on_grid(

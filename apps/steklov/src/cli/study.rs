@@ -21,13 +21,13 @@ use steklov_picture::{self as picture, PictureError};
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
 use crate::plan::plan;
-use crate::problem::{Multiplier, Refine, Scene};
 use crate::reference::{Reference, ReferenceError};
-use crate::scene::Document;
 use crate::solve::Stage;
 use crate::study::{
     MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write,
 };
+use steklov_problem::{Method, Multiplier, Refine, Scene};
+use steklov_scene::Document;
 
 #[derive(Args)]
 pub(super) struct StudyArgs {
@@ -159,7 +159,7 @@ pub(super) fn boundary_only(scene: &Scene) -> Result<(), Failure> {
 
 /// Compares strategies on a scene.
 fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
-    let document = document(args, |text| settings(text, &args.overrides))?;
+    let document = document(args, |method| settings(method, &args.overrides))?;
     let scene = &document.scene;
     boundary_only(scene)?;
     let out = folder(args, &document, "study")?;
@@ -220,9 +220,9 @@ fn multipliers(args: &StudyArgs, scene: &Scene) -> Result<Vec<(String, Multiplie
 
 /// The scene with the settings of a study, which follow from its text; first as it is, so that its own faults are told at
 /// their places.
-fn document(args: &StudyArgs, settings: impl Fn(&str) -> Vec<String>) -> Result<Document, Failure> {
-    let source = read_scene(&args.scene, &args.overrides)?.source;
-    Document::parse(&source.text, &source.name, &settings(&source.text)).map_err(|e| Failure(e.render()))
+fn document(args: &StudyArgs, settings: impl Fn(&Method) -> Vec<String>) -> Result<Document, Failure> {
+    let Document { scene, source } = read_scene(&args.scene, &args.overrides)?;
+    Document::parse(&source.text, &source.name, &settings(&scene.method)).map_err(|e| Failure(e.render()))
 }
 
 /// Why there is nothing to measure errors against.

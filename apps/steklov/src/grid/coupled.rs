@@ -13,8 +13,8 @@ use super::trace::GridTrace;
 use crate::around::Around;
 use crate::body::UNBALANCED;
 use crate::elastic::plane_modulus;
-use crate::problem::{MediumInput, Scene};
 use crate::solve::{Energies, Seconds, SolveError, Stage};
+use steklov_problem::{MediumInput, Scene};
 
 /// Parts of the solution that both kinds of elements have.
 struct Joined {

@@ -15,8 +15,8 @@ use super::oscillation::load_oscillation;
 use super::solve::{GridSolved, node_at};
 use super::trace::GridTrace;
 use crate::around::Around;
-use crate::problem::{Indicator, Scene};
 use crate::solve::SolveError;
+use steklov_problem::{Indicator, Scene};
 
 /// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
 /// exact solution.

@@ -9,8 +9,8 @@ use steklov_quadrature::gauss_legendre;
 
 use super::trace::GridTrace;
 use crate::data::Data;
-use crate::problem::Scene;
 use crate::solve::SolveError;
+use steklov_problem::Scene;
 
 /// Part of a square that rounding leaves of what is resolved.
 const ROUNDING: f64 = 1e-12;

@@ -3,7 +3,7 @@
 use steklov_elastic::RigidMotion;
 
 use crate::plan::{Cost, Decision, Plan, contact, far_away, free_of_supports, plane};
-use crate::problem::{BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, bounding_box, grid_of};
+use steklov_problem::{BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, bounding_box, grid_of};
 
 /// Bytes that the moduli, the fields and the result of a fine cell take.
 const BYTES_OF_CELL: f64 = 200.0;

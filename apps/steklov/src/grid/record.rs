@@ -11,11 +11,11 @@ use super::run::{GridRun, GridStep};
 use super::solve::GridSolved;
 use crate::around::{Around, add_medium, window};
 use crate::plan::Plan;
-use crate::problem::{Condition, Scene, Side};
 use crate::record::{Record, audit_summary};
 use crate::report::{ContactRow, contact_rows, contact_summary};
 use crate::summary::{GridSummary, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::vertices::tell_unbounded;
+use steklov_problem::{Condition, Scene, Side};
 
 /// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their
 /// order.

@@ -6,9 +6,9 @@ use std::time::Instant;
 use super::estimate::GridEstimate;
 use super::layout::GridLayout;
 use super::solve::{GridSolved, solve_grid};
-use crate::problem::{Refine, Scene};
 use crate::run::Reason;
 use crate::solve::{SolveError, Stage};
+use steklov_problem::{Refine, Scene};
 
 /// Dörfler's θ where the scene has none.
 pub(crate) const MARKING: f64 = 0.5;

@@ -17,10 +17,10 @@ use super::trace::GridTrace;
 use crate::around::Around;
 use crate::contact::ContactResult;
 use crate::data::Data;
-use crate::problem::{BasisInput, Scene, grid_of, moduli};
 use crate::report::Trace;
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 use crate::supports::Held;
+use steklov_problem::{BasisInput, Scene, grid_of, moduli};
 
 /// A solved grid.
 pub struct GridSolved {

@@ -11,9 +11,9 @@ use super::trace::GridTrace;
 use crate::body::UNBALANCED;
 use crate::contact::{CondensedBody, ContactResult, solve_contact, solve_problem};
 use crate::motions::{balanced, edges, work};
-use crate::problem::{Condition, Scene};
 use crate::solve::{SolveError, Stage};
 use crate::supports::{Held, Supports};
+use steklov_problem::{Condition, Scene};
 
 /// Unknowns of a stiffness matrix reduced to the contact nodes.
 const CONTACT: &str = "displacement unknown of the contact nodes, in the order of /contact, along normal and tangent";

@@ -3,7 +3,7 @@
 use steklov_bem_operators::{BemError, Mesh, Space};
 use steklov_msfem::Grid;
 
-use crate::problem::Scene;
+use steklov_problem::Scene;
 
 /// Boundary elements between grid points: what loads, supports and contact of a grid are set up on.
 pub(crate) struct GridTrace {

@@ -8,8 +8,8 @@ use super::looks::{Miss, Residual, residual};
 use super::nodes::Cell;
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
-use crate::problem::Stochastic;
 use crate::solve::SolveError;
+use steklov_problem::Stochastic;
 
 /// Samples of which polynomials say whether contact or stick change there as at no node.
 const SCREENED: usize = 2000;

@@ -14,10 +14,10 @@ use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::body::Given;
-use crate::problem::{Condition, Scene};
 use crate::report::ContactRow;
 use crate::solve::{SolveError, Solved};
 use crate::summary::Summary;
+use steklov_problem::{Condition, Scene};
 
 /// A node's part of the solution, with the multipliers λ̃.
 struct NodeSolution {

@@ -8,8 +8,8 @@ use super::outcomes::Outcomes;
 use crate::body::{Body, Factors};
 use crate::elastic::EnrichedBody;
 use crate::estimate::{Bubble, Estimate, estimate};
-use crate::problem::{Random, Scene};
 use crate::solve::{SolveError, Solved};
+use steklov_problem::{Random, Scene};
 
 /// Most germs of which all combinations of two values are taken, and samples beyond.
 const FEW: usize = 4;

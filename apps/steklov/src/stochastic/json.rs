@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json as object};
 
 use super::StochasticResult;
-use crate::problem::{Random, Sampling};
+use steklov_problem::{Random, Sampling};
 
 /// `{ "energy": { "mean", "variance", "quantiles", .. }, "contact": { "force": { "y": { .. } } }, "solution": { .. } }`: every
 /// quantity at its own path.

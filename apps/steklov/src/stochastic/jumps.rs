@@ -6,7 +6,7 @@ use std::collections::VecDeque;
 use steklov_expression::Interval;
 use steklov_stochastic::{StochasticMesh, Variable};
 
-use crate::problem::{Random, Scene, Signal};
+use steklov_problem::{Random, Scene, Signal};
 
 /// Boxes that are looked at for a signal in a cell.
 const BOXES: usize = 3000;

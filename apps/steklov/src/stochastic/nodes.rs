@@ -13,8 +13,8 @@ use super::looks::{Look, Looked, Miss, look, mean_modulus};
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::plan::free_of_supports;
-use crate::problem::{Condition, DataError, Friction, Random, Sampling, Scene, Side};
 use crate::solve::SolveError;
+use steklov_problem::{Condition, DataError, Friction, Random, Sampling, Scene, Side};
 
 /// Part of the squared error whose directions are refined at a time.
 const SHARE: f64 = 0.7;

@@ -12,12 +12,12 @@ use crate::body::{Body, Factors, Given};
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
 use crate::data::{Data, Loads};
-use crate::problem::{Random, Scene, Solver};
 use crate::record::probe;
 use crate::report::{ContactRow, contact_rows, figures};
 use crate::solve::{SolveError, Solved};
 use crate::summary::Summary;
 use crate::supports::Supports;
+use steklov_problem::{Random, Scene, Solver};
 
 /// The outcomes of a scene's random input on a body.
 pub(crate) struct Outcomes<'a> {

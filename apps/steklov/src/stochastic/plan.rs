@@ -7,7 +7,7 @@ use super::json::method;
 use super::jumps::intervals;
 use super::nodes::is_coupled;
 use crate::plan::Decision;
-use crate::problem::{Condition, Random, Sampling, Scene};
+use steklov_problem::{Condition, Random, Sampling, Scene};
 
 /// Points along an edge at which data are compared.
 const STEPS: usize = 32;
@@ -169,7 +169,7 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
                     (Condition::Pressure(a), Condition::Pressure(b)) => load(a, b),
                     (Condition::Contact { gap: a, friction: f }, Condition::Contact { gap: b, friction: g }) => {
                         moved.gap = moved.gap.max(half(a, b));
-                        let limit = |f: &crate::problem::Friction| f.bound().or(f.coefficient()).cloned();
+                        let limit = |f: &steklov_problem::Friction| f.bound().or(f.coefficient()).cloned();
                         if let (Some(f), Some(g)) = (limit(f), limit(g)) {
                             moved.friction = moved.friction.max(half(&f, &g));
                         }

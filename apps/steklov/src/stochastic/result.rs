@@ -12,9 +12,9 @@ use super::outcomes::{Answer, Outcomes};
 use super::samples::of_samples;
 use super::unseen::{beside_grid, beside_samples};
 use crate::body::Body;
-use crate::problem::{Condition, Random, Sampling, Scene};
 use crate::report::TOUCHING;
 use crate::solve::SolveError;
+use steklov_problem::{Condition, Random, Sampling, Scene};
 
 /// Answers that are held at a time while samples stream by.
 pub(super) const BLOCK: usize = 1024;

@@ -5,8 +5,8 @@ use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample, solv
 
 use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Quantity, StochasticResult, Watch, touches};
-use crate::problem::Random;
 use crate::solve::SolveError;
+use steklov_problem::Random;
 
 /// What is kept of the outcomes that have gone by.
 struct Passed {

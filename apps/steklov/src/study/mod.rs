@@ -18,8 +18,8 @@ pub mod stochastic;
 pub mod multiscale;
 pub mod coupling;
 
-use crate::problem::{Scene, Source};
 use crate::reference::{EnergySource, Reference};
+use steklov_problem::{Scene, Source};
 
 pub use draw::pictures;
 pub use fit::{Fit, Law, fit};

@@ -1,5 +1,7 @@
 //! What a study sets in a scene.
 
+use steklov_problem::Method;
+
 /// First mesh of every strategy: a comparison needs the way from coarse to fine.
 const FIRST: [&str; 2] = ["method.elements=16", "method.degree=1"];
 /// Relative error (energy norm) at which a strategy is done, if the scene names none.
@@ -8,15 +10,13 @@ const TOLERANCE: &str = "method.tolerance=1e-6";
 const MAX_DOFS: usize = 1100;
 
 /// The overrides of a study: a coarse first mesh, and limits that let all strategies end within a minute or two, where
-/// the user sets nothing else; then those of the user. `text` is that of the scene.
-pub fn settings(text: &str, user: &[String]) -> Vec<String> {
-    let scene = text.parse::<toml::Table>().unwrap_or_default();
-    let named = |key: &str| scene.get("method").and_then(|m| m.get(key));
+/// the user sets nothing else; then those of the user. `method` is that of the scene.
+pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
     let mut all: Vec<String> = FIRST.map(String::from).to_vec();
-    if named("tolerance").is_none() {
+    if !method.tolerance_given {
         all.push(TOLERANCE.into());
     }
-    if named("max_dofs").and_then(toml::Value::as_integer).is_none_or(|n| n > MAX_DOFS as i64) {
+    if !method.max_dofs_given || method.max_dofs > MAX_DOFS {
         all.push(format!("method.max_dofs={MAX_DOFS}"));
     }
     let key = |o: &str| o.split('=').next().unwrap_or_default().trim().to_owned();
@@ -33,14 +33,15 @@ mod tests {
     fn the_scene_keeps_its_tolerance_and_lower_limits_and_the_user_wins() {
         let user = ["method.degree =3".to_owned()];
         let first = ["method.elements=16"];
-        let of = |text: &str, more: &[&str]| {
+        let of = |method: Method, more: &[&str]| {
             let expected: Vec<&str> = first.iter().chain(more).copied().chain(["method.degree =3"]).collect();
-            assert_eq!(settings(text, &user), expected);
+            assert_eq!(settings(&method, &user), expected);
         };
-        of("", &["method.tolerance=1e-6", "method.max_dofs=1100"]);
-        of("[method]\ntolerance = 1e-4", &["method.max_dofs=1100"]);
-        of("method = { max_dofs = 1100, elements = 64 }", &["method.tolerance=1e-6"]);
-        of("method.max_dofs = 1_101", &["method.tolerance=1e-6", "method.max_dofs=1100"]);
-        of("not TOML", &["method.tolerance=1e-6", "method.max_dofs=1100"]);
+        let default = Method::default();
+        of(default, &["method.tolerance=1e-6", "method.max_dofs=1100"]);
+        of(Method { tolerance_given: true, tolerance: 1e-4, ..default }, &["method.max_dofs=1100"]);
+        of(Method { max_dofs_given: true, max_dofs: 1100, elements: 64, ..default }, &["method.tolerance=1e-6"]);
+        let more = Method { max_dofs_given: true, max_dofs: 1101, ..default };
+        of(more, &["method.tolerance=1e-6", "method.max_dofs=1100"]);
     }
 }

@@ -6,11 +6,11 @@ use steklov_bem_operators::Mesh;
 
 use super::fit::{Fit, Law, fit};
 use super::{MEASURED, chosen};
-use crate::problem::{Multiplier, Refine, Scene};
 use crate::reference::Reference;
 use crate::report::{ContactRow, contact_rows};
 use crate::run::{Progress, Reason, Run, Step, run};
 use crate::solve::{SolveError, Stage};
+use steklov_problem::{Multiplier, Refine, Scene};
 
 /// The strategies and their names in scenes.
 pub const NAMES: [(&str, Refine); 5] = [

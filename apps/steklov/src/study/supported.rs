@@ -6,9 +6,9 @@ use steklov_quadrature::gauss_legendre;
 
 use crate::data::Data;
 use crate::plan::first_mesh;
-use crate::problem::{Condition, Refine, Scene};
 use crate::solve::SolveError;
 use crate::supports::Supports;
+use steklov_problem::{Condition, Refine, Scene};
 
 /// S of a mesh and what is held of it.
 pub(super) struct Supported {

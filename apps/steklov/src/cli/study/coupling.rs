@@ -4,18 +4,18 @@ use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, interrupts};
 use super::{StudyArgs, Watch, document, folder, store, tell_results};
-use crate::problem::DataError;
 use crate::study::coupling::{
     CouplingStudy, conditioning, convergence, costs, csv, effectivity, json, largest, levels, pairs, pictures,
     settings, text, write, wrongs,
 };
+use steklov_problem::DataError;
 
 /// Most unknowns on the boundary of grids: for errors, for eigenvalues, for indicators.
 const TRACE: [usize; 3] = [1100, 560, 280];
 
 /// Tells what the coupling of a body with a medium around it is worth.
 pub(super) fn coupling(args: &StudyArgs) -> Result<u8, Failure> {
-    let document = document(args, |text| settings(text, &args.overrides))?;
+    let document = document(args, |method| settings(method, &args.overrides))?;
     let scene = &document.scene;
     let refused = |error: DataError| Failure(document.error(error).render());
     let pairs = pairs(scene).map_err(refused)?;

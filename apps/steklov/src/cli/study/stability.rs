@@ -11,7 +11,7 @@ use crate::study::stability::{
 
 /// Looks for trouble where such methods may have it.
 pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
-    let document = document(args, |text| settings(text, &args.overrides))?;
+    let document = document(args, |method| settings(method, &args.overrides))?;
     let scene = &document.scene;
     boundary_only(scene)?;
     let beside = args.beside.as_deref().map_or(Ok(Vec::new()), read_beside)?;

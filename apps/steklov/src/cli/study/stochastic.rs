@@ -4,15 +4,15 @@ use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, explained, interrupts};
 use super::{StudyArgs, Watch, document, folder, store, tell_results};
-use crate::problem::{DataError, DataErrorKind};
 use crate::run::{Progress, run};
 use crate::solve::{SolveError, Stage};
 use crate::study::settings;
 use crate::study::stochastic::{FAMILIES, Stochastic, chance, csv, json, pictures, solvers, space, text, write};
+use steklov_problem::{DataError, DataErrorKind};
 
 /// Tells how statistics converge, and what they cost.
 pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {
-    let document = document(args, |text| settings(text, &args.overrides))?;
+    let document = document(args, |method| settings(method, &args.overrides))?;
     let scene = &document.scene;
     let Some(random) = &scene.random else {
         let message = "the study is about random input, and no datum of the scene uses any".to_owned();

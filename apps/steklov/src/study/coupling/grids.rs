@@ -5,7 +5,7 @@ use steklov_elastic::{Material, Plane};
 use steklov_msfem::Grid;
 
 use super::manufactured::Pair;
-use crate::problem::{DataError, DataErrorKind, GridInput, Scene, check_body, grid_of, moduli};
+use steklov_problem::{DataError, DataErrorKind, GridInput, Method, Scene, check_body, grid_of, moduli};
 
 /// Fewer cells than this along the shorter side of the body are no grid of the study.
 const FEWEST: usize = 4;
@@ -87,13 +87,9 @@ pub fn largest(scene: &Scene, most_dofs: usize, dofs: usize) -> Result<Option<Le
     Ok(found.filter(|level| level.grid.dofs() > dofs))
 }
 
-/// The overrides of a study, where neither the text of the scene nor the user sets another limit of unknowns; then those of the
-/// user.
-pub fn settings(text: &str, user: &[String]) -> Vec<String> {
-    let scene = text.parse::<toml::Table>().unwrap_or_default();
-    let in_scene = scene.get("method").and_then(|m| m.get("max_dofs")).is_some();
-    let by_user = user.iter().any(|o| o.split('=').next().unwrap_or_default().trim() == "method.max_dofs");
-    let own = (!in_scene && !by_user).then(|| format!("method.max_dofs={MOST_DOFS}"));
+/// The overrides of a study, where neither the scene nor the user sets another limit of unknowns; then those of the user.
+pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
+    let own = (!method.max_dofs_given).then(|| format!("method.max_dofs={MOST_DOFS}"));
     own.into_iter().chain(user.iter().cloned()).collect()
 }
 

@@ -21,7 +21,7 @@ mod store;
 mod draw;
 
 use super::columns;
-use crate::problem::{Scene, Source};
+use steklov_problem::{Scene, Source};
 
 pub use conditioning::{Condition, Conditioning, conditioning};
 pub use convergence::{Convergence, FORMS, Point, convergence};

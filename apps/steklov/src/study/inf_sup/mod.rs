@@ -12,7 +12,7 @@ mod store;
 mod draw;
 
 use super::columns;
-use crate::problem::{Scene, Source};
+use steklov_problem::{Scene, Source};
 
 pub use draw::pictures;
 pub use pairs::{PAIRS, Pair, Part, Point, pairs};

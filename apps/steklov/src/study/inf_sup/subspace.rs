@@ -86,8 +86,8 @@ mod tests {
 
     use super::*;
     use crate::data::Data;
-    use crate::problem::Scene;
     use crate::study::supported::contact_sides;
+    use steklov_problem::Scene;
 
     /// A trapezium on two contact sides, one of them oblique; its left side is held in x.
     const SCENE: &str = r#"
@@ -117,7 +117,7 @@ displacement = ["0", "free"]
     /// ∫ ψ̃_i φ_j = δ_ij D_i along the direction of each unknown, for all displacements that are not held.
     #[test]
     fn biorthogonal_multipliers_see_one_displacement_each() {
-        let scene = crate::scene::parse(SCENE, "scene", &[]).unwrap();
+        let scene = steklov_scene::parse(SCENE, "scene", &[]).unwrap();
         for degree in [1, 2, 5] {
             let (body, full) = body(&scene, degree);
             let data = Data { scene: &scene, mesh: &body.mesh, space: &body.space };
@@ -146,7 +146,8 @@ displacement = ["0", "free"]
     /// The φ_i of an edge sum up to 1; none is left that is held.
     #[test]
     fn continuous_multipliers_are_the_traces_of_displacements() {
-        let scene = crate::scene::parse(SCENE, "scene", &["sides.left.displacement=[\"free\", \"0\"]".into()]).unwrap();
+        let scene =
+            steklov_scene::parse(SCENE, "scene", &["sides.left.displacement=[\"free\", \"0\"]".into()]).unwrap();
         for degree in [1, 3] {
             let (body, full) = body(&scene, degree);
             let t = continuous(&body, &full);

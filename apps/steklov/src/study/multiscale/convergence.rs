@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::FineGrid;
 use super::measure::{BASES, NOT_CONVERGED, error, estimate, on_coarse_cells, timed};
-use crate::problem::{DataError, Scene, check_body, grid_of};
 use crate::solve::SolveError;
 use crate::study::columns::Column;
+use steklov_problem::{DataError, Scene, check_body, grid_of};
 
 /// One basis on one coarse grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,7 +94,7 @@ pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
             input.fine[0], input.fine[1]
         );
         let help = "take fewer coarse cells and more fine ones in each: grid.fine = [8, 8]";
-        return Err(DataError::at(crate::problem::DataErrorKind::Value, &[vec!["grid", "fine"]], message, help));
+        return Err(DataError::at(steklov_problem::DataErrorKind::Value, &[vec!["grid", "fine"]], message, help));
     }
     Ok(sizes)
 }

@@ -55,7 +55,7 @@ const DOFS: Axis<'static> = Axis { label: "degrees of freedom N of the coarse ce
 
 /// A line a basis, of those that have one of the values.
 fn by_basis(study: &MultiscaleStudy<'_>, values: &[fn(&Point) -> [f64; 2]]) -> Vec<Line> {
-    let line = |(k, (name, _)): (usize, &(&str, crate::problem::BasisInput))| Line {
+    let line = |(k, (name, _)): (usize, &(&str, steklov_problem::BasisInput))| Line {
         name: (*name).to_owned(),
         curves: values.iter().map(|v| known(study.convergence.of(k).map(|p| (v(p), false)))).collect(),
     };
@@ -123,7 +123,7 @@ fn resonance(study: &MultiscaleStudy<'_>) -> Result<[(&'static str, Picture); 4]
     let error: fn(&Layers) -> f64 = |l| l.error;
     let effectivity: fn(&Layers) -> f64 = |l| l.estimate / l.error;
     let drawing = |over_periods: bool, value: fn(&Layers) -> f64, label: &str, band: Option<Band<'_>>| {
-        let line = |(basis, (name, _)): (usize, &(&str, crate::problem::BasisInput))| {
+        let line = |(basis, (name, _)): (usize, &(&str, steklov_problem::BasisInput))| {
             let curve = |laminate: usize| match over_periods {
                 true => known(all.over_periods(laminate, basis).map(|l| ([eps(l), value(l)], false))),
                 false => known(all.over_cells(laminate, basis).map(|l| ([size(l), value(l)], false))),

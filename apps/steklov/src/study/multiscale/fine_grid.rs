@@ -4,10 +4,10 @@ use std::sync::atomic::AtomicUsize;
 
 use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};
 use crate::grid::GridSolved;
-use crate::problem::{Scene, grid_of};
 use crate::reference::ReferenceError;
 use crate::solve::SolveError;
 use crate::study::columns::Column;
+use steklov_problem::{Scene, grid_of};
 
 /// Parts of the cells of finer and finer grids.
 const PARTS: [usize; 3] = [1, 2, 4];

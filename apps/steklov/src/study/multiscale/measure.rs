@@ -5,9 +5,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_msfem::{CoarseMesh, Extra, Loads, MsfemError, Multiscale};
 
 use crate::grid::{CoarseSolved, GridLayout, GridSolved, solve_grid};
-use crate::problem::{BasisInput, GridInput, Scene, grid_of};
 use crate::solve::{SolveError, Stage};
 use crate::study::strategy::median;
+use steklov_problem::{BasisInput, GridInput, Scene, grid_of};
 
 /// The bases and their names in scenes, in the order in which they are studied.
 pub const BASES: [(&str, BasisInput); 5] = [
@@ -140,7 +140,7 @@ fine = [4, 4]
     #[test]
     fn fields_cell_by_cell_have_the_error_of_the_whole() {
         // enlarged by nothing, the oversampled basis is the coupled one, but counts as one that does not conform
-        let scene = crate::scene::parse(L, "L", &[]).unwrap();
+        let scene = steklov_scene::parse(L, "L", &[]).unwrap();
         let run = &AtomicUsize::new(0);
         let truth = on_all_cells(&scene, 1, run).unwrap();
         let error = |basis, oversample| {
@@ -159,7 +159,7 @@ fine = [4, 4]
 
     #[test]
     fn seconds_are_medians_of_as_many_runs_as_are_asked_for() {
-        let scene = crate::scene::parse(L, "L", &[]).unwrap();
+        let scene = steklov_scene::parse(L, "L", &[]).unwrap();
         for (repeat, wanted) in [(0, 1), (1, 1), (3, 3)] {
             let mut runs = 0;
             let solve = || {

@@ -18,7 +18,7 @@ mod store;
 mod draw;
 
 use super::columns;
-use crate::problem::{Scene, Source};
+use steklov_problem::{Scene, Source};
 
 pub use contrast::{CONTRASTED, Contrast, PARTS, Stiff, contrast};
 pub use convergence::{Convergence, Point, coarse_cells, convergence};

@@ -6,8 +6,8 @@ use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 
-use crate::problem::{BasisInput, CellModuli, Cells, Condition, DataError, DataErrorKind, GridInput, Scene};
 use crate::solve::SolveError;
+use steklov_problem::{BasisInput, CellModuli, Cells, Condition, DataError, DataErrorKind, GridInput, Scene};
 
 /// The laminate as a scene, for who solves it again; LAYERS stands for the expression of a laminate.
 pub(super) const SQUARE: &str = r#"title = "Layers 1:10"
@@ -84,8 +84,8 @@ pub(super) fn plate(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::problem::{grid_of, moduli};
-    use crate::scene::Document;
+    use steklov_problem::{grid_of, moduli};
+    use steklov_scene::Document;
 
     #[test]
     fn the_plates_are_those_of_their_texts() {
@@ -117,8 +117,8 @@ mod tests {
             let young = |scene: &Scene| moduli(scene, &grid_of(scene).unwrap()).unwrap();
             assert_eq!(young(&read), young(&made));
             let data = |scene: &Scene| -> Vec<(String, Vec<Option<f64>>)> {
-                let of = |side: &crate::problem::Side| {
-                    crate::problem::side_data(side).iter().map(|d| d.1.constant()).collect()
+                let of = |side: &steklov_problem::Side| {
+                    steklov_problem::side_data(side).iter().map(|d| d.1.constant()).collect()
                 };
                 scene.sides.iter().map(|side| (side.name.clone(), of(side))).collect()
             };

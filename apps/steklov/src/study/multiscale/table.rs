@@ -183,7 +183,7 @@ fn contrast(text: &mut String, study: &MultiscaleStudy<'_>) {
 /// The JSON object; numbers that are not known are null.
 pub fn json(study: &MultiscaleStudy<'_>) -> Value {
     let fine = study.fine_grid;
-    let basis = |(k, (name, _)): (usize, &(&str, crate::problem::BasisInput))| {
+    let basis = |(k, (name, _)): (usize, &(&str, steklov_problem::BasisInput))| {
         let rows: Vec<Point> = study.convergence.of(k).copied().collect();
         object!({ "name": name, "points": columns::json(&rows, &POINTS) })
     };

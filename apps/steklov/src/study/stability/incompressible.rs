@@ -8,10 +8,10 @@ use steklov_elastic::Material;
 
 use super::columns::Column;
 use crate::plan::first_mesh;
-use crate::problem::{Refine, Scene};
 use crate::reference::{Reference, ReferenceError};
 use crate::run::{Progress, run};
 use crate::solve::{SolveError, Stage};
+use steklov_problem::{Refine, Scene};
 
 /// Poisson's ratios of the study.
 pub const POISSON: [f64; 8] = [0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.4999999];

@@ -18,7 +18,7 @@ mod draw;
 use steklov_elastic::Plane;
 
 use super::columns;
-use crate::problem::{Scene, Source};
+use steklov_problem::{Method, Scene, Source};
 
 pub use beside::{Beside, BesideError, read_beside};
 pub use draw::pictures;
@@ -66,20 +66,29 @@ impl Stability<'_> {
 }
 
 /// The overrides of a study: its tolerance and those of [`super::settings`] where the user sets nothing else, then those of
-/// the user. `text` is that of the scene.
-pub fn settings(text: &str, user: &[String]) -> Vec<String> {
+/// the user. `method` is that of the scene.
+pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
     let named = user.iter().any(|o| o.split('=').next().is_some_and(|key| key.trim() == "method.tolerance"));
     let own = (!named).then(|| TOLERANCE.to_owned());
-    super::settings(text, &own.into_iter().chain(user.iter().cloned()).collect::<Vec<_>>())
+    super::settings(method, &own.into_iter().chain(user.iter().cloned()).collect::<Vec<_>>())
 }
 
 #[cfg(test)]
 mod tests {
+    use steklov_problem::Method;
+
     #[test]
     fn the_studys_own_tolerance_is_not_that_of_the_scene() {
         let of = |user: &[&str]| {
             let user: Vec<String> = user.iter().map(|&o| o.to_owned()).collect();
-            super::settings("method.tolerance = 1e-7\nmethod.max_dofs = 500", &user)
+            let given = Method {
+                tolerance: 1e-7,
+                tolerance_given: true,
+                max_dofs: 500,
+                max_dofs_given: true,
+                ..Method::default()
+            };
+            super::settings(&given, &user)
         };
         let first = ["method.elements=16", "method.degree=1"];
         assert_eq!(of(&["title=\"a\""]), [first[0], first[1], "method.tolerance=1e-3", "title=\"a\""]);

@@ -17,7 +17,7 @@ use steklov_bem_operators::{BemError, Mesh, Operators, Polygon, Space};
 use steklov_elastic::Material;
 
 use super::columns::Column;
-use crate::problem::Scene;
+use steklov_problem::Scene;
 
 /// Traction unknowns of the mesh, about; a body of many edges gets fewer layers at its corners.
 const UNKNOWNS: usize = 720;

@@ -11,11 +11,11 @@ use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms};
 
 use super::columns::Column;
-use crate::problem::{Multiplier, Scene};
 use crate::reference::{Reference, true_error};
 use crate::solve::{SolveError, solve};
 use crate::study::for_truth;
 use crate::study::supported::{Supported, contact_sides, uniform_mesh};
+use steklov_problem::{Multiplier, Scene};
 
 /// Meshes of the critical γ₀: so many times the elements of the scene, and degrees.
 const MESHES: [(usize, usize); 17] = [

@@ -16,7 +16,7 @@ mod store;
 mod draw;
 
 use super::columns;
-use crate::problem::{Scene, Source};
+use steklov_problem::{Scene, Source};
 
 pub use chance::{Chance, Cost, Measured, Quantity, chance};
 pub use draw::pictures;

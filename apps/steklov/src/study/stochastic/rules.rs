@@ -1,7 +1,7 @@
 //! The rules in chance that are compared, and the finer one that judges them.
 
-use crate::problem::{Random, Sampling, Stochastic};
 use crate::stochastic::points;
+use steklov_problem::{Random, Sampling, Stochastic};
 
 /// Families of rules: the name, and what changes from rule to rule.
 pub const FAMILIES: [(&str, &str); 6] = [
@@ -178,7 +178,7 @@ mod tests {
             "{SCENE}[sides.top]\ntraction = [\"0\", \"{load}\"]\n{}[stochastic]\nmethod = \"{method}\"\ndegree = 1\n",
             names.collect::<String>()
         );
-        let scene = crate::scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        let scene = steklov_scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
         let random = scene.random.unwrap();
         let finest = reference(&random);
         let rules = rules(&random, &finest.finest, false);

@@ -5,12 +5,12 @@ use std::time::Instant;
 
 use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, uzawa};
 
-use crate::problem::{Random, Refine, Scene};
 use crate::run::{Progress, run};
 use crate::solve::SolveError;
 use crate::stochastic::Outcomes;
 use crate::study::columns::Column;
 use crate::study::supported::contact_sides;
+use steklov_problem::{Random, Refine, Scene};
 
 /// What a solver is called.
 type Solver = fn(&Problem) -> Result<Solution, ContactError>;

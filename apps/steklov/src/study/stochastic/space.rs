@@ -8,12 +8,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::relative;
 use super::rules::{settled, single, with};
-use crate::problem::{Random, Refine, Scene, Stochastic};
 use crate::run::{Progress, Reason, Run, run};
 use crate::solve::{SolveError, Stage};
 use crate::stochastic::solve_stochastic;
 use crate::study::columns::Column;
 use crate::study::fit::{Fit, Law, fit};
+use steklov_problem::{Random, Refine, Scene, Stochastic};
 
 /// Curves: the name, the strategy, whether with one outcome only, the law of the errors.
 pub const CURVES: [(&str, Refine, bool, Law); 4] = [

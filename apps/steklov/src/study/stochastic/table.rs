@@ -222,7 +222,7 @@ pub fn json(study: &Stochastic<'_>) -> Value {
         one["rules"] = FAMILIES.iter().enumerate().map(family).collect();
         one
     };
-    let curve = |(k, (name, ..)): (usize, &(&str, crate::problem::Refine, bool, crate::study::Law))| {
+    let curve = |(k, (name, ..)): (usize, &(&str, steklov_problem::Refine, bool, crate::study::Law))| {
         let rows: Vec<Point> = study.space.of(k).copied().collect();
         object!({ "name": name, "points": columns::json(&rows, &POINTS) })
     };

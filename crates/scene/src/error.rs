@@ -6,7 +6,7 @@ use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, So
 use steklov_expression::Place;
 
 use super::tree;
-use crate::problem::{About, DataError, DataErrorKind, Source};
+use steklov_problem::{About, DataError, DataErrorKind, Source};
 
 /// An error of a scene. [`SceneError::render`] shows it with the line that is meant.
 #[derive(Debug, Clone, thiserror::Error, Diagnostic)]

@@ -3,7 +3,7 @@
 use steklov_expression::nearest;
 
 use super::tree::{Entry, Item, Value, suggestion};
-use crate::problem::{DataError, DataErrorKind as Kind, Scene};
+use steklov_problem::{DataError, DataErrorKind as Kind, Scene};
 
 pub(super) const SCENE: [&str; 13] = [
     "title",

@@ -4,6 +4,27 @@
 //! Scene: polygon, material or cells, medium, sides, body force, random input, method
 //!   check ─► DataError (what, remedy, keys)        outcome(germs) ─► Scene without random input
 //! ```
+//!
+//! ```
+//! use steklov_bem_operators::{Loop, Polygon};
+//! use steklov_elastic::{Material, Plane};
+//! use steklov_expression::Expression;
+//! use steklov_problem::{Condition, Model, Scene};
+//!
+//! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
+//! let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
+//! let mut scene = Scene::new(Polygon::new(Loop { corners, sides }, vec![])?, Material::new(200.0, 0.3, Plane::Strain)?);
+//! let held = || Some(Expression::number(0.0));
+//! scene.sides[0].condition = Condition::Displacement { values: [held(), held()], traction: None };
+//! scene.sides[2].condition = Condition::Pressure(Expression::parse("1 + x", &Default::default())?);
+//! scene.check()?;
+//! assert_eq!(scene.model(), Model::Bem);
+//!
+//! scene.sides[2].condition = Condition::Pressure(Expression::parse("1/(x - 1)", &Default::default())?);
+//! let error = scene.check().unwrap_err();
+//! assert!(error.message.starts_with("the pressure of side \"top\" is inf at the point (1, 1)"));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod cells;
 mod check;
@@ -117,7 +138,7 @@ impl Scene {
     }
 
     /// The refusal of a path that is no number of the result.
-    pub(crate) fn quantity_error(&self, path: &str) -> DataError {
+    pub fn quantity_error(&self, path: &str) -> DataError {
         let message = format!("the quantity {path:?} is not a number of the result");
         let help = "take paths of the JSON object: energy, contact.force.y, contact.max_pressure, reactions.SIDE.x, probe.0.displacement.y";
         DataError::at(DataErrorKind::Value, &[vec!["stochastic", "quantities"]], message, help)

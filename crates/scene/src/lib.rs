@@ -4,6 +4,18 @@
 //! text + overrides ─► tree of values with places ─► typed fields ─► Scene ─► checked ─► Document
 //! ```
 //! Every key is read by hand, so that a wrong one can be answered with the nearest valid one.
+//!
+//! ```
+//! let text = "body.corners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nbody.sides = [\"floor\", \"right\", \"top\", \"left\"]\n\
+//!             material = { young = 200.0, poisson = 0.3 }\nsides.top.pressure = 1\n\
+//!             sides.floor.displacement = [0, 0]\n";
+//! let scene = steklov_scene::parse(text, "block.toml", &["method.tolerance=1e-5".to_owned()])?;
+//! assert_eq!((scene.material.young, scene.method.tolerance), (200.0, 1e-5));
+//!
+//! let error = steklov_scene::parse(&text.replace("young", "yuong"), "block.toml", &[]).unwrap_err();
+//! assert_eq!((error.line(), error.help.as_str()), (Some(3), "did you mean young?"));
+//! # Ok::<(), steklov_scene::SceneError>(())
+//! ```
 
 mod error;
 mod tree;
@@ -21,7 +33,7 @@ use std::path::Path;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 
-use crate::problem::{
+use steklov_problem::{
     Cells, Condition, DataError, DataErrorKind as Kind, MediumInput, Random, Scene, Side, Source, Stochastic,
 };
 

@@ -6,7 +6,7 @@ use steklov_expression::Expression;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
-use crate::problem::{Condition, DataError, DataErrorKind as Kind, Friction, Side};
+use steklov_problem::{Condition, DataError, DataErrorKind as Kind, Friction, Side};
 
 /// The sides in the order of [`Polygon::side_names`].
 pub(super) fn sides(

@@ -5,7 +5,7 @@ use steklov_contact::MultiplierDegree;
 use super::fields::{Field, Fields};
 use super::keys;
 use super::tree::Value;
-use crate::problem::{
+use steklov_problem::{
     DataError, DataErrorKind as Kind, Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Multiplier, Refine,
     Solver,
 };
@@ -17,7 +17,10 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, DataError> {
     for (key, _, field) in fields.all() {
         match key {
             "model" => method.model = field.choice(&MODELS)?,
-            "tolerance" => method.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?,
+            "tolerance" => {
+                method.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?;
+                method.tolerance_given = true;
+            }
             "refine" => method.refine = field.choice(&REFINES)?,
             "elements" => (method.elements, method.elements_given) = (field.whole(1, 1_000_000)?, true),
             "degree" => method.degree = field.whole(1, 64)?,

@@ -8,7 +8,7 @@ use steklov_io::{IoError, load_foreign_table};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::Value;
-use crate::problem::{
+use steklov_problem::{
     BasisInput, CellModuli, Cells, DataError, DataErrorKind as Kind, GridInput, MOST_CELLS, Source, modulus_cells,
 };
 

@@ -81,6 +81,8 @@ pub struct Method {
     pub model: Model,
     /// Wanted relative error in the energy norm, in (0, 1).
     pub tolerance: f64,
+    /// Whether the scene gives it.
+    pub tolerance_given: bool,
     /// Refinement.
     pub refine: Refine,
     /// Elements of the first mesh, at least 1.
@@ -120,6 +122,7 @@ impl Default for Method {
         Self {
             model: Model::Auto,
             tolerance: 1e-3,
+            tolerance_given: false,
             refine: Refine::Hp,
             elements: 16,
             elements_given: false,

@@ -11,7 +11,7 @@ use super::body::check_name;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
-use crate::problem::{
+use steklov_problem::{
     DataError, DataErrorKind as Kind, Germ, RandomConstants, RandomName, Sampling, Side, Stochastic, Uses, side_data,
 };
 

@@ -143,7 +143,7 @@ impl RandomName {
 
 impl Random {
     /// Values of the names for these germs.
-    pub(crate) fn values(&self, germs: &[f64]) -> (BTreeMap<String, f64>, BTreeMap<String, Arc<FieldValue>>) {
+    pub fn values(&self, germs: &[f64]) -> (BTreeMap<String, f64>, BTreeMap<String, Arc<FieldValue>>) {
         let (mut constants, mut fields) = (BTreeMap::new(), BTreeMap::new());
         for name in &self.names {
             match name {
@@ -160,7 +160,7 @@ impl Random {
     }
 
     /// An outcome in words: the values of the names, the germs of fields.
-    pub(crate) fn outcome_name(&self, germs: &[f64]) -> String {
+    pub fn outcome_name(&self, germs: &[f64]) -> String {
         let value = |(g, xi): (&Germ, &f64)| format!("{} = {}", g.label, g.variable.value(*xi));
         let first: Vec<String> = self.germs.iter().zip(germs).take(NAMED).map(value).collect();
         let more = if germs.len() > NAMED { ", .." } else { "" };

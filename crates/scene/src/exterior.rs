@@ -6,7 +6,7 @@ use steklov_elastic::Plane;
 use super::body::material;
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use crate::problem::{DataError, DataErrorKind as Kind, MediumInput};
+use steklov_problem::{DataError, DataErrorKind as Kind, MediumInput};
 
 /// Reads `[exterior]`; `body`: the plane of the body's material, None of a hole in the medium.
 pub(super) fn exterior(

@@ -4,7 +4,7 @@ use steklov_expression::{Place, nearest};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
-use crate::problem::{DataError, DataErrorKind as Kind, Source};
+use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
 /// A TOML value.
 #[derive(Debug, Clone)]

@@ -9,7 +9,7 @@ use steklov_expression::{Expression, Place};
 
 use super::keys;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
-use crate::problem::{DataError, DataErrorKind as Kind, Source};
+use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
 /// What expressions are read with.
 pub(super) struct Context<'a> {

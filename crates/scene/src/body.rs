@@ -8,7 +8,7 @@ use steklov_expression::{Expression, is_name, is_reserved};
 
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use crate::problem::{DataError, DataErrorKind as Kind, Source};
+use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
 /// `[parameters]`.
 #[derive(Default)]
