@@ -3,15 +3,16 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov::adapt::Layout;
-use steklov::grid::{GridProgress, GridRun, run_grid};
-use steklov::plan::{first_mesh, plan};
+use steklov::plan::plan;
 use steklov::record::Record;
-use steklov::report::{ContactRow, contact_rows, contact_summary, located};
-use steklov::run::{Progress, Run, run};
-use steklov::solve::{SolveError, Solved};
-use steklov::summary::{ContactSummary, Summary};
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
+use steklov_model::adapt::Layout;
+use steklov_model::first_mesh::first_mesh;
+use steklov_model::grid::{GridProgress, GridRun, run_grid};
+use steklov_model::report::{ContactRow, contact_rows, contact_summary, located};
+use steklov_model::run::{Progress, Run, run};
+use steklov_model::solve::{SolveError, Solved};
+use steklov_model::summary::{ContactSummary, Summary};
 use steklov_problem::{Model, Refine, Scene};
 use steklov_scene::{Document, SceneError};
 

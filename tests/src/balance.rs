@@ -1,9 +1,9 @@
 //! How far bodies on grids are from equilibrium, by forces that are computed here: from displacements, moduli and the scene's
 //! data, without the matrices and loads of the solver.
 
-use steklov::grid::GridSolved;
 use steklov_bem_operators::{Mesh, Site};
 use steklov_elastic::Plane;
+use steklov_model::grid::GridSolved;
 use steklov_problem::{Condition, Scene};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 

@@ -1,8 +1,8 @@
 //! The estimate beside the true error, step by step, on the six problems with known energies and on every scene of the
 //! gallery.
 
-use steklov::estimate::Doubt;
-use steklov::reference::true_error;
+use steklov_model::estimate::Doubt;
+use steklov_model::reference::true_error;
 use steklov_problem::{Refine, Scene};
 use steklov_tests::{finer, gallery, judged, solved_in_steps};
 

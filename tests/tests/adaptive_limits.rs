@@ -3,11 +3,11 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use steklov::estimate::Doubt;
-use steklov::reference::true_error;
-use steklov::run::{Progress, Reason, run};
-use steklov::solve::{SolveError, Stage, solve};
 use steklov_bem_operators::{Mesh, PairCache};
+use steklov_model::estimate::Doubt;
+use steklov_model::reference::true_error;
+use steklov_model::run::{Progress, Reason, run};
+use steklov_model::solve::{SolveError, Stage, solve};
 use steklov_problem::Scene;
 use steklov_tests::{Case, On, View, adapt, finer, parse, scene, solved_in_steps};
 
@@ -30,7 +30,7 @@ fn effectivities(scene: &Scene, dofs: usize, doubt: Doubt) -> Vec<(f64, bool)> {
     let (run, displacements) = solved_in_steps(scene).unwrap();
     assert_eq!(run.reason, Reason::Tolerance);
     let fine = finer(scene, dofs).unwrap();
-    let judged = |(step, displacement): (&steklov::run::Step, &Vec<f64>)| {
+    let judged = |(step, displacement): (&steklov_model::run::Step, &Vec<f64>)| {
         let truth = true_error(scene, &step.mesh, displacement, &fine).unwrap();
         let estimate = step.estimate();
         let found = (estimate.error / truth.error, estimate.doubts.contains(&doubt));
@@ -167,6 +167,6 @@ fn a_step_that_fails_keeps_those_before_it() {
     assert_eq!(kept.progress.next, asked.progress.next);
     assert_eq!(kept.progress.steps.len(), 3);
     assert!(matches!(failing(0, broken), Err(SolveError::NotFinite { .. })));
-    let disk = || SolveError::from(steklov_io::IoError::Exists { path: "full".into() });
+    let disk = || steklov::store::observed(steklov_io::IoError::Exists { path: "full".into() });
     assert!(matches!(failing(3, disk), Err(SolveError::Observer(_))));
 }

@@ -4,13 +4,13 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov::adapt::Layout;
-use steklov::first_mesh::singular_points;
 use steklov::plan::plan;
 use steklov::record::Record;
-use steklov::run::{Progress, Reason, Run, run};
-use steklov::summary::Summary;
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
+use steklov_model::adapt::Layout;
+use steklov_model::first_mesh::singular_points;
+use steklov_model::run::{Progress, Reason, Run, run};
+use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_tests::{Judged, adapt, judged, line, parse, scene, step_below};
 

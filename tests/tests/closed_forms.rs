@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
-use steklov::report::{ContactRow, contact_rows, contact_summary};
-use steklov::run::{Reason, Run};
-use steklov::summary::ContactSummary;
+use steklov_model::report::{ContactRow, contact_rows, contact_summary};
+use steklov_model::run::{Reason, Run};
+use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, line, scene};
 
@@ -57,7 +57,8 @@ fn a_crack_opens_like_griffiths() {
 fn contact(scene: &Scene, run: &Run) -> (Vec<ContactRow>, ContactSummary) {
     let contact = run.last.contact.as_ref().expect("contact");
     let rows = contact_rows(run.last.trace(), contact);
-    let summary = contact_summary(scene, run.last.trace(), contact, &rows, steklov::report::located(scene, run.step()));
+    let summary =
+        contact_summary(scene, run.last.trace(), contact, &rows, steklov_model::report::located(scene, run.step()));
     (rows, summary)
 }
 

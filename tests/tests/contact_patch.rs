@@ -2,11 +2,11 @@
 
 use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
-use steklov::solve::SolveError;
 use steklov_bem_operators::proptest::{loops, star};
 use steklov_bem_operators::{Loop, Mesh};
 use steklov_contact::ContactError;
 use steklov_elastic::{Material, Plane};
+use steklov_model::solve::SolveError;
 use steklov_problem::Scene;
 use steklov_tests::{Answer, Case, On, View, answer_on, attempt, parse};
 

@@ -1,8 +1,8 @@
 //! Lengths of contact and stick against the ends of contact and the nodes between them.
 
-use steklov::report::{ContactRow, contact_rows, contact_summary, located};
-use steklov::run::Run;
-use steklov::summary::ContactSummary;
+use steklov_model::report::{ContactRow, contact_rows, contact_summary, located};
+use steklov_model::run::Run;
+use steklov_model::summary::ContactSummary;
 use steklov_problem::{Condition, Scene};
 use steklov_tests::{Random, View, adapt, parse, random_case};
 

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use steklov::plan::plan;
 use steklov::record::Record;
-use steklov::reference::true_error;
-use steklov::run::Run;
-use steklov::summary::Summary;
 use steklov_bem_operators::{Mark, Subdivision};
 use steklov_contact::{Problem, Solution, TipKind, fixed_point, interior_point, kkt, newton};
+use steklov_model::reference::true_error;
+use steklov_model::run::Run;
+use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_tests::adapt;
 
@@ -28,8 +28,8 @@ fn summary(scene: &Scene) -> Summary {
 
 /// The condensed problem of a scene's first mesh, and its solution.
 fn condensed(scene: &Scene) -> (Problem, Solution) {
-    let mesh = steklov::plan::first_mesh(scene);
-    let solved = steklov::solve::solve(scene, mesh, false, &mut Default::default(), &mut |_| Ok(()));
+    let mesh = steklov_model::first_mesh::first_mesh(scene);
+    let solved = steklov_model::solve::solve(scene, mesh, false, &mut Default::default(), &mut |_| Ok(()));
     let (solved, _, factors) = solved.unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     (factors.contact.expect("contact").problem, solved.contact.expect("contact").solution)
 }

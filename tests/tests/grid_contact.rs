@@ -1,6 +1,6 @@
 //! Contact and friction on grids: against boundary elements, against the fine grid, and bodies that contact alone holds.
 
-use steklov::summary::{Audit, Summary};
+use steklov_model::summary::{Audit, Summary};
 use steklov_problem::{BasisInput, Model, Scene};
 use steklov_tests::{attempt_grid, on_grid, parse, scene};
 

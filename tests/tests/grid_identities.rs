@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use proptest::prelude::*;
-use steklov::summary::Summary;
+use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_tests::{attempt_grid, on_grid, parse};
 

@@ -1,8 +1,8 @@
 //! Where finite and multiscale finite elements fail: the result says so, by its estimate, a doubt or an error.
 
-use steklov::grid::GridRun;
-use steklov::run::Reason;
-use steklov::summary::Summary;
+use steklov_model::grid::GridRun;
+use steklov_model::run::Reason;
+use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, attempt_grid, on_grid, parse, scene};
 

@@ -3,10 +3,10 @@
 use std::f64::consts::PI;
 use std::fmt::Write;
 
-use steklov::reference::true_error;
-use steklov::run::{Reason, Run};
-use steklov::solve::SolveError;
 use steklov_bem_operators::BemError;
+use steklov_model::reference::true_error;
+use steklov_model::run::{Reason, Run};
+use steklov_model::solve::SolveError;
 use steklov_problem::{DataErrorKind, Scene};
 use steklov_tests::{adapt, finer, line, parse, solved_in_steps};
 

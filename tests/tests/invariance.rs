@@ -5,9 +5,9 @@ use std::f64::consts::FRAC_PI_2;
 
 use faer::Mat;
 use rayon::ThreadPoolBuilder;
-use steklov::plan::first_mesh;
-use steklov::solve::Stage;
 use steklov_bem_operators::{Domain, Operators, PairCache, Space, Steklov};
+use steklov_model::first_mesh::first_mesh;
+use steklov_model::solve::Stage;
 use steklov_tests::{Answer, Case, On, View, answer, parse, point_of, rotated, scene};
 
 const TURN: f64 = 17.0 * std::f64::consts::PI / 180.0;
@@ -177,7 +177,7 @@ fn threads_change_no_bit_of_the_operators() {
             let first = [&operators.v, &operators.k, &operators.w].map(bits);
             let s = Steklov::new(operators, Domain::Interior).expect("V is positive definite").matrix;
             let mut stages = 0;
-            let solved = steklov::solve::solve(&scene, mesh, true, &mut PairCache::default(), &mut |stage| {
+            let solved = steklov_model::solve::solve(&scene, mesh, true, &mut PairCache::default(), &mut |stage| {
                 if let Stage::Steklov(again) = stage {
                     stages += usize::from(bits(again) == bits(&s));
                 }

@@ -1,9 +1,9 @@
 //! Stabilised multipliers beside biorthogonal ones: the same answers, on any mesh of the multipliers, and what happens without
 //! stabilisation.
 
-use steklov::report::{contact_rows, contact_summary};
-use steklov::solve::SolveError;
 use steklov_contact::{ContactError, MultiplierDegree, MultiplierMesh};
+use steklov_model::report::{contact_rows, contact_summary};
+use steklov_model::solve::SolveError;
 use steklov_problem::{Condition, Multiplier, Refine, Scene};
 use steklov_quadrature::gauss_legendre;
 use steklov_tests::{adapt, answer, gallery, line, parse, scene};

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use steklov::run::{Reason, Run};
+use steklov_model::run::{Reason, Run};
 use steklov_tests::{Random, adapt, parse};
 
 /// Seed of all places.

@@ -8,11 +8,11 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::PathBuf;
 use std::time::Instant;
 
-use steklov::reference::true_error;
-use steklov::run::Reason;
-use steklov::solve::SolveError;
 use steklov_bem_operators::BemError;
 use steklov_contact::ContactError;
+use steklov_model::reference::true_error;
+use steklov_model::run::Reason;
+use steklov_model::solve::SolveError;
 use steklov_problem::{DataErrorKind, Scene};
 use steklov_tests::{Random, View, finer, parse, random_case, solved_in_steps};
 

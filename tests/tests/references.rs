@@ -3,10 +3,10 @@
 //! The energies on uniform meshes are those of two independent codes that discretise alike. The limits are the table of
 //! thirteen digits that several adaptive meshes of two codes agree on.
 
-use steklov::plan::first_mesh;
-use steklov::solve::SolveError;
 use steklov_bem_operators::Mesh;
 use steklov_contact::ContactError;
+use steklov_model::first_mesh::first_mesh;
+use steklov_model::solve::SolveError;
 use steklov_tests::{Answer, answer, answer_on, attempt, scene};
 
 /// J of `block-on-floor`.

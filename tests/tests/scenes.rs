@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use steklov::plan::{Plan, plan};
 use steklov::record::Record;
-use steklov::summary::{Audit, Summary};
+use steklov_model::summary::{Audit, Summary};
 use steklov_problem::Scene;
 use steklov_tests::{adapt, attempt_grid, unbalanced_forces, unbalanced_nodes};
 

@@ -1,12 +1,12 @@
 //! The contact solvers do not cycle: few iterations on every scene of the gallery, cold on uniform meshes, warm from step
 //! to step of an adaptive run; all of them end on one answer.
 
-use steklov::plan::first_mesh;
-use steklov::solve::solve;
 use steklov_bem_operators::{Mesh, PairCache};
 use steklov_contact::{
     ContactBoundary, ContactError, Problem, Solution, Start, active_set, interior_point, kkt, newton,
 };
+use steklov_model::first_mesh::first_mesh;
+use steklov_model::solve::solve;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, gallery};
 

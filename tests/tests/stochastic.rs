@@ -1,8 +1,8 @@
 //! Random input of scenes: exact scalings, outcomes against scenes of their own, methods against each other.
 
-use steklov::run::Run;
-use steklov::stochastic::{Quantity, StochasticResult, solve_stochastic};
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
+use steklov_model::run::Run;
+use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic};
 use steklov_problem::Scene;
 use steklov_scene::Document;
 use steklov_stochastic::{Nodes, StochasticMesh, Variable};
@@ -134,11 +134,11 @@ fn outcomes_are_those_of_scenes_of_their_own() {
         let numbers = [b, t, g, f, d].map(number);
         let own = text(&format!("{:?}", e.exp()), numbers.each_ref().map(String::as_str), &fixed);
         let mesh = run.last.mesh.clone();
-        let (solved, ..) = steklov::solve::solve(&own, mesh, false, &mut PairCache::default(), &mut |_| Ok(()))
+        let (solved, ..) = steklov_model::solve::solve(&own, mesh, false, &mut PairCache::default(), &mut |_| Ok(()))
             .unwrap_or_else(|e| panic!("{e}"));
         let contact = solved.contact.as_ref().expect("contact");
-        let rows = steklov::report::contact_rows(solved.trace(), contact);
-        let told = steklov::report::contact_summary(&own, solved.trace(), contact, &rows, None);
+        let rows = steklov_model::report::contact_rows(solved.trace(), contact);
+        let told = steklov_model::report::contact_summary(&own, solved.trace(), contact, &rows, None);
         let (inside, stress) = solved.inside([0.1, -0.2]);
         let top = solved.reactions.iter().find(|r| r.0 == "top").expect("held").1[1];
         let energies = solved.energies;
@@ -333,7 +333,7 @@ fn the_spatial_estimate_is_the_mean_over_outcomes() {
     let picked = [0usize, 7, 21, 42, 63];
     for &k in &picked {
         let outcome = scene.outcome(&result.points[k]).unwrap_or_else(|e| panic!("{e}"));
-        let found = steklov::reference::true_error(&outcome, &run.last.mesh, &result.displacements[k], &finer);
+        let found = steklov_model::reference::true_error(&outcome, &run.last.mesh, &result.displacements[k], &finer);
         let found = found.unwrap_or_else(|e| panic!("{e}"));
         squared += found.error.powi(2) / picked.len() as f64;
         norm += found.norm.powi(2) / picked.len() as f64;

@@ -1,7 +1,7 @@
 //! Holes in an unbounded medium that supports or obstacles hold: no force may depend on the length in the logarithm.
 
 use steklov::record::Record;
-use steklov::summary::Summary;
+use steklov_model::summary::Summary;
 use steklov_tests::{adapt, parse};
 
 /// A hole on a rigid insert that it touches below and above.

@@ -4,9 +4,9 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
 use steklov::record::Record;
-use steklov::solve::SolveError;
-use steklov::summary::Summary;
 use steklov_bem_operators::{BemError, Mesh};
+use steklov_model::solve::SolveError;
+use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, answer_on, parse, scene};
 

@@ -22,13 +22,14 @@ use self::output::{appeared, check_output};
 use self::told::{advice, print_summary};
 use crate::draw;
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
-use crate::plan::{Plan, largest_mesh, plan};
+use crate::plan::{Plan, largest_mesh, plan, without_memory};
 use crate::record::Record;
-use crate::run::{Progress, Reason, Run, Step, run};
-use crate::solve::{SolveError, Stage};
-use crate::stochastic::{self, End, StochasticResult, solve_stochastic};
+use crate::stochastic::{self};
 use crate::store::{self, Stored};
-use crate::summary::{available_memory_bytes, peak_memory_bytes};
+use steklov_model::run::{Progress, Reason, Run, Step, run};
+use steklov_model::solve::{SolveError, Stage};
+use steklov_model::stochastic::{End, StochasticResult, solve_stochastic};
+use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
 use steklov_problem::{Refine, Scene, grid_of, moduli};
 use steklov_scene::{Document, TEMPLATE};
 
@@ -263,7 +264,7 @@ fn solve_boundary(
     let stored = old.map_or(Ok(Vec::new()), |old| store::read_steps(old, document))?;
     let held = stored.len();
     let first = Progress::before_last(stored).unwrap_or_else(|| Progress::first(scene));
-    let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, SolveError> {
+    let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
         if let Some(old) = old {
             // those of the last step are made anew if they are wanted
             store::copy_matrices(old, file, if args.save.is_some() { first.steps.len() } else { held })?;
@@ -281,13 +282,17 @@ fn solve_boundary(
                 if let Stage::Step { step, .. } = stage {
                     put(step);
                 }
-                if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
+                if args.save.is_some() {
+                    store::save_stage(file, number, &stage).map_err(store::observed)
+                } else {
+                    Ok(())
+                }
             })?;
             if run.reason == Reason::MaxDofs && run.progress.next.dofs() <= scene.method.max_dofs {
-                plan.left_out.extend(run.progress.without_memory(scene));
+                plan.left_out.extend(run.progress.lack(scene).map(without_memory));
             }
             let (run, stochastic) = all_outcomes(scene, run, interrupts, bar)?;
-            Ok::<_, SolveError>(Record::new(scene, plan, run, stochastic, out, reading))
+            Ok::<_, store::Unsolved>(Record::new(scene, plan, run, stochastic, out, reading))
         })?;
         queue.finish()?;
         let (mut record, writing) = (record, Instant::now());
@@ -296,7 +301,7 @@ fn solve_boundary(
         record.summary.seconds.write += writing.elapsed().as_secs_f64();
         Ok(record)
     });
-    Ok((record, held))
+    Ok((record.map_err(|unsolved| unsolved.0), held))
 }
 
 /// The outcomes of random input on the last mesh of a run that went well. Where the user stops it, or an outcome has no

@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 use steklov_io::vtkhdf::Field;
 use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 
-use crate::around::body_part;
 use crate::grid;
-use crate::report::ContactRow;
+use crate::medium::body_part;
 use crate::stochastic;
 use crate::store::Stored;
+use steklov_model::report::ContactRow;
 
 /// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
 ///

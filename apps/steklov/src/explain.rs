@@ -7,8 +7,8 @@ use steklov_expression::Expression;
 use steklov_msfem::MsfemError;
 use steklov_stochastic::StochasticError;
 
-use crate::solve::SolveError;
-use crate::summary::available_memory_bytes;
+use steklov_model::solve::SolveError;
+use steklov_model::summary::available_memory_bytes;
 use steklov_problem::{Condition, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
@@ -194,7 +194,7 @@ pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<DataError> {
 /// The refusal of more stochastic nodes than are allowed; none if there are fewer.
 pub(crate) fn too_many_points(scene: &Scene) -> Option<DataError> {
     let random = scene.random.as_ref()?;
-    let (count, most) = (crate::stochastic::points(random), random.stochastic.max_nodes);
+    let (count, most) = (crate::plan::points(random), random.stochastic.max_nodes);
     if random.stochastic.method == Sampling::MonteCarlo || count <= most as f64 {
         return None;
     }

@@ -7,42 +7,12 @@
 //! Scene ─► Reference, then run by run (strategy by strategy) ─► Study ─► HDF5, CSV, JSON, charts and meshes
 //! ```
 
-pub mod around;
+pub mod medium;
 pub mod grid;
 pub mod plan;
-mod data;
-mod data_contact;
-mod data_work;
-mod hidden;
-mod supports;
-mod body_load;
-mod motions;
-pub mod contact;
-pub mod inclusion;
-pub mod body;
-pub mod stabilised;
-pub mod solve;
 pub mod stochastic;
-mod elastic;
-mod enriched_problem;
-pub mod estimate;
-mod transitions;
-mod exact;
-mod apart;
-mod asperities;
-pub mod first_mesh;
-pub mod adapt;
-pub mod run;
-pub mod reference;
 pub mod study;
 pub mod triangulate;
-pub mod summary;
-mod unbounded;
-mod unseen;
-mod large;
-mod vertices;
-mod wedge;
-pub mod report;
 pub mod record;
 mod steps;
 pub mod store;

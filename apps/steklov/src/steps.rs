@@ -10,8 +10,8 @@ use steklov_io::{
     load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
 
-use crate::estimate::{Bubble, Doubt, Estimate, Residual};
-use crate::run::Step;
+use steklov_model::estimate::{Bubble, Doubt, Estimate, Residual};
+use steklov_model::run::Step;
 use steklov_problem::Scene;
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {

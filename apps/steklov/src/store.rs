@@ -11,16 +11,18 @@ use steklov_io::{
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
 
-use crate::around;
-use crate::grid::{GridRecord, GridStep, store as grid};
+use crate::grid::{GridRecord, store as grid};
+use crate::medium;
 use crate::plan::Plan;
 use crate::record::Record;
-use crate::report::ContactRow;
-use crate::run::Step;
-use crate::solve::{SolveError, Stage};
 use crate::steps;
-use crate::stochastic::{self, StochasticResult};
-use crate::summary::Summary;
+use crate::stochastic::{self};
+use steklov_model::grid::GridStep;
+use steklov_model::report::ContactRow;
+use steklov_model::run::Step;
+use steklov_model::solve::{SolveError, Stage};
+use steklov_model::stochastic::StochasticResult;
+use steklov_model::summary::Summary;
 use steklov_problem::Source;
 use steklov_scene::Document;
 
@@ -51,11 +53,24 @@ pub struct Stored {
     pub on_grid: Option<GridRecord>,
 }
 
-/// A run is observed by what stores it.
-impl From<IoError> for SolveError {
-    fn from(error: IoError) -> Self {
-        Self::Observer(Box::new(error))
+/// Why a run that is stored has no result.
+pub struct Unsolved(pub SolveError);
+
+impl From<SolveError> for Unsolved {
+    fn from(error: SolveError) -> Self {
+        Self(error)
     }
+}
+
+impl From<IoError> for Unsolved {
+    fn from(error: IoError) -> Self {
+        Self(observed(error))
+    }
+}
+
+/// The error of a run that is observed by what stores it.
+pub fn observed(error: IoError) -> SolveError {
+    SolveError::Observer(Box::new(error))
 }
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
@@ -188,7 +203,7 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
         save_contact(&create_group(file, "contact")?, &record.contact)?;
     }
     if let Some((around, window)) = &record.around {
-        around::store::write(file, around, window)?;
+        medium::store::write(file, around, window)?;
     }
     if let Some(result) = &record.stochastic {
         stochastic::write(&create_group(file, "stochastic")?, result)?;
@@ -232,7 +247,7 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
     let probes = &record.summary.probe;
     if !probes.is_empty() {
         let at = create_group(at, "probe")?;
-        let collect = |f: fn(&crate::summary::Probe) -> [f64; 2]| probes.iter().map(f).collect::<Vec<_>>();
+        let collect = |f: fn(&steklov_model::summary::Probe) -> [f64; 2]| probes.iter().map(f).collect::<Vec<_>>();
         save_points(&at, "points", &collect(|p| p.point), &label("length", "probe points", point))?;
         let displacement = label("length", "displacement", point);
         save_points(&at, "displacement", &collect(|p| p.displacement), &displacement)?;
@@ -335,7 +350,7 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         return Err(invalid(file, "contact/side", why));
     }
     let grid = vtkhdf::read(file)?;
-    around::store::check(file, summary.exterior.as_ref(), &grid)?;
+    medium::store::check(file, summary.exterior.as_ref(), &grid)?;
     let stochastic = match file.link_exists("stochastic") {
         true => Some(read_stochastic(file, points.len(), contact.len())?),
         false => None,

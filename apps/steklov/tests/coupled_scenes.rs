@@ -3,10 +3,10 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov::grid::{GridProgress, GridRun, run_grid};
 use steklov::plan::plan;
 use steklov::record::Record;
-use steklov::summary::Summary;
+use steklov_model::grid::{GridProgress, GridRun, run_grid};
+use steklov_model::summary::Summary;
 use steklov_problem::{DataErrorKind as Kind, Scene};
 use steklov_scene::SceneError;
 
@@ -177,8 +177,8 @@ fn a_lining_of_the_rock_is_the_rock() {
         .replace("[[0.1, 0.2], [0.5, 0.1], [0.7, 0.4], [-40, 3]]", "[[0.25, 0], [0.5, 0], [1, 0.5]]")
         .replace("model = \"fem-bem\"\nrefine = \"none\"", "refine = \"hp\"\ntolerance = 1e-5");
     let scene = parse(&hole, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
-    let progress = steklov::run::Progress::first(&scene);
-    let done = steklov::run::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
+    let progress = steklov_model::run::Progress::first(&scene);
+    let done = steklov_model::run::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
     let errors = [16, 32, 64].map(|n| {
         let probes = lined(n);
         let off = probes.iter().map(|probe| {

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran};
 use steklov::plan::NEXT_MESH;
-use steklov::run::{Progress, Reason, run};
+use steklov_model::run::{Progress, Reason, run};
 use steklov_problem::Scene;
 
 /// Unknowns and peak memory of two steps of degrees 3 and 4, with estimates.

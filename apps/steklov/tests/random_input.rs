@@ -3,7 +3,7 @@
 mod place;
 
 use place::{BLOCK, Place};
-use steklov::stochastic::points;
+use steklov::plan::points;
 use steklov_problem::Scene;
 use steklov_scene::SceneError;
 

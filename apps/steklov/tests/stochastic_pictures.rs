@@ -5,10 +5,11 @@ mod place;
 use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
-use steklov::run::{Progress, run};
-use steklov::stochastic::{StochasticResult, read, solve_stochastic, write};
+use steklov::stochastic::{read, write};
 use steklov::store::{self, Stored};
 use steklov_io::{File, IoError, create_atomically, create_group, open, open_group};
+use steklov_model::run::{Progress, run};
+use steklov_model::stochastic::{StochasticResult, solve_stochastic};
 
 /// A block on a floor whose height and load are random, `more` at the end.
 fn rough(more: &str) -> String {

@@ -11,9 +11,9 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
-use steklov::reference::Reference;
 use steklov::study::{End, NAMES, Study, csv, strategy, text};
 use steklov_bem_operators::Mesh;
+use steklov_model::reference::Reference;
 use steklov_problem::{Refine, Source};
 use steklov_quadrature::gauss_legendre;
 

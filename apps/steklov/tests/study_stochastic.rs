@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::run::{Progress, run};
 use steklov::study::stochastic::{Stochastic, chance, pictures, solvers, space, text};
+use steklov_model::run::{Progress, run};
 use steklov_problem::Source;
 
 const FILES: &str = "mean-contact-force-y.png mean-contact-force-y.svg mean-energy.png mean-energy.svg solver-history.png \

@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use crate::solve::Stage;
+use steklov_model::solve::Stage;
 
 /// Lines about the outcomes of random input where there is no terminal.
 const TOLD: usize = 10;

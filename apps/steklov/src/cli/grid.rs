@@ -8,12 +8,11 @@ use steklov_io::{File, create_atomically};
 
 use super::bar::Bar;
 use super::{Attempt, Failure, SolveArgs};
-use crate::grid::{BLIND, FAILING, GridProgress, run_grid};
 use crate::plan::Plan;
 use crate::record::Record;
-use crate::solve::SolveError;
 use crate::store;
-use crate::summary::{GridSummary, peak_memory_bytes};
+use steklov_model::grid::{BLIND, FAILING, GridProgress, run_grid};
+use steklov_model::summary::{GridSummary, peak_memory_bytes};
 use steklov_scene::Document;
 
 /// Solves by finite elements on a grid.
@@ -29,14 +28,14 @@ pub(super) fn solve_on_grid(
     let Document { scene, source } = document;
     let stored = old.map_or(Ok(Vec::new()), |old| store::read_grid_steps(old, document))?;
     let held = stored.len();
-    let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, SolveError> {
+    let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
         let progress = GridProgress::new(scene, stored)?;
         if let Some(old) = old {
             store::copy_matrices(old, file, if args.save.is_some() { progress.steps.len() } else { held })?;
         }
         let run = run_grid(scene, progress, interrupts, &mut |number, stage| {
             bar.show(number, &stage);
-            if args.save.is_some() { Ok(store::save_stage(file, number, &stage)?) } else { Ok(()) }
+            if args.save.is_some() { store::save_stage(file, number, &stage).map_err(store::observed) } else { Ok(()) }
         })?;
         let (mut record, writing) = (Record::of_grid(scene, plan, run, out, reading), Instant::now());
         record.summary.peak_memory_bytes = peak_memory_bytes();
@@ -44,7 +43,7 @@ pub(super) fn solve_on_grid(
         record.summary.seconds.write += writing.elapsed().as_secs_f64();
         Ok(record)
     });
-    Ok((record, held))
+    Ok((record.map_err(|unsolved| unsolved.0), held))
 }
 
 /// What is told of the grid of finite elements.

@@ -3,11 +3,11 @@
 use super::grid::grid_lines;
 use super::say;
 use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, NEXT_MESH, Plan};
-use crate::report::TOUCHING;
-use crate::run::Reason;
 use crate::stochastic;
 use crate::store::Stored;
-use crate::summary::{MediumSummary, Summary};
+use steklov_model::report::TOUCHING;
+use steklov_model::run::Reason;
+use steklov_model::summary::{MediumSummary, Summary};
 
 /// What to do about a run whose contact solver did not reach its criterion, or that memory ended.
 pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {

@@ -142,7 +142,7 @@ fn steps(title: &str, record: &GridRecord) -> Result<Option<Picture>, PictureErr
     if estimates.len() < 2 {
         return Ok(None);
     }
-    let column = |value: fn(&super::GridEstimate) -> f64| -> Vec<[f64; 2]> {
+    let column = |value: fn(&steklov_model::grid::GridEstimate) -> f64| -> Vec<[f64; 2]> {
         estimates.iter().map(|(dofs, estimate)| [*dofs, value(estimate)]).collect()
     };
     let columns = [

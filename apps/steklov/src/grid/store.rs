@@ -7,11 +7,11 @@ use steklov_io::{
 };
 use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, HeterogeneousBody, Indicators};
 
-use super::estimate::GridEstimate;
-use super::layout::GridLayout;
 use super::record::GridRecord;
-use super::run::GridStep;
 use crate::store::step_group;
+use steklov_model::grid::GridEstimate;
+use steklov_model::grid::GridLayout;
+use steklov_model::grid::GridStep;
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }

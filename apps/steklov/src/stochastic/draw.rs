@@ -6,11 +6,12 @@ use steklov_picture::{
     short, spread,
 };
 
+use super::draw_fields;
 use super::tables::percent;
-use super::{Quantity, StochasticResult, draw_fields};
 use crate::draw::{positions, walls};
-use crate::report::ContactRow;
 use crate::store::Stored;
+use steklov_model::report::ContactRow;
+use steklov_model::stochastic::{Quantity, StochasticResult};
 
 /// Panels in one picture at most.
 const PANELS: usize = 6;

@@ -2,9 +2,9 @@
 
 use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
 
-use super::{FieldModes, StochasticResult};
 use crate::draw::file_name;
 use crate::store::Stored;
+use steklov_model::stochastic::{FieldModes, StochasticResult};
 
 /// Modes that are drawn at most.
 const MODES: usize = 6;

@@ -1,40 +1,11 @@
-//! A scene with random input solved for all outcomes on one mesh, and the statistics of the answers.
-//!
-//! ```text
-//! Body, germs ─► Outcomes: what acts, E/E₀ ─► Answer of each point: node by node, or coupled over the nodes of a cell
-//! points: StochasticMesh (Galerkin, collocation; refined until its truncation is small), sparse grid, samples
-//! answers ─► StochasticResult: moments, quantiles, probability of contact, effect of each germ
-//! ```
+//! Outcomes of random input: what is stored, written as tables and drawn of them.
 
-mod outcomes;
-mod coupled;
-mod events;
-mod jumps;
-mod looks;
-mod check;
-mod of_surrogate;
-mod samples;
-mod unseen;
-mod nodes;
-mod effects;
-mod result;
-mod estimate;
-mod json;
-mod plan;
 mod store;
 mod tables;
 mod draw;
 mod draw_fields;
 
 pub use draw::pictures;
-pub(crate) use estimate::mean_estimate;
-pub use json::json;
-pub use nodes::End;
-pub(crate) use nodes::is_coupled;
-pub(crate) use outcomes::Outcomes;
-pub(crate) use plan::decide;
-pub use plan::points;
-pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
 pub use store::{read, write};
 pub use tables::{lines, tables};
 pub(crate) use tables::{overlooked, shortfall};

@@ -7,7 +7,7 @@ use steklov_io::{
 };
 use steklov_stochastic::{Histogram, Moments};
 
-use super::{Cells, End, FieldModes, Quantity, StochasticResult};
+use steklov_model::stochastic::{Cells, End, FieldModes, Quantity, StochasticResult};
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }

@@ -2,8 +2,8 @@
 
 use std::fmt::Write as _;
 
-use super::{End, StochasticResult};
 use crate::store::Stored;
+use steklov_model::stochastic::{End, StochasticResult};
 
 /// Text of a CSV field.
 fn quoted(text: &str) -> String {

@@ -18,7 +18,7 @@ pub mod stochastic;
 pub mod multiscale;
 pub mod coupling;
 
-use crate::reference::{EnergySource, Reference};
+use steklov_model::reference::{EnergySource, Reference};
 use steklov_problem::{Scene, Source};
 
 pub use draw::pictures;

@@ -16,7 +16,7 @@ use steklov_io::{
 use super::Study;
 use super::strategy::{End, Strategy};
 use super::table::{NUMBERS, json};
-use crate::report::ContactRow;
+use steklov_model::report::ContactRow;
 
 /// Writes a study into a new file.
 ///

@@ -6,10 +6,10 @@ use steklov_bem_operators::Mesh;
 
 use super::fit::{Fit, Law, fit};
 use super::{MEASURED, chosen};
-use crate::reference::Reference;
-use crate::report::{ContactRow, contact_rows};
-use crate::run::{Progress, Reason, Run, Step, run};
-use crate::solve::{SolveError, Stage};
+use steklov_model::reference::Reference;
+use steklov_model::report::{ContactRow, contact_rows};
+use steklov_model::run::{Progress, Reason, Run, Step, run};
+use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{Multiplier, Refine, Scene};
 
 /// The strategies and their names in scenes.

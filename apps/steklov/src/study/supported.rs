@@ -4,10 +4,10 @@ use faer::Mat;
 use steklov_bem_operators::{Dof, Mesh, Operators, Space, Steklov, TractionMap};
 use steklov_quadrature::gauss_legendre;
 
-use crate::data::Data;
-use crate::plan::first_mesh;
-use crate::solve::SolveError;
-use crate::supports::Supports;
+use steklov_model::data::Data;
+use steklov_model::first_mesh::first_mesh;
+use steklov_model::solve::SolveError;
+use steklov_model::supports::Supports;
 use steklov_problem::{Condition, Refine, Scene};
 
 /// S of a mesh and what is held of it.
@@ -28,7 +28,7 @@ impl Supported {
     /// The scene's body on a mesh.
     ///
     /// # Errors
-    /// As [`crate::solve::solve`], of prescribed displacements and operators.
+    /// As [`steklov_model::solve::solve`], of prescribed displacements and operators.
     pub(super) fn new(scene: &Scene, mesh: Mesh) -> Result<Self, SolveError> {
         let space = Space::new(&mesh);
         let held = Data { scene, mesh: &mesh, space: &space }.held()?;

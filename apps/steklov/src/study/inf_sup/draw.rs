@@ -7,7 +7,7 @@ use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, 
 use super::pairs::{PAIRS, Point};
 use super::{InfSup, Pressure};
 use crate::draw::{positions, side_file};
-use crate::report::ContactRow;
+use steklov_model::report::ContactRow;
 
 /// Draws β over elements and over the degree, and the pressure along each contact side, into a folder; returns the files.
 ///

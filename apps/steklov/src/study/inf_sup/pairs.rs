@@ -16,11 +16,11 @@ use steklov_contact::{
 };
 
 use super::subspace::{biorthogonal, continuous, restricted};
-use crate::data::Data;
-use crate::solve::SolveError;
-use crate::stabilised::SAFE;
 use crate::study::columns::Column;
 use crate::study::supported::{Supported, contact_sides, uniform_mesh};
+use steklov_model::data::Data;
+use steklov_model::solve::SolveError;
+use steklov_model::stabilised::SAFE;
 use steklov_problem::Scene;
 
 /// Which multipliers of W_Hq a pair has.

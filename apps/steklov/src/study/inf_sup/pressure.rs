@@ -6,10 +6,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
-use crate::report::{ContactRow, contact_rows};
-use crate::solve::{SolveError, solve};
 use crate::study::columns::Column;
 use crate::study::supported::uniform_mesh;
+use steklov_model::report::{ContactRow, contact_rows};
+use steklov_model::solve::{SolveError, solve};
 use steklov_problem::{Condition, Friction, Multiplier, Scene};
 
 /// The mesh: so many times the elements of the scene, the first that it allows, and its degree.

@@ -85,8 +85,8 @@ mod tests {
     use steklov_contact::{MultiplierDegree, MultiplierMesh, pairing};
 
     use super::*;
-    use crate::data::Data;
     use crate::study::supported::contact_sides;
+    use steklov_model::data::Data;
     use steklov_problem::Scene;
 
     /// A trapezium on two contact sides, one of them oblique; its left side is held in x.

@@ -9,9 +9,9 @@ use steklov_msfem::{Indicators, crossing_contrast};
 
 use super::measure::{error, estimate, norm, on_all_cells, on_coarse_cells};
 use super::plate::plate;
-use crate::grid::{FAILING, GridSolved};
-use crate::solve::SolveError;
 use crate::study::columns::Column;
+use steklov_model::grid::{FAILING, GridSolved};
+use steklov_model::solve::SolveError;
 use steklov_problem::BasisInput;
 
 /// Where the stiff parts are: positive in them.

@@ -4,8 +4,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::FineGrid;
 use super::measure::{BASES, NOT_CONVERGED, error, estimate, on_coarse_cells, timed};
-use crate::solve::SolveError;
 use crate::study::columns::Column;
+use steklov_model::solve::SolveError;
 use steklov_problem::{DataError, Scene, check_body, grid_of};
 
 /// One basis on one coarse grid.

@@ -3,10 +3,10 @@
 use std::sync::atomic::AtomicUsize;
 
 use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};
-use crate::grid::GridSolved;
-use crate::reference::ReferenceError;
-use crate::solve::SolveError;
 use crate::study::columns::Column;
+use steklov_model::grid::GridSolved;
+use steklov_model::reference::ReferenceError;
+use steklov_model::solve::SolveError;
 use steklov_problem::{Scene, grid_of};
 
 /// Parts of the cells of finer and finer grids.

@@ -6,8 +6,8 @@ use std::sync::atomic::AtomicUsize;
 
 use super::measure::{error, estimate, on_all_cells, on_coarse_cells};
 use super::plate::plate;
-use crate::solve::SolveError;
 use crate::study::columns::Column;
+use steklov_model::solve::SolveError;
 use steklov_problem::{BasisInput, Scene};
 
 /// Layers along y, and layers at an angle to both axes: each has one half of a period.

@@ -4,9 +4,9 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_msfem::{CoarseMesh, Extra, Loads, MsfemError, Multiscale};
 
-use crate::grid::{CoarseSolved, GridLayout, GridSolved, solve_grid};
-use crate::solve::{SolveError, Stage};
 use crate::study::strategy::median;
+use steklov_model::grid::{CoarseSolved, GridLayout, GridSolved, solve_grid};
+use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{BasisInput, GridInput, Scene, grid_of};
 
 /// The bases and their names in scenes, in the order in which they are studied.

@@ -6,7 +6,7 @@ use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 
-use crate::solve::SolveError;
+use steklov_model::solve::SolveError;
 use steklov_problem::{BasisInput, CellModuli, Cells, Condition, DataError, DataErrorKind, GridInput, Scene};
 
 /// The laminate as a scene, for who solves it again; LAYERS stands for the expression of a laminate.

@@ -11,10 +11,10 @@ use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms};
 
 use super::columns::Column;
-use crate::reference::{Reference, true_error};
-use crate::solve::{SolveError, solve};
 use crate::study::for_truth;
 use crate::study::supported::{Supported, contact_sides, uniform_mesh};
+use steklov_model::reference::{Reference, true_error};
+use steklov_model::solve::{SolveError, solve};
 use steklov_problem::{Multiplier, Scene};
 
 /// Meshes of the critical γ₀: so many times the elements of the scene, and degrees.

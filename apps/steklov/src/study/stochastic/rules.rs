@@ -1,6 +1,6 @@
 //! The rules in chance that are compared, and the finer one that judges them.
 
-use crate::stochastic::points;
+use crate::plan::points;
 use steklov_problem::{Random, Sampling, Stochastic};
 
 /// Families of rules: the name, and what changes from rule to rule.

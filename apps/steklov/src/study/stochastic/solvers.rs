@@ -5,11 +5,11 @@ use std::time::Instant;
 
 use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, uzawa};
 
-use crate::run::{Progress, run};
-use crate::solve::SolveError;
-use crate::stochastic::Outcomes;
 use crate::study::columns::Column;
 use crate::study::supported::contact_sides;
+use steklov_model::run::{Progress, run};
+use steklov_model::solve::SolveError;
+use steklov_model::stochastic::Outcomes;
 use steklov_problem::{Random, Refine, Scene};
 
 /// What a solver is called.

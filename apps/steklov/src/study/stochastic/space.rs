@@ -8,11 +8,11 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use super::relative;
 use super::rules::{settled, single, with};
-use crate::run::{Progress, Reason, Run, run};
-use crate::solve::{SolveError, Stage};
-use crate::stochastic::solve_stochastic;
 use crate::study::columns::Column;
 use crate::study::fit::{Fit, Law, fit};
+use steklov_model::run::{Progress, Reason, Run, run};
+use steklov_model::solve::{SolveError, Stage};
+use steklov_model::stochastic::solve_stochastic;
 use steklov_problem::{Random, Refine, Scene, Stochastic};
 
 /// Curves: the name, the strategy, whether with one outcome only, the law of the errors.

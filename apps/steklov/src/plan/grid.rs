@@ -1,0 +1,245 @@
+//! The plan of a scene on a grid.
+
+use steklov_elastic::RigidMotion;
+
+use super::{Cost, Decision, Plan, contact, far_away, plane};
+use steklov_model::supports::free_of_supports;
+use steklov_problem::{BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, bounding_box, grid_of};
+
+/// Bytes that the moduli, the fields and the result of a fine cell take.
+const BYTES_OF_CELL: f64 = 200.0;
+
+fn decision(what: &str, choice: String, why: impl Into<String>) -> Decision {
+    Decision { what: what.into(), choice, why: why.into() }
+}
+
+/// What is modelled of a scene on a grid, with or without a medium around the body, and what it costs.
+pub(crate) fn plan(scene: &Scene) -> Plan {
+    let (mut modelled, mut left_out) = (Vec::new(), Vec::new());
+    let multiscale = scene.is_multiscale();
+    let in_medium = scene.exterior.is_some();
+    let Some(input) = &scene.grid else { unreachable!("a scene without a grid is refused where it is read") };
+    let one_modulus = scene.cells.as_ref().is_some_and(|cells| cells.young.constant().is_some());
+    let why = match (&scene.cells, multiscale) {
+        (Some(_), _) if one_modulus => {
+            "as the scene says; all cells have one modulus: as material.young it would do for boundary elements"
+        }
+        (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
+        (Some(_), false) => "the modulus differs from cell to cell",
+        (None, _) if scene.constant_force().is_none() && scene.body_force.is_some() => {
+            "the body force differs from place to place"
+        }
+        (None, _) => "as the scene says; boundary elements would do for one material",
+    };
+    let [[mx, my], [fx, fy]] = [input.coarse, input.fine];
+    modelled.push(if multiscale {
+        let choice = format!("multiscale elements, {mx} by {my} coarse cells of {fx} by {fy} fine ones");
+        decision("discretisation", choice, why)
+    } else {
+        decision("discretisation", format!("bilinear elements, {} by {} cells", mx * fx, my * fy), why)
+    });
+    modelled.push(decision("plane", plane(scene).into(), "as the scene says"));
+    modelled.push(moduli(scene));
+    if multiscale {
+        modelled.push(basis(input));
+    }
+    let conforming = !multiscale || !matches!(input.basis, BasisInput::Oversampled | BasisInput::Periodic);
+    modelled.push(match (scene.method.refine, multiscale) {
+        (Refine::None, _) => decision("refinement", "none".into(), "one grid is solved"),
+        (refine, false) => decision(
+            "refinement",
+            "uniform-h".into(),
+            format!("{}all cells are halved in each step; the moduli stay those of their cells", asked(refine, Refine::UniformH)),
+        ),
+        (refine @ (Refine::UniformH | Refine::UniformP), true) => decision(
+            "refinement",
+            "uniform-h".into(),
+            format!("{}all coarse cells are split in each step, down to the fine ones", asked(refine, Refine::UniformH)),
+        ),
+        (refine, true) if !conforming => decision(
+            "refinement",
+            "uniform-h".into(),
+            format!(
+                "{}without an estimate all coarse cells are split in each step, down to the fine ones",
+                asked(refine, Refine::H)
+            ),
+        ),
+        (refine, true) => decision(
+            "refinement",
+            "h".into(),
+            format!(
+                "{}splits coarse cells, marks \u{3b8} = {} of the squared error; ends where the fine grid's own error outweighs",
+                asked(refine, Refine::H),
+                scene.method.marking.unwrap_or(steklov_model::grid::MARKING)
+            ),
+        ),
+    });
+    if let Some(exterior) = &scene.exterior {
+        modelled.push(decision(
+            "medium around",
+            format!(
+                "boundary elements, Young's modulus {}, Poisson's ratio {}",
+                exterior.material.young, exterior.material.poisson
+            ),
+            "unbounded: it is neither cut off nor meshed; the inside of the body is eliminated down to where both meet",
+        ));
+        modelled.push(if scene.method.elements_given {
+            let choice = format!("{} or more of degree {}", scene.method.elements, scene.method.degree);
+            decision(
+                "boundary elements",
+                choice,
+                "as the scene says; the displacement of the body is projected on them",
+            )
+        } else {
+            let choice = format!("one between each two points of the body's trace, degree {}", scene.method.degree);
+            decision(
+                "boundary elements",
+                choice,
+                "they take its displacement as it is; adaptive steps halve them where their error is",
+            )
+        });
+        far_away(scene, &mut modelled, &mut left_out);
+    }
+    contact(scene, &mut modelled, &mut left_out);
+    let free = free_of_supports(scene);
+    modelled.push(if in_medium {
+        decision("supports", "none is needed".into(), "the medium holds the body")
+    } else if free.is_empty() {
+        decision("supports", "hold all rigid motions".into(), "held displacements")
+    } else {
+        let why = "contact or friction must hold it, or the loads must be balanced";
+        decision("supports", format!("leave {} free", RigidMotion::names(&free)), why)
+    });
+    match &scene.body_force {
+        Some([x, y]) => modelled.push(decision(
+            "body force",
+            format!("({}, {})", x.text(), y.text()),
+            if multiscale {
+                "integrated on the fine cells; its response inside of coarse cells is added"
+            } else {
+                "integrated on the cells"
+            },
+        )),
+        None => left_out.push(decision("body force", "none".into(), "the scene has none")),
+    }
+    left_out.push(decision("random input", "one solve".into(), "no random name is used"));
+    if conforming {
+        let choice =
+            if multiscale { "nodal residuals of coarse cells, side bubbles of fine ones" } else { "side bubbles" };
+        let why = if multiscale {
+            "both parts are told apart: that of the coarse cells, and that of the fine grid itself"
+        } else {
+            "residuals against quadratic functions on the sides of cells"
+        };
+        modelled.push(decision("error estimate", choice.into(), why));
+    } else {
+        let why = "the basis does not conform: no residual sees its whole error";
+        left_out.push(decision("error estimate", "none".into(), why));
+    }
+    if in_medium {
+        let (choice, why) = match scene.method.indicator {
+            Indicator::Bubble => ("two more degrees of the traction", "on each boundary element for itself"),
+            Indicator::Residual => {
+                ("residuals", "balance of tractions and equation of the medium: 3 to 10 times the error")
+            }
+        };
+        modelled.push(decision("error of the medium", choice.into(), why));
+    }
+    Plan { model: scene.model().word().into(), modelled, left_out, cost: cost(scene, input) }
+}
+
+/// Told where another refinement is asked for than there is.
+fn asked(refine: Refine, known: Refine) -> &'static str {
+    if refine == known { "" } else { "the degree is one; " }
+}
+
+fn moduli(scene: &Scene) -> Decision {
+    match &scene.cells {
+        None => decision("Young's modulus", scene.material.young.to_string(), "the same in all cells"),
+        Some(cells) => {
+            let text = match &cells.young {
+                CellModuli::Uniform { low, high, seed } => format!("random in [{low}, {high}], seed {seed}"),
+                CellModuli::Table { source, .. } => source.clone(),
+                CellModuli::Expression(young) => young.text().to_owned(),
+            };
+            let why = match cells.young.constant() {
+                Some(_) => "the same in all cells".to_owned(),
+                None => format!("constant in cells of the size {}", cells.size),
+            };
+            decision("Young's modulus", text, why)
+        }
+    }
+}
+
+fn basis(input: &GridInput) -> Decision {
+    let (word, why) = match input.basis {
+        BasisInput::Linear => ("linear", "one component linear on the edges of coarse cells, the other one dropped"),
+        BasisInput::Coupled => ("coupled", "linear on the edges of coarse cells; the best of all such bases"),
+        BasisInput::Oscillatory => ("oscillatory", "follows the moduli along the edges of coarse cells"),
+        BasisInput::Oversampled => ("oversampled", "from larger cells: less resonance, but it does not conform"),
+        BasisInput::Periodic => ("periodic", "for periodic media and their homogenised tensor; it does not conform"),
+        BasisInput::Q1 => ("q1", "coarse bilinear elements, to compare with"),
+    };
+    decision("basis", word.into(), why)
+}
+
+/// Size and cost of the first grid. A factor on a grid of n unknowns has about 8.5 n log₂ n entries and takes 90 n^(3/2)
+/// operations.
+fn cost(scene: &Scene, input: &GridInput) -> Cost {
+    let unknowns = |cells: [usize; 2]| 2 * (cells[0] + 1) * (cells[1] + 1);
+    let [fine, coarse] = match grid_of(scene) {
+        Ok(grid) => {
+            let inside = |cells: [usize; 2], step: [usize; 2]| {
+                let mut nodes = std::collections::HashSet::new();
+                let mut count = 0;
+                for i in 0..cells[0] {
+                    for j in (0..cells[1]).filter(|&j| grid.inside(i * step[0], j * step[1])) {
+                        count += 1;
+                        nodes.extend([[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]]);
+                    }
+                }
+                (count, 2 * nodes.len())
+            };
+            let fine = (grid.body_cells().count(), grid.dofs());
+            [fine, if scene.is_multiscale() { inside(input.coarse, input.fine) } else { fine }]
+        }
+        Err(_) => [input.cells(), input.coarse].map(|cells| (cells[0] * cells[1], unknowns(cells))),
+    };
+    let factor = |n: f64| 8.0 * 8.5 * n * n.log2();
+    let solve = |n: f64| 90.0 * n.powf(1.5);
+    let (cells, n) = (fine.0 as f64, coarse.1 as f64);
+    let local = if scene.is_multiscale() {
+        let [m, k] = input.fine.map(|m| m as f64);
+        // kept bases, and the local problem that each of two threads has: structure, factor, fields
+        let one = 2.0 * m * k;
+        let local = 400.0 * m * k + 2.0 * (factor(one.max(2.0)) + 400.0 * one);
+        (coarse.0 as f64 * 128.0 * (m + 1.0) * (k + 1.0)).min(128e6) + local
+    } else {
+        0.0
+    };
+    let basis =
+        if scene.is_multiscale() { 2e3 * (input.fine[0] * input.fine[1]) as f64 * coarse.0 as f64 } else { 0.0 };
+    // V, K, W, their factors, and the reduced stiffness
+    let boundary = if scene.exterior.is_some() { interface_unknowns(scene, input) } else { 0.0 };
+    Cost {
+        elements: coarse.0,
+        dofs: coarse.1,
+        memory_bytes: (factor(n) + 300.0 * n + BYTES_OF_CELL * cells + local + 56.0 * boundary.powi(2)) as u64,
+        operations: solve(n) + basis * (input.fine[0] as f64).max(1.0) + 2.7 * boundary.powi(3),
+    }
+}
+
+/// Unknowns of the boundary elements of the medium around the body.
+fn interface_unknowns(scene: &Scene, input: &GridInput) -> f64 {
+    let degree = 2 * scene.method.degree;
+    if scene.method.elements_given {
+        return (degree * scene.method.elements) as f64;
+    }
+    let cells = if scene.is_multiscale() { input.coarse } else { input.cells() };
+    let (_, size) = bounding_box(&scene.polygon);
+    let sides = scene.interface().map(|(_, edge)| {
+        let k = usize::from(edge.start[0] == edge.end[0]);
+        (edge.length() / size[k] * cells[k] as f64).round()
+    });
+    degree as f64 * sides.sum::<f64>()
+}

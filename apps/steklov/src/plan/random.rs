@@ -1,0 +1,194 @@
+//! What random input costs, and which of it moves the data.
+
+use steklov_expression::Expression;
+use steklov_stochastic::smolyak;
+
+use super::Decision;
+use steklov_model::stochastic::{intervals, is_coupled, method};
+use steklov_problem::{Condition, Random, Sampling, Scene};
+
+/// Points along an edge at which data are compared.
+const STEPS: usize = 32;
+/// Germs beyond which no sparse grid is made.
+const MANY: usize = 64;
+/// Germs that are named one by one.
+const NAMED: usize = 8;
+
+/// Number of points at which a scene is solved, before any refinement of the stochastic mesh.
+pub fn points(random: &Random) -> f64 {
+    let settings = &random.stochastic;
+    let of = |germ: usize| intervals(random, germ, settings.elements) as f64 * (settings.degree as f64 + 1.0);
+    match settings.method {
+        Sampling::Galerkin | Sampling::Collocation => (0..random.germs.len()).map(of).product(),
+        Sampling::Sparse => sparse(random).unwrap_or(f64::INFINITY),
+        Sampling::MonteCarlo => settings.samples as f64,
+    }
+}
+
+/// Points of the sparse grid; none if it is beyond what can be made.
+fn sparse(random: &Random) -> Option<f64> {
+    if random.germs.len() > MANY {
+        return None;
+    }
+    let variables: Vec<_> = random.germs.iter().map(|g| g.variable.clone()).collect();
+    smolyak(&variables, random.stochastic.level).ok().map(|grid| grid.points.len() as f64)
+}
+
+/// Adds what is modelled of random input, or that there is none.
+pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+    let decision = |what: &str, choice: String, why: String| Decision { what: what.into(), choice, why };
+    let Some(random) = &scene.random else {
+        left_out.push(decision("random input", "one solve".into(), "no random name is used".into()));
+        return;
+    };
+    let settings = &random.stochastic;
+    let count = points(random);
+    let germs = random.germs.len();
+    let how = match settings.method {
+        Sampling::Galerkin | Sampling::Collocation => format!(
+            "{} of degree {} on {} element(s) in each of {germs} germ(s): {count} points{}",
+            method(settings.method),
+            settings.degree,
+            settings.elements,
+            if settings.refine { ", refined until their truncation is small" } else { "" }
+        ),
+        Sampling::Sparse => format!("sparse grid of level {} in {germs} germ(s): {count} points", settings.level),
+        Sampling::MonteCarlo => format!("{count} samples of {germs} germ(s), seed {}", settings.seed),
+    };
+    let why = format!(
+        "each a condensed contact solve with the one factorisation of the mesh{}",
+        match (settings.method, sparse(random)) {
+            (Sampling::Galerkin | Sampling::Collocation, Some(sparse)) if sparse < count =>
+                format!("; method = \"sparse\" of level {} has {sparse} points", settings.level),
+            _ => String::new(),
+        }
+    );
+    let refused = settings.method != Sampling::MonteCarlo && count > settings.max_nodes as f64;
+    let why = if refused {
+        format!("more than stochastic.max_nodes = {}: solve refuses it", settings.max_nodes)
+    } else {
+        why
+    };
+    modelled.push(decision("random input", how, why));
+    if random.uses.young && settings.method == Sampling::Galerkin {
+        let (choice, why) = match is_coupled(scene, random) {
+            Ok(true) => ("coupled", "the modulus is not affine in its germs: the exact Galerkin system, cell by cell"),
+            _ => (
+                "one by one",
+                "an affine modulus; or a body force, Coulomb friction or a body that only contact holds: node by node, which is collocation",
+            ),
+        };
+        modelled.push(decision("stochastic nodes", choice.into(), why.into()));
+    }
+    for (field, _) in random.fields() {
+        let (modes, captured) = (field.expansion.len(), field.expansion.captured());
+        let choice = format!("{} by {modes} modes", field.name);
+        modelled.push(decision(
+            "random field",
+            choice,
+            format!("they carry {:.2} % of its variance", 100.0 * captured),
+        ));
+    }
+    for (germ, moved) in random.germs.iter().zip(sensitivities(scene, random)) {
+        let lost = germ.variable.lost();
+        let cut = if lost > 0.0 { format!("; its bounds cut off a probability of {lost:.1e}") } else { String::new() };
+        let said = format!("{}{cut}", moved.text());
+        modelled.push(decision("germ", germ.label.clone(), said));
+    }
+    if germs > NAMED {
+        left_out.push(decision("germs", format!("{} more", germs - NAMED), "not named here".into()));
+    }
+}
+
+/// How far one deviation of a germ to both sides moves the data.
+struct Moved {
+    /// Of E, relative.
+    young: f64,
+    /// Of the tractions, relative to their size, both in mean square along the boundary.
+    loads: f64,
+    /// Of gap (length) and of friction (stress or 1), at most.
+    gap: f64,
+    friction: f64,
+    /// Of prescribed displacements, at most (length).
+    held: f64,
+}
+
+impl Moved {
+    fn text(&self) -> String {
+        let mut parts = Vec::new();
+        let mut percent = |what: &str, part: f64| {
+            if part > 0.0 {
+                parts.push(format!("{what} by {:.1} %", 100.0 * part));
+            }
+        };
+        percent("moves Young's modulus", self.young);
+        percent("moves the loads", self.loads);
+        let mut size = |what: &str, size: f64| {
+            if size > 0.0 {
+                parts.push(format!("{what} by {size:.1e}"));
+            }
+        };
+        size("moves the gap", self.gap);
+        size("moves friction", self.friction);
+        size("moves held displacements", self.held);
+        if parts.is_empty() { "moves next to nothing: a number would do".into() } else { parts.join(", ") }
+    }
+}
+
+/// A cheap sensitivity: the data, not the answers, at one deviation of each germ to both sides of the others' middle.
+fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
+    let middle: Vec<f64> = random.germs.iter().map(|g| g.variable.quantile(0.5)).collect();
+    let one = |d: usize| {
+        let outcome = |p: f64| {
+            let mut germs = middle.clone();
+            germs[d] = random.germs[d].variable.quantile(p);
+            scene.outcome(&germs).unwrap_or_else(|_| scene.clone())
+        };
+        let (low, high) = (outcome(0.158_655), outcome(0.841_345));
+        let young = |s: &Scene| s.material.young;
+        let mut moved = Moved { gap: 0.0, friction: 0.0, held: 0.0, loads: 0.0, young: 0.0 };
+        moved.young = 0.5 * (young(&high) - young(&low)).abs() / young(scene);
+        let (mut change, mut size) = (0.0, 0.0);
+        for edge in scene.polygon.edges() {
+            for k in 0..=STEPS {
+                let s = k as f64 / STEPS as f64;
+                let [x, y] = edge.point(s);
+                let value = |f: &Expression| f.eval(x, y, s);
+                let pair = |a: &Expression, b: &Expression| (value(b) - value(a), 0.5 * (value(a) + value(b)));
+                let (a, b) = (&low.sides[edge.side].condition, &high.sides[edge.side].condition);
+                let mut load = |a: &Expression, b: &Expression| {
+                    let (d, m) = pair(a, b);
+                    change += 0.25 * d * d * edge.length();
+                    size += m * m * edge.length();
+                };
+                let half = |a: &Expression, b: &Expression| 0.5 * pair(a, b).0.abs();
+                match (a, b) {
+                    (Condition::Traction(a), Condition::Traction(b)) => (0..2).for_each(|i| load(&a[i], &b[i])),
+                    (Condition::Pressure(a), Condition::Pressure(b)) => load(a, b),
+                    (Condition::Contact { gap: a, friction: f }, Condition::Contact { gap: b, friction: g }) => {
+                        moved.gap = moved.gap.max(half(a, b));
+                        let limit = |f: &steklov_problem::Friction| f.bound().or(f.coefficient()).cloned();
+                        if let (Some(f), Some(g)) = (limit(f), limit(g)) {
+                            moved.friction = moved.friction.max(half(&f, &g));
+                        }
+                    }
+                    (Condition::Displacement { values: a, .. }, Condition::Displacement { values: b, .. }) => {
+                        for (a, b) in a.iter().zip(b).filter_map(|(a, b)| a.as_ref().zip(b.as_ref())) {
+                            moved.held = moved.held.max(half(a, b));
+                        }
+                    }
+                    _ => {}
+                }
+            }
+        }
+        if let (Some(a), Some(b)) = (low.constant_force(), high.constant_force()) {
+            for i in 0..2 {
+                change += 0.25 * (b[i] - a[i]).powi(2) * scene.polygon.area();
+                size += (0.5 * (a[i] + b[i])).powi(2) * scene.polygon.area();
+            }
+        }
+        moved.loads = if change == 0.0 { 0.0 } else { (change / size).sqrt() };
+        moved
+    };
+    (0..random.germs.len().min(NAMED)).map(one).collect()
+}

@@ -1,0 +1,284 @@
+//! A body on a mesh: its matrices, which no load changes, and its answer to loads.
+
+use faer::Mat;
+use steklov_bem_operators::{BoundaryField, Condensation, Mesh, Space, TractionMap};
+use steklov_contact::{ContactBoundary, ContactError, Problem, Solution, resisted_motions};
+use steklov_elastic::{Material, RigidMotion};
+
+use crate::body_load::{Particular, crossed_work, energies};
+use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
+use crate::data::{Data, Loads};
+use crate::inclusion::Outside;
+use crate::motions::{balanced, edges, work};
+use crate::solve::{Energies, Seconds, SolveError, Solved};
+use crate::stabilised::StabilisedContact;
+use crate::supports::{Held, Supports};
+use steklov_problem::{Condition, Scene};
+
+/// Relative residual of equilibrium beyond which an answer has lost too many digits.
+pub(crate) const UNBALANCED: f64 = 1e-7;
+
+/// What assembly and factorisation leave: enough to answer any loads, gaps, bounds and held values on the same supports.
+pub struct Body {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Its unknowns.
+    pub space: Space,
+    /// The material of the matrices.
+    pub material: Material,
+    /// Length in the logarithm of the kernel.
+    pub length: f64,
+    /// S, the free unknowns eliminated; with a medium around the body the sum of both.
+    pub condensation: Condensation,
+    /// The medium around it, if there is one.
+    pub outside: Option<Outside>,
+    /// S_c of the contact unknowns, for the outcomes of random input; empty without contact, or when a scene without random input
+    /// is solved.
+    pub stiffness: Mat<f64>,
+    /// From displacements to tractions.
+    pub traction_map: TractionMap,
+    /// Prescribed components of the nodes.
+    pub(crate) held: Vec<Held>,
+    /// Rigid motions that nothing resists and no load drives.
+    pub free: Vec<RigidMotion>,
+}
+
+/// What acts on a body.
+pub struct Given {
+    pub(crate) loads: Loads,
+    pub(crate) particular: Option<Particular>,
+    pub(crate) boundary: Option<ContactBoundary>,
+    /// Values of the held unknowns, in the order of the nodes.
+    pub(crate) held: Vec<f64>,
+    /// Whether it is asked how safe a solution under Coulomb's law is.
+    pub(crate) judged: bool,
+    /// Whether contact may be solved again where the obstacle pushes the body off.
+    pub(crate) liftable: bool,
+    /// An answer with stabilised multipliers, which is then reported.
+    pub(crate) stabilised: Option<StabilisedContact>,
+    /// Nodal load of all.
+    pub(crate) load: Vec<f64>,
+    /// Load of the bubbles, less that of the particular solution.
+    extra_load: Vec<f64>,
+}
+
+impl Given {
+    pub(crate) fn new(
+        loads: Loads,
+        particular: Option<Particular>,
+        boundary: Option<ContactBoundary>,
+        held: Vec<f64>,
+        mesh: &Mesh,
+        space: &Space,
+    ) -> Self {
+        let (mut load, mut extra_load) = (loads.nodal.clone(), loads.bubbles.clone());
+        if let Some(p) = &particular {
+            load.iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
+            extra_load.iter_mut().zip(p.solution.bubble_load(mesh, space)).for_each(|(f, t)| *f -= t);
+        }
+        Self { loads, particular, boundary, held, judged: true, liftable: true, stabilised: None, load, extra_load }
+    }
+
+    /// The motions of `candidates` that nothing resists.
+    pub(crate) fn free_motions(
+        &self,
+        space: &Space,
+        candidates: &[RigidMotion],
+    ) -> Result<Vec<RigidMotion>, SolveError> {
+        match &self.boundary {
+            None => balanced(&space.points, &self.load, candidates),
+            Some(boundary) => {
+                Ok(resisted_motions(candidates, &edges(boundary), |r| work(&space.points, &self.load, r))?)
+            }
+        }
+    }
+}
+
+/// What is left of a solution, besides the matrices of its [`Body`], for its estimate and the next mesh.
+pub struct Factors {
+    /// Nodal displacement without the particular solution, of biorthogonal multipliers.
+    pub homogeneous: Vec<f64>,
+    /// Nodal displacement ξ of the medium around it.
+    pub outside: Option<Vec<f64>>,
+    /// J of that displacement.
+    pub energy: f64,
+    /// ‖u - u_b‖², energy norm, of the displacements of stabilised and biorthogonal multipliers; 0 if they are one.
+    pub difference: f64,
+    /// Load of the bubbles, less that of the particular solution.
+    pub extra_load: Vec<f64>,
+    /// What the polynomials of each element leave of its prescribed tractions, h/(p+2) ‖t - Π t‖² (stress² length²).
+    pub unresolved: Vec<f64>,
+    /// The condensed contact problem.
+    pub contact: Option<ContactFactors>,
+}
+
+impl Body {
+    /// The elastic field of a nodal displacement and its traction.
+    pub fn field(&self, displacement: &[f64], traction: &[f64]) -> BoundaryField {
+        let field = BoundaryField::new(&self.mesh, &self.space, &self.material, displacement, traction, self.length);
+        field.tending_to(self.traction_map.at_infinity(displacement))
+    }
+
+    /// The answer to what acts on the body; `solve` solves the condensed contact problem. No seconds are taken.
+    ///
+    /// # Errors
+    /// Those of the contact solver; results that leave the range of floating point.
+    pub(crate) fn answer(
+        &self,
+        scene: &Scene,
+        given: Given,
+        solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
+    ) -> Result<(Solved, Factors), SolveError> {
+        let Given {
+            loads: Loads { nodal: tractions, unresolved, .. },
+            particular,
+            boundary,
+            held,
+            judged,
+            liftable,
+            stabilised,
+            load,
+            extra_load,
+        } = given;
+        let Self { mesh, space, condensation, .. } = self;
+        let supports = Supports { space, held: &self.held };
+        let data = Data { scene, mesh, space };
+        let solution = particular.as_ref().map(|p| p.solution);
+        let condensed = condensation.load_held(&load, &held);
+        let (displacement, contact, contact_factors) = match boundary {
+            None => (condensation.expand(&condensed, &[]), None, None),
+            Some(boundary) => {
+                let body = CondensedBody {
+                    mesh,
+                    space,
+                    stiffness: &self.stiffness,
+                    load: &condensed.kept,
+                    expand: &|v| condensation.expand(&condensed, v),
+                    largest_diagonal: condensation.largest_diagonal(),
+                    driven: &|motion| work(&space.points, &load, motion),
+                    free: &self.free,
+                    judged,
+                    liftable: liftable && stabilised.is_none(),
+                };
+                let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
+                (displacement, Some(result), Some(factors))
+            }
+        };
+        // what adaptivity and the estimate rest on
+        let companion = displacement;
+        let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
+        let (mut displacement, contact) = match (contact, stabilised) {
+            (Some(contact), Some(s)) => {
+                let (displacement, audit, friction_work) = (s.displacement.clone(), s.audit, s.friction_work);
+                (displacement, Some(ContactResult { audit, friction_work, stabilised: Some(s), ..contact }))
+            }
+            (contact, _) => (companion.clone(), contact),
+        };
+        let forces = condensation.multiply(&displacement);
+        let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(s, f)| s - f).collect();
+        if let Some(c) = &contact {
+            match &c.stabilised {
+                Some(s) => residual.iter_mut().zip(&s.forces).for_each(|(r, f)| *r += f),
+                None => {
+                    for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
+                        residual[2 * node] += force[0];
+                        residual[2 * node + 1] += force[1];
+                    }
+                }
+            }
+        }
+        let equilibrium = supports.equilibrium(&residual, &forces, &load, 0.0);
+        // without a load a body may move as a whole or not at all: forces of roundoff are no scale of their own
+        let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let unloaded = largest(&load) == 0.0;
+        let gap = contact.as_ref().map_or(0.0, |c| c.boundary.largest_gap());
+        let moved = largest(&displacement) + gap;
+        let floor = if unloaded { 1e-6 * condensation.largest_diagonal() * moved } else { 0.0 };
+        let balanced = supports.equilibrium(&residual, &forces, &load, floor) <= UNBALANCED;
+        let contact = contact.map(|mut c| {
+            c.audit.equilibrium = c.audit.equilibrium.max(equilibrium);
+            c
+        });
+
+        // forces have the springs of free motions in them: these are taken out after that
+        if let Some(outside) = &self.outside {
+            outside.centre(&mut displacement, mesh, space, &self.free);
+        }
+        let lift = contact.as_ref().and_then(|c| c.lift.as_ref()).map(|lift| lift.nodal(&space.points));
+        let unlifted = lift.as_ref().map(|_| displacement.clone());
+        displacement.iter_mut().zip(lift.iter().flatten()).for_each(|(u, r)| *u += r);
+
+        let of_displacement = |displacement: &[f64], forces: &[f64], friction_work: f64| {
+            let homogeneous: Vec<f64> = match &particular {
+                None => displacement.to_vec(),
+                Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
+            };
+            let traction = self.traction_map.apply(&homogeneous);
+            let field = self.field(&homogeneous, &traction);
+            let crossed = solution.map_or(0.0, |b| crossed_work(&field, &b, mesh, space));
+            let mut energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
+            if let Some(outside) = &self.outside {
+                energies.strain = outside.strain_energy(displacement, &outside.displacement(displacement), forces);
+                energies.total = energies.strain - energies.load_work + friction_work;
+            }
+            (homogeneous, field, energies)
+        };
+        let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
+        let (homogeneous, field, energies) = of_displacement(&displacement, &forces, friction_work);
+        let (homogeneous, companion_energy, difference) = match &contact {
+            Some(ContactResult { stabilised: Some(_), .. }) => {
+                let apart: Vec<f64> = displacement.iter().zip(&companion).map(|(a, b)| a - b).collect();
+                let stiff = condensation.multiply(&apart);
+                let (homogeneous, _, energies) =
+                    of_displacement(&companion, &condensation.multiply(&companion), companion_friction);
+                (homogeneous, energies.total, apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0))
+            }
+            // the estimate is that of the solution on its springs
+            _ => match unlifted {
+                Some(u) => (of_displacement(&u, &forces, friction_work).0, energies.total, 0.0),
+                None => (homogeneous, energies.total, 0.0),
+            },
+        };
+        let Energies { total, strain, load_work, .. } = energies;
+        if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
+            return Err(SolveError::NotFinite { energy: total });
+        }
+        let mut reactions = supports
+            .reactions(&residual, mesh, &scene.sides, |e, j| data.traction_moment(&field, solution.as_ref(), e, j));
+        if let Some(c) = &contact {
+            for (side, condition) in scene.sides.iter().enumerate() {
+                if matches!(condition.condition, Condition::Contact { .. }) {
+                    reactions.push((side, c.force(side)));
+                }
+            }
+        }
+        reactions.sort_by_key(|r| r.0);
+        let reactions = reactions.into_iter().map(|(side, force)| (mesh.side_names[side].clone(), force)).collect();
+        let outside = self.outside.as_ref();
+        let factors = Factors {
+            homogeneous,
+            outside: outside.map(|outside| outside.displacement(&displacement)),
+            energy: companion_energy,
+            difference,
+            extra_load,
+            unresolved,
+            contact: contact_factors,
+        };
+        let solved = Solved {
+            around: outside.map(|outside| outside.around(mesh, space, &displacement, &tractions)),
+            displacement,
+            field,
+            particular: solution,
+            energies,
+            contact,
+            equilibrium,
+            balanced,
+            reactions,
+            free_motions: self.free.clone(),
+            seconds: Seconds::default(),
+            mesh: mesh.clone(),
+            space: space.clone(),
+        };
+        Ok((solved, factors))
+    }
+}

@@ -1,0 +1,175 @@
+//! The data of contact sides on a mesh: gaps, friction bounds and coefficients.
+
+use steklov_bem_operators::{BemError, ParticularSolution, Site};
+use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles};
+use steklov_expression::Expression;
+
+use crate::data::{Data, Function};
+use crate::solve::SolveError;
+use crate::supports::Held;
+use steklov_problem::{Condition, DataError, DataErrorKind, Friction};
+
+impl Data<'_> {
+    /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.
+    pub(crate) fn contact_bubbles(
+        &self,
+        boundary: &ContactBoundary,
+        sets: &Sets,
+        body: Option<&ParticularSolution>,
+    ) -> Result<Vec<ContactBubble>, SolveError> {
+        let functions: Vec<_> = self
+            .scene
+            .sides
+            .iter()
+            .map(|side| match &side.condition {
+                Condition::Contact { gap, friction } => {
+                    let [bound, coefficient] =
+                        [friction.bound(), friction.coefficient()].map(|f| f.map(|f| self.function(f)));
+                    Some((self.less_particular(gap, body, |e| self.mesh.normal(e)), bound, coefficient))
+                }
+                _ => None,
+            })
+            .collect();
+        let none = Function { value: Box::new(|_| 0.0), kinks: Box::new(|_| Vec::new()) };
+        let gap = |side: usize| functions[side].as_ref().map_or(&none, |f| &f.0).datum("gap");
+        let bound =
+            |side: usize| functions[side].as_ref().and_then(|f| f.1.as_ref()).map(|b| b.datum("friction bound"));
+        let coefficient =
+            |side: usize| functions[side].as_ref().and_then(|f| f.2.as_ref()).map(|b| b.datum("friction coefficient"));
+        Ok(contact_bubbles(self.mesh, self.space, boundary, sets, &gap, &bound, &coefficient)?)
+    }
+
+    pub(crate) fn contact_sides(&self) -> Vec<ContactSide<'_>> {
+        let sides = self.scene.sides.iter().enumerate();
+        sides
+            .filter_map(|(index, side)| match &side.condition {
+                Condition::Contact { gap, friction } => {
+                    Some(ContactSide { index, gap, bound: friction.bound(), coefficient: friction.coefficient() })
+                }
+                _ => None,
+            })
+            .collect()
+    }
+
+    /// Gap, bound and coefficient of contact sides.
+    fn contact_functions<'s>(&'s self, sides: &[ContactSide<'s>]) -> Vec<(usize, [Option<Function<'s>>; 3])> {
+        let of = |s: &ContactSide<'s>| [Some(s.gap), s.bound, s.coefficient].map(|f| f.map(|f| self.function(f)));
+        sides.iter().map(|s| (s.index, of(s))).collect()
+    }
+
+    /// Calls with gap, bound and coefficient of every contact side.
+    pub(crate) fn with_contact_data<T>(&self, call: impl FnOnce(&[SideData<'_>]) -> T) -> T {
+        let sides = self.contact_sides();
+        let functions = self.contact_functions(&sides);
+        let sides: Vec<SideData<'_>> = functions.iter().filter_map(side_data).collect();
+        call(&sides)
+    }
+
+    /// [`Self::contact`] with the unknowns only that its conditions need.
+    pub(crate) fn condensed_contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
+        let frictionless = |side: usize| {
+            matches!(self.scene.sides[side].condition, Condition::Contact { friction: Friction::None, .. })
+        };
+        // of as few unknowns as rigid motions there may be no stiffness left
+        let enough = |boundary: &ContactBoundary| boundary.kept().len() > 3;
+        let boundary = self.contact(held)?;
+        Ok(boundary.map(|whole| Some(whole.clone().without_tangents(&frictionless)).filter(enough).unwrap_or(whole)))
+    }
+
+    /// Contact nodes, weights and conditions; none without a contact side.
+    pub fn contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
+        let sides = self.contact_sides();
+        if sides.is_empty() {
+            return Ok(None);
+        }
+        for side in &sides {
+            for (name, friction) in [("friction bound", side.bound), ("friction coefficient", side.coefficient)] {
+                if let Some(friction) = friction {
+                    self.check_at_nodes(side.index, name, friction)?;
+                }
+            }
+        }
+        for side in &sides {
+            self.check_held_ends(side.index, side.gap, held)?;
+        }
+        let values = |node: usize| held[node].components.map(|c| c.map(|(value, _)| value));
+        let boundary = self.with_contact_data(|sides| contact_boundary(self.mesh, self.space, sides, &values));
+        boundary.map(Some).map_err(|error| match error {
+            steklov_contact::ContactError::Data(error) => match self.contact_expression(&error) {
+                Some(expression) => self.located(error, expression),
+                None => error.into(),
+            },
+            error => error.into(),
+        })
+    }
+
+    /// A held end of a contact side must not be held inside the obstacle: no traction could do that at a point.
+    fn check_held_ends(&self, side: usize, gap: &Expression, held: &[Held]) -> Result<(), SolveError> {
+        for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side) {
+            let n = self.mesh.normal(e);
+            for (t, node) in [(-1.0, self.space.node(e, 0)), (1.0, self.space.node(e, self.space.degree(e)))] {
+                let components = held[node].components;
+                let movable = (0..2).any(|i| components[i].is_none() && n[i].abs() > 1e-12);
+                let Some((_, holder)) = components.iter().flatten().next() else { continue };
+                let site = Site::new(self.mesh, e, t);
+                let gap = gap.eval(site.point[0], site.point[1], site.s);
+                let u_n: f64 = (0..2).map(|i| components[i].map_or(0.0, |(value, _)| n[i] * value)).sum();
+                if !movable && u_n - gap > 1e-9 * u_n.abs().max(gap.abs()) {
+                    let (name, holder) = (&self.mesh.side_names[side], &self.mesh.side_names[*holder]);
+                    let [x, y] = site.point;
+                    let message = format!(
+                        "the point ({x}, {y}) at the end of side {name:?} is held at u_n = {u_n}, inside the obstacle, \
+                         whose gap there is {gap}"
+                    );
+                    let keys = [vec!["sides", holder, "displacement"]];
+                    let help =
+                        "hold it outside of the obstacle, free the component along the normal, or change the gap";
+                    return Err(DataError::at(DataErrorKind::Conflict, &keys, message, help).into());
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The gap, friction bound or coefficient that an error is about.
+    fn contact_expression(&self, error: &BemError) -> Option<&Expression> {
+        let (BemError::DataNotFinite { name, side, .. } | BemError::DataRough { name, side, .. }) = error else {
+            return None;
+        };
+        match &self.scene.sides.iter().find(|s| s.name == *side)?.condition {
+            Condition::Contact { gap, .. } if name == "gap" => Some(gap),
+            Condition::Contact { friction, .. } => friction.bound().or(friction.coefficient()),
+            _ => None,
+        }
+    }
+
+    /// Bounds and coefficients of friction are used at the nodes, from both sides of each.
+    fn check_at_nodes(&self, side: usize, what: &str, expression: &Expression) -> Result<(), SolveError> {
+        for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side) {
+            for &t in &self.space.basis(e).nodes {
+                let site = Site::new(self.mesh, e, t);
+                let at = (site.point[0], site.point[1], site.s);
+                self.scene.check_value(&self.mesh.side_names[side], what, expression, at)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// A contact side of the scene.
+pub(crate) struct ContactSide<'a> {
+    pub(crate) index: usize,
+    pub(crate) gap: &'a Expression,
+    pub(crate) bound: Option<&'a Expression>,
+    pub(crate) coefficient: Option<&'a Expression>,
+}
+
+fn side_data<'a>((side, functions): &'a (usize, [Option<Function<'_>>; 3])) -> Option<SideData<'a>> {
+    let [gap, bound, coefficient] = functions;
+    Some(SideData {
+        side: *side,
+        gap: gap.as_ref()?.datum("gap"),
+        bound: bound.as_ref().map(|b| b.datum("friction bound")),
+        coefficient: coefficient.as_ref().map(|c| c.datum("friction coefficient")),
+    })
+}

@@ -1,0 +1,105 @@
+//! Displacement and stress of a solved body, inside and on its boundary.
+
+use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution};
+use steklov_problem::Scene;
+
+use crate::solve::Solved;
+use crate::summary::Probe;
+
+/// Displacement and stress at a point: on the boundary those of the body.
+pub fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
+    let (displacement, stress) = match (scene.polygon.contains(x), &solved.around) {
+        (Location::Boundary { edge, s }, _) => solved.on_edge(edge, s),
+        (Location::Outside, Some(around)) => around.at(x),
+        _ => solved.inside(x),
+    };
+    Probe { point: x, displacement, stress, stress_unbounded: false }
+}
+
+impl Solved {
+    /// Its field.
+    pub fn elastic_field(&self) -> ElasticField<'_> {
+        ElasticField { mesh: &self.mesh, field: &self.field, particular: self.particular.as_ref() }
+    }
+
+    /// Displacement and stress at a point inside the body.
+    pub fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        self.elastic_field().inside(x)
+    }
+
+    /// Displacement and stress on the boundary, at the reference coordinate t of element e.
+    pub fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
+        self.elastic_field().on_boundary(e, t)
+    }
+
+    /// Traction at the reference coordinate t of element e.
+    pub fn traction(&self, e: usize, t: f64) -> [f64; 2] {
+        let traction = self.field.trace(e, t).traction;
+        let extra = self.particular.map_or([0.0; 2], |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e)));
+        [traction[0] + extra[0], traction[1] + extra[1]]
+    }
+
+    /// Displacement and stress at the edge parameter s of an edge of the polygon; at a corner or another vertex, where
+    /// stresses of the elements beside it differ, their mean.
+    pub fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
+        self.elastic_field().on_edge(edge, s)
+    }
+}
+
+/// A field of a body, inside and on its boundary.
+#[derive(Clone, Copy)]
+pub struct ElasticField<'a> {
+    /// The boundary elements.
+    pub mesh: &'a Mesh,
+    /// Their displacement and traction.
+    pub field: &'a BoundaryField,
+    /// What is added to it.
+    pub particular: Option<&'a ParticularSolution>,
+}
+
+impl ElasticField<'_> {
+    /// Displacement and stress at a point inside.
+    pub fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        let Inside { displacement: mut u, mut stress, .. } = self.field.inside(x);
+        if let Some(p) = self.particular {
+            let (v, sigma) = (p.displacement(x), p.stress(x));
+            (0..2).for_each(|i| u[i] += v[i]);
+            (0..3).for_each(|i| stress[i] += sigma[i]);
+        }
+        (u, stress)
+    }
+
+    /// Displacement and stress at the reference coordinate t of element e.
+    pub fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
+        let trace = self.field.trace(e, t);
+        let (mut u, mut stress) = (trace.displacement, trace.stress);
+        if let Some(p) = self.particular {
+            let x = self.mesh.point(e, t);
+            let (v, sigma) = (p.displacement(x), p.stress(x));
+            (0..2).for_each(|i| u[i] += v[i]);
+            (0..3).for_each(|i| stress[i] += sigma[i]);
+        }
+        (u, stress)
+    }
+
+    /// Displacement and stress at the edge parameter s of an edge; at a vertex the mean of the stresses beside it.
+    pub fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
+        let within = |e: &usize| {
+            let [a, b] = self.mesh.span[*e];
+            self.mesh.edge[*e] == edge && a.min(b) <= s && s <= a.max(b)
+        };
+        let e = (0..self.mesh.len()).find(within).unwrap_or(0);
+        let [a, b] = self.mesh.span[e];
+        let t = (2.0 * (s - a) / (b - a) - 1.0).clamp(-1.0, 1.0);
+        let (displacement, stress) = self.on_boundary(e, t);
+        // at a vertex the mean of the stresses of its two elements
+        let other = match t {
+            1.0 => self.on_boundary(self.mesh.next[e], -1.0).1,
+            -1.0 => {
+                (0..self.mesh.len()).find(|&f| self.mesh.next[f] == e).map_or(stress, |f| self.on_boundary(f, 1.0).1)
+            }
+            _ => stress,
+        };
+        (displacement, [0, 1, 2].map(|i| (stress[i] + other[i]) / 2.0))
+    }
+}

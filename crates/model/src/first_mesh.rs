@@ -1,0 +1,191 @@
+//! The first mesh: vertices at singular points and where the data are narrower than an element.
+
+use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
+use steklov_expression::Expression;
+
+use crate::adapt::Layout;
+use steklov_problem::{Condition, Friction, Refine, Scene};
+
+/// Straight corners are those whose sides turn by less than this (radian).
+const STRAIGHT: f64 = 1e-9;
+/// A vertex closer to a kink of the data than this part of its element is moved there.
+const SNAP: f64 = 0.2;
+/// Data that vary within less than an element of the first mesh get vertices there, at so many places of an edge at most.
+const MOST_PLACES: usize = 64;
+/// A vertex within this part of its distance from such a place is as good as another one there.
+const NEAR: f64 = 0.4;
+/// They change by this part of the largest value there.
+const STEEP: f64 = 0.05;
+/// Values beyond this part of the largest one are seen.
+const SEEN: f64 = 0.2;
+
+impl Layout {
+    /// The first mesh; of the hp strategy with vertices at the kinks of the data.
+    pub fn first(scene: &Scene) -> Self {
+        let mesh = Mesh::uniform(&scene.polygon, scene.method.elements, scene.method.degree);
+        let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
+        if scene.method.refine == Refine::Hp {
+            for (k, points) in singular_points(scene, true).iter().enumerate() {
+                for (i, &s) in points.iter().enumerate() {
+                    subdivision.insert(k, s, &points[..i], SNAP);
+                }
+                for place in narrow_places(scene, &scene.polygon.edges()[k], &subdivision.edges[k].clone()) {
+                    insert_apart(&mut subdivision, k, place);
+                    if matches!(scene.sides[scene.polygon.edges()[k].side].condition, Condition::Displacement { .. }) {
+                        insert_graded(&mut subdivision, &scene.polygon, k, place);
+                    }
+                }
+            }
+        }
+        Self { subdivision, tips: Vec::new() }
+    }
+}
+
+/// Singular points of every edge that are known before anything is solved, rising: its corners, but those where the
+/// boundary goes on straight on the same side; with `kinks` also where a datum has a kink or jumps.
+pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
+    let edges = scene.polygon.edges();
+    let mut points = vec![Vec::new(); edges.len()];
+    for l in 0..scene.polygon.loops().len() {
+        let order = scene.polygon.traversal(l);
+        let order: Vec<usize> = order.into_iter().collect();
+        for (i, &a) in order.iter().enumerate() {
+            let b = order[(i + 1) % order.len()];
+            let direction = |k: usize| {
+                let (s, e) = (edges[k].start, edges[k].end);
+                let sign = if edges[k].reversed { -1.0 } else { 1.0 };
+                [sign * (e[0] - s[0]), sign * (e[1] - s[1])]
+            };
+            let (x, y) = (direction(a), direction(b));
+            let turn = (x[0] * y[1] - x[1] * y[0]).atan2(x[0] * y[0] + x[1] * y[1]);
+            if turn.abs() > STRAIGHT || edges[a].side != edges[b].side {
+                points[a].push(if edges[a].reversed { 0.0 } else { 1.0 });
+                points[b].push(if edges[b].reversed { 1.0 } else { 0.0 });
+            }
+        }
+    }
+    if kinks {
+        for (k, edge) in edges.iter().enumerate() {
+            for datum in data(&scene.sides[edge.side].condition).into_iter().chain(scene.jumps_on(edge)) {
+                let along = datum.along(edge);
+                points[k].extend(along.kinks.iter().filter(|s| **s > 1e-9 && **s < 1.0 - 1e-9));
+            }
+        }
+    }
+    for points in &mut points {
+        points.sort_by(f64::total_cmp);
+        points.dedup_by(|b, a| *b - *a < 1e-9);
+    }
+    points
+}
+
+/// The elements between two of these points. The error of one may have the parity that the one bubble of an estimate has
+/// not.
+pub fn coarse_elements(mesh: &Mesh, singular: &[Vec<f64>]) -> Vec<usize> {
+    let at = |e: usize, s: f64| singular[mesh.edge[e]].iter().any(|p| (p - s).abs() < SAME_PLACE);
+    (0..mesh.len()).filter(|&e| mesh.span[e].iter().all(|&s| at(e, s))).collect()
+}
+
+/// Vertices at three places of an edge, but where there is one already.
+pub(crate) fn insert_apart(subdivision: &mut Subdivision, edge: usize, places: [f64; 3]) {
+    let apart = 0.1 * (places[2] - places[0]).abs();
+    for s in places {
+        let near = |p: &Piece| (p.start - s).abs() < apart || (p.end - s).abs() < apart;
+        if !subdivision.edges[edge].iter().any(near) {
+            subdivision.insert(edge, s, &[], 0.0);
+        }
+    }
+}
+
+/// Vertices at distances that grow by 1/σ away from a narrow place of prescribed displacements, along this edge and those after
+/// it: the tractions beside it fall off like those beside a singular point, but no estimate of one long element sees that. There
+/// are none where a vertex is about as far away already.
+fn insert_graded(subdivision: &mut Subdivision, polygon: &Polygon, edge: usize, [begin, _, end]: [f64; 3]) {
+    let sigma = Grading::default().sigma;
+    let edges = polygon.edges();
+    let half = (end - begin) / 2.0 * edges[edge].length();
+    for (from, rising) in [(begin, false), (end, true)] {
+        let (mut at, mut rising) = (edge, rising);
+        // distance from the place to the end of this edge that the walk comes from
+        let mut passed = if rising { -from } else { from - 1.0 } * edges[edge].length();
+        let mut distance = half;
+        while distance < polygon.diameter() {
+            let length = edges[at].length();
+            if distance - passed >= length {
+                passed += length;
+                (at, rising) = polygon.neighbour(at, rising);
+                continue;
+            }
+            let s = (distance - passed) / length;
+            let s = if rising { s } else { 1.0 - s };
+            let apart = NEAR * distance / length;
+            let near = |p: &Piece| (p.start - s).abs() < apart || (p.end - s).abs() < apart;
+            if !subdivision.edges[at].iter().any(near) {
+                subdivision.insert(at, s, &[], 0.0);
+            }
+            distance /= sigma;
+        }
+    }
+}
+
+/// Where the data of an edge, gaps apart, change within less than one of its elements, unseen by its nodes: begin, peak and
+/// end of each such place. A gap matters where the body comes near the obstacle only.
+fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]> {
+    let shortest = elements.iter().map(|p| p.end - p.start).fold(0.0, f64::max);
+    let mut places: Vec<[f64; 3]> = Vec::new();
+    let condition = &scene.sides[edge.side].condition;
+    let gap = |datum: &&Expression| !matches!(condition, Condition::Contact { gap, .. } if std::ptr::eq(gap, *datum));
+    for datum in data(condition).into_iter().chain(scene.jumps_on(edge)).filter(gap) {
+        if datum.constant().is_some() {
+            continue;
+        }
+        let along = datum.along(edge);
+        let clusters = along.survey.stretches(0.55 * shortest, STEEP);
+        let held = matches!(condition, Condition::Displacement { .. });
+        // loads are integrated: a look between the nodes is enough to see them; bounds and held values count at nodes, and one
+        // node does not show how steep held values are
+        let loads = matches!(condition, Condition::Traction(_) | Condition::Pressure(_) | Condition::Free);
+        let value = |s: f64| {
+            let [x, y] = edge.point(s);
+            datum.eval(x, y, s).abs()
+        };
+        let largest = along.survey.sampled.magnitude();
+        let points: Vec<f64> = elements
+            .iter()
+            .flat_map(|p| {
+                let parts = if loads { 4 } else { p.degree };
+                (0..=parts).map(move |k| p.start + (p.end - p.start) * k as f64 / parts as f64)
+            })
+            .collect();
+        for [a, b] in clusters.into_iter().filter(|c| c[0] < c[1] && c[1] - c[0] <= shortest) {
+            if held || !points.iter().any(|&s| a <= s && s <= b && value(s) > SEEN * largest) {
+                let inside = along.survey.samples.iter().filter(|p| a < p.0 && p.0 < b);
+                let peak = inside.max_by(|p, q| p.1.abs().total_cmp(&q.1.abs())).map_or((a + b) / 2.0, |p| p.0);
+                places.push([a, peak, b]);
+            }
+        }
+    }
+    if places.len() > MOST_PLACES { Vec::new() } else { places }
+}
+
+/// The expressions of a condition.
+fn data(condition: &Condition) -> Vec<&Expression> {
+    match condition {
+        Condition::Contact { gap, friction } => match friction {
+            Friction::Tresca(bound) | Friction::Coulomb(bound) => vec![gap, bound],
+            Friction::None => vec![gap],
+        },
+        Condition::Traction(t) => t.iter().collect(),
+        Condition::Pressure(p) => vec![p],
+        Condition::Displacement { values, traction } => {
+            values.iter().flatten().chain(traction.iter().flatten()).collect()
+        }
+        Condition::Free => Vec::new(),
+    }
+}
+
+/// The mesh of the first step.
+pub fn first_mesh(scene: &Scene) -> Mesh {
+    let uniform = || Mesh::uniform(&scene.polygon, scene.method.elements, scene.method.degree);
+    Layout::first(scene).subdivision.mesh(&scene.polygon).unwrap_or_else(|_| uniform())
+}

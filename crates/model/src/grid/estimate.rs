@@ -1,0 +1,307 @@
+//! The estimated error of a grid's solution, by its parts.
+
+use std::collections::HashMap;
+
+use steklov_msfem::{
+    Basis, CoarseCell, CoarseMesh, CrossingContrast, HeterogeneousBody, Indicators, Loads, bubble_indicators,
+    crossing_contrast, nodal_indicators,
+};
+
+use steklov_coupling::{CellIndicators, InterfaceIndicators};
+
+use super::FAILING;
+use super::coupled::{MediumTraction, medium_tractions};
+use super::oscillation::load_oscillation;
+use super::solve::{GridSolved, node_at};
+use super::trace::GridTrace;
+use crate::around::Around;
+use crate::solve::SolveError;
+use steklov_problem::{Indicator, Scene};
+
+/// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
+/// exact solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GridEstimate {
+    /// η² of each coarse cell (force times length per thickness); empty without coarse cells.
+    pub indicators: Vec<f64>,
+    /// Residuals of coarse cells, of the edges between them and of tractions, of which the indicators are the sums; None of nodal
+    /// residuals.
+    pub residual: Option<Indicators>,
+    /// Their sum: the squared multiscale error.
+    pub multiscale: f64,
+    /// The squared error of the fine grid.
+    pub fine_grid: f64,
+    /// What is left of the equations where body and medium meet, boundary element by boundary element; None without a medium.
+    pub interface: Option<InterfaceIndicators>,
+    /// Energy of what the nodes of each boundary element leave of the jump of the displacement.
+    pub jump: Vec<f64>,
+    /// The squared error of the medium: the sum of [`Self::of_elements`].
+    pub medium: f64,
+    /// (multiscale + fine grid + medium)^½, energy norm.
+    pub error: f64,
+    /// Error over (2 strain energy)^½.
+    pub relative: f64,
+    /// How the moduli vary along coarse edges.
+    pub crossing: Option<CrossingContrast>,
+    /// Largest ratio of moduli in a coarse cell whose functions do not know them (basis q1); 1 otherwise.
+    pub inside: f64,
+    /// Largest ratio of moduli between the pairs of opposite cells that meet at a fine node, as on a checkerboard.
+    pub crossed: f64,
+}
+
+/// Ratio between pairs of opposite cells from which the fine grid's own estimate is too small.
+const CROSSED: f64 = 1e2;
+
+/// Largest ratio of the softer of two opposite cells at a node to the stiffer one of the other two.
+fn contrast_crossed(body: &HeterogeneousBody) -> f64 {
+    let grid = &body.grid;
+    let [nx, ny] = grid.cells;
+    let young = |ix: usize, iy: usize| if grid.inside(ix, iy) { body.young[ix * ny + iy] } else { f64::NAN };
+    let at = |ix: usize, iy: usize| {
+        let [a, b, c, d] = [young(ix, iy), young(ix + 1, iy), young(ix + 1, iy + 1), young(ix, iy + 1)];
+        let whole = [a, b, c, d].iter().all(|e| e.is_finite());
+        if whole { (a.min(c) / b.max(d)).max(b.min(d) / a.max(c)) } else { 1.0 }
+    };
+    let column = |ix: usize| (0..ny - 1).map(|iy| at(ix, iy)).fold(1.0, f64::max);
+    (0..nx - 1).map(column).fold(1.0, f64::max)
+}
+
+/// Largest ratio of moduli in one coarse cell.
+fn contrast_inside(body: &HeterogeneousBody, mesh: &CoarseMesh) -> f64 {
+    let ratio = |cell: &CoarseCell| {
+        let young = cell.fine_cells(&body.grid).map(|c| body.young[c]);
+        let (low, high) = young.fold((f64::INFINITY, 0.0f64), |(low, high), e| (low.min(e), high.max(e)));
+        high / low
+    };
+    mesh.cells.iter().map(ratio).fold(1.0, f64::max)
+}
+
+impl GridEstimate {
+    /// η² of each boundary element (force times length per thickness): the error of its traction, or its residuals.
+    pub fn of_elements(&self, indicator: Indicator) -> Vec<f64> {
+        of_elements(self.interface.as_ref(), &self.jump, indicator)
+    }
+}
+
+fn of_elements(interface: Option<&InterfaceIndicators>, jump: &[f64], indicator: Indicator) -> Vec<f64> {
+    let Some(interface) = interface else { return Vec::new() };
+    let mut squared = match indicator {
+        Indicator::Bubble => interface.traction_error.clone(),
+        Indicator::Residual => interface.squared(),
+    };
+    squared.iter_mut().zip(jump).for_each(|(eta, jump)| *eta += jump);
+    squared
+}
+
+/// Ratio of moduli along a coarse edge from which no residual sees the error.
+pub const BLIND: f64 = 1e3;
+
+impl GridEstimate {
+    /// Why it is not to be trusted.
+    pub fn doubts(&self) -> Vec<String> {
+        let blind =
+            self.crossed >= CROSSED || self.inside >= BLIND || self.crossing.is_some_and(|c| c.largest >= BLIND);
+        if blind { vec!["contrast".to_owned()] } else { Vec::new() }
+    }
+}
+
+/// Estimates the error of a conforming solution; None of bases that do not conform, whose error no residual sees whole.
+///
+/// `tractions` are the means of the given ones on the fine sides (cell, side) of the boundary.
+pub(super) fn estimate(
+    scene: &Scene,
+    solved: &GridSolved,
+    loads: &Loads,
+    mut tractions: Tractions,
+    held: &[bool],
+) -> Result<Option<GridEstimate>, SolveError> {
+    let (body, u) = (&solved.body, &solved.displacement);
+    let coarse = solved.coarse.as_ref();
+    if coarse.is_some_and(|c| !c.basis.is_conforming()) {
+        return Ok(None);
+    }
+    let mut load = loads.nodal(body);
+    for pressed in contact_sides(solved) {
+        let h = pressed.length;
+        let [t0, t1] = pressed.tractions;
+        for (node, weights) in pressed.nodes.into_iter().zip([[2.0, 1.0], [1.0, 2.0]]) {
+            (0..2).for_each(|i| load[2 * node + i] += h / 6.0 * (weights[0] * t0[i] + weights[1] * t1[i]));
+        }
+        tractions.insert(pressed.side, [0, 1].map(|i| Some((t0[i] + t1[i]) / 2.0)));
+    }
+    let residuals = scene.method.indicator == Indicator::Residual;
+    if let Some(around) = &solved.around {
+        let fine = GridTrace::new(scene, &body.grid, |_| true)?;
+        let sides = medium_tractions(&body.grid, around, &fine);
+        for side in &sides {
+            for (node, moment) in side.nodes.into_iter().zip(side.moments) {
+                (0..2).for_each(|i| load[2 * node + i] += moment[i]);
+            }
+            let given = tractions.entry(side.side).or_insert([Some(0.0); 2]);
+            // the residuals there are those of the boundary elements
+            *given = if residuals { [None; 2] } else { beside_medium(solved, around, side, *given) };
+        }
+        share_with_medium(solved, around, &sides, &mut load);
+    }
+    let traction = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2]);
+    let mut residual = None;
+    let indicators = match (coarse, scene.method.indicator) {
+        (None, _) => Vec::new(),
+        (Some(coarse), Indicator::Bubble) => nodal_indicators(body, &coarse.mesh, &load, u, held),
+        (Some(coarse), Indicator::Residual) => {
+            // the bubbles of the solution answer the load inside of the cells
+            let force = if coarse.bubbles { &[][..] } else { &loads.body };
+            residual.insert(Indicators::new(body, &coarse.mesh, force, u, &traction)).squared()
+        }
+    };
+    let multiscale = indicators.iter().sum::<f64>();
+    let fine_grid: f64 = if residuals && coarse.is_none() && solved.around.is_some() {
+        let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
+        CellIndicators::new(body, u, &force).squared().iter().sum()
+    } else {
+        let fine = GridTrace::new(scene, &body.grid, |_| true)?;
+        bubble_indicators(body, &loads.body, u, &traction).iter().sum::<f64>()
+            + load_oscillation(scene, body, loads, &fine)?
+    };
+    let interface = solved.interface.clone();
+    let jump = solved.jump_oscillation.clone();
+    let of_medium: f64 = of_elements(interface.as_ref(), &jump, scene.method.indicator).iter().sum();
+    let error = (multiscale + fine_grid + of_medium).sqrt();
+    let scale = (2.0 * solved.energies.strain).sqrt();
+    // nothing is strained: all that is estimated is missing
+    let relative = if scale > 0.0 { error / scale } else { f64::from(u8::from(error > 0.0)) };
+    let crossing = coarse.map(|c| crossing_contrast(body, &c.mesh, FAILING));
+    let inside = coarse.filter(|c| c.basis == Basis::Q1).map_or(1.0, |c| contrast_inside(body, &c.mesh));
+    Ok(Some(GridEstimate {
+        indicators,
+        residual,
+        multiscale,
+        fine_grid,
+        interface,
+        jump,
+        medium: of_medium,
+        error,
+        relative,
+        crossing,
+        inside,
+        crossed: contrast_crossed(body),
+    }))
+}
+
+/// What is left of the balance of tractions acts on body and medium alike: of the energy r²/k₁ that it would have in a cell
+/// alone the part k₁/(k₁ + k₂) remains, k₁ and k₂ as their moduli.
+fn share(solved: &GridSolved, around: &Around, cell: usize) -> f64 {
+    share_of_moduli(solved.body.young[cell], around.material.young)
+}
+
+fn share_of_moduli(own: f64, other: f64) -> f64 {
+    (own / (own + other)).sqrt()
+}
+
+/// The traction on a side of the interface, the jump `given` and that of the medium, drawn to that of the cell.
+fn beside_medium(
+    solved: &GridSolved,
+    around: &Around,
+    side: &MediumTraction,
+    given: [Option<f64>; 2],
+) -> [Option<f64>; 2] {
+    let (body, (cell, number)) = (&solved.body, side.side);
+    let middle = [[0.5, 0.0], [1.0, 0.5], [0.5, 1.0], [0.0, 0.5]][number];
+    let u = body.cell_values(&solved.displacement, cell);
+    let [xx, yy, xy] = body.elasticity.stress(body.young[cell], &u, middle, body.grid.spacing);
+    let own = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
+    let share = share(solved, around, cell);
+    [0, 1].map(|i| {
+        let mean = (side.moments[0][i] + side.moments[1][i]) / side.length;
+        given[i].map(|jump| own[i] + share * (jump + mean - own[i]))
+    })
+}
+
+/// The same of the nodal forces on the interface.
+fn share_with_medium(solved: &GridSolved, around: &Around, sides: &[MediumTraction], load: &mut [f64]) {
+    let forces = solved.body.forces(&solved.displacement);
+    // the mean over both sides at a node
+    let mut shares: HashMap<usize, (f64, f64)> = HashMap::new();
+    for side in sides {
+        for node in side.nodes {
+            let (sum, count) = shares.entry(node).or_default();
+            (*sum, *count) = (*sum + share(solved, around, side.side.0), *count + 1.0);
+        }
+    }
+    for (node, (sum, count)) in shares {
+        for dof in [2 * node, 2 * node + 1] {
+            load[dof] = forces[dof] + sum / count * (load[dof] - forces[dof]);
+        }
+    }
+}
+
+/// Mean tractions (stress) on fine sides (cell, side) of the boundary; None where the displacement is given.
+pub(super) type Tractions = HashMap<(usize, usize), [Option<f64>; 2]>;
+
+/// A fine side in contact.
+struct ContactSide {
+    /// Its cell and side.
+    side: (usize, usize),
+    /// Its fine nodes.
+    nodes: [usize; 2],
+    /// The traction on the body there.
+    tractions: [[f64; 2]; 2],
+    length: f64,
+}
+
+/// The fine sides of contact elements with the tractions on them: the multipliers of the nodes, linear between them. A held end
+/// has that of its neighbour.
+fn contact_sides(solved: &GridSolved) -> Vec<ContactSide> {
+    let (grid, trace) = (&solved.body.grid, &solved.trace);
+    let (mesh, next) = (&trace.mesh, &trace.mesh.next);
+    let Some(contact) = &solved.contact else { return Vec::new() };
+    let mut known: HashMap<(usize, usize), [f64; 2]> = HashMap::new();
+    let mut multipliers = contact.reported().multipliers.iter();
+    for node in &contact.boundary.nodes {
+        for (condition, [pressure, shear]) in node.conditions.iter().zip(&mut multipliers) {
+            for share in &condition.shares {
+                let part = |weight: f64, value: f64| if weight > 0.0 { value } else { 0.0 };
+                let (n, t) = (part(share.normal, *pressure), part(share.tangent, *shear));
+                let traction = known.entry((node.node, share.side)).or_default();
+                (0..2).for_each(|i| traction[i] -= n * condition.normal[i] + t * condition.tangent[i]);
+            }
+        }
+    }
+    let touches = |e: &usize| [*e, next[*e]].iter().any(|&node| known.contains_key(&(node, mesh.side[*e])));
+    let elements: Vec<usize> = (0..mesh.len()).filter(touches).collect();
+    let mut pressed = Vec::new();
+    for e in elements {
+        let points = trace.points(e);
+        let count = points.len() - 1;
+        let [a, b] = [e, next[e]].map(|node| known.get(&(node, mesh.side[e])).copied());
+        let (a, b) = (a.or(b).unwrap_or_default(), b.or(a).unwrap_or_default());
+        let at = |step: usize| {
+            let s = step as f64 / count as f64;
+            [0, 1].map(|i| (1.0 - s) * a[i] + s * b[i])
+        };
+        for step in 0..count {
+            let ends = [points[step], points[step + 1]];
+            pressed.push(ContactSide {
+                side: trace.side(grid, ends),
+                nodes: ends.map(|p| node_at(grid, p)),
+                tractions: [at(step), at(step + 1)],
+                length: mesh.length(e) / count as f64,
+            });
+        }
+    }
+    pressed
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two springs k₁ and k₂ that a force r pulls apart from their balance have the energy r²/(k₁ + k₂), those of both shares together.
+    #[test]
+    fn the_share_of_a_cell_leaves_the_energy_of_both_springs() {
+        for [own, other, r] in [[1.0, 1.0, 3.0], [200.0, 2.0, 0.1], [2.0, 200.0, 0.1]] {
+            let energy = (r * share_of_moduli(own, other)).powi(2) / own;
+            assert!((energy * (own + other) / (r * r) - 1.0).abs() < 1e-14, "{own} {other}: {energy}");
+        }
+    }
+}

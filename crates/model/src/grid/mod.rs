@@ -1,0 +1,30 @@
+//! Bodies on grids of rectangles: bilinear and multiscale finite elements.
+//!
+//! ```text
+//! scene ─► GridLayout (how fine, which coarse cells) ─► HeterogeneousBody (cells and moduli) + Loads + GridTrace (the boundary)
+//!            ▲                                                      │
+//!            │                    fem: K of all fine nodes ─────────┤
+//!            │                  msfem: bases ─► K_H of the vertices ┤
+//!            │                                                      ▼
+//!       next ◄── GridEstimate ◄── GridSolved ◄── System: supports, elimination to the contact nodes, contact, reactions
+//!                                     └─► Record ─► result file, summary, pictures
+//! ```
+//! The boundary of the grid is a boundary mesh of degree 1, so that loads, supports and contact are set up by the same code as
+//! those of boundary elements.
+
+mod answer;
+mod coupled;
+mod estimate;
+mod layout;
+mod loads;
+mod oscillation;
+mod run;
+mod solve;
+mod system;
+mod trace;
+
+pub use answer::{FAILING, answer_of_grid};
+pub use estimate::{BLIND, GridEstimate};
+pub use layout::GridLayout;
+pub use run::{GridProgress, GridRun, GridStep, MARKING, run_grid};
+pub use solve::{CoarseSolved, GridSolved, solve_grid};

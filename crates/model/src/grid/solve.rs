@@ -1,0 +1,453 @@
+//! One grid solved: bilinear elements on all its cells, or multiscale elements on coarse ones.
+
+use std::time::Instant;
+
+use steklov_coupling::InterfaceIndicators;
+use steklov_elastic::RigidMotion;
+use steklov_msfem::{
+    Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale,
+};
+
+use super::coupled::solve_coupled;
+use super::estimate::{GridEstimate, estimate};
+use super::layout::GridLayout;
+use super::loads::{check_gaps, loads};
+use super::system::{Answer, System, without_motions};
+use super::trace::GridTrace;
+use crate::around::Around;
+use crate::contact::ContactResult;
+use crate::data::Data;
+use crate::report::Trace;
+use crate::solve::{Energies, Seconds, SolveError, Stage};
+use crate::supports::Held;
+use steklov_problem::{BasisInput, Scene, grid_of, moduli};
+
+/// A solved grid.
+pub struct GridSolved {
+    /// Cells, moduli, Poisson's ratio.
+    pub body: HeterogeneousBody,
+    /// The coarse cells and what belongs to them; None of bilinear elements on the fine grid.
+    pub coarse: Option<CoarseSolved>,
+    /// The boundary elements on which supports and contact are set up.
+    pub(crate) trace: GridTrace,
+    /// Displacement of their nodes, interleaved.
+    pub(crate) boundary_displacement: Vec<f64>,
+    /// Displacement of the fine nodes, interleaved.
+    pub displacement: Vec<f64>,
+    /// Unknowns of the system that was solved, held ones included.
+    pub dofs: usize,
+    /// Energies.
+    pub energies: Energies,
+    /// Contact, if there is any.
+    pub contact: Option<ContactResult>,
+    /// Whether the forces balance as far as rounding allows.
+    pub balanced: bool,
+    /// Force of the support or obstacle on the body for each held or contacting side.
+    pub reactions: Vec<(String, [f64; 2])>,
+    /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
+    pub free_motions: Vec<RigidMotion>,
+    /// The estimated error.
+    pub estimate: Option<GridEstimate>,
+    /// Wall seconds.
+    pub seconds: Seconds,
+    /// Wall seconds of the estimate.
+    pub estimate_seconds: f64,
+    /// The unbounded medium around the body.
+    pub around: Option<Around>,
+    /// What is left of the equations where both meet.
+    pub(crate) interface: Option<InterfaceIndicators>,
+    /// What its nodes leave of the jump of the displacement, an energy for each boundary element.
+    pub(crate) jump_oscillation: Vec<f64>,
+}
+
+/// The coarse part of a multiscale solution.
+pub struct CoarseSolved {
+    /// Coarse cells.
+    pub mesh: CoarseMesh,
+    /// Their basis.
+    pub basis: Basis,
+    /// Displacement of the vertices, those that hang included (length).
+    pub displacement: Vec<[f64; 2]>,
+    /// Whether the response to the load inside of each cell is added.
+    pub bubbles: bool,
+    /// Different patterns of moduli: so many local problems were solved.
+    pub patterns: usize,
+    /// Displacement of fine nodes on the boundary less that of the basis functions, as [`Extra::lift`] has it.
+    pub lift: Vec<f64>,
+}
+
+impl GridSolved {
+    /// The boundary of the body.
+    pub fn trace(&self) -> Trace<'_> {
+        Trace { mesh: &self.trace.mesh, space: &self.trace.space, displacement: &self.boundary_displacement }
+    }
+
+    /// Whether the contact solver reached its criterion and the forces balance.
+    pub fn converged(&self) -> bool {
+        self.balanced && self.contact.as_ref().is_none_or(ContactResult::converged)
+    }
+}
+
+/// Cells, moduli and material of a scene on the grid of its layout.
+pub(crate) fn body(scene: &Scene, layout: &GridLayout) -> Result<HeterogeneousBody, SolveError> {
+    let coarse = grid_of(scene)?;
+    let parts = layout.parts;
+    let cells = coarse.cells.map(|n| n * parts);
+    let spacing = coarse.spacing.map(|h| h / parts as f64);
+    let grid = Grid::new(coarse.origin, spacing, cells, |ix, iy| coarse.inside(ix / parts, iy / parts))?;
+    let young = moduli(scene, &grid)?;
+    Ok(HeterogeneousBody::new(grid, young, Elasticity::new(scene.material.poisson, scene.material.plane)?)?)
+}
+
+/// The basis that a scene asks for.
+pub(crate) fn basis(scene: &Scene) -> Basis {
+    let Some(grid) = &scene.grid else { return Basis::Coupled };
+    match grid.basis {
+        BasisInput::Linear => Basis::Linear,
+        BasisInput::Coupled => Basis::Coupled,
+        BasisInput::Oscillatory => Basis::Oscillatory,
+        BasisInput::Oversampled => Basis::Oversampled(grid.oversample.unwrap_or(grid.fine[0].max(grid.fine[1]))),
+        BasisInput::Periodic => Basis::Periodic,
+        BasisInput::Q1 => Basis::Q1,
+    }
+}
+
+/// Solves the scene on a grid.
+///
+/// # Errors
+/// Data that are not finite, a free rigid motion that the loads drive, moduli of too many magnitudes, an observer that fails.
+pub fn solve_grid(
+    scene: &Scene,
+    layout: &GridLayout,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<GridSolved, SolveError> {
+    let clock = Instant::now();
+    observe(Stage::Progress("moduli, loads and supports", 0.0))?;
+    let body = body(scene, layout)?;
+    let fine = GridTrace::new(scene, &body.grid, |_| true)?;
+    let (loads, tractions) = loads(scene, &body, &fine)?;
+    let set_up = clock.elapsed().as_secs_f64();
+    let (mut solved, held) = match (&scene.exterior, &layout.coarse) {
+        (Some(input), _) => {
+            let held = vec![false; body.grid.dofs()];
+            (solve_coupled(scene, input, body, fine, &loads, layout, observe)?, held)
+        }
+        (None, None) => solve_fine(scene, body, fine, &loads, observe)?,
+        (None, Some(cells)) => solve_coarse(scene, body, fine, &loads, cells.clone(), observe)?,
+    };
+    solved.seconds.set_up += set_up;
+    let Energies { total, strain, load_work, .. } = solved.energies;
+    if [total, strain, load_work].iter().chain(&solved.displacement).any(|v| !v.is_finite()) {
+        return Err(SolveError::NotFinite { energy: total });
+    }
+    let clock = Instant::now();
+    observe(Stage::Progress("estimate", 0.9))?;
+    solved.estimate = estimate(scene, &solved, &loads, tractions, &held)?;
+    if solved.estimate.as_ref().is_some_and(|e| !e.error.is_finite()) {
+        return Err(SolveError::NotFinite { energy: total });
+    }
+    solved.estimate_seconds += clock.elapsed().as_secs_f64();
+    Ok(solved)
+}
+
+/// Stress as a traction on element e, times half its length: the moment against one end.
+fn moment([xx, yy, xy]: [f64; 3], trace: &GridTrace, e: usize) -> [f64; 2] {
+    let ([nx, ny], half) = (trace.mesh.normal(e), trace.mesh.length(e) / 2.0);
+    [half * (xx * nx + xy * ny), half * (xy * nx + yy * ny)]
+}
+
+/// Mean stress of the coarse cell around a fine one: its homogenised tensor times the strain in its middle.
+fn mean_stress(problem: &Multiscale<'_>, grid: &Grid, [ix, iy]: [usize; 2], u: &[f64]) -> Option<[f64; 3]> {
+    let around = |c: &CoarseCell| (0..2).all(|k| (c.first[k]..c.first[k] + c.size[k]).contains(&[ix, iy][k]));
+    let cell = problem.mesh.cells.iter().position(around)?;
+    let size = problem.mesh.cells[cell].size;
+    let [lx, ly] = [0, 1].map(|k| size[k] as f64 * grid.spacing[k]);
+    let vertices = problem.vertex_displacement(u);
+    let [a, b, c, d] = problem.mesh.corners[cell].map(|vertex| vertices[vertex]);
+    let along = |k: usize| (b[k] - a[k] + c[k] - d[k]) / (2.0 * lx);
+    let across = |k: usize| (d[k] - a[k] + c[k] - b[k]) / (2.0 * ly);
+    let strain = [along(0), across(1), across(0) + along(1)];
+    let tensor = problem.cell_basis(cell).ok()?.tensor(grid.spacing);
+    Some(tensor.map(|row| row.iter().zip(strain).map(|(c, e)| c * e).sum()))
+}
+
+fn energies(answer: &Answer, strain: f64, load_work: f64) -> Energies {
+    let friction_work = answer.contact.as_ref().map_or(0.0, |c| c.friction_work);
+    Energies { total: strain - load_work + friction_work, strain, load_work, friction_work }
+}
+
+/// Fine unknowns that are prescribed.
+fn held_unknowns(grid: &Grid, trace: &GridTrace, held: &[Held]) -> Vec<bool> {
+    let mut is_held = vec![false; grid.dofs()];
+    for (&[i, j], held) in trace.lattice.iter().zip(held) {
+        let node = node_at(grid, [i, j]);
+        (0..2).for_each(|k| is_held[2 * node + k] |= held.components[k].is_some());
+    }
+    is_held
+}
+
+/// The node at a lattice point of the boundary.
+pub(super) fn node_at(grid: &Grid, [i, j]: [usize; 2]) -> usize {
+    grid.node(i, j).unwrap_or_else(|| unreachable!("points of the boundary are nodes"))
+}
+
+/// Bilinear elements on all cells.
+fn solve_fine(
+    scene: &Scene,
+    body: HeterogeneousBody,
+    trace: GridTrace,
+    loads: &Loads,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(GridSolved, Vec<bool>), SolveError> {
+    let clock = Instant::now();
+    let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
+    let held = data.held()?;
+    check_gaps(scene, &trace)?;
+    let boundary = data.contact(&held)?;
+    let set_up = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    observe(Stage::Progress("assembling K", 0.1))?;
+    let grid = &body.grid;
+    let system = System {
+        stiffness: body.stiffness(),
+        load: loads.nodal(&body),
+        points: (0..grid.nodes()).map(|n| grid.point(n)).collect(),
+        order: body.elimination_order(),
+        at_boundary: trace.lattice.iter().map(|&p| node_at(grid, p)).collect(),
+    };
+    let assemble = clock.elapsed().as_secs_f64();
+    observe(Stage::Stiffness("K", "node of the fine grid", &system.stiffness))?;
+    let clock = Instant::now();
+    let traction = |u: &[f64], e: usize, _: usize| {
+        let cell = trace.cell(grid, e).0;
+        let values = body.cell_values(u, cell);
+        moment(body.elasticity.stress(body.young[cell], &values, [0.5; 2], grid.spacing), &trace, e)
+    };
+    let at_boundary = system.at_boundary.clone();
+    let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
+    let factorise = clock.elapsed().as_secs_f64();
+    let is_held = held_unknowns(grid, &trace, &held);
+    let solved = GridSolved {
+        dofs: grid.dofs(),
+        energies: energies(&answer, answer.energy / 2.0, answer.work),
+        boundary_displacement: at_boundary
+            .iter()
+            .flat_map(|n| [answer.displacement[2 * n], answer.displacement[2 * n + 1]])
+            .collect(),
+        displacement: answer.displacement,
+        contact: answer.contact,
+        balanced: answer.balanced,
+        reactions: answer.reactions,
+        free_motions: answer.free_motions,
+        estimate: None,
+        seconds: Seconds { set_up, assemble, factorise, solve: 0.0 },
+        estimate_seconds: 0.0,
+        coarse: None,
+        trace,
+        body,
+        around: None,
+        interface: None,
+        jump_oscillation: Vec::new(),
+    };
+    Ok((solved, is_held))
+}
+
+/// Relative difference of prescribed displacements that counts as rounding.
+const ROUNDING: f64 = 1e-13;
+
+/// Displacements prescribed on the fine boundary less the trace of those at the vertices.
+fn lift(problem: &Multiscale<'_>, fine: &GridTrace, held: &[Held], trace: &GridTrace, coarse: &[Held]) -> Vec<f64> {
+    let grid = &problem.body.grid;
+    let mut lift = vec![0.0; grid.dofs()];
+    let mut place = 0;
+    let mut lifted = false;
+    // both boundaries run in the same order, and begin at the same corners
+    for e in 0..trace.mesh.len() {
+        let points = trace.points(e);
+        let count = points.len() - 1;
+        let along = usize::from(points[0][0] == points[count][0]);
+        let (cell, side) = trace.cell(grid, e);
+        let mut weights = problem.trace_weights(cell, side);
+        if points[count][along] < points[0][along] {
+            weights = weights.iter().rev().map(|w| 1.0 - w).collect();
+        }
+        for step in 0..count {
+            let f = place + step;
+            let linear = 1.0 - step as f64 / count as f64;
+            for k in 0..2 {
+                let ends = [&coarse[e], &coarse[trace.mesh.next[e]]].map(|h| h.components[k].map(|(value, _)| value));
+                if let (Some((value, _)), [Some(a), Some(b)]) = (held[f].components[k], ends) {
+                    let w = if k == along { weights[step] } else { linear };
+                    let extra = if step == 0 { 0.0 } else { value - w * a - (1.0 - w) * b };
+                    // rounding of linear data is no lift: it would count as a load
+                    let extra =
+                        if extra.abs() > ROUNDING * value.abs().max(a.abs()).max(b.abs()) { extra } else { 0.0 };
+                    lift[2 * node_at(grid, fine.lattice[f]) + k] = extra;
+                    lifted |= extra != 0.0;
+                }
+            }
+        }
+        place += count;
+    }
+    if lifted { lift } else { Vec::new() }
+}
+
+/// Does work that tells its progress, which takes a part of the step from one share to another.
+pub(super) fn watched<T, E: Into<SolveError>>(
+    part: &'static str,
+    [from, to]: [f64; 2],
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+    work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, E>,
+) -> Result<T, SolveError> {
+    let mut stopped = None;
+    let done = work(&mut |share| match observe(Stage::Progress(part, from + (to - from) * share)) {
+        Ok(()) => true,
+        Err(error) => {
+            stopped = Some(error);
+            false
+        }
+    });
+    match stopped {
+        Some(error) => Err(error),
+        None => done.map_err(Into::into),
+    }
+}
+
+/// Strain energy and load work of a field that is not continuous, cell by cell.
+fn broken_energies(
+    problem: &Multiscale<'_>,
+    coarse: &[f64],
+    loads: &Loads,
+    extra: &Extra,
+) -> Result<(f64, f64), MsfemError> {
+    let (mut strain, mut work) = (0.0, 0.0);
+    problem.downscale_cells(coarse, loads, extra, &mut |_| true, |cell, field| {
+        for (fine, u) in problem.fine_values(cell, field) {
+            strain += problem.body.cell_energy(fine, &u) / 2.0;
+            work += loads.cell(fine).iter().zip(&u).map(|(f, u)| f * u).sum::<f64>();
+        }
+    })?;
+    Ok((strain, work))
+}
+
+/// Multiscale elements on coarse cells.
+fn solve_coarse(
+    scene: &Scene,
+    body: HeterogeneousBody,
+    fine: GridTrace,
+    loads: &Loads,
+    cells: Vec<CoarseCell>,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(GridSolved, Vec<bool>), SolveError> {
+    let clock = Instant::now();
+    let grid = &body.grid;
+    let mesh = CoarseMesh::new(grid, cells)?;
+    let basis = basis(scene);
+    let mut problem = Multiscale::new(&body, mesh, basis)?;
+    let vertex_at = |p: [usize; 2]| {
+        let found = problem.mesh.vertices.binary_search_by_key(&[p[1], p[0]], |v| [v[1], v[0]]);
+        found.ok()
+    };
+    let trace = GridTrace::new(scene, grid, |p| vertex_at(p).is_some())?;
+    let node_of = |p: [usize; 2]| {
+        let unknown = vertex_at(p).and_then(|v| problem.unknown[v]);
+        unknown.unwrap_or_else(|| unreachable!("vertices on the boundary do not hang")) / 2
+    };
+    let at_boundary: Vec<usize> = trace.lattice.iter().map(|&p| node_of(p)).collect();
+    let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
+    let held = data.held()?;
+    check_gaps(scene, &trace)?;
+    let boundary = data.contact(&held)?;
+    let fine_held = Data { scene, mesh: &fine.mesh, space: &fine.space }.held()?;
+    let lift = lift(&problem, &fine, &fine_held, &trace, &held);
+    let extra = Extra { bubbles: !loads.body.is_empty() && basis != Basis::Q1 && basis.is_conforming(), lift };
+    let set_up = clock.elapsed().as_secs_f64();
+
+    let clock = Instant::now();
+    let coarse =
+        watched("bases of coarse cells", [0.05, 0.4], observe, |go_on| problem.assemble(loads, &extra, go_on))?;
+    let mut points = vec![[0.0; 2]; problem.dofs() / 2];
+    for (vertex, unknown) in problem.mesh.vertices.iter().zip(&problem.unknown) {
+        if let Some(unknown) = unknown {
+            points[unknown / 2] = grid.lattice_point(*vertex);
+        }
+    }
+    let system = System {
+        stiffness: coarse.stiffness,
+        load: coarse.load,
+        points,
+        order: problem.elimination_order(),
+        at_boundary,
+    };
+    let assemble = clock.elapsed().as_secs_f64();
+    observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &system.stiffness))?;
+
+    let clock = Instant::now();
+    let at_boundary = system.at_boundary.clone();
+    // two supports at a corner part its force by the mean stress of the coarse cell there
+    let traction = |u: &[f64], e: usize, end: usize| {
+        let points = trace.points(e);
+        let side = if end == 0 { [points[0], points[1]] } else { [points[points.len() - 2], points[points.len() - 1]] };
+        let stress = mean_stress(&problem, grid, grid.cell(trace.side(grid, side).0), u);
+        stress.map_or([0.0; 2], |stress| moment(stress, &trace, e))
+    };
+    let answer = system.solve(scene, &trace, &held, boundary, &traction, observe)?;
+    let factorise = clock.elapsed().as_secs_f64();
+    let clock = Instant::now();
+    let mut displacement = watched("fine displacements", [0.6, 0.9], observe, |go_on| {
+        problem.downscale(&answer.displacement, loads, &extra, go_on)
+    })?;
+    let (strain, load_work) = if basis.is_conforming() {
+        let load = loads.nodal(&body);
+        let work = displacement.iter().zip(&load).map(|(u, f)| u * f).sum();
+        (body.energy(&displacement, &displacement) / 2.0, work)
+    } else {
+        broken_energies(&problem, &answer.displacement, loads, &extra)?
+    };
+    let solve = clock.elapsed().as_secs_f64();
+    let is_held = held_unknowns(grid, &fine, &fine_held);
+    let (dofs, patterns) = (problem.dofs(), problem.patterns());
+    let mut vertices = problem.vertex_displacement(&answer.displacement).into_flattened();
+    let mesh = problem.mesh;
+    let mut boundary_displacement: Vec<f64> =
+        at_boundary.iter().flat_map(|n| [answer.displacement[2 * n], answer.displacement[2 * n + 1]]).collect();
+    // free of rigid motions on the fine grid, as bilinear elements are
+    let fine_points: Vec<[f64; 2]> = (0..grid.nodes()).map(|n| grid.point(n)).collect();
+    let vertex_points: Vec<[f64; 2]> = mesh.vertices.iter().map(|&v| grid.lattice_point(v)).collect();
+    let mut alike =
+        [(&mut vertices[..], &vertex_points[..]), (&mut boundary_displacement[..], &trace.space.points[..])];
+    without_motions((&mut displacement, &fine_points), &mut alike, &answer.free_motions);
+    let solved = GridSolved {
+        dofs,
+        energies: energies(&answer, strain, load_work),
+        boundary_displacement,
+        displacement,
+        contact: answer.contact,
+        balanced: answer.balanced,
+        reactions: answer.reactions,
+        free_motions: answer.free_motions,
+        estimate: None,
+        seconds: Seconds { set_up, assemble, factorise, solve },
+        estimate_seconds: 0.0,
+        coarse: Some(CoarseSolved {
+            mesh,
+            basis,
+            displacement: vertices.chunks_exact(2).map(|u| [u[0], u[1]]).collect(),
+            bubbles: extra.bubbles,
+            patterns,
+            lift: extra.lift,
+        }),
+        trace,
+        body,
+        around: None,
+        interface: None,
+        jump_oscillation: Vec::new(),
+    };
+    Ok((solved, is_held))
+}
+
+impl From<MsfemError> for SolveError {
+    fn from(error: MsfemError) -> Self {
+        Self::Msfem(Box::new(error))
+    }
+}

@@ -1,0 +1,269 @@
+//! Contact in numbers and as a table, from a solved mesh.
+
+use steklov_bem_operators::{Mesh, SAME_PLACE, Space};
+use steklov_contact::{Condition, Located, MultiplierNode, Status, TipKind};
+
+use crate::contact::ContactResult;
+use crate::run::Step;
+use crate::solve::Solved;
+use crate::stabilised::StabilisedContact;
+use crate::summary::{ContactSummary, Stabilisation, Summary};
+use crate::unbounded::is_unbounded;
+use steklov_problem::{Refine, Scene};
+
+/// A condition of a contact node: one row of `/contact`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ContactRow {
+    /// The node's point.
+    pub point: [f64; 2],
+    /// Normal of the condition, out of the body.
+    pub normal: [f64; 2],
+    /// Weighted gap.
+    pub gap: f64,
+    /// u_n.
+    pub normal_displacement: f64,
+    /// u_t.
+    pub tangential_displacement: f64,
+    /// λ_n.
+    pub pressure: f64,
+    /// λ_t.
+    pub shear: f64,
+    /// Friction bound F_i, of Coulomb friction that of the pressure; 0 without friction.
+    pub bound: f64,
+    /// ∫ψ_i, the length that the node stands for.
+    pub weight: f64,
+    /// 0 apart, 1 stick, 2 slip along +t, 3 slip along -t.
+    pub status: usize,
+    /// Side.
+    pub side: usize,
+}
+
+/// λ_n below this part of the largest is no contact.
+pub const TOUCHING: f64 = 1e-12;
+
+/// The boundary of a solved body: its elements, their nodes and the displacement there.
+#[derive(Clone, Copy)]
+pub struct Trace<'a> {
+    /// The elements.
+    pub mesh: &'a Mesh,
+    /// Their nodes.
+    pub space: &'a Space,
+    /// Nodal displacement, interleaved.
+    pub displacement: &'a [f64],
+}
+
+impl Solved {
+    /// The boundary of the body.
+    pub fn trace(&self) -> Trace<'_> {
+        Trace { mesh: &self.mesh, space: &self.space, displacement: &self.displacement }
+    }
+}
+
+/// One row for each condition of each contact node.
+pub fn contact_rows(trace: Trace<'_>, contact: &ContactResult) -> Vec<ContactRow> {
+    if let Some(stabilised) = &contact.stabilised {
+        return stabilised_rows(trace, stabilised);
+    }
+    let (displacement, solution) = (trace.displacement, &contact.solution);
+    let mut rows = Vec::with_capacity(solution.multipliers.len());
+    for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
+        let u = [displacement[2 * node.node], displacement[2 * node.node + 1]];
+        for (plane, condition) in node.conditions.iter().zip(&condensed.conditions) {
+            let along = |d: [f64; 2]| u[0] * d[0] + u[1] * d[1];
+            let [pressure, shear] = solution.multipliers[rows.len()];
+            let share = plane.shares.iter().max_by(|a, b| a.normal.total_cmp(&b.normal));
+            rows.push(ContactRow {
+                point: node.point,
+                normal: plane.normal,
+                // a held component adds to the gap in the node's own unknowns what it takes from u_n
+                gap: condition.gap + along(plane.normal)
+                    - own(condensed.pick(&solution.displacement), condition.normal),
+                normal_displacement: along(plane.normal),
+                tangential_displacement: along(plane.tangent),
+                pressure,
+                shear,
+                bound: condition.limit(pressure),
+                weight: plane.shares.iter().map(|s| if s.normal > 0.0 { s.normal } else { s.tangent }).sum(),
+                status: number(solution.status[rows.len()]),
+                side: share.map_or(0, |s| s.side),
+            });
+        }
+    }
+    rows
+}
+
+/// One row for each node of stabilised multipliers.
+fn stabilised_rows(trace: Trace<'_>, contact: &StabilisedContact) -> Vec<ContactRow> {
+    let Trace { mesh, space, displacement } = trace;
+    let row = |(i, node): (usize, &MultiplierNode)| {
+        // of two elements that meet there the displacement is the same
+        let at =
+            |e: &usize| mesh.edge[*e] == node.edge && (mesh.span[*e][0] - node.s) * (mesh.span[*e][1] - node.s) <= 0.0;
+        let u = (0..mesh.len()).find(at).map_or([0.0; 2], |e| {
+            let [s0, s1] = mesh.span[e];
+            let basis = space.basis(e);
+            let mut phi = vec![0.0; basis.degree + 1];
+            basis.evaluate(2.0 * (node.s - s0) / (s1 - s0) - 1.0, &mut phi);
+            let nodes = space.element_nodes(e).zip(&phi);
+            nodes.fold([0.0; 2], |u, (node, phi)| {
+                [u[0] + phi * displacement[2 * node], u[1] + phi * displacement[2 * node + 1]]
+            })
+        });
+        let [normal, tangent] = node.frame;
+        let condition = &contact.nodes[i].conditions[0];
+        let [pressure, shear] = contact.solution.multipliers[i];
+        ContactRow {
+            point: node.point,
+            normal,
+            gap: contact.gaps[i],
+            normal_displacement: u[0] * normal[0] + u[1] * normal[1],
+            tangential_displacement: u[0] * tangent[0] + u[1] * tangent[1],
+            pressure,
+            shear,
+            bound: condition.limit(pressure),
+            weight: node.weight,
+            status: number(contact.solution.status[i]),
+            side: node.side,
+        }
+    };
+    contact.space.nodes.iter().enumerate().map(row).collect()
+}
+
+fn number(status: Status) -> usize {
+    match status {
+        Status::Apart => 0,
+        Status::Stick => 1,
+        Status::SlipPlus => 2,
+        Status::SlipMinus => 3,
+    }
+}
+
+fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
+    unknowns[0] * direction[0] + unknowns[1] * direction[1]
+}
+
+/// Lengths, largest pressure and resultant; `located`: where contact and stick are believed to end.
+pub fn contact_summary(
+    scene: &Scene,
+    trace: Trace<'_>,
+    contact: &ContactResult,
+    rows: &[ContactRow],
+    located: Option<&[Located]>,
+) -> ContactSummary {
+    let max_pressure = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
+    let weight_of = |of: &dyn Fn(&ContactRow) -> bool| {
+        rows.iter().filter(|r| of(r)).map(|r| r.weight).fold(0.0, |a, b| a + b) // sum() of nothing is -0
+    };
+    let between = |tips: Option<Vec<(usize, f64)>>, stick: bool| {
+        tips.and_then(|tips| Some((length_between(scene, trace, contact, &tips, stick)?, tips)))
+    };
+    let touches = |r: &ContactRow| r.pressure > TOUCHING * max_pressure;
+    // where nothing presses, touching has no ends
+    let located = located.map(|located| if max_pressure > 0.0 { located } else { &[] });
+    let ends = between(vertices(located, &|kind| kind == TipKind::ContactEnd), false);
+    let length = ends.as_ref().map_or_else(|| weight_of(&touches), |(length, _)| *length);
+    let stick = between(vertices(located, &|_| true), true);
+    let stick = stick.map_or_else(|| weight_of(&|r| touches(r) && sticks(r.shear, r.bound)), |(stick, _)| stick);
+    let stick = stick.min(length);
+    let mut force = [0.0; 2];
+    for side in 0..scene.sides.len() {
+        let part = contact.force(side);
+        force = [force[0] + part[0], force[1] + part[1]];
+    }
+    let point = |(edge, s): (usize, f64)| scene.polygon.edges()[edge].point(s);
+    ContactSummary {
+        // of what is no solution it means nothing
+        contraction: contact.coulomb.filter(|_| contact.converged()).map(|c| c.contraction),
+        length,
+        stick,
+        slip: length - stick,
+        max_pressure,
+        max_pressure_unbounded: is_unbounded(scene, trace.mesh, rows),
+        force,
+        stabilisation: contact
+            .stabilised
+            .as_ref()
+            .map(|s| Stabilisation { gamma: s.gamma, critical_gamma: s.critical }),
+        ends: ends.map(|(_, ends)| ends.into_iter().map(point).collect()),
+    }
+}
+
+/// Energies, contact and reactions of an answer: the numbers that one outcome of random input has.
+pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Summary {
+    Summary {
+        energy: solved.energies.total,
+        strain_energy: solved.energies.strain,
+        load_work: solved.energies.load_work,
+        friction_work: solved.energies.friction_work,
+        contact: solved.contact.as_ref().map(|c| contact_summary(scene, solved.trace(), c, rows, None)),
+        reactions: solved.reactions.iter().cloned().collect(),
+        ..Summary::default()
+    }
+}
+
+/// The transitions of a mesh that has vertices for them; none of other strategies.
+pub fn located<'a>(scene: &Scene, step: &'a Step) -> Option<&'a [Located]> {
+    (scene.method.refine == Refine::Hp).then_some(&step.located)
+}
+
+/// Edge and edge parameter of the transitions of some kinds, rising; none where one has no vertex.
+fn vertices(located: Option<&[Located]>, of: &dyn Fn(TipKind) -> bool) -> Option<Vec<(usize, f64)>> {
+    let tips = located?.iter().filter(|l| of(l.kind));
+    let mut tips = tips.map(|l| l.at_vertex.then_some((l.edge, l.s))).collect::<Option<Vec<_>>>()?;
+    tips.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    Some(tips)
+}
+
+/// Part of the weight of the nodes between two transitions up to which they may differ from the others: those next to a
+/// transition alternate.
+const FEW: f64 = 0.1;
+
+/// Length of the parts of contact edges between transitions that are closed, or that stick, by the states of biorthogonal
+/// multipliers, which the transitions are those of. None where the nodes of a part do not agree, or there are none inside.
+fn length_between(
+    scene: &Scene,
+    trace: Trace<'_>,
+    contact: &ContactResult,
+    transitions: &[(usize, f64)],
+    stick: bool,
+) -> Option<f64> {
+    let multipliers = &contact.solution.multipliers;
+    let max_pressure = multipliers.iter().fold(0.0, |m: f64, l| m.max(l[0]));
+    let conditions: Vec<&Condition> = contact.boundary.contact.iter().flat_map(|node| &node.conditions).collect();
+    let counts = |i: usize| {
+        let [pressure, shear] = multipliers[i];
+        pressure > TOUCHING * max_pressure && (!stick || sticks(shear, conditions[i].limit(pressure)))
+    };
+    let lines = contact.boundary.lines(trace.mesh, trace.space);
+    let mut length = 0.0;
+    for (k, edge) in scene.polygon.edges().iter().enumerate() {
+        if !matches!(scene.sides[edge.side].condition, steklov_problem::Condition::Contact { .. }) {
+            continue;
+        }
+        let points = &lines.iter().find(|line| line.edge == k)?.points;
+        let mut knots = vec![0.0];
+        knots.extend(transitions.iter().filter(|t| t.0 == k).map(|t| t.1));
+        knots.push(1.0);
+        // the states at transitions themselves tell nothing
+        let off = if knots.len() > 2 { SAME_PLACE } else { -SAME_PLACE };
+        for part in knots.windows(2) {
+            let (mut with, mut all) = (0.0, 0.0);
+            for point in points.iter().filter(|p| part[0] + off < p.s && p.s < part[1] - off) {
+                let weight = conditions[point.index].normal_weight;
+                all += weight;
+                with += if counts(point.index) { weight } else { 0.0 };
+            }
+            match with / all {
+                share if share > 1.0 - FEW => length += (part[1] - part[0]) * edge.length(),
+                share if share < FEW => {}
+                _ => return None,
+            }
+        }
+    }
+    Some(length)
+}
+
+/// Whether a node in contact sticks.
+fn sticks(shear: f64, bound: f64) -> bool {
+    shear.abs() < bound * (1.0 - 1e-12)
+}

@@ -1,0 +1,63 @@
+//! The statistics as the `stochastic` of the JSON object.
+
+use serde_json::{Map, Value, json as object};
+
+use super::StochasticResult;
+use steklov_problem::{Random, Sampling};
+
+/// `{ "energy": { "mean", "variance", "quantiles", .. }, "contact": { "force": { "y": { .. } } }, "solution": { .. } }`: every
+/// quantity at its own path.
+pub fn json(random: &Random, result: &StochasticResult) -> Value {
+    let mut root = Value::Object(Map::new());
+    for q in &result.quantities {
+        let mut one = object!({ "mean": q.mean, "variance": q.variance, "quantiles": q.quantiles });
+        if let Some(error) = q.standard_error {
+            one["standard_error"] = error.into();
+        }
+        if let Some(truncation) = q.truncation {
+            one["truncation"] = truncation.into();
+        }
+        one["effects"] = q.effects.as_ref().map_or(Value::Null, |effects| {
+            let named = result.labels.iter().zip(effects).map(|(l, e)| (l.clone(), Value::from(*e)));
+            Value::Object(named.collect())
+        });
+        let mut place = &mut root;
+        for key in q.name.split('.') {
+            place = &mut place[key];
+        }
+        *place = one;
+    }
+    let fields = random
+        .fields()
+        .map(|(f, _)| (f.name.clone(), object!({ "modes": f.expansion.len(), "captured": f.expansion.captured() })));
+    let lost = random.germs.iter().filter(|g| g.variable.lost() > 0.0);
+    root["solution"] = object!({
+        "method": method(random.stochastic.method),
+        "germs": result.labels,
+        "points": result.points.len(),
+        "solves": result.solved,
+        "checks": result.checks,
+        "cells": result.cells.as_ref().map(|c| c.degree.len()),
+        "coupled": result.coupled,
+        "reason": result.end.word(),
+        "truncation_relative": result.truncation,
+        "unseen": result.unseen,
+        "truncation_measured": result.truncation_measured,
+        "iterations": result.iterations,
+        "unconverged": result.unconverged,
+        "fields": Value::Object(fields.collect()),
+        "cut_off": Value::Object(lost.map(|g| (g.label.clone(), g.variable.lost().into())).collect()),
+        "seconds": result.seconds,
+    });
+    root
+}
+
+/// The word of a scene.
+pub fn method(method: Sampling) -> &'static str {
+    match method {
+        Sampling::Galerkin => "galerkin",
+        Sampling::Collocation => "collocation",
+        Sampling::Sparse => "sparse",
+        Sampling::MonteCarlo => "monte-carlo",
+    }
+}

@@ -1,0 +1,346 @@
+//! Answers at the nodes of a stochastic mesh, cell by cell, refined until the truncation is small.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use steklov_contact::Solution;
+use steklov_stochastic::{CellBasis, DirectionError, Nodes, StochasticMesh, changes, refine, solve_points, truncation};
+
+use super::check::{Check, check};
+use super::coupled::solve_cell;
+use super::events::{events, slips};
+use super::jumps::split_at_cuts;
+use super::looks::{Look, Looked, Miss, look, mean_modulus};
+use super::outcomes::{Answer, Outcomes};
+use super::result::Watch;
+use crate::solve::SolveError;
+use crate::supports::free_of_supports;
+use steklov_problem::{Condition, DataError, Friction, Random, Sampling, Scene, Side};
+
+/// Part of the squared error whose directions are refined at a time.
+const SHARE: f64 = 0.7;
+/// Most rounds of refinement.
+const ROUNDS: usize = 60;
+/// Squared errors that many times those which coefficients show are of something that no node sees.
+const UNSEEN: f64 = 16.0;
+/// Largest deviation of the modulus from an affine function of its germs, relative, that rounding explains.
+const AFFINE: f64 = 1e-12;
+/// Places between the ends of a germ at which that is looked at.
+const PLACES: usize = 12;
+
+/// Why no more outcomes were solved.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum End {
+    /// Those that were asked for are solved.
+    #[default]
+    Solved,
+    /// The estimated truncation is down at the tolerance.
+    Tolerance,
+    /// The stochastic mesh has as many nodes as allowed.
+    MaxNodes,
+    /// Refinement does not lead to the tolerance.
+    Rounds,
+}
+
+impl End {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Solved, Self::Tolerance, Self::MaxNodes, Self::Rounds];
+
+    /// The word of the JSON object.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Tolerance => "tolerance",
+            Self::MaxNodes => "max_nodes",
+            Self::Rounds => "rounds",
+        }
+    }
+}
+
+/// A stochastic mesh and the answers at its nodes.
+pub(crate) struct Surrogate {
+    pub(crate) mesh: StochasticMesh,
+    pub(crate) cells: Vec<Cell>,
+    /// Whether the nodes of a cell are coupled.
+    pub(crate) coupled: bool,
+    /// What is told of its errors.
+    pub(crate) told: Told,
+    pub(crate) end: End,
+    /// Points that were solved, those of cells that were refined later included.
+    pub(crate) solved: usize,
+}
+
+/// Errors of a surrogate.
+pub(crate) struct Told {
+    /// (Σ of the squared errors)^½ over the mean energy norm: as the coefficients tell it, with what the ends of cells and fresh
+    /// outcomes show, and these alone.
+    pub(crate) by_nodes: f64,
+    pub(crate) relative: f64,
+    pub(crate) measured: f64,
+    /// The squared error of each quantity.
+    pub(crate) quantities: Vec<f64>,
+    /// Outcomes solved to look at ends and at fresh outcomes.
+    pub(crate) checks: usize,
+    /// Probability in which kinks and jumps of data may have been overlooked.
+    pub(crate) undecided: f64,
+}
+
+/// A cell with its answers.
+pub(crate) struct Cell {
+    pub(crate) basis: CellBasis,
+    pub(crate) answers: Vec<Answer>,
+    /// As the coefficients tell it.
+    errors: Vec<DirectionError>,
+    /// Σ over the directions, for each quantity.
+    quantities: Vec<f64>,
+    misses: Vec<Miss>,
+    /// Probability in which kinks and jumps of data are neither found nor excluded.
+    undecided: f64,
+}
+
+impl Cell {
+    /// Errors with what nodes do not see.
+    pub(crate) fn errors(&self) -> Vec<DirectionError> {
+        let of = |(d, &seen): (usize, &DirectionError)| {
+            let misses = self.misses.iter().filter(|m| m.direction == d);
+            match misses.max_by(|a, b| a.residual.squared.total_cmp(&b.residual.squared)) {
+                Some(miss) if miss.residual.squared > seen.error => {
+                    let error = miss.residual.squared;
+                    let rough = miss.event || error > UNSEEN * seen.error;
+                    DirectionError { error, decay: if rough { 1.0 } else { seen.decay } }
+                }
+                _ => seen,
+            }
+        };
+        self.errors.iter().enumerate().map(of).collect()
+    }
+
+    /// Where to split in a direction: where what no node sees begins, if that is more than what they see, else where contact or stick
+    /// change between nodes.
+    fn cut(&self, direction: usize) -> Option<f64> {
+        let all: Vec<&Answer> = self.answers.iter().collect();
+        let missed = self.misses.iter().filter(|m| m.direction == direction && m.at.is_some());
+        missed
+            .filter(|m| m.residual.squared > self.errors[direction].error)
+            .max_by(|a, b| a.residual.squared.total_cmp(&b.residual.squared))
+            .and_then(|m| m.at)
+            .or_else(|| changes(&self.basis, direction, &events(&all)))
+            .or_else(|| changes(&self.basis, direction, &slips(&all)))
+    }
+}
+
+/// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
+/// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
+pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
+    let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
+    let coulomb = |side: &Side| matches!(side.condition, Condition::Contact { friction: Friction::Coulomb(_), .. });
+    let simple = scene.particular_solution(1.0).is_none() && !scene.sides.iter().any(coulomb);
+    Ok(galerkin && simple && scene.unresisted(free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
+}
+
+/// Whether E is affine in each germ where the others are kept: then the Galerkin equations of the nodes decouple.
+fn is_affine(scene: &Scene, random: &Random) -> Result<bool, DataError> {
+    let quantile = |d: usize, p: f64| random.germs[d].variable.quantile(p);
+    for (k, others) in [0.5, 0.2, 0.9, 0.35].into_iter().enumerate() {
+        for d in 0..random.germs.len() {
+            let mut germs: Vec<f64> = (0..random.germs.len()).map(|c| quantile(c, others)).collect();
+            let [low, high] = random.germs[d].variable.germ_support();
+            // E is clipped or steps where it would leave its range: out at the ends
+            let rare = |bound: f64| if bound.is_finite() { 1e-9 } else { 1e-6 };
+            let ends = [quantile(d, rare(low)), quantile(d, 1.0 - rare(high))];
+            let mut at = |part: f64| {
+                germs[d] = ends[0] + part * (ends[1] - ends[0]);
+                Ok::<f64, DataError>(scene.outcome(&germs)?.material.young)
+            };
+            let (a, b) = (at(0.0)?, at(1.0)?);
+            for place in 0..PLACES {
+                let part = (place as f64 + 0.2 * (k + 1) as f64) / PLACES as f64;
+                let value = at(part)?;
+                if (value - a - part * (b - a)).abs() > AFFINE * a.abs().max(b.abs()) {
+                    return Ok(false);
+                }
+            }
+        }
+    }
+    Ok(true)
+}
+
+/// Solves at the nodes of the scene's stochastic mesh.
+pub(crate) fn solve_nodes(
+    scene: &Scene,
+    random: &Random,
+    outcomes: &Outcomes<'_>,
+    coupled: bool,
+    paths: &[String],
+    watch: &Watch<'_>,
+) -> Result<Surrogate, SolveError> {
+    let settings = &random.stochastic;
+    let variables = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let (elements, degree) = (vec![settings.elements; random.germs.len()], vec![settings.degree; random.germs.len()]);
+    let mut mesh = StochasticMesh::uniform(variables, &elements, &degree)?;
+    split_at_cuts(&mut mesh, random)?;
+    let mut cells: Vec<Option<Cell>> = Vec::new();
+    let (mut solved, mut checks, mut samples) = (0, 0, 0);
+    for round in 0.. {
+        cells.resize_with(mesh.cells.len(), || None);
+        let todo: Vec<usize> = (0..cells.len()).filter(|&c| cells[c].is_none()).collect();
+        let (nodes, looks) = solve_todo(scene, outcomes, coupled, &mesh, (&todo, &mut cells), paths, watch)?;
+        (solved, checks) = (solved + nodes, checks + looks);
+        let all: Vec<&Cell> = cells.iter().flatten().collect();
+        let nodes: usize = all.iter().map(|c| c.answers.len()).sum();
+        let measured = Size::of(&all);
+        let settled = !settings.refine || nodes >= settings.max_nodes || round == ROUNDS;
+        let mut sample: Option<Check> = None;
+        if settled || measured.relative() <= settings.tolerance {
+            let drawn = check(outcomes, &mesh, &all, settings, samples, paths, watch)?;
+            (checks, samples) = (checks + drawn.outcomes, samples + 1);
+            sample = Some(drawn);
+        }
+        let told = sample.as_ref().map_or(f64::INFINITY, |s| measured.with(s).relative());
+        let end = match () {
+            () if !settings.refine => Some(End::Solved),
+            () if told <= settings.tolerance => Some(End::Tolerance),
+            () if nodes >= settings.max_nodes => Some(End::MaxNodes),
+            () if round == ROUNDS => Some(End::Rounds),
+            () => None,
+        };
+        if let (Some(end), Some(sample)) = (end, &sample) {
+            let with = measured.with(sample);
+            let seen: f64 = all.iter().flat_map(|c| &c.errors).map(|e| e.error).sum();
+            let (by_nodes, relative) = (Size { squared: seen, ..with }.relative(), with.relative());
+            let quantity = |k: usize| {
+                let missed =
+                    |c: &&Cell| c.misses.iter().map(|m| m.residual.quantities[k]).fold(c.quantities[k], f64::max);
+                all.iter().map(missed).sum::<f64>().max(sample.residual.quantities[k])
+            };
+            let quantities = (0..paths.len()).map(quantity).collect();
+            let measured = Size { squared: sample.residual.squared, ..with }.relative();
+            // what 95 % of such samples would have seen
+            let undecided = all.iter().map(|c| c.undecided).sum::<f64>().min(3.0 / sample.outcomes as f64);
+            let cells = cells.into_iter().flatten().collect();
+            let told = Told { by_nodes, relative, measured, quantities, checks, undecided };
+            return Ok(Surrogate { mesh, cells, coupled, told, end, solved });
+        }
+        if let Some(sample) = sample {
+            let (misses, count) = sample.misses(outcomes, &all, SHARE, paths)?;
+            checks += count;
+            for (c, miss) in misses {
+                if let Some(cell) = &mut cells[c] {
+                    cell.misses.push(miss);
+                }
+            }
+        }
+        let all: Vec<&Cell> = cells.iter().flatten().collect();
+        let marks: Vec<Vec<DirectionError>> = all.iter().map(|c| c.errors()).collect();
+        let changed = refine(&mut mesh, &marks, SHARE, &|cell, direction| all[cell].cut(direction))?;
+        let known = cells.len();
+        changed.into_iter().filter(|&c| c < known).for_each(|c| cells[c] = None);
+    }
+    unreachable!("the rounds are limited")
+}
+
+/// A squared error and the mean of the squared energy norm.
+#[derive(Clone, Copy)]
+struct Size {
+    squared: f64,
+    energy: f64,
+}
+
+impl Size {
+    fn of(cells: &[&Cell]) -> Self {
+        let nodes = cells.iter().flat_map(|c| c.basis.weights.iter().zip(&c.answers));
+        Self {
+            squared: cells.iter().flat_map(|c| c.errors()).map(|e| e.error).sum(),
+            energy: nodes.map(|(w, a)| w * 2.0 * a.strain).sum(),
+        }
+    }
+
+    /// The larger ones: no node may see what has an energy at all.
+    fn with(self, sample: &Check) -> Self {
+        Self { squared: self.squared.max(sample.residual.squared), energy: self.energy.max(sample.energy) }
+    }
+
+    fn relative(self) -> f64 {
+        if self.squared == 0.0 { 0.0 } else { (self.squared / self.energy).sqrt() }
+    }
+}
+
+/// Solves at the nodes of the cells that have no answers, and looks at their ends. Gives both numbers of outcomes.
+fn solve_todo(
+    scene: &Scene,
+    outcomes: &Outcomes<'_>,
+    coupled: bool,
+    mesh: &StochasticMesh,
+    (todo, cells): (&[usize], &mut [Option<Cell>]),
+    paths: &[String],
+    watch: &Watch<'_>,
+) -> Result<(usize, usize), SolveError> {
+    let bases: Vec<CellBasis> = todo.iter().map(|&c| mesh.basis(c, Nodes::Gauss)).collect::<Result<_, _>>()?;
+    let answers = solve_cells(scene, outcomes, coupled, &bases, paths, watch)?;
+    let each = || todo.iter().zip(&bases).zip(&answers);
+    let looked: Vec<Looked<'_>> = each().map(|((&cell, basis), nodes)| Looked { cell, basis, nodes }).collect();
+    let Look { misses, undecided, outcomes: looks } = look(outcomes, mesh, &looked, paths, watch)?;
+    drop(looked);
+    let solved = answers.iter().map(Vec::len).sum();
+    for ((((&c, basis), answers), misses), open) in todo.iter().zip(bases).zip(answers).zip(misses).zip(undecided) {
+        let (errors, quantities) = errors(outcomes, &basis, &answers, paths.len());
+        let undecided = open * mesh.probability(c);
+        cells[c] = Some(Cell { basis, answers, errors, quantities, misses, undecided });
+    }
+    Ok((solved, looks))
+}
+
+/// Answers at the nodes of the cells.
+fn solve_cells(
+    scene: &Scene,
+    outcomes: &Outcomes<'_>,
+    coupled: bool,
+    bases: &[CellBasis],
+    paths: &[String],
+    watch: &Watch<'_>,
+) -> Result<Vec<Vec<Answer>>, SolveError> {
+    if coupled {
+        let nominal = scene.material.young;
+        let modulus = |germs: &[f64]| scene.outcome(germs).map_or(f64::NAN, |s| s.material.young / nominal);
+        return bases
+            .iter()
+            .map(|basis| {
+                watch.check()?;
+                solve_cell(outcomes, basis, &modulus, paths, watch)
+            })
+            .collect();
+    }
+    let points: Vec<&Vec<f64>> = bases.iter().flat_map(|b| &b.points).collect();
+    let done = AtomicUsize::new(0);
+    let mut answers = solve_points(points.len(), |i, warm: &mut Option<Solution>| {
+        watch.check()?;
+        let answer = outcomes.answer(points[i], paths, warm);
+        watch.tell(done.fetch_add(1, Ordering::Relaxed) + 1, points.len());
+        answer
+    })?
+    .into_iter();
+    Ok(bases.iter().map(|b| answers.by_ref().take(b.points.len()).collect()).collect())
+}
+
+/// The truncation of displacements and of stresses, whichever is larger: in the energy norms of the mean modulus; and that of so many
+/// quantities, all directions together.
+fn errors(
+    outcomes: &Outcomes<'_>,
+    basis: &CellBasis,
+    answers: &[Answer],
+    quantities: usize,
+) -> (Vec<DirectionError>, Vec<f64>) {
+    let mean = mean_modulus(answers);
+    let all: Vec<&Answer> = answers.iter().collect();
+    let (events, slips) = (events(&all), slips(&all));
+    let kinked: Vec<bool> = (0..basis.degrees().len())
+        .map(|d| changes(basis, d, &events).is_some() || changes(basis, d, &slips).is_some())
+        .collect();
+    let of = |value: &dyn Fn(&Answer) -> Vec<f64>, energy: &(dyn Fn(&[f64]) -> f64 + Sync)| {
+        truncation(basis, &answers.iter().map(value).collect::<Vec<_>>(), &kinked, energy)
+    };
+    let strains = of(&|a| a.displacement.clone(), &|u| mean * outcomes.energy(u));
+    let stresses = of(&|a| a.stressed.clone(), &|u| outcomes.energy(u) / mean);
+    let directions = strains.into_iter().zip(stresses).map(|(a, b)| if b.error > a.error { b } else { a }).collect();
+    let quantity = |k: usize| of(&|a| vec![a.quantities[k]], &|v| v[0] * v[0]).iter().map(|e| e.error).sum();
+    (directions, (0..quantities).map(quantity).collect())
+}

@@ -1,0 +1,211 @@
+//! Outcomes of the random input on one body: loads, gaps, bounds and modulus for given germs, and the answer to them.
+//!
+//! The matrices are those of the nominal modulus E₀. With e = E/E₀ the displacements of an outcome are those of E₀ under the
+//! loads and friction bounds divided by e; stresses, forces and energies are e times what is then computed.
+
+use steklov_bem_operators::{Mesh, Space};
+use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
+use steklov_stochastic::{scale_bounds, solve_warm};
+
+use super::jumps::Data as DataInGerms;
+use crate::body::{Body, Factors, Given};
+use crate::body_load::Particular;
+use crate::contact::solve_problem;
+use crate::data::{Data, Loads};
+use crate::fields::probe;
+use crate::report::{ContactRow, contact_rows, figures};
+use crate::solve::{SolveError, Solved};
+use crate::summary::Summary;
+use crate::supports::Supports;
+use steklov_problem::{Random, Scene, Solver};
+
+/// The outcomes of a scene's random input on a body.
+pub struct Outcomes<'a> {
+    scene: &'a Scene,
+    random: &'a Random,
+    /// The body.
+    pub body: &'a Body,
+    /// The data in their germs.
+    pub(super) data: DataInGerms<'a>,
+    loads: Loads,
+    boundary: Option<ContactBoundary>,
+}
+
+/// What is kept of the answer to one outcome.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Answer {
+    /// E/E₀.
+    pub modulus: f64,
+    /// Nodal displacement.
+    pub displacement: Vec<f64>,
+    /// The displacement of the nominal modulus that has the stress of the outcome.
+    pub stressed: Vec<f64>,
+    /// F - |λ_t| of each condition with friction (0 without), and |u_t|.
+    pub reserve: Vec<f64>,
+    pub slip: Vec<f64>,
+    /// λ_n, λ_t and g - u_n of each condition.
+    pub pressure: Vec<f64>,
+    pub shear: Vec<f64>,
+    pub opening: Vec<f64>,
+    /// The quantities that are asked for.
+    pub quantities: Vec<f64>,
+    /// Half the elastic energy norm squared.
+    pub strain: f64,
+    pub iterations: usize,
+    pub converged: bool,
+}
+
+impl<'a> Outcomes<'a> {
+    /// Of the random input of a scene on a body.
+    ///
+    /// # Errors
+    /// Data that cannot be used.
+    pub fn new(scene: &'a Scene, random: &'a Random, body: &'a Body) -> Result<Self, SolveError> {
+        let data = Data { scene, mesh: &body.mesh, space: &body.space };
+        let in_germs = DataInGerms::new(scene, random);
+        Ok(Self {
+            scene,
+            random,
+            body,
+            data: in_germs,
+            loads: data.load()?,
+            boundary: data.condensed_contact(&body.held)?,
+        })
+    }
+
+    /// The outcome as a scene, its modulus over the nominal one, and what acts on the body of the nominal modulus.
+    pub fn given(&self, germs: &[f64]) -> Result<(Scene, f64, Given), SolveError> {
+        let (mesh, space): (&Mesh, &Space) = (&self.body.mesh, &self.body.space);
+        let mut scene = self.scene.outcome(germs)?;
+        let modulus = scene.material.young / self.scene.material.young;
+        scene.material = self.scene.material;
+        let data = Data { scene: &scene, mesh, space };
+        let uses = self.random.uses;
+        let held = if uses.held { data.held()? } else { self.body.held.clone() };
+        let mut loads = if uses.loads { data.load()? } else { self.loads.clone() };
+        loads.scale(1.0 / modulus);
+        let mut boundary =
+            if uses.contact || uses.held { data.condensed_contact(&held)? } else { self.boundary.clone() };
+        if let Some(boundary) = &mut boundary {
+            scale_bounds(&mut boundary.contact, 1.0 / modulus);
+        }
+        let particular = scene.particular_solution(1.0 / modulus).map(|solution| {
+            let held = |e: usize, i: usize| scene.sides[mesh.side[e]].holds(i);
+            Particular::new(solution, scene.is_cavity(), mesh, space, held, |u| self.body.condensation.multiply(u))
+        });
+        let supports = Supports { space, held: &held };
+        let mut given = Given::new(loads, particular, boundary, supports.values(), mesh, space);
+        given.judged = false;
+        let free = given.free_motions(space, &scene.unresisted(supports.free_motions()))?;
+        if free.len() != self.body.free.len() {
+            let (here, nominal) = (free.len(), self.body.free.len());
+            let what = format!("{here} motions that nothing resists, for the mean input {nominal}: hold the body");
+            return Err(ContactError::Inconsistent { what }.into());
+        }
+        Ok((scene, modulus, given))
+    }
+
+    /// The answer to an outcome, of the nominal modulus; `warm` is that of a similar one.
+    pub fn solved(
+        &self,
+        scene: &Scene,
+        given: Given,
+        warm: &mut Option<Solution>,
+    ) -> Result<(Solved, Factors), SolveError> {
+        let solver = self.scene.method.solver;
+        self.body.answer(scene, given, &mut |problem: &Problem| match solver {
+            Solver::Auto => solve_warm(problem, warm),
+            solver => solve_problem(problem, solver),
+        })
+    }
+
+    /// Solves an outcome and keeps what statistics need.
+    pub(crate) fn answer(
+        &self,
+        germs: &[f64],
+        paths: &[String],
+        warm: &mut Option<Solution>,
+    ) -> Result<Answer, SolveError> {
+        let named = |error| match error {
+            SolveError::Data(_) => error,
+            error => SolveError::Outcome { outcome: self.random.outcome_name(germs), error: Box::new(error) },
+        };
+        let (scene, modulus, given) = self.given(germs).map_err(named)?;
+        let (solved, _) = self.solved(&scene, given, warm).map_err(named)?;
+        let (rows, figures) = self.figures(&scene, &solved, modulus, None, paths);
+        Ok(self.kept(&solved, modulus, &rows, &figures, paths))
+    }
+
+    /// The contact rows and the numbers of an outcome, from its answer of the nominal modulus; `multipliers` (stress of the outcome)
+    /// replace its own.
+    pub(crate) fn figures(
+        &self,
+        scene: &Scene,
+        solved: &Solved,
+        modulus: f64,
+        multipliers: Option<&[[f64; 2]]>,
+        paths: &[String],
+    ) -> (Vec<ContactRow>, Summary) {
+        let contact = solved.contact.as_ref();
+        let mut rows = contact.map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
+        for row in &mut rows {
+            row.pressure *= modulus;
+            row.shear *= modulus;
+            row.bound *= modulus;
+        }
+        for (row, [pressure, shear]) in rows.iter_mut().zip(multipliers.unwrap_or_default()) {
+            (row.pressure, row.shear) = (*pressure, *shear);
+        }
+        let mut figures = figures(scene, solved, &rows);
+        if paths.iter().any(|p| p.starts_with("probe")) {
+            figures.probe = scene.probe.iter().map(|&x| probe(scene, solved, x)).collect();
+        }
+        scale(&mut figures, modulus);
+        (rows, figures)
+    }
+
+    /// ⟨Su, u⟩ of the nominal modulus.
+    pub(crate) fn energy(&self, u: &[f64]) -> f64 {
+        self.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum()
+    }
+
+    /// What statistics need of an outcome.
+    pub(crate) fn kept(
+        &self,
+        solved: &Solved,
+        modulus: f64,
+        rows: &[ContactRow],
+        figures: &Summary,
+        paths: &[String],
+    ) -> Answer {
+        let contact = solved.contact.as_ref();
+        let values = serde_json::to_value(figures).unwrap_or_default();
+        let quantity = |path: &String| Summary::number_at(&values, path).unwrap_or(f64::NAN);
+        Answer {
+            modulus,
+            stressed: solved.displacement.iter().map(|u| modulus * u).collect(),
+            quantities: paths.iter().map(quantity).collect(),
+            strain: figures.strain_energy,
+            reserve: rows.iter().map(|r| if r.bound.is_finite() { r.bound - r.shear.abs() } else { 0.0 }).collect(),
+            slip: rows.iter().map(|r| if r.bound > 0.0 { r.tangential_displacement.abs() } else { 0.0 }).collect(),
+            pressure: rows.iter().map(|r| r.pressure).collect(),
+            shear: rows.iter().map(|r| r.shear).collect(),
+            opening: rows.iter().map(|r| r.gap - r.normal_displacement).collect(),
+            iterations: contact.map_or(0, |c| c.solution.iterations),
+            converged: solved.balanced && contact.is_none_or(|c| c.converged()),
+            displacement: solved.displacement.clone(),
+        }
+    }
+}
+
+/// Stresses, forces and energies of the nominal modulus become those of the outcome; the contact rows have been scaled before.
+fn scale(figures: &mut Summary, modulus: f64) {
+    let energies =
+        [&mut figures.energy, &mut figures.strain_energy, &mut figures.load_work, &mut figures.friction_work];
+    energies.into_iter().for_each(|e| *e *= modulus);
+    if let Some(contact) = &mut figures.contact {
+        contact.force = contact.force.map(|f| f * modulus);
+    }
+    figures.reactions.values_mut().flatten().for_each(|f| *f *= modulus);
+    figures.probe.iter_mut().flat_map(|p| &mut p.stress).for_each(|s| *s *= modulus);
+}

@@ -1,0 +1,112 @@
+//! Held displacements: what they leave free, and the forces that they carry.
+
+use steklov_bem_operators::{Mesh, Space};
+use steklov_elastic::{RigidMotion, free_motions};
+
+use steklov_problem::{Condition, Scene, Side};
+
+/// Prescribed components of one node: value and the first side that holds it.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Held {
+    /// For x and y.
+    pub components: [Option<(f64, usize)>; 2],
+}
+
+/// The held nodes of a space.
+pub struct Supports<'a> {
+    /// The nodes.
+    pub space: &'a Space,
+    /// What is held of each.
+    pub held: &'a [Held],
+}
+
+impl Supports<'_> {
+    /// Held unknowns and their values.
+    pub fn dofs(&self) -> Vec<(usize, f64)> {
+        let held = self.held.iter().enumerate();
+        held.flat_map(|(node, h)| (0..2).filter_map(move |i| h.components[i].map(|(value, _)| (2 * node + i, value))))
+            .collect()
+    }
+
+    /// The values alone.
+    pub fn values(&self) -> Vec<f64> {
+        self.dofs().into_iter().map(|(_, value)| value).collect()
+    }
+
+    /// Rigid motions that the supports leave free.
+    pub fn free_motions(&self) -> Vec<RigidMotion> {
+        let mut constraints = Vec::new();
+        for (node, held) in self.held.iter().enumerate() {
+            for (component, direction) in held.components.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
+                if component.is_some() {
+                    constraints.push((self.space.points[node], direction));
+                }
+            }
+        }
+        free_motions(&self.space.points, &constraints)
+    }
+
+    /// Largest residual at unknowns that are not held over max |S u| + max |f| + `floor`.
+    pub fn equilibrium(&self, residual: &[f64], forces: &[f64], load: &[f64], floor: f64) -> f64 {
+        let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        let scale = largest(forces) + largest(load) + floor;
+        let free = residual.iter().enumerate().filter(|(dof, _)| self.held[dof / 2].components[dof % 2].is_none());
+        let worst = free.fold(0.0, |m: f64, (_, r)| m.max(r.abs()));
+        if scale > 0.0 { worst / scale } else { 0.0 }
+    }
+
+    /// Force of the supports on the body, side by side: the residuals at held unknowns. Where two sides hold a component
+    /// of a common node, each takes the moment of the traction on its own elements (`traction(e, j)`) and half of what is left.
+    pub fn reactions(
+        &self,
+        residual: &[f64],
+        mesh: &Mesh,
+        sides: &[Side],
+        traction: impl Fn(usize, usize) -> [f64; 2],
+    ) -> Vec<(usize, [f64; 2])> {
+        let holds = |side: usize, component: usize| matches!(&sides[side].condition, Condition::Displacement { values, .. } if values[component].is_some());
+        let previous = mesh.previous();
+        let mut reactions = vec![[0.0; 2]; sides.len()];
+        for e in 0..mesh.len() {
+            for j in 0..self.space.degree(e) {
+                let node = self.space.node(e, j);
+                for i in 0..2 {
+                    let force = residual[2 * node + i];
+                    let before = previous[e];
+                    let (here, there) = (mesh.side[e], mesh.side[before]);
+                    match (holds(here, i), j == 0 && here != there && holds(there, i)) {
+                        (true, true) => {
+                            let a = traction(e, 0)[i];
+                            let b = traction(before, self.space.degree(before))[i];
+                            let rest = (force - a - b) / 2.0;
+                            reactions[here][i] += a + rest;
+                            reactions[there][i] += b + rest;
+                        }
+                        (true, false) => reactions[here][i] += force,
+                        (false, true) => reactions[there][i] += force,
+                        (false, false) => {}
+                    }
+                }
+            }
+        }
+        let held = |side: usize| holds(side, 0) || holds(side, 1);
+        reactions.into_iter().enumerate().filter(|&(side, _)| held(side)).collect()
+    }
+}
+
+/// Rigid motions that the held sides leave free.
+pub fn free_of_supports(scene: &Scene) -> Vec<RigidMotion> {
+    let mut constraints = Vec::new();
+    let edges = scene.polygon.edges();
+    for edge in edges {
+        if let Condition::Displacement { values, .. } = &scene.sides[edge.side].condition {
+            for (value, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
+                if value.is_some() {
+                    constraints.extend([edge.start, edge.end].map(|x| (x, direction)));
+                }
+            }
+        }
+    }
+    let corners: Vec<[f64; 2]> = edges.iter().map(|e| e.start).collect();
+    free_motions(&corners, &constraints)
+}

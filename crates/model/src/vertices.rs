@@ -1,0 +1,95 @@
+//! Vertices of the boundary at which stresses are infinite, so that numbers there are those of the mesh.
+
+use std::f64::consts::PI;
+
+use steklov_bem_operators::{Edge, SAME_PLACE};
+use steklov_elastic::Material;
+
+use crate::report::{ContactRow, TOUCHING};
+use crate::summary::Probe;
+use crate::wedge::{Face, Sector, Wedge};
+use steklov_problem::{Condition, Friction, Scene};
+
+/// Angles that differ by less are the same (radian).
+const STRAIGHT: f64 = 1e-9;
+
+/// Replaces stresses at probe points that have none: at a corner, or where the condition of a straight side changes, whose
+/// exponents let stresses grow without bound. `exact`: the field is known to have no singular part.
+pub fn tell_unbounded(scene: &Scene, rows: &[ContactRow], probe: &mut [Probe], exact: bool) {
+    for probe in probe.iter_mut().filter(|p| !exact && is_unbounded_at(scene, rows, p.point)) {
+        (probe.stress, probe.stress_unbounded) = ([f64::NAN; 3], true);
+    }
+}
+
+/// Whether a point is a vertex with infinite stresses. Cells of different moduli about it count as one material; on the interface
+/// of such a body with the medium around it no vertex is judged.
+pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -> bool {
+    let edges = scene.polygon.edges();
+    let near = SAME_PLACE * scene.polygon.diameter();
+    for l in 0..scene.polygon.loops().len() {
+        let order = scene.polygon.traversal(l);
+        for (k, &b) in order.iter().enumerate() {
+            let a = order[(k + order.len() - 1) % order.len()];
+            let vertex = if edges[b].reversed { edges[b].end } else { edges[b].start };
+            if (vertex[0] - x[0]).hypot(vertex[1] - x[1]) <= near {
+                return wedge(scene, rows, &edges[a], &edges[b]).is_some_and(|wedge| wedge.is_singular());
+            }
+        }
+    }
+    false
+}
+
+/// Direction of an edge as the boundary is traversed, the body to its left.
+fn direction(edge: &Edge) -> [f64; 2] {
+    let d = [edge.end[0] - edge.start[0], edge.end[1] - edge.start[1]];
+    let length = d[0].hypot(d[1]) * if edge.reversed { -1.0 } else { 1.0 };
+    d.map(|d| d / length)
+}
+
+/// The wedge between the edge before a vertex and that behind it; none where the boundary goes on as before.
+fn wedge(scene: &Scene, rows: &[ContactRow], before: &Edge, behind: &Edge) -> Option<Wedge> {
+    let (a, b) = (direction(before), direction(behind));
+    let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
+    let straight = (angle - PI).abs() < STRAIGHT;
+    let sector = |angle: f64, material: &Material| Sector { angle, mu: material.mu(), kappa: material.kappa() };
+    let around = scene.exterior.as_ref().filter(|_| !scene.is_cavity() && behind.loop_index == 0);
+    if let Some(exterior) = around {
+        let judged = scene.cells.is_none() && !straight;
+        let sectors = vec![sector(angle, &scene.material), sector(2.0 * PI - angle, &exterior.material)];
+        return judged.then_some(Wedge { sectors, faces: None });
+    }
+    let touch = |edge: &Edge| matches!(scene.sides[edge.side].condition, Condition::Contact { .. });
+    if straight && (before.side == behind.side || touch(before) && touch(behind)) {
+        return None;
+    }
+    let vertex = if behind.reversed { behind.end } else { behind.start };
+    let faces = [face(scene, rows, behind, vertex, b), face(scene, rows, before, vertex, a.map(|a| -a))];
+    Some(Wedge { sectors: vec![sector(angle, &scene.material)], faces: Some(faces) })
+}
+
+/// The condition on an edge at one of its ends, from which it runs along `ray`.
+fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64; 2], ray: [f64; 2]) -> Face {
+    match &scene.sides[edge.side].condition {
+        Condition::Free | Condition::Traction(_) | Condition::Pressure(_) => Face::Free,
+        Condition::Displacement { values: [Some(_), Some(_)], .. } => Face::Held,
+        Condition::Displacement { values: [None, None], .. } => Face::Free,
+        // an axis, along the ray and turned from it
+        Condition::Displacement { values: [Some(_), None], .. } => Face::HeldAlong([ray[0], -ray[1]]),
+        Condition::Displacement { values: [None, Some(_)], .. } => Face::HeldAlong([ray[1], ray[0]]),
+        Condition::Contact { friction, .. } => contact_face(rows, edge.side, friction, vertex),
+    }
+}
+
+/// Contact: that of the nearest node of the side. The shear of Tresca's law is bounded: it holds nothing.
+fn contact_face(rows: &[ContactRow], side: usize, friction: &Friction, vertex: [f64; 2]) -> Face {
+    let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
+    let distance = |r: &ContactRow| (r.point[0] - vertex[0]).hypot(r.point[1] - vertex[1]);
+    let nearest = rows.iter().filter(|r| r.side == side).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    match (nearest, friction) {
+        (Some(row), _) if row.pressure <= TOUCHING * largest => Face::Free,
+        (Some(row), Friction::Coulomb(_)) if row.status == 1 => Face::Held,
+        (Some(row), Friction::Coulomb(_)) => Face::Sliding(row.shear / row.pressure),
+        (Some(_), _) => Face::Sliding(0.0),
+        (None, _) => Face::Free,
+    }
+}
