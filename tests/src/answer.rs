@@ -3,8 +3,6 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov::plan::plan;
-use steklov::record::Record;
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_model::adapt::Layout;
 use steklov_model::first_mesh::first_mesh;
@@ -13,7 +11,9 @@ use steklov_model::report::{ContactRow, contact_rows, contact_summary, located};
 use steklov_model::run::{Progress, Run, run};
 use steklov_model::solve::{SolveError, Solved};
 use steklov_model::summary::{ContactSummary, Summary};
+use steklov_plan::plan;
 use steklov_problem::{Model, Refine, Scene};
+use steklov_result::record::Record;
 use steklov_scene::{Document, SceneError};
 
 /// A solved scene with its contact table.

@@ -167,6 +167,6 @@ fn a_step_that_fails_keeps_those_before_it() {
     assert_eq!(kept.progress.next, asked.progress.next);
     assert_eq!(kept.progress.steps.len(), 3);
     assert!(matches!(failing(0, broken), Err(SolveError::NotFinite { .. })));
-    let disk = || steklov::store::observed(steklov_io::IoError::Exists { path: "full".into() });
+    let disk = || steklov_result::store::observed(steklov_io::IoError::Exists { path: "full".into() });
     assert!(matches!(failing(3, disk), Err(SolveError::Observer(_))));
 }

@@ -4,14 +4,14 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov::plan::plan;
-use steklov::record::Record;
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_model::adapt::Layout;
 use steklov_model::first_mesh::singular_points;
 use steklov_model::run::{Progress, Reason, Run, run};
 use steklov_model::summary::Summary;
+use steklov_plan::plan;
 use steklov_problem::Scene;
+use steklov_result::record::Record;
 use steklov_tests::{Judged, adapt, judged, line, parse, scene, step_below};
 
 /// Energy errors (|J - J_ref|/|J_ref|)^½ at which unknowns are counted.

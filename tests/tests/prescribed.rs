@@ -2,8 +2,8 @@
 
 use std::path::Path;
 
-use steklov::plan::plan;
-use steklov::record::Record;
+use steklov_plan::plan;
+use steklov_result::record::Record;
 use steklov_tests::{adapt, parse};
 
 /// u = (2xy, x² - y² + b y²/2(λ+2μ)) on the unit square about 0 is in equilibrium under the body force (0, -b); μ = 1, λ = 3/2.

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use steklov::plan::{Plan, plan};
-use steklov::record::Record;
 use steklov_model::summary::{Audit, Summary};
+use steklov_plan::{Plan, plan};
 use steklov_problem::Scene;
+use steklov_result::record::Record;
 use steklov_tests::{adapt, attempt_grid, unbalanced_forces, unbalanced_nodes};
 
 /// Measures of the audit and of equilibrium may be at most this.
@@ -117,7 +117,7 @@ fn scenes_are_numbered_and_their_plain_names_are_links() {
 }
 
 /// choice by what is decided about
-fn choices(decisions: &[steklov::plan::Decision]) -> BTreeMap<&str, &str> {
+fn choices(decisions: &[steklov_plan::Decision]) -> BTreeMap<&str, &str> {
     decisions.iter().map(|d| (d.what.as_str(), d.choice.as_str())).collect()
 }
 

@@ -3,11 +3,11 @@
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
-use steklov::record::Record;
 use steklov_bem_operators::{BemError, Mesh};
 use steklov_model::solve::SolveError;
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
+use steklov_result::record::Record;
 use steklov_tests::{adapt, answer_on, parse, scene};
 
 /// A scene with holes in the plane: corners and the side names of each.
@@ -35,7 +35,7 @@ const SQUARE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0
 
 fn summary(scene: &Scene) -> Summary {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
-    let plan = steklov::plan::plan(scene);
+    let plan = steklov_plan::plan(scene);
     Record::new(scene, plan, run, None, std::path::Path::new("none.vtkhdf"), 0.0).summary
 }
 

@@ -14,23 +14,23 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_bem_operators::PARTS;
-use steklov_io::{File, create_atomically, open};
+use steklov_io::{File, IoError, create_atomically, open};
 
 use self::bar::Bar;
 use self::grid::{crossing_warning, solve_on_grid};
 use self::output::{appeared, check_output};
 use self::told::{advice, print_summary};
-use crate::draw;
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
-use crate::plan::{Plan, largest_mesh, plan, without_memory};
-use crate::record::Record;
-use crate::stochastic::{self};
-use crate::store::{self, Stored};
+use steklov_figures as draw;
+use steklov_figures::stochastic::{self};
 use steklov_model::run::{Progress, Reason, Run, Step, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_model::stochastic::{End, StochasticResult, solve_stochastic};
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
+use steklov_plan::{Plan, largest_mesh, plan, without_memory};
 use steklov_problem::{Refine, Scene, grid_of, moduli};
+use steklov_result::record::Record;
+use steklov_result::store::{self, Stored};
 use steklov_scene::{Document, TEMPLATE};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
@@ -261,7 +261,10 @@ fn solve_boundary(
     reading: f64,
 ) -> Result<Attempt, Failure> {
     let Document { scene, source } = document;
-    let stored = old.map_or(Ok(Vec::new()), |old| store::read_steps(old, document))?;
+    let stored = old.map_or(Ok(Vec::new()), |old| {
+        same_scene(old, document)?;
+        store::read_steps(old, scene)
+    })?;
     let held = stored.len();
     let first = Progress::before_last(stored).unwrap_or_else(|| Progress::first(scene));
     let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
@@ -338,6 +341,11 @@ fn all_outcomes(
             Ok((run, None))
         }
     }
+}
+
+/// Whether a result file is of this scene: of the overrides only the tolerance and the limits may differ.
+fn same_scene(old: &File, document: &Document) -> Result<(), IoError> {
+    store::check_scene(old, &document.source.text, |overrides| document.differing_key(overrides))
 }
 
 /// The result file from which a run goes on, if it is to and there is one.

@@ -112,7 +112,7 @@ fn names_that_nothing_uses_are_told() {
     let scene = sound(&text, &["parameters.twice=3"]);
     assert!((scene.parameters["F"] - 0.4).abs() < 1e-15);
     assert_eq!(scene.unused, ["idle"]);
-    let plan = steklov::plan::plan(&scene);
+    let plan = steklov_plan::plan(&scene);
     let told = |name: &str| plan.left_out.iter().any(|d| d.what == "parameter" && d.choice == name);
     assert_eq!(["twice", "G", "F", "idle"].map(told), [false, false, false, true]);
 }
@@ -121,7 +121,7 @@ fn names_that_nothing_uses_are_told() {
 #[test]
 fn plans_say_what_zero_friction_and_equal_cells_are() {
     let choice = |scene: &Scene, what: &str| {
-        let plan = steklov::plan::plan(scene);
+        let plan = steklov_plan::plan(scene);
         let found = plan.modelled.iter().find(|d| d.what == what).unwrap_or_else(|| panic!("no {what}"));
         format!("{} ({})", found.choice, found.why)
     };

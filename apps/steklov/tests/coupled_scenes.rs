@@ -3,11 +3,11 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov::plan::plan;
-use steklov::record::Record;
 use steklov_model::grid::{GridProgress, GridRun, run_grid};
 use steklov_model::summary::Summary;
+use steklov_plan::plan;
 use steklov_problem::{DataErrorKind as Kind, Scene};
+use steklov_result::record::Record;
 use steklov_scene::SceneError;
 
 /// A square of one material in a medium of another, under remote stress.

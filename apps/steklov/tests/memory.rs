@@ -5,8 +5,8 @@ mod place;
 use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran};
-use steklov::plan::NEXT_MESH;
 use steklov_model::run::{Progress, Reason, run};
+use steklov_plan::NEXT_MESH;
 use steklov_problem::Scene;
 
 /// Unknowns and peak memory of two steps of degrees 3 and 4, with estimates.
@@ -51,7 +51,7 @@ fn where_memory_ends_a_run_it_says_so() {
     let mut scene = steklov_scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     let ended = |scene: &Scene| {
         let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
-        (run.reason, run.step().dofs, run.progress.without_memory(scene))
+        (run.reason, run.step().dofs, run.progress.lack(scene).map(steklov_plan::without_memory))
     };
     for (memory, dofs) in [(9 * 8 * 64 * 64, 64), (9 * 8 * 64 * 64 - 1, 32)] {
         scene.method.memory = Some(memory);

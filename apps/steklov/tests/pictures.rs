@@ -3,11 +3,11 @@
 mod frame;
 
 use frame::{check, check_up_to, loops, rectangle};
-use steklov::triangulate::{Triangulation, triangulate};
 use steklov_picture::{
     Axis, Band, Body, Chart, ContactSide, Curve, Guide, MeshFigure, MeshPanel, Obstacle, Scale, Series, body, chart,
     contact, meshes,
 };
+use steklov_result::triangulate::{Triangulation, triangulate};
 
 type Field = dyn Fn([f64; 2]) -> [f64; 2];
 

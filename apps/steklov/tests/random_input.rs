@@ -3,7 +3,7 @@
 mod place;
 
 use place::{BLOCK, Place};
-use steklov::plan::points;
+use steklov_plan::points;
 use steklov_problem::Scene;
 use steklov_scene::SceneError;
 
@@ -36,7 +36,7 @@ fn nodes_are_coupled_where_the_modulus_is_not_affine() {
         ("2000*exp(0.1*xi)", true),
     ] {
         let scene = parse(&held(young, UNIFORM), &[]).unwrap();
-        let plan = steklov::plan::plan(&scene);
+        let plan = steklov_plan::plan(&scene);
         let decision = plan.modelled.iter().find(|d| d.what == "stochastic nodes").unwrap();
         assert_eq!(decision.choice, if coupled { "coupled" } else { "one by one" }, "{young}");
     }

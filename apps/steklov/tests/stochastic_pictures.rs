@@ -5,11 +5,11 @@ mod place;
 use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
-use steklov::stochastic::{read, write};
-use steklov::store::{self, Stored};
 use steklov_io::{File, IoError, create_atomically, create_group, open, open_group};
 use steklov_model::run::{Progress, run};
 use steklov_model::stochastic::{StochasticResult, solve_stochastic};
+use steklov_result::outcomes::{read, write};
+use steklov_result::store::{self, Stored};
 
 /// A block on a floor whose height and load are random, `more` at the end.
 fn rough(more: &str) -> String {

@@ -11,11 +11,11 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
-use steklov::study::{End, NAMES, Study, csv, strategy, text};
 use steklov_bem_operators::Mesh;
 use steklov_model::reference::Reference;
 use steklov_problem::{Refine, Source};
 use steklov_quadrature::gauss_legendre;
+use steklov_study::{End, NAMES, Study, csv, strategy, text};
 
 /// sin(3π/2 λ) = λ: the symmetric singularity of a free re-entrant corner of 270 degrees.
 const LAMBDA: f64 = 0.544_483_736_782_464;

@@ -7,11 +7,11 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::study::coupling::{
+use steklov_problem::{Method, Scene, Source};
+use steklov_study::coupling::{
     CouplingStudy, Effectivity, coarsest, conditioning, convergence, costs, effectivity, json as object, largest,
     levels, pairs, pictures, settings, text, wrongs,
 };
-use steklov_problem::{Method, Scene, Source};
 
 const FILES: &str = "conditioning.csv conditioning.png conditioning.svg contrast.csv convergence.csv cost-entries.png \
                      cost-entries.svg cost-seconds.png cost-seconds.svg cost.csv coupling.h5 effectivity-cells.png \
@@ -165,9 +165,9 @@ fn bodies_of_any_shape_and_unit_converge() {
         }
     });
     let other = parsed(&lists.collect::<Vec<String>>().join("\n"));
-    let others = steklov::study::coupling::pairs(&other).unwrap();
+    let others = steklov_study::coupling::pairs(&other).unwrap();
     let condition = |scene: &Scene, pair, most: usize| {
-        let levels = steklov::study::coupling::levels(scene, most, usize::MAX).unwrap();
+        let levels = steklov_study::coupling::levels(scene, most, usize::MAX).unwrap();
         conditioning(&scene.polygon, pair, &levels, &run, &mut |_, _| {}).points[0]
     };
     let (a, b) = (condition(&scene, own, 300), condition(&other, &others[3..], 300));

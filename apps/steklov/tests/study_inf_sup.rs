@@ -8,8 +8,8 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::study::inf_sup::{InfSup, PAIRS, Point, Pressure, Pressures, pairs, pictures, pressures, text};
 use steklov_problem::Source;
+use steklov_study::inf_sup::{InfSup, PAIRS, Point, Pressure, Pressures, pairs, pictures, pressures, text};
 
 const FILES: &str = "inf-sup-degree.png inf-sup-degree.svg inf-sup-elements-1.png inf-sup-elements-1.svg \
                      inf-sup-elements-2.png inf-sup-elements-2.svg inf-sup-elements-3.png inf-sup-elements-3.svg \

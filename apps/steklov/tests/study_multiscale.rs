@@ -6,11 +6,11 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::study::multiscale::{
+use steklov_problem::Source;
+use steklov_study::multiscale::{
     Contrast, Laminates, MultiscaleStudy, coarse_cells, contrast, convergence, fine_grid, json as object, laminates,
     pictures, text,
 };
-use steklov_problem::Source;
 
 const FILES: &str = "contrast-effectivity.png contrast-effectivity.svg contrast-error.png contrast-error.svg contrast.csv \
                      convergence.csv effectivity.png effectivity.svg error-dofs.png error-dofs.svg error-seconds.png \

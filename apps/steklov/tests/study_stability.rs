@@ -8,11 +8,11 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
-use steklov::study::stability::{
+use steklov_problem::Source;
+use steklov_study::stability::{
     Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, stabilisation,
     text,
 };
-use steklov_problem::Source;
 
 const FILES: &str = "incompressible-energy.png incompressible-energy.svg incompressible-error.png \
                      incompressible-error.svg incompressible.csv single-layer.csv single-layer.png single-layer.svg \
@@ -245,7 +245,7 @@ fn failures_are_told_with_their_ratio() {
         stabilisation: Some(&stabilisation),
         interrupted: false,
     };
-    let text = steklov::study::stability::text(&study);
+    let text = steklov_study::stability::text(&study);
     assert!(
         !study.complete() && text.contains("FAILED at critical γ₀ on 16 elements of degree 2: too large"),
         "{text}"

@@ -7,9 +7,9 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov::study::stochastic::{Stochastic, chance, pictures, solvers, space, text};
 use steklov_model::run::{Progress, run};
 use steklov_problem::Source;
+use steklov_study::stochastic::{Stochastic, chance, pictures, solvers, space, text};
 
 const FILES: &str = "mean-contact-force-y.png mean-contact-force-y.svg mean-energy.png mean-energy.svg solver-history.png \
                      solver-history.svg solver-iterations.png solver-iterations.svg solvers.csv space-energy.png \

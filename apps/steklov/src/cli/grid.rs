@@ -7,12 +7,12 @@ use std::time::Instant;
 use steklov_io::{File, create_atomically};
 
 use super::bar::Bar;
-use super::{Attempt, Failure, SolveArgs};
-use crate::plan::Plan;
-use crate::record::Record;
-use crate::store;
+use super::{Attempt, Failure, SolveArgs, same_scene};
 use steklov_model::grid::{BLIND, FAILING, GridProgress, run_grid};
 use steklov_model::summary::{GridSummary, peak_memory_bytes};
+use steklov_plan::Plan;
+use steklov_result::record::Record;
+use steklov_result::store;
 use steklov_scene::Document;
 
 /// Solves by finite elements on a grid.
@@ -26,7 +26,10 @@ pub(super) fn solve_on_grid(
     reading: f64,
 ) -> Result<Attempt, Failure> {
     let Document { scene, source } = document;
-    let stored = old.map_or(Ok(Vec::new()), |old| store::read_grid_steps(old, document))?;
+    let stored = old.map_or(Ok(Vec::new()), |old| {
+        same_scene(old, document)?;
+        store::read_grid_steps(old, scene)
+    })?;
     let held = stored.len();
     let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
         let progress = GridProgress::new(scene, stored)?;

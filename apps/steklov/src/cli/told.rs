@@ -2,12 +2,12 @@
 
 use super::grid::grid_lines;
 use super::say;
-use crate::plan::{CONTACT_SOLVER, COULOMB_SOLVER, NEXT_MESH, Plan};
-use crate::stochastic;
-use crate::store::Stored;
+use steklov_figures::stochastic;
 use steklov_model::report::TOUCHING;
 use steklov_model::run::Reason;
 use steklov_model::summary::{MediumSummary, Summary};
+use steklov_plan::{CONTACT_SOLVER, COULOMB_SOLVER, NEXT_MESH, Plan};
+use steklov_result::store::Stored;
 
 /// What to do about a run whose contact solver did not reach its criterion, or that memory ended.
 pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {

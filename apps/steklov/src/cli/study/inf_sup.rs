@@ -4,9 +4,9 @@ use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, explained, interrupts};
 use super::{StudyArgs, Watch, document, folder, store, tell_results};
-use crate::study::contact_sides;
-use crate::study::inf_sup::{InfSup, csv, json, pairs, pictures, pressures, settings, text, write};
 use steklov_problem::{DataError, DataErrorKind};
+use steklov_study::contact_sides;
+use steklov_study::inf_sup::{InfSup, csv, json, pairs, pictures, pressures, settings, text, write};
 
 /// Tells which multipliers are stable.
 pub(super) fn inf_sup(args: &StudyArgs) -> Result<u8, Failure> {

@@ -4,7 +4,7 @@ use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, interrupts};
 use super::{StudyArgs, Watch, boundary_only, document, folder, store, tell_results, unreferenced};
-use crate::study::stability::{
+use steklov_study::stability::{
     POISSON, Stability, csv, incompressible, json, pictures, read_beside, settings, single_layer, stabilisation, text,
     write,
 };

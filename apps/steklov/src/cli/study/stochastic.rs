@@ -4,11 +4,11 @@ use std::sync::atomic::Ordering;
 
 use super::super::{Failure, NOT_REACHED, explained, interrupts};
 use super::{StudyArgs, Watch, document, folder, store, tell_results};
-use crate::study::settings;
-use crate::study::stochastic::{FAMILIES, Stochastic, chance, csv, json, pictures, solvers, space, text, write};
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{DataError, DataErrorKind};
+use steklov_study::settings;
+use steklov_study::stochastic::{FAMILIES, Stochastic, chance, csv, json, pictures, solvers, space, text, write};
 
 /// Tells how statistics converge, and what they cost.
 pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {

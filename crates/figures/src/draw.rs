@@ -1,0 +1,204 @@
+//! The pictures and tables of a stored result.
+
+use std::fmt::Write as _;
+use std::path::{Path, PathBuf};
+
+use steklov_io::vtkhdf::Field;
+use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
+
+use crate::grid;
+use crate::stochastic;
+use steklov_model::report::ContactRow;
+use steklov_result::medium::body_part;
+use steklov_result::store::Stored;
+
+/// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
+///
+/// # Errors
+/// When a picture cannot be drawn or written.
+pub fn pictures(stored: &Stored, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
+    let mut files = Vec::new();
+    files.extend(write(folder, &format!("{name}-body"), &body_picture(stored)?)?);
+    if let Some(picture) = grid::medium(stored)? {
+        files.extend(write(folder, &format!("{name}-medium"), &picture)?);
+    }
+    let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
+    files.extend(contact_pictures(title, sides, &stored.contact, folder, &format!("{name}-contact"))?);
+    for (part, picture) in grid::pictures(stored)?.into_iter().chain(stochastic::pictures(stored)?) {
+        files.extend(write(folder, &format!("{name}-{part}"), &picture)?);
+    }
+    Ok(files)
+}
+
+/// Draws each contact side, into files that begin with `name`.
+pub fn contact_pictures(
+    title: &str,
+    side_names: &[String],
+    rows: &[ContactRow],
+    folder: &Path,
+    name: &str,
+) -> Result<Vec<PathBuf>, PictureError> {
+    let mut files = Vec::new();
+    for (side, side_name) in side_names.iter().enumerate() {
+        let rows: Vec<&ContactRow> = rows.iter().filter(|r| r.side == side).collect();
+        if !rows.is_empty() {
+            let picture = contact_picture(title, side_name, &rows)?;
+            files.extend(write(folder, &format!("{name}-{}", side_file(side_names, side)), &picture)?);
+        }
+    }
+    Ok(files)
+}
+
+/// The name of a side as a part of a file name that no other side has.
+pub fn side_file(side_names: &[String], side: usize) -> String {
+    let part = file_name(&side_names[side]);
+    if side_names[..side].iter().any(|other| file_name(other) == part) { format!("{part}-{side}") } else { part }
+}
+
+/// A name as a part of a file name.
+pub(crate) fn file_name(side: &str) -> String {
+    side.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
+}
+
+fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
+    let fields = &stored.grid;
+    let values = |name: &str| fields.point_data.iter().find(|f| f.name == name);
+    let planar = |f: &Field| -> Vec<[f64; 2]> { f.values.chunks(f.components.max(1)).map(|v| [v[0], v[1]]).collect() };
+    let n = fields.points.len();
+    let displacement = values("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
+    let [lines, gaps] = walls(&stored.contact);
+    let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
+    let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
+    if let Some(record) = &stored.on_grid {
+        let deformed = grid::deformed(stored, record, &displacement);
+        return body(&Body {
+            title,
+            points: &deformed.points,
+            displacement: &deformed.displacement,
+            triangles: &deformed.triangles,
+            von_mises: &deformed.von_mises,
+            outline: &deformed.outline,
+            obstacles,
+        });
+    }
+    let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
+    let (count, triangles) = body_part(fields);
+    body(&Body {
+        title,
+        points: &fields.points[..count],
+        displacement: &displacement[..count],
+        triangles,
+        von_mises: &von_mises[..count],
+        outline: &fields.lines,
+        obstacles,
+    })
+}
+
+/// A list of points or vectors for each of some lines.
+type Lines = Vec<Vec<[f64; 2]>>;
+
+/// Points and gap vectors of the obstacles, one list for each stretch of contact side.
+pub(crate) fn walls(rows: &[ContactRow]) -> [Lines; 2] {
+    let stretches = stretches(rows);
+    let on_stretches = |f: fn(&ContactRow) -> [f64; 2]| -> Vec<Vec<[f64; 2]>> {
+        stretches.iter().map(|rows| rows.iter().map(f).collect()).collect()
+    };
+    [on_stretches(|r| r.point), on_stretches(|r| r.normal.map(|n| r.gap * n))]
+}
+
+/// The contact table cut where the side or the normal changes.
+fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
+    let mut stretches: Vec<Vec<ContactRow>> = Vec::new();
+    for row in rows {
+        let continues = stretches.last().and_then(|s| s.last()).is_some_and(|last| {
+            let along = [row.point[0] - last.point[0], row.point[1] - last.point[1]];
+            let ahead = last.normal[0] * along[1] - last.normal[1] * along[0];
+            // equal up to the rounding of an oblique side's elements
+            let turn = (last.normal[0] - row.normal[0]).hypot(last.normal[1] - row.normal[1]);
+            turn < 1e-9 && last.side == row.side && ahead > 0.0
+        });
+        match stretches.last_mut() {
+            Some(last) if continues => last.push(*row),
+            _ => stretches.push(vec![*row]),
+        }
+    }
+    stretches
+}
+
+/// What a side is drawn against: a straight horizontal or vertical one x or y, any other its arc length.
+pub fn positions(side: &str, rows: &[&ContactRow]) -> (String, Vec<f64>) {
+    let same =
+        |i: usize| rows.iter().all(|r| (r.point[i] - rows[0].point[i]).abs() < 1e-12 * r.point[i].abs().max(1.0));
+    if same(1) {
+        ("x".into(), rows.iter().map(|r| r.point[0]).collect())
+    } else if same(0) {
+        ("y".into(), rows.iter().map(|r| r.point[1]).collect())
+    } else {
+        let mut length = 0.0;
+        let mut last = rows[0].point;
+        let arc = rows.iter().map(|r| {
+            length += (r.point[0] - last[0]).hypot(r.point[1] - last[1]);
+            last = r.point;
+            length
+        });
+        (format!("arc length along {side}"), arc.collect())
+    }
+}
+
+fn contact_picture(title: &str, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
+    let (label, position) = positions(side, rows);
+    let collect = |f: fn(&ContactRow) -> f64| rows.iter().map(|r| f(r)).collect::<Vec<f64>>();
+    let bound = if rows.iter().any(|r| r.bound > 0.0) { collect(|r| r.bound) } else { Vec::new() };
+    contact(&ContactSide {
+        title: &format!("{title}: contact on {side}"),
+        x_label: &label,
+        position: &position,
+        pressure: &collect(|r| r.pressure),
+        shear: &collect(|r| r.shear),
+        bound: &bound,
+    })
+}
+
+/// Writes the tables of a result as CSV files into a folder; returns them.
+///
+/// # Errors
+/// When a file cannot be written.
+pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec<PathBuf>> {
+    std::fs::create_dir_all(folder)?;
+    let mut files = Vec::new();
+    let mut save = |table: &str, text: String| -> std::io::Result<()> {
+        let path = folder.join(format!("{name}-{table}.csv"));
+        replace(folder, &path, text.as_bytes())?;
+        files.push(path);
+        Ok(())
+    };
+    save("displacement", pairs("x,y,ux,uy", &stored.points, &stored.displacement))?;
+    save("traction", pairs("x,y,tx,ty", &stored.traction_points, &stored.traction))?;
+    if !stored.contact.is_empty() {
+        let mut text = String::from("side,x,y,gap,u_n,u_t,pressure,shear,bound,weight,status\n");
+        for r in &stored.contact {
+            let side = stored.mesh.side_names[r.side].replace('"', "\"\"");
+            let [x, y] = r.point;
+            let numbers =
+                [x, y, r.gap, r.normal_displacement, r.tangential_displacement, r.pressure, r.shear, r.bound, r.weight];
+            let _ = write!(text, "\"{side}\"");
+            for v in numbers {
+                let _ = write!(text, ",{v:?}");
+            }
+            let _ = writeln!(text, ",{}", r.status);
+        }
+        save("contact", text)?;
+    }
+    for (table, text) in grid::tables(stored).into_iter().chain(stochastic::tables(stored)) {
+        save(table, text)?;
+    }
+    Ok(files)
+}
+
+fn pairs(head: &str, points: &[[f64; 2]], values: &[[f64; 2]]) -> String {
+    let mut text = format!("{head}\n");
+    for (x, u) in points.iter().zip(values) {
+        let _ = writeln!(text, "{:?},{:?},{:?},{:?}", x[0], x[1], u[0], u[1]);
+    }
+    text
+}

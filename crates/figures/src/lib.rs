@@ -1,0 +1,11 @@
+//! Pictures and tables of results.
+//!
+//! ```text
+//! Stored ─► pictures (SVG, PNG)          Stored ─► tables (CSV)
+//! ```
+
+mod draw;
+mod grid;
+pub mod stochastic;
+
+pub use draw::{contact_pictures, pictures, positions, side_file, tables};

@@ -1,0 +1,221 @@
+//! Pictures of the statistics: the spread of the body, contact, densities, effects of germs, the stochastic mesh.
+
+use steklov_bem_operators::Space;
+use steklov_picture::{
+    BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,
+    short, spread,
+};
+
+use super::draw_fields;
+use super::tables::percent;
+use crate::draw::{positions, walls};
+use steklov_model::report::ContactRow;
+use steklov_model::stochastic::{Quantity, StochasticResult};
+use steklov_result::store::Stored;
+
+/// Panels in one picture at most.
+const PANELS: usize = 6;
+/// Germs with bars at most: those with the greatest effects.
+const GERMS: usize = 12;
+/// Cells and points of a drawn stochastic mesh at most.
+const CELLS: usize = 4_000;
+
+/// The pictures of a result with random input, with the parts that their names end on; none without random input.
+///
+/// # Errors
+/// When a picture cannot be drawn.
+pub fn pictures(stored: &Stored) -> Result<Vec<(String, Picture)>, PictureError> {
+    let Some(result) = &stored.stochastic else { return Ok(Vec::new()) };
+    let title = &stored.summary.title;
+    let mut pictures = vec![("band".to_owned(), band(stored, result)?)];
+    let mut add = |part: &str, what: &str, all: &[Panel]| -> Result<(), PictureError> {
+        for (k, some) in all.chunks(PANELS).enumerate() {
+            let name = if k == 0 { part.to_owned() } else { format!("{part}-{}", k + 1) };
+            pictures.push((name, panels(&format!("{title}: {what}"), some)?));
+        }
+        Ok(())
+    };
+    let (probability, pressure) = contact(stored, result);
+    add("probability", "probability of contact", &probability)?;
+    add("pressure", "pressure of all outcomes", &pressure)?;
+    let densities: Vec<Panel> = result.quantities.iter().filter_map(|q| density(q, &result.probabilities)).collect();
+    add("density", "densities of the quantities", &densities)?;
+    let cells = result.cells.as_ref().zip(result.quantities.first());
+    if let Some((cells, first)) = cells.filter(|_| result.labels.len() == 1) {
+        let ends = cells.low.iter().chain(&cells.high).map(|c| c[0]).filter(|v| v.is_finite()).collect();
+        let all = [over_germ(&result.labels[0], first, &result.points, ends)];
+        add("stochastic-mesh", "stochastic mesh", &all)?;
+    }
+    if let [x, y] = &result.labels[..] {
+        let drawn = mesh(result);
+        if !drawn.is_empty() {
+            let points: Vec<[f64; 2]> = result.points.iter().take(CELLS).map(|p| [p[0], p[1]]).collect();
+            let picture = boxes(&format!("{title}: stochastic mesh"), [x.as_str(), y.as_str()], &drawn, &points)?;
+            pictures.push(("stochastic-mesh".to_owned(), picture));
+        }
+    }
+    if let Some(picture) = effects(title, result)? {
+        pictures.push(("effects".to_owned(), picture));
+    }
+    pictures.extend(draw_fields::pictures(stored, result)?);
+    Ok(pictures)
+}
+
+fn band(stored: &Stored, result: &StochasticResult) -> Result<Picture, PictureError> {
+    let space = Space::new(&stored.mesh);
+    let (mean, variance) = (&result.displacement.mean, &result.displacement.variance);
+    let mut seen = vec![false; stored.mesh.len()];
+    let mut loops = Vec::new();
+    for first in 0..stored.mesh.len() {
+        let mut nodes = Vec::new();
+        let mut e = first;
+        while !std::mem::replace(&mut seen[e], true) {
+            nodes.extend(space.offset[e]..space.offset[e + 1]);
+            e = stored.mesh.next[e];
+        }
+        if !nodes.is_empty() {
+            loops.push(SpreadLoop {
+                points: nodes.iter().map(|&i| stored.points[i]).collect(),
+                mean: nodes.iter().map(|&i| [mean[2 * i], mean[2 * i + 1]]).collect(),
+                covariance: nodes
+                    .iter()
+                    .map(|&i| [variance[2 * i], variance[2 * i + 1], covariance(result, i)])
+                    .collect(),
+            });
+        }
+    }
+    let [lines, gaps] = walls(&stored.contact);
+    let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
+    spread(&format!("{}: mean and spread", stored.summary.title), &loops, &obstacles)
+}
+
+/// Covariance of u_x and u_y of a node; taken as zero where the displacements of the points are not kept.
+fn covariance(result: &StochasticResult, node: usize) -> f64 {
+    let (x, y) = (2 * node, 2 * node + 1);
+    let mean = &result.displacement.mean;
+    let product = |(w, u): (&f64, &Vec<f64>)| w * (u[x] - mean[x]) * (u[y] - mean[y]);
+    let sum: f64 = result.weights.iter().zip(&result.displacements).map(product).sum();
+    // a sparse grid has negative weights
+    let bound = (result.displacement.variance[x] * result.displacement.variance[y]).max(0.0).sqrt();
+    sum.clamp(-bound, bound)
+}
+
+/// Panels of each contact side: the probability of contact, and the pressure.
+fn contact(stored: &Stored, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel>) {
+    let (mut probability, mut pressure) = (Vec::new(), Vec::new());
+    for (side, name) in stored.mesh.side_names.iter().enumerate() {
+        let rows: Vec<(usize, &ContactRow)> = stored.contact.iter().enumerate().filter(|r| r.1.side == side).collect();
+        if rows.is_empty() {
+            continue;
+        }
+        let (label, position) = positions(name, &rows.iter().map(|r| r.1).collect::<Vec<_>>());
+        let mut order: Vec<(f64, usize)> = position.into_iter().zip(rows.iter().map(|r| r.0)).collect();
+        order.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let curve = |value: &dyn Fn(usize) -> f64| order.iter().map(|&(x, i)| [x, value(i)]).collect::<Vec<_>>();
+        let x = if label.starts_with("arc") { label } else { format!("{label} on {name}") };
+        let layer = |name: &str, shape: Shape| Layer { name: name.to_owned(), shape };
+        let mut known = curve(&|i| result.probability[i]);
+        known.retain(|p| p[1].is_finite());
+        if !known.is_empty() {
+            probability.push(Panel {
+                x: x.clone(),
+                y: "probability".to_owned(),
+                ends: Ends::Unit,
+                layers: vec![layer("probability of contact", Shape::Curve(known, 0))],
+            });
+        }
+        let moments = &result.pressure;
+        let two = |i: usize| 2.0 * moments.variance[i].max(0.0).sqrt();
+        let between = order.iter().map(|&(x, i)| {
+            let mean = moments.mean[i];
+            [x, (mean - two(i)).max(0.0), (mean + two(i)).max(0.0)]
+        });
+        pressure.push(Panel {
+            x,
+            y: "pressure, unit of E".to_owned(),
+            ends: Ends::Zero,
+            layers: vec![
+                layer("mean ± 2 deviations, cut at 0", Shape::Between(between.collect())),
+                layer("mean", Shape::Curve(curve(&|i| moments.mean[i]), 0)),
+                layer("pressure of the mean input", Shape::Curve(curve(&|i| stored.contact[i].pressure), 1)),
+            ],
+        });
+    }
+    (probability, pressure)
+}
+
+/// Density of a quantity with its mean and its quantiles; none where it has none.
+fn density(quantity: &Quantity, probabilities: &[f64]) -> Option<Panel> {
+    let density = quantity.density.as_ref()?;
+    let bars = density.edges.windows(2).zip(&density.density).map(|(e, d)| [e[0], e[1], *d]).collect();
+    let mut layers = vec![
+        Layer { name: "density".to_owned(), shape: Shape::Bars(bars) },
+        Layer { name: format!("mean {}", short(quantity.mean, 4)), shape: Shape::Across(vec![quantity.mean], 0) },
+    ];
+    if let Some(quantiles) = &quantity.quantiles {
+        let parts: Vec<String> = probabilities.iter().map(|p| format!("{} %", percent(*p))).collect();
+        let name = format!("quantiles {}", parts.join(", "));
+        layers.push(Layer { name, shape: Shape::Across(quantiles.clone(), 1) });
+    }
+    Some(Panel { x: quantity.name.clone(), y: "density".to_owned(), ends: Ends::Zero, layers })
+}
+
+/// A quantity over the only germ, with the ends of the cells.
+fn over_germ(label: &str, quantity: &Quantity, points: &[Vec<f64>], ends: Vec<f64>) -> Panel {
+    let mut values: Vec<[f64; 2]> = points.iter().zip(&quantity.values).map(|(p, v)| [p[0], *v]).collect();
+    values.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    Panel {
+        x: label.to_owned(),
+        y: quantity.name.clone(),
+        ends: Ends::Values,
+        layers: vec![
+            Layer { name: "ends of cells".to_owned(), shape: Shape::Across(ends, 1) },
+            Layer { name: "value at the points".to_owned(), shape: Shape::Points(values, 0) },
+        ],
+    }
+}
+
+/// The cells of two germs; those of unbounded germs end a little beyond the points.
+fn mesh(result: &StochasticResult) -> Vec<DegreeBox> {
+    let Some(cells) = result.cells.as_ref().filter(|c| c.low.len() <= CELLS) else { return Vec::new() };
+    let range = |d: usize| {
+        let values = result.points.iter().map(|p| p[d]);
+        let ends = cells.low.iter().chain(&cells.high).map(|c| c[d]).filter(|v| v.is_finite());
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        let [low, high] = values.chain(ends).fold(start, |[l, h], v| [l.min(v), h.max(v)]);
+        let margin = 0.05 * (high - low);
+        [low - margin, high + margin]
+    };
+    let ranges = [range(0), range(1)];
+    let inside = |d: usize, v: f64| if v.is_finite() { v } else { v.clamp(ranges[d][0], ranges[d][1]) };
+    let corner = |c: &[f64]| [inside(0, c[0]), inside(1, c[1])];
+    let ends = cells.low.iter().zip(&cells.high);
+    ends.zip(&cells.degree)
+        .map(|((low, high), degree)| DegreeBox { corners: [corner(low), corner(high)], degree: [degree[0], degree[1]] })
+        .collect()
+}
+
+/// Total effects of the germs on each quantity; none with a single germ or without effects.
+fn effects(title: &str, result: &StochasticResult) -> Result<Option<Picture>, PictureError> {
+    let with: Vec<(&Quantity, &Vec<f64>)> =
+        result.quantities.iter().filter_map(|q| Some((q, q.effects.as_ref()?))).collect();
+    if result.labels.len() < 2 || with.is_empty() {
+        return Ok(None);
+    }
+    let greatest = |d: usize| with.iter().map(|(_, e)| e[d]).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..result.labels.len()).collect();
+    order.sort_by(|a, b| greatest(*b).total_cmp(&greatest(*a)));
+    let mut title = format!("{title}: which germs matter");
+    if let Some(next) = order.get(GERMS) {
+        title += &format!(" ({} more have effects of at most {:.1e})", order.len() - GERMS, greatest(*next));
+        order.truncate(GERMS);
+    }
+    order.sort_unstable();
+    let rows: Vec<String> = order.iter().map(|&d| result.labels[d].clone()).collect();
+    let groups: Vec<BarGroup> = with
+        .iter()
+        .take(2 * PANELS)
+        .map(|(q, effects)| BarGroup { caption: q.name.clone(), values: order.iter().map(|&d| effects[d]).collect() })
+        .collect();
+    Ok(Some(bars(&title, "total effect, share of the variance", &rows, &groups)?))
+}

@@ -1,0 +1,161 @@
+//! The statistics as tables and as lines of a summary.
+
+use std::fmt::Write as _;
+
+use steklov_model::stochastic::{End, StochasticResult};
+use steklov_result::store::Stored;
+
+/// Text of a CSV field.
+fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}
+
+/// The tables of a stored result with random input: name and text of each. None without random input.
+///
+/// `quantities`: a row for each quantity; `points`: a row for each point with its germs, its weight, Young's modulus and
+/// the quantities; `contact-statistics`: a row for each contact node. What a method does not give is empty.
+pub fn tables(stored: &Stored) -> Vec<(&'static str, String)> {
+    let Some(result) = &stored.stochastic else { return Vec::new() };
+    let mut tables = vec![("quantities", quantities(result)), ("points", points(result))];
+    if !stored.contact.is_empty() {
+        tables.push(("contact-statistics", contact(stored, result)));
+    }
+    tables
+}
+
+fn quantities(result: &StochasticResult) -> String {
+    let mut text = String::from("name,mean,variance,standard_error");
+    result.probabilities.iter().for_each(|p| text += &format!(",quantile_{p}"));
+    text += ",truncation";
+    let optional = |error: Option<f64>| error.map_or(String::new(), |e| format!("{e:?}"));
+    for q in &result.quantities {
+        let error = optional(q.standard_error);
+        let _ = write!(text, "\n{},{:?},{:?},{error}", quoted(&q.name), q.mean, q.variance);
+        for k in 0..result.probabilities.len() {
+            text += &q.quantiles.as_ref().map_or(",".to_owned(), |values| format!(",{:?}", values[k]));
+        }
+        let _ = write!(text, ",{}", optional(q.truncation));
+    }
+    text + "\n"
+}
+
+fn points(result: &StochasticResult) -> String {
+    let mut head: Vec<String> = result.labels.iter().map(|l| quoted(l)).collect();
+    head.extend(["weight".to_owned(), "young".to_owned()]);
+    head.extend(result.quantities.iter().map(|q| quoted(&q.name)));
+    let mut text = head.join(",") + "\n";
+    for (i, germs) in result.points.iter().enumerate() {
+        let values = result.quantities.iter().map(|q| q.values[i]);
+        let row = germs.iter().copied().chain([result.weights[i], result.young[i]]).chain(values);
+        text += &(row.map(|v| format!("{v:?}")).collect::<Vec<_>>().join(",") + "\n");
+    }
+    text
+}
+
+fn contact(stored: &Stored, result: &StochasticResult) -> String {
+    let mut text =
+        String::from("side,x,y,pressure_mean,pressure_variance,shear_mean,shear_variance,probability_of_contact\n");
+    for (i, row) in stored.contact.iter().enumerate() {
+        let _ = write!(text, "{}", quoted(&stored.mesh.side_names[row.side]));
+        let (pressure, shear) = (&result.pressure, &result.shear);
+        let moments = [pressure.mean[i], pressure.variance[i], shear.mean[i], shear.variance[i]];
+        for v in row.point.into_iter().chain(moments).chain([result.probability[i]]) {
+            let _ = write!(text, ",{v:?}");
+        }
+        text.push('\n');
+    }
+    text
+}
+
+/// The method's word in the JSON object, or nothing.
+pub(crate) fn method(stored: &Stored) -> &str {
+    let solution = stored.summary.stochastic.as_ref().and_then(|s| s.get("solution"));
+    solution.and_then(|s| s.get("method")).and_then(|m| m.as_str()).unwrap_or_default()
+}
+
+/// The statistics for a reader: the method with its size and its truncation, then a line for each quantity.
+pub fn lines(stored: &Stored) -> Vec<String> {
+    let Some(result) = &stored.stochastic else { return Vec::new() };
+    let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
+    let mut head = format!(
+        "outcomes    {}{}: {}, {}, {}",
+        method(stored),
+        if result.coupled { ", coupled nodes" } else { "" },
+        count(result.labels.len(), "germ"),
+        count(result.points.len(), "point"),
+        count(result.solved, "solve"),
+    );
+    if let Some(cells) = &result.cells {
+        let _ = write!(head, ", {}", count(cells.degree.len(), "cell"));
+    }
+    if let Some(truncation) = result.truncation {
+        let _ = write!(head, ", truncation {truncation:.1e} estimated, relative");
+    }
+    if let Some(measured) = result.truncation_measured {
+        let _ = write!(head, ", {measured:.1e} measured by {}", count(result.checks, "outcome"));
+    }
+    let mut lines = vec![head];
+    lines.extend(shortfall(result).map(|text| format!("            {text}")));
+    lines.extend(overlooked(result).map(|text| format!("            {text}")));
+    if result.unconverged > 0 {
+        lines.push(format!("            {} NOT CONVERGED", count(result.unconverged, "point")));
+    }
+    for field in &result.fields {
+        let (modes, share) = (count(field.eigenvalues.len(), "mode"), 100.0 * field.captured);
+        lines.push(format!("            field {}: {modes} with {share:.4} % of its variance", field.name));
+    }
+    for q in &result.quantities {
+        let mut line = format!("            {}: {:.6e}", q.name, q.mean);
+        line += &match q.variance {
+            v if v.is_nan() => ", variance NOT RESOLVED: negative by this rule".to_owned(),
+            v => format!(" ± {:.2e}", v.max(0.0).sqrt()),
+        };
+        if let Some(error) = q.standard_error {
+            let _ = write!(line, ", standard error of the mean {error:.1e}");
+        }
+        if let Some(truncation) = q.truncation {
+            let _ = write!(line, ", truncation {truncation:.1e}");
+        }
+        for (k, (p, value)) in result.probabilities.iter().zip(q.quantiles.iter().flatten()).enumerate() {
+            let _ = write!(line, "{} {} % {value:.6e}", if k == 0 { "; quantiles" } else { "," }, percent(*p));
+        }
+        lines.push(line);
+    }
+    let unknown = result.probability.iter().filter(|p| p.is_nan()).count();
+    if unknown > 0 {
+        let nodes = count(unknown, "contact node");
+        lines.push(format!("            probability of contact NOT RESOLVED at {nodes}: out of [0, 1] by this rule"));
+    }
+    lines
+}
+
+/// What is told where the truncation is not down at the tolerance.
+pub fn shortfall(result: &StochasticResult) -> Option<String> {
+    let help = match result.end {
+        End::MaxNodes => "raise stochastic.max_nodes or stochastic.tolerance",
+        End::Rounds => "raise stochastic.tolerance",
+        End::Solved | End::Tolerance => return None,
+    };
+    let truncation = result.truncation.unwrap_or(f64::NAN);
+    Some(format!("stochastic tolerance NOT REACHED: truncation {truncation:.1e} after {}: {help}", result.end.word()))
+}
+
+/// What is told where outcomes show what the points do not, or may do so.
+pub fn overlooked(result: &StochasticResult) -> Option<String> {
+    const HELP: &str = "refine = \"adaptive\", a higher degree, more elements or samples";
+    match result.unseen {
+        _ if result.overlooked => {
+            Some(format!("outcomes NOT RESOLVED: contact, slip or data change where no point is: {HELP}"))
+        }
+        Some(unseen) => Some(format!(
+            "outcomes NOT RESOLVED: other contact or data in less than {:.1e} % of them cannot be excluded: {HELP}",
+            100.0 * unseen
+        )),
+        None => None,
+    }
+}
+
+/// A probability in per cent, without the digits of rounding.
+pub(crate) fn percent(p: f64) -> f64 {
+    (1e10 * p).round() / 1e8
+}

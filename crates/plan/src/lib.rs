@@ -1,0 +1,390 @@
+//! The least model that can answer a scene, chosen before anything is solved.
+
+mod grid;
+mod random;
+
+use serde::{Deserialize, Serialize};
+use steklov_bem_operators::Mesh;
+use steklov_contact::{MultiplierDegree, MultiplierMesh};
+use steklov_coupling::Radiation;
+use steklov_elastic::{Plane, RigidMotion};
+
+use steklov_model::estimate::is_estimated;
+use steklov_model::first_mesh::first_mesh;
+use steklov_model::memory::{Lack, memory_bytes};
+use steklov_model::supports::free_of_supports;
+use steklov_problem::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
+
+/// What is modelled and why, what is left out, what it costs. A pure function of the scene.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Plan {
+    /// Discretisation: "bem", "fem", "msfem", "fem-bem" or "msfem-bem".
+    pub model: String,
+    /// What is modelled.
+    pub modelled: Vec<Decision>,
+    /// What is left out.
+    pub left_out: Vec<Decision>,
+    /// What the first mesh costs.
+    pub cost: Cost,
+}
+
+/// What is decided about where the plan names the solver of contact.
+pub const CONTACT_SOLVER: &str = "contact solver";
+
+/// The choice there under Coulomb's law.
+pub const COULOMB_SOLVER: &str = "active sets, fixed point";
+
+/// One choice.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Decision {
+    /// What is decided about.
+    pub what: String,
+    /// What was chosen.
+    pub choice: String,
+    /// Why.
+    pub why: String,
+}
+
+/// Size and cost of the first mesh.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Cost {
+    /// Elements.
+    pub elements: usize,
+    /// Displacement unknowns, held ones included.
+    pub dofs: usize,
+    /// Bytes of the matrices that are held at once.
+    pub memory_bytes: u64,
+    /// Floating point operations of the dense algebra.
+    pub operations: f64,
+}
+
+pub use random::points;
+
+/// Chooses the model of a scene.
+pub fn plan(scene: &Scene) -> Plan {
+    let mut plan = if scene.is_on_grid() { grid::plan(scene) } else { boundary_plan(scene) };
+    plan.left_out.extend(scene.unused.iter().map(|name| {
+        let (what, why) = match scene.parameters.contains_key(name) {
+            true => ("parameter", "no expression uses it"),
+            false => ("random input", "no datum uses it"),
+        };
+        Decision { what: what.into(), choice: name.clone(), why: why.into() }
+    }));
+    plan
+}
+
+/// What is told where memory ends the refinement.
+pub const NEXT_MESH: &str = "next mesh";
+
+/// The mesh that memory leaves out, and why.
+pub fn without_memory(lack: Lack) -> Decision {
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let why = format!(
+        "memory is the limit: its {} dofs need about {:.2} GiB, and {:.2} GiB were left; a given method.max_dofs \
+         is tried whatever the memory",
+        lack.dofs,
+        gib(lack.needed),
+        gib(lack.left)
+    );
+    Decision { what: NEXT_MESH.into(), choice: "none".into(), why }
+}
+
+/// Up to which size meshes are refined.
+pub fn largest_mesh(scene: &Scene) -> Decision {
+    let Method { max_dofs, max_dofs_given, memory, .. } = scene.method;
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let why = match (memory, max_dofs_given) {
+        (_, true) => "method.max_dofs, whatever the memory".to_owned(),
+        (None, false) => "method.max_dofs is not given".to_owned(),
+        (Some(left), false) => format!(
+            "method.max_dofs is not given; or fewer, where matrices would need more than the {:.1} GiB of memory that \
+             are left now, {} dofs without an estimate, fewer with one",
+            gib(left),
+            (left as f64 / 24.0).sqrt() as u64
+        ),
+    };
+    Decision { what: "largest mesh".into(), choice: format!("{max_dofs} dofs"), why }
+}
+
+/// Plane strain or plane stress.
+pub(crate) fn plane(scene: &Scene) -> &'static str {
+    match scene.material.plane {
+        Plane::Strain => "plane strain",
+        Plane::Stress => "plane stress",
+    }
+}
+
+/// The plan of boundary elements.
+fn boundary_plan(scene: &Scene) -> Plan {
+    let method = &scene.method;
+    let mesh = first_mesh(scene);
+    let dofs = 2 * mesh.degree.iter().sum::<usize>();
+    let mut modelled = Vec::new();
+    let mut left_out = Vec::new();
+    let decision = |what: &str, choice: String, why: &str| Decision { what: what.into(), choice, why: why.into() };
+
+    let inclusion = scene.is_inclusion();
+    modelled.push(match (inclusion, scene.is_cavity()) {
+        (true, _) => decision(
+            "discretisation",
+            "boundary elements inside and outside".into(),
+            "body and medium are homogeneous: unknowns where they meet only, the fields of both follow exactly",
+        ),
+        (false, false) => decision(
+            "discretisation",
+            "boundary elements".into(),
+            "one homogeneous material: unknowns on the boundary only, the inside follows exactly",
+        ),
+        (false, true) => decision(
+            "discretisation",
+            "boundary elements of the unbounded medium".into(),
+            "unknowns on the boundary of the holes only: the medium is neither cut off nor meshed",
+        ),
+    });
+    let plane = match scene.material.plane {
+        Plane::Strain => "plane strain",
+        Plane::Stress => "plane stress, as plane strain with E(1+2ν)/(1+ν)² and ν/(1+ν)",
+    };
+    modelled.push(decision("plane", plane.into(), "as the scene says"));
+    modelled.push(elements(scene, mesh.len()));
+    modelled.push(decision(
+        "degree",
+        format!("{} for displacements, {} for tractions", method.degree, method.degree - 1),
+        "as the scene says",
+    ));
+    let theta = |auto: f64| format!("marks θ = {} of the squared error", method.marking.unwrap_or(auto));
+    modelled.push(match method.refine {
+        Refine::Hp => decision(
+            "refinement",
+            "hp".into(),
+            &format!(
+                "{}; cuts towards corners, kinks of the data and ends of contact and stick, raises degrees elsewhere",
+                theta(0.95)
+            ),
+        ),
+        Refine::HpDecay => decision(
+            "refinement",
+            "hp-decay".into(),
+            &format!("{}; degree or halving by the decay of Legendre coefficients", theta(0.5)),
+        ),
+        Refine::H => decision("refinement", "h".into(), &format!("{}; halves", theta(0.5))),
+        Refine::UniformH => decision("refinement", "uniform-h".into(), "all elements are halved in each step"),
+        Refine::UniformP => decision("refinement", "uniform-p".into(), "all degrees rise by one in each step"),
+        Refine::None => decision("refinement", "none".into(), "one mesh is solved"),
+    });
+    modelled.push(decision(
+        "length in log(L/r)",
+        format!("{}", mesh.diameter()),
+        "the diameter keeps the single layer matrix positive definite at any size",
+    ));
+    contact(scene, &mut modelled, &mut left_out);
+    far_away(scene, &mut modelled, &mut left_out);
+    let free = scene.unresisted(free_of_supports(scene));
+    if inclusion && free.is_empty() {
+        modelled.push(decision("supports", "none is needed".into(), "the medium holds the body"));
+    } else if scene.is_cavity() && free.is_empty() {
+        modelled.push(decision(
+            "supports",
+            "none is needed".into(),
+            "a displacement that decays has no rigid motion, and one that is bounded no rotation",
+        ));
+    } else if free.is_empty() {
+        modelled.push(decision("supports", "hold all rigid motions".into(), "held displacements"));
+    } else {
+        modelled.push(decision(
+            "supports",
+            format!("leave {} free", RigidMotion::names(&free)),
+            "contact or friction must hold it, or the loads must be balanced",
+        ));
+    }
+    match scene.constant_force() {
+        Some([x, y]) => modelled.push(decision(
+            "body force",
+            format!("({x}, {y})"),
+            "constant: carried by a particular solution on the boundary",
+        )),
+        None => left_out.push(decision("body force", "none".into(), "the scene has none")),
+    }
+    random::decide(scene, &mut modelled, &mut left_out);
+    let why = match scene.grid {
+        Some(_) => {
+            "the scene has one, but the material is the same everywhere: model = \"fem\" or \"msfem\" would use it"
+        }
+        None => "the material is the same everywhere",
+    };
+    left_out.push(decision("grid in the body", "none".into(), why));
+    let estimated = is_estimated(scene, dofs);
+    if estimated {
+        modelled.push(decision(
+            "error estimate",
+            "spaces of one degree more".into(),
+            "bubbles and top tractions on every element: indicators, and the energy of what they add",
+        ));
+    } else {
+        left_out.push(decision(
+            "error estimate",
+            "none".into(),
+            "one large mesh: it would take several times the time and memory of the solution; any other refine has one",
+        ));
+    }
+
+    let (n, x) = (dofs as f64, if estimated { 2.0 * mesh.len() as f64 } else { 0.0 });
+    let mut operations = n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x);
+    if inclusion {
+        // the medium has matrices of its own, but one factorisation of the sum
+        operations += n * n * (n * (1.0 / 3.0 + 1.0 + 1.0) + 6.0 * x);
+    }
+    let cost = Cost { elements: mesh.len(), dofs, memory_bytes: memory_bytes(scene, mesh.len(), dofs), operations };
+    Plan { model: "bem".into(), modelled, left_out, cost }
+}
+
+/// What an unbounded medium does far away.
+pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+    let Some(exterior) = &scene.exterior else { return };
+    let (choice, why) = match exterior.radiation {
+        Radiation::Decaying => (
+            "the displacement decays",
+            "with a net force it grows as log(L/r), and L, the diameter of the boundary, selects its constant",
+        ),
+        Radiation::Bounded => (
+            "the displacement tends to a constant",
+            "the forces on the boundary have no resultant; translations are free unless something holds them",
+        ),
+    };
+    modelled.push(Decision { what: "at infinity".into(), choice: choice.into(), why: why.into() });
+    let [xx, yy, xy] = exterior.remote_stress;
+    let decision = match xx == 0.0 && yy == 0.0 && xy == 0.0 {
+        true => (left_out, "none".to_owned(), "the scene has none"),
+        false => (
+            modelled,
+            format!("xx {xx}, yy {yy}, xy {xy}"),
+            "carried by a particular solution that is zero at the origin; energies are those of what is added to it",
+        ),
+    };
+    let (list, choice, why) = decision;
+    list.push(Decision { what: "remote stress".into(), choice, why: why.into() });
+}
+
+/// How many elements there are and why.
+fn elements(scene: &Scene, number: usize) -> Decision {
+    let wanted = scene.method.elements;
+    let uniform = Mesh::uniform(&scene.polygon, wanted, scene.method.degree).len();
+    let why = match (uniform > wanted, number > uniform) {
+        (false, false) => "equal on an edge, the longest edges first",
+        (true, false) => "every straight edge needs one",
+        (false, true) => "the data have kinks or jumps, which need vertices of their own",
+        (true, true) => "every straight edge needs one, and kinks and jumps of the data need vertices of their own",
+    };
+    let choice = if number > wanted { format!("{number} elements instead of {wanted}") } else { number.to_string() };
+    Decision { what: "elements".into(), choice, why: why.into() }
+}
+
+pub(crate) fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+    let sides: Vec<(&str, &Friction)> = scene
+        .sides
+        .iter()
+        .filter_map(|s| match &s.condition {
+            Condition::Contact { friction, .. } => Some((s.name.as_str(), friction)),
+            _ => None,
+        })
+        .collect();
+    if sides.is_empty() {
+        let (what, choice, why) = ("contact", "no contact solver", "no side is in contact: one linear solve");
+        left_out.push(Decision { what: what.into(), choice: choice.into(), why: why.into() });
+        idle(&scene.method, left_out);
+        return;
+    }
+    let laws: Vec<String> = sides
+        .iter()
+        .map(|(name, friction)| match friction {
+            Friction::None => format!("{name} without friction"),
+            Friction::Tresca(zero) | Friction::Coulomb(zero) if zero.constant() == Some(0.0) => {
+                format!("{name} without friction, which is given as 0")
+            }
+            Friction::Tresca(bound) => format!("{name} with Tresca friction {}", bound.text()),
+            Friction::Coulomb(mu) => format!("{name} with Coulomb friction {}", mu.text()),
+        })
+        .collect();
+    modelled.push(Decision {
+        what: "contact".into(),
+        choice: laws.join(", "),
+        why: match scene.method.multiplier {
+            Multiplier::Biorthogonal => {
+                "biorthogonal multipliers: conditions node by node, all other unknowns eliminated".into()
+            }
+            Multiplier::Stabilised => {
+                "stabilised multipliers on a mesh of their own, biorthogonal ones beside them for meshes and estimate"
+                    .into()
+            }
+        },
+    });
+    if scene.method.multiplier == Multiplier::Stabilised {
+        modelled.push(multipliers(&scene.method));
+    }
+    let coulomb = sides.iter().any(|(_, friction)| matches!(friction, Friction::Coulomb(_)));
+    let (choice, why) = match scene.method.solver {
+        Solver::Auto if coulomb => (
+            COULOMB_SOLVER,
+            "active sets under Coulomb's law from full stick, else from a fixed point of Tresca problems by interior points or by way of smaller coefficients",
+        ),
+        Solver::Auto => ("interior-point", "finds the contact sets on any mesh; active sets make them exact"),
+        Solver::Newton => ("newton", "as the scene says"),
+        Solver::ActiveSet => ("active-set", "as the scene says"),
+        Solver::Uzawa if scene.method.multiplier == Multiplier::Stabilised => {
+            ("uzawa", "as the scene says: it rarely reaches its criterion with stabilised multipliers")
+        }
+        Solver::Uzawa => ("uzawa", "as the scene says: a reference, slow, and only for supported bodies"),
+    };
+    modelled.push(Decision { what: CONTACT_SOLVER.into(), choice: choice.into(), why: why.into() });
+}
+
+/// What the scene asks of contact that it has not.
+fn idle(method: &Method, left_out: &mut Vec<Decision>) {
+    let asked = [
+        ("multipliers", "stabilised", method.multiplier == Multiplier::Stabilised),
+        (CONTACT_SOLVER, "method.solver", method.solver != Solver::Auto),
+    ];
+    for (what, choice, _) in asked.into_iter().filter(|a| a.2) {
+        let why = "the scene asks for it, but it has no effect without contact";
+        left_out.push(Decision { what: what.into(), choice: choice.into(), why: why.into() });
+    }
+}
+
+/// The space of stabilised multipliers and their γ.
+fn multipliers(method: &Method) -> Decision {
+    let mesh = MULTIPLIER_MESHES.iter().find(|m| m.1 == method.multiplier_mesh).map_or("", |m| m.0);
+    let degree = match method.multiplier_degree {
+        MultiplierDegree::Relative(_) => "auto".into(),
+        MultiplierDegree::Fixed(q) => q.to_string(),
+        MultiplierDegree::ContinuousLinear => "continuous".into(),
+    };
+    let gamma = method.gamma.map_or("auto".into(), |g| format!("{g:e}"));
+    let low = method.multiplier_degree == MultiplierDegree::Fixed(0);
+    let why = if method.refine == Refine::Hp && (low || matches!(method.multiplier_mesh, MultiplierMesh::Coarser(_))) {
+        "as the scene says: hp refines more with a coarser mesh or degree 0, as the multipliers lag behind the displacements"
+    } else {
+        "as the scene says; auto: the degree of the displacements, half of the critical gamma of each mesh"
+    };
+    let choice = format!("mesh {mesh}, degree {degree}, gamma {gamma}");
+    Decision { what: "multipliers".into(), choice, why: why.into() }
+}
+
+impl std::fmt::Display for Plan {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let width = self.modelled.iter().chain(&self.left_out).map(|d| d.what.chars().count()).max().unwrap_or(0);
+        let lines = |f: &mut std::fmt::Formatter<'_>, decisions: &[Decision]| {
+            decisions.iter().try_for_each(|d| writeln!(f, "  {:width$}  {} ({})", d.what, d.choice, d.why))
+        };
+        writeln!(f, "modelled")?;
+        lines(f, &self.modelled)?;
+        writeln!(f, "left out")?;
+        lines(f, &self.left_out)?;
+        let Cost { elements, dofs, memory_bytes, operations } = &self.cost;
+        let memory = *memory_bytes as f64 / f64::from(1 << 20);
+        write!(
+            f,
+            "first mesh\n  {elements} elements, {dofs} dofs, {memory:.1} MiB of matrices, {:.2} Gflop",
+            operations / 1e9
+        )
+    }
+}

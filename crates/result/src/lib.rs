@@ -1,0 +1,14 @@
+//! Results of problems: what is known of a run, and the HDF5 file that holds it, which h5py and ParaView read.
+//!
+//! ```text
+//! Run ─► Record (fields, contact table, steps, summary, plan) ─► store::write ─► file
+//! file ─► store::read ─► Stored          file ─► store::read_steps ─► steps from which a run goes on
+//! ```
+
+pub mod grid;
+pub mod medium;
+pub mod outcomes;
+pub mod record;
+mod steps;
+pub mod store;
+pub mod triangulate;

@@ -1,0 +1,199 @@
+//! Everything about a result that is stored and shown.
+
+use std::path::Path;
+
+use rayon::prelude::*;
+use steklov_bem_operators::{Mesh, Polygon};
+use steklov_io::vtkhdf::{Field, Grid};
+
+use crate::grid::GridRecord;
+use crate::medium::{Window, add_medium, window};
+use crate::store::Stored;
+use crate::triangulate::{Triangulation, triangulate};
+use steklov_model::answer::answer;
+use steklov_model::around::Around;
+use steklov_model::body::Body;
+use steklov_model::fields::ElasticField;
+use steklov_model::report::{ContactRow, contact_rows};
+use steklov_model::run::{Run, Step};
+use steklov_model::solve::Solved;
+use steklov_model::stochastic::StochasticResult;
+use steklov_model::summary::Summary;
+use steklov_plan::Plan;
+use steklov_problem::Scene;
+
+/// A result: the arrays of the result file and the numbers of its summary.
+#[derive(Debug, Clone)]
+pub struct Record {
+    /// The numbers.
+    pub summary: Summary,
+    /// What was modelled.
+    pub plan: Plan,
+    /// The last mesh.
+    pub mesh: Mesh,
+    /// Nodal points.
+    pub points: Vec<[f64; 2]>,
+    /// Nodal displacement.
+    pub displacement: Vec<[f64; 2]>,
+    /// p Gauss points of each element.
+    pub traction_points: Vec<[f64; 2]>,
+    /// The element of each.
+    pub traction_element: Vec<usize>,
+    /// Traction σ(u)n there.
+    pub traction: Vec<[f64; 2]>,
+    /// Rows of the contact table.
+    pub contact: Vec<ContactRow>,
+    /// The steps.
+    pub steps: Vec<Step>,
+    /// Boundary lines and the triangulated body with displacement, stress and von Mises stress.
+    pub grid: Grid,
+    /// All outcomes of random input.
+    pub stochastic: Option<StochasticResult>,
+    /// The grid of finite elements.
+    pub on_grid: Option<GridRecord>,
+    /// The medium around the body, and a window of it.
+    pub around: Option<(Around, Window)>,
+}
+
+/// Points of the triangulated body, about.
+const BODY_POINTS: usize = 800;
+
+/// Points of the triangulated window around the holes of an unbounded body, about.
+const WINDOW_POINTS: usize = 2500;
+
+impl Record {
+    /// Gathers a run. `file` is the name of the result file, `total` the seconds since the command began.
+    pub fn new(
+        scene: &Scene,
+        plan: Plan,
+        run: Run,
+        stochastic: Option<StochasticResult>,
+        file: &Path,
+        reading: f64,
+    ) -> Self {
+        let clock = std::time::Instant::now();
+        let solved = &run.last;
+        let mut grid = body_grid(scene, solved, stochastic.as_ref().zip(run.body.as_ref()));
+        let around = solved.around.clone().map(|around| {
+            let window = window(&scene.polygon, &around);
+            (around, window)
+        });
+        if let Some((around, window)) = &around {
+            add_medium(&mut grid, around, window);
+        }
+        let (mut traction_points, mut traction_element, mut traction) = (Vec::new(), Vec::new(), Vec::new());
+        for e in 0..solved.mesh.len() {
+            let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
+            for &t in &rule.points {
+                traction_points.push(solved.mesh.point(e, t));
+                traction_element.push(e);
+                traction.push(solved.traction(e, t));
+            }
+        }
+        let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
+        let mut summary = answer(scene, &run, &contact, stochastic.as_ref());
+        summary.file = file.display().to_string();
+        summary.seconds.write = clock.elapsed().as_secs_f64();
+        summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();
+        let Run { last: solved, progress, .. } = run;
+        Self {
+            summary,
+            plan,
+            points: solved.space.points.clone(),
+            displacement: solved.displacement.chunks_exact(2).map(|u| [u[0], u[1]]).collect(),
+            traction_points,
+            traction_element,
+            traction,
+            contact,
+            steps: progress.steps,
+            grid,
+            mesh: solved.mesh,
+            stochastic,
+            on_grid: None,
+            around,
+        }
+    }
+}
+
+impl Record {
+    /// The part of the record that a stored file gives back.
+    pub fn stored(self) -> Stored {
+        Stored {
+            summary: self.summary,
+            plan: self.plan,
+            mesh: self.mesh,
+            points: self.points,
+            displacement: self.displacement,
+            traction_points: self.traction_points,
+            traction: self.traction,
+            contact: self.contact,
+            grid: self.grid,
+            stochastic: self.stochastic,
+            on_grid: self.on_grid,
+        }
+    }
+}
+
+/// The edges of a window around the holes of an unbounded body, counter-clockwise: their bounding box and one and a half
+/// diameters on each side.
+fn frame(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
+    let margin = 1.5 * polygon.diameter();
+    let coordinates = |i: usize| polygon.edges().iter().map(move |e| e.start[i]);
+    let low = [0, 1].map(|i| coordinates(i).fold(f64::INFINITY, f64::min) - margin);
+    let high = [0, 1].map(|i| coordinates(i).fold(f64::NEG_INFINITY, f64::max) + margin);
+    let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
+    (0..4).map(|k| (corners[k], corners[(k + 1) % 4], 0)).collect()
+}
+
+/// The body with its fields, of an unbounded one a window; without triangles where the outline cannot be triangulated.
+fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
+    let polygon = &scene.polygon;
+    let order: Vec<usize> = (0..polygon.loops().len()).flat_map(|l| polygon.traversal(l)).collect();
+    let (frame, count) = if polygon.is_bounded() { (Vec::new(), BODY_POINTS) } else { (frame(polygon), WINDOW_POINTS) };
+    let sides = frame.len();
+    // the window is the loop before those of the holes
+    let loops = order.iter().map(|&k| &polygon.edges()[k]).map(|e| (e.start, e.end, e.loop_index + sides));
+    let edges: Vec<_> = frame.into_iter().chain(loops).collect();
+    let mut body = triangulate(&edges, count).unwrap_or_else(|_| Triangulation {
+        points: edges.iter().map(|e| e.0).collect(),
+        triangles: Vec::new(),
+        boundary: (0..edges.len()).map(|k| Some((k, 0.0))).collect(),
+        outline: Vec::new(),
+    });
+    body.boundary.iter_mut().for_each(|at| *at = at.and_then(|(k, s)| Some((k.checked_sub(sides)?, s))));
+    body.outline.retain(|line| line.iter().all(|&i| body.boundary[i].is_some()));
+    let at_points = |elastic: ElasticField<'_>| -> Vec<([f64; 2], [f64; 3])> {
+        let at = |i: usize| match body.boundary[i] {
+            Some((k, s)) => {
+                let edge = &polygon.edges()[order[k]];
+                elastic.on_edge(order[k], if edge.reversed { 1.0 - s } else { s })
+            }
+            None => elastic.inside(body.points[i]),
+        };
+        (0..body.points.len()).into_par_iter().map(at).collect()
+    };
+    let values = at_points(solved.elastic_field());
+    let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
+        name: name.into(),
+        unit: unit.into(),
+        components,
+        values,
+    };
+    let displacements = |values: &[([f64; 2], [f64; 3])]| values.iter().flat_map(|(u, _)| [u[0], u[1], 0.0]).collect();
+    let stresses = |values: &[([f64; 2], [f64; 3])]| values.iter().flat_map(|(_, s)| *s).collect();
+    let mut point_data = vec![
+        field("displacement", "length", 3, displacements(&values)),
+        field("stress", "stress", 3, stresses(&values)),
+        field("von_mises", "stress", 1, values.iter().map(|(_, s)| scene.material.von_mises(*s)).collect()),
+    ];
+    // the particular solution depends on the outcome: without its mean there are no mean fields
+    if let Some((result, matrices)) = outcomes.filter(|_| solved.particular.is_none()) {
+        let mean = |displacement: &[f64]| {
+            let field = matrices.field(displacement, &matrices.traction_map.apply(displacement));
+            at_points(ElasticField { mesh: &matrices.mesh, field: &field, particular: None })
+        };
+        point_data.push(field("mean_displacement", "length", 3, displacements(&mean(&result.displacement.mean))));
+        point_data.push(field("mean_stress", "stress", 3, stresses(&mean(&result.stress_displacement))));
+    }
+    Grid { point_data, points: body.points, lines: body.outline, triangles: body.triangles, ..Grid::default() }
+}

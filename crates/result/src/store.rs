@@ -1,0 +1,434 @@
+//! The layout of the result file.
+
+use std::collections::VecDeque;
+use std::path::Path;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+use steklov_bem_operators::Mesh;
+use steklov_io::{
+    File, Group, IoError, Label, copy, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
+    load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
+    save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
+};
+
+use crate::grid::{GridRecord, store as grid};
+use crate::medium;
+use crate::outcomes;
+use crate::record::Record;
+use crate::steps;
+use steklov_model::grid::GridStep;
+use steklov_model::report::ContactRow;
+use steklov_model::run::Step;
+use steklov_model::solve::{SolveError, Stage};
+use steklov_model::stochastic::StochasticResult;
+use steklov_model::summary::Summary;
+use steklov_plan::Plan;
+use steklov_problem::{Scene, Source};
+
+/// What `show` reads of a result file.
+#[derive(Debug, Clone)]
+pub struct Stored {
+    /// The numbers.
+    pub summary: Summary,
+    /// What was modelled.
+    pub plan: Plan,
+    /// The last mesh.
+    pub mesh: Mesh,
+    /// Nodal points and displacement.
+    pub points: Vec<[f64; 2]>,
+    /// Nodal displacement.
+    pub displacement: Vec<[f64; 2]>,
+    /// Boundary points with a traction.
+    pub traction_points: Vec<[f64; 2]>,
+    /// Traction σ(u)n there.
+    pub traction: Vec<[f64; 2]>,
+    /// Rows of the contact table.
+    pub contact: Vec<ContactRow>,
+    /// The body with its fields.
+    pub grid: vtkhdf::Grid,
+    /// All outcomes of random input.
+    pub stochastic: Option<StochasticResult>,
+    /// The grid of finite elements.
+    pub on_grid: Option<GridRecord>,
+}
+
+/// Why a run that is stored has no result.
+pub struct Unsolved(pub SolveError);
+
+impl From<SolveError> for Unsolved {
+    fn from(error: SolveError) -> Self {
+        Self(error)
+    }
+}
+
+impl From<IoError> for Unsolved {
+    fn from(error: IoError) -> Self {
+        Self(observed(error))
+    }
+}
+
+/// The error of a run that is observed by what stores it.
+pub fn observed(error: IoError) -> SolveError {
+    SolveError::Observer(Box::new(error))
+}
+
+fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
+    Label { unit, meaning, axes }
+}
+
+/// `/steps/NNN`, made when it is not there.
+pub(crate) fn step_group(file: &File, number: usize) -> Result<Group, IoError> {
+    let steps = if file.link_exists("steps") { open_group(file, "steps")? } else { create_group(file, "steps")? };
+    let name = steps::name(number);
+    if steps.link_exists(&name) { open_group(&steps, &name) } else { create_group(&steps, &name) }
+}
+
+/// Its `matrices`, made when they are not there.
+fn matrices(step: &Group) -> Result<Group, IoError> {
+    if step.link_exists("matrices") { open_group(step, "matrices") } else { create_group(step, "matrices") }
+}
+
+/// Stores the matrices of a step while they exist, as `/steps/NNN/matrices`.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), IoError> {
+    let step = step_group(file, number)?;
+    const DISPLACEMENT: &str = "displacement unknown: nodes in the order of /solution/points, component fastest";
+    match stage {
+        Stage::Operators(operators) => save(&step, "matrices", *operators),
+        Stage::Steklov(s) => {
+            let meaning = label("stress", "Steklov-Poincare operator <S u, v>", &[DISPLACEMENT, DISPLACEMENT]);
+            save_dense(&open_group(&step, "matrices")?, "S", s.as_ref(), &meaning)
+        }
+        Stage::Stiffness(name, unknowns, matrix) => {
+            let axis = format!("displacement unknown: 2 {unknowns} + component");
+            let axes = [axis.as_str(); 2];
+            save_sparse(&matrices(&step)?, name, matrix, &label("stress", "stiffness matrix <K u, v>", &axes))
+        }
+        Stage::Medium(operators) => save(&matrices(&step)?, "medium", *operators),
+        Stage::Interface(trace, transfer) => {
+            let at = matrices(&step)?;
+            save(&at, "trace", *trace)?;
+            save(&at, "transfer", *transfer)
+        }
+        Stage::Condensed(name, unknowns, matrix) => {
+            let axes = [*unknowns; 2];
+            let meaning = label("stress", "stiffness matrix, all other unknowns eliminated", &axes);
+            save_dense(&matrices(&step)?, name, matrix.as_ref(), &meaning)
+        }
+        Stage::Progress(..) | Stage::Step { .. } => Ok(()),
+    }
+}
+
+/// Copies the matrices of the first steps of another file, as many as it has; `number` is that of these steps.
+///
+/// # Errors
+/// When one of the files cannot be read or written.
+pub fn copy_matrices(from: &File, file: &File, number: usize) -> Result<(), IoError> {
+    let steps = open_group(from, "steps")?;
+    for k in 0..number {
+        let step = open_group(&steps, &steps::name(k))?;
+        if step.link_exists("matrices") {
+            copy(&step, "matrices", &step_group(file, k)?)?;
+        }
+    }
+    Ok(())
+}
+
+/// Steps on their way into a new file: written in their order, each by a thread that has nothing else to do.
+pub struct StepQueue<'a> {
+    file: &'a File,
+    waiting: Mutex<VecDeque<Step>>,
+    written: Mutex<Result<usize, IoError>>,
+}
+
+impl<'a> StepQueue<'a> {
+    /// No step yet.
+    pub fn new(file: &'a File) -> Self {
+        Self { file, waiting: Mutex::default(), written: Mutex::new(Ok(0)) }
+    }
+
+    /// The next step of the run. One call of [`Self::write_next`] has to follow.
+    pub fn push(&self, step: Step) {
+        lock(&self.waiting).push_back(step);
+    }
+
+    /// Writes the first of the steps that wait; none after an error.
+    pub fn write_next(&self) {
+        let mut written = lock(&self.written); // taken first: the order of the file is that of the queue
+        let Some(step) = lock(&self.waiting).pop_front() else { return };
+        if let Ok(number) = *written {
+            *written = step_group(self.file, number).and_then(|at| steps::save(&at, &step)).map(|()| number + 1);
+        }
+    }
+
+    /// Whether all went well.
+    ///
+    /// # Errors
+    /// When the file could not be written.
+    pub fn finish(self) -> Result<(), IoError> {
+        self.written.into_inner().unwrap_or_else(PoisonError::into_inner).map(|_| ())
+    }
+}
+
+/// A thread that panicked ends the program: what it left is not read.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Writes everything else of a record into the file that has its steps.
+///
+/// # Errors
+/// When the file cannot be written.
+pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoError> {
+    write_text_attribute(file, "program", concat!("steklov ", env!("CARGO_PKG_VERSION")))?;
+    write_integer_attribute(file, "threads", &[rayon::current_num_threads() as i64])?;
+    save_text(file, "scene", &source.text, "text of the scene file")?;
+    save_texts(file, "overrides", &source.overrides, "keys changed on the command line, KEY=VALUE", "override")?;
+    save_text(file, "summary", &json(&record.summary), "the JSON object of solve --json")?;
+    save_text(file, "plan", &json(&record.plan), "what was modelled, what was left out and why, as JSON")?;
+    let count = record.on_grid.as_ref().map_or(record.steps.len(), |grid| grid.steps.len());
+    let last = format!("/steps/{}", steps::name(count.saturating_sub(1)));
+    match &record.on_grid {
+        None => file.link_hard(&format!("{last}/mesh"), "/mesh").map_err(|e| invalid(file, "mesh", e.to_string()))?,
+        Some(grid) => {
+            save(file, "mesh", &record.mesh)?;
+            grid::write(file, grid)?;
+        }
+    }
+    save_solution(&create_group(file, "solution")?, record)?;
+    if record.summary.contact.is_some() {
+        save_contact(&create_group(file, "contact")?, &record.contact)?;
+    }
+    if let Some((around, window)) = &record.around {
+        medium::store::write(file, around, window)?;
+    }
+    if let Some(result) = &record.stochastic {
+        outcomes::write(&create_group(file, "stochastic")?, result)?;
+    }
+    // the matrices of a step that was stopped
+    let unfinished = format!("/steps/{}", steps::name(count));
+    if file.link_exists(&unfinished) {
+        file.unlink(&unfinished).map_err(|e| invalid(file, "steps", e.to_string()))?;
+    }
+    let matrices = format!("{last}/matrices");
+    if file.link_exists(&matrices) {
+        file.link_hard(&matrices, "/matrices").map_err(|e| invalid(file, "matrices", e.to_string()))?;
+    }
+    vtkhdf::write(file, &record.grid)
+}
+
+fn json<T: serde::Serialize>(value: &T) -> String {
+    serde_json::to_string_pretty(value).unwrap_or_else(|e| unreachable!("plain data has a JSON text: {e}"))
+}
+
+fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
+    let node = &["node", "component"];
+    save_points(at, "points", &record.points, &label("length", "displacement nodes", node))?;
+    save_points(at, "displacement", &record.displacement, &label("length", "nodal displacement", node))?;
+    let point = &["point", "component"];
+    let place = label("length", "p Gauss points of each element", point);
+    save_points(at, "traction_points", &record.traction_points, &place)?;
+    let element = label("1", "element of each traction point", &["point"]);
+    save_integers(at, "traction_element", &record.traction_element, &element)?;
+    save_points(at, "traction", &record.traction, &label("stress", "traction sigma(u) n", point))?;
+    let reactions = create_group(at, "reactions")?;
+    for (side, force) in &record.summary.reactions {
+        // HDF5 takes a slash for a path and a point for the group itself
+        let mut name = if side == "." { "_".into() } else { side.replace('/', "_") };
+        while reactions.link_exists(&name) {
+            name.push('_');
+        }
+        let meaning = format!("force on the body from side {side}");
+        save_vector(&reactions, &name, force, &label("force/thickness", &meaning, &["component"]))?;
+    }
+    let probes = &record.summary.probe;
+    if !probes.is_empty() {
+        let at = create_group(at, "probe")?;
+        let collect = |f: fn(&steklov_model::summary::Probe) -> [f64; 2]| probes.iter().map(f).collect::<Vec<_>>();
+        save_points(&at, "points", &collect(|p| p.point), &label("length", "probe points", point))?;
+        let displacement = label("length", "displacement", point);
+        save_points(&at, "displacement", &collect(|p| p.displacement), &displacement)?;
+        let stress = faer::Mat::from_fn(probes.len(), 3, |i, j| probes[i].stress[j]);
+        save_dense(
+            &at,
+            "stress",
+            stress.as_ref(),
+            &label("stress", "sigma_xx, sigma_yy, sigma_xy; NaN where they are infinite", point),
+        )?;
+    }
+    Ok(())
+}
+
+/// Columns of the contact table that are numbers: name, unit, meaning, value.
+type Column = (&'static str, &'static str, &'static str, fn(&ContactRow) -> f64);
+const COLUMNS: [Column; 7] = [
+    ("gap", "length", "weighted gap g_i", |r| r.gap),
+    ("normal_displacement", "length", "u_n", |r| r.normal_displacement),
+    ("tangential_displacement", "length", "u_t, along the normal turned by +90 degrees", |r| r.tangential_displacement),
+    ("pressure", "stress", "lambda_n,i, positive in compression", |r| r.pressure),
+    ("shear", "stress", "lambda_t,i", |r| r.shear),
+    ("bound", "stress", "friction bound F_i", |r| r.bound),
+    ("weight", "length", "length that the node stands for, the integral of its multiplier function", |r| r.weight),
+];
+
+fn save_contact(at: &Group, rows: &[ContactRow]) -> Result<(), IoError> {
+    let plane = &["contact node", "component"];
+    let points: Vec<_> = rows.iter().map(|r| r.point).collect();
+    let normals: Vec<_> = rows.iter().map(|r| r.normal).collect();
+    save_points(at, "points", &points, &label("length", "contact nodes", plane))?;
+    save_points(at, "normal", &normals, &label("1", "normal out of the body", plane))?;
+    for (name, unit, meaning, value) in COLUMNS {
+        let values: Vec<f64> = rows.iter().map(value).collect();
+        save_vector(at, name, &values, &label(unit, meaning, &["contact node"]))?;
+    }
+    let status: Vec<usize> = rows.iter().map(|r| r.status).collect();
+    let meaning = "0 apart, 1 stick, 2 slip along +t, 3 slip along -t";
+    save_integers(at, "status", &status, &label("1", meaning, &["contact node"]))?;
+    let side: Vec<usize> = rows.iter().map(|r| r.side).collect();
+    save_integers(at, "side", &side, &label("1", "index into /mesh/side_names", &["contact node"]))
+}
+
+fn load_contact(at: &Group) -> Result<Vec<ContactRow>, IoError> {
+    let points = load_points(at, "points")?;
+    let normals = load_points(at, "normal")?;
+    let mut columns = Vec::new();
+    for (name, ..) in COLUMNS {
+        columns.push(load_vector(at, name)?);
+    }
+    let (status, side) = (load_integers(at, "status")?, load_integers(at, "side")?);
+    let n = points.len();
+    let lengths = columns.iter().map(Vec::len).chain([normals.len(), status.len(), side.len()]);
+    if lengths.into_iter().any(|l| l != n) {
+        return Err(invalid(at, "points", "the columns of the contact table have different lengths"));
+    }
+    let row = |i: usize| ContactRow {
+        point: points[i],
+        normal: normals[i],
+        gap: columns[0][i],
+        normal_displacement: columns[1][i],
+        tangential_displacement: columns[2][i],
+        pressure: columns[3][i],
+        shear: columns[4][i],
+        bound: columns[5][i],
+        weight: columns[6][i],
+        status: status[i],
+        side: side[i],
+    };
+    Ok((0..n).map(row).collect())
+}
+
+/// Why the run of a result file ended before it was done, if it did; None too of what is no result file.
+pub fn unfinished(path: &Path) -> Option<String> {
+    let summary: Summary = parse(&open(path).ok()?, "summary").ok()?;
+    (!summary.converged).then_some(summary.reason)
+}
+
+/// Reads what `show` needs, and checks that the parts fit.
+///
+/// # Errors
+/// A file that is not one of this program's, truncated or altered.
+pub fn read(file: &File) -> Result<Stored, IoError> {
+    let summary: Summary = parse(file, "summary")?;
+    let plan: Plan = parse(file, "plan")?;
+    let mesh: Mesh = load(file, "mesh")?;
+    load_text(file, "scene")?;
+    load_texts(file, "overrides")?;
+    let solution = open_group(file, "solution")?;
+    let points = load_points(&solution, "points")?;
+    let displacement = load_points(&solution, "displacement")?;
+    let traction_points = load_points(&solution, "traction_points")?;
+    let traction = load_points(&solution, "traction")?;
+    if points.len() != displacement.len() || traction_points.len() != traction.len() {
+        return Err(invalid(&solution, "displacement", "its points and values differ in number"));
+    }
+    let contact = if summary.contact.is_some() { load_contact(&open_group(file, "contact")?)? } else { Vec::new() };
+    if let Some(row) = contact.iter().find(|r| r.side >= mesh.side_names.len()) {
+        let why = format!("side {} of {}", row.side, mesh.side_names.len());
+        return Err(invalid(file, "contact/side", why));
+    }
+    let grid = vtkhdf::read(file)?;
+    medium::store::check(file, summary.exterior.as_ref(), &grid)?;
+    let stochastic = match file.link_exists("stochastic") {
+        true => Some(read_stochastic(file, points.len(), contact.len())?),
+        false => None,
+    };
+    let on_grid = match summary.grid.is_some() || file.link_exists("multiscale") {
+        true => Some(grid::read(file, &grid)?),
+        false => None,
+    };
+    Ok(Stored {
+        summary,
+        plan,
+        mesh,
+        points,
+        displacement,
+        traction_points,
+        traction,
+        contact,
+        grid,
+        stochastic,
+        on_grid,
+    })
+}
+
+fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<StochasticResult, IoError> {
+    let result = outcomes::read(&open_group(file, "stochastic")?)?;
+    if result.displacement.mean.len() != 2 * nodes || result.stress_displacement.len() != 2 * nodes {
+        return Err(invalid(file, "stochastic/displacement", "it does not have two numbers for each node"));
+    }
+    if result.pressure.mean.len() != conditions {
+        return Err(invalid(file, "stochastic/pressure", "it does not have a number for each contact node"));
+    }
+    Ok(result)
+}
+
+/// Reads the steps from which a run goes on.
+///
+/// # Errors
+/// A file that is not one of this program's, truncated or altered.
+pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
+    steps::load_all(file, scene)
+}
+
+/// Reads the steps on grids from which a run goes on.
+///
+/// # Errors
+/// As [`read_steps`].
+pub fn read_grid_steps(file: &File, scene: &Scene) -> Result<Vec<GridStep>, IoError> {
+    let steps = grid::read_steps(file)?;
+    // moduli from another file may have changed since
+    let stored = grid::read(file, &vtkhdf::read(file)?)?.body;
+    let now = steklov_problem::moduli(scene, &stored.grid).map_err(|e| invalid(file, "multiscale", e.to_string()))?;
+    if stored.grid.body_cells().any(|c| stored.young[c] != now[c]) {
+        return Err(invalid(
+            file,
+            "multiscale",
+            "it was solved with other moduli than those that [material.cells] gives now",
+        ));
+    }
+    Ok(steps)
+}
+
+/// Whether a file holds the result of a scene with this text. `differing` names the key in which the scene of other overrides
+/// differs, the tolerance and the limits apart.
+///
+/// # Errors
+/// The result of another scene.
+pub fn check_scene(file: &File, text: &str, differing: impl Fn(&[String]) -> Option<String>) -> Result<(), IoError> {
+    if load_text(file, "scene")? != text {
+        return Err(invalid(file, "scene", "it holds the result of another scene, or the scene has been edited since"));
+    }
+    if let Some(key) = differing(&load_texts(file, "overrides")?) {
+        let why = format!(
+            "it was solved with other overrides, which differ in {key}; only method.tolerance, max_dofs and max_steps may change"
+        );
+        return Err(invalid(file, "overrides", why));
+    }
+    Ok(())
+}
+
+fn parse<T: serde::de::DeserializeOwned>(file: &File, name: &str) -> Result<T, IoError> {
+    serde_json::from_str(&load_text(file, name)?).map_err(|e| invalid(file, name, e.to_string()))
+}

@@ -1,0 +1,244 @@
+//! Elimination down to the interface beside one sparse matrix with the dense block of the medium in it.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization};
+use faer::perm::PermRef;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymmetricOrdering, factorize_symbolic_cholesky,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
+use faer::{Conj, Mat, MatMut, Side};
+use sprs::CsMat;
+use steklov_bem_operators::{Domain, Polygon, Steklov};
+use steklov_coupling::{CouplingError, Form, Interior, Radiation, Transmission};
+use steklov_msfem::MsfemError;
+
+use super::grids::Level;
+use super::manufactured::{Manufactured, Pair};
+use crate::columns::Column;
+use crate::strategy::median;
+
+/// The ways and their names.
+pub const WAYS: [&str; 3] = ["elimination to the interface", "S inserted, boundary last", "S inserted, AMD ordering"];
+
+/// Largest difference of two solutions over the largest displacement that counts as rounding.
+const SAME: f64 = 1e-10;
+
+/// One grid, solved in three ways.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Cells along x and y, over the bounding box.
+    pub cells: [usize; 2],
+    /// Displacement unknowns of the body.
+    pub dofs: usize,
+    /// Those on its outer boundary.
+    pub trace: usize,
+    /// Wall seconds by way, from the matrices of body and boundary elements to the displacements; S is computed by each.
+    pub seconds: [f64; 3],
+    /// Wall seconds of S alone.
+    pub steklov: f64,
+    /// Entries by way: of the sparse factor, and three dense matrices of the interface for the elimination.
+    pub entries: [f64; 3],
+    /// Largest difference of the displacements over the largest one.
+    pub difference: f64,
+}
+
+/// Columns of the costs.
+pub(super) const COSTS: [Column<Cost>; 12] = [
+    ("cells_x", "1", "cells along x", |c| c.cells[0] as f64),
+    ("cells_y", "1", "cells along y", |c| c.cells[1] as f64),
+    ("dofs", "1", "displacement unknowns of the body", |c| c.dofs as f64),
+    ("trace", "1", "those on its outer boundary", |c| c.trace as f64),
+    ("elimination", "seconds", "elimination to the interface, S included", |c| c.seconds[0]),
+    ("inserted", "seconds", "S inserted, nested dissection with the boundary last, S included", |c| c.seconds[1]),
+    ("inserted_amd", "seconds", "S inserted, approximate minimum degree, S included", |c| c.seconds[2]),
+    ("steklov", "seconds", "S alone, part of all three", |c| c.steklov),
+    ("elimination_entries", "1", "sparse factor, and three dense matrices of the interface", |c| c.entries[0]),
+    ("inserted_entries", "1", "sparse factor, nested dissection with the boundary last", |c| c.entries[1]),
+    ("inserted_amd_entries", "1", "sparse factor, approximate minimum degree", |c| c.entries[2]),
+    ("difference", "1", "largest difference of the displacements over the largest one", |c| c.difference),
+];
+
+/// Costs on all grids.
+#[derive(Debug, Clone, Default)]
+pub struct Costs {
+    /// By grid.
+    pub points: Vec<Cost>,
+    /// What failed, and why.
+    pub failures: Vec<(String, String)>,
+}
+
+/// Solves one pair on all grids, each way `repeat` times. `tell` hears what is being done. After a wish to stop nothing more is
+/// solved. Solutions that differ by more than 1e-10 are a failure.
+pub fn costs(
+    polygon: &Polygon,
+    pair: &Pair,
+    levels: &[Level],
+    repeat: usize,
+    interrupts: &AtomicUsize,
+    tell: &mut dyn FnMut(&str, &str),
+) -> Costs {
+    let mut all = Costs::default();
+    let exact = Manufactured::new(polygon, pair);
+    for level in levels {
+        if interrupts.load(Ordering::Relaxed) > 0 {
+            return all;
+        }
+        let at = format!("cost, {} by {} cells", level.grid.cells[0], level.grid.cells[1]);
+        tell("cost", &at);
+        match cost(&exact, level, repeat.max(1)) {
+            Ok(point) => {
+                // a NaN is no agreement
+                if point.difference.is_nan() || point.difference > SAME {
+                    all.failures.push((at, format!("the solutions differ by {:.1e} of the largest", point.difference)));
+                }
+                all.points.push(point);
+            }
+            Err(error) => all.failures.push((at, error.to_string())),
+        }
+    }
+    all
+}
+
+fn cost(exact: &Manufactured<'_>, level: &Level, repeat: usize) -> Result<Cost, CouplingError> {
+    let problem = exact.problem(&level.grid)?;
+    let interior = Interior::fine(&problem.body, &problem.loads)?;
+    let exterior = exact.exterior(&interior)?;
+    let jump = exterior.space.interpolate(|x| exact.jump(x));
+    let order = boundary_last(&interior);
+    let n = level.trace as f64;
+    let eliminated = Matrix::new(&interior.stiffness).structure(Some(&order))?.len_val() as f64 + 3.0 * n * n;
+    let (mut seconds, mut entries) = ([const { Vec::new() }; 3], [eliminated, 0.0, 0.0]);
+    let (mut steklov, mut solutions) = (Vec::new(), [const { Vec::new() }; 3]);
+    for _ in 0..repeat {
+        let given = interior.clone();
+        let start = Instant::now();
+        let solved = Transmission::new(given, &exterior)?.solve(&jump, Form::Schur, Radiation::Decaying)?;
+        seconds[0].push(start.elapsed().as_secs_f64());
+        solutions[0] = solved.displacement;
+        for (way, order) in [(1, Some(&order)), (2, None)] {
+            let start = Instant::now();
+            let s = Steklov::new(exterior.operators.clone(), Domain::Exterior)?.matrix;
+            steklov.push(start.elapsed().as_secs_f64());
+            let (solution, count) = inserted(&interior, &s, &jump, order)?;
+            seconds[way].push(start.elapsed().as_secs_f64());
+            (solutions[way], entries[way]) = (solution, count as f64);
+        }
+    }
+    let largest = solutions[0].iter().fold(0.0f64, |m, u| m.max(u.abs()));
+    let apart = |other: &[f64]| solutions[0].iter().zip(other).fold(0.0f64, |m, (a, b)| m.max((a - b).abs()));
+    Ok(Cost {
+        cells: level.grid.cells,
+        dofs: level.grid.dofs(),
+        trace: level.trace,
+        seconds: seconds.map(|mut s| median(&mut s)),
+        steklov: median(&mut steklov),
+        entries,
+        difference: apart(&solutions[1]).max(apart(&solutions[2])) / largest,
+    })
+}
+
+/// The unknowns in the order of elimination of the body, those of the boundary last.
+fn boundary_last(interior: &Interior) -> Vec<usize> {
+    let mut on_boundary = vec![false; interior.load.len()];
+    interior.trace.unknowns.iter().for_each(|&u| on_boundary[u] = true);
+    let inside = interior.order.iter().flat_map(|n| [2 * n, 2 * n + 1]).filter(|&u| !on_boundary[u]);
+    inside.chain(interior.trace.unknowns.iter().copied()).collect()
+}
+
+/// (A + Pᵀ S P) u = F + Pᵀ S u0 as one sparse system; the displacements and the number of entries of its factor.
+fn inserted(
+    interior: &Interior,
+    s: &Mat<f64>,
+    jump: &[f64],
+    order: Option<&Vec<usize>>,
+) -> Result<(Vec<f64>, usize), MsfemError> {
+    let size = interior.load.len();
+    let unknowns = &interior.trace.unknowns;
+    let mut sorted: Vec<(usize, usize)> = unknowns.iter().enumerate().map(|(k, &u)| (u, k)).collect();
+    sorted.sort_unstable();
+    let (mut start, mut columns, mut values) = (vec![0; size + 1], Vec::new(), Vec::new());
+    for &(row, i) in &sorted {
+        start[row + 1] = sorted.len();
+        for &(column, j) in &sorted {
+            columns.push(column);
+            values.push(s[(i, j)]);
+        }
+    }
+    (0..size).for_each(|row| start[row + 1] += start[row]);
+    let block = CsMat::new((size, size), start, columns, values);
+    let matrix = Matrix::new(&(&interior.stiffness + &block));
+    let mut u = interior.load.clone();
+    for (i, &row) in unknowns.iter().enumerate() {
+        u[row] += jump.iter().enumerate().map(|(j, u0)| s[(i, j)] * u0).sum::<f64>();
+    }
+    let structure = matrix.structure(order)?;
+    matrix.solve(&structure, &mut u)?;
+    Ok((u, structure.len_val()))
+}
+
+/// The lower triangle of a symmetric matrix, by columns.
+struct Matrix {
+    start: Vec<usize>,
+    rows: Vec<usize>,
+    values: Vec<f64>,
+}
+
+impl Matrix {
+    /// Of a matrix stored by rows, both triangles.
+    fn new(full: &CsMat<f64>) -> Self {
+        let mut this = Self { start: vec![0], rows: Vec::new(), values: Vec::new() };
+        for (j, line) in full.outer_iterator().enumerate() {
+            for (i, &value) in line.iter().filter(|(i, _)| *i >= j) {
+                this.rows.push(i);
+                this.values.push(value);
+            }
+            this.start.push(this.rows.len());
+        }
+        this
+    }
+
+    fn size(&self) -> usize {
+        self.start.len() - 1
+    }
+
+    fn pattern(&self) -> SymbolicSparseColMatRef<'_, usize> {
+        SymbolicSparseColMatRef::new_checked(self.size(), self.size(), &self.start, None, &self.rows)
+    }
+
+    /// The structure of its factor, in a given order or by approximate minimum degree.
+    fn structure(&self, order: Option<&Vec<usize>>) -> Result<SymbolicCholesky<usize>, MsfemError> {
+        let size = self.size();
+        let mut inverse = vec![0; size];
+        order.into_iter().flatten().enumerate().for_each(|(k, &unknown)| inverse[unknown] = k);
+        let ordering = match order {
+            Some(order) => SymmetricOrdering::Custom(PermRef::new_checked(order, &inverse, size)),
+            None => SymmetricOrdering::Amd,
+        };
+        factorize_symbolic_cholesky(self.pattern(), Side::Lower, ordering, CholeskySymbolicParams::default())
+            .map_err(|_| MsfemError::Memory { size })
+    }
+
+    /// Solves in place by Cholesky factorisation with all threads.
+    fn solve(&self, structure: &SymbolicCholesky<usize>, right: &mut [f64]) -> Result<(), MsfemError> {
+        let (size, par) = (self.size(), faer::get_global_parallelism());
+        let scratch = structure.factorize_numeric_llt_scratch::<f64>(par, Default::default());
+        let mut memory = MemBuffer::new(scratch.or(structure.solve_in_place_scratch::<f64>(1, par)));
+        let mut factor = vec![0.0; structure.len_val()];
+        let matrix = SparseColMatRef::new(self.pattern(), &self.values[..]);
+        let regular = LltRegularization::default();
+        let stack = MemStack::new(&mut memory);
+        structure
+            .factorize_numeric_llt(&mut factor, matrix, Side::Lower, regular, par, stack, Default::default())
+            .map_err(|LltError::NonPositivePivot { index }| {
+                let unknown = structure.perm().map_or(index, |p| p.arrays().0[index]);
+                MsfemError::Singular { unknown, size }
+            })?;
+        let right = MatMut::from_column_major_slice_mut(right, size, 1);
+        LltRef::new(structure, &factor).solve_in_place_with_conj(Conj::No, right, par, MemStack::new(&mut memory));
+        Ok(())
+    }
+}

@@ -1,0 +1,147 @@
+//! Errors of the bases on smaller and smaller coarse cells.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use super::FineGrid;
+use super::measure::{BASES, NOT_CONVERGED, error, estimate, on_coarse_cells, timed};
+use crate::columns::Column;
+use steklov_model::solve::SolveError;
+use steklov_problem::{DataError, Scene, check_body, grid_of};
+
+/// One basis on one coarse grid.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Point {
+    /// Number in [`BASES`].
+    pub basis: usize,
+    /// Coarse cells along x and y, over the bounding box.
+    pub coarse: [usize; 2],
+    /// Fine cells in each of them.
+    pub fine: [usize; 2],
+    /// Displacement unknowns, held ones included.
+    pub dofs: usize,
+    /// Local problems: different patterns of moduli.
+    pub patterns: usize,
+    /// Relative error in the energy norm against bilinear elements on the same fine cells.
+    pub error: f64,
+    /// Its estimate; NaN of bases that do not conform.
+    pub estimate: f64,
+    /// Relative error against the exact solution, that of the fine grid included; NaN if that is not known.
+    pub total: f64,
+    /// Wall seconds without those of the estimate.
+    pub seconds: f64,
+}
+
+impl Point {
+    /// Estimate over error.
+    pub fn effectivity(&self) -> f64 {
+        self.estimate / self.error
+    }
+}
+
+/// Columns of the points.
+pub(super) const POINTS: [Column<Point>; 11] = [
+    ("coarse_x", "1", "coarse cells along x", |p| p.coarse[0] as f64),
+    ("coarse_y", "1", "coarse cells along y", |p| p.coarse[1] as f64),
+    ("fine_x", "1", "fine cells of a coarse cell along x", |p| p.fine[0] as f64),
+    ("fine_y", "1", "fine cells of a coarse cell along y", |p| p.fine[1] as f64),
+    ("dofs", "1", "displacement unknowns, held ones included", |p| p.dofs as f64),
+    ("patterns", "1", "different patterns of moduli: local problems", |p| p.patterns as f64),
+    ("error", "1", "relative error, energy norm, against bilinear elements on all fine cells", |p| p.error),
+    ("estimate", "1", "its estimate; NaN of bases that do not conform", |p| p.estimate),
+    ("effectivity", "1", "estimate over error", Point::effectivity),
+    ("total_error", "1", "relative error, energy norm, with that of the fine grid", |p| p.total),
+    ("seconds", "seconds", "set-up, bases, assembly, factorisation, fine displacements", |p| p.seconds),
+];
+
+/// Errors of all bases.
+#[derive(Debug, Clone, Default)]
+pub struct Convergence {
+    /// By basis and coarse grid.
+    pub points: Vec<Point>,
+    /// What failed, and why.
+    pub failures: Vec<(String, String)>,
+}
+
+impl Convergence {
+    /// The points of a basis.
+    pub fn of(&self, basis: usize) -> impl Iterator<Item = &Point> {
+        self.points.iter().filter(move |p| p.basis == basis)
+    }
+}
+
+/// Fine cells of the coarse cells that are studied: those of the scene, their halves, quarters and so on, as long as they
+/// are whole and more than one along x or y, and the body is made of such cells.
+///
+/// # Errors
+/// A scene without a grid; one with no such cells.
+pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
+    let grid = grid_of(scene)?;
+    let Some(input) = &scene.grid else { return Err(scene.grid_error()) };
+    let mut sizes = Vec::new();
+    let mut fine = input.fine;
+    while fine != [1, 1] {
+        if check_body(scene, [0, 1].map(|k| grid.cells[k] / fine[k]), "coarse").is_ok() {
+            sizes.push(fine);
+        }
+        if fine.iter().any(|n| !n.is_multiple_of(2)) {
+            break;
+        }
+        fine = fine.map(|n| n / 2);
+    }
+    if sizes.is_empty() {
+        let message = format!(
+            "the study needs coarse cells of more than one fine cell that fit the body, and grid.fine is [{}, {}]",
+            input.fine[0], input.fine[1]
+        );
+        let help = "take fewer coarse cells and more fine ones in each: grid.fine = [8, 8]";
+        return Err(DataError::at(steklov_problem::DataErrorKind::Value, &[vec!["grid", "fine"]], message, help));
+    }
+    Ok(sizes)
+}
+
+/// Solves with every basis on coarse cells of these sizes. `tell` hears what is being done. After a wish to stop nothing more
+/// is solved.
+pub fn convergence(
+    scene: &Scene,
+    fine_grid: &FineGrid,
+    sizes: &[[usize; 2]],
+    repeat: usize,
+    interrupts: &AtomicUsize,
+    tell: &mut dyn FnMut(&str, &str),
+) -> Convergence {
+    let mut all = Convergence::default();
+    for (basis, &(name, input)) in BASES.iter().enumerate() {
+        for &fine in sizes {
+            if interrupts.load(Ordering::Relaxed) > 0 {
+                return all;
+            }
+            let cells = fine_grid.truth.body.grid.cells;
+            let coarse = [0, 1].map(|k| cells[k] / fine[k]);
+            let at = format!("{name}, {} by {} coarse cells", coarse[0], coarse[1]);
+            tell(name, &at);
+            let solved = timed(repeat, || on_coarse_cells(scene, fine, input, None, interrupts));
+            let point = solved.and_then(|(solved, seconds)| {
+                let error = error(&fine_grid.truth, &solved)?;
+                Ok(solved.converged().then_some(Point {
+                    basis,
+                    coarse,
+                    fine,
+                    dofs: solved.dofs,
+                    patterns: solved.coarse.as_ref().map_or(0, |c| c.patterns),
+                    error,
+                    estimate: estimate(&fine_grid.truth, &solved),
+                    // both are at right angles where the coarse functions are fine ones
+                    total: error.hypot(fine_grid.error()),
+                    seconds,
+                }))
+            });
+            match point {
+                Ok(Some(point)) => all.points.push(point),
+                Ok(None) => all.failures.push((at, NOT_CONVERGED.into())),
+                Err(SolveError::Interrupted) => return all,
+                Err(error) => all.failures.push((at, error.to_string())),
+            }
+        }
+    }
+    all
+}

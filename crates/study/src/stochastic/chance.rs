@@ -1,0 +1,285 @@
+//! Errors of means and variances on one mesh, rule by rule in chance.
+//!
+//! A component of a vector (`.x`, `.y`) is judged against the whole vector: one that symmetry makes zero has no size of its
+//! own.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use steklov_stochastic::Accumulator;
+
+use super::relative;
+use super::rules::{ADAPTED, FAMILIES, LIMIT, MONTE_CARLO, Rule, prefixes, reference, rules, with};
+use crate::columns::Column;
+use steklov_model::run::Run;
+use steklov_model::solve::SolveError;
+use steklov_model::stochastic::{StochasticResult, is_coupled, solve_stochastic};
+use steklov_problem::{Random, Scene, Stochastic};
+
+/// A quantity varies if its deviation is above this part of its size.
+const VARIES: f64 = 1e-10;
+
+/// A quantity of the reference.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Quantity {
+    /// Path in the JSON object.
+    pub name: String,
+    /// Mean.
+    pub mean: f64,
+    /// Variance.
+    pub variance: f64,
+    /// How far mean and variance may be off, over the scales: the change from the rule before the reference.
+    pub uncertainty: [f64; 2],
+    /// What errors are relative to: (mean² + variance)^½, and the variance; of the whole vector for a component.
+    pub scale: [f64; 2],
+}
+
+impl Quantity {
+    /// Whether it is random.
+    pub fn varies(&self) -> bool {
+        self.variance.sqrt() > VARIES * self.scale[0]
+    }
+}
+
+/// A quantity by a rule.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Measured {
+    /// Number in [`FAMILIES`].
+    pub family: usize,
+    /// Number in [`Chance::quantities`].
+    pub quantity: usize,
+    /// The rule's degree, elements, tolerance, level or samples.
+    pub parameter: f64,
+    /// Points that were solved.
+    pub solves: usize,
+    /// Mean and variance.
+    pub moments: [f64; 2],
+    /// Their errors over the scales.
+    pub errors: [f64; 2],
+    /// Standard errors of both over the scales; NaN but for Monte Carlo.
+    pub standard_errors: [f64; 2],
+    /// Iterations of the contact solver.
+    pub iterations: f64,
+    /// Wall seconds.
+    pub seconds: f64,
+}
+
+/// Columns of the rules.
+pub(super) const RULES: [Column<Measured>; 10] = [
+    ("parameter", "1", "degree, elements, tolerance, level or samples of the rule", |m| m.parameter),
+    ("solves", "1", "outcomes that were solved", |m| m.solves as f64),
+    ("mean", "as the quantity", "mean", |m| m.moments[0]),
+    ("variance", "square of the quantity", "variance; of samples n/(n-1) times theirs", |m| m.moments[1]),
+    ("mean_error", "1", "error of the mean over the root mean square of the quantity", |m| m.errors[0]),
+    ("variance_error", "1", "error of the variance over it; NaN of what is not random", |m| m.errors[1]),
+    ("mean_standard_error", "1", "standard error of the mean over the same; Monte Carlo only", |m| {
+        m.standard_errors[0]
+    }),
+    ("variance_standard_error", "1", "that of the variance; Monte Carlo only", |m| m.standard_errors[1]),
+    ("iterations", "1", "iterations of the contact solver, all outcomes together", |m| m.iterations),
+    ("seconds", "seconds", "wall time of all outcomes", |m| m.seconds),
+];
+
+/// Columns of the quantities.
+pub(super) const QUANTITIES: [Column<Quantity>; 6] = [
+    ("mean", "as the quantity", "mean by the reference", |q| q.mean),
+    ("variance", "square of the quantity", "variance by the reference", |q| q.variance),
+    ("mean_uncertainty", "1", "how far the mean may be off, over its scale", |q| q.uncertainty[0]),
+    ("variance_uncertainty", "1", "how far the variance may be off, over its scale", |q| q.uncertainty[1]),
+    ("mean_scale", "as the quantity", "root mean square that errors of means are relative to", |q| q.scale[0]),
+    ("variance_scale", "square of the quantity", "what errors of variances are relative to", |q| q.scale[1]),
+];
+
+/// What the outcomes by the scene's own rule cost beside one deterministic solve of the same mesh.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Cost {
+    /// Outcomes that were solved.
+    pub solves: usize,
+    /// Iterations of the contact solver, all outcomes together.
+    pub iterations: usize,
+    /// Outcomes whose contact solver did not reach its criterion.
+    pub unconverged: usize,
+    /// Wall seconds of all outcomes, on the matrices of the mesh.
+    pub seconds: f64,
+    /// Wall seconds of one solve from the mesh on: set-up, assembly, factorisation, contact.
+    pub deterministic: f64,
+}
+
+/// Errors in chance.
+#[derive(Debug, Clone, Default)]
+pub struct Chance {
+    /// Displacement unknowns of the mesh.
+    pub dofs: usize,
+    /// Its estimated error, relative, energy norm; NaN if there is none.
+    pub estimate: f64,
+    /// The reference in words, and the outcomes that it took.
+    pub reference: String,
+    /// Outcomes of the reference.
+    pub solves: usize,
+    /// The quantities; empty after a wish to stop.
+    pub quantities: Vec<Quantity>,
+    /// By family, rule and quantity.
+    pub points: Vec<Measured>,
+    /// The scene's own rule.
+    pub cost: Option<Cost>,
+    /// Rules that failed, and why.
+    pub failures: Vec<(String, String)>,
+}
+
+impl Chance {
+    /// The first two quantities that are random.
+    pub fn shown(&self) -> Vec<usize> {
+        (0..self.quantities.len()).filter(|&k| self.quantities[k].varies()).take(2).collect()
+    }
+
+    /// A quantity by the rules of a family.
+    pub fn of(&self, family: usize, quantity: usize) -> impl Iterator<Item = &Measured> {
+        self.points.iter().filter(move |m| (m.family, m.quantity) == (family, quantity))
+    }
+}
+
+/// Solves by all rules on the last mesh of a run. `tell` hears what is being done. After a wish to stop no more rules are
+/// tried.
+///
+/// # Errors
+/// Those of the reference: an outcome that is impossible, a quantity that is no number of the result.
+pub fn chance(
+    scene: &Scene,
+    random: &Random,
+    run: &mut Run,
+    interrupts: &AtomicUsize,
+    tell: &mut dyn FnMut(&str, &str),
+) -> Result<Chance, SolveError> {
+    let step = run.step();
+    let deterministic = step.seconds[..4].iter().sum();
+    let estimate = step.estimate.as_ref().map_or(f64::NAN, |e| e.relative);
+    let mut chance = Chance { dofs: step.dofs, estimate, ..Chance::default() };
+    let body = match run.matrices(scene) {
+        Err(SolveError::Interrupted) => return Ok(chance),
+        body => body?,
+    };
+    let solve = |settings: &Stochastic| {
+        let random = with(random, settings.clone());
+        solve_stochastic(scene, &random, body, &|_, _| {}, &|| interrupts.load(Ordering::Relaxed) > 0)
+    };
+    match judge(random, &solve, &mut chance, tell) {
+        Err(SolveError::Interrupted) => return Ok(chance),
+        judged => judged?,
+    }
+    let names: Vec<String> = chance.quantities.iter().map(|q| q.name.clone()).collect();
+    let named = |s: &Stochastic| Stochastic { quantities: Some(names.clone()), ..s.clone() };
+    tell("outcomes", "by the scene's own rule");
+    match solve(&named(&random.stochastic)) {
+        Ok(r) => {
+            let StochasticResult { solved: solves, iterations, unconverged, seconds, .. } = r;
+            chance.cost = Some(Cost { solves, iterations, unconverged, seconds, deterministic });
+        }
+        Err(SolveError::Interrupted) => return Ok(chance),
+        Err(error) => chance.failures.push(("the scene's own rule".into(), error.to_string())),
+    }
+    let coupled = is_coupled(scene, random)?;
+    let finest = reference(random).finest;
+    for rule in rules(random, &finest, coupled) {
+        let last = chance.solved(rule.family);
+        if rule.family == ADAPTED && last.is_some_and(|n| n as f64 >= LIMIT) {
+            continue;
+        }
+        let (name, parameter) = FAMILIES[rule.family];
+        let what = format!("{name}: {parameter} = {}", rule.parameter);
+        tell(name, &format!("{parameter} = {}", rule.parameter));
+        match solve(&named(&rule.settings)) {
+            Ok(result) if rule.family == MONTE_CARLO => chance.add_samples(&rule, &result)?,
+            // a smaller tolerance that changes nothing
+            Ok(result) if rule.family == ADAPTED && last == Some(result.solved) => {}
+            Ok(result) => chance.add(&rule, &result),
+            Err(SolveError::Interrupted) => break,
+            Err(error) => chance.failures.push((what, error.to_string())),
+        }
+    }
+    Ok(chance)
+}
+
+/// Solves by the reference, and by the rule before it.
+fn judge(
+    random: &Random,
+    solve: &dyn Fn(&Stochastic) -> Result<StochasticResult, SolveError>,
+    chance: &mut Chance,
+    tell: &mut dyn FnMut(&str, &str),
+) -> Result<(), SolveError> {
+    let rule = reference(random);
+    tell("reference in chance", &rule.name);
+    let before = solve(&rule.before)?;
+    let names: Vec<String> = before.quantities.iter().map(|q| q.name.clone()).collect();
+    // a component's other one stands behind all quantities
+    let other = |name: &String| match (name.strip_suffix(".x"), name.strip_suffix(".y")) {
+        (Some(vector), _) => Some(format!("{vector}.y")),
+        (_, Some(vector)) => Some(format!("{vector}.x")),
+        _ => None,
+    };
+    let quantities = names.iter().cloned().chain(names.iter().filter_map(other)).collect();
+    let result = solve(&Stochastic { quantities: Some(quantities), ..rule.finest.clone() })?;
+    chance.solves = result.solved;
+    chance.reference = rule.name;
+    let mut others = result.quantities[names.len()..].iter();
+    for ((name, q), b) in names.iter().zip(&result.quantities).zip(&before.quantities) {
+        let other = other(name).and_then(|_| others.next()).map_or([0.0; 2], |o| [o.mean, o.variance]);
+        let variance = q.variance + other[1];
+        let size = (q.mean * q.mean + other[0] * other[0] + variance).sqrt();
+        let scale = [size, if variance.sqrt() > VARIES * size { variance } else { 0.0 }];
+        let uncertainty = [relative(q.mean, b.mean, scale[0]), relative(q.variance, b.variance, scale[1])];
+        let (mean, variance) = (q.mean, q.variance);
+        chance.quantities.push(Quantity { name: name.clone(), mean, variance, uncertainty, scale });
+    }
+    Ok(())
+}
+
+impl Chance {
+    /// Outcomes of the last rule of a family.
+    fn solved(&self, family: usize) -> Option<usize> {
+        self.of(family, 0).last().map(|m| m.solves)
+    }
+
+    fn measured(&self, rule: &Rule, quantity: usize, moments: [f64; 2], standard_errors: [f64; 2]) -> Measured {
+        let q = &self.quantities[quantity];
+        let reference = [q.mean, q.variance];
+        let over = |k: usize| if q.scale[k] > 0.0 { standard_errors[k] / q.scale[k] } else { f64::NAN };
+        Measured {
+            family: rule.family,
+            quantity,
+            parameter: rule.parameter,
+            solves: 0,
+            moments,
+            errors: [0, 1].map(|k| relative(moments[k], reference[k], q.scale[k])),
+            standard_errors: [over(0), over(1)],
+            iterations: f64::NAN,
+            seconds: f64::NAN,
+        }
+    }
+
+    fn add(&mut self, rule: &Rule, result: &StochasticResult) {
+        for (k, q) in result.quantities.iter().enumerate() {
+            let one = self.measured(rule, k, [q.mean, q.variance], [f64::NAN; 2]);
+            let (iterations, seconds) = (result.iterations as f64, result.seconds);
+            self.points.push(Measured { solves: result.solved, iterations, seconds, ..one });
+        }
+    }
+
+    /// Monte Carlo: the first samples are those of a shorter run.
+    fn add_samples(&mut self, rule: &Rule, result: &StochasticResult) -> Result<(), SolveError> {
+        let all = result.points.len();
+        for (k, q) in result.quantities.iter().enumerate() {
+            let mut sums = Accumulator::default();
+            let mut done = 0;
+            for n in prefixes(all) {
+                q.values[done..n].iter().try_for_each(|v| sums.push(1.0, &[*v]))?;
+                done = n;
+                let (moments, errors) = (sums.moments(), sums.standard_errors());
+                let unbiased = moments.variance[0] * n as f64 / (n.max(2) - 1) as f64;
+                let one = self.measured(rule, k, [moments.mean[0], unbiased], [errors.mean[0], errors.variance[0]]);
+                let last = |value: f64| if n == all { value } else { f64::NAN };
+                let (iterations, seconds) = (last(result.iterations as f64), last(result.seconds));
+                self.points.push(Measured { parameter: n as f64, solves: n, iterations, seconds, ..one });
+            }
+        }
+        Ok(())
+    }
+}

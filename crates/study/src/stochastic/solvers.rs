@@ -1,0 +1,177 @@
+//! Iterations and seconds of contact solvers for the nominal outcome on uniform meshes.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, uzawa};
+
+use crate::columns::Column;
+use crate::supported::contact_sides;
+use steklov_model::run::{Progress, run};
+use steklov_model::solve::SolveError;
+use steklov_model::stochastic::Outcomes;
+use steklov_problem::{Random, Refine, Scene};
+
+/// What a solver is called.
+type Solver = fn(&Problem) -> Result<Solution, ContactError>;
+/// Solvers and their names.
+pub const SOLVERS: [(&str, Solver); 3] =
+    [("Uzawa", |p| uzawa(p, None, None)), ("active set", |p| active_set(p, None)), ("interior point", interior_point)];
+
+/// Where iterations are counted: the solver's own relative measure.
+pub const TOLERANCE: f64 = 1e-10;
+/// The meshes: so many times the elements of the scene.
+const TIMES: [usize; 5] = [1, 2, 4, 8, 16];
+/// Multipliers at most: Uzawa's iteration has a full matrix of them, and needs a number of steps that grows with the mesh.
+const MULTIPLIERS: usize = 600;
+
+/// A solver on a mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Method {
+    /// Number in [`SOLVERS`].
+    pub solver: usize,
+    /// Elements of the uniform mesh.
+    pub elements: usize,
+    /// Displacement unknowns.
+    pub dofs: usize,
+    /// Contact multipliers.
+    pub multipliers: usize,
+    /// Iterations until its measure is below 1e-10 for good; NaN if it never is.
+    pub iterations: f64,
+    /// The judge's worst measure of the answer.
+    pub kkt: f64,
+    /// Wall seconds to its own tolerance.
+    pub seconds: f64,
+    /// Its measure by iteration.
+    pub history: Vec<f64>,
+    /// Why there is no answer.
+    pub failure: Option<String>,
+}
+
+/// Columns of the solvers.
+pub(super) const METHODS: [Column<Method>; 6] = [
+    ("elements", "1", "elements of the uniform mesh, degree of the scene", |m| m.elements as f64),
+    ("dofs", "1", "displacement unknowns", |m| m.dofs as f64),
+    ("multipliers", "1", "contact multipliers", |m| m.multipliers as f64),
+    ("iterations", "1", "iterations until the solver's measure is below 1e-10; NaN if it never is", |m| m.iterations),
+    ("kkt", "1", "worst relative violation of equilibrium and contact conditions by the answer", |m| m.kkt),
+    ("seconds", "seconds", "wall time to the solver's own tolerance", |m| m.seconds),
+];
+
+/// What solvers cost.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Solvers {
+    /// By mesh and solver.
+    pub methods: Vec<Method>,
+}
+
+impl Solvers {
+    /// The meshes of a solver.
+    pub fn of(&self, solver: usize) -> impl Iterator<Item = &Method> {
+        self.methods.iter().filter(move |m| m.solver == solver)
+    }
+
+    /// All solvers on the finest mesh.
+    pub fn finest(&self) -> impl Iterator<Item = &Method> {
+        let elements = self.methods.iter().map(|m| m.elements).max();
+        self.methods.iter().filter(move |m| Some(m.elements) == elements)
+    }
+}
+
+/// Solves the condensed contact problem of the nominal outcome on uniform meshes; none without contact. After a wish to stop
+/// no more meshes are done.
+///
+/// # Errors
+/// Those of assembling the meshes. Solvers that fail are told in their places.
+pub fn solvers(
+    scene: &Scene,
+    random: &Random,
+    interrupts: &AtomicUsize,
+    tell: &mut dyn FnMut(&str, &str),
+) -> Result<Option<Solvers>, SolveError> {
+    if contact_sides(scene).is_empty() {
+        return Ok(None);
+    }
+    let mut solvers = Solvers::default();
+    for times in TIMES {
+        let mut scene = scene.clone();
+        scene.method.refine = Refine::None;
+        scene.method.elements *= times;
+        let progress = Progress::first(&scene);
+        if times > 1 && progress.next.dofs() > scene.method.max_dofs || interrupts.load(Ordering::Relaxed) > 0 {
+            break;
+        }
+        let dofs = progress.next.dofs();
+        tell("contact solvers", &format!("{dofs} dofs"));
+        let mut run = match run(&scene, progress, interrupts, &mut |_, _| Ok(())) {
+            Err(SolveError::Interrupted) => break,
+            run => run?,
+        };
+        let body = run.matrices(&scene)?;
+        let elements = body.mesh.len();
+        let outcomes = Outcomes::new(&scene, random, body)?;
+        let (outcome, _, given) = outcomes.given(&random.nominal())?;
+        let (_, factors) = outcomes.solved(&outcome, given, &mut None)?;
+        let Some(contact) = factors.contact else { break };
+        let multipliers = 2 * contact.problem.nodes.iter().map(|n| n.conditions.len()).sum::<usize>();
+        if times > 1 && multipliers > MULTIPLIERS {
+            break;
+        }
+        for solver in 0..SOLVERS.len() {
+            if interrupts.load(Ordering::Relaxed) == 0 {
+                let method = Method::new(solver, &contact.problem);
+                solvers.methods.push(Method { elements, dofs, multipliers, ..method });
+            }
+        }
+    }
+    Ok(Some(solvers))
+}
+
+impl Method {
+    fn new(solver: usize, problem: &Problem) -> Self {
+        let clock = Instant::now();
+        let solution = SOLVERS[solver].1(problem);
+        let seconds = clock.elapsed().as_secs_f64();
+        let nothing = Self {
+            solver,
+            elements: 0,
+            dofs: 0,
+            multipliers: 0,
+            iterations: f64::NAN,
+            kkt: f64::NAN,
+            seconds,
+            history: Vec::new(),
+            failure: None,
+        };
+        match solution {
+            Err(error) => Self { failure: Some(error.to_string()), ..nothing },
+            Ok(solution) => {
+                let kkt = kkt(problem, &solution).worst();
+                Self { iterations: iterations(&solution.history), kkt, history: solution.history, ..nothing }
+            }
+        }
+    }
+}
+
+/// Iterations until the measure stays below the tolerance.
+fn iterations(history: &[f64]) -> f64 {
+    match history.iter().rposition(|m| m.is_nan() || *m > TOLERANCE) {
+        None => history.len().min(1) as f64,
+        Some(last) if last + 1 < history.len() => (last + 2) as f64,
+        Some(_) => f64::NAN,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::iterations;
+
+    #[test]
+    fn iterations_are_counted_until_the_measure_stays_small() {
+        assert_eq!(iterations(&[1.0, 1e-5, 1e-11]), 3.0);
+        assert_eq!(iterations(&[1.0, 1e-11, 1e-5, 1e-10, 0.0]), 4.0);
+        assert_eq!(iterations(&[0.0]), 1.0);
+        assert_eq!(iterations(&[]), 0.0);
+        assert!(iterations(&[1.0, 1e-9]).is_nan() && iterations(&[f64::NAN]).is_nan());
+    }
+}
