@@ -2,8 +2,8 @@
 //! gallery.
 
 use steklov_model::estimate::Doubt;
-use steklov_model::reference::true_error;
 use steklov_problem::{Refine, Scene};
+use steklov_study::reference::true_error;
 use steklov_tests::{finer, gallery, judged, solved_in_steps};
 
 /// Estimate over true error in the first four steps and from the fifth on.

@@ -4,12 +4,12 @@ use std::path::Path;
 
 use steklov_bem_operators::{Mark, Subdivision};
 use steklov_contact::{Problem, Solution, TipKind, fixed_point, interior_point, kkt, newton};
-use steklov_model::reference::true_error;
 use steklov_model::run::Run;
 use steklov_model::summary::Summary;
 use steklov_plan::plan;
 use steklov_problem::Scene;
 use steklov_result::record::Record;
+use steklov_study::reference::true_error;
 use steklov_tests::adapt;
 
 fn scene(name: &str, overrides: &[&str]) -> Scene {

@@ -333,7 +333,7 @@ fn the_spatial_estimate_is_the_mean_over_outcomes() {
     let picked = [0usize, 7, 21, 42, 63];
     for &k in &picked {
         let outcome = scene.outcome(&result.points[k]).unwrap_or_else(|e| panic!("{e}"));
-        let found = steklov_model::reference::true_error(&outcome, &run.last.mesh, &result.displacements[k], &finer);
+        let found = steklov_study::reference::true_error(&outcome, &run.last.mesh, &result.displacements[k], &finer);
         let found = found.unwrap_or_else(|e| panic!("{e}"));
         squared += found.error.powi(2) / picked.len() as f64;
         norm += found.norm.powi(2) / picked.len() as f64;

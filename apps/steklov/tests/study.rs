@@ -12,9 +12,9 @@ use std::sync::atomic::AtomicUsize;
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
 use steklov_bem_operators::Mesh;
-use steklov_model::reference::Reference;
 use steklov_problem::{Refine, Source};
 use steklov_quadrature::gauss_legendre;
+use steklov_study::reference::Reference;
 use steklov_study::{End, NAMES, Study, csv, strategy, text};
 
 /// sin(3π/2 λ) = λ: the symmetric singularity of a free re-entrant corner of 270 degrees.

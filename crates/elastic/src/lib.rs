@@ -1,5 +1,5 @@
 //! What all models of plane elasticity share: an isotropic [`Material`] in plane strain or plane stress ([`Plane`]), its stresses,
-//! and the rigid motions that supports leave free ([`RigidMotion`], [`free_motions`]).
+//! the rigid motions that supports leave free ([`RigidMotion`], [`free_motions`]), and how fields behave at vertices ([`Wedge`]).
 //!
 //! Stresses are `[σ_xx, σ_yy, σ_xy]`, vectors `[x, y]`; units are the caller's own.
 //!
@@ -22,6 +22,8 @@
 
 mod material;
 mod rigid;
+mod wedge;
 
 pub use material::{Material, MaterialError, Plane, von_mises};
 pub use rigid::{RigidMotion, free_motions};
+pub use wedge::{Face, Sector, Wedge};

@@ -81,12 +81,12 @@ impl Outside {
     }
 
     /// ξ at the nodes.
-    pub(crate) fn displacement(&self, u: &[f64]) -> Vec<f64> {
+    pub fn displacement(&self, u: &[f64]) -> Vec<f64> {
         u.iter().zip(&self.jump).map(|(u, jump)| u - jump).collect()
     }
 
     /// ½⟨S_i u, u⟩ + ½⟨S_e ξ, ξ⟩ of displacements of the body and of the medium; `forces` = (S_i + S_e) u.
-    pub(crate) fn strain_energy(&self, u: &[f64], xi: &[f64], forces: &[f64]) -> f64 {
+    pub fn strain_energy(&self, u: &[f64], xi: &[f64], forces: &[f64]) -> f64 {
         let of_medium = product(&self.stiffness, u);
         let inside: Vec<f64> = forces.iter().zip(&of_medium).map(|(all, medium)| all - medium).collect();
         0.5 * (dot(u, &inside) + dot(xi, &product(&self.stiffness, xi)))
@@ -126,7 +126,7 @@ impl Outside {
 
 impl Data<'_> {
     /// The jump u0 of the displacement from the medium to the body at every node, that of the remote stress included; interleaved.
-    pub(crate) fn jump(&self) -> Result<Vec<f64>, SolveError> {
+    pub fn jump(&self) -> Result<Vec<f64>, SolveError> {
         let (scene, mesh, space) = (self.scene, self.mesh, self.space);
         let jumps = scene.exterior.iter().flat_map(|e| e.displacement_jump.iter().flatten());
         for expression in jumps.filter(|jump| jump.constant().is_none()) {

@@ -7,7 +7,7 @@ use steklov_elastic::Material;
 
 use crate::report::{ContactRow, TOUCHING};
 use crate::summary::Probe;
-use crate::wedge::{Face, Sector, Wedge};
+use steklov_elastic::{Face, Sector, Wedge};
 use steklov_problem::{Condition, Friction, Scene};
 
 /// Angles that differ by less are the same (radian).

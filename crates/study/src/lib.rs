@@ -4,6 +4,7 @@
 //! settings ─► Reference ─► strategy by strategy: runs, true errors ─► Study ─► store (HDF5), table (CSV, text, JSON), draw
 //! ```
 
+pub mod reference;
 mod columns;
 mod supported;
 mod settings;
@@ -18,7 +19,7 @@ pub mod stochastic;
 pub mod multiscale;
 pub mod coupling;
 
-use steklov_model::reference::{EnergySource, Reference};
+use crate::reference::{EnergySource, Reference};
 use steklov_problem::{Scene, Source};
 
 pub use draw::pictures;

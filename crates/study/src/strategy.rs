@@ -6,7 +6,7 @@ use steklov_bem_operators::Mesh;
 
 use super::fit::{Fit, Law, fit};
 use super::{MEASURED, chosen};
-use steklov_model::reference::Reference;
+use crate::reference::Reference;
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::run::{Progress, Reason, Run, Step, run};
 use steklov_model::solve::{SolveError, Stage};

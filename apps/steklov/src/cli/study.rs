@@ -20,11 +20,11 @@ use steklov_picture::{self as picture, PictureError};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
-use steklov_model::reference::{Reference, ReferenceError};
 use steklov_model::solve::Stage;
 use steklov_plan::plan;
 use steklov_problem::{Method, Multiplier, Refine, Scene};
 use steklov_scene::Document;
+use steklov_study::reference::{Reference, ReferenceError};
 use steklov_study::{
     MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write,
 };

@@ -4,8 +4,8 @@ use std::sync::atomic::AtomicUsize;
 
 use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};
 use crate::columns::Column;
+use crate::reference::ReferenceError;
 use steklov_model::grid::GridSolved;
-use steklov_model::reference::ReferenceError;
 use steklov_model::solve::SolveError;
 use steklov_problem::{Scene, grid_of};
 

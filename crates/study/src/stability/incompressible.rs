@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_elastic::Material;
 
 use super::columns::Column;
+use crate::reference::{Reference, ReferenceError};
 use steklov_model::first_mesh::first_mesh;
-use steklov_model::reference::{Reference, ReferenceError};
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{Refine, Scene};

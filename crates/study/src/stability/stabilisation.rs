@@ -12,8 +12,8 @@ use steklov_contact::{MultiplierDegree, MultiplierMesh, MultiplierSpace, Stabili
 
 use super::columns::Column;
 use crate::for_truth;
+use crate::reference::{Reference, true_error};
 use crate::supported::{Supported, contact_sides, uniform_mesh};
-use steklov_model::reference::{Reference, true_error};
 use steklov_model::solve::{SolveError, solve};
 use steklov_problem::{Multiplier, Scene};
 

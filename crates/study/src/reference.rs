@@ -8,10 +8,10 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_bem_operators::{Mark, Mesh, PairCache, Piece, Space, Subdivision};
 use steklov_quadrature::legendre_p;
 
-use crate::data::Data;
-use crate::estimate::Doubt;
-use crate::run::{Progress, Reason, Step, run};
-use crate::solve::{SolveError, Solved, Stage, solve};
+use steklov_model::data::Data;
+use steklov_model::estimate::Doubt;
+use steklov_model::run::{Progress, Reason, Step, run};
+use steklov_model::solve::{SolveError, Solved, Stage, solve};
 use steklov_problem::{Refine, Scene};
 
 /// What errors are measured against.

@@ -13,7 +13,7 @@ use faer::{Mat, c64};
 
 /// What holds on a face; components are along the ray out of the vertex and turned from it by +90 degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) enum Face {
+pub enum Face {
     /// No traction.
     Free,
     /// No displacement.
@@ -27,25 +27,26 @@ pub(crate) enum Face {
 
 /// A sector of one material.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct Sector {
+pub struct Sector {
     /// Angle (radian), up to 2π.
-    pub(crate) angle: f64,
+    pub angle: f64,
     /// Shear modulus; of a single sector any.
-    pub(crate) mu: f64,
+    pub mu: f64,
     /// κ of plane strain.
-    pub(crate) kappa: f64,
+    pub kappa: f64,
 }
 
 /// Sectors that follow each other counter-clockwise, bonded.
 #[derive(Debug, Clone, PartialEq)]
-pub(crate) struct Wedge {
-    pub(crate) sectors: Vec<Sector>,
+pub struct Wedge {
+    /// Its sectors, counter-clockwise.
+    pub sectors: Vec<Sector>,
     /// The first and the last face; none where the last sector is bonded to the first.
-    pub(crate) faces: Option<[Face; 2]>,
+    pub faces: Option<[Face; 2]>,
 }
 
 /// Exponents nearer to 0 or 1 than this are not told from translations and from uniform stress.
-pub(crate) const MARGIN: f64 = 1e-3;
+pub const MARGIN: f64 = 1e-3;
 /// Zeros with a larger imaginary part, over one over the angle, have a real part above 1: e^24 outweighs λ² there.
 const REACH: f64 = 12.0;
 /// Relative change of D that a step of the contour may have.
@@ -75,12 +76,12 @@ fn functions(l: c64, sector: &Sector, theta: f64) -> [([c64; 2], [c64; 2]); 4] {
 
 impl Wedge {
     /// Whether stresses are infinite at the vertex, for data that excite what they can.
-    pub(crate) fn is_singular(&self) -> bool {
+    pub fn is_singular(&self) -> bool {
         self.exponents_below(1.0 - MARGIN) > 0
     }
 
     /// Number of exponents λ with 1e-3 < Re λ < `limit`.
-    pub(crate) fn exponents_below(&self, limit: f64) -> usize {
+    pub fn exponents_below(&self, limit: f64) -> usize {
         let least = self.sectors.iter().map(|s| s.angle).fold(2.0 * PI, f64::min);
         let high = REACH / least;
         // the upper half of the strip's border: the lower half is its mirror image
