@@ -167,6 +167,14 @@ impl Run {
     }
 }
 
+/// Solves a scene of boundary elements from its first mesh to its last: [`run`] that nobody watches or stops.
+///
+/// # Errors
+/// As [`run`].
+pub fn unobserved(scene: &Scene) -> Result<Run, SolveError> {
+    run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
+}
+
 /// Solves a scene. `interrupts` counts the user's wishes to stop: after one the step that runs is finished and kept,
 /// after two the run ends at once with the steps before it.
 ///

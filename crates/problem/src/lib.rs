@@ -14,8 +14,7 @@
 //! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
 //! let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
 //! let mut scene = Scene::new(Polygon::new(Loop { corners, sides }, vec![])?, Material::new(200.0, 0.3, Plane::Strain)?);
-//! let held = || Some(Expression::number(0.0));
-//! scene.sides[0].condition = Condition::Displacement { values: [held(), held()], traction: None };
+//! scene.sides[0].condition = Condition::held();
 //! scene.sides[2].condition = Condition::Pressure(Expression::parse("1 + x", &Default::default())?);
 //! scene.check()?;
 //! assert_eq!(scene.model(), Model::Bem);

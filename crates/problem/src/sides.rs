@@ -27,6 +27,13 @@ pub enum Condition {
     },
 }
 
+impl Condition {
+    /// No displacement.
+    pub fn held() -> Self {
+        Self::Displacement { values: [Some(Expression::number(0.0)), Some(Expression::number(0.0))], traction: None }
+    }
+}
+
 /// Law of friction of a contact side.
 #[derive(Debug, Clone)]
 pub enum Friction {

@@ -67,14 +67,12 @@ pub(super) fn plate(
     let polygon = Polygon::new(outline, Vec::new()).map_err(|e| wrong(e.to_string()))?;
     let material = Material::new(1.0, 0.3, Plane::Strain).map_err(|e| wrong(e.to_string()))?;
     let young = Expression::parse(young, &BTreeMap::from([(name.to_owned(), value)])).map_err(|e| wrong(e.message))?;
-    let zero = || Expression::number(0.0);
     let mut scene = Scene::new(polygon, material);
     scene.cells = Some(Cells { size: 1.0 / along as f64, young: CellModuli::Expression(young) });
     scene.grid = Some(GridInput { coarse, fine, basis: BasisInput::Coupled, oversample: None });
-    for (side, condition) in [
-        ("left", Condition::Displacement { values: [Some(zero()), Some(zero())], traction: None }),
-        ("right", Condition::Traction([zero(), Expression::number(-1.0)])),
-    ] {
+    for (side, condition) in
+        [("left", Condition::held()), ("right", Condition::Traction([0.0, -1.0].map(Expression::number)))]
+    {
         scene.side_mut(side).ok_or_else(|| wrong(format!("no side {side}")))?.condition = condition;
     }
     scene.check()?;
