@@ -14,15 +14,8 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_bem_operators::PARTS;
+use steklov_figures::stochastic;
 use steklov_io::{File, IoError, create_atomically, open};
-
-use self::bar::Bar;
-use self::grid::{crossing_warning, solve_on_grid};
-use self::output::{appeared, check_output};
-use self::told::{advice, print_summary};
-use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
-use steklov_figures as draw;
-use steklov_figures::stochastic::{self};
 use steklov_model::run::{Progress, Reason, Run, Step, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_model::stochastic::{End, StochasticResult, solve_stochastic};
@@ -32,6 +25,12 @@ use steklov_problem::{Refine, Scene, grid_of, moduli};
 use steklov_result::record::Record;
 use steklov_result::store::{self, Stored};
 use steklov_scene::{Document, TEMPLATE};
+
+use self::bar::Bar;
+use self::grid::{crossing_warning, solve_on_grid};
+use self::output::{appeared, check_output};
+use self::told::{advice, print_summary};
+use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
 const WRONG: u8 = 1;
@@ -419,7 +418,7 @@ fn show(args: &ShowArgs) -> Result<u8, Failure> {
     }
     if let Some(folder) = &args.csv {
         files.extend(
-            draw::tables(&stored, folder, &stem(&args.file))
+            steklov_figures::tables(&stored, folder, &stem(&args.file))
                 .map_err(|e| Failure(format!("error: the tables cannot be written into {}: {e}", folder.display())))?,
         );
     }
@@ -438,5 +437,5 @@ fn stem(path: &Path) -> String {
 }
 
 fn pictures(stored: &Stored, folder: &Path, file: &Path) -> Result<Vec<PathBuf>, Failure> {
-    Ok(draw::pictures(stored, folder, &stem(file))?)
+    Ok(steklov_figures::pictures(stored, folder, &stem(file))?)
 }

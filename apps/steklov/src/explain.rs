@@ -4,12 +4,11 @@ use steklov_bem_operators::BemError;
 use steklov_contact::{ContactError, LEAST_GAMMA};
 use steklov_coupling::{CouplingError, Radiation};
 use steklov_expression::Expression;
-use steklov_msfem::MsfemError;
-use steklov_stochastic::StochasticError;
-
 use steklov_model::solve::SolveError;
 use steklov_model::summary::available_memory_bytes;
+use steklov_msfem::MsfemError;
 use steklov_problem::{Condition, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
+use steklov_stochastic::StochasticError;
 
 /// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
 pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<DataError, SolveError> {

@@ -4,13 +4,13 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use steklov_io::vtkhdf::Field;
+use steklov_model::report::ContactRow;
 use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
+use steklov_result::medium::body_part;
+use steklov_result::store::Stored;
 
 use crate::grid;
 use crate::stochastic;
-use steklov_model::report::ContactRow;
-use steklov_result::medium::body_part;
-use steklov_result::store::Stored;
 
 /// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
 ///

@@ -3,6 +3,7 @@
 use steklov_bem_operators::{Grading, Mark, Mesh, Piece, SAME_PLACE, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Located, Tip, relocate, unlocated};
 use steklov_expression::Turn;
+use steklov_problem::{Refine, Scene};
 
 use crate::apart::{limited_by_multipliers, multiplier_indicators};
 use crate::asperities::{Cuts, MARKED, cut_at_turns, gap_turns, obstacles, part_to_mark};
@@ -12,7 +13,6 @@ use crate::first_mesh::{coarse_elements, singular_points};
 use crate::hidden::Unseen;
 use crate::solve::{SolveError, Solved};
 use crate::transitions::unlocated_energy;
-use steklov_problem::{Refine, Scene};
 
 /// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
 #[derive(Debug, Clone, PartialEq)]

@@ -3,9 +3,9 @@
 use steklov_bem_operators::{Inside, Mesh, ParticularSolution, Space};
 use steklov_coupling::{Balance, Coupled, MediumField, Radiation};
 use steklov_elastic::Material;
+use steklov_problem::MediumInput;
 
 use crate::summary::MediumSummary;
-use steklov_problem::MediumInput;
 
 /// The medium around a body; its fields are those of the remote stress plus u_c = K ξ - V φ + a.
 #[derive(Debug, Clone)]

@@ -3,10 +3,10 @@
 use steklov_bem_operators::{Edge, Mark, Mesh, Piece, Subdivision};
 use steklov_contact::{Located, Obstacle};
 use steklov_expression::Turn;
+use steklov_problem::{Condition, Scene};
 
 use crate::first_mesh::insert_apart;
 use crate::hidden::Overlap;
-use steklov_problem::{Condition, Scene};
 
 /// Part of the estimate whose elements the hp strategy refines; the same among asperities as long as many ends of contact have no
 /// vertices.

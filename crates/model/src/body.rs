@@ -4,6 +4,7 @@ use faer::Mat;
 use steklov_bem_operators::{BoundaryField, Condensation, Mesh, Space, TractionMap};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution, resisted_motions};
 use steklov_elastic::{Material, RigidMotion};
+use steklov_problem::{Condition, Scene};
 
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
@@ -13,7 +14,6 @@ use crate::motions::{balanced, edges, work};
 use crate::solve::{Energies, Seconds, SolveError, Solved};
 use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};
-use steklov_problem::{Condition, Scene};
 
 /// Relative residual of equilibrium beyond which an answer has lost too many digits.
 pub(crate) const UNBALANCED: f64 = 1e-7;

@@ -7,10 +7,10 @@ use steklov_contact::{
     kkt_in_body, lifting_motion, newton, other_solution, uzawa,
 };
 use steklov_elastic::RigidMotion;
+use steklov_problem::Solver;
 
 use crate::motions::{edges, unpressed};
 use crate::stabilised::StabilisedContact;
-use steklov_problem::Solver;
 
 /// Contact on the solved mesh.
 #[derive(Debug, Clone)]

@@ -8,12 +8,12 @@ use steklov_bem_operators::{
 };
 use steklov_contact::{ContactSolution, Multiplier, contact_residuals_of, oscillation};
 use steklov_expression::{Expression, Piece};
+use steklov_problem::{Condition, DataError, Scene};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::estimate::Residual;
 use crate::solve::{SolveError, Solved};
 use crate::supports::Held;
-use steklov_problem::{Condition, DataError, Scene};
 
 /// A scene on a mesh.
 pub struct Data<'a> {

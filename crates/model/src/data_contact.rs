@@ -3,11 +3,11 @@
 use steklov_bem_operators::{BemError, ParticularSolution, Site};
 use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles};
 use steklov_expression::Expression;
+use steklov_problem::{Condition, DataError, DataErrorKind, Friction};
 
 use crate::data::{Data, Function};
 use crate::solve::SolveError;
 use crate::supports::Held;
-use steklov_problem::{Condition, DataError, DataErrorKind, Friction};
 
 impl Data<'_> {
     /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.

@@ -12,13 +12,13 @@
 use steklov_bem_operators::{Datum, Site, side_moments};
 use steklov_contact::{LinePoint, Solution};
 use steklov_expression::Expression;
+use steklov_problem::Condition;
 use steklov_quadrature::gauss_legendre;
 
 use crate::body::Factors;
 use crate::contact::{ContactFactors, ContactResult};
 use crate::data::Data;
 use crate::solve::{SolveError, Solved};
-use steklov_problem::Condition;
 
 impl Data<'_> {
     /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).

@@ -2,9 +2,9 @@
 
 use steklov_bem_operators::{Condensation, Enriched, Mesh};
 use steklov_contact::{ContactBubble, Frozen};
+use steklov_problem::{Condition, Scene};
 
 use crate::elastic::Elastic;
-use steklov_problem::{Condition, Scene};
 
 /// Reduction of the squared energy of the rest at which the correction is good enough.
 const ENOUGH: f64 = 1e-4;

@@ -14,6 +14,7 @@
 use steklov_bem_operators::{BoundaryResidual, Enriched, Look, Mesh, SAME_PLACE};
 use steklov_contact::{ContactBubble, ContactResidual, Frozen};
 use steklov_elastic::Material;
+use steklov_problem::{Indicator, Refine, Scene};
 
 use crate::body::{Body, Factors, UNBALANCED};
 use crate::data::Data;
@@ -23,7 +24,6 @@ use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
 use crate::solve::{SolveError, Solved};
 use crate::unseen::unseen_by_tractions;
-use steklov_problem::{Indicator, Refine, Scene};
 
 /// The part of an estimate on one element; each an energy (force*length/thickness).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]

@@ -1,12 +1,12 @@
 //! Whether an answer is exact, or only looks so to the functions of its mesh.
 
 use steklov_bem_operators::Look;
+use steklov_problem::Scene;
 
 use crate::body::UNBALANCED;
 use crate::data::Data;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, Residual};
 use crate::solve::{SolveError, Solved};
-use steklov_problem::Scene;
 
 impl Estimate {
     /// Takes back the doubts about an answer that is exact: what it leaves of the equations at all points, not only against

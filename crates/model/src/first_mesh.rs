@@ -2,9 +2,9 @@
 
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
 use steklov_expression::Expression;
+use steklov_problem::{Condition, Friction, Refine, Scene};
 
 use crate::adapt::Layout;
-use steklov_problem::{Condition, Friction, Refine, Scene};
 
 /// Straight corners are those whose sides turn by less than this (radian).
 const STRAIGHT: f64 = 1e-9;

@@ -9,10 +9,10 @@
 
 use steklov_bem_operators::Site;
 use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
+use steklov_problem::Condition;
 use steklov_quadrature::{Series, gauss_legendre, project};
 
 use crate::data::Data;
-use steklov_problem::Condition;
 
 /// A part of a contact element in which the body lies in the obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -17,13 +17,13 @@ use steklov_bem_operators::{
 use steklov_contact::oscillation;
 use steklov_coupling::{Balance, Coupled, Radiation};
 use steklov_elastic::RigidMotion;
+use steklov_problem::MediumInput;
 use steklov_quadrature::legendre_p;
 
 use crate::around::Around;
 use crate::data::Data;
 use crate::elastic::plane_modulus;
 use crate::solve::SolveError;
-use steklov_problem::MediumInput;
 
 /// The medium around a body, on the mesh of the body, and the jump of the displacement between them.
 pub struct Outside {

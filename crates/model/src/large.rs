@@ -1,7 +1,8 @@
 //! Whether a body deforms beyond what small strains describe.
 
-use crate::report::Trace;
 use steklov_problem::{Condition, Scene};
+
+use crate::report::Trace;
 
 /// Rotations (radian), and deformations over the diameter of the body, from which linear elasticity describes no body any more.
 const LARGEST: f64 = 0.15;

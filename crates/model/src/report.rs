@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::{Mesh, SAME_PLACE, Space};
 use steklov_contact::{Condition, Located, MultiplierNode, Status, TipKind};
+use steklov_problem::{Refine, Scene};
 
 use crate::contact::ContactResult;
 use crate::run::Step;
@@ -9,7 +10,6 @@ use crate::solve::Solved;
 use crate::stabilised::StabilisedContact;
 use crate::summary::{ContactSummary, Stabilisation, Summary};
 use crate::unbounded::is_unbounded;
-use steklov_problem::{Refine, Scene};
 
 /// A condition of a contact node: one row of `/contact`.
 #[derive(Debug, Clone, Copy, PartialEq)]

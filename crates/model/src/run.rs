@@ -5,6 +5,7 @@ use std::time::Instant;
 
 use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
 use steklov_contact::{Located, Tip};
+use steklov_problem::{Refine, Scene};
 
 use crate::adapt::Layout;
 use crate::body::Body;
@@ -14,7 +15,6 @@ use crate::hidden::Unseen;
 use crate::memory::{Lack, lack};
 use crate::solve::{SolveError, Solved, Stage, solve};
 use crate::stochastic::mean_estimate;
-use steklov_problem::{Refine, Scene};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -10,6 +10,7 @@ use steklov_bem_operators::{
 use steklov_contact::{ContactBoundary, ContactError};
 use steklov_coupling::{Trace, Transfer};
 use steklov_elastic::RigidMotion;
+use steklov_problem::{DataError, Multiplier, Scene};
 
 use crate::around::Around;
 use crate::body::{Body, Factors, Given};
@@ -20,7 +21,6 @@ use crate::inclusion::Outside;
 use crate::run::Step;
 use crate::stabilised::{self, solve_stabilised};
 use crate::supports::Supports;
-use steklov_problem::{DataError, Multiplier, Scene};
 
 /// What a run hands to its observer while it has it.
 pub enum Stage<'a> {

@@ -8,12 +8,12 @@ use steklov_bem_operators::{Dof, TractionMap};
 use steklov_contact::{
     ContactError, ContactNode, Kkt, Loading, MultiplierSpace, Solution, StabilisedForms, kkt_in_body,
 };
+use steklov_problem::Condition;
 
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
 use crate::data::Data;
 use crate::solve::SolveError;
-use steklov_problem::Condition;
 
 /// Stabilised multipliers on a solved mesh.
 #[derive(Debug, Clone)]

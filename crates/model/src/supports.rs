@@ -2,7 +2,6 @@
 
 use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::{RigidMotion, free_motions};
-
 use steklov_problem::{Condition, Scene, Side};
 
 /// Prescribed components of one node: value and the first side that holds it.

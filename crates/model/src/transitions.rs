@@ -10,11 +10,11 @@
 
 use steklov_bem_operators::Mesh;
 use steklov_contact::{Located, TipKind};
+use steklov_problem::{Condition, Refine, Scene};
 
 use crate::elastic::plane_modulus;
 use crate::estimate::{Doubt, Estimate, OF_SQUARE, ratio};
 use crate::first_mesh::singular_points;
-use steklov_problem::{Condition, Refine, Scene};
 
 /// Squared energy norm of a tip that is off by δ, over E* B² |δ|³.
 const TIP: f64 = 3.0 * std::f64::consts::PI / 32.0;

@@ -4,9 +4,9 @@ use std::f64::consts::PI;
 
 use steklov_bem_operators::Mesh;
 use steklov_expression::Expression;
+use steklov_problem::{Condition, Scene};
 
 use crate::report::{ContactRow, TOUCHING};
-use steklov_problem::{Condition, Scene};
 
 /// Distance from a kink, as part of the edge, at which the gap is looked at.
 const NEAR: f64 = 1e-6;

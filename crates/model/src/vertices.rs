@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 
 use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_elastic::Material;
+use steklov_elastic::{Face, Sector, Wedge};
+use steklov_problem::{Condition, Friction, Scene};
 
 use crate::report::{ContactRow, TOUCHING};
 use crate::summary::Probe;
-use steklov_elastic::{Face, Sector, Wedge};
-use steklov_problem::{Condition, Friction, Scene};
 
 /// Angles that differ by less are the same (radian).
 const STRAIGHT: f64 = 1e-9;

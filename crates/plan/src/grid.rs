@@ -1,17 +1,15 @@
 //! The plan of a scene on a grid.
 
 use steklov_elastic::RigidMotion;
-
-use super::{Cost, Decision, Plan, contact, far_away, plane};
 use steklov_model::supports::free_of_supports;
-use steklov_problem::{BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, bounding_box, grid_of};
+use steklov_problem::{
+    BasisInput, CellModuli, GridInput, Indicator, MediumInput, Refine, Scene, bounding_box, grid_of,
+};
+
+use super::{Cost, Decision, Plan, contact, decision, far_away, plane};
 
 /// Bytes that the moduli, the fields and the result of a fine cell take.
 const BYTES_OF_CELL: f64 = 200.0;
-
-fn decision(what: &str, choice: String, why: impl Into<String>) -> Decision {
-    Decision { what: what.into(), choice, why: why.into() }
-}
 
 /// What is modelled of a scene on a grid, with or without a medium around the body, and what it costs.
 pub(crate) fn plan(scene: &Scene) -> Plan {
@@ -19,93 +17,24 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
     let multiscale = scene.is_multiscale();
     let in_medium = scene.exterior.is_some();
     let Some(input) = &scene.grid else { unreachable!("a scene without a grid is refused where it is read") };
-    let one_modulus = scene.cells.as_ref().is_some_and(|cells| cells.young.constant().is_some());
-    let why = match (&scene.cells, multiscale) {
-        (Some(_), _) if one_modulus => {
-            "as the scene says; all cells have one modulus: as material.young it would do for boundary elements"
-        }
-        (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
-        (Some(_), false) => "the modulus differs from cell to cell",
-        (None, _) if scene.constant_force().is_none() && scene.body_force.is_some() => {
-            "the body force differs from place to place"
-        }
-        (None, _) => "as the scene says; boundary elements would do for one material",
-    };
-    let [[mx, my], [fx, fy]] = [input.coarse, input.fine];
-    modelled.push(if multiscale {
-        let choice = format!("multiscale elements, {mx} by {my} coarse cells of {fx} by {fy} fine ones");
-        decision("discretisation", choice, why)
-    } else {
-        decision("discretisation", format!("bilinear elements, {} by {} cells", mx * fx, my * fy), why)
-    });
-    modelled.push(decision("plane", plane(scene).into(), "as the scene says"));
+    modelled.push(discretisation(scene, input));
+    modelled.push(decision("plane", plane(scene), "as the scene says"));
     modelled.push(moduli(scene));
     if multiscale {
         modelled.push(basis(input));
     }
     let conforming = !multiscale || !matches!(input.basis, BasisInput::Oversampled | BasisInput::Periodic);
-    modelled.push(match (scene.method.refine, multiscale) {
-        (Refine::None, _) => decision("refinement", "none".into(), "one grid is solved"),
-        (refine, false) => decision(
-            "refinement",
-            "uniform-h".into(),
-            format!("{}all cells are halved in each step; the moduli stay those of their cells", asked(refine, Refine::UniformH)),
-        ),
-        (refine @ (Refine::UniformH | Refine::UniformP), true) => decision(
-            "refinement",
-            "uniform-h".into(),
-            format!("{}all coarse cells are split in each step, down to the fine ones", asked(refine, Refine::UniformH)),
-        ),
-        (refine, true) if !conforming => decision(
-            "refinement",
-            "uniform-h".into(),
-            format!(
-                "{}without an estimate all coarse cells are split in each step, down to the fine ones",
-                asked(refine, Refine::H)
-            ),
-        ),
-        (refine, true) => decision(
-            "refinement",
-            "h".into(),
-            format!(
-                "{}splits coarse cells, marks \u{3b8} = {} of the squared error; ends where the fine grid's own error outweighs",
-                asked(refine, Refine::H),
-                scene.method.marking.unwrap_or(steklov_model::grid::MARKING)
-            ),
-        ),
-    });
+    modelled.push(refinement(scene, conforming));
     if let Some(exterior) = &scene.exterior {
-        modelled.push(decision(
-            "medium around",
-            format!(
-                "boundary elements, Young's modulus {}, Poisson's ratio {}",
-                exterior.material.young, exterior.material.poisson
-            ),
-            "unbounded: it is neither cut off nor meshed; the inside of the body is eliminated down to where both meet",
-        ));
-        modelled.push(if scene.method.elements_given {
-            let choice = format!("{} or more of degree {}", scene.method.elements, scene.method.degree);
-            decision(
-                "boundary elements",
-                choice,
-                "as the scene says; the displacement of the body is projected on them",
-            )
-        } else {
-            let choice = format!("one between each two points of the body's trace, degree {}", scene.method.degree);
-            decision(
-                "boundary elements",
-                choice,
-                "they take its displacement as it is; adaptive steps halve them where their error is",
-            )
-        });
+        modelled.extend(medium(scene, exterior));
         far_away(scene, &mut modelled, &mut left_out);
     }
     contact(scene, &mut modelled, &mut left_out);
     let free = free_of_supports(scene);
     modelled.push(if in_medium {
-        decision("supports", "none is needed".into(), "the medium holds the body")
+        decision("supports", "none is needed", "the medium holds the body")
     } else if free.is_empty() {
-        decision("supports", "hold all rigid motions".into(), "held displacements")
+        decision("supports", "hold all rigid motions", "held displacements")
     } else {
         let why = "contact or friction must hold it, or the loads must be balanced";
         decision("supports", format!("leave {} free", RigidMotion::names(&free)), why)
@@ -120,22 +49,10 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
                 "integrated on the cells"
             },
         )),
-        None => left_out.push(decision("body force", "none".into(), "the scene has none")),
+        None => left_out.push(decision("body force", "none", "the scene has none")),
     }
-    left_out.push(decision("random input", "one solve".into(), "no random name is used"));
-    if conforming {
-        let choice =
-            if multiscale { "nodal residuals of coarse cells, side bubbles of fine ones" } else { "side bubbles" };
-        let why = if multiscale {
-            "both parts are told apart: that of the coarse cells, and that of the fine grid itself"
-        } else {
-            "residuals against quadratic functions on the sides of cells"
-        };
-        modelled.push(decision("error estimate", choice.into(), why));
-    } else {
-        let why = "the basis does not conform: no residual sees its whole error";
-        left_out.push(decision("error estimate", "none".into(), why));
-    }
+    left_out.push(decision("random input", "one solve", "no random name is used"));
+    if conforming { &mut modelled } else { &mut left_out }.push(estimate(multiscale, conforming));
     if in_medium {
         let (choice, why) = match scene.method.indicator {
             Indicator::Bubble => ("two more degrees of the traction", "on each boundary element for itself"),
@@ -143,9 +60,113 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
                 ("residuals", "balance of tractions and equation of the medium: 3 to 10 times the error")
             }
         };
-        modelled.push(decision("error of the medium", choice.into(), why));
+        modelled.push(decision("error of the medium", choice, why));
     }
     Plan { model: scene.model().word().into(), modelled, left_out, cost: cost(scene, input) }
+}
+
+/// Which elements, and why.
+fn discretisation(scene: &Scene, input: &GridInput) -> Decision {
+    let multiscale = scene.is_multiscale();
+    let one_modulus = scene.cells.as_ref().is_some_and(|cells| cells.young.constant().is_some());
+    let why = match (&scene.cells, multiscale) {
+        (Some(_), _) if one_modulus => {
+            "as the scene says; all cells have one modulus: as material.young it would do for boundary elements"
+        }
+        (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
+        (Some(_), false) => "the modulus differs from cell to cell",
+        (None, _) if scene.constant_force().is_none() && scene.body_force.is_some() => {
+            "the body force differs from place to place"
+        }
+        (None, _) => "as the scene says; boundary elements would do for one material",
+    };
+    let [[mx, my], [fx, fy]] = [input.coarse, input.fine];
+    if multiscale {
+        let choice = format!("multiscale elements, {mx} by {my} coarse cells of {fx} by {fy} fine ones");
+        decision("discretisation", choice, why)
+    } else {
+        decision("discretisation", format!("bilinear elements, {} by {} cells", mx * fx, my * fy), why)
+    }
+}
+
+/// How the grid is refined.
+fn refinement(scene: &Scene, conforming: bool) -> Decision {
+    match (scene.method.refine, scene.is_multiscale()) {
+        (Refine::None, _) => decision("refinement", "none", "one grid is solved"),
+        (refine, false) => decision(
+            "refinement",
+            "uniform-h",
+            format!(
+                "{}all cells are halved in each step; the moduli stay those of their cells",
+                asked(refine, Refine::UniformH)
+            ),
+        ),
+        (refine @ (Refine::UniformH | Refine::UniformP), true) => decision(
+            "refinement",
+            "uniform-h",
+            format!(
+                "{}all coarse cells are split in each step, down to the fine ones",
+                asked(refine, Refine::UniformH)
+            ),
+        ),
+        (refine, true) if !conforming => decision(
+            "refinement",
+            "uniform-h",
+            format!(
+                "{}without an estimate all coarse cells are split in each step, down to the fine ones",
+                asked(refine, Refine::H)
+            ),
+        ),
+        (refine, true) => decision(
+            "refinement",
+            "h",
+            format!(
+                "{}splits coarse cells, marks \u{3b8} = {} of the squared error; ends where the fine grid's own error outweighs",
+                asked(refine, Refine::H),
+                scene.method.marking.unwrap_or(steklov_model::grid::MARKING)
+            ),
+        ),
+    }
+}
+
+/// The medium around the body, and its boundary elements.
+fn medium(scene: &Scene, exterior: &MediumInput) -> [Decision; 2] {
+    let around = decision(
+        "medium around",
+        format!(
+            "boundary elements, Young's modulus {}, Poisson's ratio {}",
+            exterior.material.young, exterior.material.poisson
+        ),
+        "unbounded: it is neither cut off nor meshed; the inside of the body is eliminated down to where both meet",
+    );
+    let elements = if scene.method.elements_given {
+        let choice = format!("{} or more of degree {}", scene.method.elements, scene.method.degree);
+        decision("boundary elements", choice, "as the scene says; the displacement of the body is projected on them")
+    } else {
+        let choice = format!("one between each two points of the body's trace, degree {}", scene.method.degree);
+        decision(
+            "boundary elements",
+            choice,
+            "they take its displacement as it is; adaptive steps halve them where their error is",
+        )
+    };
+    [around, elements]
+}
+
+/// How the error is estimated.
+fn estimate(multiscale: bool, conforming: bool) -> Decision {
+    if !conforming {
+        return decision("error estimate", "none", "the basis does not conform: no residual sees its whole error");
+    }
+    let (choice, why) = if multiscale {
+        (
+            "nodal residuals of coarse cells, side bubbles of fine ones",
+            "both parts are told apart: that of the coarse cells, and that of the fine grid itself",
+        )
+    } else {
+        ("side bubbles", "residuals against quadratic functions on the sides of cells")
+    };
+    decision("error estimate", choice, why)
 }
 
 /// Told where another refinement is asked for than there is.
@@ -180,7 +201,7 @@ fn basis(input: &GridInput) -> Decision {
         BasisInput::Periodic => ("periodic", "for periodic media and their homogenised tensor; it does not conform"),
         BasisInput::Q1 => ("q1", "coarse bilinear elements, to compare with"),
     };
-    decision("basis", word.into(), why)
+    decision("basis", word, why)
 }
 
 /// Size and cost of the first grid. A factor on a grid of n unknowns has about 8.5 n log₂ n entries and takes 90 n^(3/2)

@@ -8,7 +8,6 @@ use steklov_bem_operators::Mesh;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
 use steklov_elastic::{Plane, RigidMotion};
-
 use steklov_model::estimate::is_estimated;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::memory::{Lack, memory_bytes};
@@ -119,91 +118,37 @@ fn boundary_plan(scene: &Scene) -> Plan {
     let method = &scene.method;
     let mesh = first_mesh(scene);
     let dofs = 2 * mesh.degree.iter().sum::<usize>();
-    let mut modelled = Vec::new();
-    let mut left_out = Vec::new();
-    let decision = |what: &str, choice: String, why: &str| Decision { what: what.into(), choice, why: why.into() };
-
-    let inclusion = scene.is_inclusion();
-    modelled.push(match (inclusion, scene.is_cavity()) {
-        (true, _) => decision(
-            "discretisation",
-            "boundary elements inside and outside".into(),
-            "body and medium are homogeneous: unknowns where they meet only, the fields of both follow exactly",
-        ),
-        (false, false) => decision(
-            "discretisation",
-            "boundary elements".into(),
-            "one homogeneous material: unknowns on the boundary only, the inside follows exactly",
-        ),
-        (false, true) => decision(
-            "discretisation",
-            "boundary elements of the unbounded medium".into(),
-            "unknowns on the boundary of the holes only: the medium is neither cut off nor meshed",
-        ),
-    });
     let plane = match scene.material.plane {
         Plane::Strain => "plane strain",
         Plane::Stress => "plane stress, as plane strain with E(1+2ν)/(1+ν)² and ν/(1+ν)",
     };
-    modelled.push(decision("plane", plane.into(), "as the scene says"));
-    modelled.push(elements(scene, mesh.len()));
-    modelled.push(decision(
-        "degree",
-        format!("{} for displacements, {} for tractions", method.degree, method.degree - 1),
-        "as the scene says",
-    ));
-    let theta = |auto: f64| format!("marks θ = {} of the squared error", method.marking.unwrap_or(auto));
-    modelled.push(match method.refine {
-        Refine::Hp => decision(
-            "refinement",
-            "hp".into(),
-            &format!(
-                "{}; cuts towards corners, kinks of the data and ends of contact and stick, raises degrees elsewhere",
-                theta(0.95)
-            ),
+    let mut modelled = vec![
+        discretisation(scene),
+        decision("plane", plane, "as the scene says"),
+        elements(scene, mesh.len()),
+        decision(
+            "degree",
+            format!("{} for displacements, {} for tractions", method.degree, method.degree - 1),
+            "as the scene says",
         ),
-        Refine::HpDecay => decision(
-            "refinement",
-            "hp-decay".into(),
-            &format!("{}; degree or halving by the decay of Legendre coefficients", theta(0.5)),
+        refinement(method),
+        decision(
+            "length in log(L/r)",
+            format!("{}", mesh.diameter()),
+            "the diameter keeps the single layer matrix positive definite at any size",
         ),
-        Refine::H => decision("refinement", "h".into(), &format!("{}; halves", theta(0.5))),
-        Refine::UniformH => decision("refinement", "uniform-h".into(), "all elements are halved in each step"),
-        Refine::UniformP => decision("refinement", "uniform-p".into(), "all degrees rise by one in each step"),
-        Refine::None => decision("refinement", "none".into(), "one mesh is solved"),
-    });
-    modelled.push(decision(
-        "length in log(L/r)",
-        format!("{}", mesh.diameter()),
-        "the diameter keeps the single layer matrix positive definite at any size",
-    ));
+    ];
+    let mut left_out = Vec::new();
     contact(scene, &mut modelled, &mut left_out);
     far_away(scene, &mut modelled, &mut left_out);
-    let free = scene.unresisted(free_of_supports(scene));
-    if inclusion && free.is_empty() {
-        modelled.push(decision("supports", "none is needed".into(), "the medium holds the body"));
-    } else if scene.is_cavity() && free.is_empty() {
-        modelled.push(decision(
-            "supports",
-            "none is needed".into(),
-            "a displacement that decays has no rigid motion, and one that is bounded no rotation",
-        ));
-    } else if free.is_empty() {
-        modelled.push(decision("supports", "hold all rigid motions".into(), "held displacements"));
-    } else {
-        modelled.push(decision(
-            "supports",
-            format!("leave {} free", RigidMotion::names(&free)),
-            "contact or friction must hold it, or the loads must be balanced",
-        ));
-    }
+    modelled.push(supports(scene));
     match scene.constant_force() {
         Some([x, y]) => modelled.push(decision(
             "body force",
             format!("({x}, {y})"),
             "constant: carried by a particular solution on the boundary",
         )),
-        None => left_out.push(decision("body force", "none".into(), "the scene has none")),
+        None => left_out.push(decision("body force", "none", "the scene has none")),
     }
     random::decide(scene, &mut modelled, &mut left_out);
     let why = match scene.grid {
@@ -212,30 +157,94 @@ fn boundary_plan(scene: &Scene) -> Plan {
         }
         None => "the material is the same everywhere",
     };
-    left_out.push(decision("grid in the body", "none".into(), why));
+    left_out.push(decision("grid in the body", "none", why));
     let estimated = is_estimated(scene, dofs);
     if estimated {
         modelled.push(decision(
             "error estimate",
-            "spaces of one degree more".into(),
+            "spaces of one degree more",
             "bubbles and top tractions on every element: indicators, and the energy of what they add",
         ));
     } else {
         left_out.push(decision(
             "error estimate",
-            "none".into(),
+            "none",
             "one large mesh: it would take several times the time and memory of the solution; any other refine has one",
         ));
     }
+    Plan { model: "bem".into(), modelled, left_out, cost: cost(scene, &mesh, dofs, estimated) }
+}
 
+fn decision(what: &str, choice: impl Into<String>, why: impl Into<String>) -> Decision {
+    Decision { what: what.into(), choice: choice.into(), why: why.into() }
+}
+
+/// Where the unknowns of boundary elements are.
+fn discretisation(scene: &Scene) -> Decision {
+    let (choice, why) = match (scene.is_inclusion(), scene.is_cavity()) {
+        (true, _) => (
+            "boundary elements inside and outside",
+            "body and medium are homogeneous: unknowns where they meet only, the fields of both follow exactly",
+        ),
+        (false, false) => {
+            ("boundary elements", "one homogeneous material: unknowns on the boundary only, the inside follows exactly")
+        }
+        (false, true) => (
+            "boundary elements of the unbounded medium",
+            "unknowns on the boundary of the holes only: the medium is neither cut off nor meshed",
+        ),
+    };
+    decision("discretisation", choice, why)
+}
+
+/// How the mesh is refined.
+fn refinement(method: &Method) -> Decision {
+    let theta = |auto: f64| format!("marks θ = {} of the squared error", method.marking.unwrap_or(auto));
+    let (choice, why) = match method.refine {
+        Refine::Hp => (
+            "hp",
+            format!(
+                "{}; cuts towards corners, kinks of the data and ends of contact and stick, raises degrees elsewhere",
+                theta(0.95)
+            ),
+        ),
+        Refine::HpDecay => {
+            ("hp-decay", format!("{}; degree or halving by the decay of Legendre coefficients", theta(0.5)))
+        }
+        Refine::H => ("h", format!("{}; halves", theta(0.5))),
+        Refine::UniformH => ("uniform-h", "all elements are halved in each step".to_owned()),
+        Refine::UniformP => ("uniform-p", "all degrees rise by one in each step".to_owned()),
+        Refine::None => ("none", "one mesh is solved".to_owned()),
+    };
+    decision("refinement", choice, why)
+}
+
+/// What holds the body of boundary elements.
+fn supports(scene: &Scene) -> Decision {
+    let free = scene.unresisted(free_of_supports(scene));
+    let (choice, why) = if !free.is_empty() {
+        let choice = format!("leave {} free", RigidMotion::names(&free));
+        (choice, "contact or friction must hold it, or the loads must be balanced")
+    } else if scene.is_inclusion() {
+        ("none is needed".to_owned(), "the medium holds the body")
+    } else if scene.is_cavity() {
+        let why = "a displacement that decays has no rigid motion, and one that is bounded no rotation";
+        ("none is needed".to_owned(), why)
+    } else {
+        ("hold all rigid motions".to_owned(), "held displacements")
+    };
+    decision("supports", choice, why)
+}
+
+/// What the first mesh of boundary elements costs.
+fn cost(scene: &Scene, mesh: &Mesh, dofs: usize, estimated: bool) -> Cost {
     let (n, x) = (dofs as f64, if estimated { 2.0 * mesh.len() as f64 } else { 0.0 });
     let mut operations = n * n * (n * (1.0 / 3.0 + 1.0 + 1.0 + 1.0 / 3.0) + 6.0 * x);
-    if inclusion {
+    if scene.is_inclusion() {
         // the medium has matrices of its own, but one factorisation of the sum
         operations += n * n * (n * (1.0 / 3.0 + 1.0 + 1.0) + 6.0 * x);
     }
-    let cost = Cost { elements: mesh.len(), dofs, memory_bytes: memory_bytes(scene, mesh.len(), dofs), operations };
-    Plan { model: "bem".into(), modelled, left_out, cost }
+    Cost { elements: mesh.len(), dofs, memory_bytes: memory_bytes(scene, mesh.len(), dofs), operations }
 }
 
 /// What an unbounded medium does far away.

@@ -1,11 +1,11 @@
 //! What random input costs, and which of it moves the data.
 
 use steklov_expression::Expression;
+use steklov_model::stochastic::{intervals, is_coupled, method};
+use steklov_problem::{Condition, Random, Sampling, Scene};
 use steklov_stochastic::smolyak;
 
 use super::Decision;
-use steklov_model::stochastic::{intervals, is_coupled, method};
-use steklov_problem::{Condition, Random, Sampling, Scene};
 
 /// Points along an edge at which data are compared.
 const STEPS: usize = 32;

@@ -5,9 +5,8 @@ use steklov_io::{
     Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_texts, load_vector,
     open_group, save_dense, save_integers, save_number, save_texts, save_vector,
 };
-use steklov_stochastic::{Histogram, Moments};
-
 use steklov_model::stochastic::{Cells, End, FieldModes, Quantity, StochasticResult};
+use steklov_stochastic::{Histogram, Moments};
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }

@@ -5,11 +5,6 @@ use std::path::Path;
 use rayon::prelude::*;
 use steklov_bem_operators::{Mesh, Polygon};
 use steklov_io::vtkhdf::{Field, Grid};
-
-use crate::grid::GridRecord;
-use crate::medium::{Window, add_medium, window};
-use crate::store::Stored;
-use crate::triangulate::{Triangulation, triangulate};
 use steklov_model::answer::answer;
 use steklov_model::around::Around;
 use steklov_model::body::Body;
@@ -21,6 +16,11 @@ use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;
 use steklov_plan::Plan;
 use steklov_problem::Scene;
+
+use crate::grid::GridRecord;
+use crate::medium::{Window, add_medium, window};
+use crate::store::Stored;
+use crate::triangulate::{Triangulation, triangulate};
 
 /// A result: the arrays of the result file and the numbers of its summary.
 #[derive(Debug, Clone)]

@@ -9,7 +9,6 @@ use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_texts,
     load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
-
 use steklov_model::estimate::{Bubble, Doubt, Estimate, Residual};
 use steklov_model::run::Step;
 use steklov_problem::Scene;

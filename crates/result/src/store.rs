@@ -10,12 +10,6 @@ use steklov_io::{
     load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
-
-use crate::grid::{GridRecord, store as grid};
-use crate::medium;
-use crate::outcomes;
-use crate::record::Record;
-use crate::steps;
 use steklov_model::grid::GridStep;
 use steklov_model::report::ContactRow;
 use steklov_model::run::Step;
@@ -24,6 +18,12 @@ use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;
 use steklov_plan::Plan;
 use steklov_problem::{Scene, Source};
+
+use crate::grid::{GridRecord, store as grid};
+use crate::medium;
+use crate::outcomes;
+use crate::record::Record;
+use crate::steps;
 
 /// What `show` reads of a result file.
 #[derive(Debug, Clone)]

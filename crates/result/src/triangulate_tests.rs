@@ -1,6 +1,8 @@
-use super::*;
-use proptest::prelude::*;
 use std::collections::HashMap;
+
+use proptest::prelude::*;
+
+use super::*;
 
 type Edge = ([f64; 2], [f64; 2], usize);
 

@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::{Location, Loop, Polygon, PolygonError};
 use steklov_elastic::{Material, MaterialError, Plane};
 use steklov_expression::{Expression, is_name, is_reserved};
+use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
 /// `[parameters]`.
 #[derive(Default)]

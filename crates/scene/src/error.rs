@@ -4,9 +4,9 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
 use steklov_expression::Place;
+use steklov_problem::{About, DataError, DataErrorKind, Source};
 
 use super::tree;
-use steklov_problem::{About, DataError, DataErrorKind, Source};
 
 /// An error of a scene. [`SceneError::render`] shows it with the line that is meant.
 #[derive(Debug, Clone, thiserror::Error, Diagnostic)]

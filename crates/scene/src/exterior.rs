@@ -2,11 +2,11 @@
 
 use steklov_coupling::Radiation;
 use steklov_elastic::Plane;
+use steklov_problem::{DataError, DataErrorKind as Kind, MediumInput};
 
 use super::body::material;
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use steklov_problem::{DataError, DataErrorKind as Kind, MediumInput};
 
 /// Reads `[exterior]`; `body`: the plane of the body's material, None of a hole in the medium.
 pub(super) fn exterior(

@@ -6,10 +6,10 @@ use std::sync::Arc;
 
 use steklov_expression::FieldValue;
 use steklov_expression::{Expression, Place};
+use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
 use super::keys;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
-use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
 /// What expressions are read with.
 pub(super) struct Context<'a> {

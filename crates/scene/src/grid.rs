@@ -4,13 +4,13 @@ use std::path::Path;
 
 use steklov_bem_operators::Polygon;
 use steklov_io::{IoError, load_foreign_table};
+use steklov_problem::{
+    BasisInput, CellModuli, Cells, DataError, DataErrorKind as Kind, GridInput, MOST_CELLS, Source, modulus_cells,
+};
 
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::Value;
-use steklov_problem::{
-    BasisInput, CellModuli, Cells, DataError, DataErrorKind as Kind, GridInput, MOST_CELLS, Source, modulus_cells,
-};
 
 pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, DataError> {
     let fields = Fields::new(field, &keys::GRID)?;

@@ -1,9 +1,9 @@
 //! The keys of the tables of a scene, where a key belongs that stands at a wrong place, and overrides without effect.
 
 use steklov_expression::nearest;
+use steklov_problem::{DataError, DataErrorKind as Kind, Scene};
 
 use super::tree::{Entry, Item, Value, suggestion};
-use steklov_problem::{DataError, DataErrorKind as Kind, Scene};
 
 pub(super) const SCENE: [&str; 13] = [
     "title",

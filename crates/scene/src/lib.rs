@@ -32,7 +32,6 @@ use std::path::Path;
 
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
-
 use steklov_problem::{
     Cells, Condition, DataError, DataErrorKind as Kind, MediumInput, Random, Scene, Side, Source, Stochastic,
 };

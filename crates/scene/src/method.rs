@@ -1,14 +1,14 @@
 //! `[method]` and `[expect]`.
 
 use steklov_contact::MultiplierDegree;
-
-use super::fields::{Field, Fields};
-use super::keys;
-use super::tree::Value;
 use steklov_problem::{
     DataError, DataErrorKind as Kind, Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Multiplier, Refine,
     Solver,
 };
+
+use super::fields::{Field, Fields};
+use super::keys;
+use super::tree::Value;
 
 pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, DataError> {
     let mut method = Method::default();

@@ -5,15 +5,15 @@ use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::{Expression, Place, RandomField, Support};
+use steklov_problem::{
+    DataError, DataErrorKind as Kind, Germ, RandomConstants, RandomName, Sampling, Side, Stochastic, Uses, side_data,
+};
 use steklov_stochastic::{Covariance, Distribution, Kernel, StochasticError, Truncation, Variable};
 
 use super::body::check_name;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
-use steklov_problem::{
-    DataError, DataErrorKind as Kind, Germ, RandomConstants, RandomName, Sampling, Side, Stochastic, Uses, side_data,
-};
 
 /// A random input as it stands in the scene.
 pub(super) enum Declared {

@@ -2,11 +2,11 @@
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::Expression;
+use steklov_problem::{Condition, DataError, DataErrorKind as Kind, Friction, Side};
 
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
-use steklov_problem::{Condition, DataError, DataErrorKind as Kind, Friction, Side};
 
 /// The sides in the order of [`Polygon::side_names`].
 pub(super) fn sides(

@@ -1,10 +1,9 @@
 //! The scene as a tree of values that know their place in the text; overrides are put into it.
 
 use steklov_expression::{Place, nearest};
+use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
-
-use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
 /// A TOML value.
 #[derive(Debug, Clone)]

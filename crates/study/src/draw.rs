@@ -2,13 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use steklov_figures::contact_pictures;
 use steklov_picture::{
     Axis, Band, Chart, Curve, MeshFigure, MeshPanel, PictureError, Scale, Series, chart, meshes, write,
 };
 
 use super::strategy::{Point, Strategy};
 use super::{Law, Study};
-use steklov_figures::contact_pictures;
 
 /// Meshes of a strategy in one figure at most.
 const PANELS: usize = 6;

@@ -19,8 +19,9 @@ pub mod stochastic;
 pub mod multiscale;
 pub mod coupling;
 
-use crate::reference::{EnergySource, Reference};
 use steklov_problem::{Scene, Source};
+
+use crate::reference::{EnergySource, Reference};
 
 pub use draw::pictures;
 pub use fit::{Fit, Law, fit};

@@ -6,13 +6,12 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_bem_operators::{Mark, Mesh, PairCache, Piece, Space, Subdivision};
-use steklov_quadrature::legendre_p;
-
 use steklov_model::data::Data;
 use steklov_model::estimate::Doubt;
 use steklov_model::run::{Progress, Reason, Step, run};
 use steklov_model::solve::{SolveError, Solved, Stage, solve};
 use steklov_problem::{Refine, Scene};
+use steklov_quadrature::legendre_p;
 
 /// What errors are measured against.
 #[derive(Debug, Clone)]

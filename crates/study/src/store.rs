@@ -12,11 +12,11 @@ use steklov_io::{
     File, Group, IoError, Label, create_group, save, save_integers, save_number, save_points, save_text, save_texts,
     save_vector, write_integer_attribute, write_text_attribute,
 };
+use steklov_model::report::ContactRow;
 
 use super::Study;
 use super::strategy::{End, Strategy};
 use super::table::{NUMBERS, json};
-use steklov_model::report::ContactRow;
 
 /// Writes a study into a new file.
 ///

@@ -3,14 +3,14 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_bem_operators::Mesh;
-
-use super::fit::{Fit, Law, fit};
-use super::{MEASURED, chosen};
-use crate::reference::Reference;
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::run::{Progress, Reason, Run, Step, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{Multiplier, Refine, Scene};
+
+use super::fit::{Fit, Law, fit};
+use super::{MEASURED, chosen};
+use crate::reference::Reference;
 
 /// The strategies and their names in scenes.
 pub const NAMES: [(&str, Refine); 5] = [

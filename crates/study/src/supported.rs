@@ -2,13 +2,12 @@
 
 use faer::Mat;
 use steklov_bem_operators::{Dof, Mesh, Operators, Space, Steklov, TractionMap};
-use steklov_quadrature::gauss_legendre;
-
 use steklov_model::data::Data;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::solve::SolveError;
 use steklov_model::supports::Supports;
 use steklov_problem::{Condition, Refine, Scene};
+use steklov_quadrature::gauss_legendre;
 
 /// S of a mesh and what is held of it.
 pub(super) struct Supported {

@@ -6,7 +6,6 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-
 use steklov_model::solve::Stage;
 
 /// Lines about the outcomes of random input where there is no terminal.

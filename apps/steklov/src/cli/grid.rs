@@ -5,15 +5,15 @@ use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
 use steklov_io::{File, create_atomically};
-
-use super::bar::Bar;
-use super::{Attempt, Failure, SolveArgs, same_scene};
 use steklov_model::grid::{BLIND, FAILING, GridProgress, run_grid};
 use steklov_model::summary::{GridSummary, peak_memory_bytes};
 use steklov_plan::Plan;
 use steklov_result::record::Record;
 use steklov_result::store;
 use steklov_scene::Document;
+
+use super::bar::Bar;
+use super::{Attempt, Failure, SolveArgs, same_scene};
 
 /// Solves by finite elements on a grid.
 pub(super) fn solve_on_grid(

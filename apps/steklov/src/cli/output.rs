@@ -3,10 +3,10 @@
 use std::path::Path;
 
 use steklov_io::{IoError, is_special};
-
-use super::Failure;
 use steklov_model::solve::SolveError;
 use steklov_result::store::unfinished;
+
+use super::Failure;
 
 /// An output that cannot be written is said before anything is solved.
 pub(super) fn check_output(out: &Path, scene: &Path, replace: bool) -> Result<(), Failure> {

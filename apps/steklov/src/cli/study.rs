@@ -16,11 +16,8 @@ use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use serde_json::Value;
 use steklov_io::{File, IoError, create_atomically};
-use steklov_picture::{self as picture, PictureError};
-
-use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
-use crate::explain::too_many_dofs;
 use steklov_model::solve::Stage;
+use steklov_picture::{self as picture, PictureError};
 use steklov_plan::plan;
 use steklov_problem::{Method, Multiplier, Refine, Scene};
 use steklov_scene::Document;
@@ -28,6 +25,9 @@ use steklov_study::reference::{Reference, ReferenceError};
 use steklov_study::{
     MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write,
 };
+
+use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
+use crate::explain::too_many_dofs;
 
 #[derive(Args)]
 pub(super) struct StudyArgs {

@@ -1,13 +1,14 @@
 //! What is told of a result on stdout, and advice where it did not converge.
 
-use super::grid::grid_lines;
-use super::say;
 use steklov_figures::stochastic;
 use steklov_model::report::TOUCHING;
 use steklov_model::run::Reason;
 use steklov_model::summary::{MediumSummary, Summary};
 use steklov_plan::{CONTACT_SOLVER, COULOMB_SOLVER, NEXT_MESH, Plan};
 use steklov_result::store::Stored;
+
+use super::grid::grid_lines;
+use super::say;
 
 /// What to do about a run whose contact solver did not reach its criterion, or that memory ended.
 pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {

@@ -7,7 +7,6 @@ use steklov_picture::{
     Axis, BasisFunction, CellField, Chart, Curve, Picture, PictureError, Scale, Series, basis, cell_fields, chart,
     lattice_triangles,
 };
-
 use steklov_result::grid::GridRecord;
 use steklov_result::grid::of_quads;
 use steklov_result::store::Stored;

@@ -1,9 +1,9 @@
 //! The picture of a body on a grid and of the medium around it.
 
 use steklov_picture::{Body, Picture, PictureError, body};
+use steklov_result::store::Stored;
 
 use super::draw::deformed;
-use steklov_result::store::Stored;
 
 /// Body and medium, deformed alike, by their von Mises stress; none of other results.
 ///

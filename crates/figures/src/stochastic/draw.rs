@@ -1,17 +1,17 @@
 //! Pictures of the statistics: the spread of the body, contact, densities, effects of germs, the stochastic mesh.
 
 use steklov_bem_operators::Space;
+use steklov_model::report::ContactRow;
+use steklov_model::stochastic::{Quantity, StochasticResult};
 use steklov_picture::{
     BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,
     short, spread,
 };
+use steklov_result::store::Stored;
 
 use super::draw_fields;
 use super::tables::percent;
 use crate::draw::{positions, walls};
-use steklov_model::report::ContactRow;
-use steklov_model::stochastic::{Quantity, StochasticResult};
-use steklov_result::store::Stored;
 
 /// Panels in one picture at most.
 const PANELS: usize = 6;

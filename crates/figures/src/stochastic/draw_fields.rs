@@ -1,10 +1,10 @@
 //! Pictures of the expansions of random fields.
 
+use steklov_model::stochastic::{FieldModes, StochasticResult};
 use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
+use steklov_result::store::Stored;
 
 use crate::draw::file_name;
-use steklov_model::stochastic::{FieldModes, StochasticResult};
-use steklov_result::store::Stored;
 
 /// Modes that are drawn at most.
 const MODES: usize = 6;

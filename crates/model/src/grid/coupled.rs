@@ -6,6 +6,7 @@ use steklov_bem_operators::{Datum, Mesh, Site, Space};
 use steklov_contact::oscillation;
 use steklov_coupling::{Coupled, CouplingError, Form, InterfaceIndicators, Interior, Jumps, Medium, Transmission};
 use steklov_msfem::{CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
+use steklov_problem::{MediumInput, Scene};
 
 use super::layout::GridLayout;
 use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
@@ -14,7 +15,6 @@ use crate::around::Around;
 use crate::body::UNBALANCED;
 use crate::elastic::plane_modulus;
 use crate::solve::{Energies, Seconds, SolveError, Stage};
-use steklov_problem::{MediumInput, Scene};
 
 /// Parts of the solution that both kinds of elements have.
 struct Joined {

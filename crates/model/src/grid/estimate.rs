@@ -2,12 +2,12 @@
 
 use std::collections::HashMap;
 
+use steklov_coupling::{CellIndicators, InterfaceIndicators};
 use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, CrossingContrast, HeterogeneousBody, Indicators, Loads, bubble_indicators,
     crossing_contrast, nodal_indicators,
 };
-
-use steklov_coupling::{CellIndicators, InterfaceIndicators};
+use steklov_problem::{Indicator, Scene};
 
 use super::FAILING;
 use super::coupled::{MediumTraction, medium_tractions};
@@ -16,7 +16,6 @@ use super::solve::{GridSolved, node_at};
 use super::trace::GridTrace;
 use crate::around::Around;
 use crate::solve::SolveError;
-use steklov_problem::{Indicator, Scene};
 
 /// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
 /// exact solution.

@@ -2,12 +2,12 @@
 
 use steklov_bem_operators::{Mesh, Site};
 use steklov_msfem::{HeterogeneousBody, Loads, MsfemError};
+use steklov_problem::{Condition, DataError, DataErrorKind, Scene};
 
 use super::estimate::Tractions;
 use super::trace::GridTrace;
 use crate::data::{Data, SideLoad};
 use crate::solve::SolveError;
-use steklov_problem::{Condition, DataError, DataErrorKind, Scene};
 
 /// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
 pub(super) fn loads(

@@ -5,12 +5,12 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 use steklov_bem_operators::side_moments_and_squares;
 use steklov_msfem::{HeterogeneousBody, Loads};
+use steklov_problem::Scene;
 use steklov_quadrature::gauss_legendre;
 
 use super::trace::GridTrace;
 use crate::data::Data;
 use crate::solve::SolveError;
-use steklov_problem::Scene;
 
 /// Part of a square that rounding leaves of what is resolved.
 const ROUNDING: f64 = 1e-12;

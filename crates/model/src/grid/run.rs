@@ -3,12 +3,13 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use steklov_problem::{Refine, Scene};
+
 use super::estimate::GridEstimate;
 use super::layout::GridLayout;
 use super::solve::{GridSolved, solve_grid};
 use crate::run::Reason;
 use crate::solve::{SolveError, Stage};
-use steklov_problem::{Refine, Scene};
 
 /// Dörfler's θ where the scene has none.
 pub const MARKING: f64 = 0.5;

@@ -7,6 +7,7 @@ use steklov_elastic::RigidMotion;
 use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale,
 };
+use steklov_problem::{BasisInput, Scene, grid_of, moduli};
 
 use super::coupled::solve_coupled;
 use super::estimate::{GridEstimate, estimate};
@@ -20,7 +21,6 @@ use crate::data::Data;
 use crate::report::Trace;
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 use crate::supports::Held;
-use steklov_problem::{BasisInput, Scene, grid_of, moduli};
 
 /// A solved grid.
 pub struct GridSolved {

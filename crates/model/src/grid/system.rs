@@ -6,6 +6,7 @@ use sprs::CsMat;
 use steklov_contact::{ContactBoundary, resisted_motions};
 use steklov_elastic::RigidMotion;
 use steklov_msfem::Elimination;
+use steklov_problem::{Condition, Scene};
 
 use super::trace::GridTrace;
 use crate::body::UNBALANCED;
@@ -13,7 +14,6 @@ use crate::contact::{CondensedBody, ContactResult, solve_contact, solve_problem}
 use crate::motions::{balanced, edges, work};
 use crate::solve::{SolveError, Stage};
 use crate::supports::{Held, Supports};
-use steklov_problem::{Condition, Scene};
 
 /// Unknowns of a stiffness matrix reduced to the contact nodes.
 const CONTACT: &str = "displacement unknown of the contact nodes, in the order of /contact, along normal and tangent";

@@ -2,7 +2,6 @@
 
 use steklov_bem_operators::{BemError, Mesh, Space};
 use steklov_msfem::Grid;
-
 use steklov_problem::Scene;
 
 /// Boundary elements between grid points: what loads, supports and contact of a grid are set up on.

@@ -1,6 +1,7 @@
 //! Fresh outcomes beside the polynomials of their cells: the error that is measured.
 
 use steklov_contact::Solution;
+use steklov_problem::Stochastic;
 use steklov_stochastic::{StochasticMesh, sample, solve_points};
 
 use super::events::Unanimous;
@@ -9,7 +10,6 @@ use super::nodes::Cell;
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::solve::SolveError;
-use steklov_problem::Stochastic;
 
 /// Samples of which polynomials say whether contact or stick change there as at no node.
 const SCREENED: usize = 2000;

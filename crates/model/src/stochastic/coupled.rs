@@ -9,6 +9,7 @@
 use faer::prelude::*;
 use faer::{Mat, Side};
 use steklov_contact::{Outcome, Solution};
+use steklov_problem::{Condition, Scene};
 use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds, tensor_active_set};
 
 use super::outcomes::{Answer, Outcomes};
@@ -17,7 +18,6 @@ use crate::body::Given;
 use crate::report::ContactRow;
 use crate::solve::{SolveError, Solved};
 use crate::summary::Summary;
-use steklov_problem::{Condition, Scene};
 
 /// A node's part of the solution, with the multipliers λ̃.
 struct NodeSolution {

@@ -1,6 +1,7 @@
 //! The spatial error in the mean over the outcomes.
 
 use steklov_contact::{Solution, unlocated};
+use steklov_problem::{Random, Scene};
 use steklov_stochastic::{CellBasis, Nodes, StochasticMesh, Variable, sample};
 
 use super::jumps::split_at_cuts;
@@ -9,7 +10,6 @@ use crate::body::{Body, Factors};
 use crate::elastic::EnrichedBody;
 use crate::estimate::{Bubble, Estimate, estimate};
 use crate::solve::{SolveError, Solved};
-use steklov_problem::{Random, Scene};
 
 /// Most germs of which all combinations of two values are taken, and samples beyond.
 const FEW: usize = 4;

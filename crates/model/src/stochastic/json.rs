@@ -1,9 +1,9 @@
 //! The statistics as the `stochastic` of the JSON object.
 
 use serde_json::{Map, Value, json as object};
+use steklov_problem::{Random, Sampling};
 
 use super::StochasticResult;
-use steklov_problem::{Random, Sampling};
 
 /// `{ "energy": { "mean", "variance", "quantiles", .. }, "contact": { "force": { "y": { .. } } }, "solution": { .. } }`: every
 /// quantity at its own path.

@@ -4,9 +4,8 @@
 use std::collections::VecDeque;
 
 use steklov_expression::Interval;
-use steklov_stochastic::{StochasticMesh, Variable};
-
 use steklov_problem::{Random, Scene, Signal};
+use steklov_stochastic::{StochasticMesh, Variable};
 
 /// Boxes that are looked at for a signal in a cell.
 const BOXES: usize = 3000;

@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_contact::Solution;
+use steklov_problem::{Condition, DataError, Friction, Random, Sampling, Scene, Side};
 use steklov_stochastic::{CellBasis, DirectionError, Nodes, StochasticMesh, changes, refine, solve_points, truncation};
 
 use super::check::{Check, check};
@@ -14,7 +15,6 @@ use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::solve::SolveError;
 use crate::supports::free_of_supports;
-use steklov_problem::{Condition, DataError, Friction, Random, Sampling, Scene, Side};
 
 /// Part of the squared error whose directions are refined at a time.
 const SHARE: f64 = 0.7;

@@ -1,6 +1,7 @@
 //! Statistics of a surrogate: moments from its nodes, quantiles and probabilities from samples of it.
 
 use rayon::prelude::*;
+use steklov_problem::{Random, Scene};
 use steklov_stochastic::{density, quantiles, sample};
 
 use super::effects::{exact_effects, sampled_effect};
@@ -9,7 +10,6 @@ use super::nodes::{Cell, Surrogate};
 use super::outcomes::Answer;
 use super::result::{BINS, BLOCK, Cells, OVERLOOKED, Quantity, StochasticResult, UNDECIDED, Watch, bounds, of_grid};
 use crate::solve::SolveError;
-use steklov_problem::{Random, Scene};
 
 /// Most samples of a surrogate of several cells for the effects of single germs.
 const EFFECTS: usize = 20_000;

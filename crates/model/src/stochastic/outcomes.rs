@@ -5,6 +5,7 @@
 
 use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
+use steklov_problem::{Random, Scene, Solver};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
 use super::jumps::Data as DataInGerms;
@@ -17,7 +18,6 @@ use crate::report::{ContactRow, contact_rows, figures};
 use crate::solve::{SolveError, Solved};
 use crate::summary::Summary;
 use crate::supports::Supports;
-use steklov_problem::{Random, Scene, Solver};
 
 /// The outcomes of a scene's random input on a body.
 pub struct Outcomes<'a> {

@@ -4,6 +4,7 @@ use std::time::Instant;
 
 use steklov_contact::Solution;
 use steklov_expression::RandomField;
+use steklov_problem::{Condition, Random, Sampling, Scene};
 use steklov_stochastic::{Histogram, Moments, Variable, moments, smolyak, solve_points};
 
 use super::nodes::{End, is_coupled, solve_nodes};
@@ -14,7 +15,6 @@ use super::unseen::{beside_grid, beside_samples};
 use crate::body::Body;
 use crate::report::TOUCHING;
 use crate::solve::SolveError;
-use steklov_problem::{Condition, Random, Sampling, Scene};
 
 /// Answers that are held at a time while samples stream by.
 pub(super) const BLOCK: usize = 1024;

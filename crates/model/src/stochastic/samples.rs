@@ -1,12 +1,12 @@
 //! Statistics of samples, as they stream by.
 
 use steklov_contact::Solution;
+use steklov_problem::Random;
 use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample, solve_points};
 
 use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Quantity, StochasticResult, Watch, touches};
 use crate::solve::SolveError;
-use steklov_problem::Random;
 
 /// What is kept of the outcomes that have gone by.
 struct Passed {

@@ -4,14 +4,14 @@ use std::path::Path;
 
 use steklov_bem_operators::Mesh;
 use steklov_io::vtkhdf::{Field, Grid as VtkGrid};
+use steklov_model::grid::{GridRun, GridSolved, GridStep, answer_of_grid};
+use steklov_model::report::contact_rows;
 use steklov_msfem::{CoarseMesh, HeterogeneousBody};
+use steklov_plan::Plan;
+use steklov_problem::Scene;
 
 use crate::medium::{add_medium, window};
 use crate::record::Record;
-use steklov_model::grid::{GridRun, GridSolved, GridStep, answer_of_grid};
-use steklov_model::report::contact_rows;
-use steklov_plan::Plan;
-use steklov_problem::Scene;
 
 /// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their
 /// order.

@@ -5,13 +5,13 @@ use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_points,
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
 };
+use steklov_model::grid::GridEstimate;
+use steklov_model::grid::GridLayout;
+use steklov_model::grid::GridStep;
 use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, HeterogeneousBody, Indicators};
 
 use super::record::GridRecord;
 use crate::store::step_group;
-use steklov_model::grid::GridEstimate;
-use steklov_model::grid::GridLayout;
-use steklov_model::grid::GridStep;
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }

@@ -1,9 +1,9 @@
 //! The medium as cells of `/VTKHDF`, beside those of the body.
 
 use steklov_io::vtkhdf::{Field, Grid};
+use steklov_model::around::Around;
 
 use super::Window;
-use steklov_model::around::Around;
 
 /// The cell field that tells body and medium apart.
 const REGION: &str = "region";

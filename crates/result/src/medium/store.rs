@@ -7,10 +7,10 @@ use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_points, load_vector, open_group, save,
     save_dense, save_points, save_vector, vtkhdf,
 };
-
-use super::Window;
 use steklov_model::around::Around;
 use steklov_model::summary::MediumSummary;
+
+use super::Window;
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }

@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 use steklov_bem_operators::Polygon;
+use steklov_model::around::Around;
 
 use crate::triangulate::{Triangulation, triangulate};
-use steklov_model::around::Around;
 
 /// Distance of the window's sides from the body, in diameters of it.
 const MARGIN: f64 = 1.0;

@@ -3,7 +3,6 @@
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_contact::TipKind;
 use steklov_io::{Group, IoError, invalid, open_group};
-
 use steklov_model::run::Step;
 use steklov_problem::{Condition, Scene};
 

@@ -39,16 +39,26 @@ pub fn pictures(study: &CouplingStudy<'_>, folder: &Path) -> Result<Vec<PathBuf>
         }
         Ok(())
     };
-    let rate = |label, slope| Guide { label, slope };
+    errors(study, &mut draw)?;
+    effectivities(study, &mut draw)?;
+    costs(study, &mut draw)?;
+    conditions(study, &mut draw)?;
+    Ok(files)
+}
+
+/// Draws one picture of a name.
+type Draw<'a> = dyn FnMut(&str, Drawing<'_>) -> Result<(), PictureError> + 'a;
+
+/// Errors over unknowns, cells and seconds.
+fn errors(study: &CouplingStudy<'_>, draw: &mut Draw<'_>) -> Result<(), PictureError> {
     let title = &study.scene.title;
     let body = format!("{title}: the body, against a known solution");
-    let error = "error, energy norm, (force length/thickness)^½";
     draw(
         "error-dofs",
         Drawing {
             title: &body,
             x: "displacement unknowns N of the body",
-            y: error,
+            y: ERROR,
             quantities: &BOTH,
             lines: by_pair(study, |p| [p.dofs as f64, p.error]),
             guides: &[rate("N^-1/2", -0.5)],
@@ -60,7 +70,7 @@ pub fn pictures(study: &CouplingStudy<'_>, folder: &Path) -> Result<Vec<PathBuf>
         Drawing {
             title: &body,
             x: CELLS,
-            y: error,
+            y: ERROR,
             quantities: &BOTH,
             lines: by_pair(study, |p| [across(p.cells), p.error]),
             guides: &[rate("n^-1", -1.0)],
@@ -79,7 +89,6 @@ pub fn pictures(study: &CouplingStudy<'_>, folder: &Path) -> Result<Vec<PathBuf>
             band: None,
         },
     )?;
-    let runs = if study.repeat > 1 { format!("median of {} runs", study.repeat) } else { "one run".into() };
     let own = study.pairs.len().saturating_sub(1);
     let form = |(form, (name, _)): (usize, &(&str, steklov_coupling::Form))| Line {
         name: (*name).to_owned(),
@@ -89,14 +98,20 @@ pub fn pictures(study: &CouplingStudy<'_>, folder: &Path) -> Result<Vec<PathBuf>
         "error-seconds",
         Drawing {
             title: &format!("{title}: the body, {}", study.pairs[own].name),
-            x: &format!("seconds of assembly, elimination and solution ({runs})"),
-            y: error,
+            x: &format!("seconds of assembly, elimination and solution ({})", runs(study)),
+            y: ERROR,
             quantities: &["error"],
             lines: FORMS.iter().enumerate().map(form).collect(),
             guides: &[],
             band: None,
         },
     )?;
+    Ok(())
+}
+
+/// Indicators over errors.
+fn effectivities(study: &CouplingStudy<'_>, draw: &mut Draw<'_>) -> Result<(), PictureError> {
+    let title = &study.scene.title;
     let all = study.effectivity;
     let ratio = "indicators / error";
     let three_to_ten = Some(Band { label: "3 to 10", y: [3.0, 10.0] });
@@ -153,8 +168,14 @@ pub fn pictures(study: &CouplingStudy<'_>, folder: &Path) -> Result<Vec<PathBuf>
             band: three_to_ten,
         },
     )?;
+    Ok(())
+}
+
+/// Seconds and entries of the ways to solve.
+fn costs(study: &CouplingStudy<'_>, draw: &mut Draw<'_>) -> Result<(), PictureError> {
+    let title = &study.scene.title;
     for (name, y, seconds) in [
-        ("cost-seconds", &format!("seconds ({runs})")[..], true),
+        ("cost-seconds", &format!("seconds ({})", runs(study))[..], true),
         ("cost-entries", "entries of factors and dense matrices", false),
     ] {
         let value = |way: usize| move |c: &Cost| if seconds { c.seconds[way] } else { c.entries[way] };
@@ -175,6 +196,12 @@ pub fn pictures(study: &CouplingStudy<'_>, folder: &Path) -> Result<Vec<PathBuf>
             },
         )?;
     }
+    Ok(())
+}
+
+/// The condition of the three-field form, and what does not converge.
+fn conditions(study: &CouplingStudy<'_>, draw: &mut Draw<'_>) -> Result<(), PictureError> {
+    let title = &study.scene.title;
     let condition = |pair: usize| {
         let points = || study.conditioning.of(pair);
         let three = points().map(|c| [across(c.cells), c.three]).collect();
@@ -202,16 +229,26 @@ pub fn pictures(study: &CouplingStudy<'_>, folder: &Path) -> Result<Vec<PathBuf>
         Drawing {
             title: &format!("{title}: what must not be done, {}", study.pairs[0].name),
             x: CELLS,
-            y: error,
+            y: ERROR,
             quantities: &["error"],
             lines: SYSTEMS.iter().enumerate().map(system).collect(),
             guides: &[rate("n^-1", -1.0)],
             band: None,
         },
     )?;
-    Ok(files)
+    Ok(())
 }
 
+/// How often each run was made.
+fn runs(study: &CouplingStudy<'_>) -> String {
+    if study.repeat > 1 { format!("median of {} runs", study.repeat) } else { "one run".into() }
+}
+
+fn rate(label: &'static str, slope: f64) -> Guide<'static> {
+    Guide { label, slope }
+}
+
+const ERROR: &str = "error, energy norm, (force length/thickness)^½";
 /// What no digit can be told of.
 const ROUNDING: [f64; 2] = [1e-18, f64::EPSILON];
 const CELLS: &str = "cells n along the shorter side of the body";

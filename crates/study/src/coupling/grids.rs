@@ -3,9 +3,9 @@
 use steklov_coupling::Outline;
 use steklov_elastic::{Material, Plane};
 use steklov_msfem::Grid;
+use steklov_problem::{DataError, DataErrorKind, GridInput, Method, Scene, check_body, grid_of, moduli};
 
 use super::manufactured::Pair;
-use steklov_problem::{DataError, DataErrorKind, GridInput, Method, Scene, check_body, grid_of, moduli};
 
 /// Fewer cells than this along the shorter side of the body are no grid of the study.
 const FEWEST: usize = 4;

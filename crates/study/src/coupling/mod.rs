@@ -20,8 +20,9 @@ mod table;
 mod store;
 mod draw;
 
-use super::columns;
 use steklov_problem::{Scene, Source};
+
+use super::columns;
 
 pub use conditioning::{Condition, Conditioning, conditioning};
 pub use convergence::{Convergence, FORMS, Point, convergence};

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use steklov_figures::{positions, side_file};
+use steklov_model::report::ContactRow;
 use steklov_picture::{Axis, Chart, Curve, Picture, PictureError, Scale, Series, chart, write};
 
 use super::pairs::{PAIRS, Point};
 use super::{InfSup, Pressure};
-use steklov_figures::{positions, side_file};
-use steklov_model::report::ContactRow;
 
 /// Draws β over elements and over the degree, and the pressure along each contact side, into a folder; returns the files.
 ///

@@ -11,8 +11,9 @@ mod table;
 mod store;
 mod draw;
 
-use super::columns;
 use steklov_problem::{Scene, Source};
+
+use super::columns;
 
 pub use draw::pictures;
 pub use pairs::{PAIRS, Pair, Part, Point, pairs};

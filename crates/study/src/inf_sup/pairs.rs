@@ -14,14 +14,14 @@ use steklov_bem_operators::Mesh;
 use steklov_contact::{
     ContactError, MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms, dual_form, inf_sup, pairing,
 };
-
-use super::subspace::{biorthogonal, continuous, restricted};
-use crate::columns::Column;
-use crate::supported::{Supported, contact_sides, uniform_mesh};
 use steklov_model::data::Data;
 use steklov_model::solve::SolveError;
 use steklov_model::stabilised::SAFE;
 use steklov_problem::Scene;
+
+use super::subspace::{biorthogonal, continuous, restricted};
+use crate::columns::Column;
+use crate::supported::{Supported, contact_sides, uniform_mesh};
 
 /// Which multipliers of W_Hq a pair has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,12 +5,12 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
-
-use crate::columns::Column;
-use crate::supported::uniform_mesh;
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::solve::{SolveError, solve};
 use steklov_problem::{Condition, Friction, Multiplier, Scene};
+
+use crate::columns::Column;
+use crate::supported::uniform_mesh;
 
 /// The mesh: so many times the elements of the scene, the first that it allows, and its degree.
 const TIMES: [usize; 3] = [4, 2, 1];

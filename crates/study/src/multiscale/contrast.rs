@@ -5,14 +5,14 @@
 
 use std::sync::atomic::AtomicUsize;
 
+use steklov_model::grid::{FAILING, GridSolved};
+use steklov_model::solve::SolveError;
 use steklov_msfem::{Indicators, crossing_contrast};
+use steklov_problem::BasisInput;
 
 use super::measure::{error, estimate, norm, on_all_cells, on_coarse_cells};
 use super::plate::plate;
 use crate::columns::Column;
-use steklov_model::grid::{FAILING, GridSolved};
-use steklov_model::solve::SolveError;
-use steklov_problem::BasisInput;
 
 /// Where the stiff parts are: positive in them.
 pub const PARTS: [(&str, &str); 3] = [

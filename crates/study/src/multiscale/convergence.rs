@@ -2,11 +2,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use steklov_model::solve::SolveError;
+use steklov_problem::{DataError, Scene, check_body, grid_of};
+
 use super::FineGrid;
 use super::measure::{BASES, NOT_CONVERGED, error, estimate, on_coarse_cells, timed};
 use crate::columns::Column;
-use steklov_model::solve::SolveError;
-use steklov_problem::{DataError, Scene, check_body, grid_of};
 
 /// One basis on one coarse grid.
 #[derive(Debug, Clone, Copy, PartialEq)]

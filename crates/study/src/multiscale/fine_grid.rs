@@ -2,12 +2,13 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};
-use crate::columns::Column;
-use crate::reference::ReferenceError;
 use steklov_model::grid::GridSolved;
 use steklov_model::solve::SolveError;
 use steklov_problem::{Scene, grid_of};
+
+use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};
+use crate::columns::Column;
+use crate::reference::ReferenceError;
 
 /// Parts of the cells of finer and finer grids.
 const PARTS: [usize; 3] = [1, 2, 4];

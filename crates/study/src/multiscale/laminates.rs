@@ -4,11 +4,12 @@
 
 use std::sync::atomic::AtomicUsize;
 
+use steklov_model::solve::SolveError;
+use steklov_problem::{BasisInput, Scene};
+
 use super::measure::{error, estimate, on_all_cells, on_coarse_cells};
 use super::plate::plate;
 use crate::columns::Column;
-use steklov_model::solve::SolveError;
-use steklov_problem::{BasisInput, Scene};
 
 /// Layers along y, and layers at an angle to both axes: each has one half of a period.
 pub const LAMINATES: [(&str, &str); 2] = [("straight", "sin(2*pi*x*P)"), ("diagonal", "sin(2*pi*(x + 2*y)*P)")];

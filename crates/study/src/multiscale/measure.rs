@@ -2,12 +2,12 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use steklov_msfem::{CoarseMesh, Extra, Loads, MsfemError, Multiscale};
-
-use crate::strategy::median;
 use steklov_model::grid::{CoarseSolved, GridLayout, GridSolved, solve_grid};
 use steklov_model::solve::{SolveError, Stage};
+use steklov_msfem::{CoarseMesh, Extra, Loads, MsfemError, Multiscale};
 use steklov_problem::{BasisInput, GridInput, Scene, grid_of};
+
+use crate::strategy::median;
 
 /// The bases and their names in scenes, in the order in which they are studied.
 pub const BASES: [(&str, BasisInput); 5] = [

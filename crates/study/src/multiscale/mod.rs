@@ -17,8 +17,9 @@ mod table;
 mod store;
 mod draw;
 
-use super::columns;
 use steklov_problem::{Scene, Source};
+
+use super::columns;
 
 pub use contrast::{CONTRASTED, Contrast, PARTS, Stiff, contrast};
 pub use convergence::{Convergence, Point, coarse_cells, convergence};

@@ -5,13 +5,13 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_elastic::Material;
-
-use super::columns::Column;
-use crate::reference::{Reference, ReferenceError};
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{Refine, Scene};
+
+use super::columns::Column;
+use crate::reference::{Reference, ReferenceError};
 
 /// Poisson's ratios of the study.
 pub const POISSON: [f64; 8] = [0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.4999999];

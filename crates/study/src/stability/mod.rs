@@ -16,9 +16,9 @@ mod store;
 mod draw;
 
 use steklov_elastic::Plane;
+use steklov_problem::{Method, Scene, Source};
 
 use super::columns;
-use steklov_problem::{Method, Scene, Source};
 
 pub use beside::{Beside, BesideError, read_beside};
 pub use draw::pictures;

@@ -15,9 +15,9 @@ use faer::linalg::solvers::{LltError, Solve as _};
 use faer::{Mat, Side};
 use steklov_bem_operators::{BemError, Mesh, Operators, Polygon, Space};
 use steklov_elastic::Material;
+use steklov_problem::Scene;
 
 use super::columns::Column;
-use steklov_problem::Scene;
 
 /// Traction unknowns of the mesh, about; a body of many edges gets fewer layers at its corners.
 const UNKNOWNS: usize = 720;

@@ -9,13 +9,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms};
+use steklov_model::solve::{SolveError, solve};
+use steklov_problem::{Multiplier, Scene};
 
 use super::columns::Column;
 use crate::for_truth;
 use crate::reference::{Reference, true_error};
 use crate::supported::{Supported, contact_sides, uniform_mesh};
-use steklov_model::solve::{SolveError, solve};
-use steklov_problem::{Multiplier, Scene};
 
 /// Meshes of the critical γ₀: so many times the elements of the scene, and degrees.
 const MESHES: [(usize, usize); 17] = [

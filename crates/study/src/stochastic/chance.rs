@@ -5,15 +5,15 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use steklov_model::run::Run;
+use steklov_model::solve::SolveError;
+use steklov_model::stochastic::{StochasticResult, is_coupled, solve_stochastic};
+use steklov_problem::{Random, Scene, Stochastic};
 use steklov_stochastic::Accumulator;
 
 use super::relative;
 use super::rules::{ADAPTED, FAMILIES, LIMIT, MONTE_CARLO, Rule, prefixes, reference, rules, with};
 use crate::columns::Column;
-use steklov_model::run::Run;
-use steklov_model::solve::SolveError;
-use steklov_model::stochastic::{StochasticResult, is_coupled, solve_stochastic};
-use steklov_problem::{Random, Scene, Stochastic};
 
 /// A quantity varies if its deviation is above this part of its size.
 const VARIES: f64 = 1e-10;

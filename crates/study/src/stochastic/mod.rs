@@ -15,8 +15,9 @@ mod table;
 mod store;
 mod draw;
 
-use super::columns;
 use steklov_problem::{Scene, Source};
+
+use super::columns;
 
 pub use chance::{Chance, Cost, Measured, Quantity, chance};
 pub use draw::pictures;

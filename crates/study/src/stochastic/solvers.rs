@@ -4,13 +4,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, uzawa};
-
-use crate::columns::Column;
-use crate::supported::contact_sides;
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::SolveError;
 use steklov_model::stochastic::Outcomes;
 use steklov_problem::{Random, Refine, Scene};
+
+use crate::columns::Column;
+use crate::supported::contact_sides;
 
 /// What a solver is called.
 type Solver = fn(&Problem) -> Result<Solution, ContactError>;

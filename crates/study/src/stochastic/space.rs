@@ -6,14 +6,15 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use super::relative;
-use super::rules::{settled, single, with};
-use crate::columns::Column;
-use crate::fit::{Fit, Law, fit};
 use steklov_model::run::{Progress, Reason, Run, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_model::stochastic::solve_stochastic;
 use steklov_problem::{Random, Refine, Scene, Stochastic};
+
+use super::relative;
+use super::rules::{settled, single, with};
+use crate::columns::Column;
+use crate::fit::{Fit, Law, fit};
 
 /// Curves: the name, the strategy, whether with one outcome only, the law of the errors.
 pub const CURVES: [(&str, Refine, bool, Law); 4] = [

@@ -2,13 +2,14 @@
 
 use std::sync::atomic::Ordering;
 
-use super::super::{Failure, NOT_REACHED, interrupts};
-use super::{StudyArgs, Watch, document, folder, store, tell_results};
 use steklov_problem::DataError;
 use steklov_study::coupling::{
     CouplingStudy, conditioning, convergence, costs, csv, effectivity, json, largest, levels, pairs, pictures,
     settings, text, write, wrongs,
 };
+
+use super::super::{Failure, NOT_REACHED, interrupts};
+use super::{StudyArgs, Watch, document, folder, store, tell_results};
 
 /// Most unknowns on the boundary of grids: for errors, for eigenvalues, for indicators.
 const TRACE: [usize; 3] = [1100, 560, 280];

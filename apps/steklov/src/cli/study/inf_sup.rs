@@ -2,11 +2,12 @@
 
 use std::sync::atomic::Ordering;
 
-use super::super::{Failure, NOT_REACHED, explained, interrupts};
-use super::{StudyArgs, Watch, document, folder, store, tell_results};
 use steklov_problem::{DataError, DataErrorKind};
 use steklov_study::contact_sides;
 use steklov_study::inf_sup::{InfSup, csv, json, pairs, pictures, pressures, settings, text, write};
+
+use super::super::{Failure, NOT_REACHED, explained, interrupts};
+use super::{StudyArgs, Watch, document, folder, store, tell_results};
 
 /// Tells which multipliers are stable.
 pub(super) fn inf_sup(args: &StudyArgs) -> Result<u8, Failure> {

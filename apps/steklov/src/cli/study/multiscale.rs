@@ -2,13 +2,14 @@
 
 use std::sync::atomic::Ordering;
 
-use super::super::{Failure, NOT_REACHED, interrupts, read_scene};
-use super::{StudyArgs, Watch, folder, store, tell_results, unreferenced};
 use steklov_problem::{DataError, DataErrorKind, grid_of};
 use steklov_study::multiscale::{
     BASES, MOST_DOFS, MultiscaleStudy, coarse_cells, contrast, convergence, csv, fine_grid, json, laminates, pictures,
     text, write,
 };
+
+use super::super::{Failure, NOT_REACHED, interrupts, read_scene};
+use super::{StudyArgs, Watch, folder, store, tell_results, unreferenced};
 
 /// Tells what multiscale elements are worth.
 pub(super) fn multiscale(args: &StudyArgs) -> Result<u8, Failure> {

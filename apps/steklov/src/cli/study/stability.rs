@@ -2,12 +2,13 @@
 
 use std::sync::atomic::Ordering;
 
-use super::super::{Failure, NOT_REACHED, interrupts};
-use super::{StudyArgs, Watch, boundary_only, document, folder, store, tell_results, unreferenced};
 use steklov_study::stability::{
     POISSON, Stability, csv, incompressible, json, pictures, read_beside, settings, single_layer, stabilisation, text,
     write,
 };
+
+use super::super::{Failure, NOT_REACHED, interrupts};
+use super::{StudyArgs, Watch, boundary_only, document, folder, store, tell_results, unreferenced};
 
 /// Looks for trouble where such methods may have it.
 pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {

@@ -2,13 +2,14 @@
 
 use std::sync::atomic::Ordering;
 
-use super::super::{Failure, NOT_REACHED, explained, interrupts};
-use super::{StudyArgs, Watch, document, folder, store, tell_results};
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{DataError, DataErrorKind};
 use steklov_study::settings;
 use steklov_study::stochastic::{FAMILIES, Stochastic, chance, csv, json, pictures, solvers, space, text, write};
+
+use super::super::{Failure, NOT_REACHED, explained, interrupts};
+use super::{StudyArgs, Watch, document, folder, store, tell_results};
 
 /// Tells how statistics converge, and what they cost.
 pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {
