@@ -40,3 +40,8 @@ pub mod unseen;
 pub mod vertices;
 pub mod grid;
 pub mod stochastic;
+
+// the crates of whose types the input of a run is made
+pub use {
+    steklov_bem_operators, steklov_coupling, steklov_elastic, steklov_expression, steklov_problem, steklov_stochastic,
+};
