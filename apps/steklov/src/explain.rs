@@ -7,136 +7,181 @@ use steklov_expression::Expression;
 use steklov_model::solve::SolveError;
 use steklov_model::summary::available_memory_bytes;
 use steklov_msfem::MsfemError;
+use steklov_problem::DataErrorKind::{Conflict, Geometry, Unsupported, Value};
 use steklov_problem::{Condition, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
 use steklov_stochastic::StochasticError;
 
-/// The error at its place in the scene; `Err` gives it back if no text of the scene is to blame.
+/// What is told of an error: its sort, the keys of the scene that it is about, and the remedy.
+type Blame<'a> = (DataErrorKind, Vec<Vec<&'a str>>, String);
+
+fn blame<'a>(kind: DataErrorKind, keys: &[&[&'a str]], help: &str) -> Blame<'a> {
+    (kind, keys.iter().map(|path| path.to_vec()).collect(), help.to_owned())
+}
+
+/// The error with the keys of the scene that it is about; `Err` gives it back if the scene is not to blame.
 pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<DataError, SolveError> {
-    use DataErrorKind::{Conflict, Geometry, Unsupported, Value};
-    let message = error.to_string();
-    let at = |kind, keys: &[Vec<&str>], help: &str| Ok(DataError::at(kind, keys, message.clone(), help));
-    let unbalanced = || {
-        let keys = [vec!["exterior", "at_infinity"], vec!["exterior"]];
-        at(
-            Unsupported,
-            &keys,
-            "balance the loads, or set at_infinity = \"decaying\" for the displacement that grows as log r",
-        )
-    };
-    let unequal = || {
-        let keys = [vec!["exterior", "young"], vec!["exterior"]];
-        at(Value, &keys, "too few digits are left of so unequal materials: hold or load the softer one alone")
-    };
-    match &error {
-        SolveError::Bem(BemError::RigidMotion { .. }) if scene.is_inclusion() => unbalanced(),
-        SolveError::Bem(BemError::StiffnessSingular { .. }) if scene.is_inclusion() => unequal(),
-        SolveError::Data(error) => Ok((**error).clone()),
-        SolveError::Observer(_) | SolveError::Interrupted | SolveError::Outcome { .. } => Err(error),
-        SolveError::Msfem(error) => match **error {
-            MsfemError::Memory { .. } => at(
-                Value,
-                &[vec!["grid"]],
-                "take fewer cells, or model = \"msfem\", which never holds the fine grid as one matrix",
-            ),
-            MsfemError::Singular { .. } => at(
-                Unsupported,
-                &[vec!["material", "cells"], vec!["sides"]],
-                "hold a side against all rigid motions; moduli that differ by more than 1e12 lose all digits",
-            ),
-            _ => at(Value, &[vec!["grid"], vec!["material"]], "change the grid or the moduli"),
-        },
-        SolveError::Coupling(error) => match **error {
-            CouplingError::Unbalanced { .. } => unbalanced(),
-            CouplingError::Outline { .. } => at(
-                Geometry,
-                &[vec!["body", "corners"]],
-                "the outer boundary on the grid must be one curve that does not touch itself: take finer cells, or move corners apart",
-            ),
-            CouplingError::Contrast { .. } | CouplingError::Singular { .. } => unequal(),
-            _ => at(Value, &[vec!["exterior"]], "change the grid or the materials"),
-        },
-        SolveError::Stochastic(StochasticError::NotCoercive { .. }) => at(
-            Unsupported,
-            &[vec!["stochastic", "method"], vec!["stochastic"]],
-            "a modulus that is not affine in its germs couples the nodes, which a body that only contact holds does not allow: set \
-             stochastic.method = \"collocation\", or hold a side",
-        ),
-        SolveError::Stochastic(_) => at(
-            Value,
-            &[vec!["stochastic"], vec!["random"]],
-            "lower stochastic.degree or elements, or change the random input",
-        ),
+    let (kind, keys, help) = match &error {
+        SolveError::Data(error) => return Ok((**error).clone()),
+        SolveError::Observer(_) | SolveError::Interrupted | SolveError::Outcome { .. } => return Err(error),
+        SolveError::Msfem(error) => of_grid(error),
+        SolveError::Coupling(error) => of_coupling(error),
+        SolveError::Stochastic(error) => of_outcomes(error),
+        SolveError::Bem(error) => of_boundary(scene, error),
+        SolveError::Contact(error) => of_contact(scene, error),
         SolveError::Incompatible { first, second, component, .. } => {
             let entry = if *component == 'x' { "0" } else { "1" };
-            at(
+            blame(
                 Conflict,
-                &[vec!["sides", second, "displacement", entry], vec!["sides", first, "displacement", entry]],
+                &[&["sides", second, "displacement", entry], &["sides", first, "displacement", entry]],
                 "give both sides the same value at their common point, or write \"free\" for this component on one of them",
             )
         }
-        SolveError::Contact(ContactError::RigidMotion { resistance, .. }) if *resistance > 0.0 || is_coulomb(scene) => {
-            at(
-                Unsupported,
-                &friction(scene),
-                "raise the friction bound or coefficient, balance the loads, or hold this motion: displacement = [\"0\", \"free\"] on a side",
-            )
-        }
         SolveError::NotFinite { .. } => {
-            at(Value, &loads(scene), "choose units in which lengths, loads and Young's modulus are nearer to 1")
+            (Value, loads(scene), "choose units in which lengths, loads and Young's modulus are nearer to 1".to_owned())
         }
-        SolveError::Bem(BemError::StiffnessSingular { .. }) if scene.material.poisson > 0.49999 => at(
+    };
+    Ok(DataError::at(kind, &keys, error.to_string(), help))
+}
+
+/// A grid that cannot be solved.
+fn of_grid(error: &MsfemError) -> Blame<'static> {
+    match error {
+        MsfemError::Memory { .. } => blame(
             Value,
-            &[vec!["material", "poisson"]],
+            &[&["grid"]],
+            "take fewer cells, or model = \"msfem\", which never holds the fine grid as one matrix",
+        ),
+        MsfemError::Singular { .. } => blame(
+            Unsupported,
+            &[&["material", "cells"], &["sides"]],
+            "hold a side against all rigid motions; moduli that differ by more than 1e12 lose all digits",
+        ),
+        _ => blame(Value, &[&["grid"], &["material"]], "change the grid or the moduli"),
+    }
+}
+
+/// Loads that a medium cannot carry.
+fn unbalanced() -> Blame<'static> {
+    blame(
+        Unsupported,
+        &[&["exterior", "at_infinity"], &["exterior"]],
+        "balance the loads, or set at_infinity = \"decaying\" for the displacement that grows as log r",
+    )
+}
+
+/// Materials of body and medium that are too different.
+fn unequal() -> Blame<'static> {
+    blame(
+        Value,
+        &[&["exterior", "young"], &["exterior"]],
+        "too few digits are left of so unequal materials: hold or load the softer one alone",
+    )
+}
+
+/// A medium around a grid.
+fn of_coupling(error: &CouplingError) -> Blame<'static> {
+    match error {
+        CouplingError::Unbalanced { .. } => unbalanced(),
+        CouplingError::Outline { .. } => blame(
+            Geometry,
+            &[&["body", "corners"]],
+            "the outer boundary on the grid must be one curve that does not touch itself: take finer cells, or move corners apart",
+        ),
+        CouplingError::Contrast { .. } | CouplingError::Singular { .. } => unequal(),
+        _ => blame(Value, &[&["exterior"]], "change the grid or the materials"),
+    }
+}
+
+/// Random input.
+fn of_outcomes(error: &StochasticError) -> Blame<'static> {
+    match error {
+        StochasticError::NotCoercive { .. } => blame(
+            Unsupported,
+            &[&["stochastic", "method"], &["stochastic"]],
+            "a modulus that is not affine in its germs couples the nodes, which a body that only contact holds does not allow: set \
+             stochastic.method = \"collocation\", or hold a side",
+        ),
+        _ => blame(
+            Value,
+            &[&["stochastic"], &["random"]],
+            "lower stochastic.degree or elements, or change the random input",
+        ),
+    }
+}
+
+/// Boundary elements.
+fn of_boundary<'a>(scene: &'a Scene, error: &BemError) -> Blame<'a> {
+    match error {
+        BemError::RigidMotion { .. } if scene.is_inclusion() => unbalanced(),
+        BemError::StiffnessSingular { .. } if scene.is_inclusion() => unequal(),
+        BemError::StiffnessSingular { .. } if scene.material.poisson > 0.49999 => blame(
+            Value,
+            &[&["material", "poisson"]],
             "so near to 1/2 the stiffness drowns in rounding errors: take a smaller ratio, as 0.4999999",
         ),
-        SolveError::Bem(BemError::StiffnessSingular { .. }) if is_held_by_medium(scene) => at(
+        BemError::StiffnessSingular { .. } if is_held_by_medium(scene) => blame(
             Value,
-            &[vec!["body", "corners"]],
+            &[&["body", "corners"]],
             "the medium resists all rigid motions: too few digits are left between sides that nearly touch, or of materials or \
              lengths that are too unequal",
         ),
-        SolveError::Bem(BemError::RigidMotion { .. } | BemError::StiffnessSingular { .. })
-        | SolveError::Contact(ContactError::RigidMotion { .. } | ContactError::NotHeld { .. })
-            if scene.exterior.is_some() =>
-        {
-            at(
-                Unsupported,
-                &[vec!["exterior", "at_infinity"], vec!["exterior"]],
-                "balance the loads, hold a side, or set at_infinity = \"decaying\" for the displacement that grows as log r",
-            )
-        }
-        SolveError::Bem(BemError::RigidMotion { .. } | BemError::StiffnessSingular { .. })
-        | SolveError::Contact(ContactError::RigidMotion { .. } | ContactError::NotHeld { .. }) => at(
+        BemError::RigidMotion { .. } | BemError::StiffnessSingular { .. } => moves(scene),
+        _ => shape(),
+    }
+}
+
+/// A body that moves as a whole.
+fn moves(scene: &Scene) -> Blame<'_> {
+    if scene.exterior.is_some() {
+        return blame(
             Unsupported,
-            &loads(scene),
-            "hold a side: displacement = [\"0\", \"0\"], \"free\" for a component that may move; or change the loads so that \
-             their force and moment vanish or press the body on its obstacle",
-        ),
-        SolveError::Contact(ContactError::NotCoercive { .. }) => at(
+            &[&["exterior", "at_infinity"], &["exterior"]],
+            "balance the loads, hold a side, or set at_infinity = \"decaying\" for the displacement that grows as log r",
+        );
+    }
+    let help = "hold a side: displacement = [\"0\", \"0\"], \"free\" for a component that may move; or change the loads so that \
+                their force and moment vanish or press the body on its obstacle";
+    (Unsupported, loads(scene), help.to_owned())
+}
+
+/// Corners and sides that numerics cannot take.
+fn shape() -> Blame<'static> {
+    blame(
+        Value,
+        &[&["body", "corners"]],
+        "look for sides that nearly touch, very acute corners and very small or large lengths",
+    )
+}
+
+/// Contact.
+fn of_contact<'a>(scene: &'a Scene, error: &ContactError) -> Blame<'a> {
+    match error {
+        ContactError::RigidMotion { resistance, .. } if *resistance > 0.0 || is_coulomb(scene) => {
+            let help = "raise the friction bound or coefficient, balance the loads, or hold this motion: displacement = [\"0\", \"free\"] on a side";
+            (Unsupported, friction(scene), help.to_owned())
+        }
+        ContactError::RigidMotion { .. } | ContactError::NotHeld { .. } => moves(scene),
+        ContactError::NotCoercive { .. } => blame(
             Value,
-            &[vec!["method", "solver"]],
+            &[&["method", "solver"]],
             "uzawa is for bodies that are held: set solver = \"newton\", or hold a displacement",
         ),
-        SolveError::Contact(ContactError::StabilisationNotCoercive { critical, .. }) => {
+        ContactError::StabilisationNotCoercive { critical, .. } => {
             let help = format!(
                 "set gamma = \"auto\", or a number from {:.4e} to below {critical:.4e}, which depend on the mesh",
                 LEAST_GAMMA * critical
             );
-            at(Value, &[vec!["method", "gamma"], vec!["method"]], &help)
+            blame(Value, &[&["method", "gamma"], &["method"]], &help)
         }
-        SolveError::Contact(ContactError::Inconsistent { .. }) => at(
+        ContactError::Inconsistent { .. } => blame(
             Value,
-            &[vec!["method", "degree"], vec!["method", "elements"], vec!["method"]],
+            &[&["method", "degree"], &["method", "elements"], &["method"]],
             "raise method.degree to 2 or more, or ask for more method.elements",
         ),
-        SolveError::Contact(ContactError::Decomposition { .. }) => {
-            at(Value, &[vec!["material", "young"]], "choose units in which lengths and Young's modulus are nearer to 1")
+        ContactError::Decomposition { .. } => {
+            blame(Value, &[&["material", "young"]], "choose units in which lengths and Young's modulus are nearer to 1")
         }
-        SolveError::Bem(_) | SolveError::Contact(_) => at(
-            Value,
-            &[vec!["body", "corners"]],
-            "look for sides that nearly touch, very acute corners and very small or large lengths",
-        ),
+        _ => shape(),
     }
 }
 
@@ -170,7 +215,7 @@ pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> Option<DataError> {
         ),
     };
     let message = if scene.is_on_grid() { message.replace("first mesh", "first grid") } else { message };
-    Some(DataError::at(DataErrorKind::Value, &keys, message, help))
+    Some(DataError::at(Value, &keys, message, help))
 }
 
 /// The refusal of a first mesh or a grid that does not fit into the memory that is left; none if it does, or the system does not tell.
@@ -181,13 +226,13 @@ pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<DataError> {
             format!("the first mesh needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(left));
         let keys = [vec!["method", "elements"], vec!["method", "degree"], vec!["body", "corners"]];
         let help = "ask for fewer elements or a lower degree; with method.max_dofs given it is tried all the same";
-        return Some(DataError::at(DataErrorKind::Value, &keys, message, help));
+        return Some(DataError::at(Value, &keys, message, help));
     }
     let available = available_memory_bytes().filter(|bytes| scene.grid.is_some() && needed > *bytes)?;
     let message =
         format!("the grid needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(available));
     let help = "take fewer cells; or model = \"msfem\" with coarse cells of some 16 by 16 fine ones, which are solved one by one";
-    Some(DataError::at(DataErrorKind::Value, &[vec!["grid"]], message, help))
+    Some(DataError::at(Value, &[vec!["grid"]], message, help))
 }
 
 /// The refusal of more stochastic nodes than are allowed; none if there are fewer.
@@ -210,12 +255,7 @@ pub(crate) fn too_many_points(scene: &Scene) -> Option<DataError> {
         ),
     };
     let keys = keys.map(|key| vec!["stochastic", key]);
-    Some(DataError::at(
-        DataErrorKind::Value,
-        &[&keys[..], &[vec!["stochastic"], vec!["random"]]].concat(),
-        message,
-        help,
-    ))
+    Some(DataError::at(Value, &[&keys[..], &[vec!["stochastic"], vec!["random"]]].concat(), message, help))
 }
 
 /// Keys of the friction bounds and coefficients.
