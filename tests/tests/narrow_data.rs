@@ -16,6 +16,8 @@ enum Datum {
     Bound,
     Load,
     Displacement,
+    /// A displacement whose bump is on a parabola.
+    Slope,
 }
 
 /// The scene, with corners about each bump if they are to be `shown`.
@@ -42,6 +44,7 @@ fn scene(datum: Datum, width: f64, places: &[f64], shown: bool) -> String {
         ),
         Datum::Load => format!("{held}sides.floor.traction = [\"0\",\"{}*({bump})\"]\n", 0.2 * part),
         Datum::Displacement => format!("{held}sides.floor.displacement = [\"0\",\"0.002*({bump})\"]\n"),
+        Datum::Slope => format!("{held}sides.floor.displacement = [\"0\",\"0.008*x*(1-x)*(0.5-({bump}))\"]\n"),
     };
     format!(
         "body.corners = [{floor}[1.0,0.0],[1.0,1.0],[0.0,1.0]]\nbody.sides = [{sides}\"right\",\"top\",\"left\"]\n\
@@ -98,6 +101,11 @@ fn the_uncertainty_of_j_knows_what_nodes_leave_of_data() {
     // beside a node of the first mesh, beyond which its elements are long; and where linear elements tell two thirds of the error
     cases.push((Datum::Displacement, 2.6e-5, vec![0.749_831_5]));
     cases.push((Datum::Displacement, 2.109e-3, vec![0.718_097]));
+    // a bump that is narrow beside the slope that it stands on
+    for width in [3.1e-4, 3.1e-3, 3.1e-2] {
+        cases.push((Datum::Slope, width, vec![random.between(0.08, 0.92)]));
+    }
+    cases.push((Datum::Slope, 3.1e-4, vec![0.119_25]));
     let mut worst = 0.0f64;
     for (datum, width, places) in &cases {
         let plain = solved(&scene(*datum, *width, places, false), "1e-2");

@@ -38,6 +38,8 @@ const WIDER: f64 = 2.0;
 const STEEPER: f64 = 16.0;
 /// Pieces of a path at most.
 const MOST_PIECES: usize = 20_000;
+/// Pieces of one peak differ by less than this factor in length.
+const ALIKE: f64 = 4.0;
 /// A piece is not halved below this part of the path.
 pub(super) const SHORTEST: f64 = 1e-12;
 /// Nor below this one where a kink lies in it.
@@ -126,19 +128,23 @@ impl Survey {
         self.pieces.iter().all(|p| p.known)
     }
 
-    /// Where values change by more than `part` of the largest within pieces shorter than `shortest`, kinks apart: rising, those with
-    /// less between them than the longer of two is long are one.
+    /// Where values change by more than `part` of the largest within pieces shorter than `shortest`, kinks apart: rising. Those with
+    /// less between them than the longer of two is long are one, unless their pieces are of another scale: a peak on a slope.
     pub fn stretches(&self, shortest: f64, part: f64) -> Vec<[f64; 2]> {
         let least = part * self.sampled.magnitude();
         let narrow = |p: &&Piece| p.ends[1] - p.ends[0] < shortest && !p.kink && p.change > least;
         let mut stretches: Vec<[f64; 2]> = self.pieces.iter().filter(narrow).map(|p| p.ends).collect();
         stretches.sort_by(|a, b| a[0].total_cmp(&b[0]));
         let mut merged: Vec<[f64; 2]> = Vec::new();
+        let mut last = 0.0;
         for [a, b] in stretches {
+            let length: f64 = b - a;
+            let alike = length.max(last) <= ALIKE * length.min(last);
             match merged.last_mut() {
-                Some([from, to]) if a - *to <= (*to - *from).max(b - a) => *to = b,
+                Some([from, to]) if alike && a - *to <= (*to - *from).max(length) => *to = b,
                 _ => merged.push([a, b]),
             }
+            last = length;
         }
         merged
     }

@@ -215,6 +215,14 @@ fn nothing_hides_between_points() {
             "{place} {width}: {stretches:?}"
         );
     }
+    // a peak on a slope that also changes within a piece
+    for width in [1e-5, 1e-4, 1e-3] {
+        let datum = format!("4*x*(1-x)*(0.5-exp(-((x-0.11925)/{width})^2))");
+        let survey = Survey::new(&parse(&datum), &|t| (t, 0.5, t), [0.0, 1.0], &[]);
+        let stretches = survey.stretches(0.1, 0.05);
+        let about = |[a, b]: &[f64; 2]| *a < 0.11925 && 0.11925 < *b && b - a < 40.0 * width;
+        assert!(stretches.iter().any(about), "{width}: {stretches:?}");
+    }
     // a peak that a point of every halving lies on is as narrow as any other, and so is a front
     for (datum, place) in [("exp(-((x-0.25001)/1e-4)^2)", 0.25), ("exp(-(x/1e-5)^2)", 0.0), ("atan2(x-0.5, 1e-6)", 0.5)]
     {
