@@ -21,19 +21,19 @@ pub fn unbalanced_forces(scene: &Scene, solved: &GridSolved) -> f64 {
         scale += force[0].abs() + force[1].abs();
     };
     let rule = gauss_legendre(POINTS);
-    let mesh = Mesh::uniform(&scene.polygon, ELEMENTS, 1);
-    let outer = |e: usize| scene.polygon.edges()[mesh.edge[e]].loop_index == 0;
+    let mesh = Mesh::uniform(&scene.body().outline, ELEMENTS, 1);
+    let outer = |e: usize| scene.body().outline.edges()[mesh.edge[e]].loop_index == 0;
     for e in 0..mesh.len() {
         for (&t, w) in rule.points.iter().zip(&rule.weights) {
             let Site { s, point: [x, y], .. } = Site::new(&mesh, e, t);
-            let [mut tx, mut ty] = match &scene.sides[mesh.side[e]].condition {
+            let [mut tx, mut ty] = match &scene.body().sides[mesh.side[e]].condition {
                 Condition::Traction(t) | Condition::Displacement { traction: Some(t), .. } => {
                     [t[0].eval(x, y, s), t[1].eval(x, y, s)]
                 }
                 Condition::Pressure(p) => mesh.normal(e).map(|n| -n * p.eval(x, y, s)),
                 _ => [0.0; 2],
             };
-            if scene.exterior.is_some() && outer(e) {
+            if scene.problem.medium().is_some() && outer(e) {
                 let jump = scene.traction_jump(mesh.edge[e], s, mesh.normal(e));
                 (tx, ty) = (tx + jump[0], ty + jump[1]);
             }
@@ -122,12 +122,12 @@ pub fn unbalanced_nodes(scene: &Scene, solved: &GridSolved) -> Option<f64> {
 
 /// Stress xx, yy, xy of a strain xx, yy, 2xy.
 fn stress(scene: &Scene, young: f64, [xx, yy, xy]: [f64; 3]) -> [f64; 3] {
-    let nu = scene.material.poisson;
-    let factor = match scene.material.plane {
+    let nu = scene.body().material().poisson;
+    let factor = match scene.body().material().plane {
         Plane::Strain => young / ((1.0 + nu) * (1.0 - 2.0 * nu)),
         Plane::Stress => young / (1.0 - nu * nu),
     };
-    let (direct, cross) = match scene.material.plane {
+    let (direct, cross) = match scene.body().material().plane {
         Plane::Strain => (1.0 - nu, nu),
         Plane::Stress => (1.0, nu),
     };

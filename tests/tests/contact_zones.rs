@@ -3,7 +3,7 @@
 use steklov_model::report::{ContactRow, contact_rows, contact_summary, located};
 use steklov_model::run::Run;
 use steklov_model::summary::ContactSummary;
-use steklov_problem::{Condition, Scene};
+use steklov_problem::Scene;
 use steklov_tests::{Random, View, adapt, parse, random_case};
 
 /// Oblique edges, of which one is in contact all along and one on a part in the middle.
@@ -29,7 +29,7 @@ sides.e4.contact = { gap = "0.004*(1-cos(3*s))-0.002", friction = { tresca = "0.
 
 /// Rows with their edge parameters on an edge, by the distance from it.
 fn on_edge(scene: &Scene, k: usize, rows: &[ContactRow]) -> Vec<(f64, ContactRow)> {
-    let edge = &scene.polygon.edges()[k];
+    let edge = &scene.body().outline.edges()[k];
     let (length, [a, _]) = (edge.length(), edge.listed());
     let [x, y] = [0, 1].map(|i| (edge.end[i] - edge.start[i]) / length);
     let sign = if edge.reversed { -1.0 } else { 1.0 };
@@ -47,9 +47,9 @@ fn on_edge(scene: &Scene, k: usize, rows: &[ContactRow]) -> Vec<(f64, ContactRow
 fn lengths(scene: &Scene, rows: &[ContactRow], ends: &[[f64; 2]]) -> Option<[f64; 2]> {
     let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let pressed = |r: &ContactRow| r.pressure > 1e-12 * largest;
-    let (mut length, edges) = (0.0, scene.polygon.edges());
+    let (mut length, edges) = (0.0, scene.body().outline.edges());
     for (k, edge) in edges.iter().enumerate() {
-        if !matches!(scene.sides[edge.side].condition, Condition::Contact { .. }) {
+        if scene.contact(edge.side).is_none() {
             continue;
         }
         let end = |x: &[f64; 2]| ContactRow { point: *x, ..on_edge(scene, k, rows)[0].1 };
@@ -147,7 +147,7 @@ fn lengths_of_random_scenes_are_those_between_their_ends() {
     for number in 0..24 {
         let case = random_case(&mut Random::new(SEED.wrapping_mul(1000).wrapping_add(number)));
         let mut scene = parse(&case.toml(&View::PLAIN), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
-        if !scene.sides.iter().any(|s| matches!(s.condition, Condition::Contact { .. })) {
+        if scene.contacts().next().is_none() {
             continue;
         }
         (scene.method.tolerance, scene.method.max_dofs) = (1e-5, 900);

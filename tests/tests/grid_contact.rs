@@ -72,7 +72,7 @@ fn coarse_cells_converge_to_the_fine_grid() {
         for basis in [BasisInput::Linear, BasisInput::Coupled, BasisInput::Oscillatory, BasisInput::Q1] {
             let solve = |n: usize| {
                 let mut scene = on(name, changes, Model::Msfem, n, 32 / n);
-                scene.grid.as_mut().expect("a grid").basis = basis;
+                scene.body_mut().grid.as_mut().expect("a grid").basis = basis;
                 solved(&scene)
             };
             let steps = [4, 8, 16, 32].map(solve);
@@ -101,7 +101,7 @@ fn contact_of_bases_that_do_not_conform() {
     let fine = solved(&on("block-on-floor", &[RANDOM], Model::Fem, 32, 1)).energy;
     for basis in [BasisInput::Oversampled, BasisInput::Periodic] {
         let mut scene = on("block-on-floor", &[RANDOM], Model::Msfem, 8, 4);
-        scene.grid.as_mut().expect("a grid").basis = basis;
+        scene.body_mut().grid.as_mut().expect("a grid").basis = basis;
         let summary = solved(&scene);
         println!("{basis:?}: {} and {fine}", summary.energy);
         assert!(

@@ -212,7 +212,7 @@ fn displacements_that_are_not_linear_between_vertices() {
     let exact = 0.5 * 7.0 / (1.0 - 0.09) * 2.0 / 3.0;
     let energy = |basis: &str, n: i64| {
         let mut scene = body.scene(basis);
-        let grid = scene.grid.as_mut().expect("a grid");
+        let grid = scene.body_mut().grid.as_mut().expect("a grid");
         (grid.coarse, grid.fine) = ([2 * n as usize, n as usize], [32 / n as usize; 2]);
         on_grid(&scene).strain_energy
     };

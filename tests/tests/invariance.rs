@@ -173,7 +173,7 @@ fn threads_change_no_bit_of_the_operators() {
         pool.install(|| {
             let mesh = first_mesh(&scene);
             let space = Space::new(&mesh);
-            let operators = Operators::assemble(&mesh, &space, &scene.material, None).expect("a valid mesh");
+            let operators = Operators::assemble(&mesh, &space, &scene.body().material(), None).expect("a valid mesh");
             let first = [&operators.v, &operators.k, &operators.w].map(bits);
             let s = Steklov::new(operators, Domain::Interior).expect("V is positive definite").matrix;
             let mut stages = 0;

@@ -42,7 +42,7 @@ fn read(path: &Path, overrides: &[&str]) -> Scene {
 
 /// The summary of a solved scene, and the residual of equilibrium over the scale of forces.
 fn solved(scene: &Scene) -> (Summary, f64) {
-    if scene.grid.is_some() {
+    if scene.body().grid.is_some() {
         let run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
         let (forces, nodes) = (unbalanced_forces(scene, &run.last), unbalanced_nodes(scene, &run.last));
         println!("{}: forces {forces:.1e}, nodes {nodes:?}", scene.title);

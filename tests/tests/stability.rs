@@ -74,7 +74,8 @@ fn degenerate_scales_are_not_met() {
         let a = answer(&scene);
         assert!(a.converged() && a.judged().1 <= 1e-10, "{length}: {:?}", a.judged());
         let mesh = first_mesh(&scene);
-        let forced = Operators::assemble(&mesh, &Space::new(&mesh), &scene.material, Some(1.0)).expect("a valid mesh");
+        let forced =
+            Operators::assemble(&mesh, &Space::new(&mesh), &scene.body().material(), Some(1.0)).expect("a valid mesh");
         (a.solved.energies.total / length.powi(2), Steklov::new(forced, Domain::Interior).err())
     };
     let (plain, none) = on(1.0);
@@ -98,7 +99,7 @@ fn nearly_incompressible_bodies_in_contact() {
         let on = |elements: &str, degree: &str| {
             let material = format!("material.poisson={poisson}");
             let scene = scene("wedge-gap", &[elements, degree, &material]);
-            let rounding = 1e-16 / (1.0 - 2.0 * scene.material.poisson);
+            let rounding = 1e-16 / (1.0 - 2.0 * scene.body().material().poisson);
             let judge = (10.0 * rounding).max(1e-10);
             let a = both_judged(&format!("ν = {poisson}"), &scene, &first_mesh(&scene), [15, 15], judge);
             a.solved.energies.total
@@ -148,7 +149,7 @@ fn graded_meshes_of_length_ratio_a_million() {
         let towards: Vec<(usize, f64)> = (0..4).map(|k| (k, 0.0)).chain(inner).collect();
         for (degree, linear) in [(1, false), (3, false), (6, false), (1, true)] {
             let of_layer = |j: usize| if linear { degree + j } else { degree };
-            let mesh = Mesh::graded(&scene.polygon, &towards, 8, 0.17, of_layer).expect("a valid mesh");
+            let mesh = Mesh::graded(&scene.body().outline, &towards, 8, 0.17, of_layer).expect("a valid mesh");
             let lengths = (0..mesh.len()).map(|e| mesh.length(e));
             let ratio = lengths.clone().fold(0.0, f64::max) / lengths.fold(1.0, f64::min);
             assert!(ratio > 1e6);
@@ -204,7 +205,7 @@ fn waves_do_not_make_the_solvers_cycle() {
 /// A condensed problem: the square, its top clamped, its floor in smooth contact with an overlap.
 fn condensed() -> Problem {
     let scene = parsed(&Case::square(0.3).on("floor", On::smooth("0")).on("top", On::held("0", "0")));
-    let mesh = Mesh::uniform(&scene.polygon, 24, 2);
+    let mesh = Mesh::uniform(&scene.body().outline, 24, 2);
     let space = Space::new(&mesh);
     let gap = |site: &steklov_bem_operators::Site| 0.02 * site.point[0].powi(2) - 0.001;
     let gap = Datum { name: "gap", value: &gap, kinks: &|_| Vec::new() };
@@ -213,7 +214,7 @@ fn condensed() -> Problem {
             [None, None]
         });
     let boundary = boundary.expect("a floor");
-    let operators = Operators::assemble(&mesh, &space, &scene.material, None).expect("a valid mesh");
+    let operators = Operators::assemble(&mesh, &space, &scene.body().material(), None).expect("a valid mesh");
     let matrix: Mat<f64> = Steklov::new(operators, Domain::Interior).expect("V is positive").matrix;
     let held = (0..space.dofs()).filter(|d| space.points[d / 2][1] == 0.5).map(|d| (d, 0.0)).collect();
     let partition = Partition { kept: boundary.kept(), held, frames: boundary.frames() };

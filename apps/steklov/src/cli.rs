@@ -180,7 +180,7 @@ fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
     if scene.method.refine != Refine::None {
         plan.modelled.push(largest_mesh(scene));
     }
-    if scene.cells.is_some() {
+    if scene.body().cells().is_some() {
         // a plan for moduli that cannot be had is none
         grid_of(scene).and_then(|grid| moduli(scene, &grid)).map_err(|e| Failure(document.error(e).render()))?;
     }

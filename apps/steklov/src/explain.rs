@@ -8,7 +8,7 @@ use steklov_model::solve::SolveError;
 use steklov_model::summary::available_memory_bytes;
 use steklov_msfem::MsfemError;
 use steklov_problem::DataErrorKind::{Conflict, Geometry, Unsupported, Value};
-use steklov_problem::{Condition, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
+use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Friction, Model, Sampling, Scene};
 use steklov_stochastic::StochasticError;
 
 /// What is told of an error: its sort, the keys of the scene that it is about, and the remedy.
@@ -114,7 +114,7 @@ fn of_boundary<'a>(scene: &'a Scene, error: &BemError) -> Blame<'a> {
     match error {
         BemError::RigidMotion { .. } if scene.is_inclusion() => unbalanced(),
         BemError::StiffnessSingular { .. } if scene.is_inclusion() => unequal(),
-        BemError::StiffnessSingular { .. } if scene.material.poisson > 0.49999 => blame(
+        BemError::StiffnessSingular { .. } if scene.body().material().poisson > 0.49999 => blame(
             Value,
             &[&["material", "poisson"]],
             "so near to 1/2 the stiffness drowns in rounding errors: take a smaller ratio, as 0.4999999",
@@ -132,7 +132,7 @@ fn of_boundary<'a>(scene: &'a Scene, error: &BemError) -> Blame<'a> {
 
 /// A body that moves as a whole.
 fn moves(scene: &Scene) -> Blame<'_> {
-    if scene.exterior.is_some() {
+    if scene.problem.medium().is_some() {
         return blame(
             Unsupported,
             &[&["exterior", "at_infinity"], &["exterior"]],
@@ -187,7 +187,7 @@ fn of_contact<'a>(scene: &'a Scene, error: &ContactError) -> Blame<'a> {
 
 /// Whether the medium around a body or a hole resists all rigid motions.
 fn is_held_by_medium(scene: &Scene) -> bool {
-    scene.exterior.as_ref().is_some_and(|exterior| exterior.radiation == Radiation::Decaying)
+    scene.far().is_some_and(|far| far.radiation == Radiation::Decaying)
 }
 
 /// The refusal of a first mesh that is larger than the scene allows; none if it is not.
@@ -228,7 +228,7 @@ pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<DataError> {
         let help = "ask for fewer elements or a lower degree; with method.max_dofs given it is tried all the same";
         return Some(DataError::at(Value, &keys, message, help));
     }
-    let available = available_memory_bytes().filter(|bytes| scene.grid.is_some() && needed > *bytes)?;
+    let available = available_memory_bytes().filter(|bytes| scene.body().grid.is_some() && needed > *bytes)?;
     let message =
         format!("the grid needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(available));
     let help = "take fewer cells; or model = \"msfem\" with coarse cells of some 16 by 16 fine ones, which are solved one by one";
@@ -260,23 +260,26 @@ pub(crate) fn too_many_points(scene: &Scene) -> Option<DataError> {
 
 /// Keys of the friction bounds and coefficients.
 fn friction(scene: &Scene) -> Vec<Vec<&str>> {
-    let law = |c: &Condition| match c {
-        Condition::Contact { friction: Friction::Tresca(_), .. } => Some("tresca"),
-        Condition::Contact { friction: Friction::Coulomb(_), .. } => Some("coulomb"),
-        _ => None,
+    let law = |(side, contact): (usize, &Contact)| {
+        let law = match contact.friction {
+            Friction::None => return None,
+            Friction::Tresca(_) => "tresca",
+            Friction::Coulomb(_) => "coulomb",
+        };
+        Some(vec!["sides", &scene.body().sides[side].name, "contact", "friction", law])
     };
-    let sides = scene.sides.iter().filter_map(|s| Some((&s.name, law(&s.condition)?)));
-    sides.map(|(name, law)| vec!["sides", name, "contact", "friction", law]).collect()
+    scene.contacts().filter_map(law).collect()
 }
 
 fn is_coulomb(scene: &Scene) -> bool {
-    scene.sides.iter().any(|s| matches!(s.condition, Condition::Contact { friction: Friction::Coulomb(_), .. }))
+    scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some())
 }
 
 /// Keys of what drives the body.
 fn loads(scene: &Scene) -> Vec<Vec<&str>> {
     let loaded = |t: &[Expression; 2]| t.iter().any(|t| t.constant() != Some(0.0));
     let mut keys: Vec<_> = scene
+        .body()
         .sides
         .iter()
         .filter_map(|side| match &side.condition {

@@ -6,7 +6,7 @@ use std::path::Path;
 
 use broken::{SOUND, cases};
 use proptest::prelude::*;
-use steklov_problem::{Condition, DataErrorKind, Expectation, Friction, Method, Model, Refine, Scene, Solver};
+use steklov_problem::{Condition, Contact, DataErrorKind, Expectation, Friction, Method, Model, Refine, Scene, Solver};
 use steklov_scene::{Document, TEMPLATE};
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov_scene::SceneError> {
@@ -54,14 +54,14 @@ fn every_mistake_is_named_with_its_line_and_remedy() {
 #[test]
 fn the_sound_scene_and_the_template_are_read() {
     let scene = sound(SOUND, &[]);
-    assert_eq!((scene.title.as_str(), scene.polygon.side_names().len()), ("Sound", 4));
+    assert_eq!((scene.title.as_str(), scene.body().outline.side_names().len()), ("Sound", 4));
     assert_eq!(scene.probe, [[1.0, 0.5]]);
     assert_eq!(scene.method.refine, Refine::UniformH);
-    let names: Vec<&str> = scene.sides.iter().map(|s| s.name.as_str()).collect();
+    let names: Vec<&str> = scene.body().sides.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["floor", "right", "top", "left"]);
-    let Condition::Contact { gap, friction: Friction::Tresca(bound) } = &scene.sides[0].condition else { panic!() };
+    let Some(Contact { gap, friction: Friction::Tresca(bound) }) = scene.contact(0) else { panic!() };
     assert_eq!((gap.constant(), bound.constant()), (Some(0.0), Some(0.3)));
-    assert!(matches!(scene.sides[1].condition, Condition::Free));
+    assert!(matches!(scene.body().sides[1].condition, Condition::Free));
     let template = sound(TEMPLATE, &[]);
     assert_eq!(template.method, Method::default());
     // Every line that is commented out is a line that can be used.
@@ -73,12 +73,12 @@ fn the_sound_scene_and_the_template_are_read() {
         })
         .collect();
     let all = sound(&all, &[]);
-    assert_eq!((all.expect.len(), all.probe.len(), all.polygon.loops().len()), (1, 1, 2));
+    assert_eq!((all.expect.len(), all.probe.len(), all.body().outline.loops().len()), (1, 1, 2));
     assert_eq!(
         all.method,
         Method { tolerance_given: true, elements_given: true, max_dofs_given: true, ..Method::default() }
     );
-    assert_eq!((all.grid.map(|g| g.cells()), all.model()), (Some([32, 32]), Model::Bem));
+    assert_eq!((all.body().grid.map(|g| g.cells()), all.model()), (Some([32, 32]), Model::Bem));
     // The moduli of cells, in place of the one modulus.
     let edits = [
         ("# cells = ", "cells = "),
@@ -88,7 +88,7 @@ fn the_sound_scene_and_the_template_are_read() {
         ("#fine", "fine"),
     ];
     let cells = sound(&edits.iter().fold(TEMPLATE.to_owned(), |text, (from, to)| text.replacen(from, to, 1)), &[]);
-    assert_eq!((cells.cells.is_some(), cells.model()), (true, Model::Msfem));
+    assert_eq!((cells.body().cells().is_some(), cells.model()), (true, Model::Msfem));
 }
 
 #[test]
@@ -101,8 +101,11 @@ fn defaults_are_those_of_the_contract() {
         (1e-3, 16, 1, 20_000, 60, 0.6)
     );
     assert_eq!((m.refine, m.marking, m.gamma, m.solver), (Refine::Hp, None, None, Solver::Auto));
-    assert_eq!((scene.material.young, scene.title.as_str(), scene.sides.len()), (200.0, "broken.toml", 2));
-    assert!(scene.body_force.is_none() && scene.probe.is_empty() && scene.expect.is_empty());
+    assert_eq!(
+        (scene.body().material().young, scene.title.as_str(), scene.body().sides.len()),
+        (200.0, "broken.toml", 2)
+    );
+    assert!(scene.body().force.is_none() && scene.probe.is_empty() && scene.expect.is_empty());
 }
 
 /// A name that data use by way of other parameters has an effect; a name of the file without one is left out of the plan's model.
@@ -157,9 +160,9 @@ fn overrides_change_any_key() {
         ],
     );
     assert_eq!((scene.method.tolerance, scene.method.refine), (1e-6, Refine::None));
-    assert_eq!(scene.polygon.edges()[5].listed(), [[0.6, 0.5], [0.7, 0.6]]);
-    assert!(matches!(&scene.sides[1].condition, Condition::Pressure(p) if p.constant() == Some(2.0)));
-    let Condition::Displacement { values: [Some(u), None], traction: None } = &scene.sides[2].condition else {
+    assert_eq!(scene.body().outline.edges()[5].listed(), [[0.6, 0.5], [0.7, 0.6]]);
+    assert!(matches!(&scene.body().sides[1].condition, Condition::Pressure(p) if p.constant() == Some(2.0)));
+    let Condition::Displacement { values: [Some(u), None], traction: None } = &scene.body().sides[2].condition else {
         panic!()
     };
     assert_eq!(u.constant(), Some(0.0));
@@ -197,9 +200,9 @@ fn random_names_are_germs_where_they_are_used() {
     assert_eq!(labels, ["xi", "rough 1", "rough 2", "rough 3", "rough 4", "rough 5", "rough 6"]);
     assert!(random.uses.contact && !random.uses.young && !random.uses.loads && !random.uses.held);
     // at xi = 0.7 and the germs 0 of the field the bound is 0.7; with the first germ 1 it is above, by the mode's positive start
-    let bound = |germs: &[f64]| match &scene.outcome(germs).unwrap().sides[0].condition {
-        Condition::Contact { friction, .. } => friction.bound().unwrap().eval(0.0, 0.0, 0.0),
-        _ => unreachable!(),
+    let bound = |germs: &[f64]| {
+        let outcome = scene.outcome(germs).unwrap();
+        outcome.contact(0).unwrap().friction.bound().unwrap().eval(0.0, 0.0, 0.0)
     };
     let mut germs = [0.7, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0];
     assert_eq!(bound(&germs), 0.7);
@@ -250,7 +253,7 @@ fn a_value_at_a_quadrature_point_is_judged_like_the_samples() {
     let text = SOUND.replace("\"-1\"", "\"1/(x-0.3)\"");
     let document = Document::parse(&text, "broken.toml", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     let scene = &document.scene;
-    let Condition::Traction([_, load]) = &scene.sides[2].condition else { panic!() };
+    let Condition::Traction([_, load]) = &scene.body().sides[2].condition else { panic!() };
     assert_eq!(scene.check_value("top", "traction", load, (1.3, 1.0, 0.5)).unwrap(), 1.0);
     let error = scene.check_value("top", "traction", load, (0.3, 1.0, 0.5)).unwrap_err();
     let error = document.error(error);

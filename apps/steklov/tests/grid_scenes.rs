@@ -257,7 +257,7 @@ fn the_model_is_the_least_that_fits() {
 
 #[test]
 fn keys_of_the_grid_are_read_and_have_defaults() {
-    let grid = sound(L, &[]).grid.unwrap();
+    let grid = sound(L, &[]).body().grid.unwrap();
     assert_eq!((grid.coarse, grid.fine, grid.basis, grid.oversample), ([4, 4], [2, 2], BasisInput::Coupled, None));
     for (word, basis) in [
         ("linear", BasisInput::Linear),
@@ -268,11 +268,11 @@ fn keys_of_the_grid_are_read_and_have_defaults() {
         ("q1", BasisInput::Q1),
     ] {
         let set = format!("grid.basis=\"{word}\"");
-        let grid = sound(L, &[&set, "grid.oversample=3"]).grid.unwrap();
+        let grid = sound(L, &[&set, "grid.oversample=3"]).body().grid.unwrap();
         assert_eq!((grid.basis, grid.oversample), (basis, Some(3)));
     }
     let scene = sound(L, &["material.cells.young={ uniform = [1, 2] }"]);
-    assert!(matches!(scene.cells.unwrap().young, CellModuli::Uniform { low: 1.0, high: 2.0, seed: 0 }));
+    assert!(matches!(scene.body().cells().unwrap().young, CellModuli::Uniform { low: 1.0, high: 2.0, seed: 0 }));
 }
 
 /// The bar of 6 × 1 with 192 × 32 moduli in 12 × 2 coarse cells of 16 × 16 fine ones.

@@ -8,7 +8,7 @@ use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 use steklov_model::report::{contact_rows, contact_summary, located};
 use steklov_model::run::unobserved;
-use steklov_problem::{Condition, Friction, Scene};
+use steklov_problem::{Condition, Contact, Friction, Scene};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (young, poisson, radius, overlap): (f64, f64, f64, f64) = (1000.0, 0.3, 1.0, 1e-3);
@@ -18,8 +18,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let mut scene = Scene::new(block, Material::new(young, poisson, Plane::Strain)?);
     let names = [("R".to_owned(), radius), ("d".to_owned(), overlap)].into();
     let gap = Expression::parse("(x - 0.5)^2/(2*R) - d", &names)?;
-    scene.sides[0].condition = Condition::Contact { gap, friction: Friction::None };
-    scene.sides[2].condition = Condition::held();
+    scene.problem.touch(0, Contact { gap, friction: Friction::None });
+    scene.body_mut().sides[2].condition = Condition::held();
     scene.method.tolerance = 1e-4;
     scene.check()?;
 

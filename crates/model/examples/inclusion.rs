@@ -5,10 +5,9 @@ use std::error::Error;
 use std::f64::consts::TAU;
 
 use steklov_bem_operators::{Loop, Polygon};
-use steklov_coupling::Radiation;
 use steklov_elastic::{Material, Plane};
 use steklov_model::run::unobserved;
-use steklov_problem::{MediumInput, Scene};
+use steklov_problem::{FarField, Scene, Tie};
 
 /// Corners of the polygon that stands for the circle: its area is that of the circle but for (2π/n)²/6.
 const CORNERS: usize = 96;
@@ -20,16 +19,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let circle = Loop { corners: (0..CORNERS).map(corner).collect(), sides: vec!["rim".to_owned(); CORNERS] };
     let mut scene = Scene::new(Polygon::new(circle, vec![])?, body);
     let pull = 3.0;
-    scene.exterior = Some(MediumInput {
-        material: medium,
-        displacement_jump: None,
-        traction_jump: None,
-        stress_jump: None,
-        remote_stress: [pull, pull, 0.0],
-        radiation: Radiation::Decaying,
-        stated: false,
-        named: false,
-    });
+    let far = FarField { remote_stress: [pull, pull, 0.0], ..FarField::default() };
+    scene.problem.surround(medium, far, Tie::default())?;
     scene.method.tolerance = 1e-2;
     scene.check()?;
 

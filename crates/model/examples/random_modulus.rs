@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
     let block = Polygon::new(Loop { corners, sides }, vec![])?;
     let mut scene = Scene::new(block, Material::new((low + high) / 2.0, 0.3, Plane::Strain)?);
-    scene.sides[0].condition = Condition::held();
-    scene.sides[2].condition = Condition::Pressure(Expression::number(1.0));
+    scene.body_mut().sides[0].condition = Condition::held();
+    scene.body_mut().sides[2].condition = Condition::Pressure(Expression::number(1.0));
     let variable = Variable::uniform(low, high)?;
     let young = Expression::parse("E", &[("E".to_owned(), variable.mean())].into())?;
     scene.random = Some(Random {
@@ -34,7 +34,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let run = unobserved(&scene)?;
     let (Some(random), Some(body)) = (&scene.random, &run.body) else { return Err("no body".into()) };
     let outcomes = solve_stochastic(&scene, random, body, &|_, _| {}, &|| false)?;
-    let nominal = run.last.energies.total * scene.material.young;
+    let nominal = run.last.energies.total * scene.body().material().young;
     let exact = nominal * (high / low).ln() / (high - low);
     let mean = outcomes.quantities[0].mean;
     println!("mean of J: {mean:.10}, exact {exact:.10}");

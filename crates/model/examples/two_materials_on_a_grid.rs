@@ -7,21 +7,22 @@ use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 use steklov_model::grid::{GridProgress, run_grid};
-use steklov_problem::{BasisInput, CellModuli, Cells, Condition, GridInput, Scene};
+use steklov_problem::{BasisInput, CellModuli, Cells, Condition, GridInput, Scene, Substance};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (soft, stiff, stress) = (100.0, 300.0, 2.0);
     let corners = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [0.0, 1.0]];
     let sides = ["below", "right", "above", "left"].map(str::to_owned).to_vec();
     let bar = Polygon::new(Loop { corners, sides }, vec![])?;
-    // the cells give Young's modulus, the material Poisson's ratio
-    let mut scene = Scene::new(bar, Material::new(1.0, 0.0, Plane::Strain)?);
     let names = [("A".to_owned(), soft), ("B".to_owned(), stiff)].into();
     let young = Expression::parse("if(x < 1, A, B)", &names)?;
-    scene.cells = Some(Cells { size: 0.5, young: CellModuli::Expression(young) });
-    scene.grid = Some(GridInput { coarse: [8, 2], fine: [4, 4], basis: BasisInput::Coupled, oversample: None });
-    scene.sides[1].condition = Condition::Traction([stress, 0.0].map(Expression::number));
-    scene.sides[3].condition = Condition::held();
+    let of_unit_modulus = Material::new(1.0, 0.0, Plane::Strain)?;
+    let mut scene = Scene::new(bar, of_unit_modulus);
+    let body = scene.body_mut();
+    body.substance = Substance::Cells(Cells { size: 0.5, young: CellModuli::Expression(young), of_unit_modulus });
+    body.grid = Some(GridInput { coarse: [8, 2], fine: [4, 4], basis: BasisInput::Coupled, oversample: None });
+    body.sides[1].condition = Condition::Traction([stress, 0.0].map(Expression::number));
+    body.sides[3].condition = Condition::held();
     scene.check()?;
 
     let progress = GridProgress::new(&scene, vec![])?;

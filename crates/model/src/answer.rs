@@ -80,7 +80,7 @@ fn summary(scene: &Scene, run: &Run, rows: &[ContactRow]) -> Summary {
 
 /// What a hole in an unbounded medium does far away; none of another body.
 fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
-    let exterior = scene.exterior.as_ref().filter(|_| scene.is_cavity())?;
+    let far = scene.body().far.as_ref()?;
     let Solved { mesh, space, field, .. } = &run.last;
     let (mut resultant, mut sum) = ([0.0; 2], 0.0);
     for e in 0..mesh.len() {
@@ -92,7 +92,7 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
         }
     }
     Some(MediumSummary {
-        radiation: match exterior.radiation {
+        radiation: match far.radiation {
             Radiation::Decaying => "decaying".into(),
             Radiation::Bounded => "bounded".into(),
         },

@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Inside, Mesh, ParticularSolution, Space};
 use steklov_coupling::{Balance, Coupled, MediumField, Radiation};
 use steklov_elastic::Material;
-use steklov_problem::MediumInput;
+use steklov_problem::Surroundings;
 
 use crate::summary::MediumSummary;
 
@@ -37,20 +37,20 @@ pub struct Around {
 
 impl Around {
     /// The medium of a solved transmission problem; `length` is L in log(L/r).
-    pub fn new(input: &MediumInput, mesh: Mesh, space: Space, length: f64, coupled: &Coupled) -> Self {
-        let field = MediumField::new((&mesh, &space), &input.material, length, coupled);
+    pub fn new(medium: Surroundings<'_>, mesh: Mesh, space: Space, length: f64, coupled: &Coupled) -> Self {
+        let field = MediumField::new((&mesh, &space), &medium.material, length, coupled);
         Self {
             mesh,
             space,
-            material: input.material,
+            material: medium.material,
             length,
             displacement: coupled.exterior_displacement.clone(),
             traction: coupled.traction.clone(),
             constant: coupled.constant,
             balance: coupled.balance,
-            radiation: input.radiation,
-            remote_stress: input.remote_stress,
-            remote: input.remote(),
+            radiation: medium.far.radiation,
+            remote_stress: medium.far.remote_stress,
+            remote: medium.remote(),
             field,
         }
     }

@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Edge, Mark, Mesh, Piece, Subdivision};
 use steklov_contact::{Located, Obstacle};
 use steklov_expression::Turn;
-use steklov_problem::{Condition, Scene};
+use steklov_problem::Scene;
 
 use crate::first_mesh::insert_apart;
 use crate::hidden::Overlap;
@@ -17,11 +17,11 @@ const NARROW: f64 = 0.5;
 
 /// Where the gap of each edge turns: asperities of the obstacle, and valleys between them.
 pub(crate) fn gap_turns(scene: &Scene) -> Vec<Vec<Turn>> {
-    let of = |edge: &Edge| match &scene.sides[edge.side].condition {
-        Condition::Contact { gap, .. } if gap.constant().is_none() => gap.turns(edge),
+    let of = |edge: &Edge| match scene.contact(edge.side) {
+        Some(contact) if contact.gap.constant().is_none() => contact.gap.turns(edge),
         _ => Vec::new(),
     };
-    scene.polygon.edges().iter().map(of).collect()
+    scene.body().outline.edges().iter().map(of).collect()
 }
 
 /// The part of the indicators whose elements are refined among asperities. Transitions that get vertices count with their

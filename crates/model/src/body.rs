@@ -4,7 +4,7 @@ use faer::Mat;
 use steklov_bem_operators::{BoundaryField, Condensation, Mesh, Space, TractionMap};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution, resisted_motions};
 use steklov_elastic::{Material, RigidMotion};
-use steklov_problem::{Condition, Scene};
+use steklov_problem::Scene;
 
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
@@ -243,14 +243,11 @@ impl Body {
         if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
             return Err(SolveError::NotFinite { energy: total });
         }
-        let mut reactions = supports
-            .reactions(&residual, mesh, &scene.sides, |e, j| data.traction_moment(&field, solution.as_ref(), e, j));
+        let mut reactions = supports.reactions(&residual, mesh, &scene.body().sides, |e, j| {
+            data.traction_moment(&field, solution.as_ref(), e, j)
+        });
         if let Some(c) = &contact {
-            for (side, condition) in scene.sides.iter().enumerate() {
-                if matches!(condition.condition, Condition::Contact { .. }) {
-                    reactions.push((side, c.force(side)));
-                }
-            }
+            reactions.extend(scene.contacts().map(|(side, _)| (side, c.force(side))));
         }
         reactions.sort_by_key(|r| r.0);
         let reactions = reactions.into_iter().map(|(side, force)| (mesh.side_names[side].clone(), force)).collect();
@@ -265,7 +262,7 @@ impl Body {
             contact: contact_factors,
         };
         let solved = Solved {
-            around: outside.map(|outside| outside.around(mesh, space, &displacement, &tractions)),
+            around: outside.and_then(|outside| outside.around(&data, &displacement, &tractions)),
             displacement,
             field,
             particular: solution,

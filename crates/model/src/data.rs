@@ -65,7 +65,7 @@ impl Data<'_> {
     pub fn held(&self) -> Result<Vec<Held>, SolveError> {
         let (mesh, space) = (self.mesh, self.space);
         let mut held = vec![Held::default(); space.nodes()];
-        for (index, side) in self.scene.sides.iter().enumerate() {
+        for (index, side) in self.scene.body().sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &side.condition else { continue };
             for expression in values.iter().flatten().filter(|e| e.constant().is_none()) {
                 // only for its errors: the nodes alone do not see a pole between them
@@ -76,7 +76,7 @@ impl Data<'_> {
         }
         let mut prescribed = Vec::new();
         for e in 0..mesh.len() {
-            let side = &self.scene.sides[mesh.side[e]];
+            let side = &self.scene.body().sides[mesh.side[e]];
             let Condition::Displacement { values, .. } = &side.condition else { continue };
             for (j, node) in space.element_nodes(e).enumerate() {
                 let site = Site::new(mesh, e, space.basis(e).nodes[j]);
@@ -192,7 +192,7 @@ impl Data<'_> {
     /// Calls with the side, name, expression and direction on each element of every traction, pressure and jump of the
     /// traction.
     pub fn each_traction(&self, call: &mut OfTraction<'_>) -> Result<(), SolveError> {
-        for (index, side) in self.scene.sides.iter().enumerate() {
+        for (index, side) in self.scene.body().sides.iter().enumerate() {
             match &side.condition {
                 Condition::Traction(traction) | Condition::Displacement { traction: Some(traction), .. } => {
                     for (expression, direction) in traction.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
@@ -207,7 +207,7 @@ impl Data<'_> {
                 _ => {}
             }
         }
-        let edges = self.scene.polygon.edges();
+        let edges = self.scene.body().outline.edges();
         for (name, expression, direction) in self.scene.traction_jumps() {
             for side in self.interface_sides() {
                 call(side, name, expression, &|e| match edges[self.mesh.edge[e]].loop_index {
@@ -222,7 +222,7 @@ impl Data<'_> {
     /// ‖w‖ ‖dw/ds‖ of the held displacements less their interpolants, summed over the components: (element, length²).
     pub fn held_oscillation(&self, body: Option<&ParticularSolution>) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
-        for (index, side) in self.scene.sides.iter().enumerate() {
+        for (index, side) in self.scene.body().sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &side.condition else { continue };
             for (expression, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                 let Some(expression) = expression else { continue };
@@ -260,8 +260,10 @@ impl Data<'_> {
         let traction = |site: &Site| -> [Option<f64>; 2] {
             let e = site.element;
             let value = |f: &Expression| f.eval(site.point[0], site.point[1], site.s);
-            let given = match &self.scene.sides[self.mesh.side[e]].condition {
-                Condition::Contact { .. } => return [None; 2],
+            if self.scene.contact(self.mesh.side[e]).is_some() {
+                return [None; 2];
+            }
+            let given = match &self.scene.body().sides[self.mesh.side[e]].condition {
                 Condition::Free => [Some(0.0); 2],
                 Condition::Traction(t) => [Some(value(&t[0])), Some(value(&t[1]))],
                 Condition::Pressure(p) => self.mesh.normal(e).map(|n| Some(-n * value(p))),
@@ -308,7 +310,7 @@ impl Data<'_> {
     pub fn is_narrow(&self, expression: &Expression, e: usize) -> bool {
         let [a, b] = self.mesh.span[e];
         let (low, high) = (a.min(b), a.max(b));
-        let along = expression.along(&self.scene.polygon.edges()[self.mesh.edge[e]]);
+        let along = expression.along(&self.scene.body().outline.edges()[self.mesh.edge[e]]);
         let inside = |p: &&Piece| p.ends[0] < high && p.ends[1] > low;
         let unknown = along.survey.pieces.iter().filter(inside).any(|p| !p.known);
         unknown || !along.survey.narrow([low, high], NARROW_IN_ELEMENT * (high - low), SMALL).is_empty()
@@ -321,7 +323,7 @@ impl Data<'_> {
             return Vec::new();
         }
         let [a, b] = self.mesh.span[e];
-        let along = expression.along(&self.scene.polygon.edges()[self.mesh.edge[e]]);
+        let along = expression.along(&self.scene.body().outline.edges()[self.mesh.edge[e]]);
         let (low, high) = (a.min(b), a.max(b));
         let kinks = along.kinks.iter().copied().filter(|s| low < *s && *s < high);
         let narrow = along.survey.narrow([low, high], NARROW.min(NARROW_IN_ELEMENT * (high - low)), SMALL);
@@ -335,7 +337,9 @@ impl Data<'_> {
     pub fn located(&self, error: BemError, expression: &Expression) -> SolveError {
         match &error {
             BemError::DataNotFinite { name, side, point, .. } => {
-                let Location::Boundary { s, .. } = self.scene.polygon.contains(*point) else { return error.into() };
+                let Location::Boundary { s, .. } = self.scene.body().outline.contains(*point) else {
+                    return error.into();
+                };
                 match self.scene.check_value(side, name, expression, (point[0], point[1], s)) {
                     Err(error) => error.into(),
                     // rounding of s or of the point: the value was not finite all the same

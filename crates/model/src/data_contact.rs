@@ -3,7 +3,7 @@
 use steklov_bem_operators::{BemError, ParticularSolution, Site};
 use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles};
 use steklov_expression::Expression;
-use steklov_problem::{Condition, DataError, DataErrorKind, Friction};
+use steklov_problem::{Contact, DataError, DataErrorKind, Friction};
 
 use crate::data::{Data, Function};
 use crate::solve::SolveError;
@@ -17,19 +17,12 @@ impl Data<'_> {
         sets: &Sets,
         body: Option<&ParticularSolution>,
     ) -> Result<Vec<ContactBubble>, SolveError> {
-        let functions: Vec<_> = self
-            .scene
-            .sides
-            .iter()
-            .map(|side| match &side.condition {
-                Condition::Contact { gap, friction } => {
-                    let [bound, coefficient] =
-                        [friction.bound(), friction.coefficient()].map(|f| f.map(|f| self.function(f)));
-                    Some((self.less_particular(gap, body, |e| self.mesh.normal(e)), bound, coefficient))
-                }
-                _ => None,
-            })
-            .collect();
+        let of_side = |side: usize| {
+            let Contact { gap, friction } = self.scene.contact(side)?;
+            let [bound, coefficient] = [friction.bound(), friction.coefficient()].map(|f| f.map(|f| self.function(f)));
+            Some((self.less_particular(gap, body, |e| self.mesh.normal(e)), bound, coefficient))
+        };
+        let functions: Vec<_> = (0..self.scene.body().sides.len()).map(of_side).collect();
         let none = Function { value: Box::new(|_| 0.0), kinks: Box::new(|_| Vec::new()) };
         let gap = |side: usize| functions[side].as_ref().map_or(&none, |f| &f.0).datum("gap");
         let bound =
@@ -40,13 +33,13 @@ impl Data<'_> {
     }
 
     pub(crate) fn contact_sides(&self) -> Vec<ContactSide<'_>> {
-        let sides = self.scene.sides.iter().enumerate();
+        let sides = self.scene.contacts();
         sides
-            .filter_map(|(index, side)| match &side.condition {
-                Condition::Contact { gap, friction } => {
-                    Some(ContactSide { index, gap, bound: friction.bound(), coefficient: friction.coefficient() })
-                }
-                _ => None,
+            .map(|(index, Contact { gap, friction })| ContactSide {
+                index,
+                gap,
+                bound: friction.bound(),
+                coefficient: friction.coefficient(),
             })
             .collect()
     }
@@ -67,9 +60,7 @@ impl Data<'_> {
 
     /// [`Self::contact`] with the unknowns only that its conditions need.
     pub(crate) fn condensed_contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
-        let frictionless = |side: usize| {
-            matches!(self.scene.sides[side].condition, Condition::Contact { friction: Friction::None, .. })
-        };
+        let frictionless = |side: usize| self.scene.contact(side).is_some_and(|c| matches!(c.friction, Friction::None));
         // of as few unknowns as rigid motions there may be no stiffness left
         let enough = |boundary: &ContactBoundary| boundary.kept().len() > 3;
         let boundary = self.contact(held)?;
@@ -136,11 +127,8 @@ impl Data<'_> {
         let (BemError::DataNotFinite { name, side, .. } | BemError::DataRough { name, side, .. }) = error else {
             return None;
         };
-        match &self.scene.sides.iter().find(|s| s.name == *side)?.condition {
-            Condition::Contact { gap, .. } if name == "gap" => Some(gap),
-            Condition::Contact { friction, .. } => friction.bound().or(friction.coefficient()),
-            _ => None,
-        }
+        let side = self.scene.body().sides.iter().position(|s| s.name == *side)?;
+        self.scene.contact(side)?.data().into_iter().find(|(what, _)| what == name).map(|(_, expression)| expression)
     }
 
     /// Bounds and coefficients of friction are used at the nodes, from both sides of each.

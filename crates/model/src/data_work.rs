@@ -27,7 +27,7 @@ impl Data<'_> {
         // the energies of an unbounded body are those of the field without the particular solution
         let of_all = body.filter(|_| !self.scene.is_cavity());
         let mut work = 0.0;
-        for (side, condition) in self.scene.sides.iter().enumerate() {
+        for (side, condition) in self.scene.body().sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &condition.condition else { continue };
             for (i, expression) in values.iter().enumerate() {
                 let Some(expression) = expression.as_ref().filter(|e| e.constant().is_none() || body.is_some()) else {
@@ -76,13 +76,12 @@ impl Data<'_> {
 
     /// ∫ F r u_t - Σ D_i F_i |u_t,i| over the sides with Tresca's bounds (energy), of biorthogonal multipliers.
     pub(crate) fn friction_work_left(&self, solved: &Solved, factors: &Factors) -> Result<f64, SolveError> {
-        let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) else { return Ok(0.0) };
+        let (Some(result), Some(part)) = (&solved.contact, &factors.contact) else { return Ok(0.0) };
         let mut work = 0.0;
         let mut slips = None;
-        for (side, condition) in self.scene.sides.iter().enumerate() {
-            let Condition::Contact { friction, .. } = &condition.condition else { continue };
-            let Some(bound) = friction.bound().filter(|b| b.constant() != Some(0.0)) else { continue };
-            let slips = slips.get_or_insert_with(|| self.slips(solved, factors, contact, part));
+        for (side, contact) in self.scene.contacts() {
+            let Some(bound) = contact.friction.bound().filter(|b| b.constant() != Some(0.0)) else { continue };
+            let slips = slips.get_or_insert_with(|| self.slips(solved, factors, result, part));
             let function = self.function(bound);
             let of_bound = function.datum("friction bound");
             let value = |site: &Site| (of_bound.value)(site) * self.turned_slip(&slips[site.element], site);
@@ -91,7 +90,7 @@ impl Data<'_> {
                 side_moments(self.mesh, self.space, side, &datum).map_err(|error| self.located(error, bound))?;
             work += moments.iter().flat_map(|(_, m)| m).sum::<f64>();
         }
-        let Solution { displacement, multipliers, .. } = &contact.solution;
+        let Solution { displacement, multipliers, .. } = &result.solution;
         Ok(if slips.is_some() { work - part.problem.friction_work(displacement, multipliers) } else { 0.0 })
     }
 

@@ -50,7 +50,7 @@ impl Frame {
 /// What is free of every bubble: all, less what is held, less what the contact state prescribes.
 pub(crate) fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble]) -> Vec<Frame> {
     let mut frames: Vec<Frame> = (0..mesh.len())
-        .map(|e| match &scene.sides[mesh.side[e]].condition {
+        .map(|e| match &scene.body().sides[mesh.side[e]].condition {
             Condition::Displacement { values, .. } => {
                 Frame { free: [values[0].is_none(), values[1].is_none()], ..Frame::FREE }
             }

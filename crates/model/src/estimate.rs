@@ -254,7 +254,7 @@ fn indicators(
     (bubbles, frames): (&[ContactBubble], &[Frame]),
     residual: &[f64],
 ) -> Result<(Vec<Bubble>, f64), SolveError> {
-    let modulus = plane_modulus(&data.scene.material);
+    let modulus = plane_modulus(&data.scene.body().material());
     let tractions = elastic.traction_indicators(data.mesh.len());
     let of = |e: usize| Bubble {
         displacement: frames[e].energy(elastic.hypersingular_block(e), [residual[2 * e], residual[2 * e + 1]]),
@@ -285,7 +285,7 @@ fn held_tractions(
     frames: &[Frame],
 ) -> f64 {
     let held: f64 = indicators.iter().zip(frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
-    let moduli = solved.around.as_ref().map(|around| [&scene.material, &around.material].map(plane_modulus));
+    let moduli = solved.around.as_ref().map(|around| [&scene.body().material(), &around.material].map(plane_modulus));
     held.max(elastic.held_tractions(solved.mesh.len(), moduli))
 }
 
@@ -295,8 +295,8 @@ fn unseen_of(scene: &Scene, solved: &Solved, factors: &Factors, indicators: &[Bu
         return 0.0;
     }
     let materials: Vec<Material> =
-        std::iter::once(scene.material).chain(solved.around.as_ref().map(|around| around.material)).collect();
-    let modulus = plane_modulus(&scene.material);
+        std::iter::once(scene.body().material()).chain(solved.around.as_ref().map(|around| around.material)).collect();
+    let modulus = plane_modulus(&scene.body().material());
     let varies = |e: usize| factors.unresolved[e] > UNFOLLOWED * modulus * indicators[e].total();
     unseen_by_tractions(&solved.mesh, correction, &materials, &varies)
 }
@@ -331,7 +331,7 @@ fn unresolved(
 /// What is in doubt of the data, of overlaps and of Coulomb's law.
 fn doubts(scene: &Scene, solved: &Solved, (unresolved, overlaps): (&[f64], &[Overlap]), error: f64) -> Vec<Doubt> {
     let part: f64 = unresolved.iter().sum();
-    let of_data = part > plane_modulus(&scene.material) * UNRESOLVED * error * error;
+    let of_data = part > plane_modulus(&scene.body().material()) * UNRESOLVED * error * error;
     let several = solved.contact.as_ref().and_then(|c| c.coulomb).is_some_and(|c| c.several);
     let found = [
         (Doubt::Data, of_data || overlaps.iter().any(|o| !o.known)),
@@ -351,7 +351,7 @@ fn hidden_overlaps(
     indicators: &mut [Bubble],
 ) -> Vec<Overlap> {
     let Some(contact) = &solved.contact else { return Vec::new() };
-    let modulus = plane_modulus(&data.scene.material);
+    let modulus = plane_modulus(&data.scene.body().material());
     let moved = solved.displacement.iter().fold(contact.boundary.largest_gap(), |m, u| m.max(u.abs()));
     let found = indicators.iter().map(Bubble::total).sum::<f64>().sqrt();
     let wanted = LEAST_OVERLAP * (data.scene.method.tolerance * scale).max(found) * (2.0 / modulus).sqrt();

@@ -8,7 +8,7 @@ use crate::summary::Probe;
 
 /// Displacement and stress at a point: on the boundary those of the body.
 pub fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
-    let (displacement, stress) = match (scene.polygon.contains(x), &solved.around) {
+    let (displacement, stress) = match (scene.body().outline.contains(x), &solved.around) {
         (Location::Boundary { edge, s }, _) => solved.on_edge(edge, s),
         (Location::Outside, Some(around)) => around.at(x),
         _ => solved.inside(x),

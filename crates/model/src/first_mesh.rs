@@ -1,8 +1,7 @@
 //! The first mesh: vertices at singular points and where the data are narrower than an element.
 
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
-use steklov_expression::Expression;
-use steklov_problem::{Condition, Friction, Refine, Scene};
+use steklov_problem::{Condition, Refine, Scene};
 
 use crate::adapt::Layout;
 
@@ -22,17 +21,20 @@ const SEEN: f64 = 0.2;
 impl Layout {
     /// The first mesh; of the hp strategy with vertices at the kinks of the data.
     pub fn first(scene: &Scene) -> Self {
-        let mesh = Mesh::uniform(&scene.polygon, scene.method.elements, scene.method.degree);
+        let mesh = Mesh::uniform(&scene.body().outline, scene.method.elements, scene.method.degree);
         let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
         if scene.method.refine == Refine::Hp {
             for (k, points) in singular_points(scene, true).iter().enumerate() {
                 for (i, &s) in points.iter().enumerate() {
                     subdivision.insert(k, s, &points[..i], SNAP);
                 }
-                for place in narrow_places(scene, &scene.polygon.edges()[k], &subdivision.edges[k].clone()) {
+                for place in narrow_places(scene, &scene.body().outline.edges()[k], &subdivision.edges[k].clone()) {
                     insert_apart(&mut subdivision, k, place);
-                    if matches!(scene.sides[scene.polygon.edges()[k].side].condition, Condition::Displacement { .. }) {
-                        insert_graded(&mut subdivision, &scene.polygon, k, place);
+                    if matches!(
+                        scene.body().sides[scene.body().outline.edges()[k].side].condition,
+                        Condition::Displacement { .. }
+                    ) {
+                        insert_graded(&mut subdivision, &scene.body().outline, k, place);
                     }
                 }
             }
@@ -44,10 +46,10 @@ impl Layout {
 /// Singular points of every edge that are known before anything is solved, rising: its corners, but those where the
 /// boundary goes on straight on the same side; with `kinks` also where a datum has a kink or jumps.
 pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
-    let edges = scene.polygon.edges();
+    let edges = scene.body().outline.edges();
     let mut points = vec![Vec::new(); edges.len()];
-    for l in 0..scene.polygon.loops().len() {
-        let order = scene.polygon.traversal(l);
+    for l in 0..scene.body().outline.loops().len() {
+        let order = scene.body().outline.traversal(l);
         let order: Vec<usize> = order.into_iter().collect();
         for (i, &a) in order.iter().enumerate() {
             let b = order[(i + 1) % order.len()];
@@ -66,7 +68,9 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
     }
     if kinks {
         for (k, edge) in edges.iter().enumerate() {
-            for datum in data(&scene.sides[edge.side].condition).into_iter().chain(scene.jumps_on(edge)) {
+            for datum in
+                scene.problem.side_data(edge.side).into_iter().map(|(_, datum)| datum).chain(scene.jumps_on(edge))
+            {
                 let along = datum.along(edge);
                 points[k].extend(along.kinks.iter().filter(|s| **s > 1e-9 && **s < 1.0 - 1e-9));
             }
@@ -133,9 +137,11 @@ fn insert_graded(subdivision: &mut Subdivision, polygon: &Polygon, edge: usize, 
 fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]> {
     let shortest = elements.iter().map(|p| p.end - p.start).fold(0.0, f64::max);
     let mut places: Vec<[f64; 3]> = Vec::new();
-    let condition = &scene.sides[edge.side].condition;
-    let gap = |datum: &&Expression| !matches!(condition, Condition::Contact { gap, .. } if std::ptr::eq(gap, *datum));
-    for datum in data(condition).into_iter().chain(scene.jumps_on(edge)).filter(gap) {
+    let condition = &scene.body().sides[edge.side].condition;
+    let contact = scene.contact(edge.side).is_some();
+    let of_side =
+        scene.problem.side_data(edge.side).into_iter().filter(|(what, _)| *what != "gap").map(|(_, datum)| datum);
+    for datum in of_side.chain(scene.jumps_on(edge)) {
         if datum.constant().is_some() {
             continue;
         }
@@ -144,7 +150,7 @@ fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]
         let held = matches!(condition, Condition::Displacement { .. });
         // loads are integrated: a look between the nodes is enough to see them; bounds and held values count at nodes, and one
         // node does not show how steep held values are
-        let loads = matches!(condition, Condition::Traction(_) | Condition::Pressure(_) | Condition::Free);
+        let loads = !contact && matches!(condition, Condition::Traction(_) | Condition::Pressure(_) | Condition::Free);
         let value = |s: f64| {
             let [x, y] = edge.point(s);
             datum.eval(x, y, s).abs()
@@ -168,24 +174,8 @@ fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]
     if places.len() > MOST_PLACES { Vec::new() } else { places }
 }
 
-/// The expressions of a condition.
-fn data(condition: &Condition) -> Vec<&Expression> {
-    match condition {
-        Condition::Contact { gap, friction } => match friction {
-            Friction::Tresca(bound) | Friction::Coulomb(bound) => vec![gap, bound],
-            Friction::None => vec![gap],
-        },
-        Condition::Traction(t) => t.iter().collect(),
-        Condition::Pressure(p) => vec![p],
-        Condition::Displacement { values, traction } => {
-            values.iter().flatten().chain(traction.iter().flatten()).collect()
-        }
-        Condition::Free => Vec::new(),
-    }
-}
-
 /// The mesh of the first step.
 pub fn first_mesh(scene: &Scene) -> Mesh {
-    let uniform = || Mesh::uniform(&scene.polygon, scene.method.elements, scene.method.degree);
-    Layout::first(scene).subdivision.mesh(&scene.polygon).unwrap_or_else(|_| uniform())
+    let uniform = || Mesh::uniform(&scene.body().outline, scene.method.elements, scene.method.degree);
+    Layout::first(scene).subdivision.mesh(&scene.body().outline).unwrap_or_else(|_| uniform())
 }

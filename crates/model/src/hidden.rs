@@ -9,7 +9,6 @@
 
 use steklov_bem_operators::Site;
 use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
-use steklov_problem::Condition;
 use steklov_quadrature::{Series, gauss_legendre, project};
 
 use crate::data::Data;
@@ -48,8 +47,8 @@ impl Data<'_> {
     pub(crate) fn overlaps(&self, displacement: &[f64], least: f64, closed: &[usize]) -> Vec<Overlap> {
         let mut overlaps = Vec::new();
         for e in (0..self.mesh.len()).filter(|e| !closed.contains(e)) {
-            let Condition::Contact { gap, .. } = &self.scene.sides[self.mesh.side[e]].condition else { continue };
-            overlaps.extend(self.overlaps_of(e, gap, displacement, least));
+            let Some(contact) = self.scene.contact(self.mesh.side[e]) else { continue };
+            overlaps.extend(self.overlaps_of(e, &contact.gap, displacement, least));
         }
         overlaps
     }

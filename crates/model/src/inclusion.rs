@@ -16,8 +16,9 @@ use steklov_bem_operators::{
 };
 use steklov_contact::oscillation;
 use steklov_coupling::{Balance, Coupled, Radiation};
-use steklov_elastic::RigidMotion;
-use steklov_problem::MediumInput;
+use steklov_elastic::{Material, RigidMotion};
+use steklov_expression::Expression;
+use steklov_problem::Scene;
 use steklov_quadrature::legendre_p;
 
 use crate::around::Around;
@@ -27,8 +28,8 @@ use crate::solve::SolveError;
 
 /// The medium around a body, on the mesh of the body, and the jump of the displacement between them.
 pub struct Outside {
-    /// What the scene says.
-    input: MediumInput,
+    /// Material of the medium.
+    material: Material,
     /// Length in the logarithm of the kernel.
     length: f64,
     /// S_e.
@@ -49,21 +50,22 @@ impl Outside {
     /// Those of [`Operators::assemble`] and [`Steklov::new`]; a jump that is not finite.
     pub(crate) fn new(data: &Data<'_>, estimated: bool, cache: &mut PairCache) -> Result<Option<Self>, SolveError> {
         let Data { scene, mesh, space } = *data;
-        let Some(input) = scene.exterior.as_ref().filter(|_| scene.is_inclusion()) else { return Ok(None) };
-        let domain = match input.radiation {
+        let Some(medium) = scene.surroundings().filter(|_| scene.is_inclusion()) else { return Ok(None) };
+        let material = medium.material;
+        let domain = match medium.far.radiation {
             Radiation::Decaying => Domain::Exterior,
             Radiation::Bounded => Domain::ExteriorBoundedAtInfinity,
         };
         let operators = if estimated {
-            Operators::to_enrich(mesh, space, &input.material, None, cache)?
+            Operators::to_enrich(mesh, space, &material, None, cache)?
         } else {
-            Operators::assemble(mesh, space, &input.material, None)?
+            Operators::assemble(mesh, space, &material, None)?
         };
         let length = operators.length;
         let Steklov { matrix: stiffness, traction: traction_map } = Steklov::new(operators, domain)?;
         let jump = data.jump()?;
         let load = product(&stiffness, &jump);
-        Ok(Some(Self { input: input.clone(), length, stiffness, traction_map, jump, load }))
+        Ok(Some(Self { material, length, stiffness, traction_map, jump, load }))
     }
 
     /// What S₊ of the enriched spaces needs besides.
@@ -72,7 +74,7 @@ impl Outside {
         of_mesh: (&Mesh, &Space),
         cache: &mut PairCache,
     ) -> Result<EnrichedSteklov, BemError> {
-        EnrichedSteklov::new(of_mesh, &self.input.material, self.length, &self.traction_map, cache)
+        EnrichedSteklov::new(of_mesh, &self.material, self.length, &self.traction_map, cache)
     }
 
     /// Adds S_e to the matrix of the body.
@@ -108,7 +110,7 @@ impl Outside {
     }
 
     /// The medium of a solution; `loads` are the nodal values of t0.
-    pub(crate) fn around(&self, mesh: &Mesh, space: &Space, u: &[f64], loads: &[f64]) -> Around {
+    pub(crate) fn around(&self, data: &Data<'_>, u: &[f64], loads: &[f64]) -> Option<Around> {
         let xi = self.displacement(u);
         let force = [0, 1].map(|i| loads.iter().skip(i).step_by(2).sum());
         let balance = Balance { force, scale: loads.iter().map(|f| f.abs()).sum() };
@@ -120,7 +122,8 @@ impl Outside {
             exterior_displacement: xi,
             balance,
         };
-        Around::new(&self.input, mesh.clone(), space.clone(), self.length, &coupled)
+        let (mesh, space) = (data.mesh.clone(), data.space.clone());
+        Some(Around::new(data.scene.surroundings()?, mesh, space, self.length, &coupled))
     }
 }
 
@@ -128,7 +131,7 @@ impl Data<'_> {
     /// The jump u0 of the displacement from the medium to the body at every node, that of the remote stress included; interleaved.
     pub fn jump(&self) -> Result<Vec<f64>, SolveError> {
         let (scene, mesh, space) = (self.scene, self.mesh, self.space);
-        let jumps = scene.exterior.iter().flat_map(|e| e.displacement_jump.iter().flatten());
+        let jumps = displacement_jump(scene);
         for expression in jumps.filter(|jump| jump.constant().is_none()) {
             // only for its errors: the nodes alone do not see a pole between them
             let function = self.function(expression);
@@ -152,9 +155,9 @@ impl Data<'_> {
     /// (element, energy). Both sides give way to w: 1/E* is the sum of both.
     pub(crate) fn jump_oscillation(&self) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
-        let Some(exterior) = &self.scene.exterior else { return Ok(found) };
-        let compliance = 1.0 / plane_modulus(&self.scene.material) + 1.0 / plane_modulus(&exterior.material);
-        let jumps = exterior.displacement_jump.iter().flatten();
+        let Some(around) = self.scene.surroundings() else { return Ok(found) };
+        let compliance = 1.0 / plane_modulus(&self.scene.body().material()) + 1.0 / plane_modulus(&around.material);
+        let jumps = displacement_jump(self.scene);
         for expression in jumps.filter(|jump| jump.constant().is_none()) {
             let function = self.function(expression);
             for e in 0..self.mesh.len() {
@@ -169,7 +172,7 @@ impl Data<'_> {
     pub(crate) fn jump_work(&self, around: &Around) -> Result<f64, SolveError> {
         let space = self.space;
         let mut work = 0.0;
-        let jumps = self.scene.exterior.iter().flat_map(|e| e.displacement_jump.iter().flatten());
+        let jumps = displacement_jump(self.scene);
         for (i, expression) in jumps.enumerate().filter(|(_, jump)| jump.constant().is_none()) {
             let function = self.function(expression);
             let traction = |e: usize, t: f64| -> f64 {
@@ -188,6 +191,11 @@ impl Data<'_> {
     pub(crate) fn interface_sides(&self) -> BTreeSet<usize> {
         self.scene.interface().map(|(_, edge)| edge.side).collect()
     }
+}
+
+/// The expressions of the jump of the displacement.
+fn displacement_jump(scene: &Scene) -> impl Iterator<Item = &Expression> {
+    scene.problem.tie().into_iter().flat_map(|tie| tie.displacement_jump.iter().flatten())
 }
 
 fn product(matrix: &Mat<f64>, v: &[f64]) -> Vec<f64> {

@@ -166,11 +166,11 @@ pub fn contact_summary(
     let stick = stick.map_or_else(|| weight_of(&|r| touches(r) && sticks(r.shear, r.bound)), |(stick, _)| stick);
     let stick = stick.min(length);
     let mut force = [0.0; 2];
-    for side in 0..scene.sides.len() {
+    for side in 0..scene.body().sides.len() {
         let part = contact.force(side);
         force = [force[0] + part[0], force[1] + part[1]];
     }
-    let point = |(edge, s): (usize, f64)| scene.polygon.edges()[edge].point(s);
+    let point = |(edge, s): (usize, f64)| scene.body().outline.edges()[edge].point(s);
     ContactSummary {
         // of what is no solution it means nothing
         contraction: contact.coulomb.filter(|_| contact.converged()).map(|c| c.contraction),
@@ -236,8 +236,8 @@ fn length_between(
     };
     let lines = contact.boundary.lines(trace.mesh, trace.space);
     let mut length = 0.0;
-    for (k, edge) in scene.polygon.edges().iter().enumerate() {
-        if !matches!(scene.sides[edge.side].condition, steklov_problem::Condition::Contact { .. }) {
+    for (k, edge) in scene.body().outline.edges().iter().enumerate() {
+        if scene.contact(edge.side).is_none() {
             continue;
         }
         let points = &lines.iter().find(|line| line.edge == k)?.points;

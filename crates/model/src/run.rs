@@ -225,7 +225,7 @@ fn advance(
     cache: &mut PairCache,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<(Solved, Body, Step, Layout), SolveError> {
-    let mesh = progress.next.subdivision.mesh(&scene.polygon)?;
+    let mesh = progress.next.subdivision.mesh(&scene.body().outline)?;
     let estimated = is_estimated(scene, progress.next.dofs());
     let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
     let clock = Instant::now();

@@ -203,9 +203,9 @@ pub fn solve(
     let clock = Instant::now();
     observe(Stage::Progress("assembling V, K, W", 0.05))?;
     let operators = if estimated {
-        Operators::to_enrich(&mesh, &space, &scene.material, None, cache)?
+        Operators::to_enrich(&mesh, &space, &scene.body().material(), None, cache)?
     } else {
-        Operators::assemble(&mesh, &space, &scene.material, None)?
+        Operators::assemble(&mesh, &space, &scene.body().material(), None)?
     };
     let length = operators.length;
     seconds.assemble = clock.elapsed().as_secs_f64();
@@ -220,7 +220,7 @@ pub fn solve(
     }
     observe(Stage::Steklov(&matrix))?;
     let particular = scene.particular_solution(1.0).map(|solution| {
-        let held = |e: usize, i: usize| scene.sides[mesh.side[e]].holds(i);
+        let held = |e: usize, i: usize| scene.body().sides[mesh.side[e]].holds(i);
         Particular::new(solution, scene.is_cavity(), &mesh, &space, held, |u| {
             let product = &matrix * Col::from_fn(u.len(), |i| u[i]);
             product.iter().copied().collect()
@@ -263,7 +263,7 @@ pub fn solve(
     let clock = Instant::now();
     observe(Stage::Progress("contact", 0.95))?;
     let stiffness = if given.boundary.is_some() { condensation.stiffness() } else { Mat::new() };
-    let material = scene.material;
+    let material = scene.body().material();
     let mut body = Body { mesh, space, material, length, condensation, outside, stiffness, traction_map, held, free };
     given.stabilised = stabilised;
     let (mut solved, factors) =

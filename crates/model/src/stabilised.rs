@@ -8,7 +8,6 @@ use steklov_bem_operators::{Dof, TractionMap};
 use steklov_contact::{
     ContactError, ContactNode, Kkt, Loading, MultiplierSpace, Solution, StabilisedForms, kkt_in_body,
 };
-use steklov_problem::Condition;
 
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
@@ -59,10 +58,9 @@ pub(crate) struct Body<'a> {
 /// Solves contact with stabilised multipliers.
 pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<StabilisedContact, SolveError> {
     let (scene, mesh, method) = (data.scene, data.mesh, &data.scene.method);
-    let contact = |side: &usize| matches!(scene.sides[*side].condition, Condition::Contact { .. });
-    let sides: Vec<usize> = (0..scene.sides.len()).filter(contact).collect();
+    let sides: Vec<usize> = scene.contacts().map(|(side, _)| side).collect();
     let space = MultiplierSpace::new(mesh, &sides, method.multiplier_mesh, method.multiplier_degree)?;
-    let forms = StabilisedForms::new(mesh, data.space, &scene.material, body.traction, &space);
+    let forms = StabilisedForms::new(mesh, data.space, &scene.body().material(), body.traction, &space);
     let critical = forms.critical_gamma(body.stiffness, body.held, body.rigid)?;
     if !critical.is_finite() {
         return Err(ContactError::Decomposition { size: body.load.len() }.into());

@@ -96,9 +96,9 @@ impl Supports<'_> {
 /// Rigid motions that the held sides leave free.
 pub fn free_of_supports(scene: &Scene) -> Vec<RigidMotion> {
     let mut constraints = Vec::new();
-    let edges = scene.polygon.edges();
+    let edges = scene.body().outline.edges();
     for edge in edges {
-        if let Condition::Displacement { values, .. } = &scene.sides[edge.side].condition {
+        if let Condition::Displacement { values, .. } = &scene.body().sides[edge.side].condition {
             for (value, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                 if value.is_some() {
                     constraints.extend([edge.start, edge.end].map(|x| (x, direction)));

@@ -10,7 +10,7 @@
 
 use steklov_bem_operators::Mesh;
 use steklov_contact::{Located, TipKind};
-use steklov_problem::{Condition, Refine, Scene};
+use steklov_problem::{Refine, Scene};
 
 use crate::elastic::plane_modulus;
 use crate::estimate::{Doubt, Estimate, OF_SQUARE, ratio};
@@ -31,7 +31,7 @@ const MATTERS: f64 = 0.05;
 impl Estimate {
     /// Adds the energy of transitions that no vertex of the mesh follows.
     pub(crate) fn add_tips(&mut self, scene: &Scene, located: &[Located]) {
-        let modulus = plane_modulus(&scene.material);
+        let modulus = plane_modulus(&scene.body().material());
         self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum();
         self.error = self.error.hypot(self.tips.sqrt());
         self.uncertainty += OF_SQUARE * self.tips;
@@ -47,7 +47,7 @@ impl Estimate {
         located: &[Located],
         before: Option<&[Located]>,
     ) {
-        let modulus = plane_modulus(&scene.material);
+        let modulus = plane_modulus(&scene.body().material());
         let (located, before) = (&with_curvatures(located), before.map(with_curvatures));
         let sum = |of: &dyn Fn(&Located) -> bool| -> f64 {
             located.iter().filter(|tip| of(tip)).map(|tip| tip_energy(modulus, tip)).sum()
@@ -68,7 +68,7 @@ impl Estimate {
         }
         let far = |tip: &Located| tip.at_vertex && tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR);
         let moving = located.iter().any(far) && (!fitted(&far) || matters(sum(&far)));
-        let contact = scene.sides.iter().any(|side| matches!(side.condition, Condition::Contact { .. }));
+        let contact = scene.contacts().next().is_some();
         let changed = before.map_or(contact, |before| matters(changed_energy(modulus, &before, located)));
         if (moving || changed) && !self.doubts.contains(&Doubt::Sets) {
             self.doubts.push(Doubt::Sets);
@@ -104,7 +104,7 @@ fn tip_energy(modulus: f64, tip: &Located) -> f64 {
 
 /// Energy of the transitions that no vertex of the mesh follows.
 pub(crate) fn unlocated_energy(scene: &Scene, located: &[Located]) -> f64 {
-    let modulus = plane_modulus(&scene.material);
+    let modulus = plane_modulus(&scene.body().material());
     with_curvatures(located).iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum()
 }
 

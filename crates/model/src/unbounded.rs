@@ -22,15 +22,12 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
     let distance = |r: &ContactRow, x: [f64; 2]| (r.point[0] - x[0]).hypot(r.point[1] - x[1]);
     let touched = |x: [f64; 2], reach: f64| rows.iter().filter(pressed).any(|r| distance(r, x) <= reach);
     let stuck = |x: [f64; 2]| rows.iter().filter(pressed).any(|r| r.point == x && r.shear.abs() < r.bound);
-    let gap_of = |side: usize| match &scene.sides[side].condition {
-        Condition::Contact { gap, .. } => Some(gap),
-        _ => None,
-    };
+    let gap_of = |side: usize| scene.contact(side).map(|contact| &contact.gap);
     let longest_on = |k: usize| {
         let on_edge = (0..mesh.len()).filter(|&e| mesh.edge[e] == k);
         on_edge.map(|e| mesh.length(e)).fold(0.0, f64::max)
     };
-    for (k, edge) in scene.polygon.edges().iter().enumerate() {
+    for (k, edge) in scene.body().outline.edges().iter().enumerate() {
         let Some(gap) = gap_of(edge.side) else { continue };
         let path = |s: f64| {
             let [x, y] = edge.point(s);
@@ -56,7 +53,7 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
             (false, false) => false,
             _ => {
                 let other = mesh.side[if here { before } else { e }];
-                let held = matches!(scene.sides[other].condition, Condition::Displacement { .. });
+                let held = matches!(scene.body().sides[other].condition, Condition::Displacement { .. });
                 let reach = if held { mesh.length(e).max(mesh.length(before)) } else { 0.0 };
                 let obtuse = angle > PI / 2.0 + 1e-9;
                 let square = (angle - PI / 2.0).abs() < 1e-9;
@@ -74,7 +71,9 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
 /// Whether the side of an element is held by a constant along its normal only, which lies along an axis, and is free of
 /// traction along it: the body may go on as its mirror image.
 fn is_mirror(scene: &Scene, mesh: &Mesh, e: usize) -> bool {
-    let Condition::Displacement { values, traction: None } = &scene.sides[mesh.side[e]].condition else { return false };
+    let Condition::Displacement { values, traction: None } = &scene.body().sides[mesh.side[e]].condition else {
+        return false;
+    };
     let constant = |i: usize| values[i].as_ref().is_some_and(|v| v.constant().is_some());
     (0..2).any(|i| mesh.normal(e)[i].abs() > 1.0 - 1e-12 && constant(i) && values[1 - i].is_none())
 }

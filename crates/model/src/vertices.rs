@@ -24,10 +24,10 @@ pub fn tell_unbounded(scene: &Scene, rows: &[ContactRow], probe: &mut [Probe], e
 /// Whether a point is a vertex with infinite stresses. Cells of different moduli about it count as one material; on the interface
 /// of such a body with the medium around it no vertex is judged.
 pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -> bool {
-    let edges = scene.polygon.edges();
-    let near = SAME_PLACE * scene.polygon.diameter();
-    for l in 0..scene.polygon.loops().len() {
-        let order = scene.polygon.traversal(l);
+    let edges = scene.body().outline.edges();
+    let near = SAME_PLACE * scene.body().outline.diameter();
+    for l in 0..scene.body().outline.loops().len() {
+        let order = scene.body().outline.traversal(l);
         for (k, &b) in order.iter().enumerate() {
             let a = order[(k + order.len() - 1) % order.len()];
             let vertex = if edges[b].reversed { edges[b].end } else { edges[b].start };
@@ -52,31 +52,32 @@ fn wedge(scene: &Scene, rows: &[ContactRow], before: &Edge, behind: &Edge) -> Op
     let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
     let straight = (angle - PI).abs() < STRAIGHT;
     let sector = |angle: f64, material: &Material| Sector { angle, mu: material.mu(), kappa: material.kappa() };
-    let around = scene.exterior.as_ref().filter(|_| !scene.is_cavity() && behind.loop_index == 0);
-    if let Some(exterior) = around {
-        let judged = scene.cells.is_none() && !straight;
-        let sectors = vec![sector(angle, &scene.material), sector(2.0 * PI - angle, &exterior.material)];
+    if let Some(around) = scene.surroundings().filter(|_| behind.loop_index == 0) {
+        let judged = scene.body().cells().is_none() && !straight;
+        let sectors = vec![sector(angle, &scene.body().material()), sector(2.0 * PI - angle, &around.material)];
         return judged.then_some(Wedge { sectors, faces: None });
     }
-    let touch = |edge: &Edge| matches!(scene.sides[edge.side].condition, Condition::Contact { .. });
+    let touch = |edge: &Edge| scene.contact(edge.side).is_some();
     if straight && (before.side == behind.side || touch(before) && touch(behind)) {
         return None;
     }
     let vertex = if behind.reversed { behind.end } else { behind.start };
     let faces = [face(scene, rows, behind, vertex, b), face(scene, rows, before, vertex, a.map(|a| -a))];
-    Some(Wedge { sectors: vec![sector(angle, &scene.material)], faces: Some(faces) })
+    Some(Wedge { sectors: vec![sector(angle, &scene.body().material())], faces: Some(faces) })
 }
 
 /// The condition on an edge at one of its ends, from which it runs along `ray`.
 fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64; 2], ray: [f64; 2]) -> Face {
-    match &scene.sides[edge.side].condition {
+    if let Some(contact) = scene.contact(edge.side) {
+        return contact_face(rows, edge.side, &contact.friction, vertex);
+    }
+    match &scene.body().sides[edge.side].condition {
         Condition::Free | Condition::Traction(_) | Condition::Pressure(_) => Face::Free,
         Condition::Displacement { values: [Some(_), Some(_)], .. } => Face::Held,
         Condition::Displacement { values: [None, None], .. } => Face::Free,
         // an axis, along the ray and turned from it
         Condition::Displacement { values: [Some(_), None], .. } => Face::HeldAlong([ray[0], -ray[1]]),
         Condition::Displacement { values: [None, Some(_)], .. } => Face::HeldAlong([ray[1], ray[0]]),
-        Condition::Contact { friction, .. } => contact_face(rows, edge.side, friction, vertex),
     }
 }
 

@@ -3,7 +3,7 @@
 use steklov_elastic::RigidMotion;
 use steklov_model::supports::free_of_supports;
 use steklov_problem::{
-    BasisInput, CellModuli, GridInput, Indicator, MediumInput, Refine, Scene, bounding_box, grid_of,
+    BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, Surroundings, bounding_box, grid_of,
 };
 
 use super::{Cost, Decision, Plan, contact, decision, far_away, plane};
@@ -15,8 +15,8 @@ const BYTES_OF_CELL: f64 = 200.0;
 pub(crate) fn plan(scene: &Scene) -> Plan {
     let (mut modelled, mut left_out) = (Vec::new(), Vec::new());
     let multiscale = scene.is_multiscale();
-    let in_medium = scene.exterior.is_some();
-    let Some(input) = &scene.grid else { unreachable!("a scene without a grid is refused where it is read") };
+    let in_medium = scene.problem.medium().is_some();
+    let Some(input) = &scene.body().grid else { unreachable!("a scene without a grid is refused where it is read") };
     modelled.push(discretisation(scene, input));
     modelled.push(decision("plane", plane(scene), "as the scene says"));
     modelled.push(moduli(scene));
@@ -25,8 +25,8 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
     }
     let conforming = !multiscale || !matches!(input.basis, BasisInput::Oversampled | BasisInput::Periodic);
     modelled.push(refinement(scene, conforming));
-    if let Some(exterior) = &scene.exterior {
-        modelled.extend(medium(scene, exterior));
+    if let Some(around) = scene.surroundings() {
+        modelled.extend(medium(scene, around));
         far_away(scene, &mut modelled, &mut left_out);
     }
     contact(scene, &mut modelled, &mut left_out);
@@ -39,7 +39,7 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
         let why = "contact or friction must hold it, or the loads must be balanced";
         decision("supports", format!("leave {} free", RigidMotion::names(&free)), why)
     });
-    match &scene.body_force {
+    match &scene.body().force {
         Some([x, y]) => modelled.push(decision(
             "body force",
             format!("({}, {})", x.text(), y.text()),
@@ -68,14 +68,14 @@ pub(crate) fn plan(scene: &Scene) -> Plan {
 /// Which elements, and why.
 fn discretisation(scene: &Scene, input: &GridInput) -> Decision {
     let multiscale = scene.is_multiscale();
-    let one_modulus = scene.cells.as_ref().is_some_and(|cells| cells.young.constant().is_some());
-    let why = match (&scene.cells, multiscale) {
+    let one_modulus = scene.body().cells().is_some_and(|cells| cells.young.constant().is_some());
+    let why = match (scene.body().cells(), multiscale) {
         (Some(_), _) if one_modulus => {
             "as the scene says; all cells have one modulus: as material.young it would do for boundary elements"
         }
         (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
         (Some(_), false) => "the modulus differs from cell to cell",
-        (None, _) if scene.constant_force().is_none() && scene.body_force.is_some() => {
+        (None, _) if scene.constant_force().is_none() && scene.body().force.is_some() => {
             "the body force differs from place to place"
         }
         (None, _) => "as the scene says; boundary elements would do for one material",
@@ -130,12 +130,12 @@ fn refinement(scene: &Scene, conforming: bool) -> Decision {
 }
 
 /// The medium around the body, and its boundary elements.
-fn medium(scene: &Scene, exterior: &MediumInput) -> [Decision; 2] {
-    let around = decision(
+fn medium(scene: &Scene, around: Surroundings<'_>) -> [Decision; 2] {
+    let medium = decision(
         "medium around",
         format!(
             "boundary elements, Young's modulus {}, Poisson's ratio {}",
-            exterior.material.young, exterior.material.poisson
+            around.material.young, around.material.poisson
         ),
         "unbounded: it is neither cut off nor meshed; the inside of the body is eliminated down to where both meet",
     );
@@ -150,7 +150,7 @@ fn medium(scene: &Scene, exterior: &MediumInput) -> [Decision; 2] {
             "they take its displacement as it is; adaptive steps halve them where their error is",
         )
     };
-    [around, elements]
+    [medium, elements]
 }
 
 /// How the error is estimated.
@@ -175,8 +175,8 @@ fn asked(refine: Refine, known: Refine) -> &'static str {
 }
 
 fn moduli(scene: &Scene) -> Decision {
-    match &scene.cells {
-        None => decision("Young's modulus", scene.material.young.to_string(), "the same in all cells"),
+    match scene.body().cells() {
+        None => decision("Young's modulus", scene.body().material().young.to_string(), "the same in all cells"),
         Some(cells) => {
             let text = match &cells.young {
                 CellModuli::Uniform { low, high, seed } => format!("random in [{low}, {high}], seed {seed}"),
@@ -241,7 +241,7 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
     let basis =
         if scene.is_multiscale() { 2e3 * (input.fine[0] * input.fine[1]) as f64 * coarse.0 as f64 } else { 0.0 };
     // V, K, W, their factors, and the reduced stiffness
-    let boundary = if scene.exterior.is_some() { interface_unknowns(scene, input) } else { 0.0 };
+    let boundary = if scene.problem.medium().is_some() { interface_unknowns(scene, input) } else { 0.0 };
     Cost {
         elements: coarse.0,
         dofs: coarse.1,
@@ -257,7 +257,7 @@ fn interface_unknowns(scene: &Scene, input: &GridInput) -> f64 {
         return (degree * scene.method.elements) as f64;
     }
     let cells = if scene.is_multiscale() { input.coarse } else { input.cells() };
-    let (_, size) = bounding_box(&scene.polygon);
+    let (_, size) = bounding_box(&scene.body().outline);
     let sides = scene.interface().map(|(_, edge)| {
         let k = usize::from(edge.start[0] == edge.end[0]);
         (edge.length() / size[k] * cells[k] as f64).round()

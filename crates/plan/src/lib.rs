@@ -12,7 +12,7 @@ use steklov_model::estimate::is_estimated;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::memory::{Lack, memory_bytes};
 use steklov_model::supports::free_of_supports;
-use steklov_problem::{Condition, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
+use steklov_problem::{Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -107,7 +107,7 @@ pub fn largest_mesh(scene: &Scene) -> Decision {
 
 /// Plane strain or plane stress.
 pub(crate) fn plane(scene: &Scene) -> &'static str {
-    match scene.material.plane {
+    match scene.body().material().plane {
         Plane::Strain => "plane strain",
         Plane::Stress => "plane stress",
     }
@@ -118,7 +118,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
     let method = &scene.method;
     let mesh = first_mesh(scene);
     let dofs = 2 * mesh.degree.iter().sum::<usize>();
-    let plane = match scene.material.plane {
+    let plane = match scene.body().material().plane {
         Plane::Strain => "plane strain",
         Plane::Stress => "plane stress, as plane strain with E(1+2ν)/(1+ν)² and ν/(1+ν)",
     };
@@ -151,7 +151,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
         None => left_out.push(decision("body force", "none", "the scene has none")),
     }
     random::decide(scene, &mut modelled, &mut left_out);
-    let why = match scene.grid {
+    let why = match scene.body().grid {
         Some(_) => {
             "the scene has one, but the material is the same everywhere: model = \"fem\" or \"msfem\" would use it"
         }
@@ -249,8 +249,8 @@ fn cost(scene: &Scene, mesh: &Mesh, dofs: usize, estimated: bool) -> Cost {
 
 /// What an unbounded medium does far away.
 pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
-    let Some(exterior) = &scene.exterior else { return };
-    let (choice, why) = match exterior.radiation {
+    let Some(far) = scene.far() else { return };
+    let (choice, why) = match far.radiation {
         Radiation::Decaying => (
             "the displacement decays",
             "with a net force it grows as log(L/r), and L, the diameter of the boundary, selects its constant",
@@ -261,7 +261,7 @@ pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &m
         ),
     };
     modelled.push(Decision { what: "at infinity".into(), choice: choice.into(), why: why.into() });
-    let [xx, yy, xy] = exterior.remote_stress;
+    let [xx, yy, xy] = far.remote_stress;
     let decision = match xx == 0.0 && yy == 0.0 && xy == 0.0 {
         true => (left_out, "none".to_owned(), "the scene has none"),
         false => (
@@ -277,7 +277,7 @@ pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &m
 /// How many elements there are and why.
 fn elements(scene: &Scene, number: usize) -> Decision {
     let wanted = scene.method.elements;
-    let uniform = Mesh::uniform(&scene.polygon, wanted, scene.method.degree).len();
+    let uniform = Mesh::uniform(&scene.body().outline, wanted, scene.method.degree).len();
     let why = match (uniform > wanted, number > uniform) {
         (false, false) => "equal on an edge, the longest edges first",
         (true, false) => "every straight edge needs one",
@@ -289,14 +289,8 @@ fn elements(scene: &Scene, number: usize) -> Decision {
 }
 
 pub(crate) fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
-    let sides: Vec<(&str, &Friction)> = scene
-        .sides
-        .iter()
-        .filter_map(|s| match &s.condition {
-            Condition::Contact { friction, .. } => Some((s.name.as_str(), friction)),
-            _ => None,
-        })
-        .collect();
+    let name = |side: usize| scene.body().sides[side].name.as_str();
+    let sides: Vec<(&str, &Friction)> = scene.contacts().map(|(side, c)| (name(side), &c.friction)).collect();
     if sides.is_empty() {
         let (what, choice, why) = ("contact", "no contact solver", "no side is in contact: one linear solve");
         left_out.push(Decision { what: what.into(), choice: choice.into(), why: why.into() });

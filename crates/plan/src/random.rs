@@ -145,33 +145,32 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
             scene.outcome(&germs).unwrap_or_else(|_| scene.clone())
         };
         let (low, high) = (outcome(0.158_655), outcome(0.841_345));
-        let young = |s: &Scene| s.material.young;
+        let young = |s: &Scene| s.body().material().young;
         let mut moved = Moved { gap: 0.0, friction: 0.0, held: 0.0, loads: 0.0, young: 0.0 };
         moved.young = 0.5 * (young(&high) - young(&low)).abs() / young(scene);
         let (mut change, mut size) = (0.0, 0.0);
-        for edge in scene.polygon.edges() {
+        for edge in scene.body().outline.edges() {
             for k in 0..=STEPS {
                 let s = k as f64 / STEPS as f64;
                 let [x, y] = edge.point(s);
                 let value = |f: &Expression| f.eval(x, y, s);
                 let pair = |a: &Expression, b: &Expression| (value(b) - value(a), 0.5 * (value(a) + value(b)));
-                let (a, b) = (&low.sides[edge.side].condition, &high.sides[edge.side].condition);
+                let (a, b) = (&low.body().sides[edge.side].condition, &high.body().sides[edge.side].condition);
                 let mut load = |a: &Expression, b: &Expression| {
                     let (d, m) = pair(a, b);
                     change += 0.25 * d * d * edge.length();
                     size += m * m * edge.length();
                 };
                 let half = |a: &Expression, b: &Expression| 0.5 * pair(a, b).0.abs();
+                if let (Some(a), Some(b)) = (low.contact(edge.side), high.contact(edge.side)) {
+                    moved.gap = moved.gap.max(half(&a.gap, &b.gap));
+                    for (f, g) in a.data().into_iter().zip(b.data()).skip(1) {
+                        moved.friction = moved.friction.max(half(f.1, g.1));
+                    }
+                }
                 match (a, b) {
                     (Condition::Traction(a), Condition::Traction(b)) => (0..2).for_each(|i| load(&a[i], &b[i])),
                     (Condition::Pressure(a), Condition::Pressure(b)) => load(a, b),
-                    (Condition::Contact { gap: a, friction: f }, Condition::Contact { gap: b, friction: g }) => {
-                        moved.gap = moved.gap.max(half(a, b));
-                        let limit = |f: &steklov_problem::Friction| f.bound().or(f.coefficient()).cloned();
-                        if let (Some(f), Some(g)) = (limit(f), limit(g)) {
-                            moved.friction = moved.friction.max(half(&f, &g));
-                        }
-                    }
                     (Condition::Displacement { values: a, .. }, Condition::Displacement { values: b, .. }) => {
                         for (a, b) in a.iter().zip(b).filter_map(|(a, b)| a.as_ref().zip(b.as_ref())) {
                             moved.held = moved.held.max(half(a, b));
@@ -183,8 +182,8 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
         }
         if let (Some(a), Some(b)) = (low.constant_force(), high.constant_force()) {
             for i in 0..2 {
-                change += 0.25 * (b[i] - a[i]).powi(2) * scene.polygon.area();
-                size += (0.5 * (a[i] + b[i])).powi(2) * scene.polygon.area();
+                change += 0.25 * (b[i] - a[i]).powi(2) * scene.body().outline.area();
+                size += (0.5 * (a[i] + b[i])).powi(2) * scene.body().outline.area();
             }
         }
         moved.loads = if change == 0.0 { 0.0 } else { (change / size).sqrt() };

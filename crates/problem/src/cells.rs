@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use steklov_elastic::Material;
 use steklov_expression::Expression;
 
 /// Most cells of a grid, over the whole bounding box.
@@ -85,4 +86,6 @@ pub struct Cells {
     pub size: f64,
     /// Their moduli.
     pub young: CellModuli,
+    /// The material of modulus 1 with the same Poisson's ratio in the same plane.
+    pub of_unit_modulus: Material,
 }

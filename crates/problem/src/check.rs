@@ -3,7 +3,7 @@
 use steklov_bem_operators::Edge;
 use steklov_expression::Expression;
 
-use super::{Condition, DataError, DataErrorKind as Kind, Friction, Scene, Side};
+use super::{Condition, DataError, DataErrorKind as Kind, Problem, Scene};
 
 /// Number of equal steps along an edge at which data are looked at.
 const STEPS: usize = 256;
@@ -22,6 +22,16 @@ fn short(value: f64) -> String {
     if plain { value.to_string() } else { format!("{value:e}") }
 }
 
+impl Problem {
+    /// The expressions of a side of the first body and their names: of its condition, or of its contact.
+    pub fn side_data(&self, side: usize) -> Vec<(&'static str, &Expression)> {
+        match self.contact(side) {
+            Some(contact) => contact.data(),
+            None => data(&self.bodies[0].sides[side].condition),
+        }
+    }
+}
+
 impl Scene {
     /// Looks at every expression of every side in 257 points of each of its edges, at its kinks and beside them, and over the
     /// stretches between them.
@@ -30,9 +40,9 @@ impl Scene {
     /// A value that is not finite, a negative bound or coefficient of friction, a displacement that jumps: names side,
     /// point and expression.
     pub fn check_data(&self) -> Result<(), DataError> {
-        for (index, side) in self.sides.iter().enumerate() {
-            for (what, expression) in data(side) {
-                for edge in self.polygon.edges().iter().filter(|edge| edge.side == index) {
+        for (index, side) in self.body().sides.iter().enumerate() {
+            for (what, expression) in self.problem.side_data(index) {
+                for edge in self.body().outline.edges().iter().filter(|edge| edge.side == index) {
                     self.check_along(edge, &side.name, what, expression)?;
                 }
             }
@@ -116,7 +126,7 @@ impl Scene {
         let (x, y, s) = at;
         let value = expression.eval(x, y, s);
         let negative = value < 0.0 && what.starts_with("friction");
-        let huge = what == "gap" && value.abs() > GAP * self.polygon.diameter();
+        let huge = what == "gap" && value.abs() > GAP * self.body().outline.diameter();
         if value.is_finite() && !negative && !huge {
             return Ok(value);
         }
@@ -129,7 +139,7 @@ impl Scene {
             "gap" if value.is_finite() => &format!(
                 "it is too large for a body of diameter {}: more than {GAP:e} times that; for a side that nothing can touch \
                  leave the contact out",
-                short(self.polygon.diameter())
+                short(self.body().outline.diameter())
             ),
             "gap" => {
                 "a gap is a finite distance at every point; for a side that nothing can touch leave the contact out"
@@ -141,23 +151,15 @@ impl Scene {
     }
 }
 
-/// The expressions of a side and their names.
-pub fn data(side: &Side) -> Vec<(&'static str, &Expression)> {
-    match &side.condition {
+/// The expressions of a condition and their names.
+fn data(condition: &Condition) -> Vec<(&'static str, &Expression)> {
+    match condition {
         Condition::Free => Vec::new(),
         Condition::Traction(traction) => traction.iter().map(|t| ("traction", t)).collect(),
         Condition::Pressure(pressure) => vec![("pressure", pressure)],
         Condition::Displacement { values, traction } => {
             let values = values.iter().flatten().map(|u| ("displacement", u));
             values.chain(traction.iter().flatten().map(|t| ("traction", t))).collect()
-        }
-        Condition::Contact { gap, friction } => {
-            let friction = match friction {
-                Friction::None => None,
-                Friction::Tresca(bound) => Some(("friction bound", bound)),
-                Friction::Coulomb(coefficient) => Some(("friction coefficient", coefficient)),
-            };
-            [("gap", gap)].into_iter().chain(friction).collect()
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Problems as plain data: a body or a hole, what holds, loads or touches it, and how it is to be solved. No document and no file.
 //!
 //! ```text
-//! Scene: polygon, material or cells, medium, sides, body force, random input, method
+//! Scene: Problem (bodies, interfaces between them), random input, method
 //!   check ─► DataError (what, remedy, keys)        outcome(germs) ─► Scene without random input
 //! ```
 //!
@@ -14,12 +14,12 @@
 //! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
 //! let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
 //! let mut scene = Scene::new(Polygon::new(Loop { corners, sides }, vec![])?, Material::new(200.0, 0.3, Plane::Strain)?);
-//! scene.sides[0].condition = Condition::held();
-//! scene.sides[2].condition = Condition::Pressure(Expression::parse("1 + x", &Default::default())?);
+//! scene.body_mut().sides[0].condition = Condition::held();
+//! scene.body_mut().sides[2].condition = Condition::Pressure(Expression::parse("1 + x", &Default::default())?);
 //! scene.check()?;
 //! assert_eq!(scene.model(), Model::Bem);
 //!
-//! scene.sides[2].condition = Condition::Pressure(Expression::parse("1/(x - 1)", &Default::default())?);
+//! scene.body_mut().sides[2].condition = Condition::Pressure(Expression::parse("1/(x - 1)", &Default::default())?);
 //! let error = scene.check().unwrap_err();
 //! assert!(error.message.starts_with("the pressure of side \"top\" is inf at the point (1, 1)"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -35,6 +35,7 @@ mod model;
 mod moduli;
 mod outcome;
 mod outcomes;
+mod problem;
 mod random;
 mod sides;
 mod signals;
@@ -44,17 +45,16 @@ use std::collections::BTreeMap;
 
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
-use steklov_expression::Expression;
 
 pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS};
-pub use check::data as side_data;
 pub use error::{About, DataError, DataErrorKind};
 pub use grid_fit::{bounding_box, check_body, grid_of};
-pub use medium::MediumInput;
+pub use medium::{FarField, Surroundings, Tie};
 pub use method::{Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Model, Multiplier, Refine, Solver};
 pub use moduli::{check_modulus_cells, moduli, modulus_cells};
+pub use problem::{Body, Interface, Law, Other, Problem, Substance};
 pub use random::{Germ, Random, RandomConstants, RandomName, Sampling, Stochastic, Uses};
-pub use sides::{Condition, Friction, Side};
+pub use sides::{Condition, Contact, Friction, Side};
 pub use signals::Signal;
 pub use source::Source;
 
@@ -63,23 +63,10 @@ pub use source::Source;
 pub struct Scene {
     /// Title.
     pub title: String,
-    /// The body; the plane outside of a hole where [`Scene::exterior`] has no body in it.
-    pub polygon: Polygon,
-    /// Its material; with [`Scene::cells`] these give Young's modulus, and that of the material has no meaning. That of the
-    /// medium around a hole.
-    pub material: Material,
-    /// Young's modulus cell by cell.
-    pub cells: Option<Cells>,
-    /// The grid over the body.
-    pub grid: Option<GridInput>,
-    /// The unbounded medium around the body.
-    pub exterior: Option<MediumInput>,
+    /// Bodies and what acts between them.
+    pub problem: Problem,
     /// Names in expressions that have one value.
     pub parameters: BTreeMap<String, f64>,
-    /// The sides in the order of [`Polygon::side_names`]; at least one is loaded, held or in contact.
-    pub sides: Vec<Side>,
-    /// Force per area; constant with boundary elements.
-    pub body_force: Option<[Expression; 2]>,
     /// Points of the body, of its boundary or of the medium around it at which results are wanted.
     pub probe: Vec<[f64; 2]>,
     /// How to solve.
@@ -94,18 +81,11 @@ pub struct Scene {
 
 impl Scene {
     /// A body of one material whose sides are all free, to which the rest is then given.
-    pub fn new(polygon: Polygon, material: Material) -> Self {
-        let free = |name: &String| Side { name: name.clone(), condition: Condition::Free };
+    pub fn new(outline: Polygon, material: Material) -> Self {
         Self {
             title: String::new(),
-            sides: polygon.side_names().iter().map(free).collect(),
-            polygon,
-            material,
-            cells: None,
-            grid: None,
-            exterior: None,
+            problem: Problem::new(outline, Substance::Homogeneous(material)),
             parameters: BTreeMap::new(),
-            body_force: None,
             probe: Vec::new(),
             method: Method::default(),
             expect: Vec::new(),
@@ -114,9 +94,24 @@ impl Scene {
         }
     }
 
-    /// The side of a name.
-    pub fn side_mut(&mut self, name: &str) -> Option<&mut Side> {
-        self.sides.iter_mut().find(|side| side.name == name)
+    /// The body that is solved.
+    pub fn body(&self) -> &Body {
+        &self.problem.bodies[0]
+    }
+
+    /// The body that is solved.
+    pub fn body_mut(&mut self) -> &mut Body {
+        &mut self.problem.bodies[0]
+    }
+
+    /// The contact of a side of the body that is solved.
+    pub fn contact(&self, side: usize) -> Option<&Contact> {
+        self.problem.contact(side)
+    }
+
+    /// The sides of the body that is solved that are in contact, rising.
+    pub fn contacts(&self) -> impl Iterator<Item = (usize, &Contact)> {
+        (0..self.body().sides.len()).filter_map(|side| Some((side, self.contact(side)?)))
     }
 
     /// Whether the problem can be solved: data along all sides and for outcomes at the ends of the germs, what the model needs,
@@ -125,6 +120,7 @@ impl Scene {
     /// # Errors
     /// The first thing that is wrong.
     pub fn check(&self) -> Result<(), DataError> {
+        self.problem.check_bodies()?;
         self.check_data()?;
         self.check_jumps()?;
         self.check_model()?;

@@ -7,17 +7,9 @@ use steklov_expression::Expression;
 
 use super::{BasisInput, Condition, DataError, DataErrorKind as Kind, Indicator, Model, Scene};
 
-/// `[exterior]`: the unbounded medium.
-#[derive(Debug, Clone)]
-pub struct MediumInput {
-    /// Its material, in the same plane as the body's.
-    pub material: Material,
-    /// u - u_c where body and medium meet (length).
-    pub displacement_jump: Option<[Expression; 2]>,
-    /// σ(u)n - σ(u_c)n there (stress), n out of the body.
-    pub traction_jump: Option<[Expression; 2]>,
-    /// The same as a tensor xx, yy, xy (stress) that is applied to n; both are added.
-    pub stress_jump: Option<[Expression; 3]>,
+/// What a medium does far away.
+#[derive(Debug, Clone, PartialEq)]
+pub struct FarField {
     /// Stress xx, yy, xy far away.
     pub remote_stress: [f64; 3],
     /// What the displacement does far away, that of the remote stress apart.
@@ -28,7 +20,13 @@ pub struct MediumInput {
     pub named: bool,
 }
 
-impl MediumInput {
+impl Default for FarField {
+    fn default() -> Self {
+        Self { remote_stress: [0.0; 3], radiation: Radiation::Decaying, stated: false, named: false }
+    }
+}
+
+impl FarField {
     /// Of a medium that supports or obstacles hold, unless the scene states it: they leave no net force, for with one their
     /// forces would depend on the length in its logarithm.
     pub fn bounded_by_supports(&mut self) {
@@ -37,11 +35,42 @@ impl MediumInput {
         }
     }
 
+    /// Whether it loads the bodies.
+    pub fn is_loaded(&self) -> bool {
+        self.named || self.remote_stress != [0.0; 3]
+    }
+}
+
+/// A body and a medium that are tied, up to jumps.
+#[derive(Debug, Clone, Default)]
+pub struct Tie {
+    /// u - u_c where body and medium meet (length).
+    pub displacement_jump: Option<[Expression; 2]>,
+    /// σ(u)n - σ(u_c)n there (stress), n out of the body.
+    pub traction_jump: Option<[Expression; 2]>,
+    /// The same as a tensor xx, yy, xy (stress) that is applied to n; both are added.
+    pub stress_jump: Option<[Expression; 3]>,
+}
+
+/// The medium around a body, and how both meet.
+#[derive(Debug, Clone, Copy)]
+pub struct Surroundings<'a> {
+    /// Material of the medium.
+    pub material: Material,
+    /// What it does far away.
+    pub far: &'a FarField,
+    /// The jumps between body and medium.
+    pub tie: &'a Tie,
+}
+
+impl Surroundings<'_> {
     /// The uniform field of the remote stress, zero at the origin.
     pub fn remote(&self) -> ParticularSolution {
-        ParticularSolution::of_uniform_stress(self.remote_stress, [0.0; 2], &self.material)
+        ParticularSolution::of_uniform_stress(self.far.remote_stress, [0.0; 2], &self.material)
     }
+}
 
+impl Tie {
     /// The expressions of the jumps and their names.
     fn jumps(&self) -> impl Iterator<Item = (&'static str, &Expression)> {
         let displacement = self.displacement_jump.iter().flatten().map(|e| ("displacement jump", e));
@@ -71,9 +100,9 @@ impl MediumInput {
         jumps
     }
 
-    /// Whether anything of it loads the body.
+    /// Whether a jump is not zero.
     pub fn is_loaded(&self) -> bool {
-        self.named || self.remote_stress != [0.0; 3] || self.jumps().any(|(_, e)| e.constant() != Some(0.0))
+        self.jumps().any(|(_, e)| e.constant() != Some(0.0))
     }
 }
 
@@ -81,14 +110,14 @@ impl MediumInput {
 type Direction = fn([f64; 2]) -> [f64; 2];
 
 impl Scene {
-    /// Whether the corners of `[body]` outline a hole in the unbounded medium.
+    /// Whether the body is a medium itself: the plane outside of holes.
     pub fn is_cavity(&self) -> bool {
-        !self.polygon.is_bounded()
+        self.body().far.is_some()
     }
 
     /// Whether boundary elements are on both sides of the boundary of a body in a medium.
     pub fn is_inclusion(&self) -> bool {
-        self.exterior.is_some() && !self.is_cavity() && !self.is_on_grid()
+        self.problem.tie().is_some() && !self.is_on_grid()
     }
 
     /// The domain of the boundary elements of one body.
@@ -99,9 +128,14 @@ impl Scene {
         }
     }
 
+    /// What the medium does far away; none without one.
+    pub fn far(&self) -> Option<&FarField> {
+        self.problem.medium()?.far.as_ref()
+    }
+
     /// What the displacement of the medium does far away; none without one.
     fn radiation(&self) -> Option<Radiation> {
-        self.exterior.as_ref().map(|e| e.radiation)
+        self.far().map(|far| far.radiation)
     }
 
     /// Those of the rigid motions that supports leave free which an unbounded medium does not resist either: none if its
@@ -118,45 +152,52 @@ impl Scene {
     /// body, or at the origin.
     pub fn particular_solution(&self, factor: f64) -> Option<ParticularSolution> {
         if let Some(force) = self.constant_force() {
-            let (force, centre) = (force.map(|b| b * factor), self.polygon.centroid());
-            return Some(ParticularSolution::of_body_force(force, centre, &self.material));
+            let (force, centre) = (force.map(|b| b * factor), self.body().outline.centroid());
+            return Some(ParticularSolution::of_body_force(force, centre, &self.body().material()));
         }
-        let stress = self.exterior.as_ref().filter(|_| self.is_cavity())?.remote_stress;
+        let stress = self.body().far.as_ref()?.remote_stress;
         let stressed = stress != [0.0; 3];
-        stressed.then(|| ParticularSolution::of_uniform_stress(stress.map(|s| s * factor), [0.0; 2], &self.material))
+        stressed.then(|| {
+            ParticularSolution::of_uniform_stress(stress.map(|s| s * factor), [0.0; 2], &self.body().material())
+        })
     }
 
     /// The uniform field of the medium around a body that belongs to the stress far away; none without that stress.
     pub fn remote_stress(&self) -> Option<ParticularSolution> {
-        let exterior = self.exterior.as_ref().filter(|e| !self.is_cavity() && e.remote_stress != [0.0; 3])?;
-        Some(exterior.remote())
+        Some(self.surroundings().filter(|around| around.far.remote_stress != [0.0; 3])?.remote())
+    }
+
+    /// The medium around the body; none of a body without one, or that is a medium itself.
+    pub fn surroundings(&self) -> Option<Surroundings<'_>> {
+        let medium = self.problem.medium()?;
+        Some(Surroundings { material: medium.material(), far: medium.far.as_ref()?, tie: self.problem.tie()? })
     }
 
     /// The expressions of the traction jump where a body meets the medium around it, their names, and the direction in which each
     /// acts on a side with a normal.
     pub fn traction_jumps(&self) -> Vec<(&'static str, &Expression, Direction)> {
-        self.exterior.as_ref().map_or(Vec::new(), MediumInput::traction_jumps)
+        self.problem.tie().map_or(Vec::new(), Tie::traction_jumps)
     }
 
     /// The expressions of the jumps on an edge.
     pub fn jumps_on(&self, edge: &Edge) -> Vec<&Expression> {
-        let meets = !self.is_cavity() && edge.loop_index == 0;
-        let jumps = self.exterior.iter().filter(|_| meets).flat_map(MediumInput::jumps);
+        let tie = self.problem.tie().filter(|_| edge.loop_index == 0);
+        let jumps = tie.into_iter().flat_map(Tie::jumps);
         jumps.map(|(_, expression)| expression).collect()
     }
 
     /// The edges on which the body meets the medium around it.
     pub fn interface(&self) -> impl Iterator<Item = (usize, &Edge)> {
-        let meets = self.exterior.is_some() && !self.is_cavity();
-        self.polygon.edges().iter().enumerate().filter(move |(_, edge)| meets && edge.loop_index == 0)
+        let meets = self.problem.tie().is_some();
+        self.body().outline.edges().iter().enumerate().filter(move |(_, edge)| meets && edge.loop_index == 0)
     }
 
     /// u0 = u - u_c at the edge parameter s of an edge of the interface, that of the remote stress included.
     pub fn displacement_jump(&self, edge: usize, s: f64) -> [f64; 2] {
-        let Some(exterior) = &self.exterior else { return [0.0; 2] };
-        let [x, y] = self.polygon.edges()[edge].point(s);
-        let remote = exterior.remote().displacement([x, y]);
-        match &exterior.displacement_jump {
+        let Some(around) = self.surroundings() else { return [0.0; 2] };
+        let [x, y] = self.body().outline.edges()[edge].point(s);
+        let remote = around.remote().displacement([x, y]);
+        match &around.tie.displacement_jump {
             Some(jump) => [0, 1].map(|i| remote[i] + jump[i].eval(x, y, s)),
             None => remote,
         }
@@ -164,15 +205,15 @@ impl Scene {
 
     /// t0 = σ(u)n - σ(u_c)n at the edge parameter s of an edge of the interface with normal n, that of the remote stress included.
     pub fn traction_jump(&self, edge: usize, s: f64, [nx, ny]: [f64; 2]) -> [f64; 2] {
-        let Some(exterior) = &self.exterior else { return [0.0; 2] };
-        let [x, y] = self.polygon.edges()[edge].point(s);
-        let [mut xx, mut yy, mut xy] = exterior.remote_stress;
-        if let Some(jump) = &exterior.stress_jump {
+        let Some(Surroundings { far, tie, .. }) = self.surroundings() else { return [0.0; 2] };
+        let [x, y] = self.body().outline.edges()[edge].point(s);
+        let [mut xx, mut yy, mut xy] = far.remote_stress;
+        if let Some(jump) = &tie.stress_jump {
             let [a, b, c] = jump.each_ref().map(|jump| jump.eval(x, y, s));
             (xx, yy, xy) = (xx + a, yy + b, xy + c);
         }
         let of_stress = [xx * nx + xy * ny, xy * nx + yy * ny];
-        match &exterior.traction_jump {
+        match &tie.traction_jump {
             Some(jump) => [0, 1].map(|i| of_stress[i] + jump[i].eval(x, y, s)),
             None => of_stress,
         }
@@ -180,18 +221,18 @@ impl Scene {
 
     /// Whether the jumps have values wherever body and medium meet, and the displacement has one at each corner.
     pub(super) fn check_jumps(&self) -> Result<(), DataError> {
-        let Some(exterior) = &self.exterior else { return Ok(()) };
-        for (what, jump) in exterior.jumps() {
+        let Some(tie) = self.problem.tie() else { return Ok(()) };
+        for (what, jump) in tie.jumps() {
             let mut ends = Vec::new();
             for (_, edge) in self.interface() {
-                let largest = self.check_along(edge, &self.sides[edge.side].name, what, jump)?;
+                let largest = self.check_along(edge, &self.body().sides[edge.side].name, what, jump)?;
                 let [(a, s), (b, t)] = [(edge.start, 0.0), (edge.end, 1.0)];
                 ends.push([jump.eval(a[0], a[1], s), jump.eval(b[0], b[1], t), largest]);
             }
             let largest = ends.iter().fold(0.0, |m: f64, [.., l]| m.max(*l));
             let apart = |k: &usize| (ends[*k][1] - ends[(k + 1) % ends.len()][0]).abs() > 1e-6 * largest;
             if let Some(k) = (0..ends.len()).find(apart).filter(|_| what == "displacement jump") {
-                let [x, y] = self.polygon.edges()[k].end;
+                let [x, y] = self.body().outline.edges()[k].end;
                 let message = format!(
                     "the {what} is {} before and {} after the corner ({x}, {y}): expression {:?}",
                     ends[k][1],
@@ -211,14 +252,14 @@ impl Scene {
             |kind, key: &[&str], message: &str, help: &str| Err(DataError::at(kind, &[key.to_vec()], message, help));
         let model = self.model();
         let coupled = matches!(model, Model::FemBem | Model::MsfemBem);
-        let Some(_) = &self.exterior else {
+        if self.problem.medium().is_none() {
             if coupled {
                 let message = "there is no medium around the body";
                 let help = "add a table [exterior] with young and poisson, or use \"fem\", \"msfem\" or \"auto\"";
                 return refuse(Kind::MissingKey, &["method", "model"], message, help);
             }
             return Ok(());
-        };
+        }
         if matches!(model, Model::Fem | Model::Msfem) {
             let message = "finite elements alone have no medium around the body";
             let help = "use \"auto\", \"fem-bem\" or \"msfem-bem\", or remove [exterior]";
@@ -234,24 +275,25 @@ impl Scene {
                     "use \"bem\" or \"auto\", or add [material]",
                 );
             }
-            if self.body_force.is_some() {
+            if self.body().force.is_some() {
                 let message = "an unbounded medium cannot carry a body force";
                 let help = "give the stress that it makes as exterior.remote_stress, or load the sides of the hole";
                 return refuse(Kind::Unsupported, &["body_force"], message, help);
             }
             return Ok(());
         }
-        for (index, side) in self.sides.iter().enumerate() {
+        for (index, side) in self.body().sides.iter().enumerate() {
             let key = ["sides", side.name.as_str()];
             let on_interface = self.interface().any(|(_, edge)| edge.side == index);
+            let touched = self.problem.contact(index).is_some();
             match &side.condition {
-                Condition::Free => {}
+                Condition::Free if !touched => {}
                 _ if on_interface => {
                     let message = format!("side {:?} is where the body meets the medium of [exterior]", side.name);
                     let help = "remove it; jumps there are exterior.displacement_jump and traction_jump";
                     return refuse(Kind::Conflict, &key, &message, help);
                 }
-                Condition::Displacement { .. } | Condition::Contact { .. } => {
+                Condition::Free | Condition::Displacement { .. } => {
                     let message = format!("side {:?} of a hole may be loaded, but not held or touched", side.name);
                     let help = "give it a traction or a pressure: the medium holds the body";
                     return refuse(Kind::Unsupported, &key, &message, help);
@@ -264,11 +306,11 @@ impl Scene {
             return refuse(Kind::Unsupported, &["random"], message, "leave out [random], or remove [exterior]");
         }
         if model == Model::Bem {
-            if self.polygon.loops().len() > 1 {
+            if self.body().outline.loops().len() > 1 {
                 let message = "boundary elements of a body in a medium cannot have holes in the body";
                 return refuse(Kind::Unsupported, &["body", "holes"], message, "use model = \"fem-bem\" with a [grid]");
             }
-            if self.body_force.is_some() {
+            if self.body().force.is_some() {
                 let message = "boundary elements of a body in a medium carry no body force";
                 return refuse(Kind::Unsupported, &["body_force"], message, "use model = \"fem-bem\" with a [grid]");
             }
@@ -278,7 +320,7 @@ impl Scene {
             }
         }
         let conforming = |basis| !matches!(basis, BasisInput::Oversampled | BasisInput::Periodic);
-        if model == Model::MsfemBem && self.grid.is_some_and(|grid| !conforming(grid.basis)) {
+        if model == Model::MsfemBem && self.body().grid.is_some_and(|grid| !conforming(grid.basis)) {
             let message = "the basis has no single displacement where the body meets the medium";
             let help = "take \"coupled\", \"oscillatory\", \"linear\" or \"q1\"";
             return refuse(Kind::Unsupported, &["grid", "basis"], message, help);

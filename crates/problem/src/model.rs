@@ -11,8 +11,8 @@ impl Scene {
     /// place to place; then multiscale finite elements, or finite elements where a coarse cell is one fine cell; with boundary
     /// elements around them where there is a medium.
     pub fn model(&self) -> Model {
-        let one_fine_cell = self.grid.is_some_and(|grid| grid.fine == [1, 1]);
-        match (self.method.model, self.exterior.is_some()) {
+        let one_fine_cell = self.body().grid.is_some_and(|grid| grid.fine == [1, 1]);
+        match (self.method.model, self.problem.medium().is_some()) {
             (Model::Auto, _) if !self.varies() => Model::Bem,
             (Model::Auto, false) if one_fine_cell => Model::Fem,
             (Model::Auto, true) if one_fine_cell => Model::FemBem,
@@ -34,15 +34,15 @@ impl Scene {
 
     /// Whether boundary elements cannot answer the scene.
     fn varies(&self) -> bool {
-        let in_medium = self.exterior.is_some() && !self.is_cavity();
-        let force = self.body_force.is_some() && (in_medium || self.constant_force().is_none());
-        let holes = in_medium && self.polygon.loops().len() > 1;
-        self.cells.is_some() || force || holes
+        let in_medium = self.problem.tie().is_some();
+        let force = self.body().force.is_some() && (in_medium || self.constant_force().is_none());
+        let holes = in_medium && self.body().outline.loops().len() > 1;
+        self.body().cells().is_some() || force || holes
     }
 
     /// The body force (force/area), if it is the same everywhere.
     pub fn constant_force(&self) -> Option<[f64; 2]> {
-        let [x, y] = self.body_force.as_ref()?;
+        let [x, y] = self.body().force.as_ref()?;
         Some([x.constant()?, y.constant()?])
     }
 
@@ -51,7 +51,7 @@ impl Scene {
     /// # Errors
     /// A value that is not finite: names point and expression.
     pub fn force_at(&self, [x, y]: [f64; 2]) -> Result<[f64; 2], DataError> {
-        let Some(force) = &self.body_force else { return Ok([0.0; 2]) };
+        let Some(force) = &self.body().force else { return Ok([0.0; 2]) };
         let value = force.each_ref().map(|f| f.eval(x, y, 0.0));
         match value.iter().position(|v| !v.is_finite()) {
             None => Ok(value),
@@ -65,7 +65,7 @@ impl Scene {
     /// Whether the scene has what its model needs, and nothing that the model cannot treat.
     pub(super) fn check_model(&self) -> Result<(), DataError> {
         self.check_exterior()?;
-        match (self.is_on_grid(), &self.grid) {
+        match (self.is_on_grid(), &self.body().grid) {
             (false, _) => self.check_uniform(),
             (true, Some(grid)) => self.check_grid(grid),
             (true, None) => Err(self.grid_error()),
@@ -74,7 +74,7 @@ impl Scene {
 
     /// Boundary elements: one material, one force.
     fn check_uniform(&self) -> Result<(), DataError> {
-        if self.cells.is_some() {
+        if self.body().cells().is_some() {
             let message = "boundary elements need one material, and [material.cells] has one for each cell".to_owned();
             let help = "use model = \"auto\" with a [grid], or give one Young's modulus as material.young";
             return Err(DataError::at(Kind::Conflict, &[vec!["method", "model"]], message, help));
@@ -85,7 +85,7 @@ impl Scene {
 
     /// What is wrong with a force that depends on the place.
     fn force_that_varies(&self, help: &str) -> Option<DataError> {
-        let force = self.body_force.as_ref()?;
+        let force = self.body().force.as_ref()?;
         let k = force.iter().position(|f| f.constant().is_none())?;
         let text = force[k].text();
         let message = format!("body_force.value[{k}] depends on the place: {text:?}; with boundary elements it cannot");
@@ -96,13 +96,13 @@ impl Scene {
     pub fn grid_error(&self) -> DataError {
         let add = format!("add {}", fitting_grid(self));
         let asked = self.method.model != Model::Auto;
-        if self.cells.is_none() && !asked {
+        if self.body().cells().is_none() && !asked {
             let help = format!("give one constant force, or {add}");
             if let Some(error) = self.force_that_varies(&help) {
                 return error;
             }
         }
-        let (message, key) = match (asked, &self.cells) {
+        let (message, key) = match (asked, self.body().cells()) {
             (true, _) => ("finite elements need a [grid]", vec!["method", "model"]),
             (false, Some(_)) => ("a material that differs from cell to cell needs a [grid]", vec!["material", "cells"]),
             (false, None) => ("a body with a force or holes in it, in a medium, needs a [grid]", vec!["body"]),
@@ -133,6 +133,6 @@ impl Scene {
             false => check_body(self, grid.cells(), "fine")?,
             true => check_body(self, grid.coarse, "coarse")?,
         }
-        self.cells.as_ref().map_or(Ok(()), |cells| check_modulus_cells(self, cells, grid.cells()).map(drop))
+        self.body().cells().map_or(Ok(()), |cells| check_modulus_cells(self, cells, grid.cells()).map(drop))
     }
 }

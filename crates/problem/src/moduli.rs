@@ -5,7 +5,7 @@ use steklov_msfem::Grid;
 use steklov_quadrature::unit_uniform;
 
 use super::grid_fit::bounding_box;
-use super::{CellModuli, Cells, DataError, DataErrorKind as Kind, MOST_CELLS, Scene};
+use super::{CellModuli, Cells, DataError, DataErrorKind as Kind, MOST_CELLS, Scene, Substance};
 
 /// Relative distance of a quotient from a whole number that counts as rounding.
 const WHOLE: f64 = 1e-9;
@@ -38,7 +38,7 @@ pub fn modulus_cells(polygon: &Polygon, size: f64) -> Option<[usize; 2]> {
 /// # Errors
 /// A size that does not divide the sides of the bounding box, or that the fine cells do not divide.
 pub fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Result<[usize; 2], DataError> {
-    let (_, box_size) = bounding_box(&scene.polygon);
+    let (_, box_size) = bounding_box(&scene.body().outline);
     let refuse = |message, help: &str| Err(DataError::at(Kind::Value, &[SIZE.to_vec()], message, help));
     let quotients = box_size.map(|side| side / cells.size);
     let [Some(nx), Some(ny)] = quotients.map(whole) else {
@@ -61,7 +61,7 @@ pub fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Re
     }
     let h = [0, 1].map(|k| box_size[k] / fine[k] as f64);
     let message = format!("fine cells of {} by {} do not divide modulus cells of the size {}", h[0], h[1], cells.size);
-    let help = scene.grid.as_ref().map_or_else(String::new, |grid| {
+    let help = scene.body().grid.as_ref().map_or_else(String::new, |grid| {
         let [x, y] = [0, 1].map(|k| fitting_fine([nx, ny][k], grid.coarse[k], grid.fine[k]));
         format!("a modulus cell is made of whole fine cells: take grid.fine = [{x}, {y}]")
     });
@@ -83,9 +83,10 @@ const YOUNG: [&str; 3] = ["material", "cells", "young"];
 /// is not positive and finite, with its place.
 pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, DataError> {
     let [nx, ny] = grid.cells;
-    let Some(cells) = &scene.cells else { return Ok(vec![scene.material.young; nx * ny]) };
+    let body = scene.body();
+    let Substance::Cells(cells) = &body.substance else { return Ok(vec![body.material().young; nx * ny]) };
     let counts = check_modulus_cells(scene, cells, grid.cells)?;
-    let (low, _) = bounding_box(&scene.polygon);
+    let (low, _) = bounding_box(&scene.body().outline);
     let centre = |i: usize| [0, 1].map(|k| low[k] + cells.size * ([i / counts[1], i % counts[1]][k] as f64 + 0.5));
     let all = 0..counts[0] * counts[1];
     let values = match &cells.young {

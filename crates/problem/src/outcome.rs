@@ -6,7 +6,7 @@ use std::sync::Arc;
 use steklov_elastic::Material;
 use steklov_expression::{Expression, FieldValue};
 
-use super::{Condition, DataError, DataErrorKind as Kind, Friction, Random, Scene};
+use super::{Condition, Contact, DataError, DataErrorKind as Kind, Friction, Law, Random, Scene, Substance};
 
 /// The values of all names of an outcome: an expression that uses a random one is read again with them.
 struct Names<'a> {
@@ -59,34 +59,32 @@ impl Scene {
         constants.extend(values);
         let names = Names { random, constants, fields };
         let mut outcome = Self { random: None, unused: Vec::new(), ..self.clone() };
+        let problem = &mut outcome.problem;
         if let Some(young) = &random.constants.young {
-            outcome.material = with_young(&self.material, names.value(young)?, young)?;
+            let material = with_young(&self.body().material(), names.value(young)?, young)?;
+            problem.bodies[0].substance = Substance::Homogeneous(material);
         }
-        for side in &mut outcome.sides {
+        for side in &mut problem.bodies[0].sides {
             names.all(side.condition.expressions_mut())?;
         }
-        if let Some(medium) = &mut outcome.exterior {
-            if self.polygon.is_bounded() {
-                names.all(medium.expressions_mut())?;
-            } else {
-                medium.material = outcome.material;
-            }
-            if let Some(stress) = &random.constants.remote_stress {
-                for (value, expression) in medium.remote_stress.iter_mut().zip(stress) {
-                    *value = names.value(expression)?;
-                }
-                if medium.remote_stress.iter().any(|s| !s.is_finite()) {
-                    let message = format!("exterior.remote_stress is {:?}", medium.remote_stress);
-                    return Err(DataError::at(
-                        Kind::Value,
-                        &[vec!["exterior", "remote_stress"]],
-                        message,
-                        "it must be finite",
-                    ));
-                }
+        for interface in &mut problem.interfaces {
+            match &mut interface.law {
+                Law::Contact(contact) => names.all(contact.expressions_mut())?,
+                Law::Tied(tie) => names.all(tie.expressions_mut())?,
             }
         }
-        if let Some(force) = &mut outcome.body_force {
+        let medium = problem.bodies.iter_mut().find_map(|body| body.far.as_mut());
+        if let (Some(far), Some(stress)) = (medium, &random.constants.remote_stress) {
+            for (value, expression) in far.remote_stress.iter_mut().zip(stress) {
+                *value = names.value(expression)?;
+            }
+            if far.remote_stress.iter().any(|s| !s.is_finite()) {
+                let message = format!("exterior.remote_stress is {:?}", far.remote_stress);
+                let key = vec!["exterior", "remote_stress"];
+                return Err(DataError::at(Kind::Value, &[key], message, "it must be finite"));
+            }
+        }
+        if let Some(force) = &mut problem.bodies[0].force {
             names.all(force.iter_mut())?;
             for (k, expression) in force.iter().enumerate() {
                 if let Some(number) = expression.constant().filter(|v| !v.is_finite()) {
@@ -117,13 +115,17 @@ impl Condition {
             Self::Displacement { values, traction } => {
                 Box::new(values.iter_mut().flatten().chain(traction.iter_mut().flatten()))
             }
-            Self::Contact { gap, friction } => {
-                let law = match friction {
-                    Friction::None => None,
-                    Friction::Tresca(of) | Friction::Coulomb(of) => Some(of),
-                };
-                Box::new(std::iter::once(gap).chain(law))
-            }
         }
+    }
+}
+
+impl Contact {
+    /// The expressions of gap and friction.
+    fn expressions_mut(&mut self) -> impl Iterator<Item = &mut Expression> {
+        let law = match &mut self.friction {
+            Friction::None => None,
+            Friction::Tresca(of) | Friction::Coulomb(of) => Some(of),
+        };
+        std::iter::once(&mut self.gap).chain(law)
     }
 }

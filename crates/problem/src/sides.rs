@@ -2,7 +2,7 @@
 
 use steklov_expression::Expression;
 
-/// Condition on a side; n points out of the body.
+/// Condition on a side; n points out of the body. Sides that meet an obstacle or another body are free besides.
 #[derive(Debug, Clone)]
 pub enum Condition {
     /// No traction.
@@ -18,19 +18,33 @@ pub enum Condition {
         /// Traction (stress) on the free component; the held one is 0.
         traction: Option<[Expression; 2]>,
     },
-    /// Contact with a rigid obstacle.
-    Contact {
-        /// Distance to the obstacle along n from the undeformed point (length); negative is an overlap.
-        gap: Expression,
-        /// Law of friction.
-        friction: Friction,
-    },
 }
 
 impl Condition {
     /// No displacement.
     pub fn held() -> Self {
         Self::Displacement { values: [Some(Expression::number(0.0)), Some(Expression::number(0.0))], traction: None }
+    }
+}
+
+/// Contact of sides with a rigid obstacle.
+#[derive(Debug, Clone)]
+pub struct Contact {
+    /// Distance to the obstacle along n from the undeformed point (length); negative is an overlap.
+    pub gap: Expression,
+    /// Law of friction.
+    pub friction: Friction,
+}
+
+impl Contact {
+    /// Their gap and the bound or coefficient of their law.
+    pub fn data(&self) -> Vec<(&'static str, &Expression)> {
+        let friction = match &self.friction {
+            Friction::None => None,
+            Friction::Tresca(bound) => Some(("friction bound", bound)),
+            Friction::Coulomb(coefficient) => Some(("friction coefficient", coefficient)),
+        };
+        [("gap", &self.gap)].into_iter().chain(friction).collect()
     }
 }
 

@@ -2,7 +2,6 @@
 
 use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch};
 
-use super::check::data;
 use super::{Random, RandomName, Scene};
 
 /// Boxes of one germ that are looked at for the zeros of a switch.
@@ -66,12 +65,12 @@ impl Scene {
         let mut all: Vec<(Expression, Vec<[[f64; 2]; 2]>)> = Vec::new();
         let young = random.constants.young.as_ref();
         all.extend(young.and_then(|young| free(young.text())).map(|e| (e, nowhere.clone())));
-        let forces = self.body_force.iter().flatten();
+        let forces = self.body().force.iter().flatten();
         all.extend(forces.filter_map(|e| free(e.text())).map(|e| (e, nowhere.clone())));
-        for (index, side) in self.sides.iter().enumerate() {
-            let edges = self.polygon.edges().iter().filter(|e| e.side == index);
+        for index in 0..self.body().sides.len() {
+            let edges = self.body().outline.edges().iter().filter(|e| e.side == index);
             let paths: Vec<[[f64; 2]; 2]> = edges.map(|e| [e.point(0.0), e.point(1.0)]).collect();
-            let read = data(side).into_iter().filter_map(|(_, e)| free(e.text()));
+            let read = self.problem.side_data(index).into_iter().filter_map(|(_, e)| free(e.text()));
             all.extend(read.map(|e| (e, paths.clone())));
         }
         let germs_of = |name: &RandomName| match name {

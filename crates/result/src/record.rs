@@ -75,7 +75,7 @@ impl Record {
         let solved = &run.last;
         let mut grid = body_grid(scene, solved, stochastic.as_ref().zip(run.body.as_ref()));
         let around = solved.around.clone().map(|around| {
-            let window = window(&scene.polygon, &around);
+            let window = window(&scene.body().outline, &around);
             (around, window)
         });
         if let Some((around, window)) = &around {
@@ -147,7 +147,7 @@ fn frame(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
 
 /// The body with its fields, of an unbounded one a window; without triangles where the outline cannot be triangulated.
 fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
-    let polygon = &scene.polygon;
+    let polygon = &scene.body().outline;
     let order: Vec<usize> = (0..polygon.loops().len()).flat_map(|l| polygon.traversal(l)).collect();
     let (frame, count) = if polygon.is_bounded() { (Vec::new(), BODY_POINTS) } else { (frame(polygon), WINDOW_POINTS) };
     let sides = frame.len();
@@ -184,7 +184,7 @@ fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult
     let mut point_data = vec![
         field("displacement", "length", 3, displacements(&values)),
         field("stress", "stress", 3, stresses(&values)),
-        field("von_mises", "stress", 1, values.iter().map(|(_, s)| scene.material.von_mises(*s)).collect()),
+        field("von_mises", "stress", 1, values.iter().map(|(_, s)| scene.body().material().von_mises(*s)).collect()),
     ];
     // the particular solution depends on the outcome: without its mean there are no mean fields
     if let Some((result, matrices)) = outcomes.filter(|_| solved.particular.is_none()) {

@@ -1,19 +1,19 @@
 //! `[exterior]`: the unbounded medium around the body, or around the hole that the corners of `[body]` outline.
 
 use steklov_coupling::Radiation;
-use steklov_elastic::Plane;
-use steklov_problem::{DataError, DataErrorKind as Kind, MediumInput};
+use steklov_elastic::{Material, Plane};
+use steklov_problem::{DataError, DataErrorKind as Kind, FarField, Tie};
 
 use super::body::material;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 
-/// Reads `[exterior]`; `body`: the plane of the body's material, None of a hole in the medium.
+/// Reads `[exterior]`, the medium and how a body is tied to it; `body`: the plane of the body's material, None of a hole in the medium.
 pub(super) fn exterior(
     field: &Field<'_>,
     body: Option<Plane>,
     context: &Context<'_>,
-) -> Result<MediumInput, DataError> {
+) -> Result<(Material, FarField, Tie), DataError> {
     let jumps = ["displacement_jump", "traction_jump", "stress_jump"];
     let [displacement, traction, stress] = jumps;
     let fields = Fields::new(field, &keys::EXTERIOR)?;
@@ -61,7 +61,8 @@ pub(super) fn exterior(
     let radiation = stated.unwrap_or(Radiation::Decaying);
     let (displacement_jump, traction_jump) = (pair(displacement)?, pair(traction)?);
     let stated = stated.is_some();
-    Ok(MediumInput { material, displacement_jump, traction_jump, stress_jump, remote_stress, radiation, stated, named })
+    let far = FarField { remote_stress, radiation, stated, named };
+    Ok((material, far, Tie { displacement_jump, traction_jump, stress_jump }))
 }
 
 /// The three entries xx, yy, xy of a symmetric tensor.

@@ -3,6 +3,7 @@
 use std::path::Path;
 
 use steklov_bem_operators::Polygon;
+use steklov_elastic::Material;
 use steklov_io::{IoError, load_foreign_table};
 use steklov_problem::{
     BasisInput, CellModuli, Cells, DataError, DataErrorKind as Kind, GridInput, MOST_CELLS, Source, modulus_cells,
@@ -43,7 +44,13 @@ pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, DataError> {
     Ok(GridInput { coarse, fine, basis, oversample })
 }
 
-pub(super) fn cells(field: &Field<'_>, polygon: &Polygon, context: &Context<'_>) -> Result<Cells, DataError> {
+/// Reads `[material.cells]`; the material is that of modulus 1.
+pub(super) fn cells(
+    field: &Field<'_>,
+    polygon: &Polygon,
+    of_unit_modulus: impl FnOnce() -> Result<Material, DataError>,
+    context: &Context<'_>,
+) -> Result<Cells, DataError> {
     let fields = Fields::new(field, &keys::CELLS)?;
     let size = fields.require("size", "size = the edge length of a cell")?;
     let size = size.number_where(|v| v > 0.0 && v.is_finite(), "a positive length")?;
@@ -52,7 +59,7 @@ pub(super) fn cells(field: &Field<'_>, polygon: &Polygon, context: &Context<'_>)
         Value::Table(_) => table(&young, modulus_cells(polygon, size), context.source)?,
         _ => CellModuli::Expression(young.expression_inside(context)?),
     };
-    Ok(Cells { size, young })
+    Ok(Cells { size, young, of_unit_modulus: of_unit_modulus()? })
 }
 
 /// Moduli that are random numbers or come from a file; `cells`: how many there are along x and y, if they fit the body.

@@ -10,7 +10,7 @@
 //!             material = { young = 200.0, poisson = 0.3 }\nsides.top.pressure = 1\n\
 //!             sides.floor.displacement = [0, 0]\n";
 //! let scene = steklov_scene::parse(text, "block.toml", &["method.tolerance=1e-5".to_owned()])?;
-//! assert_eq!((scene.material.young, scene.method.tolerance), (200.0, 1e-5));
+//! assert_eq!((scene.body().material().young, scene.method.tolerance), (200.0, 1e-5));
 //!
 //! let error = steklov_scene::parse(&text.replace("young", "yuong"), "block.toml", &[]).unwrap_err();
 //! assert_eq!((error.line(), error.help.as_str()), (Some(3), "did you mean young?"));
@@ -30,10 +30,12 @@ mod exterior;
 
 use std::path::Path;
 
-use steklov_bem_operators::Polygon;
+use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
+use steklov_expression::Expression;
 use steklov_problem::{
-    Cells, Condition, DataError, DataErrorKind as Kind, MediumInput, Random, Scene, Side, Source, Stochastic,
+    Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Problem, Random, Scene, Side,
+    Source, Stochastic, Substance, Tie,
 };
 
 pub use error::{SceneError, located};
@@ -134,10 +136,10 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
     let Parameters { values: parameters, uses: parameter_uses } =
         fields.get("parameters").map_or_else(|| Ok(Parameters::default()), |p| body::parameters(&p, source))?;
     let cavity = fields.get("material").is_none() && fields.get("exterior").is_some();
-    let polygon = body::body(&fields.require("body", "a table [body] with corners and sides")?, cavity)?;
+    let outline = body::body(&fields.require("body", "a table [body] with corners and sides")?, cavity)?;
     let mut context = Context::new(source, parameters.clone());
     let declared = match fields.get("random") {
-        Some(field) => random::random(&field, &polygon, &mut context)?,
+        Some(field) => random::random(&field, &outline, &mut context)?,
         None => Vec::new(),
     };
     let stochastic = fields.get("stochastic").map_or_else(|| Ok(Stochastic::default()), |f| random::stochastic(&f))?;
@@ -147,68 +149,48 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
         false => {
             let field = fields.require("material", "a table [material] with young and poisson")?;
             random::check_poisson(&field, &declared, &context)?;
-            Some(material(&field, &polygon, &context)?)
+            Some(substance(&field, &outline, &context)?)
         }
     };
-    let plane = body.as_ref().map(|(material, _)| material.plane);
+    let plane = body.as_ref().map(|substance| match substance {
+        Substance::Homogeneous(material) => material.plane,
+        Substance::Cells(cells) => cells.of_unit_modulus.plane,
+    });
     let exterior = fields.get("exterior").map(|field| {
         random::check_poisson(&field, &declared, &context)?;
         exterior::exterior(&field, plane, &context)
     });
-    let mut exterior = exterior.transpose()?;
-    let (material, cells) = match (body, &exterior) {
-        (Some(body), _) => body,
-        (None, Some(exterior)) => (exterior.material, None),
-        (None, None) => unreachable!("a hole has a medium around it"),
-    };
+    let exterior = exterior.transpose()?;
     let in_material = context.used.borrow().clone();
     let grid = fields.get("grid").map(|field| grid::grid(&field)).transpose()?;
-    let sides = sides::sides(fields.get("sides").as_ref(), &polygon, &context)?;
+    let (sides, contacts) = sides::sides(fields.get("sides").as_ref(), &outline, &context)?;
     let in_sides = context.used.take();
-    let holds = |side: &Side| matches!(side.condition, Condition::Displacement { .. } | Condition::Contact { .. });
-    if let Some(exterior) = exterior.as_mut().filter(|_| cavity && sides.iter().any(holds)) {
-        exterior.bounded_by_supports();
-    }
-    let body_force = fields.get("body_force").map(|f| body::body_force(&f, &context)).transpose()?;
-    let probe = fields
-        .get("probe")
-        .map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &polygon, exterior.is_some() && !cavity))?;
+    let force = fields.get("body_force").map(|f| body::body_force(&f, &context)).transpose()?;
+    let problem = problem(Parts { outline, substance: body, grid, sides, contacts, force, exterior })?;
+    let around = problem.tie().is_some();
+    let probe =
+        fields.get("probe").map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &problem.bodies[0].outline, around))?;
     let method = method::method(fields.get("method"))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;
     }
-    let by_force = body_force.is_some() && exterior.is_some() && !cavity;
+    let by_force = problem.bodies[0].force.is_some() && around;
     if !by_force {
-        something_acts(&fields, &polygon, exterior.as_ref(), &sides)?;
+        something_acts(&fields, &problem)?;
     }
     let in_body_force = context.used.take();
-    random::check_fields(&sides, &declared)?;
+    random::check_fields(&problem, &declared)?;
     let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
     let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
-    let uses = random::uses(&sides, &is_random, in_material.iter().any(is_random), &in_body_force);
+    let uses = random::uses(&problem, &is_random, in_material.iter().any(is_random), &in_body_force);
     let mut unused: Vec<String> = declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)).collect();
     unused.extend(unused_parameters(&parameter_uses, &used));
     let constants = random::constants(&fields, cavity, &is_random, &context)?;
     let (names, germs) = random::used(declared, &used)?;
     let random = Random { names, germs, stochastic, uses, cuts: Vec::new(), constants };
     let random = (!random.names.is_empty()).then_some(random);
-    let mut scene = Scene {
-        title,
-        polygon,
-        material,
-        cells,
-        grid,
-        exterior,
-        parameters,
-        sides,
-        body_force,
-        probe,
-        method,
-        expect,
-        random,
-        unused,
-    };
+    let mut scene = Scene { title, problem, parameters, probe, method, expect, random, unused };
     let cuts = scene.random.as_ref().map(|random| scene.cuts(random));
     if let (Some(random), Some(cuts)) = (&mut scene.random, cuts) {
         random.cuts = cuts;
@@ -216,23 +198,69 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
     Ok(scene)
 }
 
+/// What the tables say of the problem.
+struct Parts {
+    outline: Polygon,
+    /// That of the body; none of a hole.
+    substance: Option<Substance>,
+    grid: Option<GridInput>,
+    sides: Vec<Side>,
+    contacts: Vec<Option<Contact>>,
+    force: Option<[Expression; 2]>,
+    exterior: Option<(Material, FarField, Tie)>,
+}
+
+/// The bodies and interfaces of a scene.
+fn problem(parts: Parts) -> Result<Problem, DataError> {
+    let Parts { outline, substance, grid, sides, contacts, force, exterior } = parts;
+    let held = |side: &Side| matches!(side.condition, Condition::Displacement { .. });
+    let supported = sides.iter().any(held) || contacts.iter().any(Option::is_some);
+    let mut problem = match (substance, &exterior) {
+        (Some(substance), _) => Problem::new(outline, substance),
+        (None, Some((material, far, _))) => {
+            let mut problem = Problem::new(outline, Substance::Homogeneous(*material));
+            let mut far = far.clone();
+            if supported {
+                far.bounded_by_supports();
+            }
+            problem.bodies[0].far = Some(far);
+            problem
+        }
+        (None, None) => unreachable!("a hole has a medium around it"),
+    };
+    let body = &mut problem.bodies[0];
+    let cavity = body.far.is_some();
+    *body = Body { sides, grid, force, ..body.clone() };
+    for (side, contact) in contacts.into_iter().enumerate() {
+        if let Some(contact) = contact {
+            problem.touch(side, contact);
+        }
+    }
+    if let Some((material, far, tie)) = exterior.filter(|_| !cavity) {
+        let refuse = |e: PolygonError| {
+            let help = "a medium surrounds a body whose outer loop is the outline of a hole";
+            DataError::at(Kind::Geometry, &[vec!["body", "corners"]], e.to_string(), help)
+        };
+        problem.surround(material, far, tie).map_err(refuse)?;
+    }
+    Ok(problem)
+}
+
 /// Whether a side or the medium loads, holds or touches the body.
-fn something_acts(
-    fields: &Fields<'_>,
-    polygon: &Polygon,
-    medium: Option<&MediumInput>,
-    sides: &[Side],
-) -> Result<(), DataError> {
-    let by_side = sides.iter().any(|side| !matches!(side.condition, Condition::Free));
-    if by_side || medium.is_some_and(MediumInput::is_loaded) {
+fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), DataError> {
+    let body = &problem.bodies[0];
+    let by_side = (0..body.sides.len())
+        .any(|side| !matches!(body.sides[side].condition, Condition::Free) || problem.contact(side).is_some());
+    let medium = problem.medium().and_then(|medium| medium.far.as_ref());
+    if by_side || medium.is_some_and(FarField::is_loaded) || problem.tie().is_some_and(Tie::is_loaded) {
         return Ok(());
     }
     let place = fields.get("sides").map_or(fields.place, |f| f.item.place);
-    let names = polygon.side_names().join(", ");
+    let names = body.outline.side_names().join(", ");
     let sides = format!("[sides.NAME] with contact, displacement, traction or pressure; the sides are {names}");
     let help = match medium {
         None => format!("add a table {sides}"),
-        Some(_) if !polygon.is_bounded() => format!("add exterior.remote_stress, or a table {sides}"),
+        Some(_) if body.far.is_some() => format!("add exterior.remote_stress, or a table {sides}"),
         Some(_) => "add exterior.remote_stress, displacement_jump or traction_jump, or a [body_force]".to_owned(),
     };
     Err(DataError::new(Kind::MissingKey, place, "nothing loads, holds or touches the body", help))
@@ -257,11 +285,7 @@ fn unused_parameters<'a>(
 }
 
 /// `[material]`; with `cells` these give Young's modulus.
-fn material(
-    field: &Field<'_>,
-    polygon: &Polygon,
-    context: &Context<'_>,
-) -> Result<(Material, Option<Cells>), DataError> {
+fn substance(field: &Field<'_>, outline: &Polygon, context: &Context<'_>) -> Result<Substance, DataError> {
     let fields = Fields::new(field, &keys::MATERIAL)?;
     match (fields.get("cells"), fields.get("young")) {
         (Some(cells), Some(young)) => Err(DataError::new(
@@ -271,12 +295,12 @@ fn material(
             "the cells give Young's modulus: remove one of the two",
         )),
         (Some(cells), None) => {
-            let cells = grid::cells(&cells, polygon, context)?;
-            Ok((body::material(&fields, context, 1.0)?, Some(cells)))
+            let of_unit_modulus = || body::material(&fields, context, 1.0);
+            Ok(Substance::Cells(grid::cells(&cells, outline, of_unit_modulus, context)?))
         }
         (None, _) => {
             let young = fields.require("young", "young = 200.0, in the scene's unit of stress")?.constant(context)?;
-            Ok((body::material(&fields, context, young)?, None))
+            Ok(Substance::Homogeneous(body::material(&fields, context, young)?))
         }
     }
 }

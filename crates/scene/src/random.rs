@@ -6,7 +6,7 @@ use std::sync::Arc;
 use steklov_bem_operators::Polygon;
 use steklov_expression::{Expression, Place, RandomField, Support};
 use steklov_problem::{
-    DataError, DataErrorKind as Kind, Germ, RandomConstants, RandomName, Sampling, Side, Stochastic, Uses, side_data,
+    DataError, DataErrorKind as Kind, Germ, Problem, RandomConstants, RandomName, Sampling, Stochastic, Uses,
 };
 use steklov_stochastic::{Covariance, Distribution, Kernel, StochasticError, Truncation, Variable};
 
@@ -80,9 +80,9 @@ pub(super) fn used(
 }
 
 /// A field on a side has no value on the others.
-pub(super) fn check_fields(sides: &[Side], declared: &[(String, Declared)]) -> Result<(), DataError> {
-    for side in sides {
-        for (what, expression) in side_data(side) {
+pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -> Result<(), DataError> {
+    for (index, side) in problem.bodies[0].sides.iter().enumerate() {
+        for (what, expression) in problem.side_data(index) {
             for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
                 if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared
                     && *on != side.name
@@ -119,14 +119,14 @@ pub(super) fn check_poisson(
 
 /// Which data use a random name.
 pub(super) fn uses(
-    sides: &[Side],
+    problem: &Problem,
     is_random: &dyn Fn(&String) -> bool,
     young: bool,
     in_body_force: &BTreeSet<String>,
 ) -> Uses {
     let mut uses = Uses { young, loads: in_body_force.iter().any(is_random), ..Uses::default() };
-    for side in sides {
-        for (what, expression) in side_data(side) {
+    for side in 0..problem.bodies[0].sides.len() {
+        for (what, expression) in problem.side_data(side) {
             if expression.names().iter().any(is_random) {
                 match what {
                     "traction" | "pressure" => uses.loads = true,

@@ -2,52 +2,61 @@
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::Expression;
-use steklov_problem::{Condition, DataError, DataErrorKind as Kind, Friction, Side};
+use steklov_problem::{Condition, Contact, DataError, DataErrorKind as Kind, Friction, Side};
 
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
 
-/// The sides in the order of [`Polygon::side_names`].
+/// What a table says of a side.
+enum Given {
+    Condition(Condition),
+    Contact(Contact),
+}
+
+/// The sides in the order of [`Polygon::side_names`], and the contacts of some of them.
 pub(super) fn sides(
     field: Option<&Field<'_>>,
     polygon: &Polygon,
     context: &Context<'_>,
-) -> Result<Vec<Side>, DataError> {
+) -> Result<(Vec<Side>, Vec<Option<Contact>>), DataError> {
     let names = polygon.side_names();
     let mut sides: Vec<Side> =
         names.iter().map(|name| Side { name: name.clone(), condition: Condition::Free }).collect();
-    let Some(field) = field else { return Ok(sides) };
+    let mut contacts: Vec<Option<Contact>> = vec![None; names.len()];
+    let Some(field) = field else { return Ok((sides, contacts)) };
     for (key, place, table) in Fields::open(field)?.all() {
-        let Some(side) = sides.iter_mut().find(|side| side.name == key) else {
+        let Some(index) = names.iter().position(|name| name == key) else {
             let message = format!("the body has no side {key:?}");
             let help = suggestion(key, names.iter().map(String::as_str));
             return Err(DataError::new(Kind::UnknownKey, place, message, help));
         };
-        side.condition = condition(&table, context)?;
+        match given(&table, context)? {
+            Given::Condition(condition) => sides[index].condition = condition,
+            Given::Contact(contact) => contacts[index] = Some(contact),
+        }
     }
-    Ok(sides)
+    Ok((sides, contacts))
 }
 
-fn condition(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, DataError> {
+fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, DataError> {
     let fields = Fields::new(field, &keys::SIDE)?;
     let given: Vec<(&str, Field<'_>)> = keys::SIDE.iter().filter_map(|&key| Some((key, fields.get(key)?))).collect();
-    match &given[..] {
-        [] => Ok(Condition::Free),
-        [("contact", contact)] => self::contact(contact, context),
-        [("pressure", pressure)] => Ok(Condition::Pressure(pressure.expression(context)?)),
-        [("traction", traction)] => Ok(Condition::Traction(traction.expressions(context)?)),
-        [(_, values)] => displacement(values, None, context),
-        [("displacement", values), ("traction", traction)] => displacement(values, Some(traction), context),
-        [(first, _), .., (second, other)] => Err(DataError::new(
-            Kind::Conflict,
-            other.item.place,
-            format!("{} has both {first} and {second}; a side has one condition", field.name),
-            format!(
+    Ok(Given::Condition(match &given[..] {
+        [] => Condition::Free,
+        [("contact", contact)] => return Ok(Given::Contact(self::contact(contact, context)?)),
+        [("pressure", pressure)] => Condition::Pressure(pressure.expression(context)?),
+        [("traction", traction)] => Condition::Traction(traction.expressions(context)?),
+        [(_, values)] => displacement(values, None, context)?,
+        [("displacement", values), ("traction", traction)] => displacement(values, Some(traction), context)?,
+        [(first, _), .., (second, other)] => {
+            let message = format!("{} has both {first} and {second}; a side has one condition", field.name);
+            let help = format!(
                 "remove {first} or {second}; only a displacement with a \"free\" component may have a traction beside it"
-            ),
-        )),
-    }
+            );
+            return Err(DataError::new(Kind::Conflict, other.item.place, message, help));
+        }
+    }))
 }
 
 fn displacement(
@@ -92,13 +101,13 @@ fn displacement(
     Ok(Condition::Displacement { values, traction: Some(traction) })
 }
 
-fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, DataError> {
+fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Contact, DataError> {
     let fields = Fields::new(field, &keys::CONTACT)?;
     let gap = match fields.get("gap") {
         Some(gap) => gap.expression(context)?,
         None => Expression::number(0.0),
     };
-    let Some(law) = fields.get("friction") else { return Ok(Condition::Contact { gap, friction: Friction::None }) };
+    let Some(law) = fields.get("friction") else { return Ok(Contact { gap, friction: Friction::None }) };
     if !matches!(law.item.value, Value::Table(_)) {
         return Err(law.wrong_type("a law: { tresca = \"0.3\" } or { coulomb = \"0.2\" }"));
     }
@@ -116,5 +125,5 @@ fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Condition, DataEr
             return Err(DataError::new(Kind::MissingKey, law.item.place, message, help));
         }
     };
-    Ok(Condition::Contact { gap, friction })
+    Ok(Contact { gap, friction })
 }

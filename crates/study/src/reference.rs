@@ -232,7 +232,8 @@ fn distance(
     refinement: &Subdivision,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<TrueError, SolveError> {
-    let (exact, body, _) = solve(scene, refinement.mesh(&scene.polygon)?, false, &mut PairCache::default(), observe)?;
+    let (exact, body, _) =
+        solve(scene, refinement.mesh(&scene.body().outline)?, false, &mut PairCache::default(), observe)?;
     let mut difference = prolong(mesh, displacement, &exact);
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
     remove_motions(&mut difference, &exact);

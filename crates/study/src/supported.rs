@@ -6,7 +6,7 @@ use steklov_model::data::Data;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::solve::SolveError;
 use steklov_model::supports::Supports;
-use steklov_problem::{Condition, Refine, Scene};
+use steklov_problem::{Refine, Scene};
 use steklov_quadrature::gauss_legendre;
 
 /// S of a mesh and what is held of it.
@@ -33,12 +33,12 @@ impl Supported {
         let held = Data { scene, mesh: &mesh, space: &space }.held()?;
         let supports = Supports { space: &space, held: &held };
         let (fixed, motions) = (supports.dofs(), scene.unresisted(supports.free_motions()));
-        let operators = Operators::assemble(&mesh, &space, &scene.material, None)?;
+        let operators = Operators::assemble(&mesh, &space, &scene.body().material(), None)?;
         let Steklov { matrix: mut stiffness, traction } = Steklov::new(operators, scene.domain())?;
         let length: f64 = (0..mesh.len()).map(|e| mesh.length(e)).sum();
         for motion in motions {
             let (moments, square) = moments(&mesh, &space, |x| motion.at(x));
-            let size = scene.material.young / (square * length);
+            let size = scene.body().material().young / (square * length);
             for j in 0..stiffness.ncols() {
                 (0..stiffness.nrows()).for_each(|i| stiffness[(i, j)] += size * moments[i] * moments[j]);
             }
@@ -68,8 +68,7 @@ fn moments(mesh: &Mesh, space: &Space, r: impl Fn([f64; 2]) -> [f64; 2]) -> (Vec
 
 /// The sides that are in contact.
 pub fn contact_sides(scene: &Scene) -> Vec<usize> {
-    let sides = scene.sides.iter().enumerate();
-    sides.filter(|(_, s)| matches!(s.condition, Condition::Contact { .. })).map(|(k, _)| k).collect()
+    scene.contacts().map(|(side, _)| side).collect()
 }
 
 /// The scene's mesh with so many times its elements.

@@ -148,7 +148,7 @@ pub(super) fn boundary_only(scene: &Scene) -> Result<(), Failure> {
     if !scene.is_on_grid() {
         return Ok(());
     }
-    let other = if scene.exterior.is_some() { "coupling" } else { "multiscale" };
+    let other = if scene.problem.medium().is_some() { "coupling" } else { "multiscale" };
     let message = format!(
         "error: the model of the scene is \"{}\", and this study is of boundary elements: take --what {other}, or \
          --set 'method.model=\"bem\"' if the body is of one material",

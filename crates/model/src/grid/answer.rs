@@ -38,13 +38,13 @@ pub fn answer_of_grid(scene: &Scene, run: &GridRun, rows: &[ContactRow]) -> Summ
         _ => true,
     };
     // prescribed displacements that vary are interpolated, and reactions do work on what that leaves
-    let applies = solved.coarse.is_none() && solved.around.is_none() && scene.sides.iter().all(constant);
+    let applies = solved.coarse.is_none() && solved.around.is_none() && scene.body().sides.iter().all(constant);
     let correction = estimate.filter(|e| applies && e.doubts().is_empty()).map(|e| e.fine_grid / 2.0);
     let extrapolated = correction.map(|c| (solved.energies.total - c, c));
     let part = |k: usize| run.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
     let probe = |&point: &[f64; 2]| {
         let (displacement, stress) = match &solved.around {
-            Some(around) if scene.polygon.contains(point) == Location::Outside => around.at(point),
+            Some(around) if scene.body().outline.contains(point) == Location::Outside => around.at(point),
             _ => solved.at(point),
         };
         Probe { point, displacement, stress, stress_unbounded: false }

@@ -6,7 +6,7 @@ use steklov_bem_operators::{Datum, Mesh, Site, Space};
 use steklov_contact::oscillation;
 use steklov_coupling::{Coupled, CouplingError, Form, InterfaceIndicators, Interior, Jumps, Medium, Transmission};
 use steklov_msfem::{CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
-use steklov_problem::{MediumInput, Scene};
+use steklov_problem::{Scene, Surroundings};
 
 use super::layout::GridLayout;
 use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
@@ -42,7 +42,7 @@ struct Inner {
 /// Those of [`Transmission`] and of the multiscale bases; an observer that fails.
 pub(super) fn solve_coupled(
     scene: &Scene,
-    input: &MediumInput,
+    medium: Surroundings<'_>,
     body: HeterogeneousBody,
     fine: GridTrace,
     loads: &Loads,
@@ -55,7 +55,7 @@ pub(super) fn solve_coupled(
         let interior = Interior::fine(&body, loads)?;
         observe(Stage::Stiffness("K", "node of the fine grid", &interior.stiffness))?;
         let assemble = clock.elapsed().as_secs_f64();
-        let mut joined = join(scene, input, interior, layout, observe)?;
+        let mut joined = join(scene, medium, interior, layout, observe)?;
         joined.seconds.assemble += assemble;
         let displacement = joined.coupled.displacement.clone();
         let at_boundary: Vec<usize> = fine.lattice.iter().map(|&p| node_at(grid, p)).collect();
@@ -63,7 +63,7 @@ pub(super) fn solve_coupled(
             at_boundary.iter().flat_map(|n| [displacement[2 * n], displacement[2 * n + 1]]).collect();
         let dofs = grid.dofs();
         let inner = Inner { body, trace: fine, displacement, boundary_displacement, coarse: None, dofs };
-        return solved(scene, input, loads, joined, inner);
+        return solved(scene, medium, loads, joined, inner);
     };
     let basis = basis(scene);
     let mut problem = Multiscale::new(&body, CoarseMesh::new(grid, cells.clone())?, basis)?;
@@ -72,7 +72,7 @@ pub(super) fn solve_coupled(
     })?;
     observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &interior.stiffness))?;
     let assemble = clock.elapsed().as_secs_f64();
-    let mut joined = join(scene, input, interior, layout, observe)?;
+    let mut joined = join(scene, medium, interior, layout, observe)?;
     joined.seconds.assemble += assemble;
     let clock = Instant::now();
     let bubbles = !loads.body.is_empty() && basis != steklov_msfem::Basis::Q1;
@@ -89,13 +89,13 @@ pub(super) fn solve_coupled(
     let (patterns, dofs, mesh) = (problem.patterns(), problem.dofs(), problem.mesh);
     let coarse = Some(CoarseSolved { mesh, basis, displacement: vertices, bubbles, patterns, lift: Vec::new() });
     let inner = Inner { body, trace, displacement, boundary_displacement, coarse, dofs };
-    solved(scene, input, loads, joined, inner)
+    solved(scene, medium, loads, joined, inner)
 }
 
 /// Boundary elements on the trace of the body, and the solution on the interface.
 fn join(
     scene: &Scene,
-    input: &MediumInput,
+    medium: Surroundings<'_>,
     interior: Interior,
     layout: &GridLayout,
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
@@ -103,7 +103,7 @@ fn join(
     let clock = Instant::now();
     observe(Stage::Progress("assembling V, K, W", 0.4))?;
     let mesh = boundary_mesh(scene, layout, &interior)?;
-    let exterior = Medium::new(mesh, input.material, None)?;
+    let exterior = Medium::new(mesh, medium.material, None)?;
     observe(Stage::Medium(&exterior.operators))?;
     let jump = exterior.space.interpolate(|x| {
         let (edge, s) = on_interface(scene, x);
@@ -120,7 +120,7 @@ fn join(
     let clock = Instant::now();
     observe(Stage::Progress("interface", 0.6))?;
     // the two-field form, its tractions eliminated
-    let coupled = problem.solve(&jump, Form::Schur, input.radiation)?;
+    let coupled = problem.solve(&jump, Form::Schur, medium.far.radiation)?;
     let imbalance = problem.imbalance(&coupled);
     drop(problem);
     let seconds = Seconds { set_up: 0.0, assemble, factorise, solve: clock.elapsed().as_secs_f64() };
@@ -155,7 +155,7 @@ fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
 /// The solution of body and medium, their energies and what is left of the equations between them.
 fn solved(
     scene: &Scene,
-    input: &MediumInput,
+    medium: Surroundings<'_>,
     loads: &Loads,
     joined: Joined,
     inner: Inner,
@@ -176,7 +176,7 @@ fn solved(
         },
         halvings: 0,
     };
-    let jump_oscillation = jump_oscillation(scene, input, &body, &exterior)?;
+    let jump_oscillation = jump_oscillation(scene, medium, &body, &exterior)?;
     let interface = InterfaceIndicators::new(&exterior, &body, &displacement, &coupled, Form::Schur, &jumps)?;
     let estimate_seconds = clock.elapsed().as_secs_f64();
     Ok(GridSolved {
@@ -194,7 +194,7 @@ fn solved(
         coarse,
         trace,
         body,
-        around: Some(Around::new(input, exterior.mesh, exterior.space, exterior.operators.length, &coupled)),
+        around: Some(Around::new(medium, exterior.mesh, exterior.space, exterior.operators.length, &coupled)),
         interface: Some(interface),
         jump_oscillation,
     })
@@ -203,16 +203,16 @@ fn solved(
 /// What the nodes of each boundary element leave of the jump of the displacement, as an energy: both sides give way to it.
 fn jump_oscillation(
     scene: &Scene,
-    input: &MediumInput,
+    medium: Surroundings<'_>,
     body: &HeterogeneousBody,
     exterior: &Medium,
 ) -> Result<Vec<f64>, SolveError> {
     let (mesh, space) = (&exterior.mesh, &exterior.space);
     let mut energies = vec![0.0; mesh.len()];
-    let around = plane_modulus(&input.material);
+    let around = plane_modulus(&medium.material);
     // E* over E of the body
-    let plane = plane_modulus(&scene.material) / scene.material.young;
-    for expression in input.displacement_jump.iter().flatten().filter(|jump| jump.constant().is_none()) {
+    let plane = plane_modulus(&scene.body().material()) / scene.body().material().young;
+    for expression in medium.tie.displacement_jump.iter().flatten().filter(|jump| jump.constant().is_none()) {
         let value = |site: &Site| {
             let s = on_interface(scene, site.point).1;
             expression.eval(site.point[0], site.point[1], s)

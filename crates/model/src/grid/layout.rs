@@ -24,7 +24,7 @@ impl GridLayout {
     /// # Errors
     /// A grid that rounding errors leave without a cell in the body.
     pub fn first(scene: &Scene) -> Result<Self, SolveError> {
-        let coarse = match (scene.is_multiscale(), &scene.grid) {
+        let coarse = match (scene.is_multiscale(), &scene.body().grid) {
             (true, Some(input)) => Some(CoarseMesh::uniform(&grid_of(scene)?, input.fine)?.cells),
             _ => None,
         };

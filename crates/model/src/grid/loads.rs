@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::{Mesh, Site};
 use steklov_msfem::{HeterogeneousBody, Loads, MsfemError};
-use steklov_problem::{Condition, DataError, DataErrorKind, Scene};
+use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Scene};
 
 use super::estimate::Tractions;
 use super::trace::GridTrace;
@@ -18,7 +18,7 @@ pub(super) fn loads(
     let (mut loads, mut tractions) = (Loads::default(), Tractions::default());
     let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
     for e in 0..fine.mesh.len() {
-        if let Condition::Displacement { values, .. } = &scene.sides[fine.mesh.side[e]].condition {
+        if let Condition::Displacement { values, .. } = &scene.body().sides[fine.mesh.side[e]].condition {
             let given = values.each_ref().map(|value| value.is_none().then_some(0.0));
             tractions.insert(fine.cell(&body.grid, e), given);
         }
@@ -31,7 +31,7 @@ pub(super) fn loads(
             mean[i] = mean[i].map(|t| t + (moments[0][i] + moments[1][i]) / fine.mesh.length(e));
         }
     }
-    if scene.body_force.is_some() {
+    if scene.body().force.is_some() {
         let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
         loads.set_body_force(body, force).map_err(|error| body_force_error(scene, error))?;
     }
@@ -41,7 +41,7 @@ pub(super) fn loads(
 /// Moments of the traction of the remote stress where the body meets the medium around it.
 fn remote_tractions(scene: &Scene, mesh: &Mesh) -> Vec<SideLoad> {
     let Some(remote) = scene.remote_stress() else { return Vec::new() };
-    let edges = scene.polygon.edges();
+    let edges = scene.body().outline.edges();
     let meets = |e: &usize| edges[mesh.edge[*e]].loop_index == 0;
     let moments = |e: usize| remote.traction(mesh.point(e, 0.0), mesh.normal(e)).map(|t| t * mesh.length(e) / 2.0);
     (0..mesh.len()).filter(meets).map(|e| (e, [moments(e); 2])).collect()
@@ -49,7 +49,7 @@ fn remote_tractions(scene: &Scene, mesh: &Mesh) -> Vec<SideLoad> {
 
 /// An error about the body force at its place in the scene.
 fn body_force_error(scene: &Scene, error: MsfemError) -> SolveError {
-    let (MsfemError::Force { point, .. }, Some([x, y])) = (&error, &scene.body_force) else { return error.into() };
+    let (MsfemError::Force { point, .. }, Some([x, y])) = (&error, &scene.body().force) else { return error.into() };
     match scene.force_at(*point) {
         Err(error) => error.into(),
         Ok(_) => DataError::of_values(if x.constant().is_some() { y } else { x }, &error.to_string()).into(),
@@ -60,8 +60,8 @@ fn body_force_error(scene: &Scene, error: MsfemError) -> SolveError {
 pub(super) fn check_gaps(scene: &Scene, trace: &GridTrace) -> Result<(), SolveError> {
     const NEAR: f64 = 1e-7;
     for e in 0..trace.mesh.len() {
-        let side = &scene.sides[trace.mesh.side[e]];
-        let Condition::Contact { gap, .. } = &side.condition else { continue };
+        let side = &scene.body().sides[trace.mesh.side[e]];
+        let Some(Contact { gap, .. }) = scene.contact(trace.mesh.side[e]) else { continue };
         let at = |t: f64| {
             let site = Site::new(&trace.mesh, e, t);
             (site.point[0], site.point[1], site.s)

@@ -96,12 +96,16 @@ pub(crate) fn body(scene: &Scene, layout: &GridLayout) -> Result<HeterogeneousBo
     let spacing = coarse.spacing.map(|h| h / parts as f64);
     let grid = Grid::new(coarse.origin, spacing, cells, |ix, iy| coarse.inside(ix / parts, iy / parts))?;
     let young = moduli(scene, &grid)?;
-    Ok(HeterogeneousBody::new(grid, young, Elasticity::new(scene.material.poisson, scene.material.plane)?)?)
+    Ok(HeterogeneousBody::new(
+        grid,
+        young,
+        Elasticity::new(scene.body().material().poisson, scene.body().material().plane)?,
+    )?)
 }
 
 /// The basis that a scene asks for.
 pub(crate) fn basis(scene: &Scene) -> Basis {
-    let Some(grid) = &scene.grid else { return Basis::Coupled };
+    let Some(grid) = &scene.body().grid else { return Basis::Coupled };
     match grid.basis {
         BasisInput::Linear => Basis::Linear,
         BasisInput::Coupled => Basis::Coupled,
@@ -127,10 +131,10 @@ pub fn solve_grid(
     let fine = GridTrace::new(scene, &body.grid, |_| true)?;
     let (loads, tractions) = loads(scene, &body, &fine)?;
     let set_up = clock.elapsed().as_secs_f64();
-    let (mut solved, held) = match (&scene.exterior, &layout.coarse) {
-        (Some(input), _) => {
+    let (mut solved, held) = match (scene.surroundings(), &layout.coarse) {
+        (Some(medium), _) => {
             let held = vec![false; body.grid.dofs()];
-            (solve_coupled(scene, input, body, fine, &loads, layout, observe)?, held)
+            (solve_coupled(scene, medium, body, fine, &loads, layout, observe)?, held)
         }
         (None, None) => solve_fine(scene, body, fine, &loads, observe)?,
         (None, Some(cells)) => solve_coarse(scene, body, fine, &loads, cells.clone(), observe)?,

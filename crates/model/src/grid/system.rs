@@ -6,7 +6,7 @@ use sprs::CsMat;
 use steklov_contact::{ContactBoundary, resisted_motions};
 use steklov_elastic::RigidMotion;
 use steklov_msfem::Elimination;
-use steklov_problem::{Condition, Scene};
+use steklov_problem::Scene;
 
 use super::trace::GridTrace;
 use crate::body::UNBALANCED;
@@ -229,13 +229,10 @@ impl System {
             c
         });
         let at_trace: Vec<f64> = (0..space.dofs()).map(|dof| residual[unknown(dof)]).collect();
-        let mut reactions = supports.reactions(&at_trace, mesh, &scene.sides, |e, j| traction(&displacement, e, j));
+        let mut reactions =
+            supports.reactions(&at_trace, mesh, &scene.body().sides, |e, j| traction(&displacement, e, j));
         if let Some(c) = &contact {
-            for (side, condition) in scene.sides.iter().enumerate() {
-                if matches!(condition.condition, Condition::Contact { .. }) {
-                    reactions.push((side, c.force(side)));
-                }
-            }
+            reactions.extend(scene.contacts().map(|(side, _)| (side, c.force(side))));
         }
         reactions.sort_by_key(|r| r.0);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();

@@ -9,7 +9,7 @@
 use faer::prelude::*;
 use faer::{Mat, Side};
 use steklov_contact::{Outcome, Solution};
-use steklov_problem::{Condition, Scene};
+use steklov_problem::Scene;
 use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds, tensor_active_set};
 
 use super::outcomes::{Answer, Outcomes};
@@ -139,12 +139,10 @@ fn projected(
     figures.energy = figures.strain_energy - figures.load_work + figures.friction_work;
     if let (Some(contact), Some(figures_of_contact)) = (&own.solved.contact, &mut figures.contact) {
         let mut total = [0.0; 2];
-        for (index, side) in own.scene.sides.iter().enumerate() {
-            if matches!(side.condition, Condition::Contact { .. }) {
-                let force = contact.boundary.force(index, multipliers);
-                total = [total[0] + force[0], total[1] + force[1]];
-                figures.reactions.insert(side.name.clone(), force);
-            }
+        for (side, _) in own.scene.contacts() {
+            let force = contact.boundary.force(side, multipliers);
+            total = [total[0] + force[0], total[1] + force[1]];
+            figures.reactions.insert(own.scene.body().sides[side].name.clone(), force);
         }
         figures_of_contact.force = total;
     }

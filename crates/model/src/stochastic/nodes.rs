@@ -3,7 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_contact::Solution;
-use steklov_problem::{Condition, DataError, Friction, Random, Sampling, Scene, Side};
+use steklov_problem::{DataError, Random, Sampling, Scene};
 use steklov_stochastic::{CellBasis, DirectionError, Nodes, StochasticMesh, changes, refine, solve_points, truncation};
 
 use super::check::{Check, check};
@@ -132,8 +132,8 @@ impl Cell {
 /// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
 pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
-    let coulomb = |side: &Side| matches!(side.condition, Condition::Contact { friction: Friction::Coulomb(_), .. });
-    let simple = scene.particular_solution(1.0).is_none() && !scene.sides.iter().any(coulomb);
+    let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
+    let simple = scene.particular_solution(1.0).is_none() && !coulomb;
     Ok(galerkin && simple && scene.unresisted(free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
 }
 
@@ -149,7 +149,7 @@ fn is_affine(scene: &Scene, random: &Random) -> Result<bool, DataError> {
             let ends = [quantile(d, rare(low)), quantile(d, 1.0 - rare(high))];
             let mut at = |part: f64| {
                 germs[d] = ends[0] + part * (ends[1] - ends[0]);
-                Ok::<f64, DataError>(scene.outcome(&germs)?.material.young)
+                Ok::<f64, DataError>(scene.outcome(&germs)?.body().material().young)
             };
             let (a, b) = (at(0.0)?, at(1.0)?);
             for place in 0..PLACES {
@@ -299,8 +299,8 @@ fn solve_cells(
     watch: &Watch<'_>,
 ) -> Result<Vec<Vec<Answer>>, SolveError> {
     if coupled {
-        let nominal = scene.material.young;
-        let modulus = |germs: &[f64]| scene.outcome(germs).map_or(f64::NAN, |s| s.material.young / nominal);
+        let nominal = scene.body().material().young;
+        let modulus = |germs: &[f64]| scene.outcome(germs).map_or(f64::NAN, |s| s.body().material().young / nominal);
         return bases
             .iter()
             .map(|basis| {

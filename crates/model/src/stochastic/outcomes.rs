@@ -77,8 +77,8 @@ impl<'a> Outcomes<'a> {
     pub fn given(&self, germs: &[f64]) -> Result<(Scene, f64, Given), SolveError> {
         let (mesh, space): (&Mesh, &Space) = (&self.body.mesh, &self.body.space);
         let mut scene = self.scene.outcome(germs)?;
-        let modulus = scene.material.young / self.scene.material.young;
-        scene.material = self.scene.material;
+        let modulus = scene.body().material().young / self.scene.body().material().young;
+        scene.body_mut().substance = self.scene.body().substance.clone();
         let data = Data { scene: &scene, mesh, space };
         let uses = self.random.uses;
         let held = if uses.held { data.held()? } else { self.body.held.clone() };
@@ -90,7 +90,7 @@ impl<'a> Outcomes<'a> {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
         let particular = scene.particular_solution(1.0 / modulus).map(|solution| {
-            let held = |e: usize, i: usize| scene.sides[mesh.side[e]].holds(i);
+            let held = |e: usize, i: usize| scene.body().sides[mesh.side[e]].holds(i);
             Particular::new(solution, scene.is_cavity(), mesh, space, held, |u| self.body.condensation.multiply(u))
         });
         let supports = Supports { space, held: &held };

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use steklov_contact::Solution;
 use steklov_expression::RandomField;
-use steklov_problem::{Condition, Random, Sampling, Scene};
+use steklov_problem::{Random, Sampling, Scene};
 use steklov_stochastic::{Histogram, Moments, Variable, moments, smolyak, solve_points};
 
 use super::nodes::{End, is_coupled, solve_nodes};
@@ -166,7 +166,7 @@ impl Watch<'_> {
 
 /// The quantities of a scene that names none.
 fn default_paths(scene: &Scene) -> Vec<String> {
-    let contact = scene.sides.iter().any(|s| matches!(s.condition, Condition::Contact { .. }));
+    let contact = scene.contacts().next().is_some();
     let more: &[&str] =
         if contact { &["contact.force.x", "contact.force.y", "contact.max_pressure", "contact.length"] } else { &[] };
     ["energy"].iter().chain(more).map(|s| (*s).to_owned()).collect()
@@ -232,7 +232,7 @@ pub fn solve_stochastic(
     };
     result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
     result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
-    result.young.iter_mut().for_each(|e| *e *= scene.material.young);
+    result.young.iter_mut().for_each(|e| *e *= scene.body().material().young);
     result.probabilities = settings.quantiles.clone();
     result.seconds = clock.elapsed().as_secs_f64();
     Ok(result)
@@ -328,8 +328,7 @@ pub(super) fn touches(answer: &Answer, condition: usize) -> bool {
 
 /// Values that a quantity cannot leave, though polynomials may.
 pub(super) fn bounds(scene: &Scene, path: &str) -> [f64; 2] {
-    let contact = |side: usize| matches!(scene.sides[side].condition, Condition::Contact { .. });
-    let edges = scene.polygon.edges().iter().filter(|e| contact(e.side));
+    let edges = scene.body().outline.edges().iter().filter(|e| scene.contact(e.side).is_some());
     match path {
         "contact.length" | "contact.stick" | "contact.slip" => [0.0, edges.map(|e| e.length()).sum()],
         "contact.max_pressure" | "strain_energy" | "friction_work" => [0.0, f64::INFINITY],

@@ -35,7 +35,7 @@ impl Record {
         let trace = solved.trace();
         let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(trace, c));
         let around = solved.around.clone().map(|around| {
-            let window = window(&scene.polygon, &around);
+            let window = window(&scene.body().outline, &around);
             (around, window)
         });
         let mut grid = vtk(solved);

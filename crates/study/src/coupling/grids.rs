@@ -25,9 +25,9 @@ const GIVEN: [(&str, [f64; 2], [f64; 2]); 3] = [
 /// # Errors
 /// A scene without a grid or without a body in a medium; moduli that cannot be read.
 pub fn pairs(scene: &Scene) -> Result<Vec<Pair>, DataError> {
-    let medium = match &scene.exterior {
-        Some(exterior) if !scene.is_cavity() => exterior.material,
-        _ => {
+    let medium = match scene.surroundings() {
+        Some(around) => around.material,
+        None => {
             let message =
                 "the study is about a body in an unbounded medium, and the scene does not have both".to_owned();
             let help = "add a table [exterior] with young and poisson, and a [material] of the body";
@@ -37,7 +37,7 @@ pub fn pairs(scene: &Scene) -> Result<Vec<Pair>, DataError> {
     let grid = grid_of(scene)?;
     let young = moduli(scene, &grid)?;
     let (sum, count) = grid.body_cells().fold((0.0, 0.0), |(sum, count), cell| (sum + young[cell], count + 1.0));
-    let body = Material { young: sum / count, ..scene.material };
+    let body = Material { young: sum / count, ..scene.body().material() };
     let material = |[young, poisson]: [f64; 2]| Material { young, poisson, plane: Plane::Strain };
     let given = GIVEN.map(|(name, body, medium)| Pair {
         name: name.to_owned(),
@@ -134,7 +134,7 @@ pub fn levels(scene: &Scene, most_dofs: usize, most_trace: usize) -> Result<Vec<
 /// As [`grid_of`], and a body whose outer boundary is not one curve.
 pub fn level(scene: &Scene, cells: [usize; 2]) -> Result<Level, DataError> {
     let mut scene = scene.clone();
-    scene.grid = scene.grid.map(|grid| GridInput { coarse: cells, fine: [1, 1], ..grid });
+    scene.body_mut().grid = scene.body().grid.map(|grid| GridInput { coarse: cells, fine: [1, 1], ..grid });
     let grid = grid_of(&scene)?;
     let outline = Outline::new(&grid).map_err(|error| {
         let help = "the medium meets one closed curve: part the body, or join its pieces by more than a point";

@@ -32,7 +32,7 @@ pub fn pictures(study: &InfSup<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictu
     let title = format!("{}: inf-sup constants, {coarsest} elements", study.scene.title);
     let degree = Axis { label: "degree p of the displacements", scale: Scale::Linear };
     draw("inf-sup-degree", constants(study, &title, degree, &|p| p.elements == coarsest, |p| p.degree as f64)?)?;
-    let names = study.scene.polygon.side_names();
+    let names = study.scene.body().outline.side_names();
     for side in 0..names.len() {
         let sides: Vec<(&Pressure, Vec<&ContactRow>)> = study
             .pressures

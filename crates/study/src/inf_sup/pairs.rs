@@ -202,7 +202,7 @@ struct Forms {
 impl Forms {
     fn new(scene: &Scene, body: &Supported, fine: &Supported, space: MultiplierSpace) -> Self {
         let plain = |b: &Supported| dual_form(&pairing(&b.mesh, &b.space, &space), &b.stiffness, &b.held, &[]);
-        let forms = StabilisedForms::new(&body.mesh, &body.space, &scene.material, &body.traction, &space);
+        let forms = StabilisedForms::new(&body.mesh, &body.space, &scene.body().material(), &body.traction, &space);
         let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]);
         let stabilised = critical.and_then(|c| forms.dual_form(&body.stiffness, &body.held, &[], SAFE * c));
         Self { plain: plain(body), stabilised, reference: plain(fine), space }

@@ -7,7 +7,7 @@ use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::solve::{SolveError, solve};
-use steklov_problem::{Condition, Friction, Multiplier, Scene};
+use steklov_problem::{Contact, Friction, Law, Multiplier, Scene};
 
 use crate::columns::Column;
 use crate::supported::uniform_mesh;
@@ -88,8 +88,8 @@ pub fn pressures(
         (MultiplierMesh::Finer(2), MultiplierDegree::Relative(0));
     // a bound that oscillates with the pressure leaves the solver without an end
     let mut coulomb = false;
-    for side in &mut scene.sides {
-        if let Condition::Contact { friction: friction @ Friction::Coulomb(_), .. } = &mut side.condition {
+    for interface in &mut scene.problem.interfaces {
+        if let Law::Contact(Contact { friction: friction @ Friction::Coulomb(_), .. }) = &mut interface.law {
             *friction = Friction::None;
             coulomb = true;
         }

@@ -108,7 +108,7 @@ displacement = ["0", "free"]
 "#;
 
     fn body(scene: &Scene, degree: usize) -> (Supported, MultiplierSpace) {
-        let body = Supported::new(scene, Mesh::uniform(&scene.polygon, 11, degree)).unwrap();
+        let body = Supported::new(scene, Mesh::uniform(&scene.body().outline, 11, degree)).unwrap();
         let degree = MultiplierDegree::Relative(0);
         let full = MultiplierSpace::new(&body.mesh, &contact_sides(scene), MultiplierMesh::Same, degree).unwrap();
         (body, full)

@@ -77,7 +77,7 @@ impl Convergence {
 /// A scene without a grid; one with no such cells.
 pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
     let grid = grid_of(scene)?;
-    let Some(input) = &scene.grid else { return Err(scene.grid_error()) };
+    let Some(input) = &scene.body().grid else { return Err(scene.grid_error()) };
     let mut sizes = Vec::new();
     let mut fine = input.fine;
     while fine != [1, 1] {

@@ -42,7 +42,7 @@ pub(super) fn on_coarse_cells(
     let mut scene = scene.clone();
     let grid = grid_of(&scene)?;
     let coarse = [0, 1].map(|k| grid.cells[k] / fine[k]);
-    scene.grid = Some(GridInput { coarse, fine, basis, oversample });
+    scene.body_mut().grid = Some(GridInput { coarse, fine, basis, oversample });
     let coarse = Some(CoarseMesh::uniform(&grid, fine)?.cells);
     solve_grid(&scene, &GridLayout { parts: 1, coarse, around: None }, &mut stopped(interrupts))
 }

@@ -6,7 +6,9 @@ use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 use steklov_model::solve::SolveError;
-use steklov_problem::{BasisInput, CellModuli, Cells, Condition, DataError, DataErrorKind, GridInput, Scene};
+use steklov_problem::{
+    BasisInput, CellModuli, Cells, Condition, DataError, DataErrorKind, GridInput, Scene, Substance,
+};
 
 /// The laminate as a scene, for who solves it again; LAYERS stands for the expression of a laminate.
 pub(super) const SQUARE: &str = r#"title = "Layers 1:10"
@@ -67,12 +69,14 @@ pub(super) fn plate(
     let material = Material::new(1.0, 0.3, Plane::Strain).map_err(|e| wrong(e.to_string()))?;
     let young = Expression::parse(young, &BTreeMap::from([(name.to_owned(), value)])).map_err(|e| wrong(e.message))?;
     let mut scene = Scene::new(polygon, material);
-    scene.cells = Some(Cells { size: 1.0 / along as f64, young: CellModuli::Expression(young) });
-    scene.grid = Some(GridInput { coarse, fine, basis: BasisInput::Coupled, oversample: None });
+    let body = scene.body_mut();
+    let young = CellModuli::Expression(young);
+    body.substance = Substance::Cells(Cells { size: 1.0 / along as f64, young, of_unit_modulus: material });
+    body.grid = Some(GridInput { coarse, fine, basis: BasisInput::Coupled, oversample: None });
     for (side, condition) in
         [("left", Condition::held()), ("right", Condition::Traction([0.0, -1.0].map(Expression::number)))]
     {
-        scene.side_mut(side).ok_or_else(|| wrong(format!("no side {side}")))?.condition = condition;
+        body.side_mut(side).ok_or_else(|| wrong(format!("no side {side}")))?.condition = condition;
     }
     scene.check()?;
     Ok(scene)
@@ -108,16 +112,14 @@ mod tests {
             let read = Document::parse(&text, "plate", &[]).unwrap().scene;
             let made = plate(size, young, name, along, grid).unwrap();
             assert_eq!(
-                (&read.polygon, read.grid, read.material.poisson),
-                (&made.polygon, made.grid, made.material.poisson)
+                (&read.body().outline, read.body().grid, read.body().material().poisson),
+                (&made.body().outline, made.body().grid, made.body().material().poisson)
             );
             let young = |scene: &Scene| moduli(scene, &grid_of(scene).unwrap()).unwrap();
             assert_eq!(young(&read), young(&made));
             let data = |scene: &Scene| -> Vec<(String, Vec<Option<f64>>)> {
-                let of = |side: &steklov_problem::Side| {
-                    steklov_problem::side_data(side).iter().map(|d| d.1.constant()).collect()
-                };
-                scene.sides.iter().map(|side| (side.name.clone(), of(side))).collect()
+                let of = |side: usize| scene.problem.side_data(side).iter().map(|d| d.1.constant()).collect();
+                scene.body().sides.iter().enumerate().map(|(k, side)| (side.name.clone(), of(k))).collect()
             };
             assert_eq!(data(&read), data(&made));
         }

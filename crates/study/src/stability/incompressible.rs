@@ -8,7 +8,7 @@ use steklov_elastic::Material;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::{SolveError, Stage};
-use steklov_problem::{Refine, Scene};
+use steklov_problem::{Refine, Scene, Substance};
 
 use super::columns::Column;
 use crate::reference::{Reference, ReferenceError};
@@ -127,8 +127,9 @@ pub fn incompressible(
     let mut all = Incompressible::default();
     for poisson in POISSON {
         let mut scene = scene.clone();
-        scene.material = Material::new(scene.material.young, poisson, scene.material.plane)
-            .map_err(|error| SolveError::Bem(error.into()))?;
+        let Material { young, plane, .. } = scene.body().material();
+        let material = Material::new(young, poisson, plane).map_err(|error| SolveError::Bem(error.into()))?;
+        scene.body_mut().substance = Substance::Homogeneous(material);
         scene.expect.clear(); // it is of another ratio
         let what = format!("ν = {poisson}");
         let reference = Reference::new(&scene, interrupts, &mut |step, stage| {
@@ -175,7 +176,7 @@ fn points(scene: &Scene, reference: &Reference, interrupts: &AtomicUsize, tell: 
         }
         tell(&format!("{elements} elements of degree {degree}"));
         let solved = energy_and_error(&scene, reference, interrupts);
-        let poisson = scene.material.poisson;
+        let poisson = scene.body().material().poisson;
         let (energy, error, failure) = match solved {
             Ok((energy, error)) => (energy, error.map_or(f64::NAN, |e| e / reference.norm), None),
             Err(error) => (f64::NAN, f64::NAN, Some(error.to_string())),

@@ -59,7 +59,7 @@ impl Stability<'_> {
 
     /// What a reader of the results must know.
     pub fn note(&self) -> Option<&'static str> {
-        (self.scene.material.plane == Plane::Stress).then_some(
+        (self.scene.body().material().plane == Plane::Stress).then_some(
             "plane stress: ν = 1/2 is the plane strain ratio ν/(1+ν) = 1/3, which constrains nothing; no method can lock here",
         )
     }

@@ -83,9 +83,9 @@ pub fn single_layer(
 ) -> Result<SingleLayer, BemError> {
     let what = "single layer";
     tell(what, "degenerate sizes");
-    let mesh = mesh(&scene.polygon);
+    let mesh = mesh(&scene.body().outline);
     let space = Space::new(&mesh);
-    let degenerate = degenerate(&mesh, &space, &scene.material)?;
+    let degenerate = degenerate(&mesh, &space, &scene.body().material())?;
     let (elements, unknowns, diameter) = (mesh.len(), space.dofs(), mesh.diameter());
     let mut all = SingleLayer { elements, unknowns, diameter, degenerate, points: Vec::new() };
     for d in diameters(degenerate) {
@@ -93,7 +93,7 @@ pub fn single_layer(
             break;
         }
         tell(what, &format!("diameter {d:.3e}"));
-        let (unit, own) = smallest(&scaled(&mesh, d / diameter), &scene.material)?;
+        let (unit, own) = smallest(&scaled(&mesh, d / diameter), &scene.body().material())?;
         all.points.push(Spectrum { diameter: d, unit, own });
     }
     Ok(all)

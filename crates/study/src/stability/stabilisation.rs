@@ -168,7 +168,7 @@ pub fn stabilisation(
         tell(what, &format!("critical γ₀, {elements} elements of degree {degree}"));
         let found = Supported::new(&scene, mesh).and_then(|body| critical(&scene, &sides, &body));
         let (gamma, failure) = found.map_or_else(|e| (f64::NAN, Some(e.to_string())), |g| (g, None));
-        let gamma_young = gamma * scene.material.young;
+        let gamma_young = gamma * scene.body().material().young;
         all.critical.push(Critical { elements, degree, dofs, gamma, gamma_young, failure });
     }
     if stopped() {
@@ -185,7 +185,7 @@ pub fn stabilisation(
 
 fn critical(scene: &Scene, sides: &[usize], body: &Supported) -> Result<f64, SolveError> {
     let space = MultiplierSpace::new(&body.mesh, sides, scene.method.multiplier_mesh, scene.method.multiplier_degree)?;
-    let forms = StabilisedForms::new(&body.mesh, &body.space, &scene.material, &body.traction, &space);
+    let forms = StabilisedForms::new(&body.mesh, &body.space, &scene.body().material(), &body.traction, &space);
     Ok(forms.critical_gamma(&body.stiffness, &body.held, &[])?)
 }
 

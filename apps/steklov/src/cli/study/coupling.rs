@@ -31,7 +31,7 @@ pub(super) fn coupling(args: &StudyArgs) -> Result<u8, Failure> {
     let stop = interrupts(args.quiet)?;
     let watch = Watch::new(args.quiet, pairs.len() + 5);
     let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-    let (polygon, own) = (&scene.polygon, &pairs[pairs.len() - 1]);
+    let (polygon, own) = (&scene.body().outline, &pairs[pairs.len() - 1]);
     let convergence = convergence(polygon, &pairs, &fine, repeat, &stop, tell);
     let effectivity = effectivity(polygon, &pairs, &coarse, &stop, tell);
     let costs = costs(polygon, own, &all, repeat, &stop, tell);

@@ -16,7 +16,7 @@ pub(super) fn multiscale(args: &StudyArgs) -> Result<u8, Failure> {
     let document = read_scene(&args.scene, &args.overrides)?;
     let scene = &document.scene;
     let refused = |error: DataError| Failure(document.error(error).render());
-    if scene.grid.is_none() {
+    if scene.body().grid.is_none() {
         let message = "the study is about coarse cells on a fine grid, and the scene has no [grid]".to_owned();
         let help =
             "add [grid] coarse = [12, 2], fine = [16, 16] with the numbers of the body, or study --what convergence";
