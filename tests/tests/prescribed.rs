@@ -74,3 +74,33 @@ fn deformations_beyond_small_strains_are_doubted() {
     };
     assert!(pressed(-50.0) && !pressed(-0.5));
 }
+
+/// Between a held and a loaded face of a notch stresses grow as r^(-3/4), and one degree more shows a third of the error: what is
+/// told of it is right all the same, and not three times too much.
+#[test]
+fn the_error_between_a_held_and_a_loaded_face_is_told() {
+    let solved = |tolerance: &str, sharp: f64| {
+        let text = format!(
+            "body.corners = [[0,0],[1,0],[1,1],[{},1],[0.49,0.52],[{},1],[0,1]]\n\
+             body.sides = [\"e0\",\"e1\",\"e2\",\"loaded\",\"held\",\"e5\",\"e6\"]\n\
+             material = {{ young = 100.0, poisson = 0.3 }}\nsides.held.displacement = [\"0\",\"0\"]\n\
+             sides.loaded.pressure = 0.1\nmethod.tolerance = {tolerance}\n",
+            0.49 + sharp,
+            0.49 - sharp
+        );
+        adapt(&parse(&text, &[]).unwrap_or_else(|e| panic!("{e}"))).unwrap_or_else(|e| panic!("{e}"))
+    };
+    for sharp in [0.01, 0.03, 0.1] {
+        let exact = solved("1e-3", sharp);
+        let exact = exact.step().estimate();
+        for tolerance in ["5e-2", "2e-2", "1e-2"] {
+            let run = solved(tolerance, sharp);
+            let estimate = run.step().estimate();
+            let off = (estimate.energy - exact.energy).abs() - exact.uncertainty;
+            let error = (2.0 * (run.step().energy - exact.energy).abs()).sqrt();
+            let told = estimate.error / error;
+            println!("{sharp} {tolerance}: told {told:.2}, J off by {:.2}", off / estimate.uncertainty);
+            assert!(off <= estimate.uncertainty && (0.6..3.0).contains(&told), "{sharp} {tolerance}: {told} {off}");
+        }
+    }
+}

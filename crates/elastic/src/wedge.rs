@@ -80,6 +80,19 @@ impl Wedge {
         self.exponents_below(1.0 - MARGIN) > 0
     }
 
+    /// The smallest real part of an exponent that is below `limit`, to 1e-3.
+    pub fn least_exponent_below(&self, limit: f64) -> Option<f64> {
+        if self.exponents_below(limit) == 0 {
+            return None;
+        }
+        let (mut low, mut high) = (MARGIN, limit);
+        while high - low > MARGIN {
+            let middle = 0.5 * (low + high);
+            if self.exponents_below(middle) > 0 { high = middle } else { low = middle }
+        }
+        Some(high)
+    }
+
     /// Number of exponents λ with 1e-3 < Re λ < `limit`.
     pub fn exponents_below(&self, limit: f64) -> usize {
         let least = self.sectors.iter().map(|s| s.angle).fold(2.0 * PI, f64::min);
@@ -191,6 +204,22 @@ mod tests {
             if f(a) * f(middle) <= 0.0 { b = middle } else { a = middle }
         }
         a
+    }
+
+    /// Of a crack, ½ between free faces and ¼ where one is held; none below ½ of a half plane held in part.
+    #[test]
+    fn the_least_exponent_of_a_crack_is_a_half_or_a_quarter() {
+        let least = |angle: f64, faces: [Face; 2]| one(angle, faces, KAPPA).least_exponent_below(0.7);
+        for (angle, faces, exact) in [
+            (2.0 * PI, [Face::Free; 2], 0.5),
+            (2.0 * PI, [Face::Held, Face::Free], 0.25),
+            (PI, [Face::Held, Face::Free], 0.5),
+        ] {
+            let found = least(angle, faces).expect("it is singular");
+            assert!((found - exact).abs() <= 1.5 * MARGIN, "{angle}: {found} for {exact}");
+        }
+        assert_eq!(least(0.9 * PI, [Face::Free; 2]), None);
+        assert_eq!(one(PI, [Face::Held, Face::Free], KAPPA).least_exponent_below(0.49), None);
     }
 
     /// sin λα = ± λ sin α between free faces; the two of 270 degrees are 0.5444837 and 0.9085292.

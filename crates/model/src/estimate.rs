@@ -23,7 +23,8 @@ use crate::enriched_problem::{Frame, System, frames};
 use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
 use crate::solve::{SolveError, Solved};
-use crate::unseen::unseen_by_tractions;
+use crate::unseen::{unseen_at_vertices, unseen_by_tractions};
+use crate::vertices::strong_vertices;
 
 /// The part of an estimate on one element; each an energy (force*length/thickness).
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -289,16 +290,19 @@ fn held_tractions(
     held.max(elastic.held_tractions(solved.mesh.len(), moduli))
 }
 
-/// What tractions do not see of the displacement, with the strategies that keep the degree, where loads do not vary within elements.
+/// What is not seen next to vertices whose stresses grow fast; and what tractions do not see of the displacement, with the
+/// strategies that keep the degree, where loads do not vary within elements.
 fn unseen_of(scene: &Scene, solved: &Solved, factors: &Factors, indicators: &[Bubble], correction: &Enriched) -> f64 {
+    let seen = |e: usize| indicators[e].displacement + indicators[e].traction;
+    let at_vertices = unseen_at_vertices(&solved.mesh, &strong_vertices(scene), &seen);
     if matches!(scene.method.refine, Refine::Hp | Refine::HpDecay) {
-        return 0.0;
+        return at_vertices;
     }
     let materials: Vec<Material> =
         std::iter::once(scene.body().material()).chain(solved.around.as_ref().map(|around| around.material)).collect();
     let modulus = plane_modulus(&scene.body().material());
     let varies = |e: usize| factors.unresolved[e] > UNFOLLOWED * modulus * indicators[e].total();
-    unseen_by_tractions(&solved.mesh, correction, &materials, &varies)
+    at_vertices + unseen_by_tractions(&solved.mesh, correction, &materials, &varies)
 }
 
 /// The error: the geometric mean of the correction and of η without oscillation, at least that of the `held`, with what the

@@ -35,6 +35,22 @@ pub(crate) fn unseen_by_tractions(
     linear.map(|e| (root * correction.extra[2 * e]).powi(2) + (root * correction.extra[2 * e + 1]).powi(2)).sum()
 }
 
+/// Energy that one degree more does not see on the elements at vertices of the exponents λ, of the energies that it sees there:
+/// the error of r^λ falls as e_p² ~ p^(-4λ), so that of it 1 - (p/(p+1))^(4λ) is seen. `vertices`: the edges before and behind, and λ.
+pub(crate) fn unseen_at_vertices(mesh: &Mesh, vertices: &[([usize; 2], f64)], seen: &dyn Fn(usize) -> f64) -> f64 {
+    let mut unseen = 0.0;
+    for &([a, b], exponent) in vertices {
+        for e in (0..mesh.len()).filter(|&e| mesh.edge[e] == a && mesh.edge[mesh.next[e]] == b) {
+            for e in [e, mesh.next[e]] {
+                let p = mesh.degree[e] as f64;
+                let part = 1.0 - (p / (p + 1.0)).powf(4.0 * exponent);
+                unseen += seen(e) * (1.0 / part - 1.0);
+            }
+        }
+    }
+    unseen
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -39,6 +39,32 @@ pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -
     false
 }
 
+/// Exponents below that of a crack: of a vertex between a held and a free side that is re-entrant.
+const STRONG: f64 = 0.45;
+
+/// The exponents at the vertices, contact apart, whose stresses grow faster than at the tip of a crack: the edges before and behind,
+/// and the smallest one.
+pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
+    let outline = &scene.body().outline;
+    let edges = outline.edges();
+    let mut found = Vec::new();
+    for l in 0..outline.loops().len() {
+        let order = outline.traversal(l);
+        for (k, &b) in order.iter().enumerate() {
+            let a = order[(k + order.len() - 1) % order.len()];
+            let held = |e: usize| (0..2).any(|i| scene.body().sides[edges[e].side].holds(i));
+            if held(a) == held(b) || [a, b].iter().any(|&e| scene.contact(edges[e].side).is_some()) {
+                continue;
+            }
+            let wedge = wedge(scene, &[], &edges[a], &edges[b]).filter(|w| w.sectors[0].angle > PI + STRAIGHT);
+            if let Some(exponent) = wedge.and_then(|wedge| wedge.least_exponent_below(STRONG)) {
+                found.push(([a, b], exponent));
+            }
+        }
+    }
+    found
+}
+
 /// Direction of an edge as the boundary is traversed, the body to its left.
 fn direction(edge: &Edge) -> [f64; 2] {
     let d = [edge.end[0] - edge.start[0], edge.end[1] - edge.start[1]];
