@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_model::adapt::Layout;
 use steklov_model::first_mesh::first_mesh;
-use steklov_model::grid::{GridProgress, GridRun, run_grid};
+use steklov_model::grid::OnGrid;
 use steklov_model::report::{ContactRow, contact_rows, contact_summary, located};
 use steklov_model::run::{Progress, Run, run};
 use steklov_model::solve::{SolveError, Solved};
@@ -111,9 +111,9 @@ pub fn adapt(scene: &Scene) -> Result<Run, SolveError> {
 /// Solves a scene by finite elements, grid by grid.
 ///
 /// # Errors
-/// Those of [`run_grid`].
-pub fn attempt_grid(scene: &Scene) -> Result<GridRun, SolveError> {
-    run_grid(scene, GridProgress::new(scene, Vec::new())?, &AtomicUsize::new(0), &mut |_, _| Ok(()))
+/// Those of [`run`].
+pub fn attempt_grid(scene: &Scene) -> Result<Run<OnGrid>, SolveError> {
+    run(scene, Progress::<OnGrid>::new(scene, Vec::new())?, &AtomicUsize::new(0), &mut |_, _| Ok(()))
 }
 
 /// The summary of a scene that is solved by finite elements.
@@ -122,7 +122,7 @@ pub fn attempt_grid(scene: &Scene) -> Result<GridRun, SolveError> {
 /// If it has no solution.
 pub fn on_grid(scene: &Scene) -> Summary {
     let run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
-    Record::of_grid(scene, plan(scene), run, Path::new("none.vtkhdf"), 0.0).summary
+    Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// Solves a scene on a mesh.
@@ -134,7 +134,7 @@ pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
     once.method.refine = Refine::None;
     let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
     let progress = Progress { steps: Vec::new(), next: Layout { subdivision, tips: Vec::new() } };
-    let run = run(&once, progress, &AtomicUsize::new(0), &mut |_, _| Ok(()))?;
+    let run: Run = run(&once, progress, &AtomicUsize::new(0), &mut |_, _| Ok(()))?;
     let (rows, summary) = match &run.last.contact {
         None => (Vec::new(), None),
         Some(contact) => {

@@ -34,7 +34,7 @@ fn effectivities(name: &str, scene: &Scene) -> Vec<(usize, f64)> {
     let fine = finer(&scene, REFERENCE_DOFS).unwrap_or_else(|e| panic!("{name}: {e}"));
     if run.step().estimate().relative < 1e-9 {
         let last = &displacements[displacements.len() - 1];
-        let truth = true_error(&scene, &run.step().mesh, last, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let truth = true_error(&scene, &run.step().layout.mesh, last, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
         println!("{name}: exact, {:.1e}", truth.error / truth.norm);
         assert!(truth.error <= 1e-7 * truth.norm, "{name}: an error of {:e} is not seen", truth.error / truth.norm);
         return Vec::new();
@@ -47,7 +47,8 @@ fn effectivities(name: &str, scene: &Scene) -> Vec<(usize, f64)> {
             println!("    {k:2} {:4} dofs, estimate {:.1e}, in doubt", step.dofs, step.estimate().relative);
             continue;
         }
-        let truth = true_error(&scene, &step.mesh, displacement, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let truth =
+            true_error(&scene, &step.layout.mesh, displacement, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
         if truth.error < 1e-9 * truth.norm {
             println!("    {k:2} {:4} dofs: held everywhere, the error is that of the traction", step.dofs);
             continue;

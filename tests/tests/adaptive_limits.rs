@@ -31,7 +31,7 @@ fn effectivities(scene: &Scene, dofs: usize, doubt: Doubt) -> Vec<(f64, bool)> {
     assert_eq!(run.reason, Reason::Tolerance);
     let fine = finer(scene, dofs).unwrap();
     let judged = |(step, displacement): (&steklov_model::run::Step, &Vec<f64>)| {
-        let truth = true_error(scene, &step.mesh, displacement, &fine).unwrap();
+        let truth = true_error(scene, &step.layout.mesh, displacement, &fine).unwrap();
         let estimate = step.estimate();
         let found = (estimate.error / truth.error, estimate.doubts.contains(&doubt));
         println!(

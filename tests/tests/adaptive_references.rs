@@ -39,7 +39,7 @@ fn counted(problem: &Judged, run: &Run, start: &str) -> [(usize, usize); 2] {
 
 fn summary(scene: &Scene) -> Summary {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
-    Record::new(scene, plan(scene), run, None, Path::new("none.vtkhdf"), 0.0).summary
+    Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// Unknowns at which the line of log error over unknowns crosses the levels: whole steps are a third apart.

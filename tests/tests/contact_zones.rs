@@ -130,7 +130,7 @@ sides.top.displacement = ["0","-0.005"]
 "#;
     let (scene, run) = solved(text, 1e-6);
     let (rows, contact) = told(&scene, &run).expect("contact");
-    let tips: Vec<f64> = run.step().located.iter().map(|l| l.s).collect();
+    let tips: Vec<f64> = run.step().layout.located.iter().map(|l| l.s).collect();
     println!("{tips:?} {contact:?}");
     assert_eq!(tips.len(), 2, "stick has two ends");
     assert!((contact.length - 1.0).abs() < 1e-12 && (contact.stick - (tips[1] - tips[0]).abs()).abs() < 1e-9);

@@ -23,7 +23,7 @@ fn run(scene: &Scene) -> Run {
 }
 
 fn summary(scene: &Scene) -> Summary {
-    Record::new(scene, plan(scene), run(scene), None, Path::new("none.vtkhdf"), 0.0).summary
+    Record::new(scene, plan(scene), &run(scene), None, Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// The condensed problem of a scene's first mesh, and its solution.
@@ -86,8 +86,8 @@ fn cattaneo_and_mindlin_give_the_stick_zone_of_a_small_contact() {
         let scene = scene("27-cattaneo-mindlin", &[&format!("parameters.a={a}"), "material.poisson=0.4999999"]);
         let run = run(&scene);
         let width = |kind: TipKind| {
-            let places: Vec<f64> = run.step().located.iter().filter(|l| l.kind == kind).map(|l| l.s).collect();
-            assert_eq!(places.len(), 2, "{:?}", run.step().located);
+            let places: Vec<f64> = run.step().layout.located.iter().filter(|l| l.kind == kind).map(|l| l.s).collect();
+            assert_eq!(places.len(), 2, "{:?}", run.step().layout.located);
             2.0 * (places[1] - places[0]).abs()
         };
         let (contact, stick) = (width(TipKind::ContactEnd), width(TipKind::StickEnd));
@@ -180,7 +180,7 @@ fn a_pull_beyond_the_coefficient_is_refused() {
 fn the_estimate_is_near_the_true_error() {
     for name in ["25-coulomb-wedge", "26-ssnv128"] {
         let fine = run(&scene(name, &["method.tolerance=1e-5"]));
-        let finest = &fine.step().mesh;
+        let finest = &fine.step().layout.mesh;
         let fine = Subdivision::new(finest, &vec![Mark::Keep; finest.len()]);
         let mut trusted = 0;
         for tolerance in ["2e-2", "5e-3", "1e-3", "3e-4"] {

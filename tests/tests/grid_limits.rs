@@ -1,7 +1,6 @@
 //! Where finite and multiscale finite elements fail: the result says so, by its estimate, a doubt or an error.
 
-use steklov_model::grid::GridRun;
-use steklov_model::run::Reason;
+use steklov_model::run::{Reason, Run};
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, attempt_grid, on_grid, parse, scene};
@@ -62,7 +61,7 @@ fn contrasts_that_rounding_cannot_bear() {
     for model in ["fem", "msfem"] {
         for k in [2, 4, 8, 12, 16] {
             match attempt_grid(&inclusions(0.125, k, model, "oversampled")) {
-                Ok(GridRun { last, .. }) => {
+                Ok(Run { last, .. }) => {
                     let lost = (last.reactions[0].1[1] - 1.0).abs();
                     println!("{model} 1e{k}: force of the support wrong by {lost:.1e}, converged {}", last.converged());
                     assert!(!last.converged() || lost < 1e-3, "{model} 1e{k}: {lost}");
@@ -176,8 +175,8 @@ fn refinement_without_an_estimate_ends_at_the_fine_grid() {
     let fine = refined("coupled", "fem").last.energies.total;
     for basis in ["oversampled", "periodic"] {
         let run = refined(basis, "msfem");
-        assert_eq!((run.reason, run.steps.len()), (Reason::FineGrid, 4), "{basis}");
-        assert!(!run.converged() && run.steps.iter().all(|s| s.estimate.is_none()), "{basis}");
+        assert_eq!((run.reason, run.progress.steps.len()), (Reason::FineGrid, 4), "{basis}");
+        assert!(!run.converged() && run.progress.steps.iter().all(|s| s.estimate.is_none()), "{basis}");
         assert!(
             (run.last.energies.total / fine - 1.0).abs() < 1e-10,
             "{basis}: {} and {fine}",
@@ -185,7 +184,7 @@ fn refinement_without_an_estimate_ends_at_the_fine_grid() {
         );
     }
     let told = refined("coupled", "msfem");
-    assert!(told.steps.iter().all(|s| s.estimate.is_some()));
+    assert!(told.progress.steps.iter().all(|s| s.estimate.is_some()));
 }
 
 /// A plate of 2 × 1 held on the left, with more of a scene.

@@ -308,7 +308,7 @@ fn a_manufactured_transmission_converges() {
         let steps = run.progress.steps.iter().zip(&displacements);
         steps
             .map(|(step, u)| {
-                let truth = true_error(scene, &step.mesh, u, &reference).unwrap();
+                let truth = true_error(scene, &step.layout.mesh, u, &reference).unwrap();
                 [step.dofs as f64, truth.error / truth.norm, step.estimate.as_ref().unwrap().error / truth.error]
             })
             .collect()
@@ -366,7 +366,7 @@ fn a_stiff_square_converges_exponentially() {
         let reference = finer(&scene, 1500).unwrap();
         let (mut roots, mut errors, mut effectivity) = (Vec::new(), Vec::new(), Vec::new());
         for (step, u) in run.progress.steps.iter().zip(&displacements) {
-            let truth = true_error(&scene, &step.mesh, u, &reference).unwrap();
+            let truth = true_error(&scene, &step.layout.mesh, u, &reference).unwrap();
             roots.push((step.dofs as f64).sqrt());
             errors.push((truth.error / truth.norm).ln());
             effectivity.push(step.estimate.as_ref().unwrap().error / truth.error);

@@ -69,7 +69,7 @@ fn deformations_beyond_small_strains_are_doubted() {
         );
         let scene = parse(&text, &[]).unwrap_or_else(|e| panic!("{e}"));
         let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
-        let record = Record::new(&scene, plan(&scene), run, None, Path::new("none.vtkhdf"), 0.0);
+        let record = Record::new(&scene, plan(&scene), &run, None, Path::new("none.vtkhdf"), 0.0);
         record.summary.estimate_doubts.contains(&"large".to_owned())
     };
     assert!(pressed(-50.0) && !pressed(-0.5));

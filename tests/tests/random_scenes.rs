@@ -98,7 +98,7 @@ fn judge(number: u64, scene: &Scene, full: bool) -> Outcome {
     };
     for k in measured {
         let step = &steps[k];
-        let truth = match true_error(scene, &step.mesh, &displacements[k], &fine) {
+        let truth = match true_error(scene, &step.layout.mesh, &displacements[k], &fine) {
             Ok(truth) => truth,
             Err(error) => {
                 outcome.failure = Some(format!("true error of step {k}: {error}"));

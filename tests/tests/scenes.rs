@@ -46,14 +46,14 @@ fn solved(scene: &Scene) -> (Summary, f64) {
         let run = attempt_grid(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
         let (forces, nodes) = (unbalanced_forces(scene, &run.last), unbalanced_nodes(scene, &run.last));
         println!("{}: forces {forces:.1e}, nodes {nodes:?}", scene.title);
-        let summary = Record::of_grid(scene, plan(scene), run, Path::new("none.vtkhdf"), 0.0).summary;
+        let summary = Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary;
         let contrast = summary.grid.as_ref().map_or(1.0, |grid| grid.contrast);
         let equilibrium = (forces / ROUNDED).max(nodes.unwrap_or(0.0)) / contrast.max(1.0).sqrt();
         return (summary, equilibrium);
     }
     let run = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     let equilibrium = run.last.equilibrium;
-    (Record::new(scene, plan(scene), run, None, Path::new("none.vtkhdf"), 0.0).summary, equilibrium)
+    (Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary, equilibrium)
 }
 
 fn numbered(number: &str) -> PathBuf {

@@ -102,7 +102,7 @@ fn steps_of_adaptive_runs_take_at_most_fifteen_iterations_from_the_last_answer()
         scene.method.max_dofs = 700;
         let run = adapt(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
         let mut last: Option<(ContactBoundary, Solution)> = None;
-        for (step, mesh) in run.progress.steps.iter().map(|s| s.mesh.clone()).enumerate() {
+        for (step, mesh) in run.progress.steps.iter().map(|s| s.layout.mesh.clone()).enumerate() {
             let here = condensed(&scene, mesh).expect("contact");
             let what = format!("{name} step {step}");
             let auto = judged(&what, &here.1, interior_point(&here.1));

@@ -39,7 +39,7 @@ fn solved(scene: &Scene) -> (Run, StochasticResult) {
 /// All outcomes on the last mesh of a run.
 fn on(scene: &Scene, run: &Run) -> StochasticResult {
     let random = scene.random.as_ref().expect("random input");
-    solve_stochastic(scene, random, run.body.as_ref().expect("matrices"), &|_, _| {}, &|| false)
+    solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &|_, _| {}, &|| false)
         .unwrap_or_else(|e| panic!("{e}"))
 }
 
@@ -255,7 +255,7 @@ fn the_truncation_sees_where_sticking_turns_into_slip() {
     let fine = on(&at("degree = 3\nelements = 64"), &run);
     assert!(fine.probability.iter().all(|p| *p == 1.0));
     let energy = |u: &[f64]| {
-        run.body.as_ref().expect("matrices").condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()
+        run.matrices.as_ref().expect("matrices").condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum::<f64>()
     };
     for degree in 3..=6 {
         let coarse = on(&at(&format!("degree = {degree}")), &run);

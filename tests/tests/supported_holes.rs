@@ -40,7 +40,7 @@ fn solved(sides: &[&str], far: Option<f64>, more: &[&str]) -> Summary {
     let scene = parse(&text, more).unwrap_or_else(|e| panic!("{}", e.render()));
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
     let plan = steklov_plan::plan(&scene);
-    Record::new(&scene, plan, run, None, std::path::Path::new("none.vtkhdf"), 0.0).summary
+    Record::new(&scene, plan, &run, None, std::path::Path::new("none.vtkhdf"), 0.0).summary
 }
 
 fn doubts_length(s: &Summary) -> bool {

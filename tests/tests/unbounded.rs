@@ -36,7 +36,7 @@ const SQUARE: [[f64; 2]; 4] = [[-1.0, -1.0], [1.0, -1.0], [1.0, 1.0], [-1.0, 1.0
 fn summary(scene: &Scene) -> Summary {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
     let plan = steklov_plan::plan(scene);
-    Record::new(scene, plan, run, None, std::path::Path::new("none.vtkhdf"), 0.0).summary
+    Record::new(scene, plan, &run, None, std::path::Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// Remote stress is the same as tractions -σ_∞n on the holes, but for u_∞ = ε_∞ x: energies, estimates and what is added are

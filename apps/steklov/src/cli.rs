@@ -16,18 +16,20 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_bem_operators::PARTS;
 use steklov_figures::stochastic;
 use steklov_io::{File, IoError, create_atomically, open};
-use steklov_model::run::{Progress, Reason, Run, Step, run};
-use steklov_model::solve::{SolveError, Stage};
-use steklov_model::stochastic::{End, StochasticResult, solve_stochastic};
+use steklov_model::adaptive::BoundaryElements;
+use steklov_model::grid::OnGrid;
+use steklov_model::run::{Reason, Step, run};
+use steklov_model::solve::SolveError;
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
 use steklov_plan::{Plan, largest_mesh, plan, without_memory};
-use steklov_problem::{Refine, Scene, grid_of, moduli};
+use steklov_problem::{Refine, grid_of, moduli};
+use steklov_result::keep::Keep;
 use steklov_result::record::Record;
-use steklov_result::store::{self, Stored};
+use steklov_result::store;
 use steklov_scene::{Document, TEMPLATE};
 
 use self::bar::Bar;
-use self::grid::{crossing_warning, solve_on_grid};
+use self::grid::crossing_warning;
 use self::output::{appeared, check_output};
 use self::told::{advice, print_summary};
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
@@ -210,14 +212,14 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let reading = clock.elapsed().as_secs_f64();
     let old = old_result(&out, args.resume)?;
     let (record, held) = match scene.is_on_grid() {
-        true => solve_on_grid(args, &document, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
-        false => solve_boundary(args, &document, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
+        true => solve_by::<OnGrid>(args, &document, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
+        false => solve_by::<BoundaryElements>(args, &document, plan, &out, old.as_ref(), (&interrupts, &bar), reading)?,
     };
     bar.finish();
     let stored = match (record, &old) {
         (Ok(mut record), _) => {
             record.summary.seconds.total = clock.elapsed().as_secs_f64();
-            record.stored()
+            record
         }
         (Err(SolveError::Interrupted), Some(old)) => unchanged(old, &out, held, args.quiet)?,
         (Err(error), _) => return Err(appeared(&out, &error).unwrap_or_else(|| explained(&document, error))),
@@ -226,7 +228,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         Some(folder) => pictures(&stored, folder, &out)?,
         None => Vec::new(),
     };
-    let Stored { summary, plan, .. } = &stored;
+    let Record { summary, plan, .. } = &stored;
     if args.json {
         if let Some(advice) = advice(summary, plan).filter(|_| !args.quiet) {
             eprintln!("{advice}");
@@ -249,8 +251,8 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
 /// What a solve gives: a record or an error, and how many steps were held already.
 type Attempt = (Result<Record, SolveError>, usize);
 
-/// Solves by boundary elements.
-fn solve_boundary(
+/// Solves by a model, and keeps what it gives in a file.
+fn solve_by<M: Keep>(
     args: &SolveArgs,
     document: &Document,
     mut plan: Plan,
@@ -262,26 +264,26 @@ fn solve_boundary(
     let Document { scene, source } = document;
     let stored = old.map_or(Ok(Vec::new()), |old| {
         same_scene(old, document)?;
-        store::read_steps(old, scene)
+        M::read_steps(old, scene)
     })?;
     let held = stored.len();
-    let first = Progress::before_last(stored).unwrap_or_else(|| Progress::first(scene));
     let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
+        let first = M::resume(scene, stored)?;
         if let Some(old) = old {
             // those of the last step are made anew if they are wanted
             store::copy_matrices(old, file, if args.save.is_some() { first.steps.len() } else { held })?;
         }
-        let queue = store::StepQueue::new(file);
+        let queue = store::StepQueue::<M>::new(file);
         let record = rayon::scope_fifo(|scope| {
-            let put = |step: &Step| {
+            let put = |step: &Step<M>| {
                 queue.push(step.clone());
                 // the stages that are saved go into the file in between: equal content has to give equal bytes
                 if args.save.is_some() { queue.write_next() } else { scope.spawn_fifo(|_| queue.write_next()) }
             };
             first.steps.iter().for_each(put);
-            let run = run(scene, first, interrupts, &mut |number, stage| {
+            let mut run = run(scene, first, interrupts, &mut |number, stage| {
                 bar.show(number, &stage);
-                if let Stage::Step { step, .. } = stage {
+                if let Some(step) = M::step(&stage) {
                     put(step);
                 }
                 if args.save.is_some() {
@@ -290,11 +292,9 @@ fn solve_boundary(
                     Ok(())
                 }
             })?;
-            if run.reason == Reason::MaxDofs && run.progress.next.dofs() <= scene.method.max_dofs {
-                plan.left_out.extend(run.progress.lack(scene).map(without_memory));
-            }
-            let (run, stochastic) = all_outcomes(scene, run, interrupts, bar)?;
-            Ok::<_, store::Unsolved>(Record::new(scene, plan, run, stochastic, out, reading))
+            plan.left_out.extend(M::lack(scene, &run).map(without_memory));
+            let outcomes = M::outcomes(scene, &mut run, interrupts, &|done, count| bar.outcomes(done, count))?;
+            Ok::<_, store::Unsolved>(Record::new(scene, plan, &run, outcomes, out, reading))
         })?;
         queue.finish()?;
         let (mut record, writing) = (record, Instant::now());
@@ -304,42 +304,6 @@ fn solve_boundary(
         Ok(record)
     });
     Ok((record.map_err(|unsolved| unsolved.0), held))
-}
-
-/// The outcomes of random input on the last mesh of a run that went well. Where the user stops it, or an outcome has no
-/// solution, the run says so and stays.
-fn all_outcomes(
-    scene: &Scene,
-    mut run: Run,
-    interrupts: &AtomicUsize,
-    bar: &Bar,
-) -> Result<(Run, Option<StochasticResult>), SolveError> {
-    let stopped_early = matches!(run.reason, Reason::Interrupted | Reason::Failed);
-    let (Some(random), Some(body)) = (scene.random.as_ref().filter(|_| !stopped_early), &run.body) else {
-        return Ok((run, None));
-    };
-    let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-    match solve_stochastic(scene, random, body, &|done, count| bar.outcomes(done, count), &stopped) {
-        Ok(result) => {
-            run.reason = match result.end {
-                _ if !run.converged() => run.reason,
-                _ if result.unconverged > 0 => Reason::Solver,
-                End::MaxNodes => Reason::MaxNodes,
-                End::Rounds => Reason::MaxSteps,
-                End::Solved | End::Tolerance => run.reason,
-            };
-            Ok((run, Some(result)))
-        }
-        Err(SolveError::Interrupted) => {
-            run.reason = Reason::Interrupted;
-            Ok((run, None))
-        }
-        Err(error @ SolveError::Data(_)) => Err(error),
-        Err(error) => {
-            (run.reason, run.error) = (Reason::Failed, Some(error));
-            Ok((run, None))
-        }
-    }
 }
 
 /// Whether a result file is of this scene: of the overrides only the tolerance and the limits may differ.
@@ -353,7 +317,7 @@ fn old_result(out: &Path, resume: bool) -> Result<Option<File>, Failure> {
 }
 
 /// The result of a run that was stopped before the last stored step was solved again: what the file holds.
-fn unchanged(old: &File, out: &Path, steps: usize, quiet: bool) -> Result<Stored, Failure> {
+fn unchanged(old: &File, out: &Path, steps: usize, quiet: bool) -> Result<Record, Failure> {
     if !quiet {
         eprintln!("{} is unchanged and holds {steps} step(s): --resume goes on from them", out.display());
     }
@@ -436,6 +400,6 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "result".into(), |s| s.to_string_lossy().into_owned())
 }
 
-fn pictures(stored: &Stored, folder: &Path, file: &Path) -> Result<Vec<PathBuf>, Failure> {
+fn pictures(stored: &Record, folder: &Path, file: &Path) -> Result<Vec<PathBuf>, Failure> {
     Ok(steklov_figures::pictures(stored, folder, &stem(file))?)
 }

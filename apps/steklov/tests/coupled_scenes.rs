@@ -3,7 +3,8 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
-use steklov_model::grid::{GridProgress, GridRun, run_grid};
+use steklov_model::grid::OnGrid;
+use steklov_model::run::{self, Progress, Run};
 use steklov_model::summary::Summary;
 use steklov_plan::plan;
 use steklov_problem::{DataErrorKind as Kind, Scene};
@@ -37,16 +38,16 @@ fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     steklov_scene::parse(text, "scene.toml", &overrides)
 }
 
-fn run(text: &str, overrides: &[&str]) -> (Scene, GridRun) {
+fn finished(text: &str, overrides: &[&str]) -> (Scene, Run<OnGrid>) {
     let scene = parse(text, overrides).unwrap_or_else(|e| panic!("{}", e.render()));
-    let progress = GridProgress::new(&scene, Vec::new()).unwrap();
-    let run = run_grid(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
+    let progress = Progress::<OnGrid>::new(&scene, Vec::new()).unwrap();
+    let run = run::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
     (scene, run)
 }
 
 fn solve(text: &str, overrides: &[&str]) -> Summary {
-    let (scene, run) = run(text, overrides);
-    Record::of_grid(&scene, plan(&scene), run, Path::new("none.vtkhdf"), 0.0).summary
+    let (scene, run) = finished(text, overrides);
+    Record::new(&scene, plan(&scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// Largest difference of two lists of numbers.
@@ -143,8 +144,8 @@ fn a_resultant_is_told_or_refused() {
     let exterior = solve(SQUARE, &[weight]).exterior.unwrap();
     assert!(!exterior.balanced && apart(&exterior.resultant, &[0.0, -1.0]) < 1e-12, "{exterior:?}");
     let (scene, bounded) = (parse(SQUARE, &[weight, "exterior.at_infinity=\"bounded\""]).unwrap(), AtomicUsize::new(0));
-    let progress = GridProgress::new(&scene, Vec::new()).unwrap();
-    let Err(error) = run_grid(&scene, progress, &bounded, &mut |_, _| Ok(())) else { panic!("a net force is bounded") };
+    let progress = Progress::<OnGrid>::new(&scene, Vec::new()).unwrap();
+    let Err(error) = run::run(&scene, progress, &bounded, &mut |_, _| Ok(())) else { panic!("a net force is bounded") };
     assert!(error.to_string().contains("resultant (0.000e0, -1.000e0)"), "{error}");
 
     let twist = "exterior.stress_jump=[\"y\", \"x\", \"0\"]";
@@ -178,7 +179,7 @@ fn a_lining_of_the_rock_is_the_rock() {
         .replace("model = \"fem-bem\"\nrefine = \"none\"", "refine = \"hp\"\ntolerance = 1e-5");
     let scene = parse(&hole, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     let progress = steklov_model::run::Progress::first(&scene);
-    let done = steklov_model::run::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
+    let done = run::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
     let errors = [16, 32, 64].map(|n| {
         let probes = lined(n);
         let off = probes.iter().map(|probe| {

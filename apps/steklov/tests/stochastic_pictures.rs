@@ -9,7 +9,8 @@ use steklov_io::{File, IoError, create_atomically, create_group, open, open_grou
 use steklov_model::run::{Progress, run};
 use steklov_model::stochastic::{StochasticResult, solve_stochastic};
 use steklov_result::outcomes::{read, write};
-use steklov_result::store::{self, Stored};
+use steklov_result::record::Record;
+use steklov_result::store;
 
 /// A block on a floor whose height and load are random, `more` at the end.
 fn rough(more: &str) -> String {
@@ -30,7 +31,7 @@ samples = 400
     text.replace("[\"0\", \"-1\"]", "[\"0\", \"-p\"]") + random + more
 }
 
-fn stored(place: &Place, name: &str) -> Stored {
+fn stored(place: &Place, name: &str) -> Record {
     store::read(&open(place.path(name)).unwrap()).unwrap()
 }
 
@@ -134,7 +135,7 @@ fn tables_give_back_the_arrays_and_their_moments() {
     place.run(["show", "rough.vtkhdf", "--csv", "tables"]).demand(0);
     let parts = ["contact-statistics", "contact", "displacement", "points", "quantities", "traction"];
     assert_eq!(names(&place.path("tables")), parts.map(|p| format!("rough-{p}.csv")));
-    let Stored { stochastic: Some(result), contact, .. } = stored(&place, "rough.vtkhdf") else {
+    let Record { stochastic: Some(result), contact, .. } = stored(&place, "rough.vtkhdf") else {
         panic!("no outcomes are stored")
     };
     let number = |text: &String| text.parse::<f64>().unwrap();
@@ -196,7 +197,7 @@ fn what_is_stored_is_read_with_the_same_bits() {
         let scene = steklov_scene::read(&place.path("rough.toml"), &[]).unwrap();
         let run = run(&scene, Progress::first(&scene), &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
         let random = scene.random.as_ref().unwrap();
-        let result = solve_stochastic(&scene, random, run.body.as_ref().unwrap(), &|_, _| (), &|| false).unwrap();
+        let result = solve_stochastic(&scene, random, run.matrices.as_ref().unwrap(), &|_, _| (), &|| false).unwrap();
         // the text of a number is that of no other number
         let again = format!("{:?}", there_and_back(&place, &result));
         assert_eq!(again, format!("{result:?}"), "{method}");

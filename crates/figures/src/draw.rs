@@ -7,7 +7,7 @@ use steklov_io::vtkhdf::Field;
 use steklov_model::report::ContactRow;
 use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 use steklov_result::medium::body_part;
-use steklov_result::store::Stored;
+use steklov_result::record::Record;
 
 use crate::grid;
 use crate::stochastic;
@@ -16,7 +16,7 @@ use crate::stochastic;
 ///
 /// # Errors
 /// When a picture cannot be drawn or written.
-pub fn pictures(stored: &Stored, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
+pub fn pictures(stored: &Record, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
     let mut files = Vec::new();
     files.extend(write(folder, &format!("{name}-body"), &body_picture(stored)?)?);
     if let Some(picture) = grid::medium(stored)? {
@@ -60,7 +60,7 @@ pub(crate) fn file_name(side: &str) -> String {
     side.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
-fn body_picture(stored: &Stored) -> Result<Picture, PictureError> {
+fn body_picture(stored: &Record) -> Result<Picture, PictureError> {
     let fields = &stored.grid;
     let values = |name: &str| fields.point_data.iter().find(|f| f.name == name);
     let planar = |f: &Field| -> Vec<[f64; 2]> { f.values.chunks(f.components.max(1)).map(|v| [v[0], v[1]]).collect() };
@@ -163,7 +163,7 @@ fn contact_picture(title: &str, side: &str, rows: &[&ContactRow]) -> Result<Pict
 ///
 /// # Errors
 /// When a file cannot be written.
-pub fn tables(stored: &Stored, folder: &Path, name: &str) -> std::io::Result<Vec<PathBuf>> {
+pub fn tables(stored: &Record, folder: &Path, name: &str) -> std::io::Result<Vec<PathBuf>> {
     std::fs::create_dir_all(folder)?;
     let mut files = Vec::new();
     let mut save = |table: &str, text: String| -> std::io::Result<()> {

@@ -1,7 +1,7 @@
 //! Pictures and tables of results.
 //!
 //! ```text
-//! Stored ─► pictures (SVG, PNG)          Stored ─► tables (CSV)
+//! Record ─► pictures (SVG, PNG)          Record ─► tables (CSV)
 //! ```
 
 mod draw;

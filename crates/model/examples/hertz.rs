@@ -6,8 +6,8 @@ use std::f64::consts::PI;
 use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
+use steklov_model::adaptive::unobserved;
 use steklov_model::report::{contact_rows, contact_summary, located};
-use steklov_model::run::unobserved;
 use steklov_problem::{Condition, Contact, Friction, Scene};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -6,7 +6,7 @@ use std::error::Error;
 use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
-use steklov_model::run::unobserved;
+use steklov_model::adaptive::unobserved;
 use steklov_model::stochastic::solve_stochastic;
 use steklov_problem::{Condition, Germ, Random, RandomConstants, RandomName, Scene, Stochastic, Uses};
 use steklov_stochastic::Variable;
@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.check()?;
 
     let run = unobserved(&scene)?;
-    let (Some(random), Some(body)) = (&scene.random, &run.body) else { return Err("no body".into()) };
+    let (Some(random), Some(body)) = (&scene.random, &run.matrices) else { return Err("no body".into()) };
     let outcomes = solve_stochastic(&scene, random, body, &|_, _| {}, &|| false)?;
     let nominal = run.last.energies.total * scene.body().material().young;
     let exact = nominal * (high / low).ln() / (high - low);

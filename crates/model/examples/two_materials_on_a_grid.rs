@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicUsize;
 use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
-use steklov_model::grid::{GridProgress, run_grid};
+use steklov_model::grid::OnGrid;
+use steklov_model::run::{Progress, run};
 use steklov_problem::{BasisInput, CellModuli, Cells, Condition, GridInput, Scene, Substance};
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -25,8 +26,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     body.sides[3].condition = Condition::held();
     scene.check()?;
 
-    let progress = GridProgress::new(&scene, vec![])?;
-    let run = run_grid(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(()))?;
+    let progress = Progress::<OnGrid>::new(&scene, vec![])?;
+    let run = run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(()))?;
     let energy = run.last.energies.total;
     let exact = -0.5 * stress * stress * (1.0 / soft + 3.0 / stiff);
     println!("{}: {} dofs, J = {energy:.12}, exact {exact:.12}", scene.model().word(), run.last.dofs);

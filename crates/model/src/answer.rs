@@ -1,80 +1,122 @@
 //! The numbers of a run.
 
-use steklov_contact::Kkt;
+use steklov_contact::{Kkt, Located};
 use steklov_coupling::Radiation;
 use steklov_problem::Scene;
 
 use crate::around::Around;
+use crate::contact::ContactResult;
 use crate::estimate::{Doubt, ROUNDOFF};
 use crate::fields::probe;
 use crate::large::is_large;
-use crate::report::{ContactRow, contact_summary, located};
-use crate::run::Run;
-use crate::solve::Solved;
+use crate::report::{ContactRow, Trace, contact_summary, located};
+use crate::run::{Model, Run};
+use crate::solve::{Energies, Solved};
 use crate::stochastic::{self, StochasticResult};
-use crate::summary::{Audit, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
+use crate::summary::{Audit, GridSummary, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::vertices::tell_unbounded;
 
 /// Part of the forces on the boundary below which their resultant counts as none.
 const BALANCED: f64 = 1e-6;
 
-/// The numbers of a run with all outcomes of its random input; `rows` are those of the contact table.
-pub fn answer(scene: &Scene, run: &Run, rows: &[ContactRow], outcomes: Option<&StochasticResult>) -> Summary {
-    let mut summary = summary(scene, run, rows);
-    summary.stochastic = scene.random.as_ref().zip(outcomes).map(|(random, result)| stochastic::json(random, result));
-    if outcomes.is_some_and(|result| result.is_doubtful()) {
-        summary.estimate_doubts.push(Doubt::Outcomes.word().to_owned());
-    }
-    if is_large(scene, run.last.trace()) {
-        summary.estimate_doubts.push("large".to_owned());
-    }
-    summary
+/// What a model tells of its last solution.
+pub struct Report<'a> {
+    /// Energies.
+    pub energies: Energies,
+    /// J of the data, and how far it may be off.
+    pub energy: Option<[f64; 2]>,
+    /// The estimated error (energy norm), and over the scale of the solution.
+    pub error: Option<[f64; 2]>,
+    /// Doubts of the estimate, by their words.
+    pub doubts: Vec<String>,
+    /// Whether the solution is known to be exact.
+    pub exact: bool,
+    /// The boundary.
+    pub trace: Trace<'a>,
+    /// Contact, if there is any.
+    pub contact: Option<&'a ContactResult>,
+    /// Where zones of contact and stick end, where that is known better than by nodes.
+    pub located: Option<&'a [Located]>,
+    /// Force of the support or obstacle on the body for each held or contacting side.
+    pub reactions: &'a [(String, [f64; 2])],
+    /// Displacement and stress at the points of the scene.
+    pub probe: Vec<Probe>,
+    /// The grid of finite elements.
+    pub grid: Option<GridSummary>,
+    /// The medium around the body, solved.
+    pub around: Option<&'a Around>,
+    /// What is told of an unbounded medium.
+    pub exterior: Option<MediumSummary>,
 }
 
-fn summary(scene: &Scene, run: &Run, rows: &[ContactRow]) -> Summary {
-    let solved = &run.last;
-    let contact = solved.contact.as_ref();
-    let estimate = run.step().estimate.as_ref();
-    let part = |k: usize| run.progress.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
-    let mut probe: Vec<Probe> = scene.probe.iter().map(|&x| probe(scene, solved, x)).collect();
-    tell_unbounded(scene, rows, &mut probe, estimate.is_some_and(|e| e.relative < ROUNDOFF));
-    let exterior = solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run));
-    let of_estimate = estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned());
+/// The numbers of a run with all outcomes of its random input; `rows` are those of the contact table.
+pub fn answer<M: Model>(
+    scene: &Scene,
+    run: &Run<M>,
+    rows: &[ContactRow],
+    outcomes: Option<&StochasticResult>,
+) -> Summary {
+    let mut report = M::report(scene, run);
+    let Report { energies, contact, .. } = report;
+    let (mut probe, exterior) = (std::mem::take(&mut report.probe), report.exterior.take());
+    tell_unbounded(scene, rows, &mut probe, report.exact);
+    let mut doubts = report.doubts;
+    doubts.extend(exterior.iter().filter_map(MediumSummary::doubt));
+    if outcomes.is_some_and(|result| result.is_doubtful()) {
+        doubts.push(Doubt::Outcomes.word().to_owned());
+    }
+    if is_large(scene, report.trace) {
+        doubts.push("large".to_owned());
+    }
     Summary {
         title: scene.title.clone(),
-        model: "bem".into(),
+        model: scene.model().word().into(),
         file: String::new(),
         converged: run.converged(),
         reason: run.reason.word().into(),
         failure: run.error.as_ref().map(ToString::to_string),
-        dofs: solved.space.dofs(),
+        dofs: run.step().dofs,
         steps: run.progress.steps.len(),
-        energy: solved.energies.total,
-        energy_extrapolated: estimate.map(|e| e.energy),
-        energy_uncertainty: estimate.map(|e| e.uncertainty),
-        strain_energy: solved.energies.strain,
-        load_work: solved.energies.load_work,
-        friction_work: solved.energies.friction_work,
-        estimate: estimate.map(|e| e.error),
-        estimate_relative: estimate.map(|e| e.relative),
-        estimate_doubts: of_estimate.chain(exterior.iter().filter_map(MediumSummary::doubt)).collect(),
+        energy: energies.total,
+        energy_extrapolated: report.energy.map(|[energy, _]| energy),
+        energy_uncertainty: report.energy.map(|[_, uncertainty]| uncertainty),
+        strain_energy: energies.strain,
+        load_work: energies.load_work,
+        friction_work: energies.friction_work,
+        estimate: report.error.map(|[error, _]| error),
+        estimate_relative: report.error.map(|[_, relative]| relative),
+        estimate_doubts: doubts,
         iterations: contact.map_or(0, |c| c.reported().iterations),
-        contact: contact.map(|c| contact_summary(scene, solved.trace(), c, rows, located(scene, run.step()))),
+        contact: contact.map(|c| contact_summary(scene, report.trace, c, rows, report.located)),
         audit: contact.map(|c| audit_summary(&c.audit)),
-        reactions: solved.reactions.iter().cloned().collect(),
+        reactions: report.reactions.iter().cloned().collect(),
         probe,
-        stochastic: None,
-        grid: None,
+        stochastic: scene.random.as_ref().zip(outcomes).map(|(random, result)| stochastic::json(random, result)),
+        grid: report.grid,
         exterior,
-        seconds: SecondsSummary {
-            set_up: part(0),
-            assemble: part(1),
-            factorise: part(2),
-            solve: part(3),
-            estimate: part(4),
-            ..Default::default()
-        },
+        seconds: SecondsSummary::of_steps(run.seconds()),
         peak_memory_bytes: peak_memory_bytes(),
+    }
+}
+
+/// What boundary elements tell.
+pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> {
+    let solved = &run.last;
+    let estimate = run.step().estimate.as_ref();
+    Report {
+        energies: solved.energies,
+        energy: estimate.map(|e| [e.energy, e.uncertainty]),
+        error: estimate.map(|e| [e.error, e.relative]),
+        doubts: estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned()).collect(),
+        exact: estimate.is_some_and(|e| e.relative < ROUNDOFF),
+        trace: solved.trace(),
+        contact: solved.contact.as_ref(),
+        located: located(scene, run.step()),
+        reactions: &solved.reactions,
+        probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
+        grid: None,
+        around: solved.around.as_ref(),
+        exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run)),
     }
 }
 

@@ -9,14 +9,12 @@ use steklov_problem::Scene;
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
 use crate::data::{Data, Loads};
+use crate::equilibrium::{Equations, reactions};
 use crate::inclusion::Outside;
 use crate::motions::{balanced, edges, work};
 use crate::solve::{Energies, Seconds, SolveError, Solved};
 use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};
-
-/// Relative residual of equilibrium beyond which an answer has lost too many digits.
-pub(crate) const UNBALANCED: f64 = 1e-7;
 
 /// What assembly and factorisation leave: enough to answer any loads, gaps, bounds and held values on the same supports.
 pub struct Body {
@@ -126,48 +124,14 @@ impl Body {
     pub(crate) fn answer(
         &self,
         scene: &Scene,
-        given: Given,
+        mut given: Given,
         solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
     ) -> Result<(Solved, Factors), SolveError> {
-        let Given {
-            loads: Loads { nodal: tractions, unresolved, .. },
-            particular,
-            boundary,
-            held,
-            judged,
-            liftable,
-            stabilised,
-            load,
-            extra_load,
-        } = given;
         let Self { mesh, space, condensation, .. } = self;
-        let supports = Supports { space, held: &self.held };
-        let data = Data { scene, mesh, space };
-        let solution = particular.as_ref().map(|p| p.solution);
-        let condensed = condensation.load_held(&load, &held);
-        let (displacement, contact, contact_factors) = match boundary {
-            None => (condensation.expand(&condensed, &[]), None, None),
-            Some(boundary) => {
-                let body = CondensedBody {
-                    mesh,
-                    space,
-                    stiffness: &self.stiffness,
-                    load: &condensed.kept,
-                    expand: &|v| condensation.expand(&condensed, v),
-                    largest_diagonal: condensation.largest_diagonal(),
-                    driven: &|motion| work(&space.points, &load, motion),
-                    free: &self.free,
-                    judged,
-                    liftable: liftable && stabilised.is_none(),
-                };
-                let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
-                (displacement, Some(result), Some(factors))
-            }
-        };
-        // what adaptivity and the estimate rest on
-        let companion = displacement;
+        let (companion, contact, contact_factors) = self.displacement(&mut given, solve)?;
         let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
-        let (mut displacement, contact) = match (contact, stabilised) {
+        // what adaptivity and the estimate rest on is the companion: of biorthogonal multipliers
+        let (mut displacement, contact) = match (contact, given.stabilised.take()) {
             (Some(contact), Some(s)) => {
                 let (displacement, audit, friction_work) = (s.displacement.clone(), s.audit, s.friction_work);
                 (displacement, Some(ContactResult { audit, friction_work, stabilised: Some(s), ..contact }))
@@ -175,30 +139,16 @@ impl Body {
             (contact, _) => (companion.clone(), contact),
         };
         let forces = condensation.multiply(&displacement);
-        let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(s, f)| s - f).collect();
-        if let Some(c) = &contact {
-            match &c.stabilised {
-                Some(s) => residual.iter_mut().zip(&s.forces).for_each(|(r, f)| *r += f),
-                None => {
-                    for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
-                        residual[2 * node] += force[0];
-                        residual[2 * node + 1] += force[1];
-                    }
-                }
-            }
-        }
-        let equilibrium = supports.equilibrium(&residual, &forces, &load, 0.0);
-        // without a load a body may move as a whole or not at all: forces of roundoff are no scale of their own
-        let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        let unloaded = largest(&load) == 0.0;
-        let gap = contact.as_ref().map_or(0.0, |c| c.boundary.largest_gap());
-        let moved = largest(&displacement) + gap;
-        let floor = if unloaded { 1e-6 * condensation.largest_diagonal() * moved } else { 0.0 };
-        let balanced = supports.equilibrium(&residual, &forces, &load, floor) <= UNBALANCED;
-        let contact = contact.map(|mut c| {
-            c.audit.equilibrium = c.audit.equilibrium.max(equilibrium);
-            c
-        });
+        let equations = Equations {
+            forces: &forces,
+            load: &given.load,
+            displacement: &displacement,
+            largest_diagonal: condensation.largest_diagonal(),
+            contact: contact.as_ref(),
+        };
+        let supports = Supports { space, held: &self.held };
+        let residual = equations.residual(|dof| dof, |dof| supports.is_held(dof));
+        let contact = contact.map(|c| c.with_equilibrium(residual.relative));
 
         // forces have the springs of free motions in them: these are taken out after that
         if let Some(outside) = &self.outside {
@@ -208,68 +158,48 @@ impl Body {
         let unlifted = lift.as_ref().map(|_| displacement.clone());
         displacement.iter_mut().zip(lift.iter().flatten()).for_each(|(u, r)| *u += r);
 
-        let of_displacement = |displacement: &[f64], forces: &[f64], friction_work: f64| {
-            let homogeneous: Vec<f64> = match &particular {
-                None => displacement.to_vec(),
-                Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
-            };
-            let traction = self.traction_map.apply(&homogeneous);
-            let field = self.field(&homogeneous, &traction);
-            let crossed = solution.map_or(0.0, |b| crossed_work(&field, &b, mesh, space));
-            let mut energies = energies(displacement, forces, &tractions, particular.as_ref(), crossed, friction_work);
-            if let Some(outside) = &self.outside {
-                energies.strain = outside.strain_energy(displacement, &outside.displacement(displacement), forces);
-                energies.total = energies.strain - energies.load_work + friction_work;
-            }
-            (homogeneous, field, energies)
-        };
         let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
-        let (homogeneous, field, energies) = of_displacement(&displacement, &forces, friction_work);
-        let (homogeneous, companion_energy, difference) = match &contact {
-            Some(ContactResult { stabilised: Some(_), .. }) => {
-                let apart: Vec<f64> = displacement.iter().zip(&companion).map(|(a, b)| a - b).collect();
-                let stiff = condensation.multiply(&apart);
-                let (homogeneous, _, energies) =
-                    of_displacement(&companion, &condensation.multiply(&companion), companion_friction);
-                (homogeneous, energies.total, apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0))
-            }
-            // the estimate is that of the solution on its springs
-            _ => match unlifted {
-                Some(u) => (of_displacement(&u, &forces, friction_work).0, energies.total, 0.0),
-                None => (homogeneous, energies.total, 0.0),
-            },
-        };
+        let Fields { homogeneous, field, energies } = self.fields(&given, &displacement, &forces, friction_work);
         let Energies { total, strain, load_work, .. } = energies;
         if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
             return Err(SolveError::NotFinite { energy: total });
         }
-        let mut reactions = supports.reactions(&residual, mesh, &scene.body().sides, |e, j| {
-            data.traction_moment(&field, solution.as_ref(), e, j)
-        });
-        if let Some(c) = &contact {
-            reactions.extend(scene.contacts().map(|(side, _)| (side, c.force(side))));
-        }
-        reactions.sort_by_key(|r| r.0);
-        let reactions = reactions.into_iter().map(|(side, force)| (mesh.side_names[side].clone(), force)).collect();
+        let (homogeneous, energy, difference) = match (&contact, unlifted) {
+            (Some(ContactResult { stabilised: Some(_), .. }), _) => {
+                let apart: Vec<f64> = displacement.iter().zip(&companion).map(|(a, b)| a - b).collect();
+                let stiff = condensation.multiply(&apart);
+                let forces = condensation.multiply(&companion);
+                let fields = self.fields(&given, &companion, &forces, companion_friction);
+                let difference = apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0);
+                (fields.homogeneous, fields.energies.total, difference)
+            }
+            // the estimate is that of the solution on its springs
+            (_, Some(u)) => (self.fields(&given, &u, &forces, friction_work).homogeneous, total, 0.0),
+            (_, None) => (homogeneous, total, 0.0),
+        };
+        let data = Data { scene, mesh, space };
+        let particular = given.particular.as_ref().map(|p| p.solution);
+        let of_corner = |e: usize, j: usize| data.traction_moment(&field, particular.as_ref(), e, j);
+        let reactions = reactions(scene, (&supports, mesh), &residual.values, contact.as_ref(), of_corner);
         let outside = self.outside.as_ref();
         let factors = Factors {
             homogeneous,
             outside: outside.map(|outside| outside.displacement(&displacement)),
-            energy: companion_energy,
+            energy,
             difference,
-            extra_load,
-            unresolved,
+            extra_load: given.extra_load,
+            unresolved: given.loads.unresolved,
             contact: contact_factors,
         };
         let solved = Solved {
-            around: outside.and_then(|outside| outside.around(&data, &displacement, &tractions)),
+            around: outside.and_then(|outside| outside.around(&data, &displacement, &given.loads.nodal)),
             displacement,
             field,
-            particular: solution,
+            particular,
             energies,
             contact,
-            equilibrium,
-            balanced,
+            equilibrium: residual.relative,
+            balanced: residual.balanced,
             reactions,
             free_motions: self.free.clone(),
             seconds: Seconds::default(),
@@ -278,4 +208,58 @@ impl Body {
         };
         Ok((solved, factors))
     }
+
+    /// The nodal displacement under what acts on the body, and its contact, whose boundary is taken.
+    fn displacement(
+        &self,
+        given: &mut Given,
+        solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
+    ) -> Result<(Vec<f64>, Option<ContactResult>, Option<ContactFactors>), SolveError> {
+        let Self { mesh, space, condensation, .. } = self;
+        let condensed = condensation.load_held(&given.load, &given.held);
+        let Some(boundary) = given.boundary.take() else {
+            return Ok((condensation.expand(&condensed, &[]), None, None));
+        };
+        let body = CondensedBody {
+            mesh,
+            space,
+            stiffness: &self.stiffness,
+            load: &condensed.kept,
+            expand: &|v| condensation.expand(&condensed, v),
+            largest_diagonal: condensation.largest_diagonal(),
+            driven: &|motion| work(&space.points, &given.load, motion),
+            free: &self.free,
+            judged: given.judged,
+            liftable: given.liftable && given.stabilised.is_none(),
+        };
+        let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
+        Ok((displacement, Some(result), Some(factors)))
+    }
+
+    /// The elastic field of a nodal displacement and its energies.
+    fn fields(&self, given: &Given, displacement: &[f64], forces: &[f64], friction_work: f64) -> Fields {
+        let particular = given.particular.as_ref();
+        let homogeneous: Vec<f64> = match particular {
+            None => displacement.to_vec(),
+            Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
+        };
+        let traction = self.traction_map.apply(&homogeneous);
+        let field = self.field(&homogeneous, &traction);
+        let crossed = particular.map_or(0.0, |p| crossed_work(&field, &p.solution, &self.mesh, &self.space));
+        let mut energies = energies(displacement, forces, &given.loads.nodal, particular, crossed, friction_work);
+        if let Some(outside) = &self.outside {
+            energies.strain = outside.strain_energy(displacement, &outside.displacement(displacement), forces);
+            energies.total = energies.strain - energies.load_work + friction_work;
+        }
+        Fields { homogeneous, field, energies }
+    }
+}
+
+/// What a nodal displacement gives.
+struct Fields {
+    /// It without the particular solution.
+    homogeneous: Vec<f64>,
+    /// The elastic field of that.
+    field: BoundaryField,
+    energies: Energies,
 }

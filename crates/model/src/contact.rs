@@ -37,6 +37,12 @@ impl ContactResult {
         self.stabilised.as_ref().map_or(&self.solution, |s| &s.solution)
     }
 
+    /// The result with the equilibrium of all unknowns in its audit.
+    pub(crate) fn with_equilibrium(mut self, relative: f64) -> Self {
+        self.audit.equilibrium = self.audit.equilibrium.max(relative);
+        self
+    }
+
     /// Whether the solvers reached their criteria.
     pub fn converged(&self) -> bool {
         self.solution.converged() && self.reported().converged()

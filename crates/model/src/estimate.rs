@@ -16,10 +16,11 @@ use steklov_contact::{ContactBubble, ContactResidual, Frozen};
 use steklov_elastic::Material;
 use steklov_problem::{Indicator, Refine, Scene};
 
-use crate::body::{Body, Factors, UNBALANCED};
+use crate::body::{Body, Factors};
 use crate::data::Data;
 use crate::elastic::{Elastic, EnrichedBody, plane_modulus};
 use crate::enriched_problem::{Frame, System, frames};
+use crate::equilibrium::UNBALANCED;
 use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
 use crate::solve::{SolveError, Solved};

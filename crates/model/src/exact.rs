@@ -3,8 +3,8 @@
 use steklov_bem_operators::Look;
 use steklov_problem::Scene;
 
-use crate::body::UNBALANCED;
 use crate::data::Data;
+use crate::equilibrium::UNBALANCED;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, Residual};
 use crate::solve::{SolveError, Solved};
 

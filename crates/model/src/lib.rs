@@ -3,10 +3,11 @@
 //! ```text
 //! Scene ─► Layout ─► solve (mesh by mesh) ─► estimate ─► next Layout ... ─► Run ─► answer: Summary
 //!                                                                          └─► all outcomes of random input
-//! Scene with a [grid] ─► GridLayout ─► ... ─► GridRun ─► answer_of_grid: Summary
+//! Scene with a [grid] ─► GridLayout ─► ... ─► Run<OnGrid> ─► answer_of_grid: Summary
 //! ```
 
 pub mod adapt;
+pub mod adaptive;
 pub mod answer;
 pub mod apart;
 pub mod around;
@@ -19,6 +20,7 @@ pub mod data_contact;
 pub mod data_work;
 pub mod elastic;
 pub mod enriched_problem;
+mod equilibrium;
 pub mod estimate;
 pub mod exact;
 pub mod fields;

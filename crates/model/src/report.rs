@@ -203,7 +203,7 @@ pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Su
 
 /// The transitions of a mesh that has vertices for them; none of other strategies.
 pub fn located<'a>(scene: &Scene, step: &'a Step) -> Option<&'a [Located]> {
-    (scene.method.refine == Refine::Hp).then_some(&step.located)
+    (scene.method.refine == Refine::Hp).then_some(&step.layout.located)
 }
 
 /// Edge and edge parameter of the transitions of some kinds, rising; none where one has no vertex.

@@ -1,20 +1,22 @@
-//! A scene solved from its first mesh to its last.
+//! A scene solved step by step: the one adaptive loop of boundary elements and of finite elements on grids.
+//!
+//! ```text
+//! Progress (steps, next layout) ─► advance: solve, estimate, next ─► Step ─► end? ─► Run (last solution, progress, reason)
+//!      ▲                                                               │ no
+//!      └───────────────────────────────────────────────────────────────┘
+//! ```
 
+use std::fmt::Debug;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
-use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
-use steklov_contact::{Located, Tip};
-use steklov_problem::{Refine, Scene};
+use steklov_problem::Scene;
 
-use crate::adapt::Layout;
-use crate::body::Body;
-use crate::elastic::EnrichedBody;
-use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate, is_estimated};
-use crate::hidden::Unseen;
-use crate::memory::{Lack, lack};
-use crate::solve::{SolveError, Solved, Stage, solve};
-use crate::stochastic::mean_estimate;
+use crate::adaptive::BoundaryElements;
+use crate::answer::Report;
+use crate::memory::Lack;
+use crate::solve::{Seconds, SolveError, Stage};
+use crate::stochastic::StochasticResult;
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,12 +61,78 @@ impl Reason {
     }
 }
 
+/// What is solved again and again, each time with another layout: [`BoundaryElements`] or [`crate::grid::OnGrid`].
+pub trait Model: Debug + Clone + PartialEq {
+    /// What is to be solved: a subdivision of the boundary, a grid.
+    type Layout: Debug + Clone + PartialEq + Send;
+    /// What a step keeps of it.
+    type Kept: Debug + Clone + PartialEq + Send;
+    /// The estimate of a step.
+    type Estimate: Debug + Clone + PartialEq + Send;
+    /// A solved layout.
+    type Solved: Send;
+    /// What its matrices leave.
+    type Matrices: Send;
+    /// What one step leaves to the next, besides its layout.
+    type Cache: Default;
+
+    /// Solves and estimates a layout, after the steps that are done.
+    ///
+    /// # Errors
+    /// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.
+    fn advance(
+        scene: &Scene,
+        progress: &Progress<Self>,
+        cache: &mut Self::Cache,
+        observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+    ) -> Result<Advanced<Self>, SolveError>;
+
+    /// Why the run ends after the last of the steps, if it does; `next` is what would be solved, if anything is refined.
+    fn end(scene: &Scene, steps: &[Step<Self>], solved: &Self::Solved, next: Option<&Self::Layout>) -> Option<Reason>;
+
+    /// What is told of the last solution.
+    fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a>;
+
+    /// The outcomes of random input on the last step of a run that went well; the run says why there are none or not all.
+    ///
+    /// # Errors
+    /// Data of an outcome that are impossible.
+    fn outcomes(
+        _: &Scene,
+        _: &mut Run<Self>,
+        _: &AtomicUsize,
+        _: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Option<StochasticResult>, SolveError> {
+        Ok(None)
+    }
+
+    /// What the step that would have come next lacks of memory, where that ended the run.
+    fn lack(_: &Scene, _: &Run<Self>) -> Option<Lack> {
+        None
+    }
+
+    /// The step as a stage to be watched, so many seconds after the run began.
+    fn stage<'a>(solved: &'a Self::Solved, step: &'a Step<Self>, seconds: f64) -> Stage<'a>;
+}
+
+/// A step that is done, and what it leads to.
+pub struct Advanced<M: Model> {
+    /// The solution.
+    pub solved: M::Solved,
+    /// What its matrices leave.
+    pub matrices: M::Matrices,
+    /// What is kept of it.
+    pub step: Step<M>,
+    /// What would be solved next; none where nothing is refined.
+    pub next: Option<M::Layout>,
+}
+
 /// What is kept of every step.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step {
-    /// Its mesh.
-    pub mesh: Mesh,
-    /// Displacement unknowns.
+pub struct Step<M: Model = BoundaryElements> {
+    /// Its mesh, or its grid.
+    pub layout: M::Kept,
+    /// Unknowns of the displacement; on a grid the held ones included.
     pub dofs: usize,
     /// J.
     pub energy: f64,
@@ -75,62 +143,33 @@ pub struct Step {
     /// The contact solver's measure of the error, iteration by iteration; empty without contact.
     pub history: Vec<f64>,
     /// Estimate of the error; none of a single mesh of thousands of unknowns.
-    pub estimate: Option<Estimate>,
-    /// The vertices of the mesh that follow transitions of contact and stick.
-    pub tips: Vec<Tip>,
-    /// Where the transitions are believed to be.
-    pub located: Vec<Located>,
+    pub estimate: Option<M::Estimate>,
     /// Wall seconds: set-up, assembly, factorisation, solution, estimate.
     pub seconds: [f64; 5],
 }
 
-impl Step {
-    /// Estimate of the error.
-    ///
-    /// # Panics
-    /// If the mesh was too large for one.
-    pub fn estimate(&self) -> &Estimate {
-        self.estimate.as_ref().expect("meshes that lead to others are estimated")
-    }
+/// Wall seconds of a step.
+pub(crate) fn seconds_of(s: &Seconds, estimate: f64) -> [f64; 5] {
+    [s.set_up, s.assemble, s.factorise, s.solve, estimate]
 }
 
 /// Steps that are done, and the layout that they lead to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Progress {
+pub struct Progress<M: Model = BoundaryElements> {
     /// All steps.
-    pub steps: Vec<Step>,
+    pub steps: Vec<Step<M>>,
     /// What is to be solved next.
-    pub next: Layout,
-}
-
-impl Progress {
-    /// The beginning of a run.
-    pub fn first(scene: &Scene) -> Self {
-        Self { steps: Vec::new(), next: Layout::first(scene) }
-    }
-
-    /// What the next mesh lacks if the matrices that it needs do not fit into the memory that the method may take.
-    pub fn lack(&self, scene: &Scene) -> Option<Lack> {
-        lack(scene, self.next.subdivision.elements(), self.next.dofs())
-    }
-
-    /// The state before the last of these steps was solved; None of no steps. Solving it again gives the same bits, and
-    /// what they lead to.
-    pub fn before_last(mut steps: Vec<Step>) -> Option<Self> {
-        let Step { mesh, tips, .. } = steps.pop()?;
-        let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
-        Some(Self { steps, next: Layout { subdivision, tips } })
-    }
+    pub next: M::Layout,
 }
 
 /// A finished run.
-pub struct Run {
+pub struct Run<M: Model = BoundaryElements> {
     /// The last step.
-    pub last: Solved,
-    /// Its matrices; None where a later step was begun, for which they were given up.
-    pub body: Option<Body>,
+    pub last: M::Solved,
+    /// What its matrices leave; None where a later step was begun, for which they were given up.
+    pub matrices: Option<M::Matrices>,
     /// The steps and what comes next.
-    pub progress: Progress,
+    pub progress: Progress<M>,
     /// Why it ended.
     pub reason: Reason,
     /// The error of the step after the last one, where one ended the run.
@@ -139,155 +178,64 @@ pub struct Run {
     pub clock: Instant,
 }
 
-impl Run {
+impl<M: Model> Run<M> {
     /// Whether everything that was asked for is reached.
     pub fn converged(&self) -> bool {
         matches!(self.reason, Reason::Solved | Reason::Tolerance)
     }
 
-    /// The matrices of the last step, made again where they were given up.
-    ///
-    /// # Errors
-    /// Those of [`solve`]; [`SolveError::Interrupted`] if the run was interrupted.
-    pub fn matrices(&mut self, scene: &Scene) -> Result<&Body, SolveError> {
-        match &mut self.body {
-            Some(body) => Ok(body),
-            None if self.reason == Reason::Interrupted => Err(SolveError::Interrupted),
-            none => {
-                let (mesh, estimated) = (self.last.mesh.clone(), is_estimated(scene, self.last.space.dofs()));
-                let (_, body, _) = solve(scene, mesh, estimated, &mut PairCache::default(), &mut |_| Ok(()))?;
-                Ok(none.insert(body))
-            }
-        }
-    }
-
     /// The last step.
-    pub fn step(&self) -> &Step {
+    pub fn step(&self) -> &Step<M> {
         self.progress.steps.last().unwrap_or_else(|| unreachable!("a run has at least one step"))
     }
-}
 
-/// Solves a scene of boundary elements from its first mesh to its last: [`run`] that nobody watches or stops.
-///
-/// # Errors
-/// As [`run`].
-pub fn unobserved(scene: &Scene) -> Result<Run, SolveError> {
-    run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
+    /// Wall seconds of all steps: set-up, assembly, factorisation, solution, estimate.
+    pub fn seconds(&self) -> [f64; 5] {
+        [0, 1, 2, 3, 4].map(|k| self.progress.steps.iter().map(|s| s.seconds[k]).sum())
+    }
 }
 
 /// Solves a scene. `interrupts` counts the user's wishes to stop: after one the step that runs is finished and kept,
 /// after two the run ends at once with the steps before it.
 ///
 /// # Errors
-/// As [`solve`], of the first step that it solves: an error of a later one ends the run with the steps before it. Those of
+/// As [`Model::advance`], of the first step that it solves: an error of a later one ends the run with the steps before it. Those of
 /// the observer always. [`SolveError::Interrupted`] if there is nothing to keep.
-pub fn run(
+pub fn run<M: Model>(
     scene: &Scene,
-    mut progress: Progress,
+    mut progress: Progress<M>,
     interrupts: &AtomicUsize,
     observe: &mut dyn FnMut(usize, Stage<'_>) -> Result<(), SolveError>,
-) -> Result<Run, SolveError> {
+) -> Result<Run<M>, SolveError> {
     let clock = Instant::now();
-    let mut cache = PairCache::default();
-    let mut last: Option<Solved> = None;
+    let mut cache = M::Cache::default();
+    let mut last: Option<M::Solved> = None;
     loop {
         let number = progress.steps.len();
         let mut watched = |stage: Stage<'_>| match interrupts.load(Ordering::Relaxed) {
             0 | 1 => observe(number, stage),
             _ => Err(SolveError::Interrupted),
         };
-        let next = advance(scene, &progress, &mut cache, &mut watched);
-        let (solved, body, step, layout) = match (next, last) {
+        let advanced = M::advance(scene, &progress, &mut cache, &mut watched);
+        let Advanced { solved, matrices, step, next } = match (advanced, last) {
             (Err(SolveError::Interrupted), Some(last)) => {
-                return Ok(Run { last, body: None, progress, reason: Reason::Interrupted, error: None, clock });
+                return Ok(Run { last, matrices: None, progress, reason: Reason::Interrupted, error: None, clock });
             }
             (Err(error), Some(last)) if !matches!(error, SolveError::Observer(_)) => {
-                return Ok(Run { last, body: None, progress, reason: Reason::Failed, error: Some(error), clock });
+                return Ok(Run { last, matrices: None, progress, reason: Reason::Failed, error: Some(error), clock });
             }
-            (next, _) => next?,
+            (advanced, _) => advanced?,
         };
-        observe(number, Stage::Step { solved: &solved, step: &step, seconds: clock.elapsed().as_secs_f64() })?;
-        let unchanged = layout.subdivision == progress.next.subdivision;
+        observe(number, M::stage(&solved, &step, clock.elapsed().as_secs_f64()))?;
         progress.steps.push(step);
-        progress.next = layout;
-        let interrupted = interrupts.load(Ordering::Relaxed) > 0;
-        if let Some(reason) = reason(scene, &progress, unchanged, interrupted) {
-            return Ok(Run { last: solved, body: Some(body), progress, reason, error: None, clock });
+        let end = M::end(scene, &progress.steps, &solved, next.as_ref());
+        let interrupted = (interrupts.load(Ordering::Relaxed) > 0).then_some(Reason::Interrupted);
+        if let Some(next) = next {
+            progress.next = next;
+        }
+        if let Some(reason) = end.or(interrupted) {
+            return Ok(Run { last: solved, matrices: Some(matrices), progress, reason, error: None, clock });
         }
         last = Some(solved);
     }
-}
-
-/// Solves and estimates the next layout; the one after it.
-fn advance(
-    scene: &Scene,
-    progress: &Progress,
-    cache: &mut PairCache,
-    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-) -> Result<(Solved, Body, Step, Layout), SolveError> {
-    let mesh = progress.next.subdivision.mesh(&scene.body().outline)?;
-    let estimated = is_estimated(scene, progress.next.dofs());
-    let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
-    let clock = Instant::now();
-    observe(Stage::Progress("estimate", 0.97))?;
-    let enriched = if estimated { Some(EnrichedBody::new(&body, cache)?) } else { None };
-    let (mut estimate, unseen) = match &enriched {
-        Some(enriched) => {
-            let (estimate, unseen) = estimate(scene, &solved, (&body, enriched), &factors)?;
-            (Some(estimate), unseen)
-        }
-        None => (None, Unseen::default()),
-    };
-    let (mut layout, located) = progress.next.next(scene, &solved, &factors, estimate.as_ref(), &unseen)?;
-    let before = progress.steps.last().map(|last| last.located.as_slice());
-    if let Some(estimate) = &mut estimate {
-        estimate.add_transitions(scene, &solved.mesh, &located, before);
-        estimate.add_roundoff(&solved);
-        estimate.settle_exact(scene, &solved)?;
-    }
-    if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate)
-        && one.relative <= scene.method.tolerance
-    {
-        // the mean outcome is solved well enough: what of the others?
-        *one = mean_estimate(scene, random, (&body, enriched), one.clone())?;
-        (layout, _) = progress.next.next(scene, &solved, &factors, Some(one), &unseen)?;
-    }
-    let s = &solved.seconds;
-    let seconds = [s.set_up, s.assemble, s.factorise, s.solve, clock.elapsed().as_secs_f64()];
-    let contact = solved.contact.as_ref();
-    let step = Step {
-        mesh: solved.mesh.clone(),
-        dofs: solved.space.dofs(),
-        energy: solved.energies.total,
-        strain: solved.energies.strain,
-        converged: solved.balanced && contact.is_none_or(|c| c.converged()),
-        history: contact.map_or(Vec::new(), |c| c.reported().history.clone()),
-        estimate,
-        tips: progress.next.tips.clone(),
-        located,
-        seconds,
-    };
-    Ok((solved, body, step, layout))
-}
-
-/// Why the run ends after the last of the steps, if it does.
-fn reason(scene: &Scene, progress: &Progress, unchanged: bool, interrupted: bool) -> Option<Reason> {
-    let method = &scene.method;
-    let steps = &progress.steps;
-    let step = steps.last()?;
-    let reached = |s: &Step| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance);
-    let exact = step.estimate.as_ref().is_some_and(|e| e.relative < ROUNDOFF);
-    // an estimate that is in doubt has to be confirmed by the next step, if there is any
-    let doubted = step.estimate.iter().flat_map(|e| &e.doubts).any(|d| *d != Doubt::Roundoff);
-    let confirmed = !doubted || exact || unchanged || steps.len() > 1 && reached(&steps[steps.len() - 2]);
-    Some(match method.refine {
-        _ if !step.converged => Reason::Solver,
-        Refine::None => Reason::Solved,
-        _ if reached(step) && confirmed => Reason::Tolerance,
-        _ if unchanged || exact => Reason::Roundoff,
-        _ if steps.len() >= method.max_steps => Reason::MaxSteps,
-        _ if progress.next.dofs() > method.max_dofs || progress.lack(scene).is_some() => Reason::MaxDofs,
-        _ if interrupted => Reason::Interrupted,
-        _ => return None,
-    })
 }

@@ -17,6 +17,7 @@ use crate::body::{Body, Factors, Given};
 use crate::body_load::Particular;
 use crate::contact::{ContactResult, solve_problem};
 use crate::data::Data;
+use crate::grid::{GridSolved, OnGrid};
 use crate::inclusion::Outside;
 use crate::run::Step;
 use crate::stabilised::{self, solve_stabilised};
@@ -42,6 +43,15 @@ pub enum Stage<'a> {
         solved: &'a Solved,
         /// What is kept of it.
         step: &'a Step,
+        /// Wall seconds.
+        seconds: f64,
+    },
+    /// The same on a grid.
+    GridStep {
+        /// The solution.
+        solved: &'a GridSolved,
+        /// What is kept of it.
+        step: &'a Step<OnGrid>,
         /// Wall seconds.
         seconds: f64,
     },

@@ -218,6 +218,13 @@ pub struct SecondsSummary {
     pub write: f64,
 }
 
+impl SecondsSummary {
+    /// The sums over all steps: set-up, assembly, factorisation, solution, estimate.
+    pub fn of_steps([set_up, assemble, factorise, solve, estimate]: [f64; 5]) -> Self {
+        Self { set_up, assemble, factorise, solve, estimate, ..Self::default() }
+    }
+}
+
 impl Summary {
     /// The number at a path of keys joined by points: `contact.force.y`, `probe.0.stress.xx`, `reactions.floor.x`.
     pub fn at(&self, path: &str) -> Option<f64> {

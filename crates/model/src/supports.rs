@@ -45,13 +45,9 @@ impl Supports<'_> {
         free_motions(&self.space.points, &constraints)
     }
 
-    /// Largest residual at unknowns that are not held over max |S u| + max |f| + `floor`.
-    pub fn equilibrium(&self, residual: &[f64], forces: &[f64], load: &[f64], floor: f64) -> f64 {
-        let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        let scale = largest(forces) + largest(load) + floor;
-        let free = residual.iter().enumerate().filter(|(dof, _)| self.held[dof / 2].components[dof % 2].is_none());
-        let worst = free.fold(0.0, |m: f64, (_, r)| m.max(r.abs()));
-        if scale > 0.0 { worst / scale } else { 0.0 }
+    /// Whether an unknown is held.
+    pub fn is_held(&self, dof: usize) -> bool {
+        self.held[dof / 2].components[dof % 2].is_some()
     }
 
     /// Force of the supports on the body, side by side: the residuals at held unknowns. Where two sides hold a component

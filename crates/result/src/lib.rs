@@ -2,10 +2,11 @@
 //!
 //! ```text
 //! Run ─► Record (fields, contact table, steps, summary, plan) ─► store::write ─► file
-//! file ─► store::read ─► Stored          file ─► store::read_steps ─► steps from which a run goes on
+//! file ─► store::read ─► Record          file ─► Keep::read_steps ─► steps from which a run goes on
 //! ```
 
 pub mod grid;
+pub mod keep;
 pub mod medium;
 pub mod outcomes;
 pub mod record;

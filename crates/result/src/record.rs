@@ -10,7 +10,7 @@ use steklov_model::around::Around;
 use steklov_model::body::Body;
 use steklov_model::fields::ElasticField;
 use steklov_model::report::{ContactRow, contact_rows};
-use steklov_model::run::{Run, Step};
+use steklov_model::run::Run;
 use steklov_model::solve::Solved;
 use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;
@@ -18,8 +18,8 @@ use steklov_plan::Plan;
 use steklov_problem::Scene;
 
 use crate::grid::GridRecord;
+use crate::keep::{Fields, Keep};
 use crate::medium::{Window, add_medium, window};
-use crate::store::Stored;
 use crate::triangulate::{Triangulation, triangulate};
 
 /// A result: the arrays of the result file and the numbers of its summary.
@@ -35,7 +35,7 @@ pub struct Record {
     pub points: Vec<[f64; 2]>,
     /// Nodal displacement.
     pub displacement: Vec<[f64; 2]>,
-    /// p Gauss points of each element.
+    /// Points of each element: the Gauss points of its degree, of a grid the middle.
     pub traction_points: Vec<[f64; 2]>,
     /// The element of each.
     pub traction_element: Vec<usize>,
@@ -43,15 +43,13 @@ pub struct Record {
     pub traction: Vec<[f64; 2]>,
     /// Rows of the contact table.
     pub contact: Vec<ContactRow>,
-    /// The steps.
-    pub steps: Vec<Step>,
-    /// Boundary lines and the triangulated body with displacement, stress and von Mises stress.
+    /// Boundary lines and the body with displacement, stress and von Mises stress.
     pub grid: Grid,
     /// All outcomes of random input.
     pub stochastic: Option<StochasticResult>,
     /// The grid of finite elements.
     pub on_grid: Option<GridRecord>,
-    /// The medium around the body, and a window of it.
+    /// The medium around the body, and a window of it; of a result that was read its fields are in the file alone.
     pub around: Option<(Around, Window)>,
 }
 
@@ -62,74 +60,45 @@ const BODY_POINTS: usize = 800;
 const WINDOW_POINTS: usize = 2500;
 
 impl Record {
-    /// Gathers a run. `file` is the name of the result file, `total` the seconds since the command began.
-    pub fn new(
+    /// Gathers a run. `file` is the name of the result file, `reading` the seconds before the run began.
+    pub fn new<M: Keep>(
         scene: &Scene,
         plan: Plan,
-        run: Run,
+        run: &Run<M>,
         stochastic: Option<StochasticResult>,
         file: &Path,
         reading: f64,
     ) -> Self {
         let clock = std::time::Instant::now();
-        let solved = &run.last;
-        let mut grid = body_grid(scene, solved, stochastic.as_ref().zip(run.body.as_ref()));
-        let around = solved.around.clone().map(|around| {
+        let Fields { mut grid, traction, on_grid } = M::fields(scene, run, stochastic.as_ref());
+        let report = M::report(scene, run);
+        let around = report.around.cloned().map(|around| {
             let window = window(&scene.body().outline, &around);
             (around, window)
         });
         if let Some((around, window)) = &around {
             add_medium(&mut grid, around, window);
         }
-        let (mut traction_points, mut traction_element, mut traction) = (Vec::new(), Vec::new(), Vec::new());
-        for e in 0..solved.mesh.len() {
-            let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
-            for &t in &rule.points {
-                traction_points.push(solved.mesh.point(e, t));
-                traction_element.push(e);
-                traction.push(solved.traction(e, t));
-            }
-        }
-        let contact = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
-        let mut summary = answer(scene, &run, &contact, stochastic.as_ref());
+        let trace = report.trace;
+        let contact = report.contact.map_or(Vec::new(), |c| contact_rows(trace, c));
+        let mut summary = answer(scene, run, &contact, stochastic.as_ref());
         summary.file = file.display().to_string();
         summary.seconds.write = clock.elapsed().as_secs_f64();
         summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();
-        let Run { last: solved, progress, .. } = run;
         Self {
             summary,
             plan,
-            points: solved.space.points.clone(),
-            displacement: solved.displacement.chunks_exact(2).map(|u| [u[0], u[1]]).collect(),
-            traction_points,
-            traction_element,
-            traction,
+            points: trace.space.points.clone(),
+            displacement: trace.displacement.chunks_exact(2).map(|u| [u[0], u[1]]).collect(),
+            traction_points: traction.iter().map(|t| t.0).collect(),
+            traction_element: traction.iter().map(|t| t.1).collect(),
+            traction: traction.iter().map(|t| t.2).collect(),
             contact,
-            steps: progress.steps,
             grid,
-            mesh: solved.mesh,
+            mesh: trace.mesh.clone(),
             stochastic,
-            on_grid: None,
+            on_grid,
             around,
-        }
-    }
-}
-
-impl Record {
-    /// The part of the record that a stored file gives back.
-    pub fn stored(self) -> Stored {
-        Stored {
-            summary: self.summary,
-            plan: self.plan,
-            mesh: self.mesh,
-            points: self.points,
-            displacement: self.displacement,
-            traction_points: self.traction_points,
-            traction: self.traction,
-            contact: self.contact,
-            grid: self.grid,
-            stochastic: self.stochastic,
-            on_grid: self.on_grid,
         }
     }
 }
@@ -146,7 +115,7 @@ fn frame(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
 }
 
 /// The body with its fields, of an unbounded one a window; without triangles where the outline cannot be triangulated.
-fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
+pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
     let polygon = &scene.body().outline;
     let order: Vec<usize> = (0..polygon.loops().len()).flat_map(|l| polygon.traversal(l)).collect();
     let (frame, count) = if polygon.is_bounded() { (Vec::new(), BODY_POINTS) } else { (frame(polygon), WINDOW_POINTS) };

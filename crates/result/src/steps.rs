@@ -9,6 +9,7 @@ use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_texts,
     load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
+use steklov_model::adaptive::RefinedMesh;
 use steklov_model::estimate::{Bubble, Doubt, Estimate, Residual};
 use steklov_model::run::Step;
 use steklov_problem::Scene;
@@ -41,7 +42,7 @@ const BUBBLE_TERMS: [Term<Bubble>; 3] = [
 /// # Errors
 /// When the file cannot be written.
 pub(crate) fn save(at: &Group, step: &Step) -> Result<(), IoError> {
-    save_as(at, "mesh", &step.mesh)?;
+    save_as(at, "mesh", &step.layout.mesh)?;
     save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
     save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
     let history =
@@ -53,8 +54,8 @@ pub(crate) fn save(at: &Group, step: &Step) -> Result<(), IoError> {
     if let Some(estimate) = &step.estimate {
         save_estimate(at, estimate)?;
     }
-    save_tips(at, &step.tips)?;
-    save_transitions(at, &step.located)
+    save_tips(at, &step.layout.tips)?;
+    save_transitions(at, &step.layout.located)
 }
 
 fn kind_number(kind: TipKind) -> usize {
@@ -178,10 +179,8 @@ fn load_step(at: &Group) -> Result<Step, IoError> {
         converged: true,
         history: load_vector(at, "history")?,
         estimate,
-        tips: load_tips(at)?,
-        located: load_transitions(at)?,
+        layout: RefinedMesh { mesh, tips: load_tips(at)?, located: load_transitions(at)? },
         seconds,
-        mesh,
     })
 }
 

@@ -10,47 +10,20 @@ use steklov_io::{
     load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
-use steklov_model::grid::GridStep;
 use steklov_model::report::ContactRow;
 use steklov_model::run::Step;
 use steklov_model::solve::{SolveError, Stage};
 use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;
 use steklov_plan::Plan;
-use steklov_problem::{Scene, Source};
+use steklov_problem::Source;
 
-use crate::grid::{GridRecord, store as grid};
+use crate::grid::store as grid;
+use crate::keep::Keep;
 use crate::medium;
 use crate::outcomes;
 use crate::record::Record;
 use crate::steps;
-
-/// What `show` reads of a result file.
-#[derive(Debug, Clone)]
-pub struct Stored {
-    /// The numbers.
-    pub summary: Summary,
-    /// What was modelled.
-    pub plan: Plan,
-    /// The last mesh.
-    pub mesh: Mesh,
-    /// Nodal points and displacement.
-    pub points: Vec<[f64; 2]>,
-    /// Nodal displacement.
-    pub displacement: Vec<[f64; 2]>,
-    /// Boundary points with a traction.
-    pub traction_points: Vec<[f64; 2]>,
-    /// Traction σ(u)n there.
-    pub traction: Vec<[f64; 2]>,
-    /// Rows of the contact table.
-    pub contact: Vec<ContactRow>,
-    /// The body with its fields.
-    pub grid: vtkhdf::Grid,
-    /// All outcomes of random input.
-    pub stochastic: Option<StochasticResult>,
-    /// The grid of finite elements.
-    pub on_grid: Option<GridRecord>,
-}
 
 /// Why a run that is stored has no result.
 pub struct Unsolved(pub SolveError);
@@ -117,7 +90,7 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
             let meaning = label("stress", "stiffness matrix, all other unknowns eliminated", &axes);
             save_dense(&matrices(&step)?, name, matrix.as_ref(), &meaning)
         }
-        Stage::Progress(..) | Stage::Step { .. } => Ok(()),
+        Stage::Progress(..) | Stage::Step { .. } | Stage::GridStep { .. } => Ok(()),
     }
 }
 
@@ -137,20 +110,20 @@ pub fn copy_matrices(from: &File, file: &File, number: usize) -> Result<(), IoEr
 }
 
 /// Steps on their way into a new file: written in their order, each by a thread that has nothing else to do.
-pub struct StepQueue<'a> {
+pub struct StepQueue<'a, M: Keep> {
     file: &'a File,
-    waiting: Mutex<VecDeque<Step>>,
+    waiting: Mutex<VecDeque<Step<M>>>,
     written: Mutex<Result<usize, IoError>>,
 }
 
-impl<'a> StepQueue<'a> {
+impl<'a, M: Keep> StepQueue<'a, M> {
     /// No step yet.
     pub fn new(file: &'a File) -> Self {
         Self { file, waiting: Mutex::default(), written: Mutex::new(Ok(0)) }
     }
 
     /// The next step of the run. One call of [`Self::write_next`] has to follow.
-    pub fn push(&self, step: Step) {
+    pub fn push(&self, step: Step<M>) {
         lock(&self.waiting).push_back(step);
     }
 
@@ -159,7 +132,7 @@ impl<'a> StepQueue<'a> {
         let mut written = lock(&self.written); // taken first: the order of the file is that of the queue
         let Some(step) = lock(&self.waiting).pop_front() else { return };
         if let Ok(number) = *written {
-            *written = step_group(self.file, number).and_then(|at| steps::save(&at, &step)).map(|()| number + 1);
+            *written = step_group(self.file, number).and_then(|at| M::save_step(&at, &step)).map(|()| number + 1);
         }
     }
 
@@ -188,7 +161,7 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
     save_texts(file, "overrides", &source.overrides, "keys changed on the command line, KEY=VALUE", "override")?;
     save_text(file, "summary", &json(&record.summary), "the JSON object of solve --json")?;
     save_text(file, "plan", &json(&record.plan), "what was modelled, what was left out and why, as JSON")?;
-    let count = record.on_grid.as_ref().map_or(record.steps.len(), |grid| grid.steps.len());
+    let count = record.summary.steps;
     let last = format!("/steps/{}", steps::name(count.saturating_sub(1)));
     match &record.on_grid {
         None => file.link_hard(&format!("{last}/mesh"), "/mesh").map_err(|e| invalid(file, "mesh", e.to_string()))?,
@@ -329,7 +302,7 @@ pub fn unfinished(path: &Path) -> Option<String> {
 ///
 /// # Errors
 /// A file that is not one of this program's, truncated or altered.
-pub fn read(file: &File) -> Result<Stored, IoError> {
+pub fn read(file: &File) -> Result<Record, IoError> {
     let summary: Summary = parse(file, "summary")?;
     let plan: Plan = parse(file, "plan")?;
     let mesh: Mesh = load(file, "mesh")?;
@@ -339,8 +312,10 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
     let points = load_points(&solution, "points")?;
     let displacement = load_points(&solution, "displacement")?;
     let traction_points = load_points(&solution, "traction_points")?;
+    let traction_element = load_integers(&solution, "traction_element")?;
     let traction = load_points(&solution, "traction")?;
-    if points.len() != displacement.len() || traction_points.len() != traction.len() {
+    let lengths = [traction_points.len(), traction_element.len()];
+    if points.len() != displacement.len() || lengths != [traction.len(); 2] {
         return Err(invalid(&solution, "displacement", "its points and values differ in number"));
     }
     let contact = if summary.contact.is_some() { load_contact(&open_group(file, "contact")?)? } else { Vec::new() };
@@ -358,18 +333,20 @@ pub fn read(file: &File) -> Result<Stored, IoError> {
         true => Some(grid::read(file, &grid)?),
         false => None,
     };
-    Ok(Stored {
+    Ok(Record {
         summary,
         plan,
         mesh,
         points,
         displacement,
         traction_points,
+        traction_element,
         traction,
         contact,
         grid,
         stochastic,
         on_grid,
+        around: None,
     })
 }
 
@@ -382,33 +359,6 @@ fn read_stochastic(file: &File, nodes: usize, conditions: usize) -> Result<Stoch
         return Err(invalid(file, "stochastic/pressure", "it does not have a number for each contact node"));
     }
     Ok(result)
-}
-
-/// Reads the steps from which a run goes on.
-///
-/// # Errors
-/// A file that is not one of this program's, truncated or altered.
-pub fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
-    steps::load_all(file, scene)
-}
-
-/// Reads the steps on grids from which a run goes on.
-///
-/// # Errors
-/// As [`read_steps`].
-pub fn read_grid_steps(file: &File, scene: &Scene) -> Result<Vec<GridStep>, IoError> {
-    let steps = grid::read_steps(file)?;
-    // moduli from another file may have changed since
-    let stored = grid::read(file, &vtkhdf::read(file)?)?.body;
-    let now = steklov_problem::moduli(scene, &stored.grid).map_err(|e| invalid(file, "multiscale", e.to_string()))?;
-    if stored.grid.body_cells().any(|c| stored.young[c] != now[c]) {
-        return Err(invalid(
-            file,
-            "multiscale",
-            "it was solved with other moduli than those that [material.cells] gives now",
-        ));
-    }
-    Ok(steps)
 }
 
 /// Whether a file holds the result of a scene with this text. `differing` names the key in which the scene of other overrides

@@ -161,7 +161,7 @@ impl Reference {
         interrupts: &AtomicUsize,
     ) -> Result<Option<f64>, SolveError> {
         let Some(level) = self.level_for(step.estimate().error / self.norm) else { return Ok(None) };
-        let common = common_refinement(&step.mesh, &level.subdivision);
+        let common = common_refinement(&step.layout.mesh, &level.subdivision);
         if common.dofs() > COMMON_DOFS {
             return Ok(None);
         }
@@ -169,7 +169,7 @@ impl Reference {
             0 | 1 => Ok(()),
             _ => Err(SolveError::Interrupted),
         };
-        let truth = distance(scene, &step.mesh, displacement, &common, &mut watch)?;
+        let truth = distance(scene, &step.layout.mesh, displacement, &common, &mut watch)?;
         Ok(truth.converged.then_some(truth.error))
     }
 
@@ -182,7 +182,7 @@ impl Reference {
 
 impl Level {
     fn of(step: &Step) -> Self {
-        let subdivision = Subdivision::new(&step.mesh, &vec![Mark::Keep; step.mesh.len()]);
+        let subdivision = Subdivision::new(&step.layout.mesh, &vec![Mark::Keep; step.layout.mesh.len()]);
         Self { subdivision, dofs: step.dofs, estimate: step.estimate().relative }
     }
 }

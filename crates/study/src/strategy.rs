@@ -73,7 +73,7 @@ impl Point {
         let (estimate, norm) = (step.estimate(), reference.norm);
         let oscillation: f64 = estimate.indicators.iter().map(|i| i.oscillation).sum();
         Self {
-            mesh: step.mesh.clone(),
+            mesh: step.layout.mesh.clone(),
             dofs: step.dofs,
             seconds: median(&mut times),
             energy: step.energy,

@@ -1,53 +1,7 @@
-//! Scenes on grids: the run, and what is told of it.
+//! What is told of scenes on grids.
 
-use std::path::Path;
-use std::sync::atomic::AtomicUsize;
-use std::time::Instant;
-
-use steklov_io::{File, create_atomically};
-use steklov_model::grid::{BLIND, FAILING, GridProgress, run_grid};
-use steklov_model::summary::{GridSummary, peak_memory_bytes};
-use steklov_plan::Plan;
-use steklov_result::record::Record;
-use steklov_result::store;
-use steklov_scene::Document;
-
-use super::bar::Bar;
-use super::{Attempt, Failure, SolveArgs, same_scene};
-
-/// Solves by finite elements on a grid.
-pub(super) fn solve_on_grid(
-    args: &SolveArgs,
-    document: &Document,
-    plan: Plan,
-    out: &Path,
-    old: Option<&File>,
-    (interrupts, bar): (&AtomicUsize, &Bar),
-    reading: f64,
-) -> Result<Attempt, Failure> {
-    let Document { scene, source } = document;
-    let stored = old.map_or(Ok(Vec::new()), |old| {
-        same_scene(old, document)?;
-        store::read_grid_steps(old, scene)
-    })?;
-    let held = stored.len();
-    let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
-        let progress = GridProgress::new(scene, stored)?;
-        if let Some(old) = old {
-            store::copy_matrices(old, file, if args.save.is_some() { progress.steps.len() } else { held })?;
-        }
-        let run = run_grid(scene, progress, interrupts, &mut |number, stage| {
-            bar.show(number, &stage);
-            if args.save.is_some() { store::save_stage(file, number, &stage).map_err(store::observed) } else { Ok(()) }
-        })?;
-        let (mut record, writing) = (Record::of_grid(scene, plan, run, out, reading), Instant::now());
-        record.summary.peak_memory_bytes = peak_memory_bytes();
-        store::write(file, &record, source)?;
-        record.summary.seconds.write += writing.elapsed().as_secs_f64();
-        Ok(record)
-    });
-    Ok((record.map_err(|unsolved| unsolved.0), held))
-}
+use steklov_model::grid::{BLIND, FAILING};
+use steklov_model::summary::GridSummary;
 
 /// What is told of the grid of finite elements.
 pub(super) fn grid_lines(grid: &GridSummary) -> Vec<String> {

@@ -5,7 +5,7 @@ use steklov_model::report::TOUCHING;
 use steklov_model::run::Reason;
 use steklov_model::summary::{MediumSummary, Summary};
 use steklov_plan::{CONTACT_SOLVER, COULOMB_SOLVER, NEXT_MESH, Plan};
-use steklov_result::store::Stored;
+use steklov_result::record::Record;
 
 use super::grid::grid_lines;
 use super::say;
@@ -60,8 +60,8 @@ fn far_away(exterior: &MediumSummary) -> Vec<String> {
 }
 
 /// Names of the contact sides without any pressure.
-fn untouched(stored: &Stored) -> Vec<&str> {
-    let Stored { contact, mesh, .. } = stored;
+fn untouched(stored: &Record) -> Vec<&str> {
+    let Record { contact, mesh, .. } = stored;
     let largest = contact.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let has = |side: usize, least: f64| contact.iter().any(|r| r.side == side && r.pressure > least);
     let sides = (0..mesh.side_names.len()).filter(|&k| has(k, f64::NEG_INFINITY) && !has(k, TOUCHING * largest));
@@ -69,8 +69,8 @@ fn untouched(stored: &Stored) -> Vec<&str> {
 }
 
 /// Prints the summary of a result.
-pub(super) fn print_summary(stored: &Stored) {
-    let Stored { summary: s, plan, .. } = stored;
+pub(super) fn print_summary(stored: &Record) {
+    let Record { summary: s, plan, .. } = stored;
     say(&s.title);
     say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
     if !s.converged {

@@ -9,7 +9,7 @@ use steklov_picture::{
 };
 use steklov_result::grid::GridRecord;
 use steklov_result::grid::of_quads;
-use steklov_result::store::Stored;
+use steklov_result::record::Record;
 
 /// Points of the deformed body at most, about.
 const POINTS: usize = 20_000;
@@ -39,7 +39,7 @@ pub(crate) struct DeformedBody {
 }
 
 /// The deformed body by few triangles; `displacement` is that of the nodes.
-pub(crate) fn deformed(stored: &Stored, record: &GridRecord, displacement: &[[f64; 2]]) -> DeformedBody {
+pub(crate) fn deformed(stored: &Record, record: &GridRecord, displacement: &[[f64; 2]]) -> DeformedBody {
     let grid = &record.body.grid;
     let lattice = lattice_triangles(grid.spacing, grid.cells, |ix, iy| grid.inside(ix, iy), POINTS);
     let stress = on_cells(stored, record);
@@ -63,7 +63,7 @@ pub(crate) fn deformed(stored: &Stored, record: &GridRecord, displacement: &[[f6
 }
 
 /// Von Mises stress of all cells of the bounding box; NaN outside of the body.
-fn on_cells(stored: &Stored, record: &GridRecord) -> Vec<f64> {
+fn on_cells(stored: &Record, record: &GridRecord) -> Vec<f64> {
     let grid = &record.body.grid;
     let mut all = vec![f64::NAN; grid.cells[0] * grid.cells[1]];
     let values = of_quads(&stored.grid, "von_mises", 1).unwrap_or_default();
@@ -78,7 +78,7 @@ fn on_cells(stored: &Stored, record: &GridRecord) -> Vec<f64> {
 ///
 /// # Errors
 /// A picture that cannot be drawn.
-pub(crate) fn pictures(stored: &Stored) -> Result<Vec<(String, Picture)>, PictureError> {
+pub(crate) fn pictures(stored: &Record) -> Result<Vec<(String, Picture)>, PictureError> {
     let Some(record) = &stored.on_grid else { return Ok(Vec::new()) };
     let (body, title) = (&record.body, &stored.summary.title);
     let grid = &body.grid;

@@ -1,7 +1,7 @@
 //! The picture of a body on a grid and of the medium around it.
 
 use steklov_picture::{Body, Picture, PictureError, body};
-use steklov_result::store::Stored;
+use steklov_result::record::Record;
 
 use super::draw::deformed;
 
@@ -9,7 +9,7 @@ use super::draw::deformed;
 ///
 /// # Errors
 /// A picture that cannot be drawn.
-pub(crate) fn medium(stored: &Stored) -> Result<Option<Picture>, PictureError> {
+pub(crate) fn medium(stored: &Record) -> Result<Option<Picture>, PictureError> {
     let fields = &stored.grid;
     let Some(record) = stored.on_grid.as_ref().filter(|_| !fields.triangles.is_empty()) else { return Ok(None) };
     let stress = fields.cell_data.iter().find(|f| f.name == "von_mises" && f.components == 1);

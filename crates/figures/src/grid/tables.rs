@@ -3,13 +3,13 @@
 use std::fmt::Write as _;
 
 use steklov_result::grid::of_quads;
-use steklov_result::store::Stored;
+use steklov_result::record::Record;
 
 /// The tables of a stored result on a grid: name and text of each. None of other results.
 ///
 /// `cells`: centre, modulus and stresses of each fine cell; `nodes`: displacement of each fine node; `coarse`: corners of each
 /// coarse cell and its η² in the last step, empty without an estimate.
-pub(crate) fn tables(stored: &Stored) -> Vec<(&'static str, String)> {
+pub(crate) fn tables(stored: &Record) -> Vec<(&'static str, String)> {
     let Some(record) = &stored.on_grid else { return Vec::new() };
     let (body, fields) = (&record.body, &stored.grid);
     let grid = &body.grid;

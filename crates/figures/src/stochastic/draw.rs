@@ -7,7 +7,7 @@ use steklov_picture::{
     BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,
     short, spread,
 };
-use steklov_result::store::Stored;
+use steklov_result::record::Record;
 
 use super::draw_fields;
 use super::tables::percent;
@@ -24,7 +24,7 @@ const CELLS: usize = 4_000;
 ///
 /// # Errors
 /// When a picture cannot be drawn.
-pub fn pictures(stored: &Stored) -> Result<Vec<(String, Picture)>, PictureError> {
+pub fn pictures(stored: &Record) -> Result<Vec<(String, Picture)>, PictureError> {
     let Some(result) = &stored.stochastic else { return Ok(Vec::new()) };
     let title = &stored.summary.title;
     let mut pictures = vec![("band".to_owned(), band(stored, result)?)];
@@ -61,7 +61,7 @@ pub fn pictures(stored: &Stored) -> Result<Vec<(String, Picture)>, PictureError>
     Ok(pictures)
 }
 
-fn band(stored: &Stored, result: &StochasticResult) -> Result<Picture, PictureError> {
+fn band(stored: &Record, result: &StochasticResult) -> Result<Picture, PictureError> {
     let space = Space::new(&stored.mesh);
     let (mean, variance) = (&result.displacement.mean, &result.displacement.variance);
     let mut seen = vec![false; stored.mesh.len()];
@@ -101,7 +101,7 @@ fn covariance(result: &StochasticResult, node: usize) -> f64 {
 }
 
 /// Panels of each contact side: the probability of contact, and the pressure.
-fn contact(stored: &Stored, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel>) {
+fn contact(stored: &Record, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel>) {
     let (mut probability, mut pressure) = (Vec::new(), Vec::new());
     for (side, name) in stored.mesh.side_names.iter().enumerate() {
         let rows: Vec<(usize, &ContactRow)> = stored.contact.iter().enumerate().filter(|r| r.1.side == side).collect();

@@ -2,7 +2,7 @@
 
 use steklov_model::stochastic::{FieldModes, StochasticResult};
 use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
-use steklov_result::store::Stored;
+use steklov_result::record::Record;
 
 use crate::draw::file_name;
 
@@ -10,7 +10,7 @@ use crate::draw::file_name;
 const MODES: usize = 6;
 
 /// The spectrum of each field, and its first modes: along the side in the same picture, over the body in one of their own.
-pub(super) fn pictures(stored: &Stored, result: &StochasticResult) -> Result<Vec<(String, Picture)>, PictureError> {
+pub(super) fn pictures(stored: &Record, result: &StochasticResult) -> Result<Vec<(String, Picture)>, PictureError> {
     let mut pictures = Vec::new();
     for (k, field) in result.fields.iter().enumerate() {
         let part = file_name(&field.name);
@@ -57,7 +57,7 @@ fn modes(field: &FieldModes) -> Panel {
     }
 }
 
-fn on_the_body(stored: &Stored, field: &FieldModes) -> Result<Picture, PictureError> {
+fn on_the_body(stored: &Record, field: &FieldModes) -> Result<Picture, PictureError> {
     let grid = &stored.grid;
     let low = grid.points.iter().fold([f64::INFINITY; 2], |l, p| [l[0].min(p[0]), l[1].min(p[1])]);
     let shown = 0..field.eigenvalues.len().min(MODES);

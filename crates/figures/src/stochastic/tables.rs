@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 
 use steklov_model::stochastic::{End, StochasticResult};
-use steklov_result::store::Stored;
+use steklov_result::record::Record;
 
 /// Text of a CSV field.
 fn quoted(text: &str) -> String {
@@ -14,7 +14,7 @@ fn quoted(text: &str) -> String {
 ///
 /// `quantities`: a row for each quantity; `points`: a row for each point with its germs, its weight, Young's modulus and
 /// the quantities; `contact-statistics`: a row for each contact node. What a method does not give is empty.
-pub fn tables(stored: &Stored) -> Vec<(&'static str, String)> {
+pub fn tables(stored: &Record) -> Vec<(&'static str, String)> {
     let Some(result) = &stored.stochastic else { return Vec::new() };
     let mut tables = vec![("quantities", quantities(result)), ("points", points(result))];
     if !stored.contact.is_empty() {
@@ -52,7 +52,7 @@ fn points(result: &StochasticResult) -> String {
     text
 }
 
-fn contact(stored: &Stored, result: &StochasticResult) -> String {
+fn contact(stored: &Record, result: &StochasticResult) -> String {
     let mut text =
         String::from("side,x,y,pressure_mean,pressure_variance,shear_mean,shear_variance,probability_of_contact\n");
     for (i, row) in stored.contact.iter().enumerate() {
@@ -68,13 +68,13 @@ fn contact(stored: &Stored, result: &StochasticResult) -> String {
 }
 
 /// The method's word in the JSON object, or nothing.
-pub(crate) fn method(stored: &Stored) -> &str {
+pub(crate) fn method(stored: &Record) -> &str {
     let solution = stored.summary.stochastic.as_ref().and_then(|s| s.get("solution"));
     solution.and_then(|s| s.get("method")).and_then(|m| m.as_str()).unwrap_or_default()
 }
 
 /// The statistics for a reader: the method with its size and its truncation, then a line for each quantity.
-pub fn lines(stored: &Stored) -> Vec<String> {
+pub fn lines(stored: &Record) -> Vec<String> {
     let Some(result) = &stored.stochastic else { return Vec::new() };
     let count = |n: usize, what: &str| format!("{n} {what}{}", if n == 1 { "" } else { "s" });
     let mut head = format!(

@@ -5,13 +5,12 @@ use steklov_msfem::crossing_contrast;
 use steklov_problem::{Condition, Scene, Side};
 
 use super::estimate::GridEstimate;
-use super::run::GridRun;
+use super::run::OnGrid;
 use super::solve::GridSolved;
-use crate::answer::audit_summary;
+use crate::answer::Report;
 use crate::around::Around;
-use crate::report::{ContactRow, contact_summary};
-use crate::summary::{GridSummary, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
-use crate::vertices::tell_unbounded;
+use crate::run::Run;
+use crate::summary::{GridSummary, Probe};
 
 /// Contrast along coarse edges from which linear traces fail.
 pub const FAILING: f64 = 1e2;
@@ -26,10 +25,9 @@ impl GridSolved {
     }
 }
 
-/// The numbers of a run on grids; `rows` are those of the contact table.
-pub fn answer_of_grid(scene: &Scene, run: &GridRun, rows: &[ContactRow]) -> Summary {
+/// What finite elements tell.
+pub(super) fn report<'a>(scene: &Scene, run: &'a Run<OnGrid>) -> Report<'a> {
     let solved = &run.last;
-    let contact = solved.contact.as_ref();
     let estimate = solved.estimate.as_ref();
     // J(u_h) - J(u) = ½ ‖u - u_h‖² for data that the elements have; where they lock, half of the squared estimate is more than
     // that, but not less: the exact J lies between
@@ -40,8 +38,6 @@ pub fn answer_of_grid(scene: &Scene, run: &GridRun, rows: &[ContactRow]) -> Summ
     // prescribed displacements that vary are interpolated, and reactions do work on what that leaves
     let applies = solved.coarse.is_none() && solved.around.is_none() && scene.body().sides.iter().all(constant);
     let correction = estimate.filter(|e| applies && e.doubts().is_empty()).map(|e| e.fine_grid / 2.0);
-    let extrapolated = correction.map(|c| (solved.energies.total - c, c));
-    let part = |k: usize| run.steps.iter().map(|s| s.seconds[k]).sum::<f64>();
     let probe = |&point: &[f64; 2]| {
         let (displacement, stress) = match &solved.around {
             Some(around) if scene.body().outline.contains(point) == Location::Outside => around.at(point),
@@ -49,45 +45,20 @@ pub fn answer_of_grid(scene: &Scene, run: &GridRun, rows: &[ContactRow]) -> Summ
         };
         Probe { point, displacement, stress, stress_unbounded: false }
     };
-    let mut probe: Vec<Probe> = scene.probe.iter().map(probe).collect();
-    tell_unbounded(scene, rows, &mut probe, false);
-    let exterior = solved.around.as_ref().map(Around::summary);
-    let of_estimate = estimate.map_or(Vec::new(), GridEstimate::doubts);
-    Summary {
-        title: scene.title.clone(),
-        model: scene.model().word().into(),
-        file: String::new(),
-        converged: run.converged(),
-        reason: run.reason.word().into(),
-        failure: run.error.as_ref().map(ToString::to_string),
-        dofs: solved.dofs,
-        steps: run.steps.len(),
-        energy: solved.energies.total,
-        energy_extrapolated: extrapolated.map(|(energy, _)| energy),
-        energy_uncertainty: extrapolated.map(|(_, uncertainty)| uncertainty),
-        strain_energy: solved.energies.strain,
-        load_work: solved.energies.load_work,
-        friction_work: solved.energies.friction_work,
-        estimate: estimate.map(|e| e.error),
-        estimate_relative: estimate.map(|e| e.relative),
-        estimate_doubts: of_estimate.into_iter().chain(exterior.iter().filter_map(MediumSummary::doubt)).collect(),
-        iterations: contact.map_or(0, |c| c.reported().iterations),
-        contact: contact.map(|c| contact_summary(scene, solved.trace(), c, rows, None)),
-        audit: contact.map(|c| audit_summary(&c.audit)),
-        reactions: solved.reactions.iter().cloned().collect(),
-        probe,
-        seconds: SecondsSummary {
-            set_up: part(0),
-            assemble: part(1),
-            factorise: part(2),
-            solve: part(3),
-            estimate: part(4),
-            ..Default::default()
-        },
+    Report {
+        energies: solved.energies,
+        energy: correction.map(|c| [solved.energies.total - c, c]),
+        error: estimate.map(|e| [e.error, e.relative]),
+        doubts: estimate.map_or(Vec::new(), GridEstimate::doubts),
+        exact: false,
+        trace: solved.trace(),
+        contact: solved.contact.as_ref(),
+        located: None,
+        reactions: &solved.reactions,
+        probe: scene.probe.iter().map(probe).collect(),
         grid: Some(grid_summary(solved)),
-        exterior,
-        peak_memory_bytes: peak_memory_bytes(),
-        ..Summary::default()
+        around: solved.around.as_ref(),
+        exterior: solved.around.as_ref().map(Around::summary),
     }
 }
 

@@ -12,8 +12,8 @@ use super::layout::GridLayout;
 use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
 use super::trace::GridTrace;
 use crate::around::Around;
-use crate::body::UNBALANCED;
 use crate::elastic::plane_modulus;
+use crate::equilibrium::UNBALANCED;
 use crate::solve::{Energies, Seconds, SolveError, Stage};
 
 /// Parts of the solution that both kinds of elements have.

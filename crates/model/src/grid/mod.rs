@@ -23,8 +23,8 @@ mod solve;
 mod system;
 mod trace;
 
-pub use answer::{FAILING, answer_of_grid};
+pub use answer::FAILING;
 pub use estimate::{BLIND, GridEstimate};
 pub use layout::GridLayout;
-pub use run::{GridProgress, GridRun, GridStep, MARKING, run_grid};
+pub use run::{MARKING, OnGrid};
 pub use solve::{CoarseSolved, GridSolved, solve_grid};

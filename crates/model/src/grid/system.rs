@@ -9,8 +9,8 @@ use steklov_msfem::Elimination;
 use steklov_problem::Scene;
 
 use super::trace::GridTrace;
-use crate::body::UNBALANCED;
 use crate::contact::{CondensedBody, ContactResult, solve_contact, solve_problem};
+use crate::equilibrium::{Equations, reactions};
 use crate::motions::{balanced, edges, work};
 use crate::solve::{SolveError, Stage};
 use crate::supports::{Held, Supports};
@@ -205,43 +205,29 @@ impl System {
         without_motions((&mut displacement, &points), &mut [], &free);
 
         let forces = elimination.multiply(&displacement);
-        let mut residual: Vec<f64> = forces.iter().zip(&load).map(|(k, f)| k - f).collect();
-        if let Some(c) = &contact {
-            for (node, force) in c.boundary.nodal_forces(&c.solution.multipliers) {
-                (0..2).for_each(|i| residual[unknown(2 * node + i)] += force[i]);
-            }
-        }
-        let largest = |values: &[f64]| values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-        let free_residuals = residual.iter().zip(&is_held).filter(|(_, held)| !**held);
-        let worst = free_residuals.fold(0.0, |m: f64, (r, _)| m.max(r.abs()));
-        let scale = largest(&forces) + largest(&load);
-        let gap = contact.as_ref().map_or(0.0, |c| c.boundary.largest_gap());
-        // without a load a body may move as a whole or not at all: forces of roundoff are no scale of their own
-        let unloaded = largest(&load) == 0.0;
-        let floor = if unloaded { 1e-6 * elimination.largest_diagonal() * (largest(&displacement) + gap) } else { 0.0 };
-        let over = |scale: f64| if scale > 0.0 { worst / scale } else { 0.0 };
+        let equations = Equations {
+            forces: &forces,
+            load: &load,
+            displacement: &displacement,
+            largest_diagonal: elimination.largest_diagonal(),
+            contact: contact.as_ref(),
+        };
+        let (residual, unloaded) = (equations.residual(unknown, |u| is_held[u]), equations.is_unloaded());
         // a rigid motion meets no resistance, unless digits were lost: supports would carry another load than the given one
         let resistance = [0, 1].map(|k| forces.iter().skip(k).step_by(2).sum::<f64>().abs());
         let carried: f64 = forces.iter().map(|f| f.abs()).sum();
         let lost = resistance.iter().any(|r| *r > RESISTING * carried);
-        let contact = contact.map(|mut c| {
-            c.audit.equilibrium = c.audit.equilibrium.max(over(scale));
-            c
-        });
-        let at_trace: Vec<f64> = (0..space.dofs()).map(|dof| residual[unknown(dof)]).collect();
-        let mut reactions =
-            supports.reactions(&at_trace, mesh, &scene.body().sides, |e, j| traction(&displacement, e, j));
-        if let Some(c) = &contact {
-            reactions.extend(scene.contacts().map(|(side, _)| (side, c.force(side))));
-        }
-        reactions.sort_by_key(|r| r.0);
+        let at_trace: Vec<f64> = (0..space.dofs()).map(|dof| residual.values[unknown(dof)]).collect();
+        let of_corner = |e: usize, j: usize| traction(&displacement, e, j);
+        let reactions = reactions(scene, (&supports, mesh), &at_trace, contact.as_ref(), of_corner);
+        let contact = contact.map(|c| c.with_equilibrium(residual.relative));
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         Ok(Answer {
             energy: dot(&forces, &displacement),
             work: dot(&load, &displacement),
             contact,
-            balanced: over(scale + floor) <= UNBALANCED && (unloaded || !lost),
-            reactions: reactions.into_iter().map(|(side, f)| (mesh.side_names[side].clone(), f)).collect(),
+            balanced: residual.balanced && (unloaded || !lost),
+            reactions,
             free_motions: free,
             displacement,
         })

@@ -1,6 +1,6 @@
 //! Results on grids.
 
-mod record;
+pub(crate) mod record;
 pub(crate) mod store;
 
 pub use record::GridRecord;

@@ -5,13 +5,11 @@ use steklov_io::{
     File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_points,
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
 };
-use steklov_model::grid::GridEstimate;
-use steklov_model::grid::GridLayout;
-use steklov_model::grid::GridStep;
+use steklov_model::grid::{GridEstimate, GridLayout, OnGrid};
+use steklov_model::run::Step;
 use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, HeterogeneousBody, Indicators};
 
 use super::record::GridRecord;
-use crate::store::step_group;
 
 fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit, meaning, axes }
@@ -51,7 +49,7 @@ fn load_cells(at: &Group) -> Result<Vec<CoarseCell>, IoError> {
     (0..table.nrows()).map(cell).collect()
 }
 
-/// Writes `/multiscale` and the steps.
+/// Writes `/multiscale`.
 ///
 /// # Errors
 /// When the file cannot be written.
@@ -76,13 +74,14 @@ pub(crate) fn write(file: &File, record: &GridRecord) -> Result<(), IoError> {
         let displacement = label("length", "their displacement", vertex);
         save_points(&at, "vertex_displacement", &record.vertex_displacement, &displacement)?;
     }
-    for (number, step) in record.steps.iter().enumerate() {
-        save_step(&step_group(file, number)?, step)?;
-    }
     Ok(())
 }
 
-fn save_step(at: &Group, step: &GridStep) -> Result<(), IoError> {
+/// Writes a step into its group.
+///
+/// # Errors
+/// When the file cannot be written.
+pub(crate) fn save_step(at: &Group, step: &Step<OnGrid>) -> Result<(), IoError> {
     let value = &["value"];
     save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", value))?;
     save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
@@ -207,12 +206,12 @@ pub fn of_quads<'a>(fields: &'a vtkhdf::Grid, name: &str, components: usize) -> 
 ///
 /// # Errors
 /// As [`read`].
-pub(crate) fn read_steps(file: &File) -> Result<Vec<GridStep>, IoError> {
+pub(crate) fn read_steps(file: &File) -> Result<Vec<Step<OnGrid>>, IoError> {
     let groups = crate::steps::groups(file)?;
     groups.iter().map(load_step).collect()
 }
 
-fn load_step(at: &Group) -> Result<GridStep, IoError> {
+fn load_step(at: &Group) -> Result<Step<OnGrid>, IoError> {
     let whole = |name: &str| -> Result<usize, IoError> {
         match load_integers(at, name)?.as_slice() {
             &[value] => Ok(value),
@@ -289,7 +288,7 @@ fn load_step(at: &Group) -> Result<GridStep, IoError> {
     } else {
         None
     };
-    Ok(GridStep {
+    Ok(Step {
         layout: GridLayout { parts, coarse, around },
         dofs: whole("dofs")?,
         energy: load_number(at, "energy")?,

@@ -17,19 +17,19 @@ pub(super) fn check(at: &Group, step: &Step, scene: &Scene) -> Result<(), IoErro
             return Err(invalid(at, name, format!("it is {value}")));
         }
     }
-    check_mesh(&open_group(at, "mesh")?, &step.mesh, scene)?;
-    let dofs = 2 * step.mesh.degree.iter().sum::<usize>();
+    check_mesh(&open_group(at, "mesh")?, &step.layout.mesh, scene)?;
+    let dofs = 2 * step.layout.mesh.degree.iter().sum::<usize>();
     if step.dofs != dofs {
         return Err(invalid(at, "dofs", format!("{}, but the mesh has {dofs}", step.dofs)));
     }
-    for (row, tip) in step.tips.iter().enumerate() {
+    for (row, tip) in step.layout.tips.iter().enumerate() {
         check_place(at, "tips", row, (tip.edge, tip.s), scene)?;
         let directions: &[i8] = if tip.kind == TipKind::SlipReversal { &[0] } else { &[-1, 1] };
         if !directions.contains(&tip.regular) {
             return Err(invalid(at, "tips", format!("row {row}: regular is {}, not of {directions:?}", tip.regular)));
         }
     }
-    for (row, found) in step.located.iter().enumerate() {
+    for (row, found) in step.layout.located.iter().enumerate() {
         check_place(at, "transitions", row, (found.edge, found.s), scene)?;
         if !found.off.is_finite() || found.curvature.is_some_and(|b| !b.is_finite()) {
             return Err(invalid(at, "transitions", format!("row {row}: a number that is not finite")));

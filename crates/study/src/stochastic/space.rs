@@ -177,7 +177,7 @@ fn meshes(
             points.push(point(&scene, random, &mut run, *curve, settings, interrupts)?);
         }
         let next = run.progress.next.dofs();
-        let degree = run.step().mesh.degree.iter().copied().max().unwrap_or(0);
+        let degree = run.step().layout.mesh.degree.iter().copied().max().unwrap_or(0);
         let raised = strategy == Refine::UniformP && degree >= MAX_DEGREE;
         let on = run.reason == Reason::MaxSteps && run.progress.steps.len() < max_steps && next <= max_dofs;
         if !on || raised || interrupts.load(Ordering::Relaxed) > 0 {
@@ -203,8 +203,8 @@ fn point(
     let step = run.step();
     Ok(Point {
         curve,
-        elements: step.mesh.len(),
-        degree: step.mesh.degree.iter().copied().max().unwrap_or(0),
+        elements: step.layout.mesh.len(),
+        degree: step.layout.mesh.degree.iter().copied().max().unwrap_or(0),
         dofs: step.dofs,
         estimate: step.estimate.as_ref().map_or(f64::NAN, |e| e.relative),
         solves: result.solved,

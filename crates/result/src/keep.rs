@@ -1,0 +1,121 @@
+//! What a result file keeps of a run, of boundary elements and of finite elements on grids.
+
+use steklov_bem_operators::Mesh;
+use steklov_io::vtkhdf::Grid;
+use steklov_io::{File, Group, IoError, invalid, vtkhdf};
+use steklov_model::adaptive::BoundaryElements;
+use steklov_model::grid::OnGrid;
+use steklov_model::run::{Model, Progress, Run, Step};
+use steklov_model::solve::{SolveError, Solved, Stage};
+use steklov_model::stochastic::StochasticResult;
+use steklov_problem::{Scene, moduli};
+
+use crate::grid::{GridRecord, record, store as grid};
+use crate::record::body_grid;
+use crate::steps;
+
+/// A model whose runs are kept in files.
+pub trait Keep: Model {
+    /// The beginning of a run; of steps that are done already, the last one is solved again.
+    ///
+    /// # Errors
+    /// Those of a first grid.
+    fn resume(scene: &Scene, steps: Vec<Step<Self>>) -> Result<Progress<Self>, SolveError>;
+
+    /// The step that a stage tells of.
+    fn step<'a>(stage: &Stage<'a>) -> Option<&'a Step<Self>>;
+
+    /// Writes a step into its group.
+    ///
+    /// # Errors
+    /// When the file cannot be written.
+    fn save_step(at: &Group, step: &Step<Self>) -> Result<(), IoError>;
+
+    /// Reads the steps from which a run goes on.
+    ///
+    /// # Errors
+    /// A file that is not one of this program's, truncated or altered, or of another scene.
+    fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step<Self>>, IoError>;
+
+    /// The fields of the last step.
+    fn fields(scene: &Scene, run: &Run<Self>, outcomes: Option<&StochasticResult>) -> Fields;
+}
+
+/// The fields of a result.
+pub struct Fields {
+    /// Boundary lines and the body with displacement, stress and von Mises stress.
+    pub grid: Grid,
+    /// Points of the boundary, the element of each and the traction σ(u)n there.
+    pub traction: Vec<([f64; 2], usize, [f64; 2])>,
+    /// The grid of finite elements.
+    pub on_grid: Option<GridRecord>,
+}
+
+impl Keep for BoundaryElements {
+    fn resume(scene: &Scene, steps: Vec<Step>) -> Result<Progress, SolveError> {
+        Ok(Progress::before_last(steps).unwrap_or_else(|| Progress::first(scene)))
+    }
+
+    fn step<'a>(stage: &Stage<'a>) -> Option<&'a Step> {
+        if let Stage::Step { step, .. } = stage { Some(step) } else { None }
+    }
+
+    fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
+        steps::save(at, step)
+    }
+
+    fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
+        steps::load_all(file, scene)
+    }
+
+    fn fields(scene: &Scene, run: &Run, outcomes: Option<&StochasticResult>) -> Fields {
+        let solved: &Solved = &run.last;
+        let mut traction = Vec::new();
+        for e in 0..solved.mesh.len() {
+            let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
+            traction.extend(rule.points.iter().map(|&t| (solved.mesh.point(e, t), e, solved.traction(e, t))));
+        }
+        Fields { grid: body_grid(scene, solved, outcomes.zip(run.matrices.as_ref())), traction, on_grid: None }
+    }
+}
+
+impl Keep for OnGrid {
+    fn resume(scene: &Scene, steps: Vec<Step<Self>>) -> Result<Progress<Self>, SolveError> {
+        Progress::<Self>::new(scene, steps)
+    }
+
+    fn step<'a>(stage: &Stage<'a>) -> Option<&'a Step<Self>> {
+        if let Stage::GridStep { step, .. } = stage { Some(step) } else { None }
+    }
+
+    fn save_step(at: &Group, step: &Step<Self>) -> Result<(), IoError> {
+        grid::save_step(at, step)
+    }
+
+    fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step<Self>>, IoError> {
+        let steps = grid::read_steps(file)?;
+        // moduli from another file may have changed since
+        let stored = grid::read(file, &vtkhdf::read(file)?)?.body;
+        let now = moduli(scene, &stored.grid).map_err(|e| invalid(file, "multiscale", e.to_string()))?;
+        if stored.grid.body_cells().any(|c| stored.young[c] != now[c]) {
+            let why = "it was solved with other moduli than those that [material.cells] gives now";
+            return Err(invalid(file, "multiscale", why));
+        }
+        Ok(steps)
+    }
+
+    fn fields(_: &Scene, run: &Run<Self>, _: Option<&StochasticResult>) -> Fields {
+        let solved = &run.last;
+        let mesh: &Mesh = solved.trace().mesh;
+        let traction = |e: usize| {
+            let (point, [nx, ny]) = (mesh.point(e, 0.0), mesh.normal(e));
+            let [xx, yy, xy] = solved.at(point).1;
+            (point, e, [xx * nx + xy * ny, xy * nx + yy * ny])
+        };
+        Fields {
+            grid: record::vtk(solved),
+            traction: (0..mesh.len()).map(traction).collect(),
+            on_grid: Some(record::grid_record(solved, run.progress.steps.clone())),
+        }
+    }
+}
