@@ -208,7 +208,7 @@ fn random_names_are_germs_where_they_are_used() {
     assert_eq!(bound(&germs), 0.7);
     germs[1] = 1.0;
     let field = random.fields().next().unwrap().0;
-    assert!((bound(&germs) - 0.7 * field.expansion.mode(0, [0.0, 0.0]).exp()).abs() < 1e-15 && bound(&germs) > 0.7);
+    assert!((bound(&germs) - 0.7 * field.expansion.modes([0.0; 2])[0].exp()).abs() < 1e-15 && bound(&germs) > 0.7);
     // what is not used is left out
     let scene = parse(&random_scene("F"), &[]).unwrap();
     assert!(scene.random.is_none() && scene.unused == ["xi", "rough"]);

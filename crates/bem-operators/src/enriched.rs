@@ -57,7 +57,7 @@ impl EnrichedSteklov {
         traction: &TractionMap,
         cache: &mut PairCache,
     ) -> Result<Self, BemError> {
-        let (enrichment, bubbles) = Enrichment::with_bubbles(mesh, space, material, length, cache)?;
+        let (enrichment, bubbles) = Enrichment::assemble(mesh, space, material, length, cache)?;
         let layers = Layers::new(enrichment, traction, [length, mesh.diameter()])?;
         let bubbles = match bubbles {
             Some(bubbles) => bubbles,

@@ -43,27 +43,12 @@ pub struct Bubbles {
 
 impl Enrichment {
     /// Assembles the enrichment of a space whose operators are those of [`crate::Operators::to_enrich`] with the same `length` and
-    /// `cache`.
+    /// `cache`; with the bubbles of W where that takes little memory: it saves a pass.
     ///
     /// Cost: as [`crate::Operators::assemble`] at degree p+1; memory 2(N+n)n + nN doubles.
     /// # Errors
     /// As [`crate::Operators::assemble`].
     pub fn assemble(
-        mesh: &Mesh,
-        space: &Space,
-        material: &Material,
-        length: f64,
-        cache: &mut PairCache,
-    ) -> Result<Self, BemError> {
-        mesh.check()?;
-        let mut enrichment = Self::empty(mesh, space);
-        let pass = Pass::new(mesh, space, material, length, Purpose::Extra);
-        pass.fill(Targets { enrichment: Some(&mut enrichment), ..Targets::default() }, cache);
-        Ok(enrichment)
-    }
-
-    /// As [`Self::assemble`], with the bubbles of W where that takes little memory: it saves a pass.
-    pub(crate) fn with_bubbles(
         mesh: &Mesh,
         space: &Space,
         material: &Material,

@@ -15,38 +15,6 @@ use steklov_quadrature::legendre_p;
 pub(crate) const LANES: usize = 8;
 pub(crate) type Lane = [f64; LANES];
 
-/// l0 and q (layout l0(m), then re and im of q(m,n)) of pairs of one degree, in their order, the first element outer.
-///
-/// For benches and tests of the batched kernel: [`crate::Operators::assemble`] batches by itself.
-/// # Panics
-/// When a pair is not well separated.
-pub fn far_moments(pairs: &[(Segment, Segment)], degree: usize, out: &mut Vec<f64>) {
-    let arch = pulp::Arch::new();
-    let order = degree + 1;
-    let size = order + 2 * order * order;
-    out.clear();
-    out.resize(pairs.len() * size, 0.0);
-    let classifier = Classifier::new(order);
-    let mut open: Vec<Option<(Batch, [usize; LANES])>> = (0..KINDS).map(|_| None).collect();
-    let mut sums = Vec::new();
-    for (i, &(outer, inner)) in pairs.iter().enumerate() {
-        let Some(kind) = classifier.kind(outer, inner) else { panic!("pair {i} is not well separated") };
-        let (batch, places) =
-            open[kind_index(kind)].get_or_insert_with(|| (Batch::new(kind, order, order), [0; LANES]));
-        places[batch.len()] = i;
-        if batch.push(outer, inner) {
-            flush(arch, batch, places, &mut sums, |i, batch, lane, sums| {
-                batch.extract(sums, lane, &mut out[i * size..]);
-            });
-        }
-    }
-    for (batch, places) in open.iter_mut().flatten() {
-        flush(arch, batch, places, &mut sums, |i, batch, lane, sums| {
-            batch.extract(sums, lane, &mut out[i * size..]);
-        });
-    }
-}
-
 /// Computes a batch and hands each lane's place to `store`.
 pub(crate) fn flush<T: Copy>(
     arch: pulp::Arch,

@@ -226,8 +226,15 @@ pub(crate) fn orientation(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
 }
 
 /// Distance of two points.
-pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     (a[0] - b[0]).hypot(a[1] - b[1])
+}
+
+/// Distance of a point from a segment.
+pub fn distance_to_segment(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
+    let (d, r) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
+    let s = ((r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
+    (r[0] - s * d[0]).hypot(r[1] - s * d[1])
 }
 
 /// Distance of x from the segment a → b, and the parameter s ∈ [0, 1] of the nearest point.

@@ -19,7 +19,7 @@ fn assembled(mesh: &Mesh, material: &Material, length: Option<f64>, cache: &mut 
     let space = Space::new(mesh);
     let operators = Operators::to_enrich(mesh, &space, material, length, cache).expect("operators");
     let length = operators.length;
-    let enrichment = Enrichment::assemble(mesh, &space, material, length, cache).expect("enrichment");
+    let (enrichment, _) = Enrichment::assemble(mesh, &space, material, length, cache).expect("enrichment");
     (operators, enrichment, Bubbles::assemble(mesh, &space, material, length, cache).expect("bubbles"))
 }
 

@@ -13,13 +13,11 @@ use steklov_bem_operators::Dof;
 use crate::ContactError;
 use crate::stabilised::{add_springs, free_unknowns};
 
-/// The inf-sup constant and the multiplier at which it is reached.
-#[derive(Debug, Clone, PartialEq)]
+/// The inf-sup constant.
+#[derive(Debug, Clone, Copy, PartialEq)]
 pub struct InfSup {
     /// β.
     pub beta: f64,
-    /// Coefficients of the multiplier that displacements see least.
-    pub worst: Vec<f64>,
 }
 
 /// B S⁻¹ Bᵀ over the displacements that are not held, of the two components of [`pairing`](crate::pairing): unknown 2·node along n,
@@ -55,7 +53,5 @@ pub fn inf_sup(discrete: &Mat<f64>, reference: &Mat<f64>) -> Result<InfSup, Cont
     let mut x = x.transpose().to_owned();
     solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
     let eigen = x.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
-    let mut worst = Mat::from_fn(x.nrows(), 1, |i, _| eigen.U()[(i, 0)]);
-    faer::linalg::triangular_solve::solve_upper_triangular_in_place(factor.L().transpose(), worst.as_mut(), Par::Seq);
-    Ok(InfSup { beta: eigen.S()[0].max(0.0).sqrt(), worst: (0..x.nrows()).map(|i| worst[(i, 0)]).collect() })
+    Ok(InfSup { beta: eigen.S()[0].max(0.0).sqrt() })
 }

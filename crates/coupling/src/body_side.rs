@@ -1,16 +1,18 @@
-//! The body at a point of the interface, by the cells of a grid or by boundary elements.
+//! The body at a point of the interface, by the cells of its grid.
 
-use steklov_bem_operators::{BoundaryField, Mesh, Space};
+use steklov_bem_operators::{Mesh, Space};
 use steklov_msfem::HeterogeneousBody;
 use steklov_quadrature::legendre_p;
 
 use crate::transfer::{Overlap, overlaps};
-use crate::{Coupled, CouplingError, Inclusion, Medium, Outline, Trace};
+use crate::{CouplingError, Outline, Trace};
 
 /// Where displacement and stress of the body come from.
-pub(crate) enum Body<'a> {
-    Grid { body: &'a HeterogeneousBody, fine: &'a [f64], outline: Outline, trace: Box<Trace> },
-    BoundaryElements { medium: &'a Medium, displacement: &'a [f64], field: BoundaryField },
+pub(crate) struct Body<'a> {
+    body: &'a HeterogeneousBody,
+    fine: &'a [f64],
+    outline: Outline,
+    trace: Trace,
 }
 
 /// The body at a point.
@@ -19,56 +21,38 @@ pub(crate) struct Side {
     pub traction: [f64; 2],
     /// du/ds.
     pub slope: [f64; 2],
-    /// d/ds ((K + ½) u - V ψ) of the body's own operators; 0 on a grid.
-    pub equation: [f64; 2],
     /// E.
     pub young: f64,
 }
 
 impl<'a> Body<'a> {
-    pub fn grid(body: &'a HeterogeneousBody, fine: &'a [f64]) -> Result<Self, CouplingError> {
+    pub fn new(body: &'a HeterogeneousBody, fine: &'a [f64]) -> Result<Self, CouplingError> {
         let outline = Outline::new(&body.grid)?;
-        let trace = Box::new(Trace::fine(&body.grid, &outline));
-        Ok(Self::Grid { body, fine, outline, trace })
-    }
-
-    pub fn boundary_elements(body: &Inclusion, medium: &'a Medium, solved: &'a Coupled) -> Self {
-        Self::BoundaryElements { medium, displacement: &solved.trace, field: body.field(medium, solved) }
+        let trace = Trace::fine(&body.grid, &outline);
+        Ok(Self { body, fine, outline, trace })
     }
 
     /// The sides of cells on an element.
     pub fn overlaps(&self, mesh: &Mesh, e: usize) -> Result<Vec<Overlap>, CouplingError> {
-        match self {
-            Self::Grid { trace, .. } => overlaps(trace, mesh, e),
-            Self::BoundaryElements { .. } => Ok(Vec::new()),
-        }
+        overlaps(&self.trace, mesh, e)
     }
 
-    /// The body at the point t of element e, and these sides on it.
-    pub fn at(&self, e: usize, t: f64, overlaps: &[Overlap]) -> Side {
-        match self {
-            Self::Grid { body, fine, outline, .. } => {
-                let Some(overlap) = overlaps.iter().find(|o| t <= o.span[1] + SAME) else {
-                    unreachable!("the element is covered by sides of cells")
-                };
-                let (cell, number) = outline.sides[overlap.point];
-                // along the side with the body to the left
-                let s = overlap.hats(t)[1].clamp(0.0, 1.0);
-                let local = [[s, 0.0], [1.0, s], [1.0 - s, 1.0], [0.0, 1.0 - s]][number];
-                let (u, young, spacing) = (body.cell_values(fine, cell), body.young[cell], body.grid.spacing);
-                let [xx, yy, xy] = body.elasticity.stress(young, &u, local, spacing);
-                let traction = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
-                let (a, b, length) = (number, (number + 1) % 4, spacing[number % 2]);
-                let slope = [0, 1].map(|i| (u[2 * b + i] - u[2 * a + i]) / length);
-                Side { traction, slope, equation: [0.0; 2], young }
-            }
-            Self::BoundaryElements { medium, displacement, field } => Side {
-                traction: field.steklov_trace(e, t),
-                slope: derivative(&medium.mesh, &medium.space, e, t, displacement),
-                equation: field.equation_slope(e, t),
-                young: field.material().young,
-            },
-        }
+    /// The body at the point t of an element, of which these sides of cells are parts.
+    pub fn at(&self, t: f64, overlaps: &[Overlap]) -> Side {
+        let Self { body, fine, outline, .. } = self;
+        let Some(overlap) = overlaps.iter().find(|o| t <= o.span[1] + SAME) else {
+            unreachable!("the element is covered by sides of cells")
+        };
+        let (cell, number) = outline.sides[overlap.point];
+        // along the side with the body to the left
+        let s = overlap.hats(t)[1].clamp(0.0, 1.0);
+        let local = [[s, 0.0], [1.0, s], [1.0 - s, 1.0], [0.0, 1.0 - s]][number];
+        let (u, young, spacing) = (body.cell_values(fine, cell), body.young[cell], body.grid.spacing);
+        let [xx, yy, xy] = body.elasticity.stress(young, &u, local, spacing);
+        let traction = [[-xy, -yy], [xx, xy], [xy, yy], [-xx, -xy]][number];
+        let (a, b, length) = (number, (number + 1) % 4, spacing[number % 2]);
+        let slope = [0, 1].map(|i| (u[2 * b + i] - u[2 * a + i]) / length);
+        Side { traction, slope, young }
     }
 }
 

@@ -1,6 +1,6 @@
 //! What all elements do on one of them: those at a distance smoothly, so that few points tell it.
 
-use steklov_bem_operators::{BoundaryField, Mesh};
+use steklov_bem_operators::{BoundaryField, Mesh, distance_to_segment};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 use crate::subdivided::Subdivided;
@@ -21,7 +21,7 @@ pub(crate) struct Split {
 impl Split {
     pub fn new(field: &BoundaryField, parts: &Subdivided, mesh: &Mesh, e: usize) -> Self {
         let (middle, reach) = (mesh.point(e, 0.0), DISTANCE * mesh.length(e));
-        let is_near = |b: &usize| distance(middle, parts.mesh.ends(*b)) < reach;
+        let is_near = |b: &usize| distance_to_segment(middle, parts.mesh.ends(*b)) < reach;
         let (near, others): (Vec<usize>, Vec<usize>) = (0..parts.mesh.len()).partition(is_near);
         let mut far = [[0.0; 4]; POINTS];
         if !others.is_empty() {
@@ -51,11 +51,4 @@ impl Split {
         }
         (traction, slope)
     }
-}
-
-/// Distance of a point from a segment.
-fn distance(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
-    let (d, r) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
-    let s = ((r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
-    (r[0] - s * d[0]).hypot(r[1] - s * d[1])
 }

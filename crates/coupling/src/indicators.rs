@@ -9,7 +9,7 @@ use crate::body_side::{Body, derivative};
 use crate::far::Split;
 use crate::subdivided::Subdivided;
 use crate::transfer::Overlap;
-use crate::{Coupled, CouplingError, Form, Inclusion, Medium};
+use crate::{Coupled, CouplingError, Form, Medium};
 
 /// The jumps on the interface, as functions.
 #[derive(Clone, Copy)]
@@ -37,8 +37,7 @@ pub struct Jumps<'a> {
 ///
 /// The root of the sum with [`crate::CellIndicators`] was measured as 3.9 to 4.4 times the error where the body is as stiff as
 /// the medium or stiffer. For a body 50 times softer it was 5.6 to 9.3 times with two halvings: what interpolation loses of u0
-/// is of higher order, but E₂ multiplies it. With bodies of boundary elements it was 1 to 2.4 times for two fields, up to 5 times
-/// for a soft body, and 1.3 to 12 times for three fields.
+/// is of higher order, but E₂ multiplies it.
 ///
 /// *Use when* the body conforms on its grid. *Fails when* it is much softer than the medium: 1/E₁ then overestimates tractions.
 /// *Cost*: 26 points an element (p = 1); no matrix. What elements at a distance do is told by 8 points, so that one core takes 0.1 s for 256 elements,
@@ -55,8 +54,6 @@ pub struct InterfaceIndicators {
     pub displacement: Vec<f64>,
     /// Second equation of the medium; None where it is part of the balance of tractions.
     pub hypersingular: Option<Vec<f64>>,
-    /// h E₁/p ‖d/ds ((K₁ + ½) u - V₁ ψ)‖² with the operators of the body and ψ its traction; None on a grid.
-    pub body: Option<Vec<f64>>,
     /// Σ ⟨w, P_m⟩²/⟨V P_m, P_m⟩ over m = p, p + 1, w = u0 - u + (K + ½) ξ - V φ, P_m the Legendre polynomials of the two lowest
     /// degrees that φ lacks: the gain of energy by two degrees more, on each element for itself. It follows ‖φ - V⁻¹(K - ½)ξ‖²
     /// in the norm of V, the error of φ for this ξ, without a constant: the root of its sum was measured as 0.86 to 1.08
@@ -81,38 +78,8 @@ impl InterfaceIndicators {
     ) -> Result<Self, CouplingError> {
         check(medium, solved, jumps)?;
         check_field("displacement of the grid", fine, body.grid.dofs())?;
-        Self::of_body(Body::grid(body, fine)?, medium, solved, form, jumps)
-    }
-
-    /// The residuals of a solution in a body of boundary elements, that of its own first equation among them.
-    ///
-    /// # Errors
-    /// [`CouplingError::Inconsistent`] for fields of another size, values that are not finite, or too many halvings.
-    pub fn of_inclusion(
-        medium: &Medium,
-        body: &Inclusion,
-        solved: &Coupled,
-        form: Form,
-        jumps: &Jumps<'_>,
-    ) -> Result<Self, CouplingError> {
-        check(medium, solved, jumps)?;
-        let given = body.load.len();
-        if given != medium.space.dofs() {
-            let what = format!("the body has {given} unknowns, and the medium {}", medium.space.dofs());
-            return Err(CouplingError::Inconsistent { what });
-        }
-        Self::of_body(Body::boundary_elements(body, medium, solved), medium, solved, form, jumps)
-    }
-
-    fn of_body(
-        body: Body<'_>,
-        medium: &Medium,
-        solved: &Coupled,
-        form: Form,
-        jumps: &Jumps<'_>,
-    ) -> Result<Self, CouplingError> {
+        let body = Body::new(body, fine)?;
         let three = form == Form::ThreeField;
-        let own = matches!(body, Body::BoundaryElements { .. });
         let parts = Subdivided::new(&medium.mesh, jumps.halvings);
         let jump = parts.space.interpolate(jumps.displacement);
         if let Some((k, value)) = jump.iter().enumerate().find(|(_, u)| !u.is_finite()) {
@@ -131,21 +98,20 @@ impl InterfaceIndicators {
         let field = BoundaryField::new(&parts.mesh, &parts.space, material, &xi, &phi, length);
         let residual = Residual { medium, body, jumps, parts, jump, field, three };
         let all: Vec<_> = (0..medium.mesh.len()).into_par_iter().map(|e| residual.element(e)).collect();
-        let all: Vec<[f64; 5]> = all.into_iter().collect::<Result<_, _>>()?;
+        let all: Vec<[f64; 4]> = all.into_iter().collect::<Result<_, _>>()?;
         let term = |k: usize| all.iter().map(|terms| terms[k]).collect::<Vec<f64>>();
         Ok(Self {
             traction: term(0),
             displacement: term(1),
             hypersingular: three.then(|| term(2)),
-            body: own.then(|| term(3)),
-            traction_error: term(4),
+            traction_error: term(3),
         })
     }
 
     /// The sum of the residuals of each element, without the estimate of the error of the traction.
     pub fn squared(&self) -> Vec<f64> {
-        let of = |term: &Option<Vec<f64>>, e: usize| term.as_ref().map_or(0.0, |t| t[e]);
-        let sum = |e: usize| self.traction[e] + self.displacement[e] + of(&self.hypersingular, e) + of(&self.body, e);
+        let hypersingular = |e: usize| self.hypersingular.as_ref().map_or(0.0, |t| t[e]);
+        let sum = |e: usize| self.traction[e] + self.displacement[e] + hypersingular(e);
         (0..self.traction.len()).map(sum).collect()
     }
 }
@@ -198,13 +164,12 @@ struct Residual<'a> {
     three: bool,
 }
 
-/// Residuals at a point: E₁^-½ times that of tractions, E₂^½ d/ds w, E₂^-½ times the hypersingular one,
-/// E₁^½ d/ds of the body's equation.
-type Values = [[f64; 2]; 4];
+/// Residuals at a point: E₁^-½ times that of tractions, E₂^½ d/ds w, E₂^-½ times the hypersingular one.
+type Values = [[f64; 2]; 3];
 
 impl Residual<'_> {
-    /// Traction, displacement, hypersingular, body, error of the traction of an element.
-    fn element(&self, e: usize) -> Result<[f64; 5], CouplingError> {
+    /// Traction, displacement, hypersingular, error of the traction of an element.
+    fn element(&self, e: usize) -> Result<[f64; 4], CouplingError> {
         let overlaps = self.body.overlaps(&self.medium.mesh, e)?;
         let (h, p) = (self.medium.mesh.length(e), self.medium.space.degree(e));
         let count = (4 * p).max((2 * overlaps.len()).next_multiple_of(4));
@@ -243,7 +208,7 @@ impl Residual<'_> {
             0.125 * h * h * (m * (m + 1)) as f64 * squared / (single * ((2 * m + 1) as f64).powi(2))
         };
         let error = (p..).zip(moments).map(gain).sum();
-        Ok([squared(0), squared(1), squared(2), squared(3), error])
+        Ok([squared(0), squared(1), squared(2), error])
     }
 
     /// Rules on the pieces between the breaks of an element, and the part of it on which each lies.
@@ -282,7 +247,7 @@ impl Residual<'_> {
     /// The residuals at the point t of an element, which lies on this part of it.
     fn at(&self, e: usize, part: usize, t: f64, overlaps: &[Overlap], all: &Split) -> Result<Values, CouplingError> {
         let (mesh, young) = (&self.medium.mesh, self.medium.material.young);
-        let side = self.body.at(e, t, overlaps);
+        let side = self.body.at(t, overlaps);
         let (x, n) = (mesh.point(e, t), mesh.normal(e));
         let given = (self.jumps.traction)(x, n);
         if let Some(value) = given.iter().find(|v| !v.is_finite()) {
@@ -301,7 +266,6 @@ impl Residual<'_> {
             values[0][i] = (given[i] - side.traction[i] + phi[i] - outside) / side.young.sqrt();
             values[1][i] = (jump[i] - side.slope[i] + slope[i]) * young.sqrt();
             values[2][i] = hypersingular[i] / young.sqrt();
-            values[3][i] = side.equation[i] * side.young.sqrt();
         }
         Ok(values)
     }

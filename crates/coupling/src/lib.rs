@@ -4,8 +4,7 @@
 //! ```text
 //! HeterogeneousBody + Loads (f, t0) ─► Outline ─► Interior (A, F, Trace) ─┐
 //!       or Multiscale                                                     ├─► Transmission (A_c, Transfer Π and B, Balance)
-//! Mesh + Material (+ L) ──► Medium (V, K, W, M) ──────────────────────────┤          │
-//! Material + t0 on its mesh ──► Inclusion (S, no grid) ───────────────────┘          │
+//! Mesh + Material (+ L) ──► Medium (V, K, W, M) ──────────────────────────┘          │
 //!                                                                jump u0, Form, Radiation
 //!                                                                                    ▼
 //! Multiscale::downscale ◄── displacement, trace ◄───────────────────────────────── Coupled ──► ξ, φ, a ──► MediumField
@@ -23,7 +22,6 @@
 //! | the outer boundary of a grid, jumps of tractions on it | [`Outline`] |
 //! | the body: bilinear or multiscale elements | [`Interior`], [`Trace`] |
 //! | boundary elements on a trace, also refined ones whose trace changes | [`Trace::mesh`], [`Trace::mesh_with`] |
-//! | a homogeneous body of any outline, without a grid | [`Inclusion`] |
 //! | the medium: boundary elements of any size and degree on the same curve | [`Medium`] |
 //! | the problem on the interface, its solution | [`Transmission`], [`Form`], [`Coupled`] |
 //! | behaviour at infinity, resultants | [`Radiation`], [`Balance`] |
@@ -65,7 +63,6 @@ mod trace;
 mod interior;
 mod transfer;
 mod medium;
-mod inclusion;
 mod balance;
 mod form;
 mod transmission;
@@ -83,7 +80,6 @@ pub use balance::{Balance, Radiation};
 pub use cell_indicators::CellIndicators;
 pub use error::CouplingError;
 pub use form::Form;
-pub use inclusion::Inclusion;
 pub use indicators::{InterfaceIndicators, Jumps};
 pub use interior::Interior;
 pub use medium::{Medium, MediumField};

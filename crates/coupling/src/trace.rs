@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use sprs::{CsMat, TriMat};
-use steklov_bem_operators::{Edge, Mesh, Polygon, SAME_PLACE};
+use steklov_bem_operators::{Edge, Mesh, Polygon, SAME_PLACE, distance};
 use steklov_msfem::{Basis, CellBasis, Grid, Multiscale};
 
 use crate::{CouplingError, Outline};
@@ -128,7 +128,7 @@ impl Trace {
             let mut knots = vec![0.0];
             points.next();
             while let Some(x) = points.next_if(|x| **x != edge.end) {
-                knots.push((x[0] - start[0]).hypot(x[1] - start[1]) / length);
+                knots.push(distance(*x, start) / length);
             }
             knots.push(1.0);
             knots

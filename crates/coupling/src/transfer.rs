@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use sprs::{CsMat, TriMat};
-use steklov_bem_operators::{Mesh, Space};
+use steklov_bem_operators::{Mesh, Space, distance};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 use crate::dense::solve_definite;
@@ -60,10 +60,6 @@ impl Transfer {
         let both = |scalar: CsMat<f64>| (&components(&scalar) * &trace.values).to_csc();
         Ok(Self { projection: both(nodal), mass: both(moments) })
     }
-}
-
-fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
 }
 
 /// Parts of element e between points of the trace.

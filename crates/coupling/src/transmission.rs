@@ -1,11 +1,10 @@
 //! The transmission problem, reduced to the interface.
 
 use faer::Mat;
-use sprs::CsMat;
 use steklov_msfem::{Elimination, ReducedLoad};
 
 use crate::balance::Balance;
-use crate::{CouplingError, Form, Inclusion, Interior, Medium, Radiation, Transfer, three_field, two_field};
+use crate::{CouplingError, Form, Interior, Medium, Radiation, Transfer, three_field, two_field};
 use crate::{dense, schur};
 
 /// Stiffness of the body over that of the medium from which too few digits are left.
@@ -39,7 +38,7 @@ pub struct Transmission<'a> {
     /// Load, reduced to the unknowns of the trace.
     load: Vec<f64>,
     /// The way back to the inside of a grid.
-    inside: Option<Inside>,
+    inside: Inside,
 }
 
 /// A grid whose unknowns are eliminated but for those of its trace.
@@ -56,7 +55,7 @@ struct Inside {
 /// Displacements and tractions of body and medium.
 #[derive(Debug, Clone)]
 pub struct Coupled {
-    /// Unknowns of the body (length); those of the trace where it has no others.
+    /// Unknowns of the body (length).
     pub displacement: Vec<f64>,
     /// Displacement u of the body at the nodes of the boundary elements (length).
     pub trace: Vec<f64>,
@@ -98,28 +97,8 @@ impl<'a> Transmission<'a> {
         let elimination = Elimination::new(stiffness, &order, &trace.unknowns, &[])?;
         let reduced = elimination.reduce(&load, &[]);
         let (stiffness, kept_load) = (elimination.stiffness(), reduced.kept.clone());
-        let inside = Some(Inside { elimination, reduced, load, kept: trace.unknowns });
+        let inside = Inside { elimination, reduced, load, kept: trace.unknowns };
         Ok(Self { medium, transfer, stiffness, balance, load: kept_load, inside })
-    }
-
-    /// The problem of a homogeneous body on the same boundary elements: all its unknowns are those of its trace.
-    ///
-    /// # Errors
-    /// [`CouplingError::Inconsistent`] for a body on other boundary elements.
-    pub fn of_inclusion(body: &Inclusion, medium: &'a Medium) -> Result<Self, CouplingError> {
-        let (given, size) = (body.load.len(), medium.space.dofs());
-        if given != size {
-            let what = format!("the body has {given} unknowns, and the boundary elements of the medium have {size}");
-            return Err(CouplingError::Inconsistent { what });
-        }
-        Ok(Self {
-            medium,
-            transfer: Transfer { projection: CsMat::eye_csc(size), mass: medium.operators.mass.to_csc() },
-            stiffness: body.stiffness.clone(),
-            balance: Balance::new(&body.load),
-            load: body.load.clone(),
-            inside: None,
-        })
     }
 
     /// Load of the body, reduced to the unknowns of the trace (force per thickness).
@@ -158,10 +137,7 @@ impl<'a> Transmission<'a> {
             Form::Schur => schur::solve(self, jump)?,
         };
         let solved = solved.ok_or(CouplingError::Singular { size: self.stiffness.nrows(), contrast })?;
-        let displacement = match &self.inside {
-            Some(inside) => inside.elimination.expand(&inside.reduced, &solved.interface),
-            None => solved.interface.clone(),
-        };
+        let displacement = self.inside.elimination.expand(&self.inside.reduced, &solved.interface);
         let trace = dense::apply(&self.transfer.projection, &solved.interface);
         let exterior_displacement: Vec<f64> = trace.iter().zip(jump).map(|(u, u0)| u - u0).collect();
         let exterior_displacement = match solved.medium {
@@ -187,16 +163,11 @@ impl<'a> Transmission<'a> {
     /// the body over that of the medium. 0 where nothing acts.
     pub fn imbalance(&self, solved: &Coupled) -> f64 {
         let of_medium = dense::apply_transposed(&self.transfer.projection, &self.medium.forces(solved).0);
-        let (mut forces, load) = match &self.inside {
-            Some(inside) => (inside.elimination.multiply(&solved.displacement), &inside.load),
-            None => (dense::product(self.stiffness.as_ref(), &solved.displacement), &self.load),
-        };
+        let Inside { elimination, load, kept, .. } = &self.inside;
+        let mut forces = elimination.multiply(&solved.displacement);
         let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
         let scale = largest(&forces) + largest(load);
-        match &self.inside {
-            Some(inside) => inside.kept.iter().zip(&of_medium).for_each(|(&u, f)| forces[u] += f),
-            None => forces.iter_mut().zip(&of_medium).for_each(|(all, f)| *all += f),
-        }
+        kept.iter().zip(&of_medium).for_each(|(&u, f)| forces[u] += f);
         let worst = forces.iter().zip(load).fold(0.0f64, |m, (a, f)| m.max((a - f).abs()));
         if scale > 0.0 { worst / scale } else { 0.0 }
     }

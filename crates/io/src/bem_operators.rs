@@ -5,17 +5,16 @@
 
 use hdf5::Group;
 use steklov_bem_operators::{Loop, Mesh, Operators, Polygon, edge_tangents};
-use steklov_elastic::{Material, Plane};
 
 use crate::array::{
     load_integers, load_number, load_pairs, load_points, save_integers, save_number, save_pairs, save_points,
 };
-use crate::dataset::Label;
+use crate::dataset::{Label, label};
 use crate::error::{IoError, invalid, mismatch};
 use crate::matrix::{load_dense, load_sparse, save_dense, save_sparse};
 use crate::persist::Persist;
 use crate::quadrature::{check_length, load_sized};
-use crate::text::{load_text, load_texts, save_text, save_texts};
+use crate::text::{load_texts, save_texts};
 
 fn index<'a>(meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
     Label { unit: "1", meaning, axes }
@@ -98,30 +97,6 @@ impl Persist for Mesh {
     }
 }
 
-impl Persist for Material {
-    const KIND: &'static str = "isotropic elastic material";
-    const VERSION: u32 = 1;
-
-    fn write(&self, at: &Group) -> Result<(), IoError> {
-        save_number(at, "young", self.young, "stress", "Young's modulus E")?;
-        save_number(at, "poisson", self.poisson, "1", "Poisson's ratio")?;
-        let plane = match self.plane {
-            Plane::Strain => "strain",
-            Plane::Stress => "stress",
-        };
-        save_text(at, "plane", plane, "plane strain or plane stress")
-    }
-
-    fn read(at: &Group) -> Result<Self, IoError> {
-        let plane = match load_text(at, "plane")?.as_str() {
-            "strain" => Plane::Strain,
-            "stress" => Plane::Stress,
-            other => return Err(mismatch(at, "plane", "strain or stress", other)),
-        };
-        Material::new(load_number(at, "young")?, load_number(at, "poisson")?, plane).map_err(|e| invalid(at, "", e))
-    }
-}
-
 const TRACTION: &str = "traction: Legendre coefficients by element, component fastest";
 const DISPLACEMENT: &str = "displacement: nodes, component fastest";
 
@@ -130,7 +105,6 @@ impl Persist for Operators {
     const VERSION: u32 = 1;
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
-        let label = |unit, meaning, axes| Label { unit, meaning, axes };
         save_dense(at, "V", self.v.as_ref(), &label("length²/stress", "single layer", &[TRACTION, TRACTION]))?;
         save_dense(at, "K", self.k.as_ref(), &label("length", "double layer", &[TRACTION, DISPLACEMENT]))?;
         save_dense(at, "W", self.w.as_ref(), &label("stress", "hypersingular", &[DISPLACEMENT, DISPLACEMENT]))?;

@@ -6,16 +6,12 @@ use steklov_contact::{Condition, ContactNode, Kkt, Outcome, Problem, Solution, S
 use crate::array::{
     load_integers, load_number, load_points, load_vector, save_integers, save_number, save_points, save_vector,
 };
-use crate::dataset::Label;
+use crate::dataset::label;
 use crate::error::{IoError, invalid, mismatch};
 use crate::matrix::save_dense;
 use crate::persist::Persist;
 use crate::quadrature::{check_length, load_sized};
 use crate::text::{load_text, save_text};
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
-}
 
 /// One number of each condition: name, unit, meaning.
 const OF_CONDITION: [(&str, &str, &str); 6] = [

@@ -1,7 +1,6 @@
 //! [`Persist`] for the types of `steklov-coupling`.
 //!
-//! The space of a medium is numbered anew from its mesh, with the same bits. An [`steklov_coupling::Inclusion`] is made anew
-//! from its material, its medium and its load; its stiffness alone is stored by [`crate::save_dense`].
+//! The space of a medium is numbered anew from its mesh, with the same bits.
 
 use hdf5::Group;
 use sprs::CsMat;
@@ -9,15 +8,11 @@ use steklov_bem_operators::{Mesh, Operators, Polygon, Space};
 use steklov_coupling::{Balance, CellIndicators, Coupled, InterfaceIndicators, Medium, Trace, Transfer};
 
 use crate::array::{load_integers, load_points, load_vector, save_integers, save_points, save_vector};
-use crate::dataset::Label;
+use crate::dataset::label;
 use crate::error::{IoError, invalid, mismatch};
 use crate::matrix::{load_sparse, save_sparse};
 use crate::persist::{Persist, load, save};
 use crate::quadrature::check_length;
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
-}
 
 const TRACE: &str = "unknown of the trace";
 const DISPLACEMENT: &str = "displacement of the boundary elements: nodes, component fastest";
@@ -240,20 +235,15 @@ impl Persist for InterfaceIndicators {
         if let Some(values) = &self.hypersingular {
             term("hypersingular", values, "h/E2 of the second equation of the medium")?;
         }
-        if let Some(values) = &self.body {
-            term("body", values, "h E1 of the slope of the first equation of the body")?;
-        }
         term("traction_error", &self.traction_error, "squared error of the traction of the medium in the norm of V")
     }
 
     fn read(at: &Group) -> Result<Self, IoError> {
         let traction = load_squares(at, "traction", None)?;
         let term = |name| load_squares(at, name, Some(traction.len()));
-        let optional = |name| if at.link_exists(name) { term(name).map(Some) } else { Ok(None) };
         Ok(Self {
             displacement: term("displacement")?,
-            hypersingular: optional("hypersingular")?,
-            body: optional("body")?,
+            hypersingular: if at.link_exists("hypersingular") { Some(term("hypersingular")?) } else { None },
             traction_error: term("traction_error")?,
             traction,
         })

@@ -19,6 +19,11 @@ pub struct Label<'a> {
     pub axes: &'a [&'a str],
 }
 
+/// A [`Label`] of these.
+pub fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
+    Label { unit, meaning, axes }
+}
+
 /// Attributes `unit`, `meaning` and `axes` as they were read.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StoredLabel {

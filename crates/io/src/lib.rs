@@ -44,6 +44,8 @@ mod foreign;
 pub mod vtkhdf;
 #[cfg(feature = "quadrature")]
 mod quadrature;
+#[cfg(any(feature = "bem-operators", feature = "msfem"))]
+mod elastic;
 #[cfg(feature = "bem-operators")]
 mod bem_operators;
 #[cfg(feature = "contact")]
@@ -60,7 +62,7 @@ pub use array::{
     save_points, save_vector,
 };
 pub use attribute::{read_integer_attribute, read_text_attribute, write_integer_attribute, write_text_attribute};
-pub use dataset::{Label, StoredLabel, load_label};
+pub use dataset::{Label, StoredLabel, label, load_label};
 pub use error::{IoError, invalid};
 pub use file::{FORMAT, FORMAT_VERSION, create_atomically, is_special, open};
 pub use foreign::load_foreign_table;

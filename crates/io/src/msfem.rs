@@ -4,7 +4,6 @@
 
 use faer::Mat;
 use hdf5::Group;
-use steklov_elastic::Plane;
 use steklov_msfem::{
     CellBasis, CoarseCell, CoarseMesh, CoarseSystem, CrossingContrast, Elasticity, Grid, HeterogeneousBody, Indicators,
     Loads,
@@ -14,16 +13,12 @@ use crate::array::{
     load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,
     save_points, save_vector,
 };
-use crate::dataset::Label;
+use crate::dataset::{Label, label};
+use crate::elastic::{load_plane, save_plane};
 use crate::error::{IoError, invalid, mismatch, write_error};
 use crate::matrix::{load_sparse, save_dense, save_sparse};
 use crate::persist::{Persist, load, save};
 use crate::quadrature::{check_length, load_sized};
-use crate::text::{load_text, save_text};
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
-}
 
 /// The one row of a list.
 fn only<T: Copy>(at: &Group, name: &str, rows: &[T]) -> Result<T, IoError> {
@@ -52,19 +47,11 @@ impl Persist for Elasticity {
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
         save_number(at, "poisson", self.poisson, "1", "Poisson's ratio")?;
-        let plane = match self.plane {
-            Plane::Strain => "strain",
-            Plane::Stress => "stress",
-        };
-        save_text(at, "plane", plane, "plane strain or plane stress")
+        save_plane(at, self.plane)
     }
 
     fn read(at: &Group) -> Result<Self, IoError> {
-        let plane = match load_text(at, "plane")?.as_str() {
-            "strain" => Plane::Strain,
-            "stress" => Plane::Stress,
-            other => return Err(mismatch(at, "plane", "strain or stress", other)),
-        };
+        let plane = load_plane(at)?;
         Self::new(load_number(at, "poisson")?, plane).map_err(|e| invalid(at, "poisson", e))
     }
 }

@@ -2,9 +2,9 @@
 
 use faer::Mat;
 use hdf5::Group;
-use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Rule2, Series};
+use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Series};
 
-use crate::array::{load_integers, load_points, load_vector, save_integers, save_points, save_vector};
+use crate::array::{load_integers, load_vector, save_integers, save_vector};
 use crate::dataset::Label;
 use crate::error::{IoError, invalid, mismatch};
 use crate::matrix::{load_dense, save_dense};
@@ -53,22 +53,6 @@ impl Persist for Rule {
         let (points, weights) = (load_vector(at, "points")?, load_vector(at, "weights")?);
         check_length(at, "weights", weights.len(), points.len())?;
         Ok(Self { points, weights, degree: load_degree(at)? })
-    }
-}
-
-impl Persist for Rule2 {
-    const KIND: &'static str = "quadrature rule in the plane";
-    const VERSION: u32 = 1;
-
-    fn write(&self, at: &Group) -> Result<(), IoError> {
-        save_points(at, "points", &self.points, &number("points", &["point", "xy"]))?;
-        save_vector(at, "weights", &self.weights, &number("weights", &["point"]))
-    }
-
-    fn read(at: &Group) -> Result<Self, IoError> {
-        let (points, weights) = (load_points(at, "points")?, load_vector(at, "weights")?);
-        check_length(at, "weights", weights.len(), points.len())?;
-        Ok(Self { points, weights })
     }
 }
 

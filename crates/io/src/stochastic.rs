@@ -7,15 +7,11 @@ use steklov_stochastic::{
 };
 
 use crate::array::{load_integers, load_number, load_vector, save_integers, save_number, save_vector};
-use crate::dataset::Label;
+use crate::dataset::label;
 use crate::error::{IoError, invalid};
 use crate::matrix::{load_dense, save_dense};
 use crate::persist::Persist;
 use crate::text::{load_text, load_texts, save_text, save_texts};
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
-}
 
 fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
     Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |i, j| rows[i][j])

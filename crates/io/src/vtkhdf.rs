@@ -10,7 +10,7 @@
 use hdf5::{File, Group};
 
 use crate::attribute::{read_integer_attribute, read_text_attribute, write_ascii_attribute, write_integer_attribute};
-use crate::dataset::{Label, load_label, read_numbers, write_numbers};
+use crate::dataset::{Label, label, load_label, read_numbers, write_numbers};
 use crate::error::{IoError, damaged, invalid, mismatch, write_error};
 use crate::persist::{create_group, open_group};
 
@@ -66,7 +66,6 @@ pub fn write(file: &File, grid: &Grid) -> Result<(), IoError> {
         let why = format!("a cell names point {point} of {}", grid.points.len());
         return Err(write_error(&group, "Connectivity", why));
     }
-    let label = |unit, meaning, axes| Label { unit, meaning, axes };
     for (name, count) in
         [("NumberOfPoints", grid.points.len()), ("NumberOfCells", cells), ("NumberOfConnectivityIds", entries)]
     {

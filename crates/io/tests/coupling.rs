@@ -7,8 +7,8 @@ use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::Space;
 use steklov_coupling::{
-    CellIndicators, Coupled, Form, Inclusion, InterfaceIndicators, Interior, Jumps, Medium, Outline, Radiation, Trace,
-    Transfer, Transmission,
+    CellIndicators, Coupled, Form, InterfaceIndicators, Interior, Jumps, Medium, Outline, Radiation, Trace, Transfer,
+    Transmission,
 };
 use steklov_elastic::{Material, Plane};
 use steklov_io::*;
@@ -80,9 +80,9 @@ proptest! {
     }
 }
 
-/// Traces that oscillate, and a body of boundary elements with residuals of its own.
+/// Traces that oscillate.
 #[test]
-fn multiscale_traces_and_bodies_of_boundary_elements() {
+fn multiscale_traces() {
     let medium = medium(0b100, [0.0; 2], [0.5, 0.25]);
     let outline = Outline::new(&medium.grid).unwrap();
     for basis in [Basis::Coupled, Basis::Oscillatory] {
@@ -93,17 +93,6 @@ fn multiscale_traces_and_bodies_of_boundary_elements() {
         let mesh = trace.mesh(1, 2).unwrap();
         check_round_trip(&Transfer::new(&trace, &mesh, &Space::new(&mesh)).unwrap());
     }
-    let around = exterior(&Trace::fine(&medium.grid, &outline), 1, 2);
-    let traction = |_: [f64; 2], [n, _]: [f64; 2]| [n, 0.0];
-    let body = Inclusion::new(Material::new(5.0, 0.3, Plane::Strain).unwrap(), &around, traction).unwrap();
-    let problem = Transmission::of_inclusion(&body, &around).unwrap();
-    check_round_trip(&problem.transfer);
-    let solved = problem.solve(&vec![0.0; around.space.dofs()], Form::Schur, Radiation::Decaying).unwrap();
-    check_round_trip(&solved);
-    let jumps = Jumps { displacement: &|_| [0.0; 2], traction: &traction, halvings: 0 };
-    let indicators = InterfaceIndicators::of_inclusion(&around, &body, &solved, Form::Schur, &jumps).unwrap();
-    assert!(indicators.body.is_some());
-    assert_eq!(check_round_trip(&indicators), indicators);
 }
 
 const ONE: Label<'static> = Label { unit: "1", meaning: "wrong", axes: &["entry"] };
@@ -224,10 +213,11 @@ fn media_that_do_not_fit_are_refused() {
 
 #[test]
 fn solutions_and_indicators_that_do_not_fit_are_refused() {
-    let (_, around) = square();
+    let body = medium(0, [0.0; 2], [1.0; 2]);
+    let interior = Interior::fine(&body, &Loads::default()).unwrap();
+    let around = exterior(&interior.trace, 1, 1);
     let n = around.space.dofs();
-    let body = Inclusion::new(around.material, &around, |_, [n, _]| [n, 0.0]).unwrap();
-    let problem = Transmission::of_inclusion(&body, &around).unwrap();
+    let problem = Transmission::new(interior, &around).unwrap();
     let solved: Coupled = problem.solve(&vec![0.0; n], Form::Schur, Radiation::Decaying).unwrap();
     let lists = ["displacement", "trace", "exterior_displacement", "traction", "constant", "resultant", "load_scale"];
     for name in lists {
@@ -249,11 +239,10 @@ fn solutions_and_indicators_that_do_not_fit_are_refused() {
         traction: vec![1.0, 2.0],
         displacement: vec![0.0, f64::INFINITY],
         hypersingular: Some(vec![1.0, 2.0]),
-        body: Some(vec![1e-300, 2.0]),
         traction_error: vec![1.0, 2.0],
     };
     check_round_trip(&indicators);
-    for name in ["traction", "displacement", "hypersingular", "body", "traction_error"] {
+    for name in ["traction", "displacement", "hypersingular", "traction_error"] {
         assert!(spoiled(&indicators, name, vector(name, vec![1.0])).contains("where"), "{name}");
         assert!(spoiled(&indicators, name, vector(name, vec![1.0, f64::NAN])).contains("entry 1 is NaN"), "{name}");
         assert!(spoiled(&indicators, name, vector(name, vec![-1e-9, 1.0])).contains("square of an energy"), "{name}");

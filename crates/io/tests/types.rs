@@ -10,7 +10,7 @@ use steklov_contact::proptest::{Friction, mixed};
 use steklov_contact::{Condition, ContactNode, Outcome, Problem, Solution, Status, active_set, kkt};
 use steklov_elastic::{Material, Plane};
 use steklov_io::*;
-use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Rule2, Series, gauss_legendre, tensor};
+use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Series, gauss_legendre};
 
 fn ring(side: f64, corners: &[[f64; 2]], names: &[&str]) -> Loop {
     Loop {
@@ -65,8 +65,6 @@ proptest! {
     fn rules_and_bases(n in 1_usize..20, coefficients in prop::collection::vec(any::<f64>(), 0..30)) {
         let rule = gauss_legendre(n);
         prop_assert_eq!(&check_round_trip(&rule), &rule);
-        let square = tensor(&rule, &gauss_legendre(3));
-        prop_assert_eq!(&check_round_trip(&square), &square);
         let series = Series { coefficients };
         check_round_trip(&series);
         let basis = LobattoBasis::new(n);
@@ -143,8 +141,6 @@ fn parts_that_do_not_fit_are_refused() {
     let rule = gauss_legendre(3);
     assert!(spoiled(&rule, "weights", vector("weights", vec![1.0])).contains("1 entries where 3"));
     assert!(spoiled(&rule, "degree", integers("degree", vec![])).contains("one degree"));
-    let plane: Rule2 = tensor(&rule, &rule);
-    assert!(spoiled(&plane, "weights", vector("weights", vec![])).contains("0 entries where 9"));
     let basis = LobattoBasis::new(2);
     assert!(spoiled(&basis, "degree", integers("degree", vec![3])).contains("degree 3"));
     assert!(spoiled(&basis, "to_legendre", square("to_legendre", 2)).contains("3×3"));

@@ -125,11 +125,6 @@ impl Elimination {
         reduced
     }
 
-    /// The stiffness matrix of all unknowns.
-    pub fn matrix(&self) -> &CsMat<f64> {
-        &self.stiffness
-    }
-
     /// K u.
     pub fn multiply(&self, u: &[f64]) -> Vec<f64> {
         let line = |row: sprs::CsVecView<'_, f64>| row.iter().map(|(j, k)| k * u[j]).sum();

@@ -90,11 +90,6 @@ impl Grid {
         self.inside[ix * self.cells[1] + iy]
     }
 
-    /// Whether all cells of the bounding box belong to the body.
-    pub fn is_whole(&self) -> bool {
-        self.nodes() == self.node.len() && !self.inside.contains(&false)
-    }
-
     /// Numbers of the cells of the body, rising.
     pub fn body_cells(&self) -> impl Iterator<Item = usize> + '_ {
         self.inside.iter().enumerate().filter(|(_, inside)| **inside).map(|(c, _)| c)

@@ -1,15 +1,12 @@
 //! Groups of horizontal bars, a row for each name.
 
 use super::axes::{Axes, BELOW, LABEL_TEXT, TICK_TEXT};
-use super::canvas::{BLACK, Canvas, Pen, Rect, WIDTH, text_width, wrap};
+use super::canvas::{BLACK, Canvas, Pen, Rect, Title, WIDTH, text_width, wrap};
 use super::contact::interval;
 use super::scale::short;
 use super::{Picture, PictureError};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
-
-const TITLE_TEXT: u32 = 19;
-const TITLE_LINE: f64 = 25.0;
 
 /// Height of a row and of its bar, and space above a group for its name.
 const ROW: f64 = 19.0;
@@ -44,17 +41,15 @@ fn number(value: f64, greatest: f64) -> String {
 /// If a group does not have a value for each row.
 pub fn bars(title: &str, x: &str, rows: &[String], groups: &[BarGroup]) -> Result<Picture, PictureError> {
     assert!(groups.iter().all(|g| g.values.len() == rows.len()), "a value for each row");
-    let title = wrap(title, TITLE_TEXT, WIDTH - 40.0, 3);
+    let title = Title::new(title);
     let names: Vec<String> =
         rows.iter().map(|r| wrap(r, TICK_TEXT, NAME, 1).into_iter().next().unwrap_or_default()).collect();
     let left = names.iter().map(|n| text_width(n, TICK_TEXT)).fold(60.0, f64::max) + 24.0;
-    let top = 16.0 + TITLE_LINE * title.len() as f64;
+    let top = 16.0 + title.height();
     let height = ROW * rows.len() as f64 + 6.0;
     let last = top + groups.len() as f64 * (HEAD + height);
     let mut canvas = Canvas::new((last + BELOW + 10.0).max(200.0));
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     let shown = |v: &f64| v.is_finite() && *v >= 0.0;
     let ends = interval(groups.iter().flat_map(|g| &g.values).copied().filter(shown), true);
     for (k, group) in groups.iter().enumerate() {

@@ -2,13 +2,11 @@
 
 use super::axes::{Axes, BELOW, LABEL_TEXT, TICK_TEXT};
 use super::bands::{BANDS, bands, colour, interval};
-use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, WIDTH, clip, text_width, wrap};
+use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width};
 use super::scale::{Ticks, exaggeration, short, ticks};
 use super::{Picture, PictureError};
 use kuva::render::render::TextAnchor;
 
-pub(super) const TITLE_TEXT: u32 = 19;
-pub(super) const TITLE_LINE: f64 = 25.0;
 pub(super) const SUBTITLE_TEXT: u32 = 14;
 
 /// Widest and tallest plotting area, and the smallest side it may have.
@@ -67,17 +65,14 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     let largest = b.displacement.iter().map(|u| u[0].hypot(u[1])).filter(|u| u.is_finite()).fold(0.0, f64::max);
     let factor = exaggeration(largest / bounds.size());
     let deformed: Vec<_> = b.points.iter().zip(b.displacement).map(|(&p, &u)| moved(p, u, factor)).collect();
-    let walls: Vec<Vec<_>> =
-        b.obstacles.iter().map(|o| o.points.iter().zip(o.gap).map(|(&p, &g)| moved(p, g, factor)).collect()).collect();
+    let walls = walls(b.obstacles, factor);
 
-    let title = wrap(b.title, TITLE_TEXT, WIDTH - 40.0, 3);
-    let top = 26.0 + TITLE_LINE * title.len() as f64 + 22.0;
+    let title = Title::new(b.title);
+    let top = 26.0 + title.height() + 22.0;
     let axes = place(&view(bounds, &deformed, &walls), top);
     let f = axes.frame;
     let mut canvas = Canvas::new(f.bottom() + BELOW + 46.0);
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     canvas.text(
         [WIDTH / 2.0, top - 18.0],
         &subtitle(factor, largest, !walls.is_empty()),
@@ -98,10 +93,7 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     };
     canvas.lines(&through(&deformed), &Pen::solid(BLACK, 1.4));
     canvas.lines(&through(b.points), &undeformed_pen());
-    for wall in &walls {
-        let line: Vec<_> = wall.iter().map(|&p| axes.at(p)).collect();
-        hatched(&mut canvas, &clip(&line, f), f);
-    }
+    draw_walls(&mut canvas, &axes, &walls);
     axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
     colour_bar(&mut canvas, f, colours, "von Mises stress");
     key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
@@ -110,6 +102,18 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
 
 pub(super) fn moved(p: [f64; 2], u: [f64; 2], factor: f64) -> [f64; 2] {
     [p[0] + factor * u[0], p[1] + factor * u[1]]
+}
+
+/// The obstacles with their gaps at this factor.
+pub(super) fn walls(obstacles: &[Obstacle<'_>], factor: f64) -> Vec<Vec<[f64; 2]>> {
+    obstacles.iter().map(|o| o.points.iter().zip(o.gap).map(|(&p, &g)| moved(p, g, factor)).collect()).collect()
+}
+
+pub(super) fn draw_walls(canvas: &mut Canvas, axes: &Axes, walls: &[Vec<[f64; 2]>]) {
+    for wall in walls {
+        let line: Vec<_> = wall.iter().map(|&p| axes.at(p)).collect();
+        hatched(canvas, &clip(&line, axes.frame), axes.frame);
+    }
 }
 
 pub(super) fn undeformed_pen() -> Pen {

@@ -37,6 +37,23 @@ impl Rect {
     }
 }
 
+/// Size of the letters of a title, and height of a line of it.
+const TITLE_TEXT: u32 = 19;
+const TITLE_LINE: f64 = 25.0;
+
+/// What stands above a picture, in at most three lines.
+pub(super) struct Title(Vec<String>);
+
+impl Title {
+    pub fn new(text: &str) -> Self {
+        Self(wrap(text, TITLE_TEXT, WIDTH - 40.0, 3))
+    }
+
+    pub fn height(&self) -> f64 {
+        TITLE_LINE * self.0.len() as f64
+    }
+}
+
 /// Colour, width, and lengths of dash and pause of a line.
 #[derive(Debug, Clone)]
 pub(super) struct Pen {
@@ -66,6 +83,13 @@ impl Canvas {
         let mut scene = Scene::new(WIDTH, height.ceil());
         scene.font_family = Some("sans-serif".to_owned());
         Self { scene, images: Vec::new() }
+    }
+
+    /// A title whose first base line is at y.
+    pub fn title(&mut self, title: &Title, y: f64) {
+        for (i, line) in title.0.iter().enumerate() {
+            self.text([WIDTH / 2.0, y + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
+        }
     }
 
     /// Open polylines drawn as one shape; dashes run on over their corners.

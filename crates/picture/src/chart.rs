@@ -1,7 +1,7 @@
 //! Curves of several strategies over their cost: convergence (logarithmic) and effectivity (linear, with a band).
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
-use super::canvas::{BLACK, Canvas, Rect, WIDTH, clip, text_width, wrap};
+use super::canvas::{BLACK, Canvas, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::graph::{Graph, Scale};
 use super::guides::{Slope, place};
 use super::markers::{colour, mark, pen};
@@ -9,8 +9,6 @@ use super::{Picture, PictureError};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 
-const TITLE_TEXT: u32 = 19;
-const TITLE_LINE: f64 = 25.0;
 const PLOT: f64 = 430.0;
 
 /// Height of a line of the key and of a note, and the widest text of the key.
@@ -122,8 +120,8 @@ pub fn chart(c: &Chart<'_>) -> Result<Picture, PictureError> {
     let y_values = points.iter().filter(|p| shown(p)).map(|p| p[1].min(highest));
     let y = c.y.scale.interval(y_values.chain(band.into_iter().flatten()));
 
-    let title = wrap(c.title, TITLE_TEXT, WIDTH - 40.0, 3);
-    let top = 30.0 + TITLE_LINE * title.len() as f64;
+    let title = Title::new(c.title);
+    let top = 30.0 + title.height();
     let key = key(c);
     let key_width = key.iter().flat_map(|e| &e.text).map(|t| text_width(t, TICK_TEXT)).fold(0.0, f64::max);
     let key_height: f64 = key.iter().map(Entry::height).sum();
@@ -143,9 +141,7 @@ pub fn chart(c: &Chart<'_>) -> Result<Picture, PictureError> {
     let notes: Vec<String> =
         notes(missing, above, &homeless).iter().flat_map(|n| wrap(n, TICK_TEXT, WIDTH - 60.0, 3)).collect();
     let mut canvas = Canvas::new(frame.bottom() + BELOW + 12.0 + LINE * notes.len() as f64);
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     if let Some(b) = band {
         canvas.fill(&[shade(&graph, b)], BAND);
     }

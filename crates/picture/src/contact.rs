@@ -1,13 +1,11 @@
 //! Pressure and shear along a contact side, in two panels over one axis.
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
-use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, WIDTH, clip, text_width, wrap};
+use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width};
 use super::{Picture, PictureError};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 
-const TITLE_TEXT: u32 = 19;
-const TITLE_LINE: f64 = 25.0;
 const KEY: f64 = 30.0;
 const PANEL: f64 = 230.0;
 const RIGHT: f64 = 30.0;
@@ -62,8 +60,8 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
         bound => vec![curve(bound, 1.0), curve(bound, -1.0)],
     };
 
-    let title = wrap(side.title, TITLE_TEXT, WIDTH - 40.0, 3);
-    let top = 14.0 + TITLE_LINE * title.len() as f64 + KEY;
+    let title = Title::new(side.title);
+    let top = 14.0 + title.height() + KEY;
     let x = interval(pressure.iter().map(|p| p[0]), false);
     let far = hidden(side.shear, side.bound);
     let shown = bounds.iter().flatten().filter(|_| !far);
@@ -81,9 +79,7 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
     }
 
     let mut canvas = Canvas::new(panels[1].frame.bottom() + BELOW + 10.0);
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 32.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 32.0);
     panels[0].draw(&mut canvas, None, "pressure", left, true);
     panels[1].draw(&mut canvas, Some(side.x_label), "shear", left, true);
     zero(&mut canvas, &panels[0]);

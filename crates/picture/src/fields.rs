@@ -2,8 +2,8 @@
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
 use super::bands::interval;
-use super::body::{Bounds, SUBTITLE_TEXT, TITLE_LINE, TITLE_TEXT, colours};
-use super::canvas::{BLACK, Canvas, PIXELS, Pen, Rect, WIDTH, clip, text_width, wrap};
+use super::body::{Bounds, SUBTITLE_TEXT, colours};
+use super::canvas::{BLACK, Canvas, PIXELS, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::raster::Raster;
 use super::scale::{Ticks, ticks};
 use super::{Picture, PictureError};
@@ -67,20 +67,18 @@ pub(super) fn field_panels(
     columns: RangeInclusive<usize>,
     shared: bool,
 ) -> Result<Picture, PictureError> {
-    let title = wrap(title, TITLE_TEXT, WIDTH - 40.0, 3);
+    let title = Title::new(title);
     let view = Bounds::of(panels.iter().flat_map(|p| [&p.bounds.low, &p.bounds.high]));
     let common = ends(panels.iter().flat_map(|p| p.ends));
     let plan = Plan::new(&view, panels.len(), columns, shared);
     let captions: Vec<Vec<String>> = panels.iter().map(|p| plan.caption(p, shared)).collect();
     let head = LINE * captions.iter().map(Vec::len).max().unwrap_or(0) as f64 + 8.0;
-    let first = 22.0 + TITLE_LINE * title.len() as f64 + if shared { 26.0 } else { 0.0 } + head;
+    let first = 22.0 + title.height() + if shared { 26.0 } else { 0.0 } + head;
     let step = plan.frame[1] + head + BETWEEN;
     let last = first + step * panels.len().div_ceil(plan.columns).max(1) as f64 - head - BETWEEN;
 
     let mut canvas = Canvas::new((last + BELOW + 12.0).max(200.0));
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     if shared && let Some(panel) = panels.first() {
         let bar = Rect { left: WIDTH - 92.0, top: first, width: 18.0, height: (last - first).min(400.0) };
         let bar = Rect { top: first + (last - first - bar.height) / 2.0, ..bar };

@@ -2,7 +2,7 @@
 
 use super::axes::{Axes, LABEL_TEXT, TICK_TEXT};
 use super::canvas::{BLACK, Canvas, LIGHT, Pen, text_width};
-use super::scale::{short, ticks};
+use super::scale::{power, short, ticks};
 use kuva::render::render::TextAnchor;
 
 /// Values beyond this are not drawn, so that no interval overflows.
@@ -129,13 +129,6 @@ fn log_marks(low: f64, high: f64) -> Vec<Marks> {
         result.push(Marks { labelled, small, suffix: String::new() });
     }
     result
-}
-
-/// 10 to a power, with raised digits.
-pub(super) fn power(exponent: i32) -> String {
-    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    let raise = |c: char| c.to_digit(10).map_or('⁻', |d| RAISED[d as usize]);
-    format!("10{}", exponent.to_string().chars().map(raise).collect::<String>())
 }
 
 /// A frame and what its axes show; the intervals of `axes` are coordinates (see [`Scale::of`]).

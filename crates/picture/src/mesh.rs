@@ -2,7 +2,7 @@
 
 use super::axes::TICK_TEXT;
 use super::bands::{BANDS, colour};
-use super::canvas::{BLACK, Canvas, Pen, Rect, WIDTH, text_width, wrap};
+use super::canvas::{BLACK, Canvas, Pen, Rect, Title, WIDTH, text_width, wrap};
 use super::guides::misses;
 use super::strips::{STRIP, Side, Strips, sides};
 use super::{Picture, PictureError};
@@ -10,8 +10,6 @@ use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 use std::collections::BTreeSet;
 
-const TITLE_TEXT: u32 = 19;
-const TITLE_LINE: f64 = 25.0;
 const CAPTION_TEXT: u32 = 14;
 const NUMBER_TEXT: u32 = 12;
 
@@ -88,17 +86,15 @@ pub fn meshes(figure: &MeshFigure<'_>) -> Result<Picture, PictureError> {
     let degrees: BTreeSet<usize> = figure.panels.iter().flat_map(|p| p.degree).copied().collect();
     let shades = Shades::of(&degrees);
 
-    let title = wrap(figure.title, TITLE_TEXT, WIDTH - 40.0, 3);
-    let top = 26.0 + TITLE_LINE * title.len() as f64;
+    let title = Title::new(figure.title);
+    let top = 26.0 + title.height();
     let cells = cells(figure.panels, !graded.is_empty(), top);
     let below = cells.iter().map(|c| c.bottom() + BELOW).fold(top, f64::max);
     let per_row = ((WIDTH - 2.0 * EDGE - 80.0) / BOX[0]) as usize;
     let key_height = 40.0 * degrees.len().div_ceil(per_row) as f64;
     let notes: Vec<String> = notes(&graded, hidden).iter().flat_map(|n| wrap(n, TICK_TEXT, WIDTH - 60.0, 3)).collect();
     let mut canvas = Canvas::new((below + key_height + 18.0 * notes.len() as f64 + 16.0).max(200.0));
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     let strips = Strips::new(figure.panels, &graded, figure.side_names);
     for (panel, cell) in figure.panels.iter().zip(&cells) {
         // Beside strips there is more room for the caption than for the body.

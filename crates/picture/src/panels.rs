@@ -1,7 +1,7 @@
 //! Panels below each other, each with curves, shaded intervals, bars and marked values, and a key above it.
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
-use super::canvas::{BLACK, Canvas, Pen, Rect, WIDTH, clip, text_width, wrap};
+use super::canvas::{BLACK, Canvas, Pen, Rect, Title, WIDTH, clip, text_width};
 use super::contact::interval;
 use super::graph::{Graph, Scale};
 use super::markers::{colour, mark, pen};
@@ -9,8 +9,6 @@ use super::{Picture, PictureError};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 
-const TITLE_TEXT: u32 = 19;
-const TITLE_LINE: f64 = 25.0;
 const RIGHT: f64 = 30.0;
 
 /// Height of a panel, of a row of its key, and space between two panels.
@@ -84,8 +82,8 @@ pub struct Panel {
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
 pub fn panels(title: &str, panels: &[Panel]) -> Result<Picture, PictureError> {
-    let title = wrap(title, TITLE_TEXT, WIDTH - 40.0, 3);
-    let mut top = 16.0 + TITLE_LINE * title.len() as f64;
+    let title = Title::new(title);
+    let mut top = 16.0 + title.height();
     let mut graphs = Vec::new();
     for p in panels {
         let rows = rows(&p.layers);
@@ -95,9 +93,7 @@ pub fn panels(title: &str, panels: &[Panel]) -> Result<Picture, PictureError> {
     }
     let left = graphs.iter().map(|(_, _, g)| g.left_margin()).fold(0.0, f64::max);
     let mut canvas = Canvas::new((top - BETWEEN + 10.0).max(200.0));
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     for (panel, rows, mut graph) in graphs {
         (graph.axes.frame.left, graph.axes.frame.width) = (left, WIDTH - left - RIGHT);
         draw(&mut canvas, panel, &graph);

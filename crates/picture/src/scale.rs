@@ -11,7 +11,7 @@ pub(super) struct Ticks {
 impl Ticks {
     /// `name`, followed by the power of ten that the labels leave out.
     pub fn title(&self, name: &str) -> String {
-        if self.exponent == 0 { name.to_owned() } else { format!("{name} (×{})", power_of_ten(self.exponent)) }
+        if self.exponent == 0 { name.to_owned() } else { format!("{name} (×{})", power(self.exponent)) }
     }
 }
 
@@ -79,15 +79,10 @@ pub(super) fn exaggeration(ratio: f64) -> f64 {
 }
 
 /// 10 to a power, with raised digits.
-fn power_of_ten(exponent: i32) -> String {
-    let raised = |c: char| match c {
-        '-' => '⁻',
-        '1' => '¹',
-        '2' => '²',
-        '3' => '³',
-        _ => char::from_u32(0x2070 + c.to_digit(10).unwrap_or(0)).unwrap_or(c),
-    };
-    format!("10{}", exponent.to_string().chars().map(raised).collect::<String>())
+pub(super) fn power(exponent: i32) -> String {
+    const RAISED: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
+    let raise = |c: char| c.to_digit(10).map_or('⁻', |d| RAISED[d as usize]);
+    format!("10{}", exponent.to_string().chars().map(raise).collect::<String>())
 }
 
 /// A number with `digits` significant digits, with a power of ten where it is long otherwise.
@@ -104,9 +99,9 @@ pub fn short(value: f64, digits: usize) -> String {
     let plain = if (-4..=5).contains(&exponent) {
         trim(&format!("{value:.*}", (digits as i32 - 1 - exponent).max(0) as usize))
     } else if trim(mantissa) == "1" {
-        power_of_ten(exponent)
+        power(exponent)
     } else {
-        format!("{}·{}", trim(mantissa), power_of_ten(exponent))
+        format!("{}·{}", trim(mantissa), power(exponent))
     };
     plain.replace('-', "\u{2212}")
 }

@@ -1,10 +1,8 @@
 //! The mean deformed body with the spread of its boundary.
 
 use super::axes::{BELOW, TICK_TEXT};
-use super::body::{
-    Bounds, Obstacle, SUBTITLE_TEXT, TITLE_LINE, TITLE_TEXT, hatched, moved, place, undeformed_pen, view,
-};
-use super::canvas::{BLACK, Canvas, Pen, Rect, WIDTH, clip, text_width, wrap};
+use super::body::{Bounds, Obstacle, SUBTITLE_TEXT, draw_walls, hatched, moved, place, undeformed_pen, view, walls};
+use super::canvas::{BLACK, Canvas, Pen, Rect, Title, WIDTH, clip, text_width};
 use super::scale::{exaggeration, short};
 use super::{Picture, PictureError};
 use kuva::render::color::Color;
@@ -56,18 +54,15 @@ pub fn spread(title: &str, loops: &[SpreadLoop], obstacles: &[Obstacle<'_>]) -> 
         loops.iter().map(|l| l.points.iter().zip(&l.mean).map(|(&p, &u)| moved(p, u, factor)).collect()).collect();
     let bands: Vec<Vec<[[f64; 2]; 2]>> =
         deformed.iter().zip(loops).map(|(line, l)| band(line, &l.covariance, factor)).collect();
-    let walls: Vec<Vec<_>> =
-        obstacles.iter().map(|o| o.points.iter().zip(o.gap).map(|(&p, &g)| moved(p, g, factor)).collect()).collect();
+    let walls = walls(obstacles, factor);
 
-    let title = wrap(title, TITLE_TEXT, WIDTH - 40.0, 3);
-    let top = 26.0 + TITLE_LINE * title.len() as f64 + 22.0;
+    let title = Title::new(title);
+    let top = 26.0 + title.height() + 22.0;
     let shown: Vec<_> = deformed.iter().flatten().copied().chain(bands.iter().flatten().flatten().copied()).collect();
     let axes = place(&view(bounds, &shown, &walls), top);
     let f = axes.frame;
     let mut canvas = Canvas::new(f.bottom() + BELOW + 46.0);
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     let scale = match factor {
         1.0 => "drawn to scale".to_owned(),
         _ => format!("displacements drawn {} times as large", short(factor, 3)),
@@ -92,10 +87,7 @@ pub fn spread(title: &str, loops: &[SpreadLoop], obstacles: &[Obstacle<'_>]) -> 
         through(&l.points, &undeformed_pen());
         through(line, &mean_pen());
     }
-    for wall in &walls {
-        let line: Vec<_> = wall.iter().map(|&p| axes.at(p)).collect();
-        hatched(&mut canvas, &clip(&line, f), f);
-    }
+    draw_walls(&mut canvas, &axes, &walls);
     axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
     key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
     canvas.finish()

@@ -1,8 +1,8 @@
 //! Strongly refined sides once more, each element as wide as the next: degree upwards, length downwards.
 
 use super::canvas::{BLACK, Canvas, LIGHT, Pen, Rect, text_width, wrap};
-use super::graph::power;
 use super::mesh::{MeshPanel, Shades, finite};
+use super::scale::power;
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 

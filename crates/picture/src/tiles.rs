@@ -3,7 +3,7 @@
 use super::axes::{Axes, BELOW, TICK_TEXT};
 use super::bands::{bands, colour};
 use super::body::{Bounds, chains, colour_bar};
-use super::canvas::{BLACK, Canvas, Pen, Rect, WIDTH, text_width, wrap};
+use super::canvas::{BLACK, Canvas, Pen, Rect, Title, WIDTH, text_width, wrap};
 use super::contact::interval;
 use super::mesh::Shades;
 use super::{Picture, PictureError};
@@ -11,8 +11,6 @@ use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 use std::collections::BTreeSet;
 
-const TITLE_TEXT: u32 = 19;
-const TITLE_LINE: f64 = 25.0;
 const CAPTION: f64 = 26.0;
 
 /// Space for the colour bar.
@@ -43,8 +41,8 @@ pub fn tiles(
     fields: &[Tile],
 ) -> Result<Picture, PictureError> {
     assert!(fields.iter().all(|f| f.values.len() == points.len()), "a value for each point");
-    let title = wrap(title, TITLE_TEXT, WIDTH - 40.0, 3);
-    let top = 22.0 + TITLE_LINE * title.len() as f64;
+    let title = Title::new(title);
+    let top = 22.0 + title.height();
     let columns = fields.len().clamp(1, 3);
     let room = (WIDTH - 40.0 - COLOURS) / columns as f64;
     let bounds = Bounds::of(points.iter());
@@ -59,9 +57,7 @@ pub fn tiles(
         height: rows as f64 * (height + CAPTION + 14.0) - CAPTION,
     };
     let mut canvas = Canvas::new((all.bottom() + 14.0).max(230.0));
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     let largest = fields.iter().flat_map(|f| &f.values).filter(|v| v.is_finite()).fold(0.0f64, |m, v| m.max(v.abs()));
     let ends = if largest > 0.0 { [-largest, largest] } else { [-1.0, 1.0] };
     for (k, field) in fields.iter().enumerate() {
@@ -107,17 +103,15 @@ pub fn boxes(
     boxes: &[DegreeBox],
     points: &[[f64; 2]],
 ) -> Result<Picture, PictureError> {
-    let title = wrap(title, TITLE_TEXT, WIDTH - 40.0, 3);
-    let top = 24.0 + TITLE_LINE * title.len() as f64;
+    let title = Title::new(title);
+    let top = 24.0 + title.height();
     let ends = |i: usize| interval(boxes.iter().flat_map(|b| b.corners.map(|c| c[i])), false);
     let mut axes = Axes { frame: Rect { left: 0.0, top, width: 560.0, height: 520.0 }, x: ends(0), y: ends(1) };
     let margin = axes.left_margin();
     axes.frame.left = margin + 40.0;
     let f = axes.frame;
     let mut canvas = Canvas::new(f.bottom() + BELOW + 12.0);
-    for (i, line) in title.iter().enumerate() {
-        canvas.text([WIDTH / 2.0, 34.0 + TITLE_LINE * i as f64], line, TITLE_TEXT, TextAnchor::Middle);
-    }
+    canvas.title(&title, 34.0);
     let degrees: BTreeSet<usize> = boxes.iter().map(|b| b.degree[0].max(b.degree[1])).collect();
     let shades = Shades::of(&degrees);
     for b in boxes {

@@ -5,7 +5,7 @@
 //!
 //! | wanted | item |
 //! |---|---|
-//! | smooth integrand | [`gauss_legendre`], [`gauss_jacobi`], [`gauss_lobatto`], [`tensor`] |
+//! | smooth integrand | [`gauss_legendre`], [`gauss_jacobi`], [`gauss_lobatto`] |
 //! | log or algebraic singularity at an end | [`graded`], [`graded_unit`], [`substituted`] |
 //! | Legendre polynomials and series | [`legendre_p`], [`legendre_dp`], [`Series`], [`project`] |
 //! | integrals of P_n against 1/(z-t), log(z-t) | [`legendre_q`], [`legendre_q_cut`], [`legendre_dq`], [`bernstein`] |
@@ -32,7 +32,6 @@
 mod rule;
 mod gauss;
 mod graded;
-mod tensor;
 mod legendre;
 mod legendre_q;
 mod lobatto;
@@ -51,4 +50,3 @@ pub use legendre_q::{
 pub use lobatto::LobattoBasis;
 pub use rule::Rule;
 pub use splitmix64::{splitmix64, unit_uniform};
-pub use tensor::{Rule2, tensor};

@@ -2,15 +2,11 @@
 
 use faer::Mat;
 use steklov_io::{
-    Group, IoError, Label, create_group, invalid, load_dense, load_integers, load_number, load_texts, load_vector,
+    Group, IoError, create_group, invalid, label, load_dense, load_integers, load_number, load_texts, load_vector,
     open_group, save_dense, save_integers, save_number, save_texts, save_vector,
 };
 use steklov_model::stochastic::{Cells, End, FieldModes, Quantity, StochasticResult};
 use steklov_stochastic::{Histogram, Moments};
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
-}
 
 fn matrix(rows: &[Vec<f64>]) -> Mat<f64> {
     Mat::from_fn(rows.len(), rows.first().map_or(0, Vec::len), |i, j| rows[i][j])

@@ -6,17 +6,13 @@ use faer::Mat;
 use steklov_bem_operators::BoundaryResidual;
 use steklov_contact::{ContactResidual, Located, Tip, TipKind};
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_texts,
+    File, Group, IoError, create_group, invalid, label, load, load_dense, load_integers, load_number, load_texts,
     load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
 use steklov_model::adaptive::RefinedMesh;
 use steklov_model::estimate::{Bubble, Doubt, Estimate, Residual};
 use steklov_model::run::Step;
 use steklov_problem::Scene;
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
-}
 
 /// A term of the indicators: name, meaning, value.
 type Term<T> = (&'static str, &'static str, fn(&T) -> f64);

@@ -6,7 +6,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use steklov_bem_operators::Mesh;
 use steklov_io::{
-    File, Group, IoError, Label, copy, create_group, invalid, load, load_integers, load_points, load_text, load_texts,
+    File, Group, IoError, copy, create_group, invalid, label, load, load_integers, load_points, load_text, load_texts,
     load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
@@ -43,10 +43,6 @@ impl From<IoError> for Unsolved {
 /// The error of a run that is observed by what stores it.
 pub fn observed(error: IoError) -> SolveError {
     SolveError::Observer(Box::new(error))
-}
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
 }
 
 /// `/steps/NNN`, made when it is not there.

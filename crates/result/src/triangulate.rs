@@ -4,6 +4,7 @@
 //! the constrained Delaunay triangulation of all points is cut at the boundary. Nothing is solved on these triangles.
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
+use steklov_bem_operators::{distance, distance_to_segment};
 
 /// Least distance of a lattice point from the boundary, in units of the spacing.
 const CLEARANCE: f64 = 0.45;
@@ -142,18 +143,14 @@ fn bounding_box(edges: &[([f64; 2], [f64; 2], usize)]) -> ([f64; 2], f64) {
     (centre, (high[0] - low[0]).max(high[1] - low[1]))
 }
 
-fn length((a, b): ([f64; 2], [f64; 2])) -> f64 {
-    (b[0] - a[0]).hypot(b[1] - a[1])
-}
-
 /// Number of equal segments of an edge.
 fn segments(edge: ([f64; 2], [f64; 2]), h: f64) -> usize {
-    (length(edge) / h).round().max(1.0) as usize
+    (distance(edge.0, edge.1) / h).round().max(1.0) as usize
 }
 
 /// Spacing at which boundary and lattice together have about the wanted number of points, found by bisection.
 fn spacing(edges: &[([f64; 2], [f64; 2])], area: f64, target_points: usize) -> f64 {
-    let perimeter: f64 = edges.iter().map(|&e| length(e)).sum();
+    let perimeter: f64 = edges.iter().map(|&(a, b)| distance(a, b)).sum();
     let target = (target_points as f64).max(edges.len() as f64 + target_points as f64 / 2.0).max(3.0);
     let count = |h: f64| {
         let on_boundary: usize = edges.iter().map(|&e| segments(e, h)).sum();
@@ -192,7 +189,7 @@ fn lattice(edges: &[([f64; 2], [f64; 2])], h: f64) -> Vec<[f64; 2]> {
             let mut i = ((span[0] - shift) / h).ceil();
             while i * h + shift < span[1] {
                 let p = [i * h + shift, y];
-                if near.iter().all(|&e| distance(p, e) >= clearance) {
+                if near.iter().all(|&(a, b)| distance_to_segment(p, [a, b]) >= clearance) {
                     points.push(p);
                 }
                 i += 1.0;
@@ -200,13 +197,6 @@ fn lattice(edges: &[([f64; 2], [f64; 2])], h: f64) -> Vec<[f64; 2]> {
         }
     }
     points
-}
-
-/// Distance of a point from a segment.
-fn distance(p: [f64; 2], (a, b): ([f64; 2], [f64; 2])) -> f64 {
-    let (d, r) = ([b[0] - a[0], b[1] - a[1]], [p[0] - a[0], p[1] - a[1]]);
-    let s = ((r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
-    (r[0] - s * d[0]).hypot(r[1] - s * d[1])
 }
 
 /// Constrained Delaunay triangles inside the outline: those that an odd number of boundary segments separates from

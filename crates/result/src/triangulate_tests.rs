@@ -69,8 +69,9 @@ fn judge(edges: &[Edge], target: usize, holes: usize) -> Triangulation {
 /// Smallest distance of an interior point from the boundary and longest boundary segment.
 fn clearance(edges: &[Edge], t: &Triangulation) -> (f64, f64) {
     let interior = t.points.iter().zip(&t.boundary).filter(|(_, b)| b.is_none());
-    let near = interior.map(|(&q, _)| edges.iter().map(|&(a, b, _)| distance(q, (a, b))).fold(f64::INFINITY, f64::min));
-    let longest = t.outline.iter().map(|&[i, j]| length((t.points[i], t.points[j]))).fold(0.0, f64::max);
+    let near = interior
+        .map(|(&q, _)| edges.iter().map(|&(a, b, _)| distance_to_segment(q, [a, b])).fold(f64::INFINITY, f64::min));
+    let longest = t.outline.iter().map(|&[i, j]| distance(t.points[i], t.points[j])).fold(0.0, f64::max);
     (near.fold(f64::INFINITY, f64::min), longest)
 }
 

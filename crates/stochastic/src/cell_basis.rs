@@ -192,23 +192,6 @@ impl CellBasis {
         recurrence.evaluate(germ, &mut values);
         values[rule.len()]
     }
-
-    /// Dual basis of a direction: ζ_i = Σ_j c_ij θ_j with ∫ ζ_i θ_j ρ = δ_ij D_j there, c = diag(D) M⁻¹.
-    ///
-    /// M⁻¹ = Σ_k p_k p_kᵀ, and the rule of the nodes misses in M the highest degree only: c_ij = δ_ij +
-    /// w_i p_q(x_i) p_q(x_j) (1 - 1/γ), γ = Σ_j w_j p_q(x_j)², without an inversion. For Gauss nodes c is the identity.
-    ///
-    /// # Panics
-    /// If the direction is not there.
-    pub fn dual(&self, direction: usize) -> Mat<f64> {
-        let Axis { rule, polynomials, top, .. } = &self.axes[direction];
-        let n = rule.len();
-        let missed = 1.0 - 1.0 / top;
-        Mat::from_fn(n, n, |i, j| {
-            let identity = if i == j { 1.0 } else { 0.0 };
-            identity + rule.weights[i] * polynomials[(n - 1, i)] * polynomials[(n - 1, j)] * missed
-        })
-    }
 }
 
 impl Axis {

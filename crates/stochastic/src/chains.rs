@@ -1,6 +1,5 @@
 //! Many problems that differ in their random input, solved one after the other in parallel chains.
 
-use faer::Mat;
 use rayon::prelude::*;
 use steklov_contact::{ContactError, ContactNode, Outcome, Problem, Solution, Start, active_set, interior_point};
 
@@ -34,62 +33,9 @@ where
     Ok(all)
 }
 
-/// A condensed contact problem for one outcome of the random input.
-#[derive(Debug, Clone, PartialEq)]
-pub struct CondensedOutcome {
-    /// Young's modulus E over that of the stiffness, > 0.
-    pub modulus: f64,
-    /// Condensed load f (force per thickness).
-    pub load: Vec<f64>,
-    /// Contact nodes with their gaps and bounds.
-    pub nodes: Vec<ContactNode>,
-}
-
-impl CondensedOutcome {
-    /// The outcome with all stresses divided by the modulus: that of the stiffness itself, with the same displacements.
-    ///
-    /// ```text
-    /// E S v + Bᵀ W λ = f, |λ_t| ≤ F + μ λ_n      ⇔      S v + Bᵀ W (λ/E) = f/E, |λ_t/E| ≤ F/E + μ λ_n/E
-    /// ```
-    pub fn scaled(mut self) -> Self {
-        let factor = 1.0 / self.modulus;
-        self.load.iter_mut().for_each(|f| *f *= factor);
-        scale_bounds(&mut self.nodes, factor);
-        self.modulus = 1.0;
-        self
-    }
-}
-
 /// Multiplies the friction bounds, which are stresses.
 pub fn scale_bounds(nodes: &mut [ContactNode], factor: f64) {
     nodes.iter_mut().flat_map(|n| &mut n.conditions).for_each(|c| c.bound *= factor);
-}
-
-/// Solves the problem of an outcome, E S v + Bᵀ W λ = f; `warm` is the answer of a similar one, in the scale of S, and becomes
-/// this one.
-///
-/// One stiffness serves all moduli, see [`CondensedOutcome::scaled`]. *Cost*: usually one to three steps of the active set, each a
-/// dense factorisation of the free contact unknowns.
-///
-/// # Errors
-/// [`ContactError::Inconsistent`] for a modulus that is not positive and finite; those of [`active_set`] and
-/// [`interior_point`].
-pub fn solve_outcome(
-    stiffness: &Mat<f64>,
-    outcome: CondensedOutcome,
-    warm: &mut Option<Solution>,
-) -> Result<Solution, ContactError> {
-    let modulus = outcome.modulus;
-    if !(modulus > 0.0 && modulus.is_finite()) {
-        let what =
-            format!("the modulus of an outcome is {modulus} of that of the stiffness; it must be positive and finite");
-        return Err(ContactError::Inconsistent { what });
-    }
-    let CondensedOutcome { load, nodes, .. } = outcome.scaled();
-    let problem = Problem { stiffness: stiffness.clone(), load, nodes };
-    let mut solution = solve_warm(&problem, warm)?;
-    solution.multipliers.iter_mut().flatten().for_each(|l| *l *= modulus);
-    Ok(solution)
 }
 
 /// The active set from a warm start, without one or where that fails the interior point method.

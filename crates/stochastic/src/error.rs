@@ -93,17 +93,6 @@ pub enum StochasticError {
         /// Allowed change.
         tolerance: f64,
     },
-    /// A field that germs can make zero or negative.
-    #[error(
-        "1 + s field, s = {coefficient}, becomes zero or negative for some germs: s must be below {largest}; take a \
-         smaller one, or a lognormal field"
-    )]
-    NotPositive {
-        /// s.
-        coefficient: f64,
-        /// The s that is just too large.
-        largest: f64,
-    },
     /// A decomposition failed.
     #[error("the decomposition of a {size}×{size} matrix failed: are its entries finite?")]
     Decomposition {

@@ -94,7 +94,7 @@ impl KarhunenLoeve {
     /// Expansion of a covariance of [`Kernel`] on [0, `length`], by the method that suits it.
     ///
     /// *Exponential*: closed form, relative error of λ_m 1e-12 at any correlation length; up to 10 000 modes; O(1) a mode.
-    /// *Gaussian*: [`nystrom`](Self::nystrom), error 1e-14 λ_1. *Matérn*: [`galerkin`](Self::galerkin) with degree 15 and
+    /// *Gaussian*: Nyström's method at Gauss points, error 1e-14 λ_1. *Matérn*: [`galerkin`](Self::galerkin) with degree 15 and
     /// one element for two modes, up to 256 modes, relative error of λ_m 1e-11. Both of these need ℓ ≥ L/256;
     /// O(N³), N unknowns.
     ///
@@ -173,28 +173,6 @@ impl KarhunenLoeve {
         let elements = 2 * elements.div_ceil(2).max(1);
         check_kernel(&kernel, elements.saturating_mul(degree.saturating_add(1)))?;
         let (shares, piecewise) = galerkin(|r| kernel(r * length), elements, degree)?;
-        let all = Self::discrete(length, shares, piecewise)?;
-        let count = kept(&all.shares, truncation)?;
-        Ok(all.truncated(count))
-    }
-
-    /// Expansion of any covariance of a distance, C(0) = 1, by Nyström's method at Gauss points.
-    ///
-    /// *Use when*: C(|x-y|) is smooth in x and y; errors decrease exponentially with the points. *Fails when*: C has a kink
-    /// at 0: errors decrease as N⁻² or N⁻⁴ only. *Cost*: eigenpairs of two matrices of size points/2, rounded up.
-    ///
-    /// # Errors
-    /// As [`galerkin`](Self::galerkin).
-    pub fn nystrom(
-        kernel: impl Fn(f64) -> f64 + Sync,
-        length: f64,
-        points: usize,
-        truncation: Truncation,
-    ) -> Result<Self, StochasticError> {
-        check(length, truncation)?;
-        let points = 2 * points.div_ceil(2).max(1);
-        check_kernel(&kernel, points)?;
-        let (shares, piecewise) = nystrom(|r| kernel(r * length), points)?;
         let all = Self::discrete(length, shares, piecewise)?;
         let count = kept(&all.shares, truncation)?;
         Ok(all.truncated(count))

@@ -7,7 +7,7 @@
 //!    └──────────────────────────┴──► StochasticMesh: cells × degrees ──► CellBasis: points, weights, M_E
 //!                                    smolyak, Samples ──► points, weights
 //! Family (S, and what of E, load, gap, bound depends on ξ) + points ──► solve_nodes: node by node
-//!                                                         └─────────► TensorProblem: uzawa, active set
+//!                                                         └─────────► TensorProblem: active set
 //! answers + weights ──► Moments, quantiles, densities, probabilities; indicator ──► cells to split, degrees to raise
 //! ```
 //!
@@ -54,19 +54,19 @@ mod statistics;
 mod moments;
 
 pub use cell_basis::{CellBasis, Nodes};
-pub use chains::{CHAIN, CondensedOutcome, scale_bounds, solve_outcome, solve_points, solve_warm};
+pub use chains::{CHAIN, scale_bounds, solve_points, solve_warm};
 pub use covariance::{Covariance, Kernel};
 pub use error::StochasticError;
-pub use field::{Field, lognormal};
+pub use field::Field;
 pub use karhunen_loeve::{IntervalParts, KarhunenLoeve, ModeParts, Truncation};
 pub use moments::{Accumulator, Moments, moments};
 pub use orthogonal::Recurrence;
 pub use rectangle::RectangleKarhunenLoeve;
 pub use sampling::{sample, uniform};
 pub use smolyak::{Points, SparsePolynomials, smolyak};
-pub use statistics::{Histogram, Probability, density, probability, quantiles};
+pub use statistics::{Histogram, density, quantiles};
 pub use stochastic_mesh::{StochasticCell, StochasticMesh};
 pub use tensor_problem::{TensorProblem, TensorSolution};
-pub use tensor_solvers::{tensor_active_set, tensor_uzawa};
+pub use tensor_solvers::tensor_active_set;
 pub use truncation::{DirectionError, changes, refine, truncation};
 pub use variable::{Distribution, Variable};

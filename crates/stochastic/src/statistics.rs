@@ -1,8 +1,6 @@
-//! Quantiles, densities and probabilities of a scalar answer.
+//! Quantiles and densities of a scalar answer.
 
 use crate::StochasticError;
-use statrs::function::erf::erfc_inv;
-use std::f64::consts::SQRT_2;
 
 /// Most bins of a histogram.
 const BINS: usize = 1_000_000;
@@ -14,15 +12,6 @@ pub struct Histogram {
     pub edges: Vec<f64>,
     /// Probability of each bin over its width: Σ `density` width = 1.
     pub density: Vec<f64>,
-}
-
-/// Probability of an event with its interval of confidence.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Probability {
-    /// Weighted share of the answers with the event.
-    pub value: f64,
-    /// Wilson's interval, which contains `value`; right for independent samples only, not for the nodes of a rule.
-    pub interval: [f64; 2],
 }
 
 /// Quantiles of weighted values: the smallest of them with Σ of the weights to it at least p of the total.
@@ -79,31 +68,6 @@ pub fn density(values: &[f64], weights: &[f64], bins: usize) -> Result<Histogram
     }
     let edge = |k: usize| if k == bins { high } else { low + k as f64 * width };
     Ok(Histogram { edges: (0..=bins).map(edge).collect(), density })
-}
-
-/// Probability of an event that occurs in some of the weighted answers, with Wilson's interval at a level of confidence
-/// (0.95, say):
-///
-/// (p + z²/2n ± z √(p(1-p)/n + z²/4n²))/(1 + z²/n), n = (Σw)²/Σw², Φ(z) = (1 + confidence)/2.
-///
-/// # Errors
-/// As [`quantiles`]; [`StochasticError::Number`] unless 0 < confidence < 1.
-///
-/// Source: Wilson, J. Amer. Statist. Assoc. 22 (1927).
-pub fn probability(occurs: &[bool], weights: &[f64], confidence: f64) -> Result<Probability, StochasticError> {
-    let indicator: Vec<f64> = occurs.iter().map(|&event| if event { 1.0 } else { 0.0 }).collect();
-    let total = check(&indicator, weights)?;
-    if !(confidence > 0.0 && confidence < 1.0) {
-        return Err(number("the confidence", confidence, "above 0 and below 1"));
-    }
-    let p = (indicator.iter().zip(weights).map(|(x, w)| x * w).sum::<f64>() / total).min(1.0);
-    let n = total * total / weights.iter().map(|w| w * w).sum::<f64>();
-    let z = SQRT_2 * erfc_inv(1.0 - confidence);
-    let part = z * z / n;
-    let centre = (p + 0.5 * part) / (1.0 + part);
-    let half = (part * (p * (1.0 - p) + 0.25 * part)).sqrt() / (1.0 + part);
-    // at p = 0 and 1 the ends are p but for rounding
-    Ok(Probability { value: p, interval: [(centre - half).clamp(0.0, p), (centre + half).clamp(p, 1.0)] })
 }
 
 /// Sum of the weights.

@@ -1,4 +1,4 @@
-//! Uzawa's iteration and the active set for contact coupled over stochastic nodes.
+//! The active set for contact coupled over stochastic nodes.
 
 use faer::prelude::*;
 use faer::{Mat, Side};
@@ -8,8 +8,7 @@ use steklov_contact::Outcome;
 use crate::StochasticError;
 use crate::tensor_problem::{Dual, TensorProblem, TensorSolution};
 
-/// Relative displacement residual at which Uzawa's iteration ends, and most steps of it and of the gradient.
-const TOLERANCE: f64 = 1e-11;
+/// Most steps of the gradient.
 const LIMIT: usize = 200_000;
 /// Most active set steps of a trial, and steps without fewer changes that end it before.
 const STEPS: usize = 100;
@@ -27,51 +26,6 @@ const SINGULAR: f64 = 1e-5;
 /// Added to the diagonal of preconditioners, relative: corners have more multipliers than unknowns.
 const REGULAR: f64 = 1e-10;
 
-/// Solves the coupled problem by x ← P(x + ω y), ω = 1.9/(λ_max(H) λ_max(K)), H the compliance of the contact nodes and
-/// K = (D^-½ M_E D^-½)⁻¹, both scaled by their weights.
-///
-/// It ends when no multiplier would move by more than ω times `tolerance` (1e-11 if None) of the displacements without
-/// contact and the gaps. Where multipliers are not unique (corners) it finds some.
-///
-/// *Use when*: as an independent reference. *Fails when*: S is singular; the friction coefficient is large; more than 200 000
-/// steps are needed. *Cost*: n²J + nJ² a step for n multipliers and J stochastic nodes, and as many steps as the condition
-/// numbers of H and K multiplied.
-///
-/// # Errors
-/// [`StochasticError::NotCoercive`], [`StochasticError::Inconsistent`], [`StochasticError::Number`];
-/// [`StochasticError::Contact`] from [`steklov_contact::Problem::check`] of a stochastic node.
-pub fn tensor_uzawa(problem: &TensorProblem<'_>, tolerance: Option<f64>) -> Result<TensorSolution, StochasticError> {
-    let dual = Dual::new(problem)?;
-    let tolerance = tolerance.unwrap_or(TOLERANCE);
-    let step = 1.9 / (top(&dual.space)? * top(&dual.chance)?);
-    let mut x = Mat::<f64>::zeros(dual.root.nrows(), dual.root.ncols());
-    let (mut history, mut outcome) = (Vec::new(), Outcome::IterationLimit);
-    while history.len() < LIMIT {
-        let y = dual.residual(&x);
-        let mut change = 0.0f64;
-        for j in 0..x.ncols() {
-            for i in 0..x.nrows() {
-                // with the pressure of this step
-                let [low, high] = dual.bounds(&x, i, j);
-                let next = (x[(i, j)] + step * y[(i, j)]).max(low).min(high);
-                change = change.max((next - x[(i, j)]).abs() / (step * dual.root[(i, j)]));
-                x[(i, j)] = next;
-            }
-        }
-        let relative = if change == 0.0 { 0.0 } else { change / dual.size };
-        history.push(relative);
-        if relative <= tolerance {
-            outcome = Outcome::Converged;
-            break;
-        }
-        if !relative.is_finite() {
-            outcome = Outcome::Diverged;
-            break;
-        }
-    }
-    Ok(dual.solution(&x, history, outcome))
-}
-
 /// Solves the coupled problem by the primal-dual active set: every multiplier is free (its displacement is prescribed) or at
 /// one of its bounds, the linear system of the free ones is solved, and each takes the state on which x + y/(H_ii K_jj) lies.
 ///
@@ -85,7 +39,8 @@ pub fn tensor_uzawa(problem: &TensorProblem<'_>, tolerance: Option<f64>) -> Resu
 /// that stochastic nodes have, and 5 to 20 products with H and K.
 ///
 /// # Errors
-/// As [`tensor_uzawa`].
+/// [`StochasticError::NotCoercive`], [`StochasticError::Inconsistent`], [`StochasticError::Number`];
+/// [`StochasticError::Contact`] from [`steklov_contact::Problem::check`] of a stochastic node.
 ///
 /// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); O'Donoghue and Candès, Found. Comput. Math. 15 (2015).
 pub fn tensor_active_set(problem: &TensorProblem<'_>) -> Result<TensorSolution, StochasticError> {

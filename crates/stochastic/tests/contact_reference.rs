@@ -2,17 +2,17 @@
 
 mod square;
 
-use square::{Square, square, weight};
-use steklov_contact::{Solution, Status};
+use square::{Square, solve_outcome, square, weight};
+use steklov_contact::{Problem, Solution, Status};
 use steklov_quadrature::gauss_legendre;
-use steklov_stochastic::{CondensedOutcome, solve_outcome};
 
 const TRACTION: [f64; 2] = [0.3, -1.0];
 const BOUND: f64 = 0.35;
 
 fn solve(square: &Square, modulus: f64, gap: f64, bound: f64) -> Solution {
-    let outcome = CondensedOutcome { modulus, load: square.load.clone(), nodes: square.nodes(gap, bound) };
-    let solution = solve_outcome(&square.stiffness, outcome, &mut None).unwrap();
+    let nodes = square.nodes(gap, bound);
+    let problem = Problem { stiffness: square.stiffness.clone(), load: square.load.clone(), nodes };
+    let solution = solve_outcome(problem, modulus, &mut None).unwrap();
     assert!(solution.converged());
     solution
 }

@@ -2,8 +2,7 @@
 
 use proptest::prelude::*;
 use steklov_stochastic::{
-    Accumulator, Nodes, StochasticError, StochasticMesh, Variable, density, moments, probability, quantiles, sample,
-    uniform,
+    Accumulator, Nodes, StochasticError, StochasticMesh, Variable, density, moments, quantiles, sample, uniform,
 };
 
 fn modulus() -> Variable {
@@ -150,10 +149,10 @@ fn three_random_inputs_by_samples_agree_within_their_errors() {
     let error = all.standard_errors().mean[0];
     assert!(error > 0.0 && error < 1e-4);
     assert!((all.moments().mean[0] - wanted[0]).abs() < 4.0 * error, "{:e}", all.moments().mean[0] - wanted[0]);
-    let events: Vec<bool> = (0..n).map(|i| answer(i).1).collect();
-    let p = probability(&events, &vec![1.0; n as usize], 0.9999).unwrap();
-    assert!(p.interval[0] < wanted[1] && wanted[1] < p.interval[1], "{p:?} {}", wanted[1]);
-    assert!(p.interval[1] - p.interval[0] < 0.02);
+    let p = (0..n).filter(|&i| answer(i).1).count() as f64 / n as f64;
+    // 99.99 % of a normal variable
+    let off = (p - wanted[1]).abs() / (p * (1.0 - p) / n as f64).sqrt();
+    assert!(off < 3.8906, "{p} for {}", wanted[1]);
 }
 
 proptest! {
@@ -266,22 +265,6 @@ fn histograms_have_mass_one_and_the_shares_of_their_bins() {
 }
 
 #[test]
-fn wilson_intervals_are_those_of_the_quadratic() {
-    // the ends are the p' with |p - p'| = z √(p'(1-p')/n)
-    let z = 1.959963984540054;
-    for (hits, n) in [(0, 10), (3, 10), (10, 10), (37, 1000), (1, 1)] {
-        let events: Vec<bool> = (0..n).map(|i| i < hits).collect();
-        let got = probability(&events, &vec![0.5; n], 0.95).unwrap();
-        let p = hits as f64 / n as f64;
-        assert!((got.value - p).abs() < 1e-15 && got.interval[0] <= p && p <= got.interval[1]);
-        for end in got.interval {
-            let distance = (p - end).powi(2) - z * z * end * (1.0 - end) / n as f64;
-            assert!(distance.abs() < 1e-9, "{hits} of {n}: {distance:e}");
-        }
-    }
-}
-
-#[test]
 fn quantiles_of_equal_weights_and_refusals() {
     let values = [3.0, 1.0, 2.0, 5.0, 4.0];
     let got = quantiles(&values, &[0.2; 5], &[0.0, 0.2, 0.5, 0.6, 0.61, 1.0]).unwrap();
@@ -301,7 +284,6 @@ fn quantiles_of_equal_weights_and_refusals() {
     number(density(&[1.0, 1.0], &[1.0, 1.0], 5).map(drop));
     number(density(&[1.0, 2.0], &[1.0, 1.0], 0).map(drop));
     number(density(&[-1e308, 1e308], &[1.0, 1.0], 1).map(drop));
-    number(probability(&[true], &[1.0], 1.0).map(drop));
     sizes(moments(&[1.0], &[]).map(drop));
     sizes(moments(&[1.0, 1.0], &[vec![1.0], vec![]]).map(drop));
     number(moments(&[1.0, -1.0], &[vec![1.0], vec![2.0]]).map(drop));

@@ -182,33 +182,6 @@ fn refused_are_meshes_of_wrong_or_too_large_sizes() {
     assert_eq!((basis.points, basis.weights), (vec![vec![]], vec![1.0]));
 }
 
-#[test]
-fn the_dual_basis_is_biorthogonal() {
-    for (v, cell) in [
-        (Variable::uniform(-1.0, 1.0).unwrap(), [-1.0, 1.0]),
-        (Variable::normal(0.0, 1.0).unwrap(), [-1.0, 2.0]),
-        (Variable::beta(2.5, 0.7, 0.0, 2.0).unwrap(), [0.0, 2.0]),
-    ] {
-        for q in 0..8 {
-            let cell = StochasticCell { bounds: vec![cell], degree: vec![q] };
-            for nodes in [Nodes::Gauss, Nodes::Lobatto] {
-                let basis = CellBasis::new(std::slice::from_ref(&v), &cell, nodes).unwrap();
-                let product = basis.dual(0) * basis.mass(&|_| 1.0).unwrap();
-                for i in 0..=q {
-                    for j in 0..=q {
-                        let wanted = if i == j { basis.weights[j] } else { 0.0 };
-                        let error = (product[(i, j)] - wanted).abs();
-                        assert!(error < 1e-15 * (1 + q) as f64, "{nodes:?} {q}: {error:e}");
-                    }
-                }
-                let identity = Mat::from_fn(q + 1, q + 1, |i, j| if i == j { 1.0 } else { 0.0 });
-                let apart = largest(&(basis.dual(0) - identity));
-                assert_eq!(apart < 1e-13, nodes == Nodes::Gauss || q == 0, "{q}: {apart:e}");
-            }
-        }
-    }
-}
-
 proptest! {
     #[test]
     fn bases_reproduce_their_polynomials(

@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load, load_dense, load_integers, load_number, load_points,
+    File, Group, IoError, create_group, invalid, label, load, load_dense, load_integers, load_number, load_points,
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
 };
 use steklov_model::grid::{GridEstimate, GridLayout, OnGrid};
@@ -10,10 +10,6 @@ use steklov_model::run::Step;
 use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, HeterogeneousBody, Indicators};
 
 use super::record::GridRecord;
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
-}
 
 /// Boundary elements of the medium around the body.
 const AROUND: &str = "boundary_elements";

@@ -4,17 +4,13 @@ use faer::Mat;
 use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::Material;
 use steklov_io::{
-    File, Group, IoError, Label, create_group, invalid, load, load_dense, load_points, load_vector, open_group, save,
+    File, Group, IoError, create_group, invalid, label, load, load_dense, load_points, load_vector, open_group, save,
     save_dense, save_points, save_vector, vtkhdf,
 };
 use steklov_model::around::Around;
 use steklov_model::summary::MediumSummary;
 
 use super::Window;
-
-fn label<'a>(unit: &'a str, meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
-    Label { unit, meaning, axes }
-}
 
 /// Writes `/coupling`.
 ///

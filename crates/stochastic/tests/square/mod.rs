@@ -3,7 +3,8 @@
 use faer::Mat;
 use faer::Side;
 use faer::prelude::Solve;
-use steklov_contact::{Condition, ContactNode};
+use steklov_contact::{Condition, ContactError, ContactNode, Problem, Solution};
+use steklov_stochastic::{scale_bounds, solve_warm};
 
 /// Poisson's ratio, plane strain.
 const NU: f64 = 0.3;
@@ -97,4 +98,17 @@ pub fn ground(elements: usize, gap: f64, bound: f64) -> Vec<ContactNode> {
 pub fn weight(elements: usize, i: usize) -> f64 {
     let share = if i == 0 || i == elements { 0.5 } else { 1.0 };
     share / elements as f64
+}
+
+/// Solves E S v + Bᵀ W λ = f for the S of a problem, all stresses over E; `warm` is an answer in that scale.
+pub fn solve_outcome(
+    mut problem: Problem,
+    modulus: f64,
+    warm: &mut Option<Solution>,
+) -> Result<Solution, ContactError> {
+    problem.load.iter_mut().for_each(|f| *f /= modulus);
+    scale_bounds(&mut problem.nodes, 1.0 / modulus);
+    let mut solution = solve_warm(&problem, warm)?;
+    solution.multipliers.iter_mut().flatten().for_each(|l| *l *= modulus);
+    Ok(solution)
 }
