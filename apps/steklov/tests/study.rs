@@ -14,8 +14,9 @@ use serde_json::{Value, json};
 use steklov_bem_operators::Mesh;
 use steklov_problem::{Refine, Source};
 use steklov_quadrature::gauss_legendre;
+use steklov_study::Watch;
+use steklov_study::convergence::{End, NAMES, Study, report, strategy};
 use steklov_study::reference::Reference;
-use steklov_study::{End, NAMES, Study, csv, strategy, text};
 
 /// sin(3π/2 λ) = λ: the symmetric singularity of a free re-entrant corner of 270 degrees.
 const LAMBDA: f64 = 0.544_483_736_782_464;
@@ -388,8 +389,9 @@ fn strategies_that_fail_or_are_stopped_are_told() {
     };
     let (good, bad) = (scene("auto"), scene("uzawa"));
     let reference = Reference::new(&good, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
-    let run =
-        |scene, stops| strategy(scene, ("hp", Refine::Hp), &reference, 1, &AtomicUsize::new(stops), &mut |_, _| {});
+    let run = |scene, stops| {
+        strategy(scene, ("hp", Refine::Hp), &reference, 1, &mut Watch::new(&AtomicUsize::new(stops), &mut |_, _| {}))
+    };
     let strategies = [run(&bad, 0), run(&good, 1), run(&good, 0)];
     // Uzawa needs a body that is held
     let End::Failed(why) = &strategies[0].end else { panic!("{:?}", strategies[0].end) };
@@ -406,9 +408,9 @@ fn strategies_that_fail_or_are_stopped_are_told() {
         repeat: 1,
         interrupted,
     };
-    assert!(!study(false).complete() && text(&study(false)).contains(&format!("FAILED after 0 steps: {why}")));
-    assert!(text(&study(true)).contains("interrupted: what was finished is here"));
-    assert_eq!(csv(&study(false)).lines().count(), 1 + 1 + strategies[2].points.len());
+    assert!(!study(false).complete() && report(&study(false)).text().contains(&format!("FAILED after 0 steps: {why}")));
+    assert!(report(&study(true)).text().contains("interrupted: what was finished is here"));
+    assert_eq!(report(&study(false)).tables[0].1.lines().count(), 1 + 1 + strategies[2].points.len());
 }
 
 #[test]

@@ -9,7 +9,8 @@ use std::sync::atomic::AtomicUsize;
 use place::{Place, names};
 use serde_json::{Value, json};
 use steklov_problem::Source;
-use steklov_study::inf_sup::{InfSup, PAIRS, Point, Pressure, Pressures, pairs, pictures, pressures, text};
+use steklov_study::Watch;
+use steklov_study::inf_sup::{InfSup, PAIRS, Point, Pressure, Pressures, pairs, pictures, pressures, report};
 
 const FILES: &str = "inf-sup-degree.png inf-sup-degree.svg inf-sup-elements-1.png inf-sup-elements-1.svg \
                      inf-sup-elements-2.png inf-sup-elements-2.svg inf-sup-elements-3.png inf-sup-elements-3.svg \
@@ -25,7 +26,8 @@ fn square(young: f64, top: &str) -> String {
 }
 
 fn betas(text: &str) -> Vec<Point> {
-    pairs(&steklov_scene::parse(text, "scene", &[]).unwrap(), &AtomicUsize::new(0), &mut |_, _| {}).unwrap()
+    pairs(&steklov_scene::parse(text, "scene", &[]).unwrap(), &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {}))
+        .unwrap()
 }
 
 fn called(name: &str) -> usize {
@@ -128,7 +130,7 @@ fn the_unstable_pressure_oscillates() {
     let wedge = square(1000.0, "displacement = [\"0\", \"0\"]").replace("\"0\" }", "\"abs(x-1)/10 - 0.1\" }");
     let wedge = wedge.replace("max_dofs = 64", "max_dofs = 128");
     let scene = steklov_scene::parse(&wedge, "scene", &[]).unwrap();
-    let all = pressures(&scene, &AtomicUsize::new(0), &mut |_, _| {}).unwrap();
+    let all = pressures(&scene, &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {})).unwrap();
     let [stable, unstable] = &all.solutions[..] else { panic!("{all:?}") };
     assert!((stable.gamma / stable.critical - 0.5).abs() < 1e-12 && unstable.gamma < 1e-4 * stable.gamma);
     let peaks = [stable, unstable].map(|p| p.variation() / (2.0 * p.largest()));
@@ -178,12 +180,14 @@ fn check(group: &steklov_io::Group, table: &Table, object: &Value) {
 fn failures_and_interruptions_are_told() {
     let scene = steklov_scene::parse(place::BLOCK, "block.toml", &[]).unwrap();
     let stopped = AtomicUsize::new(1);
-    let (none, nothing) =
-        (pairs(&scene, &stopped, &mut |_, _| {}).unwrap(), pressures(&scene, &stopped, &mut |_, _| {}).unwrap());
+    let (none, nothing) = (
+        pairs(&scene, &mut Watch::new(&stopped, &mut |_, _| {})).unwrap(),
+        pressures(&scene, &mut Watch::new(&stopped, &mut |_, _| {})).unwrap(),
+    );
     assert!(none.is_empty() && nothing.solutions.is_empty());
     let study =
         InfSup { scene: &scene, source: &Source::default(), points: &none, pressures: &nothing, interrupted: true };
-    assert!(!study.complete() && text(&study).contains("interrupted: what was finished is here"));
+    assert!(!study.complete() && report(&study).text().contains("interrupted: what was finished is here"));
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(pictures(&study, folder.path()).unwrap().len(), 2);
 
@@ -208,7 +212,7 @@ fn failures_and_interruptions_are_told() {
         pressures: &pressures,
         interrupted: false,
     };
-    let told = text(&study);
+    let told = report(&study).text();
     assert!(!study.complete(), "{told}");
     for part in ["FAILED: P_p, halved elements on 16 elements of degree 2: not positive", "no solution: lost"] {
         assert!(told.contains(part), "no {part} in\n{told}");

@@ -7,9 +7,9 @@ use std::sync::atomic::AtomicUsize;
 use place::{Place, names};
 use serde_json::{Value, json};
 use steklov_problem::Source;
+use steklov_study::Watch;
 use steklov_study::multiscale::{
-    Contrast, Laminates, MultiscaleStudy, coarse_cells, contrast, convergence, fine_grid, json as object, laminates,
-    pictures, text,
+    Contrast, Laminates, MultiscaleStudy, coarse_cells, contrast, convergence, fine_grid, laminates, pictures, report,
 };
 
 const FILES: &str = "contrast-effectivity.png contrast-effectivity.svg contrast-error.png contrast-error.svg contrast.csv \
@@ -59,8 +59,8 @@ fn of_scene(scene: &str, overrides: &[&str]) -> (Value, String) {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     let scene = steklov_scene::parse(scene, "scene", &overrides).unwrap_or_else(|e| panic!("{}", e.render()));
     let (run, tell) = (AtomicUsize::new(0), &mut |_: &str, _: &str| {});
-    let fine = fine_grid(&scene, 1, &run, tell).unwrap();
-    let convergence = convergence(&scene, &fine, &coarse_cells(&scene).unwrap(), 1, &run, tell);
+    let fine = fine_grid(&scene, 1, &mut Watch::new(&run, tell)).unwrap();
+    let convergence = convergence(&scene, &fine, &coarse_cells(&scene).unwrap(), 1, &mut Watch::new(&run, tell));
     let (laminates, contrast) = (Laminates::default(), Contrast::default());
     let study = MultiscaleStudy {
         scene: &scene,
@@ -72,7 +72,7 @@ fn of_scene(scene: &str, overrides: &[&str]) -> (Value, String) {
         repeat: 1,
         interrupted: false,
     };
-    (object(&study), text(&study))
+    (report(&study).json(), report(&study).text())
 }
 
 /// Errors, effectivities, unknowns and local problems of all bases are those of the reference file; with the fine grid's own error
@@ -258,12 +258,12 @@ fn interruptions_keep_what_is_finished() {
     let scene =
         steklov_scene::parse(BAR, "scene", &["grid.fine=[4, 4]".into(), "material.cells.size=0.125".into()]).unwrap();
     let (go, stopped, tell) = (AtomicUsize::new(0), AtomicUsize::new(1), &mut |_: &str, _: &str| {});
-    assert!(fine_grid(&scene, 1, &stopped, tell).is_err());
-    let fine = fine_grid(&scene, 1, &go, tell).unwrap();
+    assert!(fine_grid(&scene, 1, &mut Watch::new(&stopped, tell)).is_err());
+    let fine = fine_grid(&scene, 1, &mut Watch::new(&go, tell)).unwrap();
     let sizes = coarse_cells(&scene).unwrap();
     assert_eq!(sizes, [[4, 4], [2, 2]]);
-    let convergence = convergence(&scene, &fine, &sizes, 1, &stopped, tell);
-    let (laminates, contrast) = (laminates(&stopped, tell), contrast(&stopped, tell));
+    let convergence = convergence(&scene, &fine, &sizes, 1, &mut Watch::new(&stopped, tell));
+    let (laminates, contrast) = (laminates(&mut Watch::new(&stopped, tell)), contrast(&mut Watch::new(&stopped, tell)));
     assert!(convergence.points.is_empty() && laminates.points.is_empty() && contrast.points.is_empty());
     let study = MultiscaleStudy {
         scene: &scene,
@@ -275,7 +275,7 @@ fn interruptions_keep_what_is_finished() {
         repeat: 1,
         interrupted: true,
     };
-    assert!(!study.complete() && text(&study).contains("interrupted: what was finished is here"));
+    assert!(!study.complete() && report(&study).text().contains("interrupted: what was finished is here"));
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(pictures(&study, folder.path()).unwrap().len(), 2);
 }

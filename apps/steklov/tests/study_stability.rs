@@ -9,9 +9,10 @@ use std::sync::atomic::AtomicUsize;
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
 use steklov_problem::Source;
+use steklov_study::Watch;
 use steklov_study::stability::{
-    Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, stabilisation,
-    text,
+    Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, report,
+    stabilisation,
 };
 
 const FILES: &str = "incompressible-energy.png incompressible-energy.svg incompressible-error.png \
@@ -215,7 +216,7 @@ fn failures_are_told_with_their_ratio() {
             stabilisation: None,
             interrupted,
         };
-        (study.complete(), text(&study))
+        (study.complete(), report(&study).text())
     };
     assert!(of(vec![truth(0.3, None)], vec![point(0.3, None)], false).0);
     let (complete, text) =
@@ -245,7 +246,7 @@ fn failures_are_told_with_their_ratio() {
         stabilisation: Some(&stabilisation),
         interrupted: false,
     };
-    let text = steklov_study::stability::text(&study);
+    let text = report(&study).text();
     assert!(
         !study.complete() && text.contains("FAILED at critical γ₀ on 16 elements of degree 2: too large"),
         "{text}"
@@ -265,7 +266,7 @@ fn stabilised_multipliers_have_a_critical_gamma() {
         );
         let sets = ["method.elements=16".into(), "method.degree=1".into()];
         let scene = steklov_scene::parse(&text, "scene", &sets).unwrap();
-        let all = stabilisation(&scene, &AtomicUsize::new(0), &mut |_, _| {}).unwrap();
+        let all = stabilisation(&scene, &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {})).unwrap();
         assert!(all.complete());
         for (elements, degree, want) in [(32, 1, 0.644), (64, 1, 0.627), (32, 2, 0.99), (16, 4, 1.49), (16, 12, 1.95)] {
             let found = all.critical.iter().find(|c| (c.elements, c.degree) == (elements, degree)).unwrap();
@@ -282,7 +283,7 @@ fn stabilised_multipliers_have_a_critical_gamma() {
         }
     }
     let free = steklov_scene::parse(&bending("strain"), "scene", &[]).unwrap();
-    assert_eq!(stabilisation(&free, &AtomicUsize::new(0), &mut |_, _| {}), None);
+    assert_eq!(stabilisation(&free, &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {})), None);
 }
 
 #[test]

@@ -9,7 +9,8 @@ use place::{Place, names};
 use serde_json::{Value, json};
 use steklov_model::run::{Progress, run};
 use steklov_problem::Source;
-use steklov_study::stochastic::{Stochastic, chance, pictures, solvers, space, text};
+use steklov_study::Watch;
+use steklov_study::stochastic::{Stochastic, chance, pictures, report, solvers, space};
 
 const FILES: &str = "mean-contact-force-y.png mean-contact-force-y.svg mean-energy.png mean-energy.svg solver-history.png \
                      solver-history.svg solver-iterations.png solver-iterations.svg solvers.csv space-energy.png \
@@ -190,9 +191,9 @@ fn interruptions_keep_what_is_finished() {
     let random = scene.random.as_ref().unwrap();
     let (stopped, tell) = (AtomicUsize::new(1), &mut |_: &str, _: &str| {});
     let mut last = run(&scene, Progress::first(&scene), &stopped, &mut |_, _| Ok(())).unwrap();
-    let chance = chance(&scene, random, &mut last, &stopped, tell).unwrap();
-    let space = space(&scene, random, &stopped, tell).unwrap();
-    let solvers = solvers(&scene, random, &stopped, tell).unwrap().unwrap();
+    let chance = chance(&scene, random, &mut last, &mut Watch::new(&stopped, tell)).unwrap();
+    let space = space(&scene, random, &mut Watch::new(&stopped, tell)).unwrap();
+    let solvers = solvers(&scene, random, &mut Watch::new(&stopped, tell)).unwrap().unwrap();
     assert!(chance.points.is_empty() && space.points.is_empty() && solvers.methods.is_empty());
     let study = Stochastic {
         scene: &scene,
@@ -202,7 +203,7 @@ fn interruptions_keep_what_is_finished() {
         solvers: Some(&solvers),
         interrupted: true,
     };
-    assert!(!study.complete() && text(&study).contains("interrupted: what was finished is here"));
+    assert!(!study.complete() && report(&study).text().contains("interrupted: what was finished is here"));
     let folder = tempfile::tempdir().unwrap();
     assert!(pictures(&study, folder.path()).unwrap().is_empty());
 }

@@ -285,22 +285,8 @@ impl StabilisedForms {
 
         let data = node_data(mesh, multipliers, sides)?;
         let gaps = data.iter().map(|d| d.gap).collect();
-        let node = |(k, NodeData { gap, bound, coefficient }): (usize, NodeData)| ContactNode {
-            first: 2 * k,
-            unknowns: 2,
-            conditions: vec![Condition {
-                normal: [1.0, 0.0],
-                tangent: [0.0, 1.0],
-                normal_weight: weight(k),
-                tangent_weight: weight(k),
-                gap: gap - offset[0][k] / weight(k),
-                slip_offset: offset[1][k] / weight(k),
-                bound,
-                coefficient,
-            }],
-        };
-        let problem =
-            Problem { stiffness, load: column_of(&condensed), nodes: data.into_iter().enumerate().map(node).collect() };
+        let nodes = contact_nodes(data, &offset, &weight);
+        let problem = Problem { stiffness, load: column_of(&condensed), nodes };
         Ok(Stabilised { problem, gamma, gaps, free, factor, coupling, load, held })
     }
 
@@ -418,6 +404,25 @@ pub(crate) fn add_springs(matrix: &mut Mat<f64>, free: &[Dof], motions: &[Vec<f6
 /// Σ_i a[i][column] b[i].
 fn inner(a: &Mat<f64>, column: usize, b: &[f64]) -> f64 {
     a.col_as_slice(column).iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The nodes of the condensed problem: two unknowns each, and the `offset` of what is prescribed.
+fn contact_nodes(data: Vec<NodeData>, offset: &[Vec<f64>; 2], weight: &dyn Fn(usize) -> f64) -> Vec<ContactNode> {
+    let node = |(k, NodeData { gap, bound, coefficient }): (usize, NodeData)| ContactNode {
+        first: 2 * k,
+        unknowns: 2,
+        conditions: vec![Condition {
+            normal: [1.0, 0.0],
+            tangent: [0.0, 1.0],
+            normal_weight: weight(k),
+            tangent_weight: weight(k),
+            gap: gap - offset[0][k] / weight(k),
+            slip_offset: offset[1][k] / weight(k),
+            bound,
+            coefficient,
+        }],
+    };
+    data.into_iter().enumerate().map(node).collect()
 }
 
 fn column_of(values: &Mat<f64>) -> Vec<f64> {

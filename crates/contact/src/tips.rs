@@ -105,40 +105,7 @@ pub fn relocate(
     singular: &[Vec<f64>],
     obstacles: &[Obstacle],
 ) -> Result<Vec<Located>, ContactError> {
-    let mut followed: Vec<Followed<'_>> = Vec::new();
-    let mut uncut = Vec::new();
-    for line in solved.lines {
-        let edge = line.edge;
-        let mine: Vec<Tip> = tips.iter().copied().filter(|t| t.edge == edge).collect();
-        let found = without_flicker(transitions(line, solved.sets), &mine);
-        let found = one_zone_an_asperity(found, &obstacles[edge]);
-        let mut used = vec![false; found.len()];
-        tips.retain(|t| t.edge != edge);
-        let first = followed.len();
-        for tip in mine {
-            if let Some(j) = follow(tip, line, &found, &used, solved, &obstacles[edge].valleys, &singular[edge]) {
-                used[j] = true;
-                followed.push(Followed { line, tip, transition: found[j], old: true });
-            }
-        }
-        for transition in found.iter().zip(&used).filter(|(_, used)| !**used).map(|(t, _)| *t) {
-            if cut_at_turns(subdivision, edge, &transition, &obstacles[edge]) {
-                uncut.push(Located::unlocated(
-                    edge,
-                    &transition,
-                    first_guess(line, &transition, solved.problem, solved.solution),
-                ));
-                continue;
-            }
-            let on_edge = followed[first..].iter().map(|f| f.tip.s);
-            let points: Vec<f64> = on_edge.chain(singular[edge].iter().copied()).collect();
-            let guess = first_guess(line, &transition, solved.problem, solved.solution);
-            if let Some(s) = new_vertex(&transition, guess, subdivision, edge, &singular[edge], &points) {
-                let tip = Tip { edge, s, kind: transition.kind, regular: transition.regular };
-                followed.push(Followed { line, tip, transition, old: false });
-            }
-        }
-    }
+    let (followed, uncut) = follow_all(tips, subdivision, solved, singular, obstacles);
     let mut places = Vec::with_capacity(followed.len());
     let mut moved: Vec<Tip> = followed.iter().filter(|f| f.old).map(|f| f.tip).collect();
     let mut next = 0;
@@ -180,6 +147,51 @@ pub fn relocate(
     tips.extend(moved);
     tips.sort_by(|a, b| a.edge.cmp(&b.edge).then(a.s.total_cmp(&b.s)));
     Ok(places)
+}
+
+/// The transitions that tips follow, old and new ones, and those that stay without a vertex.
+fn follow_all<'a>(
+    tips: &mut Vec<Tip>,
+    subdivision: &mut Subdivision,
+    solved: Solved<'a>,
+    singular: &[Vec<f64>],
+    obstacles: &[Obstacle],
+) -> (Vec<Followed<'a>>, Vec<Located>) {
+    let mut followed: Vec<Followed<'a>> = Vec::new();
+    let mut uncut = Vec::new();
+    for line in solved.lines {
+        let edge = line.edge;
+        let mine: Vec<Tip> = tips.iter().copied().filter(|t| t.edge == edge).collect();
+        let found = without_flicker(transitions(line, solved.sets), &mine);
+        let found = one_zone_an_asperity(found, &obstacles[edge]);
+        let mut used = vec![false; found.len()];
+        tips.retain(|t| t.edge != edge);
+        let first = followed.len();
+        for tip in mine {
+            if let Some(j) = follow(tip, line, &found, &used, solved, &obstacles[edge].valleys, &singular[edge]) {
+                used[j] = true;
+                followed.push(Followed { line, tip, transition: found[j], old: true });
+            }
+        }
+        for transition in found.iter().zip(&used).filter(|(_, used)| !**used).map(|(t, _)| *t) {
+            if cut_at_turns(subdivision, edge, &transition, &obstacles[edge]) {
+                uncut.push(Located::unlocated(
+                    edge,
+                    &transition,
+                    first_guess(line, &transition, solved.problem, solved.solution),
+                ));
+                continue;
+            }
+            let on_edge = followed[first..].iter().map(|f| f.tip.s);
+            let points: Vec<f64> = on_edge.chain(singular[edge].iter().copied()).collect();
+            let guess = first_guess(line, &transition, solved.problem, solved.solution);
+            if let Some(s) = new_vertex(&transition, guess, subdivision, edge, &singular[edge], &points) {
+                let tip = Tip { edge, s, kind: transition.kind, regular: transition.regular };
+                followed.push(Followed { line, tip, transition, old: false });
+            }
+        }
+    }
+    (followed, uncut)
 }
 
 /// Where followed transitions are believed to be: ends by fits, up to four factorisations for those that have a vertex

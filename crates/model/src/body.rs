@@ -2,7 +2,7 @@
 
 use faer::Mat;
 use steklov_bem_operators::{BoundaryField, Condensation, Mesh, Space, TractionMap};
-use steklov_contact::{ContactBoundary, ContactError, Problem, Solution, resisted_motions};
+use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_elastic::{Material, RigidMotion};
 use steklov_problem::Scene;
 
@@ -11,7 +11,7 @@ use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact
 use crate::data::{Data, Loads};
 use crate::equilibrium::{Equations, reactions};
 use crate::inclusion::Outside;
-use crate::motions::{balanced, edges, work};
+use crate::motions::work;
 use crate::solve::{Energies, Seconds, SolveError, Solved};
 use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};
@@ -76,20 +76,6 @@ impl Given {
         }
         Self { loads, particular, boundary, held, judged: true, liftable: true, stabilised: None, load, extra_load }
     }
-
-    /// The motions of `candidates` that nothing resists.
-    pub(crate) fn free_motions(
-        &self,
-        space: &Space,
-        candidates: &[RigidMotion],
-    ) -> Result<Vec<RigidMotion>, SolveError> {
-        match &self.boundary {
-            None => balanced(&space.points, &self.load, candidates),
-            Some(boundary) => {
-                Ok(resisted_motions(candidates, &edges(boundary), |r| work(&space.points, &self.load, r))?)
-            }
-        }
-    }
 }
 
 /// What is left of a solution, besides the matrices of its [`Body`], for its estimate and the next mesh.
@@ -128,14 +114,12 @@ impl Body {
         solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
     ) -> Result<(Solved, Factors), SolveError> {
         let Self { mesh, space, condensation, .. } = self;
-        let (companion, contact, contact_factors) = self.displacement(&mut given, solve)?;
+        let (companion, contact) = self.displacement(&mut given, solve)?;
+        let (contact, contact_factors) = contact.unzip();
         let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
         // what adaptivity and the estimate rest on is the companion: of biorthogonal multipliers
         let (mut displacement, contact) = match (contact, given.stabilised.take()) {
-            (Some(contact), Some(s)) => {
-                let (displacement, audit, friction_work) = (s.displacement.clone(), s.audit, s.friction_work);
-                (displacement, Some(ContactResult { audit, friction_work, stabilised: Some(s), ..contact }))
-            }
+            (Some(contact), Some(s)) => (s.displacement.clone(), Some(contact.with_stabilised(s))),
             (contact, _) => (companion.clone(), contact),
         };
         let forces = condensation.multiply(&displacement);
@@ -166,12 +150,8 @@ impl Body {
         }
         let (homogeneous, energy, difference) = match (&contact, unlifted) {
             (Some(ContactResult { stabilised: Some(_), .. }), _) => {
-                let apart: Vec<f64> = displacement.iter().zip(&companion).map(|(a, b)| a - b).collect();
-                let stiff = condensation.multiply(&apart);
-                let forces = condensation.multiply(&companion);
-                let fields = self.fields(&given, &companion, &forces, companion_friction);
-                let difference = apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0);
-                (fields.homogeneous, fields.energies.total, difference)
+                let fields = self.fields(&given, &companion, &condensation.multiply(&companion), companion_friction);
+                (fields.homogeneous, fields.energies.total, self.squared_difference(&displacement, &companion))
             }
             // the estimate is that of the solution on its springs
             (_, Some(u)) => (self.fields(&given, &u, &forces, friction_work).homogeneous, total, 0.0),
@@ -181,10 +161,9 @@ impl Body {
         let particular = given.particular.as_ref().map(|p| p.solution);
         let of_corner = |e: usize, j: usize| data.traction_moment(&field, particular.as_ref(), e, j);
         let reactions = reactions(scene, (&supports, mesh), &residual.values, contact.as_ref(), of_corner);
-        let outside = self.outside.as_ref();
         let factors = Factors {
             homogeneous,
-            outside: outside.map(|outside| outside.displacement(&displacement)),
+            outside: self.outside.as_ref().map(|outside| outside.displacement(&displacement)),
             energy,
             difference,
             extra_load: given.extra_load,
@@ -192,7 +171,7 @@ impl Body {
             contact: contact_factors,
         };
         let solved = Solved {
-            around: outside.and_then(|outside| outside.around(&data, &displacement, &given.loads.nodal)),
+            around: self.outside.as_ref().and_then(|outside| outside.around(&data, &displacement, &given.loads.nodal)),
             displacement,
             field,
             particular,
@@ -214,11 +193,11 @@ impl Body {
         &self,
         given: &mut Given,
         solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
-    ) -> Result<(Vec<f64>, Option<ContactResult>, Option<ContactFactors>), SolveError> {
+    ) -> Result<(Vec<f64>, Option<Contacted>), SolveError> {
         let Self { mesh, space, condensation, .. } = self;
         let condensed = condensation.load_held(&given.load, &given.held);
         let Some(boundary) = given.boundary.take() else {
-            return Ok((condensation.expand(&condensed, &[]), None, None));
+            return Ok((condensation.expand(&condensed, &[]), None));
         };
         let body = CondensedBody {
             mesh,
@@ -233,7 +212,14 @@ impl Body {
             liftable: given.liftable && given.stabilised.is_none(),
         };
         let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
-        Ok((displacement, Some(result), Some(factors)))
+        Ok((displacement, Some((result, factors))))
+    }
+
+    /// ‖u - v‖², energy norm.
+    fn squared_difference(&self, u: &[f64], v: &[f64]) -> f64 {
+        let apart: Vec<f64> = u.iter().zip(v).map(|(a, b)| a - b).collect();
+        let stiff = self.condensation.multiply(&apart);
+        apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0)
     }
 
     /// The elastic field of a nodal displacement and its energies.
@@ -254,6 +240,9 @@ impl Body {
         Fields { homogeneous, field, energies }
     }
 }
+
+/// Contact, and what is left of it for the estimate and the next mesh.
+type Contacted = (ContactResult, ContactFactors);
 
 /// What a nodal displacement gives.
 struct Fields {

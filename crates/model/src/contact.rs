@@ -37,6 +37,12 @@ impl ContactResult {
         self.stabilised.as_ref().map_or(&self.solution, |s| &s.solution)
     }
 
+    /// The result that reports an answer with stabilised multipliers.
+    pub(crate) fn with_stabilised(self, stabilised: StabilisedContact) -> Self {
+        let (audit, friction_work) = (stabilised.audit, stabilised.friction_work);
+        Self { audit, friction_work, stabilised: Some(stabilised), ..self }
+    }
+
     /// The result with the equilibrium of all unknowns in its audit.
     pub(crate) fn with_equilibrium(mut self, relative: f64) -> Self {
         self.audit.equilibrium = self.audit.equilibrium.max(relative);

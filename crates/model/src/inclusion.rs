@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use faer::{Col, Mat};
 use steklov_bem_operators::{
-    BemError, Domain, EnrichedSteklov, Mesh, Operators, PairCache, Space, Steklov, TractionMap, side_moments,
+    BemError, Domain, EnrichedSteklov, Mesh, PairCache, Space, Steklov, TractionMap, side_moments,
 };
 use steklov_contact::oscillation;
 use steklov_coupling::{Balance, Coupled, Radiation};
@@ -24,7 +24,7 @@ use steklov_quadrature::legendre_p;
 use crate::around::Around;
 use crate::data::Data;
 use crate::elastic::plane_modulus;
-use crate::solve::SolveError;
+use crate::solve::{SolveError, operators};
 
 /// The medium around a body, on the mesh of the body, and the jump of the displacement between them.
 pub struct Outside {
@@ -56,11 +56,7 @@ impl Outside {
             Radiation::Decaying => Domain::Exterior,
             Radiation::Bounded => Domain::ExteriorBoundedAtInfinity,
         };
-        let operators = if estimated {
-            Operators::to_enrich(mesh, space, &material, None, cache)?
-        } else {
-            Operators::assemble(mesh, space, &material, None)?
-        };
+        let operators = operators((mesh, space), &material, estimated, cache)?;
         let length = operators.length;
         let Steklov { matrix: stiffness, traction: traction_map } = Steklov::new(operators, domain)?;
         let jump = data.jump()?;

@@ -3,43 +3,43 @@
 //! ```text
 //! Scene ─► Layout ─► solve (mesh by mesh) ─► estimate ─► next Layout ... ─► Run ─► answer: Summary
 //!                                                                          └─► all outcomes of random input
-//! Scene with a [grid] ─► GridLayout ─► ... ─► Run<OnGrid> ─► answer_of_grid: Summary
+//! run::run::<BoundaryElements>, run::run::<OnGrid>: one loop, two models
 //! ```
 
 pub mod adapt;
 pub mod adaptive;
 pub mod answer;
-pub mod apart;
+mod apart;
 pub mod around;
-pub mod asperities;
+mod asperities;
 pub mod body;
-pub mod body_load;
-pub mod contact;
+mod body_load;
+mod contact;
 pub mod data;
-pub mod data_contact;
-pub mod data_work;
-pub mod elastic;
-pub mod enriched_problem;
+mod data_contact;
+mod data_work;
+mod elastic;
+mod enriched_problem;
 mod equilibrium;
 pub mod estimate;
-pub mod exact;
+mod exact;
 pub mod fields;
 pub mod first_mesh;
-pub mod hidden;
-pub mod inclusion;
-pub mod large;
+mod hidden;
+mod inclusion;
+mod large;
 pub mod memory;
-pub mod motions;
+mod motions;
 pub mod report;
 pub mod run;
 pub mod solve;
 pub mod stabilised;
 pub mod summary;
 pub mod supports;
-pub mod transitions;
-pub mod unbounded;
-pub mod unseen;
-pub mod vertices;
+mod transitions;
+mod unbounded;
+mod unseen;
+mod vertices;
 pub mod grid;
 pub mod stochastic;
 

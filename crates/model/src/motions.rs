@@ -1,7 +1,7 @@
 //! Rigid motions that nothing holds, and the work of loads and contact forces on them.
 
 use steklov_bem_operators::BemError;
-use steklov_contact::{ContactBoundary, ContactEdge, ContactError};
+use steklov_contact::{ContactBoundary, ContactEdge, ContactError, resisted_motions};
 use steklov_elastic::RigidMotion;
 
 use crate::solve::SolveError;
@@ -14,12 +14,21 @@ pub(crate) fn work(points: &[[f64; 2]], load: &[f64], motion: &RigidMotion) -> (
     })
 }
 
-/// Without contact: all free motions, if the loads do no work on any of them.
-pub(crate) fn balanced(
-    points: &[[f64; 2]],
-    load: &[f64],
+/// The motions of `candidates` that nothing resists: all of them without contact, if a load at points does no work on any; in
+/// contact those that no obstacle stops.
+pub(crate) fn unresisted(
+    (points, load): (&[[f64; 2]], &[f64]),
+    boundary: Option<&ContactBoundary>,
     candidates: &[RigidMotion],
 ) -> Result<Vec<RigidMotion>, SolveError> {
+    match boundary {
+        None => balanced(points, load, candidates),
+        Some(boundary) => Ok(resisted_motions(candidates, &edges(boundary), |r| work(points, load, r))?),
+    }
+}
+
+/// Without contact: all free motions, if the loads do no work on any of them.
+fn balanced(points: &[[f64; 2]], load: &[f64], candidates: &[RigidMotion]) -> Result<Vec<RigidMotion>, SolveError> {
     let works: Vec<(f64, f64)> = candidates.iter().map(|r| work(points, load, r)).collect();
     let driven = |(work, scale): &(f64, f64)| work.abs() > 1e-9 * scale;
     let worst = works.iter().filter(|w| driven(w)).max_by(|a, b| a.0.abs().total_cmp(&b.0.abs()));

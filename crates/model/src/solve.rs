@@ -9,7 +9,7 @@ use steklov_bem_operators::{
 };
 use steklov_contact::{ContactBoundary, ContactError};
 use steklov_coupling::{Trace, Transfer};
-use steklov_elastic::RigidMotion;
+use steklov_elastic::{Material, RigidMotion};
 use steklov_problem::{DataError, Multiplier, Scene};
 
 use crate::around::Around;
@@ -19,6 +19,7 @@ use crate::contact::{ContactResult, solve_problem};
 use crate::data::Data;
 use crate::grid::{GridSolved, OnGrid};
 use crate::inclusion::Outside;
+use crate::motions::unresisted;
 use crate::run::Step;
 use crate::stabilised::{self, solve_stabilised};
 use crate::supports::Supports;
@@ -188,6 +189,28 @@ pub struct Solved {
     pub seconds: Seconds,
 }
 
+/// V, K, W of a mesh; `estimated`: what an estimate needs besides is kept in `cache`.
+pub(crate) fn operators(
+    (mesh, space): (&Mesh, &Space),
+    material: &Material,
+    estimated: bool,
+    cache: &mut PairCache,
+) -> Result<Operators, BemError> {
+    match estimated {
+        true => Operators::to_enrich(mesh, space, material, None, cache),
+        false => Operators::assemble(mesh, space, material, None),
+    }
+}
+
+/// The particular solution of the body force, or of the stress far from a hole, and the forces S u_p.
+fn particular(data: &Data<'_>, matrix: &Mat<f64>) -> Option<Particular> {
+    let Data { scene, mesh, space } = *data;
+    let held = |e: usize, i: usize| scene.body().sides[mesh.side[e]].holds(i);
+    let product = |u: &[f64]| (matrix * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
+    let solution = scene.particular_solution(1.0)?;
+    Some(Particular::new(solution, scene.is_cavity(), mesh, space, held, product))
+}
+
 /// Solves the scene on a mesh; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
 /// it has them.
 ///
@@ -212,11 +235,7 @@ pub fn solve(
 
     let clock = Instant::now();
     observe(Stage::Progress("assembling V, K, W", 0.05))?;
-    let operators = if estimated {
-        Operators::to_enrich(&mesh, &space, &scene.body().material(), None, cache)?
-    } else {
-        Operators::assemble(&mesh, &space, &scene.body().material(), None)?
-    };
+    let operators = operators((&mesh, &space), &scene.body().material(), estimated, cache)?;
     let length = operators.length;
     seconds.assemble = clock.elapsed().as_secs_f64();
     observe(Stage::Operators(&operators))?;
@@ -229,22 +248,15 @@ pub fn solve(
         outside.stiffen(&mut matrix);
     }
     observe(Stage::Steklov(&matrix))?;
-    let particular = scene.particular_solution(1.0).map(|solution| {
-        let held = |e: usize, i: usize| scene.body().sides[mesh.side[e]].holds(i);
-        Particular::new(solution, scene.is_cavity(), &mesh, &space, held, |u| {
-            let product = &matrix * Col::from_fn(u.len(), |i| u[i]);
-            product.iter().copied().collect()
-        })
-    });
+    let particular = particular(&data, &matrix);
     let supports = Supports { space: &space, held: &held };
     let mut given = Given::new(loads, particular, boundary, supports.values(), &mesh, &space);
-    if let Some(outside) = &outside {
-        given.load.iter_mut().zip(&outside.load).for_each(|(f, jump)| *f += jump);
-    }
+    let jump = outside.iter().flat_map(|outside| &outside.load);
+    given.load.iter_mut().zip(jump).for_each(|(f, jump)| *f += jump);
 
     observe(Stage::Progress("condensation", 0.75))?;
     let candidates = scene.unresisted(supports.free_motions());
-    let free = given.free_motions(&space, &candidates)?;
+    let free = unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?;
     let partition = Partition {
         kept: given.boundary.as_ref().map_or(Vec::new(), ContactBoundary::kept),
         held: supports.dofs(),
@@ -252,21 +264,17 @@ pub fn solve(
     };
     let nodal = |motions: &[RigidMotion]| -> Vec<Vec<f64>> { motions.iter().map(|r| r.nodal(&space.points)).collect() };
     let motions = nodal(&free);
-    let stabilised = match (&given.boundary, scene.method.multiplier) {
-        (Some(_), Multiplier::Stabilised) => {
-            let body = stabilised::Body {
-                traction: &traction_map,
-                stiffness: &matrix,
-                load: &given.load,
-                held: &partition.held,
-                rigid: &nodal(&candidates),
-                free: &motions,
-                particular: given.particular.as_ref(),
-            };
-            Some(solve_stabilised(&data, &body)?)
-        }
-        _ => None,
+    let of_stabilised = stabilised::Body {
+        traction: &traction_map,
+        stiffness: &matrix,
+        load: &given.load,
+        held: &partition.held,
+        rigid: &nodal(&candidates),
+        free: &motions,
+        particular: given.particular.as_ref(),
     };
+    let wanted = given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised;
+    let stabilised = wanted.then(|| solve_stabilised(&data, &of_stabilised)).transpose()?;
     let condensation = Condensation::new(matrix, &partition, &motions)?;
     seconds.factorise = clock.elapsed().as_secs_f64();
 

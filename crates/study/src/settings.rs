@@ -19,10 +19,14 @@ pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
     if !method.max_dofs_given || method.max_dofs > MAX_DOFS {
         all.push(format!("method.max_dofs={MAX_DOFS}"));
     }
+    all.iter().rev().fold(user.to_vec(), |all, own| unless_set(own, &all))
+}
+
+/// A study's own override where the user does not set its key, then those of the user.
+pub(crate) fn unless_set(own: &str, user: &[String]) -> Vec<String> {
     let key = |o: &str| o.split('=').next().unwrap_or_default().trim().to_owned();
-    all.retain(|o| user.iter().all(|u| key(u) != key(o)));
-    all.extend_from_slice(user);
-    all
+    let own = user.iter().all(|u| key(u) != key(own)).then(|| own.to_owned());
+    own.into_iter().chain(user.iter().cloned()).collect()
 }
 
 #[cfg(test)]

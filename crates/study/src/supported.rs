@@ -71,10 +71,20 @@ pub fn contact_sides(scene: &Scene) -> Vec<usize> {
     scene.contacts().map(|(side, _)| side).collect()
 }
 
-/// The scene's mesh with so many times its elements.
-pub(super) fn uniform_mesh(scene: &Scene, times: usize, degree: usize) -> Mesh {
+/// The scene on one mesh with so many times its elements.
+pub(super) fn uniform(scene: &Scene, times: usize, degree: usize) -> Scene {
     let mut scene = scene.clone();
     scene.method.refine = Refine::None;
     (scene.method.elements, scene.method.degree) = (times * scene.method.elements, degree);
-    first_mesh(&scene)
+    scene
+}
+
+/// That mesh.
+pub(super) fn uniform_mesh(scene: &Scene, times: usize, degree: usize) -> Mesh {
+    first_mesh(&uniform(scene, times, degree))
+}
+
+/// Meshes that are given by how many times the elements of the scene they have, degree by degree.
+pub(super) fn each(meshes: &'static [(&'static [usize], usize)]) -> impl Iterator<Item = (usize, usize)> {
+    meshes.iter().flat_map(|(times, degree)| times.iter().map(|t| (*t, *degree)))
 }

@@ -1,163 +1,161 @@
-//! A study as text: CSV, the table on stdout, the JSON object.
+//! Tables: columns declared once and read from rows of any type, from which CSV, JSON and HDF5 come.
 
-use std::fmt::Write as _;
+use serde_json::{Map, Value};
+use steklov_io::{Group, IoError, Label, save_integers, save_texts, save_vector};
 
-use serde_json::{Value, json as object};
+/// A column of numbers: name, unit, meaning, how it is read from a row. What is not known is NaN.
+pub(crate) type Column<T> = (&'static str, &'static str, &'static str, fn(&T) -> f64);
 
-use super::fit::Fit;
-use super::strategy::{End, Point};
-use super::{MEASURED, Study};
+/// The entries of a column.
+#[derive(Clone)]
+enum Entries {
+    /// Names of what the rows belong to, as CSV shows them: JSON and HDF5 have a group each instead.
+    Keys(Vec<String>),
+    /// Numbers; whole ones are shown without a decimal point.
+    Numbers(Vec<f64>),
+    /// Numbers that are always shown as such.
+    Digits(Vec<f64>),
+    /// Integers in HDF5, too.
+    Counts(Vec<usize>),
+    /// Lists of words: one text in CSV and HDF5.
+    Words(Vec<Vec<&'static str>>),
+}
 
-/// A column that holds numbers: name, unit, meaning, value. What was not measured is NaN.
-pub(super) type Column = (&'static str, &'static str, &'static str, fn(&Point) -> f64);
-/// The numbers of a step.
-pub(super) const NUMBERS: [Column; 8] = [
-    ("seconds", "seconds", "from the beginning of the run to the end of the step, median of the runs", |p| p.seconds),
-    ("error", "1", "true error, energy norm, relative; NaN where it was not measured", |p| p.error),
-    ("energy", "force*length/thickness", "J", |p| p.energy),
-    ("energy_error", "1", "(|J - J_ref|/|J_ref|)^(1/2)", |p| p.energy_error),
-    ("estimate", "1", "estimate of the error, relative to the same norm", |p| p.estimate),
-    ("effectivity", "1", "estimate over true error; NaN where that was not measured", Point::effectivity),
-    ("energy_extrapolated", "force*length/thickness", "J of the spaces of one degree more", |p| p.extrapolated[0]),
-    ("energy_uncertainty", "force*length/thickness", "how far the exact J may be from that", |p| p.extrapolated[1]),
-];
+/// A table.
+#[derive(Clone)]
+pub(crate) struct Table {
+    /// What a row is.
+    axis: &'static str,
+    rows: usize,
+    /// Name, unit, meaning, entries.
+    columns: Vec<(&'static str, &'static str, &'static str, Entries)>,
+}
 
-/// The steps of all strategies as one table; what was not measured is left empty.
-pub fn csv(study: &Study<'_>) -> String {
-    let mut text = String::from("strategy,step,elements,max_degree,dofs");
-    NUMBERS.iter().for_each(|c| text += &format!(",{}", c.0));
-    text += ",doubts\n";
-    for strategy in study.strategies {
-        for (k, p) in strategy.points.iter().enumerate() {
-            let _ = write!(text, "{},{k},{},{},{}", cell(&strategy.name), p.mesh.len(), p.max_degree(), p.dofs);
-            for (.., value) in NUMBERS {
-                let v = value(p);
-                let _ = if v.is_finite() { write!(text, ",{v:?}") } else { write!(text, ",") };
-            }
-            let _ = writeln!(text, ",{}", p.doubts.join(" "));
-        }
+impl Table {
+    /// A table with these columns; `axis` says what a row is.
+    pub(crate) fn new<'r, T: 'r>(
+        axis: &'static str,
+        rows: impl IntoIterator<Item = &'r T>,
+        columns: &[Column<T>],
+    ) -> Self {
+        Self::read(axis, rows.into_iter().collect(), columns, Entries::Numbers)
     }
-    text
-}
 
-/// A text of a CSV table: in quotes where it has a comma.
-fn cell(text: &str) -> String {
-    if text.contains(',') { format!("\"{text}\"") } else { text.into() }
-}
+    /// One whose numbers are shown with all digits.
+    pub(crate) fn digits<'r, T: 'r>(
+        axis: &'static str,
+        rows: impl IntoIterator<Item = &'r T>,
+        columns: &[Column<T>],
+    ) -> Self {
+        Self::read(axis, rows.into_iter().collect(), columns, Entries::Digits)
+    }
 
-/// What is printed: the reference, some steps of each strategy, the fitted laws.
-pub fn text(study: &Study<'_>) -> String {
-    let reference = study.reference;
-    let finest = reference.finest();
-    let width = study.strategies.iter().map(|s| s.name.len()).fold(10, usize::max);
-    let mut text = format!("{}\n", study.scene.title);
-    let _ = writeln!(text, "settings    {} (--set changes them)", study.source.overrides.join(", "));
-    let _ = writeln!(
-        text,
-        "reference   {} dofs, estimated error {:.1e}, J = {:.12e} ± {:.0e}",
-        finest.dofs, finest.estimate, reference.own_energy, reference.uncertainty
-    );
-    let _ = writeln!(text, "            energy errors are taken from J = {:.12e}", reference.energy);
-    let _ = writeln!(text, "            of {}", study.energy_source());
-    let _ = writeln!(
-        text,
-        "\n{:<width$} {:>4} {:>8} {:>6} {:>5} {:>8} {:>9} {:>12} {:>9} {:>10}",
-        "strategy", "step", "elements", "degree", "dofs", "seconds", "error", "energy error", "estimate", "est./error"
-    );
-    for strategy in study.strategies {
-        let mut name = strategy.name.as_str();
-        for k in strategy.some(MEASURED) {
-            let p = &strategy.points[k];
-            let doubt = if p.doubts.is_empty() { "" } else { " ?" };
-            let row = format!(
-                "{name:<width$} {k:>4} {:>8} {:>6} {:>5} {:>8.3} {:>9} {:>12} {:>9} {:>10}{doubt}",
-                p.mesh.len(),
-                p.max_degree(),
-                p.dofs,
-                p.seconds,
-                number(p.error, |v| format!("{v:.2e}")),
-                number(p.energy_error, |v| format!("{v:.2e}")),
-                number(p.estimate, |v| format!("{v:.2e}")),
-                number(p.effectivity(), |v| format!("{v:.2}")),
-            );
-            text += &format!("{}\n", row.trim_end());
-            name = "";
-        }
-        let unknown = strategy.points.iter().filter(|p| !p.error.is_finite()).count();
-        let unknown =
-            if unknown > 0 { format!("; true error not measured in {unknown} of them") } else { String::new() };
-        let ended = match &strategy.end {
-            End::Run(reason) => format!("ended: {}, {} steps{unknown}", reason.word(), strategy.points.len()),
-            End::Failed(why) => format!("FAILED after {} steps{unknown}: {why}", strategy.points.len()),
+    fn read<T>(axis: &'static str, rows: Vec<&T>, columns: &[Column<T>], kind: fn(Vec<f64>) -> Entries) -> Self {
+        let entries = |value: fn(&T) -> f64| kind(rows.iter().copied().map(value).collect());
+        let columns = columns.iter().map(|&(name, unit, meaning, value)| (name, unit, meaning, entries(value)));
+        Self { axis, rows: rows.len(), columns: columns.collect() }
+    }
+
+    /// A column more in front: counts.
+    pub(crate) fn counts(mut self, name: &'static str, meaning: &'static str, counts: Vec<usize>) -> Self {
+        self.columns.insert(0, (name, "1", meaning, Entries::Counts(counts)));
+        self
+    }
+
+    /// A column more of words.
+    pub(crate) fn words(mut self, name: &'static str, meaning: &'static str, words: Vec<Vec<&'static str>>) -> Self {
+        self.columns.push((name, "text", meaning, Entries::Words(words)));
+        self
+    }
+
+    /// A column more in front: what the rows belong to.
+    pub(crate) fn key(mut self, name: &'static str, keys: impl Iterator<Item = String>) -> Self {
+        self.columns.insert(0, (name, "text", "", Entries::Keys(keys.collect())));
+        self
+    }
+
+    /// A line of names, and a line a row; what is not known is left empty.
+    pub(crate) fn csv(&self) -> String {
+        let names: Vec<&str> = self.columns.iter().map(|c| c.0).collect();
+        let lines = (0..self.rows).map(|row| {
+            let cells: Vec<String> = self.columns.iter().map(|(.., entries)| cell(entries, row)).collect();
+            cells.join(",") + "\n"
+        });
+        names.join(",") + "\n" + &lines.collect::<String>()
+    }
+
+    /// An object a row; what is not known is null.
+    pub(crate) fn json(&self) -> Value {
+        let object = |row: usize| -> Map<String, Value> {
+            let values = self.columns.iter().map(|(name, .., entries)| (*name, value(entries, row)));
+            values.filter_map(|(name, value)| Some((name.to_owned(), value?))).collect()
         };
-        let _ = writeln!(text, "{name:<width$} {ended}");
-        for fit in strategy.fits() {
-            let _ = writeln!(text, "{:<width$} error ~ {}", "", law(&fit));
-        }
+        (0..self.rows).map(object).collect()
     }
-    if study.strategies.iter().flat_map(|s| &s.points).any(|p| !p.doubts.is_empty()) {
-        text += "?: the estimate is not reliable there, and says so\n";
-    }
-    if study.interrupted {
-        text += "interrupted: what was finished is here\n";
-    }
-    text
-}
 
-/// A number, or a dash for one that is not known.
-fn number(value: f64, show: impl Fn(f64) -> String) -> String {
-    if value.is_finite() { show(value) } else { "-".into() }
-}
-
-fn law(fit: &Fit) -> String {
-    format!("{} (R² = {:.4}, last {} points)", fit.law.with_rate(fit.rate), fit.r_squared, fit.points)
-}
-
-/// The JSON object; numbers that are not known are null.
-pub fn json(study: &Study<'_>) -> Value {
-    let reference = study.reference;
-    let strategies: Vec<Value> = study
-        .strategies
-        .iter()
-        .map(|s| {
-            let failure = match &s.end {
-                End::Failed(why) => Some(why),
-                End::Run(_) => None,
-            };
-            let fits = s.fits().into_iter().map(
-                |f| object!({ "law": f.law.word(), "rate": f.rate, "r_squared": f.r_squared, "points": f.points }),
-            );
-            object!({
-                "name": s.name,
-                "reason": s.end.word(),
-                "message": failure,
-                "fits": fits.collect::<Vec<_>>(),
-                "steps": s.points.iter().map(step).collect::<Vec<_>>(),
-            })
+    /// A dataset a column.
+    pub(crate) fn save(&self, at: &Group) -> Result<(), IoError> {
+        self.columns.iter().try_for_each(|(name, unit, meaning, entries)| {
+            let label = Label { unit, meaning, axes: &[self.axis] };
+            match entries {
+                Entries::Keys(_) => Ok(()),
+                Entries::Numbers(v) | Entries::Digits(v) => save_vector(at, name, v, &label),
+                Entries::Counts(v) => save_integers(at, name, v, &label),
+                Entries::Words(words) => {
+                    let texts: Vec<String> = words.iter().map(|w| w.join(" ")).collect();
+                    save_texts(at, name, &texts, meaning, self.axis)
+                }
+            }
         })
-        .collect();
-    object!({
-        "title": study.scene.title,
-        "settings": study.source.overrides,
-        "complete": study.complete(),
-        "interrupted": study.interrupted,
-        "repeat": study.repeat,
-        "reference": {
-            "dofs": reference.finest().dofs,
-            "estimate": reference.finest().estimate,
-            "energy": reference.energy,
-            "energy_source": study.energy_source(),
-            "own_energy": reference.own_energy,
-            "uncertainty": reference.uncertainty,
-        },
-        "strategies": strategies,
+    }
+}
+
+fn is_whole(v: f64) -> bool {
+    v.fract() == 0.0 && v.abs() < 1e15
+}
+
+fn cell(entries: &Entries, row: usize) -> String {
+    match entries {
+        Entries::Keys(keys) => keys[row].clone(),
+        Entries::Numbers(v) if is_whole(v[row]) => format!("{}", v[row]),
+        Entries::Numbers(v) | Entries::Digits(v) if v[row].is_finite() => format!("{:?}", v[row]),
+        Entries::Numbers(_) | Entries::Digits(_) => String::new(),
+        Entries::Counts(v) => v[row].to_string(),
+        Entries::Words(words) => words[row].join(" "),
+    }
+}
+
+fn value(entries: &Entries, row: usize) -> Option<Value> {
+    Some(match entries {
+        Entries::Keys(_) => return None,
+        Entries::Numbers(v) if is_whole(v[row]) => Value::from(v[row] as i64),
+        Entries::Numbers(v) | Entries::Digits(v) => Value::from(v[row]),
+        Entries::Counts(v) => Value::from(v[row]),
+        Entries::Words(words) => Value::from(words[row].clone()),
     })
 }
 
-fn step(p: &Point) -> Value {
-    let mut step = object!({
-        "elements": p.mesh.len(), "max_degree": p.max_degree(), "dofs": p.dofs, "doubts": p.doubts,
-    });
-    NUMBERS.iter().for_each(|(name, _, _, value)| step[*name] = object!(value(p)));
-    step
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_known_is_empty_and_null() {
+        let columns: [Column<f64>; 2] = [("a", "1", "", |x| *x), ("b", "1", "", |x| 1.0 / x)];
+        assert_eq!(Table::new("row", &[2.0, 0.1, 0.0], &columns).csv(), "a,b\n2,0.5\n0.1,10\n0,\n");
+        let rows = Table::new("row", &[2.0, 0.0], &columns).json();
+        assert_eq!(rows, serde_json::json!([{ "a": 2, "b": 0.5 }, { "a": 0, "b": null }]));
+    }
+
+    #[test]
+    fn keys_are_of_csv_only_and_digits_are_all_shown() {
+        let numbers: [Column<f64>; 1] = [("x", "1", "", |x| *x)];
+        let words = vec![vec!["a", "b"], vec![]];
+        let table =
+            Table::digits("row", &[1.0, f64::NAN], &numbers).counts("n", "", vec![3, 4]).words("why", "", words);
+        let rows = serde_json::json!([{ "n": 3, "x": 1.0, "why": ["a", "b"] }, { "n": 4, "x": null, "why": [] }]);
+        assert_eq!(table.json(), rows);
+        let table = table.key("of", ["p", "q"].map(String::from).into_iter());
+        assert_eq!((table.csv(), table.json()), ("of,n,x,why\np,3,1.0,a b\nq,4,,\n".into(), rows));
+    }
 }

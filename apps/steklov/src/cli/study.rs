@@ -14,17 +14,15 @@ use std::time::Instant;
 
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use serde_json::Value;
-use steklov_io::{File, IoError, create_atomically};
+use steklov_io::{IoError, create_atomically};
 use steklov_model::solve::Stage;
 use steklov_picture::{self as picture, PictureError};
 use steklov_plan::plan;
 use steklov_problem::{Method, Multiplier, Refine, Scene};
 use steklov_scene::Document;
+use steklov_study::convergence::{MULTIPLIERS, NAMES, Study, for_truth, pictures, report, strategy};
 use steklov_study::reference::{Reference, ReferenceError};
-use steklov_study::{
-    MULTIPLIERS, NAMES, Study, contact_sides, csv, for_truth, json, pictures, settings, strategy, text, write,
-};
+use steklov_study::{Report, Watch, contact_sides, settings};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
@@ -172,10 +170,10 @@ fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     let chosen = multipliers(args, scene)?;
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, 1 + names.len() * chosen.len() * (repeat + 1));
+    let bar = Bar::new(args.quiet, 1 + names.len() * chosen.len() * (repeat + 1));
     let reference = Reference::new(&for_truth(scene), &stop, &mut |step, stage| {
         if let Stage::Progress(part, _) = stage {
-            watch.show("reference", &format!("step {}, {part}", step + 1));
+            bar.show("reference", &format!("step {}, {part}", step + 1));
         }
         Ok(())
     });
@@ -185,19 +183,15 @@ fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
         if stop.load(Ordering::Relaxed) == 0 {
             let mut scene = scene.clone();
             scene.method.multiplier = *multiplier;
-            let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-            strategies.push(strategy(&scene, (&format!("{name}{suffix}"), *refine), &reference, repeat, &stop, tell));
+            let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
+            let watch = &mut Watch::new(&stop, tell);
+            strategies.push(strategy(&scene, (&format!("{name}{suffix}"), *refine), &reference, repeat, watch));
         }
     }
-    watch.show("files", "");
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study =
         Study { scene, source: &document.source, reference: &reference, strategies: &strategies, repeat, interrupted };
-    let tables = [("study.csv", csv(&study))];
-    let files = store(&out, "study", &|file| write(file, &study), &tables, &|out| pictures(&study, out))?;
-    watch.finish();
-    tell_results(args, &out, &files, || json(&study), || text(&study))?;
-    Ok(if study.complete() { 0 } else { NOT_REACHED })
+    finish(args, &out, "study", &bar, &report(&study), &|out| pictures(&study, out))
 }
 
 /// The multipliers, each with what it adds to the name of a strategy.
@@ -262,48 +256,40 @@ fn not_written(out: &Path, why: &std::io::Error) -> Failure {
     Failure(format!("error: the study cannot be written into {}: {why}", out.display()))
 }
 
-/// Writes NAME.h5, the tables and the pictures of a study.
-fn store(
+/// Writes NAME.h5, the tables and the pictures of a study, and tells what it found and where it is.
+fn finish(
+    args: &StudyArgs,
     out: &Path,
     name: &str,
-    write: &dyn Fn(&File) -> Result<(), IoError>,
-    tables: &[(&str, String)],
+    bar: &Bar,
+    report: &Report<'_>,
     pictures: &dyn Fn(&Path) -> Result<Vec<PathBuf>, PictureError>,
-) -> Result<Vec<PathBuf>, Failure> {
+) -> Result<u8, Failure> {
+    bar.show("files", "");
     let failed = |e: std::io::Error| not_written(out, &e);
     std::fs::create_dir_all(out).map_err(failed)?;
     let mut files = vec![out.join(format!("{name}.h5"))];
-    create_atomically(&files[0], true, |file| write(file))?;
-    for (table, content) in tables {
+    create_atomically(&files[0], true, |file| report.write(file))?;
+    for (table, content) in &report.tables {
         let path = out.join(table);
         picture::replace(out, &path, content.as_bytes()).map_err(failed)?;
         files.push(path);
     }
     files.extend(pictures(out)?);
-    Ok(files)
-}
-
-/// Tells what a study found and where it is.
-fn tell_results(
-    args: &StudyArgs,
-    out: &Path,
-    files: &[PathBuf],
-    json: impl FnOnce() -> Value,
-    text: impl FnOnce() -> String,
-) -> Result<(), Failure> {
+    bar.finish();
     if args.json {
-        let mut object = json();
+        let mut object = report.json();
         object["files"] = files.iter().map(|f| f.display().to_string()).collect();
         say(&serde_json::to_string_pretty(&object)?);
     } else {
-        say(text().trim_end());
+        say(report.text().trim_end());
         say(&format!("files       {} in {}", files.len(), out.display()));
     }
-    Ok(())
+    Ok(if report.complete { 0 } else { NOT_REACHED })
 }
 
 /// A bar on a terminal; elsewhere a line for each run; nothing when quiet.
-struct Watch {
+struct Bar {
     bar: Option<ProgressBar>,
     start: Instant,
     quiet: bool,
@@ -311,7 +297,7 @@ struct Watch {
     last: Cell<String>,
 }
 
-impl Watch {
+impl Bar {
     /// For so many runs and measurements.
     fn new(quiet: bool, number: usize) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {

@@ -234,10 +234,7 @@ fn solve_fine(
     let solved = GridSolved {
         dofs: grid.dofs(),
         energies: energies(&answer, answer.energy / 2.0, answer.work),
-        boundary_displacement: at_boundary
-            .iter()
-            .flat_map(|n| [answer.displacement[2 * n], answer.displacement[2 * n + 1]])
-            .collect(),
+        boundary_displacement: at_nodes(&answer.displacement, &at_boundary),
         displacement: answer.displacement,
         contact: answer.contact,
         balanced: answer.balanced,
@@ -317,6 +314,22 @@ pub(super) fn watched<T, E: Into<SolveError>>(
     }
 }
 
+/// Strain energy and load work of the fine displacement; cell by cell where the basis is not conforming.
+fn field_energies(
+    problem: &Multiscale<'_>,
+    displacement: &[f64],
+    coarse: &[f64],
+    loads: &Loads,
+    extra: &Extra,
+) -> Result<(f64, f64), MsfemError> {
+    if !problem.basis.is_conforming() {
+        return broken_energies(problem, coarse, loads, extra);
+    }
+    let load = loads.nodal(problem.body);
+    let work = displacement.iter().zip(&load).map(|(u, f)| u * f).sum();
+    Ok((problem.body.energy(displacement, displacement) / 2.0, work))
+}
+
 /// Strain energy and load work of a field that is not continuous, cell by cell.
 fn broken_energies(
     problem: &Multiscale<'_>,
@@ -334,6 +347,70 @@ fn broken_energies(
     Ok((strain, work))
 }
 
+/// The points of the unknowns of a multiscale problem.
+fn unknown_points(problem: &Multiscale<'_>) -> Vec<[f64; 2]> {
+    let mut points = vec![[0.0; 2]; problem.dofs() / 2];
+    for (vertex, unknown) in problem.mesh.vertices.iter().zip(&problem.unknown) {
+        if let Some(unknown) = unknown {
+            points[unknown / 2] = problem.body.grid.lattice_point(*vertex);
+        }
+    }
+    points
+}
+
+/// Takes the rigid motions that nothing resists out of the fine displacement, as out of that of bilinear elements, and the same out
+/// of that of the coarse vertices and of the boundary.
+fn without_free_motions(
+    grid: &Grid,
+    fine: &mut [f64],
+    (vertices, at): (&mut [f64], &[[usize; 2]]),
+    (boundary, trace): (&mut [f64], &GridTrace),
+    motions: &[RigidMotion],
+) {
+    let fine_points: Vec<[f64; 2]> = (0..grid.nodes()).map(|n| grid.point(n)).collect();
+    let vertex_points: Vec<[f64; 2]> = at.iter().map(|&v| grid.lattice_point(v)).collect();
+    let mut alike = [(vertices, &vertex_points[..]), (boundary, &trace.space.points[..])];
+    without_motions((fine, &fine_points), &mut alike, motions);
+}
+
+/// Values of the nodes of the boundary, interleaved.
+fn at_nodes(values: &[f64], nodes: &[usize]) -> Vec<f64> {
+    nodes.iter().flat_map(|n| [values[2 * n], values[2 * n + 1]]).collect()
+}
+
+/// The boundary with a node at each coarse vertex, and the nodes of the problem there.
+fn coarse_trace(scene: &Scene, problem: &Multiscale<'_>) -> Result<(GridTrace, Vec<usize>), SolveError> {
+    let vertex_at = |p: [usize; 2]| {
+        let found = problem.mesh.vertices.binary_search_by_key(&[p[1], p[0]], |v| [v[1], v[0]]);
+        found.ok()
+    };
+    let trace = GridTrace::new(scene, &problem.body.grid, |p| vertex_at(p).is_some())?;
+    let node_of = |p: [usize; 2]| {
+        let unknown = vertex_at(p).and_then(|v| problem.unknown[v]);
+        unknown.unwrap_or_else(|| unreachable!("vertices on the boundary do not hang")) / 2
+    };
+    let at_boundary = trace.lattice.iter().map(|&p| node_of(p)).collect();
+    Ok((trace, at_boundary))
+}
+
+/// The equations of the coarse vertices.
+fn coarse_system(
+    problem: &mut Multiscale<'_>,
+    loads: &Loads,
+    extra: &Extra,
+    at_boundary: Vec<usize>,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<System, SolveError> {
+    let coarse = watched("bases of coarse cells", [0.05, 0.4], observe, |go_on| problem.assemble(loads, extra, go_on))?;
+    Ok(System {
+        stiffness: coarse.stiffness,
+        load: coarse.load,
+        points: unknown_points(problem),
+        order: problem.elimination_order(),
+        at_boundary,
+    })
+}
+
 /// Multiscale elements on coarse cells.
 fn solve_coarse(
     scene: &Scene,
@@ -348,16 +425,7 @@ fn solve_coarse(
     let mesh = CoarseMesh::new(grid, cells)?;
     let basis = basis(scene);
     let mut problem = Multiscale::new(&body, mesh, basis)?;
-    let vertex_at = |p: [usize; 2]| {
-        let found = problem.mesh.vertices.binary_search_by_key(&[p[1], p[0]], |v| [v[1], v[0]]);
-        found.ok()
-    };
-    let trace = GridTrace::new(scene, grid, |p| vertex_at(p).is_some())?;
-    let node_of = |p: [usize; 2]| {
-        let unknown = vertex_at(p).and_then(|v| problem.unknown[v]);
-        unknown.unwrap_or_else(|| unreachable!("vertices on the boundary do not hang")) / 2
-    };
-    let at_boundary: Vec<usize> = trace.lattice.iter().map(|&p| node_of(p)).collect();
+    let (trace, at_boundary) = coarse_trace(scene, &problem)?;
     let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
     let held = data.held()?;
     check_gaps(scene, &trace)?;
@@ -368,21 +436,7 @@ fn solve_coarse(
     let set_up = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
-    let coarse =
-        watched("bases of coarse cells", [0.05, 0.4], observe, |go_on| problem.assemble(loads, &extra, go_on))?;
-    let mut points = vec![[0.0; 2]; problem.dofs() / 2];
-    for (vertex, unknown) in problem.mesh.vertices.iter().zip(&problem.unknown) {
-        if let Some(unknown) = unknown {
-            points[unknown / 2] = grid.lattice_point(*vertex);
-        }
-    }
-    let system = System {
-        stiffness: coarse.stiffness,
-        load: coarse.load,
-        points,
-        order: problem.elimination_order(),
-        at_boundary,
-    };
+    let system = coarse_system(&mut problem, loads, &extra, at_boundary, observe)?;
     let assemble = clock.elapsed().as_secs_f64();
     observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &system.stiffness))?;
 
@@ -401,26 +455,15 @@ fn solve_coarse(
     let mut displacement = watched("fine displacements", [0.6, 0.9], observe, |go_on| {
         problem.downscale(&answer.displacement, loads, &extra, go_on)
     })?;
-    let (strain, load_work) = if basis.is_conforming() {
-        let load = loads.nodal(&body);
-        let work = displacement.iter().zip(&load).map(|(u, f)| u * f).sum();
-        (body.energy(&displacement, &displacement) / 2.0, work)
-    } else {
-        broken_energies(&problem, &answer.displacement, loads, &extra)?
-    };
+    let (strain, load_work) = field_energies(&problem, &displacement, &answer.displacement, loads, &extra)?;
     let solve = clock.elapsed().as_secs_f64();
     let is_held = held_unknowns(grid, &fine, &fine_held);
     let (dofs, patterns) = (problem.dofs(), problem.patterns());
     let mut vertices = problem.vertex_displacement(&answer.displacement).into_flattened();
     let mesh = problem.mesh;
-    let mut boundary_displacement: Vec<f64> =
-        at_boundary.iter().flat_map(|n| [answer.displacement[2 * n], answer.displacement[2 * n + 1]]).collect();
-    // free of rigid motions on the fine grid, as bilinear elements are
-    let fine_points: Vec<[f64; 2]> = (0..grid.nodes()).map(|n| grid.point(n)).collect();
-    let vertex_points: Vec<[f64; 2]> = mesh.vertices.iter().map(|&v| grid.lattice_point(v)).collect();
-    let mut alike =
-        [(&mut vertices[..], &vertex_points[..]), (&mut boundary_displacement[..], &trace.space.points[..])];
-    without_motions((&mut displacement, &fine_points), &mut alike, &answer.free_motions);
+    let mut boundary_displacement = at_nodes(&answer.displacement, &at_boundary);
+    let (at_vertices, on_trace) = ((&mut vertices[..], &mesh.vertices[..]), (&mut boundary_displacement[..], &trace));
+    without_free_motions(grid, &mut displacement, at_vertices, on_trace, &answer.free_motions);
     let solved = GridSolved {
         dofs,
         energies: energies(&answer, strain, load_work),

@@ -3,15 +3,15 @@
 
 use faer::Mat;
 use sprs::CsMat;
-use steklov_contact::{ContactBoundary, resisted_motions};
+use steklov_contact::ContactBoundary;
 use steklov_elastic::RigidMotion;
-use steklov_msfem::Elimination;
-use steklov_problem::Scene;
+use steklov_msfem::{Elimination, ReducedLoad};
+use steklov_problem::{Scene, Solver};
 
 use super::trace::GridTrace;
 use crate::contact::{CondensedBody, ContactResult, solve_contact, solve_problem};
 use crate::equilibrium::{Equations, reactions};
-use crate::motions::{balanced, edges, work};
+use crate::motions::{unresisted, work};
 use crate::solve::{SolveError, Stage};
 use crate::supports::{Held, Supports};
 
@@ -152,10 +152,7 @@ impl System {
         let supports = Supports { space, held };
         let candidates = supports.free_motions();
         let of_load = |motion: &RigidMotion| work(&points, &load, motion);
-        let free = match &boundary {
-            None => balanced(&points, &load, &candidates)?,
-            Some(boundary) => resisted_motions(&candidates, &edges(boundary), of_load)?,
-        };
+        let free = unresisted((&points, &load), boundary.as_ref(), &candidates)?;
         let kept: Vec<usize> = boundary.as_ref().map_or(Vec::new(), |b| b.kept().into_iter().map(unknown).collect());
         let (mut fixed, mut values): (Vec<usize>, Vec<f64>) =
             supports.dofs().into_iter().map(|(dof, value)| (unknown(dof), value)).unzip();
@@ -174,31 +171,9 @@ impl System {
         let (mut displacement, contact) = match boundary {
             None => (elimination.expand(&reduced, &[]), None),
             Some(boundary) => {
-                let frames = Frames::new(&boundary);
-                let stiffness = frames.turn(elimination.stiffness());
-                observe(Stage::Condensed("S_contact", CONTACT, &stiffness))?;
-                let mut kept_load = reduced.kept.clone();
-                frames.turn_in(&mut kept_load);
-                let expand = |v: &[f64]| {
-                    let mut v = v.to_vec();
-                    frames.turn_back(&mut v);
-                    elimination.expand(&reduced, &v)
-                };
-                let body = CondensedBody {
-                    mesh,
-                    space,
-                    stiffness: &stiffness,
-                    load: &kept_load,
-                    expand: &expand,
-                    largest_diagonal: elimination.largest_diagonal(),
-                    free: &free,
-                    driven: &of_load,
-                    judged: true,
-                    // pins take the motions that the obstacle would make
-                    liftable: false,
-                };
-                let (displacement, result, _) =
-                    solve_contact(&body, boundary, &mut |problem| solve_problem(problem, scene.method.solver))?;
+                let (body, of_boundary) = ((&elimination, &reduced), (trace, boundary));
+                let solver = scene.method.solver;
+                let (displacement, result) = touching(body, of_boundary, solver, &free, &of_load, observe)?;
                 (displacement, Some(result))
             }
         };
@@ -232,4 +207,40 @@ impl System {
             displacement,
         })
     }
+}
+
+/// The displacement of a body in contact, and its contact.
+fn touching(
+    (elimination, reduced): (&Elimination, &ReducedLoad),
+    (trace, boundary): (&GridTrace, ContactBoundary),
+    solver: Solver,
+    free: &[RigidMotion],
+    driven: &dyn Fn(&RigidMotion) -> (f64, f64),
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(Vec<f64>, ContactResult), SolveError> {
+    let frames = Frames::new(&boundary);
+    let stiffness = frames.turn(elimination.stiffness());
+    observe(Stage::Condensed("S_contact", CONTACT, &stiffness))?;
+    let mut load = reduced.kept.clone();
+    frames.turn_in(&mut load);
+    let expand = |v: &[f64]| {
+        let mut v = v.to_vec();
+        frames.turn_back(&mut v);
+        elimination.expand(reduced, &v)
+    };
+    let body = CondensedBody {
+        mesh: &trace.mesh,
+        space: &trace.space,
+        stiffness: &stiffness,
+        load: &load,
+        expand: &expand,
+        largest_diagonal: elimination.largest_diagonal(),
+        free,
+        driven,
+        judged: true,
+        // pins take the motions that the obstacle would make
+        liftable: false,
+    };
+    let (displacement, result, _) = solve_contact(&body, boundary, &mut |problem| solve_problem(problem, solver))?;
+    Ok((displacement, result))
 }

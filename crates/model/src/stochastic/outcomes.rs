@@ -14,6 +14,7 @@ use crate::body_load::Particular;
 use crate::contact::solve_problem;
 use crate::data::{Data, Loads};
 use crate::fields::probe;
+use crate::motions::unresisted;
 use crate::report::{ContactRow, contact_rows, figures};
 use crate::solve::{SolveError, Solved};
 use crate::summary::Summary;
@@ -96,7 +97,8 @@ impl<'a> Outcomes<'a> {
         let supports = Supports { space, held: &held };
         let mut given = Given::new(loads, particular, boundary, supports.values(), mesh, space);
         given.judged = false;
-        let free = given.free_motions(space, &scene.unresisted(supports.free_motions()))?;
+        let candidates = scene.unresisted(supports.free_motions());
+        let free = unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?;
         if free.len() != self.body.free.len() {
             let (here, nominal) = (free.len(), self.body.free.len());
             let what = format!("{here} motions that nothing resists, for the mean input {nominal}: hold the body");

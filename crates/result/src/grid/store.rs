@@ -224,66 +224,8 @@ fn load_step(at: &Group) -> Result<Step<OnGrid>, IoError> {
     }
     let coarse = if at.link_exists("coarse_cells") { Some(load_cells(at)?) } else { None };
     let around = if at.link_exists(AROUND) { Some(load(at, AROUND)?) } else { None };
-    let estimate = if at.link_exists("estimate") {
-        let terms = load_vector(at, "estimate_terms")?;
-        // earlier files have no medium
-        let (&[multiscale, fine_grid, relative, inside, crossed]
-        | &[multiscale, fine_grid, relative, inside, crossed, _]) = terms.as_slice()
-        else {
-            return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
-        };
-        let medium = terms.get(5).copied().unwrap_or(0.0);
-        let jump = if at.link_exists(JUMP) { load_vector(at, JUMP)? } else { Vec::new() };
-        let interface = if at.link_exists(INTERFACE) { Some(load(at, INTERFACE)?) } else { None };
-        let group = open_group(at, "indicators")?;
-        let cells = coarse.as_ref().map_or(0, Vec::len);
-        let column = |name: &str| -> Result<Vec<f64>, IoError> {
-            let values = load_vector(&group, name)?;
-            match values.len() {
-                n if n == cells => Ok(values),
-                n => Err(invalid(&group, name, format!("{n} indicators of {cells} coarse cells"))),
-            }
-        };
-        let residual = if group.link_exists(RESIDUAL_TERMS[0].0) {
-            let [volume_mean, volume_oscillation, jump_mean, jump_oscillation, neumann] =
-                RESIDUAL_TERMS.map(|(name, ..)| column(name));
-            Some(Indicators {
-                volume_mean: volume_mean?,
-                volume_oscillation: volume_oscillation?,
-                jump_mean: jump_mean?,
-                jump_oscillation: jump_oscillation?,
-                neumann: neumann?,
-            })
-        } else {
-            None
-        };
-        let crossing = if at.link_exists("crossing") {
-            let numbers = load_vector(at, "crossing")?;
-            let &[largest, x, y, share] = numbers.as_slice() else {
-                return Err(invalid(at, "crossing", format!("{} numbers, not 4", numbers.len())));
-            };
-            Some(CrossingContrast { largest, at: [x, y], share })
-        } else {
-            None
-        };
-        let (indicators, error) = (column("squared")?, load_number(at, "estimate")?);
-        Some(GridEstimate {
-            indicators,
-            residual,
-            multiscale,
-            fine_grid,
-            interface,
-            jump,
-            medium,
-            error,
-            relative,
-            crossing,
-            inside,
-            crossed,
-        })
-    } else {
-        None
-    };
+    let estimate =
+        if at.link_exists("estimate") { Some(load_estimate(at, coarse.as_ref().map_or(0, Vec::len))?) } else { None };
     Ok(Step {
         layout: GridLayout { parts, coarse, around },
         dofs: whole("dofs")?,
@@ -294,5 +236,64 @@ fn load_step(at: &Group) -> Result<Step<OnGrid>, IoError> {
         history: load_vector(at, "history")?,
         estimate,
         seconds,
+    })
+}
+
+/// The estimate of a step that has one, of so many coarse cells.
+fn load_estimate(at: &Group, cells: usize) -> Result<GridEstimate, IoError> {
+    let terms = load_vector(at, "estimate_terms")?;
+    // earlier files have no medium
+    let (&[multiscale, fine_grid, relative, inside, crossed] | &[multiscale, fine_grid, relative, inside, crossed, _]) =
+        terms.as_slice()
+    else {
+        return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
+    };
+    let medium = terms.get(5).copied().unwrap_or(0.0);
+    let jump = if at.link_exists(JUMP) { load_vector(at, JUMP)? } else { Vec::new() };
+    let interface = if at.link_exists(INTERFACE) { Some(load(at, INTERFACE)?) } else { None };
+    let group = open_group(at, "indicators")?;
+    let column = |name: &str| -> Result<Vec<f64>, IoError> {
+        let values = load_vector(&group, name)?;
+        match values.len() {
+            n if n == cells => Ok(values),
+            n => Err(invalid(&group, name, format!("{n} indicators of {cells} coarse cells"))),
+        }
+    };
+    let residual = if group.link_exists(RESIDUAL_TERMS[0].0) {
+        let [volume_mean, volume_oscillation, jump_mean, jump_oscillation, neumann] =
+            RESIDUAL_TERMS.map(|(name, ..)| column(name));
+        Some(Indicators {
+            volume_mean: volume_mean?,
+            volume_oscillation: volume_oscillation?,
+            jump_mean: jump_mean?,
+            jump_oscillation: jump_oscillation?,
+            neumann: neumann?,
+        })
+    } else {
+        None
+    };
+    let crossing = if at.link_exists("crossing") {
+        let numbers = load_vector(at, "crossing")?;
+        let &[largest, x, y, share] = numbers.as_slice() else {
+            return Err(invalid(at, "crossing", format!("{} numbers, not 4", numbers.len())));
+        };
+        Some(CrossingContrast { largest, at: [x, y], share })
+    } else {
+        None
+    };
+    let (indicators, error) = (column("squared")?, load_number(at, "estimate")?);
+    Ok(GridEstimate {
+        indicators,
+        residual,
+        multiscale,
+        fine_grid,
+        interface,
+        jump,
+        medium,
+        error,
+        relative,
+        crossing,
+        inside,
+        crossed,
     })
 }

@@ -1,14 +1,13 @@
 //! The rigid motions that must leave the three-field form.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use faer::{Mat, Side};
 use steklov_bem_operators::Polygon;
 
 use super::grids::Level;
 use super::manufactured::{Manufactured, Pair};
 use super::systems::Reduced;
-use crate::columns::Column;
+use crate::table::Column;
+use crate::watch::{Found, Watch};
 
 /// Reciprocal condition of the three-field matrix of one pair on one grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -35,14 +34,8 @@ pub(super) const CONDITIONS: [Column<Condition>; 6] = [
     ("three", "1", "the same, translations and rotation removed", |c| c.three),
 ];
 
-/// Conditions of all pairs.
-#[derive(Debug, Clone, Default)]
-pub struct Conditioning {
-    /// By pair and grid.
-    pub points: Vec<Condition>,
-    /// What failed, and why.
-    pub failures: Vec<(String, String)>,
-}
+/// Conditions by pair and grid.
+pub type Conditioning = Found<Condition>;
 
 impl Conditioning {
     /// The points of a pair.
@@ -58,31 +51,23 @@ fn reciprocal(matrix: &Mat<f64>) -> f64 {
     values.iter().fold(f64::INFINITY, |m, v| m.min(v.abs())) / largest
 }
 
-/// Measures all pairs on all grids. `tell` hears what is being done. After a wish to stop nothing more is measured.
-pub fn conditioning(
-    polygon: &Polygon,
-    pairs: &[Pair],
-    levels: &[Level],
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Conditioning {
+/// Measures all pairs on all grids. After a wish to stop nothing more is measured.
+pub fn conditioning(polygon: &Polygon, pairs: &[Pair], levels: &[Level], watch: &mut Watch<'_>) -> Conditioning {
     let mut all = Conditioning::default();
     for (pair, materials) in pairs.iter().enumerate() {
         let exact = Manufactured::new(polygon, materials);
         for level in levels {
-            if interrupts.load(Ordering::Relaxed) > 0 {
+            if watch.stopped() {
                 return all;
             }
             let cells = level.grid.cells;
             let at = format!("conditioning, {}, {} by {} cells", materials.name, cells[0], cells[1]);
-            tell("conditioning", &at);
-            match Reduced::new(&exact, level) {
-                Ok(reduced) => {
-                    let [two, three] = [2, 3].map(|motions| reciprocal(&reduced.three_field(1.0, motions)));
-                    all.points.push(Condition { pair, cells, size: 3 * level.trace, two, three });
-                }
-                Err(error) => all.failures.push((at, error.to_string())),
-            }
+            watch.tell("conditioning", &at);
+            let found = Reduced::new(&exact, level).map(|reduced| {
+                let [two, three] = [2, 3].map(|motions| reciprocal(&reduced.three_field(1.0, motions)));
+                Some(Condition { pair, cells, size: 3 * level.trace, two, three })
+            });
+            all.take(at, found);
         }
     }
     all

@@ -1,6 +1,5 @@
 //! Errors of the three forms of the equations on finer and finer grids.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use steklov_bem_operators::Polygon;
@@ -8,8 +7,9 @@ use steklov_coupling::{CouplingError, Form, Interior, Radiation, Transmission};
 
 use super::grids::Level;
 use super::manufactured::{Manufactured, Pair};
-use crate::columns::Column;
-use crate::strategy::median;
+use crate::median;
+use crate::table::Column;
+use crate::watch::{Found, Watch};
 
 /// The forms and their names.
 pub const FORMS: [(&str, Form); 3] =
@@ -60,14 +60,8 @@ pub(super) const POINTS: [Column<Point>; 11] = [
 /// Unit of energy norms.
 pub(super) const ENERGY: &str = "(force*length/thickness)^(1/2)";
 
-/// Errors of all forms and pairs.
-#[derive(Debug, Clone, Default)]
-pub struct Convergence {
-    /// By pair, grid and form.
-    pub points: Vec<Point>,
-    /// What failed, and why.
-    pub failures: Vec<(String, String)>,
-}
+/// Errors by pair, grid and form.
+pub type Convergence = Found<Point>;
 
 impl Convergence {
     /// The points of a pair and a form.
@@ -77,38 +71,34 @@ impl Convergence {
 }
 
 /// Solves with all pairs, forms and grids; the last pair `repeat` times, of which its seconds are medians, the others once.
-/// `tell` hears what is being done. After a wish to stop nothing more is solved.
+/// After a wish to stop nothing more is solved.
 pub fn convergence(
     polygon: &Polygon,
     pairs: &[Pair],
     levels: &[Level],
     repeat: usize,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
+    watch: &mut Watch<'_>,
 ) -> Convergence {
     let mut all = Convergence::default();
     for (pair, materials) in pairs.iter().enumerate() {
         let exact = Manufactured::new(polygon, materials);
         let runs = if pair + 1 == pairs.len() { repeat.max(1) } else { 1 };
         for level in levels {
-            if interrupts.load(Ordering::Relaxed) > 0 {
+            if watch.stopped() {
                 return all;
             }
             let [x, y] = level.grid.cells;
-            tell(&materials.name, &format!("{x} by {y} cells"));
-            match solve(&exact, level, runs) {
-                Ok(found) => {
-                    for (form, mut point) in found.into_iter().enumerate() {
-                        if let Some(before) = all.of(pair, form).last() {
-                            let steps = (x as f64 / before.cells[0] as f64).ln();
-                            point.rate = (before.error / point.error).ln() / steps;
-                            point.traction_rate = (before.traction / point.traction).ln() / steps;
-                        }
-                        all.points.push(Point { pair, form, ..point });
-                    }
+            watch.tell(&materials.name, &format!("{x} by {y} cells"));
+            let mut found = solve(&exact, level, runs);
+            for point in found.iter_mut().flatten() {
+                point.pair = pair;
+                if let Some(before) = all.of(pair, point.form).last() {
+                    let steps = (x as f64 / before.cells[0] as f64).ln();
+                    point.rate = (before.error / point.error).ln() / steps;
+                    point.traction_rate = (before.traction / point.traction).ln() / steps;
                 }
-                Err(error) => all.failures.push((format!("{}, {x} by {y} cells", materials.name), error.to_string())),
             }
+            all.take(format!("{}, {x} by {y} cells", materials.name), found);
         }
     }
     all

@@ -1,6 +1,5 @@
 //! Elimination down to the interface beside one sparse matrix with the dense block of the medium in it.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -18,8 +17,9 @@ use steklov_msfem::MsfemError;
 
 use super::grids::Level;
 use super::manufactured::{Manufactured, Pair};
-use crate::columns::Column;
-use crate::strategy::median;
+use crate::median;
+use crate::table::Column;
+use crate::watch::{Found, Watch};
 
 /// The ways and their names.
 pub const WAYS: [&str; 3] = ["elimination to the interface", "S inserted, boundary last", "S inserted, AMD ordering"];
@@ -62,43 +62,26 @@ pub(super) const COSTS: [Column<Cost>; 12] = [
     ("difference", "1", "largest difference of the displacements over the largest one", |c| c.difference),
 ];
 
-/// Costs on all grids.
-#[derive(Debug, Clone, Default)]
-pub struct Costs {
-    /// By grid.
-    pub points: Vec<Cost>,
-    /// What failed, and why.
-    pub failures: Vec<(String, String)>,
-}
+/// Costs by grid.
+pub type Costs = Found<Cost>;
 
-/// Solves one pair on all grids, each way `repeat` times. `tell` hears what is being done. After a wish to stop nothing more is
+/// Solves one pair on all grids, each way `repeat` times. After a wish to stop nothing more is
 /// solved. Solutions that differ by more than 1e-10 are a failure.
-pub fn costs(
-    polygon: &Polygon,
-    pair: &Pair,
-    levels: &[Level],
-    repeat: usize,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Costs {
+pub fn costs(polygon: &Polygon, pair: &Pair, levels: &[Level], repeat: usize, watch: &mut Watch<'_>) -> Costs {
     let mut all = Costs::default();
     let exact = Manufactured::new(polygon, pair);
     for level in levels {
-        if interrupts.load(Ordering::Relaxed) > 0 {
+        if watch.stopped() {
             return all;
         }
         let at = format!("cost, {} by {} cells", level.grid.cells[0], level.grid.cells[1]);
-        tell("cost", &at);
-        match cost(&exact, level, repeat.max(1)) {
-            Ok(point) => {
-                // a NaN is no agreement
-                if point.difference.is_nan() || point.difference > SAME {
-                    all.failures.push((at, format!("the solutions differ by {:.1e} of the largest", point.difference)));
-                }
-                all.points.push(point);
-            }
-            Err(error) => all.failures.push((at, error.to_string())),
+        watch.tell("cost", &at);
+        let found = cost(&exact, level, repeat.max(1));
+        // a NaN is no agreement
+        if let Some(apart) = found.as_ref().ok().map(|c| c.difference).filter(|d| d.is_nan() || *d > SAME) {
+            all.failures.push((at.clone(), format!("the solutions differ by {apart:.1e} of the largest")));
         }
+        all.take(at, found.map(Some));
     }
     all
 }

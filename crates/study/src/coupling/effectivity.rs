@@ -1,7 +1,5 @@
 //! The residual indicators of the coupling against the error: term by term, on finer grids and over the contrast.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use steklov_bem_operators::Polygon;
 use steklov_coupling::{
     CellIndicators, CouplingError, Form, InterfaceIndicators, Interior, Jumps, Radiation, Transmission,
@@ -11,7 +9,8 @@ use steklov_elastic::Material;
 use super::convergence::ENERGY;
 use super::grids::Level;
 use super::manufactured::{Manufactured, Pair};
-use crate::columns::Column;
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// The forms whose indicators differ, and their names.
 pub const INDICATED: [(&str, Form); 2] = [("two-field, Schur", Form::TwoField), ("three-field", Form::ThreeField)];
@@ -88,24 +87,18 @@ impl Effectivity {
     }
 }
 
-/// Estimates the errors of all pairs on all grids, and of the last pair at all contrasts on the last grid but one. `tell` hears
-/// what is being done. After a wish to stop nothing more is solved.
-pub fn effectivity(
-    polygon: &Polygon,
-    pairs: &[Pair],
-    levels: &[Level],
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Effectivity {
+/// Estimates the errors of all pairs on all grids, and of the last pair at all contrasts on the last grid but one. After
+/// a wish to stop nothing more is solved.
+pub fn effectivity(polygon: &Polygon, pairs: &[Pair], levels: &[Level], watch: &mut Watch<'_>) -> Effectivity {
     let mut all = Effectivity::default();
     let mut estimate = |number: usize, pair: &Pair, level: &Level, failures: &mut Vec<(String, String)>| {
-        if interrupts.load(Ordering::Relaxed) > 0 {
+        if watch.stopped() {
             return Vec::new();
         }
         let [x, y] = level.grid.cells;
         let contrast = pair.body.young / pair.medium.young;
         let at = format!("indicators, contrast {contrast:.1e}, {x} by {y} cells");
-        tell("indicators", &at);
+        watch.tell("indicators", &at);
         let found = indicated(&Manufactured::new(polygon, pair), level);
         let found = found.map_err(|error| failures.push((at, error.to_string())));
         found.map_or(Vec::new(), |points| points.map(|point| Indicated { pair: number, ..point }).to_vec())

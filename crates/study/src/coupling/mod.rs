@@ -4,7 +4,7 @@
 //! grids: Pair (materials), Level (grid) ─► Manufactured (a known solution on the scene's body)
 //!                                              │
 //!      ┌────────────┬──────────────┬────────┴──────┬──────────────┐
-//! Convergence   Effectivity       Costs       Conditioning       Wrongs     ─► CouplingStudy ─► store, table, draw
+//! Convergence   Effectivity       Costs       Conditioning       Wrongs     ─► CouplingStudy ─► report, draw
 //! ```
 //! Each part is a file: what it computes, and the columns of its table.
 
@@ -16,13 +16,10 @@ mod cost;
 mod systems;
 mod conditioning;
 mod wrong;
-mod table;
-mod store;
+mod report;
 mod draw;
 
 use steklov_problem::{Scene, Source};
-
-use super::columns;
 
 pub use conditioning::{Condition, Conditioning, conditioning};
 pub use convergence::{Convergence, FORMS, Point, convergence};
@@ -31,8 +28,7 @@ pub use draw::pictures;
 pub use effectivity::{Effectivity, INDICATED, Indicated, TERMS, effectivity};
 pub use grids::{Level, coarsest, largest, levels, pairs, settings};
 pub use manufactured::{Manufactured, Pair, Problem};
-pub use store::write;
-pub use table::{csv, json, text};
+pub use report::report;
 pub use wrong::{SYSTEMS, Wrong, Wrongs, wrongs};
 
 /// A finished study.

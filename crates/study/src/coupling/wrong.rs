@@ -1,7 +1,5 @@
 //! What must not be done: signs and factors of the literature that do not converge, beside those that do.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use faer::Scale;
 use steklov_bem_operators::Polygon;
 
@@ -9,7 +7,8 @@ use super::convergence::ENERGY;
 use super::grids::Level;
 use super::manufactured::{Manufactured, Pair};
 use super::systems::Reduced;
-use crate::columns::Column;
+use crate::table::Column;
+use crate::watch::{Found, Watch};
 
 /// The systems and their names.
 pub const SYSTEMS: [&str; 5] =
@@ -39,14 +38,8 @@ pub(super) const WRONG: [Column<Wrong>; 4] = [
     ("error", ENERGY, "error of the body, energy norm", |w| w.error),
 ];
 
-/// Errors of right and wrong systems.
-#[derive(Debug, Clone, Default)]
-pub struct Wrongs {
-    /// By grid and system.
-    pub points: Vec<Wrong>,
-    /// What failed, and why.
-    pub failures: Vec<(String, String)>,
-}
+/// Errors of right and wrong systems, by grid and system.
+pub type Wrongs = Found<Wrong>;
 
 impl Wrongs {
     /// The points of a system.
@@ -55,40 +48,34 @@ impl Wrongs {
     }
 }
 
-/// Solves one pair by all systems on all grids. `tell` hears what is being done. After a wish to stop nothing more is solved.
-pub fn wrongs(
-    polygon: &Polygon,
-    pair: &Pair,
-    levels: &[Level],
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Wrongs {
+/// Solves one pair by all systems on all grids. After a wish to stop nothing more is solved.
+pub fn wrongs(polygon: &Polygon, pair: &Pair, levels: &[Level], watch: &mut Watch<'_>) -> Wrongs {
     let mut all = Wrongs::default();
     let exact = Manufactured::new(polygon, pair);
     for level in levels {
-        if interrupts.load(Ordering::Relaxed) > 0 {
+        if watch.stopped() {
             return all;
         }
         let cells = level.grid.cells;
         let at = format!("wrong signs, {} by {} cells", cells[0], cells[1]);
-        tell("wrong signs", &at);
-        match Reduced::new(&exact, level) {
-            Ok(reduced) => {
-                let s = reduced.steklov(-0.5);
-                let fields = [
-                    reduced.with_operator(&s),
-                    reduced.with_operator(&(&s * Scale(-1.0))),
-                    reduced.with_operator(&reduced.steklov(0.5)),
-                    reduced.by_three_fields(1.0),
-                    reduced.by_three_fields(2.0),
-                ];
-                for (system, field) in fields.iter().enumerate() {
-                    let [error, _] = exact.energy_error(&reduced.body, field);
-                    all.points.push(Wrong { system, cells, error });
-                }
-            }
-            Err(error) => all.failures.push((at, error.to_string())),
-        }
+        watch.tell("wrong signs", &at);
+        all.take(at, Reduced::new(&exact, level).map(|reduced| solved(&exact, &reduced, cells)));
     }
     all
+}
+
+/// All systems on one grid.
+fn solved(exact: &Manufactured<'_>, reduced: &Reduced, cells: [usize; 2]) -> [Wrong; 5] {
+    let s = reduced.steklov(-0.5);
+    let fields = [
+        reduced.with_operator(&s),
+        reduced.with_operator(&(&s * Scale(-1.0))),
+        reduced.with_operator(&reduced.steklov(0.5)),
+        reduced.by_three_fields(1.0),
+        reduced.by_three_fields(2.0),
+    ];
+    [0, 1, 2, 3, 4].map(|system| {
+        let [error, _] = exact.energy_error(&reduced.body, &fields[system]);
+        Wrong { system, cells, error }
+    })
 }

@@ -1,25 +1,24 @@
 //! Multipliers of contact and their displacements: which pairs are stable, which need stabilisation, which are stabilised.
 //!
 //! ```text
-//! settings ─► pairs (β over elements and degree), pressures (with γ and without) ─► InfSup ─► store, table, draw
+//! settings ─► pairs (β over elements and degree), pressures (with γ and without) ─► InfSup ─► report, draw
 //! ```
 
 mod subspace;
 mod pairs;
 mod pressure;
-mod table;
-mod store;
+mod report;
 mod draw;
 
 use steklov_problem::{Scene, Source};
 
-use super::columns;
+use crate::distinct;
+use crate::settings::unless_set;
 
 pub use draw::pictures;
 pub use pairs::{PAIRS, Pair, Part, Point, pairs};
 pub use pressure::{Pressure, Pressures, pressures};
-pub use store::write;
-pub use table::{csv, json, text};
+pub use report::report;
 
 /// First mesh: the reference spaces have 16 times its elements.
 const ELEMENTS: &str = "method.elements=8";
@@ -60,10 +59,7 @@ impl InfSup<'_> {
 
     /// The degrees that were studied, rising.
     fn degrees(&self) -> Vec<usize> {
-        let mut degrees: Vec<usize> = self.points.iter().map(|p| p.degree).collect();
-        degrees.sort_unstable();
-        degrees.dedup();
-        degrees
+        distinct(self.points.iter().map(|p| p.degree))
     }
 
     /// Elements of the coarsest mesh.
@@ -74,7 +70,5 @@ impl InfSup<'_> {
 
 /// The overrides of a study: its first mesh where the user sets none, then those of the user.
 pub fn settings(user: &[String]) -> Vec<String> {
-    let named = user.iter().any(|o| o.split('=').next().is_some_and(|key| key.trim() == "method.elements"));
-    let own = (!named).then(|| ELEMENTS.to_owned());
-    own.into_iter().chain(user.iter().cloned()).collect()
+    unless_set(ELEMENTS, user)
 }

@@ -7,8 +7,6 @@
 //! H^-1/2 in the energy of the body. Biorthogonal and continuous multipliers are given by their values T at the nodes of the
 //! discontinuous ones: Tᵀ G T.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use faer::Mat;
 use steklov_bem_operators::Mesh;
 use steklov_contact::{
@@ -20,8 +18,9 @@ use steklov_model::stabilised::SAFE;
 use steklov_problem::Scene;
 
 use super::subspace::{biorthogonal, continuous, restricted};
-use crate::columns::Column;
-use crate::supported::{Supported, contact_sides, uniform_mesh};
+use crate::supported::{Supported, contact_sides, each, uniform_mesh};
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// Which multipliers of W_Hq a pair has.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,23 +65,8 @@ pub const PAIRS: [Pair; 7] = [
 ];
 
 /// Meshes: so many times the elements of the scene, and degrees.
-const MESHES: [(usize, usize); 15] = [
-    (1, 1),
-    (2, 1),
-    (4, 1),
-    (8, 1),
-    (1, 2),
-    (2, 2),
-    (4, 2),
-    (8, 2),
-    (1, 3),
-    (2, 3),
-    (4, 3),
-    (8, 3),
-    (1, 4),
-    (1, 5),
-    (1, 6),
-];
+const MESHES: [(&[usize], usize); 6] =
+    [(&[1, 2, 4, 8], 1), (&[1, 2, 4, 8], 2), (&[1, 2, 4, 8], 3), (&[1], 4), (&[1], 5), (&[1], 6)];
 /// Unknowns of a reference space at most.
 const REFERENCE_DOFS: usize = 3200;
 /// Parts of an element in that space are 2 to this power, its degrees so many higher.
@@ -121,17 +105,13 @@ pub(super) const POINTS: [Column<Point>; 6] = [
 ];
 
 /// β of all pairs on a few uniform meshes. Meshes with more unknowns than the scene or a quick study allows are left out.
-/// `tell` hears what is being done. After a wish to stop no more meshes are done.
+/// After a wish to stop no more meshes are done.
 ///
 /// # Errors
 /// Prescribed displacements or data of contact that are not finite, operators that cannot be made.
-pub fn pairs(
-    scene: &Scene,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Result<Vec<Point>, SolveError> {
+pub fn pairs(scene: &Scene, watch: &mut Watch<'_>) -> Result<Vec<Point>, SolveError> {
     let mut points: Vec<Point> = Vec::new();
-    for (times, degree) in MESHES {
+    for (times, degree) in each(&MESHES) {
         let mesh = uniform_mesh(scene, times, degree);
         let dofs = 2 * mesh.degree.iter().sum::<usize>();
         let reference_dofs = 2 * (mesh.len() << HALVINGS) * (degree + RAISED);
@@ -139,10 +119,10 @@ pub fn pairs(
         if done || dofs > scene.method.max_dofs || reference_dofs > REFERENCE_DOFS {
             continue;
         }
-        if interrupts.load(Ordering::Relaxed) > 0 {
+        if watch.stopped() {
             break;
         }
-        tell("inf-sup constants", &format!("{} elements of degree {degree}", mesh.len()));
+        watch.tell("inf-sup constants", &format!("{} elements of degree {degree}", mesh.len()));
         points.extend(on_mesh(scene, mesh, degree)?);
     }
     Ok(points)

@@ -1,16 +1,15 @@
 //! The pressure of an unstable pair, with stabilisation and with next to none: λ is then not determined but up to what no
 //! displacement sees, and oscillates.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::solve::{SolveError, solve};
 use steklov_problem::{Contact, Friction, Law, Multiplier, Scene};
 
-use crate::columns::Column;
 use crate::supported::uniform_mesh;
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// The mesh: so many times the elements of the scene, the first that it allows, and its degree.
 const TIMES: [usize; 3] = [4, 2, 1];
@@ -74,11 +73,7 @@ pub(super) const ROWS: [Column<ContactRow>; 6] = [
 ///
 /// # Errors
 /// As [`solve`] with the scene's own γ; what fails with next to none or for want of Coulomb friction is told in its place.
-pub fn pressures(
-    scene: &Scene,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Result<Pressures, SolveError> {
+pub fn pressures(scene: &Scene, watch: &mut Watch<'_>) -> Result<Pressures, SolveError> {
     let dofs = |times: &usize| 2 * DEGREE * uniform_mesh(scene, *times, DEGREE).len();
     let fitting = TIMES.into_iter().find(|t| dofs(t) <= scene.method.max_dofs.min(DOFS));
     let mesh = uniform_mesh(scene, fitting.unwrap_or(1), DEGREE);
@@ -96,10 +91,10 @@ pub fn pressures(
     }
     let mut all = Pressures { elements: mesh.len(), degree: DEGREE, solutions: Vec::new() };
     for stable in [true, false] {
-        if fitting.is_none() || interrupts.load(Ordering::Relaxed) > 0 {
+        if fitting.is_none() || watch.stopped() {
             break;
         }
-        tell("pressure", if stable { "stabilised" } else { "not stabilised" });
+        watch.tell("pressure", if stable { "stabilised" } else { "not stabilised" });
         if let Some(first) = all.solutions.first() {
             scene.method.gamma = Some(NONE * first.critical);
         }

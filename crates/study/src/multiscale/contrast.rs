@@ -8,23 +8,17 @@ use std::sync::atomic::AtomicUsize;
 use steklov_model::grid::{FAILING, GridSolved};
 use steklov_model::solve::SolveError;
 use steklov_msfem::{Indicators, crossing_contrast};
-use steklov_problem::BasisInput;
 
-use super::measure::{error, estimate, norm, on_all_cells, on_coarse_cells};
+use super::measure::{FITTED, error, estimate, norm, on_all_cells, on_coarse_cells};
 use super::plate::plate;
-use crate::columns::Column;
+use crate::table::Column;
+use crate::watch::{Found, Watch};
 
 /// Where the stiff parts are: positive in them.
 pub const PARTS: [(&str, &str); 3] = [
     ("inside coarse cells", "-max(cos(8*pi*x), cos(8*pi*y))"),
     ("across coarse edges", "min(cos(8*pi*x), cos(8*pi*y))"),
     ("channels", "min(cos(2*pi*(4*y - 0.4375)) - sqrt(0.5), 0.90625 - abs(x - 1))"),
-];
-/// Bases and their names; the last is enlarged by half a coarse cell.
-pub const CONTRASTED: [(&str, BasisInput); 3] = [
-    ("coupled", BasisInput::Coupled),
-    ("oscillatory", BasisInput::Oscillatory),
-    ("oversampled", BasisInput::Oversampled),
 ];
 /// Exponents of the contrasts.
 const POWERS: std::ops::RangeInclusive<i32> = 1..=6;
@@ -36,7 +30,7 @@ const FINE: usize = 16;
 pub struct Stiff {
     /// Number in [`PARTS`].
     pub part: usize,
-    /// Number in [`CONTRASTED`].
+    /// Number in [`FITTED`].
     pub basis: usize,
     /// Modulus of the stiff parts over that of the others.
     pub contrast: f64,
@@ -69,14 +63,8 @@ pub(super) const STIFF: [Column<Stiff>; 8] = [
     ("warned", "1", "1 where solve warns that stiff parts cross coarse edges", |s| f64::from(u8::from(s.warned()))),
 ];
 
-/// Errors at high contrast.
-#[derive(Debug, Clone, Default)]
-pub struct Contrast {
-    /// By part, contrast and basis.
-    pub points: Vec<Stiff>,
-    /// What failed, and why.
-    pub failures: Vec<(String, String)>,
-}
+/// Errors at high contrast, by part, contrast and basis.
+pub type Contrast = Found<Stiff>;
 
 impl Contrast {
     /// The points of a place of stiff parts and a basis.
@@ -85,14 +73,14 @@ impl Contrast {
     }
 }
 
-/// Solves with all contrasts. `tell` hears what is being done. After a wish to stop nothing more is solved.
-pub fn contrast(interrupts: &AtomicUsize, tell: &mut dyn FnMut(&str, &str)) -> Contrast {
+/// Solves with all contrasts. After a wish to stop nothing more is solved.
+pub fn contrast(watch: &mut Watch<'_>) -> Contrast {
     let mut all = Contrast::default();
     for (part, (name, _)) in PARTS.iter().enumerate() {
         for power in POWERS {
             let at = format!("stiff parts {name}, contrast 1e{power}");
-            tell("contrast", &at);
-            match one(part, 10.0_f64.powi(power), interrupts, &mut all.points) {
+            watch.tell("contrast", &at);
+            match one(part, 10.0_f64.powi(power), watch.interrupts, &mut all.points) {
                 Err(SolveError::Interrupted) => return all,
                 Err(error) => all.failures.push((at, error.to_string())),
                 Ok(()) => {}
@@ -107,7 +95,7 @@ fn one(part: usize, contrast: f64, interrupts: &AtomicUsize, points: &mut Vec<St
     let young = format!("(C + 1)/2 + (C - 1)/2*sign({})", PARTS[part].1);
     let scene = plate([2.0, 1.0], &young, ("C", contrast), 4 * FINE, [[8, 4], [FINE; 2]])?;
     let truth = on_all_cells(&scene, 1, interrupts)?;
-    for (basis, (_, input)) in CONTRASTED.iter().enumerate() {
+    for (basis, (_, input)) in FITTED.iter().enumerate() {
         let solved = on_coarse_cells(&scene, [FINE; 2], *input, Some(FINE / 2), interrupts)?;
         let error = error(&truth, &solved)?;
         let Some(coarse) = &solved.coarse else { unreachable!("coarse cells were asked for") };

@@ -1,13 +1,12 @@
 //! Errors of the bases on smaller and smaller coarse cells.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use steklov_model::solve::SolveError;
 use steklov_problem::{DataError, Scene, check_body, grid_of};
 
 use super::FineGrid;
 use super::measure::{BASES, NOT_CONVERGED, error, estimate, on_coarse_cells, timed};
-use crate::columns::Column;
+use crate::table::Column;
+use crate::watch::{Found, Watch};
 
 /// One basis on one coarse grid.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -54,14 +53,8 @@ pub(super) const POINTS: [Column<Point>; 11] = [
     ("seconds", "seconds", "set-up, bases, assembly, factorisation, fine displacements", |p| p.seconds),
 ];
 
-/// Errors of all bases.
-#[derive(Debug, Clone, Default)]
-pub struct Convergence {
-    /// By basis and coarse grid.
-    pub points: Vec<Point>,
-    /// What failed, and why.
-    pub failures: Vec<(String, String)>,
-}
+/// Errors by basis and coarse grid.
+pub type Convergence = Found<Point>;
 
 impl Convergence {
     /// The points of a basis.
@@ -100,27 +93,26 @@ pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
     Ok(sizes)
 }
 
-/// Solves with every basis on coarse cells of these sizes. `tell` hears what is being done. After a wish to stop nothing more
+/// Solves with every basis on coarse cells of these sizes. After a wish to stop nothing more
 /// is solved.
 pub fn convergence(
     scene: &Scene,
     fine_grid: &FineGrid,
     sizes: &[[usize; 2]],
     repeat: usize,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
+    watch: &mut Watch<'_>,
 ) -> Convergence {
     let mut all = Convergence::default();
     for (basis, &(name, input)) in BASES.iter().enumerate() {
         for &fine in sizes {
-            if interrupts.load(Ordering::Relaxed) > 0 {
+            if watch.stopped() {
                 return all;
             }
             let cells = fine_grid.truth.body.grid.cells;
             let coarse = [0, 1].map(|k| cells[k] / fine[k]);
             let at = format!("{name}, {} by {} coarse cells", coarse[0], coarse[1]);
-            tell(name, &at);
-            let solved = timed(repeat, || on_coarse_cells(scene, fine, input, None, interrupts));
+            watch.tell(name, &at);
+            let solved = timed(repeat, || on_coarse_cells(scene, fine, input, None, watch.interrupts));
             let point = solved.and_then(|(solved, seconds)| {
                 let error = error(&fine_grid.truth, &solved)?;
                 Ok(solved.converged().then_some(Point {

@@ -1,14 +1,13 @@
 //! The error that the fine grid has itself: multiscale elements on it cannot be nearer to the exact solution.
 
-use std::sync::atomic::AtomicUsize;
-
 use steklov_model::grid::GridSolved;
 use steklov_model::solve::SolveError;
 use steklov_problem::{Scene, grid_of};
 
 use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};
-use crate::columns::Column;
 use crate::reference::ReferenceError;
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// Parts of the cells of finer and finer grids.
 const PARTS: [usize; 3] = [1, 2, 4];
@@ -79,16 +78,11 @@ fn limit([a, b, c]: [f64; 3]) -> Option<[f64; 2]> {
     (second > noise && first > 1.2 * second).then(|| [c - second * second / (first - second), (first / second).log2()])
 }
 
-/// Solves the fine grid and finer ones. `tell` hears what is being done. After a wish to stop nothing more is solved.
+/// Solves the fine grid and finer ones. After a wish to stop nothing more is solved.
 ///
 /// # Errors
 /// Those of the fine grid; [`SolveError::Interrupted`] before it is solved.
-pub fn fine_grid(
-    scene: &Scene,
-    repeat: usize,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Result<FineGrid, ReferenceError> {
+pub fn fine_grid(scene: &Scene, repeat: usize, watch: &mut Watch<'_>) -> Result<FineGrid, ReferenceError> {
     let most = scene.method.max_dofs.max(MOST_DOFS);
     let cells = grid_of(scene).map_err(SolveError::from)?.body_cells().count();
     let mut truth = None;
@@ -98,8 +92,8 @@ pub fn fine_grid(
         if parts > 1 && 2 * cells * parts * parts > most {
             break;
         }
-        tell("fine grid", &format!("cells in {parts} by {parts} parts"));
-        match timed(repeat, || on_all_cells(scene, parts, interrupts)) {
+        watch.tell("fine grid", &format!("cells in {parts} by {parts} parts"));
+        match timed(repeat, || on_all_cells(scene, parts, watch.interrupts)) {
             Ok((solved, _)) if !solved.converged() && truth.is_none() => {
                 return Err(ReferenceError::NotSolved { steps: 1 });
             }

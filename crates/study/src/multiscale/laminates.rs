@@ -5,20 +5,15 @@
 use std::sync::atomic::AtomicUsize;
 
 use steklov_model::solve::SolveError;
-use steklov_problem::{BasisInput, Scene};
+use steklov_problem::Scene;
 
-use super::measure::{error, estimate, on_all_cells, on_coarse_cells};
+use super::measure::{FITTED, error, estimate, on_all_cells, on_coarse_cells};
 use super::plate::plate;
-use crate::columns::Column;
+use crate::table::Column;
+use crate::watch::{Found, Watch};
 
 /// Layers along y, and layers at an angle to both axes: each has one half of a period.
 pub const LAMINATES: [(&str, &str); 2] = [("straight", "sin(2*pi*x*P)"), ("diagonal", "sin(2*pi*(x + 2*y)*P)")];
-/// Bases and their names.
-pub const RESONATING: [(&str, BasisInput); 3] = [
-    ("coupled", BasisInput::Coupled),
-    ("oscillatory", BasisInput::Oscillatory),
-    ("oversampled", BasisInput::Oversampled),
-];
 
 /// Fine cells along each side.
 const FINE: usize = 256;
@@ -34,7 +29,7 @@ const FIXED_PERIODS: [usize; 2] = [16, 32];
 pub struct Layers {
     /// Number in [`LAMINATES`].
     pub laminate: usize,
-    /// Number in [`RESONATING`].
+    /// Number in [`FITTED`].
     pub basis: usize,
     /// Periods along a side of the square.
     pub periods: usize,
@@ -57,14 +52,8 @@ pub(super) const LAYERS: [Column<Layers>; 7] = [
     ("effectivity", "1", "estimate over error", |l| l.estimate / l.error),
 ];
 
-/// Errors on laminates.
-#[derive(Debug, Clone, Default)]
-pub struct Laminates {
-    /// By laminate, periods, coarse cells and basis.
-    pub points: Vec<Layers>,
-    /// What failed, and why.
-    pub failures: Vec<(String, String)>,
-}
+/// Errors on laminates, by laminate, periods, coarse cells and basis.
+pub type Laminates = Found<Layers>;
 
 impl Laminates {
     /// Points of a laminate and a basis with the coarse cells that are held while periods change.
@@ -89,14 +78,14 @@ fn square(laminate: usize, periods: usize) -> Result<Scene, SolveError> {
     plate([1.0, 1.0], &young, ("P", periods as f64), FINE, grid)
 }
 
-/// Solves on all laminates. `tell` hears what is being done. After a wish to stop nothing more is solved.
-pub fn laminates(interrupts: &AtomicUsize, tell: &mut dyn FnMut(&str, &str)) -> Laminates {
+/// Solves on all laminates. After a wish to stop nothing more is solved.
+pub fn laminates(watch: &mut Watch<'_>) -> Laminates {
     let mut all = Laminates::default();
     for (laminate, (name, _)) in LAMINATES.iter().enumerate() {
         for periods in PERIODS {
             let at = format!("{name} layers, {periods} periods");
-            tell("laminates", &at);
-            match one(laminate, periods, interrupts, &mut all.points) {
+            watch.tell("laminates", &at);
+            match one(laminate, periods, watch.interrupts, &mut all.points) {
                 Err(SolveError::Interrupted) => return all,
                 Err(error) => all.failures.push((at, error.to_string())),
                 Ok(()) => {}
@@ -112,7 +101,7 @@ fn one(laminate: usize, periods: usize, interrupts: &AtomicUsize, points: &mut V
     let truth = on_all_cells(&scene, 1, interrupts)?;
     let wanted = |coarse: &&usize| **coarse == FIXED_COARSE || periods == FIXED_PERIODS[laminate];
     for &coarse in COARSE.iter().filter(wanted) {
-        for (basis, (_, input)) in RESONATING.iter().enumerate() {
+        for (basis, (_, input)) in FITTED.iter().enumerate() {
             let fine = FINE / coarse;
             let solved = on_coarse_cells(&scene, [fine; 2], *input, Some(fine / 2), interrupts)?;
             let (error, estimate) = (error(&truth, &solved)?, estimate(&truth, &solved));

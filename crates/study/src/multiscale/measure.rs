@@ -7,7 +7,7 @@ use steklov_model::solve::{SolveError, Stage};
 use steklov_msfem::{CoarseMesh, Extra, Loads, MsfemError, Multiscale};
 use steklov_problem::{BasisInput, GridInput, Scene, grid_of};
 
-use crate::strategy::median;
+use crate::median;
 
 /// The bases and their names in scenes, in the order in which they are studied.
 pub const BASES: [(&str, BasisInput); 5] = [
@@ -17,6 +17,9 @@ pub const BASES: [(&str, BasisInput); 5] = [
     ("oscillatory", BasisInput::Oscillatory),
     ("oversampled", BasisInput::Oversampled),
 ];
+
+/// Those that are made of the material, which the examples have; the last is enlarged by half a coarse cell.
+pub const FITTED: [(&str, BasisInput); 3] = [BASES[2], BASES[3], BASES[4]];
 
 /// What is said of a solution that is none.
 pub(super) const NOT_CONVERGED: &str = "the contact solver did not reach its criterion";

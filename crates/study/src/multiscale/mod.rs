@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! the scene: FineGrid (bilinear elements on the fine grid and finer ones)     ─┐
-//!            Convergence (bases on smaller and smaller coarse cells)           ├─► MultiscaleStudy ─► store, table, draw
+//!            Convergence (bases on smaller and smaller coarse cells)           ├─► MultiscaleStudy ─► report, draw
 //! examples:  Laminates (resonance), Contrast (stiff parts across coarse edges) ─┘
 //! ```
 //! Each part is a file: what it computes, and the columns of its table.
@@ -13,22 +13,18 @@ mod fine_grid;
 mod convergence;
 mod laminates;
 mod contrast;
-mod table;
-mod store;
+mod report;
 mod draw;
 
 use steklov_problem::{Scene, Source};
 
-use super::columns;
-
-pub use contrast::{CONTRASTED, Contrast, PARTS, Stiff, contrast};
+pub use contrast::{Contrast, PARTS, Stiff, contrast};
 pub use convergence::{Convergence, Point, coarse_cells, convergence};
 pub use draw::pictures;
 pub use fine_grid::{FineGrid, Level, MOST_DOFS, fine_grid};
-pub use laminates::{LAMINATES, Laminates, Layers, RESONATING, laminates};
-pub use measure::BASES;
-pub use store::write;
-pub use table::{csv, json, text};
+pub use laminates::{LAMINATES, Laminates, Layers, laminates};
+pub use measure::{BASES, FITTED};
+pub use report::report;
 
 /// A finished study.
 pub struct MultiscaleStudy<'a> {

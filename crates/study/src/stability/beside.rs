@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::columns::Column;
 use super::incompressible::{POISSON, Truth};
+use crate::table::Column;
 
 /// One result of another method.
 #[derive(Debug, Clone, PartialEq, Deserialize)]

@@ -2,16 +2,16 @@
 //!
 //! A method locks if its error at a mesh grows without bound as ν → ½ (bulk over shear modulus like 1/(1-2ν)).
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use steklov_elastic::Material;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::{SolveError, Stage};
-use steklov_problem::{Refine, Scene, Substance};
+use steklov_problem::{Scene, Substance};
 
-use super::columns::Column;
 use crate::reference::{Reference, ReferenceError};
+use crate::supported::uniform;
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// Poisson's ratios of the study.
 pub const POISSON: [f64; 8] = [0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.4999999];
@@ -115,15 +115,11 @@ impl Incompressible {
 
 /// Solves the scene on some uniform meshes at every ratio of [`POISSON`], the rest of its data unchanged, and measures
 /// their errors against an hp solution at that ratio. Meshes with more unknowns than the scene allows are left out.
-/// `tell` hears what is being done. After a wish to stop the ratio that runs is left out.
+/// After a wish to stop the ratio that runs is left out.
 ///
 /// # Errors
 /// As [`Reference::new`] at the first ratio; what fails later is told in its place.
-pub fn incompressible(
-    scene: &Scene,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Result<Incompressible, ReferenceError> {
+pub fn incompressible(scene: &Scene, watch: &mut Watch<'_>) -> Result<Incompressible, ReferenceError> {
     let mut all = Incompressible::default();
     for poisson in POISSON {
         let mut scene = scene.clone();
@@ -132,13 +128,12 @@ pub fn incompressible(
         scene.body_mut().substance = Substance::Homogeneous(material);
         scene.expect.clear(); // it is of another ratio
         let what = format!("ν = {poisson}");
-        let reference = Reference::new(&scene, interrupts, &mut |step, stage| {
+        let reference = Reference::new(&scene, watch.interrupts, &mut |step, stage| {
             if let Stage::Progress(part, _) = stage {
-                tell(&what, &format!("reference, step {}, {part}", step + 1));
+                watch.tell(&what, &format!("reference, step {}, {part}", step + 1));
             }
             Ok(())
         });
-        let stopped = || interrupts.load(Ordering::Relaxed) > 0;
         match reference {
             Err(ReferenceError::Solve(SolveError::Interrupted)) => break,
             Err(error) if all.truths.is_empty() => return Err(error),
@@ -147,8 +142,8 @@ pub fn incompressible(
                 all.truths.push(Truth { poisson, energy, estimate, dofs: 0, failure });
             }
             Ok(reference) => {
-                let points = points(&scene, &reference, interrupts, &mut |detail| tell(&what, detail));
-                if stopped() {
+                let points = points(&scene, &reference, &what, watch);
+                if watch.stopped() {
                     break;
                 }
                 let (energy, finest) = (reference.energy, reference.finest());
@@ -162,20 +157,21 @@ pub fn incompressible(
 }
 
 /// The meshes at one ratio.
-fn points(scene: &Scene, reference: &Reference, interrupts: &AtomicUsize, tell: &mut dyn FnMut(&str)) -> Vec<Point> {
+fn points(scene: &Scene, reference: &Reference, what: &str, watch: &mut Watch<'_>) -> Vec<Point> {
     let mut points: Vec<Point> = Vec::new();
     for (times, degree) in MESHES {
-        let mut scene = scene.clone();
-        scene.method.refine = Refine::None;
-        (scene.method.elements, scene.method.degree) = (times * scene.method.elements, degree);
+        let scene = uniform(scene, times, degree);
         let mesh = first_mesh(&scene);
         let (elements, dofs) = (mesh.len(), 2 * mesh.degree.iter().sum::<usize>());
         // many edges: more elements than asked for, and one mesh twice
         if dofs > scene.method.max_dofs || points.iter().any(|p| (p.elements, p.degree) == (elements, degree)) {
             continue;
         }
-        tell(&format!("{elements} elements of degree {degree}"));
-        let solved = energy_and_error(&scene, reference, interrupts);
+        watch.tell(what, &format!("{elements} elements of degree {degree}"));
+        let solved = run(&scene, Progress::first(&scene), watch.interrupts, &mut |_, _| Ok(())).and_then(|run| {
+            let error = reference.true_error(&scene, run.step(), &run.last.displacement, watch.interrupts)?;
+            Ok((run.last.energies.total, error))
+        });
         let poisson = scene.body().material().poisson;
         let (energy, error, failure) = match solved {
             Ok((energy, error)) => (energy, error.map_or(f64::NAN, |e| e / reference.norm), None),
@@ -185,15 +181,4 @@ fn points(scene: &Scene, reference: &Reference, interrupts: &AtomicUsize, tell: 
         points.push(Point { poisson, elements, degree, dofs, energy, error, energy_error, failure });
     }
     points
-}
-
-/// J on the scene's one mesh, and its true error if that is known.
-fn energy_and_error(
-    scene: &Scene,
-    reference: &Reference,
-    interrupts: &AtomicUsize,
-) -> Result<(f64, Option<f64>), SolveError> {
-    let run = run(scene, Progress::first(scene), interrupts, &mut |_, _| Ok(()))?;
-    let error = reference.true_error(scene, run.step(), &run.last.displacement, interrupts)?;
-    Ok((run.last.energies.total, error))
 }

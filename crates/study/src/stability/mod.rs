@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! settings ─► incompressible (errors over ν), single_layer (eigenvalues over size), stabilisation (γ₀) ─► Stability
-//! Stability ─► store, table, draw
+//! Stability ─► report, draw
 //! ```
 //! Each part is a file: what it computes, and the columns of its table.
 
@@ -11,22 +11,20 @@ mod incompressible;
 mod beside;
 mod single_layer;
 mod stabilisation;
-mod table;
-mod store;
+mod report;
 mod draw;
 
 use steklov_elastic::Plane;
 use steklov_problem::{Method, Scene, Source};
 
-use super::columns;
+use crate::settings::unless_set;
 
 pub use beside::{Beside, BesideError, read_beside};
 pub use draw::pictures;
 pub use incompressible::{Incompressible, POISSON, Point, Truth, incompressible};
+pub use report::report;
 pub use single_layer::{SingleLayer, Spectrum, single_layer};
 pub use stabilisation::{Critical, Stabilisation, WithGamma, stabilisation};
-pub use store::write;
-pub use table::{csv, json, text};
 
 /// Tolerance of the scene: the errors of coarse uniform meshes are measured, for which references of 1/50 of it are fine
 /// enough.
@@ -65,12 +63,10 @@ impl Stability<'_> {
     }
 }
 
-/// The overrides of a study: its tolerance and those of [`super::settings`] where the user sets nothing else, then those of
+/// The overrides of a study: its tolerance and those of [`crate::settings()`] where the user sets nothing else, then those of
 /// the user. `method` is that of the scene.
 pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
-    let named = user.iter().any(|o| o.split('=').next().is_some_and(|key| key.trim() == "method.tolerance"));
-    let own = (!named).then(|| TOLERANCE.to_owned());
-    super::settings(method, &own.into_iter().chain(user.iter().cloned()).collect::<Vec<_>>())
+    crate::settings(method, &unless_set(TOLERANCE, user))
 }
 
 #[cfg(test)]

@@ -9,15 +9,14 @@
 //! Eigenvalues are those of V with rows and columns over the square roots of the diagonal of V_d: numbers without a unit,
 //! of the same signs, that do not become small with the elements.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use faer::linalg::solvers::{LltError, Solve as _};
 use faer::{Mat, Side};
 use steklov_bem_operators::{BemError, Mesh, Operators, Polygon, Space};
 use steklov_elastic::Material;
 use steklov_problem::Scene;
 
-use super::columns::Column;
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// Traction unknowns of the mesh, about; a body of many edges gets fewer layers at its corners.
 const UNKNOWNS: usize = 720;
@@ -71,28 +70,24 @@ impl SingleLayer {
     }
 }
 
-/// Eigenvalues for bodies of the scene's shape and material. `tell` hears what is being done. After a wish to stop no more
+/// Eigenvalues for bodies of the scene's shape and material. After a wish to stop no more
 /// sizes are done.
 ///
 /// # Errors
 /// [`BemError::SingleLayerIndefinite`] if V is not positive definite for L = d: too many digits are lost.
-pub fn single_layer(
-    scene: &Scene,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Result<SingleLayer, BemError> {
+pub fn single_layer(scene: &Scene, watch: &mut Watch<'_>) -> Result<SingleLayer, BemError> {
     let what = "single layer";
-    tell(what, "degenerate sizes");
+    watch.tell(what, "degenerate sizes");
     let mesh = mesh(&scene.body().outline);
     let space = Space::new(&mesh);
     let degenerate = degenerate(&mesh, &space, &scene.body().material())?;
     let (elements, unknowns, diameter) = (mesh.len(), space.dofs(), mesh.diameter());
     let mut all = SingleLayer { elements, unknowns, diameter, degenerate, points: Vec::new() };
     for d in diameters(degenerate) {
-        if interrupts.load(Ordering::Relaxed) > 0 {
+        if watch.stopped() {
             break;
         }
-        tell(what, &format!("diameter {d:.3e}"));
+        watch.tell(what, &format!("diameter {d:.3e}"));
         let (unit, own) = smallest(&scaled(&mesh, d / diameter), &scene.body().material())?;
         all.points.push(Spectrum { diameter: d, unit, own });
     }

@@ -3,7 +3,7 @@
 //! A component of a vector (`.x`, `.y`) is judged against the whole vector: one that symmetry makes zero has no size of its
 //! own.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::Ordering;
 
 use steklov_model::run::Run;
 use steklov_model::solve::SolveError;
@@ -13,7 +13,8 @@ use steklov_stochastic::Accumulator;
 
 use super::relative;
 use super::rules::{ADAPTED, FAMILIES, LIMIT, MONTE_CARLO, Rule, prefixes, reference, rules, with};
-use crate::columns::Column;
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// A quantity varies if its deviation is above this part of its size.
 const VARIES: f64 = 1e-10;
@@ -137,18 +138,12 @@ impl Chance {
     }
 }
 
-/// Solves by all rules on the last mesh of a run. `tell` hears what is being done. After a wish to stop no more rules are
+/// Solves by all rules on the last mesh of a run. After a wish to stop no more rules are
 /// tried.
 ///
 /// # Errors
 /// Those of the reference: an outcome that is impossible, a quantity that is no number of the result.
-pub fn chance(
-    scene: &Scene,
-    random: &Random,
-    run: &mut Run,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Result<Chance, SolveError> {
+pub fn chance(scene: &Scene, random: &Random, run: &mut Run, watch: &mut Watch<'_>) -> Result<Chance, SolveError> {
     let step = run.step();
     let deterministic = step.seconds[..4].iter().sum();
     let estimate = step.estimate.as_ref().map_or(f64::NAN, |e| e.relative);
@@ -157,17 +152,18 @@ pub fn chance(
         Err(SolveError::Interrupted) => return Ok(chance),
         body => body?,
     };
+    let interrupts = watch.interrupts;
     let solve = |settings: &Stochastic| {
         let random = with(random, settings.clone());
         solve_stochastic(scene, &random, body, &|_, _| {}, &|| interrupts.load(Ordering::Relaxed) > 0)
     };
-    match judge(random, &solve, &mut chance, tell) {
+    match judge(random, &solve, &mut chance, watch) {
         Err(SolveError::Interrupted) => return Ok(chance),
         judged => judged?,
     }
     let names: Vec<String> = chance.quantities.iter().map(|q| q.name.clone()).collect();
     let named = |s: &Stochastic| Stochastic { quantities: Some(names.clone()), ..s.clone() };
-    tell("outcomes", "by the scene's own rule");
+    watch.tell("outcomes", "by the scene's own rule");
     match solve(&named(&random.stochastic)) {
         Ok(r) => {
             let StochasticResult { solved: solves, iterations, unconverged, seconds, .. } = r;
@@ -185,7 +181,7 @@ pub fn chance(
         }
         let (name, parameter) = FAMILIES[rule.family];
         let what = format!("{name}: {parameter} = {}", rule.parameter);
-        tell(name, &format!("{parameter} = {}", rule.parameter));
+        watch.tell(name, &format!("{parameter} = {}", rule.parameter));
         match solve(&named(&rule.settings)) {
             Ok(result) if rule.family == MONTE_CARLO => chance.add_samples(&rule, &result)?,
             // a smaller tolerance that changes nothing
@@ -203,10 +199,10 @@ fn judge(
     random: &Random,
     solve: &dyn Fn(&Stochastic) -> Result<StochasticResult, SolveError>,
     chance: &mut Chance,
-    tell: &mut dyn FnMut(&str, &str),
+    watch: &mut Watch<'_>,
 ) -> Result<(), SolveError> {
     let rule = reference(random);
-    tell("reference in chance", &rule.name);
+    watch.tell("reference in chance", &rule.name);
     let before = solve(&rule.before)?;
     let names: Vec<String> = before.quantities.iter().map(|q| q.name.clone()).collect();
     // a component's other one stands behind all quantities

@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! settings ─► Chance (rules on the last mesh against a finer one)     ─┐
-//!             Space (strategies against the end of an hp one)          ├─► Stochastic ─► store, table, draw
+//!             Space (strategies against the end of an hp one)          ├─► Stochastic ─► report, draw
 //!             Solvers (Uzawa, active set, interior point, by the mesh) ─┘
 //! ```
 //! Each part is a file: what it computes, and the columns of its table.
@@ -11,21 +11,17 @@ mod chance;
 mod rules;
 mod space;
 mod solvers;
-mod table;
-mod store;
+mod report;
 mod draw;
 
 use steklov_problem::{Scene, Source};
 
-use super::columns;
-
 pub use chance::{Chance, Cost, Measured, Quantity, chance};
 pub use draw::pictures;
+pub use report::report;
 pub use rules::FAMILIES;
 pub use solvers::{Method, SOLVERS, Solvers, solvers};
 pub use space::{CURVES, Point, Space, space};
-pub use store::write;
-pub use table::{csv, json, text};
 
 /// A finished study.
 #[derive(Debug)]

@@ -1,16 +1,16 @@
 //! Iterations and seconds of contact solvers for the nominal outcome on uniform meshes.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, uzawa};
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::SolveError;
 use steklov_model::stochastic::Outcomes;
-use steklov_problem::{Random, Refine, Scene};
+use steklov_problem::{Random, Scene};
 
-use crate::columns::Column;
-use crate::supported::contact_sides;
+use crate::supported::{contact_sides, uniform};
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// What a solver is called.
 type Solver = fn(&Problem) -> Result<Solution, ContactError>;
@@ -83,27 +83,20 @@ impl Solvers {
 ///
 /// # Errors
 /// Those of assembling the meshes. Solvers that fail are told in their places.
-pub fn solvers(
-    scene: &Scene,
-    random: &Random,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Result<Option<Solvers>, SolveError> {
+pub fn solvers(scene: &Scene, random: &Random, watch: &mut Watch<'_>) -> Result<Option<Solvers>, SolveError> {
     if contact_sides(scene).is_empty() {
         return Ok(None);
     }
     let mut solvers = Solvers::default();
     for times in TIMES {
-        let mut scene = scene.clone();
-        scene.method.refine = Refine::None;
-        scene.method.elements *= times;
+        let scene = uniform(scene, times, scene.method.degree);
         let progress = Progress::first(&scene);
-        if times > 1 && progress.next.dofs() > scene.method.max_dofs || interrupts.load(Ordering::Relaxed) > 0 {
+        if times > 1 && progress.next.dofs() > scene.method.max_dofs || watch.stopped() {
             break;
         }
         let dofs = progress.next.dofs();
-        tell("contact solvers", &format!("{dofs} dofs"));
-        let mut run = match run(&scene, progress, interrupts, &mut |_, _| Ok(())) {
+        watch.tell("contact solvers", &format!("{dofs} dofs"));
+        let mut run = match run(&scene, progress, watch.interrupts, &mut |_, _| Ok(())) {
             Err(SolveError::Interrupted) => break,
             run => run?,
         };
@@ -118,7 +111,7 @@ pub fn solvers(
             break;
         }
         for solver in 0..SOLVERS.len() {
-            if interrupts.load(Ordering::Relaxed) == 0 {
+            if !watch.stopped() {
                 let method = Method::new(solver, &contact.problem);
                 solvers.methods.push(Method { elements, dofs, multipliers, ..method });
             }

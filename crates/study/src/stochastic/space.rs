@@ -13,8 +13,9 @@ use steklov_problem::{Random, Refine, Scene, Stochastic};
 
 use super::relative;
 use super::rules::{settled, single, with};
-use crate::columns::Column;
 use crate::fit::{Fit, Law, fit};
+use crate::table::Column;
+use crate::watch::Watch;
 
 /// Curves: the name, the strategy, whether with one outcome only, the law of the errors.
 pub const CURVES: [(&str, Refine, bool, Law); 4] = [
@@ -110,17 +111,12 @@ impl Space {
     }
 }
 
-/// Runs the strategies, with all outcomes on each of their meshes. `tell` hears what is being done. After a wish to stop
+/// Runs the strategies, with all outcomes on each of their meshes. After a wish to stop
 /// nothing more is solved.
 ///
 /// # Errors
 /// Those of the first mesh.
-pub fn space(
-    scene: &Scene,
-    random: &Random,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
-) -> Result<Space, SolveError> {
+pub fn space(scene: &Scene, random: &Random, watch: &mut Watch<'_>) -> Result<Space, SolveError> {
     let (settings, rule) = settled(random);
     let mut space = Space { rule, ..Space::default() };
     // the reference first: hp
@@ -130,14 +126,14 @@ pub fn space(
             .map(|k| (k, if CURVES[k].2 { single(random) } else { settings.clone() }))
             .collect();
         let name = CURVES[curves[0].0].0;
-        let told = &mut |what: &str| tell(&format!("{} in space", name.split(',').next().unwrap_or(name)), what);
-        match meshes(scene, random, strategy, &curves, interrupts, told, &mut space.points) {
+        let told = format!("{} in space", name.split(',').next().unwrap_or(name));
+        match meshes(scene, random, strategy, &curves, &told, watch, &mut space.points) {
             Err(SolveError::Interrupted) => break,
             Err(error) if space.points.is_empty() => return Err(error),
             Err(error) => space.failures.push((name.into(), error.to_string())),
             Ok(()) => {}
         }
-        if interrupts.load(Ordering::Relaxed) > 0 {
+        if watch.stopped() {
             break;
         }
     }
@@ -152,8 +148,8 @@ fn meshes(
     random: &Random,
     strategy: Refine,
     curves: &[(usize, Stochastic)],
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str),
+    name: &str,
+    watch: &mut Watch<'_>,
     points: &mut Vec<Point>,
 ) -> Result<(), SolveError> {
     let mut scene = scene.clone();
@@ -166,21 +162,21 @@ fn meshes(
     let (max_dofs, max_steps) = (scene.method.max_dofs, scene.method.max_steps);
     loop {
         scene.method.max_steps = progress.steps.len() + 1;
-        let mut run = run(&scene, progress, interrupts, &mut |step, stage| {
+        let mut run = run(&scene, progress, watch.interrupts, &mut |step, stage| {
             if let Stage::Progress(part, _) = stage {
-                tell(&format!("step {}, {part}", step + 1));
+                watch.tell(name, &format!("step {}, {part}", step + 1));
             }
             Ok(())
         })?;
         for (curve, settings) in curves {
-            tell(&format!("step {}, outcomes", run.progress.steps.len()));
-            points.push(point(&scene, random, &mut run, *curve, settings, interrupts)?);
+            watch.tell(name, &format!("step {}, outcomes", run.progress.steps.len()));
+            points.push(point(&scene, random, &mut run, *curve, settings, watch.interrupts)?);
         }
         let next = run.progress.next.dofs();
         let degree = run.step().layout.mesh.degree.iter().copied().max().unwrap_or(0);
         let raised = strategy == Refine::UniformP && degree >= MAX_DEGREE;
         let on = run.reason == Reason::MaxSteps && run.progress.steps.len() < max_steps && next <= max_dofs;
-        if !on || raised || interrupts.load(Ordering::Relaxed) > 0 {
+        if !on || raised || watch.stopped() {
             return Ok(());
         }
         progress = run.progress;

@@ -3,13 +3,14 @@
 use std::sync::atomic::Ordering;
 
 use steklov_problem::DataError;
+use steklov_study::Watch;
 use steklov_study::coupling::{
-    CouplingStudy, conditioning, convergence, costs, csv, effectivity, json, largest, levels, pairs, pictures,
-    settings, text, write, wrongs,
+    CouplingStudy, conditioning, convergence, costs, effectivity, largest, levels, pairs, pictures, report, settings,
+    wrongs,
 };
 
-use super::super::{Failure, NOT_REACHED, interrupts};
-use super::{StudyArgs, Watch, document, folder, store, tell_results};
+use super::super::{Failure, interrupts};
+use super::{Bar, StudyArgs, document, finish, folder};
 
 /// Most unknowns on the boundary of grids: for errors, for eigenvalues, for indicators.
 const TRACE: [usize; 3] = [1100, 560, 280];
@@ -29,15 +30,15 @@ pub(super) fn coupling(args: &StudyArgs) -> Result<u8, Failure> {
     let out = folder(args, &document, "coupling")?;
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, pairs.len() + 5);
-    let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
+    let bar = Bar::new(args.quiet, pairs.len() + 5);
+    let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
+    let watch = &mut Watch::new(&stop, tell);
     let (polygon, own) = (&scene.body().outline, &pairs[pairs.len() - 1]);
-    let convergence = convergence(polygon, &pairs, &fine, repeat, &stop, tell);
-    let effectivity = effectivity(polygon, &pairs, &coarse, &stop, tell);
-    let costs = costs(polygon, own, &all, repeat, &stop, tell);
-    let conditioning = conditioning(polygon, &pairs, &middle, &stop, tell);
-    let wrongs = wrongs(polygon, &pairs[0], &middle, &stop, tell);
-    watch.show("files", "");
+    let convergence = convergence(polygon, &pairs, &fine, repeat, watch);
+    let effectivity = effectivity(polygon, &pairs, &coarse, watch);
+    let costs = costs(polygon, own, &all, repeat, watch);
+    let conditioning = conditioning(polygon, &pairs, &middle, watch);
+    let wrongs = wrongs(polygon, &pairs[0], &middle, watch);
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = CouplingStudy {
         scene,
@@ -51,8 +52,5 @@ pub(super) fn coupling(args: &StudyArgs) -> Result<u8, Failure> {
         repeat,
         interrupted,
     };
-    let files = store(&out, "coupling", &|file| write(file, &study), &csv(&study), &|out| pictures(&study, out))?;
-    watch.finish();
-    tell_results(args, &out, &files, || json(&study), || text(&study))?;
-    Ok(if study.complete() { 0 } else { NOT_REACHED })
+    finish(args, &out, "coupling", &bar, &report(&study), &|out| pictures(&study, out))
 }

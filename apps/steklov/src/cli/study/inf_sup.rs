@@ -3,11 +3,12 @@
 use std::sync::atomic::Ordering;
 
 use steklov_problem::{DataError, DataErrorKind};
+use steklov_study::Watch;
 use steklov_study::contact_sides;
-use steklov_study::inf_sup::{InfSup, csv, json, pairs, pictures, pressures, settings, text, write};
+use steklov_study::inf_sup::{InfSup, pairs, pictures, pressures, report, settings};
 
-use super::super::{Failure, NOT_REACHED, explained, interrupts};
-use super::{StudyArgs, Watch, document, folder, store, tell_results};
+use super::super::{Failure, explained, interrupts};
+use super::{Bar, StudyArgs, document, finish, folder};
 
 /// Tells which multipliers are stable.
 pub(super) fn inf_sup(args: &StudyArgs) -> Result<u8, Failure> {
@@ -22,15 +23,12 @@ pub(super) fn inf_sup(args: &StudyArgs) -> Result<u8, Failure> {
     }
     let out = folder(args, &document, "inf-sup")?;
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, 3);
-    let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-    let pressures = pressures(scene, &stop, tell).map_err(|error| explained(&document, error))?;
-    let points = pairs(scene, &stop, tell).map_err(|error| explained(&document, error))?;
-    watch.show("files", "");
+    let bar = Bar::new(args.quiet, 3);
+    let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
+    let watch = &mut Watch::new(&stop, tell);
+    let pressures = pressures(scene, watch).map_err(|error| explained(&document, error))?;
+    let points = pairs(scene, watch).map_err(|error| explained(&document, error))?;
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = InfSup { scene, source: &document.source, points: &points, pressures: &pressures, interrupted };
-    let files = store(&out, "inf-sup", &|file| write(file, &study), &csv(&study), &|out| pictures(&study, out))?;
-    watch.finish();
-    tell_results(args, &out, &files, || json(&study), || text(&study))?;
-    Ok(if study.complete() { 0 } else { NOT_REACHED })
+    finish(args, &out, "inf-sup", &bar, &report(&study), &|out| pictures(&study, out))
 }

@@ -3,13 +3,13 @@
 use std::sync::atomic::Ordering;
 
 use steklov_problem::{DataError, DataErrorKind, grid_of};
+use steklov_study::Watch;
 use steklov_study::multiscale::{
-    BASES, MOST_DOFS, MultiscaleStudy, coarse_cells, contrast, convergence, csv, fine_grid, json, laminates, pictures,
-    text, write,
+    BASES, MOST_DOFS, MultiscaleStudy, coarse_cells, contrast, convergence, fine_grid, laminates, pictures, report,
 };
 
-use super::super::{Failure, NOT_REACHED, interrupts, read_scene};
-use super::{StudyArgs, Watch, folder, store, tell_results, unreferenced};
+use super::super::{Failure, interrupts, read_scene};
+use super::{Bar, StudyArgs, finish, folder, unreferenced};
 
 /// Tells what multiscale elements are worth.
 pub(super) fn multiscale(args: &StudyArgs) -> Result<u8, Failure> {
@@ -34,13 +34,13 @@ pub(super) fn multiscale(args: &StudyArgs) -> Result<u8, Failure> {
     let out = folder(args, &document, "multiscale")?;
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, 4 + BASES.len());
-    let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-    let fine = fine_grid(scene, repeat, &stop, tell).map_err(|error| unreferenced(&document, error))?;
-    let convergence = convergence(scene, &fine, &sizes, repeat, &stop, tell);
-    let laminates = laminates(&stop, tell);
-    let contrast = contrast(&stop, tell);
-    watch.show("files", "");
+    let bar = Bar::new(args.quiet, 4 + BASES.len());
+    let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
+    let watch = &mut Watch::new(&stop, tell);
+    let fine = fine_grid(scene, repeat, watch).map_err(|error| unreferenced(&document, error))?;
+    let convergence = convergence(scene, &fine, &sizes, repeat, watch);
+    let laminates = laminates(watch);
+    let contrast = contrast(watch);
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = MultiscaleStudy {
         scene,
@@ -52,8 +52,5 @@ pub(super) fn multiscale(args: &StudyArgs) -> Result<u8, Failure> {
         repeat,
         interrupted,
     };
-    let files = store(&out, "multiscale", &|file| write(file, &study), &csv(&study), &|out| pictures(&study, out))?;
-    watch.finish();
-    tell_results(args, &out, &files, || json(&study), || text(&study))?;
-    Ok(if study.complete() { 0 } else { NOT_REACHED })
+    finish(args, &out, "multiscale", &bar, &report(&study), &|out| pictures(&study, out))
 }

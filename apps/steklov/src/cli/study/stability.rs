@@ -2,13 +2,13 @@
 
 use std::sync::atomic::Ordering;
 
+use steklov_study::Watch;
 use steklov_study::stability::{
-    POISSON, Stability, csv, incompressible, json, pictures, read_beside, settings, single_layer, stabilisation, text,
-    write,
+    POISSON, Stability, incompressible, pictures, read_beside, report, settings, single_layer, stabilisation,
 };
 
-use super::super::{Failure, NOT_REACHED, interrupts};
-use super::{StudyArgs, Watch, boundary_only, document, folder, store, tell_results, unreferenced};
+use super::super::{Failure, interrupts};
+use super::{Bar, StudyArgs, boundary_only, document, finish, folder, unreferenced};
 
 /// Looks for trouble where such methods may have it.
 pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
@@ -18,12 +18,12 @@ pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
     let beside = args.beside.as_deref().map_or(Ok(Vec::new()), read_beside)?;
     let out = folder(args, &document, "stability")?;
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, POISSON.len() + 3);
-    let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
-    let incompressible = incompressible(scene, &stop, tell).map_err(|error| unreferenced(&document, error))?;
-    let single_layer = single_layer(scene, &stop, tell)?;
-    let stabilisation = stabilisation(scene, &stop, tell);
-    watch.show("files", "");
+    let bar = Bar::new(args.quiet, POISSON.len() + 3);
+    let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
+    let watch = &mut Watch::new(&stop, tell);
+    let incompressible = incompressible(scene, watch).map_err(|error| unreferenced(&document, error))?;
+    let single_layer = single_layer(scene, watch)?;
+    let stabilisation = stabilisation(scene, watch);
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = Stability {
         scene,
@@ -34,8 +34,5 @@ pub(super) fn stability(args: &StudyArgs) -> Result<u8, Failure> {
         stabilisation: stabilisation.as_ref(),
         interrupted,
     };
-    let files = store(&out, "stability", &|file| write(file, &study), &csv(&study), &|out| pictures(&study, out))?;
-    watch.finish();
-    tell_results(args, &out, &files, || json(&study), || text(&study))?;
-    Ok(if study.complete() { 0 } else { NOT_REACHED })
+    finish(args, &out, "stability", &bar, &report(&study), &|out| pictures(&study, out))
 }

@@ -5,11 +5,12 @@ use std::sync::atomic::Ordering;
 use steklov_model::run::{Progress, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{DataError, DataErrorKind};
+use steklov_study::Watch;
 use steklov_study::settings;
-use steklov_study::stochastic::{FAMILIES, Stochastic, chance, csv, json, pictures, solvers, space, text, write};
+use steklov_study::stochastic::{FAMILIES, Stochastic, chance, pictures, report, solvers, space};
 
-use super::super::{Failure, NOT_REACHED, explained, interrupts};
-use super::{StudyArgs, Watch, document, folder, store, tell_results};
+use super::super::{Failure, explained, interrupts};
+use super::{Bar, StudyArgs, document, finish, folder};
 
 /// Tells how statistics converge, and what they cost.
 pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {
@@ -24,19 +25,19 @@ pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {
     };
     let out = folder(args, &document, "stochastic")?;
     let stop = interrupts(args.quiet)?;
-    let watch = Watch::new(args.quiet, FAMILIES.len() + 8);
-    let tell = &mut |what: &str, detail: &str| watch.show(what, detail);
+    let bar = Bar::new(args.quiet, FAMILIES.len() + 8);
+    let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
+    let watch = &mut Watch::new(&stop, tell);
     let failed = |error: SolveError| explained(&document, error);
     let last = run(scene, Progress::first(scene), &stop, &mut |step, stage| {
         if let Stage::Progress(part, _) = stage {
-            watch.show("mesh", &format!("step {}, {part}", step + 1));
+            bar.show("mesh", &format!("step {}, {part}", step + 1));
         }
         Ok(())
     });
-    let chance = chance(scene, random, &mut last.map_err(failed)?, &stop, tell).map_err(failed)?;
-    let space = space(scene, random, &stop, tell).map_err(failed)?;
-    let solvers = solvers(scene, random, &stop, tell).map_err(failed)?;
-    watch.show("files", "");
+    let chance = chance(scene, random, &mut last.map_err(failed)?, watch).map_err(failed)?;
+    let space = space(scene, random, watch).map_err(failed)?;
+    let solvers = solvers(scene, random, watch).map_err(failed)?;
     let interrupted = stop.load(Ordering::Relaxed) > 0;
     let study = Stochastic {
         scene,
@@ -46,8 +47,5 @@ pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {
         solvers: solvers.as_ref(),
         interrupted,
     };
-    let files = store(&out, "stochastic", &|file| write(file, &study), &csv(&study), &|out| pictures(&study, out))?;
-    watch.finish();
-    tell_results(args, &out, &files, || json(&study), || text(&study))?;
-    Ok(if study.complete() { 0 } else { NOT_REACHED })
+    finish(args, &out, "stochastic", &bar, &report(&study), &|out| pictures(&study, out))
 }

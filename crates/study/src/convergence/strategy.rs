@@ -1,16 +1,16 @@
 //! One strategy: its runs, its seconds, its true errors.
 
-use std::sync::atomic::{AtomicUsize, Ordering};
-
 use steklov_bem_operators::Mesh;
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::run::{Progress, Reason, Run, Step, run};
 use steklov_model::solve::{SolveError, Stage};
 use steklov_problem::{Multiplier, Refine, Scene};
 
-use super::fit::{Fit, Law, fit};
 use super::{MEASURED, chosen};
+use crate::fit::{Fit, Law, fit};
+use crate::median;
 use crate::reference::Reference;
+use crate::watch::Watch;
 
 /// The strategies and their names in scenes.
 pub const NAMES: [(&str, Refine); 5] = [
@@ -143,8 +143,8 @@ impl Strategy {
     }
 }
 
-/// Runs a strategy `repeat` times and measures the errors of some of its steps, evenly spaced in log N. `tell` hears what
-/// is being done and which part of that. After a wish to stop nothing more is run or measured.
+/// Runs a strategy `repeat` times and measures the errors of some of its steps, evenly spaced in log N. After a wish
+/// to stop nothing more is run or measured.
 ///
 /// An error of the solver ends the strategy, not the study: [`End::Failed`].
 pub fn strategy(
@@ -152,15 +152,13 @@ pub fn strategy(
     (name, refine): (&str, Refine),
     reference: &Reference,
     repeat: usize,
-    interrupts: &AtomicUsize,
-    tell: &mut dyn FnMut(&str, &str),
+    watch: &mut Watch<'_>,
 ) -> Strategy {
     let mut scene = scene.clone();
     scene.method.refine = refine;
     let truth = for_truth(&scene);
-    let stopped = || interrupts.load(Ordering::Relaxed) > 0;
     let what = |k: usize| format!("{name}, run {k} of {}", repeat.max(1));
-    let first = Round::new(&scene, interrupts, &what(1), tell);
+    let first = Round::new(&scene, &what(1), watch);
     let run = match &first.run {
         Ok(run) => run,
         Err(error) => {
@@ -172,8 +170,8 @@ pub fn strategy(
         }
     };
     let mut ends = vec![first.ends];
-    while ends.len() < repeat && !stopped() {
-        ends.push(Round::new(&scene, interrupts, &what(ends.len() + 1), tell).ends);
+    while ends.len() < repeat && !watch.stopped() {
+        ends.push(Round::new(&scene, &what(ends.len() + 1), watch).ends);
     }
     let steps = &run.progress.steps;
     let dofs: Vec<usize> = steps.iter().map(|s| s.dofs).collect();
@@ -181,9 +179,9 @@ pub fn strategy(
     let mut points = Vec::with_capacity(steps.len());
     for (k, (step, displacement)) in steps.iter().zip(&first.displacements).enumerate() {
         // an error that cannot be measured is not known: the point has its estimate still
-        let error = (measured.contains(&k) && !stopped()).then(|| {
-            tell(&format!("{name}, true errors"), &format!("step {} of {}", k + 1, steps.len()));
-            reference.true_error(&truth, step, displacement, interrupts).ok().flatten()
+        let error = (measured.contains(&k) && !watch.stopped()).then(|| {
+            watch.tell(&format!("{name}, true errors"), &format!("step {} of {}", k + 1, steps.len()));
+            reference.true_error(&truth, step, displacement, watch.interrupts).ok().flatten()
         });
         let times = ends.iter().filter_map(|e| e.get(k).copied()).collect();
         points.push(Point::new(step, error.flatten(), reference, times));
@@ -203,11 +201,11 @@ struct Round {
 }
 
 impl Round {
-    fn new(scene: &Scene, interrupts: &AtomicUsize, what: &str, tell: &mut dyn FnMut(&str, &str)) -> Self {
+    fn new(scene: &Scene, what: &str, watch: &mut Watch<'_>) -> Self {
         let (mut displacements, mut ends) = (Vec::new(), Vec::new());
-        let run = run(scene, Progress::first(scene), interrupts, &mut |step, stage| {
+        let run = run(scene, Progress::first(scene), watch.interrupts, &mut |step, stage| {
             match stage {
-                Stage::Progress(part, _) => tell(what, &format!("step {}, {part}", step + 1)),
+                Stage::Progress(part, _) => watch.tell(what, &format!("step {}, {part}", step + 1)),
                 Stage::Step { solved, seconds, .. } => {
                     displacements.push(solved.displacement.clone());
                     ends.push(seconds);
@@ -217,25 +215,5 @@ impl Round {
             Ok(())
         });
         Self { run, displacements, ends }
-    }
-}
-
-/// The median; of an even number the mean of the two in the middle; NaN of none.
-pub(super) fn median(values: &mut [f64]) -> f64 {
-    values.sort_by(f64::total_cmp);
-    let n = values.len();
-    if n == 0 { f64::NAN } else { (values[(n - 1) / 2] + values[n / 2]) / 2.0 }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn medians() {
-        assert_eq!(median(&mut [3.0]), 3.0);
-        assert_eq!(median(&mut [9.0, 1.0, 2.0]), 2.0);
-        assert_eq!(median(&mut [9.0, 1.0, 2.0, 4.0]), 3.0);
-        assert!(median(&mut []).is_nan());
     }
 }

@@ -1,0 +1,120 @@
+//! The pictures of a study.
+
+use std::path::{Path, PathBuf};
+
+use steklov_figures::contact_pictures;
+use steklov_picture::{Axis, Band, MeshFigure, MeshPanel, PictureError, Scale, meshes, write};
+
+use super::Study;
+use super::strategy::{Point, Strategy};
+use crate::chart::{Dots, Drawing, Line, Pictures, linear, log};
+use crate::fit::Law;
+use crate::show::runs;
+
+/// Meshes of a strategy in one figure at most.
+const PANELS: usize = 6;
+
+/// A quantity of a chart: its name and its value at a step.
+type Quantity = (&'static str, fn(&Point) -> f64);
+
+const ERROR: Quantity = ("true error", |p| p.error);
+const ESTIMATE: Quantity = ("estimate", |p| p.estimate);
+const ENERGY_ERROR: Quantity = ("energy error", |p| p.energy_error);
+const EFFECTIVITY: Quantity = ("estimate / error", Point::effectivity);
+
+/// Draws the charts, the meshes of each strategy and the contact sides of the last one that has any into a folder;
+/// returns the files.
+///
+/// # Errors
+/// When a picture cannot be drawn or written.
+pub fn pictures(study: &Study<'_>, folder: &Path) -> Result<Vec<PathBuf>, PictureError> {
+    let mut all = Pictures::new(folder);
+    let seconds = format!("seconds ({})", runs(study.repeat));
+    let energy = log("energy error (|J - J_ref| / |J_ref|)^1/2");
+    let (dofs, seconds) = (log("degrees of freedom N"), log(&seconds));
+    let by_dofs: fn(&Point) -> f64 = |p| p.dofs as f64;
+    let by_seconds: fn(&Point) -> f64 = |p| p.seconds;
+    // with the fitted law that the key names
+    for (name, x, cost, law) in [
+        ("error-dofs", dofs, by_dofs, Some(Law::Algebraic)),
+        ("error-root-dofs", Axis { scale: Scale::SquareRoot, ..dofs }, by_dofs, Some(Law::SquareRoot)),
+        ("error-seconds", seconds, by_seconds, None),
+    ] {
+        let axes = [x, log("relative error, energy norm")];
+        let (lines, quantities) = (lines(study, cost, &[ERROR, ESTIMATE], law), &[ERROR.0, ESTIMATE.0]);
+        all.draw(name, &Drawing { axes, lines, quantities, ..drawing(study) })?;
+    }
+    for (name, x, cost) in [("energy-dofs", dofs, by_dofs), ("energy-seconds", seconds, by_seconds)] {
+        let lines = lines(study, cost, &[ENERGY_ERROR], None);
+        all.draw(name, &Drawing { axes: [x, energy], lines, ..drawing(study) })?;
+    }
+    let axes = [dofs, linear(EFFECTIVITY.0)];
+    let lines = lines(study, by_dofs, &[EFFECTIVITY], None);
+    let band = Some(Band { label: "within 25 %", y: [0.8, 1.25] });
+    all.draw("effectivity", &Drawing { axes, lines, band, ..drawing(study) })?;
+    for strategy in study.strategies.iter().filter(|s| !s.points.is_empty()) {
+        all.files.extend(mesh_pictures(study, strategy, folder)?);
+    }
+    if let Some(strategy) = study.strategies.iter().rev().find(|s| !s.contact.is_empty()) {
+        let title =
+            format!("{}, {} step {}", study.scene.title, strategy.name, strategy.points.len().saturating_sub(1));
+        let names = study.scene.body().outline.side_names();
+        all.files.extend(contact_pictures(&title, names, &strategy.contact, folder, "contact")?);
+    }
+    Ok(all.files)
+}
+
+fn drawing<'a>(study: &Study<'a>) -> Drawing<'a> {
+    Drawing { title: &study.scene.title, flag: "estimate not reliable", ..Drawing::default() }
+}
+
+/// A line a strategy.
+fn lines(study: &Study<'_>, cost: fn(&Point) -> f64, quantities: &[Quantity], law: Option<Law>) -> Vec<Line> {
+    let line = |s: &Strategy| {
+        let curves = quantities.iter().map(|quantity| curve(s, cost, quantity));
+        Line { name: name(s, law), curves: curves.collect() }
+    };
+    study.strategies.iter().map(line).collect()
+}
+
+/// A quantity where it is known: true errors are measured at some steps only.
+fn curve(strategy: &Strategy, cost: fn(&Point) -> f64, quantity: &Quantity) -> Dots {
+    // doubts are about estimates
+    let of_estimate = [ESTIMATE.0, EFFECTIVITY.0].contains(&quantity.0);
+    let known = strategy.points.iter().filter(|p| (quantity.1)(p).is_finite());
+    let (points, flagged) = known.map(|p| ([cost(p), (quantity.1)(p)], of_estimate && !p.doubts.is_empty())).unzip();
+    Dots { points, flagged }
+}
+
+/// A strategy's name with the law of its errors, if it is of that sort.
+fn name(strategy: &Strategy, law: Option<Law>) -> String {
+    match strategy.fits().iter().find(|f| Some(f.law) == law) {
+        Some(fit) => format!("{}: {}", strategy.name, fit.law.with_rate(fit.rate)),
+        None => strategy.name.clone(),
+    }
+}
+
+fn mesh_pictures(study: &Study<'_>, strategy: &Strategy, folder: &Path) -> Result<[PathBuf; 2], PictureError> {
+    let steps = strategy.some(PANELS);
+    let elements: Vec<Vec<[[f64; 2]; 2]>> = steps
+        .iter()
+        .map(|&k| &strategy.points[k].mesh)
+        .map(|mesh| (0..mesh.len()).map(|e| mesh.ends(e)).collect())
+        .collect();
+    let captions: Vec<String> = steps
+        .iter()
+        .map(|&k| (k, &strategy.points[k]))
+        .map(|(k, p)| format!("step {k}: {} elements, {} dofs", p.mesh.len(), p.dofs))
+        .collect();
+    let panels: Vec<MeshPanel<'_>> = steps
+        .iter()
+        .zip(elements.iter().zip(&captions))
+        .map(|(&k, (elements, caption))| {
+            let mesh = &strategy.points[k].mesh;
+            MeshPanel { caption, elements, degree: &mesh.degree, side: &mesh.side }
+        })
+        .collect();
+    let title = format!("{}: meshes of {}", study.scene.title, strategy.name);
+    let figure = MeshFigure { title: &title, side_names: study.scene.body().outline.side_names(), panels: &panels };
+    write(folder, &format!("meshes-{}", strategy.file_name()), &meshes(&figure)?)
+}

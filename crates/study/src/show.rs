@@ -1,0 +1,62 @@
+//! Parts of printed text.
+
+use std::fmt::Write as _;
+
+use steklov_problem::Source;
+
+/// A number, or a dash for what is not known.
+pub(crate) fn number(value: f64, show: impl FnOnce(f64) -> String) -> String {
+    if value.is_finite() { show(value) } else { "-".into() }
+}
+
+/// A name of this width, and cells of nine characters behind it.
+pub(crate) fn line(text: &mut String, (name, width): (&str, usize), cells: impl Iterator<Item = String>) {
+    let cells: String = cells.map(|cell| format!(" {cell:>9}")).collect();
+    let _ = writeln!(text, "{name:<width$}{cells}");
+}
+
+/// The settings of a study, and what a reader of the results must know.
+pub(crate) fn settings(source: &Source, note: Option<&str>) -> String {
+    let note = note.map_or(String::new(), |note| format!("note        {note}\n"));
+    format!("settings    {} (--set changes them)\n{note}", source.overrides.join(", "))
+}
+
+/// What failed, and why.
+pub(crate) fn failures<'f>(text: &mut String, all: impl Iterator<Item = &'f (String, String)>) {
+    for (at, why) in all {
+        let _ = writeln!(text, "FAILED at {at}: {why}");
+    }
+}
+
+/// Numbers of cells along x and y.
+pub(crate) fn cells([x, y]: [usize; 2]) -> String {
+    format!("{x}x{y}")
+}
+
+/// How often each run was made.
+pub(crate) fn runs(repeat: usize) -> String {
+    if repeat > 1 { format!("median of {repeat} runs") } else { "one run".into() }
+}
+
+/// A column of a printed table: its head, its width, what a row shows there.
+pub(crate) type Shown<T> = (&'static str, usize, fn(&T) -> String);
+
+/// The heads of a table behind the first one, which is on the left.
+pub(crate) fn heads<T>(text: &mut String, (first, width): (&str, usize), columns: &[Shown<T>]) {
+    let cells: String = columns.iter().map(|(head, width, _)| format!(" {head:>width$}")).collect();
+    let _ = writeln!(text, "{first:<width$}{cells}");
+}
+
+/// Rows of a table, the name of all in front of the first.
+pub(crate) fn rows<'r, T: 'r>(
+    text: &mut String,
+    (mut name, width): (&str, usize),
+    columns: &[Shown<T>],
+    rows: impl Iterator<Item = &'r T>,
+) {
+    for row in rows {
+        let cells: String = columns.iter().map(|(_, width, show)| format!(" {:>width$}", show(row))).collect();
+        let _ = writeln!(text, "{name:<width$}{cells}");
+        name = "";
+    }
+}

@@ -1,0 +1,52 @@
+//! Who hears what a study does, and may stop it; what is found until then.
+
+use std::fmt::Display;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// Hears what is being done, and may stop it.
+pub struct Watch<'a> {
+    /// Wishes to stop.
+    pub(crate) interrupts: &'a AtomicUsize,
+    tell: &'a mut dyn FnMut(&str, &str),
+}
+
+impl<'a> Watch<'a> {
+    /// `tell` hears the name of a part and where in it the study is; `interrupts` counts wishes to stop.
+    pub fn new(interrupts: &'a AtomicUsize, tell: &'a mut dyn FnMut(&str, &str)) -> Self {
+        Self { interrupts, tell }
+    }
+
+    /// Whether there was a wish to stop.
+    pub(crate) fn stopped(&self) -> bool {
+        self.interrupts.load(Ordering::Relaxed) > 0
+    }
+
+    pub(crate) fn tell(&mut self, part: &str, detail: &str) {
+        (self.tell)(part, detail);
+    }
+}
+
+/// What a part of a study found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Found<T> {
+    /// In the order in which it was found.
+    pub points: Vec<T>,
+    /// What failed, and why.
+    pub failures: Vec<(String, String)>,
+}
+
+impl<T> Default for Found<T> {
+    fn default() -> Self {
+        Self { points: Vec::new(), failures: Vec::new() }
+    }
+}
+
+impl<T> Found<T> {
+    /// Keeps points, or why there are none.
+    pub(crate) fn take<E: Display>(&mut self, at: String, found: Result<impl IntoIterator<Item = T>, E>) {
+        match found {
+            Ok(points) => self.points.extend(points),
+            Err(error) => self.failures.push((at, error.to_string())),
+        }
+    }
+}
