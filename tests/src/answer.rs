@@ -4,12 +4,13 @@ use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
-use steklov_model::adapt::Layout;
+use steklov_model::error::SolveError;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::grid::OnGrid;
+use steklov_model::layout::Layout;
 use steklov_model::report::{ContactRow, contact_rows, contact_summary, located};
 use steklov_model::run::{Progress, Run, run};
-use steklov_model::solve::{SolveError, Solved};
+use steklov_model::solution::Solved;
 use steklov_model::summary::{ContactSummary, Summary};
 use steklov_plan::plan;
 use steklov_problem::{Model, Refine, Scene};
@@ -139,7 +140,8 @@ pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
         None => (Vec::new(), None),
         Some(contact) => {
             let rows = contact_rows(run.last.trace(), contact);
-            let summary = contact_summary(&once, run.last.trace(), contact, &rows, located(&once, run.step()));
+            let summary =
+                contact_summary(&once, run.last.trace(), contact, &rows, located(&once, &run.step().layout.located));
             (rows, Some(summary))
         }
     };

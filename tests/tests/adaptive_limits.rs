@@ -4,9 +4,11 @@
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mesh, PairCache};
+use steklov_model::error::SolveError;
 use steklov_model::estimate::Doubt;
 use steklov_model::run::{Progress, Reason, run};
-use steklov_model::solve::{SolveError, Stage, solve};
+use steklov_model::solve::solve;
+use steklov_model::stage::Stage;
 use steklov_problem::Scene;
 use steklov_study::reference::true_error;
 use steklov_tests::{Case, On, View, adapt, finer, parse, scene, solved_in_steps};

@@ -5,8 +5,8 @@ use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
-use steklov_model::adapt::Layout;
 use steklov_model::first_mesh::singular_points;
+use steklov_model::layout::Layout;
 use steklov_model::run::{Progress, Reason, Run, run};
 use steklov_model::summary::Summary;
 use steklov_plan::plan;

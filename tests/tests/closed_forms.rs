@@ -57,8 +57,13 @@ fn a_crack_opens_like_griffiths() {
 fn contact(scene: &Scene, run: &Run) -> (Vec<ContactRow>, ContactSummary) {
     let contact = run.last.contact.as_ref().expect("contact");
     let rows = contact_rows(run.last.trace(), contact);
-    let summary =
-        contact_summary(scene, run.last.trace(), contact, &rows, steklov_model::report::located(scene, run.step()));
+    let summary = contact_summary(
+        scene,
+        run.last.trace(),
+        contact,
+        &rows,
+        steklov_model::report::located(scene, &run.step().layout.located),
+    );
     (rows, summary)
 }
 

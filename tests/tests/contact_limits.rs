@@ -4,8 +4,8 @@ use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::Mesh;
 use steklov_contact::{Condition, ContactError, ContactNode, Problem};
+use steklov_model::error::SolveError;
 use steklov_model::first_mesh::first_mesh;
-use steklov_model::solve::SolveError;
 use steklov_problem::Scene;
 use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
 

@@ -6,7 +6,7 @@ use steklov_bem_operators::proptest::{loops, star};
 use steklov_bem_operators::{Loop, Mesh};
 use steklov_contact::ContactError;
 use steklov_elastic::{Material, Plane};
-use steklov_model::solve::SolveError;
+use steklov_model::error::SolveError;
 use steklov_problem::Scene;
 use steklov_tests::{Answer, Case, On, View, answer_on, attempt, parse};
 

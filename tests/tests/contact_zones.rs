@@ -75,7 +75,7 @@ fn lengths(scene: &Scene, rows: &[ContactRow], ends: &[[f64; 2]]) -> Option<[f64
 fn told(scene: &Scene, run: &Run) -> Option<(Vec<ContactRow>, ContactSummary)> {
     let contact = run.last.contact.as_ref()?;
     let rows = contact_rows(run.last.trace(), contact);
-    let summary = contact_summary(scene, run.last.trace(), contact, &rows, located(scene, run.step()));
+    let summary = contact_summary(scene, run.last.trace(), contact, &rows, located(scene, &run.step().layout.located));
     Some((rows, summary))
 }
 

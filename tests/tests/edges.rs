@@ -1,7 +1,7 @@
 //! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
 
+use steklov_model::error::SolveError;
 use steklov_model::report::{contact_rows, contact_summary, located};
-use steklov_model::solve::SolveError;
 use steklov_problem::DataErrorKind;
 use steklov_tests::{adapt, answer, attempt, parse};
 
@@ -139,7 +139,8 @@ fn an_unloaded_body_at_rest_on_its_obstacle_is_not_doubted() {
         assert_eq!((estimate.error, &estimate.doubts[..]), (0.0, &[][..]), "{gap}");
         let solved = run.last.contact.as_ref().expect("contact");
         let rows = contact_rows(run.last.trace(), solved);
-        let contact = contact_summary(&scene, run.last.trace(), solved, &rows, located(&scene, run.step()));
+        let contact =
+            contact_summary(&scene, run.last.trace(), solved, &rows, located(&scene, &run.step().layout.located));
         assert_eq!((contact.length, contact.ends.unwrap_or_default().len()), (0.0, 0), "{gap}");
     }
 }

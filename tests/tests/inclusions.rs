@@ -4,8 +4,8 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use steklov_bem_operators::BemError;
+use steklov_model::error::SolveError;
 use steklov_model::run::{Reason, Run};
-use steklov_model::solve::SolveError;
 use steklov_problem::{DataErrorKind, Scene};
 use steklov_study::reference::true_error;
 use steklov_tests::{adapt, finer, line, parse, solved_in_steps};

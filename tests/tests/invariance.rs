@@ -7,7 +7,7 @@ use faer::Mat;
 use rayon::ThreadPoolBuilder;
 use steklov_bem_operators::{Domain, Operators, PairCache, Space, Steklov};
 use steklov_model::first_mesh::first_mesh;
-use steklov_model::solve::Stage;
+use steklov_model::stage::Stage;
 use steklov_tests::{Answer, Case, On, View, answer, parse, point_of, rotated, scene};
 
 const TURN: f64 = 17.0 * std::f64::consts::PI / 180.0;

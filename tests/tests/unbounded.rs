@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write as _;
 
 use steklov_bem_operators::{BemError, Mesh};
-use steklov_model::solve::SolveError;
+use steklov_model::error::SolveError;
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_result::record::Record;

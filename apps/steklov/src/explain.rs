@@ -4,7 +4,7 @@ use steklov_bem_operators::BemError;
 use steklov_contact::{ContactError, LEAST_GAMMA};
 use steklov_coupling::{CouplingError, Radiation};
 use steklov_expression::Expression;
-use steklov_model::solve::SolveError;
+use steklov_model::error::SolveError;
 use steklov_model::summary::available_memory_bytes;
 use steklov_msfem::MsfemError;
 use steklov_problem::DataErrorKind::{Conflict, Geometry, Unsupported, Value};

@@ -60,6 +60,11 @@ impl Material {
         }
     }
 
+    /// E* = E/(1-ν²) in plane strain, E in plane stress.
+    pub fn plane_modulus(&self) -> f64 {
+        2.0 * self.mu() / (1.0 - self.nu())
+    }
+
     /// Shear modulus μ = E/(2(1+ν)), the same in both planes.
     pub fn mu(&self) -> f64 {
         self.young / (2.0 * (1.0 + self.poisson))

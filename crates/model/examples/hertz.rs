@@ -26,7 +26,13 @@ fn main() -> Result<(), Box<dyn Error>> {
     let run = unobserved(&scene)?;
     let Some(contact) = &run.last.contact else { return Err("nothing touches".into()) };
     let trace = run.last.trace();
-    let found = contact_summary(&scene, trace, contact, &contact_rows(trace, contact), located(&scene, run.step()));
+    let found = contact_summary(
+        &scene,
+        trace,
+        contact,
+        &contact_rows(trace, contact),
+        located(&scene, &run.step().layout.located),
+    );
     let (force, width) = (found.force[1], found.length / 2.0);
     let hertz = (4.0 * force * radius * (1.0 - poisson * poisson) / (PI * young)).sqrt();
     println!("{} dofs: force {force:.6}, half width {width:.6}, of Hertz {hertz:.6}", run.step().dofs);

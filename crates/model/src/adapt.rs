@@ -8,20 +8,13 @@ use steklov_problem::{Refine, Scene};
 use crate::apart::{limited_by_multipliers, multiplier_indicators};
 use crate::asperities::{Cuts, MARKED, cut_at_turns, gap_turns, obstacles, part_to_mark};
 use crate::body::Factors;
+use crate::error::SolveError;
 use crate::estimate::{Bubble, Doubt, Estimate};
 use crate::first_mesh::{coarse_elements, singular_points};
 use crate::hidden::Unseen;
-use crate::solve::{SolveError, Solved};
+use crate::layout::Layout;
+use crate::solution::Solved;
 use crate::transitions::unlocated_energy;
-
-/// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Layout {
-    /// The elements of every edge.
-    pub subdivision: Subdivision,
-    /// The vertices at transitions.
-    pub tips: Vec<Tip>,
-}
 
 /// Degree from which the decay of Legendre coefficients tells whether a solution is smooth.
 const TELLING: usize = 4;
@@ -144,11 +137,6 @@ impl<'a> Marking<'a> {
 }
 
 impl Layout {
-    /// Displacement unknowns.
-    pub fn dofs(&self) -> usize {
-        self.subdivision.dofs()
-    }
-
     /// The layout to solve next, and where the transitions of this one are believed to be.
     ///
     /// # Errors

@@ -7,15 +7,18 @@ use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
 use steklov_contact::{Located, Tip};
 use steklov_problem::{Refine, Scene};
 
-use crate::adapt::Layout;
 use crate::answer::{Report, report_of_boundary};
 use crate::body::Body;
 use crate::elastic::EnrichedBody;
+use crate::error::SolveError;
 use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::hidden::Unseen;
+use crate::layout::Layout;
 use crate::memory::{Lack, lack};
 use crate::run::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
-use crate::solve::{SolveError, Solved, Stage, solve};
+use crate::solution::Solved;
+use crate::solve::solve;
+use crate::stage::Stage;
 use crate::stochastic::{End, StochasticResult, mean_estimate, solve_stochastic};
 
 /// Boundary elements, as a [`Model`].

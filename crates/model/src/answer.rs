@@ -6,12 +6,13 @@ use steklov_problem::Scene;
 
 use crate::around::Around;
 use crate::contact::ContactResult;
+use crate::energies::Energies;
 use crate::estimate::{Doubt, ROUNDOFF};
 use crate::fields::probe;
 use crate::large::is_large;
 use crate::report::{ContactRow, Trace, contact_summary, located};
 use crate::run::{Model, Run};
-use crate::solve::{Energies, Solved};
+use crate::solution::Solved;
 use crate::stochastic::{self, StochasticResult};
 use crate::summary::{Audit, GridSummary, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
 use crate::vertices::tell_unbounded;
@@ -111,7 +112,7 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
         exact: estimate.is_some_and(|e| e.relative < ROUNDOFF),
         trace: solved.trace(),
         contact: solved.contact.as_ref(),
-        located: located(scene, run.step()),
+        located: located(scene, &run.step().layout.located),
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
         grid: None,

@@ -10,7 +10,7 @@ use steklov_contact::{MultiplierDegree, multiplier_trace};
 use steklov_problem::Scene;
 use steklov_quadrature::gauss_legendre;
 
-use crate::solve::Solved;
+use crate::solution::Solved;
 
 /// Part of an element's η² from which its multipliers limit it.
 const MOST: f64 = 0.5;

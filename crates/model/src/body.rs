@@ -9,10 +9,12 @@ use steklov_problem::Scene;
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
 use crate::data::{Data, Loads};
+use crate::energies::Energies;
 use crate::equilibrium::{Equations, reactions};
+use crate::error::SolveError;
 use crate::inclusion::Outside;
 use crate::motions::work;
-use crate::solve::{Energies, Seconds, SolveError, Solved};
+use crate::solution::{Seconds, Solved};
 use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};
 

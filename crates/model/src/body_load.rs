@@ -3,7 +3,7 @@
 use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
 use steklov_quadrature::gauss_legendre;
 
-use crate::solve::Energies;
+use crate::energies::Energies;
 
 /// The particular solution on a mesh.
 ///

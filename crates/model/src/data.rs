@@ -1,18 +1,15 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
-use std::ops::Range;
-
 use steklov_bem_operators::{
-    BemError, BoundaryField, Datum, Location, Look, Mesh, ParticularSolution, Site, Space, add_load,
-    boundary_residuals_of, side_moments, side_moments_and_squares,
+    BemError, BoundaryField, Datum, Location, Mesh, ParticularSolution, Site, Space, add_load, side_moments,
+    side_moments_and_squares,
 };
-use steklov_contact::{ContactSolution, Multiplier, contact_residuals_of, oscillation};
+use steklov_contact::oscillation;
 use steklov_expression::{Expression, Piece};
 use steklov_problem::{Condition, DataError, Scene};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
-use crate::estimate::Residual;
-use crate::solve::{SolveError, Solved};
+use crate::error::SolveError;
 use crate::supports::Held;
 
 /// A scene on a mesh.
@@ -252,51 +249,6 @@ impl Data<'_> {
             (plain.value)(site) - u[0] * d[0] - u[1] * d[1]
         };
         Function { value: Box::new(value), kinks: plain.kinks }
-    }
-
-    /// Residual indicators of some elements.
-    pub fn residuals(&self, solved: &Solved, elements: Range<usize>, look: Look) -> Result<Vec<Residual>, SolveError> {
-        let body = solved.particular.as_ref();
-        let traction = |site: &Site| -> [Option<f64>; 2] {
-            let e = site.element;
-            let value = |f: &Expression| f.eval(site.point[0], site.point[1], site.s);
-            if self.scene.contact(self.mesh.side[e]).is_some() {
-                return [None; 2];
-            }
-            let given = match &self.scene.body().sides[self.mesh.side[e]].condition {
-                Condition::Free => [Some(0.0); 2],
-                Condition::Traction(t) => [Some(value(&t[0])), Some(value(&t[1]))],
-                Condition::Pressure(p) => self.mesh.normal(e).map(|n| Some(-n * value(p))),
-                Condition::Displacement { values, traction } => [0, 1].map(|i| match (&values[i], traction) {
-                    (Some(_), _) => None,
-                    (None, Some(t)) => Some(value(&t[i])),
-                    (None, None) => Some(0.0),
-                }),
-            };
-            let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e)));
-            [0, 1].map(|i| given[i].map(|t| t - particular[i]))
-        };
-        let first = elements.start;
-        let boundary = boundary_residuals_of(self.mesh, &solved.field, &traction, elements.clone(), look)?;
-        let mut residuals: Vec<Residual> =
-            boundary.into_iter().map(|boundary| Residual { boundary, ..Default::default() }).collect();
-        if let Some(contact) = &solved.contact {
-            let solution = ContactSolution {
-                mesh: self.mesh,
-                space: self.space,
-                displacement: &solved.displacement,
-                multiplier: match &contact.stabilised {
-                    Some(s) => Multiplier::Stabilised(&s.space, &s.solution.multipliers),
-                    None => Multiplier::Biorthogonal(&contact.boundary, &contact.solution.multipliers),
-                },
-                field: &solved.field,
-                body_force: body,
-            };
-            for residual in self.with_contact_data(|sides| contact_residuals_of(&solution, sides, elements, look))? {
-                residuals[residual.element - first].contact = residual;
-            }
-        }
-        Ok(residuals)
     }
 
     pub(crate) fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {

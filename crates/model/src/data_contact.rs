@@ -6,7 +6,7 @@ use steklov_expression::Expression;
 use steklov_problem::{Contact, DataError, DataErrorKind, Friction};
 
 use crate::data::{Data, Function};
-use crate::solve::SolveError;
+use crate::error::SolveError;
 use crate::supports::Held;
 
 impl Data<'_> {

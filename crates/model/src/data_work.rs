@@ -18,7 +18,8 @@ use steklov_quadrature::gauss_legendre;
 use crate::body::Factors;
 use crate::contact::{ContactFactors, ContactResult};
 use crate::data::Data;
-use crate::solve::{SolveError, Solved};
+use crate::error::SolveError;
+use crate::solution::Solved;
 
 impl Data<'_> {
     /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).

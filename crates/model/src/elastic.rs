@@ -10,7 +10,6 @@
 //! body and medium to all that has no jump of displacements.
 
 use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache};
-use steklov_elastic::Material;
 
 use crate::body::{Body, Factors};
 
@@ -116,11 +115,6 @@ impl<'a> Elastic<'a> {
         let blocks = self.parts.iter().map(|(enriched, _)| of(enriched));
         blocks.fold([[0.0; 2]; 2], |sum, a| [0, 1].map(|i| [0, 1].map(|j| sum[i][j] + a[i][j])))
     }
-}
-
-/// E* = E/(1-ν²) in plane strain, E in plane stress.
-pub(crate) fn plane_modulus(material: &Material) -> f64 {
-    2.0 * material.mu() / (1.0 - material.nu())
 }
 
 fn sum(mut a: Vec<f64>, b: Vec<f64>) -> Vec<f64> {

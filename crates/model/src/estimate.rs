@@ -11,19 +11,21 @@
 //! with strategies that keep the degree, with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
-use steklov_bem_operators::{BoundaryResidual, Enriched, Look, Mesh, SAME_PLACE};
-use steklov_contact::{ContactBubble, ContactResidual, Frozen};
+use steklov_bem_operators::{Enriched, Look, Mesh, SAME_PLACE};
+use steklov_contact::{ContactBubble, Frozen};
 use steklov_elastic::Material;
 use steklov_problem::{Indicator, Refine, Scene};
 
 use crate::body::{Body, Factors};
 use crate::data::Data;
-use crate::elastic::{Elastic, EnrichedBody, plane_modulus};
+use crate::elastic::{Elastic, EnrichedBody};
 use crate::enriched_problem::{Frame, System, frames};
 use crate::equilibrium::UNBALANCED;
+use crate::error::SolveError;
 use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
-use crate::solve::{SolveError, Solved};
+use crate::residual::Residual;
+use crate::solution::Solved;
 use crate::unseen::{unseen_at_vertices, unseen_by_tractions};
 use crate::vertices::strong_vertices;
 
@@ -42,22 +44,6 @@ impl Bubble {
     /// η².
     pub fn total(&self) -> f64 {
         self.displacement + self.traction + self.oscillation
-    }
-}
-
-/// The residual indicator of one element.
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Residual {
-    /// What is left of the boundary equations.
-    pub boundary: BoundaryResidual,
-    /// What is left of the contact conditions.
-    pub contact: ContactResidual,
-}
-
-impl Residual {
-    /// η².
-    pub fn total(&self) -> f64 {
-        self.boundary.total() + self.contact.total()
     }
 }
 
@@ -256,7 +242,7 @@ fn indicators(
     (bubbles, frames): (&[ContactBubble], &[Frame]),
     residual: &[f64],
 ) -> Result<(Vec<Bubble>, f64), SolveError> {
-    let modulus = plane_modulus(&data.scene.body().material());
+    let modulus = data.scene.body().material().plane_modulus();
     let tractions = elastic.traction_indicators(data.mesh.len());
     let of = |e: usize| Bubble {
         displacement: frames[e].energy(elastic.hypersingular_block(e), [residual[2 * e], residual[2 * e + 1]]),
@@ -287,7 +273,8 @@ fn held_tractions(
     frames: &[Frame],
 ) -> f64 {
     let held: f64 = indicators.iter().zip(frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
-    let moduli = solved.around.as_ref().map(|around| [&scene.body().material(), &around.material].map(plane_modulus));
+    let moduli =
+        solved.around.as_ref().map(|around| [&scene.body().material(), &around.material].map(Material::plane_modulus));
     held.max(elastic.held_tractions(solved.mesh.len(), moduli))
 }
 
@@ -301,7 +288,7 @@ fn unseen_of(scene: &Scene, solved: &Solved, factors: &Factors, indicators: &[Bu
     }
     let materials: Vec<Material> =
         std::iter::once(scene.body().material()).chain(solved.around.as_ref().map(|around| around.material)).collect();
-    let modulus = plane_modulus(&scene.body().material());
+    let modulus = scene.body().material().plane_modulus();
     let varies = |e: usize| factors.unresolved[e] > UNFOLLOWED * modulus * indicators[e].total();
     at_vertices + unseen_by_tractions(&solved.mesh, correction, &materials, &varies)
 }
@@ -336,7 +323,7 @@ fn unresolved(
 /// What is in doubt of the data, of overlaps and of Coulomb's law.
 fn doubts(scene: &Scene, solved: &Solved, (unresolved, overlaps): (&[f64], &[Overlap]), error: f64) -> Vec<Doubt> {
     let part: f64 = unresolved.iter().sum();
-    let of_data = part > plane_modulus(&scene.body().material()) * UNRESOLVED * error * error;
+    let of_data = part > scene.body().material().plane_modulus() * UNRESOLVED * error * error;
     let several = solved.contact.as_ref().and_then(|c| c.coulomb).is_some_and(|c| c.several);
     let found = [
         (Doubt::Data, of_data || overlaps.iter().any(|o| !o.known)),
@@ -356,7 +343,7 @@ fn hidden_overlaps(
     indicators: &mut [Bubble],
 ) -> Vec<Overlap> {
     let Some(contact) = &solved.contact else { return Vec::new() };
-    let modulus = plane_modulus(&data.scene.body().material());
+    let modulus = data.scene.body().material().plane_modulus();
     let moved = solved.displacement.iter().fold(contact.boundary.largest_gap(), |m, u| m.max(u.abs()));
     let found = indicators.iter().map(Bubble::total).sum::<f64>().sqrt();
     let wanted = LEAST_OVERLAP * (data.scene.method.tolerance * scale).max(found) * (2.0 / modulus).sqrt();

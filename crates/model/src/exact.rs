@@ -5,8 +5,10 @@ use steklov_problem::Scene;
 
 use crate::data::Data;
 use crate::equilibrium::UNBALANCED;
-use crate::estimate::{Doubt, Estimate, ROUNDOFF, Residual};
-use crate::solve::{SolveError, Solved};
+use crate::error::SolveError;
+use crate::estimate::{Doubt, Estimate, ROUNDOFF};
+use crate::residual::Residual;
+use crate::solution::Solved;
 
 impl Estimate {
     /// Takes back the doubts about an answer that is exact: what it leaves of the equations at all points, not only against

@@ -3,7 +3,7 @@
 use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution};
 use steklov_problem::Scene;
 
-use crate::solve::Solved;
+use crate::solution::Solved;
 use crate::summary::Probe;
 
 /// Displacement and stress at a point: on the boundary those of the body.

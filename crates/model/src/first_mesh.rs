@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
 use steklov_problem::{Condition, Refine, Scene};
 
-use crate::adapt::Layout;
+use crate::layout::Layout;
 
 /// Straight corners are those whose sides turn by less than this (radian).
 const STRAIGHT: f64 = 1e-9;

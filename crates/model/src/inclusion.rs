@@ -22,9 +22,9 @@ use steklov_problem::Scene;
 use steklov_quadrature::legendre_p;
 
 use crate::around::Around;
+use crate::assemble::operators;
 use crate::data::Data;
-use crate::elastic::plane_modulus;
-use crate::solve::{SolveError, operators};
+use crate::error::SolveError;
 
 /// The medium around a body, on the mesh of the body, and the jump of the displacement between them.
 pub struct Outside {
@@ -152,7 +152,7 @@ impl Data<'_> {
     pub(crate) fn jump_oscillation(&self) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
         let Some(around) = self.scene.surroundings() else { return Ok(found) };
-        let compliance = 1.0 / plane_modulus(&self.scene.body().material()) + 1.0 / plane_modulus(&around.material);
+        let compliance = 1.0 / self.scene.body().material().plane_modulus() + 1.0 / around.material.plane_modulus();
         let jumps = displacement_jump(self.scene);
         for expression in jumps.filter(|jump| jump.constant().is_none()) {
             let function = self.function(expression);

@@ -4,7 +4,7 @@ use steklov_bem_operators::BemError;
 use steklov_contact::{ContactBoundary, ContactEdge, ContactError, resisted_motions};
 use steklov_elastic::RigidMotion;
 
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// L(r) of a load and the scale Σ |f||r| over the nodes at these points.
 pub(crate) fn work(points: &[[f64; 2]], load: &[f64], motion: &RigidMotion) -> (f64, f64) {

@@ -5,8 +5,7 @@ use steklov_contact::{Condition, Located, MultiplierNode, Status, TipKind};
 use steklov_problem::{Refine, Scene};
 
 use crate::contact::ContactResult;
-use crate::run::Step;
-use crate::solve::Solved;
+use crate::solution::Solved;
 use crate::stabilised::StabilisedContact;
 use crate::summary::{ContactSummary, Stabilisation, Summary};
 use crate::unbounded::is_unbounded;
@@ -201,9 +200,9 @@ pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Su
     }
 }
 
-/// The transitions of a mesh that has vertices for them; none of other strategies.
-pub fn located<'a>(scene: &Scene, step: &'a Step) -> Option<&'a [Located]> {
-    (scene.method.refine == Refine::Hp).then_some(&step.layout.located)
+/// The transitions of a step, of a mesh that has vertices for them; none of other strategies.
+pub fn located<'a>(scene: &Scene, of_step: &'a [Located]) -> Option<&'a [Located]> {
+    (scene.method.refine == Refine::Hp).then_some(of_step)
 }
 
 /// Edge and edge parameter of the transitions of some kinds, rising; none where one has no vertex.

@@ -5,6 +5,8 @@
 //!      ▲                                                               │ no
 //!      └───────────────────────────────────────────────────────────────┘
 //! ```
+//! This file, `adaptive`, `answer` and `stage` know each other: a run is one of boundary elements unless it says otherwise, a model
+//! tells a report, and a stage may be that a step is done.
 
 use std::fmt::Debug;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -14,8 +16,10 @@ use steklov_problem::Scene;
 
 use crate::adaptive::BoundaryElements;
 use crate::answer::Report;
+use crate::error::SolveError;
 use crate::memory::Lack;
-use crate::solve::{Seconds, SolveError, Stage};
+use crate::solution::Seconds;
+use crate::stage::Stage;
 use crate::stochastic::StochasticResult;
 
 /// Why a run ended.

@@ -12,7 +12,7 @@ use steklov_contact::{
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
 use crate::data::Data;
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// Stabilised multipliers on a solved mesh.
 #[derive(Debug, Clone)]

@@ -12,7 +12,6 @@ use steklov_bem_operators::Mesh;
 use steklov_contact::{Located, TipKind};
 use steklov_problem::{Refine, Scene};
 
-use crate::elastic::plane_modulus;
 use crate::estimate::{Doubt, Estimate, OF_SQUARE, ratio};
 use crate::first_mesh::singular_points;
 
@@ -31,7 +30,7 @@ const MATTERS: f64 = 0.05;
 impl Estimate {
     /// Adds the energy of transitions that no vertex of the mesh follows.
     pub(crate) fn add_tips(&mut self, scene: &Scene, located: &[Located]) {
-        let modulus = plane_modulus(&scene.body().material());
+        let modulus = scene.body().material().plane_modulus();
         self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum();
         self.error = self.error.hypot(self.tips.sqrt());
         self.uncertainty += OF_SQUARE * self.tips;
@@ -47,7 +46,7 @@ impl Estimate {
         located: &[Located],
         before: Option<&[Located]>,
     ) {
-        let modulus = plane_modulus(&scene.body().material());
+        let modulus = scene.body().material().plane_modulus();
         let (located, before) = (&with_curvatures(located), before.map(with_curvatures));
         let sum = |of: &dyn Fn(&Located) -> bool| -> f64 {
             located.iter().filter(|tip| of(tip)).map(|tip| tip_energy(modulus, tip)).sum()
@@ -104,7 +103,7 @@ fn tip_energy(modulus: f64, tip: &Located) -> f64 {
 
 /// Energy of the transitions that no vertex of the mesh follows.
 pub(crate) fn unlocated_energy(scene: &Scene, located: &[Located]) -> f64 {
-    let modulus = plane_modulus(&scene.body().material());
+    let modulus = scene.body().material().plane_modulus();
     with_curvatures(located).iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum()
 }
 

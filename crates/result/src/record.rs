@@ -11,7 +11,7 @@ use steklov_model::body::Body;
 use steklov_model::fields::ElasticField;
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::run::Run;
-use steklov_model::solve::Solved;
+use steklov_model::solution::Solved;
 use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;
 use steklov_plan::Plan;

@@ -10,7 +10,8 @@ use steklov_io::{
     load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
 use steklov_model::adaptive::RefinedMesh;
-use steklov_model::estimate::{Bubble, Doubt, Estimate, Residual};
+use steklov_model::estimate::{Bubble, Doubt, Estimate};
+use steklov_model::residual::Residual;
 use steklov_model::run::Step;
 use steklov_problem::Scene;
 

@@ -3,8 +3,8 @@
 use faer::Mat;
 use steklov_bem_operators::{Dof, Mesh, Operators, Space, Steklov, TractionMap};
 use steklov_model::data::Data;
+use steklov_model::error::SolveError;
 use steklov_model::first_mesh::first_mesh;
-use steklov_model::solve::SolveError;
 use steklov_model::supports::Supports;
 use steklov_problem::{Refine, Scene};
 use steklov_quadrature::gauss_legendre;

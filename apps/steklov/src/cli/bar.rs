@@ -6,7 +6,7 @@ use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
-use steklov_model::solve::Stage;
+use steklov_model::stage::Stage;
 
 /// Lines about the outcomes of random input where there is no terminal.
 const TOLD: usize = 10;

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use steklov_io::{IoError, is_special};
-use steklov_model::solve::SolveError;
+use steklov_model::error::SolveError;
 use steklov_result::store::unfinished;
 
 use super::Failure;

@@ -15,7 +15,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_io::{IoError, create_atomically};
-use steklov_model::solve::Stage;
+use steklov_model::stage::Stage;
 use steklov_picture::{self as picture, PictureError};
 use steklov_plan::plan;
 use steklov_problem::{Method, Multiplier, Refine, Scene};

@@ -6,7 +6,7 @@ use steklov_problem::{Condition, Scene, Side};
 
 use super::estimate::GridEstimate;
 use super::run::OnGrid;
-use super::solve::GridSolved;
+use super::solution::GridSolved;
 use crate::answer::Report;
 use crate::around::Around;
 use crate::run::Run;

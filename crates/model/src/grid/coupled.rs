@@ -9,12 +9,15 @@ use steklov_msfem::{CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, Multiscal
 use steklov_problem::{Scene, Surroundings};
 
 use super::layout::GridLayout;
-use super::solve::{CoarseSolved, GridSolved, basis, node_at, watched};
+use super::solution::{CoarseSolved, GridSolved};
+use super::solve::{basis, node_at, watched};
 use super::trace::GridTrace;
 use crate::around::Around;
-use crate::elastic::plane_modulus;
+use crate::energies::Energies;
 use crate::equilibrium::UNBALANCED;
-use crate::solve::{Energies, Seconds, SolveError, Stage};
+use crate::error::SolveError;
+use crate::solution::Seconds;
+use crate::stage::Stage;
 
 /// Parts of the solution that both kinds of elements have.
 struct Joined {
@@ -209,9 +212,9 @@ fn jump_oscillation(
 ) -> Result<Vec<f64>, SolveError> {
     let (mesh, space) = (&exterior.mesh, &exterior.space);
     let mut energies = vec![0.0; mesh.len()];
-    let around = plane_modulus(&medium.material);
+    let around = medium.material.plane_modulus();
     // E* over E of the body
-    let plane = plane_modulus(&scene.body().material()) / scene.body().material().young;
+    let plane = scene.body().material().plane_modulus() / scene.body().material().young;
     for expression in medium.tie.displacement_jump.iter().flatten().filter(|jump| jump.constant().is_none()) {
         let value = |site: &Site| {
             let s = on_interface(scene, site.point).1;

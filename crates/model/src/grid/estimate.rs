@@ -12,10 +12,11 @@ use steklov_problem::{Indicator, Scene};
 use super::FAILING;
 use super::coupled::{MediumTraction, medium_tractions};
 use super::oscillation::load_oscillation;
-use super::solve::{GridSolved, node_at};
+use super::solution::GridSolved;
+use super::solve::node_at;
 use super::trace::GridTrace;
 use crate::around::Around;
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
 /// exact solution.

@@ -4,8 +4,8 @@ use steklov_bem_operators::Mesh;
 use steklov_msfem::{CoarseCell, CoarseMesh, mark, refine};
 use steklov_problem::{Refine, Scene, grid_of};
 
-use super::solve::GridSolved;
-use crate::solve::SolveError;
+use super::solution::GridSolved;
+use crate::error::SolveError;
 
 /// A grid and the coarse cells on it.
 #[derive(Debug, Clone, PartialEq)]

@@ -7,7 +7,7 @@ use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Scene};
 use super::estimate::Tractions;
 use super::trace::GridTrace;
 use crate::data::{Data, SideLoad};
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
 pub(super) fn loads(

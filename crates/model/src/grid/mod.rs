@@ -10,7 +10,8 @@
 //!                                     └─► Record ─► result file, summary, pictures
 //! ```
 //! The boundary of the grid is a boundary mesh of degree 1, so that loads, supports and contact are set up by the same code as
-//! those of boundary elements.
+//! those of boundary elements. A solution holds its estimate, which is made where body and medium are solved: these files know
+//! each other.
 
 mod answer;
 mod coupled;
@@ -19,6 +20,7 @@ mod layout;
 mod loads;
 mod oscillation;
 mod run;
+mod solution;
 mod solve;
 mod system;
 mod trace;
@@ -27,4 +29,5 @@ pub use answer::FAILING;
 pub use estimate::{BLIND, GridEstimate};
 pub use layout::GridLayout;
 pub use run::{MARKING, OnGrid};
-pub use solve::{CoarseSolved, GridSolved, solve_grid};
+pub use solution::{CoarseSolved, GridSolved};
+pub use solve::solve_grid;

@@ -10,7 +10,7 @@ use steklov_quadrature::gauss_legendre;
 
 use super::trace::GridTrace;
 use crate::data::Data;
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// Part of a square that rounding leaves of what is resolved.
 const ROUNDING: f64 = 1e-12;

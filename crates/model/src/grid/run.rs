@@ -5,10 +5,12 @@ use steklov_problem::{Refine, Scene};
 use super::answer;
 use super::estimate::GridEstimate;
 use super::layout::GridLayout;
-use super::solve::{GridSolved, solve_grid};
+use super::solution::GridSolved;
+use super::solve::solve_grid;
 use crate::answer::Report;
+use crate::error::SolveError;
 use crate::run::{Advanced, Model, Progress, Reason, Run, Step, seconds_of};
-use crate::solve::{SolveError, Stage};
+use crate::stage::Stage;
 
 /// Dörfler's θ where the scene has none.
 pub const MARKING: f64 = 0.5;

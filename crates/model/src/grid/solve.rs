@@ -2,7 +2,6 @@
 
 use std::time::Instant;
 
-use steklov_coupling::InterfaceIndicators;
 use steklov_elastic::RigidMotion;
 use steklov_msfem::{
     Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale,
@@ -10,83 +9,18 @@ use steklov_msfem::{
 use steklov_problem::{BasisInput, Scene, grid_of, moduli};
 
 use super::coupled::solve_coupled;
-use super::estimate::{GridEstimate, estimate};
+use super::estimate::estimate;
 use super::layout::GridLayout;
 use super::loads::{check_gaps, loads};
+use super::solution::{CoarseSolved, GridSolved};
 use super::system::{Answer, System, without_motions};
 use super::trace::GridTrace;
-use crate::around::Around;
-use crate::contact::ContactResult;
 use crate::data::Data;
-use crate::report::Trace;
-use crate::solve::{Energies, Seconds, SolveError, Stage};
+use crate::energies::Energies;
+use crate::error::SolveError;
+use crate::solution::Seconds;
+use crate::stage::Stage;
 use crate::supports::Held;
-
-/// A solved grid.
-pub struct GridSolved {
-    /// Cells, moduli, Poisson's ratio.
-    pub body: HeterogeneousBody,
-    /// The coarse cells and what belongs to them; None of bilinear elements on the fine grid.
-    pub coarse: Option<CoarseSolved>,
-    /// The boundary elements on which supports and contact are set up.
-    pub(crate) trace: GridTrace,
-    /// Displacement of their nodes, interleaved.
-    pub(crate) boundary_displacement: Vec<f64>,
-    /// Displacement of the fine nodes, interleaved.
-    pub displacement: Vec<f64>,
-    /// Unknowns of the system that was solved, held ones included.
-    pub dofs: usize,
-    /// Energies.
-    pub energies: Energies,
-    /// Contact, if there is any.
-    pub contact: Option<ContactResult>,
-    /// Whether the forces balance as far as rounding allows.
-    pub balanced: bool,
-    /// Force of the support or obstacle on the body for each held or contacting side.
-    pub reactions: Vec<(String, [f64; 2])>,
-    /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
-    pub free_motions: Vec<RigidMotion>,
-    /// The estimated error.
-    pub estimate: Option<GridEstimate>,
-    /// Wall seconds.
-    pub seconds: Seconds,
-    /// Wall seconds of the estimate.
-    pub estimate_seconds: f64,
-    /// The unbounded medium around the body.
-    pub around: Option<Around>,
-    /// What is left of the equations where both meet.
-    pub(crate) interface: Option<InterfaceIndicators>,
-    /// What its nodes leave of the jump of the displacement, an energy for each boundary element.
-    pub(crate) jump_oscillation: Vec<f64>,
-}
-
-/// The coarse part of a multiscale solution.
-pub struct CoarseSolved {
-    /// Coarse cells.
-    pub mesh: CoarseMesh,
-    /// Their basis.
-    pub basis: Basis,
-    /// Displacement of the vertices, those that hang included (length).
-    pub displacement: Vec<[f64; 2]>,
-    /// Whether the response to the load inside of each cell is added.
-    pub bubbles: bool,
-    /// Different patterns of moduli: so many local problems were solved.
-    pub patterns: usize,
-    /// Displacement of fine nodes on the boundary less that of the basis functions, as [`Extra::lift`] has it.
-    pub lift: Vec<f64>,
-}
-
-impl GridSolved {
-    /// The boundary of the body.
-    pub fn trace(&self) -> Trace<'_> {
-        Trace { mesh: &self.trace.mesh, space: &self.trace.space, displacement: &self.boundary_displacement }
-    }
-
-    /// Whether the contact solver reached its criterion and the forces balance.
-    pub fn converged(&self) -> bool {
-        self.balanced && self.contact.as_ref().is_none_or(ContactResult::converged)
-    }
-}
 
 /// Cells, moduli and material of a scene on the grid of its layout.
 pub(crate) fn body(scene: &Scene, layout: &GridLayout) -> Result<HeterogeneousBody, SolveError> {

@@ -11,8 +11,9 @@ use steklov_problem::{Scene, Solver};
 use super::trace::GridTrace;
 use crate::contact::{CondensedBody, ContactResult, solve_contact, solve_problem};
 use crate::equilibrium::{Equations, reactions};
+use crate::error::SolveError;
 use crate::motions::{unresisted, work};
-use crate::solve::{SolveError, Stage};
+use crate::stage::Stage;
 use crate::supports::{Held, Supports};
 
 /// Unknowns of a stiffness matrix reduced to the contact nodes.

@@ -9,7 +9,7 @@ use super::looks::{Miss, Residual, residual};
 use super::nodes::Cell;
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// Samples of which polynomials say whether contact or stick change there as at no node.
 const SCREENED: usize = 2000;

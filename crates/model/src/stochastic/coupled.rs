@@ -15,8 +15,9 @@ use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::body::Given;
+use crate::error::SolveError;
 use crate::report::ContactRow;
-use crate::solve::{SolveError, Solved};
+use crate::solution::Solved;
 use crate::summary::Summary;
 
 /// A node's part of the solution, with the multipliers λ̃.

@@ -8,8 +8,9 @@ use super::jumps::split_at_cuts;
 use super::outcomes::Outcomes;
 use crate::body::{Body, Factors};
 use crate::elastic::EnrichedBody;
+use crate::error::SolveError;
 use crate::estimate::{Bubble, Estimate, estimate};
-use crate::solve::{SolveError, Solved};
+use crate::solution::Solved;
 
 /// Most germs of which all combinations of two values are taken, and samples beyond.
 const FEW: usize = 4;

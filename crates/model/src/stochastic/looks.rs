@@ -7,7 +7,7 @@ use super::events::Unanimous;
 use super::jumps::Overlooked;
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// Part of the probability of a cell beyond which a germ without bounds is not looked at.
 const RARE: f64 = 1e-4;

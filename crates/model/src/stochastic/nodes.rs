@@ -13,7 +13,7 @@ use super::jumps::split_at_cuts;
 use super::looks::{Look, Looked, Miss, look, mean_modulus};
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
-use crate::solve::SolveError;
+use crate::error::SolveError;
 use crate::supports::free_of_supports;
 
 /// Part of the squared error whose directions are refined at a time.

@@ -9,7 +9,7 @@ use super::events::events;
 use super::nodes::{Cell, Surrogate};
 use super::outcomes::Answer;
 use super::result::{BINS, BLOCK, Cells, OVERLOOKED, Quantity, StochasticResult, UNDECIDED, Watch, bounds, of_grid};
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// Most samples of a surrogate of several cells for the effects of single germs.
 const EFFECTS: usize = 20_000;

@@ -13,10 +13,11 @@ use crate::body::{Body, Factors, Given};
 use crate::body_load::Particular;
 use crate::contact::solve_problem;
 use crate::data::{Data, Loads};
+use crate::error::SolveError;
 use crate::fields::probe;
 use crate::motions::unresisted;
 use crate::report::{ContactRow, contact_rows, figures};
-use crate::solve::{SolveError, Solved};
+use crate::solution::Solved;
 use crate::summary::Summary;
 use crate::supports::Supports;
 

@@ -13,8 +13,8 @@ use super::outcomes::{Answer, Outcomes};
 use super::samples::of_samples;
 use super::unseen::{beside_grid, beside_samples};
 use crate::body::Body;
+use crate::error::SolveError;
 use crate::report::TOUCHING;
-use crate::solve::SolveError;
 
 /// Answers that are held at a time while samples stream by.
 pub(super) const BLOCK: usize = 1024;

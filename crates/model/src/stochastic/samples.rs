@@ -6,7 +6,7 @@ use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample, solv
 
 use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Quantity, StochasticResult, Watch, touches};
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// What is kept of the outcomes that have gone by.
 struct Passed {

@@ -8,7 +8,7 @@ use steklov_stochastic::{Points, Variable, sample, solve_points};
 use super::check::{STREAM, wanted};
 use super::outcomes::{Answer, Outcomes};
 use super::result::{OVERLOOKED, StochasticResult, UNDECIDED, Watch, touches};
-use crate::solve::SolveError;
+use crate::error::SolveError;
 
 /// Events of that number over the count of samples have been seen with a probability of 95 %.
 const LIKELY: f64 = 3.0;

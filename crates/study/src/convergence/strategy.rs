@@ -1,9 +1,10 @@
 //! One strategy: its runs, its seconds, its true errors.
 
 use steklov_bem_operators::Mesh;
+use steklov_model::error::SolveError;
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::run::{Progress, Reason, Run, Step, run};
-use steklov_model::solve::{SolveError, Stage};
+use steklov_model::stage::Stage;
 use steklov_problem::{Multiplier, Refine, Scene};
 
 use super::{MEASURED, chosen};

@@ -13,7 +13,7 @@ use steklov_contact::{
     ContactError, MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms, dual_form, inf_sup, pairing,
 };
 use steklov_model::data::Data;
-use steklov_model::solve::SolveError;
+use steklov_model::error::SolveError;
 use steklov_model::stabilised::SAFE;
 use steklov_problem::Scene;
 

@@ -3,8 +3,9 @@
 
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
+use steklov_model::error::SolveError;
 use steklov_model::report::{ContactRow, contact_rows};
-use steklov_model::solve::{SolveError, solve};
+use steklov_model::solve::solve;
 use steklov_problem::{Contact, Friction, Law, Multiplier, Scene};
 
 use crate::supported::uniform_mesh;

@@ -5,8 +5,8 @@
 
 use std::sync::atomic::AtomicUsize;
 
+use steklov_model::error::SolveError;
 use steklov_model::grid::{FAILING, GridSolved};
-use steklov_model::solve::SolveError;
 use steklov_msfem::{Indicators, crossing_contrast};
 
 use super::measure::{FITTED, error, estimate, norm, on_all_cells, on_coarse_cells};

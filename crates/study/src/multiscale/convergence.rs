@@ -1,6 +1,6 @@
 //! Errors of the bases on smaller and smaller coarse cells.
 
-use steklov_model::solve::SolveError;
+use steklov_model::error::SolveError;
 use steklov_problem::{DataError, Scene, check_body, grid_of};
 
 use super::FineGrid;

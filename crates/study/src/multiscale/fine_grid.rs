@@ -1,7 +1,7 @@
 //! The error that the fine grid has itself: multiscale elements on it cannot be nearer to the exact solution.
 
+use steklov_model::error::SolveError;
 use steklov_model::grid::GridSolved;
-use steklov_model::solve::SolveError;
 use steklov_problem::{Scene, grid_of};
 
 use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};

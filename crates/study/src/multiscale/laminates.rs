@@ -4,7 +4,7 @@
 
 use std::sync::atomic::AtomicUsize;
 
-use steklov_model::solve::SolveError;
+use steklov_model::error::SolveError;
 use steklov_problem::Scene;
 
 use super::measure::{FITTED, error, estimate, on_all_cells, on_coarse_cells};

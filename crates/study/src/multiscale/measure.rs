@@ -2,8 +2,9 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use steklov_model::error::SolveError;
 use steklov_model::grid::{CoarseSolved, GridLayout, GridSolved, solve_grid};
-use steklov_model::solve::{SolveError, Stage};
+use steklov_model::stage::Stage;
 use steklov_msfem::{CoarseMesh, Extra, Loads, MsfemError, Multiscale};
 use steklov_problem::{BasisInput, GridInput, Scene, grid_of};
 

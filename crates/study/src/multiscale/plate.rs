@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
-use steklov_model::solve::SolveError;
+use steklov_model::error::SolveError;
 use steklov_problem::{
     BasisInput, CellModuli, Cells, Condition, DataError, DataErrorKind, GridInput, Scene, Substance,
 };

@@ -3,9 +3,10 @@
 //! A method locks if its error at a mesh grows without bound as ν → ½ (bulk over shear modulus like 1/(1-2ν)).
 
 use steklov_elastic::Material;
+use steklov_model::error::SolveError;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::run::{Progress, run};
-use steklov_model::solve::{SolveError, Stage};
+use steklov_model::stage::Stage;
 use steklov_problem::{Scene, Substance};
 
 use crate::reference::{Reference, ReferenceError};

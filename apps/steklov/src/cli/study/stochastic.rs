@@ -2,8 +2,9 @@
 
 use std::sync::atomic::Ordering;
 
+use steklov_model::error::SolveError;
 use steklov_model::run::{Progress, run};
-use steklov_model::solve::{SolveError, Stage};
+use steklov_model::stage::Stage;
 use steklov_problem::{DataError, DataErrorKind};
 use steklov_study::Watch;
 use steklov_study::settings;

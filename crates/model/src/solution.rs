@@ -1,0 +1,51 @@
+//! A solved mesh.
+
+use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
+use steklov_elastic::RigidMotion;
+
+use crate::around::Around;
+use crate::contact::ContactResult;
+use crate::energies::Energies;
+
+/// Wall seconds of the parts of a step.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Seconds {
+    /// Mesh, loads, supports.
+    pub set_up: f64,
+    /// V, K, W.
+    pub assemble: f64,
+    /// S and its condensation.
+    pub factorise: f64,
+    /// Contact and back substitution.
+    pub solve: f64,
+}
+
+/// A solved mesh.
+pub struct Solved {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Its unknowns.
+    pub space: Space,
+    /// Nodal displacement, interleaved.
+    pub displacement: Vec<f64>,
+    /// The elastic field without the particular solution.
+    pub field: BoundaryField,
+    /// The particular solution of the body force or of the remote stress.
+    pub particular: Option<ParticularSolution>,
+    /// Energies.
+    pub energies: Energies,
+    /// The medium around the body, if there is one.
+    pub around: Option<Around>,
+    /// Contact, if there is any.
+    pub contact: Option<ContactResult>,
+    /// Largest residual of equilibrium over the scale of forces.
+    pub equilibrium: f64,
+    /// Whether that is as small as rounding allows: else too many digits were lost to call the answer one.
+    pub balanced: bool,
+    /// Force of the support or obstacle on the body for each held or contacting side.
+    pub reactions: Vec<(String, [f64; 2])>,
+    /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
+    pub free_motions: Vec<RigidMotion>,
+    /// Wall seconds.
+    pub seconds: Seconds,
+}

@@ -1,0 +1,46 @@
+//! What a run hands to its observer.
+
+use faer::Mat;
+use sprs::CsMat;
+use steklov_bem_operators::Operators;
+use steklov_coupling::{Trace, Transfer};
+
+use crate::grid::{GridSolved, OnGrid};
+use crate::run::Step;
+use crate::solution::Solved;
+
+/// What a run hands to its observer while it has it.
+pub enum Stage<'a> {
+    /// V, K, W, M and the space they belong to.
+    Operators(&'a Operators),
+    /// S.
+    Steklov(&'a Mat<f64>),
+    /// A sparse stiffness matrix: its name and what its unknowns 2·n + component are numbered by.
+    Stiffness(&'static str, &'static str, &'a CsMat<f64>),
+    /// V, K, W, M of the medium around a body.
+    Medium(&'a Operators),
+    /// The trace of a body on the interface with the medium, and what takes it to the boundary elements there.
+    Interface(&'a Trace, &'a Transfer),
+    /// A stiffness matrix reduced to some unknowns: its name and what these are.
+    Condensed(&'static str, &'static str, &'a Mat<f64>),
+    /// A step is solved and estimated, so many seconds after the run began.
+    Step {
+        /// The solution.
+        solved: &'a Solved,
+        /// What is kept of it.
+        step: &'a Step,
+        /// Wall seconds.
+        seconds: f64,
+    },
+    /// The same on a grid.
+    GridStep {
+        /// The solution.
+        solved: &'a GridSolved,
+        /// What is kept of it.
+        step: &'a Step<OnGrid>,
+        /// Wall seconds.
+        seconds: f64,
+    },
+    /// A part of the work begins; the number is its share of the work of the step that is then done, 0 to 1.
+    Progress(&'static str, f64),
+}
