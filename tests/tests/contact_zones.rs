@@ -189,3 +189,27 @@ fn ends_of_contact_pass_singular_points_of_the_data() {
     assert!(off < 1e-3 * fine && (coarse - fine).abs() < 2e-3 * fine, "{found:?} {exact:?}, {coarse} {fine}");
     assert!(exact[1][0] < 0.69793 * 0.737840606481611, "{exact:?}");
 }
+
+/// The tip of a triangle presses on its obstacle with the node of the corner alone: such a zone is short, and has a length.
+#[test]
+fn a_corner_that_presses_has_a_length() {
+    let bow = "0.0518028*x*(1-x)*atan2(x-0.197518,0.161057)/1.6";
+    let along = "((x-0.554375)*-0.3310503660926445+(y-1.1693)*-0.6982587473679895)";
+    let text = format!(
+        "body.corners = [[0,0],[1,0],[0.554375,1.1693]]\nbody.sides = [\"floor\",\"right\",\"left\"]\n\
+         material = {{ young = 7.92206, poisson = 0.49 }}\nsides.floor.displacement = [\"{bow}\",\"{bow}\"]\n\
+         sides.right.contact = {{ gap = 0.00848685 }}\n\
+         sides.left.traction = [\"0\",\"0.0862982*(min(abs({along}-0.789142),abs({along}-0.84355))-0.0730495)\"]\n\
+         body_force.value = [\"0\",\"-0.0355671\"]\n"
+    );
+    for tolerance in ["3e-3", "1e-3", "3e-4"] {
+        let scene = parse(&text, &[&format!("method.tolerance={tolerance}")]).unwrap_or_else(|e| panic!("{e}"));
+        let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
+        let contact = run.last.contact.as_ref().expect("a side is in contact");
+        let rows = contact_rows(run.last.trace(), contact);
+        let found =
+            contact_summary(&scene, run.last.trace(), contact, &rows, located(&scene, &run.step().layout.located));
+        println!("{tolerance}: length {:e}, force {:?}", found.length, found.force);
+        assert!(found.force[0] < -1e-6 && (1e-6..1e-2).contains(&found.length), "{tolerance}: {found:?}");
+    }
+}

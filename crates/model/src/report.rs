@@ -252,9 +252,12 @@ fn length_between(
                 all += weight;
                 with += if counts(point.index) { weight } else { 0.0 };
             }
+            // an end of the edge that presses is not in an open part
+            let pressed = |end: f64| points.iter().any(|p| (p.s - end).abs() < SAME_PLACE && counts(p.index));
+            let at_ends = !stick && (part[0] == 0.0 && pressed(0.0) || part[1] == 1.0 && pressed(1.0));
             match with / all {
                 share if share > 1.0 - FEW => length += (part[1] - part[0]) * edge.length(),
-                share if share < FEW => {}
+                share if share < FEW && !at_ends => {}
                 _ => return None,
             }
         }
