@@ -30,11 +30,11 @@ pub fn unbalanced_forces(scene: &Scene, solved: &GridSolved) -> f64 {
                 Condition::Traction(t) | Condition::Displacement { traction: Some(t), .. } => {
                     [t[0].eval(x, y, s), t[1].eval(x, y, s)]
                 }
-                Condition::Pressure(p) => mesh.normal(e).map(|n| -n * p.eval(x, y, s)),
+                Condition::Pressure(p) => mesh.normal(e, 0.0).map(|n| -n * p.eval(x, y, s)),
                 _ => [0.0; 2],
             };
             if scene.problem.medium().is_some() && outer(e) {
-                let jump = scene.traction_jump(mesh.edge[e], s, mesh.normal(e));
+                let jump = scene.traction_jump(mesh.edge[e], s, mesh.normal(e, 0.0));
                 (tx, ty) = (tx + jump[0], ty + jump[1]);
             }
             add([tx, ty].map(|t| w * mesh.length(e) / 2.0 * t));

@@ -47,7 +47,7 @@ impl Random {
 type Corners = Vec<[f64; 2]>;
 
 fn is_valid(outer: &Corners, holes: &[Corners]) -> bool {
-    let named = |corners: &Corners| Loop { corners: corners.clone(), sides: vec!["side".into(); corners.len()] };
+    let named = |corners: &Corners| Loop::straight(corners.clone(), vec!["side".into(); corners.len()]);
     Polygon::new(named(outer), holes.iter().map(named).collect()).is_ok()
 }
 

@@ -10,11 +10,15 @@ use steklov_tests::{finer, gallery, judged, solved_in_steps};
 const BOUNDS: [[f64; 2]; 2] = [[0.8, 4.0], [0.9, 1.3]];
 
 /// What holds where that does not.
-const LOOSER: [(&str, [[f64; 2]; 2]); 2] = [
+const LOOSER: [(&str, [[f64; 2]; 2]); 5] = [
     // the opposite face is closer than any element is long
     ("20-crack", [[0.75, 4.0], [0.85, 1.3]]),
     // nothing but four corners of 270 degrees; by the energies the ratio is 1.0 to 1.1
     ("45-tunnel", [[0.8, 4.0], [0.85, 1.3]]),
+    // the next degree shows 0.83 to 0.9 of some errors on smooth arcs, where the one after it is not much smaller
+    ("52-brazilian-disc", [[0.8, 4.0], [0.8, 1.3]]),
+    ("54-elliptic-hole", [[0.8, 4.0], [0.85, 1.3]]),
+    ("55-stadium", [[0.8, 4.0], [0.8, 1.3]]),
 ];
 
 /// Scenes of the gallery that are among the six problems, or one of them turned.

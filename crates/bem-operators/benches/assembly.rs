@@ -27,7 +27,7 @@ fn seconds<T>(runs: usize, mut f: impl FnMut() -> T) -> f64 {
 fn square() -> Polygon {
     let corners = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
     let sides = ["a", "b", "c", "d"].map(String::from).to_vec();
-    Polygon::new(Loop { corners, sides }, vec![]).expect("a square")
+    Polygon::new(Loop::straight(corners, sides), vec![]).expect("a square")
 }
 
 fn main() {

@@ -2,39 +2,45 @@
 
 use std::collections::HashMap;
 
-use crate::moments::Segment;
-use crate::pass::{Pass, Purpose};
+use crate::curve::Curve;
+use crate::pass::{Pass, Places, Purpose};
 
 /// Doubles that a cache holds at most, 32 MiB; those of a mesh and of the one before are there at once. Moments take about as
 /// much as half of a matrix, and beyond 2000 unknowns hundreds of times less work than the factorisations.
 const CAPACITY: usize = 1 << 22;
 
-/// The moments of all pairs of the mesh before, found by the end points and the order of their elements.
+/// The moments of all pairs of the mesh before, found by the curve and the order of their elements.
 ///
 /// Moments are a function of these alone, so that a run with a cache has the bits of a run without. A mesh whose moments
 /// would fill more than 32 MiB is assembled without.
 #[derive(Debug, Clone, Default)]
 pub struct PairCache {
-    /// Number of the element with these end points and this order.
+    /// Number of the element with this curve and this order.
     elements: HashMap<Key, usize>,
-    /// As `Pass::order`, `Pass::prefix` and the base of each row.
-    order: Vec<usize>,
-    prefix: Vec<usize>,
+    /// As `Pass::places` and the base of each row.
+    places: Places,
     base: Vec<usize>,
     moments: Vec<f64>,
     /// Pairs that the last mesh had in common with the one before.
     reused: usize,
 }
 
-type Key = ([u64; 4], usize);
+/// Bits of the end points and of what else makes the curve, and the order.
+type Key = (Vec<u64>, usize);
 
-fn key(segment: Segment, order: usize) -> Key {
-    let Segment { start, end } = segment;
-    ([start.re, start.im, end.re, end.im].map(f64::to_bits), order)
+fn key(curve: &Curve, order: usize) -> Key {
+    let ends = curve.ends();
+    let mut numbers = vec![ends.start.re, ends.start.im, ends.end.re, ends.end.im];
+    match curve {
+        Curve::Line(_) => {}
+        Curve::Arc(arc) => numbers.push(arc.half_opening),
+        Curve::Polynomial(curve) => numbers.extend(curve.of.middle.iter().flat_map(|a| [a.re, a.im])),
+    }
+    (numbers.into_iter().map(f64::to_bits).collect(), order)
 }
 
 fn keys<'a>(pass: &'a Pass<'_>) -> impl Iterator<Item = Key> + 'a {
-    pass.segments.iter().zip(&pass.order).map(|(&s, &order)| key(s, order))
+    pass.curves.iter().zip(&pass.order).map(|(curve, &order)| key(curve, order))
 }
 
 impl PairCache {
@@ -50,7 +56,7 @@ impl PairCache {
             *self = Self::default();
             return None;
         }
-        let old = self.places(pass);
+        let old = self.known(pass);
         if self.elements.len() != pass.len() || old.iter().enumerate().any(|(e, place)| *place != Some(e)) {
             self.replace(pass, &old);
         }
@@ -59,7 +65,7 @@ impl PairCache {
 
     /// Counts the pairs of a mesh whose moments are there.
     pub(crate) fn count(&mut self, pass: &Pass<'_>) {
-        let known = self.places(pass).iter().flatten().count();
+        let known = self.known(pass).iter().flatten().count();
         self.reused = known * (known + 1) / 2;
     }
 
@@ -70,7 +76,7 @@ impl PairCache {
     }
 
     /// The number that each element of a mesh has here.
-    fn places(&self, pass: &Pass<'_>) -> Vec<Option<usize>> {
+    fn known(&self, pass: &Pass<'_>) -> Vec<Option<usize>> {
         keys(pass).map(|k| self.elements.get(&k).copied()).collect()
     }
 
@@ -82,14 +88,12 @@ impl PairCache {
             (a <= b).then(|| &self.moments[self.start(a, b)..])
         });
         self.elements = keys(pass).zip(0..).collect();
-        self.order.clone_from(&pass.order);
-        self.prefix.clone_from(&pass.prefix);
+        self.places.clone_from(&pass.places);
         self.base = pass.pair_base(0..pass.len());
         self.moments = moments;
     }
 
     fn start(&self, a: usize, b: usize) -> usize {
-        let rows = self.order[a] + 1;
-        self.base[a] + (2 * rows + 1) * (self.prefix[b] - self.prefix[a]) + rows * (b - a)
+        self.base[a] + self.places.offset(a, b)
     }
 }

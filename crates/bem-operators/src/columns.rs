@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use faer::Mat;
 
-use crate::moments::{Geometry, Tables, first_is_outer, storage};
+use crate::moments::{Geometry, Tables, first_is_outer};
 use crate::pass::{Block, Pass};
 use crate::{Bubbles, Enrichment, Operators, Space};
 
@@ -130,13 +130,19 @@ impl Pass<'_> {
                     continue;
                 }
                 let start = block.base[first - block.rows.start] + self.pair_offset(first, second);
-                let first_outer = first_is_outer(self.segments[first], self.segments[second]);
-                let (outer, inner) = if first_outer { (first, second) } else { (second, first) };
-                let (m, n) = (self.order[outer] + 1, self.order[inner] + 1);
-                let geometry = Geometry::with_log(self.segments[outer], self.segments[inner], self.log_half[inner]);
                 let (pa, pc) = (self.degree[test], self.degree[trial]);
-                let moments = &block.moments[start..start + storage(m - 1, n - 1)];
-                scratch.tables.fill(&geometry, m, n, moments, outer == test, pa + self.more, pc + self.more);
+                let (tests, trials) = (pa + self.more, pc + self.more);
+                let moments = &block.moments[start..start + self.pair_size(first, second)];
+                if self.is_straight(first, second) {
+                    let first_outer = first_is_outer(self.segments[first], self.segments[second]);
+                    let (outer, inner) = if first_outer { (first, second) } else { (second, first) };
+                    let (m, n) = (self.order[outer] + 1, self.order[inner] + 1);
+                    let geometry = Geometry::with_log(self.segments[outer], self.segments[inner], self.log_half[inner]);
+                    scratch.tables.fill(&geometry, m, n, moments, outer == test, tests, trials);
+                } else {
+                    let (m, n) = (self.order[first] + 1, self.order[second] + 1);
+                    scratch.tables.fill_curved(self.log_length, m, n, moments, first == test, tests, trials);
+                }
                 if group.contains(&trial) {
                     let column = 2 * (self.space.offset[trial] - self.space.offset[group.start]);
                     self.add_single_layer(test, trial, columns, column, &scratch.tables);
@@ -158,7 +164,7 @@ impl Pass<'_> {
     #[inline(always)]
     fn add_single_layer(&self, a: usize, c: usize, columns: &mut Columns<'_>, column: usize, t: &Tables) {
         let constants = &self.constants;
-        let scale = self.segments[a].half().norm() * self.segments[c].half().norm() * constants.c_v;
+        let scale = self.half[a] * self.half[c] * constants.c_v;
         let row0 = 2 * self.space.offset[a];
         let (pa, pc) = (self.degree[a], self.degree[c]);
         let entry = |m: usize, n: usize| {
@@ -245,7 +251,7 @@ impl Pass<'_> {
         mut add: impl FnMut(usize, [f64; 4]),
     ) {
         let Scratch { tables: t, g_xx, g_yy, g_xy } = scratch;
-        let (constants, half) = (&self.constants, self.segments[a].half().norm());
+        let (constants, half) = (&self.constants, self.half[a]);
         let (ma, nc) = (t.test, t.trial);
         let local = &self.locals[self.local_of[trial]];
         for g in [&mut *g_xx, &mut *g_yy, &mut *g_xy] {

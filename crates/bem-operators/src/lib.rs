@@ -5,8 +5,8 @@
 //!                 Material ─┴─► moments ─► Operators (V, K, W, M) ─► Steklov (S) ─► Condensation ─► displacement
 //!                                                                        └─► traction ─► BoundaryField (inside, traces)
 //! ```
-//! A [`Polygon`] (with holes, or the plane around holes) is cut into a [`Mesh`] of straight elements with a polynomial
-//! degree each. The [`Space`] numbers the unknowns: displacement, continuous of degree p at Gauss-Lobatto points, and
+//! A [`Polygon`] (with holes, or the plane around holes; its edges may be arcs, ellipses or Bézier curves) is cut into a [`Mesh`]
+//! of elements with a polynomial degree each. The [`Space`] numbers the unknowns: displacement, continuous of degree p at Gauss-Lobatto points, and
 //! traction, discontinuous of degree p-1 in Legendre coefficients. [`Operators::assemble`] computes for every unordered
 //! pair of elements one complex table of moments of Legendre functions of the second kind, and from it V, K and W at once.
 //! [`Steklov`] is the symmetric Steklov-Poincaré matrix, [`Condensation`] eliminates what is neither held nor kept.
@@ -21,7 +21,7 @@
 //!
 //! // a rectangle of 2 by 1, each side cut into elements of degree 2
 //! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
-//! let polygon = Polygon::new(Loop { corners, sides: vec!["all".to_owned(); 4] }, vec![])?;
+//! let polygon = Polygon::new(Loop::straight(corners, vec!["all".to_owned(); 4]), vec![])?;
 //! let mesh = Mesh::uniform(&polygon, 6, 2);
 //! let space = Space::new(&mesh);
 //! let material = Material::new(70e3, 0.33, Plane::Stress)?;
@@ -36,6 +36,8 @@
 //! ```
 
 mod error;
+mod edge;
+mod edge_check;
 mod polygon;
 mod polygon_check;
 mod mesh;
@@ -45,6 +47,9 @@ mod subdivision;
 mod marking;
 mod moments;
 mod near;
+mod curve;
+mod inner;
+mod curved_pair;
 mod far;
 mod kernel;
 mod pass;
@@ -68,7 +73,9 @@ pub mod proptest;
 pub use assemble::Operators;
 pub use cache::PairCache;
 pub use condense::{Condensation, CondensedLoad, Partition};
+pub use curve::{CircularArc, Curve, PolynomialCurve, Shape};
 pub use dense::PARTS;
+pub use edge::{Edge, LARGEST_OPENING, Path};
 pub use enriched::{Enriched, EnrichedSteklov};
 pub use enrichment::{Bubbles, Enrichment};
 pub use error::BemError;
@@ -77,7 +84,7 @@ pub use marking::{doerfler, legendre_decay};
 pub use mesh::{Mesh, edge_tangents};
 pub use moments::{PairMoments, Segment, Tables};
 pub use particular::ParticularSolution;
-pub use polygon::{Edge, Location, Loop, Polygon, distance, distance_to_segment};
+pub use polygon::{Location, Loop, Polygon, distance, distance_to_segment};
 pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};
 pub use residual::{BoundaryResidual, Look, boundary_residuals, boundary_residuals_of, graded_panels, residual_panels};

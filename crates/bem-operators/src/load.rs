@@ -87,8 +87,8 @@ pub fn side_moments(
     side_moments_and_squares(mesh, space, side, datum).map(|(moments, _)| moments)
 }
 
-/// [`side_moments`] and ∫ f² ds of each of these elements, by the rules that the moments are taken with: the square of the
-/// part of f that is orthogonal to the nodal basis is the difference, up to roundoff of ∫ f².
+/// [`side_moments`] and ∫ f² v ds of each of these elements, v being |γ'| over half of its length, 1 on lines and arcs, by the rules that the moments are taken with: the square of the
+/// part of f v that is orthogonal to the nodal basis is the difference, up to roundoff of it.
 ///
 /// # Errors
 /// As [`side_moments`].
@@ -108,7 +108,7 @@ pub fn side_moments_and_squares(
         for piece in breaks.windows(2) {
             let rule = panel_rule(FEWEST_POINTS);
             for (t, w) in mapped(rule, piece[0], piece[1]) {
-                whole += w * mesh.length(e) / 2.0 * datum.at(mesh, &Site::new(mesh, e, t))?.abs();
+                whole += w * mesh.speed(e, t) * datum.at(mesh, &Site::new(mesh, e, t))?.abs();
             }
         }
     }
@@ -193,6 +193,8 @@ fn agreed(
     tolerance: f64,
 ) -> Result<(Vec<f64>, f64, f64), BemError> {
     let half_length = mesh.length(e) / 2.0;
+    let curve = (!mesh.is_line(e)).then(|| mesh.curve(e));
+    let speed = |t: f64| curve.as_ref().map_or(half_length, |curve| curve.derivative(t).norm());
     let basis = space.basis(e);
     let mut phi = vec![0.0; basis.degree + 1];
     let mut values = Vec::new();
@@ -202,8 +204,8 @@ fn agreed(
         for (t, w) in mapped(panel_rule(n), a, b) {
             values.push(datum.at(mesh, &Site::new(mesh, e, t))?);
             let value = values[values.len() - 1];
-            let weighted = w * half_length * value;
-            square += weighted * value;
+            let weighted = w * speed(t) * value;
+            square += weighted * value * (speed(t) / half_length);
             basis.evaluate(t, &mut phi);
             sum.iter_mut().zip(&phi).for_each(|(s, p)| *s += weighted * p);
         }

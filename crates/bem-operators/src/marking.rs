@@ -36,7 +36,7 @@ pub fn doerfler(squared: &[f64], theta: f64) -> Vec<Option<f64>> {
 /// Mavriplis, *Adaptive mesh strategies for the spectral element method*, 1994; Houston and Süli, 2005.
 pub fn legendre_decay(mesh: &Mesh, space: &Space, e: usize, displacement: &[f64]) -> Option<f64> {
     let basis = space.basis(e);
-    let (n, t) = (mesh.normal(e), mesh.tangent[e]);
+    let (n, t) = (mesh.normal(e, 0.0), mesh.tangent(e, 0.0));
     let coefficients = |d: [f64; 2]| -> Vec<f64> {
         let coefficient = |i: usize| -> f64 {
             let nodes = space.element_nodes(e).enumerate();

@@ -1,10 +1,12 @@
-//! hp meshes of the boundary: straight elements, each with a polynomial degree.
+//! hp meshes of the boundary: elements on lines and curves, each with a polynomial degree.
 
 use std::collections::HashMap;
 
 use num_complex::Complex64;
+use steklov_quadrature::gauss_legendre;
 
 use crate::BemError;
+use crate::curve::{Curve, Shape};
 use crate::moments::Segment;
 
 /// Elements of all loops in the order of the polygon's edges, each loop traversed with the body to the left.
@@ -20,13 +22,18 @@ pub struct Mesh {
     pub degree: Vec<usize>,
     /// Polygon edge on which each element lies.
     pub edge: Vec<usize>,
-    /// Unit tangent of each element in the direction of traversal: that of its edge, see [`edge_tangents`].
-    pub tangent: Vec<[f64; 2]>,
+    /// How each element runs from its start to its end.
+    pub shape: Vec<Shape>,
+    /// Unit tangent in the middle of each element in the direction of traversal: of a straight one that of its edge, see
+    /// [`edge_tangents`].
+    pub heading: Vec<[f64; 2]>,
     /// Side (an index into [`Mesh::side_names`]) to which that edge belongs.
     pub side: Vec<usize>,
     /// Edge parameter `[s_start, s_end]` of each element, in the direction in which the corners were listed:
     /// rising in traversal order, or falling on a hole that was listed the other way round.
     pub span: Vec<[f64; 2]>,
+    /// Fractions of the length of its edge up to the ends of each element: the span on lines and circular arcs.
+    pub arc: Vec<[f64; 2]>,
     /// Names of the sides.
     pub side_names: Vec<String>,
 }
@@ -47,16 +54,37 @@ impl Mesh {
         [self.vertices[e], self.vertices[self.next[e]]]
     }
 
-    /// Half the vector from start to end, d with y(t) = c + d t on t ∈ [-1, 1].
-    pub fn half(&self, e: usize) -> [f64; 2] {
+    /// Element e as a curve.
+    pub fn curve(&self, e: usize) -> Curve {
+        Curve::new(self.segment(e), &self.shape[e])
+    }
+
+    /// Whether element e is straight.
+    pub fn is_line(&self, e: usize) -> bool {
+        self.shape[e] == Shape::Line
+    }
+
+    /// Half the vector from start to end, d; y(t) = c + d t on t ∈ [-1, 1] if the element is straight.
+    pub fn half_chord(&self, e: usize) -> [f64; 2] {
         let [a, b] = self.ends(e);
         [(b[0] - a[0]) / 2.0, (b[1] - a[1]) / 2.0]
     }
 
-    /// Length h = 2|d| of element e.
+    /// Length h of element e.
     pub fn length(&self, e: usize) -> f64 {
-        let d = self.half(e);
+        if !self.is_line(e) {
+            return 2.0 * self.curve(e).half_length();
+        }
+        let d = self.half_chord(e);
         2.0 * d[0].hypot(d[1])
+    }
+
+    /// |dy/dt| at the reference point t of element e: half of its length, but on polynomial curves.
+    pub fn speed(&self, e: usize, t: f64) -> f64 {
+        match self.shape[e] {
+            Shape::Polynomial(_) => self.curve(e).derivative(t).norm(),
+            _ => self.length(e) / 2.0,
+        }
     }
 
     /// Distance on the reference element of e below which points are one, up to the rounding of their coordinates.
@@ -65,15 +93,30 @@ impl Mesh {
         (4e-15 * (x.abs() + y.abs()) / self.length(e)).clamp(1e-12, 1e-3)
     }
 
-    /// Unit normal of element e, pointing out of the body: the tangent turned by -90°.
-    pub fn normal(&self, e: usize) -> [f64; 2] {
-        let t = self.tangent[e];
+    /// Unit tangent at the reference point t of element e, in the direction of traversal.
+    pub fn tangent(&self, e: usize, t: f64) -> [f64; 2] {
+        let heading = self.heading[e];
+        if self.is_line(e) {
+            return heading;
+        }
+        let turn = self.shape[e].turn(t);
+        let turned = Complex64::new(heading[0], heading[1]) * turn / turn.norm();
+        [turned.re, turned.im]
+    }
+
+    /// Unit normal at the reference point t of element e, pointing out of the body: the tangent turned by -90°.
+    pub fn normal(&self, e: usize, t: f64) -> [f64; 2] {
+        let t = self.tangent(e, t);
         [t[1], -t[0]]
     }
 
     /// Point y(t) of element e, t ∈ [-1, 1], measured from the nearer end so that both ends are met exactly.
     pub fn point(&self, e: usize, t: f64) -> [f64; 2] {
-        let ([a, b], d) = (self.ends(e), self.half(e));
+        if !self.is_line(e) {
+            let y = self.curve(e).point(t);
+            return [y.re, y.im];
+        }
+        let ([a, b], d) = (self.ends(e), self.half_chord(e));
         if t <= 0.0 {
             [a[0] + d[0] * (1.0 + t), a[1] + d[1] * (1.0 + t)]
         } else {
@@ -87,6 +130,20 @@ impl Mesh {
         if t <= 0.0 { a + (b - a) * (1.0 + t) / 2.0 } else { b - (b - a) * (1.0 - t) / 2.0 }
     }
 
+    /// Fraction of the length of its edge up to the reference point t of element e.
+    pub fn arc_fraction(&self, e: usize, t: f64) -> f64 {
+        let Shape::Polynomial(_) = self.shape[e] else { return self.edge_parameter(e, t) };
+        let ([a, b], curve) = (self.arc[e], self.curve(e));
+        if t <= -1.0 {
+            return a;
+        }
+        if t >= 1.0 {
+            return b;
+        }
+        let before = gauss_legendre(32).mapped(-1.0, t).integrate(|t| curve.derivative(t).norm());
+        a + (b - a) * before / (2.0 * curve.half_length())
+    }
+
     /// Element that precedes each element on its loop.
     pub fn previous(&self) -> Vec<usize> {
         let mut previous = vec![0; self.len()];
@@ -96,10 +153,13 @@ impl Mesh {
         previous
     }
 
-    /// Largest distance of two vertices, which are corners: the default length in log(L/r).
+    /// Largest distance of two vertices, which are corners, or of points of curves: the default length in log(L/r).
     pub fn diameter(&self) -> f64 {
-        let corners = self.next.iter().enumerate().filter(|&(e, &next)| self.edge[e] != self.edge[next]);
-        let corners: Vec<[f64; 2]> = corners.map(|(_, &next)| self.vertices[next]).collect();
+        let ends = self.next.iter().enumerate().filter(|&(e, &next)| self.edge[e] != self.edge[next]);
+        let mut corners: Vec<[f64; 2]> = ends.map(|(_, &next)| self.vertices[next]).collect();
+        for e in (0..self.len()).filter(|&e| !self.is_line(e)) {
+            corners.extend([-1.0, -0.5, 0.0, 0.5].map(|t| self.point(e, t)));
+        }
         let mut d: f64 = 0.0;
         for (i, a) in corners.iter().enumerate() {
             for b in &corners[..i] {
@@ -115,7 +175,8 @@ impl Mesh {
         Segment { start: Complex64::new(a[0], a[1]), end: Complex64::new(b[0], b[1]) }
     }
 
-    /// Checks that the elements are closed loops of at least three elements of positive, finite length and degree ≥ 1.
+    /// Checks that the elements are closed loops of at least three elements, two if one is curved, of positive, finite length
+    /// and degree ≥ 1, and that the curved ones are [`Curve::is_admissible`].
     ///
     /// # Errors
     /// [`BemError::Mesh`] naming the first element at fault.
@@ -126,9 +187,13 @@ impl Mesh {
             return fault("there is no element".into());
         }
         let (edges, sides) = (self.edge.len(), self.side.len());
-        let lengths = [self.next.len(), self.degree.len(), edges, self.tangent.len(), sides, self.span.len()];
+        let shapes = [self.shape.len(), self.heading.len()];
+        let lengths =
+            [self.next.len(), self.degree.len(), edges, shapes[0], shapes[1], sides, self.span.len(), self.arc.len()];
         if lengths.iter().any(|&l| l != n) {
-            return fault(format!("{n} vertices but {lengths:?} successors, degrees, edges, tangents, sides, spans"));
+            return fault(format!(
+                "{n} vertices but {lengths:?} successors, degrees, edges, shapes, headings, sides, spans, arcs"
+            ));
         }
         let mut reached = vec![0; n];
         for (e, &next) in self.next.iter().enumerate() {
@@ -136,8 +201,9 @@ impl Mesh {
                 return fault(format!("element {e} is followed by {next}, but there are {n} elements"));
             }
             reached[next] += 1;
-            if self.next[next] == e || next == e {
-                return fault(format!("the loop of element {e} has fewer than three elements"));
+            let straight = self.is_line(e) && self.is_line(next);
+            if (self.next[next] == e && straight) || next == e {
+                return fault(format!("the loop of element {e} has too few elements"));
             }
         }
         for e in 0..n {
@@ -147,6 +213,9 @@ impl Mesh {
             }
             if !(length > 0.0 && length.is_finite()) {
                 return fault(format!("element {e} has the length {length}"));
+            }
+            if !self.curve(e).is_admissible() {
+                return fault(format!("element {e} turns too far; it needs to be cut"));
             }
             if self.degree[e] == 0 || self.degree[e] > Self::MAX_DEGREE {
                 return fault(format!("element {e} has degree {}, not 1 to {}", self.degree[e], Self::MAX_DEGREE));

@@ -1,6 +1,6 @@
 //! Meshes from polygons, and their refinement.
 
-use crate::{BemError, Edge, Mesh, Polygon, edge_tangents};
+use crate::{BemError, Edge, Mesh, Polygon, Shape, edge_tangents};
 
 /// Lengths that differ by less than this, relatively, are equal, so that rotating or scaling a body changes no mesh.
 const TIE: f64 = 1e-12;
@@ -20,8 +20,10 @@ impl Mesh {
         // the rule gives every edge at least the whole part of its share of what the others leave
         let perimeter: f64 = lengths.iter().sum();
         let shared = elements.saturating_sub(lengths.len()) as f64;
-        let mut count: Vec<usize> =
-            lengths.iter().map(|l| ((shared * l / perimeter * (1.0 - 1e-9)) as usize).max(1)).collect();
+        let fewest = |k: usize| polygon.edges()[k].fewest_elements();
+        let mut count: Vec<usize> = (0..lengths.len())
+            .map(|k| ((shared * lengths[k] / perimeter * (1.0 - 1e-9)) as usize).max(fewest(k)))
+            .collect();
         for (count, length) in count.iter_mut().zip(&lengths) {
             *count = (*count).min((length / polygon.tolerance() / 4.0) as usize + 1);
         }
@@ -47,7 +49,7 @@ impl Mesh {
     ///
     /// # Errors
     /// [`BemError::Mesh`] when a length does not fit, a break is out of order or out of (0, 1), an element has no
-    /// length in floating point, or a degree is 0.
+    /// length in floating point or turns too far, or a degree is 0.
     pub fn from_breaks(polygon: &Polygon, breaks: &[Vec<f64>], degree: &[Vec<usize>]) -> Result<Mesh, BemError> {
         let wrong = |what: String| Err(BemError::Mesh { what });
         let edges = polygon.edges();
@@ -67,6 +69,9 @@ impl Mesh {
             for s in knots.windows(2) {
                 if !(s[0] < s[1] && edge.point(s[0]) != edge.point(s[1])) {
                     return wrong(format!("the element of edge {k} from s = {} to s = {} has no length", s[0], s[1]));
+                }
+                if !edge.is_admissible(s[0], s[1]) {
+                    return wrong(format!("the element of edge {k} from s = {} to s = {} turns too far", s[0], s[1]));
                 }
             }
         }
@@ -154,9 +159,11 @@ impl Mesh {
             next: Vec::with_capacity(count),
             degree: of_parent(&self.degree),
             edge: of_parent(&self.edge),
-            tangent: parent.iter().map(|&e| self.tangent[e]).collect(),
+            shape: Vec::with_capacity(count),
+            heading: Vec::with_capacity(count),
             side: of_parent(&self.side),
             span: Vec::with_capacity(count),
+            arc: Vec::with_capacity(count),
             side_names: self.side_names.clone(),
         };
         for e in 0..self.len() {
@@ -165,10 +172,17 @@ impl Mesh {
             if cut[e] {
                 let middle = self.edge_parameter(e, 0.0);
                 mesh.vertices.push(self.point(e, 0.0));
+                mesh.heading.extend([-0.5, 0.5].map(|t| self.tangent(e, t)));
+                mesh.shape.extend(self.shape[e].halves());
                 mesh.span.extend([[s0, middle], [middle, s1]]);
+                let ([a0, a1], middle) = (self.arc[e], self.arc_fraction(e, 0.0));
+                mesh.arc.extend([[a0, middle], [middle, a1]]);
                 mesh.next.extend([first[e] + 1, after]);
             } else {
+                mesh.heading.push(self.heading[e]);
+                mesh.shape.push(self.shape[e].clone());
                 mesh.span.push([s0, s1]);
+                mesh.arc.push(self.arc[e]);
                 mesh.next.push(after);
             }
         }
@@ -235,9 +249,11 @@ fn build(polygon: &Polygon, breaks: &[Vec<f64>], degrees: &[Vec<usize>]) -> Mesh
         next: Vec::new(),
         degree: Vec::new(),
         edge: Vec::new(),
-        tangent: Vec::new(),
+        shape: Vec::new(),
+        heading: Vec::new(),
         side: Vec::new(),
         span: Vec::new(),
+        arc: Vec::new(),
         side_names: polygon.side_names().to_vec(),
     };
     for loop_index in 0..polygon.loops().len() {
@@ -257,12 +273,20 @@ fn build(polygon: &Polygon, breaks: &[Vec<f64>], degrees: &[Vec<usize>]) -> Mesh
                 mesh.edge.push(k);
                 mesh.side.push(edge.side);
                 mesh.span.push([s[0], s[1]]);
+                let (shape, heading) = edge.element([s[0], s[1]]);
+                mesh.arc.push([s[0], s[1]].map(|s| edge.arc_fraction(s)));
+                mesh.shape.push(shape);
+                mesh.heading.push(heading);
             }
         }
         if let Some(last) = mesh.next.last_mut() {
             *last = first;
         }
     }
-    mesh.tangent = edge_tangents(&mesh.vertices, &mesh.next, &mesh.edge);
+    for (e, tangent) in edge_tangents(&mesh.vertices, &mesh.next, &mesh.edge).into_iter().enumerate() {
+        if mesh.shape[e] == Shape::Line {
+            mesh.heading[e] = tangent;
+        }
+    }
     mesh
 }

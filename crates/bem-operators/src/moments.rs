@@ -199,6 +199,43 @@ impl Tables {
     }
 }
 
+impl Tables {
+    /// From the tables of a pair with a curved element, `rows` × `cols` with the first element first; needs `test` and `trial`
+    /// below their degrees.
+    #[inline(always)]
+    pub(crate) fn fill_curved(
+        &mut self,
+        log_length: f64,
+        rows: usize,
+        cols: usize,
+        buffer: &[f64],
+        first_is_test: bool,
+        test: usize,
+        trial: usize,
+    ) {
+        let part = |k: usize| &buffer[k * rows * cols..][..rows * cols];
+        let at = |test: usize, trial: usize| if first_is_test { test * cols + trial } else { trial * cols + test };
+        self.test = test;
+        self.trial = trial;
+        for table in [&mut self.log, &mut self.xx, &mut self.xy] {
+            table.resize(test * trial, 0.0);
+        }
+        self.d.resize(test * (trial + 1), 0.0);
+        let double = part(if first_is_test { 3 } else { 4 });
+        for m in 0..test {
+            for n in 0..trial {
+                let (k, one) = (at(m, n), if m == 0 && n == 0 { 4.0 } else { 0.0 });
+                self.log[m * trial + n] = part(0)[k] - one * log_length;
+                self.xx[m * trial + n] = 0.5 * (one + part(1)[k]);
+                self.xy[m * trial + n] = 0.5 * part(2)[k];
+            }
+            for n in 0..=trial {
+                self.d[m * (trial + 1) + n] = double[at(m, n)];
+            }
+        }
+    }
+}
+
 impl PairMoments {
     fn buffer(&self) -> Vec<f64> {
         self.l0.iter().copied().chain(self.q.iter().flat_map(|c| [c.re, c.im])).collect()

@@ -8,7 +8,7 @@ use steklov_quadrature::{Rule, bernstein, gauss_legendre, legendre_p, legendre_q
 use crate::moments::Segment;
 
 /// Bernstein parameter from which plain Gauss-Legendre on a panel is used.
-const PANEL_BERNSTEIN: f64 = 2.2;
+pub(crate) const PANEL_BERNSTEIN: f64 = 2.2;
 /// Ratio of successive panels towards a singular point.
 const PANEL_RATIO: f64 = 0.15;
 /// Shortest panel: what lies beyond contributes less than roundoff.
@@ -69,7 +69,7 @@ fn singular_points(outer: Segment, inner: Segment) -> [Complex64; 2] {
 
 /// Panels of [-1, 1] on each of which both singular points lie outside the Bernstein ellipse of `PANEL_BERNSTEIN`,
 /// or that are as short as roundoff next to a singular point on the element.
-fn panels(s1: Complex64, s2: Complex64) -> Vec<[f64; 2]> {
+pub(crate) fn panels(s1: Complex64, s2: Complex64) -> Vec<[f64; 2]> {
     let mut stack = vec![[-1.0, 1.0]];
     let mut done = Vec::new();
     while let Some([low, high]) = stack.pop() {
@@ -201,7 +201,7 @@ pub(crate) fn panel_rule(n: usize) -> &'static Rule {
     RULES[n].get_or_init(|| gauss_legendre(n))
 }
 
-fn substitution_rule(n: usize, power: u32) -> &'static Rule {
+pub(crate) fn substitution_rule(n: usize, power: u32) -> &'static Rule {
     static FIFTH: [OnceLock<Rule>; CACHED_RULES] = [const { OnceLock::new() }; CACHED_RULES];
     static SEVENTH: [OnceLock<Rule>; CACHED_RULES] = [const { OnceLock::new() }; CACHED_RULES];
     let rules = if power == 5 { &FIFTH } else { &SEVENTH };

@@ -1,8 +1,13 @@
 //! Particular solutions: of a constant body force, and of a uniform stress far away.
 
 use steklov_elastic::Material;
+use steklov_quadrature::legendre_p;
 
+use crate::near::panel_rule;
 use crate::{Mesh, Space};
+
+/// Gauss points for a polynomial of the point times the normal on a curved element.
+const CURVE_POINTS: usize = 24;
 
 /// Particular solution of div σ(u) + b = 0 for a constant force b per area, with a uniform stress σ_∞ added:
 ///
@@ -79,8 +84,18 @@ impl ParticularSolution {
     pub fn traction_load_of(&self, mesh: &Mesh, space: &Space, of: impl Fn(usize, usize) -> bool) -> Vec<f64> {
         let mut load = vec![0.0; space.dofs()];
         for e in 0..mesh.len() {
-            let (n, half) = (mesh.normal(e), mesh.length(e) / 2.0);
             let basis = space.basis(e);
+            if !mesh.is_line(e) {
+                let mut phi = vec![0.0; basis.degree + 1];
+                self.on_curve(mesh, e, basis.degree, |t, traction| {
+                    basis.evaluate(t, &mut phi);
+                    for (phi, node) in phi.iter().zip(space.element_nodes(e)) {
+                        (0..2).filter(|&i| of(e, i)).for_each(|i| load[2 * node + i] += phi * traction[i]);
+                    }
+                });
+                continue;
+            }
+            let (n, half) = (mesh.normal(e, 0.0), mesh.length(e) / 2.0);
             // linear traction times φ: the Lobatto rule is exact from p = 2, Simpson's weights of φ_j for p = 1
             let ends = [-1.0, 1.0].map(|t| self.traction(mesh.point(e, t), n));
             for (j, node) in space.element_nodes(e).enumerate() {
@@ -96,11 +111,21 @@ impl ParticularSolution {
         load
     }
 
-    /// ∫ σ(u_p) n · b over the bubbles b = (P_(p+1) - P_(p-1))/(2p+1), two for each element; 0 from p = 3 on.
+    /// ∫ σ(u_p) n · b over the bubbles b = (P_(p+1) - P_(p-1))/(2p+1), two for each element; 0 from p = 3 on
+    /// where it is straight.
     pub fn bubble_load(&self, mesh: &Mesh, space: &Space) -> Vec<f64> {
         let mut load = vec![0.0; 2 * mesh.len()];
         for e in 0..mesh.len() {
-            let (n, half, p) = (mesh.normal(e), mesh.length(e) / 2.0, space.degree(e));
+            let (n, half, p) = (mesh.normal(e, 0.0), mesh.length(e) / 2.0, space.degree(e));
+            if !mesh.is_line(e) {
+                let mut legendre = vec![0.0; p + 2];
+                self.on_curve(mesh, e, p, |t, traction| {
+                    legendre_p(t, &mut legendre);
+                    let bubble = (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64;
+                    (0..2).for_each(|i| load[2 * e + i] += bubble * traction[i]);
+                });
+                continue;
+            }
             let ends = [-1.0, 1.0].map(|t| self.traction(mesh.point(e, t), n));
             for i in 0..2 {
                 // P_(p-1) against mean + slope t
@@ -115,6 +140,16 @@ impl ParticularSolution {
         load
     }
 
+    /// Calls `f` with t and σ(u_p)n |γ'| w at the points of a rule that is exact to rounding on a curved element for a basis of
+    /// this degree.
+    fn on_curve(&self, mesh: &Mesh, e: usize, degree: usize, mut f: impl FnMut(f64, [f64; 2])) {
+        let rule = panel_rule(CURVE_POINTS + degree / 2);
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            let traction = self.traction(mesh.point(e, t), mesh.normal(e, t));
+            f(t, traction.map(|v| w * mesh.speed(e, t) * v));
+        }
+    }
+
     /// (a(u_p, u_p), ∫_Ω b·u_p) of a body force in a bounded body: twice the strain energy of u_p and the work of b on it, as
     /// boundary integrals.
     pub fn energies(&self, mesh: &Mesh) -> (f64, f64) {
@@ -122,11 +157,10 @@ impl ParticularSolution {
         let mut work_of_traction = 0.0;
         let modulus = self.material.lambda() + 2.0 * self.material.mu();
         let b2 = self.force[0].powi(2) + self.force[1].powi(2);
-        let rule = steklov_quadrature::gauss_legendre(4);
         for e in 0..mesh.len() {
-            let (n, half) = (mesh.normal(e), mesh.length(e) / 2.0);
+            let rule = panel_rule(if mesh.is_line(e) { 4 } else { CURVE_POINTS });
             for (&t, &w) in rule.points.iter().zip(&rule.weights) {
-                let x = mesh.point(e, t);
+                let (x, n, half) = (mesh.point(e, t), mesh.normal(e, t), mesh.speed(e, t));
                 let (unit, xi) = self.along(x);
                 // ∫_Ω ξ² = ∮ ξ³/3 unit·n
                 let flux = xi.powi(3) / 3.0 * (unit[0] * n[0] + unit[1] * n[1]);

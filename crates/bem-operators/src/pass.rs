@@ -4,6 +4,8 @@ use rayon::prelude::*;
 use steklov_elastic::Material;
 
 use crate::columns::Local;
+use crate::curve::Curve;
+use crate::curved_pair;
 use crate::far::{Batch, Classifier, KINDS, LANES, flush, kind_index};
 use crate::kernel::Constants;
 use crate::moments::{Segment, first_is_outer, same, storage};
@@ -37,6 +39,11 @@ pub(crate) enum Purpose {
 pub(crate) struct Pass<'a> {
     pub(crate) space: &'a Space,
     pub(crate) segments: Vec<Segment>,
+    pub(crate) curves: Vec<Curve>,
+    /// Half of the length of each element.
+    pub(crate) half: Vec<f64>,
+    /// log L.
+    pub(crate) log_length: f64,
     /// Degree p of each element.
     pub(crate) degree: Vec<usize>,
     /// Highest degree of the moments of each element, at least p, or p + 1 for an enrichment.
@@ -47,8 +54,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) previous: Vec<usize>,
     /// log(|d|/L) of each element.
     pub(crate) log_half: Vec<f64>,
-    /// Σ (order+1) over the elements before e.
-    pub(crate) prefix: Vec<usize>,
+    pub(crate) places: Places,
     /// Position of each degree in `locals`.
     pub(crate) local_of: Vec<usize>,
     pub(crate) locals: Vec<Local>,
@@ -65,10 +71,9 @@ impl<'a> Pass<'a> {
         let degree = mesh.degree.clone();
         let plain = purpose == Purpose::Plain;
         let order: Vec<usize> = degree.iter().map(|&p| if plain { p } else { enriched_order(p) }).collect();
-        let mut prefix = vec![0];
-        for &order in &order {
-            prefix.push(prefix[prefix.len() - 1] + order + 1);
-        }
+        let curves: Vec<Curve> = (0..mesh.len()).map(|e| mesh.curve(e)).collect();
+        let half = curves.iter().map(Curve::half_length).collect();
+        let places = Places::new(&order, curves.iter().map(Curve::is_line));
         let (degrees, local_of) = distinct(&degree);
         let (orders, order_of) = distinct(&order);
         let first_with = |p: usize| degree.iter().position(|&q| q == p).unwrap_or(0);
@@ -80,13 +85,16 @@ impl<'a> Pass<'a> {
         Self {
             space,
             segments,
+            curves,
+            half,
+            log_length: length.ln(),
             degree,
             order,
             purpose,
             more: usize::from(extra),
             previous,
             log_half,
-            prefix,
+            places,
             local_of,
             locals,
             order_of,
@@ -101,8 +109,17 @@ impl<'a> Pass<'a> {
 
     /// Where the moments of the pair (a, b), b ≥ a, start behind those of (a, a).
     pub(crate) fn pair_offset(&self, a: usize, b: usize) -> usize {
-        let rows = self.order[a] + 1;
-        (2 * rows + 1) * (self.prefix[b] - self.prefix[a]) + rows * (b - a)
+        self.places.offset(a, b)
+    }
+
+    /// Whether both elements of a pair are straight.
+    pub(crate) fn is_straight(&self, a: usize, b: usize) -> bool {
+        self.curves[a].is_line() && self.curves[b].is_line()
+    }
+
+    /// Length of the moments of a pair.
+    pub(crate) fn pair_size(&self, a: usize, b: usize) -> usize {
+        self.places.offset(a, b + 1) - self.places.offset(a, b)
     }
 
     /// Consecutive ranges of first elements whose pairs fit the buffer, and the doubles that the largest of them takes.
@@ -161,12 +178,22 @@ impl<'a> Pass<'a> {
         for r in 0..rows.len() {
             let a = rows[r].0;
             let pa = self.order[a];
-            same(pa + 1, pa + 1, &mut rows[r].1[..storage(pa, pa)]);
+            let row = &mut rows[r].1[..self.pair_size(a, a)];
+            match self.curves[a].is_line() {
+                true => same(pa + 1, pa + 1, row),
+                false => curved_pair::own(&self.curves[a], pa + 1, row),
+            }
             for b in a + 1..self.len() {
                 let start = self.pair_offset(a, b);
                 if let Some(moments) = known(a, b) {
-                    let size = storage(self.order[a], self.order[b]);
+                    let size = self.pair_size(a, b);
                     rows[r].1[start..start + size].copy_from_slice(&moments[..size]);
+                    continue;
+                }
+                if !self.is_straight(a, b) {
+                    let (m, n) = (self.order[a] + 1, self.order[b] + 1);
+                    let out = &mut rows[r].1[start..start + curved_pair::storage(m, n)];
+                    curved_pair::moments(&self.curves[a], &self.curves[b], m, n, out);
                     continue;
                 }
                 let (outer, inner) = if first_is_outer(self.segments[a], self.segments[b]) { (a, b) } else { (b, a) };
@@ -208,6 +235,39 @@ impl<'a> Pass<'a> {
             start += self.pair_offset(a, self.len());
         }
         base
+    }
+}
+
+/// Where the moments of each pair lie: those of two straight elements are one complex table, with a curve there are five real ones.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Places {
+    rows: Vec<usize>,
+    straight: Vec<bool>,
+    /// Σ (order+1) over the straight elements before e, their number, and the sum over the curved ones.
+    before: Vec<[usize; 3]>,
+}
+
+impl Places {
+    fn new(order: &[usize], straight: impl Iterator<Item = bool>) -> Self {
+        let rows: Vec<usize> = order.iter().map(|p| p + 1).collect();
+        let straight: Vec<bool> = straight.collect();
+        let mut before = vec![[0; 3]];
+        for (&rows, &straight) in rows.iter().zip(&straight) {
+            let [lines, count, curves] = before[before.len() - 1];
+            before.push(if straight { [lines + rows, count + 1, curves] } else { [lines, count, curves + rows] });
+        }
+        Self { rows, straight, before }
+    }
+
+    /// Where the moments of the pair (a, b), b ≥ a, start behind those of (a, a).
+    pub(crate) fn offset(&self, a: usize, b: usize) -> usize {
+        let rows = self.rows[a];
+        let [lines, count, curves] = [0, 1, 2].map(|k| self.before[b][k] - self.before[a][k]);
+        let tables = curved_pair::storage(rows, 1);
+        match self.straight[a] {
+            true => (2 * rows + 1) * lines + rows * count + tables * curves,
+            false => tables * (lines + curves),
+        }
     }
 }
 

@@ -1,52 +1,61 @@
-//! Straight-sided bodies, with holes or around them: valid by construction.
+//! Bodies bounded by loops of lines and curves, with holes or around them: valid by construction.
 
+use std::f64::consts::TAU;
 use std::ops::Range;
 
 use robust::{Coord, orient2d};
 
+use crate::edge::{Edge, Path};
 use crate::polygon_check::{PolygonError, check, check_holes, tolerance};
 
 /// A closed chain of corners as the user lists it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loop {
-    /// Corner points (length), at least three.
+    /// Corner points (length), at least three, or two of which one edge is curved.
     pub corners: Vec<[f64; 2]>,
     /// `sides[k]` names the edge from corner k to the next; edges of one name are one side, on any loop.
     pub sides: Vec<String>,
+    /// `paths[k]`: how the edge from corner k to the next runs; without any all are straight.
+    pub paths: Vec<Path>,
 }
 
-/// One straight edge, in the direction of traversal (body to the left).
-#[derive(Debug, Clone, PartialEq)]
-pub struct Edge {
-    /// First point in the direction of traversal.
-    pub start: [f64; 2],
-    /// Last point in the direction of traversal.
-    pub end: [f64; 2],
-    /// Index into [`Polygon::side_names`].
-    pub side: usize,
-    /// Index into [`Polygon::loops`]: 0 for the outer loop, k for the k-th hole; of an unbounded body 0 for the first hole.
-    pub loop_index: usize,
-    /// Whether the corners were listed against the traversal: a hole listed counter-clockwise.
-    pub reversed: bool,
-}
-
-impl Edge {
-    /// Length of the edge.
-    pub fn length(&self) -> f64 {
-        distance(self.start, self.end)
+impl Loop {
+    /// A loop of straight edges.
+    pub fn straight(corners: Vec<[f64; 2]>, sides: Vec<String>) -> Self {
+        Self { corners, sides, paths: Vec::new() }
     }
 
-    /// First and second corner in the order in which they were listed.
-    pub fn listed(&self) -> [[f64; 2]; 2] {
-        if self.reversed { [self.end, self.start] } else { [self.start, self.end] }
+    /// A circle as arcs of equal length, counter-clockwise from the right, all of one side.
+    pub fn circle(centre: [f64; 2], radius: f64, arcs: usize, side: &str) -> Self {
+        let ellipse = Self::ellipse(centre, [radius, radius], 0.0, arcs, side);
+        Self { paths: vec![Path::Arc { opening: TAU / arcs as f64 }; arcs], ..ellipse }
     }
 
-    /// Point at the edge parameter s ∈ [0, 1], which runs in the order in which the corners were listed.
-    /// Measured from the nearer corner, so that both corners are met exactly.
-    pub fn point(&self, s: f64) -> [f64; 2] {
-        let [a, b] = self.listed();
-        let d = [b[0] - a[0], b[1] - a[1]];
-        if s <= 0.5 { [a[0] + d[0] * s, a[1] + d[1] * s] } else { [b[0] - d[0] * (1.0 - s), b[1] - d[1] * (1.0 - s)] }
+    /// An ellipse as elliptic arcs of equal opening, counter-clockwise from the end of its first half axis, which makes this
+    /// angle with the x axis; all of one side.
+    pub fn ellipse(centre: [f64; 2], radii: [f64; 2], angle: f64, arcs: usize, side: &str) -> Self {
+        let opening = TAU / arcs as f64;
+        let (sin, cos) = angle.sin_cos();
+        let corner = |k: usize| {
+            // the ends of the axes without rounding
+            let (y, x) = match 4 * k % arcs {
+                0 => [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0)][4 * k / arcs],
+                _ => (opening * k as f64).sin_cos(),
+            };
+            let (x, y) = (radii[0] * x, radii[1] * y);
+            [centre[0] + cos * x - sin * y, centre[1] + sin * x + cos * y]
+        };
+        let path = |k: usize| Path::Ellipse { radii, angle, start: opening * k as f64, opening };
+        Self {
+            corners: (0..arcs).map(corner).collect(),
+            sides: vec![side.to_owned(); arcs],
+            paths: (0..arcs).map(path).collect(),
+        }
+    }
+
+    /// How the edge from corner k to the next runs.
+    pub fn path(&self, k: usize) -> Path {
+        self.paths.get(k).copied().unwrap_or_default()
     }
 }
 
@@ -112,9 +121,10 @@ impl Polygon {
     fn of_valid(listed: Vec<Loop>, bounded: bool) -> Polygon {
         let (diameter, tolerance) = tolerance(&listed);
         let (mut edges, mut loops, mut side_names) = (Vec::new(), Vec::new(), Vec::<String>::new());
-        for (loop_index, Loop { corners, sides }) in listed.into_iter().enumerate() {
+        for (loop_index, listed) in listed.into_iter().enumerate() {
             let first = edges.len();
-            let reversed = (loop_index > 0 || !bounded) && signed_area(&corners) > 0.0;
+            let reversed = (loop_index > 0 || !bounded) && area_of(&listed) > 0.0;
+            let Loop { corners, sides, paths } = listed;
             for (k, name) in sides.into_iter().enumerate() {
                 let (a, b) = (corners[k], corners[(k + 1) % corners.len()]);
                 let (start, end) = if reversed { (b, a) } else { (a, b) };
@@ -122,7 +132,8 @@ impl Polygon {
                     side_names.push(name);
                     side_names.len() - 1
                 });
-                edges.push(Edge { start, end, side, loop_index, reversed });
+                let path = paths.get(k).copied().unwrap_or_default();
+                edges.push(Edge { start, end, path, side, loop_index, reversed });
             }
             loops.push(first..edges.len());
         }
@@ -140,6 +151,11 @@ impl Polygon {
     /// Names of the sides in the order in which they first appear.
     pub fn side_names(&self) -> &[String] {
         &self.side_names
+    }
+
+    /// Whether an edge is curved.
+    pub fn is_curved(&self) -> bool {
+        !self.edges.iter().all(Edge::is_line)
     }
 
     /// Whether the body has an outer loop; else it is the plane without its holes.
@@ -198,11 +214,16 @@ impl Polygon {
         let (mut nearest, mut on) = (self.tolerance, None);
         let mut winding = 0;
         for (k, edge) in self.edges.iter().enumerate() {
-            let ([a, b], (start, end)) = (edge.listed(), (edge.start, edge.end));
-            let (gap, s) = nearest_on_segment(x, a, b);
-            if gap < nearest || (gap == nearest && on.is_none()) {
+            if let Some((gap, s)) = edge.nearest(x, nearest)
+                && (gap < nearest || (gap == nearest && on.is_none()))
+            {
                 (nearest, on) = (gap, Some((k, s)));
             }
+            if !edge.is_line() {
+                winding += edge.crossings(x);
+                continue;
+            }
+            let (start, end) = (edge.start, edge.end);
             if start[1] <= x[1] && end[1] > x[1] && orientation(start, end, x) > 0.0 {
                 winding += 1;
             } else if start[1] > x[1] && end[1] <= x[1] && orientation(start, end, x) < 0.0 {
@@ -261,6 +282,26 @@ pub(crate) fn signed_area(corners: &[[f64; 2]]) -> f64 {
     corners.windows(2).map(|w| cross(w[0], w[1])).sum::<f64>() / 2.0
 }
 
+/// Signed area of a loop.
+pub(crate) fn area_of(listed: &Loop) -> f64 {
+    let straight = signed_area(&listed.corners);
+    let edges = listed_edges(listed);
+    if edges.iter().all(Edge::is_line) {
+        return straight;
+    }
+    straight + edges.iter().map(|edge| edge.bulge(edge.start)[0] / 2.0).sum::<f64>()
+}
+
+/// The edges of a loop in the order of listing.
+pub(crate) fn listed_edges(listed: &Loop) -> Vec<Edge> {
+    let corners = &listed.corners;
+    let edge = |k: usize| {
+        let (start, end) = (corners[k], corners[(k + 1) % corners.len()]);
+        Edge { start, end, path: listed.path(k), side: k, loop_index: 0, reversed: false }
+    };
+    (0..corners.len()).map(edge).collect()
+}
+
 /// Area and centre of mass as sums over the triangles that the edges span with one corner.
 fn area_and_centroid(edges: &[Edge]) -> (f64, [f64; 2]) {
     let o = edges[0].start;
@@ -270,6 +311,10 @@ fn area_and_centroid(edges: &[Edge]) -> (f64, [f64; 2]) {
         let cross = a[0] * b[1] - a[1] * b[0];
         twice += cross;
         first = [first[0] + cross * (a[0] + b[0]), first[1] + cross * (a[1] + b[1])];
+    }
+    for [more, x, y] in edges.iter().map(|edge| edge.bulge(o)) {
+        twice += more;
+        first = [first[0] + 6.0 * x, first[1] + 6.0 * y];
     }
     (twice / 2.0, [o[0] + first[0] / (3.0 * twice), o[1] + first[1] / (3.0 * twice)])
 }

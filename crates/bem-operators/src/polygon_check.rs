@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use crate::polygon::{Loop, distance, nearest_on_segment, orientation, signed_area};
+use crate::edge::{Edge, LARGEST_OPENING, Path, angle};
+use crate::edge_check::{LEAST_ANGLE, meeting, own_meeting};
+use crate::polygon::{Loop, area_of, distance, listed_edges, nearest_on_segment, orientation};
 
 /// An edge as the user lists it; corners count from 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -37,7 +39,7 @@ pub enum PolygonError {
     #[error("the plane has no hole: list the corners of at least one")]
     NoHole,
     /// A loop of fewer than three corners.
-    #[error("{} has {corners} corners; it needs at least 3", name(.loop_index))]
+    #[error("{} has {corners} corners; it needs at least 3, or 2 with a curved edge", name(.loop_index))]
     TooFewCorners {
         /// The loop.
         loop_index: usize,
@@ -143,6 +145,22 @@ pub enum PolygonError {
         /// The point of intersection.
         at: [f64; 2],
     },
+    /// An edge whose numbers make no curve.
+    #[error("{edge}: {what}")]
+    NoCurve {
+        /// The edge.
+        edge: EdgeName,
+        /// What is wrong with it, with the numbers, and what to change.
+        what: String,
+    },
+    /// A curved edge crosses or touches itself.
+    #[error("{edge} crosses or touches itself at ({}, {}); move its control points apart or cut it in two", .at[0], .at[1])]
+    OwnCrossing {
+        /// The edge.
+        edge: EdgeName,
+        /// Where.
+        at: [f64; 2],
+    },
     /// A hole that is not in the outer loop.
     #[error("hole {loop_index}, with a corner at ({}, {}), lies outside of the outer loop", .at[0], .at[1])]
     HoleOutside {
@@ -165,7 +183,11 @@ pub enum PolygonError {
 
 /// Diameter of all corners, and the distance below which points count as equal.
 pub(crate) fn tolerance(loops: &[Loop]) -> (f64, f64) {
-    let corners: Vec<[f64; 2]> = loops.iter().flat_map(|l| l.corners.iter().copied()).collect();
+    let points = |l: &Loop| match l.paths.is_empty() {
+        true => l.corners.clone(),
+        false => listed_edges(l).iter().flat_map(Edge::extent).collect(),
+    };
+    let corners: Vec<[f64; 2]> = loops.iter().flat_map(points).collect();
     let mut square: f64 = 0.0;
     for (i, a) in corners.iter().enumerate() {
         for b in &corners[..i] {
@@ -199,13 +221,13 @@ impl Listed<'_> {
 /// Accepts exactly the loops that bound a polygon with holes, the outer one counter-clockwise and first.
 pub(crate) fn check(loops: &[Loop]) -> Result<(), PolygonError> {
     check_loops(&Listed { loops, first: 0 })?;
-    let area = signed_area(&loops[0].corners);
+    let area = area_of(&loops[0]);
     if area < 0.0 {
         return Err(PolygonError::Clockwise { area });
     }
     for (loop_index, hole) in loops.iter().enumerate().skip(1) {
         let at = hole.corners[0];
-        if !surrounds(&loops[0].corners, at) {
+        if !surrounds(&loops[0], at) {
             return Err(PolygonError::HoleOutside { loop_index, at });
         }
     }
@@ -237,15 +259,16 @@ fn check_loops(listed: &Listed<'_>) -> Result<(), PolygonError> {
     let segments = segments(listed);
     for s in &segments {
         let length = distance(s.a, s.b);
+        check_curve(s, tolerance, listed)?;
         if length <= tolerance {
             return Err(PolygonError::ZeroEdge { edge: s.name(listed), at: s.a, length, tolerance });
         }
     }
-    for (loop_index, l) in listed.numbered() {
+    for (loop_index, l) in listed.numbered().filter(|(_, l)| l.paths.iter().all(|p| *p == Path::Line)) {
         check_width(loop_index, &l.corners)?;
     }
-    for s in &segments {
-        check_corner(s, &segments[s.follower], tolerance)?;
+    for (i, s) in segments.iter().enumerate() {
+        check_corner(i, s, &segments[s.follower], tolerance, listed)?;
     }
     for (i, s) in segments.iter().enumerate() {
         for (j, t) in segments.iter().enumerate().skip(i + 1) {
@@ -257,8 +280,9 @@ fn check_loops(listed: &Listed<'_>) -> Result<(), PolygonError> {
     Ok(())
 }
 
-fn check_list(loop_index: usize, Loop { corners, sides }: &Loop) -> Result<(), PolygonError> {
-    if corners.len() < 3 {
+fn check_list(loop_index: usize, Loop { corners, sides, paths }: &Loop) -> Result<(), PolygonError> {
+    let curved = paths.iter().any(|p| *p != Path::Line);
+    if corners.len() < if curved { 2 } else { 3 } {
         return Err(PolygonError::TooFewCorners { loop_index, corners: corners.len() });
     }
     if sides.len() != corners.len() {
@@ -289,6 +313,7 @@ fn check_width(loop_index: usize, corners: &[[f64; 2]]) -> Result<(), PolygonErr
 
 /// An edge from corner a to corner b of a loop, `corner` and `next` their indices.
 struct ListedEdge {
+    edge: Edge,
     a: [f64; 2],
     b: [f64; 2],
     loop_index: usize,
@@ -311,27 +336,101 @@ impl ListedEdge {
 
 fn segments(listed: &Listed<'_>) -> Vec<ListedEdge> {
     let mut segments = Vec::new();
-    for (loop_index, Loop { corners, .. }) in listed.numbered() {
-        let first = segments.len();
-        for corner in 0..corners.len() {
+    for (loop_index, l) in listed.numbered() {
+        let (first, corners) = (segments.len(), &l.corners);
+        for (corner, edge) in listed_edges(l).into_iter().enumerate() {
             let next = (corner + 1) % corners.len();
             let (a, b) = (corners[corner], corners[next]);
-            segments.push(ListedEdge { a, b, loop_index, corner, next, follower: first + next });
+            segments.push(ListedEdge { edge, a, b, loop_index, corner, next, follower: first + next });
         }
     }
     segments
 }
 
-/// Two successive edges share their corner and no other point.
-fn check_corner(s: &ListedEdge, t: &ListedEdge, tolerance: f64) -> Result<(), PolygonError> {
-    if s.meets(t.b, tolerance) || t.meets(s.a, tolerance) {
-        return Err(PolygonError::Spike { loop_index: t.loop_index, corner: t.corner, at: t.a });
+/// The numbers of a curved edge make a curve, with a tangent everywhere, that does not meet itself.
+fn check_curve(s: &ListedEdge, tolerance: f64, listed: &Listed<'_>) -> Result<(), PolygonError> {
+    let fault = |what: String| Err(PolygonError::NoCurve { edge: s.name(listed), what });
+    match s.edge.path {
+        Path::Line => return Ok(()),
+        Path::Arc { opening } if opening.is_nan() || opening.abs() > LARGEST_OPENING => {
+            return fault(format!(
+                "the arc opens by {}°; cut it in two where it opens by more than {}°",
+                opening.to_degrees(),
+                LARGEST_OPENING.to_degrees()
+            ));
+        }
+        Path::Arc { opening: 0.0 } => return fault("an arc of 0° is a line: leave the arc out".into()),
+        Path::Ellipse { radii: [a, b], opening, angle, start } => {
+            if !(a > tolerance && b > tolerance && a.max(b) <= 1e100) {
+                return fault(format!("the half axes {a} and {b} must be positive and finite"));
+            }
+            if !(opening.abs() <= LARGEST_OPENING && opening != 0.0 && angle.is_finite() && start.is_finite()) {
+                return fault(format!("the elliptic arc opens by {}°", opening.to_degrees()));
+            }
+            let missed = distance(s.edge.point(0.5 - 1e-16), s.edge.point(0.5 + 1e-15));
+            if missed > 1e-9 * a.max(b) {
+                return fault(format!("its corners lie off the ellipse by {missed:e}"));
+            }
+        }
+        Path::Cubic { control } if !control.iter().flatten().all(|c| c.abs() <= 1e100) => {
+            return fault(format!("the control points are {control:?}; they must be finite and within ±1e100"));
+        }
+        _ => {}
     }
-    Ok(())
+    if s.edge.length() <= tolerance || distance(s.a, s.b) <= tolerance {
+        return Ok(());
+    }
+    let least =
+        (0..=256).map(|k| s.edge.derivative(k as f64 / 256.0)).map(|[x, y]| x.hypot(y)).fold(f64::INFINITY, f64::min);
+    if least <= 1e-6 * s.edge.length() || s.edge.fewest_elements() > MOST_PIECES {
+        return fault(
+            "it comes to a cusp or turns too sharply to be divided into elements; cut it in two at a corner there"
+                .into(),
+        );
+    }
+    match own_meeting(&s.edge, tolerance) {
+        Some(at) => Err(PolygonError::OwnCrossing { edge: s.name(listed), at }),
+        None => Ok(()),
+    }
+}
+
+/// Elements that the sharpest turn of an edge may take.
+const MOST_PIECES: usize = 1 << 10;
+
+/// Two successive edges share their corner and no other point.
+fn check_corner(
+    number: usize,
+    s: &ListedEdge,
+    t: &ListedEdge,
+    tolerance: f64,
+    listed: &Listed<'_>,
+) -> Result<(), PolygonError> {
+    let spike = PolygonError::Spike { loop_index: t.loop_index, corner: t.corner, at: t.a };
+    if s.edge.is_line() && t.edge.is_line() {
+        return if s.meets(t.b, tolerance) || t.meets(s.a, tolerance) { Err(spike) } else { Ok(()) };
+    }
+    let turn = angle(s.edge.derivative(1.0), t.edge.derivative(0.0)).abs();
+    if std::f64::consts::PI - turn < LEAST_ANGLE {
+        return Err(spike);
+    }
+    let mut shared = vec![[1.0, 0.0]];
+    if t.follower == number {
+        shared.push([0.0, 1.0]);
+    }
+    match meeting(&s.edge, &t.edge, &shared, tolerance) {
+        Some(at) => Err(PolygonError::Crossing { first: s.name(listed), second: t.name(listed), at }),
+        None => Ok(()),
+    }
 }
 
 /// Two edges that do not follow each other share no point.
 fn check_pair(s: &ListedEdge, t: &ListedEdge, tolerance: f64, listed: &Listed<'_>) -> Result<(), PolygonError> {
+    if !(s.edge.is_line() && t.edge.is_line()) {
+        return match meeting(&s.edge, &t.edge, &[], tolerance) {
+            Some(at) => Err(PolygonError::Crossing { first: s.name(listed), second: t.name(listed), at }),
+            None => Ok(()),
+        };
+    }
     let apart = |c: usize| {
         s.a[c].max(s.b[c]) + tolerance < t.a[c].min(t.b[c]) || t.a[c].max(t.b[c]) + tolerance < s.a[c].min(s.b[c])
     };
@@ -365,7 +464,7 @@ fn check_nesting(listed: &Listed<'_>) -> Result<(), PolygonError> {
     for (loop_index, hole) in listed.holes() {
         let at = hole.corners[0];
         for (within, other) in listed.holes() {
-            if within != loop_index && surrounds(&other.corners, at) {
+            if within != loop_index && surrounds(other, at) {
                 return Err(PolygonError::HoleInHole { loop_index, within, at });
             }
         }
@@ -374,7 +473,12 @@ fn check_nesting(listed: &Listed<'_>) -> Result<(), PolygonError> {
 }
 
 /// Whether a simple loop, in either order, has x in its inside; x is not on it.
-fn surrounds(corners: &[[f64; 2]], x: [f64; 2]) -> bool {
+fn surrounds(listed: &Loop, x: [f64; 2]) -> bool {
+    let edges = listed_edges(listed);
+    if !edges.iter().all(Edge::is_line) {
+        return edges.iter().map(|edge| edge.crossings(x)).sum::<i32>() != 0;
+    }
+    let corners = &listed.corners;
     let mut inside = false;
     for (k, &a) in corners.iter().enumerate() {
         let b = corners[(k + 1) % corners.len()];

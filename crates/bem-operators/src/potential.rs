@@ -13,6 +13,8 @@ use num_complex::Complex64;
 use steklov_elastic::Material;
 use steklov_quadrature::{legendre_dq, legendre_p, legendre_q, legendre_q_cut};
 
+use crate::curve::Curve;
+use crate::inner::Inner;
 use crate::kernel::Constants;
 use crate::moments::Segment;
 use crate::near::MAX_ORDER;
@@ -31,7 +33,13 @@ pub struct BoundaryField {
 /// Legendre coefficients of one element.
 #[derive(Debug, Clone)]
 pub(crate) struct Piece {
-    pub(crate) segment: Segment,
+    pub(crate) curve: Curve,
+    /// The chord.
+    segment: Segment,
+    /// Half of the length.
+    pub(crate) half: f64,
+    /// log L.
+    log_length: f64,
     /// 1/d.
     inverse: Complex64,
     /// log(|d|/L).
@@ -90,8 +98,12 @@ impl BoundaryField {
             };
             let segment = mesh.segment(e);
             let at = 2 * space.offset[e];
+            let curve = mesh.curve(e);
             Piece {
                 segment,
+                half: curve.half_length(),
+                log_length: length.ln(),
+                curve,
                 inverse: 1.0 / segment.half(),
                 log_half: (segment.half().norm() / length).ln(),
                 displacement: (0..=p).map(|n| combine(n, &basis.to_legendre)).collect(),
@@ -121,8 +133,9 @@ impl BoundaryField {
         let (mut u, mut gradient) = (self.constant, [[0.0; 2]; 2]);
         let mut at = AtPoint::default();
         for piece in &self.elements {
-            at.off_cut(piece, (x - piece.segment.end) * piece.inverse, (x - piece.segment.start) * piece.inverse);
-            let scale = piece.segment.half().norm() * k.c_v;
+            let Segment { start, end } = piece.segment;
+            at.off_piece(piece, [x - start, x - end], true);
+            let scale = piece.half * k.c_v;
             for n in 0..piece.traction.len() {
                 let (t, d) = (piece.traction[n], piece.derivative[n]);
                 let add = |sum: &mut [f64; 2], log: f64, [xx, yy, xy]: [f64; 3]| {
@@ -138,13 +151,13 @@ impl BoundaryField {
                     let (log, rr) = at.slope(n, along);
                     let mut sum = [0.0; 2];
                     add(&mut sum, log, rr);
-                    let double = (along * at.inverse * at.q[n]).im / std::f64::consts::PI;
+                    let double = at.double_slope(n, along);
                     gradient[0][axis] += sum[0] - double * d[0];
                     gradient[1][axis] += sum[1] - double * d[1];
                 }
             }
             for (n, c) in piece.displacement.iter().enumerate() {
-                let double = at.q[n].im / std::f64::consts::PI;
+                let double = at.double(n);
                 u[0] -= double * c[0];
                 u[1] -= double * c[1];
             }
@@ -158,13 +171,14 @@ impl BoundaryField {
         let mut p = [0.0; MAX_ORDER];
         let p = &mut p[..piece.displacement.len()];
         legendre_p(t, p);
-        let traction = series(&piece.traction, p);
-        let half = piece.segment.half();
-        let along = series(&piece.derivative, p).map(|d| d / half.norm());
+        let slope = piece.curve.derivative(t);
+        let speed = slope.norm();
+        let traction = piece.traction_at(p, speed);
+        let along = series(&piece.derivative, p).map(|d| d / speed);
         Trace {
             displacement: series(&piece.displacement, p),
             traction,
-            stress: self.boundary_stress(half / half.norm(), traction, along),
+            stress: self.boundary_stress(slope / speed, traction, along),
         }
     }
 
@@ -211,8 +225,9 @@ impl BoundaryField {
     pub fn boundary_derivatives(&self, e: usize, t: f64, of: impl Iterator<Item = usize>) -> ([f64; 2], [f64; 2]) {
         let own = &self.elements[e];
         let k = &self.constants;
-        let half_own = own.segment.half().norm();
-        let tangent = own.segment.half() / half_own;
+        let slope_own = own.curve.derivative(t);
+        let speed = slope_own.norm();
+        let tangent = slope_own / speed;
         let mut hypersingular = [0.0; 2];
         // K'_Δ and d/ds (2μV - V_Δ) of ψ, and of u' and J u'
         let (mut adjoint, mut slope) = ([0.0; 2], [0.0; 2]);
@@ -227,16 +242,16 @@ impl BoundaryField {
                 let mut p = [0.0; MAX_ORDER];
                 let p = &mut p[..own.traction.len()];
                 legendre_p(t, p);
-                (traction, along) = (series(&own.traction, p), series(&own.derivative, p).map(|d| d / half_own));
+                (traction, along) = (own.traction_at(p, speed), series(&own.derivative, p).map(|d| d / speed));
             }
-            let half = piece.segment.half().norm();
+            let half = piece.half;
             for n in 0..piece.traction.len() {
                 let (log, [xx, yy, xy]) = at.slope(n, tangent);
                 let d = piece.derivative[n];
                 hypersingular[0] -= k.c_w * ((xx - log) * d[0] + xy * d[1]);
                 hypersingular[1] -= k.c_w * (xy * d[0] + (yy - log) * d[1]);
                 let s = piece.traction[n].map(|c| half * c);
-                if b != e {
+                if b != e || !own.curve.is_line() {
                     let double = at.adjoint(n, tangent);
                     for i in 0..2 {
                         adjoint[i] += double * s[i];
@@ -264,8 +279,18 @@ fn series(c: &[[f64; 2]], p: &[f64]) -> [f64; 2] {
     c.iter().zip(p).fold([0.0; 2], |s, (c, p)| [s[0] + c[0] * p, s[1] + c[1] * p])
 }
 
-/// Legendre functions of one element at one point.
+impl Piece {
+    /// The traction, Σ ψ_n P_n times half of the length over |γ'|, from the P_n.
+    fn traction_at(&self, p: &[f64], speed: f64) -> [f64; 2] {
+        let sum = series(&self.traction, p);
+        if speed == self.half { sum } else { sum.map(|t| t * self.half / speed) }
+    }
+}
+
+/// Legendre functions of one element at one point, or the integrals over it if it is curved.
 pub(crate) struct AtPoint {
+    curved: Option<Box<Inner>>,
+    log_length: f64,
     q: [Complex64; MAX_ORDER],
     dq: [Complex64; MAX_ORDER],
     /// 1/d.
@@ -280,7 +305,16 @@ pub(crate) struct AtPoint {
 impl Default for AtPoint {
     fn default() -> Self {
         let zeros = [Complex64::ZERO; MAX_ORDER];
-        Self { q: zeros, dq: zeros, inverse: Complex64::ONE, turn: Complex64::ONE, z_im: 0.0, log0: 0.0 }
+        Self {
+            curved: None,
+            log_length: 0.0,
+            q: zeros,
+            dq: zeros,
+            inverse: Complex64::ONE,
+            turn: Complex64::ONE,
+            z_im: 0.0,
+            log0: 0.0,
+        }
     }
 }
 
@@ -288,12 +322,37 @@ impl AtPoint {
     /// The point t of the element `own` of the boundary, which may be the piece itself.
     pub(crate) fn on_boundary(&mut self, piece: &Piece, own: &Piece, same: bool, t: f64) {
         if same {
-            return self.on_cut(piece, t);
+            return self.on_piece(piece, t);
+        }
+        let (before, after) = ((1.0 + t) / 2.0, (1.0 - t) / 2.0);
+        if !(own.curve.is_line() && piece.curve.is_line()) {
+            let from = own.curve.differences(before, after, [piece.segment.start, piece.segment.end]);
+            return self.off_piece(piece, from, true);
         }
         let Segment { start, end } = own.segment;
-        let (before, after) = ((1.0 + t) / 2.0, (1.0 - t) / 2.0);
         let from = |y: Complex64| ((start - y) * after + (end - y) * before) * piece.inverse;
+        self.curved = None;
         self.off_cut(piece, from(piece.segment.end), from(piece.segment.start));
+    }
+
+    /// A point off the element, from x - v₀ and x - v₁.
+    fn off_piece(&mut self, piece: &Piece, from: [Complex64; 2], gradient: bool) {
+        if piece.curve.is_line() {
+            self.curved = None;
+            return self.off_cut(piece, from[1] * piece.inverse, from[0] * piece.inverse);
+        }
+        self.log_length = piece.log_length;
+        self.curved.get_or_insert_default().off_curve(&piece.curve, from, piece.displacement.len(), gradient);
+    }
+
+    /// The point t of the element itself: principal values.
+    fn on_piece(&mut self, piece: &Piece, t: f64) {
+        if piece.curve.is_line() {
+            self.curved = None;
+            return self.on_cut(piece, t);
+        }
+        self.log_length = piece.log_length;
+        self.curved.get_or_insert_default().on_curve(&piece.curve, t, piece.displacement.len());
     }
 
     /// A point off the element, from z - 1 and z + 1.
@@ -305,7 +364,7 @@ impl AtPoint {
         self.set(piece, 0.5 * (from_end.norm_sqr() * from_start.norm_sqr()).ln());
     }
 
-    /// The point t of the element itself: principal values.
+    /// The point t of the straight element itself: principal values.
     fn on_cut(&mut self, piece: &Piece, t: f64) {
         let mut real = [0.0; MAX_ORDER];
         let real = &mut real[..piece.displacement.len()];
@@ -328,24 +387,53 @@ impl AtPoint {
 
     /// ∫ P_n log(|x-y|/L) dt.
     fn log(&self, n: usize) -> f64 {
+        if let Some(inner) = &self.curved {
+            return if n == 0 { inner.log(0) - 2.0 * self.log_length } else { inner.log(n) };
+        }
         if n == 0 { self.log0 } else { 2.0 / (2 * n + 1) as f64 * (self.q[n + 1].re - self.q[n - 1].re) }
     }
 
     /// ∫ P_n r_i r_j/r² dt: xx, yy, xy.
     fn direction(&self, n: usize) -> [f64; 3] {
         let one = if n == 0 { 2.0 } else { 0.0 };
-        let e = self.turn * (one + Complex64::new(0.0, 4.0 * self.z_im) * self.q[n].conj());
+        let e = match &self.curved {
+            Some(inner) => inner.e[n],
+            None => self.turn * (one + Complex64::new(0.0, 4.0 * self.z_im) * self.q[n].conj()),
+        };
         [(one + e.re) / 2.0, (one - e.re) / 2.0, e.im / 2.0]
     }
 
-    /// -(1/2π) ∫ P_n n_x·(x-y)/r² dt of a point off the element on a boundary with this tangent.
+    /// (1/2π) ∫ P_n (x-y)·n_y |γ'|/r² dt.
+    fn double(&self, n: usize) -> f64 {
+        match &self.curved {
+            Some(inner) => 0.5 * inner.d[n].im / std::f64::consts::PI,
+            None => self.q[n].im / std::f64::consts::PI,
+        }
+    }
+
+    /// What a derivative du/dt = P_n of the displacement adds to that of the double layer along a direction, less its sign.
+    fn double_slope(&self, n: usize, along: Complex64) -> f64 {
+        match &self.curved {
+            Some(inner) => 0.5 * (along * inner.f[n]).im / std::f64::consts::PI,
+            None => (along * self.inverse * self.q[n]).im / std::f64::consts::PI,
+        }
+    }
+
+    /// -(1/2π) ∫ P_n n_x·(x-y)/r² dt of a point on a boundary with this tangent, which is 0 on a straight element itself.
     pub(crate) fn adjoint(&self, n: usize, tangent: Complex64) -> f64 {
         let normal = -Complex64::I * tangent;
+        if let Some(inner) = &self.curved {
+            return -0.5 * (normal * inner.f[n]).re / std::f64::consts::PI;
+        }
         -(normal * self.inverse * self.q[n]).re / std::f64::consts::PI
     }
 
     /// Derivatives of `log` and `direction` along a direction.
     pub(crate) fn slope(&self, n: usize, along: Complex64) -> (f64, [f64; 3]) {
+        if let Some(inner) = &self.curved {
+            let e = along * inner.f[n].conj() + along.conj() * inner.x[n];
+            return ((along * inner.f[n]).re, [e.re / 2.0, -e.re / 2.0, e.im / 2.0]);
+        }
         let dz = along * self.inverse;
         let log = 2.0 * (self.q[n] * dz).re;
         let inner = self.q[n].conj() * dz.im + (self.dq[n] * dz).conj() * self.z_im;

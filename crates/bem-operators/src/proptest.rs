@@ -48,7 +48,7 @@ pub fn loops() -> impl Strategy<Value = (Loop, Vec<Loop>)> {
 
 fn named(corners: Vec<[f64; 2]>) -> impl Strategy<Value = Loop> {
     let sides = vec(prop::sample::select(vec!["a", "b", "c"]), corners.len());
-    sides.prop_map(move |names| Loop { corners: corners.clone(), sides: names.into_iter().map(String::from).collect() })
+    sides.prop_map(move |names| Loop::straight(corners.clone(), names.into_iter().map(String::from).collect()))
 }
 
 /// A polygon from [`loops`], moved by up to its size and scaled by 1e-3 to 1e3.
@@ -57,7 +57,7 @@ pub fn polygon() -> impl Strategy<Value = Polygon> {
         let scale = 10f64.powf(exponent);
         let moved = |l: Loop| {
             let corners = l.corners.iter().map(|x| [scale * (x[0] + shift[0]), scale * (x[1] + shift[1])]).collect();
-            Loop { corners, sides: l.sides }
+            Loop::straight(corners, l.sides)
         };
         Polygon::new(moved(outer), holes.into_iter().map(moved).collect()).expect("star-shaped loops are valid")
     })

@@ -81,10 +81,14 @@ fn element_residual(
     e: usize,
 ) -> Result<BoundaryResidual, BemError> {
     let (mut neumann, mut equation) = (0.0, 0.0);
+    // |γ'| over half of the length
+    let half = mesh.length(e) / 2.0;
+    let stretch = |t: f64| if mesh.is_line(e) { 1.0 } else { mesh.speed(e, t) / half };
     for panel in look.panels(mesh.degree[e], &[]) {
         for (&t, &w) in panel.points.iter().zip(&panel.weights) {
             let site = Site::new(mesh, e, t);
             let (steklov, slope) = field.boundary_derivatives(e, t, 0..mesh.len());
+            let w = w * stretch(t);
             equation += w * (slope[0] * slope[0] + slope[1] * slope[1]);
             for (given, steklov) in traction(&site).into_iter().zip(steklov) {
                 let Some(value) = given else { continue };

@@ -1,6 +1,6 @@
 //! The elements of every edge as intervals of its parameter: what refinement changes.
 
-use crate::{BemError, Mesh, Polygon};
+use crate::{BemError, Edge, Mesh, Polygon};
 
 /// What is to become of an element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -94,13 +94,17 @@ impl Subdivision {
         Self { edges }
     }
 
-    /// The mesh of these pieces.
+    /// The mesh of these pieces; those that turn too far for an element are halved.
     ///
     /// # Errors
     /// As [`Mesh::from_breaks`].
     pub fn mesh(&self, polygon: &Polygon) -> Result<Mesh, BemError> {
-        let breaks: Vec<Vec<f64>> = self.edges.iter().map(|p| p.iter().skip(1).map(|p| p.start).collect()).collect();
-        let degree: Vec<Vec<usize>> = self.edges.iter().map(|p| p.iter().map(|p| p.degree).collect()).collect();
+        let mut edges = self.edges.clone();
+        for (edge, pieces) in polygon.edges().iter().zip(&mut edges).filter(|(edge, _)| !edge.is_line()) {
+            *pieces = pieces.iter().flat_map(|piece| admissible(edge, *piece)).collect();
+        }
+        let breaks: Vec<Vec<f64>> = edges.iter().map(|p| p.iter().skip(1).map(|p| p.start).collect()).collect();
+        let degree: Vec<Vec<usize>> = edges.iter().map(|p| p.iter().map(|p| p.degree).collect()).collect();
         Mesh::from_breaks(polygon, &breaks, &degree)
     }
 
@@ -228,6 +232,20 @@ impl Subdivision {
     pub fn refined_by_mark(&self, grading: &Grading) -> Self {
         self.refined(&vec![Vec::new(); self.edges.len()], grading)
     }
+}
+
+/// A piece as parts that are admissible as elements.
+fn admissible(edge: &Edge, piece: Piece) -> Vec<Piece> {
+    let (mut stack, mut parts) = (vec![piece], Vec::new());
+    while let Some(piece) = stack.pop() {
+        let middle = piece.middle();
+        if edge.is_admissible(piece.start, piece.end) || piece.length() < SHORTEST {
+            parts.push(piece);
+        } else {
+            stack.extend([Piece { start: middle, ..piece }, Piece { end: middle, ..piece }]);
+        }
+    }
+    parts
 }
 
 /// Joins pieces too short for their ends to be told apart with a neighbour: vertices go, but not `kept` and those of `fixed`.

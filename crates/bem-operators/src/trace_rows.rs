@@ -48,8 +48,9 @@ pub fn steklov_trace_rows(
 fn point_rows(field: &BoundaryField, space: &Space, e: usize, t: f64) -> [Vec<f64>; 4] {
     let k = &field.constants;
     let own = &field.elements[e];
-    let half_own = own.segment.half();
-    let tangent = half_own / half_own.norm();
+    let slope_own = own.curve.derivative(t);
+    let speed = slope_own.norm();
+    let tangent = slope_own / speed;
     let mut rows = [(); 4].map(|()| vec![0.0; space.dofs()]);
     let mut at = AtPoint::default();
     let mut legendre = [0.0; MAX_ORDER];
@@ -57,7 +58,7 @@ fn point_rows(field: &BoundaryField, space: &Space, e: usize, t: f64) -> [Vec<f6
     legendre_p(t, legendre);
     for (b, piece) in field.elements.iter().enumerate() {
         at.on_boundary(piece, own, b == e, t);
-        let half = piece.segment.half().norm();
+        let half = piece.half;
         let derivative = &space.basis(b).derivative_to_legendre;
         for n in 0..piece.traction.len() {
             let (log, [xx, yy, xy]) = at.slope(n, tangent);
@@ -72,7 +73,11 @@ fn point_rows(field: &BoundaryField, space: &Space, e: usize, t: f64) -> [Vec<f6
             }
             // K' = K'_Δ + J d/ds (2μV - V_Δ), and ψ/2 on the element itself
             let (hxx, hyy, hxy) = (k.h_log * log + k.h_rr * xx, k.h_log * log + k.h_rr * yy, k.h_rr * xy);
-            let scalar = if b == e { 0.5 * legendre[n] } else { half * at.adjoint(n, tangent) };
+            let scalar = match b == e {
+                true if own.curve.is_line() => 0.5 * legendre[n],
+                true => half * (0.5 * legendre[n] / speed + at.adjoint(n, tangent)),
+                false => half * at.adjoint(n, tangent),
+            };
             let c = 2 * (space.offset[b] + n);
             rows[2][c] = scalar - half * hxy;
             rows[2][c + 1] = -half * hyy;

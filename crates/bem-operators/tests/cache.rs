@@ -92,7 +92,7 @@ fn another_body_and_another_first_corner() {
     let mut corners = L_SHAPE.to_vec();
     corners.rotate_left(2);
     let sides = (0..6).map(|k| format!("side{k}")).collect();
-    let turned = Polygon::new(Loop { corners, sides }, Vec::new()).expect("valid");
+    let turned = Polygon::new(Loop::straight(corners, sides), Vec::new()).expect("valid");
     let uneven = |polygon: &Polygon| {
         let edges = polygon.edges().len();
         Mesh::from_breaks(polygon, &vec![vec![0.3, 0.5]; edges], &vec![vec![1, 3, 2]; edges]).expect("a mesh")

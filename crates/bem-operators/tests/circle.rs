@@ -56,8 +56,8 @@ fn quotients(polygon: &Polygon, first: usize, material: &Material, length: f64) 
     let traction = |f: &dyn Fn(usize) -> [f64; 2]| -> Vec<f64> {
         (0..mesh.len()).flat_map(|e| if e >= first { f(e) } else { [0.0; 2] }).collect()
     };
-    let radial_traction = traction(&|e| mesh.normal(e).map(|n| sign * n));
-    let tractions = [radial_traction.clone(), traction(&|e| mesh.tangent[e]), traction(&|_| [0.6, 0.8])];
+    let radial_traction = traction(&|e| mesh.normal(e, 0.0).map(|n| sign * n));
+    let tractions = [radial_traction.clone(), traction(&|e| mesh.tangent(e, 0.0)), traction(&|_| [0.6, 0.8])];
     let unit = |[x, y]: [f64; 2]| [x / x.hypot(y), y / x.hypot(y)];
     let radial: Vec<f64> = traction(&|e| unit(mesh.vertices[e]));
     let tangential = traction(&|e| unit([-mesh.vertices[e][1], mesh.vertices[e][0]]));
@@ -98,7 +98,7 @@ proptest! {
         let operators = Operators::assemble(&mesh, &space, &material, Some(length)).expect("operators");
         let mut normal = vec![0.0; space.dofs()];
         for e in 0..mesh.len() {
-            normal[2 * space.offset[e]..][..2].copy_from_slice(&mesh.normal(e));
+            normal[2 * space.offset[e]..][..2].copy_from_slice(&mesh.normal(e, 0.0));
         }
         let energy = dot(&normal, &product(&operators.v, &normal)) * (material.lambda() + 2.0 * material.mu());
         let scale = operators.v.norm_max() * (material.lambda() + 2.0 * material.mu());
@@ -164,7 +164,7 @@ fn hole_in_the_plane(
     // t = -S u with n out of the polygon, which is into the body
     let mut coefficients = vec![0.0; space.dofs()];
     for e in 0..mesh.len() {
-        let t = traction(mesh.normal(e));
+        let t = traction(mesh.normal(e, 0.0));
         (coefficients[2 * space.offset[e]], coefficients[2 * space.offset[e] + 1]) = (t[0], t[1]);
     }
     let mut load = faer::Col::<f64>::zeros(space.dofs());
@@ -217,7 +217,7 @@ fn hole_in_a_plate_under_tension() {
             at_top.push(worst(1, -1.0));
             // stress along a side from its stretch, the side being free; sides across the axes
             let hoop = |e: usize| {
-                let (t, next) = (mesh.tangent[e], mesh.next[e]);
+                let (t, next) = (mesh.tangent(e, 0.0), mesh.next[e]);
                 modulus * ((u[next][0] - u[e][0]) * t[0] + (u[next][1] - u[e][1]) * t[1]) / mesh.length(e)
             };
             hoop_top.push(hoop(n / 4 - 1) - 3.0);
@@ -256,7 +256,7 @@ fn thick_walled_tube_under_inner_pressure() {
             for (&value, (row, column)) in &operators.mass {
                 let e = space.offset.partition_point(|o| *o <= row / 2) - 1;
                 if e >= n && row / 2 == space.offset[e] {
-                    load[column] -= value * mesh.normal(e)[row % 2];
+                    load[column] -= value * mesh.normal(e, 0.0)[row % 2];
                 }
             }
             let steklov = Steklov::new(operators, Domain::Interior).expect("S");

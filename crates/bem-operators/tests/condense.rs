@@ -128,7 +128,7 @@ proptest! {
         let (mut nodal, mut bubbles) = (vec![0.0; space.dofs()], vec![0.0; 2 * mesh.len()]);
         let rule = steklov_quadrature::gauss_legendre(8);
         for e in 0..mesh.len() {
-            let (p, n) = (space.degree(e), mesh.normal(e));
+            let (p, n) = (space.degree(e), mesh.normal(e, 0.0));
             let (mut phi, mut legendre) = (vec![0.0; p + 1], vec![0.0; p + 2]);
             for (&t, w) in rule.points.iter().zip(&rule.weights) {
                 space.basis(e).evaluate(t, &mut phi);

@@ -39,7 +39,7 @@ proptest! {
         let datum = Datum { name: "f", value: &|site: &Site| value(site.s), kinks: &|_| Vec::new() };
         let moments = side_moments(&mesh, &space, 1, &datum).expect("moments");
         let mut load = vec![0.0; space.dofs()];
-        add_load(&mut load, &space, &moments, |e| mesh.normal(e));
+        add_load(&mut load, &space, &moments, |e| mesh.normal(e, 0.0));
         let exact: f64 = coefficients.iter().enumerate().map(|(k, c)| c / (k + 1) as f64).sum();
         let first: f64 = coefficients.iter().enumerate().map(|(k, c)| c * (1.0 / (k + 2) as f64 - 0.5 / (k + 1) as f64)).sum();
         let scale: f64 = coefficients.iter().map(|c| c.abs()).sum();
@@ -158,7 +158,7 @@ proptest! {
         prop_assume!(length > 0.0);
         let off = [0, 1].map(|i| f64::from_bits(end[i].to_bits().wrapping_add_signed(ulps[i])));
         let resolution = small.resolution(0);
-        let t = small.tangent[0];
+        let t = small.tangent(0, 0.0);
         let distance = 2.0 * ((off[0] - end[0]) * t[0] + (off[1] - end[1]) * t[1]).abs() / length;
         prop_assert!(distance <= resolution || resolution == 1e-3, "{distance:e} {resolution:e}");
         let ulp = f64::EPSILON * (start[0].abs() + start[1].abs()) / length;

@@ -81,7 +81,7 @@ fn an_indicator_that_is_no_number_is_refused() {
 fn with_coefficients(mesh: &Mesh, space: &Space, e: usize, coefficients: [&[f64]; 2]) -> Vec<f64> {
     let mut displacement = vec![0.0; space.dofs()];
     let p_n = &space.basis(e).vandermonde;
-    for (d, a) in [mesh.normal(e), mesh.tangent[e]].iter().zip(coefficients) {
+    for (d, a) in [mesh.normal(e, 0.0), mesh.tangent(e, 0.0)].iter().zip(coefficients) {
         for (j, node) in space.element_nodes(e).enumerate() {
             let value: f64 = a.iter().enumerate().map(|(i, a)| a * p_n[(j, i)]).sum();
             (0..2).for_each(|k| displacement[2 * node + k] += d[k] * value);
@@ -105,8 +105,8 @@ fn geometric(r: f64, c: f64, signs: u32, p: usize) -> Vec<f64> {
 
 /// The mesh with other vertices.
 fn of_vertices(vertices: Vec<[f64; 2]>, mesh: &Mesh) -> Mesh {
-    let tangent = edge_tangents(&vertices, &mesh.next, &mesh.edge);
-    Mesh { vertices, tangent, ..mesh.clone() }
+    let heading = edge_tangents(&vertices, &mesh.next, &mesh.edge);
+    Mesh { vertices, heading, ..mesh.clone() }
 }
 
 /// The image in the y axis, traversed backwards so that the body is to the left; elements keep their numbers.

@@ -6,7 +6,7 @@ use steklov_bem_operators::{BemError, Location, Loop, Mesh, Polygon};
 
 fn chain(corners: Vec<[f64; 2]>) -> Loop {
     let sides = (0..corners.len()).map(|k| format!("s{k}")).collect();
-    Loop { corners, sides }
+    Loop::straight(corners, sides)
 }
 
 fn unit_square() -> Polygon {
@@ -44,7 +44,7 @@ fn check(p: &Polygon, m: &Mesh) -> Result<(), TestCaseError> {
         let last = e + 1 == m.len() || p.edges()[m.edge[e + 1]].loop_index != edge.loop_index;
         prop_assert_eq!(n == e + 1, !last);
         // The normal points out of the body.
-        let (x, normal, h) = (m.point(e, 0.1), m.normal(e), 1e-9 * p.diameter());
+        let (x, normal, h) = (m.point(e, 0.1), m.normal(e, 0.1), 1e-9 * p.diameter());
         prop_assert_eq!(p.contains([x[0] + h * normal[0], x[1] + h * normal[1]]), Location::Outside);
         prop_assert_eq!(p.contains([x[0] - h * normal[0], x[1] - h * normal[1]]), Location::Inside);
     }

@@ -77,7 +77,7 @@ fn exact_load(mesh: &Mesh, space: &Space, field: &Field) -> Vec<f64> {
         let mut phi = vec![0.0; basis.degree + 1];
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             basis.evaluate(t, &mut phi);
-            let traction = field.traction(mesh.point(e, t), mesh.normal(e));
+            let traction = field.traction(mesh.point(e, t), mesh.normal(e, 0.0));
             for (j, node) in space.element_nodes(e).enumerate() {
                 for i in 0..2 {
                     f[2 * node + i] += w * mesh.length(e) / 2.0 * phi[j] * traction[i];
@@ -145,7 +145,7 @@ proptest! {
 fn traction_error(mesh: &Mesh, space: &Space, field: &Field, traction: &[f64]) -> f64 {
     let (mut error, mut norm) = (0.0, 0.0);
     for e in 0..mesh.len() {
-        let t = field.traction(mesh.point(e, 0.0), mesh.normal(e));
+        let t = field.traction(mesh.point(e, 0.0), mesh.normal(e, 0.0));
         for m in 0..space.degree(e) {
             for i in 0..2 {
                 let want = if m == 0 { t[i] } else { 0.0 };

@@ -5,7 +5,7 @@ use steklov_bem_operators::proptest::{loops, polygon};
 use steklov_bem_operators::{EdgeName, Location, Loop, Polygon, PolygonError};
 
 fn chain(corners: &[[f64; 2]]) -> Loop {
-    Loop { corners: corners.to_vec(), sides: (0..corners.len()).map(|k| format!("s{k}")).collect() }
+    Loop::straight(corners.to_vec(), (0..corners.len()).map(|k| format!("s{k}")).collect())
 }
 
 fn square(x: f64, y: f64, size: f64) -> Loop {
@@ -24,7 +24,7 @@ fn refuse(outer: Loop, holes: Vec<Loop>) -> PolygonError {
 fn similar(l: &Loop, angle: f64, scale: f64, shift: [f64; 2]) -> Loop {
     let (c, s) = (scale * angle.cos(), scale * angle.sin());
     let map = |x: &[f64; 2]| [c * x[0] - s * x[1] + shift[0], s * x[0] + c * x[1] + shift[1]];
-    Loop { corners: l.corners.iter().map(map).collect(), sides: l.sides.clone() }
+    Loop::straight(l.corners.iter().map(map).collect(), l.sides.clone())
 }
 
 #[test]
@@ -282,7 +282,7 @@ proptest! {
             prop_assert_eq!(area > 0.0, k == 0);
         }
         // A hole may be listed either way; an outer loop may not.
-        let reverse = |l: &Loop| Loop { corners: l.corners.iter().rev().copied().collect(), sides: l.sides.clone() };
+        let reverse = |l: &Loop| Loop::straight(l.corners.iter().rev().copied().collect(), l.sides.clone());
         let q = Polygon::new(outer.clone(), holes.iter().map(reverse).collect()).unwrap();
         prop_assert!((p.area() - q.area()).abs() < 1e-14 && p.loops() == q.loops());
         for (e, f) in p.edges().iter().zip(q.edges()) {

@@ -32,7 +32,7 @@ proptest! {
         let size = mesh.diameter();
         let stress = max_abs(&field.stress([0.0, 0.0]));
         let linear = with_traction(&mesh, &space, &material, &space.interpolate(|x| field.displacement(x)));
-        let given = |x: &Site| field.traction(x.point, mesh.normal(x.element)).map(Some);
+        let given = |x: &Site| field.traction(x.point, mesh.normal(x.element, x.t)).map(Some);
         let left = sum(&boundary_residuals(&mesh, &linear, &given).expect("finite"));
         prop_assert!(left < 1e-16 * (stress * size).powi(2) / material.young, "{left:e}");
         let turned = space.interpolate(|[x, y]| [1e-3 * (size - y), 1e-3 * (x + size)]);
@@ -70,7 +70,7 @@ fn a_wrong_traction_counts_by_its_components() {
     let mesh = Mesh::uniform(&polygon(&SQUARE, &[]), 4, 2);
     let (space, exact) = (Space::new(&mesh), Field::new("linear", &material));
     let field = with_traction(&mesh, &space, &material, &space.interpolate(|x| exact.displacement(x)));
-    let t = |x: &Site| exact.traction(x.point, mesh.normal(x.element));
+    let t = |x: &Site| exact.traction(x.point, mesh.normal(x.element, x.t));
     let got = boundary_residuals(&mesh, &field, &|x| match x.element {
         0 => [Some(t(x)[0] + x.s), Some(t(x)[1] - 2.0)],
         1 => [Some(t(x)[0] + x.s), None],
@@ -113,7 +113,7 @@ fn few_layers_give_the_norms() {
         let field = with_traction(&mesh, &space, &material, &space.interpolate(|x| exact.displacement(x)));
         let square = |e: usize, t: f64| {
             let (d, s) = (field.equation_slope(e, t), field.steklov_trace(e, t));
-            let given = exact.traction(mesh.point(e, t), mesh.normal(e));
+            let given = exact.traction(mesh.point(e, t), mesh.normal(e, 0.0));
             [d[0] * d[0] + d[1] * d[1], (given[0] - s[0]).powi(2) + (given[1] - s[1]).powi(2)]
         };
         let (gauss, both) = (steklov_quadrature::gauss_legendre(20), steklov_quadrature::End::Both);
@@ -166,7 +166,7 @@ fn smooth_problem(elements: usize, degree: usize, poisson: f64) -> (Vec<Boundary
     let exact = Field::new("exp", &material);
     let mesh = Mesh::uniform(&polygon(&SQUARE, &[]), elements, degree);
     let space = Space::new(&mesh);
-    let given = |x: &Site| exact.traction(x.point, mesh.normal(x.element));
+    let given = |x: &Site| exact.traction(x.point, mesh.normal(x.element, x.t));
     let mut load = vec![0.0; space.dofs()];
     for side in 0..3 {
         for (i, direction) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {

@@ -85,7 +85,7 @@ fn load_of(mesh: &Mesh, space: &Space, traction: impl Fn([f64; 2], [f64; 2]) -> 
         let mut phi = vec![0.0; basis.degree + 1];
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             basis.evaluate(t, &mut phi);
-            let traction = traction(mesh.point(e, t), mesh.normal(e));
+            let traction = traction(mesh.point(e, t), mesh.normal(e, 0.0));
             for (j, node) in space.element_nodes(e).enumerate() {
                 for i in 0..2 {
                     f[2 * node + i] += w * mesh.length(e) / 2.0 * phi[j] * traction[i];

@@ -16,7 +16,7 @@ use steklov_bem_operators::{
 use steklov_elastic::{Material, Plane, RigidMotion};
 
 fn chain(corners: &[[f64; 2]]) -> Loop {
-    Loop { corners: corners.to_vec(), sides: (0..corners.len()).map(|k| format!("s{k}")).collect() }
+    Loop::straight(corners.to_vec(), (0..corners.len()).map(|k| format!("s{k}")).collect())
 }
 
 fn outside(holes: &[&[[f64; 2]]]) -> Polygon {
@@ -297,7 +297,7 @@ fn kirsch_stress(x: [f64; 2]) -> [f64; 3] {
 fn the_stress_concentration_at_a_circular_hole() {
     let material = Material::new(2.5, 0.3, Plane::Stress).expect("material");
     let mesh = Mesh::uniform(&outside(&[&ring([0.0, 0.0], 1.0, 96)]), 96, 1);
-    let solved = solve(&mesh, &material, None, |e| [-mesh.normal(e)[0], 0.0]);
+    let solved = solve(&mesh, &material, None, |e| [-mesh.normal(e, 0.0)[0], 0.0]);
     // a side of the polygon has its middle on each axis, at the distance cos(π/96) from the centre
     let top = mesh.point(mesh.edge.iter().position(|&k| k == 23).expect("a side"), 0.0);
     assert!(top[0].abs() < 1e-12 && (top[1] - (TAU / 192.0).cos()).abs() < 1e-12);
@@ -320,7 +320,7 @@ fn a_circular_hole_in_the_stretched_plane() {
         for n in [24, 48, 96] {
             let body = outside(&[&ring([0.0, 0.0], 1.0, n)]);
             let mesh = Mesh::uniform(&body, n, p);
-            let solved = solve(&mesh, &material, None, |e| [-mesh.normal(e)[0], 0.0]);
+            let solved = solve(&mesh, &material, None, |e| [-mesh.normal(e, 0.0)[0], 0.0]);
             let total = |e: usize| {
                 let (u, x) = (solved.at_vertex(e), mesh.vertices[e]);
                 [u[0] + x[0] / modulus, u[1] - contraction * x[1] / modulus]
@@ -330,7 +330,7 @@ fn a_circular_hole_in_the_stretched_plane() {
                 let (x, u, next) = (mesh.vertices[e], total(e), total(mesh.next[e]));
                 displacement = displacement.max((u[0] * modulus - 3.0 * x[0]).hypot(u[1] * modulus + x[1]) / 3.0);
                 // the mean along a side that is free, from its stretch; S - 2S cos 2θ averaged over the arc
-                let (t, m) = (mesh.tangent[e], mesh.point(e, 0.0));
+                let (t, m) = (mesh.tangent(e, 0.0), mesh.point(e, 0.0));
                 let stress = modulus * ((next[0] - u[0]) * t[0] + (next[1] - u[1]) * t[1]) / mesh.length(e);
                 let half = TAU / (2 * n) as f64;
                 let average = (2.0 * half).sin() / (2.0 * half);
@@ -373,7 +373,7 @@ fn a_pressurised_hole_and_what_does_not_depend_on_the_unit_of_length() {
     for n in [24, 48, 96] {
         let mesh = Mesh::uniform(&outside(&[&ring(centre, radius, n)]), n, 2);
         let [solved, other] =
-            [None, Some(40.0)].map(|length| solve(&mesh, &material, length, |e| mesh.normal(e).map(|n| -n)));
+            [None, Some(40.0)].map(|length| solve(&mesh, &material, length, |e| mesh.normal(e, 0.0).map(|n| -n)));
         let scale = max_abs(&solved.displacement);
         for (a, b) in solved.displacement.iter().zip(&other.displacement) {
             assert!((a - b).abs() < 1e-12 * scale, "{a} {b}");
@@ -418,7 +418,7 @@ fn a_net_force_makes_a_logarithm_that_knows_the_unit_of_length() {
 #[test]
 fn far_holes_do_not_feel_each_other() {
     let material = Material::new(2.5, 0.3, Plane::Strain).expect("material");
-    let pressed = |mesh: &Mesh, material: &Material| solve(mesh, material, None, |e| mesh.normal(e).map(|n| -n));
+    let pressed = |mesh: &Mesh, material: &Material| solve(mesh, material, None, |e| mesh.normal(e, 0.0).map(|n| -n));
     let one = square([-0.5, -0.5], 1.0);
     let alone = pressed(&Mesh::uniform(&outside(&[&one]), 16, 3), &material);
     let extension = |s: &Solved, e: usize| {

@@ -8,6 +8,8 @@ use crate::{Condition, ContactError, ContactNode, Status};
 
 /// Components smaller than this count as zero: normals that agree, directions in which a node cannot move.
 const ALIGNED: f64 = 1e-12;
+/// Normals of two curves that meet and differ by less are one.
+const SMOOTH: f64 = 1e-8;
 
 /// What a condition's multipliers add to the force on one side: λ_n `normal` n + λ_t `tangent` t.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,7 +51,7 @@ pub struct BoundaryNode {
 
 /// The contact nodes of a mesh and their conditions; entry i of `nodes` and of `contact` belong together.
 ///
-/// Each node j of a contact element has the weight D_j = ∫ φ_j = w_j |d| > 0 and the dual function ψ_j,
+/// Each node j of a contact element has the weight D_j = w_j |γ'(t_j)| > 0, the ∫ φ_j of lines and arcs, and the dual function ψ_j,
 /// ∫ ψ_i φ_j = δ_ij D_j, Σ ψ_j = 1. With sums over the contact elements at the node, g_i = (1/D_i) ∫ g ψ_i, and
 /// F_i, and likewise μ_i, is the mean of F(x_i) weighted by D (the limits from both sides where F jumps), so that Σ D_i F_i |u_t,i| is the
 /// Lobatto rule of ∫ F |u_t|.
@@ -171,6 +173,16 @@ impl ContactBoundary {
                 }
             }
         }
+        // on curves the directions of a held end are not those of the neighbour that has its multiplier
+        let conditions: Vec<_> = self.nodes.iter().flat_map(|n| &n.conditions).collect();
+        for transfer in &self.transfers {
+            let c = conditions[transfer.condition];
+            let own = if transfer.functional == 0 { c.normal } else { c.tangent };
+            if transfer.direction != own && c.shares.iter().any(|s| s.side == side) {
+                let multiplier = multipliers[transfer.condition][transfer.functional];
+                (0..2).for_each(|i| force[i] -= transfer.weight * multiplier * (transfer.direction[i] - own[i]));
+            }
+        }
         force
     }
 }
@@ -196,7 +208,13 @@ pub fn contact_boundary(
                 drafts.push(Draft { node, held: held(node), conditions: Vec::new() });
                 drafts.len() - 1
             });
-            drafts[d].add([mesh.normal(element.element), mesh.tangent[element.element]], element, j);
+            let (e, t) = (element.element, space.basis(element.element).nodes[j]);
+            drafts[d].add(
+                [mesh.normal(e, t), mesh.tangent(e, t)],
+                element,
+                j,
+                if mesh.is_line(e) { ALIGNED } else { SMOOTH },
+            );
         }
     }
     // draft and condition that receive, and the transfer
@@ -225,8 +243,8 @@ pub fn contact_boundary(
                     );
                     return Err(ContactError::Inconsistent { what });
                 };
+                let (weight, direction) = (part.weight, drafts[d].conditions[0].direction(functional));
                 let receiver = &mut drafts[r].conditions[c];
-                let (weight, direction) = (part.weight, receiver.direction(functional));
                 let index = usize::from(functional == Functional::Tangent);
                 received.push((r, c, Transfer { node, condition: 0, functional: index, weight, direction }));
                 receiver.receive(functional, part, known);
@@ -284,9 +302,9 @@ struct Draft {
 }
 
 impl Draft {
-    fn add(&mut self, [normal, tangent]: [[f64; 2]; 2], element: &ContactElement, j: usize) {
+    fn add(&mut self, [normal, tangent]: [[f64; 2]; 2], element: &ContactElement, j: usize, aligned: f64) {
         let e = element.element;
-        let aligned = |c: &DraftCondition| cross(c.normal, normal).abs() <= ALIGNED && dot(c.normal, normal) > 0.0;
+        let aligned = |c: &DraftCondition| cross(c.normal, normal).abs() <= aligned && dot(c.normal, normal) > 0.0;
         let k = self.conditions.iter().position(aligned).unwrap_or_else(|| {
             let (elements, parts) = (Vec::new(), <[Part; 2]>::default());
             let gaps = Vec::new();

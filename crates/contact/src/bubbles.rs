@@ -109,7 +109,7 @@ fn against_bubble(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Result
     for (&t, &w) in rule.points.iter().zip(&rule.weights) {
         legendre_p(t, &mut legendre);
         let bubble = (legendre[p + 1] - legendre[p - 1]) / (2 * p + 1) as f64;
-        sum += w * mesh.length(e) / 2.0 * bubble * f.at(mesh, &Site::new(mesh, e, t))?;
+        sum += w * mesh.speed(e, t) * bubble * f.at(mesh, &Site::new(mesh, e, t))?;
     }
     Ok(sum)
 }

@@ -1,4 +1,4 @@
-//! The conditions of a contact boundary along the straight edges of the polygon.
+//! The conditions of a contact boundary along the edges of the body.
 
 use std::collections::HashMap;
 
@@ -52,11 +52,11 @@ impl ContactBoundary {
         let contact = (0..mesh.len()).filter(|&e| sides[mesh.side[e]]);
         contact
             .map(|e| {
-                let normal = mesh.normal(e);
                 let nodes = space.element_nodes(e).enumerate();
                 let points = nodes.map(|(j, node)| {
                     let &(i, first) = of_node.get(&node)?;
                     let conditions = &self.nodes[i].conditions;
+                    let normal = mesh.normal(e, space.basis(e).nodes[j]);
                     let aligned = |n: [f64; 2]| cross(n, normal).abs() < 1e-9 && dot(n, normal) > 0.0;
                     let condition = conditions.iter().position(|c| aligned(c.normal))?;
                     let s = mesh.edge_parameter(e, space.basis(e).nodes[j]);

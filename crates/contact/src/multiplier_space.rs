@@ -8,9 +8,10 @@
 //! the same space.
 
 use steklov_bem_operators::Mesh;
-use steklov_quadrature::LobattoBasis;
+use steklov_quadrature::{LobattoBasis, gauss_legendre};
 
 use crate::ContactError;
+use crate::stabilised::{CURVE_POINTS, frame};
 
 /// How T_H follows from the displacement mesh T_h of the contact sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -66,6 +67,8 @@ pub struct MultiplierNode {
     pub frame: [[f64; 2]; 2],
     /// ∫ of its basis function (length), positive.
     pub weight: f64,
+    /// ∫ of its basis function times normal and tangent, on a curved edge: elsewhere they are the weight times the frame.
+    pub resultant: Option<[[f64; 2]; 2]>,
 }
 
 /// A space of multipliers.
@@ -115,7 +118,7 @@ impl MultiplierSpace {
             let start = |e: usize| mesh.span[e][0].min(mesh.span[e][1]);
             own.sort_by(|&a, &b| start(a).total_cmp(&start(b)));
             let breaks = kind.breaks(&own.iter().map(|&e| sorted(mesh.span[e])).collect::<Vec<_>>());
-            let place = Place { mesh, own: &own, frame: [mesh.normal(own[0]), mesh.tangent[own[0]]] };
+            let place = Place { mesh, own: &own };
             let first = space.nodes.len();
             for span in breaks.windows(2) {
                 let span = [span[0], span[1]];
@@ -136,7 +139,34 @@ impl MultiplierSpace {
         if space.elements.is_empty() {
             return Err(ContactError::Inconsistent { what: "no side is in contact: there are no multipliers".into() });
         }
+        space.integrate_on_curves(mesh);
         Ok(space)
+    }
+
+    /// Weights and resultants of the nodes on curved edges.
+    fn integrate_on_curves(&mut self, mesh: &Mesh) {
+        let cells: Vec<MultiplierCell> =
+            (0..mesh.len()).filter(|&e| !mesh.is_line(e)).flat_map(|e| self.cells_of(mesh, e)).collect();
+        for cell in &cells {
+            for &k in &self.elements[cell.multiplier].nodes {
+                (self.nodes[k].weight, self.nodes[k].resultant) = (0.0, Some([[0.0; 2]; 2]));
+            }
+        }
+        for MultiplierCell { element: e, multiplier, span } in cells {
+            let points = self.elements[multiplier].degree / 2 + CURVE_POINTS;
+            let rule = gauss_legendre(points).mapped(span[0], span[1]);
+            for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+                let mu = self.basis(multiplier, mesh.edge_parameter(e, t));
+                let (frame, speed) = (frame(mesh, e, t), mesh.speed(e, t));
+                for (k, mu) in self.elements[multiplier].nodes.clone().into_iter().zip(mu) {
+                    let node = &mut self.nodes[k];
+                    node.weight += w * speed * mu;
+                    for (sum, d) in node.resultant.iter_mut().flatten().zip(frame) {
+                        (0..2).for_each(|i| sum[i] += w * speed * mu * d[i]);
+                    }
+                }
+            }
+        }
     }
 
     fn add(&mut self, place: &Place<'_>, span: [f64; 2], degree: usize) {
@@ -216,6 +246,10 @@ impl MultiplierSpace {
     pub fn force(&self, side: usize, multipliers: &[[f64; 2]]) -> [f64; 2] {
         let mut force = [0.0; 2];
         for (node, [pressure, shear]) in self.nodes.iter().zip(multipliers).filter(|(n, _)| n.side == side) {
+            if let Some([n, t]) = node.resultant {
+                (0..2).for_each(|i| force[i] -= pressure * n[i] + shear * t[i]);
+                continue;
+            }
             let [n, t] = node.frame;
             (0..2).for_each(|i| force[i] -= node.weight * (pressure * n[i] + shear * t[i]));
         }
@@ -247,7 +281,6 @@ struct Place<'a> {
     mesh: &'a Mesh,
     /// Its elements of T_h by rising edge parameter.
     own: &'a [usize],
-    frame: [[f64; 2]; 2],
 }
 
 impl Place<'_> {
@@ -263,7 +296,9 @@ impl Place<'_> {
         let e = *self.own.iter().find(contains).unwrap_or(&self.own[self.own.len() - 1]);
         let [s0, s1] = mesh.span[e];
         let t = (2.0 * (s - s0) / (s1 - s0) - 1.0).clamp(-1.0, 1.0);
-        MultiplierNode { edge: mesh.edge[e], side: mesh.side[e], s, point: mesh.point(e, t), frame: self.frame, weight }
+        let frame = [mesh.normal(e, t), mesh.tangent(e, t)];
+        let point = mesh.point(e, t);
+        MultiplierNode { edge: mesh.edge[e], side: mesh.side[e], s, point, frame, weight, resultant: None }
     }
 }
 

@@ -23,8 +23,9 @@ pub fn multiplier_trace(
     multipliers: &[[f64; 2]],
     element: usize,
 ) -> Vec<[f64; 2]> {
-    let (side, normal) = (mesh.side[element], mesh.normal(element));
+    let side = mesh.side[element];
     let basis = space.basis(element);
+    let frame = |j: usize| [mesh.normal(element, basis.nodes[j]), mesh.tangent(element, basis.nodes[j])];
     let mut weighted = vec![[0.0; 2]; basis.degree + 1];
     let local = |node: usize| space.element_nodes(element).position(|n| n == node);
     let (mut number, mut found) = (0, Vec::new());
@@ -32,9 +33,12 @@ pub fn multiplier_trace(
         let j = local(node.node);
         for condition in &node.conditions {
             // a bend has a condition for each of its elements
-            let here = cross(condition.normal, normal).abs() <= 1e-12 && dot(condition.normal, normal) > 0.0;
+            let here = |normal: [f64; 2]| {
+                let aligned = if mesh.is_line(element) { 1e-12 } else { 1e-8 };
+                cross(condition.normal, normal).abs() <= aligned && dot(condition.normal, normal) > 0.0
+            };
             if let Some(j) = j
-                && here
+                && here(frame(j)[0])
                 && condition.shares.iter().any(|s| s.side == side)
             {
                 weighted[j] = multipliers[number];
@@ -51,6 +55,21 @@ pub fn multiplier_trace(
         }
     }
     let dual = BiorthogonalBasis::new(basis).coefficients;
+    if !mesh.is_line(element) {
+        // the vectors Σ_i λ_i ψ̃_i with the frame and the |γ'| of node i
+        let speed: Vec<f64> = basis.nodes.iter().map(|&t| mesh.speed(element, t)).collect();
+        let vector = |i: usize| -> [f64; 2] {
+            let [n, t] = frame(i);
+            [0, 1].map(|k| speed[i] * (weighted[i][0] * n[k] + weighted[i][1] * t[k]))
+        };
+        let vectors: Vec<[f64; 2]> = (0..=basis.degree).map(vector).collect();
+        let at = |j: usize| {
+            let sum = |k: usize| vectors.iter().enumerate().map(|(i, v)| v[k] * dual[(i, j)]).sum::<f64>() / speed[j];
+            let (v, frame) = ([sum(0), sum(1)], frame(j));
+            frame.map(|d| dot(v, d))
+        };
+        return (0..=basis.degree).map(at).collect();
+    }
     let value = |j: usize, k: usize| weighted.iter().enumerate().map(|(i, w)| w[k] * dual[(i, j)]).sum();
     (0..=basis.degree).map(|j| [value(j, 0), value(j, 1)]).collect()
 }

@@ -44,7 +44,7 @@ pub(crate) fn node_data(
                 let g = gap.at(mesh, &Site::new(mesh, e, t))?;
                 let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));
                 for (&k, mu) in element.nodes.iter().zip(mu) {
-                    data[k].gap += w * mesh.length(e) / 2.0 * mu * g / multipliers.nodes[k].weight;
+                    data[k].gap += w * mesh.speed(e, t) * mu * g / multipliers.nodes[k].weight;
                 }
             }
         }

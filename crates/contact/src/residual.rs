@@ -175,7 +175,9 @@ fn element_residual(
     e: usize,
 ) -> Result<ContactResidual, ContactError> {
     let ContactSolution { mesh, space, displacement, .. } = *solution;
-    let (basis, normal, tangent) = (space.basis(e), mesh.normal(e), mesh.tangent[e]);
+    let basis = space.basis(e);
+    let frame = |t: f64| [mesh.normal(e, t), mesh.tangent(e, t)];
+    let [normal, tangent] = frame(0.0);
     let scale = mesh.length(e) / basis.degree as f64;
     let lambda = match solution.multiplier {
         Multiplier::Biorthogonal(boundary, multipliers) => multiplier_trace(mesh, space, boundary, multipliers, e),
@@ -194,7 +196,16 @@ fn element_residual(
     };
     // u_n, u_t, λ_n, λ_t
     let nodes = space.element_nodes(e).map(|i| [displacement[2 * i], displacement[2 * i + 1]]);
-    let nodal: Vec<[f64; 4]> = nodes.zip(&lambda).map(|(u, l)| [dot(u, normal), dot(u, tangent), l[0], l[1]]).collect();
+    let straight = mesh.is_line(e);
+    // of a curved element the vectors, since normals differ from node to node
+    let components = |((u, l), &t): (([f64; 2], &[f64; 2]), &f64)| match straight {
+        true => [dot(u, normal), dot(u, tangent), l[0], l[1]],
+        false => {
+            let [n, t] = frame(t);
+            [u[0], u[1], l[0] * n[0] + l[1] * t[0], l[0] * n[1] + l[1] * t[1]]
+        }
+    };
+    let nodal: Vec<[f64; 4]> = nodes.zip(&lambda).zip(&basis.nodes).map(components).collect();
     let mut phi = vec![0.0; nodal.len()];
     let mut kinks = (data.gap.kinks)(e);
     kinks.extend(data.bound.iter().chain(&data.coefficient).flat_map(|b| (b.kinks)(e)));
@@ -210,7 +221,15 @@ fn element_residual(
             let site = Site::new(mesh, e, t);
             let datum = |d: &Option<Datum<'_>>| d.map_or(Ok(0.0), |d| d.at(mesh, &site));
             basis.evaluate(t, &mut phi);
-            let value = |k: usize| nodal.iter().zip(&phi).map(|(v, phi)| v[k] * phi).sum::<f64>();
+            let nodal = |k: usize| nodal.iter().zip(&phi).map(|(v, phi)| v[k] * phi).sum::<f64>();
+            let [normal, tangent] = if straight { [normal, tangent] } else { frame(t) };
+            let value = |k: usize| match straight {
+                true => nodal(k),
+                false => {
+                    let direction = if k.is_multiple_of(2) { normal } else { tangent };
+                    dot([nodal(k & 2), nodal((k & 2) + 1)], direction)
+                }
+            };
             let mut traction = solution.field.steklov_trace(e, t);
             if let Some(b) = solution.body_force {
                 let particular = b.traction(site.point, normal);
@@ -218,7 +237,7 @@ fn element_residual(
             }
             let multiplier = at_point(t).unwrap_or([value(2), value(3)]);
             samples.push(Sample {
-                weight: w * mesh.length(e) / 2.0,
+                weight: w * mesh.speed(e, t),
                 overlap: value(0) - data.gap.at(mesh, &site)?,
                 overlap_slope: 0.0,
                 slip: value(1),

@@ -1,6 +1,6 @@
 //! What each element of a contact side contributes: weights, weighted gaps and friction bounds at its nodes.
 
-use steklov_bem_operators::{Datum, Mesh, Site, Space, side_moments};
+use steklov_bem_operators::{Curve, Datum, Mesh, Shape, Site, Space, side_moments};
 use steklov_quadrature::BiorthogonalBasis;
 
 use crate::ContactError;
@@ -22,7 +22,7 @@ pub struct SideData<'a> {
 pub(crate) struct ContactElement {
     pub element: usize,
     pub side: usize,
-    /// ∫ φ_j = w_j |d|.
+    /// w_j |γ'(t_j)|, which is ∫ φ_j on lines and arcs.
     pub weights: Vec<f64>,
     /// ∫ g ψ_j.
     pub gaps: Vec<f64>,
@@ -50,7 +50,9 @@ pub(crate) fn contact_elements(
             let what = format!("side {} of {} is to be in contact", data.side, mesh.side_names.len());
             return Err(ContactError::Inconsistent { what });
         }
-        let moments = side_moments(mesh, space, data.side, &data.gap)?;
+        let speeds = RelativeSpeed::new(mesh);
+        let gap = |site: &Site| (data.gap.value)(site) / speeds.at(site.element, site.t);
+        let moments = side_moments(mesh, space, data.side, &Datum { value: &gap, ..data.gap })?;
         let mut friction: Vec<Vec<[f64; 2]>> = moments.iter().map(|(_, m)| vec![[0.0; 2]; m.len()]).collect();
         for (k, datum) in [&data.bound, &data.coefficient].into_iter().enumerate() {
             if let Some(datum) = datum {
@@ -66,10 +68,11 @@ pub(crate) fn contact_elements(
             }
             let (basis, half) = (space.basis(e), mesh.length(e) / 2.0);
             let dual = BiorthogonalBasis::new(basis);
+            let speed: Vec<f64> = basis.nodes.iter().map(|&t| speeds.at(e, t)).collect();
             let gaps = (0..=basis.degree)
-                .map(|i| (0..=basis.degree).map(|j| dual.coefficients[(i, j)] * moments[j]).sum())
+                .map(|i| (0..=basis.degree).map(|j| dual.coefficients[(i, j)] * moments[j]).sum::<f64>() * speed[i])
                 .collect();
-            let weights = basis.weights.iter().map(|w| w * half).collect();
+            let weights = basis.weights.iter().zip(&speed).map(|(w, v)| w * half * v).collect();
             let limit = |t: f64| data.gap.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t)));
             let limits = [limit(-1.0)?, limit(1.0)?];
             found[e] = Some(ContactElement { element: e, side: data.side, weights, gaps, limits, friction });
@@ -86,6 +89,25 @@ pub(crate) fn contact_elements(
         }
     }
     Ok(ordered)
+}
+
+/// |γ'| over half of the length of the elements: 1 but on polynomial curves.
+struct RelativeSpeed {
+    curves: Vec<Option<(Curve, f64)>>,
+}
+
+impl RelativeSpeed {
+    fn new(mesh: &Mesh) -> Self {
+        let curve = |e: usize| match mesh.shape[e] {
+            Shape::Polynomial(_) => Some((mesh.curve(e), mesh.length(e) / 2.0)),
+            _ => None,
+        };
+        Self { curves: (0..mesh.len()).map(curve).collect() }
+    }
+
+    fn at(&self, e: usize, t: f64) -> f64 {
+        self.curves[e].as_ref().map_or(1.0, |(curve, half)| curve.derivative(t).norm() / half)
+    }
 }
 
 /// A reference coordinate, at an end of the element moved just inside: where a datum jumps there, its limit from within.
@@ -125,8 +147,8 @@ fn nodal_values(mesh: &Mesh, space: &Space, side: usize, bound: &Datum<'_>) -> R
     };
     let mut values: Vec<Vec<f64>> = samples.iter().map(|nodes| nodes.iter().map(limit).collect()).collect();
     for ((e, moments), values) in side_moments(mesh, space, side, bound)?.into_iter().zip(&mut values) {
-        let half = mesh.length(e) / 2.0;
-        let weights: Vec<f64> = space.basis(e).weights.iter().map(|w| w * half).collect();
+        let basis = space.basis(e);
+        let weights: Vec<f64> = basis.nodes.iter().zip(&basis.weights).map(|(&t, w)| w * mesh.speed(e, t)).collect();
         keep_integral(&weights, &moments, values);
     }
     Ok(values)

@@ -119,16 +119,16 @@ impl StabilisedForms {
                 for (&t, &w) in panel.points.iter().zip(&panel.weights) {
                     points.push((e, t));
                     let gamma = mesh.length(e) / (p * p) as f64;
-                    weights.push((w * mesh.length(e) / 2.0 * gamma).sqrt());
+                    weights.push((w * mesh.speed(e, t) * gamma).sqrt());
                     owners.push(cell.multiplier);
                 }
             }
         }
         let rows = steklov_trace_rows(mesh, space, material, traction, &points);
         let mut trace = [0, 1].map(|k| {
-            let direction = |i: usize| multipliers.nodes[multipliers.elements[owners[i]].nodes[0]].frame[k];
+            let directions: Vec<[f64; 2]> = points.iter().map(|&(e, t)| frame(mesh, e, t)[k]).collect();
             Mat::from_fn(points.len(), n, |i, j| {
-                let d = direction(i);
+                let d = directions[i];
                 weights[i] * (d[0] * rows[(2 * i, j)] + d[1] * rows[(2 * i + 1, j)])
             })
         });
@@ -228,7 +228,7 @@ impl StabilisedForms {
         let (n, nodes) = (free.len(), multipliers.nodes.len());
         let mut held = vec![0.0; loading.load.len()];
         loading.held.iter().for_each(|&(dof, value)| held[dof] = value);
-        let tau = self.particular(mesh, multipliers, loading.particular);
+        let tau = self.particular(mesh, loading.particular);
 
         // D and E
         let factor_of = |values: &Mat<f64>| {
@@ -295,14 +295,13 @@ impl StabilisedForms {
     pub fn nodal_forces(
         &self,
         mesh: &Mesh,
-        multipliers: &MultiplierSpace,
         gamma: f64,
         values: &[[f64; 2]],
         displacement: &[f64],
         particular: Option<(&ParticularSolution, &[f64])>,
     ) -> Vec<f64> {
         let mut forces = Mat::<f64>::zeros(displacement.len(), 1);
-        let (u, tau) = (column(displacement), self.particular(mesh, multipliers, particular));
+        let (u, tau) = (column(displacement), self.particular(mesh, particular));
         for (k, tau) in tau.iter().enumerate() {
             let lambda = Mat::from_fn(values.len(), 1, |i, _| values[i][k]);
             let mut sum = &self.values[k] * &lambda + &self.trace[k] * &u;
@@ -313,15 +312,9 @@ impl StabilisedForms {
     }
 
     /// (w h/p²)^½ of n·τ, times Q, and t·τ at the points, less what σ^h makes of the particular solution's nodal values.
-    fn particular(
-        &self,
-        mesh: &Mesh,
-        multipliers: &MultiplierSpace,
-        particular: Option<(&ParticularSolution, &[f64])>,
-    ) -> [Vec<f64>; 2] {
-        let frame = |e: usize| multipliers.nodes.iter().find(|n| n.edge == mesh.edge[e]).map(|n| n.frame);
+    fn particular(&self, mesh: &Mesh, particular: Option<(&ParticularSolution, &[f64])>) -> [Vec<f64>; 2] {
         let at = |(&(e, t), w): (&(usize, f64), &f64)| -> [f64; 2] {
-            let (Some((b, _)), Some([normal, tangent])) = (particular, frame(e)) else { return [0.0; 2] };
+            let (Some((b, _)), [normal, tangent]) = (particular, frame(mesh, e, t)) else { return [0.0; 2] };
             let tau = b.traction(mesh.point(e, t), normal);
             [w * dot(tau, normal), w * dot(tau, tangent)]
         };
@@ -353,6 +346,14 @@ impl Stabilised {
     }
 }
 
+/// Outward normal and tangent at a point of an element.
+pub(crate) fn frame(mesh: &Mesh, e: usize, t: f64) -> [[f64; 2]; 2] {
+    [mesh.normal(e, t), mesh.tangent(e, t)]
+}
+
+/// More Gauss points where normal and |γ'| change along an element.
+pub(crate) const CURVE_POINTS: usize = 14;
+
 /// ∫ μ n·φ and ∫ μ t·φ: nodes of the multipliers × displacement unknowns, of any mesh of the same polygon.
 pub fn pairing(mesh: &Mesh, space: &Space, multipliers: &MultiplierSpace) -> [Mat<f64>; 2] {
     let (n, nodes) = (space.dofs(), multipliers.nodes.len());
@@ -360,15 +361,16 @@ pub fn pairing(mesh: &Mesh, space: &Space, multipliers: &MultiplierSpace) -> [Ma
     for cell in multipliers.cells(mesh) {
         let (e, element) = (cell.element, &multipliers.elements[cell.multiplier]);
         let basis = space.basis(e);
-        let rule = gauss_legendre((basis.degree + element.degree) / 2 + 1).mapped(cell.span[0], cell.span[1]);
-        let frame = multipliers.nodes[element.nodes[0]].frame;
+        let more = if mesh.is_line(e) { 1 } else { CURVE_POINTS };
+        let rule = gauss_legendre((basis.degree + element.degree) / 2 + more).mapped(cell.span[0], cell.span[1]);
         let mut phi = vec![0.0; basis.degree + 1];
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             basis.evaluate(t, &mut phi);
             let mu = multipliers.basis(cell.multiplier, mesh.edge_parameter(e, t));
+            let (frame, speed) = (frame(mesh, e, t), mesh.speed(e, t));
             for (&k, mu) in element.nodes.iter().zip(mu) {
                 for (node, phi) in space.element_nodes(e).zip(&phi) {
-                    let value = w * mesh.length(e) / 2.0 * mu * phi;
+                    let value = w * speed * mu * phi;
                     for (matrix, d) in pairing.iter_mut().zip(frame) {
                         matrix[(k, 2 * node)] += value * d[0];
                         matrix[(k, 2 * node + 1)] += value * d[1];

@@ -46,7 +46,7 @@ proptest! {
     ) {
         let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|x| turned(angle, x)).to_vec();
         let names = ["floor", "right", "top", "left"].map(String::from).to_vec();
-        let polygon = Polygon::new(Loop { corners, sides: names }, Vec::new()).expect("a square");
+        let polygon = Polygon::new(Loop::straight(corners, names), Vec::new()).expect("a square");
         let mesh = Mesh::uniform(&polygon, 16, degree);
         let space = Space::new(&mesh);
         let kinks = |_: usize| Vec::new();

@@ -27,7 +27,7 @@ fn graded(points: &[(f64, usize, usize)], slope: usize) -> (Vec<f64>, Vec<usize>
 fn block(floor: (Vec<f64>, Vec<usize>), friction: f64, pull: f64) -> Problem {
     let corners = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let sides = ["floor", "right", "top", "left"].map(String::from).to_vec();
-    let polygon = Polygon::new(Loop { corners, sides }, vec![]).unwrap();
+    let polygon = Polygon::new(Loop::straight(corners, sides), vec![]).unwrap();
     let thirds = (vec![1.0 / 3.0, 2.0 / 3.0], vec![3; 3]);
     let (breaks, degrees): (Vec<_>, Vec<_>) = [floor, thirds.clone(), thirds.clone(), thirds].into_iter().unzip();
     let mesh = Mesh::from_breaks(&polygon, &breaks, &degrees).unwrap();

@@ -92,7 +92,7 @@ proptest! {
         for e in 0..mesh.len() {
             let trace = multiplier_trace(&mesh, &space, &boundary, &lambda, e);
             prop_assert!(mesh.side[e] < 2 || trace.iter().all(|l| *l == [0.0; 2]));
-            let (basis, n, t) = (space.basis(e), mesh.normal(e), mesh.tangent[e]);
+            let (basis, n, t) = (space.basis(e), mesh.normal(e, 0.0), mesh.tangent(e, 0.0));
             let mut phi = vec![0.0; basis.degree + 1];
             for (&x, &w) in rule.points.iter().zip(&rule.weights) {
                 basis.evaluate(x, &mut phi);
@@ -261,7 +261,7 @@ fn coulomb_bounds_of_stabilised_multipliers() {
 fn the_multiplier_stays_on_its_side() {
     let corners = vec![[0.0, 0.0], [1.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
     let sides = ["contact", "free", "right", "top", "left"].map(String::from).to_vec();
-    let polygon = Polygon::new(Loop { corners, sides }, Vec::new()).expect("a rectangle");
+    let polygon = Polygon::new(Loop::straight(corners, sides), Vec::new()).expect("a rectangle");
     let mesh = Mesh::uniform(&polygon, 5, 3);
     let space = Space::new(&mesh);
     let boundary =

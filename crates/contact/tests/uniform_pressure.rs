@@ -13,7 +13,7 @@ const NEARLY_HALF: f64 = 0.499_99;
 
 fn square() -> Loop {
     let corners = vec![[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]];
-    Loop { corners, sides: ["floor", "right", "top", "left"].map(String::from).to_vec() }
+    Loop::straight(corners, ["floor", "right", "top", "left"].map(String::from).to_vec())
 }
 
 fn body(n: usize, p: usize, poisson: f64, plane: Plane) -> Clamped {
@@ -60,7 +60,7 @@ fn plane_stress_is_left_alone() {
 fn a_hole_changes_little() {
     let hole = |size: f64| {
         let corners = [[-1.0, -1.0], [-1.0, 1.0], [1.0, 1.0], [1.0, -1.0]].map(|c| c.map(|x| 0.5 * size * x)).to_vec();
-        Loop { corners, sides: vec!["hole".into(); 4] }
+        Loop::straight(corners, vec!["hole".into(); 4])
     };
     // four elements across the thinnest wall
     for (size, elements, range) in [(0.2, 64, 0.45..0.65), (0.5, 96, 0.4..0.65)] {

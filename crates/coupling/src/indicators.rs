@@ -248,7 +248,7 @@ impl Residual<'_> {
     fn at(&self, e: usize, part: usize, t: f64, overlaps: &[Overlap], all: &Split) -> Result<Values, CouplingError> {
         let (mesh, young) = (&self.medium.mesh, self.medium.material.young);
         let side = self.body.at(t, overlaps);
-        let (x, n) = (mesh.point(e, t), mesh.normal(e));
+        let (x, n) = (mesh.point(e, t), mesh.normal(e, t));
         let given = (self.jumps.traction)(x, n);
         if let Some(value) = given.iter().find(|v| !v.is_finite()) {
             let what = format!("the jump of tractions is {value} at ({}, {}): it must be finite", x[0], x[1]);

@@ -60,7 +60,7 @@ impl Outline {
         let corners: Vec<[f64; 2]> =
             (0..n).filter(|&k| sides[k].1 != sides[(k + n - 1) % n].1).map(|k| grid.point(nodes[k])).collect();
         let names = (0..corners.len()).map(|k| k.to_string()).collect();
-        let polygon = Polygon::new(Loop { corners, sides: names }, Vec::new())?;
+        let polygon = Polygon::new(Loop::straight(corners, names), Vec::new())?;
         Ok(Self { nodes, sides, polygon })
     }
 

@@ -96,7 +96,7 @@ mod tests {
     fn fields_stay_what_they_are_on_the_parts() {
         let corners = vec![[0.0, 0.0], [2.0, 0.3], [1.1, 1.7]];
         let sides = ["a", "b", "c"].map(String::from).to_vec();
-        let polygon = Polygon::new(Loop { corners, sides }, Vec::new()).unwrap();
+        let polygon = Polygon::new(Loop::straight(corners, sides), Vec::new()).unwrap();
         let mesh = Mesh::from_breaks(&polygon, &[vec![0.3], vec![], vec![]], &[vec![1, 3], vec![4], vec![2]]).unwrap();
         let space = Space::new(&mesh);
         let parts = Subdivided::new(&mesh, 2);

@@ -124,7 +124,7 @@ fn integrate(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, mut at: impl
             let half = (part.span[1] - part.span[0]) / 2.0;
             let middle = (part.span[1] + part.span[0]) / 2.0;
             for (&s, w) in rule.points.iter().zip(&rule.weights) {
-                at(e, part, middle + half * s, w * half * mesh.length(e) / 2.0);
+                at(e, part, middle + half * s, w * half * mesh.speed(e, middle + half * s));
             }
         }
     }
@@ -153,7 +153,7 @@ fn l2(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, count: usize) -> Cs
             space.basis(e).evaluate(t, phi);
             for (i, a) in space.element_nodes(e).enumerate() {
                 for (j, b) in space.element_nodes(e).enumerate() {
-                    mass[(a, b)] += w * mesh.length(e) / 2.0 * phi[i] * phi[j];
+                    mass[(a, b)] += w * mesh.speed(e, t) * phi[i] * phi[j];
                 }
             }
         }

@@ -55,7 +55,7 @@ proptest! {
             for e in 0..mesh.len() {
                 let x = mesh.point(e, 0.1);
                 let owner = (0..finer.len()).find(|&f| {
-                    let ([a, b], t) = (finer.ends(f), finer.tangent[f]);
+                    let ([a, b], t) = (finer.ends(f), finer.tangent(f, 0.0));
                     let (r, s) = ([x[0] - a[0], x[1] - a[1]], [b[0] - x[0], b[1] - x[1]]);
                     let along = |r: [f64; 2]| r[0] * t[0] + r[1] * t[1];
                     (r[0] * t[1] - r[1] * t[0]).abs() < 1e-12 && along(r) > 0.0 && along(s) > 0.0

@@ -25,7 +25,7 @@ fn exact(exterior: &Medium) -> f64 {
     let (mesh, rule) = (&exterior.mesh, gauss_legendre(16));
     let density = |e: usize, t: f64| {
         let (u, stress) = outer(&exterior.material, mesh.point(e, t));
-        let [x, y] = traction(stress, mesh.normal(e));
+        let [x, y] = traction(stress, mesh.normal(e, 0.0));
         -0.5 * (x * u[0] + y * u[1])
     };
     (0..mesh.len()).map(|e| mesh.length(e) / 2.0 * rule.integrate(|t| density(e, t))).sum()

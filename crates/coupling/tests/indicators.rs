@@ -233,7 +233,7 @@ fn each_place_has_the_weight_of_its_cell() {
         let found = InterfaceIndicators::new(&exterior, &medium, &fine, &solved, Form::ThreeField, &jumps).unwrap();
         assert!(found.hypersingular.as_ref().unwrap().iter().all(|r| *r == 0.0));
         for e in 0..exterior.mesh.len() {
-            let (n, t, h) = (exterior.mesh.normal(e), exterior.mesh.tangent[e], exterior.mesh.length(e));
+            let (n, t, h) = (exterior.mesh.normal(e, 0.0), exterior.mesh.tangent(e, 0.0), exterior.mesh.length(e));
             let [x, y] = traction(unit, n);
             // roots 1 and 2: averages 1, 3/2, 2 of the three hats
             let means = if cells_each == 2 {

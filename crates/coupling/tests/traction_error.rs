@@ -39,7 +39,7 @@ fn errors_of_traction(exterior: &Medium, solved: &Coupled) -> [f64; 2] {
         let mut legendre = vec![0.0; mesh.degree[e]];
         for (&t, w) in rule.points.iter().zip(&rule.weights) {
             legendre_p(t, &mut legendre);
-            let value = traction(outer(&exterior.material, mesh.point(e, t)).1, mesh.normal(e));
+            let value = traction(outer(&exterior.material, mesh.point(e, t)).1, mesh.normal(e, 0.0));
             for (m, l) in legendre.iter().enumerate() {
                 (0..2).for_each(|i| exact[2 * (space.offset[e] + m) + i] += w * l * (m as f64 + 0.5) * value[i]);
             }

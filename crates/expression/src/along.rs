@@ -7,7 +7,7 @@ use steklov_bem_operators::Edge;
 
 use super::Expression;
 use super::interval::Interval;
-use super::range::{enclose, leaves};
+use super::range::{Track, enclose, leaves};
 use super::survey::{SHORTEST, Survey, Turn, turns};
 
 /// An expression along an edge, by the edge parameter.
@@ -20,18 +20,18 @@ pub struct Along {
     turns: OnceLock<Vec<Turn>>,
 }
 
-/// [`Along`] of the edges that were asked for, by the bits of their corners.
-pub(super) type Known = Mutex<BTreeMap<[u64; 4], Arc<Along>>>;
+/// [`Along`] of the edges that were asked for, by the bits of their numbers.
+pub(super) type Known = Mutex<BTreeMap<Vec<u64>, Arc<Along>>>;
 
 impl Expression {
     /// What is known along an edge: found when it is asked for, and kept.
     pub fn along(&self, edge: &Edge) -> Arc<Along> {
-        let [a, b] = edge.listed();
-        let key = [a[0], a[1], b[0], b[1]].map(f64::to_bits);
+        let key = edge.listed_bits();
         let mut known = self.code.known.lock().unwrap_or_else(PoisonError::into_inner);
         let new = || {
-            let path = path(edge);
-            let kinks: Vec<f64> = self.kinks(|t| path((1.0 + t) / 2.0)).into_iter().map(|t| (1.0 + t) / 2.0).collect();
+            let path = OnEdge::new(edge, self);
+            let kinks: Vec<f64> =
+                self.kinks(OnEdge::two_sided(edge, self)).into_iter().map(|t| (1.0 + t) / 2.0).collect();
             let survey = Survey::new(self, &path, [0.0, 1.0], &kinks);
             Arc::new(Along { kinks, survey, turns: OnceLock::new() })
         };
@@ -41,7 +41,7 @@ impl Expression {
     /// Where it turns along an edge.
     pub fn turns(&self, edge: &Edge) -> Vec<Turn> {
         let along = self.along(edge);
-        along.turns.get_or_init(|| turns(self, &path(edge), [0.0, 1.0], along.survey.sampled)).clone()
+        along.turns.get_or_init(|| turns(self, &OnEdge::new(edge, self), [0.0, 1.0], along.survey.sampled)).clone()
     }
 }
 
@@ -51,7 +51,7 @@ const MOST_STRETCHES: usize = 2000;
 impl Expression {
     /// An edge parameter at which the value is not finite, or below `least`, if one can be found between those that were looked at.
     pub fn impossible(&self, edge: &Edge, least: f64) -> Option<f64> {
-        let (along, path) = (self.along(edge), path(edge));
+        let (along, path) = (self.along(edge), OnEdge::new(edge, self));
         let allowed = |value: Interval| value.low >= least && value.is_bounded();
         let enclosed = |[a, b]: [f64; 2]| enclose([a, b], &|p, q| self.range(&leaves(&path, p, q))).value;
         let mut stretches: Vec<[f64; 2]> = along.survey.pieces.iter().map(|piece| piece.ends).collect();
@@ -59,7 +59,7 @@ impl Expression {
         for _ in 0..MOST_STRETCHES {
             let [a, b] = stretches.pop()?;
             let m = a + (b - a) / 2.0;
-            let (x, y, s) = path(m);
+            let (x, y, s) = path.at(m);
             let value = self.eval(x, y, s);
             if value < least || !value.is_finite() {
                 return Some(m);
@@ -71,11 +71,40 @@ impl Expression {
     }
 }
 
-/// Point and edge parameter.
-fn path(edge: &Edge) -> impl Fn(f64) -> (f64, f64, f64) {
-    let edge = edge.clone();
-    move |s| {
-        let [x, y] = edge.point(s);
-        (x, y, s)
+/// An edge as a path of an expression: point, and fraction of the length up to there where the expression uses it.
+#[derive(Debug, Clone, Copy)]
+pub struct OnEdge<'a> {
+    edge: &'a Edge,
+    /// Edge parameter at t = 0, and the change of it with t.
+    of: [f64; 2],
+    uses_edge: bool,
+}
+
+impl<'a> OnEdge<'a> {
+    /// The whole edge, 0 ≤ t ≤ 1.
+    pub fn new(edge: &'a Edge, expression: &Expression) -> Self {
+        Self { edge, of: [0.0, 1.0], uses_edge: expression.uses_edge() }
+    }
+
+    /// The whole edge, -1 ≤ t ≤ 1.
+    pub fn two_sided(edge: &'a Edge, expression: &Expression) -> Self {
+        Self { of: [0.5, 0.5], ..Self::new(edge, expression) }
+    }
+}
+
+impl Track for OnEdge<'_> {
+    fn at(&self, t: f64) -> (f64, f64, f64) {
+        let parameter = match self.of {
+            [start, step] if start == step => (1.0 + t) * start,
+            [start, step] => start + step * t,
+        };
+        let [x, y] = self.edge.point(parameter);
+        (x, y, if self.uses_edge { self.edge.arc_fraction(parameter) } else { parameter })
+    }
+
+    fn bend(&self) -> [f64; 2] {
+        let step = self.of[1] * self.of[1];
+        let bend = self.edge.bend();
+        [bend * step, if self.edge.is_arc_length() || !self.uses_edge { 0.0 } else { bend * step / self.edge.length() }]
     }
 }

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use steklov_bem_operators::Polygon;
+use steklov_bem_operators::{Edge, Polygon};
 use steklov_stochastic::{Covariance, Field, StochasticError, Truncation};
 
 use crate::{Enclosure, Interval};
@@ -26,7 +26,7 @@ pub enum Support {
         /// Name of the side.
         name: String,
         /// Its edges from one end to the other, in the order in which the corners of their loop are listed.
-        edges: Vec<[[f64; 2]; 2]>,
+        edges: Vec<Edge>,
     },
     /// The bounding box of the body: coordinates from its lower left.
     Body {
@@ -66,7 +66,7 @@ impl Support {
             }
             for first in (0..count).filter(|&k| is_on(place(k)) && !is_on(place(k + count - 1))) {
                 let chain = (first..).map(place).take_while(|&k| is_on(k));
-                chains.push(Ok(chain.map(|k| edges[k].listed()).collect()));
+                chains.push(Ok(chain.map(|k| edges[k].clone()).collect()));
             }
         }
         match chains.len() {
@@ -78,9 +78,9 @@ impl Support {
     /// The bounding box of a body.
     pub fn body(polygon: &Polygon) -> Self {
         let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-        for edge in polygon.edges() {
+        for point in polygon.edges().iter().flat_map(Edge::extent) {
             for i in 0..2 {
-                (low[i], high[i]) = (low[i].min(edge.start[i]), high[i].max(edge.start[i]));
+                (low[i], high[i]) = (low[i].min(point[i]), high[i].max(point[i]));
             }
         }
         Self::Body { corner: low, lengths: [high[0] - low[0], high[1] - low[1]] }
@@ -93,11 +93,15 @@ impl Support {
     pub fn expansion(&self, covariance: &Covariance, truncation: Truncation) -> Result<Field, StochasticError> {
         match self {
             Self::Side { edges, .. } => {
-                let length = edges.iter().map(|[a, b]| (b[0] - a[0]).hypot(b[1] - a[1])).sum();
+                let length = edges.iter().map(Edge::length).sum();
                 Field::interval(covariance, length, truncation)
             }
             Self::Body { lengths, .. } => Field::rectangle(covariance, *lengths, truncation),
         }
+    }
+
+    fn is_curved(&self) -> bool {
+        matches!(self, Self::Side { edges, .. } if !edges.iter().all(Edge::is_line))
     }
 
     /// Coordinates of a point; of a point beside the side, of the nearest one on it.
@@ -106,7 +110,16 @@ impl Support {
             Self::Body { corner, .. } => [point[0] - corner[0], point[1] - corner[1]],
             Self::Side { edges, .. } => {
                 let (mut start, mut nearest, mut arc) = (0.0, f64::INFINITY, 0.0);
-                for [a, b] in edges {
+                for edge in edges {
+                    if !edge.is_line() {
+                        let length = edge.length();
+                        if let Some((off, s)) = edge.nearest(point, nearest).filter(|found| found.0 < nearest) {
+                            (nearest, arc) = (off, start + edge.arc_fraction(s) * length);
+                        }
+                        start += length;
+                        continue;
+                    }
+                    let [a, b] = edge.listed();
                     let d = [b[0] - a[0], b[1] - a[1]];
                     let length = d[0].hypot(d[1]);
                     let to = [point[0] - a[0], point[1] - a[1]];
@@ -128,7 +141,9 @@ impl RandomField {
     pub fn range(&self, germs: &[[f64; 2]], x: Enclosure, y: Enclosure) -> Enclosure {
         let middle = |range: Enclosure| range.value.low + range.value.width() / 2.0;
         let modes = self.expansion.modes(self.support.coordinates([middle(x), middle(y)]));
-        let reach = (x.value.width() + y.value.width()) / 2.0;
+        // a curve that turns by no more than 180° in the box is at most π/2 times as long as its chord
+        let longer = if self.support.is_curved() { std::f64::consts::FRAC_PI_2 } else { 1.0 };
+        let reach = (x.value.width() + y.value.width()) / 2.0 * longer;
         let (mut value, mut off) = (0.0, 0.0);
         for ((mode, steepness), [a, b]) in modes.iter().zip(self.expansion.steepness()).zip(germs) {
             value += mode * 0.5 * (a + b);
@@ -185,8 +200,8 @@ mod tests {
         if reversed {
             inner.reverse();
         }
-        let hole = Loop { corners: inner, sides: sides(hole) };
-        Polygon::new(Loop { corners, sides: sides(outer) }, vec![hole]).unwrap()
+        let hole = Loop::straight(inner, sides(hole));
+        Polygon::new(Loop::straight(corners, sides(outer)), vec![hole]).unwrap()
     }
 
     /// Along a chain the arc length rises as fast as the point moves, wherever on the loop the chain begins.
@@ -204,9 +219,9 @@ mod tests {
             let name = if outer.contains('x') || hole.contains('x') { "x" } else { "a" };
             let support = Support::side(&polygon, name).unwrap();
             let Support::Side { edges, .. } = &support else { panic!("{support:?}") };
-            assert_eq!(edges[0], polygon.edges()[start].listed(), "{outer} {hole}");
+            assert_eq!(edges[0], polygon.edges()[start], "{outer} {hole}");
             let mut along = 0.0;
-            for [a, b] in edges {
+            for [a, b] in edges.iter().map(Edge::listed) {
                 let length = (b[0] - a[0]).hypot(b[1] - a[1]);
                 for k in 0..=16 {
                     let t = f64::from(k) / 16.0;

@@ -1,7 +1,7 @@
 //! Zeros of the switches of an expression along a path.
 
 use super::interval::Interval;
-use super::range::{enclose, leaves};
+use super::range::{Track, enclose, leaves};
 use super::{Expression, Switch};
 
 /// Number of equal steps of the first look at a switch; a power of two, so that t is exact.
@@ -44,7 +44,7 @@ impl Expression {
     /// Each switch is enclosed on stretches of the path, halved until it has no zero there, or one sign of its slope; a
     /// change of sign is then bisected to 2⁻⁵⁴. A switch that vanishes on the whole path (up to rounding) has no kink there.
     /// None is missed but where 20,000 stretches do not tell, and zeros of a switch that are closer than rounding.
-    pub fn kinks(&self, path: impl Fn(f64) -> (f64, f64, f64)) -> Vec<f64> {
+    pub fn kinks(&self, path: impl Track) -> Vec<f64> {
         let mut kinks = Vec::new();
         for switch in &self.code.switches {
             self.zeros(switch, &path, &mut kinks);
@@ -55,16 +55,16 @@ impl Expression {
     }
 
     /// The kinks that one switch makes.
-    fn zeros(&self, switch: &Switch, path: &dyn Fn(f64) -> (f64, f64, f64), kinks: &mut Vec<f64>) {
+    fn zeros(&self, switch: &Switch, path: &dyn Track, kinks: &mut Vec<f64>) {
         let value = |t: f64| {
-            let (x, y, s) = path(t);
+            let (x, y, s) = path.at(t);
             self.switch_value(switch, x, y, s)
         };
         let points: Vec<(f64, f64)> =
             (0..=STEPS).map(|i| 2.0 * i as f64 / STEPS as f64 - 1.0).map(|t| (t, value(t))).collect();
         let largest = points.iter().filter(|p| !p.1.is_nan()).max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
         let Some(&(t, size)) = largest else { return };
-        let noise = self.rounding(switch, path(t), [path(-1.0), path(1.0)]);
+        let noise = self.rounding(switch, path.at(t), [path.at(-1.0), path.at(1.0)]);
         let vanishes = size.abs() <= noise;
         let most = if vanishes { MOST_STRETCHES / 20 } else { MOST_STRETCHES };
         let (mut found, mut touches) = (Vec::new(), Vec::new());

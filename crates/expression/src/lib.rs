@@ -25,11 +25,11 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
-pub use along::Along;
+pub use along::{Along, OnEdge};
 pub use field::{FieldValue, NoChain, RandomField, Support};
 pub use interval::Interval;
 pub use parse::nearest;
-pub use range::{Enclosed, Leaves, Range as Enclosure, enclose, leaves};
+pub use range::{Enclosed, Leaves, Range as Enclosure, Track, enclose, leaves};
 pub use survey::{Piece, Survey, Turn};
 use tape::Op;
 

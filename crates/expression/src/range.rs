@@ -225,11 +225,40 @@ pub struct Enclosed {
     pub monotone: bool,
 }
 
-/// The leaves on the stretch from a to b of an affine path.
-pub fn leaves(path: &dyn Fn(f64) -> (f64, f64, f64), a: f64, b: f64) -> Leaves<'static> {
-    let ((x0, y0, s0), (x1, y1, s1)) = (path(a), path(b));
-    let leaf = |u: f64, v: f64| if a == b { Range::fixed(Interval::point(u)) } else { Range::linear(u, v, b - a) };
-    Leaves { x: leaf(x0, x1), y: leaf(y0, y1), s: leaf(s0, s1), names: &[] }
+/// A path in the plane: an affine function of its parameter, or a curve with a bound of how it bends.
+pub trait Track {
+    /// x, y and s.
+    fn at(&self, t: f64) -> (f64, f64, f64);
+
+    /// Bounds of the second derivatives of x and y, and of s.
+    fn bend(&self) -> [f64; 2] {
+        [0.0; 2]
+    }
+}
+
+impl<F: Fn(f64) -> (f64, f64, f64)> Track for F {
+    fn at(&self, t: f64) -> (f64, f64, f64) {
+        self(t)
+    }
+}
+
+/// The leaves on the stretch from a to b of a path: what a curve leaves its chord by is at most (b-a)²/8 times its second
+/// derivative, and its slope that of the chord by (b-a)/2 times it.
+pub fn leaves(path: &dyn Track, a: f64, b: f64) -> Leaves<'static> {
+    let ((x0, y0, s0), (x1, y1, s1)) = (path.at(a), path.at(b));
+    let leaf = |u: f64, v: f64, bend: f64| {
+        if a == b {
+            return Range::fixed(Interval::point(u));
+        }
+        let Range { value, slope } = Range::linear(u, v, b - a);
+        if bend == 0.0 {
+            return Range { value, slope };
+        }
+        let wider = |range: Interval, by: f64| range + Interval::new(-by, by);
+        Range { value: wider(value, bend * (b - a) * (b - a) / 8.0), slope: wider(slope, bend * (b - a) / 2.0) }
+    };
+    let [point, arc] = path.bend();
+    Leaves { x: leaf(x0, x1, point), y: leaf(y0, y1, point), s: leaf(s0, s1, arc), names: &[] }
 }
 
 /// Encloses the values on [a, b] of a function of which `over(p, q)` encloses values and slopes on [p, q].

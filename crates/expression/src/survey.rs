@@ -2,7 +2,7 @@
 
 use super::Expression;
 use super::interval::Interval;
-use super::range::{enclose, leaves};
+use super::range::{Track, enclose, leaves};
 
 /// A stretch of a path and what the expression is there.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -50,12 +50,7 @@ impl Survey {
     /// steeper than these, so that a peak on one of them shows how narrow it is (where slopes are not bounded: its values are
     /// within twice those); or all of its values are within 1e-3 of the largest one that was met, or a kink lies in a piece of
     /// 1e-6. `kinks` has these, rising.
-    pub fn new(
-        expression: &Expression,
-        path: &dyn Fn(f64) -> (f64, f64, f64),
-        [a, b]: [f64; 2],
-        kinks: &[f64],
-    ) -> Self {
+    pub fn new(expression: &Expression, path: &dyn Track, [a, b]: [f64; 2], kinks: &[f64]) -> Self {
         // the largest value first: the tails of a peak are as steep as its flanks, for their own size
         let met = Self::halved(expression, path, [a, b], kinks, None).1;
         Self::halved(expression, path, [a, b], kinks, met).0
@@ -64,13 +59,13 @@ impl Survey {
     /// Halves [a, b] until enclosures tell all values; where some values have been `met`, until samples tell their changes.
     fn halved(
         expression: &Expression,
-        path: &dyn Fn(f64) -> (f64, f64, f64),
+        path: &dyn Track,
         [a, b]: [f64; 2],
         kinks: &[f64],
         mut met: Option<Interval>,
     ) -> (Self, Option<Interval>) {
         let value = |t: f64| {
-            let (x, y, s) = path(t);
+            let (x, y, s) = path.at(t);
             expression.eval(x, y, s)
         };
         let values_only = met.is_none();
@@ -168,19 +163,14 @@ impl Survey {
 
 /// Where the values of an expression turn along [a, b]: a maximum, or a minimum, of which the values before and behind it differ
 /// by more than a thousandth of the range that the survey met. Pieces are halved until each is monotone or changes by less.
-pub(super) fn turns(
-    expression: &Expression,
-    path: &dyn Fn(f64) -> (f64, f64, f64),
-    [a, b]: [f64; 2],
-    range: Interval,
-) -> Vec<Turn> {
+pub(super) fn turns(expression: &Expression, path: &dyn Track, [a, b]: [f64; 2], range: Interval) -> Vec<Turn> {
     let least = SMALL * range.width();
     let mut turns = Vec::new();
     if least == 0.0 {
         return turns;
     }
     let sample = |t: f64| {
-        let (x, y, s) = path(t);
+        let (x, y, s) = path.at(t);
         (t, expression.eval(x, y, s))
     };
     let first = sample(a);

@@ -4,10 +4,11 @@
 //! both with the same bits; S alone is stored by [`save_dense`].
 
 use hdf5::Group;
-use steklov_bem_operators::{Loop, Mesh, Operators, Polygon, edge_tangents};
+use steklov_bem_operators::{Edge, Loop, Mesh, Operators, Path, Polygon, Shape, edge_tangents};
 
 use crate::array::{
-    load_integers, load_number, load_pairs, load_points, save_integers, save_number, save_pairs, save_points,
+    load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,
+    save_points, save_vector,
 };
 use crate::dataset::{Label, label};
 use crate::error::{IoError, invalid, mismatch};
@@ -22,7 +23,13 @@ fn index<'a>(meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
 
 impl Persist for Polygon {
     const KIND: &'static str = "polygon";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
+    const OLDEST: u32 = 1;
+
+    /// 1 with straight edges only.
+    fn version(&self) -> u32 {
+        if self.edges().iter().all(Edge::is_line) { 1 } else { 2 }
+    }
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
         let corners: Vec<[f64; 2]> = self.edges().iter().map(|edge| edge.listed()[0]).collect();
@@ -32,6 +39,14 @@ impl Persist for Polygon {
         save_points(at, "corners", &corners, &label)?;
         save_integers(at, "side", &sides, &index("side of the edge that starts at each corner", &["corner"]))?;
         save_pairs(at, "loops", &loops, &index("corners of each loop, the outer one first", &["loop", "first, end"]))?;
+        if self.version() == 2 {
+            let (kinds, numbers): (Vec<usize>, Vec<[f64; 5]>) =
+                self.edges().iter().map(|e| path_numbers(e.path)).unzip();
+            let meaning = "how the edge from each corner runs: 0 line, 1 circular arc, 2 elliptic arc, 3 cubic";
+            save_integers(at, "path", &kinds, &index(meaning, &["corner"]))?;
+            let meaning = "opening; half axes, angle, start, opening; control points: five for each corner";
+            save_vector(at, "path_numbers", numbers.as_flattened(), &index(meaning, &["corner and number"]))?;
+        }
         save_texts(at, "side_names", self.side_names(), "names of the sides", "side")
     }
 
@@ -39,6 +54,10 @@ impl Persist for Polygon {
         let (corners, sides, names) =
             (load_points(at, "corners")?, load_integers(at, "side")?, load_texts(at, "side_names")?);
         check_length(at, "side", sides.len(), corners.len())?;
+        let paths = match at.link_exists("path") {
+            true => paths(at, corners.len())?,
+            false => vec![Path::Line; corners.len()],
+        };
         let mut loops = Vec::new();
         for [first, end] in load_pairs(at, "loops")? {
             let (Some(corners), Some(sides)) = (corners.get(first..end), sides.get(first..end)) else {
@@ -46,7 +65,8 @@ impl Persist for Polygon {
             };
             let named: Option<Vec<String>> = sides.iter().map(|&s| names.get(s).cloned()).collect();
             let sides = named.ok_or_else(|| invalid(at, "side", format!("a side above {}", names.len())))?;
-            loops.push(Loop { corners: corners.to_vec(), sides });
+            let paths = paths[first..end].to_vec();
+            loops.push(Loop { paths, ..Loop::straight(corners.to_vec(), sides) });
         }
         if loops.is_empty() {
             return Err(invalid(at, "loops", "there is none"));
@@ -58,7 +78,13 @@ impl Persist for Polygon {
 
 impl Persist for Mesh {
     const KIND: &'static str = "boundary mesh";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
+    const OLDEST: u32 = 1;
+
+    /// 1 with straight elements only.
+    fn version(&self) -> u32 {
+        if self.shape.iter().all(|s| *s == Shape::Line) { 1 } else { 2 }
+    }
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
         let elements: Vec<[usize; 2]> = self.next.iter().enumerate().map(|(e, &next)| [e, next]).collect();
@@ -69,6 +95,18 @@ impl Persist for Mesh {
         save_integers(at, "edge", &self.edge, &index("edge of the polygon", &["element"]))?;
         save_integers(at, "side", &self.side, &index("side, a row of side_names", &["element"]))?;
         save_points(at, "span", &self.span, &index("parameter s on the edge", &["element", "start, end"]))?;
+        if self.version() == 2 {
+            let numbers: Vec<Vec<f64>> = self.shape.iter().map(shape_numbers).collect();
+            let counts: Vec<usize> = numbers.iter().map(Vec::len).collect();
+            let meaning = "how many shape_numbers each element has: 0 of a line, 1 of an arc, else of a polynomial";
+            save_integers(at, "shape", &counts, &index(meaning, &["element"]))?;
+            let meaning = "half the opening of an arc; re, im of the coefficients of t², t³, ... over that of t";
+            save_vector(at, "shape_numbers", &numbers.concat(), &index(meaning, &["number"]))?;
+            let heading = index("unit tangent in the middle", &["element", "xy"]);
+            save_points(at, "heading", &self.heading, &heading)?;
+            let arc = index("fraction of the length of the edge", &["element", "start, end"]);
+            save_points(at, "arc", &self.arc, &arc)?;
+        }
         save_texts(at, "side_names", &self.side_names, "names of the sides", "side")
     }
 
@@ -79,14 +117,21 @@ impl Persist for Mesh {
         }
         let next: Vec<usize> = elements.iter().map(|element| element[1]).collect();
         let edge = load_integers(at, "edge")?;
+        let span = load_points(at, "span")?;
+        let (shape, heading, arc) = match at.link_exists("shape") {
+            true => (shapes(at)?, load_points(at, "heading")?, load_points(at, "arc")?),
+            false => (vec![Shape::Line; vertices.len()], edge_tangents(&vertices, &next, &edge), span.clone()),
+        };
         let mesh = Self {
-            tangent: edge_tangents(&vertices, &next, &edge),
+            shape,
+            heading,
+            arc,
             vertices,
             next,
             degree: load_integers(at, "degree")?,
             edge,
             side: load_integers(at, "side")?,
-            span: load_points(at, "span")?,
+            span,
             side_names: load_texts(at, "side_names")?,
         };
         mesh.check().map_err(|e| invalid(at, "", e))?;
@@ -95,6 +140,55 @@ impl Persist for Mesh {
         }
         Ok(mesh)
     }
+}
+
+/// Number of the kind of a path, and its numbers.
+fn path_numbers(path: Path) -> (usize, [f64; 5]) {
+    match path {
+        Path::Line => (0, [0.0; 5]),
+        Path::Arc { opening } => (1, [opening, 0.0, 0.0, 0.0, 0.0]),
+        Path::Ellipse { radii: [a, b], angle, start, opening } => (2, [a, b, angle, start, opening]),
+        Path::Cubic { control: [[a, b], [c, d]] } => (3, [a, b, c, d, 0.0]),
+    }
+}
+
+fn paths(at: &Group, corners: usize) -> Result<Vec<Path>, IoError> {
+    let (kinds, numbers) = (load_integers(at, "path")?, load_vector(at, "path_numbers")?);
+    check_length(at, "path", kinds.len(), corners)?;
+    check_length(at, "path_numbers", numbers.len(), 5 * corners)?;
+    let path = |(kind, n): (&usize, &[f64])| match kind {
+        0 => Ok(Path::Line),
+        1 => Ok(Path::Arc { opening: n[0] }),
+        2 => Ok(Path::Ellipse { radii: [n[0], n[1]], angle: n[2], start: n[3], opening: n[4] }),
+        3 => Ok(Path::Cubic { control: [[n[0], n[1]], [n[2], n[3]]] }),
+        kind => Err(invalid(at, "path", format!("there is no kind {kind}"))),
+    };
+    kinds.iter().zip(numbers.chunks_exact(5)).map(path).collect()
+}
+
+fn shape_numbers(shape: &Shape) -> Vec<f64> {
+    match shape {
+        Shape::Line => Vec::new(),
+        Shape::Arc(half_opening) => vec![*half_opening],
+        Shape::Polynomial(_) => shape.coefficients().iter().flat_map(|b| [b.re, b.im]).collect(),
+    }
+}
+
+fn shapes(at: &Group) -> Result<Vec<Shape>, IoError> {
+    let (counts, numbers) = (load_integers(at, "shape")?, load_vector(at, "shape_numbers")?);
+    check_length(at, "shape_numbers", numbers.len(), counts.iter().sum())?;
+    let mut rest = &numbers[..];
+    let mut shape = |&count: &usize| {
+        let (own, after) = rest.split_at(count);
+        rest = after;
+        match own {
+            [] => Ok(Shape::Line),
+            [half_opening] => Ok(Shape::Arc(*half_opening)),
+            _ if count % 2 == 0 => Ok(Shape::polynomial(own)),
+            _ => Err(invalid(at, "shape", format!("a polynomial of {count} numbers; they come in pairs"))),
+        }
+    };
+    counts.iter().map(&mut shape).collect()
 }
 
 const TRACTION: &str = "traction: Legendre coefficients by element, component fastest";

@@ -15,6 +15,13 @@ pub trait Persist: Sized {
     const KIND: &'static str;
     /// Version of its layout.
     const VERSION: u32;
+    /// The oldest version that is read, the one before it at most.
+    const OLDEST: u32 = Self::VERSION;
+
+    /// The version of this value: the oldest that can say it, so that older programs read what they can.
+    fn version(&self) -> u32 {
+        Self::VERSION
+    }
 
     /// Writes the parts into the group `at`.
     ///
@@ -36,7 +43,7 @@ pub trait Persist: Sized {
 pub fn save<T: Persist>(parent: &Group, name: &str, value: &T) -> Result<(), IoError> {
     let group = create_group(parent, name)?;
     write_text_attribute(&group, "kind", T::KIND)?;
-    write_integer_attribute(&group, "version", &[i64::from(T::VERSION)])?;
+    write_integer_attribute(&group, "version", &[i64::from(value.version())])?;
     value.write(&group)
 }
 
@@ -50,7 +57,9 @@ pub fn load<T: Persist>(parent: &Group, name: &str) -> Result<T, IoError> {
     if kind != T::KIND {
         return Err(mismatch(parent, name, format!("kind {}", T::KIND), format!("kind {kind}")));
     }
-    check_version(&group, "version", T::VERSION)?;
+    if T::OLDEST == T::VERSION || read_integer_attribute(&group, "version")? != [i64::from(T::OLDEST)] {
+        check_version(&group, "version", T::VERSION)?;
+    }
     T::read(&group)
 }
 

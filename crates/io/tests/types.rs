@@ -13,10 +13,10 @@ use steklov_io::*;
 use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, Rule, Series, gauss_legendre};
 
 fn ring(side: f64, corners: &[[f64; 2]], names: &[&str]) -> Loop {
-    Loop {
-        corners: corners.iter().map(|c| [side * c[0], side * c[1]]).collect(),
-        sides: names.iter().map(|&n| n.to_owned()).collect(),
-    }
+    Loop::straight(
+        corners.iter().map(|c| [side * c[0], side * c[1]]).collect(),
+        names.iter().map(|&n| n.to_owned()).collect(),
+    )
 }
 
 /// A square with a hole, the hole listed in either order.

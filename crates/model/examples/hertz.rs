@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (young, poisson, radius, overlap): (f64, f64, f64, f64) = (1000.0, 0.3, 1.0, 1e-3);
     let corners = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
-    let block = Polygon::new(Loop { corners, sides }, vec![])?;
+    let block = Polygon::new(Loop::straight(corners, sides), vec![])?;
     let mut scene = Scene::new(block, Material::new(young, poisson, Plane::Strain)?);
     let names = [("R".to_owned(), radius), ("d".to_owned(), overlap)].into();
     let gap = Expression::parse("(x - 0.5)^2/(2*R) - d", &names)?;

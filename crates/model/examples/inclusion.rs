@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let body = Material::new(500.0, 0.2, Plane::Strain)?;
     let medium = Material::new(100.0, 0.35, Plane::Strain)?;
     let corner = |k: usize| [(TAU * k as f64 / CORNERS as f64).cos(), (TAU * k as f64 / CORNERS as f64).sin()];
-    let circle = Loop { corners: (0..CORNERS).map(corner).collect(), sides: vec!["rim".to_owned(); CORNERS] };
+    let circle = Loop::straight((0..CORNERS).map(corner).collect(), vec!["rim".to_owned(); CORNERS]);
     let mut scene = Scene::new(Polygon::new(circle, vec![])?, body);
     let pull = 3.0;
     let far = FarField { remote_stress: [pull, pull, 0.0], ..FarField::default() };

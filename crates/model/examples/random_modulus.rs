@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (low, high): (f64, f64) = (50.0, 150.0);
     let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
     let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
-    let block = Polygon::new(Loop { corners, sides }, vec![])?;
+    let block = Polygon::new(Loop::straight(corners, sides), vec![])?;
     let mut scene = Scene::new(block, Material::new((low + high) / 2.0, 0.3, Plane::Strain)?);
     scene.body_mut().sides[0].condition = Condition::held();
     scene.body_mut().sides[2].condition = Condition::Pressure(Expression::number(1.0));

@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (soft, stiff, stress) = (100.0, 300.0, 2.0);
     let corners = vec![[0.0, 0.0], [4.0, 0.0], [4.0, 1.0], [0.0, 1.0]];
     let sides = ["below", "right", "above", "left"].map(str::to_owned).to_vec();
-    let bar = Polygon::new(Loop { corners, sides }, vec![])?;
+    let bar = Polygon::new(Loop::straight(corners, sides), vec![])?;
     let names = [("A".to_owned(), soft), ("B".to_owned(), stiff)].into();
     let young = Expression::parse("if(x < 1, A, B)", &names)?;
     let of_unit_modulus = Material::new(1.0, 0.0, Plane::Strain)?;

@@ -157,7 +157,9 @@ impl Model for BoundaryElements {
         let unchanged = next.is_none();
         let step = steps.last()?;
         let reached = |s: &Step| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance);
-        let exact = step.estimate.as_ref().is_some_and(|e| e.relative < ROUNDOFF);
+        // of loads that the mesh does not follow an estimate of nothing tells nothing
+        let exact = |e: &Estimate| e.relative < ROUNDOFF && !e.doubts.contains(&Doubt::Data);
+        let exact = step.estimate.as_ref().is_some_and(exact);
         // an estimate that is in doubt has to be confirmed by the next step, if there is any
         let doubted = step.estimate.iter().flat_map(|e| &e.doubts).any(|d| *d != Doubt::Roundoff);
         let confirmed = !doubted || exact || unchanged || steps.len() > 1 && reached(&steps[steps.len() - 2]);

@@ -129,7 +129,7 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
     for e in 0..mesh.len() {
         let rule = steklov_quadrature::gauss_legendre(space.degree(e));
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
-            let force = field.trace(e, t).traction.map(|t| w * mesh.length(e) / 2.0 * t);
+            let force = field.trace(e, t).traction.map(|v| w * mesh.speed(e, t) * v);
             resultant = [resultant[0] + force[0], resultant[1] + force[1]];
             sum += force[0].hypot(force[1]);
         }

@@ -70,7 +70,10 @@ impl Around {
     /// Displacement and stress of the medium next to a point of the boundary: there the mean of both elements beside it.
     pub fn beside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
         let from = |e: usize| {
-            let ([a, b], d) = (self.mesh.ends(e), self.mesh.half(e));
+            if !self.mesh.is_line(e) {
+                return self.mesh.curve(e).nearest(x);
+            }
+            let ([a, b], d) = (self.mesh.ends(e), self.mesh.half_chord(e));
             let middle = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
             let along = ((x[0] - middle[0]) * d[0] + (x[1] - middle[1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]);
             let t = along.clamp(-1.0, 1.0);

@@ -102,7 +102,7 @@ pub(crate) fn crossed_work(field: &BoundaryField, particular: &ParticularSolutio
         let rule = gauss_legendre(space.degree(e) + 2);
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             let (traction, u) = (field.trace(e, t).traction, particular.displacement(mesh.point(e, t)));
-            work += w * mesh.length(e) / 2.0 * (traction[0] * u[0] + traction[1] * u[1]);
+            work += w * mesh.speed(e, t) * (traction[0] * u[0] + traction[1] * u[1]);
         }
     }
     work

@@ -42,9 +42,12 @@ impl Loads {
     }
 }
 
-/// What is done with each traction: side, name, expression, direction on an element.
+/// What an expression is multiplied by at a point.
+pub type Factor<'a> = &'a (dyn Fn(&Site) -> f64 + Sync);
+
+/// What is done with each traction: side, name, expression, its factor, direction on an element.
 pub type OfTraction<'a> =
-    dyn FnMut(usize, &str, &Expression, &dyn Fn(usize) -> [f64; 2]) -> Result<(), SolveError> + 'a;
+    dyn FnMut(usize, &str, &Expression, Factor<'_>, &dyn Fn(usize) -> [f64; 2]) -> Result<(), SolveError> + 'a;
 
 /// What changes within less than these parts of an edge and of an element is integrated by itself.
 const NARROW: f64 = 1.0 / 128.0;
@@ -79,7 +82,7 @@ impl Data<'_> {
                 let site = Site::new(mesh, e, space.basis(e).nodes[j]);
                 for (component, value) in values.iter().enumerate() {
                     let Some(expression) = value else { continue };
-                    let at = (site.point[0], site.point[1], site.s);
+                    let at = (site.point[0], site.point[1], self.mesh.arc_fraction(site.element, site.t));
                     let value = self.scene.check_value(&side.name, "displacement", expression, at)?;
                     prescribed.push((node, component, value, mesh.side[e]));
                 }
@@ -110,8 +113,8 @@ impl Data<'_> {
         let mut unresolved = vec![0.0; self.mesh.len()];
         let (mut load, mut extra) = (vec![0.0; self.space.dofs()], vec![0.0; 2 * self.mesh.len()]);
         let raised = Space::new(&self.mesh.raised(&vec![true; self.mesh.len()]));
-        self.each_traction(&mut |index, name, expression, direction| {
-            let followed = self.followed(&raised, index, name, expression)?;
+        self.each_traction(&mut |index, name, expression, factor, direction| {
+            let followed = self.followed(&raised, index, name, expression, factor)?;
             let mut moments = Vec::with_capacity(followed.len());
             for Followed { element: e, moments: of_element, bubble, rest } in followed {
                 let d = direction(e);
@@ -136,8 +139,11 @@ impl Data<'_> {
         side: usize,
         name: &str,
         expression: &Expression,
+        factor: Factor<'_>,
     ) -> Result<Vec<Followed>, SolveError> {
-        let function = self.function(expression);
+        let plain = self.function(expression);
+        let value = move |site: &Site| (plain.value)(site) * factor(site);
+        let function = Function { value: Box::new(value), kinks: plain.kinks };
         let found = side_moments_and_squares(self.mesh, raised, side, &function.datum(name));
         let (moments, squares) = found.map_err(|error| self.located(error, expression))?;
         let of = |((element, mut moments), square): ((usize, Vec<f64>), f64)| {
@@ -163,7 +169,9 @@ impl Data<'_> {
         let raised = Space::new(&self.mesh.raised(&vec![true; self.mesh.len()]));
         for (side, name, bound, factor) in bounds {
             let Some(bound) = bound.filter(|b| b.constant().is_none()) else { continue };
-            for part in self.followed(&raised, side, name, bound)?.into_iter().filter(|part| slips(part.element)) {
+            for part in
+                self.followed(&raised, side, name, bound, &|_| 1.0)?.into_iter().filter(|part| slips(part.element))
+            {
                 unresolved[part.element] += part.rest * factor * factor;
             }
         }
@@ -174,7 +182,7 @@ impl Data<'_> {
     /// times; without the remote stress.
     pub fn side_loads(&self) -> Result<Vec<SideLoad>, SolveError> {
         let mut loads = Vec::new();
-        self.each_traction(&mut |index, name, expression, direction| {
+        self.each_traction(&mut |index, name, expression, _, direction| {
             let function = self.function(expression);
             let moments = side_moments(self.mesh, self.space, index, &function.datum(name));
             for (e, moments) in moments.map_err(|error| self.located(error, expression))? {
@@ -194,12 +202,12 @@ impl Data<'_> {
                 Condition::Traction(traction) | Condition::Displacement { traction: Some(traction), .. } => {
                     for (expression, direction) in traction.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                         if expression.constant() != Some(0.0) {
-                            call(index, "traction", expression, &|_| direction)?;
+                            call(index, "traction", expression, &|_| 1.0, &|_| direction)?;
                         }
                     }
                 }
                 Condition::Pressure(pressure) => {
-                    call(index, "pressure", pressure, &|e| self.mesh.normal(e).map(|n| -n))?;
+                    self.along_normals(index, "pressure", pressure, &|_, n| n.map(|n| -n), call)?;
                 }
                 _ => {}
             }
@@ -207,11 +215,38 @@ impl Data<'_> {
         let edges = self.scene.body().outline.edges();
         for (name, expression, direction) in self.scene.traction_jumps() {
             for side in self.interface_sides() {
-                call(side, name, expression, &|e| match edges[self.mesh.edge[e]].loop_index {
-                    0 => direction(self.mesh.normal(e)),
+                let of = |e: usize, n: [f64; 2]| match edges[self.mesh.edge[e]].loop_index {
+                    0 => direction(n),
                     _ => [0.0; 2],
-                })?;
+                };
+                self.along_normals(side, name, expression, &of, call)?;
             }
+        }
+        Ok(())
+    }
+
+    /// Calls with a datum times a direction that follows from the normal: on straight elements in one, on curved ones for x and y.
+    fn along_normals(
+        &self,
+        side: usize,
+        name: &str,
+        expression: &Expression,
+        of: &(dyn Fn(usize, [f64; 2]) -> [f64; 2] + Sync),
+        call: &mut OfTraction<'_>,
+    ) -> Result<(), SolveError> {
+        let straight = |e: usize| self.mesh.is_line(e);
+        let on_side = || (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side);
+        if on_side().any(straight) {
+            let direction = |e: usize| if straight(e) { of(e, self.mesh.normal(e, 0.0)) } else { [0.0; 2] };
+            call(side, name, expression, &|_| 1.0, &direction)?;
+        }
+        if on_side().all(straight) {
+            return Ok(());
+        }
+        for i in 0..2 {
+            let factor = |site: &Site| of(site.element, self.mesh.normal(site.element, site.t))[i];
+            let direction = |e: usize| [0, 1].map(|k| if k == i && !straight(e) { 1.0 } else { 0.0 });
+            call(side, name, expression, &factor, &direction)?;
         }
         Ok(())
     }
@@ -240,20 +275,26 @@ impl Data<'_> {
         &'e self,
         expression: &'e Expression,
         body: Option<&'e ParticularSolution>,
-        direction: impl Fn(usize) -> [f64; 2] + Sync + 'e,
+        direction: impl Fn(&Site) -> [f64; 2] + Sync + 'e,
     ) -> Function<'e> {
         let plain = self.function(expression);
         let Some(body) = body else { return plain };
         let value = move |site: &Site| {
-            let (u, d) = (body.displacement(site.point), direction(site.element));
+            let (u, d) = (body.displacement(site.point), direction(site));
             (plain.value)(site) - u[0] * d[0] - u[1] * d[1]
         };
         Function { value: Box::new(value), kinks: plain.kinks }
     }
 
+    /// The value of an expression at a point of the boundary.
+    pub(crate) fn value(&self, expression: &Expression, site: &Site) -> f64 {
+        let s = if expression.uses_edge() { self.mesh.arc_fraction(site.element, site.t) } else { site.s };
+        expression.eval(site.point[0], site.point[1], s)
+    }
+
     pub(crate) fn function<'e>(&'e self, expression: &'e Expression) -> Function<'e> {
         Function {
-            value: Box::new(move |site: &Site| expression.eval(site.point[0], site.point[1], site.s)),
+            value: Box::new(move |site: &Site| self.value(expression, site)),
             kinks: Box::new(move |e: usize| self.breaks(expression, e)),
         }
     }
@@ -312,18 +353,19 @@ impl Data<'_> {
         j: usize,
     ) -> [f64; 2] {
         let basis = self.space.basis(e);
-        let rule = steklov_quadrature::gauss_legendre(basis.degree + 2);
+        let more = if self.mesh.is_line(e) { 2 } else { 16 };
+        let rule = steklov_quadrature::gauss_legendre(basis.degree + more);
         let mut phi = vec![0.0; basis.degree + 1];
         let mut sum = [0.0; 2];
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             basis.evaluate(t, &mut phi);
             let mut traction = field.trace(e, t).traction;
             if let Some(body) = body {
-                let extra = body.traction(self.mesh.point(e, t), self.mesh.normal(e));
+                let extra = body.traction(self.mesh.point(e, t), self.mesh.normal(e, t));
                 traction = [traction[0] + extra[0], traction[1] + extra[1]];
             }
             for i in 0..2 {
-                sum[i] += w * self.mesh.length(e) / 2.0 * phi[j] * traction[i];
+                sum[i] += w * self.mesh.speed(e, t) * phi[j] * traction[i];
             }
         }
         sum

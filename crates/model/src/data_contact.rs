@@ -20,7 +20,7 @@ impl Data<'_> {
         let of_side = |side: usize| {
             let Contact { gap, friction } = self.scene.contact(side)?;
             let [bound, coefficient] = [friction.bound(), friction.coefficient()].map(|f| f.map(|f| self.function(f)));
-            Some((self.less_particular(gap, body, |e| self.mesh.normal(e)), bound, coefficient))
+            Some((self.less_particular(gap, body, |site| self.mesh.normal(site.element, site.t)), bound, coefficient))
         };
         let functions: Vec<_> = (0..self.scene.body().sides.len()).map(of_side).collect();
         let none = Function { value: Box::new(|_| 0.0), kinks: Box::new(|_| Vec::new()) };
@@ -97,13 +97,12 @@ impl Data<'_> {
     /// A held end of a contact side must not be held inside the obstacle: no traction could do that at a point.
     fn check_held_ends(&self, side: usize, gap: &Expression, held: &[Held]) -> Result<(), SolveError> {
         for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side) {
-            let n = self.mesh.normal(e);
             for (t, node) in [(-1.0, self.space.node(e, 0)), (1.0, self.space.node(e, self.space.degree(e)))] {
-                let components = held[node].components;
+                let (components, n) = (held[node].components, self.mesh.normal(e, t));
                 let movable = (0..2).any(|i| components[i].is_none() && n[i].abs() > 1e-12);
                 let Some((_, holder)) = components.iter().flatten().next() else { continue };
                 let site = Site::new(self.mesh, e, t);
-                let gap = gap.eval(site.point[0], site.point[1], site.s);
+                let gap = self.value(gap, &site);
                 let u_n: f64 = (0..2).map(|i| components[i].map_or(0.0, |(value, _)| n[i] * value)).sum();
                 if !movable && u_n - gap > 1e-9 * u_n.abs().max(gap.abs()) {
                     let (name, holder) = (&self.mesh.side_names[side], &self.mesh.side_names[*holder]);
@@ -136,7 +135,7 @@ impl Data<'_> {
         for e in (0..self.mesh.len()).filter(|&e| self.mesh.side[e] == side) {
             for &t in &self.space.basis(e).nodes {
                 let site = Site::new(self.mesh, e, t);
-                let at = (site.point[0], site.point[1], site.s);
+                let at = (site.point[0], site.point[1], self.mesh.arc_fraction(site.element, site.t));
                 self.scene.check_value(&self.mesh.side_names[side], what, expression, at)?;
             }
         }

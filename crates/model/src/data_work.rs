@@ -39,9 +39,9 @@ impl Data<'_> {
                 let function = self.less_particular(expression, body, |_| direction);
                 let traction = |e: usize, t: f64| {
                     let own = solved.field.trace(e, t).traction[i];
-                    own + of_all.map_or(0.0, |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e))[i])
+                    own + of_all.map_or(0.0, |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e, t))[i])
                 };
-                work += self.work_on_rest(side, expression, &function.datum("displacement"), &traction)?;
+                work += self.work_on_rest(side, Some(expression), &function.datum("displacement"), &traction)?;
             }
         }
         Ok(work)
@@ -51,25 +51,28 @@ impl Data<'_> {
     pub(crate) fn work_on_rest(
         &self,
         side: usize,
-        expression: &Expression,
+        expression: Option<&Expression>,
         f: &Datum<'_>,
         phi: &dyn Fn(usize, f64) -> f64,
     ) -> Result<f64, SolveError> {
         let (mesh, space) = (self.mesh, self.space);
         let mut work = 0.0;
-        for (e, moments) in side_moments(mesh, space, side, f).map_err(|error| self.located(error, expression))? {
-            let (basis, half) = (space.basis(e), mesh.length(e) / 2.0);
+        for (e, moments) in side_moments(mesh, space, side, f)
+            .map_err(|error| expression.map_or(error.clone().into(), |expression| self.located(error, expression)))?
+        {
+            let basis = space.basis(e);
             let mut nodal = Vec::with_capacity(basis.nodes.len());
             for (&t, moment) in basis.nodes.iter().zip(moments) {
                 nodal.push(f.at(mesh, &Site::new(mesh, e, t))?);
                 work += phi(e, t) * moment;
             }
-            let rule = gauss_legendre(basis.degree + 1);
+            let more = if mesh.is_line(e) { 1 } else { 12 };
+            let rule = gauss_legendre(basis.degree + more);
             let mut values = vec![0.0; basis.degree + 1];
             for (&t, weight) in rule.points.iter().zip(&rule.weights) {
                 basis.evaluate(t, &mut values);
                 let interpolant: f64 = values.iter().zip(&nodal).map(|(v, f)| v * f).sum();
-                work -= half * weight * phi(e, t) * interpolant;
+                work -= mesh.speed(e, t) * weight * phi(e, t) * interpolant;
             }
         }
         Ok(work)
@@ -106,8 +109,9 @@ impl Data<'_> {
         let (mesh, space) = (self.mesh, self.space);
         let mut slips = vec![Vec::new(); mesh.len()];
         for element in contact.boundary.elements(mesh, space) {
-            let t = mesh.tangent[element.element];
-            let slip = |(node, at): (usize, &Option<LinePoint>)| {
+            let e = element.element;
+            let slip = |((node, at), &place): ((usize, &Option<LinePoint>), &f64)| {
+                let t = mesh.tangent(e, place);
                 let own = solved.particular.as_ref().map_or([0.0; 2], |b| b.displacement(space.points[node]));
                 let u: f64 = (0..2).map(|i| (factors.homogeneous[2 * node + i] + own[i]) * t[i]).sum();
                 let turned = match at.map(|at| (at, part.sets.slip(at.index))) {
@@ -121,7 +125,7 @@ impl Data<'_> {
                 };
                 [u, turned]
             };
-            slips[element.element] = space.element_nodes(element.element).zip(&element.points).map(slip).collect();
+            slips[e] = space.element_nodes(e).zip(&element.points).zip(&space.basis(e).nodes).map(slip).collect();
         }
         slips
     }

@@ -59,7 +59,7 @@ pub(crate) fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble]) -> V
         .collect();
     for bubble in bubbles {
         let e = bubble.element;
-        frames[e] = Frame { directions: [mesh.normal(e), mesh.tangent[e]], free: bubble.free };
+        frames[e] = Frame { directions: [mesh.normal(e, 0.0), mesh.tangent(e, 0.0)], free: bubble.free };
     }
     frames
 }

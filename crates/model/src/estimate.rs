@@ -223,7 +223,7 @@ pub fn estimate(
 fn bubble_residual(mesh: &Mesh, factors: &Factors, elastic: &Elastic<'_>, bubbles: &[ContactBubble]) -> Vec<f64> {
     let mut residual: Vec<f64> = factors.extra_load.iter().zip(elastic.bubble_force()).map(|(f, s)| f - s).collect();
     for bubble in bubbles {
-        let (e, n, t) = (bubble.element, mesh.normal(bubble.element), mesh.tangent[bubble.element]);
+        let (e, n, t) = (bubble.element, mesh.normal(bubble.element, 0.0), mesh.tangent(bubble.element, 0.0));
         // a closed bubble's residual along n is ∫λ_n b
         let pressure = residual[2 * e] * n[0] + residual[2 * e + 1] * n[1];
         let shear = bubble.load[1] - bubble.coupling * pressure;
@@ -396,9 +396,9 @@ impl Estimate {
 
 /// Distance from the middle of an element to the nearest other one across the body; infinite if only its neighbours are there.
 fn thickness(mesh: &Mesh, e: usize) -> f64 {
-    let (middle, n) = (mesh.point(e, 0.0), mesh.normal(e));
+    let (middle, n) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
     let across = |f: usize| {
-        let (c, d) = (mesh.point(f, 0.0), mesh.half(f));
+        let (c, d) = (mesh.point(f, 0.0), mesh.half_chord(f));
         let to = [c[0] - middle[0], c[1] - middle[1]];
         let t = -((to[0] * d[0] + to[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(-1.0, 1.0);
         let to = [to[0] + t * d[0], to[1] + t * d[1]];
@@ -432,7 +432,7 @@ mod tests {
         let corners = [[0.0, 0.0], [6.0, 0.0], [6.0, 9.0], [4.0, 9.0], [4.0, 0.5], [3.8, 0.5], [3.8, 9.0], [2.8, 9.0]];
         let corners: Vec<[f64; 2]> = corners.into_iter().chain([[2.8, 0.5], [0.0, 0.5]]).collect();
         let sides = (0..corners.len()).map(|k| format!("side {k}")).collect();
-        let polygon = Polygon::new(Loop { corners, sides }, Vec::new()).unwrap();
+        let polygon = Polygon::new(Loop::straight(corners, sides), Vec::new()).unwrap();
         let mesh = Mesh::uniform(&polygon, 21, 1);
         // (edge, thickness): right face of the right leg, faces of the slot, left face of the other leg
         for (edge, thick) in [(1, 2.0), (3, 2.0), (5, 1.0), (7, 1.0)] {

@@ -35,7 +35,7 @@ impl Solved {
     /// Traction at the reference coordinate t of element e.
     pub fn traction(&self, e: usize, t: f64) -> [f64; 2] {
         let traction = self.field.trace(e, t).traction;
-        let extra = self.particular.map_or([0.0; 2], |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e)));
+        let extra = self.particular.map_or([0.0; 2], |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e, t)));
         [traction[0] + extra[0], traction[1] + extra[1]]
     }
 

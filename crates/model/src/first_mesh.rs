@@ -1,9 +1,11 @@
 //! The first mesh: vertices at singular points and where the data are narrower than an element.
 
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
+use steklov_expression::{OnEdge, Track};
 use steklov_problem::{Condition, Refine, Scene};
 
 use crate::layout::Layout;
+use crate::vertices::SMOOTH;
 
 /// Straight corners are those whose sides turn by less than this (radian).
 const STRAIGHT: f64 = 1e-9;
@@ -21,7 +23,7 @@ const SEEN: f64 = 0.2;
 impl Layout {
     /// The first mesh; of the hp strategy with vertices at the kinks of the data.
     pub fn first(scene: &Scene) -> Self {
-        let mesh = Mesh::uniform(&scene.body().outline, scene.method.elements, scene.method.degree);
+        let mesh = Mesh::uniform(&scene.body().outline, scene.first_elements(), scene.method.degree);
         let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
         if scene.method.refine == Refine::Hp {
             for (k, points) in singular_points(scene, true).iter().enumerate() {
@@ -53,14 +55,24 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
         let order: Vec<usize> = order.into_iter().collect();
         for (i, &a) in order.iter().enumerate() {
             let b = order[(i + 1) % order.len()];
-            let direction = |k: usize| {
+            let curved = !edges[a].is_line() || !edges[b].is_line();
+            let direction = |k: usize, at_end: bool| {
+                if !edges[k].is_line() {
+                    let sign = if edges[k].reversed { -1.0 } else { 1.0 };
+                    return edges[k].tangent(if at_end == edges[k].reversed { 0.0 } else { 1.0 }).map(|t| sign * t);
+                }
                 let (s, e) = (edges[k].start, edges[k].end);
                 let sign = if edges[k].reversed { -1.0 } else { 1.0 };
                 [sign * (e[0] - s[0]), sign * (e[1] - s[1])]
             };
-            let (x, y) = (direction(a), direction(b));
+            let (x, y) = (direction(a, true), direction(b, false));
             let turn = (x[0] * y[1] - x[1] * y[0]).atan2(x[0] * y[0] + x[1] * y[1]);
-            if turn.abs() > STRAIGHT || edges[a].side != edges[b].side {
+            let free = |k: usize| matches!(scene.body().sides[edges[k].side].condition, Condition::Free);
+            let free = |k: usize| free(k) && scene.contact(edges[k].side).is_none();
+            let alike = edges[a].side == edges[b].side || curved && free(a) && free(b);
+            let mirror = curved && is_mirror_corner(scene, [a, b], turn);
+            let bends = curved && bends_at_joint(&edges[a], &edges[b]);
+            if !mirror && (bends || turn.abs() > if curved { SMOOTH } else { STRAIGHT } || !alike) {
                 points[a].push(if edges[a].reversed { 0.0 } else { 1.0 });
                 points[b].push(if edges[b].reversed { 1.0 } else { 0.0 });
             }
@@ -81,6 +93,38 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
         points.dedup_by(|b, a| *b - *a < 1e-9);
     }
     points
+}
+
+/// Whether the curvature jumps from one edge to the next: displacements have a part r² log r there, which degrees alone resolve
+/// slowly and an estimate does not see.
+fn bends_at_joint(before: &Edge, behind: &Edge) -> bool {
+    let at = |edge: &Edge, at_end: bool| edge.curvature(if at_end == edge.reversed { 0.0 } else { 1.0 });
+    let (a, b) = (at(before, true), at(behind, false));
+    (a - b).abs() > SAME_CURVATURE * a.abs().max(b.abs())
+}
+
+/// Curvatures that differ by less than this part are one.
+const SAME_CURVATURE: f64 = 1e-6;
+
+/// Whether the field goes on beyond a corner between a straight edge and a curve as its mirror image, without a singular part: the
+/// one lies along an axis and is held along its normal alone, the other meets it at 90° and is free or under a constant pressure.
+fn is_mirror_corner(scene: &Scene, edges: [usize; 2], turn: f64) -> bool {
+    let all = scene.body().outline.edges();
+    let held = |k: usize| {
+        let ([a, b], side) = (all[k].listed(), &scene.body().sides[all[k].side]);
+        let Condition::Displacement { values, traction: None } = &side.condition else { return false };
+        let along = |i: usize| all[k].is_line() && a[i] == b[i];
+        let constant = |i: usize| values[i].as_ref().is_some_and(|v| v.constant().is_some());
+        (0..2).any(|i| along(i) && constant(i) && values[1 - i].is_none())
+    };
+    let even = |k: usize| match &scene.body().sides[all[k].side].condition {
+        Condition::Free => scene.contact(all[k].side).is_none(),
+        Condition::Pressure(pressure) => pressure.constant().is_some(),
+        _ => false,
+    };
+    let square = (turn.abs() - std::f64::consts::FRAC_PI_2).abs() < SMOOTH;
+    let [a, b] = edges;
+    square && turn > 0.0 && (held(a) && even(b) || even(a) && held(b)) && scene.body().force.is_none()
 }
 
 /// The elements between two of these points. The error of one may have the parity that the one bubble of an estimate has
@@ -152,7 +196,7 @@ fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]
         // node does not show how steep held values are
         let loads = !contact && matches!(condition, Condition::Traction(_) | Condition::Pressure(_) | Condition::Free);
         let value = |s: f64| {
-            let [x, y] = edge.point(s);
+            let (x, y, s) = OnEdge::new(edge, datum).at(s);
             datum.eval(x, y, s).abs()
         };
         let largest = along.survey.sampled.magnitude();
@@ -176,6 +220,6 @@ fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]
 
 /// The mesh of the first step.
 pub fn first_mesh(scene: &Scene) -> Mesh {
-    let uniform = || Mesh::uniform(&scene.body().outline, scene.method.elements, scene.method.degree);
+    let uniform = || Mesh::uniform(&scene.body().outline, scene.first_elements(), scene.method.degree);
     Layout::first(scene).subdivision.mesh(&scene.body().outline).unwrap_or_else(|_| uniform())
 }

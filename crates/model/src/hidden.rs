@@ -7,7 +7,6 @@
 //! Multipliers hold gaps in the mean over a node's functions, so that an asperity much narrower than an element touches no
 //! node. Pressed flat it has an energy of about E*/2 δ² for its depth δ, whatever its width.
 
-use steklov_bem_operators::Site;
 use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
 use steklov_quadrature::{Series, gauss_legendre, project};
 
@@ -56,8 +55,8 @@ impl Data<'_> {
     /// The overlaps on one element, along its normal.
     fn overlaps_of(&self, e: usize, gap: &Expression, displacement: &[f64], least: f64) -> Vec<Overlap> {
         let path = |t: f64| {
-            let site = Site::new(self.mesh, e, t);
-            (site.point[0], site.point[1], site.s)
+            let [x, y] = self.mesh.point(e, t);
+            (x, y, self.mesh.arc_fraction(e, t))
         };
         let gap_at = |t: f64| {
             let (x, y, s) = path(t);
@@ -108,10 +107,21 @@ impl Data<'_> {
         overlaps
     }
 
-    /// u_n on an element.
+    /// u_n on an element; on a curved one, where the normal turns, its polynomial of eight more degrees.
     fn normal_displacement(&self, e: usize, displacement: &[f64]) -> Series {
-        let n = self.mesh.normal(e);
         let basis = self.space.basis(e);
+        if !self.mesh.is_line(e) {
+            let mut phi = vec![0.0; basis.degree + 1];
+            let value = |t: f64| {
+                basis.evaluate(t, &mut phi);
+                let n = self.mesh.normal(e, t);
+                let nodes = self.space.element_nodes(e).zip(&phi);
+                nodes.map(|(k, phi)| phi * (displacement[2 * k] * n[0] + displacement[2 * k + 1] * n[1])).sum()
+            };
+            let degree = basis.degree + 8;
+            return project(value, degree, &gauss_legendre(degree + 1));
+        }
+        let n = self.mesh.normal(e, 0.0);
         let nodes = self.space.element_nodes(e);
         let nodal: Vec<f64> = nodes.map(|k| displacement[2 * k] * n[0] + displacement[2 * k + 1] * n[1]).collect();
         let mut phi = vec![0.0; basis.degree + 1];

@@ -12,7 +12,7 @@ use std::collections::BTreeSet;
 
 use faer::{Col, Mat};
 use steklov_bem_operators::{
-    BemError, Domain, EnrichedSteklov, Mesh, PairCache, Space, Steklov, TractionMap, side_moments,
+    BemError, Datum, Domain, EnrichedSteklov, Mesh, PairCache, Site, Space, Steklov, TractionMap, side_moments,
 };
 use steklov_contact::oscillation;
 use steklov_coupling::{Balance, Coupled, Radiation};
@@ -161,6 +161,15 @@ impl Data<'_> {
                 found.push((e, oscillation / (2.0 * compliance)));
             }
         }
+        // a linear displacement is one of the nodes but on curves
+        let remote = around.remote();
+        for e in (0..self.mesh.len()).filter(|&e| !self.mesh.is_line(e)) {
+            for i in 0..2 {
+                let value = |site: &Site| remote.displacement(site.point)[i];
+                let datum = Datum { name: "remote displacement", value: &value, kinks: &|_| Vec::new() };
+                found.push((e, oscillation(self.mesh, self.space, e, &datum)? / (2.0 * compliance)));
+            }
+        }
         Ok(found)
     }
 
@@ -177,7 +186,23 @@ impl Data<'_> {
                 legendre.iter().zip(space.offset[e]..).map(|(p, m)| p * around.traction[2 * m + i]).sum()
             };
             for side in self.interface_sides() {
-                work += self.work_on_rest(side, expression, &function.datum("displacement jump"), &traction)?;
+                work += self.work_on_rest(side, Some(expression), &function.datum("displacement jump"), &traction)?;
+            }
+        }
+        let remote = self.scene.surroundings().map(|s| s.remote()).filter(|_| self.scene.body().outline.is_curved());
+        for (i, remote) in remote.iter().flat_map(|r| [(0, r), (1, r)]) {
+            let traction = |e: usize, t: f64| -> f64 {
+                let mut legendre = vec![0.0; space.degree(e)];
+                legendre_p(t, &mut legendre);
+                let sum: f64 =
+                    legendre.iter().zip(space.offset[e]..).map(|(p, m)| p * around.traction[2 * m + i]).sum();
+                sum * self.mesh.length(e) / 2.0 / self.mesh.speed(e, t)
+            };
+            let value =
+                |site: &Site| if self.mesh.is_line(site.element) { 0.0 } else { remote.displacement(site.point)[i] };
+            let datum = Datum { name: "remote displacement", value: &value, kinks: &|_| Vec::new() };
+            for side in self.interface_sides() {
+                work += self.work_on_rest(side, None, &datum, &traction)?;
             }
         }
         Ok(work)

@@ -1,6 +1,6 @@
 //! Contact in numbers and as a table, from a solved mesh.
 
-use steklov_bem_operators::{Mesh, SAME_PLACE, Space};
+use steklov_bem_operators::{Edge, Mesh, SAME_PLACE, Space};
 use steklov_contact::{Condition, Located, MultiplierNode, Status, TipKind};
 use steklov_problem::{Refine, Scene};
 
@@ -256,13 +256,18 @@ fn length_between(
             let pressed = |end: f64| points.iter().any(|p| (p.s - end).abs() < SAME_PLACE && counts(p.index));
             let at_ends = !stick && (part[0] == 0.0 && pressed(0.0) || part[1] == 1.0 && pressed(1.0));
             match with / all {
-                share if share > 1.0 - FEW => length += (part[1] - part[0]) * edge.length(),
+                share if share > 1.0 - FEW => length += fraction(edge, part[0], part[1]) * edge.length(),
                 share if share < FEW && !at_ends => {}
                 _ => return None,
             }
         }
     }
     Some(length)
+}
+
+/// Fraction of the length of an edge between two parameters.
+fn fraction(edge: &Edge, from: f64, to: f64) -> f64 {
+    if edge.is_arc_length() { to - from } else { edge.arc_fraction(to) - edge.arc_fraction(from) }
 }
 
 /// Whether a node in contact sticks.

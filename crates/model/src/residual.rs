@@ -33,21 +33,21 @@ impl Data<'_> {
         let body = solved.particular.as_ref();
         let traction = |site: &Site| -> [Option<f64>; 2] {
             let e = site.element;
-            let value = |f: &Expression| f.eval(site.point[0], site.point[1], site.s);
+            let value = |f: &Expression| self.value(f, site);
             if self.scene.contact(self.mesh.side[e]).is_some() {
                 return [None; 2];
             }
             let given = match &self.scene.body().sides[self.mesh.side[e]].condition {
                 Condition::Free => [Some(0.0); 2],
                 Condition::Traction(t) => [Some(value(&t[0])), Some(value(&t[1]))],
-                Condition::Pressure(p) => self.mesh.normal(e).map(|n| Some(-n * value(p))),
+                Condition::Pressure(p) => self.mesh.normal(e, site.t).map(|n| Some(-n * value(p))),
                 Condition::Displacement { values, traction } => [0, 1].map(|i| match (&values[i], traction) {
                     (Some(_), _) => None,
                     (None, Some(t)) => Some(value(&t[i])),
                     (None, None) => Some(0.0),
                 }),
             };
-            let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e)));
+            let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e, site.t)));
             [0, 1].map(|i| given[i].map(|t| t - particular[i]))
         };
         let first = elements.start;

@@ -30,6 +30,96 @@ fn particular(data: &Data<'_>, matrix: &Mat<f64>) -> Option<Particular> {
     Some(Particular::new(solution, scene.is_cavity(), mesh, space, held, product))
 }
 
+/// Part of a rigid motion that its nodal values miss between the nodes: 0 but for a rotation of a body with curves, whose
+/// points are no polynomials of low degree.
+pub(crate) fn missed(mesh: &Mesh, space: &Space, motions: &[RigidMotion]) -> f64 {
+    if motions.iter().all(|motion| motion.rotation == 0.0) {
+        return 0.0;
+    }
+    let mut worst: f64 = 0.0;
+    for motion in motions {
+        let nodal = motion.nodal(&space.points);
+        let largest = nodal.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        for e in (0..mesh.len()).filter(|&e| !mesh.is_line(e)) {
+            let basis = space.basis(e);
+            let mut phi = vec![0.0; basis.degree + 1];
+            for t in basis.nodes.windows(2).map(|t| (t[0] + t[1]) / 2.0) {
+                basis.evaluate(t, &mut phi);
+                let exact = motion.at(mesh.point(e, t));
+                for (i, exact) in exact.into_iter().enumerate() {
+                    let found: f64 =
+                        space.element_nodes(e).zip(&phi).map(|(node, phi)| phi * nodal[2 * node + i]).sum();
+                    worst = worst.max((found - exact).abs() / largest);
+                }
+            }
+        }
+    }
+    worst
+}
+
+/// Points and a load (x, y) at each of them.
+pub(crate) type PointLoad = (Vec<[f64; 2]>, Vec<f64>);
+
+/// Points and nodal load of a space that follows rotations to rounding, where the space of the mesh does not.
+pub(crate) fn rigid_load(data: &Data<'_>, given: &Given, missed: f64) -> Result<Option<PointLoad>, SolveError> {
+    if missed < NOTHING_MISSED {
+        return Ok(None);
+    }
+    let degree = data.mesh.degree.iter().map(|p| *p.max(&ROTATIONS)).collect();
+    let mesh = Mesh { degree, ..data.mesh.clone() };
+    let space = Space::new(&mesh);
+    let mut load = Data { scene: data.scene, mesh: &mesh, space: &space }.load()?.nodal;
+    if let Some(particular) = &given.particular {
+        // the rest of its load, S u_p, does no work on motions
+        let traction = particular.solution.traction_load(&mesh, &space);
+        load.iter_mut().zip(traction).for_each(|(f, t)| *f -= t);
+    }
+    Ok(Some((space.points, load)))
+}
+
+/// What of a rotation may be missed.
+const NOTHING_MISSED: f64 = 1e-12;
+/// Degree that follows rotations on an arc of 180°.
+const ROTATIONS: usize = 18;
+
+/// PᵀSP, P the projection off the span of the motions: what the nodal values of a rotation miss on curves must not resist it.
+fn project_off(matrix: &mut Mat<f64>, motions: &[Vec<f64>]) {
+    let n = matrix.nrows();
+    for q in orthonormal(motions) {
+        let row: Vec<f64> = (0..n).map(|j| (0..n).map(|i| matrix[(i, j)] * q[i]).sum()).collect();
+        let energy: f64 = row.iter().zip(&q).map(|(s, q)| s * q).sum();
+        for j in 0..n {
+            for i in 0..n {
+                matrix[(i, j)] -= q[i] * row[j] + row[i] * q[j] - energy * q[i] * q[j];
+            }
+        }
+    }
+}
+
+/// Takes the parts of a load off that work on the motions.
+pub(crate) fn project_load_off(load: &mut [f64], motions: &[Vec<f64>]) {
+    for q in orthonormal(motions) {
+        let part: f64 = load.iter().zip(&q).map(|(f, q)| f * q).sum();
+        load.iter_mut().zip(&q).for_each(|(f, q)| *f -= part * q);
+    }
+}
+
+fn orthonormal(motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for motion in motions {
+        let mut q = motion.clone();
+        for _ in 0..2 {
+            for b in &basis {
+                let part: f64 = q.iter().zip(b).map(|(q, b)| q * b).sum();
+                q.iter_mut().zip(b).for_each(|(q, b)| *q -= part * b);
+            }
+        }
+        let norm = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+        basis.push(q.into_iter().map(|v| v / norm).collect());
+    }
+    basis
+}
+
 /// Solves the scene on a mesh; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
 /// it has them.
 ///
@@ -75,7 +165,11 @@ pub fn solve(
 
     observe(Stage::Progress("condensation", 0.75))?;
     let candidates = scene.unresisted(supports.free_motions());
-    let free = unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?;
+    let missed = missed(&mesh, &space, &candidates);
+    let free = match rigid_load(&data, &given, missed)? {
+        None => unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?,
+        Some((points, load)) => unresisted((&points, &load), given.boundary.as_ref(), &candidates)?,
+    };
     let partition = Partition {
         kept: given.boundary.as_ref().map_or(Vec::new(), ContactBoundary::kept),
         held: supports.dofs(),
@@ -83,6 +177,10 @@ pub fn solve(
     };
     let nodal = |motions: &[RigidMotion]| -> Vec<Vec<f64>> { motions.iter().map(|r| r.nodal(&space.points)).collect() };
     let motions = nodal(&free);
+    if missed > 0.0 {
+        project_off(&mut matrix, &nodal(&candidates));
+        project_load_off(&mut given.load, &motions);
+    }
     let of_stabilised = stabilised::Body {
         traction: &traction_map,
         stiffness: &matrix,

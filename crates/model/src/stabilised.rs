@@ -73,7 +73,7 @@ pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<Stabi
     let problem = &stabilised.problem;
     let solution = solve_problem(problem, method.solver)?;
     let displacement = stabilised.displacement(&solution.displacement);
-    let forces = forms.nodal_forces(mesh, &space, gamma, &solution.multipliers, &displacement, particular);
+    let forces = forms.nodal_forces(mesh, gamma, &solution.multipliers, &displacement, particular);
     let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     Ok(StabilisedContact {
         audit: kkt_in_body(problem, &solution, largest),

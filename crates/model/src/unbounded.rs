@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use steklov_bem_operators::Mesh;
-use steklov_expression::Expression;
+use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Scene};
 
 use crate::report::{ContactRow, TOUCHING};
@@ -29,10 +29,7 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
     };
     for (k, edge) in scene.body().outline.edges().iter().enumerate() {
         let Some(gap) = gap_of(edge.side) else { continue };
-        let path = |s: f64| {
-            let [x, y] = edge.point(s);
-            (x, y, s)
-        };
+        let path = |s: f64| OnEdge::new(edge, gap).at(s);
         let along = gap.along(edge);
         let inside: Vec<f64> =
             along.kinks.iter().copied().filter(|&s| s > 3.0 * NEAR && s < 1.0 - 3.0 * NEAR).collect();
@@ -44,7 +41,7 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
     for e in 0..mesh.len() {
         let before = previous[e];
         let (here, there) = (gap_of(mesh.side[e]).is_some(), gap_of(mesh.side[before]).is_some());
-        let (a, b) = (mesh.tangent[before], mesh.tangent[e]);
+        let (a, b) = (mesh.tangent(before, 1.0), mesh.tangent(e, -1.0));
         // turning to the left is a convex corner: interior angle π - turn
         let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
         let corner = mesh.vertices[e];
@@ -75,7 +72,7 @@ fn is_mirror(scene: &Scene, mesh: &Mesh, e: usize) -> bool {
         return false;
     };
     let constant = |i: usize| values[i].as_ref().is_some_and(|v| v.constant().is_some());
-    (0..2).any(|i| mesh.normal(e)[i].abs() > 1.0 - 1e-12 && constant(i) && values[1 - i].is_none())
+    (0..2).any(|i| mesh.normal(e, 0.0)[i].abs() > 1.0 - 1e-12 && constant(i) && values[1 - i].is_none())
 }
 
 /// Whether the gap has a step or bends upwards at the edge parameter s.

@@ -12,6 +12,8 @@ use crate::summary::Probe;
 
 /// Angles that differ by less are the same (radian).
 const STRAIGHT: f64 = 1e-9;
+/// Of curves, whose numbers are seldom written with so many digits.
+pub(crate) const SMOOTH: f64 = 1e-6;
 
 /// Replaces stresses at probe points that have none: at a corner, or where the condition of a straight side changes, whose
 /// exponents let stresses grow without bound. `exact`: the field is known to have no singular part.
@@ -65,8 +67,12 @@ pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
     found
 }
 
-/// Direction of an edge as the boundary is traversed, the body to its left.
-fn direction(edge: &Edge) -> [f64; 2] {
+/// Direction of an edge as the boundary is traversed, the body to its left, where it begins or ends.
+fn direction(edge: &Edge, at_end: bool) -> [f64; 2] {
+    if !edge.is_line() {
+        let sign = if edge.reversed { -1.0 } else { 1.0 };
+        return edge.tangent(if at_end == edge.reversed { 0.0 } else { 1.0 }).map(|t| sign * t);
+    }
     let d = [edge.end[0] - edge.start[0], edge.end[1] - edge.start[1]];
     let length = d[0].hypot(d[1]) * if edge.reversed { -1.0 } else { 1.0 };
     d.map(|d| d / length)
@@ -74,9 +80,9 @@ fn direction(edge: &Edge) -> [f64; 2] {
 
 /// The wedge between the edge before a vertex and that behind it; none where the boundary goes on as before.
 fn wedge(scene: &Scene, rows: &[ContactRow], before: &Edge, behind: &Edge) -> Option<Wedge> {
-    let (a, b) = (direction(before), direction(behind));
+    let (a, b) = (direction(before, true), direction(behind, false));
     let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
-    let straight = (angle - PI).abs() < STRAIGHT;
+    let straight = (angle - PI).abs() < if before.is_line() && behind.is_line() { STRAIGHT } else { SMOOTH };
     let sector = |angle: f64, material: &Material| Sector { angle, mu: material.mu(), kappa: material.kappa() };
     if let Some(around) = scene.surroundings().filter(|_| behind.loop_index == 0) {
         let judged = scene.body().cells().is_none() && !straight;

@@ -276,7 +276,7 @@ pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &m
 
 /// How many elements there are and why.
 fn elements(scene: &Scene, number: usize) -> Decision {
-    let wanted = scene.method.elements;
+    let wanted = scene.first_elements();
     let uniform = Mesh::uniform(&scene.body().outline, wanted, scene.method.degree).len();
     let why = match (uniform > wanted, number > uniform) {
         (false, false) => "equal on an edge, the longest edges first",
@@ -284,6 +284,10 @@ fn elements(scene: &Scene, number: usize) -> Decision {
         (false, true) => "the data have kinks or jumps, which need vertices of their own",
         (true, true) => "every straight edge needs one, and kinks and jumps of the data need vertices of their own",
     };
+    if scene.body().outline.is_curved() && wanted < scene.method.elements {
+        let why = "an outline with curves: few elements, whose degrees rise; edges and sharp turns need their own";
+        return Decision { what: "elements".into(), choice: number.to_string(), why: why.into() };
+    }
     let choice = if number > wanted { format!("{number} elements instead of {wanted}") } else { number.to_string() };
     Decision { what: "elements".into(), choice, why: why.into() }
 }

@@ -1,6 +1,6 @@
 //! What random input costs, and which of it moves the data.
 
-use steklov_expression::Expression;
+use steklov_expression::{Expression, OnEdge, Track};
 use steklov_model::stochastic::{intervals, is_coupled, method};
 use steklov_problem::{Condition, Random, Sampling, Scene};
 use steklov_stochastic::smolyak;
@@ -152,8 +152,10 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
         for edge in scene.body().outline.edges() {
             for k in 0..=STEPS {
                 let s = k as f64 / STEPS as f64;
-                let [x, y] = edge.point(s);
-                let value = |f: &Expression| f.eval(x, y, s);
+                let value = |f: &Expression| {
+                    let (x, y, s) = OnEdge::new(edge, f).at(s);
+                    f.eval(x, y, s)
+                };
                 let pair = |a: &Expression, b: &Expression| (value(b) - value(a), 0.5 * (value(a) + value(b)));
                 let (a, b) = (&low.body().sides[edge.side].condition, &high.body().sides[edge.side].condition);
                 let mut load = |a: &Expression, b: &Expression| {

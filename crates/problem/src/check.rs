@@ -1,7 +1,7 @@
 //! The data of every side, looked at along its edges before anything is solved.
 
 use steklov_bem_operators::Edge;
-use steklov_expression::Expression;
+use steklov_expression::{Expression, OnEdge, Track};
 
 use super::{Condition, DataError, DataErrorKind as Kind, Problem, Scene};
 
@@ -58,10 +58,7 @@ impl Scene {
         what: &str,
         expression: &Expression,
     ) -> Result<f64, DataError> {
-        let path = |s: f64| {
-            let [x, y] = edge.point(s);
-            (x, y, s)
-        };
+        let path = |s: f64| OnEdge::new(edge, expression).at(s);
         let steps = (0..=STEPS).map(|k| k as f64 / STEPS as f64);
         let along = expression.along(edge);
         let beside = along.kinks.iter().copied().flat_map(|s| [(s - 1e-9).max(0.0), s, (s + 1e-9).min(1.0)]);
@@ -74,7 +71,7 @@ impl Scene {
             self.check_value(side, what, expression, path(s))?;
         }
         if what.starts_with("displacement") {
-            self.check_continuous(side, expression, largest, path)?;
+            self.check_continuous(side, expression, largest, edge)?;
         }
         Ok(largest)
     }
@@ -85,13 +82,14 @@ impl Scene {
         side: &str,
         expression: &Expression,
         largest: f64,
-        path: impl Fn(f64) -> (f64, f64, f64),
+        edge: &Edge,
     ) -> Result<(), DataError> {
+        let path = |s: f64| OnEdge::new(edge, expression).at(s);
         let value = |s: f64| {
             let (x, y, s) = path(s.clamp(0.0, 1.0));
             expression.eval(x, y, s)
         };
-        for t in expression.kinks(|t| path((1.0 + t) / 2.0)) {
+        for t in expression.kinks(OnEdge::two_sided(edge, expression)) {
             let s = (1.0 + t) / 2.0;
             let (before, after) = (value(s - 1e-9), value(s + 1e-9));
             let farther = value(s + 1e-8) - value(s - 1e-8);

@@ -72,6 +72,13 @@ pub fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), Da
                 _ => vec!["body", "holes", &hole, "corners", &k],
             };
             let refuse = |message: String, help: &str| Err(DataError::at(Kind::Geometry, &[key], message, help));
+            if !edge.is_line() {
+                let message = format!("the edge from ({}, {}) to ({}, {}) is curved", a[0], a[1], b[0], b[1]);
+                return refuse(
+                    message,
+                    "the body is made of grid cells: give it straight edges along the axes, or leave [grid] out",
+                );
+            }
             if (0..2).all(|k| (b[k] - a[k]).abs() > ON_GRID * size[k]) {
                 let message = format!(
                     "the edge from ({}, {}) to ({}, {}) is neither horizontal nor vertical, as grids of rectangles need it",

@@ -13,7 +13,7 @@
 //!
 //! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
 //! let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
-//! let mut scene = Scene::new(Polygon::new(Loop { corners, sides }, vec![])?, Material::new(200.0, 0.3, Plane::Strain)?);
+//! let mut scene = Scene::new(Polygon::new(Loop::straight(corners, sides), vec![])?, Material::new(200.0, 0.3, Plane::Strain)?);
 //! scene.body_mut().sides[0].condition = Condition::held();
 //! scene.body_mut().sides[2].condition = Condition::Pressure(Expression::parse("1 + x", &Default::default())?);
 //! scene.check()?;
@@ -80,6 +80,13 @@ pub struct Scene {
 }
 
 impl Scene {
+    /// Elements of the first mesh at least. On curves the degrees that follow do more than elements: with refinement by degrees,
+    /// an outline with curves has as few as it can.
+    pub fn first_elements(&self) -> usize {
+        let few = !self.method.elements_given && self.method.refine == Refine::Hp && self.body().outline.is_curved();
+        if few { 4 * self.body().outline.loops().len() } else { self.method.elements }
+    }
+
     /// A body of one material whose sides are all free, to which the rest is then given.
     pub fn new(outline: Polygon, material: Material) -> Self {
         Self {

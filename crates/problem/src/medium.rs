@@ -195,7 +195,8 @@ impl Scene {
     /// u0 = u - u_c at the edge parameter s of an edge of the interface, that of the remote stress included.
     pub fn displacement_jump(&self, edge: usize, s: f64) -> [f64; 2] {
         let Some(around) = self.surroundings() else { return [0.0; 2] };
-        let [x, y] = self.body().outline.edges()[edge].point(s);
+        let edge = &self.body().outline.edges()[edge];
+        let ([x, y], s) = (edge.point(s), edge.arc_fraction(s));
         let remote = around.remote().displacement([x, y]);
         match &around.tie.displacement_jump {
             Some(jump) => [0, 1].map(|i| remote[i] + jump[i].eval(x, y, s)),
@@ -206,7 +207,8 @@ impl Scene {
     /// t0 = σ(u)n - σ(u_c)n at the edge parameter s of an edge of the interface with normal n, that of the remote stress included.
     pub fn traction_jump(&self, edge: usize, s: f64, [nx, ny]: [f64; 2]) -> [f64; 2] {
         let Some(Surroundings { far, tie, .. }) = self.surroundings() else { return [0.0; 2] };
-        let [x, y] = self.body().outline.edges()[edge].point(s);
+        let edge = &self.body().outline.edges()[edge];
+        let ([x, y], s) = (edge.point(s), edge.arc_fraction(s));
         let [mut xx, mut yy, mut xy] = far.remote_stress;
         if let Some(jump) = &tie.stress_jump {
             let [a, b, c] = jump.each_ref().map(|jump| jump.eval(x, y, s));

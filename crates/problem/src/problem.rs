@@ -118,7 +118,7 @@ impl Body {
     fn hole(&self) -> Loop {
         let edges = &self.outline.edges()[self.outline.loops()[0].clone()];
         let (corners, sides) = edges.iter().map(|e| (e.listed()[0], self.sides[e.side].name.clone())).unzip();
-        Loop { corners, sides }
+        Loop { paths: edges.iter().map(|e| e.path).collect(), ..Loop::straight(corners, sides) }
     }
 }
 

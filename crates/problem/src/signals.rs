@@ -1,11 +1,14 @@
 //! Data of a scene as functions of its germs, enclosed over boxes of them.
 
+use steklov_bem_operators::Edge;
 use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch};
 
 use super::{Random, RandomName, Scene};
 
 /// Boxes of one germ that are looked at for the zeros of a switch.
 const BOXES: usize = 10_000;
+/// Boxes about a curved edge.
+const CHORDS: usize = 64;
 /// Most cuts of a germ: more of them are left to refinement.
 const CUTS: usize = 16;
 /// Probability on either side of a cut that is worth one.
@@ -69,7 +72,12 @@ impl Scene {
         all.extend(forces.filter_map(|e| free(e.text())).map(|e| (e, nowhere.clone())));
         for index in 0..self.body().sides.len() {
             let edges = self.body().outline.edges().iter().filter(|e| e.side == index);
-            let paths: Vec<[[f64; 2]; 2]> = edges.map(|e| [e.point(0.0), e.point(1.0)]).collect();
+            let chords = |e: &Edge| -> Vec<[[f64; 2]; 2]> {
+                let count = if e.is_line() { 1 } else { CHORDS };
+                let point = |k: usize| e.point(k as f64 / count as f64);
+                (0..count).map(|k| [point(k), point(k + 1)]).collect()
+            };
+            let paths: Vec<[[f64; 2]; 2]> = edges.flat_map(chords).collect();
             let read = self.problem.side_data(index).into_iter().filter_map(|(_, e)| free(e.text()));
             all.extend(read.map(|e| (e, paths.clone())));
         }

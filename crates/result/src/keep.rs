@@ -110,7 +110,7 @@ impl Keep for OnGrid {
         let solved = &run.last;
         let mesh: &Mesh = solved.trace().mesh;
         let traction = |e: usize| {
-            let (point, [nx, ny]) = (mesh.point(e, 0.0), mesh.normal(e));
+            let (point, [nx, ny]) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
             let [xx, yy, xy] = solved.at(point).1;
             (point, e, [xx * nx + xy * ny, xy * nx + yy * ny])
         };

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use rayon::prelude::*;
-use steklov_bem_operators::{Mesh, Polygon};
+use steklov_bem_operators::{Edge, Mesh, Polygon};
 use steklov_io::vtkhdf::{Field, Grid};
 use steklov_model::answer::answer;
 use steklov_model::around::Around;
@@ -107,11 +107,43 @@ impl Record {
 /// diameters on each side.
 fn frame(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
     let margin = 1.5 * polygon.diameter();
-    let coordinates = |i: usize| polygon.edges().iter().map(move |e| e.start[i]);
+    let points: Vec<[f64; 2]> = match polygon.is_curved() {
+        true => polygon.edges().iter().flat_map(Edge::extent).collect(),
+        false => polygon.edges().iter().map(|e| e.start).collect(),
+    };
+    let coordinates = |i: usize| points.iter().map(move |x| x[i]);
     let low = [0, 1].map(|i| coordinates(i).fold(f64::INFINITY, f64::min) - margin);
     let high = [0, 1].map(|i| coordinates(i).fold(f64::NEG_INFINITY, f64::max) + margin);
     let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
     (0..4).map(|k| (corners[k], corners[(k + 1) % 4], 0)).collect()
+}
+
+/// A chord of an edge, in the direction of traversal.
+pub(crate) struct Chord {
+    edge: usize,
+    pub(crate) ends: [[f64; 2]; 2],
+    /// Edge parameters of its ends.
+    span: [f64; 2],
+}
+
+/// Chords of a curve are shorter than this part of the diameter, and turn by less than this angle.
+const CHORD: f64 = 1.0 / 64.0;
+const TURN: f64 = 0.1;
+
+/// The chords that stand for an edge in pictures: a straight one is its own.
+pub(crate) fn chords(polygon: &Polygon, edge: usize) -> Vec<Chord> {
+    let e = &polygon.edges()[edge];
+    let count = match e.is_line() {
+        true => 1,
+        false => (e.length() / (CHORD * polygon.diameter())).max(e.turning() / TURN).ceil() as usize,
+    };
+    let s = |i: usize| if e.reversed { 1.0 - i as f64 / count as f64 } else { i as f64 / count as f64 };
+    let point = |i: usize| match i {
+        0 => e.start,
+        i if i == count => e.end,
+        i => e.point(s(i)),
+    };
+    (0..count).map(|i| Chord { edge, ends: [point(i), point(i + 1)], span: [s(i), s(i + 1)] }).collect()
 }
 
 /// The body with its fields, of an unbounded one a window; without triangles where the outline cannot be triangulated.
@@ -121,7 +153,8 @@ pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&Stoch
     let (frame, count) = if polygon.is_bounded() { (Vec::new(), BODY_POINTS) } else { (frame(polygon), WINDOW_POINTS) };
     let sides = frame.len();
     // the window is the loop before those of the holes
-    let loops = order.iter().map(|&k| &polygon.edges()[k]).map(|e| (e.start, e.end, e.loop_index + sides));
+    let chords: Vec<Chord> = order.iter().flat_map(|&k| chords(polygon, k)).collect();
+    let loops = chords.iter().map(|c| (c.ends[0], c.ends[1], polygon.edges()[c.edge].loop_index + sides));
     let edges: Vec<_> = frame.into_iter().chain(loops).collect();
     let mut body = triangulate(&edges, count).unwrap_or_else(|_| Triangulation {
         points: edges.iter().map(|e| e.0).collect(),
@@ -131,11 +164,23 @@ pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&Stoch
     });
     body.boundary.iter_mut().for_each(|at| *at = at.and_then(|(k, s)| Some((k.checked_sub(sides)?, s))));
     body.outline.retain(|line| line.iter().all(|&i| body.boundary[i].is_some()));
+    let place = |k: usize, s: f64| {
+        let Chord { edge, span: [a, b], .. } = chords[k];
+        (edge, a + (b - a) * s)
+    };
+    for (x, at) in body.points.iter_mut().zip(&body.boundary) {
+        if let Some((k, s)) = *at
+            && !polygon.edges()[chords[k].edge].is_line()
+        {
+            let (edge, s) = place(k, s);
+            *x = polygon.edges()[edge].point(s);
+        }
+    }
     let at_points = |elastic: ElasticField<'_>| -> Vec<([f64; 2], [f64; 3])> {
         let at = |i: usize| match body.boundary[i] {
             Some((k, s)) => {
-                let edge = &polygon.edges()[order[k]];
-                elastic.on_edge(order[k], if edge.reversed { 1.0 - s } else { s })
+                let (edge, s) = place(k, s);
+                elastic.on_edge(edge, s)
             }
             None => elastic.inside(body.points[i]),
         };

@@ -7,6 +7,7 @@ use steklov_elastic::{Material, MaterialError, Plane};
 use steklov_expression::{Expression, is_name, is_reserved};
 use steklov_problem::{DataError, DataErrorKind as Kind, Source};
 
+use super::curves;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 
@@ -48,20 +49,36 @@ pub(super) fn check_name(name: &str, place: steklov_expression::Place) -> Result
     Ok(())
 }
 
-/// Corners and sides of a loop as listed, for messages.
+/// Corners and sides of a loop as listed, for messages; of a circle or an ellipse the table itself.
 struct Listed<'a> {
     corners: Field<'a>,
     sides: Field<'a>,
+    /// The listed corner that each one comes from.
+    origin: Vec<usize>,
 }
 
 fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), DataError> {
+    if let Some(whole) = curves::whole_loop(fields)? {
+        let field = || fields.get("circle").or(fields.get("ellipse"));
+        let (Some(corners), Some(sides)) = (field(), field()) else { unreachable!("it was read") };
+        let origin = (0..whole.corners.len()).collect();
+        return Ok((whole, Listed { corners, sides, origin }));
+    }
     let corners = fields.require("corners", "corners = [[x, y], ...]")?;
     let sides = fields.require("sides", "sides = [\"name\", ...], one name for each edge")?;
-    let listed = Loop {
-        corners: corners.list()?.iter().map(Field::point).collect::<Result<_, _>>()?,
-        sides: sides.list()?.iter().map(|s| s.text().map(str::to_owned)).collect::<Result<_, _>>()?,
-    };
-    Ok((listed, Listed { corners, sides }))
+    let mut listed = Loop::straight(
+        corners.list()?.iter().map(Field::point).collect::<Result<_, _>>()?,
+        sides.list()?.iter().map(|s| s.text().map(str::to_owned)).collect::<Result<_, _>>()?,
+    );
+    // what is wrong with the lists themselves is told where the loop is checked
+    let count = listed.corners.len();
+    let whole = listed.sides.len() == count && count >= 2 && listed.corners.iter().flatten().all(|c| c.is_finite());
+    if !whole {
+        return Ok((listed, Listed { corners, sides, origin: (0..count).collect() }));
+    }
+    listed.paths = curves::paths(fields, &listed)?;
+    let (listed, origin) = curves::fillet(fields, listed)?;
+    Ok((listed, Listed { corners, sides, origin }))
 }
 
 /// The polygon of `[body]`; `cavity`: its loops are holes in the unbounded plane.
@@ -71,7 +88,7 @@ pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, DataError
     let (mut loops, mut listed) = (vec![first], vec![names]);
     if let Some(list) = fields.get("holes") {
         for hole in list.list()? {
-            let (corners, names) = read_loop(&Fields::new(&hole, &["corners", "sides"])?)?;
+            let (corners, names) = read_loop(&Fields::new(&hole, &keys::LOOP)?)?;
             loops.push(corners);
             listed.push(names);
         }
@@ -85,7 +102,11 @@ pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, DataError
 /// The place that a geometrical error means, and its remedy; `first` is the number that the first loop has in it.
 fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> DataError {
     let corners = |l: usize| listed[l - first].corners.item.place;
-    let corner = |l: usize, k: usize| listed[l - first].corners.list().map_or(corners(l), |list| list[k].item.place);
+    let corner = |l: usize, k: usize| {
+        let Listed { corners, origin, .. } = &listed[l - first];
+        let k = origin.get(k).copied().unwrap_or(k);
+        corners.list().ok().and_then(|list| list.get(k).map(|c| c.item.place)).unwrap_or(corners.item.place)
+    };
     let names = |l: usize| &listed[l - first].sides;
     let side = |l: usize, k: usize| names(l).list().map_or(names(l).item.place, |list| list[k].item.place);
     let (place, help) = match &error {
@@ -109,6 +130,9 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> DataErr
         }
         PolygonError::Touching { loop_index, corner: k, .. } => {
             (corner(*loop_index, *k), "move the corner away from the edge; each edge may meet only its two neighbours")
+        }
+        PolygonError::NoCurve { edge, .. } | PolygonError::OwnCrossing { edge, .. } => {
+            (corner(edge.loop_index, edge.corner), "correct the curve of this edge")
         }
         PolygonError::Crossing { second, .. } => (
             corner(second.loop_index, second.corner),
@@ -173,9 +197,6 @@ pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Resul
 
 /// Whether a point that is not in a body lies around it, and not in one of its holes.
 fn is_around(polygon: &Polygon, [x, y]: [f64; 2]) -> bool {
-    let crossed = polygon.edges()[polygon.loops()[0].clone()].iter().filter(|edge| {
-        let ([a, b], [c, d]) = (edge.start, edge.end);
-        (b > y) != (d > y) && x < a + (y - b) / (d - b) * (c - a)
-    });
-    x.is_finite() && y.is_finite() && crossed.count().is_multiple_of(2)
+    let outer = &polygon.edges()[polygon.loops()[0].clone()];
+    x.is_finite() && y.is_finite() && outer.iter().map(|edge| edge.crossings([x, y])).sum::<i32>() == 0
 }

@@ -110,6 +110,13 @@ impl<'a> Field<'a> {
         }
     }
 
+    pub(super) fn flag(&self) -> Result<bool, DataError> {
+        match self.item.value {
+            Value::Boolean(value) => Ok(value),
+            _ => Err(self.wrong_type("true or false")),
+        }
+    }
+
     /// A number for which `test` holds; `wanted` says it in words.
     pub(super) fn number_where(&self, test: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, DataError> {
         let value = self.number()?;

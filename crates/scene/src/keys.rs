@@ -20,7 +20,10 @@ pub(super) const SCENE: [&str; 13] = [
     "grid",
     "exterior",
 ];
-pub(super) const BODY: [&str; 3] = ["corners", "sides", "holes"];
+pub(super) const BODY: [&str; 9] =
+    ["corners", "sides", "holes", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
+/// Those of a hole.
+pub(super) const LOOP: [&str; 8] = ["corners", "sides", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
 pub(super) const MATERIAL: [&str; 4] = ["young", "poisson", "plane", "cells"];
 pub(super) const CELLS: [&str; 2] = ["size", "young"];
 pub(super) const SIDE: [&str; 4] = ["contact", "displacement", "pressure", "traction"];

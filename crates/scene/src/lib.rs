@@ -22,6 +22,7 @@ mod tree;
 mod keys;
 mod fields;
 mod body;
+mod curves;
 mod sides;
 mod method;
 mod random;

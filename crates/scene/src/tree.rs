@@ -11,7 +11,7 @@ pub(super) enum Value {
     Text(String),
     Integer(i64),
     Float(f64),
-    Boolean,
+    Boolean(bool),
     Date,
     Array(Vec<Item>),
     Table(Vec<Entry>),
@@ -50,7 +50,8 @@ impl Item {
             (Value::Integer(a), Value::Integer(b)) => a == b,
             (Value::Float(a), Value::Float(b)) => a == b,
             (Value::Integer(a), Value::Float(b)) | (Value::Float(b), Value::Integer(a)) => *a as f64 == *b,
-            (a, b) => matches!((a, b), (Value::Boolean, Value::Boolean) | (Value::Date, Value::Date)), // no key takes one
+            (Value::Boolean(a), Value::Boolean(b)) => a == b,
+            (a, b) => matches!((a, b), (Value::Date, Value::Date)), // no key takes one
         }
     }
 
@@ -143,7 +144,7 @@ fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, DataError> 
         }
         // The parser has checked the form; what is too large becomes infinite and is refused by its key.
         DeValue::Float(digits) => Value::Float(digits.as_str().parse().unwrap_or(f64::NAN)),
-        DeValue::Boolean(_) => Value::Boolean,
+        DeValue::Boolean(value) => Value::Boolean(*value),
         DeValue::Datetime(_) => Value::Date,
         DeValue::Array(list) => Value::Array(list.iter().map(|v| item(v, source)).collect::<Result<_, _>>()?),
         DeValue::Table(table) => Value::Table(entries(table, source)?),
@@ -245,7 +246,7 @@ pub(super) fn type_name(value: &Value) -> &'static str {
         Value::Text(_) => "a string",
         Value::Integer(_) => "an integer",
         Value::Float(_) => "a number",
-        Value::Boolean => "a boolean",
+        Value::Boolean(_) => "a boolean",
         Value::Date => "a date",
         Value::Array(_) => "a list",
         Value::Table(_) => "a table",

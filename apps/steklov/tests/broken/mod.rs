@@ -1,6 +1,7 @@
 //! Scenes with one mistake each: an edit of a sound scene, and what must be said about it.
 
 mod along_sides;
+mod curves;
 
 /// A sound scene.
 pub const SOUND: &str = r#"title = "Sound"
@@ -76,7 +77,7 @@ const LOAD: &str = "[\"0\", \"-1\"]";
 
 /// All mistakes.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    OF_FORM.iter().chain(along_sides::CASES)
+    OF_FORM.iter().chain(along_sides::CASES).chain(curves::CASES)
 }
 
 /// Mistakes of form, values, geometry and conditions.

@@ -240,9 +240,8 @@ pub const L_SHAPE: [[f64; 2]; 6] = [[0.0, 0.0], [0.0, -0.5], [0.5, -0.5], [0.5, 
 
 /// A polygon whose edges are all sides of their own.
 pub fn polygon(outer: &[[f64; 2]], holes: &[&[[f64; 2]]]) -> Polygon {
-    let one = |corners: &[[f64; 2]], tag: &str| Loop {
-        corners: corners.to_vec(),
-        sides: (0..corners.len()).map(|k| format!("{tag}{k}")).collect(),
+    let one = |corners: &[[f64; 2]], tag: &str| {
+        Loop::straight(corners.to_vec(), (0..corners.len()).map(|k| format!("{tag}{k}")).collect())
     };
     let holes = holes.iter().enumerate().map(|(h, c)| one(c, &format!("hole{h}-"))).collect();
     Polygon::new(one(outer, "side"), holes).expect("a valid polygon")

@@ -9,7 +9,7 @@ use crate::{ContactBoundary, ContactError, SideData, contact_boundary};
 pub fn mesh(names: [&str; 5], elements: usize, degree: usize) -> (Mesh, Space) {
     // the first two edges are one straight line
     let corners = vec![[0.0, 0.0], [1.0, 0.0], [3.0, 0.0], [3.5, 2.0], [-0.5, 1.5]];
-    let outer = Loop { corners, sides: names.map(String::from).to_vec() };
+    let outer = Loop::straight(corners, names.map(String::from).to_vec());
     let mut mesh = Mesh::uniform(&Polygon::new(outer, Vec::new()).unwrap(), elements, degree);
     let n = mesh.len();
     for (e, p) in mesh.degree.iter_mut().enumerate() {
@@ -201,7 +201,7 @@ fn contact_all_around_closes() {
 fn what_cannot_carry_contact_is_refused() {
     let corners = vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
     let names = ["floor", "right", "top", "left"].map(String::from).to_vec();
-    let polygon = Polygon::new(Loop { corners, sides: names }, Vec::new()).unwrap();
+    let polygon = Polygon::new(Loop::straight(corners, names), Vec::new()).unwrap();
     let floor_only = |degree: usize, value: f64, bound: f64| {
         let mesh = Mesh::uniform(&polygon, 4, degree);
         let space = Space::new(&mesh);

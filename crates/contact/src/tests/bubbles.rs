@@ -12,7 +12,7 @@ use crate::{ContactBubble, Problem, Sets, contact_bubbles, oscillation};
 fn rectangle(width: f64, degrees: &[usize; 4]) -> (Mesh, Space) {
     let corners = vec![[0.0, 0.0], [width, 0.0], [width, 1.0], [0.0, 1.0]];
     let sides = ["floor", "right", "top", "left"].map(String::from).to_vec();
-    let polygon = Polygon::new(Loop { corners, sides }, Vec::new()).unwrap();
+    let polygon = Polygon::new(Loop::straight(corners, sides), Vec::new()).unwrap();
     let breaks = [vec![0.1, 0.4, 0.8], vec![], vec![], vec![]];
     let degrees = [degrees.to_vec(), vec![1], vec![1], vec![1]];
     let mesh = Mesh::from_breaks(&polygon, &breaks, &degrees).unwrap();

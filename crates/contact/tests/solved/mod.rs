@@ -23,7 +23,7 @@ fn turned(angle: f64, [x, y]: Vector) -> Vector {
 pub fn square(angle: f64) -> Polygon {
     let corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]].map(|x| turned(angle, x)).to_vec();
     let sides = ["floor", "right", "top", "left"].map(String::from).to_vec();
-    Polygon::new(Loop { corners, sides }, Vec::new()).expect("a square")
+    Polygon::new(Loop::straight(corners, sides), Vec::new()).expect("a square")
 }
 
 /// Elastic field in the frame of the square: a linear one (a translation and a gradient), the one of the potential
@@ -92,7 +92,7 @@ impl Case {
     /// The square turned by `angle`, such that the field solves it: g = u_n, F = λ_t on the floor (or `bound`).
     pub fn of_field(mesh: Mesh, field: Field, angle: f64, held: [bool; 4], bound: Option<f64>) -> Self {
         let back = move |x: Vector| turned(-angle, x);
-        let normals: Vec<Vector> = (0..mesh.len()).map(|e| back(mesh.normal(e))).collect();
+        let normals: Vec<Vector> = (0..mesh.len()).map(|e| back(mesh.normal(e, 0.0))).collect();
         Self {
             mesh,
             material: field.material,
@@ -176,7 +176,7 @@ impl Case {
 
         let given = |x: &Site| {
             let side = mesh.side[x.element];
-            let p = body_force.map_or([0.0; 2], |b| b.traction(x.point, mesh.normal(x.element)));
+            let p = body_force.map_or([0.0; 2], |b| b.traction(x.point, mesh.normal(x.element, x.t)));
             let t = (self.traction)(x);
             if side == 0 || holds[side] { [None; 2] } else { [Some(t[0] - p[0]), Some(t[1] - p[1])] }
         };

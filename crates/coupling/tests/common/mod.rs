@@ -154,7 +154,7 @@ pub fn traction_error(exterior: &Medium, found: &[f64]) -> f64 {
     let mut error = found.to_vec();
     for e in 0..exterior.mesh.len() {
         for (&t, w) in rule.points.iter().zip(&rule.weights) {
-            let exact = traction(outer(&exterior.material, exterior.mesh.point(e, t)).1, exterior.mesh.normal(e));
+            let exact = traction(outer(&exterior.material, exterior.mesh.point(e, t)).1, exterior.mesh.normal(e, 0.0));
             (0..2).for_each(|i| error[2 * e + i] -= 0.5 * w * exact[i]);
         }
     }

@@ -222,7 +222,7 @@ fn jump_oscillation(
         };
         let datum = Datum { name: "displacement jump", value: &value, kinks: &|_| Vec::new() };
         for (e, energy) in energies.iter_mut().enumerate() {
-            let ([x, y], [nx, ny], within) = (mesh.point(e, 0.0), mesh.normal(e), 1e-6 * mesh.length(e));
+            let ([x, y], [nx, ny], within) = (mesh.point(e, 0.0), mesh.normal(e, 0.0), 1e-6 * mesh.length(e));
             let cell = body.grid.locate([x - within * nx, y - within * ny]);
             let body = cell.map_or(around, |(cell, _)| plane * body.young[cell]);
             *energy += oscillation(mesh, space, e, &datum)? / (2.0 * (1.0 / body + 1.0 / around));
@@ -321,7 +321,7 @@ mod tests {
     #[test]
     fn moments_of_a_linear_traction_are_exact() {
         let corners = vec![[0.0, 0.0], [3.0, 0.0], [3.0, 1.0], [0.0, 1.0]];
-        let polygon = Polygon::new(Loop { corners, sides: vec!["all".to_owned(); 4] }, Vec::new()).unwrap();
+        let polygon = Polygon::new(Loop::straight(corners, vec!["all".to_owned(); 4]), Vec::new()).unwrap();
         let mesh = Mesh::uniform(&polygon, 1, 2);
         let space = Space::new(&mesh);
         let mut traction = vec![0.0; space.dofs()];

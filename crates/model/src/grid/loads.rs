@@ -43,7 +43,7 @@ fn remote_tractions(scene: &Scene, mesh: &Mesh) -> Vec<SideLoad> {
     let Some(remote) = scene.remote_stress() else { return Vec::new() };
     let edges = scene.body().outline.edges();
     let meets = |e: &usize| edges[mesh.edge[*e]].loop_index == 0;
-    let moments = |e: usize| remote.traction(mesh.point(e, 0.0), mesh.normal(e)).map(|t| t * mesh.length(e) / 2.0);
+    let moments = |e: usize| remote.traction(mesh.point(e, 0.0), mesh.normal(e, 0.0)).map(|t| t * mesh.length(e) / 2.0);
     (0..mesh.len()).filter(meets).map(|e| (e, [moments(e); 2])).collect()
 }
 

@@ -70,7 +70,7 @@ fn bilinear(moments: &[f64; 8], area: f64) -> f64 {
 fn of_tractions(scene: &Scene, body: &HeterogeneousBody, fine: &GridTrace) -> Result<f64, SolveError> {
     let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
     let mut sum = 0.0;
-    data.each_traction(&mut |side, name, expression, direction| {
+    data.each_traction(&mut |side, name, expression, _, direction| {
         if expression.constant().is_some() {
             return Ok(());
         }

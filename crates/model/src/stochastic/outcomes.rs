@@ -18,6 +18,7 @@ use crate::fields::probe;
 use crate::motions::unresisted;
 use crate::report::{ContactRow, contact_rows, figures};
 use crate::solution::Solved;
+use crate::solve::{missed, project_load_off, rigid_load};
 use crate::summary::Summary;
 use crate::supports::Supports;
 
@@ -99,7 +100,14 @@ impl<'a> Outcomes<'a> {
         let mut given = Given::new(loads, particular, boundary, supports.values(), mesh, space);
         given.judged = false;
         let candidates = scene.unresisted(supports.free_motions());
-        let free = unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?;
+        let missed = missed(mesh, space, &candidates);
+        let free = match rigid_load(&data, &given, missed)? {
+            None => unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?,
+            Some((points, load)) => unresisted((&points, &load), given.boundary.as_ref(), &candidates)?,
+        };
+        if missed > 0.0 {
+            project_load_off(&mut given.load, &free.iter().map(|r| r.nodal(&space.points)).collect::<Vec<_>>());
+        }
         if free.len() != self.body.free.len() {
             let (here, nominal) = (free.len(), self.body.free.len());
             let what = format!("{here} motions that nothing resists, for the mean input {nominal}: hold the body");

@@ -4,6 +4,7 @@ use rayon::prelude::*;
 use steklov_bem_operators::Polygon;
 use steklov_model::around::Around;
 
+use crate::record::chords;
 use crate::triangulate::{Triangulation, triangulate};
 
 /// Distance of the window's sides from the body, in diameters of it.
@@ -26,11 +27,11 @@ pub struct Window {
 /// The medium around the outer loop of a body; without triangles where its outline cannot be triangulated.
 pub(crate) fn window(body: &Polygon, around: &Around) -> Window {
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    let interface: Vec<_> = body.traversal(0).into_iter().map(|k| &body.edges()[k]).collect();
-    for edge in &interface {
+    let interface: Vec<_> = body.traversal(0).into_iter().flat_map(|k| chords(body, k)).collect();
+    for chord in &interface {
         for k in 0..2 {
-            low[k] = low[k].min(edge.start[k]);
-            high[k] = high[k].max(edge.start[k]);
+            low[k] = low[k].min(chord.ends[0][k]);
+            high[k] = high[k].max(chord.ends[0][k]);
         }
     }
     let margin = MARGIN * (high[0] - low[0]).hypot(high[1] - low[1]);
@@ -38,7 +39,7 @@ pub(crate) fn window(body: &Polygon, around: &Around) -> Window {
     let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
     let mut edges: Vec<_> = (0..4).map(|k| (corners[k], corners[(k + 1) % 4], 0)).collect();
     // the body is a hole of the window
-    edges.extend(interface.iter().rev().map(|edge| (edge.end, edge.start, 1)));
+    edges.extend(interface.iter().rev().map(|chord| (chord.ends[1], chord.ends[0], 1)));
     let Triangulation { points, triangles, boundary, .. } = triangulate(&edges, POINTS).unwrap_or_else(|_| {
         Triangulation { points: Vec::new(), triangles: Vec::new(), boundary: Vec::new(), outline: Vec::new() }
     });

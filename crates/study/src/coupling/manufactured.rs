@@ -227,7 +227,7 @@ impl<'a> Manufactured<'a> {
         let mut error = found.to_vec();
         for e in 0..mesh.len() {
             for (&t, w) in rule.points.iter().zip(&rule.weights) {
-                let exact = traction(self.outer(mesh.point(e, t)).1, mesh.normal(e));
+                let exact = traction(self.outer(mesh.point(e, t)).1, mesh.normal(e, t));
                 (0..2).for_each(|i| error[2 * e + i] -= 0.5 * w * exact[i]);
             }
         }

@@ -61,10 +61,10 @@ pub(super) fn plate(
     [coarse, fine]: [[usize; 2]; 2],
 ) -> Result<Scene, SolveError> {
     let wrong = |message: String| DataError::at(DataErrorKind::Value, &[], message, "change the plate");
-    let outline = Loop {
-        corners: vec![[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]],
-        sides: ["bottom", "right", "top", "left"].map(str::to_owned).to_vec(),
-    };
+    let outline = Loop::straight(
+        vec![[0.0, 0.0], [width, 0.0], [width, height], [0.0, height]],
+        ["bottom", "right", "top", "left"].map(str::to_owned).to_vec(),
+    );
     let polygon = Polygon::new(outline, Vec::new()).map_err(|e| wrong(e.to_string()))?;
     let material = Material::new(1.0, 0.3, Plane::Strain).map_err(|e| wrong(e.to_string()))?;
     let young = Expression::parse(young, &BTreeMap::from([(name.to_owned(), value)])).map_err(|e| wrong(e.message))?;

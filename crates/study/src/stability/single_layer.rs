@@ -166,7 +166,7 @@ mod tests {
     use super::*;
 
     fn polygon(corners: &[[f64; 2]]) -> Polygon {
-        let named = Loop { corners: corners.to_vec(), sides: vec!["side".into(); corners.len()] };
+        let named = Loop::straight(corners.to_vec(), vec!["side".into(); corners.len()]);
         Polygon::new(named, Vec::new()).unwrap()
     }
 

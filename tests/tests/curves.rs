@@ -1,0 +1,118 @@
+//! Bodies bounded by curves: the answer does not depend on how a curve is written, where it is cut, turned or in what unit.
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use steklov_problem::Scene;
+use steklov_tests::adapt;
+
+fn parse(text: &str) -> Scene {
+    steklov_tests::parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+/// J of a scene, extrapolated.
+fn energy(text: &str) -> f64 {
+    let run = adapt(&parse(text)).unwrap_or_else(|e| panic!("{e}\n{text}"));
+    assert_eq!(run.reason.word(), "tolerance", "{text}");
+    run.step().estimate().energy
+}
+
+/// A disc of these arcs under loads that balance, turned by `turn` about the origin; lengths times `scale`.
+fn disc(angles: &[f64], turn: f64, scale: f64) -> String {
+    let n = angles.len();
+    let corner = |k: usize| {
+        let (sin, cos) = (angles[k] + turn).sin_cos();
+        format!("[{:?}, {:?}]", scale * cos, scale * sin)
+    };
+    let opening = |k: usize| (angles[(k + 1) % n] - angles[k]).rem_euclid(TAU);
+    let arc = |k: usize| format!("{{ edge = {k}, bulge = {:?} }}", (opening(k) / 4.0).tan());
+    let list = |f: &dyn Fn(usize) -> String| (0..n).map(f).collect::<Vec<_>>().join(", ");
+    // σ = [[X² - Y², -2XY], [-2XY, Y² - X²]] of the turned coordinates X, Y over the scale, turned back; σ n of it
+    let (sin, cos) = turn.sin_cos();
+    let x = format!("((x*{cos:?} + y*{sin:?})/{scale:?})");
+    let y = format!("((y*{cos:?} - x*{sin:?})/{scale:?})");
+    let (tx, ty) = (format!("({x}^3 - 3*{x}*{y}^2)"), format!("({y}^3 - 3*{x}^2*{y})"));
+    format!(
+        "[body]\ncorners = [{}]\nsides = [{}]\narcs = [{}]\n[material]\nyoung = 1.0\npoisson = 0.3\n\
+         [sides.rim]\ntraction = [\"{tx}*{cos:?} - {ty}*{sin:?}\", \"{tx}*{sin:?} + {ty}*{cos:?}\"]\n\
+         [method]\ntolerance = 1e-6\n",
+        list(&corner),
+        list(&|_| "\"rim\"".to_owned()),
+        list(&arc),
+    )
+}
+
+#[test]
+fn neither_the_number_of_arcs_nor_place_nor_unit_matters() {
+    let even = |n: usize, first: f64| (0..n).map(|k| first + TAU * k as f64 / n as f64).collect::<Vec<_>>();
+    let whole = energy(&disc(&even(4, 0.0), 0.0, 1.0));
+    let turn = 17.0 * PI / 180.0;
+    let others = [
+        (disc(&even(2, 0.3), 0.0, 1.0), 1.0),
+        (disc(&even(3, 0.1), 0.0, 1.0), 1.0),
+        (disc(&even(7, 0.0), 0.0, 1.0), 1.0),
+        (disc(&[0.0, 0.2, FRAC_PI_2, PI, 4.0], 0.0, 1.0), 1.0),
+        (disc(&even(4, 0.0), turn, 1.0), 1.0),
+        (disc(&even(4, 0.0), 0.0, 1e-3), 1e-6),
+        (disc(&even(3, 0.7), turn, 1e6), 1e12),
+    ];
+    for (text, unit) in others {
+        let other = energy(&text) / unit;
+        assert!((other / whole - 1.0).abs() < 1e-10, "{other} {whole}\n{text}");
+    }
+}
+
+#[test]
+fn circles_by_key_are_those_by_arcs() {
+    let by_key = "[body]\ncircle = { centre = [0, 0], radius = 1 }\nside = \"rim\"\n";
+    let by_arcs = disc(&[0.0, FRAC_PI_2, PI, 3.0 * FRAC_PI_2], 0.0, 1.0);
+    let rest = by_arcs.split_once("[material]").map(|(_, rest)| rest).unwrap();
+    let ellipse = "[body]\nellipse = { centre = [0, 0], radii = [1, 1], angle = 30 }\nside = \"rim\"\n";
+    let whole = energy(&by_arcs);
+    for head in [by_key, ellipse] {
+        let other = energy(&format!("{head}[material]{rest}"));
+        assert!((other / whole - 1.0).abs() < 1e-10, "{other} {whole} {head}");
+    }
+}
+
+/// A cubic on a line, and arcs with less and less bulge, tend to the straight edge.
+#[test]
+fn nearly_straight_curves_tend_to_the_line() {
+    let block = |curve: &str| {
+        format!(
+            "[body]\ncorners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"floor\", \"right\", \"top\", \"left\"]\n{curve}\n\
+             [material]\nyoung = 1.0\npoisson = 0.3\n[sides.floor]\ndisplacement = [\"0\", \"0\"]\n\
+             [sides.top]\ntraction = [\"0.1\", \"-1\"]\n[method]\ntolerance = 1e-4\n"
+        )
+    };
+    let straight = energy(&block(""));
+    let exact = energy(&block("curves = { right = { control = [[2, 0.25], [2, 0.6]] } }"));
+    assert!((exact / straight - 1.0).abs() < 1e-7, "{exact} {straight}");
+    let mut last = f64::INFINITY;
+    for exponent in [2, 3, 4, 6, 9] {
+        let off = (energy(&block(&format!("arcs = {{ right = {{ bulge = 1e-{exponent} }} }}"))) / straight - 1.0).abs();
+        println!("bulge 1e-{exponent}: {off:.1e}");
+        assert!(off < last.max(1e-7) && off < 3.0 * 10f64.powi(-exponent) + 1e-7, "1e-{exponent}: {off:e}");
+        last = off;
+    }
+}
+
+/// The side of a fillet is that of both its edges, or one of its own.
+#[test]
+fn a_fillet_is_the_arc_that_touches_both_edges() {
+    let rest = "[material]\nyoung = 1.0\npoisson = 0.3\n[sides.wall]\ndisplacement = [\"0\", \"0\"]\n\
+                [sides.end]\ntraction = [\"0\", \"-1\"]\n[method]\ntolerance = 1e-4\n";
+    let fillet = "[body]\ncorners = [[0, 0], [3, 0], [3, 1], [1, 1], [1, 3], [0, 3]]\n\
+                  sides = [\"bottom\", \"end\", \"top\", \"top\", \"wall\", \"left\"]\nfillet = { 3 = 0.5 }\n";
+    let by_hand = "[body]\ncorners = [[0, 0], [3, 0], [3, 1], [1.5, 1], [1, 1.5], [1, 3], [0, 3]]\n\
+                   sides = [\"bottom\", \"end\", \"top\", \"top\", \"top\", \"wall\", \"left\"]\n\
+                   arcs = [{ edge = 3, centre = [1.5, 1.5] }]\n";
+    let [a, b] = [fillet, by_hand].map(|body| parse(&format!("{body}{rest}")));
+    let edges = |scene: &Scene| scene.body().outline.edges().to_vec();
+    for (a, b) in edges(&a).iter().zip(edges(&b)) {
+        for s in [0.0, 0.3, 0.5, 1.0] {
+            let ([x, y], [u, v]) = (a.point(s), b.point(s));
+            assert!((x - u).hypot(y - v) < 1e-14, "{x} {y} {u} {v}");
+        }
+        assert_eq!(a.side, b.side);
+    }
+}
