@@ -117,6 +117,15 @@ pub fn attempt_grid(scene: &Scene) -> Result<Run<OnGrid>, SolveError> {
     run(scene, Progress::<OnGrid>::new(scene, Vec::new())?, &AtomicUsize::new(0), &mut |_, _| Ok(()))
 }
 
+/// The summary of a scene that is solved adaptively.
+///
+/// # Panics
+/// If it has no solution.
+pub fn summary(scene: &Scene) -> Summary {
+    let run = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
+    Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary
+}
+
 /// The summary of a scene that is solved by finite elements.
 ///
 /// # Panics

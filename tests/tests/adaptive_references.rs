@@ -1,18 +1,14 @@
 //! The adaptive loop on problems whose energies are known: unknowns for an accuracy, from any first mesh; straight lines
 //! of the error; material and corners that are hard; the limits that a user sets.
 
-use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_model::first_mesh::singular_points;
 use steklov_model::layout::Layout;
 use steklov_model::run::{Progress, Reason, Run, run};
-use steklov_model::summary::Summary;
-use steklov_plan::plan;
 use steklov_problem::Scene;
-use steklov_result::record::Record;
-use steklov_tests::{Judged, adapt, judged, line, parse, scene, step_below};
+use steklov_tests::{Judged, adapt, judged, line, parse, scene, step_below, summary};
 
 /// Energy errors (|J - J_ref|/|J_ref|)^½ at which unknowns are counted.
 const LEVELS: [f64; 2] = [3e-4, 3e-6];
@@ -35,11 +31,6 @@ fn counted(problem: &Judged, run: &Run, start: &str) -> [(usize, usize); 2] {
         problem.name, errors[a], errors[b]
     );
     counted
-}
-
-fn summary(scene: &Scene) -> Summary {
-    let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
-    Record::new(scene, plan(scene), &run, None, Path::new("none.vtkhdf"), 0.0).summary
 }
 
 /// Unknowns at which the line of log error over unknowns crosses the levels: whole steps are a third apart.

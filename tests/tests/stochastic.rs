@@ -327,7 +327,7 @@ fn the_spatial_estimate_is_the_mean_over_outcomes() {
     let scene = parse(&text.replace("tolerance = 5e-3", "tolerance = 2e-2"));
     let (run, result) = solved(&scene);
     let estimate = run.step().estimate();
-    let finer = Subdivision::new(&run.last.mesh, &vec![Mark::Refine { rough: true, excess: 1.0 }; run.last.mesh.len()])
+    let finer = Subdivision::new(&run.last.mesh, &vec![Mark::refine(true, 1.0); run.last.mesh.len()])
         .refined_by_mark(&steklov_bem_operators::Grading { max_degree: 20, ..Default::default() });
     let (mut squared, mut norm) = (0.0, 0.0);
     let picked = [0usize, 7, 21, 42, 63];

@@ -30,9 +30,43 @@ fn square() -> Polygon {
     Polygon::new(Loop::straight(corners, sides), vec![]).expect("a square")
 }
 
+#[derive(Clone, Copy)]
+enum Shape {
+    Lines,
+    Arcs,
+    Curves,
+}
+
+/// Equal elements around a circle, or an ellipse with axes 1.2 : 1.
+fn ring(shape: Shape, elements: usize) -> Polygon {
+    let mut outline = match shape {
+        Shape::Curves => Loop::ellipse([0.0; 2], [1.2, 1.0], 0.0, elements, "rim"),
+        _ => Loop::circle([0.0; 2], 1.0, elements, "rim"),
+    };
+    if let Shape::Lines = shape {
+        outline.paths.clear();
+    }
+    Polygon::new(outline, vec![]).expect("a ring")
+}
+
 fn main() {
     let material = Material::new(200.0, 0.3, Plane::Strain).expect("material");
     let threads = rayon::current_num_threads();
+    println!("pairs of elements of a ring, {threads} threads: microseconds a pair, columns included");
+    for (elements, p) in [(16, 8), (16, 12), (96, 4), (96, 8), (96, 12)] {
+        let seconds = [Shape::Lines, Shape::Arcs, Shape::Curves].map(|shape| {
+            let mesh = Mesh::uniform(&ring(shape, elements), elements, p);
+            let space = Space::new(&mesh);
+            seconds(5, || Operators::assemble(&mesh, &space, &material, None).expect("operators"))
+        });
+        let pairs = (elements * (elements + 1) / 2) as f64;
+        let [lines, arcs, curves] = seconds.map(|s| 1e6 * s / pairs);
+        println!(
+            "  {elements} elements, p = {p}: lines {lines:.2}, arcs {arcs:.2} ({:.1} times), curves {curves:.2} ({:.1} times)",
+            arcs / lines,
+            curves / lines
+        );
+    }
     println!("square, about 1500 dofs, {threads} threads: assembly of V, K, W and the dense algebra after it, seconds");
     for p in [1, 2, 4, 8] {
         let mesh = Mesh::uniform(&square(), 4 * (1500 / (8 * p)), p);

@@ -11,7 +11,7 @@ use sprs::{CsMat, TriMat};
 use steklov_elastic::Material;
 
 use crate::cache::PairCache;
-use crate::columns::{Scratch, Targets};
+use crate::columns::{Columns, Scratch, Targets};
 use crate::pass::{Block, Pass, Purpose};
 use crate::{BemError, Mesh, Space};
 
@@ -95,7 +95,7 @@ impl Pass<'_> {
         let mut add = |rows: std::ops::Range<usize>, moments: &[f64]| {
             let block = Block { base: self.pair_base(rows.clone()), rows, moments };
             owners.par_iter_mut().for_each_init(Scratch::default, |scratch, columns| {
-                arch.dispatch(|| self.add(columns, &block, scratch));
+                arch.dispatch(Addition { pass: self, columns, block: &block, scratch });
             });
         };
         if let Some(moments) = cache.moments(self) {
@@ -108,6 +108,23 @@ impl Pass<'_> {
                 add(rows, &buffer);
             }
         }
+    }
+}
+
+/// What [`Pass::add`] is called with: a closure of this size would not be compiled for the instructions at hand.
+struct Addition<'a, 'c> {
+    pass: &'a Pass<'a>,
+    columns: &'a mut Columns<'c>,
+    block: &'a Block<'a>,
+    scratch: &'a mut Scratch,
+}
+
+impl pulp::NullaryFnOnce for Addition<'_, '_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        self.pass.add(self.columns, self.block, self.scratch);
     }
 }
 

@@ -8,11 +8,13 @@ use crate::pass::{Pass, Places, Purpose};
 /// Doubles that a cache holds at most, 32 MiB; those of a mesh and of the one before are there at once. Moments take about as
 /// much as half of a matrix, and beyond 2000 unknowns hundreds of times less work than the factorisations.
 const CAPACITY: usize = 1 << 22;
+/// The same where there are curves, 128 MiB: their moments take up to ten times the work.
+const CAPACITY_OF_CURVES: usize = 1 << 24;
 
 /// The moments of all pairs of the mesh before, found by the curve and the order of their elements.
 ///
 /// Moments are a function of these alone, so that a run with a cache has the bits of a run without. A mesh whose moments
-/// would fill more than 32 MiB is assembled without.
+/// would fill more than 32 MiB, with curves 128 MiB, is assembled without.
 #[derive(Debug, Clone, Default)]
 pub struct PairCache {
     /// Number of the element with this curve and this order.
@@ -71,8 +73,9 @@ impl PairCache {
 
     /// Whether the moments of a mesh are to be kept.
     pub(crate) fn holds(&self, pass: &Pass<'_>) -> bool {
+        let capacity = if pass.curves.iter().all(Curve::is_line) { CAPACITY } else { CAPACITY_OF_CURVES };
         pass.purpose != Purpose::Plain
-            && (0..pass.len()).map(|a| pass.pair_offset(a, pass.len())).sum::<usize>() <= CAPACITY
+            && (0..pass.len()).map(|a| pass.pair_offset(a, pass.len())).sum::<usize>() <= capacity
     }
 
     /// The number that each element of a mesh has here.

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use faer::Mat;
 
-use crate::moments::{Geometry, Tables, first_is_outer};
+use crate::moments::{Geometry, LANES, Tables, first_is_outer};
 use crate::pass::{Block, Pass};
 use crate::{Bubbles, Enrichment, Operators, Space};
 
@@ -34,10 +34,12 @@ pub(crate) struct Columns<'a> {
 #[derive(Default)]
 pub(crate) struct Scratch {
     tables: Tables,
-    /// G̃ times the trial derivative for each test degree.
-    g_xx: Vec<f64>,
-    g_yy: Vec<f64>,
-    g_xy: Vec<f64>,
+    /// Entries xx, yx, xy, yy of K of one trial function with each test degree.
+    k: [Vec<f64>; 4],
+    /// c_W G̃ times the derivative of the trial function, xx, xy, yy, for each test degree.
+    g: [Vec<f64>; 3],
+    /// Entries xx, xy, yy of W with each test function.
+    w: [Vec<f64>; 3],
 }
 
 /// The functions of an element of one degree: the nodal ones from start to end, then, with an enrichment, the bubble
@@ -47,6 +49,9 @@ pub(crate) struct Local {
     values: Vec<f64>,
     /// Legendre coefficients of its derivative with respect to t.
     derivatives: Vec<f64>,
+    /// The same, coefficient by coefficient: that of function i at m `stride` + i.
+    transposed: Vec<f64>,
+    stride: usize,
 }
 
 impl Local {
@@ -68,7 +73,13 @@ impl Local {
             }));
             derivatives.extend((0..top).map(|n| if n == p { 1.0 } else { 0.0 }));
         }
-        Self { values, derivatives }
+        let functions = values.len() / (top + 1);
+        let stride = functions.next_multiple_of(LANES);
+        let mut transposed = vec![0.0; stride * top];
+        for (i, row) in derivatives.chunks_exact(top).enumerate() {
+            row.iter().enumerate().for_each(|(m, d)| transposed[m * stride + i] = *d);
+        }
+        Self { values, derivatives, transposed, stride }
     }
 }
 
@@ -168,7 +179,7 @@ impl Pass<'_> {
         let row0 = 2 * self.space.offset[a];
         let (pa, pc) = (self.degree[a], self.degree[c]);
         let entry = |m: usize, n: usize| {
-            let at = m * t.trial + n;
+            let at = n * t.stride + m;
             let (xx, xy) = (t.xx[at], t.xy[at]);
             let yy = if m == 0 && n == 0 { 4.0 - xx } else { -xx };
             let log = -constants.kappa * t.log[at];
@@ -200,16 +211,17 @@ impl Pass<'_> {
         let pa = self.degree[a];
         let range = column..column + 2;
         if let Some([tx, ty]) = columns.k_top.get_mut(range.clone()) {
-            self.double_layer(a, trial, j, pa..pa + 1, scratch, |_, entries| add_block(tx, ty, 2 * a, entries));
+            self.double_layer(a, trial, j, pa..pa + 1, scratch);
+            add_blocks(tx, ty, 2 * a, pa..pa + 1, &scratch.k);
         }
         let Some([kx, ky]) = columns.k.get_mut(range.clone()) else { return };
-        self.double_layer(a, trial, j, 0..pa, scratch, |m, entries| add_block(kx, ky, row0 + 2 * m, entries));
+        self.double_layer(a, trial, j, 0..pa, scratch);
+        add_blocks(kx, ky, row0, 0..pa, &scratch.k);
         let Some([wx, wy]) = columns.w.get_mut(range) else { return };
-        let last = 2 * self.space.node(a, pa);
-        for i in 0..=pa {
-            let row = if i < pa { row0 + 2 * i } else { last };
-            add_entries(wx, wy, row, [self.hypersingular(a, i, scratch)]);
-        }
+        self.hypersingular(a, scratch);
+        let entry = |i: usize| (scratch.w[0][i], scratch.w[1][i], scratch.w[2][i]);
+        add_entries(wx, wy, row0, (0..pa).map(entry));
+        add_entries(wx, wy, 2 * self.space.node(a, pa), [entry(pa)]);
     }
 
     /// K and W for the bubble of the trial element.
@@ -223,80 +235,85 @@ impl Pass<'_> {
         if layers.is_none() && bubbles.is_none() {
             return;
         }
-        match layers {
-            Some([[kx, ky], [tx, ty]]) => self.double_layer(a, trial, pc + 1, 0..pa + 1, scratch, |m, entries| {
-                if m < pa { add_block(kx, ky, row0 + 2 * m, entries) } else { add_block(tx, ty, 2 * a, entries) }
-            }),
-            None => self.double_layer(a, trial, pc + 1, 0..pa + 1, scratch, |_, _| ()),
+        self.double_layer(a, trial, pc + 1, 0..pa + 1, scratch);
+        if let Some([[kx, ky], [tx, ty]]) = layers {
+            add_blocks(kx, ky, row0, 0..pa, &scratch.k);
+            add_blocks(tx, ty, 2 * a, pa..pa + 1, &scratch.k);
         }
         let Some([[wx, wy], [tx, ty]]) = bubbles else { return };
-        let last = 2 * self.space.node(a, pa);
-        for i in 0..=pa {
-            let row = if i < pa { row0 + 2 * i } else { last };
-            add_entries(wx, wy, row, [self.hypersingular(a, i, scratch)]);
-        }
-        add_entries(tx, ty, 2 * a, [self.hypersingular(a, pa + 1, scratch)]);
+        self.hypersingular(a, scratch);
+        let entry = |i: usize| (scratch.w[0][i], scratch.w[1][i], scratch.w[2][i]);
+        add_entries(wx, wy, row0, (0..pa).map(entry));
+        add_entries(wx, wy, 2 * self.space.node(a, pa), [entry(pa)]);
+        add_entries(tx, ty, 2 * a, [entry(pa + 1)]);
     }
 
-    /// Entries [xx, yx, xy, yy] of K for the test degrees m in `rows` and function j of the trial element; keeps G̃ times
-    /// its derivative for [`Self::hypersingular`].
+    /// Entries [xx, yx, xy, yy] of K for the test degrees in `rows` and function j of the trial element, and G̃ times its
+    /// derivative for [`Self::hypersingular`]: |d_a| { D/(2π) + H J }, (HJ)_i0 = H_i1, (HJ)_i1 = -H_i0.
     #[inline(always)]
-    fn double_layer(
-        &self,
-        a: usize,
-        trial: usize,
-        j: usize,
-        rows: Range<usize>,
-        scratch: &mut Scratch,
-        mut add: impl FnMut(usize, [f64; 4]),
-    ) {
-        let Scratch { tables: t, g_xx, g_yy, g_xy } = scratch;
-        let (constants, half) = (&self.constants, self.half[a]);
-        let (ma, nc) = (t.test, t.trial);
+    fn double_layer(&self, a: usize, trial: usize, j: usize, rows: Range<usize>, scratch: &mut Scratch) {
+        let Scratch { tables: t, k, g, .. } = scratch;
+        let (constants, half, nc) = (&self.constants, self.half[a], t.trial);
         let local = &self.locals[self.local_of[trial]];
-        for g in [&mut *g_xx, &mut *g_yy, &mut *g_xy] {
-            g.resize(ma, 0.0);
-        }
+        k.iter_mut().chain(&mut *g).for_each(|part| part.resize(t.stride, 0.0));
         let derivative = &local.derivatives[j * nc..][..nc];
         let value = &local.values[j * (nc + 1)..][..nc + 1];
-        for m in rows {
-            let log = dot(&t.log[m * nc..][..nc], derivative);
-            let xx = dot(&t.xx[m * nc..][..nc], derivative);
-            let xy = dot(&t.xy[m * nc..][..nc], derivative);
-            let d = 0.5 / std::f64::consts::PI * dot(&t.d[m * (nc + 1)..][..nc + 1], value);
-            let yy = if m == 0 { 4.0 * derivative[0] - xx } else { -xx };
-            // |d_a| { D/(2π) + H J }, (HJ)_i0 = H_i1, (HJ)_i1 = -H_i0
-            add(
-                m,
-                [
-                    half * (d + constants.h_rr * xy),
-                    half * (constants.h_log * log + constants.h_rr * yy),
-                    -half * (constants.h_log * log + constants.h_rr * xx),
-                    half * (d - constants.h_rr * xy),
-                ],
-            );
-            g_xx[m] = constants.c_w * (xx - log);
-            g_yy[m] = constants.c_w * (yy - log);
-            g_xy[m] = constants.c_w * xy;
+        for start in (rows.start / LANES * LANES..rows.end).step_by(LANES) {
+            let [log, xx, xy] = [&t.log, &t.xx, &t.xy].map(|table| combination(&table[start..], t.stride, derivative));
+            let d = combination(&t.d[start..], t.stride, value);
+            for lane in 0..LANES {
+                let (m, log, xx, xy) = (start + lane, log[lane], xx[lane], xy[lane]);
+                let d = 0.5 / std::f64::consts::PI * d[lane];
+                let yy = if m == 0 { 4.0 * derivative[0] - xx } else { -xx };
+                k[0][m] = half * (d + constants.h_rr * xy);
+                k[1][m] = half * (constants.h_log * log + constants.h_rr * yy);
+                k[2][m] = -half * (constants.h_log * log + constants.h_rr * xx);
+                k[3][m] = half * (d - constants.h_rr * xy);
+                g[0][m] = constants.c_w * (xx - log);
+                g[1][m] = constants.c_w * xy;
+                g[2][m] = constants.c_w * (yy - log);
+            }
         }
     }
 
-    /// Entries xx, xy, yy of W for function i of the test element.
+    /// Entries xx, xy, yy of W for all functions of the test element.
     #[inline(always)]
-    fn hypersingular(&self, a: usize, i: usize, scratch: &Scratch) -> (f64, f64, f64) {
-        let ma = scratch.tables.test;
-        let b = &self.locals[self.local_of[a]].derivatives[i * ma..][..ma];
-        (dot(b, &scratch.g_xx), dot(b, &scratch.g_xy), dot(b, &scratch.g_yy))
+    fn hypersingular(&self, a: usize, scratch: &mut Scratch) {
+        let Scratch { tables: t, g, w, .. } = scratch;
+        let local = &self.locals[self.local_of[a]];
+        for (w, g) in w.iter_mut().zip(g) {
+            w.resize(local.stride, 0.0);
+            for start in (0..local.stride).step_by(LANES) {
+                let part = combination(&local.transposed[start..], local.stride, &g[..t.test]);
+                w[start..start + LANES].copy_from_slice(&part);
+            }
+        }
     }
 }
 
-/// Adds a 2×2 block [xx, yx, xy, yy] to two columns, from `row` on.
+/// The first [`LANES`] of Σ_n column_n factor_n.
 #[inline(always)]
-fn add_block(x: &mut [f64], y: &mut [f64], row: usize, entries: [f64; 4]) {
-    x[row] += entries[0];
-    x[row + 1] += entries[1];
-    y[row] += entries[2];
-    y[row + 1] += entries[3];
+fn combination(columns: &[f64], stride: usize, factors: &[f64]) -> [f64; LANES] {
+    // the sign of a sum of nothing
+    let mut sums = [-0.0; LANES];
+    for (n, factor) in factors.iter().enumerate() {
+        for (sum, value) in sums.iter_mut().zip(&columns[n * stride..][..LANES]) {
+            *sum += value * factor;
+        }
+    }
+    sums
+}
+
+/// Adds 2×2 blocks [xx, yx, xy, yy] of the degrees in `rows` to two columns, the first of them at `row`.
+#[inline(always)]
+fn add_blocks(x: &mut [f64], y: &mut [f64], row: usize, rows: Range<usize>, [xx, yx, xy, yy]: &[Vec<f64>; 4]) {
+    let columns = x[row..].chunks_exact_mut(2).zip(y[row..].chunks_exact_mut(2));
+    for ((x, y), m) in columns.zip(rows) {
+        x[0] += xx[m];
+        x[1] += yx[m];
+        y[0] += xy[m];
+        y[1] += yy[m];
+    }
 }
 
 /// Adds symmetric 2×2 entries (xx, xy, yy) to two columns, from `row` on.
@@ -309,11 +326,6 @@ fn add_entries(x: &mut [f64], y: &mut [f64], row: usize, entries: impl IntoItera
         y[0] += xy;
         y[1] += yy;
     }
-}
-
-#[inline(always)]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The columns of a matrix as slices.

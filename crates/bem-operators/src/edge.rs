@@ -267,18 +267,20 @@ impl Edge {
         }
     }
 
-    /// The fewest equal parts that are admissible as elements, a power of two.
-    pub fn fewest_elements(&self) -> usize {
-        let mut parts = 1;
-        while parts < 1 << 20
-            && !(0..parts).all(|k| {
-                let at = |k: usize| k as f64 / parts as f64;
-                self.is_admissible(at(k), at(k + 1))
-            })
-        {
-            parts *= 2;
+    /// Parameters between two others at which an element between these has to be cut, by halves, until its parts are admissible;
+    /// no part is halved below `shortest`.
+    pub fn needed_cuts(&self, [low, high]: [f64; 2], shortest: f64) -> Vec<f64> {
+        let (mut stack, mut cuts) = (vec![[low, high]], Vec::new());
+        while let Some([a, b]) = stack.pop() {
+            if b - a < shortest || self.is_admissible(a, b) {
+                cuts.push(b);
+                continue;
+            }
+            let middle = (a + b) / 2.0;
+            stack.extend([[middle, b], [a, middle]]);
         }
-        parts
+        cuts.pop();
+        cuts
     }
 
     /// ∫ f(s, γ'(s)) ds over [0, `to`] by Gauss rules that are exact to rounding on such paths.

@@ -7,12 +7,11 @@
 
 use std::sync::OnceLock;
 
-use crate::moments::Segment;
+use crate::moments::{LANES, Segment};
 use crate::near::{MAX_ORDER, gauss_points, panel_rule};
 use steklov_quadrature::legendre_p;
 
-/// Pairs computed side by side.
-pub(crate) const LANES: usize = 8;
+/// One number of each of the pairs that are computed side by side.
 pub(crate) type Lane = [f64; LANES];
 
 /// Computes a batch and hands each lane's place to `store`.

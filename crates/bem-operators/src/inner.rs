@@ -465,3 +465,6 @@ fn cot(w: Complex64) -> Complex64 {
     let q = (Complex64::new(0.0, 2.0 * sign) * w).exp();
     Complex64::new(0.0, sign) * (q + 1.0) / (q - 1.0)
 }
+
+#[cfg(test)]
+mod tests;

@@ -51,6 +51,7 @@ mod curve;
 mod inner;
 mod curved_pair;
 mod far;
+mod far_curved;
 mod kernel;
 mod pass;
 mod columns;

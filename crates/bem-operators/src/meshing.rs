@@ -6,7 +6,8 @@ use crate::{BemError, Edge, Mesh, Polygon, Shape, edge_tangents};
 const TIE: f64 = 1e-12;
 
 impl Mesh {
-    /// Mesh of `elements` elements of one degree, the elements of an edge equal.
+    /// Mesh of `elements` elements of one degree, the elements of an edge equal, but where a curve turns too far for one: there it is
+    /// halved.
     ///
     /// Each edge gets one element; then, while fewer than `elements` are placed, one more goes to the edge whose
     /// elements are longest (ties: the lowest edge number). Fewer than the number of edges is raised to it. An edge is
@@ -20,10 +21,8 @@ impl Mesh {
         // the rule gives every edge at least the whole part of its share of what the others leave
         let perimeter: f64 = lengths.iter().sum();
         let shared = elements.saturating_sub(lengths.len()) as f64;
-        let fewest = |k: usize| polygon.edges()[k].fewest_elements();
-        let mut count: Vec<usize> = (0..lengths.len())
-            .map(|k| ((shared * lengths[k] / perimeter * (1.0 - 1e-9)) as usize).max(fewest(k)))
-            .collect();
+        let mut count: Vec<usize> =
+            lengths.iter().map(|l| ((shared * l / perimeter * (1.0 - 1e-9)) as usize).max(1)).collect();
         for (count, length) in count.iter_mut().zip(&lengths) {
             *count = (*count).min((length / polygon.tolerance() / 4.0) as usize + 1);
         }
@@ -36,8 +35,10 @@ impl Mesh {
             let Some(k) = (0..lengths.len()).find(|&k| length(k) >= longest * (1.0 - TIE)) else { break };
             count[k] += 1;
         }
-        let breaks: Vec<Vec<f64>> = count.iter().map(|&n| (1..n).map(|i| i as f64 / n as f64).collect()).collect();
-        let degrees: Vec<Vec<usize>> = count.iter().map(|&n| vec![degree; n]).collect();
+        let equal = |n: usize| (1..n).map(|i| i as f64 / n as f64).collect::<Vec<f64>>();
+        let breaks: Vec<Vec<f64>> =
+            polygon.edges().iter().zip(&count).map(|(edge, &n)| with_needed_cuts(edge, equal(n))).collect();
+        let degrees: Vec<Vec<usize>> = breaks.iter().map(|b| vec![degree; b.len() + 1]).collect();
         build(polygon, &breaks, &degrees)
     }
 
@@ -206,6 +207,21 @@ impl Mesh {
         self.length(e) > 64.0 * f64::EPSILON * largest && (s1 - s0).abs() > 64.0 * f64::EPSILON * s0.max(s1)
     }
 }
+
+/// Breaks of an edge, and those that its elements need as they turn too far.
+fn with_needed_cuts(edge: &Edge, breaks: Vec<f64>) -> Vec<f64> {
+    if edge.is_line() {
+        return breaks;
+    }
+    let ends: Vec<f64> = [0.0].into_iter().chain(breaks).chain([1.0]).collect();
+    let mut all: Vec<f64> =
+        ends.windows(2).flat_map(|s| edge.needed_cuts([s[0], s[1]], SHORTEST).into_iter().chain([s[1]])).collect();
+    all.pop();
+    all
+}
+
+/// Parts of an edge below which none is cut.
+const SHORTEST: f64 = 1e-7;
 
 /// Corner at s = 1 of edge k, named after the edge that has it at s = 0.
 fn next_corner(polygon: &Polygon, k: usize) -> usize {

@@ -12,6 +12,9 @@ use num_complex::Complex64;
 
 use crate::near;
 
+/// Numbers that are computed side by side.
+pub(crate) const LANES: usize = 8;
+
 /// End points of a straight element as complex numbers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Segment {
@@ -102,11 +105,13 @@ pub(crate) fn same(rows: usize, cols: usize, out: &mut [f64]) {
 /// ```text
 /// log = ∫∫ P_m P_n log|x-y|,  xx, xy = ∫∫ P_m P_n r_x r_x/r², r_x r_y/r²,  d = ∫∫ P_m P_n (x-y)·n_y |d_trial|/r²
 /// ```
-/// all over the reference square; yy = 4 δ_m0 δ_n0 - xx. Row-major; `d` has one more column than the others.
+/// all over the reference square; yy = 4 δ_m0 δ_n0 - xx. (m, n) is at n `stride` + m; `d` has one column n more than the others.
 #[derive(Debug, Clone, Default)]
 pub struct Tables {
     /// Number of test degrees.
     pub test: usize,
+    /// The same, rounded up to a multiple of 8; the rows from `test` on are 0.
+    pub stride: usize,
     /// Number of trial degrees (`d` has one more).
     pub trial: usize,
     /// ∫∫ P_m P_n log|x-y|.
@@ -136,6 +141,18 @@ impl Tables {
         tables
     }
 
+    #[inline(always)]
+    fn clear(&mut self, test: usize, trial: usize) {
+        let stride = test.next_multiple_of(LANES);
+        (self.test, self.stride, self.trial) = (test, stride, trial);
+        for table in [&mut self.log, &mut self.xx, &mut self.xy] {
+            table.clear();
+            table.resize(stride * trial, 0.0);
+        }
+        self.d.clear();
+        self.d.resize(stride * (trial + 1), 0.0);
+    }
+
     /// From a buffer laid out as [`storage`] says.
     #[inline(always)]
     pub(crate) fn fill(
@@ -155,12 +172,8 @@ impl Tables {
             let k = 2 * (m * cols + n);
             Complex64::new(q[k], q[k + 1])
         };
-        self.test = test;
-        self.trial = trial;
-        self.log.resize(test * trial, 0.0);
-        self.xx.resize(test * trial, 0.0);
-        self.xy.resize(test * trial, 0.0);
-        self.d.resize(test * (trial + 1), 0.0);
+        self.clear(test, trial);
+        let stride = self.stride;
         for m in 0..m_end {
             let scale = 1.0 / (2 * m + 1) as f64;
             for n in 0..n_end {
@@ -177,7 +190,7 @@ impl Tables {
                 // E = (d_b/d̄_b)(4δ + 4i conj t), t = ∫ P_m Im z Q_n
                 let t = at(m, n) * g.alpha + sp * (g.beta * scale);
                 let e = g.turn * Complex64::new(one + 4.0 * t.im, 4.0 * t.re);
-                let k = if outer_is_test { m * trial + n } else { n * trial + m };
+                let k = if outer_is_test { n * stride + m } else { m * stride + n };
                 self.log[k] = log;
                 self.xx[k] = 0.5 * (one + e.re);
                 self.xy[k] = 0.5 * e.im;
@@ -186,13 +199,13 @@ impl Tables {
         if outer_is_test {
             for m in 0..test {
                 for n in 0..=trial {
-                    self.d[m * (trial + 1) + n] = 2.0 * at(m, n).im;
+                    self.d[n * stride + m] = 2.0 * at(m, n).im;
                 }
             }
         } else {
             for n in 0..test {
                 for m in 0..=trial {
-                    self.d[n * (trial + 1) + m] = -2.0 * (g.ratio * at(m, n)).im;
+                    self.d[m * stride + n] = -2.0 * (g.ratio * at(m, n)).im;
                 }
             }
         }
@@ -215,22 +228,18 @@ impl Tables {
     ) {
         let part = |k: usize| &buffer[k * rows * cols..][..rows * cols];
         let at = |test: usize, trial: usize| if first_is_test { test * cols + trial } else { trial * cols + test };
-        self.test = test;
-        self.trial = trial;
-        for table in [&mut self.log, &mut self.xx, &mut self.xy] {
-            table.resize(test * trial, 0.0);
-        }
-        self.d.resize(test * (trial + 1), 0.0);
+        self.clear(test, trial);
+        let stride = self.stride;
         let double = part(if first_is_test { 3 } else { 4 });
         for m in 0..test {
             for n in 0..trial {
                 let (k, one) = (at(m, n), if m == 0 && n == 0 { 4.0 } else { 0.0 });
-                self.log[m * trial + n] = part(0)[k] - one * log_length;
-                self.xx[m * trial + n] = 0.5 * (one + part(1)[k]);
-                self.xy[m * trial + n] = 0.5 * part(2)[k];
+                self.log[n * stride + m] = part(0)[k] - one * log_length;
+                self.xx[n * stride + m] = 0.5 * (one + part(1)[k]);
+                self.xy[n * stride + m] = 0.5 * part(2)[k];
             }
             for n in 0..=trial {
-                self.d[m * (trial + 1) + n] = double[at(m, n)];
+                self.d[n * stride + m] = double[at(m, n)];
             }
         }
     }

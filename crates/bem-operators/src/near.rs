@@ -13,8 +13,8 @@ pub(crate) const PANEL_BERNSTEIN: f64 = 2.2;
 const PANEL_RATIO: f64 = 0.15;
 /// Shortest panel: what lies beyond contributes less than roundoff.
 const PANEL_MIN: f64 = 1e-15;
-/// Largest number of rows or columns that fit the fixed buffers of the inner loop.
-pub(crate) const MAX_ORDER: usize = 68;
+/// Largest number of rows or columns that fit the fixed buffers of the inner loop, in whole lanes.
+pub(crate) const MAX_ORDER: usize = 72;
 
 /// Points needed so that ϱ^(-2n + degree) is below 1e-16: Gauss-Legendre for P_m Q_n, m < rows, at Bernstein parameter ϱ.
 pub(crate) fn gauss_points(rows: usize, log_rho: f64) -> usize {

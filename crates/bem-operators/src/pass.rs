@@ -6,9 +6,10 @@ use steklov_elastic::Material;
 use crate::columns::Local;
 use crate::curve::Curve;
 use crate::curved_pair;
-use crate::far::{Batch, Classifier, KINDS, LANES, flush, kind_index};
+use crate::far::{Batch, Classifier, KINDS, flush, kind_index};
+use crate::far_curved::{FarCurved, Reach};
 use crate::kernel::Constants;
-use crate::moments::{Segment, first_is_outer, same, storage};
+use crate::moments::{LANES, Segment, first_is_outer, same, storage};
 use crate::near;
 use crate::{Mesh, Space};
 
@@ -40,6 +41,8 @@ pub(crate) struct Pass<'a> {
     pub(crate) space: &'a Space,
     pub(crate) segments: Vec<Segment>,
     pub(crate) curves: Vec<Curve>,
+    /// How near other elements may come to each; of straight elements alone nothing.
+    reach: Vec<Reach>,
     /// Half of the length of each element.
     pub(crate) half: Vec<f64>,
     /// log L.
@@ -72,6 +75,10 @@ impl<'a> Pass<'a> {
         let plain = purpose == Purpose::Plain;
         let order: Vec<usize> = degree.iter().map(|&p| if plain { p } else { enriched_order(p) }).collect();
         let curves: Vec<Curve> = (0..mesh.len()).map(|e| mesh.curve(e)).collect();
+        let reach = match curves.iter().all(Curve::is_line) {
+            true => Vec::new(),
+            false => curves.par_iter().zip(&order).map(|(curve, p)| Reach::new(curve.clone(), p + 1)).collect(),
+        };
         let half = curves.iter().map(Curve::half_length).collect();
         let places = Places::new(&order, curves.iter().map(Curve::is_line));
         let (degrees, local_of) = distinct(&degree);
@@ -86,6 +93,7 @@ impl<'a> Pass<'a> {
             space,
             segments,
             curves,
+            reach,
             half,
             log_length: length.ln(),
             degree,
@@ -193,7 +201,15 @@ impl<'a> Pass<'a> {
                 if !self.is_straight(a, b) {
                     let (m, n) = (self.order[a] + 1, self.order[b] + 1);
                     let out = &mut rows[r].1[start..start + curved_pair::storage(m, n)];
-                    curved_pair::moments(&self.curves[a], &self.curves[b], m, n, out);
+                    if !arch.dispatch(FarCurved {
+                        first: &self.reach[a],
+                        second: &self.reach[b],
+                        rows: m,
+                        cols: n,
+                        out,
+                    }) {
+                        curved_pair::moments(&self.curves[a], &self.curves[b], m, n, out);
+                    }
                     continue;
                 }
                 let (outer, inner) = if first_is_outer(self.segments[a], self.segments[b]) { (a, b) } else { (b, a) };

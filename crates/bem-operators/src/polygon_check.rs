@@ -382,7 +382,7 @@ fn check_curve(s: &ListedEdge, tolerance: f64, listed: &Listed<'_>) -> Result<()
     }
     let least =
         (0..=256).map(|k| s.edge.derivative(k as f64 / 256.0)).map(|[x, y]| x.hypot(y)).fold(f64::INFINITY, f64::min);
-    if least <= 1e-6 * s.edge.length() || s.edge.fewest_elements() > MOST_PIECES {
+    if least <= 1e-6 * s.edge.length() || s.edge.needed_cuts([0.0, 1.0], SHORTEST_PIECE).len() >= MOST_PIECES {
         return fault(
             "it comes to a cusp or turns too sharply to be divided into elements; cut it in two at a corner there"
                 .into(),
@@ -394,8 +394,9 @@ fn check_curve(s: &ListedEdge, tolerance: f64, listed: &Listed<'_>) -> Result<()
     }
 }
 
-/// Elements that the sharpest turn of an edge may take.
-const MOST_PIECES: usize = 1 << 10;
+/// Elements that the turns of an edge may take, and the shortest of them, in parts of the edge.
+const MOST_PIECES: usize = 1 << 8;
+const SHORTEST_PIECE: f64 = 1e-7;
 
 /// Two successive edges share their corner and no other point.
 fn check_corner(

@@ -14,7 +14,16 @@ pub enum Mark {
         rough: bool,
         /// Its indicator over the smallest one that is marked, at least 1.
         excess: f64,
+        /// By how much its degree rises where it is not cut.
+        degrees: usize,
     },
+}
+
+impl Mark {
+    /// Refinement by one degree, or by two where the error is far above the smallest one that is marked.
+    pub fn refine(rough: bool, excess: f64) -> Self {
+        Self::Refine { rough, excess, degrees: if excess >= TWO_DEGREES { 2 } else { 1 } }
+    }
 }
 
 /// An element of an edge.
@@ -173,8 +182,7 @@ impl Subdivision {
     /// A piece with a singular point at one end gets degree `tip_degree`, then it is cut at σ times its length from it, the
     /// part at the point keeping the degree, the other one having one more; with singular points at both ends it is
     /// halved. So the degrees become linear in the layer. Elsewhere the degree rises, but a rough piece, and one of
-    /// the highest degree, is halved. Where the indicator is far above the smallest marked one, two cuts or two degrees
-    /// are made at once.
+    /// the highest degree, is halved. Where the indicator is far above the smallest marked one, two cuts are made at once.
     pub fn refined(&self, singular: &[Vec<f64>], grading: &Grading) -> Self {
         let Grading { sigma, tip_degree, max_degree, shortest } = *grading;
         let mut edges = Vec::with_capacity(self.edges.len());
@@ -183,7 +191,7 @@ impl Subdivision {
             let mut refined = Vec::new();
             for piece in pieces {
                 let Piece { start, end, degree, .. } = *piece;
-                let Mark::Refine { rough, excess } = piece.mark else {
+                let Mark::Refine { rough, excess, degrees } = piece.mark else {
                     refined.push(*piece);
                     continue;
                 };
@@ -197,7 +205,7 @@ impl Subdivision {
                     }
                     (true, true) => refined.extend(halves),
                     (false, false) if divisible && (rough || degree >= max_degree) => refined.extend(halves),
-                    (false, false) => refined.push(new(start, end, raised(if excess >= TWO_DEGREES { 2 } else { 1 }))),
+                    (false, false) => refined.push(new(start, end, raised(degrees))),
                     (at_start, _) => {
                         let layers = if excess >= sigma.powf(-TWO_LAYERS) { 2 } else { 1 };
                         let cut = |layer: i32| match (layer, at_start) {
@@ -236,16 +244,9 @@ impl Subdivision {
 
 /// A piece as parts that are admissible as elements.
 fn admissible(edge: &Edge, piece: Piece) -> Vec<Piece> {
-    let (mut stack, mut parts) = (vec![piece], Vec::new());
-    while let Some(piece) = stack.pop() {
-        let middle = piece.middle();
-        if edge.is_admissible(piece.start, piece.end) || piece.length() < SHORTEST {
-            parts.push(piece);
-        } else {
-            stack.extend([Piece { start: middle, ..piece }, Piece { end: middle, ..piece }]);
-        }
-    }
-    parts
+    let cuts = edge.needed_cuts([piece.start, piece.end], SHORTEST);
+    let ends: Vec<f64> = [piece.start].into_iter().chain(cuts).chain([piece.end]).collect();
+    ends.windows(2).map(|s| Piece { start: s[0], end: s[1], ..piece }).collect()
 }
 
 /// Joins pieces too short for their ends to be told apart with a neighbour: vertices go, but not `kept` and those of `fixed`.

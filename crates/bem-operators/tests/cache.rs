@@ -47,7 +47,7 @@ fn common_pairs(one: &Mesh, two: &Mesh) -> usize {
 
 /// Marks true are halved, false raised; they are repeated to the end of the mesh.
 fn refined(mesh: &Mesh, polygon: &Polygon, marks: &[Option<bool>]) -> Mesh {
-    let mark = |m: &Option<bool>| m.map_or(Mark::Keep, |rough| Mark::Refine { rough, excess: 1.0 });
+    let mark = |m: &Option<bool>| m.map_or(Mark::Keep, |rough| Mark::refine(rough, 1.0));
     let marks: Vec<Mark> = marks.iter().map(mark).cycle().take(mesh.len()).collect();
     Subdivision::new(mesh, &marks).refined_by_mark(&Grading::default()).mesh(polygon).expect("a mesh")
 }

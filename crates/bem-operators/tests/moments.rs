@@ -39,11 +39,12 @@ impl Moments {
             (Tables::inner_test(&pair, order, order), Tables::outer_test(&pair, order, order))
         };
         let one = |k: usize| if k == 0 { 4.0 } else { 0.0 };
-        let yy = ab.xx.iter().enumerate().map(|(k, xx)| one(k) - xx).collect();
-        let d = |t: &Tables, m: usize, n: usize| t.d[m * (order + 1) + n];
-        let dab = (0..order * order).map(|k| d(&ab, k / order, k % order)).collect();
-        let dba = (0..order * order).map(|k| d(&ba, k % order, k / order)).collect();
-        Self { order, tables: [ab.log, ab.xx, ab.xy, yy, dab, dba] }
+        let of = |t: &Tables, table: &[f64], m: usize, n: usize| table[n * t.stride + m];
+        let rows = |table: &[f64]| (0..order * order).map(|k| of(&ab, table, k / order, k % order)).collect();
+        let [log, xx, xy, dab]: [Vec<f64>; 4] = [&ab.log, &ab.xx, &ab.xy, &ab.d].map(|table| rows(table));
+        let yy = xx.iter().enumerate().map(|(k, xx)| one(k) - xx).collect();
+        let dba = (0..order * order).map(|k| of(&ba, &ba.d, k % order, k / order)).collect();
+        Self { order, tables: [log, xx, xy, yy, dab, dba] }
     }
 
     /// Largest differences of LOG, of XX, XY, YY together, of DAB and of DBA, over the largest value of each. DAB and DBA,

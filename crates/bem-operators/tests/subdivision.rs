@@ -33,7 +33,7 @@ fn mark(sigma: f64) -> impl Strategy<Value = Mark> {
     let excess = prop::sample::select(limits.to_vec());
     prop_oneof![
         1 => Just(Mark::Keep),
-        2 => (any::<bool>(), excess).prop_map(|(rough, excess)| Mark::Refine { rough, excess }),
+        2 => (any::<bool>(), excess).prop_map(|(rough, excess)| Mark::refine(rough, excess)),
     ]
 }
 
@@ -82,7 +82,7 @@ fn covers(pieces: &[Piece]) -> Result<(), TestCaseError> {
 fn parts(piece: &Piece, ends: [bool; 2], grading: &Grading) -> Vec<([f64; 2], usize)> {
     let Grading { sigma, tip_degree, max_degree, shortest } = *grading;
     let (a, b, p) = (piece.start, piece.end, piece.degree);
-    let Mark::Refine { rough, excess } = piece.mark else { return vec![([a, b], p)] };
+    let Mark::Refine { rough, excess, .. } = piece.mark else { return vec![([a, b], p)] };
     let raised = |by: usize| if p >= max_degree { p } else { (p + by).min(max_degree) };
     let divisible = b - a >= shortest;
     let middle = (a + b) / 2.0;
@@ -150,11 +150,11 @@ proptest! {
     #[test]
     fn degrees_become_linear_in_the_layer(sigma in 0.1..0.5f64, tip_degree in 1..4usize, rounds in 1..6usize, at_end: bool) {
         let grading = Grading { sigma, tip_degree, ..Grading::default() };
-        let marked = |excess: f64, degree: usize| Piece { start: 0.0, end: 1.0, degree, mark: Mark::Refine { rough: false, excess } };
+        let marked = |excess: f64, degree: usize| Piece { start: 0.0, end: 1.0, degree, mark: Mark::refine(false, excess) };
         let singular = [vec![if at_end { 1.0 } else { 0.0 }]];
         let round = |s: Subdivision| {
             let mut s = s.refined(&singular, &grading);
-            s.edges[0].iter_mut().for_each(|p| p.mark = Mark::Refine { rough: false, excess: 1.0 });
+            s.edges[0].iter_mut().for_each(|p| p.mark = Mark::refine(false, 1.0));
             s
         };
         let run = |rounds: usize, degree: usize| {
@@ -324,7 +324,7 @@ proptest! {
                 Step::Refine(marks) => {
                     let marks = marks.iter().cycle();
                     for (piece, &(keep, rough, excess)) in now.edges.iter_mut().flatten().zip(marks) {
-                        piece.mark = if keep { Mark::Keep } else { Mark::Refine { rough, excess } };
+                        piece.mark = if keep { Mark::Keep } else { Mark::refine(rough, excess) };
                     }
                     now = now.refined(&vec![vec![0.0, 1.0]; now.edges.len()], &Grading::default());
                 }
@@ -339,7 +339,7 @@ proptest! {
     /// The mark of an element is that of the piece with its ends.
     #[test]
     fn marks_follow_their_elements((_, mesh) in polygon_and_mesh(3)) {
-        let of = |e: usize| Mark::Refine { rough: e.is_multiple_of(2), excess: 1.0 + e as f64 };
+        let of = |e: usize| Mark::refine(e.is_multiple_of(2), 1.0 + e as f64);
         let subdivision = Subdivision::new(&mesh, &(0..mesh.len()).map(of).collect::<Vec<_>>());
         prop_assert_eq!(subdivision.edges.iter().map(Vec::len).sum::<usize>(), mesh.len());
         for e in 0..mesh.len() {
@@ -353,7 +353,7 @@ proptest! {
 #[test]
 fn the_highest_degree_of_a_mesh_is_no_limit() {
     let mesh = Mesh::uniform(&common::polygon(&common::SQUARE, &[]), 4, Mesh::MAX_DEGREE);
-    let marks = [true, false, true, false].map(|rough| Mark::Refine { rough, excess: 9.0 });
+    let marks = [true, false, true, false].map(|rough| Mark::refine(rough, 9.0));
     let after = Subdivision::new(&mesh, &marks).refined(&vec![vec![0.0]; 4], &Grading::default());
     assert!(after.edges.iter().flatten().all(|p| p.degree == Mesh::MAX_DEGREE));
 }

@@ -1,6 +1,6 @@
 //! From the estimate of one mesh to the next mesh.
 
-use steklov_bem_operators::{Grading, Mark, Mesh, Piece, SAME_PLACE, Subdivision, doerfler, legendre_decay};
+use steklov_bem_operators::{Grading, Mark, Mesh, Piece, SAME_PLACE, Shape, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Located, Tip, relocate, unlocated};
 use steklov_expression::Turn;
 use steklov_problem::{Refine, Scene};
@@ -81,13 +81,13 @@ impl<'a> Marking<'a> {
         let limited = |e: usize| limited_by_multipliers(self.scene, self.apart[e], self.squared[e]);
         let mark = |(e, excess): (usize, Option<f64>)| match excess {
             None => Mark::Keep,
-            Some(excess) if method.refine == Refine::Hp => Mark::Refine { rough: rough(e) || limited(e), excess },
-            Some(_) => Mark::Refine { rough: rough(e) || limited(e), excess: 1.0 }, // one cut or degree at a time
+            Some(excess) if method.refine == Refine::Hp => Mark::refine(rough(e) || limited(e), excess),
+            Some(_) => Mark::refine(rough(e) || limited(e), 1.0), // one cut or degree at a time
         };
         let mut marks: Vec<Mark> = marked.into_iter().enumerate().map(mark).collect();
         for &e in &self.unresolved {
             if marks[e] == Mark::Keep {
-                marks[e] = Mark::Refine { rough: rough(e), excess: 1.0 };
+                marks[e] = Mark::refine(rough(e), 1.0);
             }
         }
         marks
@@ -98,6 +98,30 @@ impl<'a> Marking<'a> {
         let degree = self.solved.mesh.degree[e];
         let unsmooth = || self.decay(e).is_some_and(|d| d > self.scene.method.smoothness);
         degree >= TELLING && unsmooth() || degree >= RESOLVING && (self.unresolved.contains(&e) || self.oscillates(e))
+    }
+
+    fn is_curved(&self) -> bool {
+        self.solved.mesh.shape.iter().any(|s| *s != Shape::Line)
+    }
+
+    /// Degrees that a smooth element lacks until its squared error is its share of half of what is tolerated, from the decay of its
+    /// coefficients; at least one and at most half of its degree. Of meshes with curves, which degrees alone resolve: beside
+    /// corners of straight sides layers do, and the error of the next element changes with each of them.
+    fn lacking_degrees(&self, e: usize) -> Option<usize> {
+        let mesh = &self.solved.mesh;
+        let decay = self.decay(e).filter(|&decay| decay < 1.0)?;
+        if !self.is_curved() || mesh.degree[e] < TELLING || self.unresolved.contains(&e) {
+            return None;
+        }
+        let share = 0.5 * self.tolerated()? / mesh.len() as f64;
+        let excess = self.squared[e] / self.squared.iter().sum::<f64>() / share;
+        let lacking = (0.5 * excess.ln() / -decay.ln()).ceil();
+        Some((lacking as usize).clamp(1, mesh.degree[e] / 2))
+    }
+
+    /// The squared error that is tolerated, in parts of the estimated one.
+    fn tolerated(&self) -> Option<f64> {
+        Some((self.scene.method.tolerance / self.estimate?.relative).powi(2))
     }
 
     /// Whether most of an element's indicator is that of its data.
@@ -119,7 +143,9 @@ impl<'a> Marking<'a> {
     /// The marks of the hp strategy: all of the error but a small part, and whatever is too coarse to tell its own.
     fn of_hp(&self, tips: &[Tip], singular: &[Vec<f64>], turns: &[Vec<Turn>]) -> Result<Vec<Mark>, SolveError> {
         let mesh = &self.solved.mesh;
-        let mut part = MARKED;
+        // on curves what is left alone has at most half of the squared error that is tolerated
+        let tolerated = self.tolerated().filter(|&part| part < 1.0 && self.is_curved());
+        let mut part = tolerated.map_or(MARKED, |part| MARKED.min(1.0 - 0.5 * part));
         if let (Some(state), true) = (self.state, turns.iter().flatten().any(|t| t.maximum)) {
             let mut whole = Subdivision::new(mesh, &vec![Mark::Keep; mesh.len()]);
             let located = relocate(&mut tips.to_vec(), &mut whole, state, singular, &obstacles(turns))?;
@@ -127,9 +153,14 @@ impl<'a> Marking<'a> {
             part = part_to_mark(&self.squared, &located, unlocated_energy(self.scene, &located), goal);
         }
         let mut marks = self.marks(part, &|e| self.rough(e));
+        for (e, mark) in marks.iter_mut().enumerate() {
+            if let (Mark::Refine { rough: false, degrees, .. }, Some(lacking)) = (mark, self.lacking_degrees(e)) {
+                *degrees = lacking;
+            }
+        }
         for e in coarse_elements(mesh, singular) {
             if marks[e] == Mark::Keep {
-                marks[e] = Mark::Refine { rough: true, excess: 1.0 };
+                marks[e] = Mark::refine(true, 1.0);
             }
         }
         Ok(marks)
@@ -151,7 +182,7 @@ impl Layout {
     ) -> Result<(Self, Vec<Located>), SolveError> {
         let marking = Marking::new(scene, solved, factors, estimate, unseen);
         let mesh = &solved.mesh;
-        let all = |rough: bool| vec![Mark::Refine { rough, excess: 1.0 }; mesh.len()];
+        let all = |rough: bool| vec![Mark::refine(rough, 1.0); mesh.len()];
         let marks = match scene.method.refine {
             Refine::Hp => return self.next_hp(&marking, unseen),
             Refine::None => vec![Mark::Keep; mesh.len()],

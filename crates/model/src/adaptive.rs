@@ -92,6 +92,24 @@ pub fn unobserved(scene: &Scene) -> Result<Run, SolveError> {
     run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
 }
 
+/// Whether the error of a step is down where rounding may decide. Of loads that the mesh does not follow an estimate of nothing
+/// tells nothing.
+fn is_exact(step: &Step) -> bool {
+    step.estimate.as_ref().is_some_and(|e| e.relative < ROUNDOFF && !e.doubts.contains(&Doubt::Data))
+}
+
+/// Whether the last estimate is half of the one before at most: rounding errors would have stopped it.
+fn still_falls(steps: &[Step]) -> bool {
+    let relative = |s: &Step| s.estimate.as_ref().map(|e| e.relative);
+    match steps {
+        [.., before, last] => relative(last).zip(relative(before)).is_some_and(|(last, before)| last < FALLS * before),
+        _ => false,
+    }
+}
+
+/// Part of the estimate before below which an estimate falls.
+const FALLS: f64 = 0.5;
+
 fn lack_of(scene: &Scene, layout: &Layout) -> Option<Lack> {
     lack(scene, layout.subdivision.elements(), layout.dofs())
 }
@@ -157,9 +175,7 @@ impl Model for BoundaryElements {
         let unchanged = next.is_none();
         let step = steps.last()?;
         let reached = |s: &Step| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance);
-        // of loads that the mesh does not follow an estimate of nothing tells nothing
-        let exact = |e: &Estimate| e.relative < ROUNDOFF && !e.doubts.contains(&Doubt::Data);
-        let exact = step.estimate.as_ref().is_some_and(exact);
+        let exact = is_exact(step);
         // an estimate that is in doubt has to be confirmed by the next step, if there is any
         let doubted = step.estimate.iter().flat_map(|e| &e.doubts).any(|d| *d != Doubt::Roundoff);
         let confirmed = !doubted || exact || unchanged || steps.len() > 1 && reached(&steps[steps.len() - 2]);
@@ -167,7 +183,7 @@ impl Model for BoundaryElements {
             _ if !step.converged => Reason::Solver,
             Refine::None => Reason::Solved,
             _ if reached(step) && confirmed => Reason::Tolerance,
-            _ if unchanged || exact => Reason::Roundoff,
+            _ if unchanged || exact && !still_falls(steps) => Reason::Roundoff,
             _ if steps.len() >= method.max_steps => Reason::MaxSteps,
             _ if next.is_some_and(|next| next.dofs() > method.max_dofs || lack_of(scene, next).is_some()) => {
                 Reason::MaxDofs

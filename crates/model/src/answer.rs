@@ -2,7 +2,7 @@
 
 use steklov_contact::{Kkt, Located};
 use steklov_coupling::Radiation;
-use steklov_problem::Scene;
+use steklov_problem::{Scene, facets};
 
 use crate::around::Around;
 use crate::contact::ContactResult;
@@ -68,6 +68,9 @@ pub fn answer<M: Model>(
     }
     if is_large(scene, report.trace) {
         doubts.push("large".to_owned());
+    }
+    if !facets(&scene.body().outline).is_empty() {
+        doubts.push("facets".to_owned());
     }
     Summary {
         title: scene.title.clone(),

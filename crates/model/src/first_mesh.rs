@@ -26,6 +26,9 @@ impl Layout {
         let mesh = Mesh::uniform(&scene.body().outline, scene.first_elements(), scene.method.degree);
         let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
         if scene.method.refine == Refine::Hp {
+            if scene.first_elements() != scene.method.elements {
+                halve_long(&mut subdivision, &scene.body().outline);
+            }
             for (k, points) in singular_points(scene, true).iter().enumerate() {
                 for (i, &s) in points.iter().enumerate() {
                     subdivision.insert(k, s, &points[..i], SNAP);
@@ -44,6 +47,35 @@ impl Layout {
         Self { subdivision, tips: Vec::new() }
     }
 }
+
+/// Halves elements that are longer than [`LONG`] times their distance from another loop: across a ligament no low degree follows.
+fn halve_long(subdivision: &mut Subdivision, polygon: &Polygon) {
+    let edges = polygon.edges();
+    for (edge, pieces) in edges.iter().zip(&mut subdivision.edges) {
+        let others: Vec<&Edge> = edges.iter().filter(|other| other.loop_index != edge.loop_index).collect();
+        let is_long = |piece: &Piece| {
+            let least = (piece.end - piece.start) * edge.length() / LONG;
+            let at = |k: usize| edge.point(piece.start + (piece.end - piece.start) * k as f64 / 8.0);
+            (0..=8).any(|k| others.iter().any(|other| other.nearest(at(k), least).is_some()))
+        };
+        let (mut stack, mut parts) = (std::mem::take(pieces), Vec::new());
+        stack.reverse();
+        while let Some(piece) = stack.pop() {
+            if piece.end - piece.start < SHORTEST || !is_long(&piece) {
+                parts.push(piece);
+                continue;
+            }
+            let middle = (piece.start + piece.end) / 2.0;
+            stack.extend([Piece { start: middle, ..piece }, Piece { end: middle, ..piece }]);
+        }
+        *pieces = parts;
+    }
+}
+
+/// Elements of a first mesh are at most so many times as long as their distance from another loop.
+const LONG: f64 = 4.0;
+/// No part of an edge shorter than this is halved for that.
+const SHORTEST: f64 = 1e-2;
 
 /// Singular points of every edge that are known before anything is solved, rising: its corners, but those where the
 /// boundary goes on straight on the same side; with `kinks` also where a datum has a kink or jumps.

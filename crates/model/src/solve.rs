@@ -3,6 +3,7 @@
 use std::time::Instant;
 
 use faer::{Col, Mat};
+use rayon::prelude::*;
 use steklov_bem_operators::{Condensation, Mesh, PairCache, Partition, Space, Steklov};
 use steklov_contact::ContactBoundary;
 use steklov_elastic::RigidMotion;
@@ -82,18 +83,26 @@ const NOTHING_MISSED: f64 = 1e-12;
 /// Degree that follows rotations on an arc of 180°.
 const ROTATIONS: usize = 18;
 
-/// PᵀSP, P the projection off the span of the motions: what the nodal values of a rotation miss on curves must not resist it.
+/// PᵀSP, P = I - QQᵀ the projection off the span Q of the motions: what the nodal values of a rotation miss on curves must not
+/// resist it. It is S - QRᵀ - RQᵀ with R = SQ - ½ Q(QᵀSQ).
 fn project_off(matrix: &mut Mat<f64>, motions: &[Vec<f64>]) {
-    let n = matrix.nrows();
-    for q in orthonormal(motions) {
-        let row: Vec<f64> = (0..n).map(|j| (0..n).map(|i| matrix[(i, j)] * q[i]).sum()).collect();
-        let energy: f64 = row.iter().zip(&q).map(|(s, q)| s * q).sum();
-        for j in 0..n {
-            for i in 0..n {
-                matrix[(i, j)] -= q[i] * row[j] + row[i] * q[j] - energy * q[i] * q[j];
-            }
+    let basis = orthonormal(motions);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let column = |j: usize| matrix.col(j).try_as_col_major().map_or(&[][..], |column| column.as_slice());
+    let rows: Vec<Vec<f64>> =
+        (0..matrix.ncols()).into_par_iter().map(|j| basis.iter().map(|q| dot(column(j), q)).collect()).collect();
+    let mut resisted: Vec<Vec<f64>> = (0..basis.len()).map(|k| rows.iter().map(|row| row[k]).collect()).collect();
+    let energies: Vec<Vec<f64>> = resisted.iter().map(|r| basis.iter().map(|q| dot(r, q)).collect()).collect();
+    for (r, energies) in resisted.iter_mut().zip(&energies) {
+        for (q, energy) in basis.iter().zip(energies) {
+            r.iter_mut().zip(q).for_each(|(r, q)| *r -= 0.5 * energy * q);
         }
     }
+    matrix.par_col_chunks_mut(1).enumerate().for_each(|(j, column)| {
+        for (i, s) in column.col_mut(0).iter_mut().enumerate() {
+            *s -= basis.iter().zip(&resisted).map(|(q, r)| q[i] * r[j] + r[i] * q[j]).sum::<f64>();
+        }
+    });
 }
 
 /// Takes the parts of a load off that work on the motions.

@@ -12,7 +12,7 @@ use steklov_model::estimate::is_estimated;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::memory::{Lack, memory_bytes};
 use steklov_model::supports::free_of_supports;
-use steklov_problem::{Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver};
+use steklov_problem::{Drawn, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver, facets};
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -138,6 +138,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
             "the diameter keeps the single layer matrix positive definite at any size",
         ),
     ];
+    modelled.extend(polygons_for_curves(scene));
     let mut left_out = Vec::new();
     contact(scene, &mut modelled, &mut left_out);
     far_away(scene, &mut modelled, &mut left_out);
@@ -272,6 +273,24 @@ pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &m
     };
     let (list, choice, why) = decision;
     list.push(Decision { what: "remote stress".into(), choice, why: why.into() });
+}
+
+/// Straight edges that stand for curves, and the keys that have the curves.
+fn polygons_for_curves(scene: &Scene) -> Vec<Decision> {
+    let told = |found: &steklov_problem::Facets| {
+        let side = &scene.body().sides[found.side].name;
+        let key = match found.curve {
+            Drawn::Circle { centre: [x, y], radius } => {
+                format!("`circle = {{ centre = [{x:.6}, {y:.6}], radius = {radius:.6} }}`")
+            }
+            Drawn::Arc { centre: [x, y] } => format!("`arcs = {{ {side} = {{ centre = [{x:.6}, {y:.6}] }} }}`"),
+            Drawn::Smooth => "`ellipse`, `arcs` or `curves`".to_owned(),
+        };
+        let choice = format!("{} straight edges, which turn by {:.2}° each", found.edges, found.turn.to_degrees());
+        let why = format!("\"{side}\" looks like a curve: each corner is a singular point; {key} has no corners");
+        Decision { what: "facets".into(), choice, why }
+    };
+    facets(&scene.body().outline).iter().map(told).collect()
 }
 
 /// How many elements there are and why.

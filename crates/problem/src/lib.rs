@@ -28,6 +28,7 @@
 mod cells;
 mod check;
 mod error;
+mod facets;
 mod grid_fit;
 mod medium;
 mod method;
@@ -48,6 +49,7 @@ use steklov_elastic::Material;
 
 pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS};
 pub use error::{About, DataError, DataErrorKind};
+pub use facets::{Drawn, Facets, facets};
 pub use grid_fit::{bounding_box, check_body, grid_of};
 pub use medium::{FarField, Surroundings, Tie};
 pub use method::{Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Model, Multiplier, Refine, Solver};

@@ -124,12 +124,12 @@ pub fn blocks_of(
     let (da, db) = (a.half().norm(), b.half().norm());
     let one = |m: usize, n: usize| if m == 0 && n == 0 { 4.0 } else { 0.0 };
     let g = |m: usize, n: usize, log_factor: f64| {
-        let at = m * t.trial + n;
+        let at = n * t.stride + m;
         let log = log_factor * (t.log[at] - one(m, n) * length.ln());
         let (xx, xy) = (t.xx[at], t.xy[at]);
         [[xx - log, xy], [xy, one(m, n) - xx - log]]
     };
-    let laplace = |m: usize, n: usize| (t.log[m * t.trial + n] - one(m, n) * length.ln()) / (2.0 * pi);
+    let laplace = |m: usize, n: usize| (t.log[n * t.stride + m] - one(m, n) * length.ln()) / (2.0 * pi);
     let (mut v, mut w, mut k) = (Vec::new(), Vec::new(), Vec::new());
     for m in 0..t.test {
         for n in 0..t.trial {
@@ -139,7 +139,7 @@ pub fn blocks_of(
                 for j in 0..2 {
                     v.push(da * db * c_v * g(m, n, kappa)[i][j]);
                     w.push(c_w * g(m, n, 1.0)[i][j]);
-                    let mut sum = if i == j { t.d[m * (t.trial + 1) + n] / (2.0 * pi) } else { 0.0 };
+                    let mut sum = if i == j { t.d[n * t.stride + m] / (2.0 * pi) } else { 0.0 };
                     for &l in &derivative {
                         let h = |i: usize, j: usize| {
                             2.0 * mu * c_v * g(m, l, kappa)[i][j] + if i == j { laplace(m, l) } else { 0.0 }
