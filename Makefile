@@ -1,7 +1,7 @@
-# make build, demo, test, bench, peers, locking, doc. Each gets what is missing by scripts/setup, which says what it does.
+# make build, demo, test, bench, peers, curves, locking, doc. Each gets what is missing by scripts/setup, which says what it does.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build demo test bench peers locking doc
+.PHONY: build demo test bench peers curves locking doc
 
 setup = scripts/setup && source target/setup.env
 
@@ -23,6 +23,12 @@ bench:
 # seconds against error beside other codes, a quarter of an hour; for less: make peers ARGS=--quick
 peers: build
 	benches/peers/setup && target/peers-env/bin/python benches/peers/run.py $(ARGS)
+
+# what polygons cost that stand for curves, and plates with holes beside NGSolve; ten minutes, ARGS=--quick three
+curves: build
+	scripts/python-env target/curves-env numpy==2.4.6 scipy==1.17.1 matplotlib==3.11.2 ngsolve==6.2.2608
+	mkdir -p target/curves && target/curves-env/bin/python benches/curves/facets.py target/release/steklov target/curves
+	target/curves-env/bin/python benches/curves/plate.py target/release/steklov target/curves $(ARGS)
 
 # errors as Poisson's ratio tends to 1/2, beside finite elements that lock
 locking: build

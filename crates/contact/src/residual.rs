@@ -31,6 +31,7 @@ use steklov_bem_operators::{BoundaryField, Datum, Look, Mesh, ParticularSolution
 use steklov_quadrature::{gauss_legendre, project};
 
 use crate::law::dot;
+use crate::multiplier_space::MultiplierCell;
 use crate::{ContactBoundary, ContactError, MultiplierSpace, SideData, multiplier_trace};
 
 /// Squared residuals of one contact element (energy: force per thickness times length).
@@ -168,13 +169,40 @@ impl ContactResidual {
     }
 }
 
+/// u_n, u_t, λ_n, λ_t at the nodes of an element; of a curved one the vectors u and λ, since normals differ from node to node.
+fn nodal_traces(solution: &ContactSolution<'_>, e: usize, lambda: &[[f64; 2]]) -> Vec<[f64; 4]> {
+    let ContactSolution { mesh, space, displacement, .. } = *solution;
+    let nodes = space.element_nodes(e).map(|i| [displacement[2 * i], displacement[2 * i + 1]]);
+    let components = |((u, l), &t): (([f64; 2], &[f64; 2]), &f64)| {
+        let place = if mesh.is_line(e) { 0.0 } else { t };
+        let [n, t] = [mesh.normal(e, place), mesh.tangent(e, place)];
+        match mesh.is_line(e) {
+            true => [dot(u, n), dot(u, t), l[0], l[1]],
+            false => [u[0], u[1], l[0] * n[0] + l[1] * t[0], l[0] * n[1] + l[1] * t[1]],
+        }
+    };
+    nodes.zip(lambda).zip(&space.basis(e).nodes).map(components).collect()
+}
+
+/// Where the data of an element or its stabilised multipliers have kinks or jumps, rising.
+fn kinks(data: &SideData<'_>, mesh: &Mesh, e: usize, cells: &[MultiplierCell]) -> Vec<f64> {
+    let mut kinks = (data.gap.kinks)(e);
+    kinks.extend(data.bound.iter().chain(&data.coefficient).flat_map(|b| (b.kinks)(e)));
+    kinks.extend(cells.iter().map(|c| c.span[0]));
+    // one that rounding put beside an end or another one is there
+    kinks.retain(|t| t.abs() < 1.0 - mesh.resolution(e));
+    kinks.sort_by(f64::total_cmp);
+    kinks.dedup_by(|b, a| *b - *a <= mesh.resolution(e));
+    kinks
+}
+
 fn element_residual(
     solution: &ContactSolution<'_>,
     data: &SideData<'_>,
     look: Look,
     e: usize,
 ) -> Result<ContactResidual, ContactError> {
-    let ContactSolution { mesh, space, displacement, .. } = *solution;
+    let ContactSolution { mesh, space, .. } = *solution;
     let basis = space.basis(e);
     let frame = |t: f64| [mesh.normal(e, t), mesh.tangent(e, t)];
     let [normal, tangent] = frame(0.0);
@@ -194,26 +222,10 @@ fn element_residual(
             Some(multipliers.value(cell.multiplier, mesh.edge_parameter(e, t), values))
         }
     };
-    // u_n, u_t, λ_n, λ_t
-    let nodes = space.element_nodes(e).map(|i| [displacement[2 * i], displacement[2 * i + 1]]);
     let straight = mesh.is_line(e);
-    // of a curved element the vectors, since normals differ from node to node
-    let components = |((u, l), &t): (([f64; 2], &[f64; 2]), &f64)| match straight {
-        true => [dot(u, normal), dot(u, tangent), l[0], l[1]],
-        false => {
-            let [n, t] = frame(t);
-            [u[0], u[1], l[0] * n[0] + l[1] * t[0], l[0] * n[1] + l[1] * t[1]]
-        }
-    };
-    let nodal: Vec<[f64; 4]> = nodes.zip(&lambda).zip(&basis.nodes).map(components).collect();
+    let nodal = nodal_traces(solution, e, &lambda);
     let mut phi = vec![0.0; nodal.len()];
-    let mut kinks = (data.gap.kinks)(e);
-    kinks.extend(data.bound.iter().chain(&data.coefficient).flat_map(|b| (b.kinks)(e)));
-    kinks.extend(cells.iter().map(|c| c.span[0]));
-    // one that rounding put beside an end or another one is there
-    kinks.retain(|t| t.abs() < 1.0 - mesh.resolution(e));
-    kinks.sort_by(f64::total_cmp);
-    kinks.dedup_by(|b, a| *b - *a <= mesh.resolution(e));
+    let kinks = kinks(data, mesh, e, &cells);
     let mut residual = ContactResidual { element: e, ..ContactResidual::default() };
     for panel in look.panels(basis.degree, &kinks) {
         let mut samples = Vec::with_capacity(panel.len());

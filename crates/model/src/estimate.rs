@@ -141,6 +141,8 @@ const LARGEST_SINGLE: usize = 4000;
 const LEAST_OVERLAP: f64 = 0.025;
 /// Those below this part of displacements and gaps are roundoff.
 const ROUNDED: f64 = 1e-12;
+/// What rounding does to J, in parts of twice the strain energy: up to 4e-14 was seen between meshes.
+const ROUNDED_ENERGY: f64 = 1e-13;
 
 /// Whether meshes of so many unknowns are estimated.
 pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
@@ -210,6 +212,7 @@ pub fn estimate(
     let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * solved.energies.friction_work).sqrt() } else { 0.0 };
     let of_square = if solved.contact.is_some() { OF_SQUARE_WITH_CONTACT } else { OF_SQUARE };
     let uncertainty = 0.5 * (extrapolation.abs() + of_jump.abs()) + friction.abs() + of_square * error * error + bounds;
+    let uncertainty = uncertainty.max(ROUNDED_ENERGY * scale * scale);
     let unresolved = unresolved(&data, solved, factors, &bubbles)?;
     let doubts = doubts(scene, solved, (&unresolved, &overlaps), error);
     let relative = ratio(error, scale);

@@ -129,6 +129,28 @@ fn orthonormal(motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
     basis
 }
 
+fn partition(boundary: Option<&ContactBoundary>, supports: &Supports<'_>) -> Partition {
+    Partition {
+        kept: boundary.map_or(Vec::new(), ContactBoundary::kept),
+        held: supports.dofs(),
+        frames: boundary.map_or(Vec::new(), ContactBoundary::frames),
+    }
+}
+
+/// The motions that neither supports nor contact resist.
+fn free_motions(
+    data: &Data<'_>,
+    given: &Given,
+    candidates: &[RigidMotion],
+    missed: f64,
+) -> Result<Vec<RigidMotion>, SolveError> {
+    let boundary = given.boundary.as_ref();
+    match rigid_load(data, given, missed)? {
+        None => unresisted((&data.space.points, &given.load), boundary, candidates),
+        Some((points, load)) => unresisted((&points, &load), boundary, candidates),
+    }
+}
+
 /// Solves the scene on a mesh; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
 /// it has them.
 ///
@@ -169,27 +191,21 @@ pub fn solve(
     let particular = particular(&data, &matrix);
     let supports = Supports { space: &space, held: &held };
     let mut given = Given::new(loads, particular, boundary, supports.values(), &mesh, &space);
-    let jump = outside.iter().flat_map(|outside| &outside.load);
-    given.load.iter_mut().zip(jump).for_each(|(f, jump)| *f += jump);
+    if let Some(outside) = &outside {
+        given.load.iter_mut().zip(&outside.load).for_each(|(f, jump)| *f += jump);
+    }
 
     observe(Stage::Progress("condensation", 0.75))?;
     let candidates = scene.unresisted(supports.free_motions());
-    let missed = missed(&mesh, &space, &candidates);
-    let free = match rigid_load(&data, &given, missed)? {
-        None => unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?,
-        Some((points, load)) => unresisted((&points, &load), given.boundary.as_ref(), &candidates)?,
-    };
-    let partition = Partition {
-        kept: given.boundary.as_ref().map_or(Vec::new(), ContactBoundary::kept),
-        held: supports.dofs(),
-        frames: given.boundary.as_ref().map_or(Vec::new(), ContactBoundary::frames),
-    };
     let nodal = |motions: &[RigidMotion]| -> Vec<Vec<f64>> { motions.iter().map(|r| r.nodal(&space.points)).collect() };
+    let missed = missed(&mesh, &space, &candidates);
+    let free = free_motions(&data, &given, &candidates, missed)?;
     let motions = nodal(&free);
     if missed > 0.0 {
         project_off(&mut matrix, &nodal(&candidates));
         project_load_off(&mut given.load, &motions);
     }
+    let partition = partition(given.boundary.as_ref(), &supports);
     let of_stabilised = stabilised::Body {
         traction: &traction_map,
         stiffness: &matrix,
@@ -200,7 +216,7 @@ pub fn solve(
         particular: given.particular.as_ref(),
     };
     let wanted = given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised;
-    let stabilised = wanted.then(|| solve_stabilised(&data, &of_stabilised)).transpose()?;
+    given.stabilised = wanted.then(|| solve_stabilised(&data, &of_stabilised)).transpose()?;
     let condensation = Condensation::new(matrix, &partition, &motions)?;
     seconds.factorise = clock.elapsed().as_secs_f64();
 
@@ -209,7 +225,6 @@ pub fn solve(
     let stiffness = if given.boundary.is_some() { condensation.stiffness() } else { Mat::new() };
     let material = scene.body().material();
     let mut body = Body { mesh, space, material, length, condensation, outside, stiffness, traction_map, held, free };
-    given.stabilised = stabilised;
     let (mut solved, factors) =
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;
     if scene.random.is_none() {

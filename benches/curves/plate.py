@@ -1,0 +1,109 @@
+"""Plates with circular holes in tension beside NGSolve with curved triangles: energy error and seconds.
+
+usage: plate.py COMMAND FOLDER [--quick]
+"""
+
+import csv
+import json
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import ngsolve as ng
+from netgen.geom2d import CSG2d, Circle, Rectangle
+from ngsolve import Grad, InnerProduct, ds, dx
+
+YOUNG, POISSON, RADIUS = 1.0, 0.3, 0.3
+PLATES = {(5, 4): [1e-2, 1e-4, 1e-6], (10, 8): [1e-2, 1e-4]}
+
+
+def steklov(command, folder, plate, tolerance):
+    """Unknowns, J and seconds of the whole process."""
+    nx, ny = plate
+    text = f'[body]\ncorners = [[0, 0], [{nx}, 0], [{nx}, {ny}], [0, {ny}]]\nsides = ["b", "r", "t", "l"]\n'
+    for i in range(nx):
+        for j in range(ny):
+            text += f'[[body.holes]]\ncircle = {{ centre = [{i + 0.5}, {j + 0.5}], radius = {RADIUS} }}\nside = "h"\n'
+    text += f"[material]\nyoung = {YOUNG}\npoisson = {POISSON}\n"
+    text += '[sides.r]\ntraction = ["1", "0"]\n[sides.l]\ntraction = ["-1", "0"]\n'
+    text += f"[method]\nmax_dofs = 20000\ntolerance = {tolerance}\n"
+    scene = folder / "plate.toml"
+    scene.write_text(text)
+    start = time.perf_counter()
+    done = subprocess.run(
+        [command, "solve", scene, "--out", folder / "plate.vtkhdf", "--force", "--json", "--quiet"],
+        capture_output=True,
+        text=True,
+    )
+    seconds = time.perf_counter() - start
+    told = json.loads(done.stdout)
+    return told["dofs"], told["energy"], seconds, told["peak_memory_bytes"] / 1e9
+
+
+def ngsolve(plate, size, order):
+    """The same of one mesh of curved triangles, condensed, by a sparse Cholesky factorisation."""
+    nx, ny = plate
+    start = time.perf_counter()
+    geometry = CSG2d()
+    body = Rectangle(pmin=(0, 0), pmax=(nx, ny), left="l", right="r")
+    for i in range(nx):
+        for j in range(ny):
+            body -= Circle(center=(i + 0.5, j + 0.5), radius=RADIUS)
+    geometry.Add(body)
+    mesh = ng.Mesh(geometry.GenerateMesh(maxh=size))
+    mesh.Curve(order)
+    space = ng.VectorH1(mesh, order=order)
+    u, v = space.TnT()
+    lam = YOUNG * POISSON / ((1 + POISSON) * (1 - 2 * POISSON))
+    mu = YOUNG / (2 * (1 + POISSON))
+    strain = lambda w: 0.5 * (Grad(w) + Grad(w).trans)
+    with ng.TaskManager():
+        form = ng.BilinearForm(space, symmetric=True, condense=True)
+        form += (lam * ng.Trace(strain(u)) * ng.Trace(strain(v)) + 2 * mu * InnerProduct(strain(u), strain(v))) * dx
+        load = ng.LinearForm(v[0] * ds("r") - v[0] * ds("l"))
+        form.Assemble()
+        load.Assemble()
+        # two corners hold the rigid motions, which nothing loads
+        free = ng.BitArray(space.FreeDofs(True))
+        for corner, component in (((0, 0), 0), ((0, 0), 1), ((nx, 0), 1)):
+            vertex = next(k for k in mesh.vertices if k.point == tuple(map(float, corner)))
+            free.Clear(space.components[component].GetDofNrs(ng.NodeId(ng.VERTEX, vertex.nr))[0] + component * space.components[0].ndof)
+        solution = ng.GridFunction(space)
+        f = load.vec
+        f.data += form.harmonic_extension_trans * f
+        solution.vec.data = form.mat.Inverse(free, "sparsecholesky") * f
+        solution.vec.data += form.harmonic_extension * solution.vec
+        solution.vec.data += form.inner_solve * f
+        seconds = time.perf_counter() - start
+        # the load works along straight sides: degree p against a constant
+        pull = solution[0] * ng.IfPos(ng.x - nx / 2, 1, -1)
+        work = ng.Integrate(pull, mesh, ng.BND, order=order, definedon=mesh.Boundaries("l|r"))
+    return space.ndof, -0.5 * work, seconds, float("nan")
+
+
+def main():
+    command, folder, quick = sys.argv[1], Path(sys.argv[2]), "--quick" in sys.argv
+    rows = []
+    for plate, tolerances in PLATES.items():
+        if quick and plate != (5, 4):
+            continue
+        runs = [("steklov", f"tolerance {t:g}", *steklov(command, folder, plate, t)) for t in tolerances]
+        settings = [(0.3, 4), (0.3, 6), (0.3, 8), (0.2, 6), (0.2, 8), (0.2, 10)]
+        runs += [("NGSolve", f"h {h}, degree {p}", *ngsolve(plate, h, p)) for h, p in settings]
+        finest = [max(run[2] for run in runs if run[0] == code) for code in ("steklov", "NGSolve")]
+        energies = [next(run[3] for run in runs if run[0] == code and run[2] == n) for code, n in zip(("steklov", "NGSolve"), finest)]
+        print(f"{plate}: J {energies[0]:.13f} (steklov), {energies[1]:.13f} (NGSolve)")
+        for code, setting, dofs, energy, seconds, memory in runs:
+            reference = energies[1] if code == "steklov" else energies[0]
+            error = abs(energy / reference - 1) ** 0.5
+            rows.append([f"{plate[0]}x{plate[1]}", code, setting, dofs, energy, error, seconds, memory])
+            print(f"  {code:8} {setting:18} {dofs:7} unknowns, energy error {error:.1e}, {seconds:.2f} s", flush=True)
+    with open(folder / "plate.csv", "w", newline="") as file:
+        writer = csv.writer(file)
+        writer.writerow(["plate", "code", "setting", "dofs", "energy", "energy_error", "seconds", "gigabytes"])
+        writer.writerows(rows)
+
+
+if __name__ == "__main__":
+    main()
