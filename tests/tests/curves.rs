@@ -204,3 +204,26 @@ fn the_stress_beside_a_hole_is_right_to_1e_8_from_the_scene_alone() {
         assert!((found - hoop).abs() < 1e-8, "{found} for {hoop} at {:?}", probe.point);
     }
 }
+
+#[test]
+fn curved_sides_that_are_held_under_body_forces_have_the_energy_that_is_told() {
+    // what nodes leave of the particular solution on the held arc works against tractions that are no polynomials there
+    for held in ["[\"0\", \"0\"]", "[\"0.1*y\", \"-0.1*x\"]"] {
+        let told = |tolerance: &str| {
+            summary(&parse(&format!(
+                "[body]\ncorners = [[0.68, 0.48], [-0.63, -0.35]]\nsides = [\"held\", \"loaded\"]\n\
+                 arcs = [{{ edge = 0, bulge = 0.9 }}]\ncurves = [{{ edge = 1, control = [[-0.2, -0.8], [0.7, -0.4]] }}]\n\
+                 [material]\nyoung = 1.0\npoisson = 0.2\n[sides.held]\ndisplacement = {held}\n\
+                 [sides.loaded]\npressure = \"0.1*cos(3*s)\"\n[body_force]\nvalue = [\"0\", \"-0.1\"]\n\
+                 [method]\ntolerance = {tolerance}\n"
+            )))
+        };
+        let [exact, coarse, fine] = ["1e-7", "1e-3", "1e-5"].map(told);
+        for told in [coarse, fine] {
+            let error = (told.energy_extrapolated.unwrap() - exact.energy_extrapolated.unwrap()).abs();
+            let bar = told.energy_uncertainty.unwrap();
+            println!("held at {held}, {} dofs: off by {error:.1e} with {bar:.1e} told", told.dofs);
+            assert!(error < 0.5 * bar, "{error:e} {bar:e}");
+        }
+    }
+}

@@ -47,7 +47,7 @@ impl Data<'_> {
         Ok(work)
     }
 
-    /// ∫ φ (f - I_p f) over a side, φ(e, t) of at most the degree of element e.
+    /// ∫ φ (f - I_p f) over a side, φ(e, t) of at most the degree of element e; on curves ∫ I_pφ (f - I_p f).
     pub(crate) fn work_on_rest(
         &self,
         side: usize,
@@ -61,9 +61,10 @@ impl Data<'_> {
             .map_err(|error| expression.map_or(error.clone().into(), |expression| self.located(error, expression)))?
         {
             let basis = space.basis(e);
-            let mut nodal = Vec::with_capacity(basis.nodes.len());
+            let (mut nodal, mut weights) = (Vec::new(), Vec::new());
             for (&t, moment) in basis.nodes.iter().zip(moments) {
                 nodal.push(f.at(mesh, &Site::new(mesh, e, t))?);
+                weights.push(phi(e, t));
                 work += phi(e, t) * moment;
             }
             let more = if mesh.is_line(e) { 1 } else { 12 };
@@ -71,8 +72,10 @@ impl Data<'_> {
             let mut values = vec![0.0; basis.degree + 1];
             for (&t, weight) in rule.points.iter().zip(&rule.weights) {
                 basis.evaluate(t, &mut values);
-                let interpolant: f64 = values.iter().zip(&nodal).map(|(v, f)| v * f).sum();
-                work -= mesh.speed(e, t) * weight * phi(e, t) * interpolant;
+                let interpolant = |nodal: &[f64]| values.iter().zip(nodal).map(|(v, f)| v * f).sum::<f64>();
+                // the moments are those of the interpolant of φ, which on curves is not φ
+                let phi = if mesh.is_line(e) { phi(e, t) } else { interpolant(&weights) };
+                work -= mesh.speed(e, t) * weight * phi * interpolant(&nodal);
             }
         }
         Ok(work)
