@@ -227,3 +227,18 @@ fn curved_sides_that_are_held_under_body_forces_have_the_energy_that_is_told() {
         }
     }
 }
+
+#[test]
+fn data_in_s_have_kinks_where_arcs_of_one_side_meet() {
+    // s runs from 0 to 1 on each of the four arcs: the displacement has a kink at each joint
+    let told = |tolerance: &str| {
+        summary(&parse(&format!(
+            "[body]\nellipse = {{ centre = [0, 0], radii = [1.1, 0.8] }}\nside = \"rim\"\n[material]\nyoung = 1.0\npoisson = 0.4\n\
+             [sides.rim]\ndisplacement = [\"0.1*x*y\", \"0.05*s*(1-s)\"]\n[method]\ntolerance = {tolerance}\n"
+        )))
+    };
+    let [exact, coarse] = ["1e-6", "1e-3"].map(told);
+    let error = (coarse.energy_extrapolated.unwrap() - exact.energy_extrapolated.unwrap()).abs();
+    let bar = coarse.energy_uncertainty.unwrap();
+    assert!(error < 0.5 * bar, "{error:e} {bar:e}, {} dofs", coarse.dofs);
+}

@@ -1,7 +1,7 @@
 //! The first mesh: vertices at singular points and where the data are narrower than an element.
 
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
-use steklov_expression::{OnEdge, Track};
+use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Refine, Scene};
 
 use crate::layout::Layout;
@@ -104,7 +104,8 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
             let alike = edges[a].side == edges[b].side || curved && free(a) && free(b);
             let mirror = curved && is_mirror_corner(scene, [a, b], turn);
             let bends = curved && bends_at_joint(&edges[a], &edges[b]);
-            if !mirror && (bends || turn.abs() > if curved { SMOOTH } else { STRAIGHT } || !alike) {
+            let jumps = alike && (starts_anew(scene, &edges[a]) || starts_anew(scene, &edges[b]));
+            if !mirror && (bends || jumps || turn.abs() > if curved { SMOOTH } else { STRAIGHT } || !alike) {
                 points[a].push(if edges[a].reversed { 0.0 } else { 1.0 });
                 points[b].push(if edges[b].reversed { 1.0 } else { 0.0 });
             }
@@ -125,6 +126,12 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
         points.dedup_by(|b, a| *b - *a < 1e-9);
     }
     points
+}
+
+/// Whether data of an edge depend on its s, which is 1 before a joint and 0 behind it: they have a kink or a jump there.
+fn starts_anew(scene: &Scene, edge: &Edge) -> bool {
+    let of_side = scene.problem.side_data(edge.side).into_iter().map(|(_, datum)| datum);
+    of_side.chain(scene.jumps_on(edge)).any(Expression::uses_edge)
 }
 
 /// Whether the curvature jumps from one edge to the next: displacements have a part r² log r there, which degrees alone resolve
