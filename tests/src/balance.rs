@@ -21,12 +21,12 @@ pub fn unbalanced_forces(scene: &Scene, solved: &GridSolved) -> f64 {
         scale += force[0].abs() + force[1].abs();
     };
     let rule = gauss_legendre(POINTS);
-    let mesh = Mesh::uniform(&scene.body().outline, ELEMENTS, 1);
-    let outer = |e: usize| scene.body().outline.edges()[mesh.edge[e]].loop_index == 0;
+    let mesh = Mesh::uniform(&scene.problem.outline, ELEMENTS, 1);
+    let outer = |e: usize| scene.problem.outline.edges()[mesh.edge[e]].loop_index == 0;
     for e in 0..mesh.len() {
         for (&t, w) in rule.points.iter().zip(&rule.weights) {
             let Site { s, point: [x, y], .. } = Site::new(&mesh, e, t);
-            let [mut tx, mut ty] = match &scene.body().sides[mesh.side[e]].condition {
+            let [mut tx, mut ty] = match &scene.problem.sides[mesh.side[e]].condition {
                 Condition::Traction(t) | Condition::Displacement { traction: Some(t), .. } => {
                     [t[0].eval(x, y, s), t[1].eval(x, y, s)]
                 }

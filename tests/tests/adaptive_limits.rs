@@ -54,7 +54,7 @@ fn what_degrees_do_not_follow_of_a_cubic_load() {
     for (degree, pressed) in [(1, false), (2, false), (1, true), (2, true)] {
         let top = if pressed { On::pressure("x^3") } else { On::traction("3*x^3", "-4*x^3") };
         let scene = parsed(&on_floor(top), &[]);
-        let mesh = Mesh::uniform(&scene.body().outline, 12, degree);
+        let mesh = Mesh::uniform(&scene.problem.outline, 12, degree);
         let (solved, _, factors) = solve(&scene, mesh, true, &mut PairCache::default(), &mut |_| Ok(())).unwrap();
         let h = 1.0 / 3.0_f64;
         let cubic = h / 3.0 * (h / 7.0) * (0.4 * (h / 2.0).powi(3)).powi(2) * if pressed { 1.0 } else { 25.0 };
@@ -156,7 +156,7 @@ fn a_step_that_fails_keeps_those_before_it() {
     let failing = |at: usize, error: fn() -> SolveError| {
         let scene = scene_of(&[]);
         run(&scene, Progress::first(&scene), &AtomicUsize::new(0), &mut |number, stage| match stage {
-            Stage::Steklov(_) if number == at => Err(error()),
+            Stage::Steklov(_, _) if number == at => Err(error()),
             _ => Ok(()),
         })
     };

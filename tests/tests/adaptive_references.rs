@@ -87,7 +87,7 @@ fn ends_of_contact_are_located() {
 fn start(scene: &Scene, elements: [usize; 4]) -> Layout {
     let breaks = elements.map(|n| (1..n).map(|k| k as f64 / n as f64).collect::<Vec<_>>());
     let degree = elements.map(|n| vec![1; n]);
-    let mesh = Mesh::from_breaks(&scene.body().outline, &breaks, &degree).expect("a mesh");
+    let mesh = Mesh::from_breaks(&scene.problem.outline, &breaks, &degree).expect("a mesh");
     let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
     for (k, points) in singular_points(scene, true).iter().enumerate() {
         points.iter().enumerate().for_each(|(i, &s)| subdivision.insert(k, s, &points[..i], 0.2));

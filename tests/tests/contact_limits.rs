@@ -315,7 +315,7 @@ fn half_a_symmetric_block_on_a_roller_is_half_of_it() {
     let (layers, ratio) = (8, 0.17);
     let towards: Vec<(usize, f64)> =
         (0..4).map(|k| (k, 0.0)).chain([0.5 - a, 0.5, 0.5 + a].map(|s| (0, s))).chain([(2, 0.5)]).collect();
-    let mesh = Mesh::graded(&full.body().outline, &towards, layers, ratio, |_| degree).expect("a valid mesh");
+    let mesh = Mesh::graded(&full.problem.outline, &towards, layers, ratio, |_| degree).expect("a valid mesh");
     let full = answer_on(&full, mesh);
 
     let corners = [[0.0, -0.5], [0.5, -0.5], [0.5, 0.5], [0.0, 0.5]];
@@ -327,7 +327,7 @@ fn half_a_symmetric_block_on_a_roller_is_half_of_it() {
         .method("solver = \"active-set\"");
     let half = parsed(&half);
     let towards: Vec<(usize, f64)> = (0..4).map(|k| (k, 0.0)).chain([(0, 2.0 * a)]).collect();
-    let mesh = Mesh::graded(&half.body().outline, &towards, layers, ratio, |_| degree).expect("a valid mesh");
+    let mesh = Mesh::graded(&half.problem.outline, &towards, layers, ratio, |_| degree).expect("a valid mesh");
     let half = answer_on(&half, mesh);
 
     println!("dofs {} and {}", full.solved.space.dofs(), half.solved.space.dofs());

@@ -92,10 +92,10 @@ fn mesh(scene: &Scene, cuts: &Cuts) -> Mesh {
         });
         ends.collect::<Vec<f64>>()
     };
-    let edges = 0..scene.body().outline.edges().len();
+    let edges = 0..scene.problem.outline.edges().len();
     let breaks: Vec<_> = edges.clone().map(|k| breaks(&cuts[k])).collect();
     let degrees: Vec<Vec<usize>> = edges.map(|k| cuts[k].iter().map(|e| e.1).collect()).collect();
-    Mesh::from_breaks(&scene.body().outline, &breaks, &degrees).expect("rising breaks")
+    Mesh::from_breaks(&scene.problem.outline, &breaks, &degrees).expect("rising breaks")
 }
 
 /// Largest error of nodal forces, displacements and energies of a patch, relative to the terms that add up to them:
@@ -179,7 +179,7 @@ proptest! {
         let a = answer_on(&scene, mesh);
         uniform(&a, &field, q, 0.0, &[], 1.0)?;
         prop_assert_eq!(a.solved.free_motions.len(), 1);
-        let energy = field.energy(scene.body().outline.area());
+        let energy = field.energy(scene.problem.outline.area());
         prop_assert!((a.solved.energies.strain - energy).abs() <= PATCH * YOUNG * field.size().powi(2), "{} and {energy}", a.solved.energies.strain);
     }
 
@@ -285,7 +285,7 @@ proptest! {
         let mesh = mesh(&scene, &cuts);
         let a = answer_on(&scene, mesh);
         uniform(&a, &field, q, 0.0, &[], flat)?;
-        let energy = field.energy(scene.body().outline.area());
+        let energy = field.energy(scene.problem.outline.area());
         prop_assert!((a.solved.energies.strain - energy).abs() <= PATCH * YOUNG * field.size().powi(2), "{} and {energy}, {contact} in contact", a.solved.energies.strain);
     }
 }

@@ -29,7 +29,7 @@ sides.e4.contact = { gap = "0.004*(1-cos(3*s))-0.002", friction = { tresca = "0.
 
 /// Rows with their edge parameters on an edge, by the distance from it.
 fn on_edge(scene: &Scene, k: usize, rows: &[ContactRow]) -> Vec<(f64, ContactRow)> {
-    let edge = &scene.body().outline.edges()[k];
+    let edge = &scene.problem.outline.edges()[k];
     let (length, [a, _]) = (edge.length(), edge.listed());
     let [x, y] = [0, 1].map(|i| (edge.end[i] - edge.start[i]) / length);
     let sign = if edge.reversed { -1.0 } else { 1.0 };
@@ -47,7 +47,7 @@ fn on_edge(scene: &Scene, k: usize, rows: &[ContactRow]) -> Vec<(f64, ContactRow
 fn lengths(scene: &Scene, rows: &[ContactRow], ends: &[[f64; 2]]) -> Option<[f64; 2]> {
     let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let pressed = |r: &ContactRow| r.pressure > 1e-12 * largest;
-    let (mut length, edges) = (0.0, scene.body().outline.edges());
+    let (mut length, edges) = (0.0, scene.problem.outline.edges());
     for (k, edge) in edges.iter().enumerate() {
         if scene.contact(edge.side).is_none() {
             continue;

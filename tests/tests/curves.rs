@@ -107,7 +107,7 @@ fn a_fillet_is_the_arc_that_touches_both_edges() {
                    sides = [\"bottom\", \"end\", \"top\", \"top\", \"top\", \"wall\", \"left\"]\n\
                    arcs = [{ edge = 3, centre = [1.5, 1.5] }]\n";
     let [a, b] = [fillet, by_hand].map(|body| parse(&format!("{body}{rest}")));
-    let edges = |scene: &Scene| scene.body().outline.edges().to_vec();
+    let edges = |scene: &Scene| scene.problem.outline.edges().to_vec();
     for (a, b) in edges(&a).iter().zip(edges(&b)) {
         for s in [0.0, 0.3, 0.5, 1.0] {
             let ([x, y], [u, v]) = (a.point(s), b.point(s));

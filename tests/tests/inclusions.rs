@@ -107,7 +107,7 @@ fn an_interface_between_equal_materials_is_invisible() {
         };
         let want = |[x, y]: [f64; 2]| [0, 1].map(|i| strain[i][0] * x + strain[i][1] * y - shift[i]);
         for (x, inside) in [([0.3, 0.0], true), ([2.0, 1.0], false), ([-30.0, 40.0], false)] {
-            let (u, sigma) = if inside { run.last.inside(x) } else { at(&run, x) };
+            let (u, sigma) = if inside { run.last.inside(0, x) } else { at(&run, x) };
             assert!(off(u, want(x)) < 1e-10 && off(sigma, [1.0, 0.5, 0.25]) < 1e-10, "{x:?}: {u:?} {sigma:?}");
         }
         let step = run.step();
@@ -138,7 +138,7 @@ fn a_circular_inclusion_has_goodiers_uniform_stress() {
             let run = solved(&scene(&text(&circle(n), body, medium, &rest), &[]));
             let ([ux, _], [_, uy]) = (node(&run, [1.0, 0.0]), node(&run, [0.0, 1.0]));
             let displacement = (ux / strain[0] - 1.0).abs().max((uy - strain[1]).abs() / strain[0].abs());
-            let (_, inside) = run.last.inside([0.3, 0.2]);
+            let (_, inside) = run.last.inside(0, [0.3, 0.2]);
             // far outside the perturbation falls like r^-2
             let (_, far) = at(&run, [200.0, 100.0]);
             assert!(off(far, [2.0, 0.0, 0.0]) < 2e-4, "{far:?}");
@@ -169,7 +169,7 @@ fn a_shrink_fit_has_lames_pressure() {
             let run = solved(&scene(&text(&circle(n), body, medium, &rest), &[]));
             let (u, sigma) = at(&run, [3.0, 0.0]);
             let far = p / (2.0 * medium.mu() * 3.0);
-            let inside = run.last.inside([0.3, 0.2]).1;
+            let inside = run.last.inside(0, [0.3, 0.2]).1;
             [off(inside, [-p, -p, 0.0]) / p, (u[0] / far - 1.0).abs(), off(sigma, [-p / 9.0, p / 9.0, 0.0]) / p]
         });
         println!("{errors:?}");
@@ -209,7 +209,7 @@ fn a_misfitting_square_has_the_stresses_of_its_potential() {
         let trace = if inside { swollen } else { 0.0 };
         let own = if inside { lambda * swollen - 2.0 * (lambda + mu) * delta } else { 0.0 };
         let want = [own + 2.0 * mu * xx, own + 2.0 * mu * (trace - xx), 2.0 * mu * xy];
-        let found = if inside { run.last.inside(x).1 } else { at(&run, x).1 };
+        let found = if inside { run.last.inside(0, x).1 } else { at(&run, x).1 };
         println!("{x:?}: {:.1e}", off(found, want) / (mu * delta));
         assert!(off(found, want) < 1e-5 * mu * delta, "{x:?}: {found:?} {want:?}");
     }
@@ -289,7 +289,7 @@ fn a_manufactured_transmission_converges() {
     let fine = manufactured("tolerance = 1e-6");
     let run = solved(&fine);
     for x in [[0.0, 0.0], [0.4, -0.3]] {
-        assert!(off(run.last.inside(x).0, inner(x)) < 1e-6, "{x:?}");
+        assert!(off(run.last.inside(0, x).0, inner(x)) < 1e-6, "{x:?}");
     }
     // J extrapolated is right within what each step says, and much nearer than J itself
     let exact = manufactured_energy();
@@ -401,7 +401,7 @@ fn units_do_not_matter() {
         );
         let run = solved(&scene(&text(&corners, scaled(body), scaled(medium), &rest), &[]));
         let (u, sigma) = at(&run, [0.9 * length, 0.4 * length]);
-        let (v, tau) = run.last.inside([0.1 * length, 0.3 * length]);
+        let (v, tau) = run.last.inside(0, [0.1 * length, 0.3 * length]);
         let estimate = run.step().estimate.as_ref().unwrap().relative;
         [u[0] / length, u[1] / length, sigma[0] / stress, v[0] / length, tau[2] / stress, estimate]
     });
@@ -440,7 +440,7 @@ fn behaviour_at_infinity_is_a_translation() {
             format!("remote_stress = [1, 2, 0]\nat_infinity = {infinity:?}\n[method]\nrefine = \"none\"\ndegree = 4\n");
         solved(&scene(&text(&corners, body, medium, &rest), &[]))
     });
-    let (p, q) = (a.last.inside([0.5, 0.0]), b.last.inside([0.5, 0.0]));
+    let (p, q) = (a.last.inside(0, [0.5, 0.0]), b.last.inside(0, [0.5, 0.0]));
     let shift = [0, 1].map(|i| q.0[i] - p.0[i]);
     for x in [[3.0, 1.0], [-1e4, 1e4]] {
         let ((u, sigma), (v, tau)) = (at(&a, x), at(&b, x));

@@ -55,7 +55,7 @@ fn difference(plain: &Answer, seen: &Answer, view: &View, probes: &[[f64; 2]]) -
     }
     let (mut u, mut sigma) = (Worst(0.0), Worst(0.0));
     for &x in probes {
-        let ((u0, s0), (u1, s1)) = (plain.solved.inside(x), seen.solved.inside(point_of(view, x)));
+        let ((u0, s0), (u1, s1)) = (plain.solved.inside(0, x), seen.solved.inside(0, point_of(view, x)));
         u.of(&u0, &back(u1, l));
         // σ turned back column by column, then row by row
         let columns = [back([s1[0], s1[2]], s), back([s1[2], s1[1]], s)];
@@ -178,7 +178,7 @@ fn threads_change_no_bit_of_the_operators() {
             let s = Steklov::new(operators, Domain::Interior).expect("V is positive definite").matrix;
             let mut stages = 0;
             let solved = steklov_model::solve::solve(&scene, mesh, true, &mut PairCache::default(), &mut |stage| {
-                if let Stage::Steklov(again) = stage {
+                if let Stage::Steklov(_, again) = stage {
                     stages += usize::from(bits(again) == bits(&s));
                 }
                 Ok(())

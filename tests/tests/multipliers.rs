@@ -15,11 +15,13 @@ fn stabilised(scene: &Scene) -> Scene {
 }
 
 /// Every scene with contact reaches its tolerance with the default γ, at the energy that its file knows, the energy, the stick and
-/// the force of biorthogonal multipliers and, where it is finite, their largest pressure. Scenes with random input are left out: J is a mean there.
+/// the force of biorthogonal multipliers and, where it is finite, their largest pressure. Scenes with random input are left out: J is a mean there;
+/// so are several bodies, which have biorthogonal multipliers only.
 #[test]
 fn every_scene_of_the_gallery_is_solved() {
     let mut judged = 0;
-    for (name, scene) in gallery().into_iter().filter(|(_, s)| s.random.is_none() && s.contacts().next().is_some()) {
+    let one = |s: &Scene| !s.problem.has_several_bodies() && s.random.is_none() && s.contacts().next().is_some();
+    for (name, scene) in gallery().into_iter().filter(|(_, scene)| one(scene)) {
         let [a, b] = [scene.clone(), stabilised(&scene)].map(|s| adapt(&s).unwrap_or_else(|e| panic!("{name}: {e}")));
         let [x, y] = [&a, &b].map(|run| (run.step().energy, run.step().estimate.as_ref().map_or(0.0, |e| e.relative)));
         let off = ((x.0 - y.0) / x.0).abs();

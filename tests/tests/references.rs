@@ -141,7 +141,7 @@ fn geometric(name: &str, half_length: f64, degree: usize) -> Answer {
     let corners = (0..4).map(|k| (k, 0.0));
     let inner = [0.5 - half_length, 0.5, 0.5 + half_length].map(|s| (0, s));
     let towards: Vec<(usize, f64)> = corners.chain(inner).collect();
-    let mesh = Mesh::graded(&scene.body().outline, &towards, degree, 0.17, |_| degree).expect("a valid mesh");
+    let mesh = Mesh::graded(&scene.problem.outline, &towards, degree, 0.17, |_| degree).expect("a valid mesh");
     answer_on(&scene, mesh)
 }
 

@@ -134,7 +134,8 @@ fn plans_are_the_least_model() {
         let table: toml::Table = text.parse().expect("TOML");
         let none = toml::Table::new();
         let sides = table.get("sides").map_or(&none, |sides| sides.as_table().expect("a table of sides"));
-        let touches = sides.values().any(|side| side.get("contact").is_some());
+        let interfaces = table.get("interface").map_or(Vec::new(), |all| all.as_array().expect("a list").clone());
+        let touches = sides.values().chain(&interfaces).any(|of| of.get("contact").is_some());
 
         let whole = |value: &toml::Value| value.as_integer().expect("a number of cells");
         let model = match table.get("grid") {

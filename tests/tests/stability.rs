@@ -149,7 +149,7 @@ fn graded_meshes_of_length_ratio_a_million() {
         let towards: Vec<(usize, f64)> = (0..4).map(|k| (k, 0.0)).chain(inner).collect();
         for (degree, linear) in [(1, false), (3, false), (6, false), (1, true)] {
             let of_layer = |j: usize| if linear { degree + j } else { degree };
-            let mesh = Mesh::graded(&scene.body().outline, &towards, 8, 0.17, of_layer).expect("a valid mesh");
+            let mesh = Mesh::graded(&scene.problem.outline, &towards, 8, 0.17, of_layer).expect("a valid mesh");
             let lengths = (0..mesh.len()).map(|e| mesh.length(e));
             let ratio = lengths.clone().fold(0.0, f64::max) / lengths.fold(1.0, f64::min);
             assert!(ratio > 1e6);
@@ -205,14 +205,16 @@ fn waves_do_not_make_the_solvers_cycle() {
 /// A condensed problem: the square, its top clamped, its floor in smooth contact with an overlap.
 fn condensed() -> Problem {
     let scene = parsed(&Case::square(0.3).on("floor", On::smooth("0")).on("top", On::held("0", "0")));
-    let mesh = Mesh::uniform(&scene.body().outline, 24, 2);
+    let mesh = Mesh::uniform(&scene.problem.outline, 24, 2);
     let space = Space::new(&mesh);
     let gap = |site: &steklov_bem_operators::Site| 0.02 * site.point[0].powi(2) - 0.001;
     let gap = Datum { name: "gap", value: &gap, kinks: &|_| Vec::new() };
-    let boundary =
-        contact_boundary(&mesh, &space, &[SideData { side: 0, gap, bound: None, coefficient: None }], &|_| {
-            [None, None]
-        });
+    let boundary = contact_boundary(
+        &mesh,
+        &space,
+        &[SideData { side: 0, gap, bound: None, coefficient: None, elements: None }],
+        &|_| [None, None],
+    );
     let boundary = boundary.expect("a floor");
     let operators = Operators::assemble(&mesh, &space, &scene.body().material(), None).expect("a valid mesh");
     let matrix: Mat<f64> = Steklov::new(operators, Domain::Interior).expect("V is positive").matrix;

@@ -43,11 +43,12 @@ fn iterations(what: &str, solution: &Solution) -> usize {
 /// high degree are in contact.
 #[test]
 fn uniform_meshes_take_at_most_twelve_iterations_from_a_cold_start() {
-    for (name, scene) in scenes() {
+    // sides of several bodies face each other with whole elements, of which a uniform mesh knows nothing
+    for (name, scene) in scenes().filter(|(_, scene)| !scene.problem.has_several_bodies()) {
         let reference = ["15", "16", "17", "18"].iter().any(|number| name.starts_with(number));
         let allowed = [if reference { 12 } else { 24 }, 12];
         for (elements, degree) in [(16, 1), (64, 1), (32, 3), (16, 8)] {
-            let mesh = Mesh::uniform(&scene.body().outline, elements, degree);
+            let mesh = Mesh::uniform(&scene.problem.outline, elements, degree);
             let (_, problem) = condensed(&scene, mesh).expect("contact");
             let counts = [0, 1].map(|k| {
                 let (solver, by) = SOLVERS[k];

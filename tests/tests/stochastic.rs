@@ -139,7 +139,7 @@ fn outcomes_are_those_of_scenes_of_their_own() {
         let contact = solved.contact.as_ref().expect("contact");
         let rows = steklov_model::report::contact_rows(solved.trace(), contact);
         let told = steklov_model::report::contact_summary(&own, solved.trace(), contact, &rows, None);
-        let (inside, stress) = solved.inside([0.1, -0.2]);
+        let (inside, stress) = solved.inside(0, [0.1, -0.2]);
         let top = solved.reactions.iter().find(|r| r.0 == "top").expect("held").1[1];
         let energies = solved.energies;
         let wanted = [
@@ -201,7 +201,7 @@ fn forces_of_coupled_nodes_balance_loads_that_are_not_random() {
     let of = |result: &StochasticResult, name: &str| quantity(result, name).clone();
     let (top, stress) = (of(&result, "reactions.top.y"), of(&result, "probe.0.stress.yy"));
     assert!((top.mean - 50.0).abs() < 1e-9 && top.variance.sqrt() < 1e-9, "{} {}", top.mean, top.variance);
-    let nominal = run.last.inside([0.0, 0.0]).1[1];
+    let nominal = run.last.inside(0, [0.0, 0.0]).1[1];
     assert!((stress.mean - nominal).abs() < 1e-9 && stress.variance.sqrt() < 1e-9, "{} {nominal}", stress.mean);
     let [strain, work] = ["strain_energy", "load_work"].map(|name| of(&result, name).mean);
     assert!((strain / (0.5 * work) - 1.0).abs() < 1e-12, "{strain} {work}");

@@ -177,7 +177,7 @@ fn the_tunnels_energy_by_geometric_meshes_and_its_estimated_error() {
     let expected = tunnel.expect.iter().find(|e| e.path == "energy").expect("its energy").value;
     let towards: Vec<(usize, f64)> = (0..4).map(|k| (k, 0.0)).collect();
     let energies = [8, 12, 16].map(|layers| {
-        let mesh = Mesh::graded(&tunnel.body().outline, &towards, layers, 0.17, |layer| 2 + layer).expect("a mesh");
+        let mesh = Mesh::graded(&tunnel.problem.outline, &towards, layers, 0.17, |layer| 2 + layer).expect("a mesh");
         answer_on(&tunnel, mesh).solved.energies.total
     });
     println!("{energies:?}");

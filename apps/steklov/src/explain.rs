@@ -36,6 +36,11 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<DataError, Sol
                 "give both sides the same value at their common point, or write \"free\" for this component on one of them",
             )
         }
+        SolveError::Loose { .. } => blame(
+            Unsupported,
+            &[&["interface"], &["sides"]],
+            "hold a displacement of these bodies, tie a side, give an interface friction, or balance the loads",
+        ),
         SolveError::NotFinite { .. } => {
             (Value, loads(scene), "choose units in which lengths, loads and Young's modulus are nearer to 1".to_owned())
         }
@@ -266,7 +271,7 @@ fn friction(scene: &Scene) -> Vec<Vec<&str>> {
             Friction::Tresca(_) => "tresca",
             Friction::Coulomb(_) => "coulomb",
         };
-        Some(vec!["sides", &scene.body().sides[side].name, "contact", "friction", law])
+        Some(vec!["sides", &scene.problem.sides[side].name, "contact", "friction", law])
     };
     scene.contacts().filter_map(law).collect()
 }
@@ -279,7 +284,7 @@ fn is_coulomb(scene: &Scene) -> bool {
 fn loads(scene: &Scene) -> Vec<Vec<&str>> {
     let loaded = |t: &[Expression; 2]| t.iter().any(|t| t.constant() != Some(0.0));
     let mut keys: Vec<_> = scene
-        .body()
+        .problem
         .sides
         .iter()
         .filter_map(|side| match &side.condition {

@@ -54,14 +54,14 @@ fn every_mistake_is_named_with_its_line_and_remedy() {
 #[test]
 fn the_sound_scene_and_the_template_are_read() {
     let scene = sound(SOUND, &[]);
-    assert_eq!((scene.title.as_str(), scene.body().outline.side_names().len()), ("Sound", 4));
+    assert_eq!((scene.title.as_str(), scene.problem.outline.side_names().len()), ("Sound", 4));
     assert_eq!(scene.probe, [[1.0, 0.5]]);
     assert_eq!(scene.method.refine, Refine::UniformH);
-    let names: Vec<&str> = scene.body().sides.iter().map(|s| s.name.as_str()).collect();
+    let names: Vec<&str> = scene.problem.sides.iter().map(|s| s.name.as_str()).collect();
     assert_eq!(names, ["floor", "right", "top", "left"]);
     let Some(Contact { gap, friction: Friction::Tresca(bound) }) = scene.contact(0) else { panic!() };
     assert_eq!((gap.constant(), bound.constant()), (Some(0.0), Some(0.3)));
-    assert!(matches!(scene.body().sides[1].condition, Condition::Free));
+    assert!(matches!(scene.problem.sides[1].condition, Condition::Free));
     let template = sound(TEMPLATE, &[]);
     assert_eq!(template.method, Method::default());
     // Every line that is commented out is a line that can be used.
@@ -73,7 +73,7 @@ fn the_sound_scene_and_the_template_are_read() {
         })
         .collect();
     let all = sound(&all, &[]);
-    assert_eq!((all.expect.len(), all.probe.len(), all.body().outline.loops().len()), (1, 1, 2));
+    assert_eq!((all.expect.len(), all.probe.len(), all.problem.outline.loops().len()), (1, 1, 2));
     assert_eq!(
         all.method,
         Method { tolerance_given: true, elements_given: true, max_dofs_given: true, ..Method::default() }
@@ -102,7 +102,7 @@ fn defaults_are_those_of_the_contract() {
     );
     assert_eq!((m.refine, m.marking, m.gamma, m.solver), (Refine::Hp, None, None, Solver::Auto));
     assert_eq!(
-        (scene.body().material().young, scene.title.as_str(), scene.body().sides.len()),
+        (scene.body().material().young, scene.title.as_str(), scene.problem.sides.len()),
         (200.0, "broken.toml", 2)
     );
     assert!(scene.body().force.is_none() && scene.probe.is_empty() && scene.expect.is_empty());
@@ -160,9 +160,9 @@ fn overrides_change_any_key() {
         ],
     );
     assert_eq!((scene.method.tolerance, scene.method.refine), (1e-6, Refine::None));
-    assert_eq!(scene.body().outline.edges()[5].listed(), [[0.6, 0.5], [0.7, 0.6]]);
-    assert!(matches!(&scene.body().sides[1].condition, Condition::Pressure(p) if p.constant() == Some(2.0)));
-    let Condition::Displacement { values: [Some(u), None], traction: None } = &scene.body().sides[2].condition else {
+    assert_eq!(scene.problem.outline.edges()[5].listed(), [[0.6, 0.5], [0.7, 0.6]]);
+    assert!(matches!(&scene.problem.sides[1].condition, Condition::Pressure(p) if p.constant() == Some(2.0)));
+    let Condition::Displacement { values: [Some(u), None], traction: None } = &scene.problem.sides[2].condition else {
         panic!()
     };
     assert_eq!(u.constant(), Some(0.0));
@@ -253,7 +253,7 @@ fn a_value_at_a_quadrature_point_is_judged_like_the_samples() {
     let text = SOUND.replace("\"-1\"", "\"1/(x-0.3)\"");
     let document = Document::parse(&text, "broken.toml", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     let scene = &document.scene;
-    let Condition::Traction([_, load]) = &scene.body().sides[2].condition else { panic!() };
+    let Condition::Traction([_, load]) = &scene.problem.sides[2].condition else { panic!() };
     assert_eq!(scene.check_value("top", "traction", load, (1.3, 1.0, 0.5)).unwrap(), 1.0);
     let error = scene.check_value("top", "traction", load, (0.3, 1.0, 0.5)).unwrap_err();
     let error = document.error(error);

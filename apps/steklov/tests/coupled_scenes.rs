@@ -185,7 +185,7 @@ fn a_lining_of_the_rock_is_the_rock() {
         let off = probes.iter().map(|probe| {
             let (u, _) = match probe.point {
                 [0.25, 0.0] => done.last.on_edge(1, 0.5),
-                x => done.last.inside(x),
+                x => done.last.inside(0, x),
             };
             apart(&probe.displacement, &u) / 0.1
         });

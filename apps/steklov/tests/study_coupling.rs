@@ -84,8 +84,8 @@ fn errors_and_effectivities_are_those_of_the_reference_file() {
     let tolerance = number(&data["tol_rel"]);
     let scene = parsed(SQUARE);
     let (pairs, levels) = (pairs(&scene).unwrap(), levels(&scene, 100_000, 128).unwrap());
-    let convergence = convergence(&scene.body().outline, &pairs, &levels, 1, &mut Watch::new(&run, tell));
-    let indicators = effectivity(&scene.body().outline, &pairs[..3], &levels, &mut Watch::new(&run, tell));
+    let convergence = convergence(&scene.problem.outline, &pairs, &levels, 1, &mut Watch::new(&run, tell));
+    let indicators = effectivity(&scene.problem.outline, &pairs[..3], &levels, &mut Watch::new(&run, tell));
     assert!(convergence.failures.is_empty() && indicators.failures.is_empty());
     for (pair, name) in ["same", "stiff_in", "soft_in"].into_iter().enumerate() {
         let rows = &data[format!("manufactured_{name}")];
@@ -117,10 +117,10 @@ fn errors_and_effectivities_are_those_of_the_reference_file() {
     assert!(contrasts.iter().all(|(c, e)| *c < 0.05 || (3.0..10.0).contains(e)), "{contrasts:?}");
     assert!(contrasts[0].1 > 30.0, "{contrasts:?}");
 
-    let conditions = conditioning(&scene.body().outline, &pairs, &levels[..2], &mut Watch::new(&run, tell));
+    let conditions = conditioning(&scene.problem.outline, &pairs, &levels[..2], &mut Watch::new(&run, tell));
     assert_eq!(conditions.points.len(), 8);
     assert!(conditions.points.iter().all(|c| c.two < 1e-14 && c.three > 1e-4), "{conditions:?}");
-    let wrongs = wrongs(&scene.body().outline, &pairs[0], &levels, &mut Watch::new(&run, tell));
+    let wrongs = wrongs(&scene.problem.outline, &pairs[0], &levels, &mut Watch::new(&run, tell));
     let errors = |system: usize| wrongs.of(system).map(|w| w.error).collect::<Vec<f64>>();
     for (system, key) in [(0, "two"), (3, "three")] {
         for (error, n) in errors(system).into_iter().zip(["4", "8", "16"]) {
@@ -142,7 +142,7 @@ fn bodies_of_any_shape_and_unit_converge() {
     let own = &pairs[3..];
     assert!((1.8e9..2.2e9).contains(&own[0].body.young) && own[0].medium.plane == own[0].body.plane);
     let levels = levels(&scene, 5000, usize::MAX).unwrap();
-    let convergence = convergence(&scene.body().outline, own, &levels, 1, &mut Watch::new(&run, tell));
+    let convergence = convergence(&scene.problem.outline, own, &levels, 1, &mut Watch::new(&run, tell));
     for form in 0..3 {
         let points: Vec<_> = convergence.of(0, form).collect();
         let rates: Vec<f64> = points.iter().map(|p| p.rate).collect();
@@ -169,13 +169,13 @@ fn bodies_of_any_shape_and_unit_converge() {
     let others = steklov_study::coupling::pairs(&other).unwrap();
     let condition = |scene: &Scene, pair, most: usize| {
         let levels = steklov_study::coupling::levels(scene, most, usize::MAX).unwrap();
-        conditioning(&scene.body().outline, pair, &levels, &mut Watch::new(&run, &mut |_, _| {})).points[0]
+        conditioning(&scene.problem.outline, pair, &levels, &mut Watch::new(&run, &mut |_, _| {})).points[0]
     };
     let (a, b) = (condition(&scene, own, 300), condition(&other, &others[3..], 300));
     assert_eq!((a.cells, b.cells), ([8, 12], [8, 12]));
     close("condition", a.three, b.three, 1e-6);
     assert!(a.two < 1e-14 && b.two < 1e-14 && a.three > 1e-4, "{a:?} {b:?}");
-    let costs = costs(&scene.body().outline, &own[0], &levels, 2, &mut Watch::new(&run, tell));
+    let costs = costs(&scene.problem.outline, &own[0], &levels, 2, &mut Watch::new(&run, tell));
     assert!(costs.failures.is_empty() && costs.points.len() == 3, "{costs:?}");
     for c in &costs.points {
         let n = c.trace as f64;
@@ -251,7 +251,7 @@ fn files_agree() {
 fn interruptions_keep_what_is_finished() {
     let scene = parsed(SQUARE);
     let (go, stopped, tell) = (AtomicUsize::new(0), AtomicUsize::new(1), &mut |_: &str, _: &str| {});
-    let (pairs, levels, polygon) = (pairs(&scene).unwrap(), levels(&scene, 200, 200).unwrap(), &scene.body().outline);
+    let (pairs, levels, polygon) = (pairs(&scene).unwrap(), levels(&scene, 200, 200).unwrap(), &scene.problem.outline);
     let convergence = convergence(polygon, &pairs, &levels, 1, &mut Watch::new(&go, tell));
     let effectivity = effectivity(polygon, &pairs, &levels, &mut Watch::new(&stopped, tell));
     let costs = costs(polygon, &pairs[3], &levels, 1, &mut Watch::new(&stopped, tell));

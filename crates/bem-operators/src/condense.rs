@@ -149,6 +149,11 @@ impl Condensation {
         self.to_nodes(&positions)
     }
 
+    /// Number of all unknowns.
+    pub fn size(&self) -> usize {
+        self.order.len()
+    }
+
     /// Largest diagonal entry of S: the scale of S u is this times that of u.
     pub fn largest_diagonal(&self) -> f64 {
         self.diagonal.iter().fold(0.0, |m: f64, d| m.max(*d))

@@ -380,6 +380,109 @@ impl Edge {
         best
     }
 
+    /// Where the line through x along a unit vector n meets the edge: parameters and distances along n.
+    pub fn met_by(&self, x: [f64; 2], n: [f64; 2]) -> Vec<(f64, f64)> {
+        if let Path::Arc { opening } = self.path {
+            return self.arc_met_by(opening, x, n);
+        }
+        let from = |s: f64| {
+            let y = self.point(s);
+            [y[0] - x[0], y[1] - x[1]]
+        };
+        let roots = self.roots(&|s| {
+            let (r, d) = (from(s), self.derivative(s));
+            [r[0] * n[1] - r[1] * n[0], d[0] * n[1] - d[1] * n[0]]
+        });
+        roots.into_iter().map(|s| (s, from(s)[0] * n[0] + from(s)[1] * n[1])).collect()
+    }
+
+    /// The same of an arc about c: |x + d n - c| = R.
+    fn arc_met_by(&self, opening: f64, x: [f64; 2], n: [f64; 2]) -> Vec<(f64, f64)> {
+        let [a, b] = self.listed().map(complex);
+        let arm = Complex64::cis(-opening / 2.0) * (b - a) / Complex64::new(0.0, 2.0 * (opening / 2.0).sin());
+        let (centre, radius) = (a - arm, arm.norm());
+        let (r, n) = (complex(x) - centre, complex(n));
+        // d² + 2 (r·n) d + (|r|² - R²) = 0
+        let half = (r.conj() * n).re;
+        let rest = (r.norm() - radius) * (r.norm() + radius);
+        let discriminant = half * half - rest;
+        if discriminant < 0.0 {
+            return Vec::new();
+        }
+        let larger = -(half + discriminant.sqrt().copysign(half));
+        let smaller = if larger == 0.0 { 0.0 } else { rest / larger };
+        let place = |d: f64| {
+            // from the middle of the arc, so that no angle is beyond ±180°
+            let middle = Complex64::cis(opening / 2.0) * arm;
+            let s = 0.5 + ((r + d * n) * middle.conj()).arg() / opening;
+            let s = if s.abs() < AT_END {
+                0.0
+            } else if (s - 1.0).abs() < AT_END {
+                1.0
+            } else {
+                s
+            };
+            (0.0..=1.0).contains(&s).then_some((s, d))
+        };
+        [smaller, larger].into_iter().filter_map(place).collect()
+    }
+
+    /// Parameters of the points whose normals go through x.
+    pub fn feet(&self, x: [f64; 2]) -> Vec<f64> {
+        self.roots(&|s| {
+            let (y, d) = (self.point(s), self.derivative(s));
+            let r = [y[0] - x[0], y[1] - x[1]];
+            let slope = d[0] * d[0] + d[1] * d[1];
+            // of curves the derivative of d is left out: the slope is that of small distances
+            [r[0] * d[0] + r[1] * d[1], slope]
+        })
+    }
+
+    /// Roots in [0, 1] of a function with its slope, ends included: one in each part of the edge in which it changes its sign.
+    fn roots(&self, f: &dyn Fn(f64) -> [f64; 2]) -> Vec<f64> {
+        let parts = if self.is_line() { 1 } else { 32 };
+        let at_end = |s: f64| {
+            let [value, slope] = f(s);
+            value.abs() <= AT_END * slope.abs()
+        };
+        let mut roots: Vec<f64> = [0.0, 1.0].into_iter().filter(|&s| at_end(s)).collect();
+        for k in 0..parts {
+            let [mut low, mut high] = [k, k + 1].map(|k| k as f64 / parts as f64);
+            let ([at_low, _], [at_high, _]) = (f(low), f(high));
+            if at_low * at_high > 0.0 || at_low == at_high {
+                continue;
+            }
+            let mut s = low + (high - low) * at_low / (at_low - at_high);
+            for _ in 0..80 {
+                let [value, slope] = f(s);
+                if value == 0.0 || high - low < 1e-16 {
+                    break;
+                }
+                if (value > 0.0) == (at_low > 0.0) {
+                    low = s
+                } else {
+                    high = s
+                }
+                let next = s - value / slope;
+                let next = if low < next && next < high { next } else { (low + high) / 2.0 };
+                if (next - s).abs() < 1e-17 {
+                    break;
+                }
+                s = next;
+            }
+            roots.push(if s < AT_END {
+                0.0
+            } else if s > 1.0 - AT_END {
+                1.0
+            } else {
+                s
+            });
+        }
+        roots.sort_by(f64::total_cmp);
+        roots.dedup_by(|b, a| *b - *a < AT_END);
+        roots
+    }
+
     /// How often the edge, in the direction of traversal, crosses the ray from x to the right, upwards less downwards; x does
     /// not lie on it.
     pub fn crossings(&self, x: [f64; 2]) -> i32 {
@@ -440,6 +543,9 @@ impl Edge {
         }
     }
 }
+
+/// A root closer than this to an end of an edge is there (edge parameter).
+const AT_END: f64 = 1e-11;
 
 /// Angle from one direction to another, -π to π.
 pub(crate) fn angle(a: [f64; 2], b: [f64; 2]) -> f64 {

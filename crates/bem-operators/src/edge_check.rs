@@ -78,7 +78,7 @@ fn meeting_of(first: Piece<'_>, second: Piece<'_>, shared: &[[f64; 2]], toleranc
                 return Some(a.edge.point(s));
             }
         } else if width <= 0.25 * tolerance {
-            return Some(a.points[0]);
+            return Some(shorter(&a, &b).points[0]);
         }
         // the wider one is halved, or the longer one where both are straight
         let size = |p: &Piece<'_>| (p.deviation, distance(p.points[0], p.points[1]));
@@ -92,7 +92,13 @@ fn meeting_of(first: Piece<'_>, second: Piece<'_>, shared: &[[f64; 2]], toleranc
             stack.extend(b.halves().map(|b| (a, b)));
         }
     }
-    stack.pop().map(|(a, _)| a.points[0])
+    stack.pop().map(|(a, b)| shorter(&a, &b).points[0])
+}
+
+/// The shorter one of two pieces, which tells better where they meet.
+fn shorter<'p, 'e>(a: &'p Piece<'e>, b: &'p Piece<'e>) -> &'p Piece<'e> {
+    let length = |p: &Piece<'_>| distance(p.points[0], p.points[1]);
+    if length(a) <= length(b) { a } else { b }
 }
 
 /// Distance of two segments, 0 if they cross.

@@ -40,6 +40,14 @@ pub enum BemError {
         /// Number of eliminated unknowns.
         size: usize,
     },
+    /// Nodes of interfaces that face one another in a circle.
+    #[error(
+        "{rows} conditions of interfaces depend on one another in a circle: let the other side of one interface carry the multipliers"
+    )]
+    Cycle {
+        /// Conditions in the circle, and those that depend on it.
+        rows: usize,
+    },
     /// Nothing holds these rigid motions and the loads do work on them.
     #[error("nothing holds the body against {}: the loads do work {work:.3e} on it (of a scale of {scale:.3e}); hold a displacement, or balance the loads", RigidMotion::names(.modes))]
     RigidMotion {

@@ -56,6 +56,7 @@ mod kernel;
 mod pass;
 mod columns;
 mod assemble;
+mod assembly;
 mod cache;
 mod enrichment;
 mod dense;
@@ -72,6 +73,7 @@ mod residual;
 pub mod proptest;
 
 pub use assemble::Operators;
+pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_displacement};
 pub use cache::PairCache;
 pub use condense::{Condensation, CondensedLoad, Partition};
 pub use curve::{CircularArc, Curve, PolynomialCurve, Shape};

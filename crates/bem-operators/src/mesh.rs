@@ -1,6 +1,7 @@
 //! hp meshes of the boundary: elements on lines and curves, each with a polynomial degree.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use num_complex::Complex64;
 use steklov_quadrature::gauss_legendre;
@@ -39,6 +40,26 @@ pub struct Mesh {
 }
 
 impl Mesh {
+    /// The elements of whole loops as a mesh of their own, in their order; edges and sides keep their numbers.
+    ///
+    /// # Panics
+    /// If an element outside of the range follows one inside.
+    pub fn part(&self, elements: Range<usize>) -> Self {
+        let inside = |&e: &usize| e.checked_sub(elements.start).expect("loops that are not cut");
+        Self {
+            vertices: self.vertices[elements.clone()].to_vec(),
+            next: self.next[elements.clone()].iter().map(inside).collect(),
+            degree: self.degree[elements.clone()].to_vec(),
+            edge: self.edge[elements.clone()].to_vec(),
+            shape: self.shape[elements.clone()].to_vec(),
+            heading: self.heading[elements.clone()].to_vec(),
+            side: self.side[elements.clone()].to_vec(),
+            span: self.span[elements.clone()].to_vec(),
+            arc: self.arc[elements.clone()].to_vec(),
+            side_names: self.side_names.clone(),
+        }
+    }
+
     /// Number of elements.
     pub fn len(&self) -> usize {
         self.vertices.len()

@@ -81,10 +81,14 @@ pub enum Location {
 /// Edges are numbered as listed: the outer loop first, if there is one, then the holes in order. The outer loop is
 /// counter-clockwise; holes may be listed in either order and are traversed clockwise, so that the body is always to the
 /// left and n points out of it: of an unbounded body into the holes.
+///
+/// Several polygons that are one by [`Polygon::assembly`] are several bodies, each with its loops; what is said of "the body" is
+/// then said of all of them together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polygon {
     edges: Vec<Edge>,
     loops: Vec<Range<usize>>,
+    bodies: Vec<Range<usize>>,
     bounded: bool,
     side_names: Vec<String>,
     area: f64,
@@ -140,7 +144,39 @@ impl Polygon {
         // of holes alone both are negative moments of a negative area: the centroid is that of the holes
         let (area, centroid) = area_and_centroid(&edges);
         let area = if bounded { area } else { f64::INFINITY };
-        Polygon { edges, loops, bounded, side_names, area, diameter, centroid, tolerance }
+        let bodies = std::iter::once(0..loops.len()).collect();
+        Polygon { edges, loops, bodies, bounded, side_names, area, diameter, centroid, tolerance }
+    }
+
+    /// The same with the sides of a body of this name: `NAME.SIDE`.
+    pub fn with_body_name(mut self, name: &str) -> Self {
+        self.side_names.iter_mut().for_each(|side| *side = format!("{name}.{side}"));
+        self
+    }
+
+    /// Bounded bodies as one polygon: their loops, edges and sides one body after the other, sides of equal names kept apart.
+    /// Whether they overlap is not asked: bodies that are pressed together do.
+    ///
+    /// # Panics
+    /// Without a body, or with an unbounded one.
+    pub fn assembly(bodies: Vec<Polygon>) -> Polygon {
+        assert!(bodies.iter().all(|body| body.bounded), "an unbounded body among others");
+        let mut bodies = bodies.into_iter();
+        let mut all = bodies.next().expect("at least one body");
+        for body in bodies {
+            let (edges, loops, sides) = (all.edges.len(), all.loops.len(), all.side_names.len());
+            let moved = |edge: Edge| Edge { side: sides + edge.side, loop_index: loops + edge.loop_index, ..edge };
+            all.edges.extend(body.edges.into_iter().map(moved));
+            all.loops.extend(body.loops.into_iter().map(|range| edges + range.start..edges + range.end));
+            all.bodies.extend(body.bodies.into_iter().map(|range| loops + range.start..loops + range.end));
+            all.side_names.extend(body.side_names);
+            let area = all.area + body.area;
+            all.centroid = [0, 1].map(|i| (all.area * all.centroid[i] + body.area * body.centroid[i]) / area);
+            all.area = area;
+            all.diameter = all.diameter.max(body.diameter);
+            all.tolerance = all.tolerance.max(body.tolerance);
+        }
+        all
     }
 
     /// All edges by number.
@@ -166,6 +202,21 @@ impl Polygon {
     /// Edge numbers of each loop, the outer one first if there is one.
     pub fn loops(&self) -> &[Range<usize>] {
         &self.loops
+    }
+
+    /// The loops of each body, its outer one first: one body but for [`Polygon::assembly`].
+    pub fn bodies(&self) -> &[Range<usize>] {
+        &self.bodies
+    }
+
+    /// The body to which a loop belongs.
+    pub fn body_of_loop(&self, loop_index: usize) -> usize {
+        self.bodies.iter().position(|loops| loops.contains(&loop_index)).unwrap_or(0)
+    }
+
+    /// The first loop of the body of an edge.
+    pub fn is_outer(&self, edge: &Edge) -> bool {
+        self.bodies.iter().any(|loops| loops.start == edge.loop_index)
     }
 
     /// Edge numbers of a loop in the order of traversal, each edge starting where the one before it ends; it begins at
@@ -212,32 +263,48 @@ impl Polygon {
     /// orientation tests are exact. A point that is not finite is outside.
     pub fn contains(&self, x: [f64; 2]) -> Location {
         let (mut nearest, mut on) = (self.tolerance, None);
-        let mut winding = 0;
         for (k, edge) in self.edges.iter().enumerate() {
             if let Some((gap, s)) = edge.nearest(x, nearest)
                 && (gap < nearest || (gap == nearest && on.is_none()))
             {
                 (nearest, on) = (gap, Some((k, s)));
             }
-            if !edge.is_line() {
-                winding += edge.crossings(x);
-                continue;
-            }
-            let (start, end) = (edge.start, edge.end);
-            if start[1] <= x[1] && end[1] > x[1] && orientation(start, end, x) > 0.0 {
-                winding += 1;
-            } else if start[1] > x[1] && end[1] <= x[1] && orientation(start, end, x) < 0.0 {
-                winding -= 1;
-            }
         }
-        // holes are traversed clockwise: -1 in one of them
-        let within = if self.bounded { 1 } else { 0 };
         match on {
             Some((edge, s)) => Location::Boundary { edge, s },
-            None if winding == within && x.iter().all(|c| c.is_finite()) => Location::Inside,
+            None if self.body_at(x).is_some() => Location::Inside,
             None => Location::Outside,
         }
     }
+
+    /// The first body that a point lies in, not on its boundary.
+    pub fn body_at(&self, x: [f64; 2]) -> Option<usize> {
+        (0..self.bodies.len()).find(|&body| self.is_in_body(body, x))
+    }
+
+    /// Whether a point that is not on its boundary lies in a body.
+    pub fn is_in_body(&self, body: usize, x: [f64; 2]) -> bool {
+        let edges = self.bodies[body].clone().flat_map(|l| &self.edges[self.loops[l].clone()]);
+        // holes are traversed clockwise: -1 in one of them
+        x.iter().all(|c| c.is_finite()) && winding(edges, x) == if self.bounded { 1 } else { 0 }
+    }
+}
+
+/// How often edges turn around a point that lies on none of them, counter-clockwise.
+fn winding<'a>(edges: impl Iterator<Item = &'a Edge>, x: [f64; 2]) -> i32 {
+    let of = |edge: &Edge| {
+        let (start, end) = (edge.start, edge.end);
+        if !edge.is_line() {
+            edge.crossings(x)
+        } else if start[1] <= x[1] && end[1] > x[1] && orientation(start, end, x) > 0.0 {
+            1
+        } else if start[1] > x[1] && end[1] <= x[1] && orientation(start, end, x) < 0.0 {
+            -1
+        } else {
+            0
+        }
+    };
+    edges.map(of).sum()
 }
 
 /// Twice the area of the triangle a, b, c: its sign is exact, positive when c is to the left of a → b.

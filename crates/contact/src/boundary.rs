@@ -1,6 +1,6 @@
 //! From the sides of a mesh to the conditions of a [`Problem`](crate::Problem).
 
-use steklov_bem_operators::{Dof, Mesh, Space};
+use steklov_bem_operators::{Dof, Mesh, Relative, Space, relative_displacement};
 
 use crate::law::{cross, dot};
 use crate::sides::{ContactElement, JUMP, SideData, contact_elements};
@@ -8,6 +8,8 @@ use crate::{Condition, ContactError, ContactNode, Status};
 
 /// Components smaller than this count as zero: normals that agree, directions in which a node cannot move.
 const ALIGNED: f64 = 1e-12;
+/// Sine of the angle up to which a bend of sides against another body has one condition: 30°.
+const BENT: f64 = 0.5;
 /// Normals of two curves that meet and differ by less are one.
 const SMOOTH: f64 = 1e-8;
 
@@ -67,12 +69,27 @@ pub struct ContactBoundary {
     pub nodes: Vec<BoundaryNode>,
     /// What a [`Problem`](crate::Problem) needs to know of them.
     pub contact: Vec<ContactNode>,
-    /// What held ends carry of their neighbours' multipliers.
+    /// What ends without multipliers carry of those of their neighbours.
     pub transfers: Vec<Transfer>,
+    /// The contact elements, rising.
+    pub elements: Vec<usize>,
+    /// What nodes face on other bodies: with them displacements are relative ones.
+    pub rows: Vec<Row>,
 }
 
-/// A held end whose dual function went to a neighbour: the obstacle presses on it with -`weight` λ `direction`, λ being
-/// the neighbour's multiplier.
+/// The relative displacement that a multiplier acts on.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Row {
+    /// Number of the condition in the order of the multipliers.
+    pub condition: usize,
+    /// 0 for λ_n, 1 for λ_t.
+    pub functional: usize,
+    /// w.
+    pub relative: Relative,
+}
+
+/// An end whose dual function went to a neighbour, because it is held or meets another interface: the obstacle presses on it with
+/// -`weight` λ `direction`, λ being the neighbour's multiplier.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Transfer {
     /// Number of the displacement node of the held end.
@@ -85,6 +102,8 @@ pub struct Transfer {
     pub weight: f64,
     /// The normal or tangent there.
     pub direction: [f64; 2],
+    /// Whether a support holds it, so that its displacement is in the gap.
+    pub held: bool,
 }
 
 impl ContactBoundary {
@@ -105,12 +124,27 @@ impl ContactBoundary {
                 forces.push((node.node, [0, 1].map(|i| n * plane.normal[i] + t * plane.tangent[i])));
             }
         }
-        let carried = self.transfers.iter().map(|t| {
+        let carried = self.transfers.iter().filter(|t| t.held).map(|t| {
             let force = t.weight * multipliers[t.condition][t.functional];
             (t.node, t.direction.map(|d| force * d))
         });
         forces.extend(carried);
+        for Row { condition, functional, relative } in &self.rows {
+            let force = self.weight(*condition, *functional) * multipliers[*condition][*functional];
+            forces.extend(relative.faced.iter().map(|&(node, c)| (node, c.map(|c| -force * c))));
+        }
         forces
+    }
+
+    /// D of a multiplier.
+    pub fn weight(&self, condition: usize, functional: usize) -> f64 {
+        let of = self.contact.iter().flat_map(|node| &node.conditions).nth(condition);
+        of.map_or(0.0, |c| if functional == 0 { c.normal_weight } else { c.tangent_weight })
+    }
+
+    /// A nodal displacement with relative ones at the nodes that face other bodies.
+    pub fn relative(&self, displacement: &[f64]) -> Vec<f64> {
+        relative_displacement(self.rows.iter().map(|row| &row.relative), displacement)
     }
 
     /// The displacement unknowns in the order of the problem's unknowns, numbered along [`Self::frames`] (for
@@ -205,21 +239,58 @@ pub fn contact_boundary(
     for element in &elements {
         for (j, node) in space.element_nodes(element.element).enumerate() {
             let d = *draft_of[node].get_or_insert_with(|| {
-                drafts.push(Draft { node, held: held(node), conditions: Vec::new() });
+                drafts.push(Draft { node, held: held(node), joined: element.joined, conditions: Vec::new() });
                 drafts.len() - 1
             });
             let (e, t) = (element.element, space.basis(element.element).nodes[j]);
-            drafts[d].add(
-                [mesh.normal(e, t), mesh.tangent(e, t)],
-                element,
-                j,
-                if mesh.is_line(e) { ALIGNED } else { SMOOTH },
-            );
+            let aligned = match (element.joined, mesh.is_line(e)) {
+                (true, _) => BENT,
+                (false, true) => ALIGNED,
+                (false, false) => SMOOTH,
+            };
+            drafts[d].add([mesh.normal(e, t), mesh.tangent(e, t)], element, j, aligned);
         }
     }
-    // draft and condition that receive, and the transfer
-    let mut received: Vec<(usize, usize, Transfer)> = Vec::new();
+    let received = transfers(mesh, space, &mut drafts, &draft_of)?;
+    let mut contact_elements: Vec<usize> = elements.iter().map(|element| element.element).collect();
+    contact_elements.sort_unstable();
+    let mut boundary = ContactBoundary {
+        nodes: Vec::new(),
+        contact: Vec::new(),
+        transfers: Vec::new(),
+        elements: contact_elements,
+        rows: Vec::new(),
+    };
+    let (mut first, mut conditions) = (0, 0);
+    let carries = |d: &Draft| !d.held.iter().all(Option::is_some) && !d.conditions.is_empty();
+    for (d, draft) in drafts.iter().enumerate().filter(|(_, d)| carries(d)) {
+        let (node, contact) = draft.finish(space, first);
+        let mine = received.iter().filter(|(r, ..)| *r == d);
+        boundary.transfers.extend(mine.map(|&(_, c, transfer)| Transfer { condition: conditions + c, ..transfer }));
+        conditions += contact.conditions.len();
+        first += contact.unknowns;
+        boundary.nodes.push(node);
+        boundary.contact.push(contact);
+    }
+    Ok(boundary)
+}
+
+/// A draft and one of its conditions that receive the dual function of an end, and what it is.
+type Received = (usize, usize, Transfer);
+
+/// Takes the multipliers of nodes that carry none, and gives their dual functions to the next ones.
+fn transfers(
+    mesh: &Mesh,
+    space: &Space,
+    drafts: &mut [Draft],
+    draft_of: &[Option<usize>],
+) -> Result<Vec<Received>, ContactError> {
+    let mut received: Vec<Received> = Vec::new();
     for d in 0..drafts.len() {
+        if drafts[d].joined && drafts[d].conditions.len() > 1 {
+            drop_corner(space, drafts, draft_of, d, &mut received)?;
+            continue;
+        }
         if drafts[d].held == [None, None] {
             continue;
         }
@@ -246,23 +317,51 @@ pub fn contact_boundary(
                 let (weight, direction) = (part.weight, drafts[d].conditions[0].direction(functional));
                 let receiver = &mut drafts[r].conditions[c];
                 let index = usize::from(functional == Functional::Tangent);
-                received.push((r, c, Transfer { node, condition: 0, functional: index, weight, direction }));
+                received.push((
+                    r,
+                    c,
+                    Transfer { node, condition: 0, functional: index, weight, direction, held: true },
+                ));
                 receiver.receive(functional, part, known);
             }
         }
     }
-    let mut boundary = ContactBoundary { nodes: Vec::new(), contact: Vec::new(), transfers: Vec::new() };
-    let (mut first, mut conditions) = (0, 0);
-    for (d, draft) in drafts.iter().enumerate().filter(|(_, d)| !d.held.iter().all(Option::is_some)) {
-        let (node, contact) = draft.finish(space, first);
-        let mine = received.iter().filter(|(r, ..)| *r == d);
-        boundary.transfers.extend(mine.map(|&(_, c, transfer)| Transfer { condition: conditions + c, ..transfer }));
-        conditions += contact.conditions.len();
-        first += contact.unknowns;
-        boundary.nodes.push(node);
-        boundary.contact.push(contact);
+    Ok(received)
+}
+
+/// A corner of the contact boundary against another body carries no multipliers: two conditions there would act on different
+/// relative displacements. Its dual functions go to the next nodes on both sides.
+fn drop_corner(
+    space: &Space,
+    drafts: &mut [Draft],
+    draft_of: &[Option<usize>],
+    d: usize,
+    received: &mut Vec<Received>,
+) -> Result<(), ContactError> {
+    let node = drafts[d].node;
+    for mut condition in std::mem::take(&mut drafts[d].conditions) {
+        let e = condition.elements[0];
+        let p = space.degree(e);
+        let next = if space.node(e, 0) == node { space.node(e, 1) } else { space.node(e, p - 1) };
+        for functional in [Functional::Normal, Functional::Tangent] {
+            let receiver = draft_of[next].and_then(|r: usize| Some((r, drafts[r].receiver(e, functional)?)));
+            let Some((r, c)) = receiver else {
+                let [x, y] = space.points[node];
+                let what = format!(
+                    "the element of degree {p} at the corner ({x}, {y}) has no other node for its multiplier: raise its degree or divide it"
+                );
+                return Err(ContactError::Inconsistent { what });
+            };
+            let direction = condition.direction(functional);
+            let part = condition.take(functional);
+            let index = usize::from(functional == Functional::Tangent);
+            let transfer =
+                Transfer { node, condition: 0, functional: index, weight: part.weight, direction, held: false };
+            received.push((r, c, transfer));
+            drafts[r].conditions[c].receive(functional, part, 0.0);
+        }
     }
-    Ok(boundary)
+    Ok(())
 }
 
 #[derive(Clone, Copy, PartialEq)]
@@ -298,6 +397,8 @@ struct DraftCondition {
 struct Draft {
     node: usize,
     held: [Option<f64>; 2],
+    /// Whether it faces another body.
+    joined: bool,
     conditions: Vec<DraftCondition>,
 }
 
@@ -305,6 +406,7 @@ impl Draft {
     fn add(&mut self, [normal, tangent]: [[f64; 2]; 2], element: &ContactElement, j: usize, aligned: f64) {
         let e = element.element;
         let aligned = |c: &DraftCondition| cross(c.normal, normal).abs() <= aligned && dot(c.normal, normal) > 0.0;
+        self.joined |= element.joined;
         let k = self.conditions.iter().position(aligned).unwrap_or_else(|| {
             let (elements, parts) = (Vec::new(), <[Part; 2]>::default());
             let gaps = Vec::new();
@@ -320,6 +422,12 @@ impl Draft {
             self.conditions.len() - 1
         });
         let (c, weight) = (&mut self.conditions[k], element.weights[j]);
+        if element.joined && cross(c.normal, normal).abs() > ALIGNED {
+            // where a polygon that stands for a curve bends: the mean of both
+            let mean = [0, 1].map(|i| c.weight * c.normal[i] + weight * normal[i]);
+            let length = mean[0].hypot(mean[1]);
+            (c.normal, c.tangent) = ([mean[0] / length, mean[1] / length], [-mean[1] / length, mean[0] / length]);
+        }
         c.elements.push(e);
         c.weight += weight;
         (0..2).for_each(|k| c.friction[k] += weight * element.friction[j][k]);

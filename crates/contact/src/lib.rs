@@ -86,7 +86,7 @@ pub mod proptest;
 mod tests;
 
 pub use active_set::{Start, active_set};
-pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Share, Transfer, contact_boundary};
+pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Row, Share, Transfer, contact_boundary};
 pub use bubbles::{ContactBubble, contact_bubbles, oscillation};
 pub use error::ContactError;
 pub use fixed_point::fixed_point;

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use steklov_bem_operators::{Mesh, Space};
 
-use crate::ContactBoundary;
-use crate::law::{cross, dot};
+use crate::law::dot;
+use crate::{BoundaryCondition, ContactBoundary};
 
 /// A condition on an edge.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -43,22 +43,21 @@ impl ContactBoundary {
     pub fn elements(&self, mesh: &Mesh, space: &Space) -> Vec<ElementConditions> {
         let mut first = 0;
         let mut of_node = HashMap::new();
-        let mut sides = vec![false; mesh.side_names.len()];
         for (i, node) in self.nodes.iter().enumerate() {
             of_node.insert(node.node, (i, first));
             first += node.conditions.len();
-            node.conditions.iter().flat_map(|c| &c.shares).for_each(|s| sides[s.side] = true);
         }
-        let contact = (0..mesh.len()).filter(|&e| sides[mesh.side[e]]);
-        contact
-            .map(|e| {
+        self.elements
+            .iter()
+            .map(|&e| {
                 let nodes = space.element_nodes(e).enumerate();
                 let points = nodes.map(|(j, node)| {
                     let &(i, first) = of_node.get(&node)?;
                     let conditions = &self.nodes[i].conditions;
                     let normal = mesh.normal(e, space.basis(e).nodes[j]);
-                    let aligned = |n: [f64; 2]| cross(n, normal).abs() < 1e-9 && dot(n, normal) > 0.0;
-                    let condition = conditions.iter().position(|c| aligned(c.normal))?;
+                    let along = |c: &BoundaryCondition| dot(c.normal, normal);
+                    let nearest = conditions.iter().enumerate().max_by(|a, b| along(a.1).total_cmp(&along(b.1)));
+                    let (condition, _) = nearest.filter(|(_, c)| along(c) > 0.0)?;
                     let s = mesh.edge_parameter(e, space.basis(e).nodes[j]);
                     Some(LinePoint { s, node: i, condition, index: first + condition })
                 });

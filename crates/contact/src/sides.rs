@@ -16,12 +16,16 @@ pub struct SideData<'a> {
     pub bound: Option<Datum<'a>>,
     /// Coulomb's coefficient of friction μ ≥ 0. Without both the side is frictionless; with both the bound is F + μ λ_n.
     pub coefficient: Option<Datum<'a>>,
+    /// The elements of the side that face another body; none of a rigid obstacle, which all of them do.
+    pub elements: Option<&'a [usize]>,
 }
 
 /// An element of the contact boundary; the vectors have one entry for each of its p+1 nodes.
 pub(crate) struct ContactElement {
     pub element: usize,
     pub side: usize,
+    /// Whether it faces another body.
+    pub joined: bool,
     /// w_j |γ'(t_j)|, which is ∫ φ_j on lines and arcs.
     pub weights: Vec<f64>,
     /// ∫ g ψ_j.
@@ -61,7 +65,8 @@ pub(crate) fn contact_elements(
                 all.for_each(|(friction, value)| friction[k] = value);
             }
         }
-        for ((e, moments), friction) in moments.into_iter().zip(friction) {
+        let faces = |e: &usize| data.elements.is_none_or(|elements| elements.contains(e));
+        for ((e, moments), friction) in moments.into_iter().zip(friction).filter(|((e, _), _)| faces(e)) {
             if found[e].is_some() {
                 let what = format!("side \"{}\" has two contact conditions", mesh.side_names[data.side]);
                 return Err(ContactError::Inconsistent { what });
@@ -75,7 +80,15 @@ pub(crate) fn contact_elements(
             let weights = basis.weights.iter().zip(&speed).map(|(w, v)| w * half * v).collect();
             let limit = |t: f64| data.gap.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t)));
             let limits = [limit(-1.0)?, limit(1.0)?];
-            found[e] = Some(ContactElement { element: e, side: data.side, weights, gaps, limits, friction });
+            found[e] = Some(ContactElement {
+                element: e,
+                side: data.side,
+                joined: data.elements.is_some(),
+                weights,
+                gaps,
+                limits,
+                friction,
+            });
         }
     }
     let previous = mesh.previous();

@@ -33,6 +33,7 @@ fn wedge(body: &Clamped, multipliers: &MultiplierSpace) -> (f64, Vec<[f64; 2]>, 
         gap: Datum { name: "gap", value: &gap, kinks: &kinks },
         bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks }),
         coefficient: None,
+        elements: None,
     };
     let forms = body.forms(multipliers);
     let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]).unwrap();
@@ -99,8 +100,13 @@ fn a_gamma_beyond_the_critical_one_is_refused() {
     let forms = body.forms(&multipliers);
     let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]).unwrap();
     let (zero, kinks) = (|_: &Site| 0.0, |_: usize| vec![]);
-    let side =
-        SideData { side: 0, gap: Datum { name: "gap", value: &zero, kinks: &kinks }, bound: None, coefficient: None };
+    let side = SideData {
+        side: 0,
+        gap: Datum { name: "gap", value: &zero, kinks: &kinks },
+        bound: None,
+        coefficient: None,
+        elements: None,
+    };
     let load = vec![1.0; body.space.dofs()];
     let loading = Loading { stiffness: &body.stiffness, load: &load, held: &body.held, motions: &[], particular: None };
     for factor in [1.05, 1.0, 0.0, -1.0, f64::NAN] {
@@ -162,8 +168,13 @@ fn a_uniform_pressure_is_met_by_any_multipliers() {
     let operators = Operators::assemble(&body.mesh, &body.space, &material, None).unwrap();
     let Steklov { matrix: stiffness, traction } = Steklov::new(operators, Domain::Interior).unwrap();
     let (gap, kinks) = (|_: &Site| -0.1, |_: usize| vec![]);
-    let side =
-        SideData { side: 0, gap: Datum { name: "gap", value: &gap, kinks: &kinks }, bound: None, coefficient: None };
+    let side = SideData {
+        side: 0,
+        gap: Datum { name: "gap", value: &gap, kinks: &kinks },
+        bound: None,
+        coefficient: None,
+        elements: None,
+    };
     let load = vec![0.0; body.space.dofs()];
     let loading = Loading { stiffness: &stiffness, load: &load, held: &body.held, motions: &[], particular: None };
     for mesh in [MultiplierMesh::Same, MultiplierMesh::Coarser(2), MultiplierMesh::Finer(3), MultiplierMesh::Shifted] {
@@ -208,6 +219,7 @@ fn slipping(body: &Clamped, multipliers: &MultiplierSpace, bound: &(dyn Fn(&Site
         gap: Datum { name: "gap", value: &gap, kinks: &kinks },
         bound: Some(Datum { name: "friction", value: bound, kinks: &kinks }),
         coefficient: None,
+        elements: None,
     };
     let forms = body.forms(multipliers);
     let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]).unwrap();

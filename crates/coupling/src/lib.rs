@@ -73,6 +73,7 @@ mod schur;
 mod subdivided;
 mod far;
 mod body_side;
+mod mortar;
 mod indicators;
 mod cell_indicators;
 
@@ -83,6 +84,7 @@ pub use form::Form;
 pub use indicators::{InterfaceIndicators, Jumps};
 pub use interior::Interior;
 pub use medium::{Medium, MediumField};
+pub use mortar::{Cell, Facing, MortarRow, cells, dual_moment, mortar_rows, project};
 pub use outline::Outline;
 pub use trace::Trace;
 pub use transfer::Transfer;

@@ -66,7 +66,11 @@ fn body_picture(stored: &Record) -> Result<Picture, PictureError> {
     let planar = |f: &Field| -> Vec<[f64; 2]> { f.values.chunks(f.components.max(1)).map(|v| [v[0], v[1]]).collect() };
     let n = fields.points.len();
     let displacement = values("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
-    let [lines, gaps] = walls(&stored.contact);
+    // another body is drawn itself
+    let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
+    let is_wall = |row: &&ContactRow| !joined.contains(&&stored.mesh.side_names[row.side]);
+    let of_walls: Vec<ContactRow> = stored.contact.iter().filter(is_wall).copied().collect();
+    let [lines, gaps] = walls(&of_walls);
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
     if let Some(record) = &stored.on_grid {

@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let names = [("R".to_owned(), radius), ("d".to_owned(), overlap)].into();
     let gap = Expression::parse("(x - 0.5)^2/(2*R) - d", &names)?;
     scene.problem.touch(0, Contact { gap, friction: Friction::None });
-    scene.body_mut().sides[2].condition = Condition::held();
+    scene.problem.sides[2].condition = Condition::held();
     scene.method.tolerance = 1e-4;
     scene.check()?;
 

@@ -25,7 +25,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     scene.check()?;
 
     let run = unobserved(&scene)?;
-    let (_, [xx, yy, xy]) = run.last.inside([0.2, -0.3]);
+    let (_, [xx, yy, xy]) = run.last.inside(0, [0.2, -0.3]);
     let (mu, kappa) = (|m: &Material| m.young / (2.0 + 2.0 * m.poisson), |m: &Material| 3.0 - 4.0 * m.poisson);
     let exact = pull * (kappa(&medium) + 1.0) * mu(&body) / ((kappa(&body) - 1.0) * mu(&medium) + 2.0 * mu(&body));
     println!("{} dofs: σ = {xx:.5}, {yy:.5}, {xy:.1e}, of a circle {exact:.5}", run.step().dofs);

@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
     let block = Polygon::new(Loop::straight(corners, sides), vec![])?;
     let mut scene = Scene::new(block, Material::new((low + high) / 2.0, 0.3, Plane::Strain)?);
-    scene.body_mut().sides[0].condition = Condition::held();
-    scene.body_mut().sides[2].condition = Condition::Pressure(Expression::number(1.0));
+    scene.problem.sides[0].condition = Condition::held();
+    scene.problem.sides[2].condition = Condition::Pressure(Expression::number(1.0));
     let variable = Variable::uniform(low, high)?;
     let young = Expression::parse("E", &[("E".to_owned(), variable.mean())].into())?;
     scene.random = Some(Random {

@@ -22,8 +22,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let body = scene.body_mut();
     body.substance = Substance::Cells(Cells { size: 0.5, young: CellModuli::Expression(young), of_unit_modulus });
     body.grid = Some(GridInput { coarse: [8, 2], fine: [4, 4], basis: BasisInput::Coupled, oversample: None });
-    body.sides[1].condition = Condition::Traction([stress, 0.0].map(Expression::number));
-    body.sides[3].condition = Condition::held();
+    scene.problem.sides[1].condition = Condition::Traction([stress, 0.0].map(Expression::number));
+    scene.problem.sides[3].condition = Condition::held();
     scene.check()?;
 
     let progress = Progress::<OnGrid>::new(&scene, vec![])?;

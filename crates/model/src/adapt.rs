@@ -158,12 +158,87 @@ impl<'a> Marking<'a> {
                 *degrees = lacking;
             }
         }
+        let lopsided = match (self.scene.problem.has_several_bodies(), self.is_curved()) {
+            (true, _) => lopsided_elements(mesh, singular, LOPSIDED_BODIES),
+            (false, true) => lopsided_elements(mesh, singular, LOPSIDED),
+            (false, false) => Vec::new(),
+        };
+        for e in lopsided {
+            if marks[e] == Mark::Keep {
+                marks[e] = Mark::refine(true, 1.0);
+            }
+        }
         for e in coarse_elements(mesh, singular) {
             if marks[e] == Mark::Keep {
                 marks[e] = Mark::refine(true, 1.0);
             }
         }
         Ok(marks)
+    }
+}
+
+/// Elements at a singular point that are longer than `ratio` times another one there, of the same body or of one that it faces: by
+/// chance the one bubble of an element of low degree may show nothing of the error there, and bodies whose meshes are not
+/// both graded to the end of an interface are together in the mean over too long a part of it.
+fn lopsided_elements(mesh: &Mesh, singular: &[Vec<f64>], ratio: f64) -> Vec<usize> {
+    let at = |e: usize, s: f64| singular[mesh.edge[e]].iter().any(|p| (p - s).abs() < SAME_PLACE);
+    let near = 1e-9 * mesh.diameter();
+    // point, shortest length, elements
+    let mut points: Vec<([f64; 2], f64, Vec<usize>)> = Vec::new();
+    for e in 0..mesh.len() {
+        for (x, _) in mesh.ends(e).into_iter().zip(mesh.span[e]).filter(|(_, s)| at(e, *s)) {
+            let length = mesh.length(e);
+            match points.iter_mut().find(|(y, ..)| (y[0] - x[0]).hypot(y[1] - x[1]) <= near) {
+                Some((_, shortest, elements)) => {
+                    *shortest = shortest.min(length);
+                    elements.push(e);
+                }
+                None => points.push((x, length, vec![e])),
+            }
+        }
+    }
+    let long = |(_, shortest, elements): ([f64; 2], f64, Vec<usize>)| {
+        elements.into_iter().filter(move |&e| mesh.length(e) > ratio * shortest)
+    };
+    points.into_iter().flat_map(long).collect()
+}
+
+/// Ratio of the lengths of two elements that meet at a singular point beyond which the longer one is cut: of a body with curves, and
+/// of several bodies.
+const LOPSIDED: f64 = 100.0;
+const LOPSIDED_BODIES: f64 = 10.0;
+
+/// A vertex closer than this part of its piece is moved to a tip.
+const SNAP: f64 = 0.2;
+
+/// Gives what faces a transition on another body a vertex too, one that moves with it: both meshes are graded to it.
+fn follow_beyond(
+    scene: &Scene,
+    before: &[Tip],
+    tips: &[Tip],
+    subdivision: &mut Subdivision,
+    singular: &mut [Vec<f64>],
+) {
+    let edges = scene.problem.outline.edges();
+    let beyond = |tip: &Tip| {
+        let interface = scene.problem.joint(edges[tip.edge].side)?;
+        scene.problem.seen(interface, tip.edge, tip.s).map(|seen| (seen.edge, seen.s))
+    };
+    let mut left: Vec<(usize, f64)> = before.iter().filter_map(beyond).collect();
+    for (edge, s) in tips.iter().filter_map(beyond) {
+        let fixed = singular[edge].clone();
+        let distance = |at: &(usize, f64)| if at.0 == edge { (at.1 - s).abs() } else { f64::INFINITY };
+        let nearest = (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b])));
+        if let Some(k) = nearest.filter(|&k| distance(&left[k]).is_finite()) {
+            let (_, from) = left.swap_remove(k);
+            // no vertex passes a point that stays
+            let between = |f: &f64| from.min(s) - SAME_PLACE < *f && *f < from.max(s) + SAME_PLACE;
+            if (from - s).abs() > SAME_PLACE && !fixed.iter().any(between) {
+                subdivision.shift(edge, from, s, &fixed);
+            }
+        }
+        subdivision.insert(edge, s, &fixed, SNAP);
+        singular[edge].push(s);
     }
 }
 
@@ -219,6 +294,7 @@ impl Layout {
             Some(state) => relocate(&mut tips, &mut subdivision, state, &singular, &obstacles(&turns))?,
             None => Vec::new(),
         };
+        follow_beyond(scene, &self.tips, &tips, &mut subdivision, &mut singular);
         tips.iter().for_each(|tip| singular[tip.edge].push(tip.s));
         Ok((Self { subdivision: subdivision.refined(&singular, &Grading::default()), tips }, located))
     }

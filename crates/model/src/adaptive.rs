@@ -128,7 +128,7 @@ impl Model for BoundaryElements {
         cache: &mut PairCache,
         observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
     ) -> Result<Advanced<Self>, SolveError> {
-        let mesh = progress.next.subdivision.mesh(&scene.body().outline)?;
+        let mesh = progress.next.subdivision.mesh(&scene.problem.outline)?;
         let estimated = is_estimated(scene, progress.next.dofs());
         let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
         let clock = Instant::now();

@@ -9,12 +9,16 @@ use crate::contact::ContactResult;
 use crate::energies::Energies;
 use crate::estimate::{Doubt, ROUNDOFF};
 use crate::fields::probe;
+use crate::interfaces;
 use crate::large::is_large;
-use crate::report::{ContactRow, Trace, contact_summary, located};
+use crate::report::{ContactRow, Trace, contact_rows, contact_summary, located};
 use crate::run::{Model, Run};
 use crate::solution::Solved;
 use crate::stochastic::{self, StochasticResult};
-use crate::summary::{Audit, GridSummary, MediumSummary, Probe, SecondsSummary, Summary, peak_memory_bytes};
+use crate::summary::{
+    Audit, BodySummary, ContactSummary, GridSummary, InterfaceSummary, MediumSummary, Probe, SecondsSummary, Summary,
+    peak_memory_bytes,
+};
 use crate::vertices::tell_unbounded;
 
 /// Part of the forces on the boundary below which their resultant counts as none.
@@ -48,6 +52,10 @@ pub struct Report<'a> {
     pub around: Option<&'a Around>,
     /// What is told of an unbounded medium.
     pub exterior: Option<MediumSummary>,
+    /// Several bodies.
+    pub bodies: Vec<BodySummary>,
+    /// The interfaces between them.
+    pub interfaces: Vec<InterfaceSummary>,
 }
 
 /// The numbers of a run with all outcomes of its random input; `rows` are those of the contact table.
@@ -69,7 +77,7 @@ pub fn answer<M: Model>(
     if is_large(scene, report.trace) {
         doubts.push("large".to_owned());
     }
-    if !facets(&scene.body().outline).is_empty() {
+    if !facets(&scene.problem.outline).is_empty() {
         doubts.push("facets".to_owned());
     }
     Summary {
@@ -91,7 +99,14 @@ pub fn answer<M: Model>(
         estimate_relative: report.error.map(|[_, relative]| relative),
         estimate_doubts: doubts,
         iterations: contact.map_or(0, |c| c.reported().iterations),
-        contact: contact.map(|c| contact_summary(scene, report.trace, c, rows, report.located)),
+        contact: contact.map(|c| {
+            let told = contact_summary(scene, report.trace, c, rows, report.located);
+            // of several interfaces nothing says which end is whose
+            let several = scene.problem.interfaces.len() > 1 && scene.problem.has_several_bodies();
+            ContactSummary { ends: told.ends.filter(|_| !several), ..told }
+        }),
+        bodies: report.bodies,
+        interfaces: report.interfaces,
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: report.reactions.iter().cloned().collect(),
         probe,
@@ -121,6 +136,14 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
         grid: None,
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run)),
+        bodies: interfaces::bodies(scene, solved, estimate),
+        interfaces: match scene.problem.has_several_bodies() {
+            true => {
+                let rows = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
+                interfaces::interfaces(scene, solved, &rows, located(scene, &run.step().layout.located))
+            }
+            false => Vec::new(),
+        },
     }
 }
 
@@ -144,7 +167,7 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
         },
         resultant,
         balanced: resultant[0].hypot(resultant[1]) <= BALANCED * sum,
-        constant: field.at_infinity(),
+        constant: field.of_body(0).at_infinity(),
         length: run.last.mesh.diameter(),
     })
 }

@@ -21,7 +21,7 @@ pub(crate) fn gap_turns(scene: &Scene) -> Vec<Vec<Turn>> {
         Some(contact) if contact.gap.constant().is_none() => contact.gap.turns(edge),
         _ => Vec::new(),
     };
-    scene.body().outline.edges().iter().map(of).collect()
+    scene.problem.outline.edges().iter().map(of).collect()
 }
 
 /// The part of the indicators whose elements are refined among asperities. Transitions that get vertices count with their

@@ -1,19 +1,23 @@
 //! A body on a mesh: its matrices, which no load changes, and its answer to loads.
 
 use faer::Mat;
-use steklov_bem_operators::{BoundaryField, Condensation, Mesh, Space, TractionMap};
+use steklov_bem_operators::{Assembly, BoundaryField, Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
-use steklov_elastic::{Material, RigidMotion};
+use steklov_elastic::RigidMotion;
 use steklov_problem::Scene;
 
 use crate::body_load::{Particular, crossed_work, energies};
 use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
 use crate::data::{Data, Loads};
 use crate::energies::Energies;
-use crate::equilibrium::{Equations, reactions};
+use crate::equilibrium::{Equations, Residual, reactions};
 use crate::error::SolveError;
+use crate::fields::Field;
 use crate::inclusion::Outside;
+use crate::interfaces::TieRow;
+use crate::joints::{Joint, TiedNode};
 use crate::motions::work;
+use crate::parts::Assembled;
 use crate::solution::{Seconds, Solved};
 use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};
@@ -24,19 +28,19 @@ pub struct Body {
     pub mesh: Mesh,
     /// Its unknowns.
     pub space: Space,
-    /// The material of the matrices.
-    pub material: Material,
-    /// Length in the logarithm of the kernel.
-    pub length: f64,
+    /// The bodies one by one, with their materials.
+    pub pieces: Vec<Assembled>,
     /// S, the free unknowns eliminated; with a medium around the body the sum of both.
-    pub condensation: Condensation,
+    pub condensation: Assembly,
     /// The medium around it, if there is one.
     pub outside: Option<Outside>,
     /// S_c of the contact unknowns, for the outcomes of random input; empty without contact, or when a scene without random input
     /// is solved.
     pub stiffness: Mat<f64>,
-    /// From displacements to tractions.
-    pub traction_map: TractionMap,
+    /// Interfaces between bodies.
+    pub(crate) joints: Vec<Joint>,
+    /// The nodes that are tied to other bodies.
+    pub(crate) tied: Vec<TiedNode>,
     /// Prescribed components of the nodes.
     pub(crate) held: Vec<Held>,
     /// Rigid motions that nothing resists and no load drives.
@@ -99,10 +103,20 @@ pub struct Factors {
 }
 
 impl Body {
-    /// The elastic field of a nodal displacement and its traction.
-    pub fn field(&self, displacement: &[f64], traction: &[f64]) -> BoundaryField {
-        let field = BoundaryField::new(&self.mesh, &self.space, &self.material, displacement, traction, self.length);
-        field.tending_to(self.traction_map.at_infinity(displacement))
+    /// The elastic field of a nodal displacement.
+    pub fn field(&self, displacement: &[f64]) -> Field {
+        let of = |Assembled { piece, length, traction_map }: &Assembled| {
+            let own = piece.own(displacement);
+            let traction = traction_map.apply(own);
+            let field = BoundaryField::new(&piece.mesh, &piece.space, &piece.material, own, &traction, *length);
+            (piece.elements.clone(), field.tending_to(traction_map.at_infinity(own)))
+        };
+        Field::new(self.pieces.iter().map(of).collect())
+    }
+
+    /// Tractions of a nodal displacement, Legendre coefficients as the space numbers them.
+    pub fn traction(&self, displacement: &[f64]) -> Vec<f64> {
+        self.pieces.iter().flat_map(|a| a.traction_map.apply(a.piece.own(displacement))).collect()
     }
 
     /// The answer to what acts on the body; `solve` solves the condensed contact problem. No seconds are taken.
@@ -125,15 +139,8 @@ impl Body {
             (contact, _) => (companion.clone(), contact),
         };
         let forces = condensation.multiply(&displacement);
-        let equations = Equations {
-            forces: &forces,
-            load: &given.load,
-            displacement: &displacement,
-            largest_diagonal: condensation.largest_diagonal(),
-            contact: contact.as_ref(),
-        };
         let supports = Supports { space, held: &self.held };
-        let residual = equations.residual(|dof| dof, |dof| supports.is_held(dof));
+        let residual = self.residual(&forces, &given.load, &displacement, contact.as_ref());
         let contact = contact.map(|c| c.with_equilibrium(residual.relative));
 
         // forces have the springs of free motions in them: these are taken out after that
@@ -173,6 +180,8 @@ impl Body {
             contact: contact_factors,
         };
         let solved = Solved {
+            strain_of_bodies: self.strain_of_bodies(&displacement, &forces),
+            ties: self.tie_rows(scene, &residual.values),
             around: self.outside.as_ref().and_then(|outside| outside.around(&data, &displacement, &given.loads.nodal)),
             displacement,
             field,
@@ -188,6 +197,44 @@ impl Body {
             space: space.clone(),
         };
         Ok((solved, factors))
+    }
+
+    /// What is left of the equations of a displacement.
+    fn residual(
+        &self,
+        forces: &[f64],
+        load: &[f64],
+        displacement: &[f64],
+        contact: Option<&ContactResult>,
+    ) -> Residual {
+        let largest_diagonal = self.condensation.largest_diagonal();
+        let equations = Equations { forces, load, displacement, largest_diagonal, contact, tied: &self.tied };
+        let supports = Supports { space: &self.space, held: &self.held };
+        equations.residual(|dof| dof, |dof| supports.is_held(dof))
+    }
+
+    /// Half of a(u, u) of each body.
+    fn strain_of_bodies(&self, displacement: &[f64], forces: &[f64]) -> Vec<f64> {
+        let of = |Assembled { piece, .. }: &Assembled| {
+            0.5 * piece.own(displacement).iter().zip(piece.own(forces)).map(|(u, f)| u * f).sum::<f64>()
+        };
+        self.pieces.iter().map(of).collect()
+    }
+
+    /// The tractions of ties, of what is left of the equations.
+    fn tie_rows(&self, scene: &Scene, residual: &[f64]) -> Vec<TieRow> {
+        let mut rows: Vec<TieRow> = Vec::new();
+        for tied in &self.tied {
+            let (point, i) = (self.space.points[tied.relative.node], tied.dof % 2);
+            let name = &scene.problem.interfaces[tied.interface].name;
+            let same = |row: &TieRow| row.name == *name && row.point == point;
+            let at = rows.iter().position(same).unwrap_or_else(|| {
+                rows.push(TieRow { name: name.clone(), point, weight: tied.weight, traction: [0.0; 2] });
+                rows.len() - 1
+            });
+            rows[at].traction[i] = residual[tied.dof] / tied.weight;
+        }
+        rows
     }
 
     /// The nodal displacement under what acts on the body, and its contact, whose boundary is taken.
@@ -231,8 +278,7 @@ impl Body {
             None => displacement.to_vec(),
             Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
         };
-        let traction = self.traction_map.apply(&homogeneous);
-        let field = self.field(&homogeneous, &traction);
+        let field = self.field(&homogeneous);
         let crossed = particular.map_or(0.0, |p| crossed_work(&field, &p.solution, &self.mesh, &self.space));
         let mut energies = energies(displacement, forces, &given.loads.nodal, particular, crossed, friction_work);
         if let Some(outside) = &self.outside {
@@ -251,6 +297,6 @@ struct Fields {
     /// It without the particular solution.
     homogeneous: Vec<f64>,
     /// The elastic field of that.
-    field: BoundaryField,
+    field: Field,
     energies: Energies,
 }

@@ -1,9 +1,10 @@
 //! A constant body force or a remote stress in the discrete problem: u = w + u_p, w without them.
 
-use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
+use steklov_bem_operators::{Mesh, ParticularSolution, Space};
 use steklov_quadrature::gauss_legendre;
 
 use crate::energies::Energies;
+use crate::fields::Field;
 
 /// The particular solution on a mesh.
 ///
@@ -96,7 +97,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// ∮ t(w)·u_p with the traction of w of its own space.
-pub(crate) fn crossed_work(field: &BoundaryField, particular: &ParticularSolution, mesh: &Mesh, space: &Space) -> f64 {
+pub(crate) fn crossed_work(field: &Field, particular: &ParticularSolution, mesh: &Mesh, space: &Space) -> f64 {
     let mut work = 0.0;
     for e in 0..mesh.len() {
         let rule = gauss_legendre(space.degree(e) + 2);

@@ -168,7 +168,7 @@ pub(crate) fn solve_contact(
     let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let audit = kkt_in_body(&problem, &solution, largest);
     let lines = boundary.lines(mesh, space);
-    boundary.tell_slip(&displacement, &mut solution.status);
+    boundary.tell_slip(&boundary.relative(&displacement), &mut solution.status);
     let contact = problem.nodes.clone();
     let boundary = ContactBoundary { contact, ..boundary };
     let factors = ContactFactors { problem, sets, lines };

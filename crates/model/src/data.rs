@@ -1,15 +1,16 @@
 //! The scene's data on a mesh: prescribed displacements, loads, gaps and friction bounds.
 
 use steklov_bem_operators::{
-    BemError, BoundaryField, Datum, Location, Mesh, ParticularSolution, Site, Space, add_load, side_moments,
-    side_moments_and_squares,
+    BemError, Datum, Location, Mesh, ParticularSolution, Site, Space, add_load, side_moments, side_moments_and_squares,
 };
 use steklov_contact::oscillation;
+use steklov_elastic::Material;
 use steklov_expression::{Expression, Piece};
-use steklov_problem::{Condition, DataError, Scene};
+use steklov_problem::{Condition, DataError, Law, Scene, Tie};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::error::SolveError;
+use crate::fields::Field;
 use crate::supports::Held;
 
 /// A scene on a mesh.
@@ -61,11 +62,17 @@ const ROUNDING: f64 = 1e-14;
 pub type SideLoad = (usize, [[f64; 2]; 2]);
 
 impl Data<'_> {
+    /// The material of the body of an element.
+    pub(crate) fn material_of(&self, e: usize) -> Material {
+        let problem = &self.scene.problem;
+        problem.body_of(&problem.outline.edges()[self.mesh.edge[e]]).material()
+    }
+
     /// Prescribed displacement of every node.
     pub fn held(&self) -> Result<Vec<Held>, SolveError> {
         let (mesh, space) = (self.mesh, self.space);
         let mut held = vec![Held::default(); space.nodes()];
-        for (index, side) in self.scene.body().sides.iter().enumerate() {
+        for (index, side) in self.scene.problem.sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &side.condition else { continue };
             for expression in values.iter().flatten().filter(|e| e.constant().is_none()) {
                 // only for its errors: the nodes alone do not see a pole between them
@@ -76,7 +83,7 @@ impl Data<'_> {
         }
         let mut prescribed = Vec::new();
         for e in 0..mesh.len() {
-            let side = &self.scene.body().sides[mesh.side[e]];
+            let side = &self.scene.problem.sides[mesh.side[e]];
             let Condition::Displacement { values, .. } = &side.condition else { continue };
             for (j, node) in space.element_nodes(e).enumerate() {
                 let site = Site::new(mesh, e, space.basis(e).nodes[j]);
@@ -197,7 +204,7 @@ impl Data<'_> {
     /// Calls with the side, name, expression and direction on each element of every traction, pressure and jump of the
     /// traction.
     pub fn each_traction(&self, call: &mut OfTraction<'_>) -> Result<(), SolveError> {
-        for (index, side) in self.scene.body().sides.iter().enumerate() {
+        for (index, side) in self.scene.problem.sides.iter().enumerate() {
             match &side.condition {
                 Condition::Traction(traction) | Condition::Displacement { traction: Some(traction), .. } => {
                     for (expression, direction) in traction.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
@@ -212,7 +219,19 @@ impl Data<'_> {
                 _ => {}
             }
         }
-        let edges = self.scene.body().outline.edges();
+        for interface in self.scene.problem.joints() {
+            let Law::Tied(Tie { traction_jump: Some(jump), .. }) = &interface.law else { continue };
+            let tied = |site: &Site| {
+                let seen = self.scene.problem.seen(interface, self.mesh.edge[site.element], site.s);
+                f64::from(u8::from(seen.is_some()))
+            };
+            for (expression, direction) in jump.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
+                for &side in interface.sides.iter().filter(|_| expression.constant() != Some(0.0)) {
+                    call(side, "traction jump", expression, &tied, &|_| direction)?;
+                }
+            }
+        }
+        let edges = self.scene.problem.outline.edges();
         for (name, expression, direction) in self.scene.traction_jumps() {
             for side in self.interface_sides() {
                 let of = |e: usize, n: [f64; 2]| match edges[self.mesh.edge[e]].loop_index {
@@ -254,7 +273,7 @@ impl Data<'_> {
     /// ‖w‖ ‖dw/ds‖ of the held displacements less their interpolants, summed over the components: (element, length²).
     pub fn held_oscillation(&self, body: Option<&ParticularSolution>) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
-        for (index, side) in self.scene.body().sides.iter().enumerate() {
+        for (index, side) in self.scene.problem.sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &side.condition else { continue };
             for (expression, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                 let Some(expression) = expression else { continue };
@@ -303,7 +322,7 @@ impl Data<'_> {
     pub fn is_narrow(&self, expression: &Expression, e: usize) -> bool {
         let [a, b] = self.mesh.span[e];
         let (low, high) = (a.min(b), a.max(b));
-        let along = expression.along(&self.scene.body().outline.edges()[self.mesh.edge[e]]);
+        let along = expression.along(&self.scene.problem.outline.edges()[self.mesh.edge[e]]);
         let inside = |p: &&Piece| p.ends[0] < high && p.ends[1] > low;
         let unknown = along.survey.pieces.iter().filter(inside).any(|p| !p.known);
         unknown || !along.survey.narrow([low, high], NARROW_IN_ELEMENT * (high - low), SMALL).is_empty()
@@ -316,7 +335,7 @@ impl Data<'_> {
             return Vec::new();
         }
         let [a, b] = self.mesh.span[e];
-        let along = expression.along(&self.scene.body().outline.edges()[self.mesh.edge[e]]);
+        let along = expression.along(&self.scene.problem.outline.edges()[self.mesh.edge[e]]);
         let (low, high) = (a.min(b), a.max(b));
         let kinks = along.kinks.iter().copied().filter(|s| low < *s && *s < high);
         let narrow = along.survey.narrow([low, high], NARROW.min(NARROW_IN_ELEMENT * (high - low)), SMALL);
@@ -330,7 +349,7 @@ impl Data<'_> {
     pub fn located(&self, error: BemError, expression: &Expression) -> SolveError {
         match &error {
             BemError::DataNotFinite { name, side, point, .. } => {
-                let Location::Boundary { s, .. } = self.scene.body().outline.contains(*point) else {
+                let Location::Boundary { s, .. } = self.scene.problem.outline.contains(*point) else {
                     return error.into();
                 };
                 match self.scene.check_value(side, name, expression, (point[0], point[1], s)) {
@@ -345,13 +364,7 @@ impl Data<'_> {
     }
 
     /// ∫ t φ_j over element e of the whole traction, for its local node j.
-    pub fn traction_moment(
-        &self,
-        field: &BoundaryField,
-        body: Option<&ParticularSolution>,
-        e: usize,
-        j: usize,
-    ) -> [f64; 2] {
+    pub fn traction_moment(&self, field: &Field, body: Option<&ParticularSolution>, e: usize, j: usize) -> [f64; 2] {
         let basis = self.space.basis(e);
         let more = if self.mesh.is_line(e) { 2 } else { 16 };
         let rule = steklov_quadrature::gauss_legendre(basis.degree + more);

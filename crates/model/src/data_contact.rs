@@ -7,6 +7,7 @@ use steklov_problem::{Contact, DataError, DataErrorKind, Friction};
 
 use crate::data::{Data, Function};
 use crate::error::SolveError;
+use crate::joints::Joint;
 use crate::supports::Held;
 
 impl Data<'_> {
@@ -20,9 +21,13 @@ impl Data<'_> {
         let of_side = |side: usize| {
             let Contact { gap, friction } = self.scene.contact(side)?;
             let [bound, coefficient] = [friction.bound(), friction.coefficient()].map(|f| f.map(|f| self.function(f)));
-            Some((self.less_particular(gap, body, |site| self.mesh.normal(site.element, site.t)), bound, coefficient))
+            let gap = match self.scene.problem.joint(side) {
+                Some(_) => self.gap(side, gap),
+                None => self.less_particular(gap, body, |site| self.mesh.normal(site.element, site.t)),
+            };
+            Some((gap, bound, coefficient))
         };
-        let functions: Vec<_> = (0..self.scene.body().sides.len()).map(of_side).collect();
+        let functions: Vec<_> = (0..self.scene.problem.sides.len()).map(of_side).collect();
         let none = Function { value: Box::new(|_| 0.0), kinks: Box::new(|_| Vec::new()) };
         let gap = |side: usize| functions[side].as_ref().map_or(&none, |f| &f.0).datum("gap");
         let bound =
@@ -46,29 +51,42 @@ impl Data<'_> {
 
     /// Gap, bound and coefficient of contact sides.
     fn contact_functions<'s>(&'s self, sides: &[ContactSide<'s>]) -> Vec<(usize, [Option<Function<'s>>; 3])> {
-        let of = |s: &ContactSide<'s>| [Some(s.gap), s.bound, s.coefficient].map(|f| f.map(|f| self.function(f)));
+        let of = |s: &ContactSide<'s>| {
+            let [bound, coefficient] = [s.bound, s.coefficient].map(|f| f.map(|f| self.function(f)));
+            [Some(self.gap(s.index, s.gap)), bound, coefficient]
+        };
         sides.iter().map(|s| (s.index, of(s))).collect()
     }
 
-    /// Calls with gap, bound and coefficient of every contact side.
-    pub(crate) fn with_contact_data<T>(&self, call: impl FnOnce(&[SideData<'_>]) -> T) -> T {
+    /// Calls with gap, bound and coefficient of every contact side, and the elements that face other bodies.
+    pub(crate) fn with_contact_data<T>(&self, joints: &[Joint], call: impl FnOnce(&[SideData<'_>]) -> T) -> T {
         let sides = self.contact_sides();
         let functions = self.contact_functions(&sides);
-        let sides: Vec<SideData<'_>> = functions.iter().filter_map(side_data).collect();
+        let of_joint = |side: usize| {
+            let interface = self.scene.problem.joint(side)?;
+            joints.iter().find(|j| std::ptr::eq(&raw const self.scene.problem.interfaces[j.interface], interface))
+        };
+        let with_elements = |of: &(usize, _)| of_joint(of.0).map(|joint| joint.own.as_slice());
+        let sides: Vec<SideData<'_>> =
+            functions.iter().filter_map(|f| Some(SideData { elements: with_elements(f), ..side_data(f)? })).collect();
         call(&sides)
     }
 
     /// [`Self::contact`] with the unknowns only that its conditions need.
-    pub(crate) fn condensed_contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
+    pub(crate) fn condensed_contact(
+        &self,
+        held: &[Held],
+        joints: &[Joint],
+    ) -> Result<Option<ContactBoundary>, SolveError> {
         let frictionless = |side: usize| self.scene.contact(side).is_some_and(|c| matches!(c.friction, Friction::None));
         // of as few unknowns as rigid motions there may be no stiffness left
-        let enough = |boundary: &ContactBoundary| boundary.kept().len() > 3;
-        let boundary = self.contact(held)?;
+        let enough = |boundary: &ContactBoundary| boundary.kept().len() > 3 && boundary.rows.is_empty();
+        let boundary = self.contact(held, joints)?;
         Ok(boundary.map(|whole| Some(whole.clone().without_tangents(&frictionless)).filter(enough).unwrap_or(whole)))
     }
 
     /// Contact nodes, weights and conditions; none without a contact side.
-    pub fn contact(&self, held: &[Held]) -> Result<Option<ContactBoundary>, SolveError> {
+    pub fn contact(&self, held: &[Held], joints: &[Joint]) -> Result<Option<ContactBoundary>, SolveError> {
         let sides = self.contact_sides();
         if sides.is_empty() {
             return Ok(None);
@@ -84,14 +102,16 @@ impl Data<'_> {
             self.check_held_ends(side.index, side.gap, held)?;
         }
         let values = |node: usize| held[node].components.map(|c| c.map(|(value, _)| value));
-        let boundary = self.with_contact_data(|sides| contact_boundary(self.mesh, self.space, sides, &values));
-        boundary.map(Some).map_err(|error| match error {
+        let boundary = self.with_contact_data(joints, |sides| contact_boundary(self.mesh, self.space, sides, &values));
+        let mut boundary = boundary.map_err(|error| match error {
             steklov_contact::ContactError::Data(error) => match self.contact_expression(&error) {
                 Some(expression) => self.located(error, expression),
                 None => error.into(),
             },
-            error => error.into(),
-        })
+            error => SolveError::from(error),
+        })?;
+        self.join_contact(&mut boundary, joints, held)?;
+        Ok(Some(boundary))
     }
 
     /// A held end of a contact side must not be held inside the obstacle: no traction could do that at a point.
@@ -126,7 +146,7 @@ impl Data<'_> {
         let (BemError::DataNotFinite { name, side, .. } | BemError::DataRough { name, side, .. }) = error else {
             return None;
         };
-        let side = self.scene.body().sides.iter().position(|s| s.name == *side)?;
+        let side = self.scene.problem.sides.iter().position(|s| s.name == *side)?;
         self.scene.contact(side)?.data().into_iter().find(|(what, _)| what == name).map(|(_, expression)| expression)
     }
 
@@ -158,5 +178,6 @@ fn side_data<'a>((side, functions): &'a (usize, [Option<Function<'_>>; 3])) -> O
         gap: gap.as_ref()?.datum("gap"),
         bound: bound.as_ref().map(|b| b.datum("friction bound")),
         coefficient: coefficient.as_ref().map(|c| c.datum("friction coefficient")),
+        elements: None,
     })
 }

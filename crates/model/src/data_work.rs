@@ -28,7 +28,7 @@ impl Data<'_> {
         // the energies of an unbounded body are those of the field without the particular solution
         let of_all = body.filter(|_| !self.scene.is_cavity());
         let mut work = 0.0;
-        for (side, condition) in self.scene.body().sides.iter().enumerate() {
+        for (side, condition) in self.scene.problem.sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &condition.condition else { continue };
             for (i, expression) in values.iter().enumerate() {
                 let Some(expression) = expression.as_ref().filter(|e| e.constant().is_none() || body.is_some()) else {
@@ -111,12 +111,13 @@ impl Data<'_> {
     ) -> Vec<Vec<[f64; 2]>> {
         let (mesh, space) = (self.mesh, self.space);
         let mut slips = vec![Vec::new(); mesh.len()];
+        let relative = contact.boundary.relative(&factors.homogeneous);
         for element in contact.boundary.elements(mesh, space) {
             let e = element.element;
             let slip = |((node, at), &place): ((usize, &Option<LinePoint>), &f64)| {
                 let t = mesh.tangent(e, place);
                 let own = solved.particular.as_ref().map_or([0.0; 2], |b| b.displacement(space.points[node]));
-                let u: f64 = (0..2).map(|i| (factors.homogeneous[2 * node + i] + own[i]) * t[i]).sum();
+                let u: f64 = (0..2).map(|i| (relative[2 * node + i] + own[i]) * t[i]).sum();
                 let turned = match at.map(|at| (at, part.sets.slip(at.index))) {
                     Some((at, Some(0))) => {
                         let bound = part.problem.nodes[at.node].conditions[at.condition].bound;
@@ -135,6 +136,10 @@ impl Data<'_> {
 
     /// r u_t at a point of an element: u_t of its polynomial, r linear between the nodes.
     fn turned_slip(&self, nodal: &[[f64; 2]], site: &Site) -> f64 {
+        // a part of the side that faces nothing
+        if nodal.is_empty() {
+            return 0.0;
+        }
         let basis = self.space.basis(site.element);
         let mut phi = vec![0.0; basis.degree + 1];
         basis.evaluate(site.t, &mut phi);

@@ -1,10 +1,11 @@
 //! The correction that enriched spaces add to a solution: S₊e = r on what the supports and the contact sets leave free.
 
-use steklov_bem_operators::{Condensation, Enriched, Mesh};
+use steklov_bem_operators::{Assembly, Enriched, Mesh};
 use steklov_contact::{ContactBubble, Frozen};
 use steklov_problem::{Condition, Scene};
 
 use crate::elastic::Elastic;
+use crate::facing::FacingLoad;
 
 /// Reduction of the squared energy of the rest at which the correction is good enough.
 const ENOUGH: f64 = 1e-4;
@@ -47,10 +48,10 @@ impl Frame {
     }
 }
 
-/// What is free of every bubble: all, less what is held, less what the contact state prescribes.
-pub(crate) fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble]) -> Vec<Frame> {
+/// What is free of every bubble: all, less what is held, less what the contact state prescribes. Another body gives way.
+pub(crate) fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble], facing: &[FacingLoad]) -> Vec<Frame> {
     let mut frames: Vec<Frame> = (0..mesh.len())
-        .map(|e| match &scene.body().sides[mesh.side[e]].condition {
+        .map(|e| match &scene.problem.sides[mesh.side[e]].condition {
             Condition::Displacement { values, .. } => {
                 Frame { free: [values[0].is_none(), values[1].is_none()], ..Frame::FREE }
             }
@@ -61,12 +62,15 @@ pub(crate) fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble]) -> V
         let e = bubble.element;
         frames[e] = Frame { directions: [mesh.normal(e, 0.0), mesh.tangent(e, 0.0)], free: bubble.free };
     }
+    for FacingLoad { element, .. } in facing {
+        frames[*element].free = [true; 2];
+    }
     frames
 }
 
 /// S₊ on what the supports and the contact sets leave free, and S with single bubbles as its preconditioner.
 pub(crate) struct System<'a> {
-    pub(crate) condensation: &'a Condensation,
+    pub(crate) condensation: &'a Assembly,
     pub(crate) elastic: &'a Elastic<'a>,
     pub(crate) frozen: Option<&'a Frozen<'a>>,
     pub(crate) frames: &'a [Frame],

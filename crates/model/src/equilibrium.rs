@@ -4,6 +4,7 @@ use steklov_bem_operators::Mesh;
 use steklov_problem::Scene;
 
 use crate::contact::ContactResult;
+use crate::joints::TiedNode;
 use crate::supports::Supports;
 
 /// Relative residual of equilibrium beyond which an answer has lost too many digits.
@@ -21,11 +22,13 @@ pub(crate) struct Equations<'a> {
     pub largest_diagonal: f64,
     /// Contact, if there is any.
     pub contact: Option<&'a ContactResult>,
+    /// The nodes that are tied to other bodies, each before those that it faces.
+    pub tied: &'a [TiedNode],
 }
 
 /// What is left of them.
 pub(crate) struct Residual {
-    /// S u - f with the forces of obstacles: at held unknowns the forces of supports.
+    /// S u - f with the forces of obstacles and of other bodies: at held unknowns the forces of supports, at tied ones those of ties.
     pub values: Vec<f64>,
     /// Largest one at an unknown that is not held, over max |S u| + max |f|.
     pub relative: f64,
@@ -56,7 +59,14 @@ impl Equations<'_> {
             }
             None => {}
         }
-        let free = values.iter().enumerate().filter(|(dof, _)| !is_held(*dof));
+        for tied in self.tied {
+            let force = values[tied.dof];
+            for &(node, c) in &tied.relative.faced {
+                (0..2).for_each(|i| values[2 * node + i] += force * c[i]);
+            }
+        }
+        let is_tied = |dof: usize| self.tied.iter().any(|tied| tied.dof == dof);
+        let free = values.iter().enumerate().filter(|(dof, _)| !is_held(*dof) && !is_tied(*dof));
         let worst = free.fold(0.0, |m: f64, (_, r)| m.max(r.abs()));
         let scale = largest(self.forces) + largest(self.load);
         let gap = self.contact.map_or(0.0, |c| c.boundary.largest_gap());
@@ -76,7 +86,7 @@ pub(crate) fn reactions(
     contact: Option<&ContactResult>,
     traction: impl Fn(usize, usize) -> [f64; 2],
 ) -> Vec<(String, [f64; 2])> {
-    let mut reactions = supports.reactions(residual, mesh, &scene.body().sides, traction);
+    let mut reactions = supports.reactions(residual, mesh, &scene.problem.sides, traction);
     if let Some(c) = contact {
         reactions.extend(scene.contacts().map(|(side, _)| (side, c.force(side))));
     }

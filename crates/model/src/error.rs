@@ -43,6 +43,19 @@ pub enum SolveError {
         /// Value on the second side.
         b: f64,
     },
+    /// Bodies that nothing holds against a motion which the loads drive.
+    #[error(
+        "nothing holds {bodies} against a motion on which the loads do work {work:.3e} (of a scale of {scale:.3e}), interfaces without \
+         friction slide"
+    )]
+    Loose {
+        /// Names of the bodies that move.
+        bodies: String,
+        /// Work of the loads on the motion.
+        work: f64,
+        /// Its scale.
+        scale: f64,
+    },
     /// Displacements, energies or errors beyond the range of floating point.
     #[error(
         "the displacements, the energy ({energy}) or its estimated error leave the range of floating point numbers"

@@ -22,6 +22,7 @@ use crate::elastic::{Elastic, EnrichedBody};
 use crate::enriched_problem::{Frame, System, frames};
 use crate::equilibrium::UNBALANCED;
 use crate::error::SolveError;
+use crate::facing::FacingLoad;
 use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
 use crate::residual::Residual;
@@ -140,9 +141,11 @@ const LARGEST_SINGLE: usize = 4000;
 /// Overlaps of a depth δ with (E*/2)^½ δ below this part of the tolerance, or of what indicators have found, do not count.
 const LEAST_OVERLAP: f64 = 0.025;
 /// Those below this part of displacements and gaps are roundoff.
-const ROUNDED: f64 = 1e-12;
-/// What rounding does to J, in parts of twice the strain energy: up to 4e-14 was seen between meshes.
-const ROUNDED_ENERGY: f64 = 1e-13;
+const ROUNDED_OVERLAP: f64 = 1e-12;
+/// What rounding does to J, in parts of twice the strain energy, up to 9e-13 was seen between meshes that are graded to corners, and
+/// in parts of the largest stiffness of a node times its displacement squared; of several bodies 2.3e-12 and 4e-15.
+const ROUNDED: [f64; 2] = [1e-12, 1e-15];
+const ROUNDED_OF_SEVERAL: [f64; 2] = [3e-12, 5e-15];
 
 /// Whether meshes of so many unknowns are estimated.
 pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
@@ -169,11 +172,16 @@ pub fn estimate(
         }
         _ => Vec::new(),
     };
-    let frames = frames(scene, mesh, &bubbles);
-    let residual = bubble_residual(mesh, factors, &elastic, &bubbles);
+    let closed: Vec<usize> = bubbles.iter().filter(|b| !b.free[0]).map(|b| b.element).collect();
+    let facing = data.facing_loads(&body.joints, &solved.field, &bubbles);
+    let frames = frames(scene, mesh, &bubbles, &facing);
+    let residual = bubble_residual(mesh, factors, &elastic, &bubbles, &facing);
     let (mut indicators, held_oscillation) = indicators(&data, solved, &elastic, (&bubbles, &frames), &residual)?;
     let scale = scale(solved.energies.strain, body, factors);
-    let closed: Vec<usize> = bubbles.iter().filter(|b| !b.free[0]).map(|b| b.element).collect();
+    let nonconformity = data.nonconformity(&body.joints, &solved.field, &bubbles);
+    for &(e, energy) in data.tie_oscillation(&body.joints)?.iter().chain(&nonconformity.energies) {
+        indicators[e].oscillation += energy;
+    }
     let overlaps = hidden_overlaps(&data, solved, scale, &closed, &mut indicators);
     let residuals = match scene.method.indicator {
         Indicator::Bubble => Vec::new(),
@@ -202,7 +210,7 @@ pub fn estimate(
     let error = combined_error(&indicators, squared, unseen, held, factors.difference);
     let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
     let friction = data.friction_work_left(solved, factors)?;
-    let of_data = of_jump + data.held_work(solved)? + HELD_REST * held_oscillation + friction;
+    let of_data = of_jump + data.held_work(solved)? + HELD_REST * held_oscillation + friction + nonconformity.work;
     let extrapolation = 0.5 * (gained - squared);
     let energy = factors.energy + of_data + extrapolation;
     if !error.is_finite() || !energy.is_finite() {
@@ -211,8 +219,9 @@ pub fn estimate(
     let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
     let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * solved.energies.friction_work).sqrt() } else { 0.0 };
     let of_square = if solved.contact.is_some() { OF_SQUARE_WITH_CONTACT } else { OF_SQUARE };
-    let uncertainty = 0.5 * (extrapolation.abs() + of_jump.abs()) + friction.abs() + of_square * error * error + bounds;
-    let uncertainty = uncertainty.max(ROUNDED_ENERGY * scale * scale);
+    let first_order = extrapolation.abs() + of_jump.abs() + nonconformity.work.abs();
+    let uncertainty = 0.5 * first_order + friction.abs() + of_square * error * error + bounds;
+    let uncertainty = uncertainty.max(rounding_of_energy(solved, body, scale));
     let unresolved = unresolved(&data, solved, factors, &bubbles)?;
     let doubts = doubts(scene, solved, (&unresolved, &overlaps), error);
     let relative = ratio(error, scale);
@@ -222,17 +231,37 @@ pub fn estimate(
     Ok((estimate, Unseen { overlaps, unresolved }))
 }
 
-/// ρ_u, with what contact does on the bubbles.
-fn bubble_residual(mesh: &Mesh, factors: &Factors, elastic: &Elastic<'_>, bubbles: &[ContactBubble]) -> Vec<f64> {
+/// ρ_u, with what contact and other bodies do on the bubbles.
+fn bubble_residual(
+    mesh: &Mesh,
+    factors: &Factors,
+    elastic: &Elastic<'_>,
+    bubbles: &[ContactBubble],
+    facing: &[FacingLoad],
+) -> Vec<f64> {
     let mut residual: Vec<f64> = factors.extra_load.iter().zip(elastic.bubble_force()).map(|(f, s)| f - s).collect();
     for bubble in bubbles {
         let (e, n, t) = (bubble.element, mesh.normal(bubble.element, 0.0), mesh.tangent(bubble.element, 0.0));
-        // a closed bubble's residual along n is ∫λ_n b
-        let pressure = residual[2 * e] * n[0] + residual[2 * e + 1] * n[1];
+        // a closed bubble's residual along n is ∫λ_n b; against another body it is what that pushes back with
+        let pressure = match facing.iter().find(|of| of.element == e) {
+            Some(of) => -(of.load[0] * n[0] + of.load[1] * n[1]),
+            None => residual[2 * e] * n[0] + residual[2 * e + 1] * n[1],
+        };
         let shear = bubble.load[1] - bubble.coupling * pressure;
         for i in 0..2 {
             residual[2 * e + i] += bubble.load[0] * n[i] + shear * t[i];
         }
+    }
+    for FacingLoad { element: e, load, share } in facing {
+        let (n, t) = (mesh.normal(*e, 0.0), mesh.tangent(*e, 0.0));
+        let own = [residual[2 * e], residual[2 * e + 1]];
+        let slides = bubbles.iter().any(|b| b.element == *e) && share[1].is_none();
+        let along =
+            |d: [f64; 2], share: f64, load: [f64; 2]| share * ((own[0] + load[0]) * d[0] + (own[1] + load[1]) * d[1]);
+        // the carrying side of a slip has its friction already
+        let tangential = along(t, share[1].unwrap_or(1.0), if slides { [0.0; 2] } else { *load });
+        let normal = along(n, share[0].unwrap_or(1.0), *load);
+        (0..2).for_each(|i| residual[2 * e + i] = normal * n[i] + tangential * t[i]);
     }
     residual
 }
@@ -245,7 +274,7 @@ fn indicators(
     (bubbles, frames): (&[ContactBubble], &[Frame]),
     residual: &[f64],
 ) -> Result<(Vec<Bubble>, f64), SolveError> {
-    let modulus = data.scene.body().material().plane_modulus();
+    let modulus = |e: usize| data.material_of(e).plane_modulus();
     let tractions = elastic.traction_indicators(data.mesh.len());
     let of = |e: usize| Bubble {
         displacement: frames[e].energy(elastic.hypersingular_block(e), [residual[2 * e], residual[2 * e + 1]]),
@@ -254,12 +283,13 @@ fn indicators(
     };
     let mut indicators: Vec<Bubble> = (0..data.mesh.len()).map(of).collect();
     for bubble in bubbles {
-        indicators[bubble.element].oscillation += modulus / 2.0 * bubble.oscillation;
+        indicators[bubble.element].oscillation +=
+            data.scene.problem.contact_modulus(data.mesh.edge[bubble.element]) / 2.0 * bubble.oscillation;
     }
     let mut held = 0.0;
     for (e, oscillation) in data.held_oscillation(solved.particular.as_ref())? {
-        indicators[e].oscillation += modulus / 2.0 * oscillation;
-        held += modulus / 2.0 * oscillation;
+        indicators[e].oscillation += modulus(e) / 2.0 * oscillation;
+        held += modulus(e) / 2.0 * oscillation;
     }
     for (e, oscillation) in data.jump_oscillation()? {
         indicators[e].oscillation += oscillation;
@@ -346,14 +376,15 @@ fn hidden_overlaps(
     indicators: &mut [Bubble],
 ) -> Vec<Overlap> {
     let Some(contact) = &solved.contact else { return Vec::new() };
-    let modulus = data.scene.body().material().plane_modulus();
+    let modulus = |e: usize| data.scene.problem.contact_modulus(solved.mesh.edge[e]);
     let moved = solved.displacement.iter().fold(contact.boundary.largest_gap(), |m, u| m.max(u.abs()));
     let found = indicators.iter().map(Bubble::total).sum::<f64>().sqrt();
-    let wanted = LEAST_OVERLAP * (data.scene.method.tolerance * scale).max(found) * (2.0 / modulus).sqrt();
-    let mut overlaps = data.overlaps(&solved.displacement, wanted.max(ROUNDED * moved), closed);
+    let wanted = LEAST_OVERLAP * (data.scene.method.tolerance * scale).max(found);
+    let least = |e: usize| (wanted * (2.0 / modulus(e)).sqrt()).max(ROUNDED_OVERLAP * moved);
+    let mut overlaps = data.overlaps(&contact.boundary, &solved.displacement, &least, closed);
     let mut energies = vec![0.0; indicators.len()];
     for overlap in &overlaps {
-        energies[overlap.element] += modulus / 2.0 * overlap.depth * overlap.depth;
+        energies[overlap.element] += modulus(overlap.element) / 2.0 * overlap.depth * overlap.depth;
     }
     overlaps.retain(|o| energies[o.element] > indicators[o.element].total());
     for e in 0..indicators.len() {
@@ -414,6 +445,13 @@ fn thickness(mesh: &Mesh, e: usize) -> f64 {
 
 pub(crate) fn ratio(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
+}
+
+/// What rounding does to J: to the energy itself, and to the forces S u of displacements that mostly cancel.
+fn rounding_of_energy(solved: &Solved, body: &Body, scale: f64) -> f64 {
+    let largest = solved.displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    let [energy, forces] = if body.pieces.len() > 1 { ROUNDED_OF_SEVERAL } else { ROUNDED };
+    (energy * scale * scale).max(forces * body.condensation.largest_diagonal() * largest * largest)
 }
 
 /// (2 strain energy)^½; where there is no strain, that of roundoff.

@@ -16,8 +16,9 @@ impl Estimate {
     pub(crate) fn settle_exact(&mut self, scene: &Scene, solved: &Solved) -> Result<(), SolveError> {
         let unbalanced = solved.contact.as_ref().is_some_and(|c| c.audit.equilibrium > UNBALANCED);
         let judged = self.relative < ROUNDOFF;
-        // residuals know no medium around a body
-        if !judged || unbalanced || solved.around.is_some() || self.doubts.contains(&Doubt::Data) {
+        // residuals know no medium around a body, and no other body
+        let alone = solved.around.is_none() && !scene.problem.has_several_bodies();
+        if !judged || unbalanced || !alone || self.doubts.contains(&Doubt::Data) {
             return Ok(());
         }
         if leaves_less(scene, solved, ROUNDOFF * self.scale)? {

@@ -1,6 +1,8 @@
 //! Displacement and stress of a solved body, inside and on its boundary.
 
-use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution};
+use std::ops::Range;
+
+use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution, Trace};
 use steklov_problem::Scene;
 
 use crate::solution::Solved;
@@ -8,10 +10,10 @@ use crate::summary::Probe;
 
 /// Displacement and stress at a point: on the boundary those of the body.
 pub fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
-    let (displacement, stress) = match (scene.body().outline.contains(x), &solved.around) {
+    let (displacement, stress) = match (scene.problem.outline.contains(x), &solved.around) {
         (Location::Boundary { edge, s }, _) => solved.on_edge(edge, s),
         (Location::Outside, Some(around)) => around.at(x),
-        _ => solved.inside(x),
+        _ => solved.inside(scene.problem.outline.body_at(x).unwrap_or(0), x),
     };
     Probe { point: x, displacement, stress, stress_unbounded: false }
 }
@@ -22,9 +24,9 @@ impl Solved {
         ElasticField { mesh: &self.mesh, field: &self.field, particular: self.particular.as_ref() }
     }
 
-    /// Displacement and stress at a point inside the body.
-    pub fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-        self.elastic_field().inside(x)
+    /// Displacement and stress at a point inside a body.
+    pub fn inside(&self, body: usize, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        self.elastic_field().inside(body, x)
     }
 
     /// Displacement and stress on the boundary, at the reference coordinate t of element e.
@@ -46,21 +48,52 @@ impl Solved {
     }
 }
 
+/// The fields of all bodies of a mesh, without particular solutions.
+#[derive(Debug, Clone)]
+pub struct Field {
+    /// The elements of each body, and its field.
+    bodies: Vec<(Range<usize>, BoundaryField)>,
+}
+
+impl Field {
+    /// Of bodies in the order of their elements.
+    pub(crate) fn new(bodies: Vec<(Range<usize>, BoundaryField)>) -> Self {
+        Self { bodies }
+    }
+
+    /// Values on the boundary at the reference coordinate t of element e.
+    pub fn trace(&self, e: usize, t: f64) -> Trace {
+        let body = self.bodies.partition_point(|(elements, _)| elements.end <= e);
+        let (elements, field) = &self.bodies[body];
+        field.trace(e - elements.start, t)
+    }
+
+    /// Values at a point inside a body.
+    pub fn inside(&self, body: usize, x: [f64; 2]) -> Inside {
+        self.bodies[body].1.inside(x)
+    }
+
+    /// The field of a body; its elements are counted from 0.
+    pub fn of_body(&self, body: usize) -> &BoundaryField {
+        &self.bodies[body].1
+    }
+}
+
 /// A field of a body, inside and on its boundary.
 #[derive(Clone, Copy)]
 pub struct ElasticField<'a> {
     /// The boundary elements.
     pub mesh: &'a Mesh,
     /// Their displacement and traction.
-    pub field: &'a BoundaryField,
+    pub field: &'a Field,
     /// What is added to it.
     pub particular: Option<&'a ParticularSolution>,
 }
 
 impl ElasticField<'_> {
-    /// Displacement and stress at a point inside.
-    pub fn inside(&self, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-        let Inside { displacement: mut u, mut stress, .. } = self.field.inside(x);
+    /// Displacement and stress at a point inside a body.
+    pub fn inside(&self, body: usize, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        let Inside { displacement: mut u, mut stress, .. } = self.field.inside(body, x);
         if let Some(p) = self.particular {
             let (v, sigma) = (p.displacement(x), p.stress(x));
             (0..2).for_each(|i| u[i] += v[i]);

@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
 use steklov_expression::{Expression, OnEdge, Track};
-use steklov_problem::{Condition, Refine, Scene};
+use steklov_problem::{Condition, Law, Refine, Scene, Span};
 
 use crate::layout::Layout;
 use crate::vertices::SMOOTH;
@@ -23,28 +23,50 @@ const SEEN: f64 = 0.2;
 impl Layout {
     /// The first mesh; of the hp strategy with vertices at the kinks of the data.
     pub fn first(scene: &Scene) -> Self {
-        let mesh = Mesh::uniform(&scene.body().outline, scene.first_elements(), scene.method.degree);
+        let mesh = Mesh::uniform(&scene.problem.outline, scene.first_elements(), scene.method.degree);
         let mut subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
+        if scene.method.refine != Refine::Hp {
+            // what faces another body does so with whole elements
+            if scene.problem.has_several_bodies() {
+                for (k, points) in singular_points(scene, false).iter().enumerate() {
+                    points.iter().for_each(|&s| subdivision.insert(k, s, &[], 0.0));
+                }
+            }
+        }
         if scene.method.refine == Refine::Hp {
-            if scene.first_elements() != scene.method.elements {
-                halve_long(&mut subdivision, &scene.body().outline);
+            if scene.has_few_first_elements() {
+                halve_long(&mut subdivision, &scene.problem.outline);
             }
             for (k, points) in singular_points(scene, true).iter().enumerate() {
                 for (i, &s) in points.iter().enumerate() {
                     subdivision.insert(k, s, &points[..i], SNAP);
                 }
-                for place in narrow_places(scene, &scene.body().outline.edges()[k], &subdivision.edges[k].clone()) {
+                for place in narrow_places(scene, &scene.problem.outline.edges()[k], &subdivision.edges[k].clone()) {
                     insert_apart(&mut subdivision, k, place);
                     if matches!(
-                        scene.body().sides[scene.body().outline.edges()[k].side].condition,
+                        scene.problem.sides[scene.problem.outline.edges()[k].side].condition,
                         Condition::Displacement { .. }
                     ) {
-                        insert_graded(&mut subdivision, &scene.body().outline, k, place);
+                        insert_graded(&mut subdivision, &scene.problem.outline, k, place);
                     }
                 }
             }
         }
+        halve_single(&mut subdivision, scene);
         Self { subdivision, tips: Vec::new() }
+    }
+}
+
+/// Halves elements that are all of a tied part of an edge: both of their ends may have no multipliers.
+fn halve_single(subdivision: &mut Subdivision, scene: &Scene) {
+    for interface in scene.problem.joints().filter(|interface| matches!(interface.law, Law::Tied(_))) {
+        for Span { edge, s: [a, b] } in scene.problem.spans(interface) {
+            let inside = |p: &&Piece| p.start > a - SAME_PLACE && p.end < b + SAME_PLACE;
+            let alone: Vec<Piece> = subdivision.edges[edge].iter().filter(inside).copied().collect();
+            if let [piece] = alone.as_slice() {
+                subdivision.insert(edge, (piece.start + piece.end) / 2.0, &[], 0.0);
+            }
+        }
     }
 }
 
@@ -52,7 +74,9 @@ impl Layout {
 fn halve_long(subdivision: &mut Subdivision, polygon: &Polygon) {
     let edges = polygon.edges();
     for (edge, pieces) in edges.iter().zip(&mut subdivision.edges) {
-        let others: Vec<&Edge> = edges.iter().filter(|other| other.loop_index != edge.loop_index).collect();
+        let body = |edge: &Edge| polygon.body_of_loop(edge.loop_index);
+        let near = |other: &&Edge| other.loop_index != edge.loop_index && body(other) == body(edge);
+        let others: Vec<&Edge> = edges.iter().filter(near).collect();
         let is_long = |piece: &Piece| {
             let least = (piece.end - piece.start) * edge.length() / LONG;
             let at = |k: usize| edge.point(piece.start + (piece.end - piece.start) * k as f64 / 8.0);
@@ -80,10 +104,10 @@ const SHORTEST: f64 = 1e-2;
 /// Singular points of every edge that are known before anything is solved, rising: its corners, but those where the
 /// boundary goes on straight on the same side; with `kinks` also where a datum has a kink or jumps.
 pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
-    let edges = scene.body().outline.edges();
+    let edges = scene.problem.outline.edges();
     let mut points = vec![Vec::new(); edges.len()];
-    for l in 0..scene.body().outline.loops().len() {
-        let order = scene.body().outline.traversal(l);
+    for l in 0..scene.problem.outline.loops().len() {
+        let order = scene.problem.outline.traversal(l);
         let order: Vec<usize> = order.into_iter().collect();
         for (i, &a) in order.iter().enumerate() {
             let b = order[(i + 1) % order.len()];
@@ -99,7 +123,7 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
             };
             let (x, y) = (direction(a, true), direction(b, false));
             let turn = (x[0] * y[1] - x[1] * y[0]).atan2(x[0] * y[0] + x[1] * y[1]);
-            let free = |k: usize| matches!(scene.body().sides[edges[k].side].condition, Condition::Free);
+            let free = |k: usize| matches!(scene.problem.sides[edges[k].side].condition, Condition::Free);
             let free = |k: usize| free(k) && scene.contact(edges[k].side).is_none();
             let alike = edges[a].side == edges[b].side || curved && free(a) && free(b);
             let mirror = curved && is_mirror_corner(scene, [a, b], turn);
@@ -125,6 +149,7 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
         points.sort_by(f64::total_cmp);
         points.dedup_by(|b, a| *b - *a < 1e-9);
     }
+    scene.problem.share_points(&mut points);
     points
 }
 
@@ -148,15 +173,15 @@ const SAME_CURVATURE: f64 = 1e-6;
 /// Whether the field goes on beyond a corner between a straight edge and a curve as its mirror image, without a singular part: the
 /// one lies along an axis and is held along its normal alone, the other meets it at 90° and is free or under a constant pressure.
 fn is_mirror_corner(scene: &Scene, edges: [usize; 2], turn: f64) -> bool {
-    let all = scene.body().outline.edges();
+    let all = scene.problem.outline.edges();
     let held = |k: usize| {
-        let ([a, b], side) = (all[k].listed(), &scene.body().sides[all[k].side]);
+        let ([a, b], side) = (all[k].listed(), &scene.problem.sides[all[k].side]);
         let Condition::Displacement { values, traction: None } = &side.condition else { return false };
         let along = |i: usize| all[k].is_line() && a[i] == b[i];
         let constant = |i: usize| values[i].as_ref().is_some_and(|v| v.constant().is_some());
         (0..2).any(|i| along(i) && constant(i) && values[1 - i].is_none())
     };
-    let even = |k: usize| match &scene.body().sides[all[k].side].condition {
+    let even = |k: usize| match &scene.problem.sides[all[k].side].condition {
         Condition::Free => scene.contact(all[k].side).is_none(),
         Condition::Pressure(pressure) => pressure.constant().is_some(),
         _ => false,
@@ -220,7 +245,7 @@ fn insert_graded(subdivision: &mut Subdivision, polygon: &Polygon, edge: usize, 
 fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]> {
     let shortest = elements.iter().map(|p| p.end - p.start).fold(0.0, f64::max);
     let mut places: Vec<[f64; 3]> = Vec::new();
-    let condition = &scene.body().sides[edge.side].condition;
+    let condition = &scene.problem.sides[edge.side].condition;
     let contact = scene.contact(edge.side).is_some();
     let of_side =
         scene.problem.side_data(edge.side).into_iter().filter(|(what, _)| *what != "gap").map(|(_, datum)| datum);
@@ -259,6 +284,6 @@ fn narrow_places(scene: &Scene, edge: &Edge, elements: &[Piece]) -> Vec<[f64; 3]
 
 /// The mesh of the first step.
 pub fn first_mesh(scene: &Scene) -> Mesh {
-    let uniform = || Mesh::uniform(&scene.body().outline, scene.first_elements(), scene.method.degree);
-    Layout::first(scene).subdivision.mesh(&scene.body().outline).unwrap_or_else(|_| uniform())
+    let uniform = || Mesh::uniform(&scene.problem.outline, scene.first_elements(), scene.method.degree);
+    Layout::first(scene).subdivision.mesh(&scene.problem.outline).unwrap_or_else(|_| uniform())
 }

@@ -7,6 +7,7 @@
 //! Multipliers hold gaps in the mean over a node's functions, so that an asperity much narrower than an element touches no
 //! node. Pressed flat it has an energy of about E*/2 δ² for its depth δ, whatever its width.
 
+use steklov_contact::ContactBoundary;
 use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
 use steklov_quadrature::{Series, gauss_legendre, project};
 
@@ -42,12 +43,20 @@ const SHORTEST: f64 = 1e-9;
 const PRECISE: f64 = 0.2;
 
 impl Data<'_> {
-    /// The overlaps deeper than `least` of a nodal displacement, in the order of the elements, but for those of `closed`.
-    pub(crate) fn overlaps(&self, displacement: &[f64], least: f64, closed: &[usize]) -> Vec<Overlap> {
+    /// The overlaps deeper than `least` of an element, of a nodal displacement, in the order of the elements, but for those of
+    /// `closed`. Against other bodies displacements are relative ones.
+    pub(crate) fn overlaps(
+        &self,
+        boundary: &ContactBoundary,
+        displacement: &[f64],
+        least: &dyn Fn(usize) -> f64,
+        closed: &[usize],
+    ) -> Vec<Overlap> {
         let mut overlaps = Vec::new();
-        for e in (0..self.mesh.len()).filter(|e| !closed.contains(e)) {
+        let displacement = boundary.relative(displacement);
+        for e in boundary.elements.iter().copied().filter(|e| !closed.contains(e)) {
             let Some(contact) = self.scene.contact(self.mesh.side[e]) else { continue };
-            overlaps.extend(self.overlaps_of(e, &contact.gap, displacement, least));
+            overlaps.extend(self.overlaps_of(e, &contact.gap, &displacement, least(e)));
         }
         overlaps
     }
@@ -107,16 +116,19 @@ impl Data<'_> {
         overlaps
     }
 
-    /// u_n on an element; on a curved one, where the normal turns, its polynomial of eight more degrees.
+    /// u_n on an element, less the distance from another body that it faces; on a curved one, where the normal turns, its
+    /// polynomial of eight more degrees.
     fn normal_displacement(&self, e: usize, displacement: &[f64]) -> Series {
         let basis = self.space.basis(e);
-        if !self.mesh.is_line(e) {
+        if !self.mesh.is_line(e) || self.distance(e, 0.0).is_some_and(|distance| distance != 0.0) {
             let mut phi = vec![0.0; basis.degree + 1];
             let value = |t: f64| {
                 basis.evaluate(t, &mut phi);
                 let n = self.mesh.normal(e, t);
                 let nodes = self.space.element_nodes(e).zip(&phi);
-                nodes.map(|(k, phi)| phi * (displacement[2 * k] * n[0] + displacement[2 * k + 1] * n[1])).sum()
+                let u: f64 =
+                    nodes.map(|(k, phi)| phi * (displacement[2 * k] * n[0] + displacement[2 * k + 1] * n[1])).sum();
+                u - self.distance(e, t).unwrap_or(0.0)
             };
             let degree = basis.degree + 8;
             return project(value, degree, &gauss_legendre(degree + 1));

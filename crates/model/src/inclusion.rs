@@ -189,7 +189,7 @@ impl Data<'_> {
                 work += self.work_on_rest(side, Some(expression), &function.datum("displacement jump"), &traction)?;
             }
         }
-        let remote = self.scene.surroundings().map(|s| s.remote()).filter(|_| self.scene.body().outline.is_curved());
+        let remote = self.scene.surroundings().map(|s| s.remote()).filter(|_| self.scene.problem.outline.is_curved());
         for (i, remote) in remote.iter().flat_map(|r| [(0, r), (1, r)]) {
             let traction = |e: usize, t: f64| -> f64 {
                 let mut legendre = vec![0.0; space.degree(e)];

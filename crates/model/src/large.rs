@@ -13,7 +13,7 @@ const LARGEST: f64 = 0.15;
 /// The motion c + ω (-y, x) about the mean of the nodes is that of the least squares, ω = Σ x × u / Σ |x|²; deformation is what it
 /// leaves.
 pub fn is_large(scene: &Scene, trace: Trace<'_>) -> bool {
-    let moved = scene.body().sides.iter().any(|side| match &side.condition {
+    let moved = scene.problem.sides.iter().any(|side| match &side.condition {
         Condition::Displacement { values, .. } => values.iter().flatten().any(|v| v.constant() != Some(0.0)),
         _ => false,
     });
@@ -40,5 +40,5 @@ pub fn is_large(scene: &Scene, trace: Trace<'_>) -> bool {
     let rotation = turning / inertia;
     let left = |(x, u): ([f64; 2], [f64; 2])| (u[0] + rotation * x[1]).hypot(u[1] - rotation * x[0]);
     let deformation = (0..points.len()).map(|k| left(relative(k))).fold(0.0, f64::max);
-    rotation.abs() > LARGEST || deformation > LARGEST * scene.body().outline.diameter()
+    rotation.abs() > LARGEST || deformation > LARGEST * scene.problem.outline.diameter()
 }

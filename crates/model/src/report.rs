@@ -63,7 +63,7 @@ pub fn contact_rows(trace: Trace<'_>, contact: &ContactResult) -> Vec<ContactRow
     if let Some(stabilised) = &contact.stabilised {
         return stabilised_rows(trace, stabilised);
     }
-    let (displacement, solution) = (trace.displacement, &contact.solution);
+    let (displacement, solution) = (contact.boundary.relative(trace.displacement), &contact.solution);
     let mut rows = Vec::with_capacity(solution.multipliers.len());
     for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
         let u = [displacement[2 * node.node], displacement[2 * node.node + 1]];
@@ -141,6 +141,11 @@ fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
     unknowns[0] * direction[0] + unknowns[1] * direction[1]
 }
 
+/// Largest nodal pressure.
+pub(crate) fn max_pressure(rows: &[ContactRow]) -> f64 {
+    rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure))
+}
+
 /// Lengths, largest pressure and resultant; `located`: where contact and stick are believed to end.
 pub fn contact_summary(
     scene: &Scene,
@@ -149,34 +154,51 @@ pub fn contact_summary(
     rows: &[ContactRow],
     located: Option<&[Located]>,
 ) -> ContactSummary {
-    let max_pressure = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
+    let sides: Vec<usize> = scene.contacts().map(|(side, _)| side).collect();
+    summary_of_sides(scene, trace, contact, (rows, &sides, max_pressure(rows)), located)
+}
+
+/// Lengths, largest pressure and resultant of sides, given by their rows, numbers and the largest pressure of all; `located`:
+/// where contact and stick are believed to end.
+pub(crate) fn summary_of_sides(
+    scene: &Scene,
+    trace: Trace<'_>,
+    contact: &ContactResult,
+    (rows, sides, largest): (&[ContactRow], &[usize], f64),
+    located: Option<&[Located]>,
+) -> ContactSummary {
+    let on_sides = |l: &&Located| sides.contains(&scene.problem.outline.edges()[l.edge].side);
+    let located: Option<Vec<Located>> = located.map(|all| all.iter().filter(on_sides).copied().collect());
+    let located = located.as_deref();
     let weight_of = |of: &dyn Fn(&ContactRow) -> bool| {
         rows.iter().filter(|r| of(r)).map(|r| r.weight).fold(0.0, |a, b| a + b) // sum() of nothing is -0
     };
     let between = |tips: Option<Vec<(usize, f64)>>, stick: bool| {
-        tips.and_then(|tips| Some((length_between(scene, trace, contact, &tips, stick)?, tips)))
+        tips.and_then(|tips| Some((length_between(scene, trace, (contact, sides, largest), &tips, stick)?, tips)))
     };
-    let touches = |r: &ContactRow| r.pressure > TOUCHING * max_pressure;
+    let touches = |r: &ContactRow| r.pressure > TOUCHING * largest;
     // where nothing presses, touching has no ends
-    let located = located.map(|located| if max_pressure > 0.0 { located } else { &[] });
+    let located = located.map(|located| if max_pressure(rows) > 0.0 { located } else { &[] });
     let ends = between(vertices(located, &|kind| kind == TipKind::ContactEnd), false);
     let length = ends.as_ref().map_or_else(|| weight_of(&touches), |(length, _)| *length);
     let stick = between(vertices(located, &|_| true), true);
     let stick = stick.map_or_else(|| weight_of(&|r| touches(r) && sticks(r.shear, r.bound)), |(stick, _)| stick);
     let stick = stick.min(length);
     let mut force = [0.0; 2];
-    for side in 0..scene.body().sides.len() {
-        let part = contact.force(side);
+    for &side in sides {
+        // against another body that on the side which is named first
+        let second = scene.problem.joint(side).is_some_and(|interface| interface.second);
+        let part = contact.force(side).map(|f| if second { -f } else { f });
         force = [force[0] + part[0], force[1] + part[1]];
     }
-    let point = |(edge, s): (usize, f64)| scene.body().outline.edges()[edge].point(s);
+    let point = |(edge, s): (usize, f64)| scene.problem.outline.edges()[edge].point(s);
     ContactSummary {
         // of what is no solution it means nothing
         contraction: contact.coulomb.filter(|_| contact.converged()).map(|c| c.contraction),
         length,
         stick,
         slip: length - stick,
-        max_pressure,
+        max_pressure: max_pressure(rows),
         max_pressure_unbounded: is_unbounded(scene, trace.mesh, rows),
         force,
         stabilisation: contact
@@ -222,12 +244,11 @@ const FEW: f64 = 0.1;
 fn length_between(
     scene: &Scene,
     trace: Trace<'_>,
-    contact: &ContactResult,
+    (contact, sides, max_pressure): (&ContactResult, &[usize], f64),
     transitions: &[(usize, f64)],
     stick: bool,
 ) -> Option<f64> {
     let multipliers = &contact.solution.multipliers;
-    let max_pressure = multipliers.iter().fold(0.0, |m: f64, l| m.max(l[0]));
     let conditions: Vec<&Condition> = contact.boundary.contact.iter().flat_map(|node| &node.conditions).collect();
     let counts = |i: usize| {
         let [pressure, shear] = multipliers[i];
@@ -235,14 +256,22 @@ fn length_between(
     };
     let lines = contact.boundary.lines(trace.mesh, trace.space);
     let mut length = 0.0;
-    for (k, edge) in scene.body().outline.edges().iter().enumerate() {
-        if scene.contact(edge.side).is_none() {
+    for (k, edge) in scene.problem.outline.edges().iter().enumerate() {
+        if !sides.contains(&edge.side) {
+            continue;
+        }
+        // an edge that faces nothing has no conditions
+        if scene.problem.joint(edge.side).is_some() && lines.iter().all(|line| line.edge != k) {
             continue;
         }
         let points = &lines.iter().find(|line| line.edge == k)?.points;
         let mut knots = vec![0.0];
         knots.extend(transitions.iter().filter(|t| t.0 == k).map(|t| t.1));
+        let faces = scene.problem.joint(edge.side).map_or(Vec::new(), |interface| scene.problem.spans(interface));
+        knots.extend(faces.iter().filter(|span| span.edge == k).flat_map(|span| span.s));
         knots.push(1.0);
+        knots.sort_by(f64::total_cmp);
+        knots.dedup_by(|b, a| *b - *a < SAME_PLACE);
         // the states at transitions themselves tell nothing
         let off = if knots.len() > 2 { SAME_PLACE } else { -SAME_PLACE };
         for part in knots.windows(2) {
@@ -255,6 +284,9 @@ fn length_between(
             // an end of the edge that presses is not in an open part
             let pressed = |end: f64| points.iter().any(|p| (p.s - end).abs() < SAME_PLACE && counts(p.index));
             let at_ends = !stick && (part[0] == 0.0 && pressed(0.0) || part[1] == 1.0 && pressed(1.0));
+            if all == 0.0 && !faces.is_empty() {
+                continue;
+            }
             match with / all {
                 share if share > 1.0 - FEW => length += fraction(edge, part[0], part[1]) * edge.length(),
                 share if share < FEW && !at_ends => {}

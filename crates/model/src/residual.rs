@@ -37,7 +37,7 @@ impl Data<'_> {
             if self.scene.contact(self.mesh.side[e]).is_some() {
                 return [None; 2];
             }
-            let given = match &self.scene.body().sides[self.mesh.side[e]].condition {
+            let given = match &self.scene.problem.sides[self.mesh.side[e]].condition {
                 Condition::Free => [Some(0.0); 2],
                 Condition::Traction(t) => [Some(value(&t[0])), Some(value(&t[1]))],
                 Condition::Pressure(p) => self.mesh.normal(e, site.t).map(|n| Some(-n * value(p))),
@@ -51,7 +51,7 @@ impl Data<'_> {
             [0, 1].map(|i| given[i].map(|t| t - particular[i]))
         };
         let first = elements.start;
-        let boundary = boundary_residuals_of(self.mesh, &solved.field, &traction, elements.clone(), look)?;
+        let boundary = boundary_residuals_of(self.mesh, solved.field.of_body(0), &traction, elements.clone(), look)?;
         let mut residuals: Vec<Residual> =
             boundary.into_iter().map(|boundary| Residual { boundary, ..Default::default() }).collect();
         if let Some(contact) = &solved.contact {
@@ -63,10 +63,12 @@ impl Data<'_> {
                     Some(s) => Multiplier::Stabilised(&s.space, &s.solution.multipliers),
                     None => Multiplier::Biorthogonal(&contact.boundary, &contact.solution.multipliers),
                 },
-                field: &solved.field,
+                field: solved.field.of_body(0),
                 body_force: body,
             };
-            for residual in self.with_contact_data(|sides| contact_residuals_of(&solution, sides, elements, look))? {
+            for residual in
+                self.with_contact_data(&[], |sides| contact_residuals_of(&solution, sides, elements, look))?
+            {
                 residuals[residual.element - first].contact = residual;
             }
         }

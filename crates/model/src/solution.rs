@@ -1,11 +1,13 @@
 //! A solved mesh.
 
-use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
+use steklov_bem_operators::{Mesh, ParticularSolution, Space};
 use steklov_elastic::RigidMotion;
 
 use crate::around::Around;
 use crate::contact::ContactResult;
 use crate::energies::Energies;
+use crate::fields::Field;
+use crate::interfaces::TieRow;
 
 /// Wall seconds of the parts of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -29,13 +31,17 @@ pub struct Solved {
     /// Nodal displacement, interleaved.
     pub displacement: Vec<f64>,
     /// The elastic field without the particular solution.
-    pub field: BoundaryField,
+    pub field: Field,
     /// The particular solution of the body force or of the remote stress.
     pub particular: Option<ParticularSolution>,
     /// Energies.
     pub energies: Energies,
     /// The medium around the body, if there is one.
     pub around: Option<Around>,
+    /// Half of a(u, u) of each body.
+    pub strain_of_bodies: Vec<f64>,
+    /// The nodes of ties between bodies.
+    pub ties: Vec<TieRow>,
     /// Contact, if there is any.
     pub contact: Option<ContactResult>,
     /// Largest residual of equilibrium over the scale of forces.

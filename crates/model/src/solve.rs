@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use faer::{Col, Mat};
 use rayon::prelude::*;
-use steklov_bem_operators::{Condensation, Mesh, PairCache, Partition, Space, Steklov};
+use steklov_bem_operators::{Assembly, Mesh, PairCache, Partition, Relative, Space, Steklov};
 use steklov_contact::ContactBoundary;
 use steklov_elastic::RigidMotion;
 use steklov_problem::{Multiplier, Scene};
@@ -16,16 +16,21 @@ use crate::contact::solve_problem;
 use crate::data::Data;
 use crate::error::SolveError;
 use crate::inclusion::Outside;
+use crate::joints::TiedNode;
 use crate::motions::unresisted;
+use crate::parts::{Assembled, pieces};
 use crate::solution::{Seconds, Solved};
 use crate::stabilised::{self, solve_stabilised};
 use crate::stage::Stage;
-use crate::supports::Supports;
+use crate::supports::{Held, Supports};
 
 /// The particular solution of the body force, or of the stress far from a hole, and the forces S u_p.
 fn particular(data: &Data<'_>, matrix: &Mat<f64>) -> Option<Particular> {
     let Data { scene, mesh, space } = *data;
-    let held = |e: usize, i: usize| scene.body().sides[mesh.side[e]].holds(i);
+    if scene.problem.has_several_bodies() {
+        return None;
+    }
+    let held = |e: usize, i: usize| scene.problem.sides[mesh.side[e]].holds(i);
     let product = |u: &[f64]| (matrix * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
     let solution = scene.particular_solution(1.0)?;
     Some(Particular::new(solution, scene.is_cavity(), mesh, space, held, product))
@@ -129,12 +134,23 @@ fn orthonormal(motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
     basis
 }
 
-fn partition(boundary: Option<&ContactBoundary>, supports: &Supports<'_>) -> Partition {
-    Partition {
+fn nodal(motions: &[RigidMotion], space: &Space) -> Vec<Vec<f64>> {
+    motions.iter().map(|r| r.nodal(&space.points)).collect()
+}
+
+/// What is kept and held of the nodes, ties behind supports, and what nodes face on other bodies.
+fn partition(
+    boundary: Option<&ContactBoundary>,
+    supports: &Supports<'_>,
+    tied: &[TiedNode],
+) -> (Partition, Vec<Relative>) {
+    let partition = Partition {
         kept: boundary.map_or(Vec::new(), ContactBoundary::kept),
-        held: supports.dofs(),
+        held: supports.dofs().into_iter().chain(tied.iter().map(|tied| (tied.dof, tied.jump))).collect(),
         frames: boundary.map_or(Vec::new(), ContactBoundary::frames),
-    }
+    };
+    let of_contact = boundary.iter().flat_map(|boundary| &boundary.rows).map(|row| row.relative.clone());
+    (partition, of_contact.chain(tied.iter().map(|tied| tied.relative.clone())).collect())
 }
 
 /// The motions that neither supports nor contact resist.
@@ -149,6 +165,72 @@ fn free_motions(
         None => unresisted((&data.space.points, &given.load), boundary, candidates),
         Some((points, load)) => unresisted((&points, &load), boundary, candidates),
     }
+}
+
+/// S of every body, and what else its assembly leaves.
+fn assemble(
+    data: &Data<'_>,
+    estimated: bool,
+    cache: &mut PairCache,
+    seconds: &mut Seconds,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(Vec<Mat<f64>>, Vec<Assembled>), SolveError> {
+    let scene = data.scene;
+    let (mut matrices, mut bodies) = (Vec::new(), Vec::new());
+    let pieces = pieces(&scene.problem, data.mesh, data.space);
+    let share = 1.0 / pieces.len() as f64;
+    for (k, piece) in pieces.into_iter().enumerate() {
+        let clock = Instant::now();
+        observe(Stage::Progress("assembling V, K, W", 0.05 + 0.7 * share * k as f64))?;
+        let operators = operators((&piece.mesh, &piece.space), &piece.material, estimated, cache)?;
+        let length = operators.length;
+        seconds.assemble += clock.elapsed().as_secs_f64();
+        observe(Stage::Operators(k, &operators))?;
+
+        let clock = Instant::now();
+        observe(Stage::Progress("Steklov-Poincaré matrix", 0.05 + 0.7 * share * (k as f64 + 0.35)))?;
+        let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain())?;
+        matrices.push(matrix);
+        bodies.push(Assembled { piece, length, traction_map });
+        seconds.factorise += clock.elapsed().as_secs_f64();
+    }
+    Ok((matrices, bodies))
+}
+
+/// The motions that neither supports nor interfaces resist, as such of one body and as nodal vectors; what nodal values of rotations
+/// miss on curves is taken out of the matrices, that it does not resist them.
+fn unresisted_motions(
+    data: &Data<'_>,
+    (bodies, tied): (&[Assembled], &[TiedNode]),
+    held: &[Held],
+    matrices: &mut [Mat<f64>],
+    given: &mut Given,
+) -> Result<(Vec<RigidMotion>, Vec<Vec<f64>>), SolveError> {
+    let space = data.space;
+    let supports = Supports { space, held };
+    Ok(match bodies {
+        [_] => {
+            let candidates = data.scene.unresisted(supports.free_motions());
+            let missed = missed(data.mesh, space, &candidates);
+            let free = free_motions(data, given, &candidates, missed)?;
+            let motions = nodal(&free, space);
+            if missed > 0.0 {
+                project_off(&mut matrices[0], &nodal(&candidates, space));
+                project_load_off(&mut given.load, &motions);
+            }
+            (free, motions)
+        }
+        bodies => {
+            for (Assembled { piece, .. }, matrix) in bodies.iter().zip(matrices) {
+                let of_piece = Supports { space: &piece.space, held: &held[piece.nodes.clone()] };
+                let candidates = of_piece.free_motions();
+                if missed(&piece.mesh, &piece.space, &candidates) > 0.0 {
+                    project_off(matrix, &nodal(&candidates, &piece.space));
+                }
+            }
+            (Vec::new(), data.loose_motions(bodies, &supports, given, tied)?)
+        }
+    })
 }
 
 /// Solves the scene on a mesh; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
@@ -170,61 +252,52 @@ pub fn solve(
     let data = Data { scene, mesh: &mesh, space: &space };
     let held = data.held()?;
     let loads = data.load()?;
-    let boundary = data.condensed_contact(&held)?;
+    let joints = data.joints()?;
+    let boundary = data.condensed_contact(&held, &joints)?;
+    let tied = data.tied_nodes(&joints, &held, boundary.as_ref())?;
     seconds.set_up = clock.elapsed().as_secs_f64();
 
+    let (mut matrices, bodies) = assemble(&data, estimated, cache, &mut seconds, observe)?;
     let clock = Instant::now();
-    observe(Stage::Progress("assembling V, K, W", 0.05))?;
-    let operators = operators((&mesh, &space), &scene.body().material(), estimated, cache)?;
-    let length = operators.length;
-    seconds.assemble = clock.elapsed().as_secs_f64();
-    observe(Stage::Operators(&operators))?;
-
-    let clock = Instant::now();
-    observe(Stage::Progress("Steklov-Poincaré matrix", 0.3))?;
-    let Steklov { mut matrix, traction: traction_map } = Steklov::new(operators, scene.domain())?;
     let outside = Outside::new(&data, estimated, cache)?;
     if let Some(outside) = &outside {
-        outside.stiffen(&mut matrix);
+        outside.stiffen(&mut matrices[0]);
     }
-    observe(Stage::Steklov(&matrix))?;
-    let particular = particular(&data, &matrix);
+    for (k, matrix) in matrices.iter().enumerate() {
+        observe(Stage::Steklov(k, matrix))?;
+    }
+    let particular = particular(&data, &matrices[0]);
     let supports = Supports { space: &space, held: &held };
-    let mut given = Given::new(loads, particular, boundary, supports.values(), &mesh, &space);
+    let mut values = supports.values();
+    values.extend(tied.iter().map(|tied| tied.jump));
+    let mut given = Given::new(loads, particular, boundary, values, &mesh, &space);
     if let Some(outside) = &outside {
         given.load.iter_mut().zip(&outside.load).for_each(|(f, jump)| *f += jump);
     }
 
     observe(Stage::Progress("condensation", 0.75))?;
-    let candidates = scene.unresisted(supports.free_motions());
-    let nodal = |motions: &[RigidMotion]| -> Vec<Vec<f64>> { motions.iter().map(|r| r.nodal(&space.points)).collect() };
-    let missed = missed(&mesh, &space, &candidates);
-    let free = free_motions(&data, &given, &candidates, missed)?;
-    let motions = nodal(&free);
-    if missed > 0.0 {
-        project_off(&mut matrix, &nodal(&candidates));
-        project_load_off(&mut given.load, &motions);
+    let (free, motions) = unresisted_motions(&data, (&bodies, &tied), &held, &mut matrices, &mut given)?;
+    let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
+    if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
+        let candidates = scene.unresisted(supports.free_motions());
+        let of_stabilised = stabilised::Body {
+            traction: &bodies[0].traction_map,
+            stiffness: &matrices[0],
+            load: &given.load,
+            held: &partition.held,
+            rigid: &nodal(&candidates, &space),
+            free: &motions,
+            particular: given.particular.as_ref(),
+        };
+        given.stabilised = Some(solve_stabilised(&data, &of_stabilised)?);
     }
-    let partition = partition(given.boundary.as_ref(), &supports);
-    let of_stabilised = stabilised::Body {
-        traction: &traction_map,
-        stiffness: &matrix,
-        load: &given.load,
-        held: &partition.held,
-        rigid: &nodal(&candidates),
-        free: &motions,
-        particular: given.particular.as_ref(),
-    };
-    let wanted = given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised;
-    given.stabilised = wanted.then(|| solve_stabilised(&data, &of_stabilised)).transpose()?;
-    let condensation = Condensation::new(matrix, &partition, &motions)?;
-    seconds.factorise = clock.elapsed().as_secs_f64();
+    let condensation = Assembly::new(matrices, &partition, &rows, &motions)?;
+    seconds.factorise += clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
     observe(Stage::Progress("contact", 0.95))?;
     let stiffness = if given.boundary.is_some() { condensation.stiffness() } else { Mat::new() };
-    let material = scene.body().material();
-    let mut body = Body { mesh, space, material, length, condensation, outside, stiffness, traction_map, held, free };
+    let mut body = Body { mesh, space, pieces: bodies, condensation, outside, stiffness, joints, tied, held, free };
     let (mut solved, factors) =
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;
     if scene.random.is_none() {

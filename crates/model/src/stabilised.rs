@@ -69,7 +69,8 @@ pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<Stabi
     let particular = body.particular.map(|p| (&p.solution, p.displacement.as_slice()));
     let loading =
         Loading { stiffness: body.stiffness, load: body.load, held: body.held, motions: body.free, particular };
-    let stabilised = data.with_contact_data(|sides| forms.condense(mesh, &space, sides, &loading, gamma, critical))?;
+    let stabilised =
+        data.with_contact_data(&[], |sides| forms.condense(mesh, &space, sides, &loading, gamma, critical))?;
     let problem = &stabilised.problem;
     let solution = solve_problem(problem, method.solver)?;
     let displacement = stabilised.displacement(&solution.displacement);

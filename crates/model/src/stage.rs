@@ -11,10 +11,10 @@ use crate::solution::Solved;
 
 /// What a run hands to its observer while it has it.
 pub enum Stage<'a> {
-    /// V, K, W, M and the space they belong to.
-    Operators(&'a Operators),
-    /// S.
-    Steklov(&'a Mat<f64>),
+    /// V, K, W, M of a body of this number, and the space they belong to.
+    Operators(usize, &'a Operators),
+    /// S of a body of this number.
+    Steklov(usize, &'a Mat<f64>),
     /// A sparse stiffness matrix: its name and what its unknowns 2·n + component are numbered by.
     Stiffness(&'static str, &'static str, &'a CsMat<f64>),
     /// V, K, W, M of the medium around a body.

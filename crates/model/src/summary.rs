@@ -54,6 +54,12 @@ pub struct Summary {
     pub contact: Option<ContactSummary>,
     /// How well the contact conditions hold; null without a contact side.
     pub audit: Option<Audit>,
+    /// The bodies, of a scene with several.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub bodies: Vec<BodySummary>,
+    /// The interfaces between them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub interfaces: Vec<InterfaceSummary>,
     /// Force on the body from each held or contacting side.
     pub reactions: BTreeMap<String, [f64; 2]>,
     /// Results at the probe points.
@@ -95,6 +101,44 @@ pub struct ContactSummary {
     /// γ of stabilised multipliers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub stabilisation: Option<Stabilisation>,
+}
+
+/// One of several bodies in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct BodySummary {
+    /// Its name.
+    pub name: String,
+    /// Displacement unknowns.
+    pub dofs: usize,
+    /// Half of a(u, u).
+    pub strain_energy: f64,
+    /// Its part of the estimated error (energy norm); the squares of all are that of the whole.
+    pub estimate: Option<f64>,
+}
+
+/// An interface between bodies in numbers.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct InterfaceSummary {
+    /// Its name.
+    pub name: String,
+    /// "contact" or "tied".
+    pub kind: String,
+    /// The sides that carry the multipliers, and those that they face.
+    pub sides: [Vec<String>; 2],
+    /// Length in contact, or tied.
+    pub length: f64,
+    /// Part of it that sticks; null of ties.
+    pub stick: Option<f64>,
+    /// The rest; null of ties.
+    pub slip: Option<f64>,
+    /// Largest nodal pressure; null of ties.
+    pub max_pressure: Option<f64>,
+    /// Force on the body that is named first.
+    pub force: [f64; 2],
+    /// Ends of contact, where adaptivity has located them.
+    pub ends: Option<Vec<[f64; 2]>>,
+    /// How well the conditions of contact hold; null of ties.
+    pub audit: Option<Audit>,
 }
 
 /// γ = γ₀ h/p² of stabilised multipliers.

@@ -1,6 +1,6 @@
 //! Held displacements: what they leave free, and the forces that they carry.
 
-use steklov_bem_operators::{Mesh, Space};
+use steklov_bem_operators::{Edge, Mesh, Space};
 use steklov_elastic::{RigidMotion, free_motions};
 use steklov_problem::{Condition, Scene, Side};
 
@@ -91,10 +91,17 @@ impl Supports<'_> {
 
 /// Rigid motions that the held sides leave free.
 pub fn free_of_supports(scene: &Scene) -> Vec<RigidMotion> {
+    free_of_supports_of(scene, None)
+}
+
+/// The same of one of several bodies.
+pub fn free_of_supports_of(scene: &Scene, body: Option<usize>) -> Vec<RigidMotion> {
     let mut constraints = Vec::new();
-    let edges = scene.body().outline.edges();
-    for edge in edges {
-        if let Condition::Displacement { values, .. } = &scene.body().sides[edge.side].condition {
+    let outline = &scene.problem.outline;
+    let own = |edge: &&Edge| body.is_none_or(|body| outline.body_of_loop(edge.loop_index) == body);
+    let edges: Vec<&Edge> = outline.edges().iter().filter(own).collect();
+    for edge in &edges {
+        if let Condition::Displacement { values, .. } = &scene.problem.sides[edge.side].condition {
             for (value, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                 if value.is_some() {
                     constraints.extend([edge.start, edge.end].map(|x| (x, direction)));

@@ -30,8 +30,8 @@ const MATTERS: f64 = 0.05;
 impl Estimate {
     /// Adds the energy of transitions that no vertex of the mesh follows.
     pub(crate) fn add_tips(&mut self, scene: &Scene, located: &[Located]) {
-        let modulus = scene.body().material().plane_modulus();
-        self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum();
+        let modulus = |tip: &Located| scene.problem.contact_modulus(tip.edge);
+        self.tips = located.iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus(tip), tip)).sum();
         self.error = self.error.hypot(self.tips.sqrt());
         self.uncertainty += OF_SQUARE * self.tips;
         self.relative = ratio(self.error, self.scale);
@@ -46,10 +46,10 @@ impl Estimate {
         located: &[Located],
         before: Option<&[Located]>,
     ) {
-        let modulus = scene.body().material().plane_modulus();
+        let modulus = |tip: &Located| scene.problem.contact_modulus(tip.edge);
         let (located, before) = (&with_curvatures(located), before.map(with_curvatures));
         let sum = |of: &dyn Fn(&Located) -> bool| -> f64 {
-            located.iter().filter(|tip| of(tip)).map(|tip| tip_energy(modulus, tip)).sum()
+            located.iter().filter(|tip| of(tip)).map(|tip| tip_energy(modulus(tip), tip)).sum()
         };
         self.tips = unlocated_energy(scene, located);
         // a vertex that is off moves the sets of the nodes about it, which undoes most of that
@@ -68,7 +68,7 @@ impl Estimate {
         let far = |tip: &Located| tip.at_vertex && tip.off.abs() > (FAR_IN_ZONE * zone(tip, located)).min(FAR);
         let moving = located.iter().any(far) && (!fitted(&far) || matters(sum(&far)));
         let contact = scene.contacts().next().is_some();
-        let changed = before.map_or(contact, |before| matters(changed_energy(modulus, &before, located)));
+        let changed = before.map_or(contact, |before| matters(changed_energy(&modulus, &before, located)));
         if (moving || changed) && !self.doubts.contains(&Doubt::Sets) {
             self.doubts.push(Doubt::Sets);
         }
@@ -103,8 +103,8 @@ fn tip_energy(modulus: f64, tip: &Located) -> f64 {
 
 /// Energy of the transitions that no vertex of the mesh follows.
 pub(crate) fn unlocated_energy(scene: &Scene, located: &[Located]) -> f64 {
-    let modulus = scene.body().material().plane_modulus();
-    with_curvatures(located).iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus, tip)).sum()
+    let modulus = |tip: &Located| scene.problem.contact_modulus(tip.edge);
+    with_curvatures(located).iter().filter(|tip| !tip.at_vertex).map(|tip| tip_energy(modulus(tip), tip)).sum()
 }
 
 /// The transitions, those without a vertex with curvatures of at most twice the largest of four or more of their edge that have
@@ -124,7 +124,7 @@ fn with_curvatures(located: &[Located]) -> Vec<Located> {
 
 /// What the zones had or have that only one of two steps knows: of each kind of transition on each edge, the smallest as many as
 /// there are more of; infinite where one was not fitted.
-fn changed_energy(modulus: f64, before: &[Located], after: &[Located]) -> f64 {
+fn changed_energy(modulus: &dyn Fn(&Located) -> f64, before: &[Located], after: &[Located]) -> f64 {
     let mut groups: Vec<(usize, TipKind)> = before.iter().chain(after).map(|tip| (tip.edge, tip.kind)).collect();
     groups.sort_by_key(|&(edge, kind)| (edge, kind as usize));
     groups.dedup();
@@ -137,7 +137,7 @@ fn changed_energy(modulus: f64, before: &[Located], after: &[Located]) -> f64 {
                 others.filter(|d| *d > 0.0).fold(f64::INFINITY, f64::min)
             };
             let energy = |tip: &&Located| match tip.curvature {
-                Some(_) => tip_energy(modulus, &Located { off: length(tip) / 2.0, ..**tip }),
+                Some(_) => tip_energy(modulus(tip), &Located { off: length(tip) / 2.0, ..**tip }),
                 None => f64::INFINITY,
             };
             let mut zones: Vec<f64> = of_group.iter().map(energy).collect();

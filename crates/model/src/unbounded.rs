@@ -27,7 +27,7 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
         let on_edge = (0..mesh.len()).filter(|&e| mesh.edge[e] == k);
         on_edge.map(|e| mesh.length(e)).fold(0.0, f64::max)
     };
-    for (k, edge) in scene.body().outline.edges().iter().enumerate() {
+    for (k, edge) in scene.problem.outline.edges().iter().enumerate() {
         let Some(gap) = gap_of(edge.side) else { continue };
         let path = |s: f64| OnEdge::new(edge, gap).at(s);
         let along = gap.along(edge);
@@ -50,7 +50,7 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
             (false, false) => false,
             _ => {
                 let other = mesh.side[if here { before } else { e }];
-                let held = matches!(scene.body().sides[other].condition, Condition::Displacement { .. });
+                let held = matches!(scene.problem.sides[other].condition, Condition::Displacement { .. });
                 let reach = if held { mesh.length(e).max(mesh.length(before)) } else { 0.0 };
                 let obtuse = angle > PI / 2.0 + 1e-9;
                 let square = (angle - PI / 2.0).abs() < 1e-9;
@@ -68,7 +68,7 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
 /// Whether the side of an element is held by a constant along its normal only, which lies along an axis, and is free of
 /// traction along it: the body may go on as its mirror image.
 fn is_mirror(scene: &Scene, mesh: &Mesh, e: usize) -> bool {
-    let Condition::Displacement { values, traction: None } = &scene.body().sides[mesh.side[e]].condition else {
+    let Condition::Displacement { values, traction: None } = &scene.problem.sides[mesh.side[e]].condition else {
         return false;
     };
     let constant = |i: usize| values[i].as_ref().is_some_and(|v| v.constant().is_some());

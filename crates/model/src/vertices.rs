@@ -26,10 +26,10 @@ pub fn tell_unbounded(scene: &Scene, rows: &[ContactRow], probe: &mut [Probe], e
 /// Whether a point is a vertex with infinite stresses. Cells of different moduli about it count as one material; on the interface
 /// of such a body with the medium around it no vertex is judged.
 pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -> bool {
-    let edges = scene.body().outline.edges();
-    let near = SAME_PLACE * scene.body().outline.diameter();
-    for l in 0..scene.body().outline.loops().len() {
-        let order = scene.body().outline.traversal(l);
+    let edges = scene.problem.outline.edges();
+    let near = SAME_PLACE * scene.problem.outline.diameter();
+    for l in 0..scene.problem.outline.loops().len() {
+        let order = scene.problem.outline.traversal(l);
         for (k, &b) in order.iter().enumerate() {
             let a = order[(k + order.len() - 1) % order.len()];
             let vertex = if edges[b].reversed { edges[b].end } else { edges[b].start };
@@ -47,14 +47,14 @@ const STRONG: f64 = 0.45;
 /// The exponents at the vertices, contact apart, whose stresses grow faster than at the tip of a crack: the edges before and behind,
 /// and the smallest one.
 pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
-    let outline = &scene.body().outline;
+    let outline = &scene.problem.outline;
     let edges = outline.edges();
     let mut found = Vec::new();
     for l in 0..outline.loops().len() {
         let order = outline.traversal(l);
         for (k, &b) in order.iter().enumerate() {
             let a = order[(k + order.len() - 1) % order.len()];
-            let held = |e: usize| (0..2).any(|i| scene.body().sides[edges[e].side].holds(i));
+            let held = |e: usize| (0..2).any(|i| scene.problem.sides[edges[e].side].holds(i));
             if held(a) == held(b) || [a, b].iter().any(|&e| scene.contact(edges[e].side).is_some()) {
                 continue;
             }
@@ -103,7 +103,7 @@ fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64; 2], ray: 
     if let Some(contact) = scene.contact(edge.side) {
         return contact_face(rows, edge.side, &contact.friction, vertex);
     }
-    match &scene.body().sides[edge.side].condition {
+    match &scene.problem.sides[edge.side].condition {
         Condition::Free | Condition::Traction(_) | Condition::Pressure(_) => Face::Free,
         Condition::Displacement { values: [Some(_), Some(_)], .. } => Face::Held,
         Condition::Displacement { values: [None, None], .. } => Face::Free,

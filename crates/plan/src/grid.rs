@@ -257,7 +257,7 @@ fn interface_unknowns(scene: &Scene, input: &GridInput) -> f64 {
         return (degree * scene.method.elements) as f64;
     }
     let cells = if scene.is_multiscale() { input.coarse } else { input.cells() };
-    let (_, size) = bounding_box(&scene.body().outline);
+    let (_, size) = bounding_box(&scene.problem.outline);
     let sides = scene.interface().map(|(_, edge)| {
         let k = usize::from(edge.start[0] == edge.end[0]);
         (edge.length() / size[k] * cells[k] as f64).round()

@@ -11,8 +11,10 @@ use steklov_elastic::{Plane, RigidMotion};
 use steklov_model::estimate::is_estimated;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::memory::{Lack, memory_bytes};
-use steklov_model::supports::free_of_supports;
-use steklov_problem::{Drawn, Friction, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver, facets};
+use steklov_model::supports::{free_of_supports, free_of_supports_of};
+use steklov_problem::{
+    Drawn, Friction, Interface, Law, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver, facets,
+};
 
 /// What is modelled and why, what is left out, what it costs. A pure function of the scene.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -139,6 +141,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
         ),
     ];
     modelled.extend(polygons_for_curves(scene));
+    modelled.extend(scene.problem.joints().map(|interface| joint(scene, interface)));
     let mut left_out = Vec::new();
     contact(scene, &mut modelled, &mut left_out);
     far_away(scene, &mut modelled, &mut left_out);
@@ -220,8 +223,68 @@ fn refinement(method: &Method) -> Decision {
     decision("refinement", choice, why)
 }
 
+/// What an interface covers, and who carries its multipliers.
+fn joint(scene: &Scene, interface: &Interface) -> Decision {
+    let problem = &scene.problem;
+    let names = |sides: &[usize]| sides.iter().map(|&s| problem.sides[s].name.as_str()).collect::<Vec<_>>().join(", ");
+    let law = match &interface.law {
+        Law::Tied(_) => "tied",
+        Law::Contact(contact) => match contact.friction {
+            Friction::None => "contact without friction",
+            Friction::Tresca(_) => "contact with Tresca friction",
+            Friction::Coulomb(_) => "contact with Coulomb friction",
+        },
+    };
+    let spans = problem.spans(interface);
+    let edges = problem.outline.edges();
+    let length: f64 = spans
+        .iter()
+        .map(|span| {
+            edges[span.edge].length()
+                * (edges[span.edge].arc_fraction(span.s[1]) - edges[span.edge].arc_fraction(span.s[0]))
+        })
+        .sum();
+    let looks = spans.iter().flat_map(|span| {
+        let at = |k: usize| span.s[0] + (span.s[1] - span.s[0]) * (k as f64 + 0.5) / 64.0;
+        (0..64).filter_map(move |k| problem.seen(interface, span.edge, at(k)))
+    });
+    let (low, high) = looks.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), seen| {
+        (low.min(seen.distance), high.max(seen.distance))
+    });
+    let small = |d: f64| if d.abs() < 1e-12 * problem.outline.diameter() { 0.0 } else { d };
+    let distance = match (small(low), small(high)) {
+        (0.0, 0.0) => "they touch".to_owned(),
+        (low, high) => format!("{low:.3e} to {high:.3e} apart"),
+    };
+    let (own, other) = (names(&interface.sides), names(problem.facing_sides(interface)));
+    Decision {
+        what: "interface".into(),
+        choice: format!("{law} of {own} and {other}"),
+        why: format!("{own} carries the multipliers and sees the other side over a length of {length:.6}; {distance}"),
+    }
+}
+
+/// What holds several bodies: supports, and interfaces alone.
+fn supports_of_several(scene: &Scene) -> Decision {
+    let problem = &scene.problem;
+    let loose: Vec<String> = (0..problem.outline.bodies().len())
+        .filter_map(|body| {
+            let free = free_of_supports_of(scene, Some(body));
+            (!free.is_empty()).then(|| format!("{} ({})", problem.bodies[body].name, RigidMotion::names(&free)))
+        })
+        .collect();
+    if loose.is_empty() {
+        return decision("supports", "hold every body against all rigid motions", "held displacements");
+    }
+    let choice = format!("leave bodies free: {}", loose.join("; "));
+    decision("supports", choice, "only interfaces hold them there, or the loads must be balanced")
+}
+
 /// What holds the body of boundary elements.
 fn supports(scene: &Scene) -> Decision {
+    if scene.problem.has_several_bodies() {
+        return supports_of_several(scene);
+    }
     let free = scene.unresisted(free_of_supports(scene));
     let (choice, why) = if !free.is_empty() {
         let choice = format!("leave {} free", RigidMotion::names(&free));
@@ -278,7 +341,7 @@ pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &m
 /// Straight edges that stand for curves, and the keys that have the curves.
 fn polygons_for_curves(scene: &Scene) -> Vec<Decision> {
     let told = |found: &steklov_problem::Facets| {
-        let side = &scene.body().sides[found.side].name;
+        let side = &scene.problem.sides[found.side].name;
         let key = match found.curve {
             Drawn::Circle { centre: [x, y], radius } => {
                 format!("`circle = {{ centre = [{x:.6}, {y:.6}], radius = {radius:.6} }}`")
@@ -290,20 +353,20 @@ fn polygons_for_curves(scene: &Scene) -> Vec<Decision> {
         let why = format!("\"{side}\" looks like a curve: each corner is a singular point; {key} has no corners");
         Decision { what: "facets".into(), choice, why }
     };
-    facets(&scene.body().outline).iter().map(told).collect()
+    facets(&scene.problem.outline).iter().map(told).collect()
 }
 
 /// How many elements there are and why.
 fn elements(scene: &Scene, number: usize) -> Decision {
     let wanted = scene.first_elements();
-    let uniform = Mesh::uniform(&scene.body().outline, wanted, scene.method.degree).len();
+    let uniform = Mesh::uniform(&scene.problem.outline, wanted, scene.method.degree).len();
     let why = match (uniform > wanted, number > uniform) {
         (false, false) => "equal on an edge, the longest edges first",
         (true, false) => "every straight edge needs one",
         (false, true) => "the data have kinks or jumps, which need vertices of their own",
         (true, true) => "every straight edge needs one, and kinks and jumps of the data need vertices of their own",
     };
-    if scene.body().outline.is_curved() && wanted < scene.method.elements {
+    if scene.problem.outline.is_curved() && wanted < scene.method.elements {
         let why = "an outline with curves: few elements, whose degrees rise; edges and sharp turns need their own";
         return Decision { what: "elements".into(), choice: number.to_string(), why: why.into() };
     }
@@ -312,7 +375,7 @@ fn elements(scene: &Scene, number: usize) -> Decision {
 }
 
 pub(crate) fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
-    let name = |side: usize| scene.body().sides[side].name.as_str();
+    let name = |side: usize| scene.problem.sides[side].name.as_str();
     let sides: Vec<(&str, &Friction)> = scene.contacts().map(|(side, c)| (name(side), &c.friction)).collect();
     if sides.is_empty() {
         let (what, choice, why) = ("contact", "no contact solver", "no side is in contact: one linear solve");

@@ -149,7 +149,7 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
         let mut moved = Moved { gap: 0.0, friction: 0.0, held: 0.0, loads: 0.0, young: 0.0 };
         moved.young = 0.5 * (young(&high) - young(&low)).abs() / young(scene);
         let (mut change, mut size) = (0.0, 0.0);
-        for edge in scene.body().outline.edges() {
+        for edge in scene.problem.outline.edges() {
             for k in 0..=STEPS {
                 let s = k as f64 / STEPS as f64;
                 let value = |f: &Expression| {
@@ -157,7 +157,7 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
                     f.eval(x, y, s)
                 };
                 let pair = |a: &Expression, b: &Expression| (value(b) - value(a), 0.5 * (value(a) + value(b)));
-                let (a, b) = (&low.body().sides[edge.side].condition, &high.body().sides[edge.side].condition);
+                let (a, b) = (&low.problem.sides[edge.side].condition, &high.problem.sides[edge.side].condition);
                 let mut load = |a: &Expression, b: &Expression| {
                     let (d, m) = pair(a, b);
                     change += 0.25 * d * d * edge.length();
@@ -184,8 +184,8 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
         }
         if let (Some(a), Some(b)) = (low.constant_force(), high.constant_force()) {
             for i in 0..2 {
-                change += 0.25 * (b[i] - a[i]).powi(2) * scene.body().outline.area();
-                size += (0.5 * (a[i] + b[i])).powi(2) * scene.body().outline.area();
+                change += 0.25 * (b[i] - a[i]).powi(2) * scene.problem.outline.area();
+                size += (0.5 * (a[i] + b[i])).powi(2) * scene.problem.outline.area();
             }
         }
         moved.loads = if change == 0.0 { 0.0 } else { (change / size).sqrt() };

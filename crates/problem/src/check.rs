@@ -27,7 +27,7 @@ impl Problem {
     pub fn side_data(&self, side: usize) -> Vec<(&'static str, &Expression)> {
         match self.contact(side) {
             Some(contact) => contact.data(),
-            None => data(&self.bodies[0].sides[side].condition),
+            None => data(&self.sides[side].condition),
         }
     }
 }
@@ -40,9 +40,9 @@ impl Scene {
     /// A value that is not finite, a negative bound or coefficient of friction, a displacement that jumps: names side,
     /// point and expression.
     pub fn check_data(&self) -> Result<(), DataError> {
-        for (index, side) in self.body().sides.iter().enumerate() {
+        for (index, side) in self.problem.sides.iter().enumerate() {
             for (what, expression) in self.problem.side_data(index) {
-                for edge in self.body().outline.edges().iter().filter(|edge| edge.side == index) {
+                for edge in self.problem.outline.edges().iter().filter(|edge| edge.side == index) {
                     self.check_along(edge, &side.name, what, expression)?;
                 }
             }
@@ -124,7 +124,7 @@ impl Scene {
         let (x, y, s) = at;
         let value = expression.eval(x, y, s);
         let negative = value < 0.0 && what.starts_with("friction");
-        let huge = what == "gap" && value.abs() > GAP * self.body().outline.diameter();
+        let huge = what == "gap" && value.abs() > GAP * self.problem.outline.diameter();
         if value.is_finite() && !negative && !huge {
             return Ok(value);
         }
@@ -137,7 +137,7 @@ impl Scene {
             "gap" if value.is_finite() => &format!(
                 "it is too large for a body of diameter {}: more than {GAP:e} times that; for a side that nothing can touch \
                  leave the contact out",
-                short(self.body().outline.diameter())
+                short(self.problem.outline.diameter())
             ),
             "gap" => {
                 "a gap is a finite distance at every point; for a side that nothing can touch leave the contact out"

@@ -28,12 +28,12 @@ pub fn bounding_box(polygon: &Polygon) -> ([f64; 2], [f64; 2]) {
 /// A scene without `[grid]`; a grid that rounding errors leave without a cell in the body.
 pub fn grid_of(scene: &Scene) -> Result<Grid, DataError> {
     let Some(input) = &scene.body().grid else { return Err(scene.grid_error()) };
-    let (low, size) = bounding_box(&scene.body().outline);
+    let (low, size) = bounding_box(&scene.problem.outline);
     let cells = input.cells();
     let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
     let inside = |ix: usize, iy: usize| {
         let centre = [low[0] + spacing[0] * (ix as f64 + 0.5), low[1] + spacing[1] * (iy as f64 + 0.5)];
-        scene.body().outline.contains(centre) == Location::Inside
+        scene.problem.outline.contains(centre) == Location::Inside
     };
     Grid::new(low, spacing, cells, inside)
         .map_err(|e| DataError::at(Kind::Value, &[vec!["grid"]], e.to_string(), "take fewer cells"))
@@ -61,7 +61,7 @@ fn fits(polygon: &Polygon, cells: [usize; 2]) -> bool {
 /// # Errors
 /// The first corner, as the scene lists them, at which it is not: with the nearest grid point and the spacing.
 pub fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), DataError> {
-    let polygon = &scene.body().outline;
+    let polygon = &scene.problem.outline;
     let (low, size) = bounding_box(polygon);
     for (loop_index, range) in polygon.loops().iter().enumerate() {
         for (corner, edge) in polygon.edges()[range.clone()].iter().enumerate() {
@@ -106,11 +106,11 @@ pub fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), Da
 /// An example of a `[grid]` for the body and its modulus cells, as text: coarse cells that are about square and have the
 /// corners of the body among their points, 2 to 64 along the shorter side.
 pub(super) fn fitting_grid(scene: &Scene) -> String {
-    let (_, size) = bounding_box(&scene.body().outline);
+    let (_, size) = bounding_box(&scene.problem.outline);
     let shorter = size[0].min(size[1]);
     // a long body is not cut into more than 1024 cells along it
     let along = |n: usize| size.map(|side| (n as f64 * side / shorter).round().clamp(1.0, 1024.0) as usize);
-    let coarse = (2..=64).map(along).find(|&cells| fits(&scene.body().outline, cells)).unwrap_or_else(|| along(4));
+    let coarse = (2..=64).map(along).find(|&cells| fits(&scene.problem.outline, cells)).unwrap_or_else(|| along(4));
     let fine = [0, 1].map(|k| {
         let moduli = scene.body().cells().and_then(|cells| whole(size[k] / cells.size));
         moduli.map_or(8, |moduli| super::moduli::fitting_fine(moduli, coarse[k], 2))

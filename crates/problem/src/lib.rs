@@ -14,12 +14,12 @@
 //! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
 //! let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
 //! let mut scene = Scene::new(Polygon::new(Loop::straight(corners, sides), vec![])?, Material::new(200.0, 0.3, Plane::Strain)?);
-//! scene.body_mut().sides[0].condition = Condition::held();
-//! scene.body_mut().sides[2].condition = Condition::Pressure(Expression::parse("1 + x", &Default::default())?);
+//! scene.problem.sides[0].condition = Condition::held();
+//! scene.problem.sides[2].condition = Condition::Pressure(Expression::parse("1 + x", &Default::default())?);
 //! scene.check()?;
 //! assert_eq!(scene.model(), Model::Bem);
 //!
-//! scene.body_mut().sides[2].condition = Condition::Pressure(Expression::parse("1/(x - 1)", &Default::default())?);
+//! scene.problem.sides[2].condition = Condition::Pressure(Expression::parse("1/(x - 1)", &Default::default())?);
 //! let error = scene.check().unwrap_err();
 //! assert!(error.message.starts_with("the pressure of side \"top\" is inf at the point (1, 1)"));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
@@ -28,6 +28,7 @@
 mod cells;
 mod check;
 mod error;
+mod facing;
 mod facets;
 mod grid_fit;
 mod medium;
@@ -50,6 +51,7 @@ use steklov_elastic::Material;
 pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS};
 pub use error::{About, DataError, DataErrorKind};
 pub use facets::{Drawn, Facets, facets};
+pub use facing::{Seen, Span};
 pub use grid_fit::{bounding_box, check_body, grid_of};
 pub use medium::{FarField, Surroundings, Tie};
 pub use method::{Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Model, Multiplier, Refine, Solver};
@@ -85,8 +87,17 @@ impl Scene {
     /// Elements of the first mesh at least. On curves the degrees that follow do more than elements: with refinement by degrees,
     /// an outline with curves has as few as it can.
     pub fn first_elements(&self) -> usize {
-        let few = !self.method.elements_given && self.method.refine == Refine::Hp && self.body().outline.is_curved();
-        if few { 4 * self.body().outline.loops().len() } else { self.method.elements }
+        let outline = &self.problem.outline;
+        if self.has_few_first_elements() {
+            4 * outline.loops().len()
+        } else {
+            self.method.elements * outline.bodies().len()
+        }
+    }
+
+    /// Whether the first mesh has as few elements as it can.
+    pub fn has_few_first_elements(&self) -> bool {
+        !self.method.elements_given && self.method.refine == Refine::Hp && self.problem.outline.is_curved()
     }
 
     /// A body of one material whose sides are all free, to which the rest is then given.
@@ -120,7 +131,7 @@ impl Scene {
 
     /// The sides of the body that is solved that are in contact, rising.
     pub fn contacts(&self) -> impl Iterator<Item = (usize, &Contact)> {
-        (0..self.body().sides.len()).filter_map(|side| Some((side, self.contact(side)?)))
+        (0..self.problem.sides.len()).filter_map(|side| Some((side, self.contact(side)?)))
     }
 
     /// Whether the problem can be solved: data along all sides and for outcomes at the ends of the germs, what the model needs,
@@ -130,6 +141,7 @@ impl Scene {
     /// The first thing that is wrong.
     pub fn check(&self) -> Result<(), DataError> {
         self.problem.check_bodies()?;
+        self.check_joints()?;
         self.check_data()?;
         self.check_jumps()?;
         self.check_model()?;
@@ -139,6 +151,30 @@ impl Scene {
             return Err(DataError::at(DataErrorKind::Unsupported, &[vec!["method", "multiplier"]], message, help));
         }
         self.check_outcomes()
+    }
+
+    /// What several bodies cannot be solved with.
+    fn check_joints(&self) -> Result<(), DataError> {
+        if !self.problem.has_several_bodies() {
+            return Ok(());
+        }
+        let refuse = |key: &str, message: &str, help: &str| {
+            Err(DataError::at(DataErrorKind::Unsupported, &[vec!["method", key]], message.to_owned(), help))
+        };
+        if self.method.multiplier == Multiplier::Stabilised {
+            return refuse(
+                "multiplier",
+                "several bodies have biorthogonal multipliers only",
+                "leave it at \"biorthogonal\"",
+            );
+        }
+        if self.method.indicator == Indicator::Residual {
+            return refuse("indicator", "several bodies have no residual indicator", "leave it at \"bubble\"");
+        }
+        if !matches!(self.method.model, Model::Auto | Model::Bem) {
+            return refuse("model", "several bodies are solved by boundary elements", "leave it at \"auto\"");
+        }
+        Ok(())
     }
 
     /// The refusal of a path that is no number of the result.

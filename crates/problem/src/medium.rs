@@ -5,7 +5,7 @@ use steklov_coupling::Radiation;
 use steklov_elastic::{Material, RigidMotion};
 use steklov_expression::Expression;
 
-use super::{BasisInput, Condition, DataError, DataErrorKind as Kind, Indicator, Model, Scene};
+use super::{BasisInput, Condition, DataError, DataErrorKind as Kind, Indicator, Law, Model, Scene};
 
 /// What a medium does far away.
 #[derive(Debug, Clone, PartialEq)]
@@ -152,7 +152,7 @@ impl Scene {
     /// body, or at the origin.
     pub fn particular_solution(&self, factor: f64) -> Option<ParticularSolution> {
         if let Some(force) = self.constant_force() {
-            let (force, centre) = (force.map(|b| b * factor), self.body().outline.centroid());
+            let (force, centre) = (force.map(|b| b * factor), self.problem.outline.centroid());
             return Some(ParticularSolution::of_body_force(force, centre, &self.body().material()));
         }
         let stress = self.body().far.as_ref()?.remote_stress;
@@ -182,20 +182,24 @@ impl Scene {
     /// The expressions of the jumps on an edge.
     pub fn jumps_on(&self, edge: &Edge) -> Vec<&Expression> {
         let tie = self.problem.tie().filter(|_| edge.loop_index == 0);
-        let jumps = tie.into_iter().flat_map(Tie::jumps);
+        let of_joint = self.problem.joint(edge.side).and_then(|interface| match &interface.law {
+            Law::Tied(tie) => Some(tie),
+            Law::Contact(_) => None,
+        });
+        let jumps = tie.into_iter().chain(of_joint).flat_map(Tie::jumps);
         jumps.map(|(_, expression)| expression).collect()
     }
 
     /// The edges on which the body meets the medium around it.
     pub fn interface(&self) -> impl Iterator<Item = (usize, &Edge)> {
         let meets = self.problem.tie().is_some();
-        self.body().outline.edges().iter().enumerate().filter(move |(_, edge)| meets && edge.loop_index == 0)
+        self.problem.outline.edges().iter().enumerate().filter(move |(_, edge)| meets && edge.loop_index == 0)
     }
 
     /// u0 = u - u_c at the edge parameter s of an edge of the interface, that of the remote stress included.
     pub fn displacement_jump(&self, edge: usize, s: f64) -> [f64; 2] {
         let Some(around) = self.surroundings() else { return [0.0; 2] };
-        let edge = &self.body().outline.edges()[edge];
+        let edge = &self.problem.outline.edges()[edge];
         let ([x, y], s) = (edge.point(s), edge.arc_fraction(s));
         let remote = around.remote().displacement([x, y]);
         match &around.tie.displacement_jump {
@@ -207,7 +211,7 @@ impl Scene {
     /// t0 = σ(u)n - σ(u_c)n at the edge parameter s of an edge of the interface with normal n, that of the remote stress included.
     pub fn traction_jump(&self, edge: usize, s: f64, [nx, ny]: [f64; 2]) -> [f64; 2] {
         let Some(Surroundings { far, tie, .. }) = self.surroundings() else { return [0.0; 2] };
-        let edge = &self.body().outline.edges()[edge];
+        let edge = &self.problem.outline.edges()[edge];
         let ([x, y], s) = (edge.point(s), edge.arc_fraction(s));
         let [mut xx, mut yy, mut xy] = far.remote_stress;
         if let Some(jump) = &tie.stress_jump {
@@ -223,18 +227,26 @@ impl Scene {
 
     /// Whether the jumps have values wherever body and medium meet, and the displacement has one at each corner.
     pub(super) fn check_jumps(&self) -> Result<(), DataError> {
+        for interface in self.problem.joints() {
+            let Law::Tied(tie) = &interface.law else { continue };
+            for (what, jump) in tie.jumps() {
+                for edge in self.problem.outline.edges().iter().filter(|edge| interface.sides.contains(&edge.side)) {
+                    self.check_along(edge, &self.problem.sides[edge.side].name, what, jump)?;
+                }
+            }
+        }
         let Some(tie) = self.problem.tie() else { return Ok(()) };
         for (what, jump) in tie.jumps() {
             let mut ends = Vec::new();
             for (_, edge) in self.interface() {
-                let largest = self.check_along(edge, &self.body().sides[edge.side].name, what, jump)?;
+                let largest = self.check_along(edge, &self.problem.sides[edge.side].name, what, jump)?;
                 let [(a, s), (b, t)] = [(edge.start, 0.0), (edge.end, 1.0)];
                 ends.push([jump.eval(a[0], a[1], s), jump.eval(b[0], b[1], t), largest]);
             }
             let largest = ends.iter().fold(0.0, |m: f64, [.., l]| m.max(*l));
             let apart = |k: &usize| (ends[*k][1] - ends[(k + 1) % ends.len()][0]).abs() > 1e-6 * largest;
             if let Some(k) = (0..ends.len()).find(apart).filter(|_| what == "displacement jump") {
-                let [x, y] = self.body().outline.edges()[k].end;
+                let [x, y] = self.problem.outline.edges()[k].end;
                 let message = format!(
                     "the {what} is {} before and {} after the corner ({x}, {y}): expression {:?}",
                     ends[k][1],
@@ -284,7 +296,7 @@ impl Scene {
             }
             return Ok(());
         }
-        for (index, side) in self.body().sides.iter().enumerate() {
+        for (index, side) in self.problem.sides.iter().enumerate() {
             let key = ["sides", side.name.as_str()];
             let on_interface = self.interface().any(|(_, edge)| edge.side == index);
             let touched = self.problem.contact(index).is_some();
@@ -308,7 +320,7 @@ impl Scene {
             return refuse(Kind::Unsupported, &["random"], message, "leave out [random], or remove [exterior]");
         }
         if model == Model::Bem {
-            if self.body().outline.loops().len() > 1 {
+            if self.problem.outline.loops().len() > 1 {
                 let message = "boundary elements of a body in a medium cannot have holes in the body";
                 return refuse(Kind::Unsupported, &["body", "holes"], message, "use model = \"fem-bem\" with a [grid]");
             }

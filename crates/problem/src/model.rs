@@ -36,7 +36,7 @@ impl Scene {
     fn varies(&self) -> bool {
         let in_medium = self.problem.tie().is_some();
         let force = self.body().force.is_some() && (in_medium || self.constant_force().is_none());
-        let holes = in_medium && self.body().outline.loops().len() > 1;
+        let holes = in_medium && self.problem.outline.loops().len() > 1;
         self.body().cells().is_some() || force || holes
     }
 

@@ -38,7 +38,7 @@ pub fn modulus_cells(polygon: &Polygon, size: f64) -> Option<[usize; 2]> {
 /// # Errors
 /// A size that does not divide the sides of the bounding box, or that the fine cells do not divide.
 pub fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Result<[usize; 2], DataError> {
-    let (_, box_size) = bounding_box(&scene.body().outline);
+    let (_, box_size) = bounding_box(&scene.problem.outline);
     let refuse = |message, help: &str| Err(DataError::at(Kind::Value, &[SIZE.to_vec()], message, help));
     let quotients = box_size.map(|side| side / cells.size);
     let [Some(nx), Some(ny)] = quotients.map(whole) else {
@@ -86,7 +86,7 @@ pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, DataError> {
     let body = scene.body();
     let Substance::Cells(cells) = &body.substance else { return Ok(vec![body.material().young; nx * ny]) };
     let counts = check_modulus_cells(scene, cells, grid.cells)?;
-    let (low, _) = bounding_box(&scene.body().outline);
+    let (low, _) = bounding_box(&scene.problem.outline);
     let centre = |i: usize| [0, 1].map(|k| low[k] + cells.size * ([i / counts[1], i % counts[1]][k] as f64 + 0.5));
     let all = 0..counts[0] * counts[1];
     let values = match &cells.young {

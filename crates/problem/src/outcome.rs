@@ -64,7 +64,7 @@ impl Scene {
             let material = with_young(&self.body().material(), names.value(young)?, young)?;
             problem.bodies[0].substance = Substance::Homogeneous(material);
         }
-        for side in &mut problem.bodies[0].sides {
+        for side in &mut problem.sides {
             names.all(side.condition.expressions_mut())?;
         }
         for interface in &mut problem.interfaces {

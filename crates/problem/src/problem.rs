@@ -7,34 +7,39 @@
 //! a body in a medium             a body, a medium, an interface that ties them
 //! ```
 
-use steklov_bem_operators::{Loop, Polygon, PolygonError};
+use steklov_bem_operators::{Edge, Loop, Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 
+use super::facing::KnownSpans;
 use super::{Cells, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Side, Tie};
 
 /// Bodies and what acts between them.
 #[derive(Debug, Clone)]
 pub struct Problem {
-    /// The bodies. The first one is solved; a second one may be the medium around it.
+    /// The boundary of all bodies that have one, body after body: loops, edges and sides are numbered through all of them.
+    pub outline: Polygon,
+    /// The sides in the order of [`Polygon::side_names`].
+    pub sides: Vec<Side>,
+    /// The bodies in the order of [`Polygon::bodies`]. Behind the first one there may be the medium around it, which has no
+    /// boundary of its own.
     pub bodies: Vec<Body>,
     /// What acts between them, and between them and rigid obstacles.
     pub interfaces: Vec<Interface>,
+    /// Where their sides see one another, once that is asked.
+    pub(crate) known_spans: KnownSpans,
 }
 
-/// A body: where it is, what it is made of, what holds and loads it.
+/// A body: what it is made of and what loads all of it. What it occupies, the inside of its loops or the plane outside of them, is
+/// in the outline of its problem.
 #[derive(Debug, Clone)]
 pub struct Body {
     /// Its name.
     pub name: String,
-    /// What it occupies: the inside of its outline, or the plane outside of holes, which makes it a medium.
-    pub outline: Polygon,
     /// What it is made of.
     pub substance: Substance,
     /// The grid over it, of finite elements.
     pub grid: Option<GridInput>,
-    /// The sides in the order of [`Polygon::side_names`].
-    pub sides: Vec<Side>,
     /// Force per area; constant with boundary elements.
     pub force: Option<[Expression; 2]>,
     /// What a medium does far away; `None` of a bounded body.
@@ -50,26 +55,30 @@ pub enum Substance {
     Cells(Cells),
 }
 
-/// Sides of a body and what they meet.
+/// Sides and what they meet. They carry the multipliers of the law: pressures, shears, tractions.
 #[derive(Debug, Clone)]
 pub struct Interface {
-    /// Number of the body.
-    pub body: usize,
-    /// Its sides.
+    /// Its name.
+    pub name: String,
+    /// The sides of one body.
     pub sides: Vec<usize>,
     /// What they meet.
     pub other: Other,
     /// The law that holds there.
     pub law: Law,
+    /// Whether they are the second ones named: forces are told of the first ones.
+    pub second: bool,
 }
 
 /// What sides of a body meet.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Other {
     /// A rigid obstacle.
     Obstacle,
-    /// The body of a number.
-    Body(usize),
+    /// The medium around the first body, on the same boundary.
+    Medium,
+    /// Sides of other bodies.
+    Sides(Vec<usize>),
 }
 
 /// The law of an interface.
@@ -82,18 +91,9 @@ pub enum Law {
 }
 
 impl Body {
-    /// A body of one material, a medium without a far field where its outline is that of holes, whose sides are all free.
-    pub fn new(name: &str, outline: Polygon, substance: Substance) -> Self {
-        let free = |name: &String| Side { name: name.clone(), condition: Condition::Free };
-        Self {
-            name: name.to_owned(),
-            sides: outline.side_names().iter().map(free).collect(),
-            far: (!outline.is_bounded()).then(FarField::default),
-            outline,
-            substance,
-            grid: None,
-            force: None,
-        }
+    /// A bounded body without a load.
+    pub fn new(name: &str, substance: Substance) -> Self {
+        Self { name: name.to_owned(), substance, grid: None, force: None, far: None }
     }
 
     /// Its material; of cells with moduli of their own that of the modulus 1.
@@ -108,32 +108,38 @@ impl Body {
     pub fn cells(&self) -> Option<&Cells> {
         if let Substance::Cells(cells) = &self.substance { Some(cells) } else { None }
     }
+}
+
+impl Problem {
+    /// One body, whose sides are all free: a medium without a far field where its outline is that of holes.
+    pub fn new(outline: Polygon, substance: Substance) -> Self {
+        let far = (!outline.is_bounded()).then(FarField::default);
+        Self::of_bodies(outline, vec![Body { far, ..Body::new("body", substance) }])
+    }
+
+    /// Bodies whose sides are all free, in the order of [`Polygon::bodies`].
+    pub fn of_bodies(outline: Polygon, bodies: Vec<Body>) -> Self {
+        let free = |name: &String| Side { name: name.clone(), condition: Condition::Free };
+        Self {
+            sides: outline.side_names().iter().map(free).collect(),
+            outline,
+            bodies,
+            interfaces: Vec::new(),
+            known_spans: KnownSpans::default(),
+        }
+    }
 
     /// The side of a name.
     pub fn side_mut(&mut self, name: &str) -> Option<&mut Side> {
         self.sides.iter_mut().find(|side| side.name == name)
     }
 
-    /// Its outer loop as that of a hole.
-    fn hole(&self) -> Loop {
-        let edges = &self.outline.edges()[self.outline.loops()[0].clone()];
-        let (corners, sides) = edges.iter().map(|e| (e.listed()[0], self.sides[e.side].name.clone())).unzip();
-        Loop { paths: edges.iter().map(|e| e.path).collect(), ..Loop::straight(corners, sides) }
-    }
-}
-
-impl Problem {
-    /// One body, whose sides are all free.
-    pub fn new(outline: Polygon, substance: Substance) -> Self {
-        Self { bodies: vec![Body::new("body", outline, substance)], interfaces: Vec::new() }
-    }
-
-    /// Contact of a side of the first body with a rigid obstacle, in the place of what was there.
+    /// Contact of a side with a rigid obstacle, in the place of what was there.
     pub fn touch(&mut self, side: usize, contact: Contact) {
-        self.interfaces.retain(|i| !(i.body == 0 && i.sides == [side]));
-        self.bodies[0].sides[side].condition = Condition::Free;
-        let law = Law::Contact(contact);
-        self.interfaces.push(Interface { body: 0, sides: vec![side], other: Other::Obstacle, law });
+        self.interfaces.retain(|i| i.sides != [side]);
+        self.sides[side].condition = Condition::Free;
+        let (name, law) = (self.sides[side].name.clone(), Law::Contact(contact));
+        self.interfaces.push(Interface { name, sides: vec![side], other: Other::Obstacle, law, second: false });
     }
 
     /// An unbounded medium around the first body, tied to its outer loop.
@@ -141,25 +147,47 @@ impl Problem {
     /// # Errors
     /// A loop that outlines no hole.
     pub fn surround(&mut self, material: Material, far: FarField, tie: Tie) -> Result<(), PolygonError> {
-        let body = &self.bodies[0];
-        let outline = Polygon::outside(vec![body.hole()])?;
-        let mut sides: Vec<usize> =
-            body.outline.edges()[body.outline.loops()[0].clone()].iter().map(|e| e.side).collect();
+        let edges = &self.outline.edges()[self.outline.loops()[0].clone()];
+        let (corners, names) = edges.iter().map(|e| (e.listed()[0], self.sides[e.side].name.clone())).unzip();
+        let hole = Loop { paths: edges.iter().map(|e| e.path).collect(), ..Loop::straight(corners, names) };
+        Polygon::outside(vec![hole])?;
+        let mut sides: Vec<usize> = edges.iter().map(|e| e.side).collect();
         sides.sort_unstable();
         sides.dedup();
-        let medium = Body { far: Some(far), ..Body::new("medium", outline, Substance::Homogeneous(material)) };
         self.bodies.truncate(1);
-        self.bodies.push(medium);
-        self.interfaces.push(Interface { body: 0, sides, other: Other::Body(1), law: Law::Tied(tie) });
+        self.bodies.push(Body { far: Some(far), ..Body::new("medium", Substance::Homogeneous(material)) });
+        self.interfaces.push(Interface {
+            name: "medium".into(),
+            sides,
+            other: Other::Medium,
+            law: Law::Tied(tie),
+            second: false,
+        });
         Ok(())
     }
 
-    /// The contact of a side of the first body with a rigid obstacle.
+    /// The contact whose multipliers a side carries.
     pub fn contact(&self, side: usize) -> Option<&Contact> {
         self.interfaces.iter().find_map(|interface| match &interface.law {
-            Law::Contact(contact) if interface.body == 0 && interface.sides.contains(&side) => Some(contact),
+            Law::Contact(contact) if interface.sides.contains(&side) => Some(contact),
             _ => None,
         })
+    }
+
+    /// The body to which an edge of the outline belongs.
+    pub fn body_of(&self, edge: &Edge) -> &Body {
+        &self.bodies[self.outline.body_of_loop(edge.loop_index)]
+    }
+
+    /// The body to which a side belongs.
+    pub fn body_of_side(&self, side: usize) -> usize {
+        let edge = self.outline.edges().iter().find(|edge| edge.side == side);
+        edge.map_or(0, |edge| self.outline.body_of_loop(edge.loop_index))
+    }
+
+    /// Whether sides of several bodies meet.
+    pub fn has_several_bodies(&self) -> bool {
+        self.outline.bodies().len() > 1
     }
 
     /// The unbounded medium, if a body is one.
@@ -169,45 +197,43 @@ impl Problem {
 
     /// What ties the first body to a medium around it.
     pub fn tie(&self) -> Option<&Tie> {
-        self.interfaces.iter().find_map(|i| if let Law::Tied(tie) = &i.law { Some(tie) } else { None })
+        self.interfaces.iter().find_map(|interface| match (&interface.law, &interface.other) {
+            (Law::Tied(tie), Other::Medium) => Some(tie),
+            _ => None,
+        })
     }
 
-    /// Whether the bodies are those that can be solved: one, or one and the medium around it.
+    /// Whether the bodies are those that can be solved: bounded ones, one medium, or one body and the medium around it.
     pub(super) fn check_bodies(&self) -> Result<(), DataError> {
         let refuse =
             |message: String, help: &str| Err(DataError::at(Kind::Unsupported, &[vec!["body"]], message, help));
-        let Some(first) = self.bodies.first() else {
-            return refuse("there is no body".to_owned(), "give a problem a body");
-        };
-        for body in &self.bodies {
-            if body.outline.is_bounded() == body.far.is_some() || body.sides.len() != body.outline.side_names().len() {
-                let message =
-                    format!("the body {:?} has not the sides, or not the far field, of its outline", body.name);
-                return refuse(message, "make it by Body::new: holes outline a medium, which has a far field");
-            }
-        }
-        let ties = self.interfaces.iter().filter(|i| matches!(i.law, Law::Tied(_))).count();
-        let around = match &self.bodies[1..] {
-            [] => ties == 0,
-            [medium] => {
-                let same = medium.outline.loops().len() == 1 && medium.hole().corners == first.hole().corners;
-                ties == 1 && medium.far.is_some() && first.far.is_none() && same
-            }
+        let bounded = self.bodies.iter().filter(|body| body.far.is_none()).count();
+        let parts = self.outline.bodies().len();
+        let around = self.interfaces.iter().filter(|i| i.other == Other::Medium).count();
+        let known = match self.bodies.len() - bounded {
+            0 => around == 0 && bounded == parts && self.outline.is_bounded(),
+            1 if bounded == 0 => around == 0 && parts == 1 && !self.outline.is_bounded(),
+            1 => around == 1 && bounded == 1 && parts == 1 && self.outline.is_bounded(),
             _ => false,
         };
-        if !around {
+        if !known || self.bodies.is_empty() || self.sides.len() != self.outline.side_names().len() {
             let names: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
-            let message = format!("the bodies {} and {ties} ties cannot be solved at once", names.join(", "));
-            return refuse(message, "one body is solved, alone or tied to a medium around its outer loop");
+            let message = format!(
+                "{parts} outlines with {} sides, the bodies {:?} and {around} media around one cannot be solved at once",
+                self.sides.len(),
+                names.join(", ")
+            );
+            return refuse(message, "bounded bodies are solved, or one hole, or one body tied to a medium around it");
         }
+        if let Err((message, help)) = self.check_overlaps() {
+            return Err(DataError::at(Kind::Geometry, &[vec!["body"]], message, help));
+        }
+        let other =
+            |interface: &Interface| if let Other::Sides(sides) = &interface.other { sides.clone() } else { vec![] };
         for interface in &self.interfaces {
-            let other = match interface.law {
-                Law::Contact(_) => interface.other == Other::Obstacle,
-                Law::Tied(_) => interface.other == Other::Body(1),
-            };
-            if interface.body != 0 || !other || interface.sides.iter().any(|&side| side >= first.sides.len()) {
-                let message = format!("an interface of body {} meets {:?}", interface.body, interface.other);
-                return refuse(message, "the first body touches obstacles, and is tied to the medium around it");
+            if interface.sides.iter().chain(&other(interface)).any(|&side| side >= self.sides.len()) {
+                let message = format!("the interface {:?} has a side that there is not", interface.name);
+                return refuse(message, "sides are numbered through all bodies");
             }
         }
         Ok(())

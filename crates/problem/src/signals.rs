@@ -70,8 +70,8 @@ impl Scene {
         all.extend(young.and_then(|young| free(young.text())).map(|e| (e, nowhere.clone())));
         let forces = self.body().force.iter().flatten();
         all.extend(forces.filter_map(|e| free(e.text())).map(|e| (e, nowhere.clone())));
-        for index in 0..self.body().sides.len() {
-            let edges = self.body().outline.edges().iter().filter(|e| e.side == index);
+        for index in 0..self.problem.sides.len() {
+            let edges = self.problem.outline.edges().iter().filter(|e| e.side == index);
             let chords = |e: &Edge| -> Vec<[[f64; 2]; 2]> {
                 let count = if e.is_line() { 1 } else { CHORDS };
                 let point = |k: usize| e.point(k as f64 / count as f64);

@@ -6,6 +6,7 @@ use steklov_io::{File, Group, IoError, invalid, vtkhdf};
 use steklov_model::adaptive::BoundaryElements;
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
+use steklov_model::interfaces::TieRow;
 use steklov_model::run::{Model, Progress, Run, Step};
 use steklov_model::solution::Solved;
 use steklov_model::stage::Stage;
@@ -51,6 +52,8 @@ pub struct Fields {
     pub traction: Vec<([f64; 2], usize, [f64; 2])>,
     /// The grid of finite elements.
     pub on_grid: Option<GridRecord>,
+    /// Rows of the tables of ties.
+    pub ties: Vec<TieRow>,
 }
 
 impl Keep for BoundaryElements {
@@ -77,7 +80,8 @@ impl Keep for BoundaryElements {
             let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
             traction.extend(rule.points.iter().map(|&t| (solved.mesh.point(e, t), e, solved.traction(e, t))));
         }
-        Fields { grid: body_grid(scene, solved, outcomes.zip(run.matrices.as_ref())), traction, on_grid: None }
+        let grid = body_grid(scene, solved, outcomes.zip(run.matrices.as_ref()));
+        Fields { grid, traction, on_grid: None, ties: solved.ties.clone() }
     }
 }
 
@@ -118,6 +122,7 @@ impl Keep for OnGrid {
             grid: record::vtk(solved),
             traction: (0..mesh.len()).map(traction).collect(),
             on_grid: Some(record::grid_record(solved, run.progress.steps.clone())),
+            ties: Vec::new(),
         }
     }
 }

@@ -9,6 +9,7 @@ use steklov_model::answer::answer;
 use steklov_model::around::Around;
 use steklov_model::body::Body;
 use steklov_model::fields::ElasticField;
+use steklov_model::interfaces::TieRow;
 use steklov_model::report::{ContactRow, contact_rows};
 use steklov_model::run::Run;
 use steklov_model::solution::Solved;
@@ -43,6 +44,8 @@ pub struct Record {
     pub traction: Vec<[f64; 2]>,
     /// Rows of the contact table.
     pub contact: Vec<ContactRow>,
+    /// Rows of the tables of ties.
+    pub ties: Vec<TieRow>,
     /// Boundary lines and the body with displacement, stress and von Mises stress.
     pub grid: Grid,
     /// All outcomes of random input.
@@ -70,10 +73,10 @@ impl Record {
         reading: f64,
     ) -> Self {
         let clock = std::time::Instant::now();
-        let Fields { mut grid, traction, on_grid } = M::fields(scene, run, stochastic.as_ref());
+        let Fields { mut grid, traction, on_grid, ties } = M::fields(scene, run, stochastic.as_ref());
         let report = M::report(scene, run);
         let around = report.around.cloned().map(|around| {
-            let window = window(&scene.body().outline, &around);
+            let window = window(&scene.problem.outline, &around);
             (around, window)
         });
         if let Some((around, window)) = &around {
@@ -94,6 +97,7 @@ impl Record {
             traction_element: traction.iter().map(|t| t.1).collect(),
             traction: traction.iter().map(|t| t.2).collect(),
             contact,
+            ties,
             grid,
             mesh: trace.mesh.clone(),
             stochastic,
@@ -146,46 +150,64 @@ pub(crate) fn chords(polygon: &Polygon, edge: usize) -> Vec<Chord> {
     (0..count).map(|i| Chord { edge, ends: [point(i), point(i + 1)], span: [s(i), s(i + 1)] }).collect()
 }
 
-/// The body with its fields, of an unbounded one a window; without triangles where the outline cannot be triangulated.
-pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
-    let polygon = &scene.body().outline;
-    let order: Vec<usize> = (0..polygon.loops().len()).flat_map(|l| polygon.traversal(l)).collect();
-    let (frame, count) = if polygon.is_bounded() { (Vec::new(), BODY_POINTS) } else { (frame(polygon), WINDOW_POINTS) };
+/// Points and triangles of a body, of an unbounded one a window; without triangles where its outline cannot be triangulated.
+struct Filled {
+    body: usize,
+    triangulation: Triangulation,
+    /// Edge and edge parameter of each point on the boundary.
+    places: Vec<Option<(usize, f64)>>,
+}
+
+fn filled(polygon: &Polygon, body: usize) -> Filled {
+    let loops = polygon.bodies()[body].clone();
+    let order: Vec<usize> = loops.clone().flat_map(|l| polygon.traversal(l)).collect();
+    let bodies = polygon.bodies().len();
+    let (frame, count) = match polygon.is_bounded() {
+        true => (Vec::new(), BODY_POINTS / bodies),
+        false => (frame(polygon), WINDOW_POINTS),
+    };
     let sides = frame.len();
     // the window is the loop before those of the holes
     let chords: Vec<Chord> = order.iter().flat_map(|&k| chords(polygon, k)).collect();
-    let loops = chords.iter().map(|c| (c.ends[0], c.ends[1], polygon.edges()[c.edge].loop_index + sides));
-    let edges: Vec<_> = frame.into_iter().chain(loops).collect();
-    let mut body = triangulate(&edges, count).unwrap_or_else(|_| Triangulation {
+    let of_loops =
+        chords.iter().map(|c| (c.ends[0], c.ends[1], polygon.edges()[c.edge].loop_index - loops.start + sides));
+    let edges: Vec<_> = frame.into_iter().chain(of_loops).collect();
+    let mut filled = triangulate(&edges, count).unwrap_or_else(|_| Triangulation {
         points: edges.iter().map(|e| e.0).collect(),
         triangles: Vec::new(),
         boundary: (0..edges.len()).map(|k| Some((k, 0.0))).collect(),
         outline: Vec::new(),
     });
-    body.boundary.iter_mut().for_each(|at| *at = at.and_then(|(k, s)| Some((k.checked_sub(sides)?, s))));
-    body.outline.retain(|line| line.iter().all(|&i| body.boundary[i].is_some()));
-    let place = |k: usize, s: f64| {
+    filled.boundary.iter_mut().for_each(|at| *at = at.and_then(|(k, s)| Some((k.checked_sub(sides)?, s))));
+    filled.outline.retain(|line| line.iter().all(|&i| filled.boundary[i].is_some()));
+    let place = |(k, s): (usize, f64)| {
         let Chord { edge, span: [a, b], .. } = chords[k];
         (edge, a + (b - a) * s)
     };
-    for (x, at) in body.points.iter_mut().zip(&body.boundary) {
-        if let Some((k, s)) = *at
-            && !polygon.edges()[chords[k].edge].is_line()
-        {
-            let (edge, s) = place(k, s);
+    let places: Vec<Option<(usize, f64)>> = filled.boundary.iter().map(|at| at.map(place)).collect();
+    for (x, at) in filled.points.iter_mut().zip(&places) {
+        if let Some((edge, s)) = at.filter(|at| !polygon.edges()[at.0].is_line()) {
             *x = polygon.edges()[edge].point(s);
         }
     }
+    Filled { body, triangulation: filled, places }
+}
+
+/// The bodies with their fields.
+pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
+    let polygon = &scene.problem.outline;
+    let all: Vec<Filled> = (0..polygon.bodies().len()).map(|body| filled(polygon, body)).collect();
     let at_points = |elastic: ElasticField<'_>| -> Vec<([f64; 2], [f64; 3])> {
-        let at = |i: usize| match body.boundary[i] {
-            Some((k, s)) => {
-                let (edge, s) = place(k, s);
-                elastic.on_edge(edge, s)
-            }
-            None => elastic.inside(body.points[i]),
+        let of = |filled: &Filled| {
+            let at = |i: usize| match filled.places[i] {
+                Some((edge, s)) => elastic.on_edge(edge, s),
+                None => elastic.inside(filled.body, filled.triangulation.points[i]),
+            };
+            (0..filled.places.len()).into_par_iter().map(at).collect::<Vec<_>>()
         };
-        (0..body.points.len()).into_par_iter().map(at).collect()
+        all.iter().flat_map(of).collect()
     };
+    let of_body: Vec<usize> = all.iter().flat_map(|f| vec![f.body; f.places.len()]).collect();
     let values = at_points(solved.elastic_field());
     let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
         name: name.into(),
@@ -195,19 +217,31 @@ pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&Stoch
     };
     let displacements = |values: &[([f64; 2], [f64; 3])]| values.iter().flat_map(|(u, _)| [u[0], u[1], 0.0]).collect();
     let stresses = |values: &[([f64; 2], [f64; 3])]| values.iter().flat_map(|(_, s)| *s).collect();
+    let von_mises =
+        values.iter().zip(&of_body).map(|((_, s), &body)| scene.problem.bodies[body].material().von_mises(*s));
     let mut point_data = vec![
         field("displacement", "length", 3, displacements(&values)),
         field("stress", "stress", 3, stresses(&values)),
-        field("von_mises", "stress", 1, values.iter().map(|(_, s)| scene.body().material().von_mises(*s)).collect()),
+        field("von_mises", "stress", 1, von_mises.collect()),
     ];
+    if all.len() > 1 {
+        point_data.push(field("body", "1", 1, of_body.iter().map(|&body| body as f64).collect()));
+    }
     // the particular solution depends on the outcome: without its mean there are no mean fields
     if let Some((result, matrices)) = outcomes.filter(|_| solved.particular.is_none()) {
         let mean = |displacement: &[f64]| {
-            let field = matrices.field(displacement, &matrices.traction_map.apply(displacement));
+            let field = matrices.field(displacement);
             at_points(ElasticField { mesh: &matrices.mesh, field: &field, particular: None })
         };
         point_data.push(field("mean_displacement", "length", 3, displacements(&mean(&result.displacement.mean))));
         point_data.push(field("mean_stress", "stress", 3, stresses(&mean(&result.stress_displacement))));
     }
-    Grid { point_data, points: body.points, lines: body.outline, triangles: body.triangles, ..Grid::default() }
+    let (mut points, mut lines, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+    for Filled { triangulation, .. } in all {
+        let first = points.len();
+        points.extend(triangulation.points);
+        lines.extend(triangulation.outline.into_iter().map(|line| line.map(|i| first + i)));
+        triangles.extend(triangulation.triangles.into_iter().map(|triangle| triangle.map(|i| first + i)));
+    }
+    Grid { point_data, points, lines, triangles, ..Grid::default() }
 }

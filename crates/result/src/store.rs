@@ -4,13 +4,14 @@ use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
-use steklov_bem_operators::Mesh;
+use steklov_bem_operators::{Mesh, Space};
 use steklov_io::{
     File, Group, IoError, copy, create_group, invalid, label, load, load_integers, load_points, load_text, load_texts,
     load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
 use steklov_model::error::SolveError;
+use steklov_model::interfaces::TieRow;
 use steklov_model::report::ContactRow;
 use steklov_model::run::Step;
 use steklov_model::stage::Stage;
@@ -66,10 +67,14 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
     let step = step_group(file, number)?;
     const DISPLACEMENT: &str = "displacement unknown: nodes in the order of /solution/points, component fastest";
     match stage {
-        Stage::Operators(operators) => save(&step, "matrices", *operators),
-        Stage::Steklov(s) => {
+        Stage::Operators(0, operators) => save(&step, "matrices", *operators),
+        // bodies behind the first one in groups of their own
+        Stage::Operators(body, operators) => save(&matrices(&step)?, &format!("body_{body}"), *operators),
+        Stage::Steklov(body, s) => {
             let meaning = label("stress", "Steklov-Poincare operator <S u, v>", &[DISPLACEMENT, DISPLACEMENT]);
-            save_dense(&open_group(&step, "matrices")?, "S", s.as_ref(), &meaning)
+            let of_step = matrices(&step)?;
+            let at = if *body == 0 { of_step } else { open_group(&of_step, &format!("body_{body}"))? };
+            save_dense(&at, "S", s.as_ref(), &meaning)
         }
         Stage::Stiffness(name, unknowns, matrix) => {
             let axis = format!("displacement unknown: 2 {unknowns} + component");
@@ -171,6 +176,8 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
     if record.summary.contact.is_some() {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
     }
+    save_bodies(file, record)?;
+    save_interfaces(file, record)?;
     if let Some((around, window)) = &record.around {
         medium::store::write(file, around, window)?;
     }
@@ -229,6 +236,77 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
         )?;
     }
     Ok(())
+}
+
+/// `/bodies/NAME`: the part of mesh and solution of each of several bodies.
+fn save_bodies(file: &File, record: &Record) -> Result<(), IoError> {
+    if record.summary.bodies.is_empty() {
+        return Ok(());
+    }
+    let at = create_group(file, "bodies")?;
+    let space = Space::new(&record.mesh);
+    let name_of = |e: usize| record.mesh.side_names[record.mesh.side[e]].split('.').next().unwrap_or_default();
+    for body in &record.summary.bodies {
+        let own: Vec<usize> = (0..record.mesh.len()).filter(|&e| name_of(e) == body.name).collect();
+        let (Some(&first), Some(&last)) = (own.first(), own.last()) else { continue };
+        let group = create_group(&at, &body.name.replace('/', "_"))?;
+        save(&group, "mesh", &record.mesh.part(first..last + 1))?;
+        let solution = create_group(&group, "solution")?;
+        let nodes = space.offset[first]..space.offset[last + 1];
+        let node = &["node", "component"];
+        save_points(&solution, "points", &record.points[nodes.clone()], &label("length", "displacement nodes", node))?;
+        let meaning = label("length", "nodal displacement", node);
+        save_points(&solution, "displacement", &record.displacement[nodes], &meaning)?;
+    }
+    Ok(())
+}
+
+/// `/interfaces/NAME`: the contact table of its sides, or the tractions of a tie.
+fn save_interfaces(file: &File, record: &Record) -> Result<(), IoError> {
+    if record.summary.interfaces.is_empty() {
+        return Ok(());
+    }
+    let at = create_group(file, "interfaces")?;
+    for interface in &record.summary.interfaces {
+        let group = create_group(&at, &interface.name.replace('/', "_"))?;
+        let on_side = |side: usize| interface.sides[0].contains(&record.mesh.side_names[side]);
+        let rows: Vec<ContactRow> = record.contact.iter().filter(|row| on_side(row.side)).copied().collect();
+        if interface.kind == "contact" {
+            save_contact(&group, &rows)?;
+            continue;
+        }
+        let ties: Vec<&TieRow> = record.ties.iter().filter(|tie| tie.name == interface.name).collect();
+        let plane = &["tied node", "component"];
+        let points: Vec<[f64; 2]> = ties.iter().map(|tie| tie.point).collect();
+        save_points(&group, "points", &points, &label("length", "tied nodes", plane))?;
+        let traction: Vec<[f64; 2]> = ties.iter().map(|tie| tie.traction).collect();
+        let meaning = label("stress", "traction on the body whose side carries the multipliers", plane);
+        save_points(&group, "traction", &traction, &meaning)?;
+        let weight: Vec<f64> = ties.iter().map(|tie| tie.weight).collect();
+        save_vector(&group, "weight", &weight, &label("length", "length that the node stands for", &["tied node"]))?;
+    }
+    Ok(())
+}
+
+/// The rows of all ties.
+fn load_ties(file: &File, summary: &Summary) -> Result<Vec<TieRow>, IoError> {
+    let mut ties = Vec::new();
+    for interface in summary.interfaces.iter().filter(|interface| interface.kind == "tied") {
+        let at = open_group(&open_group(file, "interfaces")?, &interface.name.replace('/', "_"))?;
+        let (points, tractions) = (load_points(&at, "points")?, load_points(&at, "traction")?);
+        let weights = load_vector(&at, "weight")?;
+        if points.len() != tractions.len() || points.len() != weights.len() {
+            return Err(invalid(&at, "traction", "points and tractions of the tie differ in number"));
+        }
+        let name = &interface.name;
+        ties.extend(points.into_iter().zip(tractions).zip(weights).map(|((point, traction), weight)| TieRow {
+            name: name.clone(),
+            point,
+            weight,
+            traction,
+        }));
+    }
+    Ok(ties)
 }
 
 /// Columns of the contact table that are numbers: name, unit, meaning, value.
@@ -320,6 +398,7 @@ pub fn read(file: &File) -> Result<Record, IoError> {
         let why = format!("side {} of {}", row.side, mesh.side_names.len());
         return Err(invalid(file, "contact/side", why));
     }
+    let ties = load_ties(file, &summary)?;
     let grid = vtkhdf::read(file)?;
     medium::store::check(file, summary.exterior.as_ref(), &grid)?;
     let stochastic = match file.link_exists("stochastic") {
@@ -340,6 +419,7 @@ pub fn read(file: &File) -> Result<Record, IoError> {
         traction_element,
         traction,
         contact,
+        ties,
         grid,
         stochastic,
         on_grid,

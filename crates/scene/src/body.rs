@@ -81,10 +81,9 @@ fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), DataError> {
     Ok((listed, Listed { corners, sides, origin }))
 }
 
-/// The polygon of `[body]`; `cavity`: its loops are holes in the unbounded plane.
-pub(super) fn body(field: &Field<'_>, cavity: bool) -> Result<Polygon, DataError> {
-    let fields = Fields::new(field, &keys::BODY)?;
-    let (first, names) = read_loop(&fields)?;
+/// The polygon of the fields of `[body]`; `cavity`: its loops are holes in the unbounded plane.
+pub(super) fn body(fields: &Fields<'_>, cavity: bool) -> Result<Polygon, DataError> {
+    let (first, names) = read_loop(fields)?;
     let (mut loops, mut listed) = (vec![first], vec![names]);
     if let Some(list) = fields.get("holes") {
         for hole in list.list()? {
@@ -133,6 +132,9 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> DataErr
         }
         PolygonError::NoCurve { edge, .. } | PolygonError::OwnCrossing { edge, .. } => {
             (corner(edge.loop_index, edge.corner), "correct the curve of this edge")
+        }
+        PolygonError::Crossing { first, second, .. } if first.loop_index != second.loop_index => {
+            (corner(second.loop_index, second.corner), "move the hole away from the edge, or make it smaller")
         }
         PolygonError::Crossing { second, .. } => (
             corner(second.loop_index, second.corner),

@@ -5,7 +5,7 @@ use steklov_problem::{DataError, DataErrorKind as Kind, Scene};
 
 use super::tree::{Entry, Item, Value, suggestion};
 
-pub(super) const SCENE: [&str; 13] = [
+pub(super) const SCENE: [&str; 14] = [
     "title",
     "body",
     "material",
@@ -19,9 +19,17 @@ pub(super) const SCENE: [&str; 13] = [
     "stochastic",
     "grid",
     "exterior",
+    "interface",
 ];
 pub(super) const BODY: [&str; 9] =
     ["corners", "sides", "holes", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
+/// Those of one of several bodies.
+pub(super) const BODIES: [&str; 14] = [
+    "name", "corners", "sides", "holes", "arcs", "curves", "fillet", "circle", "ellipse", "side", "material", "medium",
+    "cracks", "grid",
+];
+pub(super) const INTERFACE: [&str; 6] = ["between", "contact", "tied", "multiplier", "name", "on"];
+pub(super) const TIED: [&str; 2] = ["displacement_jump", "traction_jump"];
 /// Those of a hole.
 pub(super) const LOOP: [&str; 8] = ["corners", "sides", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
 pub(super) const MATERIAL: [&str; 4] = ["young", "poisson", "plane", "cells"];
@@ -66,7 +74,7 @@ pub(super) const EXTERIOR: [&str; 8] =
     ["young", "poisson", "plane", "displacement_jump", "traction_jump", "stress_jump", "remote_stress", "at_infinity"];
 
 /// The tables whose keys are fixed, the likelier ones first.
-const TABLES: [(&str, &[&str]); 12] = [
+const TABLES: [(&str, &[&str]); 13] = [
     ("method", &METHOD),
     ("material", &MATERIAL),
     ("body", &BODY),
@@ -79,6 +87,7 @@ const TABLES: [(&str, &[&str]); 12] = [
     ("material.cells", &CELLS),
     ("stochastic", &STOCHASTIC),
     ("exterior", &EXTERIOR),
+    ("interface", &INTERFACE),
 ];
 
 /// Help for a key that is unknown in a table with these entries and known keys: where such a key belongs, or the nearest one.

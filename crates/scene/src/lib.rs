@@ -21,6 +21,7 @@ mod error;
 mod tree;
 mod keys;
 mod fields;
+mod bodies;
 mod body;
 mod curves;
 mod sides;
@@ -29,13 +30,14 @@ mod random;
 mod grid;
 mod exterior;
 
+use std::collections::BTreeSet;
 use std::path::Path;
 
 use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Problem, Random, Scene, Side,
+    Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Law, Problem, Random, Scene, Side,
     Source, Stochastic, Substance, Tie,
 };
 
@@ -136,51 +138,28 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
     let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();
     let Parameters { values: parameters, uses: parameter_uses } =
         fields.get("parameters").map_or_else(|| Ok(Parameters::default()), |p| body::parameters(&p, source))?;
-    let cavity = fields.get("material").is_none() && fields.get("exterior").is_some();
-    let outline = body::body(&fields.require("body", "a table [body] with corners and sides")?, cavity)?;
+    let of_body = fields.require("body", "a table [body] with corners and sides")?;
     let mut context = Context::new(source, parameters.clone());
-    let declared = match fields.get("random") {
-        Some(field) => random::random(&field, &outline, &mut context)?,
-        None => Vec::new(),
-    };
     let stochastic = fields.get("stochastic").map_or_else(|| Ok(Stochastic::default()), |f| random::stochastic(&f))?;
-    context.used.take();
-    let body = match cavity {
-        true => None,
-        false => {
-            let field = fields.require("material", "a table [material] with young and poisson")?;
-            random::check_poisson(&field, &declared, &context)?;
-            Some(substance(&field, &outline, &context)?)
-        }
+    let cavity = fields.get("material").is_none() && fields.get("exterior").is_some();
+    let (problem, declared, in_material) = if bodies::are_several(&of_body) {
+        (bodies::problem(&fields, &context)?, Vec::new(), BTreeSet::new())
+    } else {
+        one_body(&fields, &of_body, cavity, &mut context)?
     };
-    let plane = body.as_ref().map(|substance| match substance {
-        Substance::Homogeneous(material) => material.plane,
-        Substance::Cells(cells) => cells.of_unit_modulus.plane,
-    });
-    let exterior = fields.get("exterior").map(|field| {
-        random::check_poisson(&field, &declared, &context)?;
-        exterior::exterior(&field, plane, &context)
-    });
-    let exterior = exterior.transpose()?;
-    let in_material = context.used.borrow().clone();
-    let grid = fields.get("grid").map(|field| grid::grid(&field)).transpose()?;
-    let (sides, contacts) = sides::sides(fields.get("sides").as_ref(), &outline, &context)?;
     let in_sides = context.used.take();
-    let force = fields.get("body_force").map(|f| body::body_force(&f, &context)).transpose()?;
-    let problem = problem(Parts { outline, substance: body, grid, sides, contacts, force, exterior })?;
     let around = problem.tie().is_some();
-    let probe =
-        fields.get("probe").map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &problem.bodies[0].outline, around))?;
+    let probe = fields.get("probe").map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &problem.outline, around))?;
     let method = method::method(fields.get("method"))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
         method::expect(&field, "", &mut expect)?;
     }
+    let in_body_force = problem.bodies[0].force.iter().flatten().flat_map(|f| f.names().iter().cloned()).collect();
     let by_force = problem.bodies[0].force.is_some() && around;
     if !by_force {
         something_acts(&fields, &problem)?;
     }
-    let in_body_force = context.used.take();
     random::check_fields(&problem, &declared)?;
     let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
     let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
@@ -197,6 +176,54 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
         random.cuts = cuts;
     }
     Ok(scene)
+}
+
+/// What is random in a scene: its names and what they are.
+type Declared = Vec<(String, random::Declared)>;
+
+/// The problem of one body, or of a hole, with what is random in it and the names that its materials use.
+fn one_body(
+    fields: &Fields<'_>,
+    of_body: &Field<'_>,
+    cavity: bool,
+    context: &mut Context<'_>,
+) -> Result<(Problem, Declared, BTreeSet<String>), DataError> {
+    let outline = body::body(&Fields::new(of_body, &keys::BODY)?, cavity)?;
+    if let Some(field) = fields.get("interface") {
+        let help = "write each body as a table [[body]] with a name";
+        return Err(DataError::new(Kind::Conflict, field.item.place, "an interface needs several bodies", help));
+    }
+    let declared = match fields.get("random") {
+        Some(field) => random::random(&field, &outline, context)?,
+        None => Vec::new(),
+    };
+    context.used.take();
+    let body = match cavity {
+        true => None,
+        false => {
+            let field = fields.require("material", "a table [material] with young and poisson")?;
+            random::check_poisson(&field, &declared, context)?;
+            Some(substance(&field, &outline, context)?)
+        }
+    };
+    let plane = body.as_ref().map(|substance| match substance {
+        Substance::Homogeneous(material) => material.plane,
+        Substance::Cells(cells) => cells.of_unit_modulus.plane,
+    });
+    let exterior = fields.get("exterior").map(|field| {
+        random::check_poisson(&field, &declared, context)?;
+        exterior::exterior(&field, plane, context)
+    });
+    let exterior = exterior.transpose()?;
+    let in_material = context.used.borrow().clone();
+    let grid = fields.get("grid").map(|field| grid::grid(&field)).transpose()?;
+    let (sides, contacts) = sides::sides(fields.get("sides").as_ref(), &outline, context)?;
+    let in_sides = context.used.take();
+    let force = fields.get("body_force").map(|f| body::body_force(&f, context)).transpose()?;
+    // names of the force alone are told apart from those of sides
+    context.used.replace(in_sides);
+    let problem = problem(Parts { outline, substance: body, grid, sides, contacts, force, exterior })?;
+    Ok((problem, declared, in_material))
 }
 
 /// What the tables say of the problem.
@@ -231,7 +258,8 @@ fn problem(parts: Parts) -> Result<Problem, DataError> {
     };
     let body = &mut problem.bodies[0];
     let cavity = body.far.is_some();
-    *body = Body { sides, grid, force, ..body.clone() };
+    *body = Body { grid, force, ..body.clone() };
+    problem.sides = sides;
     for (side, contact) in contacts.into_iter().enumerate() {
         if let Some(contact) = contact {
             problem.touch(side, contact);
@@ -250,14 +278,18 @@ fn problem(parts: Parts) -> Result<Problem, DataError> {
 /// Whether a side or the medium loads, holds or touches the body.
 fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), DataError> {
     let body = &problem.bodies[0];
-    let by_side = (0..body.sides.len())
-        .any(|side| !matches!(body.sides[side].condition, Condition::Free) || problem.contact(side).is_some());
+    let by_side = (0..problem.sides.len())
+        .any(|side| !matches!(problem.sides[side].condition, Condition::Free) || problem.contact(side).is_some());
     let medium = problem.medium().and_then(|medium| medium.far.as_ref());
-    if by_side || medium.is_some_and(FarField::is_loaded) || problem.tie().is_some_and(Tie::is_loaded) {
+    let mut ties = problem.interfaces.iter().filter_map(|interface| match &interface.law {
+        Law::Tied(tie) => Some(tie),
+        Law::Contact(_) => None,
+    });
+    if by_side || medium.is_some_and(FarField::is_loaded) || ties.any(Tie::is_loaded) {
         return Ok(());
     }
     let place = fields.get("sides").map_or(fields.place, |f| f.item.place);
-    let names = body.outline.side_names().join(", ");
+    let names = problem.outline.side_names().join(", ");
     let sides = format!("[sides.NAME] with contact, displacement, traction or pressure; the sides are {names}");
     let help = match medium {
         None => format!("add a table {sides}"),

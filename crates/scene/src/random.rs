@@ -81,7 +81,7 @@ pub(super) fn used(
 
 /// A field on a side has no value on the others.
 pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -> Result<(), DataError> {
-    for (index, side) in problem.bodies[0].sides.iter().enumerate() {
+    for (index, side) in problem.sides.iter().enumerate() {
         for (what, expression) in problem.side_data(index) {
             for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
                 if let Declared::Field { support: Support::Side { name: on, .. }, .. } = declared
@@ -125,7 +125,7 @@ pub(super) fn uses(
     in_body_force: &BTreeSet<String>,
 ) -> Uses {
     let mut uses = Uses { young, loads: in_body_force.iter().any(is_random), ..Uses::default() };
-    for side in 0..problem.bodies[0].sides.len() {
+    for side in 0..problem.sides.len() {
         for (what, expression) in problem.side_data(side) {
             if expression.names().iter().any(is_random) {
                 match what {

@@ -9,7 +9,7 @@ use super::keys;
 use super::tree::{Value, suggestion};
 
 /// What a table says of a side.
-enum Given {
+pub(super) enum Given {
     Condition(Condition),
     Contact(Contact),
 }
@@ -39,7 +39,8 @@ pub(super) fn sides(
     Ok((sides, contacts))
 }
 
-fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, DataError> {
+/// What a table says of a side.
+pub(super) fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, DataError> {
     let fields = Fields::new(field, &keys::SIDE)?;
     let given: Vec<(&str, Field<'_>)> = keys::SIDE.iter().filter_map(|&key| Some((key, fields.get(key)?))).collect();
     Ok(Given::Condition(match &given[..] {
@@ -101,7 +102,8 @@ fn displacement(
     Ok(Condition::Displacement { values, traction: Some(traction) })
 }
 
-fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Contact, DataError> {
+/// A table `contact`.
+pub(super) fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Contact, DataError> {
     let fields = Fields::new(field, &keys::CONTACT)?;
     let gap = match fields.get("gap") {
         Some(gap) => gap.expression(context)?,

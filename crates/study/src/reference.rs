@@ -236,10 +236,10 @@ fn distance(
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<TrueError, SolveError> {
     let (exact, body, _) =
-        solve(scene, refinement.mesh(&scene.body().outline)?, false, &mut PairCache::default(), observe)?;
+        solve(scene, refinement.mesh(&scene.problem.outline)?, false, &mut PairCache::default(), observe)?;
     let mut difference = prolong(mesh, displacement, &exact);
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
-    if let Some(particular) = exact.particular.filter(|_| scene.body().outline.is_curved()) {
+    if let Some(particular) = exact.particular.filter(|_| scene.problem.outline.is_curved()) {
         // on curves its nodal values are not it: what counts is the field without it
         let nodal = |space: &Space| space.interpolate(|x| particular.displacement(x));
         let apart = prolong(mesh, &nodal(&Space::new(mesh)), &exact);

@@ -115,6 +115,14 @@ pub(super) fn print_summary(stored: &Record) {
         say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
         untouched(stored).iter().for_each(|side| say(&format!("            nothing touches side {side}")));
     }
+    for i in &s.interfaces {
+        let stick = i.stick.map_or(String::new(), |stick| format!(", stick {stick:.6e}"));
+        let [x, y] = i.force;
+        say(&format!("interface   {}: {}, length {:.6e}{stick}, force ({x:.6e}, {y:.6e})", i.name, i.kind, i.length));
+    }
+    for body in &s.bodies {
+        say(&format!("body        {}: {} dofs, strain energy {:.6e}", body.name, body.dofs, body.strain_energy));
+    }
     if let Some(a) = &s.audit {
         say(&format!(
             "audit       equilibrium {:.1e}, penetration {:.1e}, tension {:.1e}, complementarity {:.1e}, friction {:.1e}",

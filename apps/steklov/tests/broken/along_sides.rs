@@ -1,6 +1,6 @@
 //! Mistakes in data along sides, in expectations and in overrides.
 
-use super::{Case, LOAD, edit, set};
+use super::{Case, LOAD, SOUND, edit, set};
 
 pub const CASES: &[Case] = &[
     // Data along the sides
@@ -170,6 +170,7 @@ pub const CASES: &[Case] = &[
         "did you mean floor?",
     ),
     Case {
+        sound: SOUND,
         edit: (
             "sides = [\"floor\", \"right\", \"top\", \"left\"]",
             "sides = [\"floor\", \"right\", \"floor\", \"left\"]\n[random.r]\ncovariance = \"gaussian\"\ncorrelation = 0.3\non = \"floor\"",
@@ -181,6 +182,7 @@ pub const CASES: &[Case] = &[
         remedy: "sides of their own",
     },
     Case {
+        sound: SOUND,
         edit: (
             "sides = [\"floor\", \"right\", \"top\", \"left\"]",
             "sides = [\"floor\", \"floor\", \"floor\", \"floor\"]\n[random.r]\ncovariance = \"gaussian\"\ncorrelation = 0.3\non = \"floor\"",
@@ -275,6 +277,7 @@ pub const CASES: &[Case] = &[
     ),
     edit("young = 200.0", "cells = { size = 1, young = \"2+s\" }", 6, "\"2+s\"", "young uses s", "use x and y"),
     Case {
+        sound: SOUND,
         edit: ("young = 200.0", "cells = { size = 0.25, young = \"2+x\" }"),
         set: &["method.model=\"bem\""],
         line: 1,
@@ -299,6 +302,7 @@ pub const CASES: &[Case] = &[
         "it must be finite",
     ),
     Case {
+        sound: SOUND,
         edit: ("", "[body_force]\nvalue = [\"0\", \"-y\"]\n[grid]\ncoarse = [4, 2]\nfine = [1, 1]\n"),
         set: &["body_force.value.0=\"x\"", "method.model=\"bem\"", "body_force.value.0=\"y\""],
         line: 1,

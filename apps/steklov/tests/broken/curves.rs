@@ -197,7 +197,7 @@ pub const CASES: &[Case] = &[
         6,
         "{ centre",
         "cross at",
-        "list the corners",
+        "move the hole",
     ),
     edit(
         "[material]",

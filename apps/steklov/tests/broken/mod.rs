@@ -1,6 +1,7 @@
 //! Scenes with one mistake each: an edit of a sound scene, and what must be said about it.
 
 mod along_sides;
+mod bodies;
 mod curves;
 
 /// A sound scene.
@@ -27,7 +28,9 @@ elements = 8
 
 /// One mistake.
 pub struct Case {
-    /// What is replaced in [`SOUND`], and by what.
+    /// The sound scene.
+    pub sound: &'static str,
+    /// What is replaced in it, and by what.
     pub edit: (&'static str, &'static str),
     /// Overrides `KEY=VALUE`.
     pub set: &'static [&'static str],
@@ -45,8 +48,8 @@ impl Case {
     /// The broken scene.
     pub fn scene(&self) -> String {
         let (from, to) = self.edit;
-        assert!(from.is_empty() || SOUND.matches(from).count() == 1, "{from:?} is not once in the sound scene");
-        if from.is_empty() { SOUND.to_owned() + to } else { SOUND.replacen(from, to, 1) }
+        assert!(from.is_empty() || self.sound.matches(from).count() == 1, "{from:?} is not once in the sound scene");
+        if from.is_empty() { self.sound.to_owned() + to } else { self.sound.replacen(from, to, 1) }
     }
 }
 
@@ -58,7 +61,7 @@ const fn edit(
     message: &'static str,
     remedy: &'static str,
 ) -> Case {
-    Case { edit: (from, to), set: &[], line, offending, message, remedy }
+    Case { sound: SOUND, edit: (from, to), set: &[], line, offending, message, remedy }
 }
 
 const fn set(
@@ -67,7 +70,7 @@ const fn set(
     message: &'static str,
     remedy: &'static str,
 ) -> Case {
-    Case { edit: ("", ""), set, line: 1, offending, message, remedy }
+    Case { sound: SOUND, edit: ("", ""), set, line: 1, offending, message, remedy }
 }
 
 const CORNERS: &str = "[[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]]";
@@ -77,7 +80,7 @@ const LOAD: &str = "[\"0\", \"-1\"]";
 
 /// All mistakes.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    OF_FORM.iter().chain(along_sides::CASES).chain(curves::CASES)
+    OF_FORM.iter().chain(along_sides::CASES).chain(curves::CASES).chain(bodies::CASES)
 }
 
 /// Mistakes of form, values, geometry and conditions.

@@ -36,11 +36,11 @@ pub(super) fn report<'a>(scene: &Scene, run: &'a Run<OnGrid>) -> Report<'a> {
         _ => true,
     };
     // prescribed displacements that vary are interpolated, and reactions do work on what that leaves
-    let applies = solved.coarse.is_none() && solved.around.is_none() && scene.body().sides.iter().all(constant);
+    let applies = solved.coarse.is_none() && solved.around.is_none() && scene.problem.sides.iter().all(constant);
     let correction = estimate.filter(|e| applies && e.doubts().is_empty()).map(|e| e.fine_grid / 2.0);
     let probe = |&point: &[f64; 2]| {
         let (displacement, stress) = match &solved.around {
-            Some(around) if scene.body().outline.contains(point) == Location::Outside => around.at(point),
+            Some(around) if scene.problem.outline.contains(point) == Location::Outside => around.at(point),
             _ => solved.at(point),
         };
         Probe { point, displacement, stress, stress_unbounded: false }
@@ -59,6 +59,8 @@ pub(super) fn report<'a>(scene: &Scene, run: &'a Run<OnGrid>) -> Report<'a> {
         grid: Some(grid_summary(solved)),
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary),
+        bodies: Vec::new(),
+        interfaces: Vec::new(),
     }
 }
 

@@ -18,7 +18,7 @@ pub(super) fn loads(
     let (mut loads, mut tractions) = (Loads::default(), Tractions::default());
     let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
     for e in 0..fine.mesh.len() {
-        if let Condition::Displacement { values, .. } = &scene.body().sides[fine.mesh.side[e]].condition {
+        if let Condition::Displacement { values, .. } = &scene.problem.sides[fine.mesh.side[e]].condition {
             let given = values.each_ref().map(|value| value.is_none().then_some(0.0));
             tractions.insert(fine.cell(&body.grid, e), given);
         }
@@ -41,7 +41,7 @@ pub(super) fn loads(
 /// Moments of the traction of the remote stress where the body meets the medium around it.
 fn remote_tractions(scene: &Scene, mesh: &Mesh) -> Vec<SideLoad> {
     let Some(remote) = scene.remote_stress() else { return Vec::new() };
-    let edges = scene.body().outline.edges();
+    let edges = scene.problem.outline.edges();
     let meets = |e: &usize| edges[mesh.edge[*e]].loop_index == 0;
     let moments = |e: usize| remote.traction(mesh.point(e, 0.0), mesh.normal(e, 0.0)).map(|t| t * mesh.length(e) / 2.0);
     (0..mesh.len()).filter(meets).map(|e| (e, [moments(e); 2])).collect()
@@ -60,7 +60,7 @@ fn body_force_error(scene: &Scene, error: MsfemError) -> SolveError {
 pub(super) fn check_gaps(scene: &Scene, trace: &GridTrace) -> Result<(), SolveError> {
     const NEAR: f64 = 1e-7;
     for e in 0..trace.mesh.len() {
-        let side = &scene.body().sides[trace.mesh.side[e]];
+        let side = &scene.problem.sides[trace.mesh.side[e]];
         let Some(Contact { gap, .. }) = scene.contact(trace.mesh.side[e]) else { continue };
         let at = |t: f64| {
             let site = Site::new(&trace.mesh, e, t);

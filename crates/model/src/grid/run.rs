@@ -106,7 +106,7 @@ fn next_dofs(scene: &Scene, solved: &GridSolved, parts: usize, next: &GridLayout
         // vertices - sides + cells = 1 - holes, and each of them becomes a vertex
         None => {
             let (vertices, cells) = (grid.nodes(), grid.body_cells().count());
-            let holes = scene.body().outline.loops().len() - 1;
+            let holes = scene.problem.outline.loops().len() - 1;
             2 * (2 * vertices + 2 * cells + holes - 1)
         }
         Some(cells) => {

@@ -141,7 +141,7 @@ fn solve_fine(
     let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
     let held = data.held()?;
     check_gaps(scene, &trace)?;
-    let boundary = data.contact(&held)?;
+    let boundary = data.contact(&held, &[])?;
     let set_up = clock.elapsed().as_secs_f64();
     let clock = Instant::now();
     observe(Stage::Progress("assembling K", 0.1))?;
@@ -363,7 +363,7 @@ fn solve_coarse(
     let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
     let held = data.held()?;
     check_gaps(scene, &trace)?;
-    let boundary = data.contact(&held)?;
+    let boundary = data.contact(&held, &[])?;
     let fine_held = Data { scene, mesh: &fine.mesh, space: &fine.space }.held()?;
     let lift = lift(&problem, &fine, &fine_held, &trace, &held);
     let extra = Extra { bubbles: !loads.body.is_empty() && basis != Basis::Q1 && basis.is_conforming(), lift };

@@ -187,6 +187,7 @@ impl System {
             displacement: &displacement,
             largest_diagonal: elimination.largest_diagonal(),
             contact: contact.as_ref(),
+            tied: &[],
         };
         let (residual, unloaded) = (equations.residual(unknown, |u| is_held[u]), equations.is_unloaded());
         // a rigid motion meets no resistance, unless digits were lost: supports would carry another load than the given one

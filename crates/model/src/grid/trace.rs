@@ -21,7 +21,7 @@ impl GridTrace {
     /// Elements without a length in floating point.
     pub fn new(scene: &Scene, grid: &Grid, is_node: impl Fn([usize; 2]) -> bool) -> Result<Self, BemError> {
         let near = |x: [f64; 2]| [0, 1].map(|k| ((x[k] - grid.origin[k]) / grid.spacing[k]).round() as usize);
-        let edges = scene.body().outline.edges();
+        let edges = scene.problem.outline.edges();
         let breaks: Vec<Vec<f64>> = edges
             .iter()
             .map(|edge| {
@@ -38,7 +38,7 @@ impl GridTrace {
             })
             .collect();
         let degree: Vec<Vec<usize>> = breaks.iter().map(|b| vec![1; b.len() + 1]).collect();
-        let mesh = Mesh::from_breaks(&scene.body().outline, &breaks, &degree)?;
+        let mesh = Mesh::from_breaks(&scene.problem.outline, &breaks, &degree)?;
         let lattice = mesh.vertices.iter().map(|&x| near(x)).collect();
         Ok(Self { space: Space::new(&mesh), mesh, lattice })
     }

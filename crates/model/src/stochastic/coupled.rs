@@ -143,7 +143,7 @@ fn projected(
         for (side, _) in own.scene.contacts() {
             let force = contact.boundary.force(side, multipliers);
             total = [total[0] + force[0], total[1] + force[1]];
-            figures.reactions.insert(own.scene.body().sides[side].name.clone(), force);
+            figures.reactions.insert(own.scene.problem.sides[side].name.clone(), force);
         }
         figures_of_contact.force = total;
     }

@@ -72,7 +72,7 @@ impl<'a> Outcomes<'a> {
             body,
             data: in_germs,
             loads: data.load()?,
-            boundary: data.condensed_contact(&body.held)?,
+            boundary: data.condensed_contact(&body.held, &[])?,
         })
     }
 
@@ -88,12 +88,12 @@ impl<'a> Outcomes<'a> {
         let mut loads = if uses.loads { data.load()? } else { self.loads.clone() };
         loads.scale(1.0 / modulus);
         let mut boundary =
-            if uses.contact || uses.held { data.condensed_contact(&held)? } else { self.boundary.clone() };
+            if uses.contact || uses.held { data.condensed_contact(&held, &[])? } else { self.boundary.clone() };
         if let Some(boundary) = &mut boundary {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
         let particular = scene.particular_solution(1.0 / modulus).map(|solution| {
-            let held = |e: usize, i: usize| scene.body().sides[mesh.side[e]].holds(i);
+            let held = |e: usize, i: usize| scene.problem.sides[mesh.side[e]].holds(i);
             Particular::new(solution, scene.is_cavity(), mesh, space, held, |u| self.body.condensation.multiply(u))
         });
         let supports = Supports { space, held: &held };

@@ -40,7 +40,7 @@ pub(super) fn check(at: &Group, step: &Step, scene: &Scene) -> Result<(), IoErro
 
 /// A place on an edge in contact.
 fn check_place(at: &Group, name: &str, row: usize, (edge, s): (usize, f64), scene: &Scene) -> Result<(), IoError> {
-    let edges = scene.body().outline.edges();
+    let edges = scene.problem.outline.edges();
     let Some(found) = edges.get(edge) else {
         return Err(invalid(at, name, format!("row {row}: edge {edge} of {}", edges.len())));
     };
@@ -55,7 +55,7 @@ fn check_place(at: &Group, name: &str, row: usize, (edge, s): (usize, f64), scen
 
 /// The elements of every edge follow each other from 0 to 1, and make this mesh.
 fn check_mesh(at: &Group, mesh: &Mesh, scene: &Scene) -> Result<(), IoError> {
-    let edges = scene.body().outline.edges().len();
+    let edges = scene.problem.outline.edges().len();
     if let Some((e, edge)) = mesh.edge.iter().enumerate().find(|(_, edge)| **edge >= edges) {
         return Err(invalid(at, "edge", format!("element {e} is on edge {edge} of {edges}")));
     }
@@ -68,7 +68,7 @@ fn check_mesh(at: &Group, mesh: &Mesh, scene: &Scene) -> Result<(), IoError> {
             return Err(invalid(at, "span", format!("the elements of edge {edge} do not cover it from 0 to 1")));
         }
     }
-    let made = subdivision.mesh(&scene.body().outline).map_err(|e| invalid(at, "span", e))?;
+    let made = subdivision.mesh(&scene.problem.outline).map_err(|e| invalid(at, "span", e))?;
     for (name, same, what) in [
         ("nodes", made.vertices == mesh.vertices, "they are not where edge and span have them on the scene's polygon"),
         ("elements", made.next == mesh.next, "they do not follow each other as the scene's polygon has them"),

@@ -58,7 +58,7 @@ pub fn pictures(study: &Study<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictur
     if let Some(strategy) = study.strategies.iter().rev().find(|s| !s.contact.is_empty()) {
         let title =
             format!("{}, {} step {}", study.scene.title, strategy.name, strategy.points.len().saturating_sub(1));
-        let names = study.scene.body().outline.side_names();
+        let names = study.scene.problem.outline.side_names();
         all.files.extend(contact_pictures(&title, names, &strategy.contact, folder, "contact")?);
     }
     Ok(all.files)
@@ -115,6 +115,6 @@ fn mesh_pictures(study: &Study<'_>, strategy: &Strategy, folder: &Path) -> Resul
         })
         .collect();
     let title = format!("{}: meshes of {}", study.scene.title, strategy.name);
-    let figure = MeshFigure { title: &title, side_names: study.scene.body().outline.side_names(), panels: &panels };
+    let figure = MeshFigure { title: &title, side_names: study.scene.problem.outline.side_names(), panels: &panels };
     write(folder, &format!("meshes-{}", strategy.file_name()), &meshes(&figure)?)
 }

@@ -28,7 +28,7 @@ pub fn pictures(study: &InfSup<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictu
     let lines = constants(study, |p| (p.elements == coarsest).then_some(p.degree as f64));
     let (title, x) = (format!("{title}, {coarsest} elements"), linear("degree p of the displacements"));
     all.draw("inf-sup-degree", &drawing(&title, x, lines))?;
-    let names = study.scene.body().outline.side_names();
+    let names = study.scene.problem.outline.side_names();
     for side in 0..names.len() {
         let of_side = |s: &'_ Pressure| s.rows.iter().filter(|r| r.side == side).copied().collect();
         let sides: Vec<(&Pressure, Vec<ContactRow>)> =
@@ -62,7 +62,7 @@ fn pressure(
     solutions: &[(&Pressure, Vec<ContactRow>)],
     all: &mut Pictures<'_>,
 ) -> Result<(), PictureError> {
-    let names = study.scene.body().outline.side_names();
+    let names = study.scene.problem.outline.side_names();
     let along = |rows: &[ContactRow]| positions(&names[side], &rows.iter().collect::<Vec<_>>());
     let line = |(s, rows): &(&Pressure, Vec<ContactRow>)| {
         let points = along(rows).1.into_iter().zip(rows).map(|(s, r)| [s, r.pressure]);

@@ -150,7 +150,7 @@ fn on_mesh(scene: &Scene, mesh: Mesh, degree: usize) -> Result<Vec<Point>, Solve
             Part::Continuous => Some(continuous(&body, &forms.space)),
             Part::Biorthogonal => {
                 let data = Data { scene, mesh: &body.mesh, space: &body.space };
-                data.contact(&data.held()?)?.map(|boundary| biorthogonal(&body, &boundary, &forms.space))
+                data.contact(&data.held()?, &[])?.map(|boundary| biorthogonal(&body, &boundary, &forms.space))
             }
         };
         let beta = |form: &Result<Mat<f64>, ContactError>| match (form, &forms.reference) {

@@ -108,7 +108,7 @@ displacement = ["0", "free"]
 "#;
 
     fn body(scene: &Scene, degree: usize) -> (Supported, MultiplierSpace) {
-        let body = Supported::new(scene, Mesh::uniform(&scene.body().outline, 11, degree)).unwrap();
+        let body = Supported::new(scene, Mesh::uniform(&scene.problem.outline, 11, degree)).unwrap();
         let degree = MultiplierDegree::Relative(0);
         let full = MultiplierSpace::new(&body.mesh, &contact_sides(scene), MultiplierMesh::Same, degree).unwrap();
         (body, full)
@@ -121,7 +121,7 @@ displacement = ["0", "free"]
         for degree in [1, 2, 5] {
             let (body, full) = body(&scene, degree);
             let data = Data { scene: &scene, mesh: &body.mesh, space: &body.space };
-            let boundary = data.contact(&data.held().unwrap()).unwrap().unwrap();
+            let boundary = data.contact(&data.held().unwrap(), &[]).unwrap().unwrap();
             let t = biorthogonal(&body, &boundary, &full);
             let [n, s] = pairing(&body.mesh, &body.space, &full);
             let b = Mat::from_fn(2 * full.nodes.len(), body.space.dofs(), |i, j| [&n, &s][i % 2][(i / 2, j)]);

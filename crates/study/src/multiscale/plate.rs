@@ -76,7 +76,7 @@ pub(super) fn plate(
     for (side, condition) in
         [("left", Condition::held()), ("right", Condition::Traction([0.0, -1.0].map(Expression::number)))]
     {
-        body.side_mut(side).ok_or_else(|| wrong(format!("no side {side}")))?.condition = condition;
+        scene.problem.side_mut(side).ok_or_else(|| wrong(format!("no side {side}")))?.condition = condition;
     }
     scene.check()?;
     Ok(scene)
@@ -112,14 +112,14 @@ mod tests {
             let read = Document::parse(&text, "plate", &[]).unwrap().scene;
             let made = plate(size, young, name, along, grid).unwrap();
             assert_eq!(
-                (&read.body().outline, read.body().grid, read.body().material().poisson),
-                (&made.body().outline, made.body().grid, made.body().material().poisson)
+                (&read.problem.outline, read.body().grid, read.body().material().poisson),
+                (&made.problem.outline, made.body().grid, made.body().material().poisson)
             );
             let young = |scene: &Scene| moduli(scene, &grid_of(scene).unwrap()).unwrap();
             assert_eq!(young(&read), young(&made));
             let data = |scene: &Scene| -> Vec<(String, Vec<Option<f64>>)> {
                 let of = |side: usize| scene.problem.side_data(side).iter().map(|d| d.1.constant()).collect();
-                scene.body().sides.iter().enumerate().map(|(k, side)| (side.name.clone(), of(k))).collect()
+                scene.problem.sides.iter().enumerate().map(|(k, side)| (side.name.clone(), of(k))).collect()
             };
             assert_eq!(data(&read), data(&made));
         }

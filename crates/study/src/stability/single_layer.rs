@@ -78,7 +78,7 @@ impl SingleLayer {
 pub fn single_layer(scene: &Scene, watch: &mut Watch<'_>) -> Result<SingleLayer, BemError> {
     let what = "single layer";
     watch.tell(what, "degenerate sizes");
-    let mesh = mesh(&scene.body().outline);
+    let mesh = mesh(&scene.problem.outline);
     let space = Space::new(&mesh);
     let degenerate = degenerate(&mesh, &space, &scene.body().material())?;
     let (elements, unknowns, diameter) = (mesh.len(), space.dofs(), mesh.diameter());

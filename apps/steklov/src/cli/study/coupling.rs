@@ -33,7 +33,7 @@ pub(super) fn coupling(args: &StudyArgs) -> Result<u8, Failure> {
     let bar = Bar::new(args.quiet, pairs.len() + 5);
     let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
     let watch = &mut Watch::new(&stop, tell);
-    let (polygon, own) = (&scene.body().outline, &pairs[pairs.len() - 1]);
+    let (polygon, own) = (&scene.problem.outline, &pairs[pairs.len() - 1]);
     let convergence = convergence(polygon, &pairs, &fine, repeat, watch);
     let effectivity = effectivity(polygon, &pairs, &coarse, watch);
     let costs = costs(polygon, own, &all, repeat, watch);

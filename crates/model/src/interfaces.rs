@@ -1,0 +1,129 @@
+//! What is told of each body and of each interface between bodies.
+
+use steklov_problem::{Interface, Law, Scene};
+
+use crate::contact::ContactResult;
+use crate::estimate::Estimate;
+use crate::report::{ContactRow, Trace, max_pressure, summary_of_sides};
+use crate::solution::Solved;
+use crate::summary::{Audit, BodySummary, InterfaceSummary};
+use steklov_contact::Located;
+
+/// A node of a tie: the traction of the other body on the one that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TieRow {
+    /// Name of the interface.
+    pub name: String,
+    /// The point.
+    pub point: [f64; 2],
+    /// Length that it stands for.
+    pub weight: f64,
+    /// Traction on the body that carries the multipliers (stress).
+    pub traction: [f64; 2],
+}
+
+/// The bodies, if there are several: unknowns, energy, and the part of the estimate that is theirs.
+pub(crate) fn bodies(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Vec<BodySummary> {
+    if !scene.problem.has_several_bodies() {
+        return Vec::new();
+    }
+    let edges = scene.problem.outline.edges();
+    let body_of = |e: usize| scene.problem.outline.body_of_loop(edges[solved.mesh.edge[e]].loop_index);
+    let of = |(body, strain): (usize, &f64)| {
+        let own: Vec<usize> = (0..solved.mesh.len()).filter(|&e| body_of(e) == body).collect();
+        let part = |estimate: &Estimate| {
+            let all: f64 = estimate.indicators.iter().map(|i| i.total()).sum();
+            let here: f64 = own.iter().map(|&e| estimate.indicators[e].total()).sum();
+            if all > 0.0 { estimate.error * (here / all).sqrt() } else { 0.0 }
+        };
+        BodySummary {
+            name: scene.problem.bodies[body].name.clone(),
+            dofs: 2 * own.iter().map(|&e| solved.space.degree(e)).sum::<usize>(),
+            strain_energy: *strain,
+            estimate: estimate.map(part),
+        }
+    };
+    solved.strain_of_bodies.iter().enumerate().map(of).collect()
+}
+
+/// The interfaces between bodies.
+pub(crate) fn interfaces(
+    scene: &Scene,
+    solved: &Solved,
+    rows: &[ContactRow],
+    located: Option<&[Located]>,
+) -> Vec<InterfaceSummary> {
+    let trace = solved.trace();
+    let of = |interface: &Interface| match (&interface.law, &solved.contact) {
+        (Law::Contact(_), Some(contact)) => of_contact(scene, trace, (interface, contact), rows, located),
+        _ => of_tie(scene, interface, &solved.ties),
+    };
+    scene.problem.joints().map(of).collect()
+}
+
+fn of_contact(
+    scene: &Scene,
+    trace: Trace<'_>,
+    (interface, contact): (&Interface, &ContactResult),
+    rows: &[ContactRow],
+    located: Option<&[Located]>,
+) -> InterfaceSummary {
+    let own: Vec<ContactRow> = rows.iter().filter(|row| interface.sides.contains(&row.side)).cloned().collect();
+    let largest = max_pressure(rows);
+    let told = summary_of_sides(scene, trace, contact, (&own, &interface.sides, largest), located);
+    InterfaceSummary {
+        name: interface.name.clone(),
+        kind: "contact".into(),
+        sides: names(scene, interface),
+        length: told.length,
+        stick: Some(told.stick),
+        slip: Some(told.slip),
+        max_pressure: Some(told.max_pressure),
+        force: told.force,
+        ends: told.ends,
+        audit: Some(audit(contact, &own, rows)),
+    }
+}
+
+fn names(scene: &Scene, interface: &Interface) -> [Vec<String>; 2] {
+    let names = |sides: &[usize]| sides.iter().map(|&side| scene.problem.sides[side].name.clone()).collect();
+    [names(&interface.sides), names(scene.problem.facing_sides(interface))]
+}
+
+/// The measures of the judge over the rows of an interface, relative to the scales of all rows.
+fn audit(contact: &ContactResult, own: &[ContactRow], all: &[ContactRow]) -> Audit {
+    let largest = |of: &dyn Fn(&ContactRow) -> f64, rows: &[ContactRow]| rows.iter().map(of).fold(0.0, f64::max);
+    let length = largest(&|r| r.gap.abs().max(r.normal_displacement.abs()).max(r.tangential_displacement.abs()), all);
+    let stress = largest(&|r| r.pressure.abs().max(r.shear.abs()), all);
+    let over = |value: f64, scale: f64| if scale > 0.0 { value / scale } else { 0.0 };
+    let opening = |r: &ContactRow| r.gap - r.normal_displacement;
+    Audit {
+        equilibrium: contact.audit.equilibrium,
+        penetration: over(largest(&|r| -opening(r), own), length),
+        tension: over(largest(&|r| -r.pressure, own), stress),
+        complementarity: over(largest(&|r| (r.pressure * opening(r)).abs(), own), stress * length),
+        friction: over(largest(&|r| r.shear.abs() - r.bound, own), stress),
+    }
+}
+
+fn of_tie(scene: &Scene, interface: &Interface, ties: &[TieRow]) -> InterfaceSummary {
+    let own = ties.iter().filter(|tie| tie.name == interface.name);
+    let (mut force, mut length) = ([0.0; 2], 0.0);
+    for TieRow { weight, traction, .. } in own {
+        length += weight;
+        let sign = if interface.second { -1.0 } else { 1.0 };
+        (0..2).for_each(|i| force[i] += sign * weight * traction[i]);
+    }
+    InterfaceSummary {
+        name: interface.name.clone(),
+        kind: "tied".into(),
+        sides: names(scene, interface),
+        length,
+        stick: None,
+        slip: None,
+        max_pressure: None,
+        force,
+        ends: None,
+        audit: None,
+    }
+}

@@ -1,0 +1,275 @@
+//! `[[body]]` and `[[interface]]`: several bodies and what acts between them.
+
+use steklov_bem_operators::Polygon;
+use steklov_elastic::Plane;
+use steklov_expression::Expression;
+use steklov_problem::{
+    Body, Condition, Contact, DataError, DataErrorKind as Kind, Interface, Law, Other, Problem, Substance, Tie,
+};
+
+use super::body::{body, material};
+use super::fields::{Context, Field, Fields};
+use super::keys;
+use super::sides::{self, Given};
+use super::tree::{Value, suggestion};
+
+/// Whether `body` is a list of tables with more than one of them, or one that has a name.
+pub(super) fn are_several(field: &Field<'_>) -> bool {
+    matches!(&field.item.value, Value::Array(list) if list.len() > 1)
+}
+
+/// The problem of several bodies: `[[body]]`, `[sides.BODY.SIDE]`, `[[interface]]`.
+pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Problem, DataError> {
+    let tables = fields.require("body", "[[body]] with name, corners and sides")?.list()?;
+    for key in ["exterior", "grid", "body_force", "random"] {
+        if let Some(field) = fields.get(key) {
+            let message = format!("{} and several bodies cannot be solved together", field.name);
+            let help = "leave it out, or solve one body";
+            return Err(DataError::new(Kind::Unsupported, field.item.place, message, help));
+        }
+    }
+    let (mut bodies, mut outlines): (Vec<Body>, Vec<Polygon>) = (Vec::new(), Vec::new());
+    for table in &tables {
+        let of_body = Fields::new(table, &keys::BODIES)?;
+        let field = of_body.require("name", "name = \"upper\"")?;
+        let name = field.text()?;
+        if name.is_empty() || name.contains('.') {
+            return Err(field.problem(format!("{} is {name:?}", field.name), "a name has no dots and is not empty"));
+        }
+        if bodies.iter().any(|body| body.name == name) {
+            return Err(field.problem(format!("two bodies have the name {name:?}"), "give each body its own name"));
+        }
+        if let Some(field) = ["medium", "cracks", "grid"].into_iter().find_map(|key| of_body.get(key)) {
+            let message = format!("{} cannot be solved among several bodies", field.name);
+            return Err(DataError::new(Kind::Unsupported, field.item.place, message, "leave it out"));
+        }
+        outlines.push(body(&of_body, false)?.with_body_name(name));
+        bodies.push(Body::new(name, Substance::Homogeneous(own_material(&of_body, fields, context)?)));
+    }
+    let plane = |body: &Body| body.material().plane;
+    if let Some(k) = bodies.iter().position(|body| plane(body) != plane(&bodies[0])) {
+        let word = |plane: Plane| if plane == Plane::Strain { "strain" } else { "stress" };
+        let (a, b) = (&bodies[0], &bodies[k]);
+        let message = format!("{:?} is in plane {}, {:?} in plane {}", a.name, word(plane(a)), b.name, word(plane(b)));
+        return Err(tables[k].problem(message, "bodies that meet are all in plane strain, or all in plane stress"));
+    }
+    let mut problem = Problem::of_bodies(Polygon::assembly(outlines), bodies);
+    if let Some(field) = fields.get("sides") {
+        conditions(&field, &mut problem, context)?;
+    }
+    if let Some(field) = fields.get("interface") {
+        for table in field.list()? {
+            let interface = interface(&table, &problem, context)?;
+            problem.interfaces.push(interface);
+        }
+    }
+    Ok(problem)
+}
+
+/// The material of a body, or that of the scene.
+fn own_material(
+    of_body: &Fields<'_>,
+    fields: &Fields<'_>,
+    context: &Context<'_>,
+) -> Result<steklov_elastic::Material, DataError> {
+    let field = match of_body.get("material") {
+        Some(field) => field,
+        None => fields
+            .require("material", "material = { young = 200.0, poisson = 0.3 } in each [[body]], or one [material]")?,
+    };
+    if let Some(cells) = Fields::new(&field, &keys::MATERIAL)?.get("cells") {
+        let message = format!("{} cannot be solved among several bodies", cells.name);
+        return Err(DataError::new(Kind::Unsupported, cells.item.place, message, "give one Young's modulus"));
+    }
+    let fields = Fields::new(&field, &keys::MATERIAL)?;
+    let young = fields.require("young", "young = 200.0, in the scene's unit of stress")?.constant(context)?;
+    material(&fields, context, young)
+}
+
+/// `[sides.BODY.SIDE]`.
+fn conditions(field: &Field<'_>, problem: &mut Problem, context: &Context<'_>) -> Result<(), DataError> {
+    for (name, place, of_body) in Fields::open(field)?.all() {
+        if !problem.bodies.iter().any(|body| body.name == name) {
+            let message = format!("there is no body {name:?}");
+            let help = suggestion(name, problem.bodies.iter().map(|body| body.name.as_str()));
+            return Err(DataError::new(Kind::UnknownKey, place, message, help));
+        }
+        for (side, place, table) in Fields::open(&of_body)?.all() {
+            let full = format!("{name}.{side}");
+            let Some(index) = problem.sides.iter().position(|side| side.name == full) else {
+                let own = problem.sides.iter().filter_map(|side| side.name.strip_prefix(&format!("{name}.")));
+                let help = suggestion(side, own.collect::<Vec<_>>().into_iter());
+                return Err(DataError::new(
+                    Kind::UnknownKey,
+                    place,
+                    format!("the body {name:?} has no side {side:?}"),
+                    help,
+                ));
+            };
+            match sides::given(&table, context)? {
+                Given::Condition(condition) => problem.sides[index].condition = condition,
+                Given::Contact(contact) => problem.touch(index, contact),
+            }
+        }
+    }
+    Ok(())
+}
+
+/// The sides that a name or a list of names means, all of one body or, where `several`, of some.
+fn named_sides(field: &Field<'_>, problem: &Problem) -> Result<Vec<usize>, DataError> {
+    let names = if matches!(field.item.value, Value::Array(_)) {
+        field.list()?
+    } else {
+        vec![Field { name: field.name.clone(), item: field.item }]
+    };
+    let mut found = Vec::new();
+    for name in &names {
+        let text = name.text()?;
+        let Some(side) = problem.sides.iter().position(|side| side.name == text) else {
+            let message = format!("there is no side {text:?}");
+            let help = suggestion(text, problem.sides.iter().map(|side| side.name.as_str()));
+            return Err(DataError::new(Kind::UnknownKey, name.item.place, message, help));
+        };
+        let twice =
+            problem.interfaces.iter().any(|i| i.sides.contains(&side) || problem.facing_sides(i).contains(&side));
+        if twice || found.contains(&side) {
+            let message = format!("the side {text:?} is in two conditions of contact or ties");
+            let help = "name it once; a side that faces several bodies lists them: between = [\"a.top\", [\"b.bottom\", \"c.bottom\"]]";
+            return Err(DataError::new(Kind::Conflict, name.item.place, message, help));
+        }
+        if !matches!(problem.sides[side].condition, Condition::Free) {
+            let message = format!("the side {text:?} has a condition in [sides] too");
+            let help = "a side of an interface has no other condition: divide the side where the interface ends";
+            return Err(DataError::new(Kind::Conflict, name.item.place, message, help));
+        }
+        found.push(side);
+    }
+    if found.is_empty() {
+        return Err(field.problem(format!("{} names no side", field.name), "write \"BODY.SIDE\""));
+    }
+    Ok(found)
+}
+
+/// A table of `[[interface]]`.
+fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Result<Interface, DataError> {
+    let fields = Fields::new(field, &keys::INTERFACE)?;
+    if let Some(on) = fields.get("on") {
+        let message = format!("{} names a crack, and cracks cannot be solved", on.name);
+        return Err(DataError::new(
+            Kind::Unsupported,
+            on.item.place,
+            message,
+            "name two sides: between = [\"a.top\", \"b.bottom\"]",
+        ));
+    }
+    let between = fields.require("between", "between = [\"a.top\", \"b.bottom\"]")?;
+    let [first, second] = between.pair()?;
+    let [a, b] = [named_sides(&first, problem)?, named_sides(&second, problem)?];
+    let bodies = |sides: &[usize]| {
+        let mut bodies: Vec<usize> = sides.iter().map(|&side| problem.body_of_side(side)).collect();
+        bodies.sort_unstable();
+        bodies.dedup();
+        bodies
+    };
+    let [of_a, of_b] = [bodies(&a), bodies(&b)];
+    if let Some(&body) = of_a.iter().find(|body| of_b.contains(body)) {
+        let message = format!("{} are sides of one body, {:?}", between.name, problem.bodies[body].name);
+        return Err(between.problem(message, "an interface lies between two bodies"));
+    }
+    if of_a.len() > 1 && of_b.len() > 1 {
+        let message = format!("{} lists sides of several bodies on both places", between.name);
+        return Err(between.problem(message, "one of the two places has sides of one body: write several interfaces"));
+    }
+    let (law, is_tied) = law(&fields, context)?;
+    let name = match fields.get("name") {
+        Some(name) => name.text()?.to_owned(),
+        None => format!("{}-{}", problem.sides[a[0]].name, problem.sides[b[0]].name),
+    };
+    let with = |own: &[usize], other: &[usize], second: bool| Interface {
+        name: name.clone(),
+        sides: own.to_vec(),
+        other: Other::Sides(other.to_vec()),
+        law: law.clone(),
+        second,
+    };
+    let (forward, backward) = (with(&a, &b, false), with(&b, &a, true));
+    let carrier = fields.get("multiplier").map(|field| {
+        let text = field.text()?;
+        let named = |sides: &[usize]| sides.iter().any(|&side| problem.sides[side].name == text);
+        match (named(&a), named(&b)) {
+            (true, _) => Ok(true),
+            (_, true) => Ok(false),
+            _ => Err(field.problem(
+                format!("{} is {text:?}, which is no side of the interface", field.name),
+                "name one of the two sides",
+            )),
+        }
+    });
+    let one_body = [of_a.len() == 1, of_b.len() == 1];
+    let jumps = matches!(&law, Law::Tied(tie) if tie.displacement_jump.is_some() || tie.traction_jump.is_some());
+    let forward_carries = match carrier.transpose()? {
+        Some(true) if one_body[0] => true,
+        Some(false) if one_body[1] && !jumps => false,
+        Some(_) => {
+            let message = "this side cannot carry the multipliers: it is of several bodies, or the other one is where jumps are given";
+            return Err(between.problem(message, "leave multiplier out, or exchange the two places of between"));
+        }
+        None if jumps && !one_body[0] => {
+            return Err(between.problem(
+                "jumps are given on the first place, which has sides of several bodies",
+                "exchange the two places of between",
+            ));
+        }
+        None if one_body == [true, false] || jumps => true,
+        None if one_body == [false, true] => false,
+        None => problem.carries_rather(&forward, &backward),
+    };
+    let chosen = if forward_carries { forward } else { backward };
+    problem
+        .check_facing(&chosen, is_tied)
+        .map_err(|(message, help)| DataError::new(Kind::Geometry, between.item.place, message, help))?;
+    Ok(chosen)
+}
+
+/// The law of an interface, and whether it ties.
+fn law(fields: &Fields<'_>, context: &Context<'_>) -> Result<(Law, bool), DataError> {
+    match (fields.get("contact"), fields.get("tied")) {
+        (Some(_), Some(tied)) => Err(DataError::new(
+            Kind::Conflict,
+            tied.item.place,
+            "an interface is either in contact or tied".to_owned(),
+            "remove contact or tied",
+        )),
+        (None, None) => Err(DataError::new(
+            Kind::MissingKey,
+            fields.place,
+            "the interface has no law".to_owned(),
+            "add tied = true, or contact = { gap = \"0\", friction = { coulomb = \"0.3\" } }",
+        )),
+        (Some(contact), None) => {
+            let contact: Contact = match &contact.item.value {
+                Value::Boolean(true) => {
+                    Contact { gap: Expression::number(0.0), friction: steklov_problem::Friction::None }
+                }
+                _ => sides::contact(&contact, context)?,
+            };
+            Ok((Law::Contact(contact), false))
+        }
+        (None, Some(tied)) => {
+            let tie = match &tied.item.value {
+                Value::Boolean(true) => Tie::default(),
+                Value::Table(_) => {
+                    let of = Fields::new(&tied, &keys::TIED)?;
+                    let pair = |key: &str| of.get(key).map(|field| field.expressions(context)).transpose();
+                    Tie {
+                        displacement_jump: pair("displacement_jump")?,
+                        traction_jump: pair("traction_jump")?,
+                        stress_jump: None,
+                    }
+                }
+                _ => return Err(tied.wrong_type("true, or a table with displacement_jump and traction_jump")),
+            };
+            Ok((Law::Tied(tie), true))
+        }
+    }
+}
