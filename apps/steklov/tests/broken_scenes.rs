@@ -166,7 +166,7 @@ fn overrides_change_any_key() {
         panic!()
     };
     assert_eq!(u.constant(), Some(0.0));
-    assert_eq!(scene.constant_force(), Some([0.0, -9.81 * 2.0]));
+    assert_eq!(scene.body().constant_force(), Some([0.0, -9.81 * 2.0]));
     let expected =
         |path: &str, value, tol, source: &str| Expectation { path: path.into(), value, tol, source: source.into() };
     assert_eq!(

@@ -241,7 +241,7 @@ fn the_model_is_the_least_that_fits() {
     assert!(parse(&heavy, &["grid.coarse=[3, 3]"]).is_err());
     // the force where the grid asks for it
     assert_eq!(sound(&heavy, &[]).force_at([0.5, 1.5]).unwrap(), [0.0, -1.5]);
-    assert_eq!(sound(&heavy, &[]).constant_force(), None);
+    assert_eq!(sound(&heavy, &[]).body().constant_force(), None);
     assert_eq!(sound(&constant, &[]).force_at([0.5, 1.5]).unwrap(), [0.0, -9.81]);
     let infinite = document(&heavy, &["body_force.value=[\"1/x\", 0]"]);
     let infinite = infinite.error(infinite.scene.force_at([0.0, 0.5]).unwrap_err());

@@ -64,6 +64,8 @@ pub struct Edge {
     pub loop_index: usize,
     /// Whether the corners were listed against the traversal: a hole listed counter-clockwise.
     pub reversed: bool,
+    /// The part that it is of an edge as it was drawn: fractions of the length of that one at s = 0 and 1.
+    pub drawn: [f64; 2],
 }
 
 fn complex([x, y]: [f64; 2]) -> Complex64 {
@@ -309,6 +311,37 @@ impl Edge {
             _ if s <= 0.0 || s >= 1.0 => s,
             _ => self.integrate(s, |_, [x, y]| x.hypot(y)) / self.length(),
         }
+    }
+
+    /// Fraction of the length of the edge as it was drawn up to the parameter s.
+    pub fn drawn_fraction(&self, s: f64) -> f64 {
+        let ([a, b], fraction) = (self.drawn, self.arc_fraction(s));
+        if [a, b] == [0.0, 1.0] { fraction } else { a + (b - a) * fraction }
+    }
+
+    /// The path between two parameters, in this order.
+    fn path_between(&self, [s0, s1]: [f64; 2]) -> Path {
+        match self.path {
+            Path::Line => Path::Line,
+            Path::Arc { opening } => Path::Arc { opening: opening * (s1 - s0) },
+            Path::Ellipse { radii, angle, start, opening } => {
+                Path::Ellipse { radii, angle, start: start + opening * s0, opening: opening * (s1 - s0) }
+            }
+            Path::Cubic { .. } => {
+                let h = s1 - s0;
+                let control = [(s0, 1.0), (s1, -1.0)].map(|(s, sign)| {
+                    let (point, slope) = (self.point(s), self.derivative(s));
+                    [0, 1].map(|i| point[i] + sign * h * slope[i] / 3.0)
+                });
+                Path::Cubic { control }
+            }
+        }
+    }
+
+    /// The part between two parameters, traversed and listed in this order.
+    pub(crate) fn part(&self, [s0, s1]: [f64; 2], [start, end]: [[f64; 2]; 2]) -> Edge {
+        let drawn = [s0, s1].map(|s| self.drawn_fraction(s));
+        Edge { start, end, path: self.path_between([s0, s1]), reversed: false, drawn, ..*self }
     }
 
     /// Twice the area between the chord and the edge, and its first moments about `o`, in the direction of traversal:

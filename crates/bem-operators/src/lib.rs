@@ -36,6 +36,7 @@
 //! ```
 
 mod error;
+mod cut;
 mod edge;
 mod edge_check;
 mod polygon;
@@ -77,6 +78,7 @@ pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_di
 pub use cache::PairCache;
 pub use condense::{Condensation, CondensedLoad, Partition};
 pub use curve::{CircularArc, Curve, PolynomialCurve, Shape};
+pub use cut::{Cut, CutError};
 pub use dense::PARTS;
 pub use edge::{Edge, LARGEST_OPENING, Path};
 pub use enriched::{Enriched, EnrichedSteklov};

@@ -33,7 +33,8 @@ pub struct Mesh {
     /// Edge parameter `[s_start, s_end]` of each element, in the direction in which the corners were listed:
     /// rising in traversal order, or falling on a hole that was listed the other way round.
     pub span: Vec<[f64; 2]>,
-    /// Fractions of the length of its edge up to the ends of each element: the span on lines and circular arcs.
+    /// Fractions of the length of its edge as it was drawn up to the ends of each element: the span on whole lines and circular
+    /// arcs.
     pub arc: Vec<[f64; 2]>,
     /// Names of the sides.
     pub side_names: Vec<String>,
@@ -151,10 +152,16 @@ impl Mesh {
         if t <= 0.0 { a + (b - a) * (1.0 + t) / 2.0 } else { b - (b - a) * (1.0 - t) / 2.0 }
     }
 
-    /// Fraction of the length of its edge up to the reference point t of element e.
+    /// Fraction of the length of its edge as it was drawn up to the reference point t of element e.
     pub fn arc_fraction(&self, e: usize, t: f64) -> f64 {
-        let Shape::Polynomial(_) = self.shape[e] else { return self.edge_parameter(e, t) };
-        let ([a, b], curve) = (self.arc[e], self.curve(e));
+        let [a, b] = self.arc[e];
+        let Shape::Polynomial(_) = self.shape[e] else {
+            let linear = |[a, b]: [f64; 2]| {
+                if t <= 0.0 { a + (b - a) * (1.0 + t) / 2.0 } else { b - (b - a) * (1.0 - t) / 2.0 }
+            };
+            return linear([a, b]);
+        };
+        let curve = self.curve(e);
         if t <= -1.0 {
             return a;
         }

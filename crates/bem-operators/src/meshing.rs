@@ -290,7 +290,7 @@ fn build(polygon: &Polygon, breaks: &[Vec<f64>], degrees: &[Vec<usize>]) -> Mesh
                 mesh.side.push(edge.side);
                 mesh.span.push([s[0], s[1]]);
                 let (shape, heading) = edge.element([s[0], s[1]]);
-                mesh.arc.push([s[0], s[1]].map(|s| edge.arc_fraction(s)));
+                mesh.arc.push([s[0], s[1]].map(|s| edge.drawn_fraction(s)));
                 mesh.shape.push(shape);
                 mesh.heading.push(heading);
             }

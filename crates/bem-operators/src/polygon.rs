@@ -89,7 +89,8 @@ pub struct Polygon {
     edges: Vec<Edge>,
     loops: Vec<Range<usize>>,
     bodies: Vec<Range<usize>>,
-    bounded: bool,
+    /// Whether each body is bounded.
+    bounded: Vec<bool>,
     side_names: Vec<String>,
     area: f64,
     diameter: f64,
@@ -137,7 +138,7 @@ impl Polygon {
                     side_names.len() - 1
                 });
                 let path = paths.get(k).copied().unwrap_or_default();
-                edges.push(Edge { start, end, path, side, loop_index, reversed });
+                edges.push(Edge { start, end, path, side, loop_index, reversed, drawn: [0.0, 1.0] });
             }
             loops.push(first..edges.len());
         }
@@ -145,7 +146,23 @@ impl Polygon {
         let (area, centroid) = area_and_centroid(&edges);
         let area = if bounded { area } else { f64::INFINITY };
         let bodies = std::iter::once(0..loops.len()).collect();
-        Polygon { edges, loops, bodies, bounded, side_names, area, diameter, centroid, tolerance }
+        Polygon { edges, loops, bodies, bounded: vec![bounded], side_names, area, diameter, centroid, tolerance }
+    }
+
+    /// The loops of each piece into which the body is cut, its outer one first, in the place of its own.
+    pub(crate) fn in_pieces(&self, pieces: Vec<Vec<Vec<Edge>>>, side_names: Vec<String>) -> Polygon {
+        let bounded = vec![true; pieces.len()];
+        let (mut edges, mut loops, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
+        for piece in pieces {
+            let first = loops.len();
+            for one in piece {
+                let (loop_index, start) = (loops.len(), edges.len());
+                edges.extend(one.into_iter().map(|edge| Edge { loop_index, ..edge }));
+                loops.push(start..edges.len());
+            }
+            bodies.push(first..loops.len());
+        }
+        Polygon { edges, loops, bodies, bounded, side_names, ..self.clone() }
     }
 
     /// The same with the sides of a body of this name: `NAME.SIDE`.
@@ -154,13 +171,12 @@ impl Polygon {
         self
     }
 
-    /// Bounded bodies as one polygon: their loops, edges and sides one body after the other, sides of equal names kept apart.
+    /// Bodies as one polygon: their loops, edges and sides one body after the other, sides of equal names kept apart.
     /// Whether they overlap is not asked: bodies that are pressed together do.
     ///
     /// # Panics
-    /// Without a body, or with an unbounded one.
+    /// Without a body.
     pub fn assembly(bodies: Vec<Polygon>) -> Polygon {
-        assert!(bodies.iter().all(|body| body.bounded), "an unbounded body among others");
         let mut bodies = bodies.into_iter();
         let mut all = bodies.next().expect("at least one body");
         for body in bodies {
@@ -170,9 +186,15 @@ impl Polygon {
             all.loops.extend(body.loops.into_iter().map(|range| edges + range.start..edges + range.end));
             all.bodies.extend(body.bodies.into_iter().map(|range| loops + range.start..loops + range.end));
             all.side_names.extend(body.side_names);
-            let area = all.area + body.area;
-            all.centroid = [0, 1].map(|i| (all.area * all.centroid[i] + body.area * body.centroid[i]) / area);
-            all.area = area;
+            // an infinite area has no centre: then that of the bounded bodies, or the first one
+            let part = match (all.area.is_finite(), body.area.is_finite()) {
+                (true, true) => body.area / (all.area + body.area),
+                (false, true) => 1.0,
+                (_, false) => 0.0,
+            };
+            all.centroid = [0, 1].map(|i| (1.0 - part) * all.centroid[i] + part * body.centroid[i]);
+            all.area += body.area;
+            all.bounded.extend(body.bounded);
             all.diameter = all.diameter.max(body.diameter);
             all.tolerance = all.tolerance.max(body.tolerance);
         }
@@ -194,9 +216,14 @@ impl Polygon {
         !self.edges.iter().all(Edge::is_line)
     }
 
-    /// Whether the body has an outer loop; else it is the plane without its holes.
+    /// Whether the body has an outer loop; else it is the plane without its holes. Of several bodies whether all have one.
     pub fn is_bounded(&self) -> bool {
-        self.bounded
+        self.bounded.iter().all(|bounded| *bounded)
+    }
+
+    /// The same of one of several bodies.
+    pub fn is_body_bounded(&self, body: usize) -> bool {
+        self.bounded[body]
     }
 
     /// Edge numbers of each loop, the outer one first if there is one.
@@ -253,6 +280,13 @@ impl Polygon {
         self.centroid
     }
 
+    /// The same of one of several bodies.
+    pub fn centroid_of_body(&self, body: usize) -> [f64; 2] {
+        let loops = &self.bodies[body];
+        let edges = self.loops[loops.start].start..self.loops[loops.end - 1].end;
+        area_and_centroid(&self.edges[edges]).1
+    }
+
     /// Distance below which points count as equal: 1e-12 diameters, or four roundings of the largest coordinate if the
     /// body lies so far from the origin that this is more.
     pub fn tolerance(&self) -> f64 {
@@ -286,12 +320,12 @@ impl Polygon {
     pub fn is_in_body(&self, body: usize, x: [f64; 2]) -> bool {
         let edges = self.bodies[body].clone().flat_map(|l| &self.edges[self.loops[l].clone()]);
         // holes are traversed clockwise: -1 in one of them
-        x.iter().all(|c| c.is_finite()) && winding(edges, x) == if self.bounded { 1 } else { 0 }
+        x.iter().all(|c| c.is_finite()) && winding(edges, x) == i32::from(self.bounded[body])
     }
 }
 
 /// How often edges turn around a point that lies on none of them, counter-clockwise.
-fn winding<'a>(edges: impl Iterator<Item = &'a Edge>, x: [f64; 2]) -> i32 {
+pub(crate) fn winding<'a>(edges: impl Iterator<Item = &'a Edge>, x: [f64; 2]) -> i32 {
     let of = |edge: &Edge| {
         let (start, end) = (edge.start, edge.end);
         if !edge.is_line() {
@@ -364,7 +398,7 @@ pub(crate) fn listed_edges(listed: &Loop) -> Vec<Edge> {
     let corners = &listed.corners;
     let edge = |k: usize| {
         let (start, end) = (corners[k], corners[(k + 1) % corners.len()]);
-        Edge { start, end, path: listed.path(k), side: k, loop_index: 0, reversed: false }
+        Edge { start, end, path: listed.path(k), side: k, loop_index: 0, reversed: false, drawn: [0.0, 1.0] }
     };
     (0..corners.len()).map(edge).collect()
 }

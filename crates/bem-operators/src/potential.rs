@@ -10,7 +10,7 @@
 //! the element ends is left.
 
 use num_complex::Complex64;
-use steklov_elastic::Material;
+use steklov_elastic::{Material, RigidMotion};
 use steklov_quadrature::{legendre_dq, legendre_p, legendre_q, legendre_q_cut};
 
 use crate::curve::Curve;
@@ -26,6 +26,8 @@ pub struct BoundaryField {
     material: Material,
     /// a.
     constant: [f64; 2],
+    /// A rigid motion that is added.
+    motion: Option<RigidMotion>,
     pub(crate) constants: Constants,
     pub(crate) elements: Vec<Piece>,
 }
@@ -112,13 +114,23 @@ impl BoundaryField {
             }
         });
         let constants = Constants::new(material);
-        Self { material: *material, constant: [0.0; 2], constants, elements: elements.collect() }
+        Self { material: *material, constant: [0.0; 2], motion: None, constants, elements: elements.collect() }
     }
 
     /// The same field with the constant a to which it tends at infinity, in an unbounded body:
     /// [`crate::TractionMap::at_infinity`]. It is 0 in a bounded body.
     pub fn tending_to(self, constant: [f64; 2]) -> Self {
         Self { constant, ..self }
+    }
+
+    /// The same field with a rigid motion added, exactly: the polynomials of curved elements have no rotations among them.
+    pub fn moved(self, motion: Option<RigidMotion>) -> Self {
+        Self { motion, ..self }
+    }
+
+    /// The rigid motion that is added, at a point.
+    fn motion_at(&self, x: Complex64) -> [f64; 2] {
+        self.motion.as_ref().map_or([0.0; 2], |motion| motion.at([x.re, x.im]))
     }
 
     /// The constant at infinity.
@@ -130,7 +142,8 @@ impl BoundaryField {
     pub fn inside(&self, x: [f64; 2]) -> Inside {
         let x = Complex64::new(x[0], x[1]);
         let k = &self.constants;
-        let (mut u, mut gradient) = (self.constant, [[0.0; 2]; 2]);
+        let r = self.motion_at(x);
+        let (mut u, mut gradient) = ([0, 1].map(|i| self.constant[i] + r[i]), [[0.0; 2]; 2]);
         let mut at = AtPoint::default();
         for piece in &self.elements {
             let Segment { start, end } = piece.segment;
@@ -175,8 +188,9 @@ impl BoundaryField {
         let speed = slope.norm();
         let traction = piece.traction_at(p, speed);
         let along = series(&piece.derivative, p).map(|d| d / speed);
+        let (u, r) = (series(&piece.displacement, p), self.motion_at(piece.curve.point(t)));
         Trace {
-            displacement: series(&piece.displacement, p),
+            displacement: if self.motion.is_some() { [u[0] + r[0], u[1] + r[1]] } else { u },
             traction,
             stress: self.boundary_stress(slope / speed, traction, along),
         }

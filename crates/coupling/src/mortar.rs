@@ -105,9 +105,14 @@ fn foot(mesh: &Mesh, e: usize, x: [f64; 2]) -> f64 {
     // by halves: the foot is unique as long as x is nearer than the centre of curvature
     let (mut low, mut high) = (-1.0 - 1e-9, 1.0 + 1e-9);
     let (mut at_low, at_high) = (along(low), along(high));
-    if at_low * at_high > 0.0 {
-        // the point lies ahead of both ends, or behind
-        return if at_low < 0.0 { 2.0 } else { -2.0 };
+    if at_low > 0.0 || at_high < 0.0 {
+        // the point lies ahead of both ends, or behind; between (along falls from + to -) the element is farthest from it
+        let away = |t: f64| {
+            let y = mesh.point(e, t);
+            (y[0] - x[0]).hypot(y[1] - x[1])
+        };
+        let ahead = if at_low * at_high > 0.0 { at_low < 0.0 } else { away(1.0) < away(-1.0) };
+        return if ahead { 2.0 } else { -2.0 };
     }
     for _ in 0..200 {
         let middle = (low + high) / 2.0;

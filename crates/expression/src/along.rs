@@ -99,7 +99,7 @@ impl Track for OnEdge<'_> {
             [start, step] => start + step * t,
         };
         let [x, y] = self.edge.point(parameter);
-        (x, y, if self.uses_edge { self.edge.arc_fraction(parameter) } else { parameter })
+        (x, y, if self.uses_edge { self.edge.drawn_fraction(parameter) } else { parameter })
     }
 
     fn bend(&self) -> [f64; 2] {

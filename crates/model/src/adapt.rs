@@ -275,7 +275,8 @@ impl Layout {
         };
         let high = Grading { max_degree: Mesh::MAX_DEGREE, ..Grading::default() };
         let subdivision = Subdivision::new(mesh, &marks).refined_by_mark(&high);
-        Ok((Self { subdivision, tips: Vec::new() }, marking.state.map_or(Vec::new(), unlocated)))
+        let layout = Self { subdivision, tips: Vec::new() }.with_equal_cuts(&scene.problem);
+        Ok((layout, marking.state.map_or(Vec::new(), unlocated)))
     }
 
     /// [`Self::next`] of the hp strategy: graded towards singular points, with vertices at transitions and asperities.
@@ -296,6 +297,7 @@ impl Layout {
         };
         follow_beyond(scene, &self.tips, &tips, &mut subdivision, &mut singular);
         tips.iter().for_each(|tip| singular[tip.edge].push(tip.s));
-        Ok((Self { subdivision: subdivision.refined(&singular, &Grading::default()), tips }, located))
+        let layout = Self { subdivision: subdivision.refined(&singular, &Grading::default()), tips };
+        Ok((layout.with_equal_cuts(&scene.problem), located))
     }
 }

@@ -147,12 +147,13 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
     }
 }
 
-/// What a hole in an unbounded medium does far away; none of another body.
+/// What an unbounded medium with a boundary of its own does far away; none without one.
 fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
-    let far = scene.body().far.as_ref()?;
+    let parts = scene.problem.outline.bodies().len();
+    let (body, far) = (0..parts).find_map(|body| Some((body, scene.problem.bodies[body].far.as_ref()?)))?;
     let Solved { mesh, space, field, .. } = &run.last;
     let (mut resultant, mut sum) = ([0.0; 2], 0.0);
-    for e in 0..mesh.len() {
+    for e in field.elements(body) {
         let rule = steklov_quadrature::gauss_legendre(space.degree(e));
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             let force = field.trace(e, t).traction.map(|v| w * mesh.speed(e, t) * v);
@@ -167,8 +168,8 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
         },
         resultant,
         balanced: resultant[0].hypot(resultant[1]) <= BALANCED * sum,
-        constant: field.of_body(0).at_infinity(),
-        length: run.last.mesh.diameter(),
+        constant: field.of_body(body).at_infinity(),
+        length: mesh.part(field.elements(body)).diameter(),
     })
 }
 

@@ -6,7 +6,7 @@ use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_elastic::RigidMotion;
 use steklov_problem::Scene;
 
-use crate::body_load::{Particular, crossed_work, energies};
+use crate::body_load::{Particular, Particulars, energies_of};
 use crate::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
 use crate::data::{Data, Loads};
 use crate::energies::Energies;
@@ -50,7 +50,8 @@ pub struct Body {
 /// What acts on a body.
 pub struct Given {
     pub(crate) loads: Loads,
-    pub(crate) particular: Option<Particular>,
+    /// By the bodies.
+    pub(crate) particular: Vec<Option<Particular>>,
     pub(crate) boundary: Option<ContactBoundary>,
     /// Values of the held unknowns, in the order of the nodes.
     pub(crate) held: Vec<f64>,
@@ -69,16 +70,17 @@ pub struct Given {
 impl Given {
     pub(crate) fn new(
         loads: Loads,
-        particular: Option<Particular>,
+        particular: Vec<Option<Particular>>,
         boundary: Option<ContactBoundary>,
         held: Vec<f64>,
-        mesh: &Mesh,
-        space: &Space,
+        bodies: &[Assembled],
     ) -> Self {
         let (mut load, mut extra_load) = (loads.nodal.clone(), loads.bubbles.clone());
-        if let Some(p) = &particular {
-            load.iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
-            extra_load.iter_mut().zip(p.solution.bubble_load(mesh, space)).for_each(|(f, t)| *f -= t);
+        for (Assembled { piece, .. }, p) in bodies.iter().zip(&particular) {
+            let Some(p) = p else { continue };
+            piece.own_mut(&mut load).iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
+            let of_bubbles = p.solution.bubble_load(&piece.mesh, &piece.space);
+            extra_load[2 * piece.elements.start..].iter_mut().zip(of_bubbles).for_each(|(f, t)| *f -= t);
         }
         Self { loads, particular, boundary, held, judged: true, liftable: true, stabilised: None, load, extra_load }
     }
@@ -105,11 +107,16 @@ pub struct Factors {
 impl Body {
     /// The elastic field of a nodal displacement.
     pub fn field(&self, displacement: &[f64]) -> Field {
-        let of = |Assembled { piece, length, traction_map }: &Assembled| {
-            let own = piece.own(displacement);
-            let traction = traction_map.apply(own);
-            let field = BoundaryField::new(&piece.mesh, &piece.space, &piece.material, own, &traction, *length);
-            (piece.elements.clone(), field.tending_to(traction_map.at_infinity(own)))
+        let of = |body: &Assembled| {
+            let Assembled { piece, length, traction_map, .. } = body;
+            let mut own = piece.own(displacement).to_vec();
+            let motion = body.motion(&own);
+            if let Some(motion) = &motion {
+                own.iter_mut().zip(motion.nodal(&piece.space.points)).for_each(|(u, r)| *u -= r);
+            }
+            let traction = traction_map.apply(&own);
+            let field = BoundaryField::new(&piece.mesh, &piece.space, &piece.material, &own, &traction, *length);
+            (piece.elements.clone(), field.tending_to(traction_map.at_infinity(&own)).moved(motion))
         };
         Field::new(self.pieces.iter().map(of).collect())
     }
@@ -152,7 +159,8 @@ impl Body {
         displacement.iter_mut().zip(lift.iter().flatten()).for_each(|(u, r)| *u += r);
 
         let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
-        let Fields { homogeneous, field, energies } = self.fields(&given, &displacement, &forces, friction_work);
+        let Fields { homogeneous, field, energies, strain_of_bodies } =
+            self.fields(&given, &displacement, &forces, friction_work);
         let Energies { total, strain, load_work, .. } = energies;
         if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
             return Err(SolveError::NotFinite { energy: total });
@@ -167,8 +175,8 @@ impl Body {
             (_, None) => (homogeneous, total, 0.0),
         };
         let data = Data { scene, mesh, space };
-        let particular = given.particular.as_ref().map(|p| p.solution);
-        let of_corner = |e: usize, j: usize| data.traction_moment(&field, particular.as_ref(), e, j);
+        let particular = Particulars::new(&self.pieces, &given.particular);
+        let of_corner = |e: usize, j: usize| data.traction_moment(&field, &particular, e, j);
         let reactions = reactions(scene, (&supports, mesh), &residual.values, contact.as_ref(), of_corner);
         let factors = Factors {
             homogeneous,
@@ -180,7 +188,7 @@ impl Body {
             contact: contact_factors,
         };
         let solved = Solved {
-            strain_of_bodies: self.strain_of_bodies(&displacement, &forces),
+            strain_of_bodies,
             ties: self.tie_rows(scene, &residual.values),
             around: self.outside.as_ref().and_then(|outside| outside.around(&data, &displacement, &given.loads.nodal)),
             displacement,
@@ -213,23 +221,16 @@ impl Body {
         equations.residual(|dof| dof, |dof| supports.is_held(dof))
     }
 
-    /// Half of a(u, u) of each body.
-    fn strain_of_bodies(&self, displacement: &[f64], forces: &[f64]) -> Vec<f64> {
-        let of = |Assembled { piece, .. }: &Assembled| {
-            0.5 * piece.own(displacement).iter().zip(piece.own(forces)).map(|(u, f)| u * f).sum::<f64>()
-        };
-        self.pieces.iter().map(of).collect()
-    }
-
     /// The tractions of ties, of what is left of the equations.
     fn tie_rows(&self, scene: &Scene, residual: &[f64]) -> Vec<TieRow> {
-        let mut rows: Vec<TieRow> = Vec::new();
+        let (mut rows, mut nodes): (Vec<TieRow>, Vec<[usize; 2]>) = (Vec::new(), Vec::new());
         for tied in &self.tied {
-            let (point, i) = (self.space.points[tied.relative.node], tied.dof % 2);
-            let name = &scene.problem.interfaces[tied.interface].name;
-            let same = |row: &TieRow| row.name == *name && row.point == point;
-            let at = rows.iter().position(same).unwrap_or_else(|| {
-                rows.push(TieRow { name: name.clone(), point, weight: tied.weight, traction: [0.0; 2] });
+            let (node, i) = (tied.relative.node, tied.dof % 2);
+            // two nodes may be at one point: where a cut ends on another interface
+            let at = nodes.iter().position(|of| *of == [node, tied.interface]).unwrap_or_else(|| {
+                let name = scene.problem.interfaces[tied.interface].name.clone();
+                nodes.push([node, tied.interface]);
+                rows.push(TieRow { name, point: self.space.points[node], weight: tied.whole, traction: [0.0; 2] });
                 rows.len() - 1
             });
             rows[at].traction[i] = residual[tied.dof] / tied.weight;
@@ -273,19 +274,30 @@ impl Body {
 
     /// The elastic field of a nodal displacement and its energies.
     fn fields(&self, given: &Given, displacement: &[f64], forces: &[f64], friction_work: f64) -> Fields {
-        let particular = given.particular.as_ref();
-        let homogeneous: Vec<f64> = match particular {
-            None => displacement.to_vec(),
-            Some(p) => displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect(),
-        };
+        let mut homogeneous = displacement.to_vec();
+        for (body, p) in self.pieces.iter().zip(&given.particular) {
+            let displacement = p.iter().flat_map(|p| &p.displacement);
+            body.piece.own_mut(&mut homogeneous).iter_mut().zip(displacement).for_each(|(u, p)| *u -= p);
+        }
         let field = self.field(&homogeneous);
-        let crossed = particular.map_or(0.0, |p| crossed_work(&field, &p.solution, &self.mesh, &self.space));
-        let mut energies = energies(displacement, forces, &given.loads.nodal, particular, crossed, friction_work);
+        let of_body = |(k, (Assembled { piece, .. }, p)): (usize, (&Assembled, &Option<Particular>))| {
+            let (u, forces) = (piece.own(displacement), piece.own(forces));
+            energies_of(u, forces, piece.own(&given.loads.nodal), p.as_ref(), field.of_body(k), piece)
+        };
+        let of_bodies: Vec<Energies> = self.pieces.iter().zip(&given.particular).enumerate().map(of_body).collect();
+        let sum = |of: fn(&Energies) -> f64| of_bodies.iter().map(of).sum::<f64>();
+        let mut energies = Energies {
+            total: sum(|e| e.total) + friction_work,
+            strain: sum(|e| e.strain),
+            load_work: sum(|e| e.load_work),
+            friction_work,
+        };
         if let Some(outside) = &self.outside {
             energies.strain = outside.strain_energy(displacement, &outside.displacement(displacement), forces);
             energies.total = energies.strain - energies.load_work + friction_work;
         }
-        Fields { homogeneous, field, energies }
+        let strain_of_bodies = of_bodies.iter().map(|e| e.strain).collect();
+        Fields { homogeneous, field, energies, strain_of_bodies }
     }
 }
 
@@ -299,4 +311,6 @@ struct Fields {
     /// The elastic field of that.
     field: Field,
     energies: Energies,
+    /// Strain energy of each body.
+    strain_of_bodies: Vec<f64>,
 }

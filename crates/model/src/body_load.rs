@@ -1,12 +1,41 @@
 //! A constant body force or a remote stress in the discrete problem: u = w + u_p, w without them.
 
-use steklov_bem_operators::{Mesh, ParticularSolution, Space};
+use std::ops::Range;
+
+use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
+use steklov_problem::Scene;
 use steklov_quadrature::gauss_legendre;
 
 use crate::energies::Energies;
-use crate::fields::Field;
+use crate::parts::{Assembled, Piece};
 
-/// The particular solution on a mesh.
+/// The particular solutions of bodies; none of those without a force or a stress far away.
+#[derive(Debug, Clone, Default)]
+pub struct Particulars {
+    /// The elements of each body that has one, and it.
+    bodies: Vec<(Range<usize>, ParticularSolution)>,
+}
+
+impl Particulars {
+    pub(crate) fn new(bodies: &[Assembled], particular: &[Option<Particular>]) -> Self {
+        let of = |(body, own): (&Assembled, &Option<Particular>)| {
+            Some((body.piece.elements.clone(), own.as_ref()?.solution))
+        };
+        Self { bodies: bodies.iter().zip(particular).filter_map(of).collect() }
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.bodies.is_empty()
+    }
+
+    /// That of the body of an element.
+    pub fn of(&self, e: usize) -> Option<&ParticularSolution> {
+        self.bodies.iter().find(|(elements, _)| elements.contains(&e)).map(|(_, solution)| solution)
+    }
+}
+
+/// The particular solution on the mesh of a body.
 ///
 /// With U the nodal values of u_p and T = ∫ σ(u_p)n·φ, the functional of the nodal displacement u is
 /// ½ uᵀSu - (f + S U - T)·u plus a constant.
@@ -32,8 +61,22 @@ pub(crate) struct Particular {
 }
 
 impl Particular {
-    /// `stiffness` is the product with S; `held` tells whether the side of an element holds a component; `unbounded`: the particular solution reaches to infinity.
-    pub(crate) fn new(
+    /// Of a body of the scene, times a factor; `stiffness` is the product with its S.
+    pub(crate) fn of_body(
+        scene: &Scene,
+        body: usize,
+        factor: f64,
+        Piece { mesh, space, .. }: &Piece,
+        stiffness: impl FnOnce(&[f64]) -> Vec<f64>,
+    ) -> Option<Self> {
+        let solution = scene.particular_solution(body, factor)?;
+        let held = |e: usize, i: usize| scene.problem.sides[mesh.side[e]].holds(i);
+        let unbounded = scene.problem.bodies[body].far.is_some();
+        Some(Self::new(solution, unbounded, mesh, space, held, stiffness))
+    }
+
+    /// `held` tells whether the side of an element holds a component; `unbounded`: the particular solution reaches to infinity.
+    fn new(
         solution: ParticularSolution,
         unbounded: bool,
         mesh: &Mesh,
@@ -51,45 +94,42 @@ impl Particular {
     }
 }
 
-/// Energies of a nodal displacement u: `forces` = S u, `tractions` = f without the particular load, `crossed` = ∮ t(w)·u_p.
+/// Energies of the nodal displacement u of a body, friction apart: `forces` = S u, `tractions` = f without the particular load,
+/// `field` that of w.
 ///
 /// ```text
 /// ∫ b·u = ∮ t(w)·u_p - T·w + ∫ b·u_p                               (Betti), w = u - U
-/// J - friction = ½ wᵀ S w + T·w + ½ a(u_p,u_p) - f·u - ∫ b·u_p
+/// J = ½ wᵀ S w + T·w + ½ a(u_p,u_p) - f·u - ∫ b·u_p
 /// ```
 /// In an unbounded body those of w, whose traction on the boundary is what is given less σ_∞n; held sides are not loaded:
 ///
 /// ```text
-/// J - friction = ½ wᵀ S w - (f - T)·w
+/// J = ½ wᵀ S w - (f - T)·w
 /// ```
-pub(crate) fn energies(
+pub(crate) fn energies_of(
     displacement: &[f64],
     forces: &[f64],
     tractions: &[f64],
     particular: Option<&Particular>,
-    crossed: f64,
-    friction_work: f64,
+    field: &BoundaryField,
+    Piece { mesh, space, .. }: &Piece,
 ) -> Energies {
     let traction_work = dot(tractions, displacement);
     let Some(p) = particular else {
         let strain = 0.5 * dot(displacement, forces);
-        return Energies {
-            total: strain - traction_work + friction_work,
-            strain,
-            load_work: traction_work,
-            friction_work,
-        };
+        return Energies { total: strain - traction_work, strain, load_work: traction_work, friction_work: 0.0 };
     };
     let w: Vec<f64> = displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
     let stiff: Vec<f64> = forces.iter().zip(&p.stiff).map(|(s, p)| s - p).collect();
     let traction = dot(&p.traction, &w);
     if p.relative {
         let (strain, load_work) = (0.5 * dot(&w, &stiff), dot(tractions, &w) - dot(&p.loaded, &w));
-        return Energies { total: strain - load_work + friction_work, strain, load_work, friction_work };
+        return Energies { total: strain - load_work, strain, load_work, friction_work: 0.0 };
     }
+    let crossed = crossed_work(field, &p.solution, mesh, space);
     let load_work = traction_work + crossed - traction + p.work;
     let elastic = 0.5 * dot(&w, &stiff) + traction + 0.5 * p.energy - traction_work - p.work;
-    Energies { total: elastic + friction_work, strain: elastic + load_work, load_work, friction_work }
+    Energies { total: elastic, strain: elastic + load_work, load_work, friction_work: 0.0 }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
@@ -97,7 +137,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 }
 
 /// ∮ t(w)·u_p with the traction of w of its own space.
-pub(crate) fn crossed_work(field: &Field, particular: &ParticularSolution, mesh: &Mesh, space: &Space) -> f64 {
+fn crossed_work(field: &BoundaryField, particular: &ParticularSolution, mesh: &Mesh, space: &Space) -> f64 {
     let mut work = 0.0;
     for e in 0..mesh.len() {
         let rule = gauss_legendre(space.degree(e) + 2);

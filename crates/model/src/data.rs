@@ -9,6 +9,7 @@ use steklov_expression::{Expression, Piece};
 use steklov_problem::{Condition, DataError, Law, Scene, Tie};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
+use crate::body_load::Particulars;
 use crate::error::SolveError;
 use crate::fields::Field;
 use crate::supports::Held;
@@ -271,10 +272,11 @@ impl Data<'_> {
     }
 
     /// ‖w‖ ‖dw/ds‖ of the held displacements less their interpolants, summed over the components: (element, length²).
-    pub fn held_oscillation(&self, body: Option<&ParticularSolution>) -> Result<Vec<(usize, f64)>, SolveError> {
+    pub fn held_oscillation(&self, particular: &Particulars) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
         for (index, side) in self.scene.problem.sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &side.condition else { continue };
+            let body = self.particular_of_side(particular, index);
             for (expression, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                 let Some(expression) = expression else { continue };
                 if expression.constant().is_some() && body.is_none() {
@@ -287,6 +289,15 @@ impl Data<'_> {
             }
         }
         Ok(found)
+    }
+
+    /// The particular solution of the body of a side.
+    pub(crate) fn particular_of_side<'p>(
+        &self,
+        particular: &'p Particulars,
+        side: usize,
+    ) -> Option<&'p ParticularSolution> {
+        particular.of(self.mesh.side.iter().position(|&of| of == side)?)
     }
 
     /// An expression less the particular solution along a direction.
@@ -364,7 +375,7 @@ impl Data<'_> {
     }
 
     /// ∫ t φ_j over element e of the whole traction, for its local node j.
-    pub fn traction_moment(&self, field: &Field, body: Option<&ParticularSolution>, e: usize, j: usize) -> [f64; 2] {
+    pub fn traction_moment(&self, field: &Field, particular: &Particulars, e: usize, j: usize) -> [f64; 2] {
         let basis = self.space.basis(e);
         let more = if self.mesh.is_line(e) { 2 } else { 16 };
         let rule = steklov_quadrature::gauss_legendre(basis.degree + more);
@@ -373,7 +384,7 @@ impl Data<'_> {
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             basis.evaluate(t, &mut phi);
             let mut traction = field.trace(e, t).traction;
-            if let Some(body) = body {
+            if let Some(body) = particular.of(e) {
                 let extra = body.traction(self.mesh.point(e, t), self.mesh.normal(e, t));
                 traction = [traction[0] + extra[0], traction[1] + extra[1]];
             }

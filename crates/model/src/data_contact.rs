@@ -1,10 +1,11 @@
 //! The data of contact sides on a mesh: gaps, friction bounds and coefficients.
 
-use steklov_bem_operators::{BemError, ParticularSolution, Site};
+use steklov_bem_operators::{BemError, Site};
 use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles};
 use steklov_expression::Expression;
 use steklov_problem::{Contact, DataError, DataErrorKind, Friction};
 
+use crate::body_load::Particulars;
 use crate::data::{Data, Function};
 use crate::error::SolveError;
 use crate::joints::Joint;
@@ -16,14 +17,17 @@ impl Data<'_> {
         &self,
         boundary: &ContactBoundary,
         sets: &Sets,
-        body: Option<&ParticularSolution>,
+        particular: &Particulars,
     ) -> Result<Vec<ContactBubble>, SolveError> {
         let of_side = |side: usize| {
             let Contact { gap, friction } = self.scene.contact(side)?;
             let [bound, coefficient] = [friction.bound(), friction.coefficient()].map(|f| f.map(|f| self.function(f)));
             let gap = match self.scene.problem.joint(side) {
                 Some(_) => self.gap(side, gap),
-                None => self.less_particular(gap, body, |site| self.mesh.normal(site.element, site.t)),
+                None => {
+                    let body = self.particular_of_side(particular, side);
+                    self.less_particular(gap, body, |site| self.mesh.normal(site.element, site.t))
+                }
             };
             Some((gap, bound, coefficient))
         };

@@ -24,12 +24,13 @@ use crate::solution::Solved;
 impl Data<'_> {
     /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).
     pub(crate) fn held_work(&self, solved: &Solved) -> Result<f64, SolveError> {
-        let body = solved.particular.as_ref();
-        // the energies of an unbounded body are those of the field without the particular solution
-        let of_all = body.filter(|_| !self.scene.is_cavity());
         let mut work = 0.0;
         for (side, condition) in self.scene.problem.sides.iter().enumerate() {
             let Condition::Displacement { values, .. } = &condition.condition else { continue };
+            let body = self.particular_of_side(&solved.particular, side);
+            // the energies of an unbounded body are those of the field without the particular solution
+            let bounded = self.scene.problem.bodies[self.scene.problem.body_of_side(side)].far.is_none();
+            let of_all = body.filter(|_| bounded);
             for (i, expression) in values.iter().enumerate() {
                 let Some(expression) = expression.as_ref().filter(|e| e.constant().is_none() || body.is_some()) else {
                     continue;
@@ -116,7 +117,7 @@ impl Data<'_> {
             let e = element.element;
             let slip = |((node, at), &place): ((usize, &Option<LinePoint>), &f64)| {
                 let t = mesh.tangent(e, place);
-                let own = solved.particular.as_ref().map_or([0.0; 2], |b| b.displacement(space.points[node]));
+                let own = solved.particular.of(e).map_or([0.0; 2], |b| b.displacement(space.points[node]));
                 let u: f64 = (0..2).map(|i| (relative[2 * node + i] + own[i]) * t[i]).sum();
                 let turned = match at.map(|at| (at, part.sets.slip(at.index))) {
                     Some((at, Some(0))) => {

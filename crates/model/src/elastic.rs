@@ -32,7 +32,7 @@ impl EnrichedBody {
         let of_mesh = (&body.mesh, &body.space);
         let outside = body.outside.as_ref().map(|outside| outside.enriched(of_mesh, cache)).transpose()?;
         let mut bodies = Vec::new();
-        for Assembled { piece, length, traction_map } in &body.pieces {
+        for Assembled { piece, length, traction_map, .. } in &body.pieces {
             let of_mesh = (&piece.mesh, &piece.space);
             let enriched = EnrichedSteklov::new(of_mesh, &piece.material, *length, traction_map, cache)?;
             bodies.push((enriched, piece.elements.clone(), piece.nodes.clone()));

@@ -11,7 +11,7 @@
 //! with strategies that keep the degree, with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
-use steklov_bem_operators::{Enriched, Look, Mesh, SAME_PLACE};
+use steklov_bem_operators::{Enriched, Look, Mesh, Polygon, SAME_PLACE};
 use steklov_contact::{ContactBubble, Frozen};
 use steklov_elastic::Material;
 use steklov_problem::{Indicator, Refine, Scene};
@@ -167,18 +167,16 @@ pub fn estimate(
     let elastic = Elastic::new(enriched, factors);
     let data = Data { scene, mesh, space };
     let bubbles = match (&solved.contact, &factors.contact) {
-        (Some(contact), Some(part)) => {
-            data.contact_bubbles(&contact.boundary, &part.sets, solved.particular.as_ref())?
-        }
+        (Some(contact), Some(part)) => data.contact_bubbles(&contact.boundary, &part.sets, &solved.particular)?,
         _ => Vec::new(),
     };
     let closed: Vec<usize> = bubbles.iter().filter(|b| !b.free[0]).map(|b| b.element).collect();
-    let facing = data.facing_loads(&body.joints, &solved.field, &bubbles);
+    let facing = data.facing_loads(&body.joints, solved.elastic_field(), &bubbles);
     let frames = frames(scene, mesh, &bubbles, &facing);
     let residual = bubble_residual(mesh, factors, &elastic, &bubbles, &facing);
     let (mut indicators, held_oscillation) = indicators(&data, solved, &elastic, (&bubbles, &frames), &residual)?;
     let scale = scale(solved.energies.strain, body, factors);
-    let nonconformity = data.nonconformity(&body.joints, &solved.field, &bubbles);
+    let nonconformity = data.nonconformity(&body.joints, solved.elastic_field(), &bubbles);
     for &(e, energy) in data.tie_oscillation(&body.joints)?.iter().chain(&nonconformity.energies) {
         indicators[e].oscillation += energy;
     }
@@ -210,7 +208,9 @@ pub fn estimate(
     let error = combined_error(&indicators, squared, unseen, held, factors.difference);
     let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
     let friction = data.friction_work_left(solved, factors)?;
-    let of_data = of_jump + data.held_work(solved)? + HELD_REST * held_oscillation + friction + nonconformity.work;
+    let turning = data.turning_work(solved, body, &factors.homogeneous);
+    let of_data =
+        of_jump + data.held_work(solved)? + HELD_REST * held_oscillation + friction + nonconformity.work + turning;
     let extrapolation = 0.5 * (gained - squared);
     let energy = factors.energy + of_data + extrapolation;
     if !error.is_finite() || !energy.is_finite() {
@@ -219,7 +219,7 @@ pub fn estimate(
     let coulomb = solved.contact.as_ref().is_some_and(|c| c.coulomb.is_some());
     let bounds = if coulomb { NOT_STATIONARY * error * (2.0 * solved.energies.friction_work).sqrt() } else { 0.0 };
     let of_square = if solved.contact.is_some() { OF_SQUARE_WITH_CONTACT } else { OF_SQUARE };
-    let first_order = extrapolation.abs() + of_jump.abs() + nonconformity.work.abs();
+    let first_order = extrapolation.abs() + of_jump.abs() + nonconformity.work.abs() + turning.abs();
     let uncertainty = 0.5 * first_order + friction.abs() + of_square * error * error + bounds;
     let uncertainty = uncertainty.max(rounding_of_energy(solved, body, scale));
     let unresolved = unresolved(&data, solved, factors, &bubbles)?;
@@ -287,7 +287,7 @@ fn indicators(
             data.scene.problem.contact_modulus(data.mesh.edge[bubble.element]) / 2.0 * bubble.oscillation;
     }
     let mut held = 0.0;
-    for (e, oscillation) in data.held_oscillation(solved.particular.as_ref())? {
+    for (e, oscillation) in data.held_oscillation(&solved.particular)? {
         indicators[e].oscillation += modulus(e) / 2.0 * oscillation;
         held += modulus(e) / 2.0 * oscillation;
     }
@@ -407,15 +407,17 @@ impl Estimate {
 
     /// Whether an element may have much more error than its bubble shows: between two singular points, of high degree next to
     /// one with a good part of the estimate, or, where the estimate is, longer than the body is thick.
-    pub(crate) fn is_coarse(&self, mesh: &Mesh, singular: &[Vec<f64>]) -> bool {
+    pub(crate) fn is_coarse(&self, outline: &Polygon, mesh: &Mesh, singular: &[Vec<f64>]) -> bool {
         let total: f64 = self.indicators.iter().map(Bubble::total).sum();
         let touches = |e: usize| {
             let points = &singular[mesh.edge[e]];
             points.iter().any(|p| mesh.span[e].iter().any(|s| (s - p).abs() < SAME_PLACE))
         };
         let slow = |e: usize| mesh.degree[e] > SLOW && self.indicators[e].total() > SLOW_PART * total && touches(e);
+        let body_of = |e: usize| outline.body_of_loop(outline.edges()[mesh.edge[e]].loop_index);
+        let bodies: Vec<usize> = (0..mesh.len()).map(body_of).collect();
         let slender: f64 =
-            (0..mesh.len()).map(|e| self.indicators[e].total() * mesh.length(e) / thickness(mesh, e)).sum();
+            (0..mesh.len()).map(|e| self.indicators[e].total() * mesh.length(e) / thickness(mesh, &bodies, e)).sum();
         !coarse_elements(mesh, singular).is_empty() || (0..mesh.len()).any(slow) || slender > SLENDER * total
     }
 
@@ -428,8 +430,9 @@ impl Estimate {
     }
 }
 
-/// Distance from the middle of an element to the nearest other one across the body; infinite if only its neighbours are there.
-fn thickness(mesh: &Mesh, e: usize) -> f64 {
+/// Distance from the middle of an element to the nearest other one across its body, `bodies` of all elements; infinite if only its
+/// neighbours are there.
+fn thickness(mesh: &Mesh, bodies: &[usize], e: usize) -> f64 {
     let (middle, n) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
     let across = |f: usize| {
         let (c, d) = (mesh.point(f, 0.0), mesh.half_chord(f));
@@ -439,7 +442,8 @@ fn thickness(mesh: &Mesh, e: usize) -> f64 {
         let (squared, inwards) = (to[0] * to[0] + to[1] * to[1], -(to[0] * n[0] + to[1] * n[1]));
         if inwards > 0.0 && inwards * inwards > 0.25 * squared { squared } else { f64::INFINITY }
     };
-    let others = (0..mesh.len()).filter(|&f| f != e && mesh.next[e] != f && mesh.next[f] != e);
+    let beside = |f: usize| f == e || mesh.next[e] == f || mesh.next[f] == e;
+    let others = (0..mesh.len()).filter(|&f| bodies[f] == bodies[e] && !beside(f));
     others.map(across).fold(f64::INFINITY, f64::min).sqrt()
 }
 
@@ -463,7 +467,7 @@ fn scale(strain: f64, body: &Body, factors: &Factors) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use steklov_bem_operators::{Loop, Polygon};
+    use steklov_bem_operators::Loop;
 
     use super::*;
 
@@ -479,7 +483,11 @@ mod tests {
         for (edge, thick) in [(1, 2.0), (3, 2.0), (5, 1.0), (7, 1.0)] {
             let on_edge: Vec<usize> = (0..mesh.len()).filter(|&e| mesh.edge[e] == edge).collect();
             let middle = on_edge[on_edge.len() / 2];
-            assert!((thickness(&mesh, middle) - thick).abs() < 1e-12, "{edge}: {}", thickness(&mesh, middle));
+            assert!(
+                (thickness(&mesh, &vec![0; mesh.len()], middle) - thick).abs() < 1e-12,
+                "{edge}: {}",
+                thickness(&mesh, &vec![0; mesh.len()], middle)
+            );
         }
     }
 }

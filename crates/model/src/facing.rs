@@ -11,7 +11,7 @@ use steklov_problem::Law;
 use steklov_quadrature::{gauss_legendre, legendre_p, project as legendre_project};
 
 use crate::data::Data;
-use crate::fields::Field;
+use crate::fields::ElasticField;
 use crate::joints::Joint;
 
 /// What is left apart below this part of the displacements is none.
@@ -41,7 +41,12 @@ pub(crate) struct Nonconformity {
 
 impl Data<'_> {
     /// The loads of all elements on both sides of closed or tied interfaces; `bubbles` are those of the contact elements.
-    pub(crate) fn facing_loads(&self, joints: &[Joint], field: &Field, bubbles: &[ContactBubble]) -> Vec<FacingLoad> {
+    pub(crate) fn facing_loads(
+        &self,
+        joints: &[Joint],
+        field: ElasticField<'_>,
+        bubbles: &[ContactBubble],
+    ) -> Vec<FacingLoad> {
         let mut loads: Vec<FacingLoad> = Vec::new();
         for joint in joints {
             for cell in &joint.cells {
@@ -66,8 +71,8 @@ impl Data<'_> {
                     };
                     let s = s.clamp(-1.0, 1.0);
                     let ds = half * w * self.mesh.speed(e, t);
-                    let beyond = field.trace(m, s).traction;
-                    let here = field.trace(e, t).traction;
+                    let beyond = field.traction(m, s);
+                    let here = field.traction(e, t);
                     let (b, b_other) = (self.bubble(e, t), self.bubble(m, s));
                     for i in 0..2 {
                         on_own[i] -= ds * b * beyond[i];
@@ -85,7 +90,12 @@ impl Data<'_> {
     /// What displacements that are together in the mean only leave of w = [u] - g n, or [u] - j, where it is closed, stuck or tied:
     /// ∫ λ·w, by which J is off to first order, as it is stationary with -λ·w beside it, λ the mean of the tractions of both
     /// sides; and for each carrying element E*/2 ‖w‖ ‖dw/ds‖ of its cells, the energy of w as a displacement of the boundary.
-    pub(crate) fn nonconformity(&self, joints: &[Joint], field: &Field, bubbles: &[ContactBubble]) -> Nonconformity {
+    pub(crate) fn nonconformity(
+        &self,
+        joints: &[Joint],
+        field: ElasticField<'_>,
+        bubbles: &[ContactBubble],
+    ) -> Nonconformity {
         let mut found = Nonconformity::default();
         for joint in joints {
             let interface = &self.scene.problem.interfaces[joint.interface];
@@ -105,7 +115,7 @@ impl Data<'_> {
     }
 
     /// Work and energy of what one cell leaves.
-    fn left_of_cell(&self, law: &Law, cell: &Cell, field: &Field, closed: [bool; 2]) -> [f64; 2] {
+    fn left_of_cell(&self, law: &Law, cell: &Cell, field: ElasticField<'_>, closed: [bool; 2]) -> [f64; 2] {
         let Cell { element: e, span, other: m } = *cell;
         let half = (span[1] - span[0]) / 2.0;
         let rule = gauss_legendre(POINTS);
@@ -114,14 +124,15 @@ impl Data<'_> {
             let t = span[0] + half * (1.0 + g);
             let (n, tangent) = (self.mesh.normal(e, t), self.mesh.tangent(e, t));
             let Some([s, _]) = project(self.mesh, m, self.mesh.point(e, t), n) else { continue };
-            let (here, beyond) = (field.trace(e, t), field.trace(m, s.clamp(-1.0, 1.0)));
+            let s = s.clamp(-1.0, 1.0);
+            let [(here, _), (beyond, _)] = [field.on_boundary(e, t), field.on_boundary(m, s)];
+            let [pull, push] = [field.traction(e, t), field.traction(m, s)];
             let apart = self.left_apart(law, &Site::new(self.mesh, e, t), n);
-            here_largest =
-                here.displacement.into_iter().chain(beyond.displacement).fold(here_largest, |m, u| m.max(u.abs()));
+            here_largest = here.into_iter().chain(beyond).fold(here_largest, |m, u| m.max(u.abs()));
             for (i, d) in [n, tangent].into_iter().enumerate().filter(|(i, _)| closed[*i]) {
                 let along = |v: [f64; 2]| v[0] * d[0] + v[1] * d[1];
-                lefts[k][i] = along(here.displacement) - along(beyond.displacement) - along(apart);
-                let traction = (along(beyond.traction) - along(here.traction)) / 2.0;
+                lefts[k][i] = along(here) - along(beyond) - along(apart);
+                let traction = (along(push) - along(pull)) / 2.0;
                 work += half * w * self.mesh.speed(e, t) * traction * lefts[k][i];
             }
         }

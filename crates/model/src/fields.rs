@@ -5,6 +5,7 @@ use std::ops::Range;
 use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution, Trace};
 use steklov_problem::Scene;
 
+use crate::body_load::Particulars;
 use crate::solution::Solved;
 use crate::summary::Probe;
 
@@ -21,7 +22,7 @@ pub fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
 impl Solved {
     /// Its field.
     pub fn elastic_field(&self) -> ElasticField<'_> {
-        ElasticField { mesh: &self.mesh, field: &self.field, particular: self.particular.as_ref() }
+        ElasticField { mesh: &self.mesh, field: &self.field, particular: &self.particular }
     }
 
     /// Displacement and stress at a point inside a body.
@@ -36,9 +37,7 @@ impl Solved {
 
     /// Traction at the reference coordinate t of element e.
     pub fn traction(&self, e: usize, t: f64) -> [f64; 2] {
-        let traction = self.field.trace(e, t).traction;
-        let extra = self.particular.map_or([0.0; 2], |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e, t)));
-        [traction[0] + extra[0], traction[1] + extra[1]]
+        self.elastic_field().traction(e, t)
     }
 
     /// Displacement and stress at the edge parameter s of an edge of the polygon; at a corner or another vertex, where
@@ -73,6 +72,11 @@ impl Field {
         self.bodies[body].1.inside(x)
     }
 
+    /// The elements of a body.
+    pub fn elements(&self, body: usize) -> Range<usize> {
+        self.bodies[body].0.clone()
+    }
+
     /// The field of a body; its elements are counted from 0.
     pub fn of_body(&self, body: usize) -> &BoundaryField {
         &self.bodies[body].1
@@ -87,14 +91,14 @@ pub struct ElasticField<'a> {
     /// Their displacement and traction.
     pub field: &'a Field,
     /// What is added to it.
-    pub particular: Option<&'a ParticularSolution>,
+    pub particular: &'a Particulars,
 }
 
 impl ElasticField<'_> {
     /// Displacement and stress at a point inside a body.
     pub fn inside(&self, body: usize, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
         let Inside { displacement: mut u, mut stress, .. } = self.field.inside(body, x);
-        if let Some(p) = self.particular {
+        if let Some(p) = self.particular.of(self.field.bodies[body].0.start) {
             let (v, sigma) = (p.displacement(x), p.stress(x));
             (0..2).for_each(|i| u[i] += v[i]);
             (0..3).for_each(|i| stress[i] += sigma[i]);
@@ -106,13 +110,21 @@ impl ElasticField<'_> {
     pub fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
         let trace = self.field.trace(e, t);
         let (mut u, mut stress) = (trace.displacement, trace.stress);
-        if let Some(p) = self.particular {
+        if let Some(p) = self.particular.of(e) {
             let x = self.mesh.point(e, t);
             let (v, sigma) = (p.displacement(x), p.stress(x));
             (0..2).for_each(|i| u[i] += v[i]);
             (0..3).for_each(|i| stress[i] += sigma[i]);
         }
         (u, stress)
+    }
+
+    /// Traction at the reference coordinate t of element e.
+    pub fn traction(&self, e: usize, t: f64) -> [f64; 2] {
+        let traction = self.field.trace(e, t).traction;
+        let of = |b: &ParticularSolution| b.traction(self.mesh.point(e, t), self.mesh.normal(e, t));
+        let extra = self.particular.of(e).map_or([0.0; 2], of);
+        [traction[0] + extra[0], traction[1] + extra[1]]
     }
 
     /// Displacement and stress at the edge parameter s of an edge; at a vertex the mean of the stresses beside it.

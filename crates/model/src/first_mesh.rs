@@ -53,7 +53,7 @@ impl Layout {
             }
         }
         halve_single(&mut subdivision, scene);
-        Self { subdivision, tips: Vec::new() }
+        Self { subdivision, tips: Vec::new() }.with_equal_cuts(&scene.problem)
     }
 }
 

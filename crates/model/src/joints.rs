@@ -39,6 +39,8 @@ pub(crate) struct TiedNode {
     pub(crate) dof: usize,
     /// D (length).
     pub(crate) weight: f64,
+    /// With the weights of nodes that gave it their dual functions, on which its multiplier acts as well.
+    pub(crate) whole: f64,
     /// The jump that w is held at (length).
     pub(crate) jump: f64,
     /// Number of the interface.
@@ -233,7 +235,7 @@ impl Data<'_> {
                     let relative = Relative { node: row.node, direction: along(i, 1.0), faced };
                     let jump = jumps[row.node][i] / row.weight;
                     let (dof, weight) = (2 * row.node + i, row.weight);
-                    own.push(TiedNode { relative, dof, weight, jump, interface: joint.interface });
+                    own.push(TiedNode { relative, dof, weight, whole: weight, jump, interface: joint.interface });
                 }
             }
             rows.retain(|row| (0..2).any(|i| !carries(row.node, i)));
@@ -251,6 +253,7 @@ impl Data<'_> {
                             );
                             return Err(ContactError::Inconsistent { what }.into());
                         };
+                        receiver.whole += part.weight;
                         let share = part.weight / receiver.weight;
                         let faced = &mut receiver.relative.faced;
                         faced.push((end.node, along(i, -share)));

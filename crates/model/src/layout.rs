@@ -1,7 +1,8 @@
 //! A mesh to be solved.
 
-use steklov_bem_operators::Subdivision;
+use steklov_bem_operators::{Piece, Subdivision};
 use steklov_contact::Tip;
+use steklov_problem::Problem;
 
 /// A mesh to be solved: its elements, and the vertices that follow transitions of contact and stick.
 #[derive(Debug, Clone, PartialEq)]
@@ -12,9 +13,43 @@ pub struct Layout {
     pub tips: Vec<Tip>,
 }
 
+/// Vertices of both sides of a cut that are closer than this (edge parameter) are one.
+const SAME: f64 = 1e-9;
+
 impl Layout {
     /// Displacement unknowns.
     pub fn dofs(&self) -> usize {
         self.subdivision.dofs()
+    }
+
+    /// With the same elements on both sides of cuts: all vertices of both, and the higher degree. What one side then leaves of a
+    /// singular field, the other one leaves too, and shears at the tip of a crack make no pressures.
+    pub(crate) fn with_equal_cuts(mut self, problem: &Problem) -> Self {
+        for [left, right] in problem.cut_edges() {
+            let (own, other) = (&self.subdivision.edges[left], &self.subdivision.edges[right]);
+            let mirrored = |piece: &Piece| Piece { start: 1.0 - piece.end, end: 1.0 - piece.start, ..*piece };
+            let other: Vec<Piece> = other.iter().rev().map(mirrored).collect();
+            let mut vertices: Vec<f64> = own.iter().map(|piece| piece.start).collect();
+            for vertex in other.iter().map(|piece| piece.start) {
+                if vertices.iter().all(|v| (v - vertex).abs() > SAME) {
+                    vertices.push(vertex);
+                }
+            }
+            vertices.sort_by(f64::total_cmp);
+            let of = |pieces: &[Piece], s: f64| pieces.iter().rfind(|piece| piece.start <= s).map(|piece| piece.degree);
+            let ends = vertices.iter().copied().skip(1).chain([1.0]);
+            let both: Vec<Piece> = vertices
+                .iter()
+                .zip(ends)
+                .map(|(&start, end)| {
+                    let middle = (start + end) / 2.0;
+                    let degree = of(own, middle).max(of(&other, middle)).unwrap_or(1);
+                    Piece { start, end, degree, mark: Default::default() }
+                })
+                .collect();
+            self.subdivision.edges[right] = both.iter().rev().map(mirrored).collect();
+            self.subdivision.edges[left] = both;
+        }
+        self
     }
 }

@@ -34,9 +34,9 @@ impl Data<'_> {
             let centre = piece.space.points.iter().fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
             let centre = centre.map(|sum| sum / piece.space.nodes() as f64);
             let size = piece.mesh.diameter() / 2.0;
-            motions.push((body, RigidMotion::along([1.0, 0.0])));
-            motions.push((body, RigidMotion::along([0.0, 1.0])));
-            motions.push((body, RigidMotion::about(centre, 1.0 / size)));
+            let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(RigidMotion::along);
+            let all = vec![x, y, RigidMotion::about(centre, 1.0 / size)];
+            motions.extend(self.scene.unresisted(body, all).into_iter().map(|motion| (body, motion)));
         }
         let body_of = |node: usize| bodies.iter().position(|b| b.piece.nodes.contains(&node)).unwrap_or(0);
         // d·(r - r') at a point, r' of the body that it faces: of exact motions, which nodal values on curves are not
@@ -87,7 +87,7 @@ impl Data<'_> {
                 .zip(&nodal)
                 .fold((0.0, 0.0), |(sum, scale), (f, r)| (sum + f * r, scale + f64::abs(f * r)));
             if work.abs() > DRIVEN * scale {
-                let moves = |b: &usize| parts[3 * b..3 * b + 3].iter().any(|v| v.abs() > 1e-6);
+                let moves = |b: &usize| motions.iter().zip(&parts).any(|((body, _), v)| body == b && v.abs() > 1e-6);
                 let names: Vec<&str> =
                     (0..bodies.len()).filter(moves).map(|b| self.scene.problem.bodies[b].name.as_str()).collect();
                 return Err(SolveError::Loose { bodies: names.join(", "), work, scale });

@@ -2,13 +2,17 @@
 
 use std::ops::Range;
 
+use faer::Mat;
+use faer::linalg::solvers::Solve;
 use steklov_bem_operators::{Mesh, Space, TractionMap};
-use steklov_elastic::Material;
+use steklov_elastic::{Material, RigidMotion};
 use steklov_problem::Problem;
 
 /// A body of a mesh.
 #[derive(Debug, Clone)]
 pub struct Piece {
+    /// Its number.
+    pub body: usize,
     /// Its elements.
     pub elements: Range<usize>,
     /// Its nodes.
@@ -26,6 +30,11 @@ impl Piece {
     pub fn own<'v>(&self, nodal: &'v [f64]) -> &'v [f64] {
         &nodal[2 * self.nodes.start..2 * self.nodes.end]
     }
+
+    /// The same to be changed.
+    pub fn own_mut<'v>(&self, nodal: &'v mut [f64]) -> &'v mut [f64] {
+        &mut nodal[2 * self.nodes.start..2 * self.nodes.end]
+    }
 }
 
 /// The bodies in the order of their elements.
@@ -41,6 +50,7 @@ pub fn pieces(problem: &Problem, mesh: &Mesh, space: &Space) -> Vec<Piece> {
         let elements = first..e;
         let part = mesh.part(elements.clone());
         pieces.push(Piece {
+            body: body_of(first),
             nodes: space.offset[first]..space.offset[e],
             space: Space::new(&part),
             mesh: part,
@@ -60,4 +70,30 @@ pub struct Assembled {
     pub length: f64,
     /// From displacements to tractions.
     pub traction_map: TractionMap,
+    /// Of one of several bodies with curves the motions that its supports leave free: what nodal values miss of them does not
+    /// resist them, and is no part of its displacement.
+    pub(crate) turning: Vec<RigidMotion>,
+}
+
+impl Assembled {
+    /// The part of a nodal displacement of the body that is a motion, least squares.
+    pub(crate) fn motion(&self, own: &[f64]) -> Option<RigidMotion> {
+        let points = &self.piece.space.points;
+        let motions: Vec<Vec<f64>> = self.turning.iter().map(|motion| motion.nodal(points)).collect();
+        if motions.is_empty() {
+            return None;
+        }
+        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+        let gram = Mat::from_fn(motions.len(), motions.len(), |i, j| dot(&motions[i], &motions[j]));
+        let right = Mat::from_fn(motions.len(), 1, |i, _| dot(&motions[i], own));
+        let parts = gram.full_piv_lu().solve(right);
+        let mut sum = RigidMotion::along([0.0; 2]);
+        for (k, motion) in self.turning.iter().enumerate() {
+            // about the origin
+            let at = motion.at([0.0; 2]);
+            (0..2).for_each(|i| sum.translation[i] += parts[(k, 0)] * at[i]);
+            sum.rotation += parts[(k, 0)] * motion.rotation;
+        }
+        Some(sum)
+    }
 }

@@ -30,7 +30,7 @@ impl Residual {
 impl Data<'_> {
     /// Residual indicators of some elements.
     pub fn residuals(&self, solved: &Solved, elements: Range<usize>, look: Look) -> Result<Vec<Residual>, SolveError> {
-        let body = solved.particular.as_ref();
+        let body = solved.particular.of(0);
         let traction = |site: &Site| -> [Option<f64>; 2] {
             let e = site.element;
             let value = |f: &Expression| self.value(f, site);

@@ -1,9 +1,10 @@
 //! A solved mesh.
 
-use steklov_bem_operators::{Mesh, ParticularSolution, Space};
+use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::RigidMotion;
 
 use crate::around::Around;
+use crate::body_load::Particulars;
 use crate::contact::ContactResult;
 use crate::energies::Energies;
 use crate::fields::Field;
@@ -32,8 +33,8 @@ pub struct Solved {
     pub displacement: Vec<f64>,
     /// The elastic field without the particular solution.
     pub field: Field,
-    /// The particular solution of the body force or of the remote stress.
-    pub particular: Option<ParticularSolution>,
+    /// The particular solutions of body forces and of a remote stress.
+    pub particular: Particulars,
     /// Energies.
     pub energies: Energies,
     /// The medium around the body, if there is one.

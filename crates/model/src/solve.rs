@@ -24,16 +24,13 @@ use crate::stabilised::{self, solve_stabilised};
 use crate::stage::Stage;
 use crate::supports::{Held, Supports};
 
-/// The particular solution of the body force, or of the stress far from a hole, and the forces S u_p.
-fn particular(data: &Data<'_>, matrix: &Mat<f64>) -> Option<Particular> {
-    let Data { scene, mesh, space } = *data;
-    if scene.problem.has_several_bodies() {
-        return None;
-    }
-    let held = |e: usize, i: usize| scene.problem.sides[mesh.side[e]].holds(i);
-    let product = |u: &[f64]| (matrix * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
-    let solution = scene.particular_solution(1.0)?;
-    Some(Particular::new(solution, scene.is_cavity(), mesh, space, held, product))
+/// The particular solutions of body forces, or of the stress far from holes, and the forces S u_p.
+fn particular(scene: &Scene, bodies: &[Assembled], matrices: &[Mat<f64>]) -> Vec<Option<Particular>> {
+    let of = |(k, (body, matrix)): (usize, (&Assembled, &Mat<f64>))| {
+        let product = |u: &[f64]| (matrix * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
+        Particular::of_body(scene, k, 1.0, &body.piece, product)
+    };
+    bodies.iter().zip(matrices).enumerate().map(of).collect()
 }
 
 /// Part of a rigid motion that its nodal values miss between the nodes: 0 but for a rotation of a body with curves, whose
@@ -75,7 +72,7 @@ pub(crate) fn rigid_load(data: &Data<'_>, given: &Given, missed: f64) -> Result<
     let mesh = Mesh { degree, ..data.mesh.clone() };
     let space = Space::new(&mesh);
     let mut load = Data { scene: data.scene, mesh: &mesh, space: &space }.load()?.nodal;
-    if let Some(particular) = &given.particular {
+    if let [Some(particular)] = given.particular.as_slice() {
         // the rest of its load, S u_p, does no work on motions
         let traction = particular.solution.traction_load(&mesh, &space);
         load.iter_mut().zip(traction).for_each(|(f, t)| *f -= t);
@@ -189,9 +186,9 @@ fn assemble(
 
         let clock = Instant::now();
         observe(Stage::Progress("Steklov-Poincaré matrix", 0.05 + 0.7 * share * (k as f64 + 0.35)))?;
-        let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain())?;
+        let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain(k))?;
         matrices.push(matrix);
-        bodies.push(Assembled { piece, length, traction_map });
+        bodies.push(Assembled { piece, length, traction_map, turning: Vec::new() });
         seconds.factorise += clock.elapsed().as_secs_f64();
     }
     Ok((matrices, bodies))
@@ -201,7 +198,7 @@ fn assemble(
 /// miss on curves is taken out of the matrices, that it does not resist them.
 fn unresisted_motions(
     data: &Data<'_>,
-    (bodies, tied): (&[Assembled], &[TiedNode]),
+    (bodies, tied): (&mut [Assembled], &[TiedNode]),
     held: &[Held],
     matrices: &mut [Mat<f64>],
     given: &mut Given,
@@ -210,7 +207,7 @@ fn unresisted_motions(
     let supports = Supports { space, held };
     Ok(match bodies {
         [_] => {
-            let candidates = data.scene.unresisted(supports.free_motions());
+            let candidates = data.scene.unresisted(0, supports.free_motions());
             let missed = missed(data.mesh, space, &candidates);
             let free = free_motions(data, given, &candidates, missed)?;
             let motions = nodal(&free, space);
@@ -221,11 +218,15 @@ fn unresisted_motions(
             (free, motions)
         }
         bodies => {
-            for (Assembled { piece, .. }, matrix) in bodies.iter().zip(matrices) {
+            let bounded = |body: &Assembled| data.scene.problem.bodies[body.piece.body].far.is_none();
+            for (Assembled { piece, turning, .. }, matrix) in
+                bodies.iter_mut().zip(matrices).filter(|(body, _)| bounded(body))
+            {
                 let of_piece = Supports { space: &piece.space, held: &held[piece.nodes.clone()] };
                 let candidates = of_piece.free_motions();
                 if missed(&piece.mesh, &piece.space, &candidates) > 0.0 {
                     project_off(matrix, &nodal(&candidates, &piece.space));
+                    *turning = candidates;
                 }
             }
             (Vec::new(), data.loose_motions(bodies, &supports, given, tied)?)
@@ -257,7 +258,7 @@ pub fn solve(
     let tied = data.tied_nodes(&joints, &held, boundary.as_ref())?;
     seconds.set_up = clock.elapsed().as_secs_f64();
 
-    let (mut matrices, bodies) = assemble(&data, estimated, cache, &mut seconds, observe)?;
+    let (mut matrices, mut bodies) = assemble(&data, estimated, cache, &mut seconds, observe)?;
     let clock = Instant::now();
     let outside = Outside::new(&data, estimated, cache)?;
     if let Some(outside) = &outside {
@@ -266,20 +267,20 @@ pub fn solve(
     for (k, matrix) in matrices.iter().enumerate() {
         observe(Stage::Steklov(k, matrix))?;
     }
-    let particular = particular(&data, &matrices[0]);
+    let particular = particular(scene, &bodies, &matrices);
     let supports = Supports { space: &space, held: &held };
     let mut values = supports.values();
     values.extend(tied.iter().map(|tied| tied.jump));
-    let mut given = Given::new(loads, particular, boundary, values, &mesh, &space);
+    let mut given = Given::new(loads, particular, boundary, values, &bodies);
     if let Some(outside) = &outside {
         given.load.iter_mut().zip(&outside.load).for_each(|(f, jump)| *f += jump);
     }
 
     observe(Stage::Progress("condensation", 0.75))?;
-    let (free, motions) = unresisted_motions(&data, (&bodies, &tied), &held, &mut matrices, &mut given)?;
+    let (free, motions) = unresisted_motions(&data, (&mut bodies, &tied), &held, &mut matrices, &mut given)?;
     let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
     if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
-        let candidates = scene.unresisted(supports.free_motions());
+        let candidates = scene.unresisted(0, supports.free_motions());
         let of_stabilised = stabilised::Body {
             traction: &bodies[0].traction_map,
             stiffness: &matrices[0],
@@ -287,7 +288,7 @@ pub fn solve(
             held: &partition.held,
             rigid: &nodal(&candidates, &space),
             free: &motions,
-            particular: given.particular.as_ref(),
+            particular: given.particular[0].as_ref(),
         };
         given.stabilised = Some(solve_stabilised(&data, &of_stabilised)?);
     }

@@ -72,7 +72,7 @@ impl Estimate {
         if (moving || changed) && !self.doubts.contains(&Doubt::Sets) {
             self.doubts.push(Doubt::Sets);
         }
-        if self.is_coarse(mesh, &singular_points(scene, hp)) {
+        if self.is_coarse(&scene.problem.outline, mesh, &singular_points(scene, hp)) {
             self.doubts.push(Doubt::Coarse);
         }
     }

@@ -15,7 +15,7 @@ const SMOOTH: f64 = 1e-4;
 
 /// True where contact lies on a convex kink or at a step of the gap (a ridge or an edge of the obstacle); where it reaches
 /// an end of the contact boundary at which the body goes on under more than a right angle, or more than 60° where it
-/// sticks, a plane of symmetry excepted; and at a re-entrant corner inside the contact boundary. A smooth end at a right angle is bounded.
+/// sticks, a plane of symmetry and the tip of a crack excepted; and at a re-entrant corner inside the contact boundary. A smooth end at a right angle is bounded.
 pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> bool {
     let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let pressed = |r: &&ContactRow| r.pressure > TOUCHING * largest;
@@ -52,10 +52,12 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
                 let other = mesh.side[if here { before } else { e }];
                 let held = matches!(scene.problem.sides[other].condition, Condition::Displacement { .. });
                 let reach = if held { mesh.length(e).max(mesh.length(before)) } else { 0.0 };
+                // at the tip of a closed crack the shear ahead is infinite, the pressure is not
+                let tip = scene.problem.joints().any(|interface| interface.cut && interface.sides.contains(&other));
                 let obtuse = angle > PI / 2.0 + 1e-9;
                 let square = (angle - PI / 2.0).abs() < 1e-9;
                 let mirror = square && is_mirror(scene, mesh, if here { before } else { e });
-                touched(corner, reach) && !mirror && (obtuse || stuck(corner) && angle > PI / 3.0)
+                touched(corner, reach) && !mirror && !tip && (obtuse || stuck(corner) && angle > PI / 3.0)
             }
         };
         if infinite {

@@ -11,12 +11,24 @@ pub(super) fn colour(k: usize) -> Color {
     Color::from(ColorMap::Viridis.map((k as f64 + 0.5) / BANDS as f64))
 }
 
+/// Values beyond this many times that of all but a few are those of singular points.
+const FAR_BEYOND: f64 = 4.0;
+/// The part of the values that are not few.
+const MOST: f64 = 0.98;
+
 /// Interval [low, high] of the colours: from 0 to the largest value, or from the smallest one if the values vary by
-/// more than 1e-3 but less than half of the largest. [0, 1] if there is no positive value.
+/// more than 1e-3 but less than half of the largest. [0, 1] if there is no positive value. Where a few values are far beyond all
+/// others, as at the tip of a crack, it ends at twice the others.
 pub(super) fn interval(values: &[f64]) -> [f64; 2] {
     let finite = || values.iter().copied().filter(|v| v.is_finite());
     let low = finite().fold(f64::INFINITY, f64::min);
-    let high = finite().fold(0.0, f64::max);
+    let mut high = finite().fold(0.0, f64::max);
+    let mut sorted: Vec<f64> = finite().collect();
+    sorted.sort_by(f64::total_cmp);
+    let most = sorted.get((MOST * sorted.len() as f64) as usize).copied().unwrap_or(high);
+    if most > 0.0 && high > FAR_BEYOND * most {
+        high = 2.0 * most;
+    }
     if high <= 0.0 {
         [0.0, 1.0]
     } else if low > 0.5 * high && high - low > 1e-3 * high {

@@ -95,7 +95,9 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     canvas.lines(&through(b.points), &undeformed_pen());
     draw_walls(&mut canvas, &axes, &walls);
     axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
-    colour_bar(&mut canvas, f, colours, "von Mises stress");
+    let more = b.von_mises.iter().any(|v| v.is_finite() && *v > colours[1]);
+    let label = if more { "von Mises stress (last colour: and more)" } else { "von Mises stress" };
+    colour_bar(&mut canvas, f, colours, label);
     key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
     canvas.finish()
 }

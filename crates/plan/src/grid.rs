@@ -75,7 +75,7 @@ fn discretisation(scene: &Scene, input: &GridInput) -> Decision {
         }
         (Some(_), true) => "the modulus differs from cell to cell: local problems make a basis that knows it",
         (Some(_), false) => "the modulus differs from cell to cell",
-        (None, _) if scene.constant_force().is_none() && scene.body().force.is_some() => {
+        (None, _) if scene.body().constant_force().is_none() && scene.body().force.is_some() => {
             "the body force differs from place to place"
         }
         (None, _) => "as the scene says; boundary elements would do for one material",

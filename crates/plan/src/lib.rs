@@ -146,14 +146,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
     contact(scene, &mut modelled, &mut left_out);
     far_away(scene, &mut modelled, &mut left_out);
     modelled.push(supports(scene));
-    match scene.constant_force() {
-        Some([x, y]) => modelled.push(decision(
-            "body force",
-            format!("({x}, {y})"),
-            "constant: carried by a particular solution on the boundary",
-        )),
-        None => left_out.push(decision("body force", "none", "the scene has none")),
-    }
+    body_forces(scene, &mut modelled, &mut left_out);
     random::decide(scene, &mut modelled, &mut left_out);
     let why = match scene.body().grid {
         Some(_) => {
@@ -269,7 +262,7 @@ fn supports_of_several(scene: &Scene) -> Decision {
     let problem = &scene.problem;
     let loose: Vec<String> = (0..problem.outline.bodies().len())
         .filter_map(|body| {
-            let free = free_of_supports_of(scene, Some(body));
+            let free = scene.unresisted(body, free_of_supports_of(scene, Some(body)));
             (!free.is_empty()).then(|| format!("{} ({})", problem.bodies[body].name, RigidMotion::names(&free)))
         })
         .collect();
@@ -280,12 +273,27 @@ fn supports_of_several(scene: &Scene) -> Decision {
     decision("supports", choice, "only interfaces hold them there, or the loads must be balanced")
 }
 
+/// The forces on the bodies.
+fn body_forces(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
+    let several = scene.problem.has_several_bodies();
+    let before = modelled.len();
+    for body in &scene.problem.bodies {
+        let Some([x, y]) = body.constant_force() else { continue };
+        let what = if several { format!("body force of {}", body.name) } else { "body force".to_owned() };
+        let why = "constant: carried by a particular solution on the boundary";
+        modelled.push(decision(&what, format!("({x}, {y})"), why));
+    }
+    if modelled.len() == before {
+        left_out.push(decision("body force", "none", "the scene has none"));
+    }
+}
+
 /// What holds the body of boundary elements.
 fn supports(scene: &Scene) -> Decision {
     if scene.problem.has_several_bodies() {
         return supports_of_several(scene);
     }
-    let free = scene.unresisted(free_of_supports(scene));
+    let free = scene.unresisted(0, free_of_supports(scene));
     let (choice, why) = if !free.is_empty() {
         let choice = format!("leave {} free", RigidMotion::names(&free));
         (choice, "contact or friction must hold it, or the loads must be balanced")

@@ -182,7 +182,7 @@ fn sensitivities(scene: &Scene, random: &Random) -> Vec<Moved> {
                 }
             }
         }
-        if let (Some(a), Some(b)) = (low.constant_force(), high.constant_force()) {
+        if let (Some(a), Some(b)) = (low.body().constant_force(), high.body().constant_force()) {
             for i in 0..2 {
                 change += 0.25 * (b[i] - a[i]).powi(2) * scene.problem.outline.area();
                 size += (0.5 * (a[i] + b[i])).powi(2) * scene.problem.outline.area();

@@ -72,6 +72,20 @@ impl Problem {
         self.joints().find(|interface| interface.sides.contains(&side))
     }
 
+    /// The edges on both sides of cuts: the same line in both directions.
+    pub fn cut_edges(&self) -> Vec<[usize; 2]> {
+        let edges = self.outline.edges();
+        let of = |interface: &Interface| {
+            let facing = self.facing_sides(interface).to_vec();
+            let beyond = move |k: usize| {
+                let same = |m: &usize| edges[*m].start == edges[k].end && edges[*m].end == edges[k].start;
+                (0..edges.len()).filter(|&m| facing.contains(&edges[m].side)).find(same).map(|m| [k, m])
+            };
+            self.edges_of(&interface.sides).map(|(k, _)| k).filter_map(beyond).collect::<Vec<_>>()
+        };
+        self.joints().filter(|interface| interface.cut).flat_map(of).collect()
+    }
+
     fn edges_of<'a>(&'a self, sides: &'a [usize]) -> impl Iterator<Item = (usize, &'a Edge)> {
         self.outline.edges().iter().enumerate().filter(|(_, edge)| sides.contains(&edge.side))
     }
@@ -152,11 +166,11 @@ impl Problem {
         self.outline.edges().iter().flat_map(|edge| edge.start).fold(0.0, |m: f64, x| m.max(x.abs()))
     }
 
-    /// Diagonal of the box about a body.
+    /// Diagonal of the box about the boundary of a body.
     pub fn extent(&self, body: usize) -> f64 {
         let Some(loops) = self.outline.bodies().get(body) else { return 0.0 };
-        let outer = &self.outline.edges()[self.outline.loops()[loops.start].clone()];
-        let points: Vec<[f64; 2]> = outer.iter().flat_map(Edge::extent).collect();
+        let edges = loops.clone().flat_map(|l| &self.outline.edges()[self.outline.loops()[l].clone()]);
+        let points: Vec<[f64; 2]> = edges.flat_map(Edge::extent).collect();
         let width = |i: usize| {
             let of = points.iter().map(|x| x[i]);
             of.clone().fold(f64::NEG_INFINITY, f64::max) - of.fold(f64::INFINITY, f64::min)

@@ -27,6 +27,7 @@
 
 mod cells;
 mod check;
+mod cracks;
 mod error;
 mod facing;
 mod facets;
@@ -49,6 +50,7 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 
 pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS};
+pub use cracks::{Crack, CrackError, cut_by_cracks};
 pub use error::{About, DataError, DataErrorKind};
 pub use facets::{Drawn, Facets, facets};
 pub use facing::{Seen, Span};

@@ -120,46 +120,41 @@ impl Scene {
         self.problem.tie().is_some() && !self.is_on_grid()
     }
 
-    /// The domain of the boundary elements of one body.
-    pub fn domain(&self) -> Domain {
-        match self.radiation() {
-            Some(Radiation::Bounded) if self.is_cavity() => Domain::BoundedAtInfinity,
+    /// The domain of the boundary elements of a body.
+    pub fn domain(&self, body: usize) -> Domain {
+        match self.problem.bodies[body].far.as_ref().map(|far| far.radiation) {
+            Some(Radiation::Bounded) => Domain::BoundedAtInfinity,
             _ => Domain::Interior,
         }
     }
 
     /// What the medium does far away; none without one.
     pub fn far(&self) -> Option<&FarField> {
-        self.problem.medium()?.far.as_ref()
+        self.problem.bodies.iter().find_map(|body| body.far.as_ref())
     }
 
-    /// What the displacement of the medium does far away; none without one.
-    fn radiation(&self) -> Option<Radiation> {
-        self.far().map(|far| far.radiation)
-    }
-
-    /// Those of the rigid motions that supports leave free which an unbounded medium does not resist either: none if its
-    /// displacement decays, translations if it is bounded at infinity.
-    pub fn unresisted(&self, free: Vec<RigidMotion>) -> Vec<RigidMotion> {
-        match self.radiation() {
+    /// Those of the rigid motions that supports leave a body free which the medium that it is, or that is around it, does not resist
+    /// either: none if its displacement decays, translations if it is bounded at infinity.
+    pub fn unresisted(&self, body: usize, free: Vec<RigidMotion>) -> Vec<RigidMotion> {
+        let far = self.problem.bodies[body].far.as_ref().or_else(|| self.problem.medium()?.far.as_ref());
+        match far.map(|far| far.radiation) {
             None => free,
             Some(Radiation::Decaying) => Vec::new(),
             Some(Radiation::Bounded) => free.into_iter().filter(|motion| motion.rotation == 0.0).collect(),
         }
     }
 
-    /// The particular solution of the body force, or of the stress far from a hole, times a factor: zero at the centroid of the
-    /// body, or at the origin.
-    pub fn particular_solution(&self, factor: f64) -> Option<ParticularSolution> {
-        if let Some(force) = self.constant_force() {
-            let (force, centre) = (force.map(|b| b * factor), self.problem.outline.centroid());
-            return Some(ParticularSolution::of_body_force(force, centre, &self.body().material()));
+    /// The particular solution of the force on a body, or of the stress far from its holes, times a factor: zero at the centroid
+    /// of the body, or at the origin.
+    pub fn particular_solution(&self, body: usize, factor: f64) -> Option<ParticularSolution> {
+        let (of_body, material) = (&self.problem.bodies[body], self.problem.bodies[body].material());
+        if let Some(force) = of_body.constant_force() {
+            let (force, centre) = (force.map(|b| b * factor), self.problem.outline.centroid_of_body(body));
+            return Some(ParticularSolution::of_body_force(force, centre, &material));
         }
-        let stress = self.body().far.as_ref()?.remote_stress;
+        let stress = of_body.far.as_ref()?.remote_stress;
         let stressed = stress != [0.0; 3];
-        stressed.then(|| {
-            ParticularSolution::of_uniform_stress(stress.map(|s| s * factor), [0.0; 2], &self.body().material())
-        })
+        stressed.then(|| ParticularSolution::of_uniform_stress(stress.map(|s| s * factor), [0.0; 2], &material))
     }
 
     /// The uniform field of the medium around a body that belongs to the stress far away; none without that stress.
@@ -200,7 +195,7 @@ impl Scene {
     pub fn displacement_jump(&self, edge: usize, s: f64) -> [f64; 2] {
         let Some(around) = self.surroundings() else { return [0.0; 2] };
         let edge = &self.problem.outline.edges()[edge];
-        let ([x, y], s) = (edge.point(s), edge.arc_fraction(s));
+        let ([x, y], s) = (edge.point(s), edge.drawn_fraction(s));
         let remote = around.remote().displacement([x, y]);
         match &around.tie.displacement_jump {
             Some(jump) => [0, 1].map(|i| remote[i] + jump[i].eval(x, y, s)),
@@ -212,7 +207,7 @@ impl Scene {
     pub fn traction_jump(&self, edge: usize, s: f64, [nx, ny]: [f64; 2]) -> [f64; 2] {
         let Some(Surroundings { far, tie, .. }) = self.surroundings() else { return [0.0; 2] };
         let edge = &self.problem.outline.edges()[edge];
-        let ([x, y], s) = (edge.point(s), edge.arc_fraction(s));
+        let ([x, y], s) = (edge.point(s), edge.drawn_fraction(s));
         let [mut xx, mut yy, mut xy] = far.remote_stress;
         if let Some(jump) = &tie.stress_jump {
             let [a, b, c] = jump.each_ref().map(|jump| jump.eval(x, y, s));

@@ -1,5 +1,7 @@
 //! The model that a scene needs, and whether the scene fits the model that it asks for.
 
+use steklov_expression::Expression;
+
 use super::grid_fit::fitting_grid;
 use super::{
     BasisInput, DataError, DataErrorKind as Kind, GridInput, Indicator, Model, Multiplier, Scene, check_body,
@@ -35,15 +37,10 @@ impl Scene {
     /// Whether boundary elements cannot answer the scene.
     fn varies(&self) -> bool {
         let in_medium = self.problem.tie().is_some();
-        let force = self.body().force.is_some() && (in_medium || self.constant_force().is_none());
+        let varies = !self.problem.has_several_bodies() && self.body().constant_force().is_none();
+        let force = self.body().force.is_some() && (in_medium || varies);
         let holes = in_medium && self.problem.outline.loops().len() > 1;
         self.body().cells().is_some() || force || holes
-    }
-
-    /// The body force (force/area), if it is the same everywhere.
-    pub fn constant_force(&self) -> Option<[f64; 2]> {
-        let [x, y] = self.body().force.as_ref()?;
-        Some([x.constant()?, y.constant()?])
     }
 
     /// The body force (force/area) at a point; zero without one.
@@ -79,13 +76,17 @@ impl Scene {
             let help = "use model = \"auto\" with a [grid], or give one Young's modulus as material.young";
             return Err(DataError::at(Kind::Conflict, &[vec!["method", "model"]], message, help));
         }
-        let help = "give one constant force, or use model = \"auto\" with a [grid]";
+        let help = match self.problem.has_several_bodies() {
+            true => "give one constant force: among several bodies none is on a grid",
+            false => "give one constant force, or use model = \"auto\" with a [grid]",
+        };
         self.force_that_varies(help).map_or(Ok(()), Err)
     }
 
     /// What is wrong with a force that depends on the place.
     fn force_that_varies(&self, help: &str) -> Option<DataError> {
-        let force = self.body().force.as_ref()?;
+        let varies = |f: &[Expression; 2]| f.iter().any(|f| f.constant().is_none());
+        let force = self.problem.bodies.iter().filter_map(|body| body.force.as_ref()).find(|f| varies(f))?;
         let k = force.iter().position(|f| f.constant().is_none())?;
         let text = force[k].text();
         let message = format!("body_force.value[{k}] depends on the place: {text:?}; with boundary elements it cannot");

@@ -68,6 +68,8 @@ pub struct Interface {
     pub law: Law,
     /// Whether they are the second ones named: forces are told of the first ones.
     pub second: bool,
+    /// Whether both sides are those of a cut through one body: their meshes are then the same.
+    pub cut: bool,
 }
 
 /// What sides of a body meet.
@@ -102,6 +104,12 @@ impl Body {
             Substance::Homogeneous(material) => *material,
             Substance::Cells(cells) => cells.of_unit_modulus,
         }
+    }
+
+    /// The force on it (force/area), if it is the same everywhere.
+    pub fn constant_force(&self) -> Option<[f64; 2]> {
+        let [x, y] = self.force.as_ref()?;
+        Some([x.constant()?, y.constant()?])
     }
 
     /// Its cells, where they have moduli of their own.
@@ -139,7 +147,14 @@ impl Problem {
         self.interfaces.retain(|i| i.sides != [side]);
         self.sides[side].condition = Condition::Free;
         let (name, law) = (self.sides[side].name.clone(), Law::Contact(contact));
-        self.interfaces.push(Interface { name, sides: vec![side], other: Other::Obstacle, law, second: false });
+        self.interfaces.push(Interface {
+            name,
+            sides: vec![side],
+            other: Other::Obstacle,
+            law,
+            second: false,
+            cut: false,
+        });
     }
 
     /// An unbounded medium around the first body, tied to its outer loop.
@@ -162,6 +177,7 @@ impl Problem {
             other: Other::Medium,
             law: Law::Tied(tie),
             second: false,
+            cut: false,
         });
         Ok(())
     }
@@ -190,9 +206,9 @@ impl Problem {
         self.outline.bodies().len() > 1
     }
 
-    /// The unbounded medium, if a body is one.
+    /// The unbounded medium, if the only body is one, or around the only body.
     pub fn medium(&self) -> Option<&Body> {
-        self.bodies.iter().find(|body| body.far.is_some())
+        self.bodies.iter().find(|body| body.far.is_some()).filter(|_| !self.has_several_bodies())
     }
 
     /// What ties the first body to a medium around it.
@@ -210,12 +226,15 @@ impl Problem {
         let bounded = self.bodies.iter().filter(|body| body.far.is_none()).count();
         let parts = self.outline.bodies().len();
         let around = self.interfaces.iter().filter(|i| i.other == Other::Medium).count();
+        let fits = |(k, body): (usize, &Body)| k >= parts || self.outline.is_body_bounded(k) == body.far.is_none();
         let known = match self.bodies.len() - bounded {
+            media if parts > 1 => around == 0 && parts == self.bodies.len() && media <= 1,
             0 => around == 0 && bounded == parts && self.outline.is_bounded(),
             1 if bounded == 0 => around == 0 && parts == 1 && !self.outline.is_bounded(),
             1 => around == 1 && bounded == 1 && parts == 1 && self.outline.is_bounded(),
             _ => false,
         };
+        let known = known && self.bodies.iter().enumerate().all(fits);
         if !known || self.bodies.is_empty() || self.sides.len() != self.outline.side_names().len() {
             let names: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
             let message = format!(
@@ -223,7 +242,10 @@ impl Problem {
                 self.sides.len(),
                 names.join(", ")
             );
-            return refuse(message, "bounded bodies are solved, or one hole, or one body tied to a medium around it");
+            return refuse(
+                message,
+                "bounded bodies are solved, with one medium among them at most, or one hole, or one body tied to a medium around it",
+            );
         }
         if let Err((message, help)) = self.check_overlaps() {
             return Err(DataError::at(Kind::Geometry, &[vec!["body"]], message, help));

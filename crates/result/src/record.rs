@@ -8,6 +8,7 @@ use steklov_io::vtkhdf::{Field, Grid};
 use steklov_model::answer::answer;
 use steklov_model::around::Around;
 use steklov_model::body::Body;
+use steklov_model::body_load::Particulars;
 use steklov_model::fields::ElasticField;
 use steklov_model::interfaces::TieRow;
 use steklov_model::report::{ContactRow, contact_rows};
@@ -107,13 +108,14 @@ impl Record {
     }
 }
 
-/// The edges of a window around the holes of an unbounded body, counter-clockwise: their bounding box and one and a half
+/// The edges of a window around the holes of an unbounded body, whose edges are given, counter-clockwise: their bounding box and one and a half
 /// diameters on each side.
-fn frame(polygon: &Polygon) -> Vec<([f64; 2], [f64; 2], usize)> {
+fn frame(polygon: &Polygon, edges: &[usize]) -> Vec<([f64; 2], [f64; 2], usize)> {
+    let edges = || edges.iter().map(|&k| &polygon.edges()[k]);
     let margin = 1.5 * polygon.diameter();
     let points: Vec<[f64; 2]> = match polygon.is_curved() {
-        true => polygon.edges().iter().flat_map(Edge::extent).collect(),
-        false => polygon.edges().iter().map(|e| e.start).collect(),
+        true => edges().flat_map(Edge::extent).collect(),
+        false => edges().map(|e| e.start).collect(),
     };
     let coordinates = |i: usize| points.iter().map(move |x| x[i]);
     let low = [0, 1].map(|i| coordinates(i).fold(f64::INFINITY, f64::min) - margin);
@@ -162,9 +164,9 @@ fn filled(polygon: &Polygon, body: usize) -> Filled {
     let loops = polygon.bodies()[body].clone();
     let order: Vec<usize> = loops.clone().flat_map(|l| polygon.traversal(l)).collect();
     let bodies = polygon.bodies().len();
-    let (frame, count) = match polygon.is_bounded() {
+    let (frame, count) = match polygon.is_body_bounded(body) {
         true => (Vec::new(), BODY_POINTS / bodies),
-        false => (frame(polygon), WINDOW_POINTS),
+        false => (frame(polygon, &order), WINDOW_POINTS),
     };
     let sides = frame.len();
     // the window is the loop before those of the holes
@@ -228,10 +230,10 @@ pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&Stoch
         point_data.push(field("body", "1", 1, of_body.iter().map(|&body| body as f64).collect()));
     }
     // the particular solution depends on the outcome: without its mean there are no mean fields
-    if let Some((result, matrices)) = outcomes.filter(|_| solved.particular.is_none()) {
+    if let Some((result, matrices)) = outcomes.filter(|_| solved.particular.is_empty()) {
         let mean = |displacement: &[f64]| {
             let field = matrices.field(displacement);
-            at_points(ElasticField { mesh: &matrices.mesh, field: &field, particular: None })
+            at_points(ElasticField { mesh: &matrices.mesh, field: &field, particular: &Particulars::default() })
         };
         point_data.push(field("mean_displacement", "length", 3, displacements(&mean(&result.displacement.mean))));
         point_data.push(field("mean_stress", "stress", 3, stresses(&mean(&result.stress_displacement))));

@@ -4,31 +4,39 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::Plane;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, Condition, Contact, DataError, DataErrorKind as Kind, Interface, Law, Other, Problem, Substance, Tie,
+    Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, Interface, Law, Other, Problem, Substance,
+    Tie,
 };
 
-use super::body::{body, material};
+use super::body::{body, body_force, force, material, medium};
+use super::cracks::Cracks;
+use super::exterior::far_field;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::sides::{self, Given};
 use super::tree::{Value, suggestion};
 
-/// Whether `body` is a list of tables with more than one of them, or one that has a name.
+/// Whether `body` is a list of tables.
 pub(super) fn are_several(field: &Field<'_>) -> bool {
-    matches!(&field.item.value, Value::Array(list) if list.len() > 1)
+    matches!(&field.item.value, Value::Array(_))
 }
 
 /// The problem of several bodies: `[[body]]`, `[sides.BODY.SIDE]`, `[[interface]]`.
 pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Problem, DataError> {
     let tables = fields.require("body", "[[body]] with name, corners and sides")?.list()?;
-    for key in ["exterior", "grid", "body_force", "random"] {
+    for key in ["exterior", "grid", "random"] {
         if let Some(field) = fields.get(key) {
             let message = format!("{} and several bodies cannot be solved together", field.name);
-            let help = "leave it out, or solve one body";
+            let help = match key {
+                "exterior" => "write the medium as a [[body]] with a name, medium = {} and [[body.holes]]",
+                _ => "leave it out, or solve one body",
+            };
             return Err(DataError::new(Kind::Unsupported, field.item.place, message, help));
         }
     }
+    let forces = fields.get("body_force").map(|f| body_force(&f, context)).transpose()?;
     let (mut bodies, mut outlines): (Vec<Body>, Vec<Polygon>) = (Vec::new(), Vec::new());
+    let (mut names, mut cracks): (Vec<&str>, Cracks) = (Vec::new(), Cracks::default());
     for table in &tables {
         let of_body = Fields::new(table, &keys::BODIES)?;
         let field = of_body.require("name", "name = \"upper\"")?;
@@ -36,34 +44,95 @@ pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Prob
         if name.is_empty() || name.contains('.') {
             return Err(field.problem(format!("{} is {name:?}", field.name), "a name has no dots and is not empty"));
         }
-        if bodies.iter().any(|body| body.name == name) {
+        if names.contains(&name) {
             return Err(field.problem(format!("two bodies have the name {name:?}"), "give each body its own name"));
         }
-        if let Some(field) = ["medium", "cracks", "grid"].into_iter().find_map(|key| of_body.get(key)) {
+        names.push(name);
+        if let Some(field) = of_body.get("grid") {
             let message = format!("{} cannot be solved among several bodies", field.name);
             return Err(DataError::new(Kind::Unsupported, field.item.place, message, "leave it out"));
         }
-        outlines.push(body(&of_body, false)?.with_body_name(name));
-        bodies.push(Body::new(name, Substance::Homogeneous(own_material(&of_body, fields, context)?)));
-    }
-    let plane = |body: &Body| body.material().plane;
-    if let Some(k) = bodies.iter().position(|body| plane(body) != plane(&bodies[0])) {
-        let word = |plane: Plane| if plane == Plane::Strain { "strain" } else { "stress" };
-        let (a, b) = (&bodies[0], &bodies[k]);
-        let message = format!("{:?} is in plane {}, {:?} in plane {}", a.name, word(plane(a)), b.name, word(plane(b)));
-        return Err(tables[k].problem(message, "bodies that meet are all in plane strain, or all in plane stress"));
+        let far = far(&of_body, (name, &field), &bodies, context)?;
+        let own_force = of_body.get("body_force").map(|f| force(&f, context)).transpose()?;
+        let outline = if far.is_some() { medium(&of_body)? } else { body(&of_body, false)? };
+        let outline = cracks.cut(&of_body, &format!("{name}."), outline.with_body_name(name))?;
+        let force = own_force.or_else(|| forces.clone()).filter(|_| far.is_none());
+        let substance = Substance::Homogeneous(own_material(&of_body, fields, context)?);
+        let own = Body { force, far, ..Body::new(name, substance) };
+        let plane = |body: &Body| body.material().plane;
+        if let Some(first) = bodies.first().filter(|first| plane(first) != plane(&own)) {
+            let word = |body: &Body| if plane(body) == Plane::Strain { "strain" } else { "stress" };
+            let message = format!("{:?} is in plane {}, {name:?} in plane {}", first.name, word(first), word(&own));
+            return Err(table.problem(message, "bodies that meet are all in plane strain, or all in plane stress"));
+        }
+        bodies.extend(pieces(&own, outline.bodies().len()));
+        outlines.push(outline);
     }
     let mut problem = Problem::of_bodies(Polygon::assembly(outlines), bodies);
     if let Some(field) = fields.get("sides") {
-        conditions(&field, &mut problem, context)?;
+        conditions(&field, &names, (&mut problem, &mut cracks), context)?;
     }
+    hold_media(&mut problem);
     if let Some(field) = fields.get("interface") {
         for table in field.list()? {
-            let interface = interface(&table, &problem, context)?;
-            problem.interfaces.push(interface);
+            if !cracks.interface(&table, context)? {
+                let interface = interface(&table, &problem, context)?;
+                problem.interfaces.push(interface);
+            }
         }
     }
+    cracks.join(&mut problem);
     Ok(problem)
+}
+
+/// What a body does far away, if it is a medium: none among the `others` is one.
+fn far(
+    of_body: &Fields<'_>,
+    (name, field): (&str, &Field<'_>),
+    others: &[Body],
+    context: &Context<'_>,
+) -> Result<Option<FarField>, DataError> {
+    let far = match of_body.get("medium") {
+        Some(field) => Some(far_field(&Fields::new(&field, &keys::MEDIUM)?, context)?),
+        None => return Ok(None),
+    };
+    if let Some(other) = others.iter().find(|body| body.far.is_some()) {
+        let message = format!("{name:?} and {:?} are both media, and both would fill the plane", other.name);
+        return Err(field.problem(message, "give one of them corners and sides: a bounded body"));
+    }
+    if let Some(field) = of_body.get("body_force") {
+        let help = "give the stress that it makes as medium.remote_stress";
+        return Err(DataError::new(
+            Kind::Unsupported,
+            field.item.place,
+            "an unbounded medium cannot carry a body force",
+            help,
+        ));
+    }
+    if let Some(field) = of_body.get("cracks") {
+        let help = "write a bounded body around the crack that is tied to the medium";
+        return Err(DataError::new(Kind::Unsupported, field.item.place, "a medium cannot have cracks", help));
+    }
+    Ok(far)
+}
+
+/// A body in as many pieces.
+pub(super) fn pieces(body: &Body, count: usize) -> Vec<Body> {
+    let name = |k: usize| if count == 1 { body.name.clone() } else { format!("{} {}", body.name, k + 1) };
+    (0..count).map(|k| Body { name: name(k), ..body.clone() }).collect()
+}
+
+/// A medium that supports or obstacles hold is bounded at infinity, unless the scene states what it does.
+fn hold_media(problem: &mut Problem) {
+    let holds = |side: usize| {
+        matches!(problem.sides[side].condition, Condition::Displacement { .. }) || problem.contact(side).is_some()
+    };
+    let held: Vec<bool> = (0..problem.bodies.len())
+        .map(|body| (0..problem.sides.len()).any(|side| problem.body_of_side(side) == body && holds(side)))
+        .collect();
+    for (body, _) in problem.bodies.iter_mut().zip(held).filter(|(_, held)| *held) {
+        body.far.iter_mut().for_each(FarField::bounded_by_supports);
+    }
 }
 
 /// The material of a body, or that of the scene.
@@ -87,15 +156,23 @@ fn own_material(
 }
 
 /// `[sides.BODY.SIDE]`.
-fn conditions(field: &Field<'_>, problem: &mut Problem, context: &Context<'_>) -> Result<(), DataError> {
+fn conditions(
+    field: &Field<'_>,
+    names: &[&str],
+    (problem, cracks): (&mut Problem, &mut Cracks),
+    context: &Context<'_>,
+) -> Result<(), DataError> {
     for (name, place, of_body) in Fields::open(field)?.all() {
-        if !problem.bodies.iter().any(|body| body.name == name) {
+        if !names.contains(&name) {
             let message = format!("there is no body {name:?}");
-            let help = suggestion(name, problem.bodies.iter().map(|body| body.name.as_str()));
+            let help = suggestion(name, names.iter().copied());
             return Err(DataError::new(Kind::UnknownKey, place, message, help));
         }
         for (side, place, table) in Fields::open(&of_body)?.all() {
             let full = format!("{name}.{side}");
+            if cracks.load(&full, &table, problem, context)? {
+                continue;
+            }
             let Some(index) = problem.sides.iter().position(|side| side.name == full) else {
                 let own = problem.sides.iter().filter_map(|side| side.name.strip_prefix(&format!("{name}.")));
                 let help = suggestion(side, own.collect::<Vec<_>>().into_iter());
@@ -153,15 +230,6 @@ fn named_sides(field: &Field<'_>, problem: &Problem) -> Result<Vec<usize>, DataE
 /// A table of `[[interface]]`.
 fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Result<Interface, DataError> {
     let fields = Fields::new(field, &keys::INTERFACE)?;
-    if let Some(on) = fields.get("on") {
-        let message = format!("{} names a crack, and cracks cannot be solved", on.name);
-        return Err(DataError::new(
-            Kind::Unsupported,
-            on.item.place,
-            message,
-            "name two sides: between = [\"a.top\", \"b.bottom\"]",
-        ));
-    }
     let between = fields.require("between", "between = [\"a.top\", \"b.bottom\"]")?;
     let [first, second] = between.pair()?;
     let [a, b] = [named_sides(&first, problem)?, named_sides(&second, problem)?];
@@ -191,6 +259,7 @@ fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Res
         other: Other::Sides(other.to_vec()),
         law: law.clone(),
         second,
+        cut: false,
     };
     let (forward, backward) = (with(&a, &b, false), with(&b, &a, true));
     let carrier = fields.get("multiplier").map(|field| {

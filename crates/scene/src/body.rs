@@ -81,10 +81,26 @@ fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), DataError> {
     Ok((listed, Listed { corners, sides, origin }))
 }
 
+/// The unbounded plane without the holes of a body.
+pub(super) fn medium(fields: &Fields<'_>) -> Result<Polygon, DataError> {
+    let outer = ["corners", "sides", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
+    if let Some(field) = outer.into_iter().find_map(|key| fields.get(key)) {
+        let message = format!("{} outlines a body, and a medium is the whole plane but for its holes", field.name);
+        let help = "write the loop as a hole: [[body.holes]] below the [[body]] of the medium";
+        return Err(DataError::new(Kind::Conflict, field.item.place, message, help));
+    }
+    fields.require("holes", "[[body.holes]] with corners and sides: where the medium meets something")?;
+    loops_of(fields, Vec::new(), true)
+}
+
 /// The polygon of the fields of `[body]`; `cavity`: its loops are holes in the unbounded plane.
 pub(super) fn body(fields: &Fields<'_>, cavity: bool) -> Result<Polygon, DataError> {
-    let (first, names) = read_loop(fields)?;
-    let (mut loops, mut listed) = (vec![first], vec![names]);
+    loops_of(fields, vec![read_loop(fields)?], cavity)
+}
+
+/// The polygon of some loops and of those of `holes`.
+fn loops_of<'a>(fields: &Fields<'a>, first: Vec<(Loop, Listed<'a>)>, cavity: bool) -> Result<Polygon, DataError> {
+    let (mut loops, mut listed): (Vec<Loop>, Vec<Listed<'a>>) = first.into_iter().unzip();
     if let Some(list) = fields.get("holes") {
         for hole in list.list()? {
             let (corners, names) = read_loop(&Fields::new(&hole, &keys::LOOP)?)?;
@@ -170,6 +186,11 @@ pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -
 /// `[body_force]`.
 pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
     let value = Fields::new(field, &keys::BODY_FORCE)?.require("value", "value = [\"0\", \"-9.81\"]")?;
+    force(&value, context)
+}
+
+/// The two components of a force per area.
+pub(super) fn force(value: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
     let [x, y] = value.pair()?;
     let expressions = [x.expression_inside(context)?, y.expression_inside(context)?];
     for (expression, field) in expressions.iter().zip([x, y]) {

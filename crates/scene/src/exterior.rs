@@ -40,6 +40,12 @@ pub(super) fn exterior(
         }
         None => None,
     };
+    let (displacement_jump, traction_jump) = (pair(displacement)?, pair(traction)?);
+    Ok((material, far_field(&fields, context)?, Tie { displacement_jump, traction_jump, stress_jump }))
+}
+
+/// `remote_stress` and `at_infinity` of a medium.
+pub(super) fn far_field(fields: &Fields<'_>, context: &Context<'_>) -> Result<FarField, DataError> {
     let mut named = false;
     let remote_stress = match fields.get("remote_stress") {
         Some(remote) => {
@@ -59,10 +65,7 @@ pub(super) fn exterior(
     let words = [("decaying", Radiation::Decaying), ("bounded", Radiation::Bounded)];
     let stated = fields.get("at_infinity").map(|word| word.choice(&words)).transpose()?;
     let radiation = stated.unwrap_or(Radiation::Decaying);
-    let (displacement_jump, traction_jump) = (pair(displacement)?, pair(traction)?);
-    let stated = stated.is_some();
-    let far = FarField { remote_stress, radiation, stated, named };
-    Ok((material, far, Tie { displacement_jump, traction_jump, stress_jump }))
+    Ok(FarField { remote_stress, radiation, stated: stated.is_some(), named })
 }
 
 /// The three entries xx, yy, xy of a symmetric tensor.

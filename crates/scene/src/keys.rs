@@ -21,15 +21,32 @@ pub(super) const SCENE: [&str; 14] = [
     "exterior",
     "interface",
 ];
-pub(super) const BODY: [&str; 9] =
-    ["corners", "sides", "holes", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
+pub(super) const BODY: [&str; 10] =
+    ["corners", "sides", "holes", "cracks", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
 /// Those of one of several bodies.
-pub(super) const BODIES: [&str; 14] = [
-    "name", "corners", "sides", "holes", "arcs", "curves", "fillet", "circle", "ellipse", "side", "material", "medium",
-    "cracks", "grid",
+pub(super) const BODIES: [&str; 15] = [
+    "name",
+    "corners",
+    "sides",
+    "holes",
+    "arcs",
+    "curves",
+    "fillet",
+    "circle",
+    "ellipse",
+    "side",
+    "material",
+    "medium",
+    "cracks",
+    "grid",
+    "body_force",
 ];
+/// Those of what one of several bodies does far away.
+pub(super) const MEDIUM: [&str; 2] = ["remote_stress", "at_infinity"];
 pub(super) const INTERFACE: [&str; 6] = ["between", "contact", "tied", "multiplier", "name", "on"];
 pub(super) const TIED: [&str; 2] = ["displacement_jump", "traction_jump"];
+/// Those of a crack.
+pub(super) const CRACK: [&str; 2] = ["points", "side"];
 /// Those of a hole.
 pub(super) const LOOP: [&str; 8] = ["corners", "sides", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
 pub(super) const MATERIAL: [&str; 4] = ["young", "poisson", "plane", "cells"];

@@ -23,6 +23,7 @@ mod keys;
 mod fields;
 mod bodies;
 mod body;
+mod cracks;
 mod curves;
 mod sides;
 mod method;
@@ -44,8 +45,10 @@ use steklov_problem::{
 pub use error::{SceneError, located};
 
 use body::Parameters;
+use cracks::Cracks;
 use fields::{Context, Field, Fields};
-use tree::Item;
+use sides::Given;
+use tree::{Item, suggestion};
 
 /// The commented scene that `steklov new` prints.
 pub const TEMPLATE: &str = include_str!("template.toml");
@@ -156,7 +159,7 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
         method::expect(&field, "", &mut expect)?;
     }
     let in_body_force = problem.bodies[0].force.iter().flatten().flat_map(|f| f.names().iter().cloned()).collect();
-    let by_force = problem.bodies[0].force.is_some() && around;
+    let by_force = problem.bodies[0].force.is_some() && around || problem.has_several_bodies() && has_force(&problem);
     if !by_force {
         something_acts(&fields, &problem)?;
     }
@@ -188,10 +191,25 @@ fn one_body(
     cavity: bool,
     context: &mut Context<'_>,
 ) -> Result<(Problem, Declared, BTreeSet<String>), DataError> {
-    let outline = body::body(&Fields::new(of_body, &keys::BODY)?, cavity)?;
+    let of_outline = Fields::new(of_body, &keys::BODY)?;
+    let outline = body::body(&of_outline, cavity)?;
+    if let Some(field) = of_outline.get("cracks") {
+        for key in ["exterior", "grid", "random"] {
+            if let Some(other) = fields.get(key) {
+                let message = format!("{} and {} cannot be solved together", field.name, other.name);
+                return Err(DataError::new(Kind::Unsupported, field.item.place, message, "leave one of them out"));
+            }
+        }
+        return cracked(fields, &of_outline, outline, context).map(|problem| (problem, Vec::new(), BTreeSet::new()));
+    }
     if let Some(field) = fields.get("interface") {
         let help = "write each body as a table [[body]] with a name";
-        return Err(DataError::new(Kind::Conflict, field.item.place, "an interface needs several bodies", help));
+        return Err(DataError::new(
+            Kind::Conflict,
+            field.item.place,
+            "an interface needs several bodies, or a crack",
+            help,
+        ));
     }
     let declared = match fields.get("random") {
         Some(field) => random::random(&field, &outline, context)?,
@@ -224,6 +242,53 @@ fn one_body(
     context.used.replace(in_sides);
     let problem = problem(Parts { outline, substance: body, grid, sides, contacts, force, exterior })?;
     Ok((problem, declared, in_material))
+}
+
+/// The problem of one body with cracks.
+fn cracked(
+    fields: &Fields<'_>,
+    of_body: &Fields<'_>,
+    outline: Polygon,
+    context: &mut Context<'_>,
+) -> Result<Problem, DataError> {
+    let field = fields.require("material", "a table [material] with young and poisson")?;
+    let substance = substance(&field, &outline, context)?;
+    if let Substance::Cells(_) = substance {
+        return Err(field.problem("a body of cells cannot have cracks".to_owned(), "give one Young's modulus"));
+    }
+    let force = fields.get("body_force").map(|f| body::body_force(&f, context)).transpose()?;
+    let mut cracks = Cracks::default();
+    let whole = outline.clone();
+    let outline = cracks.cut(of_body, "", outline)?;
+    let own = Body { force, ..Body::new("body", substance) };
+    let count = outline.bodies().len();
+    let mut problem = Problem::of_bodies(outline, bodies::pieces(&own, count));
+    if let Some(field) = fields.get("sides") {
+        for (name, place, table) in Fields::open(&field)?.all() {
+            if cracks.load(name, &table, &mut problem, context)? {
+                continue;
+            }
+            let names = whole.side_names();
+            let Some(index) = names.iter().position(|side| side == name) else {
+                let help = suggestion(name, names.iter().map(String::as_str));
+                return Err(DataError::new(Kind::UnknownKey, place, format!("the body has no side {name:?}"), help));
+            };
+            match sides::given(&table, context)? {
+                Given::Condition(condition) => problem.sides[index].condition = condition,
+                Given::Contact(contact) => problem.touch(index, contact),
+            }
+        }
+    }
+    if let Some(field) = fields.get("interface") {
+        for table in field.list()? {
+            if !cracks.interface(&table, context)? {
+                let help = "write on = \"CRACK\", or each body as a table [[body]] with a name";
+                return Err(table.problem("there are no two bodies for an interface between sides".to_owned(), help));
+            }
+        }
+    }
+    cracks.join(&mut problem);
+    Ok(problem)
 }
 
 /// What the tables say of the problem.
@@ -275,12 +340,16 @@ fn problem(parts: Parts) -> Result<Problem, DataError> {
     Ok(problem)
 }
 
+fn has_force(problem: &Problem) -> bool {
+    problem.bodies.iter().any(|body| body.force.is_some())
+}
+
 /// Whether a side or the medium loads, holds or touches the body.
 fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), DataError> {
     let body = &problem.bodies[0];
     let by_side = (0..problem.sides.len())
         .any(|side| !matches!(problem.sides[side].condition, Condition::Free) || problem.contact(side).is_some());
-    let medium = problem.medium().and_then(|medium| medium.far.as_ref());
+    let medium = problem.bodies.iter().find_map(|body| body.far.as_ref());
     let mut ties = problem.interfaces.iter().filter_map(|interface| match &interface.law {
         Law::Tied(tie) => Some(tie),
         Law::Contact(_) => None,

@@ -9,6 +9,7 @@ use steklov_bem_operators::{Mark, Mesh, PairCache, Piece, Space, Subdivision};
 use steklov_model::data::Data;
 use steklov_model::error::SolveError;
 use steklov_model::estimate::Doubt;
+use steklov_model::parts::pieces;
 use steklov_model::run::{Progress, Reason, Step, run};
 use steklov_model::solution::Solved;
 use steklov_model::solve::solve;
@@ -239,11 +240,18 @@ fn distance(
         solve(scene, refinement.mesh(&scene.problem.outline)?, false, &mut PairCache::default(), observe)?;
     let mut difference = prolong(mesh, displacement, &exact);
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
-    if let Some(particular) = exact.particular.filter(|_| scene.problem.outline.is_curved()) {
+    if !exact.particular.is_empty() && scene.problem.outline.is_curved() {
         // on curves its nodal values are not it: what counts is the field without it
-        let nodal = |space: &Space| space.interpolate(|x| particular.displacement(x));
-        let apart = prolong(mesh, &nodal(&Space::new(mesh)), &exact);
-        let missed = apart.iter().zip(nodal(&exact.space)).map(|(a, b)| a - b);
+        let nodal = |mesh: &Mesh, space: &Space| {
+            let mut nodal = vec![0.0; space.dofs()];
+            for piece in pieces(&scene.problem, mesh, space) {
+                let Some(own) = scene.particular_solution(piece.body, 1.0) else { continue };
+                piece.own_mut(&mut nodal).copy_from_slice(&piece.space.interpolate(|x| own.displacement(x)));
+            }
+            nodal
+        };
+        let apart = prolong(mesh, &nodal(mesh, &Space::new(mesh)), &exact);
+        let missed = apart.iter().zip(nodal(&exact.mesh, &exact.space)).map(|(a, b)| a - b);
         difference.iter_mut().zip(missed).for_each(|(a, b)| *a -= b);
     }
     remove_motions(&mut difference, &exact);

@@ -32,9 +32,9 @@ impl Supported {
         let space = Space::new(&mesh);
         let held = Data { scene, mesh: &mesh, space: &space }.held()?;
         let supports = Supports { space: &space, held: &held };
-        let (fixed, motions) = (supports.dofs(), scene.unresisted(supports.free_motions()));
+        let (fixed, motions) = (supports.dofs(), scene.unresisted(0, supports.free_motions()));
         let operators = Operators::assemble(&mesh, &space, &scene.body().material(), None)?;
-        let Steklov { matrix: mut stiffness, traction } = Steklov::new(operators, scene.domain())?;
+        let Steklov { matrix: mut stiffness, traction } = Steklov::new(operators, scene.domain(0))?;
         let length: f64 = (0..mesh.len()).map(|e| mesh.length(e)).sum();
         for motion in motions {
             let (moments, square) = moments(&mesh, &space, |x| motion.at(x));

@@ -168,10 +168,10 @@ pub const CASES: &[Case] = &[
     of(
         "contact = true",
         "contact = true\non = \"upper.crack\"",
-        19,
-        "\"upper.crack\"",
-        "cracks cannot be solved",
-        "name two sides",
+        17,
+        "[\"upper.bottom",
+        "between stands beside interface[0].on",
+        "leave it out",
     ),
     of(
         "contact = true",
@@ -218,11 +218,72 @@ pub const CASES: &[Case] = &[
     of("[sides.lower.bottom]", "[sides.lower.botom]", 12, "botom", "has no side \"botom\"", "did you mean bottom"),
     of(
         "[[interface]]",
-        "[body_force]\nvalue = [\"0\", \"-1\"]\n[[interface]]",
+        "[body_force]\nvalue = [\"0\", \"-x\"]\n[[interface]]",
+        17,
+        "\"-x\"",
+        "depends on the place",
+        "among several bodies none is on a grid",
+    ),
+    of(
+        "[[interface]]",
+        "[exterior]\nyoung = 1.0\npoisson = 0.3\n[[interface]]",
         16,
-        "[body_force]",
+        "[exterior]",
         "and several bodies cannot be solved together",
-        "leave it out",
+        "medium = {}",
+    ),
+    of(
+        "material = { young = 2.0, poisson = 0.2 }",
+        "material = { young = 2.0, poisson = 0.2 }\nmedium = {}",
+        9,
+        "[[0, -1]",
+        "a medium is the whole plane but for its holes",
+        "[[body.holes]]",
+    ),
+    of(
+        "[sides.lower.bottom]",
+        "[[body]]\nname = \"rock\"\nmaterial = { young = 2.0, poisson = 0.2 }\nmedium = {}\n[sides.lower.bottom]",
+        12,
+        "",
+        "holes is missing",
+        "[[body.holes]]",
+    ),
+    of(
+        "[sides.lower.bottom]",
+        "[[body]]\nname = \"rock\"\nmaterial = { young = 2.0, poisson = 0.2 }\nmedium = { remote = [0, 0, 0] }\n[sides.lower.bottom]",
+        15,
+        "remote",
+        "body[2].medium.remote",
+        "remote_stress",
+    ),
+    of(
+        "[sides.lower.bottom]",
+        "[[body]]\nname = \"rock\"\nmaterial = { young = 2.0, poisson = 0.2 }\nmedium = {}\nbody_force = [\"0\", \"1\"]\n\
+         [[body.holes]]\ncircle = { centre = [0, 0], radius = 9 }\nside = \"wall\"\n[sides.lower.bottom]",
+        16,
+        "[\"0\", \"1\"]",
+        "an unbounded medium cannot carry a body force",
+        "medium.remote_stress",
+    ),
+    of(
+        "[sides.lower.bottom]",
+        "[[body]]\nname = \"a\"\nmaterial = { young = 2.0, poisson = 0.2 }\nmedium = {}\n\
+         [[body.holes]]\ncircle = { centre = [0, 0], radius = 9 }\nside = \"wall\"\n\
+         [[body]]\nname = \"b\"\nmaterial = { young = 2.0, poisson = 0.2 }\nmedium = {}\n\
+         [[body.holes]]\ncircle = { centre = [0, 0], radius = 9 }\nside = \"wall\"\n[sides.lower.bottom]",
+        20,
+        "",
+        "are both media",
+        "a bounded body",
+    ),
+    of(
+        "[sides.lower.bottom]",
+        "[[body]]\nname = \"rock\"\nmaterial = { young = 2.0, poisson = 0.2 }\nmedium = {}\n\
+         [[body.holes]]\ncircle = { centre = [0.5, 0.5], radius = 1 }\nside = \"wall\"\n[sides.lower.bottom]",
+        2,
+        "",
+        "deep in body",
+        "draw bodies that touch",
     ),
     of(
         "[[interface]]",

@@ -2,6 +2,7 @@
 
 mod along_sides;
 mod bodies;
+mod cracks;
 mod curves;
 
 /// A sound scene.
@@ -80,7 +81,7 @@ const LOAD: &str = "[\"0\", \"-1\"]";
 
 /// All mistakes.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    OF_FORM.iter().chain(along_sides::CASES).chain(curves::CASES).chain(bodies::CASES)
+    OF_FORM.iter().chain(along_sides::CASES).chain(curves::CASES).chain(bodies::CASES).chain(cracks::CASES)
 }
 
 /// Mistakes of form, values, geometry and conditions.

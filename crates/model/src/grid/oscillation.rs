@@ -35,7 +35,7 @@ pub(super) fn load_oscillation(
 }
 
 fn of_body_force(scene: &Scene, body: &HeterogeneousBody, loads: &Loads) -> f64 {
-    if scene.body().force.is_none() || scene.constant_force().is_some() {
+    if scene.body().force.is_none() || scene.body().constant_force().is_some() {
         return 0.0;
     }
     let grid = &body.grid;

@@ -133,8 +133,8 @@ impl Cell {
 pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
     let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
-    let simple = scene.particular_solution(1.0).is_none() && !coulomb;
-    Ok(galerkin && simple && scene.unresisted(free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
+    let simple = scene.particular_solution(0, 1.0).is_none() && !coulomb;
+    Ok(galerkin && simple && scene.unresisted(0, free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
 }
 
 /// Whether E is affine in each germ where the others are kept: then the Galerkin equations of the nodes decouple.

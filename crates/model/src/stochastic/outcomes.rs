@@ -92,14 +92,13 @@ impl<'a> Outcomes<'a> {
         if let Some(boundary) = &mut boundary {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
-        let particular = scene.particular_solution(1.0 / modulus).map(|solution| {
-            let held = |e: usize, i: usize| scene.problem.sides[mesh.side[e]].holds(i);
-            Particular::new(solution, scene.is_cavity(), mesh, space, held, |u| self.body.condensation.multiply(u))
-        });
+        let pieces = &self.body.pieces;
+        let product = |u: &[f64]| self.body.condensation.multiply(u);
+        let particular = vec![Particular::of_body(&scene, 0, 1.0 / modulus, &pieces[0].piece, product)];
         let supports = Supports { space, held: &held };
-        let mut given = Given::new(loads, particular, boundary, supports.values(), mesh, space);
+        let mut given = Given::new(loads, particular, boundary, supports.values(), pieces);
         given.judged = false;
-        let candidates = scene.unresisted(supports.free_motions());
+        let candidates = scene.unresisted(0, supports.free_motions());
         let missed = missed(mesh, space, &candidates);
         let free = match rigid_load(&data, &given, missed)? {
             None => unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?,

@@ -1,0 +1,132 @@
+//! Cracks: closed forms in the plane, another code, and scenes that are the same body cut in other ways.
+
+use std::f64::consts::PI;
+
+use steklov_model::summary::Summary;
+use steklov_problem::Scene;
+use steklov_tests::summary;
+
+fn parse(text: &str, overrides: &[&str]) -> Scene {
+    steklov_tests::parse(text, overrides).unwrap_or_else(|e| panic!("{}", e.render()))
+}
+
+fn solved(text: &str, overrides: &[&str]) -> Summary {
+    summary(&parse(text, overrides))
+}
+
+/// A crack |x| < 1 on y = 0 in a disc of the plane, the rest of which is a medium under remote stress: what the scene says of the
+/// crack, and of its faces.
+fn in_the_plane(points: &str, [xx, yy, xy]: [f64; 3], faces: &str) -> String {
+    format!(
+        "material = {{ young = 1000, poisson = 0.3 }}\n[[body]]\nname = \"core\"\n\
+         circle = {{ centre = [0, 0], radius = 2 }}\nside = \"wall\"\n[[body.cracks]]\npoints = {points}\n\
+         [[body]]\nname = \"plane\"\nmedium = {{ remote_stress = [{xx:?}, {yy:?}, {xy:?}] }}\n\
+         [[body.holes]]\ncircle = {{ centre = [0, 0], radius = 2 }}\nside = \"wall\"\n\
+         [[interface]]\nbetween = [\"core.wall\", \"plane.wall\"]\ntied = true\n{faces}"
+    )
+}
+
+/// ½ ∫ σ:ε of the remote stress over the disc: J without the crack.
+fn whole([xx, yy, xy]: [f64; 3]) -> f64 {
+    let (nu, twice_mu) = (0.3, 1000.0 / 1.3);
+    let density = ((1.0 - nu) * xx - nu * yy) * xx + ((1.0 - nu) * yy - nu * xx) * yy + 2.0 * xy * xy;
+    0.5 * PI * 4.0 * density / twice_mu
+}
+
+/// J of cracks in the plane, -π τ² a²/E*, τ what the faces do not carry: open, closed and slipping, closed and stuck, and pressed
+/// apart from inside.
+#[test]
+fn energies_of_cracks_in_the_plane_are_griffiths() {
+    let released = |tau: f64| -PI * tau * tau * 0.91 / 1000.0;
+    let coulomb = "[[interface]]\non = \"core.crack\"\ncontact = { friction = { coulomb = \"0.3\" } }\n";
+    let pressure = "[sides.core.crack]\npressure = \"5\"\n";
+    let kinked = "[[-1, 0], [-0.2, 0], [1, 0]]";
+    let (line, back) = ("[[-1, 0], [1, 0]]", "[[1, 0], [-1, 0]]");
+    let cases = [
+        ("open", line, [0.0, 5.0, 0.0], "", 5.0, 0.0),
+        ("open, in two parts", kinked, [0.0, 5.0, 0.0], "", 5.0, 0.0),
+        ("pressed apart", line, [0.0, 0.0, 0.0], pressure, 5.0, 0.0),
+        ("slipping", line, [0.0, -5.0, 3.0], coulomb, 1.5, 2.0),
+        ("slipping, reversed", back, [0.0, -5.0, -3.0], coulomb, 1.5, 2.0),
+        ("slipping without friction", line, [0.0, -5.0, 3.0], "", 3.0, 2.0),
+        ("stuck", line, [2.0, -5.0, 1.0], coulomb, 0.0, 2.0),
+    ];
+    for (name, points, stress, faces, tau, length) in cases {
+        let told = solved(&in_the_plane(points, stress, faces), &["method.tolerance=1e-4"]);
+        let (found, exact) = (told.energy_extrapolated.unwrap(), whole(stress) + released(tau));
+        let bar = told.energy_uncertainty.unwrap();
+        println!("{name}: {:.2e} off, {bar:.1e} told, {} dofs", found - exact, told.dofs);
+        assert!((found - exact).abs() < bar, "{name}: {found} {exact} {bar}");
+        assert!((found - exact).abs() < 3e-8 * exact.abs().max(released(5.0).abs()), "{name}: {found} {exact}");
+        let closed = told.contact.map_or(0.0, |contact| contact.length);
+        assert!((closed - length).abs() < 1e-4, "{name}: {closed}");
+    }
+}
+
+/// A block with a crack that opens at one end and slips with friction at the other: hp finite elements, extrapolated.
+#[test]
+fn a_crack_in_a_block_is_that_of_finite_elements() {
+    let block = |points: &str| {
+        format!(
+            "material = {{ young = 1000, poisson = 0.3 }}\n[body]\ncorners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n\
+             sides = [\"bottom\", \"right\", \"top\", \"left\"]\n[[body.cracks]]\npoints = {points}\n\
+             [sides.bottom]\ndisplacement = [\"0\", \"0\"]\n[sides.top]\ntraction = [\"3\", \"-5*(1+x)\"]\n\
+             [[interface]]\non = \"crack\"\ncontact = {{ friction = {{ coulomb = \"0.3\" }} }}\n"
+        )
+    };
+    for points in ["[[-0.4, 0], [0.4, 0]]", "[[0.4, 0], [-0.4, 0]]"] {
+        let told = solved(&block(points), &["method.tolerance=1e-4"]);
+        let found = told.energy_extrapolated.unwrap();
+        let end = told.interfaces[0].ends.clone().unwrap();
+        println!(
+            "{found:.12} ± {:.1e}, {} {end:?}, {} dofs",
+            told.energy_uncertainty.unwrap(),
+            told.friction_work,
+            told.dofs
+        );
+        assert!((found + 0.236_807_815).abs() < 1e-8);
+        assert!((told.friction_work - 0.004_265_87).abs() < 3e-8);
+        assert!(end.iter().any(|[x, _]| (x + 0.363_27).abs() < 3e-4), "{end:?}");
+        assert_eq!((told.interfaces[0].kind.as_str(), told.bodies.len()), ("contact", 2));
+    }
+}
+
+/// Cracks from the boundary, from holes and along kinks: the body drawn as two that are tied along another line, turned, and with the
+/// ends of the crack exchanged.
+#[test]
+fn edge_cracks_are_those_of_bodies_cut_by_hand() {
+    let sides = "sides = [\"bottom\", \"right\", \"top\", \"left\"]\n";
+    let head = "material = { young = 200, poisson = 0.25 }\n";
+    let loads = |upper: &str| format!("[sides{upper}.top]\ntraction = [\"-0.3\", \"x - 0.2\"]\n");
+    let faces = "contact = { friction = { coulomb = \"0.4\" } }\n";
+    let one = |points: &str| {
+        format!(
+            "{head}[body]\ncorners = [[0, 0], [2, 0], [2, 2], [0, 2]]\n{sides}[[body.cracks]]\npoints = {points}\n\
+             [sides.bottom]\ndisplacement = [\"0\", \"0\"]\n{}[[interface]]\non = \"crack\"\n{faces}",
+            loads("")
+        )
+    };
+    // the same, tied beyond the tip along a line that leaves it at an angle
+    let by_hand = format!(
+        "{head}[[body]]\nname = \"lower\"\ncorners = [[0, 0], [2, 0], [2, 1.4], [0.8, 0.9], [0, 1.1]]\n\
+         sides = [\"bottom\", \"right\", \"beyond\", \"face\", \"left\"]\n[[body]]\nname = \"upper\"\n\
+         corners = [[0, 1.1], [0.8, 0.9], [2, 1.4], [2, 2], [0, 2]]\n\
+         sides = [\"face\", \"beyond\", \"right\", \"top\", \"left\"]\n[sides.lower.bottom]\ndisplacement = [\"0\", \"0\"]\n\
+         {}[[interface]]\nbetween = [\"upper.face\", \"lower.face\"]\n{faces}\
+         [[interface]]\nbetween = [\"upper.beyond\", \"lower.beyond\"]\ntied = true\n",
+        loads(".upper")
+    );
+    let told = [one("[[0, 1.1], [0.8, 0.9]]"), one("[[0.8, 0.9], [0, 1.1]]"), by_hand]
+        .map(|text| solved(&text, &["method.tolerance=1e-4"]));
+    for pair in told.windows(2) {
+        let [a, b] =
+            [&pair[0], &pair[1]].map(|told| (told.energy_extrapolated.unwrap(), told.energy_uncertainty.unwrap()));
+        println!("{:.12} {:.12} ± {:.1e}, {} {} dofs", a.0, b.0, a.1, pair[0].dofs, pair[1].dofs);
+        assert!((a.0 - b.0).abs() < a.1 + b.1 && a.1 < 1e-6 * a.0.abs(), "{a:?} {b:?}");
+        // its mouth is closed, its tip open
+        let [x, y] = [&pair[0], &pair[1]].map(|told| told.interfaces[0].length);
+        println!("{x} {y}, {} {}", pair[0].friction_work, pair[1].friction_work);
+        assert!(x > 0.1 && x < 0.7 && (x - y).abs() < 5e-4);
+        assert!((pair[0].friction_work - pair[1].friction_work).abs() < 1e-4 * pair[0].friction_work);
+    }
+}
