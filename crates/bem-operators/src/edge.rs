@@ -431,10 +431,8 @@ impl Edge {
 
     /// The same of an arc about c: |x + d n - c| = R.
     fn arc_met_by(&self, opening: f64, x: [f64; 2], n: [f64; 2]) -> Vec<(f64, f64)> {
-        let [a, b] = self.listed().map(complex);
-        let arm = Complex64::cis(-opening / 2.0) * (b - a) / Complex64::new(0.0, 2.0 * (opening / 2.0).sin());
-        let (centre, radius) = (a - arm, arm.norm());
-        let (r, n) = (complex(x) - centre, complex(n));
+        let (centre, arm) = self.arc_from_centre(opening);
+        let (r, n, radius) = (complex(x) - centre, complex(n), arm.norm());
         // d² + 2 (r·n) d + (|r|² - R²) = 0
         let half = (r.conj() * n).re;
         let rest = (r.norm() - radius) * (r.norm() + radius);
@@ -444,31 +442,51 @@ impl Edge {
         }
         let larger = -(half + discriminant.sqrt().copysign(half));
         let smaller = if larger == 0.0 { 0.0 } else { rest / larger };
-        let place = |d: f64| {
-            // from the middle of the arc, so that no angle is beyond ±180°
-            let middle = Complex64::cis(opening / 2.0) * arm;
-            let s = 0.5 + ((r + d * n) * middle.conj()).arg() / opening;
-            let s = if s.abs() < AT_END {
-                0.0
-            } else if (s - 1.0).abs() < AT_END {
-                1.0
-            } else {
-                s
-            };
-            (0.0..=1.0).contains(&s).then_some((s, d))
-        };
+        let place = |d: f64| Some((arc_parameter(opening, arm, r + d * n)?, d));
         [smaller, larger].into_iter().filter_map(place).collect()
     }
 
-    /// Parameters of the points whose normals go through x.
-    pub fn feet(&self, x: [f64; 2]) -> Vec<f64> {
+    /// Centre of an arc, and the arm from there to its first corner.
+    fn arc_from_centre(&self, opening: f64) -> (Complex64, Complex64) {
+        let [a, b] = self.listed().map(complex);
+        let arm = Complex64::cis(-opening / 2.0) * (b - a) / Complex64::new(0.0, 2.0 * (opening / 2.0).sin());
+        (a - arm, arm)
+    }
+
+    /// Outward unit normal at s.
+    pub fn normal(&self, s: f64) -> [f64; 2] {
+        let [x, y] = self.tangent(s);
+        [y, -x]
+    }
+
+    /// Parameters of the points y for which y - x is along `pull` - `push` n(y): for pull = E₁n₁(x), push = E₂ the points that a
+    /// point x of another body meets when both surfaces give way as their moduli say. With push = 0 those on the line through x
+    /// along `pull`.
+    pub fn paired(&self, x: [f64; 2], pull: [f64; 2], push: f64) -> Vec<f64> {
+        if let Path::Arc { opening } = self.path {
+            return self.arc_paired(opening, x, pull, push);
+        }
         self.roots(&|s| {
-            let (y, d) = (self.point(s), self.derivative(s));
-            let r = [y[0] - x[0], y[1] - x[1]];
-            let slope = d[0] * d[0] + d[1] * d[1];
-            // of curves the derivative of d is left out: the slope is that of small distances
-            [r[0] * d[0] + r[1] * d[1], slope]
+            let (y, d, n) = (self.point(s), self.derivative(s), self.normal(s));
+            let (r, along) = ([y[0] - x[0], y[1] - x[1]], [0, 1].map(|i| pull[i] - push * n[i]));
+            // the derivative of n is left out: the slope is that of small distances
+            [r[0] * along[1] - r[1] * along[0], d[0] * along[1] - d[1] * along[0]]
         })
+    }
+
+    /// The same of an arc: with r = c - x, y = c + R e and n = ±e, (r × pull) + e × (± push r + R pull) = 0.
+    fn arc_paired(&self, opening: f64, x: [f64; 2], pull: [f64; 2], push: f64) -> Vec<f64> {
+        let (centre, arm) = self.arc_from_centre(opening);
+        let outward = if (opening > 0.0) == self.reversed { -1.0 } else { 1.0 };
+        let (r, pull) = (centre - complex(x), complex(pull));
+        let to = outward * push * r + arm.norm() * pull;
+        let sine = (r.conj() * pull).im / to.norm();
+        if sine.is_nan() || sine.abs() > 1.0 {
+            return Vec::new();
+        }
+        let turn = sine.asin();
+        let along = |angle: f64| arc_parameter(opening, arm, to * Complex64::cis(angle));
+        [turn, PI - turn].into_iter().filter_map(along).collect()
     }
 
     /// Roots in [0, 1] of a function with its slope, ends included: one in each part of the edge in which it changes its sign.
@@ -575,6 +593,21 @@ impl Edge {
             }
         }
     }
+}
+
+/// Parameter of an arc with this arm to its first corner in a direction from its centre, if it is on the arc.
+fn arc_parameter(opening: f64, arm: Complex64, from_centre: Complex64) -> Option<f64> {
+    // from the middle of the arc, so that no angle is beyond ±180°
+    let middle = Complex64::cis(opening / 2.0) * arm;
+    let s = 0.5 + (from_centre * middle.conj()).arg() / opening;
+    let s = if s.abs() < AT_END {
+        0.0
+    } else if (s - 1.0).abs() < AT_END {
+        1.0
+    } else {
+        s
+    };
+    (0.0..=1.0).contains(&s).then_some(s)
 }
 
 /// A root closer than this to an end of an edge is there (edge parameter).

@@ -248,7 +248,9 @@ pub fn contact_boundary(
                 (false, true) => ALIGNED,
                 (false, false) => SMOOTH,
             };
-            drafts[d].add([mesh.normal(e, t), mesh.tangent(e, t)], element, j, aligned);
+            let [x, y] = element.normals[j];
+            let tangent = if element.joined { [-y, x] } else { mesh.tangent(e, t) };
+            drafts[d].add([[x, y], tangent], element, j, aligned);
         }
     }
     let received = transfers(mesh, space, &mut drafts, &draft_of)?;

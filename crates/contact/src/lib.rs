@@ -105,7 +105,7 @@ pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
 pub use residual::{ContactResidual, ContactSolution, Multiplier, contact_residuals, contact_residuals_of};
 pub use rows::{MultiplierRow, multiplier_rows};
 pub use several::{Contraction, contraction, other_solution};
-pub use sides::SideData;
+pub use sides::{Beyond, SideData};
 pub use stabilised::{LEAST_GAMMA, Loading, Stabilised, StabilisedForms, pairing};
 pub use tips::{Located, Obstacle, Solved, Tip, relocate, unlocated};
 pub use transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};

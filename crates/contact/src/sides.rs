@@ -16,14 +16,25 @@ pub struct SideData<'a> {
     pub bound: Option<Datum<'a>>,
     /// Coulomb's coefficient of friction μ ≥ 0. Without both the side is frictionless; with both the bound is F + μ λ_n.
     pub coefficient: Option<Datum<'a>>,
-    /// The elements of the side that face another body; none of a rigid obstacle, which all of them do.
-    pub elements: Option<&'a [usize]>,
+    /// The other body that the side faces; none of a rigid obstacle.
+    pub beyond: Option<Beyond<'a>>,
+}
+
+/// Another body that a side faces.
+#[derive(Clone, Copy)]
+pub struct Beyond<'a> {
+    /// The elements of the side that face it.
+    pub elements: &'a [usize],
+    /// The direction in which contact acts at a point of an element, a unit vector out of the body.
+    pub direction: &'a (dyn Fn(usize, f64) -> [f64; 2] + Sync),
 }
 
 /// An element of the contact boundary; the vectors have one entry for each of its p+1 nodes.
 pub(crate) struct ContactElement {
     pub element: usize,
     pub side: usize,
+    /// The normals at its nodes; of one that faces another body the directions of contact.
+    pub normals: Vec<[f64; 2]>,
     /// Whether it faces another body.
     pub joined: bool,
     /// w_j |γ'(t_j)|, which is ∫ φ_j on lines and arcs.
@@ -65,7 +76,7 @@ pub(crate) fn contact_elements(
                 all.for_each(|(friction, value)| friction[k] = value);
             }
         }
-        let faces = |e: &usize| data.elements.is_none_or(|elements| elements.contains(e));
+        let faces = |e: &usize| data.beyond.is_none_or(|beyond| beyond.elements.contains(e));
         for ((e, moments), friction) in moments.into_iter().zip(friction).filter(|((e, _), _)| faces(e)) {
             if found[e].is_some() {
                 let what = format!("side \"{}\" has two contact conditions", mesh.side_names[data.side]);
@@ -80,10 +91,15 @@ pub(crate) fn contact_elements(
             let weights = basis.weights.iter().zip(&speed).map(|(w, v)| w * half * v).collect();
             let limit = |t: f64| data.gap.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t)));
             let limits = [limit(-1.0)?, limit(1.0)?];
+            let normal = |&t: &f64| match data.beyond {
+                Some(beyond) => (beyond.direction)(e, from_within(mesh, e, t)),
+                None => mesh.normal(e, t),
+            };
             found[e] = Some(ContactElement {
                 element: e,
                 side: data.side,
-                joined: data.elements.is_some(),
+                normals: basis.nodes.iter().map(normal).collect(),
+                joined: data.beyond.is_some(),
                 weights,
                 gaps,
                 limits,

@@ -65,7 +65,7 @@ proptest! {
             side,
             gap: Datum { name: "gap", value: &values[side], kinks: &kinks },
             bound: (side == 0 && bound.is_some()).then_some(Datum { name: "bound", value: &friction, kinks: &kinks }),
-            coefficient: None, elements: None });
+            coefficient: None, beyond: None });
         let whole = contact_boundary(&mesh, &space, &sides, &|i| held[i].map_or([None; 2], |u| u.map(Some)));
         let whole = whole.expect("contact sides");
         let small = whole.clone().without_tangents(&|side| side == 1 || bound.is_none());

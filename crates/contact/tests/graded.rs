@@ -48,7 +48,7 @@ fn block(floor: (Vec<f64>, Vec<usize>), friction: f64, pull: f64) -> Problem {
         gap: Datum { name: "gap", value: &gap, kinks: &kinks },
         bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks }),
         coefficient: None,
-        elements: None,
+        beyond: None,
     };
     let boundary = contact_boundary(&mesh, &space, &[data], &|_| [None; 2]).unwrap();
     let partition = Partition { kept: boundary.kept(), held: Vec::new(), frames: boundary.frames() };

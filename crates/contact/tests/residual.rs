@@ -72,7 +72,7 @@ proptest! {
     ) {
         let mesh = mesh(angle, &degrees);
         let space = Space::new(&mesh);
-        let sides: Vec<SideData<'_>> = [0, 1].map(|side| SideData { side, gap: NONE, bound: None, coefficient: None, elements: None }).to_vec();
+        let sides: Vec<SideData<'_>> = [0, 1].map(|side| SideData { side, gap: NONE, bound: None, coefficient: None, beyond: None }).to_vec();
         // the first corner, where the contact begins, is held wholly or in one component
         let held = |node: usize| {
             let at = |i: usize| if holds & (1 << i) != 0 && node == space.offset[0] { Some(0.1) } else { None };
@@ -149,7 +149,7 @@ fn rough(
         gap,
         bound: Some(Datum { name: "bound", value: bound, kinks: &kinks }),
         coefficient: None,
-        elements: None,
+        beyond: None,
     }];
     let boundary = contact_boundary(mesh, &space, &sides, &|_| [None, None]).expect("a boundary");
     let multipliers: Vec<[f64; 2]> = (0..boundary.nodes.len()).map(lambda).collect();
@@ -224,8 +224,7 @@ fn coulomb_bounds_of_stabilised_multipliers() {
         let slip: Vec<f64> = (0..space.dofs()).map(|i| if i % 2 == 0 { 0.01 } else { 0.0 }).collect();
         let [bound, coefficient] =
             [Datum { value: &|_: &Site| 0.25, ..NONE }, Datum { value: &|_: &Site| 0.5, ..NONE }];
-        let sides =
-            [SideData { side: 0, gap: NONE, bound: Some(bound), coefficient: Some(coefficient), elements: None }];
+        let sides = [SideData { side: 0, gap: NONE, bound: Some(bound), coefficient: Some(coefficient), beyond: None }];
         let (stress, length) = (|s: f64| s * s / (p as f64 * 2.5), |u: f64| p as f64 * 2.5 * u * u);
         // bound and friction under F = 0.25 + 0.5 λ_n⁺
         for (lambda, want) in [
@@ -269,7 +268,7 @@ fn the_multiplier_stays_on_its_side() {
     let boundary = contact_boundary(
         &mesh,
         &space,
-        &[SideData { side: 0, gap: NONE, bound: None, coefficient: None, elements: None }],
+        &[SideData { side: 0, gap: NONE, bound: None, coefficient: None, beyond: None }],
         &|_| [None, None],
     );
     let trace = |e: usize| {
@@ -296,7 +295,7 @@ fn a_gap_that_is_not_finite_is_named() {
     let boundary = contact_boundary(
         &mesh,
         &space,
-        &[SideData { side: 0, gap: NONE, bound: None, coefficient: None, elements: None }],
+        &[SideData { side: 0, gap: NONE, bound: None, coefficient: None, beyond: None }],
         &|_| [None, None],
     );
     let (boundary, none) = (boundary.expect("a boundary"), vec![0.0; space.dofs()]);
@@ -311,7 +310,7 @@ fn a_gap_that_is_not_finite_is_named() {
     };
     let gap = Datum { value: &|x: &Site| x.point[0].sqrt(), ..NONE };
     let error =
-        contact_residuals(&solution, &[SideData { side: 0, gap, bound: None, coefficient: None, elements: None }])
+        contact_residuals(&solution, &[SideData { side: 0, gap, bound: None, coefficient: None, beyond: None }])
             .expect_err("not a number");
     assert!(matches!(error, ContactError::Data(_)) && error.to_string().contains("floor"), "{error}");
 }

@@ -33,7 +33,7 @@ fn wedge(body: &Clamped, multipliers: &MultiplierSpace) -> (f64, Vec<[f64; 2]>, 
         gap: Datum { name: "gap", value: &gap, kinks: &kinks },
         bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks }),
         coefficient: None,
-        elements: None,
+        beyond: None,
     };
     let forms = body.forms(multipliers);
     let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]).unwrap();
@@ -105,7 +105,7 @@ fn a_gamma_beyond_the_critical_one_is_refused() {
         gap: Datum { name: "gap", value: &zero, kinks: &kinks },
         bound: None,
         coefficient: None,
-        elements: None,
+        beyond: None,
     };
     let load = vec![1.0; body.space.dofs()];
     let loading = Loading { stiffness: &body.stiffness, load: &load, held: &body.held, motions: &[], particular: None };
@@ -173,7 +173,7 @@ fn a_uniform_pressure_is_met_by_any_multipliers() {
         gap: Datum { name: "gap", value: &gap, kinks: &kinks },
         bound: None,
         coefficient: None,
-        elements: None,
+        beyond: None,
     };
     let load = vec![0.0; body.space.dofs()];
     let loading = Loading { stiffness: &stiffness, load: &load, held: &body.held, motions: &[], particular: None };
@@ -219,7 +219,7 @@ fn slipping(body: &Clamped, multipliers: &MultiplierSpace, bound: &(dyn Fn(&Site
         gap: Datum { name: "gap", value: &gap, kinks: &kinks },
         bound: Some(Datum { name: "friction", value: bound, kinks: &kinks }),
         coefficient: None,
-        elements: None,
+        beyond: None,
     };
     let forms = body.forms(multipliers);
     let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]).unwrap();

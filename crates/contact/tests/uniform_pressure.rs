@@ -121,7 +121,7 @@ fn a_floating_block_has_its_uniform_pressure() {
         let rigid = [shift.clone(), up, turn];
         let (gap, kinks) = (|_: &Site| 0.0, |_: usize| vec![]);
         let gap = Datum { name: "gap", value: &gap, kinks: &kinks };
-        let side = SideData { side: 0, gap, bound: None, coefficient: None, elements: None };
+        let side = SideData { side: 0, gap, bound: None, coefficient: None, beyond: None };
         let multipliers = block.multipliers(MultiplierMesh::Finer(2), MultiplierDegree::Relative(0));
         let forms = block.forms(&multipliers);
         let critical = forms.critical_gamma(&block.stiffness, &[], &rigid).unwrap();

@@ -84,7 +84,7 @@ pub use form::Form;
 pub use indicators::{InterfaceIndicators, Jumps};
 pub use interior::Interior;
 pub use medium::{Medium, MediumField};
-pub use mortar::{Cell, Facing, MortarRow, cells, dual_moment, mortar_rows, project};
+pub use mortar::{Cell, Facing, Met, MortarRow, cells, dual_moment, meet, mortar_rows};
 pub use outline::Outline;
 pub use trace::Trace;
 pub use transfer::Transfer;

@@ -1,13 +1,15 @@
 //! What faces the dual functions of one side: the rows P of a mortar method.
 //!
-//! The non-mortar side carries the multipliers, with the dual functions ψ_i of its nodes, D_i = ∫ φ_i ds; the mortar side is
-//! seen along the normals n of the non-mortar one, at π(x) = x + d(x) n(x).
+//! The non-mortar side carries the multipliers, with the dual functions ψ_i of its nodes, D_i = ∫ φ_i ds. A point x of it, with
+//! normal n₁, meets π(x) of the mortar side, with n₂, in the direction of contact, that of a surface which takes more of the shape of
+//! the stiffer body:
 //!
 //! ```text
+//! π(x) - x = d(x) (E₁n₁ - E₂n₂)/|E₁n₁ - E₂n₂|,  E = E/(1-ν²)
 //! P_ij = (1/D_i) ∫ ψ_i φ_j∘π ds      d_i = (1/D_i) ∫ ψ_i d ds      w_i = u_i - Σ_j P_ij u_m,j
 //! ```
 //! Σ_j P_ij = 1, so that forces balance: λ acts on the mortar side as Σ_i D_i P_ij λ_i. P reproduces what is of degree p on
-//! each non-mortar element. On straight sides π is affine and the integrals are exact; on curves π is a root, and Gauss rules
+//! each non-mortar element. Between straight elements π is affine and the integrals are exact; on curves π is a root, and Gauss rules
 //! have enough points for 1e-12.
 //!
 //! # Source
@@ -22,6 +24,8 @@ const FACING: f64 = -0.2;
 const SNAP: f64 = 1e-11;
 /// The same at most of small elements far from the origin, whose ends are rounded.
 const NEAR: f64 = 1e-4;
+/// A root on a curve is taken as found when it moves by less (parameter).
+const ROUNDED: f64 = 1e-14;
 /// Cells shorter than this are none.
 const SLIVER: f64 = 1e-9;
 /// Gauss points beyond those of polynomials on curves.
@@ -62,94 +66,173 @@ pub struct Facing<'a> {
     pub space: &'a Space,
     /// Its elements on the side.
     pub elements: &'a [usize],
+    /// E/(1-ν²) of the body of each element of the mesh.
+    pub modulus: &'a [f64],
 }
 
-/// The point of a mortar element that a point sees along a direction: its parameter, not bounded to [-1, 1], and its distance.
-///
-/// Newton's method for (γ(t) - x) × n = 0 from the nearest end or the middle; None where it does not converge near the element.
-pub fn project(mesh: &Mesh, e: usize, x: [f64; 2], n: [f64; 2]) -> Option<[f64; 2]> {
-    let aside = |t: f64| {
-        let y = mesh.point(e, t);
-        let r = [y[0] - x[0], y[1] - x[1]];
-        (cross(r, n), dot(r, n))
-    };
-    let mut t: f64 = 0.0;
-    for _ in 0..30 {
-        let (tangent, speed) = (mesh.tangent(e, t.clamp(-1.5, 1.5)), mesh.speed(e, t.clamp(-1.5, 1.5)));
-        let slope = speed * cross(tangent, n);
-        if slope.abs() < 1e-3 * speed {
-            return None;
-        }
-        let step = aside(t).0 / slope;
-        t -= step;
-        if t.abs() > 3.0 {
-            // far from the element: on a line the answer, on a curve nothing of it
-            return mesh.is_line(e).then(|| [t, aside(t).1]);
-        }
-        if step.abs() < 1e-15 || mesh.is_line(e) {
-            break;
-        }
+impl Facing<'_> {
+    /// E n of a point.
+    fn pull(&self, e: usize, t: f64) -> [f64; 2] {
+        self.mesh.normal(e, t).map(|n| self.modulus[e] * n)
     }
-    Some([t, aside(t).1])
 }
 
-/// The parameter of a non-mortar element whose normal goes through a point, (γ(t) - x)·τ(t) = 0, not bounded to [-1, 1].
-fn foot(mesh: &Mesh, e: usize, x: [f64; 2]) -> f64 {
+/// What a point meets on an element.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Met {
+    /// The parameter, on a curve clamped to [-1, 1].
+    pub t: f64,
+    /// Distance along the direction of contact (length), negative where the sides overlap.
+    pub distance: f64,
+    /// The direction of contact, a unit vector.
+    pub direction: [f64; 2],
+}
+
+/// What a point of a non-mortar element meets on a mortar one; `None` where that is seen from its edge.
+pub fn meet(own: Facing<'_>, (e, t): (usize, f64), other: Facing<'_>, m: usize) -> Option<Met> {
+    let (x, pull) = (own.mesh.point(e, t), own.pull(e, t));
+    let t = paired(other, m, x, pull)?;
+    let t = if other.mesh.is_line(m) { t } else { t.clamp(-1.0, 1.0) };
+    let (y, push) = (other.mesh.point(m, t), other.pull(m, t.clamp(-1.0, 1.0)));
+    let along = [pull[0] - push[0], pull[1] - push[1]];
+    let direction = along.map(|d| d / along[0].hypot(along[1]));
+    Some(Met { t, distance: dot([y[0] - x[0], y[1] - x[1]], direction), direction })
+}
+
+/// The parameter of the point y of an element for which y - x is along `pull` - E n(y): on a line not bounded to [-1, 1], on a curve
+/// beyond that if it is not there; `None` where the element is seen from its edge.
+fn paired(side: Facing<'_>, e: usize, x: [f64; 2], pull: [f64; 2]) -> Option<f64> {
+    let mesh = side.mesh;
+    // of the sign of (y - x)·τ
     let along = |t: f64| {
-        let (y, tangent) = (mesh.point(e, t), mesh.tangent(e, t));
-        dot([y[0] - x[0], y[1] - x[1]], tangent) / mesh.speed(e, t)
+        let (y, push) = (mesh.point(e, t), side.pull(e, t));
+        cross([y[0] - x[0], y[1] - x[1]], [pull[0] - push[0], pull[1] - push[1]])
     };
     if mesh.is_line(e) {
-        return -along(0.0);
+        let push = side.pull(e, 0.0);
+        let to = [pull[0] - push[0], pull[1] - push[1]];
+        let slope = cross(mesh.tangent(e, 0.0), to);
+        return (slope.abs() > 1e-3 * to[0].hypot(to[1])).then(|| -along(0.0) / (slope * mesh.speed(e, 0.0)));
     }
-    // by halves: the foot is unique as long as x is nearer than the centre of curvature
-    let (mut low, mut high) = (-1.0 - 1e-9, 1.0 + 1e-9);
-    let (mut at_low, at_high) = (along(low), along(high));
-    if at_low > 0.0 || at_high < 0.0 {
-        // the point lies ahead of both ends, or behind; between (along falls from + to -) the element is farthest from it
-        let away = |t: f64| {
-            let y = mesh.point(e, t);
-            (y[0] - x[0]).hypot(y[1] - x[1])
-        };
-        let ahead = if at_low * at_high > 0.0 { at_low < 0.0 } else { away(1.0) < away(-1.0) };
-        return if ahead { 2.0 } else { -2.0 };
+    let ends = [-1.0, 1.0].map(along);
+    if ends[0] <= 0.0 && ends[1] >= 0.0 {
+        return Some(root(&along, ends));
     }
-    for _ in 0..200 {
-        let middle = (low + high) / 2.0;
-        let here = along(middle);
-        if here * at_low > 0.0 {
-            (low, at_low) = (middle, here)
-        } else {
-            high = middle
-        }
-        if high - low < 1e-16 {
-            break;
-        }
-    }
-    (low + high) / 2.0
+    // ahead of both ends, or behind; where it falls from + to - the element is farthest from x
+    let away = |t: f64| {
+        let y = mesh.point(e, t);
+        (y[0] - x[0]).hypot(y[1] - x[1])
+    };
+    let ahead = if ends[0] * ends[1] > 0.0 { ends[0] < 0.0 } else { away(1.0) < away(-1.0) };
+    Some(if ahead { 2.0 } else { -2.0 })
 }
 
-/// The common refinement: the parts of the non-mortar elements that mortar elements face, no farther away than `reach`.
-pub fn cells(own: Facing<'_>, other: Facing<'_>, reach: f64) -> Vec<Cell> {
+/// The root in [-1, 1] of a function that rises from the first of these values to the second, by the Illinois method.
+fn root(f: &dyn Fn(f64) -> f64, [mut at_low, mut at_high]: [f64; 2]) -> f64 {
+    let ([mut low, mut high], mut kept, mut last) = ([-1.0, 1.0], 0, f64::INFINITY);
+    for _ in 0..100 {
+        let t = if at_low == at_high { low } else { low - at_low * (high - low) / (at_high - at_low) };
+        if (t - last).abs() < ROUNDED || high - low < ROUNDED {
+            return t;
+        }
+        last = t;
+        let here = f(t);
+        if here == 0.0 {
+            return t;
+        }
+        if here < 0.0 {
+            (low, at_low) = (t, here);
+            at_high = if kept == 1 { at_high / 2.0 } else { at_high };
+            kept = 1;
+        } else {
+            (high, at_high) = (t, here);
+            at_low = if kept == -1 { at_low / 2.0 } else { at_low };
+            kept = -1;
+        }
+    }
+    last
+}
+
+/// A cell that is not cut yet, and the distance in its middle.
+type Draft = (Cell, f64);
+
+/// The common refinement: the parts of the non-mortar elements that mortar elements face, at distances in the given range. Where
+/// several face one, the nearest does. What is left between cells, beside a corner of the mortar side, and up to the length `near` also at
+/// their ends, faces the end of the element beside it.
+pub fn cells(own: Facing<'_>, other: Facing<'_>, [low, high]: [f64; 2], near: f64) -> Vec<Cell> {
     let mut cells = Vec::new();
     for &e in own.elements {
+        let snap = SNAP.max(own.mesh.resolution(e)).min(NEAR);
+        let snapped = |t: f64| if (t.abs() - 1.0).abs() < snap { t.signum() } else { t.clamp(-1.0, 1.0) };
+        let mut drafts: Vec<Draft> = Vec::new();
         for &m in other.elements {
-            let [a, b] = other.mesh.ends(m).map(|x| foot(own.mesh, e, x));
-            let snap = SNAP.max(own.mesh.resolution(e)).min(NEAR);
-            let snapped = |t: f64| if (t.abs() - 1.0).abs() < snap { t.signum() } else { t.clamp(-1.0, 1.0) };
+            let ends = [-1.0, 1.0].map(|t| paired(own, e, other.mesh.point(m, t), other.pull(m, t)));
+            let [Some(a), Some(b)] = ends else { continue };
             let span = [snapped(a.min(b)), snapped(a.max(b))];
             if span[1] - span[0] < SLIVER.max(2.0 * snap) {
                 continue;
             }
             let middle = (span[0] + span[1]) / 2.0;
-            let (x, n) = (own.mesh.point(e, middle), own.mesh.normal(e, middle));
-            let Some([t, distance]) = project(other.mesh, m, x, n) else { continue };
-            if t.abs() <= 1.0 && dot(n, other.mesh.normal(m, t)) < FACING && distance.abs() <= reach {
-                cells.push(Cell { element: e, span, other: m });
+            let Some(met) = meet(own, (e, middle), other, m) else { continue };
+            let away = dot(own.mesh.normal(e, middle), other.mesh.normal(m, met.t.clamp(-1.0, 1.0)));
+            if met.t.abs() <= 1.0 && away < FACING && low <= met.distance && met.distance <= high {
+                drafts.push((Cell { element: e, span, other: m }, met.distance.abs()));
             }
         }
+        let mut of_element = nearest(drafts, SLIVER.max(2.0 * snap));
+        close(&mut of_element, 2.0 * near / own.mesh.length(e), other.mesh);
+        if of_element.is_empty() && own.mesh.length(e) <= near {
+            of_element.extend(beside(own.mesh.point(e, 0.0), other, 2.0 * near).map(|m| Cell {
+                element: e,
+                span: [-1.0, 1.0],
+                other: m,
+            }));
+        }
+        cells.append(&mut of_element);
     }
     cells
+}
+
+/// Parts of cells on which no other one is nearer, in their order.
+fn nearest(mut drafts: Vec<Draft>, shortest: f64) -> Vec<Cell> {
+    drafts.sort_by(|a, b| a.1.total_cmp(&b.1));
+    let mut cells: Vec<Cell> = Vec::new();
+    for (draft, _) in drafts {
+        let mut parts = vec![draft.span];
+        for taken in cells.iter().map(|cell| cell.span) {
+            let beside = |[a, b]: [f64; 2]| [[a, b.min(taken[0])], [a.max(taken[1]), b]];
+            parts = parts.into_iter().flat_map(beside).filter(|[a, b]| b - a > shortest).collect();
+        }
+        cells.extend(parts.into_iter().map(|span| Cell { span, ..draft }));
+    }
+    cells.sort_by(|a, b| a.span[0].total_cmp(&b.span[0]));
+    cells
+}
+
+/// The element whose end is nearest to a point, if one is as near as that.
+fn beside(x: [f64; 2], other: Facing<'_>, near: f64) -> Option<usize> {
+    let away = |m: usize| {
+        let ends = other.mesh.ends(m).map(|y| (y[0] - x[0]).hypot(y[1] - x[1]));
+        ends[0].min(ends[1])
+    };
+    let elements = other.elements.iter().map(|&m| (m, away(m))).filter(|(_, away)| *away <= near);
+    elements.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(m, _)| m)
+}
+
+/// Lengthens the cells of an element over what is left between neighbours, and over no more than `near` elsewhere.
+fn close(cells: &mut [Cell], near: f64, mesh: &Mesh) {
+    for k in 1..cells.len() {
+        let [a, b] = [cells[k - 1].other, cells[k].other];
+        if mesh.next[a] == b || mesh.next[b] == a || cells[k].span[0] - cells[k - 1].span[1] <= near {
+            cells[k - 1].span[1] = cells[k].span[0];
+        }
+    }
+    if let Some(first) = cells.first_mut().filter(|cell| cell.span[0] + 1.0 <= near) {
+        first.span[0] = -1.0;
+    }
+    if let Some(last) = cells.last_mut().filter(|cell| 1.0 - cell.span[1] <= near) {
+        last.span[1] = 1.0;
+    }
 }
 
 /// The rows of the nodes on the non-mortar elements.
@@ -197,8 +280,7 @@ fn add_cell(own: Facing<'_>, other: Facing<'_>, cell: &Cell, row_of: &[Option<us
     let mut phi = vec![0.0; facing.degree + 1];
     for (&g, &w) in rule.points.iter().zip(&rule.weights) {
         let t = cell.span[0] + half * (1.0 + g);
-        let (x, n) = (own.mesh.point(e, t), own.mesh.normal(e, t));
-        let Some([s, distance]) = project(other.mesh, m, x, n) else { continue };
+        let Some(Met { t: s, distance, .. }) = meet(own, (e, t), other, m) else { continue };
         basis.evaluate(t, &mut own_phi);
         dual.evaluate(&own_phi, &mut psi);
         facing.evaluate(s.clamp(-1.0, 1.0), &mut phi);

@@ -62,11 +62,12 @@ impl Body {
 /// J of two bodies, `own` tied to `other` along sides that face each other, the bottom of the lower one held.
 fn tied_energy(own: (&Body, &str), other: (&Body, &str), [own_load, other_load]: [Vec<f64>; 2]) -> f64 {
     let (mine, theirs) = (own.0.side(own.1), other.0.side(other.1));
+    let moduli = [own, other].map(|of| vec![1.0; of.0.mesh.len()]);
     let (a, b) = (
-        Facing { mesh: &own.0.mesh, space: &own.0.space, elements: &mine },
-        Facing { mesh: &other.0.mesh, space: &other.0.space, elements: &theirs },
+        Facing { mesh: &own.0.mesh, space: &own.0.space, elements: &mine, modulus: &moduli[0] },
+        Facing { mesh: &other.0.mesh, space: &other.0.space, elements: &theirs, modulus: &moduli[1] },
     );
-    let rows = mortar_rows(a, b, &cells(a, b, 1e-9));
+    let rows = mortar_rows(a, b, &cells(a, b, [-1e-9, 1e-9], 0.0));
     let (n, m) = (own.0.space.dofs(), other.0.space.dofs());
     let held = |body: &Body| -> Vec<usize> {
         let lowest = body.mesh.vertices.iter().fold(f64::INFINITY, |l, v| l.min(v[1]));

@@ -1,7 +1,7 @@
 //! The data of contact sides on a mesh: gaps, friction bounds and coefficients.
 
 use steklov_bem_operators::{BemError, Site};
-use steklov_contact::{ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles};
+use steklov_contact::{Beyond, ContactBoundary, ContactBubble, Sets, SideData, contact_boundary, contact_bubbles};
 use steklov_expression::Expression;
 use steklov_problem::{Contact, DataError, DataErrorKind, Friction};
 
@@ -70,9 +70,11 @@ impl Data<'_> {
             let interface = self.scene.problem.joint(side)?;
             joints.iter().find(|j| std::ptr::eq(&raw const self.scene.problem.interfaces[j.interface], interface))
         };
-        let with_elements = |of: &(usize, _)| of_joint(of.0).map(|joint| joint.own.as_slice());
+        let direction = |e: usize, t: f64| self.direction(e, t);
+        let beyond =
+            |side: usize| of_joint(side).map(|joint| Beyond { elements: joint.own.as_slice(), direction: &direction });
         let sides: Vec<SideData<'_>> =
-            functions.iter().filter_map(|f| Some(SideData { elements: with_elements(f), ..side_data(f)? })).collect();
+            functions.iter().filter_map(|f| Some(SideData { beyond: beyond(f.0), ..side_data(f)? })).collect();
         call(&sides)
     }
 
@@ -102,7 +104,7 @@ impl Data<'_> {
                 }
             }
         }
-        for side in &sides {
+        for side in sides.iter().filter(|side| self.scene.problem.joint(side.index).is_none()) {
             self.check_held_ends(side.index, side.gap, held)?;
         }
         let values = |node: usize| held[node].components.map(|c| c.map(|(value, _)| value));
@@ -182,6 +184,6 @@ fn side_data<'a>((side, functions): &'a (usize, [Option<Function<'_>>; 3])) -> O
         gap: gap.as_ref()?.datum("gap"),
         bound: bound.as_ref().map(|b| b.datum("friction bound")),
         coefficient: coefficient.as_ref().map(|c| c.datum("friction coefficient")),
-        elements: None,
+        beyond: None,
     })
 }

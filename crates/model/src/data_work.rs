@@ -116,7 +116,8 @@ impl Data<'_> {
         for element in contact.boundary.elements(mesh, space) {
             let e = element.element;
             let slip = |((node, at), &place): ((usize, &Option<LinePoint>), &f64)| {
-                let t = mesh.tangent(e, place);
+                let [x, y] = self.direction(e, place);
+                let t = [-y, x];
                 let own = solved.particular.of(e).map_or([0.0; 2], |b| b.displacement(space.points[node]));
                 let u: f64 = (0..2).map(|i| (relative[2 * node + i] + own[i]) * t[i]).sum();
                 let turned = match at.map(|at| (at, part.sets.slip(at.index))) {

@@ -1,9 +1,10 @@
 //! The correction that enriched spaces add to a solution: S₊e = r on what the supports and the contact sets leave free.
 
-use steklov_bem_operators::{Assembly, Enriched, Mesh};
+use steklov_bem_operators::{Assembly, Enriched};
 use steklov_contact::{ContactBubble, Frozen};
-use steklov_problem::{Condition, Scene};
+use steklov_problem::Condition;
 
+use crate::data::Data;
 use crate::elastic::Elastic;
 use crate::facing::FacingLoad;
 
@@ -49,9 +50,10 @@ impl Frame {
 }
 
 /// What is free of every bubble: all, less what is held, less what the contact state prescribes. Another body gives way.
-pub(crate) fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble], facing: &[FacingLoad]) -> Vec<Frame> {
+pub(crate) fn frames(data: &Data<'_>, bubbles: &[ContactBubble], facing: &[FacingLoad]) -> Vec<Frame> {
+    let mesh = data.mesh;
     let mut frames: Vec<Frame> = (0..mesh.len())
-        .map(|e| match &scene.problem.sides[mesh.side[e]].condition {
+        .map(|e| match &data.scene.problem.sides[mesh.side[e]].condition {
             Condition::Displacement { values, .. } => {
                 Frame { free: [values[0].is_none(), values[1].is_none()], ..Frame::FREE }
             }
@@ -60,7 +62,7 @@ pub(crate) fn frames(scene: &Scene, mesh: &Mesh, bubbles: &[ContactBubble], faci
         .collect();
     for bubble in bubbles {
         let e = bubble.element;
-        frames[e] = Frame { directions: [mesh.normal(e, 0.0), mesh.tangent(e, 0.0)], free: bubble.free };
+        frames[e] = Frame { directions: data.contact_frame(e), free: bubble.free };
     }
     for FacingLoad { element, .. } in facing {
         frames[*element].free = [true; 2];

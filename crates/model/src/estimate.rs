@@ -172,8 +172,8 @@ pub fn estimate(
     };
     let closed: Vec<usize> = bubbles.iter().filter(|b| !b.free[0]).map(|b| b.element).collect();
     let facing = data.facing_loads(&body.joints, solved.elastic_field(), &bubbles);
-    let frames = frames(scene, mesh, &bubbles, &facing);
-    let residual = bubble_residual(mesh, factors, &elastic, &bubbles, &facing);
+    let frames = frames(&data, &bubbles, &facing);
+    let residual = bubble_residual(&data, factors, &elastic, &bubbles, &facing);
     let (mut indicators, held_oscillation) = indicators(&data, solved, &elastic, (&bubbles, &frames), &residual)?;
     let scale = scale(solved.energies.strain, body, factors);
     let nonconformity = data.nonconformity(&body.joints, solved.elastic_field(), &bubbles);
@@ -233,7 +233,7 @@ pub fn estimate(
 
 /// ρ_u, with what contact and other bodies do on the bubbles.
 fn bubble_residual(
-    mesh: &Mesh,
+    data: &Data<'_>,
     factors: &Factors,
     elastic: &Elastic<'_>,
     bubbles: &[ContactBubble],
@@ -241,7 +241,7 @@ fn bubble_residual(
 ) -> Vec<f64> {
     let mut residual: Vec<f64> = factors.extra_load.iter().zip(elastic.bubble_force()).map(|(f, s)| f - s).collect();
     for bubble in bubbles {
-        let (e, n, t) = (bubble.element, mesh.normal(bubble.element, 0.0), mesh.tangent(bubble.element, 0.0));
+        let (e, [n, t]) = (bubble.element, data.contact_frame(bubble.element));
         // a closed bubble's residual along n is ∫λ_n b; against another body it is what that pushes back with
         let pressure = match facing.iter().find(|of| of.element == e) {
             Some(of) => -(of.load[0] * n[0] + of.load[1] * n[1]),
@@ -253,7 +253,7 @@ fn bubble_residual(
         }
     }
     for FacingLoad { element: e, load, share } in facing {
-        let (n, t) = (mesh.normal(*e, 0.0), mesh.tangent(*e, 0.0));
+        let [n, t] = data.contact_frame(*e);
         let own = [residual[2 * e], residual[2 * e + 1]];
         let slides = bubbles.iter().any(|b| b.element == *e) && share[1].is_none();
         let along =

@@ -6,7 +6,7 @@
 
 use steklov_bem_operators::Site;
 use steklov_contact::ContactBubble;
-use steklov_coupling::{Cell, project};
+use steklov_coupling::{Cell, Facing, Met, meet};
 use steklov_problem::Law;
 use steklov_quadrature::{gauss_legendre, legendre_p, project as legendre_project};
 
@@ -48,6 +48,8 @@ impl Data<'_> {
         bubbles: &[ContactBubble],
     ) -> Vec<FacingLoad> {
         let mut loads: Vec<FacingLoad> = Vec::new();
+        let modulus = self.moduli();
+        let side = Facing { mesh: self.mesh, space: self.space, elements: &[], modulus: &modulus };
         for joint in joints {
             for cell in &joint.cells {
                 let stuck = if self.is_contact(joint) {
@@ -60,16 +62,14 @@ impl Data<'_> {
                     true
                 };
                 let (e, m) = (cell.element, cell.other);
-                let [own, other] = [e, m].map(|e| self.material_of(e).plane_modulus());
+                let [own, other] = [e, m].map(|e| modulus[e]);
                 let (mut on_own, mut on_other) = ([0.0; 2], [0.0; 2]);
                 let half = (cell.span[1] - cell.span[0]) / 2.0;
                 let rule = gauss_legendre(POINTS);
                 for (&g, &w) in rule.points.iter().zip(&rule.weights) {
                     let t = cell.span[0] + half * (1.0 + g);
-                    let Some([s, _]) = project(self.mesh, m, self.mesh.point(e, t), self.mesh.normal(e, t)) else {
-                        continue;
-                    };
-                    let s = s.clamp(-1.0, 1.0);
+                    let Some(met) = meet(side, (e, t), side, m) else { continue };
+                    let s = met.t.clamp(-1.0, 1.0);
                     let ds = half * w * self.mesh.speed(e, t);
                     let beyond = field.traction(m, s);
                     let here = field.traction(e, t);
@@ -119,12 +119,13 @@ impl Data<'_> {
         let Cell { element: e, span, other: m } = *cell;
         let half = (span[1] - span[0]) / 2.0;
         let rule = gauss_legendre(POINTS);
+        let moduli = self.moduli();
+        let side = Facing { mesh: self.mesh, space: self.space, elements: &[], modulus: &moduli };
         let (mut work, mut lefts, mut here_largest) = (0.0, vec![[0.0; 2]; POINTS], 0.0f64);
         for (k, (&g, &w)) in rule.points.iter().zip(&rule.weights).enumerate() {
             let t = span[0] + half * (1.0 + g);
-            let (n, tangent) = (self.mesh.normal(e, t), self.mesh.tangent(e, t));
-            let Some([s, _]) = project(self.mesh, m, self.mesh.point(e, t), n) else { continue };
-            let s = s.clamp(-1.0, 1.0);
+            let Some(Met { t: s, direction: n, .. }) = meet(side, (e, t), side, m) else { continue };
+            let (s, tangent) = (s.clamp(-1.0, 1.0), [-n[1], n[0]]);
             let [(here, _), (beyond, _)] = [field.on_boundary(e, t), field.on_boundary(m, s)];
             let [pull, push] = [field.traction(e, t), field.traction(m, s)];
             let apart = self.left_apart(law, &Site::new(self.mesh, e, t), n);

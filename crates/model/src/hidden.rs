@@ -9,6 +9,7 @@
 
 use steklov_contact::ContactBoundary;
 use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
+use steklov_problem::Seen;
 use steklov_quadrature::{Series, gauss_legendre, project};
 
 use crate::data::Data;
@@ -116,24 +117,26 @@ impl Data<'_> {
         overlaps
     }
 
-    /// u_n on an element, less the distance from another body that it faces; on a curved one, where the normal turns, its
+    /// u_n on an element, less the distance from another body that it faces; where the normal or the direction of contact turns, its
     /// polynomial of eight more degrees.
     fn normal_displacement(&self, e: usize, displacement: &[f64]) -> Series {
         let basis = self.space.basis(e);
-        if !self.mesh.is_line(e) || self.distance(e, 0.0).is_some_and(|distance| distance != 0.0) {
+        let n = self.mesh.normal(e, 0.0);
+        let beside = |seen: Seen| seen.distance != 0.0 || seen.direction != n;
+        if !self.mesh.is_line(e) || self.seen(e, 0.0).is_some_and(beside) {
             let mut phi = vec![0.0; basis.degree + 1];
             let value = |t: f64| {
                 basis.evaluate(t, &mut phi);
-                let n = self.mesh.normal(e, t);
+                let seen = self.seen(e, t);
+                let n = seen.map_or_else(|| self.mesh.normal(e, t), |seen| seen.direction);
                 let nodes = self.space.element_nodes(e).zip(&phi);
                 let u: f64 =
                     nodes.map(|(k, phi)| phi * (displacement[2 * k] * n[0] + displacement[2 * k + 1] * n[1])).sum();
-                u - self.distance(e, t).unwrap_or(0.0)
+                u - seen.map_or(0.0, |seen| seen.distance)
             };
             let degree = basis.degree + 8;
             return project(value, degree, &gauss_legendre(degree + 1));
         }
-        let n = self.mesh.normal(e, 0.0);
         let nodes = self.space.element_nodes(e);
         let nodal: Vec<f64> = nodes.map(|k| displacement[2 * k] * n[0] + displacement[2 * k + 1] * n[1]).collect();
         let mut phi = vec![0.0; basis.degree + 1];

@@ -11,7 +11,7 @@ use steklov_bem_operators::{Relative, Site, order_of_rows};
 use steklov_contact::{ContactBoundary, ContactError, Row, Transfer, oscillation};
 use steklov_coupling::{Cell, Facing, MortarRow, cells, mortar_rows};
 use steklov_expression::Expression;
-use steklov_problem::{Interface, Law, Tie};
+use steklov_problem::{Interface, Law, Seen, Tie};
 
 use crate::data::{Data, Function};
 use crate::error::SolveError;
@@ -63,6 +63,7 @@ impl Data<'_> {
                 continue;
             }
             let spans = problem.spans(interface);
+            let modulus = self.moduli();
             let within = |e: &usize| {
                 let middle = (self.mesh.span[*e][0] + self.mesh.span[*e][1]) / 2.0;
                 spans.iter().any(|span| span.edge == self.mesh.edge[*e] && span.s[0] < middle && middle < span.s[1])
@@ -71,8 +72,9 @@ impl Data<'_> {
             let own: Vec<usize> =
                 all().filter(|&e| interface.sides.contains(&self.mesh.side[e])).filter(within).collect();
             let other: Vec<usize> = all().filter(|&e| facing.contains(&self.mesh.side[e])).collect();
-            let side = |elements| Facing { mesh: self.mesh, space: self.space, elements };
-            let cells = cells(side(&own), side(&other), 1.01 * problem.reach(interface));
+            let side = |elements| Facing { mesh: self.mesh, space: self.space, elements, modulus: &modulus };
+            let (near, [low, high]) = (problem.coincidence(interface), problem.seen_distances(interface));
+            let cells = cells(side(&own), side(&other), [2.0 * low, 2.0 * high], near);
             for &e in &own {
                 let covered: f64 = cells.iter().filter(|c| c.element == e).map(|c| (c.span[1] - c.span[0]) / 2.0).sum();
                 if (covered - 1.0).abs() > UNCOVERED.max(self.mesh.resolution(e)) {
@@ -89,6 +91,11 @@ impl Data<'_> {
         Ok(joints)
     }
 
+    /// E/(1-ν²) of all elements.
+    pub(crate) fn moduli(&self) -> Vec<f64> {
+        (0..self.mesh.len()).map(|e| self.material_of(e).plane_modulus()).collect()
+    }
+
     fn interface(&self, joint: &Joint) -> &Interface {
         &self.scene.problem.interfaces[joint.interface]
     }
@@ -99,7 +106,8 @@ impl Data<'_> {
     }
 
     fn rows_of(&self, own: &[usize], cells: &[Cell]) -> Vec<MortarRow> {
-        let side = |elements| Facing { mesh: self.mesh, space: self.space, elements };
+        let modulus = self.moduli();
+        let side = |elements| Facing { mesh: self.mesh, space: self.space, elements, modulus: &modulus };
         mortar_rows(side(own), side(&[]), cells)
     }
 
@@ -339,25 +347,33 @@ impl Data<'_> {
     /// The gap of a side: that of the scene, against other bodies from the distance on.
     pub(crate) fn gap<'e>(&'e self, side: usize, gap: &'e Expression) -> Function<'e> {
         let plain = self.function(gap);
-        let Some(interface) = self.scene.problem.joint(side) else { return plain };
+        if self.scene.problem.joint(side).is_none() {
+            return plain;
+        }
         // sides that touch do so up to the rounding of their coordinates
         let rounding = TOUCHING * self.scene.problem.outline.diameter();
         let value = move |site: &Site| {
-            let distance = self.distance_along(interface, site.element, site.t).unwrap_or(0.0);
+            let distance = self.seen(site.element, site.t).map_or(0.0, |seen| seen.distance);
             (plain.value)(site) + if distance.abs() < rounding { 0.0 } else { distance }
         };
         Function { value: Box::new(value), kinks: plain.kinks }
     }
 
-    /// Distance to the body that a point of a side faces.
-    fn distance_along(&self, interface: &Interface, e: usize, t: f64) -> Option<f64> {
-        let s = self.mesh.edge_parameter(e, t);
-        self.scene.problem.seen(interface, self.mesh.edge[e], s).map(|seen| seen.distance)
+    /// What a point of a side in contact with other bodies faces; none elsewhere.
+    pub(crate) fn seen(&self, e: usize, t: f64) -> Option<Seen> {
+        let interface = self.scene.problem.joint(self.mesh.side[e])?;
+        self.scene.problem.seen(interface, self.mesh.edge[e], self.mesh.edge_parameter(e, t))
     }
 
-    /// The same of a side in contact with other bodies; none elsewhere.
-    pub(crate) fn distance(&self, e: usize, t: f64) -> Option<f64> {
-        self.distance_along(self.scene.problem.joint(self.mesh.side[e])?, e, t)
+    /// The direction of contact in the middle of an element, and that turned by +90°.
+    pub(crate) fn contact_frame(&self, e: usize) -> [[f64; 2]; 2] {
+        let direction = self.direction(e, 0.0);
+        [direction, [-direction[1], direction[0]]]
+    }
+
+    /// The direction in which contact acts at a point of a side: that of its pair on another body, the normal against an obstacle.
+    pub(crate) fn direction(&self, e: usize, t: f64) -> [f64; 2] {
+        self.seen(e, t).map_or_else(|| self.mesh.normal(e, t), |seen| seen.direction)
     }
 }
 

@@ -229,14 +229,7 @@ fn joint(scene: &Scene, interface: &Interface) -> Decision {
         },
     };
     let spans = problem.spans(interface);
-    let edges = problem.outline.edges();
-    let length: f64 = spans
-        .iter()
-        .map(|span| {
-            edges[span.edge].length()
-                * (edges[span.edge].arc_fraction(span.s[1]) - edges[span.edge].arc_fraction(span.s[0]))
-        })
-        .sum();
+    let length: f64 = spans.iter().map(|span| problem.span_length(span)).sum();
     let looks = spans.iter().flat_map(|span| {
         let at = |k: usize| span.s[0] + (span.s[1] - span.s[0]) * (k as f64 + 0.5) / 64.0;
         (0..64).filter_map(move |k| problem.seen(interface, span.edge, at(k)))

@@ -1,7 +1,13 @@
-//! Where sides of different bodies see one another: along the normals of those that carry the multipliers.
+//! Where sides of different bodies see one another.
 //!
-//! A point x of the carrying sides, with normal n, sees π(x) = x + d n on the others, the nearest one whose normal turns against n;
-//! d is the distance, negative where the bodies overlap. What is farther away than the reach is not seen.
+//! ```text
+//! x, with normal n₁, of a carrying side and y, with n₂, of another one are a pair where y - x = g d,
+//! d = (E₁n₁ - E₂n₂)/|E₁n₁ - E₂n₂|,  E = E/(1-ν²)
+//! ```
+//! Surfaces that touch take a shape between their own, nearer to that of the stiffer body: with E₂ = ∞ the normal is that of the
+//! partner, with equal bodies the mean of both. Pairs, d and g are the same whichever side carries. g is negative where the bodies
+//! overlap as they are drawn; of several pairs of a point the nearest counts. Beside a corner of the partner points see the corner,
+//! whose normal is any one between those of its edges.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -11,10 +17,8 @@ use super::{Interface, Law, Other, Problem};
 
 /// Sides see each other where n·n' is below this.
 const FACING: f64 = -0.2;
-/// Part of the diameter of the smaller body up to which sides in contact see each other.
-const REACH: f64 = 0.05;
-/// The same for sides that are tied, which meet.
-const TOUCHING: f64 = 1e-9;
+/// Part of the diameter of the smaller body below which distances are digits of a file: sides that are tied meet, corners are one.
+pub const COINCIDE: f64 = 1e-6;
 /// A point closer to an end of an edge is there (edge parameter).
 const NEAR_END: f64 = 1e-9;
 /// Parts of an edge between which it is asked what is seen.
@@ -43,8 +47,10 @@ pub struct Seen {
     pub edge: usize,
     /// Its parameter there.
     pub s: f64,
-    /// Distance along the normal (length), negative where the bodies overlap.
+    /// Distance along the direction of contact (length), negative where the bodies overlap.
     pub distance: f64,
+    /// The direction of contact, a unit vector out of the body that sees.
+    pub direction: [f64; 2],
 }
 
 /// A part of an edge that sees another side.
@@ -90,15 +96,24 @@ impl Problem {
         self.outline.edges().iter().enumerate().filter(|(_, edge)| sides.contains(&edge.side))
     }
 
-    /// Distance up to which the sides of an interface see each other.
-    pub fn reach(&self, interface: &Interface) -> f64 {
-        let of = |side: usize| self.extent(self.body_of_side(side));
-        let sides = interface.sides.iter().chain(self.facing_sides(interface));
-        let smaller = sides.map(|&side| of(side)).fold(f64::INFINITY, f64::min);
+    /// Distances between which the sides of an interface see each other: tied ones meet, others may be anywhere before one another.
+    pub fn seen_distances(&self, interface: &Interface) -> [f64; 2] {
+        let near = self.coincidence(interface);
         match interface.law {
-            Law::Tied(_) => TOUCHING.max(4e-15 * self.farthest() / smaller) * smaller,
-            Law::Contact(_) => REACH * smaller,
+            Law::Tied(_) => [-near, near],
+            Law::Contact(_) => [-10.0 * near, f64::INFINITY],
         }
+    }
+
+    /// Distance below which points of both sides of an interface are one: [`COINCIDE`] of the smaller body, and the rounding of
+    /// coordinates far from the origin.
+    pub fn coincidence(&self, interface: &Interface) -> f64 {
+        (COINCIDE * self.smaller_extent(interface)).max(4e-15 * self.farthest())
+    }
+
+    fn smaller_extent(&self, interface: &Interface) -> f64 {
+        let sides = interface.sides.iter().chain(self.facing_sides(interface));
+        sides.map(|&side| self.extent(self.body_of_side(side))).fold(f64::INFINITY, f64::min)
     }
 
     /// E* of the body of an edge, E/(1-ν²); where it is in contact with another body both give way: 1/E* is the sum of both.
@@ -112,18 +127,35 @@ impl Problem {
     }
 
     /// Points of edges that belong together across interfaces are added to both: those of one side where the other one sees
-    /// them, and the ends of what is seen.
+    /// them, and the ends of what is seen. What coincides with a point that is there already, or with a corner, is that.
     pub fn share_points(&self, points: &mut [Vec<f64>]) {
         for interface in self.joints() {
+            let near = self.coincidence(interface);
+            let edges = self.outline.edges();
+            let add = |points: &mut [Vec<f64>], edge: usize, s: f64| {
+                let near = near / edges[edge].length();
+                let s = if s < near {
+                    0.0
+                } else if s > 1.0 - near {
+                    1.0
+                } else {
+                    s
+                };
+                if points[edge].iter().all(|p| (p - s).abs() > near) {
+                    points[edge].push(s);
+                }
+            };
             let spans = self.spans(interface);
             for span in &spans {
-                points[span.edge].extend(span.s.into_iter().filter(|&s| !self.goes_on(&spans, span.edge, s)));
+                for s in span.s.into_iter().filter(|&s| !self.goes_on(&spans, span.edge, s)) {
+                    add(points, span.edge, s);
+                }
             }
             let facing: Vec<usize> = self.edges_of(self.facing_sides(interface)).map(|(k, _)| k).collect();
             for &k in &facing {
                 for s in points[k].clone() {
                     for (own, foot) in self.seen_from(interface, k, s) {
-                        points[own].push(foot);
+                        add(points, own, foot);
                     }
                 }
             }
@@ -133,14 +165,7 @@ impl Problem {
                 let inset = 1e-13 * (b - a);
                 for s in points[span.edge].clone().into_iter().filter(|s| a <= *s && *s <= b) {
                     if let Some(seen) = self.seen(interface, span.edge, s.clamp(a + inset, b - inset)) {
-                        let s = if seen.s < NEAR_END {
-                            0.0
-                        } else if seen.s > 1.0 - NEAR_END {
-                            1.0
-                        } else {
-                            seen.s
-                        };
-                        points[seen.edge].push(s);
+                        add(points, seen.edge, seen.s);
                     }
                 }
             }
@@ -178,33 +203,58 @@ impl Problem {
         width(0).hypot(width(1))
     }
 
-    /// What a point of a carrying edge of an interface sees; nothing where no side is near.
+    /// E* of the body of an edge.
+    fn modulus_of(&self, edge: &Edge) -> f64 {
+        self.bodies[self.body_of_side(edge.side)].material().plane_modulus()
+    }
+
+    /// E* n at a point of an edge.
+    fn pull(&self, edge: &Edge, s: f64) -> [f64; 2] {
+        let modulus = self.modulus_of(edge);
+        edge.normal(s).map(|n| modulus * n)
+    }
+
+    /// What a point of a carrying edge of an interface sees; nothing where no side is before it.
     pub fn seen(&self, interface: &Interface, edge: usize, s: f64) -> Option<Seen> {
         let own = &self.outline.edges()[edge];
-        let (x, tangent) = (own.point(s), own.tangent(s));
-        let n = [tangent[1], -tangent[0]];
-        let reach = self.reach(interface);
-        let of_edge = |(k, other): (usize, &Edge)| {
-            let facing = |&(s, distance): &(f64, f64)| {
-                let t = other.tangent(s);
-                n[0] * t[1] - n[1] * t[0] < FACING && distance.abs() <= reach
-            };
-            let hits = other.met_by(x, n).into_iter().filter(facing);
-            hits.map(move |(s, distance)| Seen { edge: k, s, distance }).collect::<Vec<_>>()
+        let (x, normal, pull) = (own.point(s), own.normal(s), self.pull(own, s));
+        let [low, high] = self.seen_distances(interface);
+        let faced: Vec<(usize, &Edge)> = self.edges_of(self.facing_sides(interface)).collect();
+        let is_seen = |seen: &Seen| low <= seen.distance && seen.distance <= high;
+        let nearest = |all: &mut dyn Iterator<Item = Seen>| {
+            all.filter(is_seen).min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()))
         };
-        let all = self.edges_of(self.facing_sides(interface)).flat_map(of_edge);
-        all.min_by(|a, b| a.distance.abs().total_cmp(&b.distance.abs()))
+        let on_edges = faced.iter().flat_map(|&(k, other)| {
+            let push = self.modulus_of(other);
+            let at = move |s: f64| meet(x, normal, pull, (other.point(s), other.normal(s)), push, (k, s));
+            other.paired(x, pull, push).into_iter().filter_map(at).collect::<Vec<_>>()
+        });
+        if let Some(seen) = nearest(&mut on_edges.into_iter()) {
+            return Some(seen);
+        }
+        let at_corners = faced.iter().filter_map(|&(k, other)| {
+            let at_end = !other.reversed;
+            let (next, rising) = self.outline.neighbour(k, at_end);
+            let behind = faced.iter().find(|of| of.0 == next)?.1;
+            let (s, start) = (if at_end { 1.0 } else { 0.0 }, if rising { 0.0 } else { 1.0 });
+            let normals = [other.normal(s), behind.normal(start)];
+            meet_corner(x, normal, pull, (other.point(s), normals), self.modulus_of(other), (k, s))
+        });
+        nearest(&mut at_corners.into_iter())
     }
 
     /// The points of carrying edges that see a point of a facing one: edges and parameters.
     pub fn seen_from(&self, interface: &Interface, edge: usize, s: f64) -> Vec<(usize, f64)> {
-        let x = self.outline.edges()[edge].point(s);
+        let other = &self.outline.edges()[edge];
+        let (x, pull) = (other.point(s), self.pull(other, s));
         let sees = |&(k, foot): &(usize, f64)| {
             let at = self.seen(interface, k, foot).map(|seen| self.outline.edges()[seen.edge].point(seen.s));
             at.is_some_and(|y| (y[0] - x[0]).hypot(y[1] - x[1]) <= 1e-9 * self.outline.diameter())
         };
         let own = self.edges_of(&interface.sides);
-        own.flat_map(|(k, own)| own.feet(x).into_iter().map(move |foot| (k, foot))).filter(sees).collect()
+        let feet =
+            own.flat_map(|(k, own)| own.paired(x, pull, self.modulus_of(own)).into_iter().map(move |foot| (k, foot)));
+        feet.filter(sees).collect()
     }
 
     /// The parts of the carrying edges of an interface that see other sides.
@@ -220,11 +270,15 @@ impl Problem {
     }
 
     fn find_spans(&self, interface: &Interface) -> Vec<Span> {
-        let corners: Vec<[f64; 2]> =
-            self.edges_of(self.facing_sides(interface)).flat_map(|(_, edge)| [edge.start, edge.end]).collect();
+        let corners: Vec<([f64; 2], [f64; 2])> = self
+            .edges_of(self.facing_sides(interface))
+            .flat_map(|(_, edge)| [0.0, 1.0].map(|s| (edge.point(s), self.pull(edge, s))))
+            .collect();
+        let near = self.coincidence(interface);
         let of_edge = |(k, own): (usize, &Edge)| {
+            let near = near / own.length();
             let mut points: Vec<f64> = (0..=PARTS).map(|i| i as f64 / PARTS as f64).collect();
-            points.extend(corners.iter().flat_map(|&corner| own.feet(corner)));
+            points.extend(corners.iter().flat_map(|&(x, pull)| own.paired(x, pull, self.modulus_of(own))));
             points.sort_by(f64::total_cmp);
             points.dedup_by(|b, a| *b - *a < SAME);
             let sees = |s: f64| self.seen(interface, k, s).is_some();
@@ -238,15 +292,64 @@ impl Problem {
                     [true, false] => [part[0], change(a, b, &sees)],
                     [false, true] => [change(b, a, &sees), part[1]],
                 };
-                match spans.last_mut().filter(|last| span[0] - last[1] < SAME) {
+                match spans.last_mut().filter(|last| span[0] - last[1] < near.max(SAME)) {
                     Some(last) => last[1] = span[1],
                     None => spans.push(span),
                 }
             }
-            spans.into_iter().map(move |s| Span { edge: k, s }).collect::<Vec<_>>()
+            spans.retain(|[a, b]| b - a > near);
+            let whole = |[a, b]: [f64; 2]| [if a < near { 0.0 } else { a }, if b > 1.0 - near { 1.0 } else { b }];
+            spans.into_iter().map(move |s| Span { edge: k, s: whole(s) }).collect::<Vec<_>>()
         };
         self.edges_of(&interface.sides).flat_map(of_edge).collect()
     }
+}
+
+/// The pair of a point x, with its normal and E* n, and a point y, with its normal, of an edge with another E*; none where they look
+/// away from each other.
+fn meet(
+    x: [f64; 2],
+    normal: [f64; 2],
+    pull: [f64; 2],
+    (y, beyond): ([f64; 2], [f64; 2]),
+    push: f64,
+    (edge, s): (usize, f64),
+) -> Option<Seen> {
+    let direction = unit([0, 1].map(|i| pull[i] - push * beyond[i]));
+    let distance = (y[0] - x[0]) * direction[0] + (y[1] - x[1]) * direction[1];
+    (dot(normal, beyond) < FACING).then_some(Seen { edge, s, distance, direction })
+}
+
+/// The same of a corner y with the normals before and behind, if the pair's is between them.
+fn meet_corner(
+    x: [f64; 2],
+    normal: [f64; 2],
+    pull: [f64; 2],
+    (y, normals): ([f64; 2], [[f64; 2]; 2]),
+    push: f64,
+    (edge, s): (usize, f64),
+) -> Option<Seen> {
+    let r = [y[0] - x[0], y[1] - x[1]];
+    let along = normals.map(|beyond| [0, 1].map(|i| pull[i] - push * beyond[i]));
+    let [before, behind] = along.map(|d| r[0] * d[1] - r[1] * d[0]);
+    if normals[0] == normals[1] || before * behind > 0.0 {
+        return None;
+    }
+    let mean = unit([0, 1].map(|i| normals[0][i] + normals[1][i]));
+    let middle = unit([0, 1].map(|i| pull[i] - push * mean[i]));
+    let distance = r[0].hypot(r[1]);
+    let ahead = dot(r, middle) > 0.5 * distance;
+    let direction = if distance > 0.0 && ahead { unit(r) } else { middle };
+    (dot(normal, mean) < FACING && (ahead || distance == 0.0)).then_some(Seen { edge, s, distance, direction })
+}
+
+fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
+    a[0] * b[0] + a[1] * b[1]
+}
+
+fn unit(v: [f64; 2]) -> [f64; 2] {
+    let length = v[0].hypot(v[1]);
+    v.map(|v| v / length)
 }
 
 /// Where `sees` changes from true at one parameter to false at another.
@@ -272,15 +375,7 @@ impl Problem {
     /// those of the softer body, whose mesh resolves what happens; of bodies about as stiff those that are wholly covered, else
     /// the first. On the coarse mesh of a stiff body multipliers would be too few to hold a soft one.
     pub fn carries_rather(&self, first: &Interface, second: &Interface) -> bool {
-        let covered = |interface: &Interface| {
-            let spans: f64 = self
-                .spans(interface)
-                .iter()
-                .map(|span| (span.s[1] - span.s[0]) * self.outline.edges()[span.edge].length())
-                .sum();
-            let whole: f64 = self.edges_of(&interface.sides).map(|(_, edge)| edge.length()).sum();
-            spans > (1.0 - 1e-9) * whole
-        };
+        let covered = |interface: &Interface| self.unseen(interface).is_empty();
         let modulus =
             |interface: &Interface| self.bodies[self.body_of_side(interface.sides[0])].material().plane_modulus();
         let ratio = modulus(first) / modulus(second);
@@ -295,42 +390,119 @@ impl Problem {
         }
     }
 
-    /// Whether the sides of an interface see each other, and tied ones meet.
+    /// Whether the sides of an interface see each other, and tied ones meet on all of the shorter of both.
     ///
     /// # Errors
     /// What is wrong, and what to do.
-    pub fn check_facing(&self, interface: &Interface, is_tied: bool) -> Result<(), (String, &'static str)> {
-        if !self.spans(interface).is_empty() {
-            return Ok(());
-        }
+    pub fn check_facing(&self, interface: &Interface) -> Result<(), (String, &'static str)> {
         let names = |sides: &[usize]| sides.iter().map(|&s| self.sides[s].name.as_str()).collect::<Vec<_>>().join(", ");
         let between = format!("{} and {}", names(&interface.sides), names(self.facing_sides(interface)));
-        let mut least = f64::INFINITY;
-        for (_, own) in self.edges_of(&interface.sides) {
-            for k in 0..=LOOKS {
-                let x = own.point(k as f64 / LOOKS as f64);
-                for (_, other) in self.edges_of(self.facing_sides(interface)) {
-                    least = other.nearest(x, least).map_or(least, |(distance, _)| distance);
-                }
-            }
-        }
-        let reach = self.reach(interface);
-        Err(match is_tied {
-            _ if least <= reach => (
-                format!("the sides {between} do not face each other: their normals do not point at one another"),
-                "name the sides that meet; the body lies to the left of its corners as they are listed",
-            ),
-            true => (
-                format!("the sides {between} are tied but {least:e} apart"),
-                "move the bodies together, or write the distance as a displacement_jump of sides that meet",
-            ),
-            false => (
-                format!(
-                    "the sides {between} are {least:e} apart, which is more than {reach:e}, 5 % of the smaller body"
+        let far = |x: &[f64; 2]| self.distance_to_other(interface, *x);
+        if self.spans(interface).is_empty() {
+            let least = self.looks(&self.whole(interface)).iter().map(far).fold(f64::INFINITY, f64::min);
+            return Err(match interface.law {
+                Law::Tied(_) if least > self.coincidence(interface) => (
+                    format!("the sides {between} are tied but {least:e} apart"),
+                    "move the bodies together, or write the distance as a displacement_jump of sides that meet",
                 ),
-                "move the bodies together and write the rest as contact.gap",
-            ),
-        })
+                _ => (
+                    format!("the sides {between} do not face each other: their normals do not point at one another"),
+                    "name the sides that meet; the body lies to the left of its corners as they are listed",
+                ),
+            });
+        }
+        if matches!(interface.law, Law::Contact(_)) {
+            return Ok(());
+        }
+        let beyond = self.mirrored(interface);
+        let length = |of: &Interface| self.whole(of).iter().map(|span| self.span_length(span)).sum::<f64>();
+        let shorter = if length(interface) <= length(&beyond) { interface } else { &beyond };
+        let left = self.unseen(shorter);
+        if !left.is_empty() {
+            let far = |x: &[f64; 2]| self.distance_to_other(shorter, *x);
+            let [x, y] = self.looks(&left).into_iter().max_by(|a, b| far(a).total_cmp(&far(b))).unwrap_or_default();
+            let side = self.outline.edges()[left[0].edge].side;
+            return Err((
+                format!(
+                    "the sides {between} are tied, but {:?} and the other side are {:e} apart at ({x}, {y}), which is more \
+                     than {:e}, 1e-6 of the smaller body",
+                    self.sides[side].name,
+                    far(&[x, y]),
+                    self.coincidence(interface)
+                ),
+                "a tie covers all of the shorter of its sides: move the bodies together, or give what is not tied a side of its own",
+            ));
+        }
+        let faces_nothing = [interface, &beyond].into_iter().find_map(|of| self.facing_nothing(of).first().copied());
+        match faces_nothing {
+            None => Ok(()),
+            Some(side) => Err((
+                format!("the sides {between} are tied, but {:?} meets none of the others", self.sides[side].name),
+                "leave it out, or move the bodies together",
+            )),
+        }
+    }
+
+    /// The same interface seen from its other sides.
+    fn mirrored(&self, interface: &Interface) -> Interface {
+        let (sides, other) = (self.facing_sides(interface).to_vec(), Other::Sides(interface.sides.clone()));
+        Interface { sides, other, second: !interface.second, ..interface.clone() }
+    }
+
+    /// All of the carrying edges of an interface.
+    fn whole(&self, interface: &Interface) -> Vec<Span> {
+        self.edges_of(&interface.sides).map(|(edge, _)| Span { edge, s: [0.0, 1.0] }).collect()
+    }
+
+    /// The parts of the carrying edges of an interface that see nothing.
+    fn unseen(&self, interface: &Interface) -> Vec<Span> {
+        let spans = self.spans(interface);
+        let of_edge = |(edge, own): (usize, &Edge)| {
+            let near = (self.coincidence(interface) / own.length()).max(SAME);
+            let mut at = 0.0;
+            let mut left = Vec::new();
+            for [a, b] in spans.iter().filter(|span| span.edge == edge).map(|span| span.s).chain([[1.0, 1.0]]) {
+                if a - at > near {
+                    left.push(Span { edge, s: [at, a] });
+                }
+                at = b;
+            }
+            left
+        };
+        self.edges_of(&interface.sides).flat_map(of_edge).collect()
+    }
+
+    /// The sides of both places of an interface that see nothing of the other one.
+    pub fn facing_nothing(&self, interface: &Interface) -> Vec<usize> {
+        let sees = |of: &Interface, side: usize| {
+            self.spans(of).iter().any(|span| self.outline.edges()[span.edge].side == side)
+        };
+        let beyond = self.mirrored(interface);
+        let both = [interface, &beyond];
+        both.into_iter()
+            .flat_map(|of| of.sides.iter().copied().filter(|&side| !sees(of, side)).collect::<Vec<_>>())
+            .collect()
+    }
+
+    /// Length of a part of an edge.
+    pub fn span_length(&self, span: &Span) -> f64 {
+        let edge = &self.outline.edges()[span.edge];
+        edge.length() * (edge.arc_fraction(span.s[1]) - edge.arc_fraction(span.s[0]))
+    }
+
+    /// Points of parts of edges.
+    fn looks(&self, spans: &[Span]) -> Vec<[f64; 2]> {
+        let at = |span: &Span, k: usize| span.s[0] + (span.s[1] - span.s[0]) * k as f64 / LOOKS as f64;
+        let of =
+            |span: &Span| (0..=LOOKS).map(|k| self.outline.edges()[span.edge].point(at(span, k))).collect::<Vec<_>>();
+        spans.iter().flat_map(of).collect()
+    }
+
+    /// Distance of a point from the sides that an interface faces.
+    fn distance_to_other(&self, interface: &Interface, x: [f64; 2]) -> f64 {
+        let near =
+            |least: f64, (_, other): (usize, &Edge)| other.nearest(x, least).map_or(least, |(distance, _)| distance);
+        self.edges_of(self.facing_sides(interface)).fold(f64::INFINITY, near)
     }
 
     /// Whether bodies overlap as they are drawn.

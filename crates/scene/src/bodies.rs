@@ -248,7 +248,7 @@ fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Res
         let message = format!("{} lists sides of several bodies on both places", between.name);
         return Err(between.problem(message, "one of the two places has sides of one body: write several interfaces"));
     }
-    let (law, is_tied) = law(&fields, context)?;
+    let law = law(&fields, context)?;
     let name = match fields.get("name") {
         Some(name) => name.text()?.to_owned(),
         None => format!("{}-{}", problem.sides[a[0]].name, problem.sides[b[0]].name),
@@ -295,13 +295,13 @@ fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Res
     };
     let chosen = if forward_carries { forward } else { backward };
     problem
-        .check_facing(&chosen, is_tied)
+        .check_facing(&chosen)
         .map_err(|(message, help)| DataError::new(Kind::Geometry, between.item.place, message, help))?;
     Ok(chosen)
 }
 
-/// The law of an interface, and whether it ties.
-fn law(fields: &Fields<'_>, context: &Context<'_>) -> Result<(Law, bool), DataError> {
+/// The law of an interface.
+fn law(fields: &Fields<'_>, context: &Context<'_>) -> Result<Law, DataError> {
     match (fields.get("contact"), fields.get("tied")) {
         (Some(_), Some(tied)) => Err(DataError::new(
             Kind::Conflict,
@@ -322,7 +322,7 @@ fn law(fields: &Fields<'_>, context: &Context<'_>) -> Result<(Law, bool), DataEr
                 }
                 _ => sides::contact(&contact, context)?,
             };
-            Ok((Law::Contact(contact), false))
+            Ok(Law::Contact(contact))
         }
         (None, Some(tied)) => {
             let tie = match &tied.item.value {
@@ -338,7 +338,7 @@ fn law(fields: &Fields<'_>, context: &Context<'_>) -> Result<(Law, bool), DataEr
                 }
                 _ => return Err(tied.wrong_type("true, or a table with displacement_jump and traction_jump")),
             };
-            Ok((Law::Tied(tie), true))
+            Ok(Law::Tied(tie))
         }
     }
 }

@@ -190,12 +190,13 @@ pub const CASES: &[Case] = &[
         "negative contact.gap",
     ),
     of(
-        "corners = [[0, 0], [1, 0], [1, 1], [0, 1]]",
-        "corners = [[0, 0.2], [1, 0.2], [1, 1], [0, 1]]",
-        17,
-        "[\"upper",
-        "apart, which is more than",
-        "contact.gap",
+        "contact = true",
+        "tied = true\n[[body]]\nname = \"third\"\ncorners = [[3, 0], [4, 0], [4, 1], [3, 1]]\nsides = [\"a\", \"b\", \"c\", \"d\"]\n\
+         material = { young = 1.0, poisson = 0.3 }\n[[interface]]\nbetween = [\"third.a\", \"lower.right\"]\ntied = true",
+        25,
+        "[\"third",
+        "are tied but 1e0 apart",
+        "displacement_jump",
     ),
     of(
         "material = { young = 2.0, poisson = 0.2 }",

@@ -38,7 +38,7 @@ pub fn build(
             gap: datum("gap", gap),
             bound: Some(datum("bound", bound)),
             coefficient: None,
-            elements: None,
+            beyond: None,
         })
         .collect();
     contact_boundary(mesh, space, &sides, held)

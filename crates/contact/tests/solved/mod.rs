@@ -147,7 +147,7 @@ impl Case {
             gap: Datum { name: "gap", value: &self.gap, kinks: &kinks },
             bound: Some(Datum { name: "bound", value: &self.bound, kinks: &kinks }),
             coefficient: None,
-            elements: None,
+            beyond: None,
         }];
         let boundary = contact_boundary(&mesh, &space, &sides, &|i| held[i].map_or([None; 2], |u| u.map(Some)));
         let boundary = boundary.expect("a floor");

@@ -1,0 +1,174 @@
+//! Bodies that nearly face each other: what sees what at which distance, what is tied, along which direction contact acts.
+
+use steklov_model::summary::Summary;
+use steklov_tests::summary;
+
+fn solved(text: &str, overrides: &[&str]) -> Summary {
+    summary(&steklov_tests::parse(text, overrides).unwrap_or_else(|e| panic!("{}", e.render())))
+}
+
+fn refused(text: &str) -> String {
+    steklov_tests::parse(text, &[]).map(|_| ()).expect_err("the scene cannot be solved").render()
+}
+
+/// A quadrilateral with the sides bottom, right, top, left, from its lower left corner on.
+fn block(name: &str, corners: [[f64; 2]; 4], young: f64) -> String {
+    format!(
+        "[[body]]\nname = \"{name}\"\ncorners = {corners:?}\nsides = [\"bottom\", \"right\", \"top\", \"left\"]\n\
+         material = {{ young = {young:?}, poisson = 0.3 }}\n"
+    )
+}
+
+const LOWER: [[f64; 2]; 4] = [[0.0, -1.0], [1.0, -1.0], [1.0, 0.0], [0.0, 0.0]];
+const HELD: &str = "[sides.lo.bottom]\ndisplacement = [\"0\", \"0\"]\n";
+
+/// A block on another one, its bottom from one height to another, its top loaded or held.
+fn on_block([left, right]: [f64; 2], top: &str, law: &str) -> String {
+    block("up", [[0.0, left], [1.0, right], [1.0, 1.0], [0.0, 1.0]], 100.0)
+        + &block("lo", LOWER, 100.0)
+        + HELD
+        + &format!("[sides.up.top]\n{top}\n[[interface]]\nbetween = [\"up.bottom\", \"lo.top\"]\n{law}\n")
+}
+
+fn energy(told: &Summary) -> [f64; 2] {
+    [told.energy_extrapolated.unwrap(), told.energy_uncertainty.unwrap()]
+}
+
+/// A second block at a distance of 0.06 that is pushed through it: distance and push less the same are the same problem.
+#[test]
+fn a_block_at_any_distance_is_seen() {
+    let at = |distance: f64| {
+        let text = block("up", [[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0]], 100.0)
+            + &block("up2", [[0.6, distance], [1.0, distance], [1.0, 1.0 + distance], [0.6, 1.0 + distance]], 100.0)
+            + &block("lo", LOWER, 100.0)
+            + HELD
+            + "[sides.up.top]\ndisplacement = [\"0\", \"-0.01\"]\n"
+            + &format!("[sides.up2.top]\ndisplacement = [\"0\", \"{:?}\"]\n", -0.01 - distance)
+            + "[[interface]]\nbetween = [\"lo.top\", [\"up.bottom\", \"up2.bottom\"]]\ncontact = true\n";
+        solved(&text, &["method.tolerance=1e-4"])
+    };
+    let near = at(0.0);
+    for distance in [0.03, 0.06, 0.5, 4.0] {
+        let far = at(distance);
+        let ([a, bar], [b, _]) = (energy(&near), energy(&far));
+        assert!((a - b).abs() < 2.0 * bar && (b - 0.002_628_89).abs() < 1e-8, "{distance}: {a} {b} {bar}");
+        let contact = far.contact.unwrap();
+        assert!(
+            (contact.length - 0.9).abs() < 1e-6 && (contact.force[1].abs() - 0.525_78).abs() < 2e-5,
+            "{distance}: {contact:?}"
+        );
+    }
+}
+
+/// Blocks tied along sides that meet but for digits of a file: as if they met.
+#[test]
+fn ties_close_over_digits() {
+    let loaded = "traction = [\"0\", \"-1\"]";
+    for apart in [0.0, 1e-9, 1e-8, 1e-7, 1e-6] {
+        for ends in [[0.0, apart], [apart, 0.0], [apart, apart], [-apart, 0.0]] {
+            let told = solved(&on_block(ends, loaded, "tied = true"), &["method.tolerance=1e-4"]);
+            let [j, bar] = energy(&told);
+            assert!((j + 0.008_990_524).abs() < bar + 2e-8 && bar < 1e-9, "{ends:?}: {j} {bar}");
+            assert!((told.interfaces[0].length - 1.0).abs() < 1e-6, "{ends:?}");
+        }
+    }
+    let error = refused(&on_block([0.0, 1e-5], loaded, "tied = true"));
+    assert!(error.contains("apart at (1, 0)") && error.contains("a tie covers all"), "{error}");
+}
+
+/// Blocks turned by 17 degrees, their corners with eight digits, against upright ones.
+#[test]
+fn turned_blocks_with_eight_digits_are_tied_wholly() {
+    let text = block(
+        "up",
+        [
+            [0.124_319_62, 0.038_008_32],
+            [0.736_354_66, 0.225_126_21],
+            [0.502_457_3, 0.990_170_02],
+            [-0.109_577_75, 0.803_052_13],
+        ],
+        100.0,
+    ) + &block(
+        "lo",
+        [[0.292_371_7, -0.956_304_76], [1.248_676_46, -0.663_933_05], [0.956_304_76, 0.292_371_7], [0.0, 0.0]],
+        100.0,
+    ) + HELD
+        + "[sides.up.top]\ndisplacement = [\"0\", \"-0.01\"]\n[[interface]]\nbetween = [\"up.bottom\", \"lo.top\"]\ntied = true\n";
+    let told = solved(&text, &["method.tolerance=1e-4"]);
+    let [j, bar] = energy(&told);
+    assert!((j - 0.002_153_19).abs() < bar + 2e-8, "{j} {bar}");
+    assert!((told.interfaces[0].length - 0.64).abs() < 1e-7, "{}", told.interfaces[0].length);
+}
+
+/// A disc in a hole of nearly its radius, which it touches below, is tied all round; a polygon in a circle is not.
+#[test]
+fn a_disc_is_tied_into_its_hole() {
+    let plate = "[[body]]\nname = \"out\"\ncorners = [[-3, -3], [3, -3], [3, 3], [-3, 3]]\n\
+                 sides = [\"bottom\", \"right\", \"top\", \"left\"]\nmaterial = { young = 10.0, poisson = 0.3 }\n";
+    let rest = "[sides.out.top]\ntraction = [\"0\", \"1\"]\n[sides.out.bottom]\ndisplacement = [\"0\", \"0\"]\n\
+                [[interface]]\nbetween = [\"in.rim\", \"out.hole\"]\ntied = true\n";
+    let disc = "[[body]]\nname = \"in\"\ncircle = { centre = [0, 0], radius = 1.0 }\nside = \"rim\"\n\
+                material = { young = 100.0, poisson = 0.3 }\n";
+    for more in [0.0, 1e-9, 1e-8, 1e-7] {
+        let hole = format!(
+            "[[body.holes]]\ncircle = {{ centre = [0, {more:e}], radius = {:?} }}\nside = \"hole\"\n",
+            1.0 + more
+        );
+        let told = solved(&[disc, plate, &hole, rest].concat(), &["method.tolerance=1e-3"]);
+        let [j, bar] = energy(&told);
+        assert!((j + 1.421_842).abs() < bar + 1e-6, "{more}: {j} {bar}");
+        assert!((told.interfaces[0].length - std::f64::consts::TAU).abs() < 1e-6, "{more}");
+    }
+    let corners: Vec<[f64; 2]> =
+        (0..12).map(|k| f64::from(k) * std::f64::consts::FRAC_PI_6).map(|a| [a.cos(), a.sin()]).collect();
+    let polygon = format!(
+        "[[body]]\nname = \"in\"\ncorners = {corners:?}\nsides = {:?}\nmaterial = {{ young = 100.0, poisson = 0.3 }}\n",
+        ["rim"; 12]
+    );
+    let hole = "[[body.holes]]\ncircle = { centre = [0, 0], radius = 1 }\nside = \"hole\"\n";
+    let error = refused(&[&polygon, plate, hole, rest].concat());
+    assert!(error.contains("3.407417371093") && error.contains("in.rim"), "{error}");
+}
+
+/// One of two sides that are to be tied does not meet.
+#[test]
+fn every_side_of_a_tie_meets() {
+    for distance in [0.01, 1e-4] {
+        let text = block("up", [[0.0, 0.0], [0.5, 0.0], [0.5, 1.0], [0.0, 1.0]], 100.0)
+            + &block("up2", [[0.6, distance], [1.0, distance], [1.0, 1.0], [0.6, 1.0]], 100.0)
+            + &block("lo", LOWER, 100.0)
+            + HELD
+            + "[[interface]]\nbetween = [\"lo.top\", [\"up.bottom\", \"up2.bottom\"]]\ntied = true\n";
+        let error = refused(&text);
+        assert!(error.contains("\"up2.bottom\"") && error.contains(&format!("{distance:e} apart")), "{error}");
+    }
+}
+
+/// Right halves of two equal cylinders, mirror images: their contact lies in y = 0, and no force is along x, whichever carries. Twice
+/// the half beside a frictionless plane is J = 0.01036995 (by a rigid block with half of the push).
+#[test]
+fn mirror_images_press_along_the_line_of_centres() {
+    let cylinder = |name: &str, centre: f64| {
+        let (corners, sides) = match centre > 0.0 {
+            true => ("[[0, 0], [1.0, 1.0], [0, 1.0]]", "[\"rim\", \"flat\", \"axis\"]"),
+            false => ("[[0, -1.0], [1.0, -1.0], [0, 0]]", "[\"flat\", \"rim\", \"axis\"]"),
+        };
+        format!(
+            "[[body]]\nname = \"{name}\"\ncorners = {corners}\nsides = {sides}\n\
+             arcs = {{ rim = {{ centre = [0, {centre:?}] }} }}\nmaterial = {{ young = 100.0, poisson = 0.3 }}\n\
+             [sides.{name}.axis]\ndisplacement = [\"0\", \"free\"]\n"
+        )
+    };
+    let text = cylinder("up", 1.0)
+        + &cylinder("lo", -1.0)
+        + "[sides.up.flat]\ndisplacement = [\"free\", \"-0.04\"]\n[sides.lo.flat]\ndisplacement = [\"free\", \"0\"]\n\
+           [[interface]]\nbetween = [\"up.rim\", \"lo.rim\"]\ncontact = true\n";
+    for carrier in ["up.rim", "lo.rim"] {
+        let told = solved(&format!("{text}multiplier = \"{carrier}\"\n"), &["method.tolerance=1e-4"]);
+        let [j, bar] = energy(&told);
+        assert!((j - 0.010_369_95).abs() < bar + 2e-9, "{carrier}: {j} {bar}");
+        let contact = told.contact.unwrap();
+        assert!(contact.force[0].abs() < 1e-9 * contact.force[1].abs(), "{carrier}: {:?}", contact.force);
+        assert!((contact.length - 0.1142).abs() < 1e-3, "{carrier}: {}", contact.length);
+    }
+}
