@@ -172,3 +172,75 @@ fn mirror_images_press_along_the_line_of_centres() {
         assert!((contact.length - 0.1142).abs() < 1e-3, "{carrier}: {}", contact.length);
     }
 }
+
+/// A body that no interface names goes into another one: that is told where and how deep, and not where it stays outside.
+#[test]
+fn bodies_that_nothing_holds_apart_are_told() {
+    let with = |tip: f64| {
+        let wedge = format!(
+            "[[body]]\nname = \"wedge\"\ncorners = [[1.5, {tip:?}], [2, 0.5], [1.2, 0.5]]\nsides = [\"a\", \"b\", \"c\"]\n\
+             material = {{ young = 100.0, poisson = 0.3 }}\n"
+        );
+        let text = block("up", [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 100.0)
+            + &block("lo", [[-1.0, -1.0], [3.0, -1.0], [3.0, 0.0], [-1.0, 0.0]], 100.0)
+            + &wedge
+            + HELD
+            + "[sides.wedge.b]\ndisplacement = [\"0\", \"-0.01\"]\n[sides.up.top]\ndisplacement = [\"0\", \"-0.01\"]\n\
+               [[interface]]\nbetween = [\"up.bottom\", \"lo.top\"]\ncontact = true\n";
+        solved(&text, &[])
+    };
+    // the surface gives way by 7e-4 there, and turns by less than a tenth
+    let told = with(0.008);
+    let [place] = told.reach.as_slice() else { panic!("{:?}", told.reach) };
+    assert!(told.estimate_doubts.contains(&"reach".to_owned()) && place.bodies == ["lo", "wedge"].map(str::to_owned));
+    assert!((place.depth - 0.0018).abs() < 1e-4 && (place.point[0] - 1.5).abs() < 2e-3, "{place:?}");
+    for tip in [0.009_3, 0.02] {
+        let told = with(tip);
+        assert_eq!(told.reach.len(), usize::from(tip < 0.009_35), "{tip}: {:?}", told.reach);
+    }
+}
+
+/// A cylinder that is pressed far into a soft block: what it presses is not cut off by a distance, and the answer says how much the choice
+/// of the normal decides. With the normals of the flat side, as one body on a rigid parabola-like gap, the length is 0.5027.
+#[test]
+fn steep_contact_is_told() {
+    let text =
+        "[[body]]\nname = \"up\"\ncorners = [[0, 0], [1.0, 1.0], [0, 1.0]]\nsides = [\"rim\", \"flat\", \"axis\"]\n\
+                arcs = { rim = { centre = [0, 1.0] } }\nmaterial = { young = 10000.0, poisson = 0.3 }\n"
+            .to_owned()
+            + &block("lo", [[0.0, -2.0], [3.0, -2.0], [3.0, 0.0], [0.0, 0.0]], 10.0)
+            + "[sides.up.axis]\ndisplacement = [\"0\", \"free\"]\n[sides.lo.left]\ndisplacement = [\"0\", \"free\"]\n\
+           [sides.up.flat]\ndisplacement = [\"free\", \"-0.3\"]\n[sides.lo.bottom]\ndisplacement = [\"0\", \"0\"]\n\
+           [[interface]]\nbetween = [\"up.rim\", \"lo.top\"]\ncontact = true\n";
+    let mut told = Vec::new();
+    for carrier in ["up.rim", "lo.top"] {
+        let of = solved(&format!("{text}multiplier = \"{carrier}\"\n"), &["method.tolerance=1e-4"]);
+        let contact = of.contact.clone().unwrap();
+        assert!(contact.max_pressure < 4.0 && (contact.length - 0.5027).abs() < 0.03, "{carrier}: {contact:?}");
+        assert!(of.estimate_doubts.contains(&"normals".to_owned()) && of.reach.is_empty(), "{carrier}: {:?}", of.reach);
+        told.push(energy(&of));
+    }
+    assert!((told[0][0] - told[1][0]).abs() < told[0][1] + told[1][1], "{told:?}");
+}
+
+/// A wedge that its gap closes: either carrier gives the same J, and the answer says that it hangs on the normals.
+#[test]
+fn a_wedge_closed_by_its_gap_does_not_know_its_carrier() {
+    for (height, truth) in [(0.12, 0.002_395_41), (0.02, 0.002_819_92)] {
+        let law = |carrier: &str| format!("contact = {{ gap = \"{:?}*x\" }}\nmultiplier = \"{carrier}\"", -height);
+        let down = "displacement = [\"0\", \"-0.01\"]";
+        let of = |carrier: &str| solved(&on_block([0.0, height], down, &law(carrier)), &["method.tolerance=1e-4"]);
+        let told = ["up.bottom", "lo.top"].map(of);
+        for of in &told {
+            let normals = of.interfaces[0].normals.unwrap();
+            assert!((normals.angle - height.atan()).abs() < 1e-6, "{normals:?}");
+            // of contact along the normals of the upper block
+            assert!(
+                (energy(of)[0] - truth).abs() < 1.5 * normals.energy_change,
+                "{:?} {truth} {normals:?}",
+                energy(of)
+            );
+            assert!(of.estimate_doubts.contains(&"normals".to_owned()), "{height}");
+        }
+    }
+}

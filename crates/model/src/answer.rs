@@ -6,6 +6,7 @@ use steklov_problem::{Scene, facets};
 
 use crate::around::Around;
 use crate::contact::ContactResult;
+use crate::data::Data;
 use crate::energies::Energies;
 use crate::estimate::{Doubt, ROUNDOFF};
 use crate::fields::probe;
@@ -16,8 +17,8 @@ use crate::run::{Model, Run};
 use crate::solution::Solved;
 use crate::stochastic::{self, StochasticResult};
 use crate::summary::{
-    Audit, BodySummary, ContactSummary, GridSummary, InterfaceSummary, MediumSummary, Probe, SecondsSummary, Summary,
-    peak_memory_bytes,
+    Audit, BodySummary, ContactSummary, GridSummary, InterfaceSummary, MediumSummary, Probe, ReachSummary,
+    SecondsSummary, Summary, peak_memory_bytes,
 };
 use crate::vertices::tell_unbounded;
 
@@ -56,6 +57,8 @@ pub struct Report<'a> {
     pub bodies: Vec<BodySummary>,
     /// The interfaces between them.
     pub interfaces: Vec<InterfaceSummary>,
+    /// Places where they lie in each other.
+    pub reach: Vec<ReachSummary>,
 }
 
 /// The numbers of a run with all outcomes of its random input; `rows` are those of the contact table.
@@ -107,6 +110,7 @@ pub fn answer<M: Model>(
         }),
         bodies: report.bodies,
         interfaces: report.interfaces,
+        reach: report.reach,
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: report.reactions.iter().cloned().collect(),
         probe,
@@ -122,11 +126,23 @@ pub fn answer<M: Model>(
 pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> {
     let solved = &run.last;
     let estimate = run.step().estimate.as_ref();
+    let (mut interfaces, mut reach) = (Vec::new(), Vec::new());
+    if scene.problem.has_several_bodies() {
+        let rows = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
+        let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
+        // a mesh that was solved has them
+        let joints = data.joints().unwrap_or_default();
+        let located = located(scene, &run.step().layout.located);
+        interfaces = interfaces::interfaces(scene, solved, &joints, &rows, located);
+        let error = estimate.map_or(scene.method.tolerance, |e| e.relative.max(scene.method.tolerance));
+        reach = interfaces::reach(scene, solved, &joints, error);
+    }
+    let doubts = estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned());
     Report {
         energies: solved.energies,
         energy: estimate.map(|e| [e.energy, e.uncertainty]),
         error: estimate.map(|e| [e.error, e.relative]),
-        doubts: estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned()).collect(),
+        doubts: doubts.chain(interfaces::doubts(scene, solved, &interfaces, &reach)).collect(),
         exact: estimate.is_some_and(|e| e.relative < ROUNDOFF),
         trace: solved.trace(),
         contact: solved.contact.as_ref(),
@@ -137,13 +153,8 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run)),
         bodies: interfaces::bodies(scene, solved, estimate),
-        interfaces: match scene.problem.has_several_bodies() {
-            true => {
-                let rows = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
-                interfaces::interfaces(scene, solved, &rows, located(scene, &run.step().layout.located))
-            }
-            false => Vec::new(),
-        },
+        interfaces,
+        reach,
     }
 }
 

@@ -3,10 +3,14 @@
 use steklov_problem::{Interface, Law, Scene};
 
 use crate::contact::ContactResult;
+use crate::data::Data;
 use crate::estimate::Estimate;
+use crate::joints::Joint;
+use crate::normals::Normals;
+use crate::reach::Entered;
 use crate::report::{ContactRow, Trace, max_pressure, summary_of_sides};
 use crate::solution::Solved;
-use crate::summary::{Audit, BodySummary, InterfaceSummary};
+use crate::summary::{Audit, BodySummary, InterfaceSummary, NormalsSummary, ReachSummary};
 use steklov_contact::Located;
 
 /// A node of a tie: the traction of the other body on the one that carries it.
@@ -46,19 +50,52 @@ pub(crate) fn bodies(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>
     solved.strain_of_bodies.iter().enumerate().map(of).collect()
 }
 
-/// The interfaces between bodies.
+/// The interfaces between bodies, `joints` those of the mesh.
 pub(crate) fn interfaces(
     scene: &Scene,
     solved: &Solved,
+    joints: &[Joint],
     rows: &[ContactRow],
     located: Option<&[Located]>,
 ) -> Vec<InterfaceSummary> {
     let trace = solved.trace();
+    let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
+    let normals = |interface: &Interface| {
+        let joint = joints
+            .iter()
+            .find(|joint| std::ptr::eq(&raw const scene.problem.interfaces[joint.interface], interface))?;
+        let Normals { angle, change } = data.normals(joint, solved.elastic_field());
+        Some(NormalsSummary { angle, energy_change: change })
+    };
     let of = |interface: &Interface| match (&interface.law, &solved.contact) {
-        (Law::Contact(_), Some(contact)) => of_contact(scene, trace, (interface, contact), rows, located),
+        (Law::Contact(_), Some(contact)) => {
+            let told = of_contact(scene, trace, (interface, contact), rows, located);
+            InterfaceSummary { normals: normals(interface), ..told }
+        }
         _ => of_tie(scene, interface, &solved.ties),
     };
     scene.problem.joints().map(of).collect()
+}
+
+/// Places where bodies lie in each other beyond the relative error of their displacements.
+pub(crate) fn reach(scene: &Scene, solved: &Solved, joints: &[Joint], error: f64) -> Vec<ReachSummary> {
+    let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
+    let name = |body: usize| scene.problem.bodies[body].name.clone();
+    let told = |Entered { bodies, point, depth }| ReachSummary { bodies: bodies.map(name), point, depth };
+    data.entered(&solved.displacement, joints, error).into_iter().map(told).collect()
+}
+
+/// What is in doubt of several bodies.
+pub(crate) fn doubts(
+    scene: &Scene,
+    solved: &Solved,
+    interfaces: &[InterfaceSummary],
+    reach: &[ReachSummary],
+) -> Vec<String> {
+    let change: f64 = interfaces.iter().filter_map(|i| i.normals).map(|normals| normals.energy_change).sum();
+    let matters = change > scene.method.tolerance * 2.0 * solved.energies.strain;
+    let found = [("normals", matters), ("reach", !reach.is_empty())];
+    found.into_iter().filter(|(_, is)| *is).map(|(doubt, _)| doubt.to_owned()).collect()
 }
 
 fn of_contact(
@@ -82,6 +119,7 @@ fn of_contact(
         force: told.force,
         ends: told.ends,
         audit: Some(audit(contact, &own, rows)),
+        normals: None,
     }
 }
 
@@ -125,5 +163,6 @@ fn of_tie(scene: &Scene, interface: &Interface, ties: &[TieRow]) -> InterfaceSum
         force,
         ends: None,
         audit: None,
+        normals: None,
     }
 }

@@ -45,7 +45,8 @@ pub struct Summary {
     /// Why the estimate is not to be trusted: transition (one lies inside an element), sets (contact still changes from
     /// mesh to mesh), coarse (elements too long or of too high a degree for it), data (loads finer than the elements), several
     /// (solutions under Coulomb's law), roundoff, length (what is told depends on the length L of `exterior`), large (gaps or
-    /// prescribed displacements beyond small strains); empty if it is.
+    /// prescribed displacements beyond small strains), normals (those of the two sides of an interface differ so much that it matters
+    /// which of them contact takes), reach (bodies lie in each other where no contact was looked for); empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
     /// Iterations of the contact solver in the last step; 0 without contact.
@@ -60,6 +61,9 @@ pub struct Summary {
     /// The interfaces between them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub interfaces: Vec<InterfaceSummary>,
+    /// Places where bodies lie in each other, after they have moved, because no interface looks for contact there.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub reach: Vec<ReachSummary>,
     /// Force on the body from each held or contacting side.
     pub reactions: BTreeMap<String, [f64; 2]>,
     /// Results at the probe points.
@@ -139,6 +143,29 @@ pub struct InterfaceSummary {
     pub ends: Option<Vec<[f64; 2]>>,
     /// How well the conditions of contact hold; null of ties.
     pub audit: Option<Audit>,
+    /// What the direction of contact decides; null of ties.
+    #[serde(default)]
+    pub normals: Option<NormalsSummary>,
+}
+
+/// How much the normals of the two sides of an interface differ.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct NormalsSummary {
+    /// Largest angle between them where the sides press each other (radian).
+    pub angle: f64,
+    /// By how much J would differ, to first order, between contact along the normals of the one side and of the other.
+    pub energy_change: f64,
+}
+
+/// A place where a body lies in another one.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct ReachSummary {
+    /// Their names.
+    pub bodies: [String; 2],
+    /// The place, after the motion.
+    pub point: [f64; 2],
+    /// How deep (length).
+    pub depth: f64,
 }
 
 /// γ = γ₀ h/p² of stabilised multipliers.

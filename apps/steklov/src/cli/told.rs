@@ -71,6 +71,7 @@ fn untouched(stored: &Record) -> Vec<&str> {
 /// Prints the summary of a result.
 pub(super) fn print_summary(stored: &Record) {
     let Record { summary: s, plan, .. } = stored;
+    let doubted = |doubt: &str| s.estimate_doubts.iter().any(|of| of == doubt);
     say(&s.title);
     say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
     if !s.converged {
@@ -119,6 +120,20 @@ pub(super) fn print_summary(stored: &Record) {
         let stick = i.stick.map_or(String::new(), |stick| format!(", stick {stick:.6e}"));
         let [x, y] = i.force;
         say(&format!("interface   {}: {}, length {:.6e}{stick}, force ({x:.6e}, {y:.6e})", i.name, i.kind, i.length));
+        if let Some(n) = i.normals.filter(|_| doubted("normals")) {
+            say(&format!(
+                "            normals of the two sides differ by up to {:.2}°: J with those of the one or of the other differs by {:.1e}",
+                n.angle.to_degrees(),
+                n.energy_change
+            ));
+        }
+    }
+    for r in &s.reach {
+        let ([a, b], [x, y]) = (&r.bodies, r.point);
+        say(&format!(
+            "reach       {a} and {b} lie {:.3e} in each other at ({x:.6e}, {y:.6e}): name the sides that meet there in an interface",
+            r.depth
+        ));
     }
     for body in &s.bodies {
         say(&format!("body        {}: {} dofs, strain energy {:.6e}", body.name, body.dofs, body.strain_energy));

@@ -61,6 +61,7 @@ pub(super) fn report<'a>(scene: &Scene, run: &'a Run<OnGrid>) -> Report<'a> {
         exterior: solved.around.as_ref().map(Around::summary),
         bodies: Vec::new(),
         interfaces: Vec::new(),
+        reach: Vec::new(),
     }
 }
 
