@@ -63,6 +63,34 @@ fn energies_of_cracks_in_the_plane_are_griffiths() {
     }
 }
 
+/// A block with a crack on another one, without friction: its load is along a motion that is free only up to rounding. The crack
+/// opens little: J falls by 2.209e-10, as on ever finer meshes.
+#[test]
+fn a_crack_without_friction_stands_on_a_block() {
+    let block = |name: &str, [y0, y1]: [f64; 2], crack: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\ncorners = [[0, {y0:?}], [1, {y0:?}], [1, {y1:?}], [0, {y1:?}]]\n\
+             sides = [\"bottom\", \"right\", \"top\", \"left\"]\n{crack}"
+        )
+    };
+    let text = |crack: &str| {
+        format!(
+            "material = {{ young = 100, poisson = 0.3 }}\n{}{}[sides.up.top]\ntraction = [\"0\", \"-1\"]\n\
+             [sides.lo.bottom]\ndisplacement = [\"0\", \"0\"]\n\
+             [[interface]]\nbetween = [\"up.bottom\", \"lo.top\"]\ncontact = true\n",
+            block("up", [0.0, 1.0], crack),
+            block("lo", [-1.0, 0.0], "")
+        )
+    };
+    let told = ["", "[[body.cracks]]\npoints = [[0.5, 0], [0.5, 0.4]]\n"]
+        .map(|crack| solved(&text(crack), &["method.tolerance=1e-4"]));
+    let [(whole, bar), (cracked, own)] =
+        told.each_ref().map(|told| (told.energy_extrapolated.unwrap(), told.energy_uncertainty.unwrap()));
+    println!("{cracked} ± {own:.1e}, {whole} ± {bar:.1e}");
+    assert!(told.iter().all(|told| told.converged) && (whole + 0.008_990_623_4).abs() < 1e-9, "{whole}");
+    assert!((whole - cracked - 2.209e-10).abs() < bar + own && own < 1e-7 * cracked.abs(), "{cracked} {whole}");
+}
+
 /// A block with a crack that opens at one end and slips with friction at the other: hp finite elements, extrapolated.
 #[test]
 fn a_crack_in_a_block_is_that_of_finite_elements() {

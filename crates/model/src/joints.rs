@@ -49,6 +49,8 @@ pub(crate) struct TiedNode {
 
 /// Distances below this part of the diameter are none.
 const TOUCHING: f64 = 1e-13;
+/// Part of the coordinates that rounding leaves in a distance.
+const COORDINATES: f64 = 4e-15;
 /// Part of an element that may stay uncovered.
 const UNCOVERED: f64 = 1e-8;
 
@@ -341,12 +343,19 @@ impl Data<'_> {
         let plain = self.function(gap);
         let Some(interface) = self.scene.problem.joint(side) else { return plain };
         // sides that touch do so up to the rounding of their coordinates
-        let rounding = TOUCHING * self.scene.problem.outline.diameter();
+        let diameter = self.scene.problem.outline.diameter();
+        let rounding = TOUCHING * diameter;
+        let distance = move |site: &Site| self.distance_along(interface, site.element, site.t).unwrap_or(0.0);
         let value = move |site: &Site| {
-            let distance = self.distance_along(interface, site.element, site.t).unwrap_or(0.0);
+            let distance = distance(site);
             (plain.value)(site) + if distance.abs() < rounding { 0.0 } else { distance }
         };
-        Function { value: Box::new(value), kinks: plain.kinks }
+        // both may cancel, and then leave what rounding of the coordinates leaves
+        let left = move |site: &Site| {
+            let [x, y] = site.point;
+            distance(site).abs().min(COORDINATES * (x.hypot(y) + diameter))
+        };
+        Function { value: Box::new(value), kinks: plain.kinks, rounding: Some(Box::new(left)) }
     }
 
     /// Distance to the body that a point of a side faces.
