@@ -289,6 +289,25 @@ fn jumps_of_tractions_load_both_bodies() {
     assert!((reaction[1] - 10.0).abs() < 1e-9 && reaction[0].abs() < 1e-9, "{reaction:?}");
 }
 
+/// A gap that takes the distance of the bodies away leaves the rounding of both, which is none: dJ/dg = -F, F the force between
+/// them, as beside it.
+#[test]
+fn a_gap_may_cancel_the_distance() {
+    let text = |gap: &str| {
+        let upper = block("upper", [0.0, 1.0], [0.0, 1.0], 100.0, 0.3).replace("[1.0, 0.0]", "[1.0, 0.02]");
+        let lower = block("lower", [0.0, 1.0], [-1.0, 0.0], 100.0, 0.3);
+        format!(
+            "{upper}{lower}{FLOOR}[sides.upper.top]\ndisplacement = [\"0\", \"-0.01\"]\n\
+             [[interface]]\nbetween = [\"lower.top\", \"upper.bottom\"]\ncontact = {{ gap = \"{gap}\" }}\n"
+        )
+    };
+    let told = ["-0.02*x", "1e-7 - 0.02*x"].map(|gap| solved(&text(gap), &["method.tolerance=1e-3"]));
+    assert!(told.iter().all(|told| told.converged));
+    let [closed, apart] = told.each_ref().map(|told| told.energy_extrapolated.unwrap());
+    let force = told[0].contact.as_ref().unwrap().force[1].abs();
+    assert!(force > 0.5 && (closed - apart - 1e-7 * force).abs() < 1e-11, "{closed} {apart} {force}");
+}
+
 /// Motions that only friction could stop, and loads that drive them, are refused by name; balanced ones are none of the answer.
 #[test]
 fn what_nothing_holds_is_told() {

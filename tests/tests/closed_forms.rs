@@ -7,7 +7,7 @@ use steklov_model::report::{ContactRow, contact_rows, contact_summary};
 use steklov_model::run::{Reason, Run};
 use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;
-use steklov_tests::{adapt, line, scene};
+use steklov_tests::{adapt, line, parse, scene};
 
 fn solved(scene: &Scene) -> Run {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
@@ -125,4 +125,28 @@ fn a_flat_punch_has_its_singularity() {
     let (slope, straight) = line(&dofs, &steps.iter().map(|s| s.estimate().relative.ln()).collect::<Vec<_>>());
     println!("log estimate over dofs^½: slope {slope:.3}, R² {straight:.4}");
     assert!(slope < 0.0 && straight >= 0.97 && steps.len() >= 8);
+}
+
+/// A strip that is held at one end and pulled at the other: J = -(1-ν²) h/2E but for what its held end takes of it, as long as
+/// bending leaves digits; then it is told that none are left, not that nothing holds it.
+#[test]
+fn strips_are_solved_or_told_to_be_thin() {
+    let strip = |h: f64| {
+        let text = format!(
+            "body.corners = [[0,0],[1,0],[1,{h:?}],[0,{h:?}]]\nbody.sides = [\"bottom\",\"right\",\"top\",\"left\"]\n\
+             material = {{ young = 100, poisson = 0.3 }}\nsides.left.displacement = [\"0\",\"0\"]\n\
+             sides.right.traction = [\"1\",\"0\"]\n"
+        );
+        adapt(&parse(&text, &[]).unwrap())
+    };
+    for h in [1e-2, 1e-3] {
+        let run = strip(h).unwrap();
+        let [found, exact] = [run.step().energy, -0.91 * h / 200.0];
+        assert!(run.converged() && (found / exact - 1.0).abs() < h, "{h}: {found} {exact}");
+    }
+    let later = strip(1e-4).unwrap().error.unwrap().to_string();
+    assert!(later.contains("1.000e-4 thick over") && later.contains("takes 12 of the 16 digits"), "{later}");
+    let error = strip(1e-6).err().unwrap().to_string();
+    assert!(error.contains("1.000e-6 thick over a length of 1.000e0"), "{error}");
+    assert!(error.contains("takes 16 of the 16 digits") && !error.contains("rigid motion"), "{error}");
 }

@@ -63,6 +63,54 @@ fn energies_of_cracks_in_the_plane_are_griffiths() {
     }
 }
 
+/// All of the faces slips, with elements of 1e-10 at the tips, whose stresses are what rounding of forces makes of them: that is
+/// no violation of the law.
+#[test]
+fn slip_of_short_elements_is_solved() {
+    let stress = [0.0, -4.0, 5.0];
+    let faces = "[[interface]]\non = \"core.crack\"\ncontact = { friction = { coulomb = \"0.4\" } }\n";
+    let text = in_the_plane("[[-0.5, 0], [0.5, 0]]", stress, faces).replace("radius = 2", "radius = 1");
+    let told = solved(&text, &["method.tolerance=1e-5"]);
+    let exact = whole(stress) / 4.0 - PI * 3.4 * 3.4 * 0.25 * 0.91 / 1000.0;
+    let (found, bar) = (told.energy_extrapolated.unwrap(), told.energy_uncertainty.unwrap());
+    println!("{found} {exact} ± {bar:.1e}, {} {} dofs, {:?}", told.reason, told.dofs, told.failure);
+    assert!(
+        told.converged && (found - exact).abs() < bar && bar < 1e-6 * exact.abs(),
+        "{found} {exact} {}",
+        told.reason
+    );
+    let contact = told.contact.unwrap();
+    assert!((contact.slip - 1.0).abs() < 1e-6 && contact.stick == 0.0, "{contact:?}");
+}
+
+/// A block with a crack on another one, without friction: its load is along a motion that is free only up to rounding. The crack
+/// opens little: J falls by 2.209e-10, as on ever finer meshes.
+#[test]
+fn a_crack_without_friction_stands_on_a_block() {
+    let block = |name: &str, [y0, y1]: [f64; 2], crack: &str| {
+        format!(
+            "[[body]]\nname = \"{name}\"\ncorners = [[0, {y0:?}], [1, {y0:?}], [1, {y1:?}], [0, {y1:?}]]\n\
+             sides = [\"bottom\", \"right\", \"top\", \"left\"]\n{crack}"
+        )
+    };
+    let text = |crack: &str| {
+        format!(
+            "material = {{ young = 100, poisson = 0.3 }}\n{}{}[sides.up.top]\ntraction = [\"0\", \"-1\"]\n\
+             [sides.lo.bottom]\ndisplacement = [\"0\", \"0\"]\n\
+             [[interface]]\nbetween = [\"up.bottom\", \"lo.top\"]\ncontact = true\n",
+            block("up", [0.0, 1.0], crack),
+            block("lo", [-1.0, 0.0], "")
+        )
+    };
+    let told = ["", "[[body.cracks]]\npoints = [[0.5, 0], [0.5, 0.4]]\n"]
+        .map(|crack| solved(&text(crack), &["method.tolerance=1e-4"]));
+    let [(whole, bar), (cracked, own)] =
+        told.each_ref().map(|told| (told.energy_extrapolated.unwrap(), told.energy_uncertainty.unwrap()));
+    println!("{cracked} ± {own:.1e}, {whole} ± {bar:.1e}");
+    assert!(told.iter().all(|told| told.converged) && (whole + 0.008_990_623_4).abs() < 1e-9, "{whole}");
+    assert!((whole - cracked - 2.209e-10).abs() < bar + own && own < 1e-7 * cracked.abs(), "{cracked} {whole}");
+}
+
 /// A block with a crack that opens at one end and slips with friction at the other: hp finite elements, extrapolated.
 #[test]
 fn a_crack_in_a_block_is_that_of_finite_elements() {

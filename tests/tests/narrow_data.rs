@@ -4,7 +4,7 @@
 use std::fmt::Write;
 
 use steklov_model::run::{Reason, Run};
-use steklov_tests::{Random, adapt, parse};
+use steklov_tests::{Random, adapt, parse, summary};
 
 /// Seed of all places.
 const SEED: u64 = 20_261;
@@ -129,6 +129,24 @@ fn tens_of_asperities_are_all_seen() {
         let (j, exact, strain, _) = compared(Datum::Gap, width, &places);
         assert!((j - exact).abs() <= 4e-6 * strain, "seed {SEED}, width {width}: {j} for {exact}, {places:?}");
         assert!(j > 1e-3, "ten asperities press: {j}");
+    }
+}
+
+/// A rigid stamp presses over all of its width, however narrow that is, and contact ends at both of its corners.
+#[test]
+fn a_stamp_presses_over_all_of_its_width() {
+    for half in [1e-3, 1e-4, 1e-5, 1e-6] {
+        let text = format!(
+            "body.corners = [[0,0],[1,0],[1,1],[0,1]]\nbody.sides = [\"floor\",\"right\",\"top\",\"left\"]\n\
+             material = {{ young = 100, poisson = 0.3 }}\nsides.top.displacement = [\"0\",\"0\"]\nsides.left.pressure = \"0.1\"\n\
+             sides.floor.contact.gap = \"if(abs(x-0.3217)<{half:?},-0.01,0.01)\"\n"
+        );
+        let contact = summary(&parse(&text, &[]).unwrap()).contact.unwrap();
+        println!("{half}: {} {:?}", contact.length, contact.ends);
+        assert!((contact.length - 2.0 * half).abs() < 1e-5 * half, "{half}: {}", contact.length);
+        let ends = contact.ends.unwrap();
+        assert_eq!(ends.len(), 2, "{half}: {ends:?}");
+        assert!((ends[1][0] - ends[0][0] - contact.length).abs() < 1e-9 * half.max(1e-4), "{half}: {ends:?}");
     }
 }
 

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 use steklov_plan::plan;
 use steklov_result::record::Record;
 use steklov_study::reference::Reference;
-use steklov_tests::{adapt, parse};
+use steklov_tests::{adapt, parse, summary};
 
 /// u = (2xy, x² - y² + b y²/2(λ+2μ)) on the unit square about 0 is in equilibrium under the body force (0, -b); μ = 1, λ = 3/2.
 /// Held so all around on coarse meshes of linear elements, whose nodes know u up to h²: J = ½∫σ:ε - ∫b·u is right within its
@@ -105,5 +105,20 @@ fn the_error_between_a_held_and_a_loaded_face_is_told() {
             println!("{sharp} {tolerance}: told {told:.2}, J off by {:.2}", off / estimate.uncertainty);
             assert!(off <= estimate.uncertainty && (0.6..2.0).contains(&told), "{sharp} {tolerance}: {told} {off}");
         }
+    }
+}
+
+/// Ends that are held along an oblique obstacle are held inside of it by rounding only, which is no penetration.
+#[test]
+fn ends_held_along_an_obstacle_are_not_inside_of_it() {
+    for k in 1..=12 {
+        let held = format!("[\"0.{:02}\", \"0.{k:02}\"]", 3 * k);
+        let text = format!(
+            "body.corners = [[0,0],[3,1],[2.5,2.5],[-0.5,1.5]]\nbody.sides = [\"floor\",\"right\",\"top\",\"left\"]\n\
+             material = {{ young = 100, poisson = 0.3 }}\nsides.top.displacement = {held}\n\
+             sides.left.displacement = {held}\nsides.floor.contact.gap = \"0\"\n"
+        );
+        let told = summary(&parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render())));
+        assert!(told.converged && told.energy.abs() < 1e-12, "{held}: {}", told.energy);
     }
 }

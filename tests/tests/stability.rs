@@ -208,11 +208,11 @@ fn condensed() -> Problem {
     let mesh = Mesh::uniform(&scene.problem.outline, 24, 2);
     let space = Space::new(&mesh);
     let gap = |site: &steklov_bem_operators::Site| 0.02 * site.point[0].powi(2) - 0.001;
-    let gap = Datum { name: "gap", value: &gap, kinks: &|_| Vec::new() };
+    let gap = Datum { name: "gap", value: &gap, kinks: &|_| Vec::new(), rounding: None };
     let boundary = contact_boundary(
         &mesh,
         &space,
-        &[SideData { side: 0, gap, bound: None, coefficient: None, elements: None }],
+        &[SideData { side: 0, gap, bound: None, coefficient: None, beyond: None }],
         &|_| [None, None],
     );
     let boundary = boundary.expect("a floor");

@@ -41,6 +41,11 @@ pub(crate) fn explain(scene: &Scene, error: SolveError) -> Result<DataError, Sol
             &[&["interface"], &["sides"]],
             "hold a displacement of these bodies, tie a side, give an interface friction, or balance the loads",
         ),
+        SolveError::Thin { .. } => blame(
+            Geometry,
+            &[&["body", "corners"], &["body"]],
+            "take a thicker or a shorter part of the body, hold one of its long sides, or solve it as a beam by other means",
+        ),
         SolveError::NotFinite { .. } => {
             (Value, loads(scene), "choose units in which lengths, loads and Young's modulus are nearer to 1".to_owned())
         }

@@ -32,7 +32,8 @@ pub enum BemError {
     },
     /// The stiffness of the eliminated unknowns has no Cholesky factor.
     #[error(
-        "the stiffness of the free unknowns is not positive definite (pivot {pivot} of {size}): a rigid motion is not held"
+        "the stiffness of the free unknowns is not positive definite (pivot {pivot} of {size}): a rigid motion is not held, or rounding \
+         leaves no digit of it"
     )]
     StiffnessSingular {
         /// Index of the pivot that was not positive.

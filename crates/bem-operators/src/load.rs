@@ -37,6 +37,8 @@ pub struct Datum<'a> {
     /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps. One that is not named is
     /// found by halving, at a cost.
     pub kinks: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
+    /// What of the value may be rounding, where that is more than its size tells: the value is what is left of larger terms.
+    pub rounding: Option<&'a (dyn Fn(&Site) -> f64 + Sync)>,
 }
 
 impl Datum<'_> {
@@ -74,7 +76,8 @@ pub type ElementMoments = (usize, Vec<f64>);
 /// Moments ∫ f φ_j ds (f times length) of every element of a side against its own nodal basis: (element, p+1 values).
 ///
 /// Each element is cut at the datum's kinks; on each piece the number of Gauss points is doubled from 16 until two rules
-/// agree to 1e-12 of the integral of |f| over the side; pieces that do not come to that with 128 points are halved.
+/// agree to 1e-12 of the integral of |f| over the side, or to that of its rounding; pieces that do not come to that with 128
+/// points are halved.
 /// # Errors
 /// [`BemError::DataNotFinite`] when f is not finite at a quadrature point; [`BemError::DataRough`] when the rules do not
 /// come to agree.
@@ -103,18 +106,21 @@ pub fn side_moments_and_squares(
     let parts = |e: usize| (mesh.length(e) / side_length * (SIDE_POINTS / FEWEST_POINTS) as f64).ceil() as usize;
     let pieces: Vec<Vec<f64>> =
         elements.iter().map(|&e| breaks((datum.kinks)(e), mesh.resolution(e), parts(e))).collect();
-    let mut whole = 0.0;
+    let (mut whole, mut rounding) = (0.0, 0.0);
     for (&e, breaks) in elements.iter().zip(&pieces) {
         for piece in breaks.windows(2) {
             let rule = panel_rule(FEWEST_POINTS);
             for (t, w) in mapped(rule, piece[0], piece[1]) {
-                whole += w * mesh.speed(e, t) * datum.at(mesh, &Site::new(mesh, e, t))?.abs();
+                let site = Site::new(mesh, e, t);
+                whole += w * mesh.speed(e, t) * datum.at(mesh, &site)?.abs();
+                rounding += datum.rounding.map_or(0.0, |of| w * mesh.speed(e, t) * of(&site));
             }
         }
     }
     let mut grown = false;
     loop {
-        let (moments, squares, given_up) = at_tolerance(mesh, space, &elements, &pieces, datum, AGREEMENT * whole)?;
+        let (moments, squares, given_up) =
+            at_tolerance(mesh, space, &elements, &pieces, datum, AGREEMENT * whole + rounding)?;
         let found: f64 = moments.iter().flat_map(|(_, m)| m).map(|m| m.abs()).sum();
         // more was found than the first look saw: a peak between its points
         if found > 4.0 * whole && found.is_finite() {
@@ -125,7 +131,7 @@ pub fn side_moments_and_squares(
         let lost = if grown && found < 0.5 * whole { whole - found } else { 0.0 };
         let given_up = given_up + lost;
         // an overflow is no agreement either
-        if given_up.is_nan() || given_up > GIVEN_UP * whole || !whole.is_finite() {
+        if given_up.is_nan() || given_up > GIVEN_UP * whole + rounding || !whole.is_finite() {
             let side = mesh.side_names[side].clone();
             return Err(BemError::DataRough { name: datum.name.into(), side, uncertainty: given_up, whole });
         }

@@ -171,7 +171,7 @@ fn smooth_problem(elements: usize, degree: usize, poisson: f64) -> (Vec<Boundary
     for side in 0..3 {
         for (i, direction) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
             let value = |x: &Site| given(x)[i];
-            let datum = Datum { name: "traction", value: &value, kinks: &|_| Vec::new() };
+            let datum = Datum { name: "traction", value: &value, kinks: &|_| Vec::new(), rounding: None };
             add_load(&mut load, &space, &side_moments(&mesh, &space, side, &datum).expect("smooth"), |_| direction);
         }
     }

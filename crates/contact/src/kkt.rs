@@ -1,7 +1,7 @@
 //! The judge: how well a displacement and multipliers obey all conditions, whatever computed them.
 
 use crate::linear::{largest, product};
-use crate::{Problem, Solution};
+use crate::{Condition, ContactNode, Problem, Solution};
 
 /// Relative violation of each condition of a contact problem; all 0 for an exact solution. A scale of 0 gives 0.
 ///
@@ -55,13 +55,10 @@ pub fn kkt_in_body(problem: &Problem, solution: &Solution, body_displacement: f6
         }
     }
     let pairs = || conditions().zip(&solution.multipliers);
-    let length = largest(v.iter().copied().chain([body_displacement]))
-        + largest(conditions().filter(|(_, c)| c.normal_weight > 0.0).map(|(_, c)| c.gap));
+    let length = length(problem, v, body_displacement);
     let lambda = largest(solution.multipliers.iter().flatten().copied());
-    let rubs = pairs().filter(|((_, c), _)| c.tangent_weight > 0.0 && c.bound.is_finite());
-    let stress = lambda + largest(rubs.map(|((_, c), l)| c.limit(l[0])));
-    let (mut penetration, mut tension, mut complementarity, mut friction) = (vec![], vec![], vec![], vec![]);
-    for ((node, c), &[normal, shear]) in pairs() {
+    let (mut penetration, mut tension, mut complementarity) = (vec![], vec![], vec![]);
+    for ((node, c), &[normal, _]) in pairs() {
         let w = node.pick(v);
         if c.normal_weight > 0.0 {
             let opening = c.opening(w);
@@ -69,24 +66,51 @@ pub fn kkt_in_body(problem: &Problem, solution: &Solution, body_displacement: f6
             tension.push(relative((-normal).max(0.0), lambda));
             complementarity.push(relative(normal * opening, lambda * length));
         }
-        if c.tangent_weight > 0.0 {
-            let slip = c.slip(w);
-            let limit = c.limit(normal);
-            if limit.is_finite() {
-                friction.push(relative((shear.abs() - limit).max(0.0), stress));
-                friction.push(relative(limit * slip.abs() - shear * slip, stress * length));
-            } else {
-                friction.push(relative(slip, length));
-            }
-        }
     }
     Kkt {
         equilibrium: relative(largest(residual), largest(elastic) + largest(problem.load.iter().copied())),
         penetration: largest(penetration),
         tension: largest(tension),
         complementarity: largest(complementarity),
-        friction: largest(friction),
+        friction: friction(problem, solution, body_displacement, |_| 0.0),
     }
+}
+
+/// max |u| + max |g|.
+fn length(problem: &Problem, v: &[f64], body_displacement: f64) -> f64 {
+    let conditions = problem.nodes.iter().flat_map(|n| &n.conditions);
+    largest(v.iter().copied().chain([body_displacement]))
+        + largest(conditions.filter(|c| c.normal_weight > 0.0).map(|c| c.gap))
+}
+
+/// [`Kkt::friction`], less what rounding makes of it where the force on a node is `known` up to that only.
+pub(crate) fn friction(
+    problem: &Problem,
+    solution: &Solution,
+    body_displacement: f64,
+    known: impl Fn(&ContactNode) -> f64,
+) -> f64 {
+    let length = length(problem, &solution.displacement, body_displacement);
+    let conditions = || problem.nodes.iter().flat_map(|n| n.conditions.iter().map(move |c| (n, c)));
+    let pairs = || conditions().zip(&solution.multipliers).filter(|((_, c), _)| c.tangent_weight > 0.0);
+    let rubs = pairs().filter(|((_, c), _)| c.bound.is_finite());
+    let stress =
+        largest(solution.multipliers.iter().flatten().copied()) + largest(rubs.map(|((_, c), l)| c.limit(l[0])));
+    let violation = |((node, c), &[normal, shear]): ((&ContactNode, &Condition), &[f64; 2])| {
+        let (slip, limit) = (c.slip(node.pick(&solution.displacement)), c.limit(normal));
+        if limit.is_infinite() {
+            return relative(slip, length);
+        }
+        let pressed = if c.is_coulomb() { c.coefficient / c.normal_weight } else { 0.0 };
+        let rounding = known(node) * (1.0 / c.tangent_weight + pressed);
+        let beyond = |value: f64, rounding: f64| if value <= rounding { 0.0 } else { value - rounding };
+        let left = (limit * slip.abs() - shear * slip).abs();
+        largest([
+            relative(beyond(shear.abs() - limit, rounding), stress),
+            relative(beyond(left, rounding * slip.abs()), stress * length),
+        ])
+    };
+    largest(pairs().map(violation))
 }
 
 fn relative(value: f64, scale: f64) -> f64 {

@@ -52,7 +52,7 @@ proptest! {
         let kinks = |_: usize| Vec::new();
         let mut load = vec![0.0; space.dofs()];
         let pressure = |x: &Site| 3.0 * x.s;
-        let datum = Datum { name: "traction", value: &pressure, kinks: &kinks };
+        let datum = Datum { name: "traction", value: &pressure, kinks: &kinks, rounding: None };
         let moments = side_moments(&mesh, &space, 3, &datum).expect("smooth");
         add_load(&mut load, &space, &moments, |_| turned(angle, [1.0, 0.3]));
         let mut held = vec![None; space.nodes()];
@@ -63,8 +63,8 @@ proptest! {
         let friction = |_: &Site| bound.unwrap_or(0.0);
         let sides = [0, 1].map(|side| SideData {
             side,
-            gap: Datum { name: "gap", value: &values[side], kinks: &kinks },
-            bound: (side == 0 && bound.is_some()).then_some(Datum { name: "bound", value: &friction, kinks: &kinks }),
+            gap: Datum { name: "gap", value: &values[side], kinks: &kinks, rounding: None },
+            bound: (side == 0 && bound.is_some()).then_some(Datum { name: "bound", value: &friction, kinks: &kinks, rounding: None }),
             coefficient: None, beyond: None });
         let whole = contact_boundary(&mesh, &space, &sides, &|i| held[i].map_or([None; 2], |u| u.map(Some)));
         let whole = whole.expect("contact sides");

@@ -39,14 +39,14 @@ fn block(floor: (Vec<f64>, Vec<usize>), friction: f64, pull: f64) -> Problem {
     let mut load = vec![0.0; space.dofs()];
     let (down, along) = (|s: &Site| -1.0 - s.point[0], |_: &Site| pull);
     for (value, direction) in [(&down as &(dyn Fn(&Site) -> f64 + Sync), [0.0, 1.0]), (&along, [1.0, 0.0])] {
-        let datum = Datum { name: "traction", value, kinks: &kinks };
+        let datum = Datum { name: "traction", value, kinks: &kinks, rounding: None };
         add_load(&mut load, &space, &side_moments(&mesh, &space, 2, &datum).unwrap(), |_| direction);
     }
     let (gap, bound) = (|_: &Site| 0.0, |_: &Site| friction);
     let data = SideData {
         side: 0,
-        gap: Datum { name: "gap", value: &gap, kinks: &kinks },
-        bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks }),
+        gap: Datum { name: "gap", value: &gap, kinks: &kinks, rounding: None },
+        bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks, rounding: None }),
         coefficient: None,
         beyond: None,
     };

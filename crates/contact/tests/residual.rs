@@ -127,7 +127,7 @@ proptest! {
     }
 }
 
-const NONE: Datum<'_> = Datum { name: "gap", value: &|_| 0.0, kinks: &|_| Vec::new() };
+const NONE: Datum<'_> = Datum { name: "gap", value: &|_| 0.0, kinks: &|_| Vec::new(), rounding: None };
 
 const TERMS: [fn(&ContactResidual) -> f64; 6] =
     [|r| r.contact, |r| r.complementarity, |r| r.tension, |r| r.penetration, |r| r.bound, |r| r.friction];
@@ -143,11 +143,11 @@ fn rough(
 ) -> Vec<ContactResidual> {
     let space = Space::new(mesh);
     let kinks = |_: usize| Vec::new();
-    let gap = Datum { name: "gap", value: gap, kinks: &kinks };
+    let gap = Datum { name: "gap", value: gap, kinks: &kinks, rounding: None };
     let sides = [SideData {
         side: 0,
         gap,
-        bound: Some(Datum { name: "bound", value: bound, kinks: &kinks }),
+        bound: Some(Datum { name: "bound", value: bound, kinks: &kinks, rounding: None }),
         coefficient: None,
         beyond: None,
     }];

@@ -30,8 +30,8 @@ fn wedge(body: &Clamped, multipliers: &MultiplierSpace) -> (f64, Vec<[f64; 2]>, 
     };
     let side = SideData {
         side: 0,
-        gap: Datum { name: "gap", value: &gap, kinks: &kinks },
-        bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks }),
+        gap: Datum { name: "gap", value: &gap, kinks: &kinks, rounding: None },
+        bound: Some(Datum { name: "friction", value: &bound, kinks: &kinks, rounding: None }),
         coefficient: None,
         beyond: None,
     };
@@ -102,7 +102,7 @@ fn a_gamma_beyond_the_critical_one_is_refused() {
     let (zero, kinks) = (|_: &Site| 0.0, |_: usize| vec![]);
     let side = SideData {
         side: 0,
-        gap: Datum { name: "gap", value: &zero, kinks: &kinks },
+        gap: Datum { name: "gap", value: &zero, kinks: &kinks, rounding: None },
         bound: None,
         coefficient: None,
         beyond: None,
@@ -170,7 +170,7 @@ fn a_uniform_pressure_is_met_by_any_multipliers() {
     let (gap, kinks) = (|_: &Site| -0.1, |_: usize| vec![]);
     let side = SideData {
         side: 0,
-        gap: Datum { name: "gap", value: &gap, kinks: &kinks },
+        gap: Datum { name: "gap", value: &gap, kinks: &kinks, rounding: None },
         bound: None,
         coefficient: None,
         beyond: None,
@@ -216,8 +216,8 @@ fn slipping(body: &Clamped, multipliers: &MultiplierSpace, bound: &(dyn Fn(&Site
     let (gap, kinks) = (|_: &Site| -0.01, |_: usize| vec![]);
     let side = SideData {
         side: 0,
-        gap: Datum { name: "gap", value: &gap, kinks: &kinks },
-        bound: Some(Datum { name: "friction", value: bound, kinks: &kinks }),
+        gap: Datum { name: "gap", value: &gap, kinks: &kinks, rounding: None },
+        bound: Some(Datum { name: "friction", value: bound, kinks: &kinks, rounding: None }),
         coefficient: None,
         beyond: None,
     };

@@ -120,7 +120,7 @@ fn a_floating_block_has_its_uniform_pressure() {
             (0..load.len()).map(|i| if i % 2 == 0 { -points[i / 2][1] } else { points[i / 2][0] }).collect();
         let rigid = [shift.clone(), up, turn];
         let (gap, kinks) = (|_: &Site| 0.0, |_: usize| vec![]);
-        let gap = Datum { name: "gap", value: &gap, kinks: &kinks };
+        let gap = Datum { name: "gap", value: &gap, kinks: &kinks, rounding: None };
         let side = SideData { side: 0, gap, bound: None, coefficient: None, beyond: None };
         let multipliers = block.multipliers(MultiplierMesh::Finer(2), MultiplierDegree::Relative(0));
         let forms = block.forms(&multipliers);

@@ -2,7 +2,7 @@
 
 use steklov_contact::{Kkt, Located};
 use steklov_coupling::Radiation;
-use steklov_problem::{Scene, facets};
+use steklov_problem::{Scene, Solver, facets};
 
 use crate::around::Around;
 use crate::contact::ContactResult;
@@ -13,7 +13,7 @@ use crate::fields::probe;
 use crate::interfaces;
 use crate::large::is_large;
 use crate::report::{ContactRow, Trace, contact_rows, contact_summary, located};
-use crate::run::{Model, Run};
+use crate::run::{Model, Reason, Run};
 use crate::solution::Solved;
 use crate::stochastic::{self, StochasticResult};
 use crate::summary::{
@@ -89,7 +89,10 @@ pub fn answer<M: Model>(
         file: String::new(),
         converged: run.converged(),
         reason: run.reason.word().into(),
-        failure: run.error.as_ref().map(ToString::to_string),
+        failure: run.error.as_ref().map(ToString::to_string).or_else(|| {
+            let solver = run.reason == Reason::Solver;
+            solver.then(|| unsolved(scene, contact, outcomes.map_or(0, |result| result.unconverged)))
+        }),
         dofs: run.step().dofs,
         steps: run.progress.steps.len(),
         energy: energies.total,
@@ -120,6 +123,33 @@ pub fn answer<M: Model>(
         seconds: SecondsSummary::of_steps(run.seconds()),
         peak_memory_bytes: peak_memory_bytes(),
     }
+}
+
+/// What the solver left undone, and what to do about it.
+fn unsolved(scene: &Scene, contact: Option<&ContactResult>, outcomes: usize) -> String {
+    let nearer = "bring lengths, gaps, loads and Young's modulus nearer to each other";
+    let Some(contact) = contact else {
+        return format!("the forces balance to few digits only: {nearer}");
+    };
+    if contact.converged() && outcomes > 0 {
+        return format!("contact of {outcomes} outcomes is not solved: solve one of them alone to see why");
+    }
+    let Kkt { equilibrium, penetration, tension, complementarity, friction } = contact.audit;
+    let remedy = match scene.method.solver {
+        Solver::Auto if contact.converged() => format!("the forces balance only as far as that, {nearer}"),
+        Solver::Auto if contact.coulomb.is_some() => {
+            "no solution under Coulomb's law was found on this mesh: lower the friction coefficients, or try another number of \
+             method.elements"
+                .to_owned()
+        }
+        Solver::Auto => format!("the contact conditions hold only as far as that, {nearer}"),
+        _ => "the solver that method.solver names did not reach its criterion: leave that at \"auto\"".to_owned(),
+    };
+    format!(
+        "after {} iterations equilibrium is off by {equilibrium:.1e}, penetration {penetration:.1e}, tension {tension:.1e}, \
+         complementarity {complementarity:.1e}, friction {friction:.1e}: {remedy}",
+        contact.reported().iterations
+    )
 }
 
 /// What boundary elements tell.

@@ -151,7 +151,7 @@ impl Data<'_> {
     ) -> Result<Vec<Followed>, SolveError> {
         let plain = self.function(expression);
         let value = move |site: &Site| (plain.value)(site) * factor(site);
-        let function = Function { value: Box::new(value), kinks: plain.kinks };
+        let function = Function { value: Box::new(value), ..plain };
         let found = side_moments_and_squares(self.mesh, raised, side, &function.datum(name));
         let (moments, squares) = found.map_err(|error| self.located(error, expression))?;
         let of = |((element, mut moments), square): ((usize, Vec<f64>), f64)| {
@@ -313,7 +313,7 @@ impl Data<'_> {
             let (u, d) = (body.displacement(site.point), direction(site));
             (plain.value)(site) - u[0] * d[0] - u[1] * d[1]
         };
-        Function { value: Box::new(value), kinks: plain.kinks }
+        Function { value: Box::new(value), ..plain }
     }
 
     /// The value of an expression at a point of the boundary.
@@ -326,6 +326,7 @@ impl Data<'_> {
         Function {
             value: Box::new(move |site: &Site| self.value(expression, site)),
             kinks: Box::new(move |e: usize| self.breaks(expression, e)),
+            rounding: None,
         }
     }
 
@@ -425,14 +426,19 @@ struct Followed {
     rest: f64,
 }
 
+/// Values at points of the boundary.
+type AtSites<'a> = Box<dyn Fn(&Site) -> f64 + Sync + 'a>;
+
 /// An expression as a datum of the numerics.
 pub(crate) struct Function<'a> {
-    pub(crate) value: Box<dyn Fn(&Site) -> f64 + Sync + 'a>,
+    pub(crate) value: AtSites<'a>,
     pub(crate) kinks: Box<dyn Fn(usize) -> Vec<f64> + Sync + 'a>,
+    /// As [`Datum::rounding`].
+    pub(crate) rounding: Option<AtSites<'a>>,
 }
 
 impl Function<'_> {
     pub(crate) fn datum<'a>(&'a self, name: &'a str) -> Datum<'a> {
-        Datum { name, value: &*self.value, kinks: &*self.kinks }
+        Datum { name, value: &*self.value, kinks: &*self.kinks, rounding: self.rounding.as_deref() }
     }
 }

@@ -32,7 +32,7 @@ impl Data<'_> {
             Some((gap, bound, coefficient))
         };
         let functions: Vec<_> = (0..self.scene.problem.sides.len()).map(of_side).collect();
-        let none = Function { value: Box::new(|_| 0.0), kinks: Box::new(|_| Vec::new()) };
+        let none = Function { value: Box::new(|_| 0.0), kinks: Box::new(|_| Vec::new()), rounding: None };
         let gap = |side: usize| functions[side].as_ref().map_or(&none, |f| &f.0).datum("gap");
         let bound =
             |side: usize| functions[side].as_ref().and_then(|f| f.1.as_ref()).map(|b| b.datum("friction bound"));
@@ -129,8 +129,9 @@ impl Data<'_> {
                 let Some((_, holder)) = components.iter().flatten().next() else { continue };
                 let site = Site::new(self.mesh, e, t);
                 let gap = self.value(gap, &site);
-                let u_n: f64 = (0..2).map(|i| components[i].map_or(0.0, |(value, _)| n[i] * value)).sum();
-                if !movable && u_n - gap > 1e-9 * u_n.abs().max(gap.abs()) {
+                let parts = [0, 1].map(|i| components[i].map_or(0.0, |(value, _)| n[i] * value));
+                let (u_n, size) = (parts[0] + parts[1], parts[0].abs() + parts[1].abs());
+                if !movable && u_n - gap > 1e-9 * size.max(gap.abs()) {
                     let (name, holder) = (&self.mesh.side_names[side], &self.mesh.side_names[*holder]);
                     let [x, y] = site.point;
                     let message = format!(

@@ -93,7 +93,7 @@ impl Data<'_> {
             let function = self.function(bound);
             let of_bound = function.datum("friction bound");
             let value = |site: &Site| (of_bound.value)(site) * self.turned_slip(&slips[site.element], site);
-            let datum = Datum { name: "friction bound", value: &value, kinks: of_bound.kinks };
+            let datum = Datum { name: "friction bound", value: &value, kinks: of_bound.kinks, rounding: None };
             let moments =
                 side_moments(self.mesh, self.space, side, &datum).map_err(|error| self.located(error, bound))?;
             work += moments.iter().flat_map(|(_, m)| m).sum::<f64>();

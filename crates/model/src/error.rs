@@ -56,6 +56,20 @@ pub enum SolveError {
         /// Its scale.
         scale: f64,
     },
+    /// A body so thin that its stiffness has no digits left.
+    #[error(
+        "rounding leaves no digit of the stiffness: the body is {thickness:.3e} thick over a length of {length:.3e}, and the cube of \
+         that ratio, by which it bends more easily than its elements, takes {digits} of the 16 digits of a number, short elements \
+         the others"
+    )]
+    Thin {
+        /// Its thickness.
+        thickness: f64,
+        /// Diameter of that body.
+        length: f64,
+        /// Digits that bending takes.
+        digits: f64,
+    },
     /// Displacements, energies or errors beyond the range of floating point.
     #[error(
         "the displacements, the energy ({energy}) or its estimated error leave the range of floating point numbers"

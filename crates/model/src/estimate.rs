@@ -432,7 +432,7 @@ impl Estimate {
 
 /// Distance from the middle of an element to the nearest other one across its body, `bodies` of all elements; infinite if only its
 /// neighbours are there.
-fn thickness(mesh: &Mesh, bodies: &[usize], e: usize) -> f64 {
+pub(crate) fn thickness(mesh: &Mesh, bodies: &[usize], e: usize) -> f64 {
     let (middle, n) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
     let across = |f: usize| {
         let (c, d) = (mesh.point(f, 0.0), mesh.half_chord(f));

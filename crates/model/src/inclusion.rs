@@ -166,7 +166,8 @@ impl Data<'_> {
         for e in (0..self.mesh.len()).filter(|&e| !self.mesh.is_line(e)) {
             for i in 0..2 {
                 let value = |site: &Site| remote.displacement(site.point)[i];
-                let datum = Datum { name: "remote displacement", value: &value, kinks: &|_| Vec::new() };
+                let datum =
+                    Datum { name: "remote displacement", value: &value, kinks: &|_| Vec::new(), rounding: None };
                 found.push((e, oscillation(self.mesh, self.space, e, &datum)? / (2.0 * compliance)));
             }
         }
@@ -200,7 +201,7 @@ impl Data<'_> {
             };
             let value =
                 |site: &Site| if self.mesh.is_line(site.element) { 0.0 } else { remote.displacement(site.point)[i] };
-            let datum = Datum { name: "remote displacement", value: &value, kinks: &|_| Vec::new() };
+            let datum = Datum { name: "remote displacement", value: &value, kinks: &|_| Vec::new(), rounding: None };
             for side in self.interface_sides() {
                 work += self.work_on_rest(side, None, &datum, &traction)?;
             }

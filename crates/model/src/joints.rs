@@ -49,6 +49,8 @@ pub(crate) struct TiedNode {
 
 /// Distances below this part of the diameter are none.
 const TOUCHING: f64 = 1e-13;
+/// Part of the coordinates that rounding leaves in a distance.
+const COORDINATES: f64 = 4e-15;
 /// Part of an element that may stay uncovered.
 const UNCOVERED: f64 = 1e-8;
 
@@ -351,12 +353,19 @@ impl Data<'_> {
             return plain;
         }
         // sides that touch do so up to the rounding of their coordinates
-        let rounding = TOUCHING * self.scene.problem.outline.diameter();
+        let diameter = self.scene.problem.outline.diameter();
+        let rounding = TOUCHING * diameter;
+        let distance = move |site: &Site| self.seen(site.element, site.t).map_or(0.0, |seen| seen.distance);
         let value = move |site: &Site| {
-            let distance = self.seen(site.element, site.t).map_or(0.0, |seen| seen.distance);
+            let distance = distance(site);
             (plain.value)(site) + if distance.abs() < rounding { 0.0 } else { distance }
         };
-        Function { value: Box::new(value), kinks: plain.kinks }
+        // both may cancel, and then leave what rounding of the coordinates leaves
+        let left = move |site: &Site| {
+            let [x, y] = site.point;
+            distance(site).abs().min(COORDINATES * (x.hypot(y) + diameter))
+        };
+        Function { value: Box::new(value), kinks: plain.kinks, rounding: Some(Box::new(left)) }
     }
 
     /// What a point of a side in contact with other bodies faces; none elsewhere.

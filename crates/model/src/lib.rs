@@ -53,6 +53,7 @@ pub mod stage;
 pub mod stochastic;
 pub mod summary;
 pub mod supports;
+mod thin;
 mod transitions;
 mod turning;
 mod unbounded;

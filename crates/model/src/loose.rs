@@ -8,6 +8,7 @@ use crate::body::Given;
 use crate::data::Data;
 use crate::error::SolveError;
 use crate::joints::TiedNode;
+use crate::motions::nodal_work;
 use crate::parts::Assembled;
 use crate::supports::Supports;
 
@@ -68,32 +69,43 @@ impl Data<'_> {
             }
         }
         let count = motions.len();
-        let gram = Mat::from_fn(count, count, |i, j| constraints.iter().map(|c| c[i] * c[j]).sum::<f64>());
-        let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return Ok(Vec::new()) };
-        let values = eigen.S().column_vector();
-        let largest = values.iter().fold(0.0, |m: f64, v| m.max(*v));
-        let mut free = Vec::new();
-        for k in (0..count).filter(|&k| values[k] <= RANK * largest) {
-            let parts: Vec<f64> = (0..count).map(|i| eigen.U()[(i, k)]).collect();
+        let (free, rounding) = kernel(&constraints, count);
+        let mut found = Vec::new();
+        for parts in free {
             let mut nodal = vec![0.0; self.space.dofs()];
             for (part, (body, motion)) in parts.iter().zip(&motions) {
                 let piece = &bodies[*body].piece;
                 let own = &mut nodal[2 * piece.nodes.start..2 * piece.nodes.end];
                 own.iter_mut().zip(motion.nodal(&piece.space.points)).for_each(|(a, b)| *a += part * b);
             }
-            let (work, scale) = given
-                .load
-                .iter()
-                .zip(&nodal)
-                .fold((0.0, 0.0), |(sum, scale), (f, r)| (sum + f * r, scale + f64::abs(f * r)));
-            if work.abs() > DRIVEN * scale {
+            let (work, scale) = nodal_work(&given.load, &nodal);
+            if work.abs() > DRIVEN * scale + rounding * largest_work(&given.load, &nodal) {
                 let moves = |b: &usize| motions.iter().zip(&parts).any(|((body, _), v)| body == b && v.abs() > 1e-6);
                 let names: Vec<&str> =
                     (0..bodies.len()).filter(moves).map(|b| self.scene.problem.bodies[b].name.as_str()).collect();
                 return Err(SolveError::Loose { bodies: names.join(", "), work, scale });
             }
-            free.push(nodal);
+            found.push(nodal);
         }
-        Ok(free)
+        Ok(found)
     }
+}
+
+/// Orthonormal vectors of so many numbers that meet all constraints, and what rounding leaves in them of others.
+fn kernel(constraints: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, f64) {
+    let gram = Mat::from_fn(count, count, |i, j| constraints.iter().map(|c| c[i] * c[j]).sum::<f64>());
+    let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return (Vec::new(), 0.0) };
+    let values = eigen.S().column_vector();
+    let largest = values.iter().fold(0.0, |m: f64, v| m.max(*v));
+    let (free, met): (Vec<usize>, Vec<usize>) = (0..count).partition(|&k| values[k] <= RANK * largest);
+    let smallest = met.iter().fold(largest, |m: f64, &k| m.min(values[k]));
+    let rounding = if largest > 0.0 { count as f64 * f64::EPSILON * largest / smallest } else { 0.0 };
+    (free.into_iter().map(|k| (0..count).map(|i| eigen.U()[(i, k)]).collect()).collect(), rounding)
+}
+
+/// Σ |f| max |r|: the work of a load on a motion as large everywhere as it is somewhere.
+fn largest_work(load: &[f64], motion: &[f64]) -> f64 {
+    let size = |v: &[f64]| v[0].hypot(v[1]);
+    let forces: f64 = load.chunks_exact(2).map(size).sum();
+    forces * motion.chunks_exact(2).map(size).fold(0.0, f64::max)
 }

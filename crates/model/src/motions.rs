@@ -8,8 +8,12 @@ use crate::error::SolveError;
 
 /// L(r) of a load and the scale Σ |f||r| over the nodes at these points.
 pub(crate) fn work(points: &[[f64; 2]], load: &[f64], motion: &RigidMotion) -> (f64, f64) {
-    let r = motion.nodal(points);
-    load.chunks_exact(2).zip(r.chunks_exact(2)).fold((0.0, 0.0), |(sum, scale), (f, r)| {
+    nodal_work(load, &motion.nodal(points))
+}
+
+/// The same of the nodal values of a motion.
+pub(crate) fn nodal_work(load: &[f64], motion: &[f64]) -> (f64, f64) {
+    load.chunks_exact(2).zip(motion.chunks_exact(2)).fold((0.0, 0.0), |(sum, scale), (f, r)| {
         (sum + f[0] * r[0] + f[1] * r[1], scale + f[0].hypot(f[1]) * r[0].hypot(r[1]))
     })
 }

@@ -5,6 +5,7 @@ use steklov_contact::{Condition, Located, MultiplierNode, Status, TipKind};
 use steklov_problem::{Refine, Scene};
 
 use crate::contact::ContactResult;
+use crate::first_mesh::singular_points;
 use crate::solution::Solved;
 use crate::stabilised::StabilisedContact;
 use crate::summary::{ContactSummary, Stabilisation, Summary};
@@ -174,7 +175,8 @@ pub(crate) fn summary_of_sides(
         rows.iter().filter(|r| of(r)).map(|r| r.weight).fold(0.0, |a, b| a + b) // sum() of nothing is -0
     };
     let between = |tips: Option<Vec<(usize, f64)>>, stick: bool| {
-        tips.and_then(|tips| Some((length_between(scene, trace, (contact, sides, largest), &tips, stick)?, tips)))
+        let tips = with_singular(scene, trace, (contact, sides, largest), tips?, stick);
+        Some((length_between(scene, trace, (contact, sides, largest), &tips, stick)?, tips))
     };
     let touches = |r: &ContactRow| r.pressure > TOUCHING * largest;
     // where nothing presses, touching has no ends
@@ -235,6 +237,41 @@ fn vertices(located: Option<&[Located]>, of: &dyn Fn(TipKind) -> bool) -> Option
     Some(tips)
 }
 
+/// Whether each condition is closed, or sticks, by the states of biorthogonal multipliers.
+fn states(contact: &ContactResult, max_pressure: f64, stick: bool) -> Vec<bool> {
+    let conditions = contact.boundary.contact.iter().flat_map(|node| &node.conditions);
+    let state = |(condition, &[pressure, shear]): (&Condition, &[f64; 2])| {
+        pressure > TOUCHING * max_pressure && (!stick || sticks(shear, condition.limit(pressure)))
+    };
+    conditions.zip(&contact.solution.multipliers).map(state).collect()
+}
+
+/// Transitions with those at singular points of the data, such as the ends of a stamp, which are not located: where the
+/// nodes beside the point differ in their states.
+fn with_singular(
+    scene: &Scene,
+    trace: Trace<'_>,
+    (contact, sides, max_pressure): (&ContactResult, &[usize], f64),
+    mut transitions: Vec<(usize, f64)>,
+    stick: bool,
+) -> Vec<(usize, f64)> {
+    let states = states(contact, max_pressure, stick);
+    let (edges, singular) = (scene.problem.outline.edges(), singular_points(scene, true));
+    let lines = contact.boundary.lines(trace.mesh, trace.space);
+    for line in lines.iter().filter(|line| sides.contains(&edges[line.edge].side)) {
+        for &s in &singular[line.edge] {
+            let before = line.points.iter().rfind(|p| p.s < s - SAME_PLACE);
+            let Some((a, b)) = before.zip(line.points.iter().find(|p| p.s > s + SAME_PLACE)) else { continue };
+            let known = transitions.iter().any(|t| t.0 == line.edge && a.s <= t.1 && t.1 <= b.s);
+            if !known && states[a.index] != states[b.index] {
+                transitions.push((line.edge, s));
+            }
+        }
+    }
+    transitions.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
+    transitions
+}
+
 /// Part of the weight of the nodes between two transitions up to which they may differ from the others: those next to a
 /// transition alternate.
 const FEW: f64 = 0.1;
@@ -248,12 +285,8 @@ fn length_between(
     transitions: &[(usize, f64)],
     stick: bool,
 ) -> Option<f64> {
-    let multipliers = &contact.solution.multipliers;
     let conditions: Vec<&Condition> = contact.boundary.contact.iter().flat_map(|node| &node.conditions).collect();
-    let counts = |i: usize| {
-        let [pressure, shear] = multipliers[i];
-        pressure > TOUCHING * max_pressure && (!stick || sticks(shear, conditions[i].limit(pressure)))
-    };
+    let states = states(contact, max_pressure, stick);
     let lines = contact.boundary.lines(trace.mesh, trace.space);
     let mut length = 0.0;
     for (k, edge) in scene.problem.outline.edges().iter().enumerate() {
@@ -279,10 +312,10 @@ fn length_between(
             for point in points.iter().filter(|p| part[0] + off < p.s && p.s < part[1] - off) {
                 let weight = conditions[point.index].normal_weight;
                 all += weight;
-                with += if counts(point.index) { weight } else { 0.0 };
+                with += if states[point.index] { weight } else { 0.0 };
             }
             // an end of the edge that presses is not in an open part
-            let pressed = |end: f64| points.iter().any(|p| (p.s - end).abs() < SAME_PLACE && counts(p.index));
+            let pressed = |end: f64| points.iter().any(|p| (p.s - end).abs() < SAME_PLACE && states[p.index]);
             let at_ends = !stick && (part[0] == 0.0 && pressed(0.0) || part[1] == 1.0 && pressed(1.0));
             if all == 0.0 && !faces.is_empty() {
                 continue;

@@ -23,6 +23,7 @@ use crate::solution::{Seconds, Solved};
 use crate::stabilised::{self, solve_stabilised};
 use crate::stage::Stage;
 use crate::supports::{Held, Supports};
+use crate::thin::without_digits;
 
 /// The particular solutions of body forces, or of the stress far from holes, and the forces S u_p.
 fn particular(scene: &Scene, bodies: &[Assembled], matrices: &[Mat<f64>]) -> Vec<Option<Particular>> {
@@ -292,7 +293,8 @@ pub fn solve(
         };
         given.stabilised = Some(solve_stabilised(&data, &of_stabilised)?);
     }
-    let condensation = Assembly::new(matrices, &partition, &rows, &motions)?;
+    let condensation = Assembly::new(matrices, &partition, &rows, &motions)
+        .map_err(|error| without_digits(error, &scene.problem, &bodies))?;
     seconds.factorise += clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();

@@ -17,7 +17,8 @@ pub struct Summary {
     pub converged: bool,
     /// solved, tolerance, max_dofs, max_steps, max_nodes, fine_grid, roundoff, solver, interrupted or failed.
     pub reason: String,
-    /// The error of the step after the last one; null unless one ended the run.
+    /// The error of the step after the last one, or what the solver left undone and what to do about it; null unless that ended
+    /// the run.
     #[serde(default)]
     pub failure: Option<String>,
     /// Displacement unknowns of the last mesh, held ones included.

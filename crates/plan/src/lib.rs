@@ -30,10 +30,7 @@ pub struct Plan {
 }
 
 /// What is decided about where the plan names the solver of contact.
-pub const CONTACT_SOLVER: &str = "contact solver";
-
-/// The choice there under Coulomb's law.
-pub const COULOMB_SOLVER: &str = "active sets, fixed point";
+const CONTACT_SOLVER: &str = "contact solver";
 
 /// One choice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -414,7 +411,7 @@ pub(crate) fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mu
     let coulomb = sides.iter().any(|(_, friction)| matches!(friction, Friction::Coulomb(_)));
     let (choice, why) = match scene.method.solver {
         Solver::Auto if coulomb => (
-            COULOMB_SOLVER,
+            "active sets, fixed point",
             "active sets under Coulomb's law from full stick, else from a fixed point of Tresca problems by interior points or by way of smaller coefficients",
         ),
         Solver::Auto => ("interior-point", "finds the contact sets on any mesh; active sets make them exact"),

@@ -4,7 +4,7 @@ use steklov_figures::stochastic;
 use steklov_model::report::TOUCHING;
 use steklov_model::run::Reason;
 use steklov_model::summary::{MediumSummary, Summary};
-use steklov_plan::{CONTACT_SOLVER, COULOMB_SOLVER, NEXT_MESH, Plan};
+use steklov_plan::{NEXT_MESH, Plan};
 use steklov_result::record::Record;
 
 use super::grid::grid_lines;
@@ -19,25 +19,7 @@ pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
         let next = plan.left_out.iter().find(|d| d.what == NEXT_MESH)?;
         return Some(format!("{}: {}", next.what, next.why));
     }
-    if summary.reason != Reason::Solver.word() {
-        return None;
-    }
-    let choice = plan.modelled.iter().find(|d| d.what == CONTACT_SOLVER).map(|d| d.choice.as_str());
-    Some(match choice {
-        Some(named @ ("newton" | "active-set" | "uzawa")) => format!(
-            "the solver {named} did not reach its criterion in {} iterations: leave method.solver at \"auto\"",
-            summary.iterations
-        ),
-        // a solution under Coulomb's law has a contraction
-        _ if choice == Some(COULOMB_SOLVER) && summary.contact.as_ref().is_some_and(|c| c.contraction.is_none()) => {
-            "no solution under Coulomb's law was found on this mesh: lower the friction coefficients, or try \
-             another number of method.elements"
-                .to_owned()
-        }
-        _ => "the forces balance or the contact conditions hold only as far as the audit says: bring lengths, gaps, \
-              loads and Young's modulus nearer to each other"
-            .to_owned(),
-    })
+    summary.failure.clone().filter(|_| summary.reason == Reason::Solver.word())
 }
 
 /// What the medium does far away; with a net force also that its displacement depends on a length.
@@ -78,7 +60,7 @@ pub(super) fn print_summary(stored: &Record) {
         say(&format!("reason      {}", s.reason));
         advice(s, plan).iter().for_each(|advice| say(&format!("            {advice}")));
     }
-    if let Some(failure) = &s.failure {
+    if let Some(failure) = s.failure.as_ref().filter(|_| s.reason == Reason::Failed.word()) {
         say(&format!("            in the step after these: {failure}"));
     }
     say(&format!("energy J    {:.12e}", s.energy));

@@ -29,7 +29,7 @@ pub fn build(
     held: &dyn Fn(usize) -> [Option<f64>; 2],
 ) -> Result<ContactBoundary, ContactError> {
     let kinks = |_: usize| Vec::new();
-    let datum = |name, value| Datum { name, value, kinks: &kinks };
+    let datum = |name, value| Datum { name, value, kinks: &kinks, rounding: None };
     let index = |name: &str| mesh.side_names.iter().position(|s| s == name).unwrap();
     let sides: Vec<SideData<'_>> = sides
         .iter()

@@ -28,7 +28,7 @@ fn legendre(n: usize, t: f64) -> f64 {
 }
 
 fn datum(value: &(dyn Fn(&Site) -> f64 + Sync)) -> Datum<'_> {
-    Datum { name: "datum", value, kinks: &|_| Vec::new() }
+    Datum { name: "datum", value, kinks: &|_| Vec::new(), rounding: None }
 }
 
 /// The bubbles of the floor with the given states of its conditions.
@@ -183,7 +183,7 @@ fn kinks_that_rounding_tells_apart_are_one() {
     let value = |x: &Site| (x.t - 0.3).abs().sqrt();
     let of = |kinks: &'static [f64]| {
         let once = |_: usize| kinks.to_vec();
-        oscillation(&m.0, &m.1, 1, &Datum { name: "gap", value: &value, kinks: &once }).unwrap()
+        oscillation(&m.0, &m.1, 1, &Datum { name: "gap", value: &value, kinks: &once, rounding: None }).unwrap()
     };
     let one = of(&[0.3]);
     assert!(one > 0.0 && one.is_finite());

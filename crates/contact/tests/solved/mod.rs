@@ -133,7 +133,7 @@ impl Case {
         for side in (1..4).filter(|&side| !holds[side]) {
             for (i, direction) in [[1.0, 0.0], [0.0, 1.0]].into_iter().enumerate() {
                 let value = |x: &Site| (self.traction)(x)[i];
-                let datum = Datum { name: "traction", value: &value, kinks: &kinks };
+                let datum = Datum { name: "traction", value: &value, kinks: &kinks, rounding: None };
                 add_load(&mut load, &space, &side_moments(&mesh, &space, side, &datum).expect("smooth"), |_| direction);
             }
         }
@@ -144,8 +144,8 @@ impl Case {
         }
         let sides = [SideData {
             side: 0,
-            gap: Datum { name: "gap", value: &self.gap, kinks: &kinks },
-            bound: Some(Datum { name: "bound", value: &self.bound, kinks: &kinks }),
+            gap: Datum { name: "gap", value: &self.gap, kinks: &kinks, rounding: None },
+            bound: Some(Datum { name: "bound", value: &self.bound, kinks: &kinks, rounding: None }),
             coefficient: None,
             beyond: None,
         }];

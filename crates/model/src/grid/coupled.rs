@@ -220,7 +220,7 @@ fn jump_oscillation(
             let s = on_interface(scene, site.point).1;
             expression.eval(site.point[0], site.point[1], s)
         };
-        let datum = Datum { name: "displacement jump", value: &value, kinks: &|_| Vec::new() };
+        let datum = Datum { name: "displacement jump", value: &value, kinks: &|_| Vec::new(), rounding: None };
         for (e, energy) in energies.iter_mut().enumerate() {
             let ([x, y], [nx, ny], within) = (mesh.point(e, 0.0), mesh.normal(e, 0.0), 1e-6 * mesh.length(e));
             let cell = body.grid.locate([x - within * nx, y - within * ny]);
