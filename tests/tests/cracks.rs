@@ -63,6 +63,25 @@ fn energies_of_cracks_in_the_plane_are_griffiths() {
     }
 }
 
+/// A straight crack that is pressed together and slips, with its prolongation bent as it leaves the disc where two arcs meet: the
+/// pressure is that of the plane at every node, on finer meshes too, as shear changes no normal stress on the crack.
+#[test]
+fn the_pressure_of_a_closed_crack_is_that_of_the_plane() {
+    let coulomb = "[[interface]]\non = \"core.crack\"\ncontact = { friction = { coulomb = \"0.3\" } }\n";
+    for (radius, faces) in [("1.05", ""), ("2", coulomb)] {
+        let scene = in_the_plane("[[-1, 0], [1, 0]]", [0.0, -5.0, 3.0], faces)
+            .replace("radius = 2", &format!("radius = {radius}"));
+        for tolerance in ["1e-3", "1e-4"] {
+            let told = solved(&scene, &[&format!("method.tolerance={tolerance}")]);
+            let contact = told.contact.unwrap();
+            println!("radius {radius}, tolerance {tolerance}: {} {}", contact.max_pressure, contact.length);
+            assert!(told.converged && !contact.max_pressure_unbounded);
+            assert!((contact.max_pressure - 5.0).abs() < 0.02, "{radius} {tolerance}: {}", contact.max_pressure);
+            assert!((contact.length - 2.0).abs() < 1e-9, "{radius} {tolerance}: {}", contact.length);
+        }
+    }
+}
+
 /// A block with a crack that opens at one end and slips with friction at the other: hp finite elements, extrapolated.
 #[test]
 fn a_crack_in_a_block_is_that_of_finite_elements() {
