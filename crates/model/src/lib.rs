@@ -16,6 +16,7 @@ mod assemble;
 pub mod body;
 pub mod body_load;
 mod contact;
+mod corners;
 pub mod data;
 mod data_contact;
 mod data_work;
