@@ -111,6 +111,54 @@ fn a_crack_without_friction_stands_on_a_block() {
     assert!((whole - cracked - 2.209e-10).abs() < bar + own && own < 1e-7 * cracked.abs(), "{cracked} {whole}");
 }
 
+/// A straight crack that is pressed together and slips, with its prolongation bent as it leaves the disc where two arcs meet: the
+/// pressure is that of the plane at every node, on finer meshes too, as shear changes no normal stress on the crack.
+#[test]
+fn the_pressure_of_a_closed_crack_is_that_of_the_plane() {
+    let coulomb = "[[interface]]\non = \"core.crack\"\ncontact = { friction = { coulomb = \"0.3\" } }\n";
+    for (radius, faces) in [("1.05", ""), ("2", coulomb)] {
+        let scene = in_the_plane("[[-1, 0], [1, 0]]", [0.0, -5.0, 3.0], faces)
+            .replace("radius = 2", &format!("radius = {radius}"));
+        for tolerance in ["1e-3", "1e-4"] {
+            let told = solved(&scene, &[&format!("method.tolerance={tolerance}")]);
+            let contact = told.contact.unwrap();
+            println!("radius {radius}, tolerance {tolerance}: {} {}", contact.max_pressure, contact.length);
+            assert!(told.converged && !contact.max_pressure_unbounded);
+            assert!((contact.max_pressure - 5.0).abs() < 0.02, "{radius} {tolerance}: {}", contact.max_pressure);
+            assert!((contact.length - 2.0).abs() < 1e-9, "{radius} {tolerance}: {}", contact.length);
+        }
+    }
+}
+
+/// A kinked crack in a block, open or closed, with and without friction: the order of its points says which face carries the
+/// multipliers, and changes nothing. Open, J is that of a hole of width 1e-6.
+#[test]
+fn kinked_cracks_may_be_listed_either_way() {
+    let block = |points: &str, load: &str, law: &str| {
+        format!(
+            "material = {{ young = 1000, poisson = 0.3 }}\n[body]\ncorners = [[0, 0], [1, 0], [1, 2], [0, 2]]\n\
+             sides = [\"bottom\", \"right\", \"top\", \"left\"]\n[[body.cracks]]\npoints = {points}\n\
+             [sides.bottom]\ndisplacement = [\"0\", \"0\"]\n[sides.top]\ntraction = [\"0.5\", \"{load}*(1+x)\"]\n\
+             [[interface]]\non = \"crack\"\ncontact = {law}\n"
+        )
+    };
+    let coulomb = "{ friction = { coulomb = \"0.3\" } }";
+    for (load, law, exact) in [("2", coulomb, Some(-0.0139274441)), ("-2", coulomb, None), ("-2", "true", None)] {
+        let found = ["[[0.2, 1.1], [0.5, 1.3], [0.8, 1.2]]", "[[0.8, 1.2], [0.5, 1.3], [0.2, 1.1]]"].map(|points| {
+            let told = solved(&block(points, load, law), &["method.tolerance=1e-4"]);
+            println!(
+                "{points}, {load}, {law}: {:?}, {} steps, {} dofs",
+                told.energy_extrapolated, told.steps, told.dofs
+            );
+            assert!(told.converged, "{points}, {load}, {law}: {:?}", told.reason);
+            (told.energy_extrapolated.unwrap(), told.energy_uncertainty.unwrap())
+        });
+        let [(a, bar), (b, other)] = found;
+        assert!((a - b).abs() < bar + other && bar + other < 1e-5, "{load}, {law}: {found:?}");
+        assert!(exact.is_none_or(|exact: f64| (a - exact).abs() < bar + 3e-9), "{load}, {law}: {found:?}");
+    }
+}
+
 /// A block with a crack that opens at one end and slips with friction at the other: hp finite elements, extrapolated.
 #[test]
 fn a_crack_in_a_block_is_that_of_finite_elements() {

@@ -36,11 +36,22 @@ pub struct Sector {
     pub kappa: f64,
 }
 
-/// Sectors that follow each other counter-clockwise, bonded.
+/// What holds between two sectors.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Joint {
+    /// Displacements and tractions are the same.
+    Bonded,
+    /// Closed, with shears as on [`Face::Sliding`] of either of them.
+    Sliding(f64),
+}
+
+/// Sectors that follow each other counter-clockwise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Wedge {
     /// Its sectors, counter-clockwise.
     pub sectors: Vec<Sector>,
+    /// Between each sector and the next one, of a closed wedge also between the last and the first; bonded where there is none.
+    pub joints: Vec<Joint>,
     /// The first and the last face; none where the last sector is bonded to the first.
     pub faces: Option<[Face; 2]>,
 }
@@ -155,7 +166,15 @@ impl Wedge {
             let [before, after] = [functions(l, a, a.angle), functions(l, b, 0.0)];
             // 1/μ over the sum of both: no entry is large
             let (soft, hard) = (b.mu / (a.mu + b.mu), a.mu / (a.mu + b.mu));
-            for i in 0..2 {
+            let ratio = match self.joints.get(k) {
+                Some(Joint::Sliding(ratio)) => Some(*ratio),
+                Some(Joint::Bonded) | None => None,
+            };
+            if let Some(ratio) = ratio {
+                put(&[(k, before.map(|(_, q)| q[0] + ratio * q[1]))]);
+                put(&[(next, after.map(|(_, q)| q[0] + ratio * q[1]))]);
+            }
+            for i in if ratio.is_some() { 1..2 } else { 0..2 } {
                 put(&[(k, before.map(|(d, _)| d[i] * soft)), (next, after.map(|(d, _)| -d[i] * hard))]);
                 put(&[(k, before.map(|(_, q)| q[i])), (next, after.map(|(_, q)| -q[i]))]);
             }
@@ -182,7 +201,7 @@ mod tests {
     const KAPPA: f64 = 1.8;
 
     fn one(angle: f64, faces: [Face; 2], kappa: f64) -> Wedge {
-        Wedge { sectors: vec![Sector { angle, mu: 1.0, kappa }], faces: Some(faces) }
+        Wedge { sectors: vec![Sector { angle, mu: 1.0, kappa }], joints: Vec::new(), faces: Some(faces) }
     }
 
     /// `count` exponents below each of these: none before a root, one more behind it.
@@ -300,6 +319,7 @@ mod tests {
                 Sector { angle: 0.5 * PI, mu: ratio, kappa: KAPPA },
                 Sector { angle: 1.5 * PI, mu: 1.0, kappa: KAPPA },
             ],
+            joints: Vec::new(),
             faces: None,
         };
         check(&around(1.0), &[]);
@@ -311,8 +331,40 @@ mod tests {
             assert_eq!(around(1e7).exponents_below(limit), held.exponents_below(limit), "{limit}");
         }
         // a straight interface is none
-        let straight =
-            Wedge { sectors: [5.0, 1.0].map(|mu| Sector { angle: PI, mu, kappa: KAPPA }).to_vec(), faces: None };
+        let straight = Wedge {
+            sectors: [5.0, 1.0].map(|mu| Sector { angle: PI, mu, kappa: KAPPA }).to_vec(),
+            joints: Vec::new(),
+            faces: None,
+        };
         check(&straight, &[]);
+    }
+
+    /// Two bodies that slide on each other without friction: of equal angles they are mirror images, a block on a half plane of the
+    /// same material has sin²λπ + 2 cos λπ (sin²(λπ/2) - λ²) = 0, on a rigid one none, and a rigid one on it that of a punch.
+    #[test]
+    fn bodies_in_contact_have_the_exponents_of_a_punch() {
+        let pair = |angles: [f64; 2], mu: [f64; 2], joint: Joint| Wedge {
+            sectors: vec![
+                Sector { angle: angles[0], mu: mu[0], kappa: KAPPA },
+                Sector { angle: angles[1], mu: mu[1], kappa: KAPPA },
+            ],
+            joints: vec![joint],
+            faces: Some([Face::Free; 2]),
+        };
+        let sliding = Joint::Sliding(0.0);
+        check(&pair([0.5 * PI; 2], [1.0, 3.0], sliding), &[]);
+        check(&pair([0.5 * PI; 2], [1.0; 2], Joint::Bonded), &[]);
+        check(&pair([PI; 2], [1.0, 3.0], sliding), &[0.5]);
+        let equal = |l: f64| (l * PI).sin().powi(2) + 2.0 * (l * PI).cos() * ((0.5 * l * PI).sin().powi(2) - l * l);
+        let exponent = root(equal, 0.6, 0.9);
+        check(&pair([PI, 0.5 * PI], [1.0; 2], sliding), &[exponent]);
+        check(&pair([0.5 * PI, PI], [1.0; 2], sliding), &[exponent]);
+        assert!(!pair([PI, 0.5 * PI], [1e7, 1.0], sliding).is_singular());
+        let rigid = pair([PI, 0.5 * PI], [1.0, 1e7], sliding);
+        assert_eq!([0.49, 0.51, 0.99].map(|l| rigid.exponents_below(l)), [0, 1, 1]);
+        // friction moves it as that of a punch, by the sign of the slip
+        let moved =
+            [0.2, -0.2].map(|ratio| pair([PI, 0.5 * PI], [1.0; 2], Joint::Sliding(ratio)).least_exponent_below(0.99));
+        assert!(moved[0] != moved[1], "{moved:?}");
     }
 }

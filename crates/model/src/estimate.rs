@@ -25,6 +25,7 @@ use crate::error::SolveError;
 use crate::facing::FacingLoad;
 use crate::first_mesh::coarse_elements;
 use crate::hidden::{Overlap, Unseen};
+use crate::joints::Joint;
 use crate::residual::Residual;
 use crate::solution::Solved;
 use crate::unseen::{unseen_at_vertices, unseen_by_tractions};
@@ -180,7 +181,7 @@ pub fn estimate(
     for &(e, energy) in data.tie_oscillation(&body.joints)?.iter().chain(&nonconformity.energies) {
         indicators[e].oscillation += energy;
     }
-    let overlaps = hidden_overlaps(&data, solved, scale, &closed, &mut indicators);
+    let overlaps = hidden_overlaps(&data, (solved, &body.joints), scale, &closed, &mut indicators);
     let residuals = match scene.method.indicator {
         Indicator::Bubble => Vec::new(),
         Indicator::Residual => data.residuals(solved, 0..mesh.len(), Look::Close)?,
@@ -370,7 +371,7 @@ fn doubts(scene: &Scene, solved: &Solved, (unresolved, overlaps): (&[f64], &[Ove
 /// between the nodes of closed elements is their oscillation.
 fn hidden_overlaps(
     data: &Data<'_>,
-    solved: &Solved,
+    (solved, joints): (&Solved, &[Joint]),
     scale: f64,
     closed: &[usize],
     indicators: &mut [Bubble],
@@ -381,7 +382,7 @@ fn hidden_overlaps(
     let found = indicators.iter().map(Bubble::total).sum::<f64>().sqrt();
     let wanted = LEAST_OVERLAP * (data.scene.method.tolerance * scale).max(found);
     let least = |e: usize| (wanted * (2.0 / modulus(e)).sqrt()).max(ROUNDED_OVERLAP * moved);
-    let mut overlaps = data.overlaps(&contact.boundary, &solved.displacement, &least, closed);
+    let mut overlaps = data.overlaps((&contact.boundary, joints), &solved.displacement, &least, closed);
     let mut energies = vec![0.0; indicators.len()];
     for overlap in &overlaps {
         energies[overlap.element] += modulus(overlap.element) / 2.0 * overlap.depth * overlap.depth;

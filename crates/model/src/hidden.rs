@@ -8,12 +8,14 @@
 //! node. Pressed flat it has an energy of about E*/2 δ² for its depth δ, whatever its width.
 
 use steklov_contact::ContactBoundary;
+use steklov_coupling::{Facing, mortar_rows};
 use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
 use steklov_problem::Seen;
 use steklov_quadrature::{Series, gauss_legendre, project};
 
 use crate::bernstein::{bernstein, halves};
 use crate::data::Data;
+use crate::joints::Joint;
 
 /// A part of a contact element in which the body lies in the obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -49,18 +51,33 @@ impl Data<'_> {
     /// `closed`. Against other bodies displacements are relative ones.
     pub(crate) fn overlaps(
         &self,
-        boundary: &ContactBoundary,
+        (boundary, joints): (&ContactBoundary, &[Joint]),
         displacement: &[f64],
         least: &dyn Fn(usize) -> f64,
         closed: &[usize],
     ) -> Vec<Overlap> {
         let mut overlaps = Vec::new();
-        let displacement = boundary.relative(displacement);
+        let displacement = self.relative_to_faced(joints, displacement);
         for e in boundary.elements.iter().copied().filter(|e| !closed.contains(e)) {
             let Some(contact) = self.scene.contact(self.mesh.side[e]) else { continue };
             overlaps.extend(self.overlaps_of(e, &contact.gap, &displacement, least(e)));
         }
         overlaps
+    }
+
+    /// A nodal displacement, at the nodes of elements that face other bodies in contact relative to these: corners and held ends
+    /// included, which have no multipliers.
+    fn relative_to_faced(&self, joints: &[Joint], displacement: &[f64]) -> Vec<f64> {
+        let mut relative = displacement.to_vec();
+        let side = |elements| Facing { mesh: self.mesh, space: self.space, elements };
+        for joint in joints.iter().filter(|joint| self.is_contact(joint)) {
+            for row in mortar_rows(side(&joint.own), side(&[]), &joint.cells) {
+                for (j, p) in row.other {
+                    (0..2).for_each(|i| relative[2 * row.node + i] -= p * displacement[2 * j + i]);
+                }
+            }
+        }
+        relative
     }
 
     /// The overlaps on one element, along its normal.

@@ -17,6 +17,7 @@ mod bernstein;
 pub mod body;
 pub mod body_load;
 mod contact;
+mod corners;
 pub mod data;
 mod data_contact;
 mod data_work;

@@ -6,6 +6,7 @@ use steklov_bem_operators::Mesh;
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Scene};
 
+use crate::corners::is_unbounded_between_bodies;
 use crate::report::{ContactRow, TOUCHING};
 
 /// Distance from a kink, as part of the edge, at which the gap is looked at.
@@ -15,7 +16,8 @@ const SMOOTH: f64 = 1e-4;
 
 /// True where contact lies on a convex kink or at a step of the gap (a ridge or an edge of the obstacle); where it reaches
 /// an end of the contact boundary at which the body goes on under more than a right angle, or more than 60° where it
-/// sticks, a plane of symmetry and the tip of a crack excepted; and at a re-entrant corner inside the contact boundary. A smooth end at a right angle is bounded.
+/// sticks, a plane of symmetry excepted; and at a re-entrant corner inside the contact boundary. A smooth end at a right angle is
+/// bounded. Of bodies that meet, exponents decide.
 pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> bool {
     let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let pressed = |r: &&ContactRow| r.pressure > TOUCHING * largest;
@@ -40,7 +42,8 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
     let previous = mesh.previous();
     for e in 0..mesh.len() {
         let before = previous[e];
-        let (here, there) = (gap_of(mesh.side[e]).is_some(), gap_of(mesh.side[before]).is_some());
+        let obstacle = |side: usize| gap_of(side).is_some() && scene.problem.joint(side).is_none();
+        let (here, there) = (obstacle(mesh.side[e]), obstacle(mesh.side[before]));
         let (a, b) = (mesh.tangent(before, 1.0), mesh.tangent(e, -1.0));
         // turning to the left is a convex corner: interior angle π - turn
         let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
@@ -52,19 +55,17 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
                 let other = mesh.side[if here { before } else { e }];
                 let held = matches!(scene.problem.sides[other].condition, Condition::Displacement { .. });
                 let reach = if held { mesh.length(e).max(mesh.length(before)) } else { 0.0 };
-                // at the tip of a closed crack the shear ahead is infinite, the pressure is not
-                let tip = scene.problem.joints().any(|interface| interface.cut && interface.sides.contains(&other));
                 let obtuse = angle > PI / 2.0 + 1e-9;
                 let square = (angle - PI / 2.0).abs() < 1e-9;
                 let mirror = square && is_mirror(scene, mesh, if here { before } else { e });
-                touched(corner, reach) && !mirror && !tip && (obtuse || stuck(corner) && angle > PI / 3.0)
+                touched(corner, reach) && !mirror && (obtuse || stuck(corner) && angle > PI / 3.0)
             }
         };
         if infinite {
             return true;
         }
     }
-    false
+    is_unbounded_between_bodies(scene, rows)
 }
 
 /// Whether the side of an element is held by a constant along its normal only, which lies along an axis, and is free of

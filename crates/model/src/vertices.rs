@@ -4,10 +4,10 @@ use std::f64::consts::PI;
 
 use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_elastic::Material;
-use steklov_elastic::{Face, Sector, Wedge};
+use steklov_elastic::{Face, Joint, Sector, Wedge};
 use steklov_problem::{Condition, Friction, Scene};
 
-use crate::report::{ContactRow, TOUCHING};
+use crate::report::{ContactRow, TOUCHING, max_pressure};
 use crate::summary::Probe;
 
 /// Angles that differ by less are the same (radian).
@@ -68,7 +68,7 @@ pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
 }
 
 /// Direction of an edge as the boundary is traversed, the body to its left, where it begins or ends.
-fn direction(edge: &Edge, at_end: bool) -> [f64; 2] {
+pub(crate) fn direction(edge: &Edge, at_end: bool) -> [f64; 2] {
     if !edge.is_line() {
         let sign = if edge.reversed { -1.0 } else { 1.0 };
         return edge.tangent(if at_end == edge.reversed { 0.0 } else { 1.0 }).map(|t| sign * t);
@@ -87,7 +87,7 @@ fn wedge(scene: &Scene, rows: &[ContactRow], before: &Edge, behind: &Edge) -> Op
     if let Some(around) = scene.surroundings().filter(|_| behind.loop_index == 0) {
         let judged = scene.body().cells().is_none() && !straight;
         let sectors = vec![sector(angle, &scene.body().material()), sector(2.0 * PI - angle, &around.material)];
-        return judged.then_some(Wedge { sectors, faces: None });
+        return judged.then_some(Wedge { sectors, joints: Vec::new(), faces: None });
     }
     let touch = |edge: &Edge| scene.contact(edge.side).is_some();
     if straight && (before.side == behind.side || touch(before) && touch(behind)) {
@@ -95,11 +95,11 @@ fn wedge(scene: &Scene, rows: &[ContactRow], before: &Edge, behind: &Edge) -> Op
     }
     let vertex = if behind.reversed { behind.end } else { behind.start };
     let faces = [face(scene, rows, behind, vertex, b), face(scene, rows, before, vertex, a.map(|a| -a))];
-    Some(Wedge { sectors: vec![sector(angle, &scene.body().material())], faces: Some(faces) })
+    Some(Wedge { sectors: vec![sector(angle, &scene.body().material())], joints: Vec::new(), faces: Some(faces) })
 }
 
 /// The condition on an edge at one of its ends, from which it runs along `ray`.
-fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64; 2], ray: [f64; 2]) -> Face {
+pub(crate) fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64; 2], ray: [f64; 2]) -> Face {
     if let Some(contact) = scene.contact(edge.side) {
         return contact_face(rows, edge.side, &contact.friction, vertex);
     }
@@ -113,16 +113,25 @@ fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64; 2], ray: 
     }
 }
 
-/// Contact: that of the nearest node of the side. The shear of Tresca's law is bounded: it holds nothing.
+/// Contact: that of the nearest node of the side.
 fn contact_face(rows: &[ContactRow], side: usize, friction: &Friction, vertex: [f64; 2]) -> Face {
-    let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let distance = |r: &ContactRow| (r.point[0] - vertex[0]).hypot(r.point[1] - vertex[1]);
     let nearest = rows.iter().filter(|r| r.side == side).min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    match (nearest, friction) {
-        (Some(row), _) if row.pressure <= TOUCHING * largest => Face::Free,
-        (Some(row), Friction::Coulomb(_)) if row.status == 1 => Face::Held,
-        (Some(row), Friction::Coulomb(_)) => Face::Sliding(row.shear / row.pressure),
-        (Some(_), _) => Face::Sliding(0.0),
-        (None, _) => Face::Free,
+    match nearest.and_then(|row| state(row, max_pressure(rows), friction)) {
+        None => Face::Free,
+        Some(Joint::Bonded) => Face::Held,
+        Some(Joint::Sliding(ratio)) => Face::Sliding(ratio),
     }
+}
+
+/// What a node in contact does; none where it is open. The shear of Tresca's law is bounded: it holds nothing.
+pub(crate) fn state(row: &ContactRow, largest: f64, friction: &Friction) -> Option<Joint> {
+    if row.pressure <= TOUCHING * largest {
+        return None;
+    }
+    Some(match friction {
+        Friction::Coulomb(_) if row.status == 1 => Joint::Bonded,
+        Friction::Coulomb(_) => Joint::Sliding(row.shear / row.pressure),
+        _ => Joint::Sliding(0.0),
+    })
 }

@@ -7,8 +7,10 @@
 //!        right     │
 //! ```
 //! Left and right are those of somebody who walks along the points of the crack. What is tied has the same material on both sides,
-//! so that where the prolongation runs changes nothing but the meshes: it leaves the tip straight on, or turned by as little as
-//! keeps it away from corners, other cracks and grazing hits.
+//! so that where the prolongation runs changes nothing but the meshes: it leaves the tip straight on, and turns farther out by as
+//! little as keeps it away from corners, other cracks and grazing hits. About the tip the pieces are then mirror images, and so is
+//! what their meshes leave of the singular shears there: between unequal pieces it would be a pressure on the faces, and grow with
+//! the layers of the mesh.
 
 use steklov_bem_operators::{Cut, CutError, Polygon, distance, distance_to_segment};
 
@@ -100,14 +102,16 @@ fn cuts_of(outline: &Polygon, cracks: &[Crack]) -> Result<Vec<Cut>, CrackError> 
             if on_outer_loop(outline, tip, extent) {
                 continue;
             }
-            let Some(to) = prolongation(outline, &cracks, (tip, before), extent) else {
+            let Some(ahead) = prolongation(outline, &cracks, (tip, before), extent) else {
                 let [x, y] = tip;
                 let message =
                     format!("the crack cannot be prolonged from its end ({x}, {y}) to the boundary of the body");
                 return Err((k, message, "move the end away from corners, holes and other cracks"));
             };
-            let ends = if into { [to, tip] } else { [tip, to] };
-            cuts.push(Cut { ends, sides: named(".beyond") });
+            for [a, b] in ahead.windows(2).map(|pair| [pair[0], pair[1]]) {
+                let ends = if into { [b, a] } else { [a, b] };
+                cuts.push(Cut { ends, sides: named(".beyond") });
+            }
         }
     }
     Ok(cuts)
@@ -195,22 +199,31 @@ fn apart([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> f64 {
     ends.into_iter().map(|(x, of)| distance_to_segment(x, of)).fold(f64::INFINITY, f64::min)
 }
 
-/// The point of the outer loop to which a crack goes on from its tip.
+/// The way of a crack from its tip to the outer loop: straight on, or with one turn.
 fn prolongation(
     outline: &Polygon,
     cracks: &[Crack],
     (tip, before): ([f64; 2], [f64; 2]),
     extent: f64,
-) -> Option<[f64; 2]> {
+) -> Option<Vec<[f64; 2]>> {
     let length = distance(before, tip);
     let ahead = [(tip[0] - before[0]) / length, (tip[1] - before[1]) / length];
+    let own = |pair: &[[f64; 2]]| pair[0] == tip || pair[1] == tip;
+    let others: Vec<[[f64; 2]; 2]> = cracks
+        .iter()
+        .flat_map(|crack| crack.points.windows(2))
+        .filter(|pair| !own(pair))
+        .map(|pair| [pair[0], pair[1]])
+        .collect();
+    let turning = turning_point(outline, &others, (tip, ahead), extent)?;
     let outer = outline.loops()[0].clone();
     let tried = TURNS.iter().filter_map(|turn| {
         let (sin, cos) = turn.to_radians().sin_cos();
         let n = [cos * ahead[0] - sin * ahead[1], sin * ahead[0] + cos * ahead[1]];
+        let from = if *turn == 0.0 { tip } else { turning };
         let mut hits: Vec<(f64, usize, f64)> = Vec::new();
         for (k, edge) in outline.edges().iter().enumerate() {
-            hits.extend(edge.met_by(tip, n).into_iter().filter(|(_, d)| *d > 1e-9 * extent).map(|(s, d)| (d, k, s)));
+            hits.extend(edge.met_by(from, n).into_iter().filter(|(_, d)| *d > 1e-9 * extent).map(|(s, d)| (d, k, s)));
         }
         hits.sort_by(|a, b| a.0.total_cmp(&b.0));
         let last = hits.iter().position(|(_, k, _)| outer.contains(k))?;
@@ -224,15 +237,34 @@ fn prolongation(
             let corner = distance(x, edge.start).min(distance(x, edge.end)) / (CLEARANCE * extent);
             steep.min(corner)
         };
-        let own = |pair: &[[f64; 2]]| pair[0] == tip || pair[1] == tip;
-        let others = cracks.iter().flat_map(|crack| crack.points.windows(2)).filter(|pair| !own(pair));
-        let clear = others.map(|pair| apart([tip, to], [pair[0], pair[1]]) / (CLEARANCE * extent));
+        let clear = others.iter().map(|pair| apart([from, to], *pair) / (CLEARANCE * extent));
         // corners that are passed nearby, as those of holes
-        let corners = outline.edges().iter().map(|e| e.start).filter(|x| distance(*x, tip) > CLEARANCE * extent);
-        let passed = corners.map(|x| distance_to_segment(x, [tip, to]) / (CLEARANCE * extent));
+        let corners = outline.edges().iter().map(|e| e.start).filter(|x| distance(*x, from) > CLEARANCE * extent);
+        let passed = corners.map(|x| distance_to_segment(x, [from, to]) / (CLEARANCE * extent));
         let quality = hits.iter().map(of_hit).chain(clear).chain(passed).fold(1.0, f64::min);
-        Some((quality - COST_OF_TURN * turn.abs() / 60.0, quality, to))
+        let way = if from == tip { vec![tip, to] } else { vec![tip, turning, to] };
+        Some((quality - COST_OF_TURN * turn.abs() / 60.0, quality, way))
     });
-    let (_, quality, to) = tried.max_by(|a, b| a.0.total_cmp(&b.0))?;
-    (quality > LEAST).then_some(to)
+    let (_, quality, way) = tried.max_by(|a, b| a.0.total_cmp(&b.0))?;
+    (quality > LEAST).then_some(way)
+}
+
+/// Where a prolongation may turn: half way to what lies straight ahead of the tip.
+fn turning_point(
+    outline: &Polygon,
+    others: &[[[f64; 2]; 2]],
+    (tip, ahead): ([f64; 2], [f64; 2]),
+    extent: f64,
+) -> Option<[f64; 2]> {
+    let hits = outline.edges().iter().flat_map(|edge| edge.met_by(tip, ahead)).map(|(_, d)| d);
+    let wall = hits.filter(|d| *d > 1e-9 * extent).fold(f64::INFINITY, f64::min);
+    let free = |way: f64| {
+        let to = [tip[0] + way * ahead[0], tip[1] + way * ahead[1]];
+        others.iter().all(|pair| apart([tip, to], *pair) > 0.5 * way)
+    };
+    let mut way = 0.5 * wall;
+    while way > ON_BOUNDARY * extent && !free(way) {
+        way *= 0.5;
+    }
+    (way.is_finite() && way > ON_BOUNDARY * extent).then(|| [tip[0] + way * ahead[0], tip[1] + way * ahead[1]])
 }
