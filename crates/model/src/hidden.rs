@@ -8,7 +8,6 @@
 //! node. Pressed flat it has an energy of about E*/2 δ² for its depth δ, whatever its width.
 
 use steklov_contact::ContactBoundary;
-use steklov_coupling::{Facing, mortar_rows};
 use steklov_expression::{Enclosure, Expression, Interval, enclose, leaves};
 use steklov_problem::Seen;
 use steklov_quadrature::{Series, gauss_legendre, project};
@@ -69,9 +68,8 @@ impl Data<'_> {
     /// included, which have no multipliers.
     fn relative_to_faced(&self, joints: &[Joint], displacement: &[f64]) -> Vec<f64> {
         let mut relative = displacement.to_vec();
-        let side = |elements| Facing { mesh: self.mesh, space: self.space, elements };
         for joint in joints.iter().filter(|joint| self.is_contact(joint)) {
-            for row in mortar_rows(side(&joint.own), side(&[]), &joint.cells) {
+            for row in self.rows_of(&joint.own, &joint.cells) {
                 for (j, p) in row.other {
                     (0..2).for_each(|i| relative[2 * row.node + i] -= p * displacement[2 * j + i]);
                 }

@@ -107,7 +107,7 @@ impl Data<'_> {
         matches!(self.interface(joint).law, Law::Contact(_))
     }
 
-    fn rows_of(&self, own: &[usize], cells: &[Cell]) -> Vec<MortarRow> {
+    pub(crate) fn rows_of(&self, own: &[usize], cells: &[Cell]) -> Vec<MortarRow> {
         let modulus = self.moduli();
         let side = |elements| Facing { mesh: self.mesh, space: self.space, elements, modulus: &modulus };
         mortar_rows(side(own), side(&[]), cells)
