@@ -3,7 +3,9 @@
 //! Interfaces hold apart what sees each other on their sides. Every other pair of boundary elements of two bodies is proved to be
 //! apart: x + u is a polynomial on an element (of a curve to rounding), within the hull of its Bernstein coefficients; both curves are
 //! moved into their bodies by the depth that is allowed, and halved until a line separates them. What cannot be separated lies deeper
-//! than that.
+//! than that. Within twice the depth of vertices at which both bodies touch as they are drawn nothing is asked.
+
+use std::collections::HashMap;
 
 use steklov_coupling::Cell;
 use steklov_quadrature::{gauss_legendre, project};
@@ -47,38 +49,71 @@ impl Data<'_> {
         let rounding = 1e-9 * outline.diameter();
         let [strict, beside] = [DEEP * error, BESIDE].map(|part| (part * largest).max(rounding));
         let held_apart = HeldApart::new(self, joints);
-        let within =
-            |depth: f64| -> Vec<Piece> { (0..self.mesh.len()).map(|e| self.moved(e, displacement, depth)).collect() };
-        let (near, wide) = (within(strict), within(beside.max(strict)));
+        let common = self.common_vertices(&bodies, rounding);
+        let none = Vec::new();
         let mut found: Vec<Entered> = Vec::new();
-        for a in 0..self.mesh.len() {
-            for b in (0..self.mesh.len()).filter(|&b| bodies[a] < bodies[b]) {
-                if held_apart.is(a, b) {
+        for depth in [strict, beside.max(strict)] {
+            let whole = |e: usize| self.moved(e, displacement, depth, [-1.0, 1.0]);
+            let moved: Vec<Piece> = (0..self.mesh.len()).map(whole).collect();
+            for (a, b) in (0..self.mesh.len()).flat_map(|a| (0..self.mesh.len()).map(move |b| (a, b))) {
+                let judged = held_apart.is_beside(a, b) == (depth > strict);
+                if bodies[a] >= bodies[b] || !judged || held_apart.is(a, b) || are_apart(&moved[a], &moved[b]) {
                     continue;
                 }
-                let (moved, depth) =
-                    if held_apart.is_beside(a, b) { (&wide, beside.max(strict)) } else { (&near, strict) };
-                if let Some(point) = meeting(&moved[a], &moved[b], 0.1 * depth) {
+                let common = common.get(&[bodies[a], bodies[b]]).unwrap_or(&none);
+                let [Some(on_a), Some(on_b)] = [a, b].map(|e| self.away_from(common, e, 2.0 * depth)) else { continue };
+                let [first, second] =
+                    [(a, on_a), (b, on_b)].map(|(e, range)| self.moved(e, displacement, depth, range));
+                if let Some(point) = meeting(&first, &second, 0.1 * depth) {
                     let depth = self.depth(displacement, &bodies, [a, b]).max(depth);
-                    let pair = [bodies[a], bodies[b]];
-                    match found.iter_mut().find(|of| of.bodies == pair) {
-                        Some(of) if of.depth < depth => (of.point, of.depth) = (point, depth),
-                        Some(_) => {}
-                        None => found.push(Entered { bodies: pair, point, depth }),
-                    }
+                    keep_deepest(&mut found, Entered { bodies: [bodies[a], bodies[b]], point, depth });
                 }
             }
         }
         found
     }
 
-    /// An element after it has moved, and by so much into its body.
-    fn moved(&self, e: usize, displacement: &[f64], inward: f64) -> Piece {
+    /// The vertices at which two bodies touch as they are drawn, by their numbers.
+    fn common_vertices(&self, bodies: &[usize], near: f64) -> HashMap<[usize; 2], Vec<[f64; 2]>> {
+        let mut common: HashMap<[usize; 2], Vec<[f64; 2]>> = HashMap::new();
+        let start = |e: usize| self.mesh.ends(e)[0];
+        for (a, b) in (0..self.mesh.len()).flat_map(|a| (a + 1..self.mesh.len()).map(move |b| (a, b))) {
+            let (x, y) = (start(a), start(b));
+            if bodies[a] != bodies[b] && (x[0] - y[0]).hypot(x[1] - y[1]) <= near {
+                common.entry([bodies[a].min(bodies[b]), bodies[a].max(bodies[b])]).or_default().push(x);
+            }
+        }
+        common
+    }
+
+    /// The part of an element that is farther away from points than this; none where it is all nearer.
+    fn away_from(&self, points: &[[f64; 2]], e: usize, least: f64) -> Option<[f64; 2]> {
+        let near = |t: f64| {
+            let x = self.mesh.point(e, t);
+            points.iter().any(|p| (x[0] - p[0]).hypot(x[1] - p[1]) < least)
+        };
+        if near(0.0) {
+            return None;
+        }
+        let outermost = |end: f64| {
+            let (mut away, mut other) = (0.0, end);
+            for _ in 0..if near(end) { 40 } else { 0 } {
+                let middle = (away + other) / 2.0;
+                if near(middle) { other = middle } else { away = middle }
+            }
+            if near(end) { away } else { end }
+        };
+        Some([outermost(-1.0), outermost(1.0)])
+    }
+
+    /// A part of an element after it has moved, and by so much into its body.
+    fn moved(&self, e: usize, displacement: &[f64], inward: f64, [t0, t1]: [f64; 2]) -> Piece {
         let basis = self.space.basis(e);
         let degree = if self.mesh.is_line(e) { basis.degree } else { basis.degree + MORE };
         let at = |i: usize| {
             let mut phi = vec![0.0; basis.degree + 1];
-            let value = |t: f64| {
+            let value = |part: f64| {
+                let t = (t0 * (1.0 - part) + t1 * (1.0 + part)) / 2.0;
                 basis.evaluate(t, &mut phi);
                 let moved: f64 =
                     self.space.element_nodes(e).zip(&phi).map(|(k, phi)| displacement[2 * k + i] * phi).sum();
@@ -112,6 +147,15 @@ impl Data<'_> {
             (0..=LOOKS).map(|k| depth(point(own, k))).fold(0.0, f64::max)
         };
         of(pair[0], bodies[pair[1]]).max(of(pair[1], bodies[pair[0]]))
+    }
+}
+
+/// Keeps the deepest place of every pair of bodies.
+fn keep_deepest(found: &mut Vec<Entered>, new: Entered) {
+    match found.iter_mut().find(|of| of.bodies == new.bodies) {
+        Some(of) if of.depth < new.depth => *of = new,
+        Some(_) => {}
+        None => found.push(new),
     }
 }
 
