@@ -1,4 +1,4 @@
-//! How much it matters for J whether contact between two bodies acts along the normals of the one or of the other.
+//! How much the direction of contact between two bodies matters for J, and that small displacements keep it.
 //!
 //! Surfaces that touch have one normal, which neither has where they are apart; small displacements take it from both as they are
 //! drawn, d = (E₁n₁ - E₂n₂)/|…|. With another direction d' and the point y' that x meets along it, as J is stationary,
@@ -6,9 +6,13 @@
 //! ```text
 //! J' - J = ∫ λ_n (d'·(u(x) - u(y')) - g' - d·(u(x) - u(y)) + g) + λ_t (t'·(u(x) - u(y')) - t·(u(x) - u(y))) ds
 //! ```
-//! to first order, g the distance along the direction.
+//! to first order, g the distance along the direction. Where bodies move far before they touch, x + u(x) arrives aside of y + u(y), by
+//! s, where the side of y, with normal n₂ and curvature κ, is -s (t·n₂)/(d·n₂) + ½ κ s² farther: that changes J by ∫ λ_n times that. And
+//! friction takes for slip what the motion along d and not along the normals is, the distance of the points that x meets along
+//! both: ∫ |λ_t| times that.
 
 use steklov_coupling::{Cell, Facing, Met, meet};
+use steklov_problem::{Friction, Law};
 use steklov_quadrature::gauss_legendre;
 
 use crate::data::Data;
@@ -25,73 +29,101 @@ const PRESSED: f64 = 1e-3;
 pub struct Normals {
     /// Largest angle between the normal of one side and that against the other where they press each other (radian).
     pub angle: f64,
-    /// |J' - J''| of contact along the normals of the one side and of the other (energy per thickness): 0 of mirror images, which
-    /// have no choice.
+    /// By how much J is uncertain for that (energy per thickness): |J' - J''| of contact along the normals of the one side and of the
+    /// other, 0 of mirror images, which have no choice, and what pairs that moved apart change.
     pub change: f64,
 }
 
 /// A point of an interface that presses.
 struct Pressed {
+    /// Element and parameter of the point, and the element that it meets.
+    at: (usize, f64),
+    other: usize,
+    /// λ_n and λ_t, and the length that it stands for.
     pressure: f64,
-    angle: f64,
+    shear: f64,
+    ds: f64,
+    /// Its displacement.
+    displacement: [f64; 2],
+    /// What it meets.
+    met: Met,
 }
 
 impl Data<'_> {
     /// What the direction decides on an interface of contact.
     pub(crate) fn normals(&self, joint: &Joint, field: ElasticField<'_>) -> Normals {
-        let moduli = self.moduli();
         // the normals of one side are those of contact with a partner that gives way to it
         let alone = |sides: &[usize]| -> Vec<f64> {
             let of = |e: usize| if sides.contains(&e) { 1.0 } else { 0.0 };
             (0..self.mesh.len()).map(of).collect()
         };
-        let directions = [moduli, alone(&joint.own), alone(&joint.other)];
-        let (mut change, mut pressed) = ([0.0; 2], Vec::new());
-        for cell in &joint.cells {
-            let of_cell = self.normals_of_cell(cell, &directions, field, &mut pressed);
-            (0..2).for_each(|k| change[k] += of_cell[k]);
+        let (moduli, alone) = (self.moduli(), [alone(&joint.own), alone(&joint.other)]);
+        let Law::Contact(contact) = &self.scene.problem.interfaces[joint.interface].law else {
+            return Normals::default();
+        };
+        let mut pressed: Vec<Pressed> =
+            joint.cells.iter().flat_map(|cell| self.pressed(cell, self.side(&moduli), field)).collect();
+        if matches!(contact.friction, Friction::None) {
+            pressed.iter_mut().for_each(|point| point.shear = 0.0);
         }
         let largest = pressed.iter().fold(0.0, |m: f64, p| m.max(p.pressure));
-        let counts = pressed.iter().filter(|p| p.pressure > PRESSED * largest);
-        Normals { angle: counts.fold(0.0, |m, p| m.max(p.angle)), change: (change[0] - change[1]).abs() }
-    }
-
-    /// J' - J of both other directions on a cell.
-    fn normals_of_cell(
-        &self,
-        cell: &Cell,
-        directions: &[Vec<f64>; 3],
-        field: ElasticField<'_>,
-        pressed: &mut Vec<Pressed>,
-    ) -> [f64; 2] {
-        let Cell { element: e, span, other: m } = *cell;
-        let (half, rule) = ((span[1] - span[0]) / 2.0, gauss_legendre(POINTS));
-        let mut change = [0.0; 2];
-        for (&g, &w) in rule.points.iter().zip(&rule.weights) {
-            let t = span[0] + half * (1.0 + g);
-            let (here, pull) = (field.on_boundary(e, t).0, field.traction(e, t));
-            let met = directions.each_ref().map(|modulus| {
-                let side = Facing { mesh: self.mesh, space: self.space, elements: &[], modulus };
-                let Met { t: s, distance, direction } = meet(side, (e, t), side, m)?;
-                let beyond = field.on_boundary(m, s.clamp(-1.0, 1.0)).0;
-                let apart = [here[0] - beyond[0], here[1] - beyond[1]];
-                Some((direction, dot(apart, direction) - distance, cross(direction, apart)))
-            });
-            let [Some((d, normal, tangential)), first, second] = met else { continue };
-            let (pressure, shear) = (-dot(pull, d), -cross(d, pull));
-            if pressure <= 0.0 {
-                continue;
-            }
-            let ds = half * w * self.mesh.speed(e, t);
-            for (change, other) in change.iter_mut().zip([first, second]) {
-                let Some((_, n, t)) = other else { continue };
-                *change += ds * (pressure * (n - normal) + shear * (t - tangential));
-            }
-            if let (Some((a, ..)), Some((b, ..))) = (first, second) {
-                pressed.push(Pressed { pressure, angle: cross(a, b).atan2(dot(a, b)).abs() });
+        let (mut angle, mut change, mut apart, mut slip): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
+        for point in &pressed {
+            apart += point.ds * point.pressure * self.left_after_motion(point, field);
+            let met = alone.each_ref().map(|alone| meet(self.side(alone), point.at, self.side(alone), point.other));
+            let [Some(first), Some(second)] = met else { continue };
+            let [a, b] = [first, second].map(|other| self.turned(point, other, field));
+            change += point.ds * (a - b);
+            let [y, z] = [first, second].map(|met| self.mesh.point(point.other, met.t));
+            slip += point.ds * point.shear.abs() * (y[0] - z[0]).hypot(y[1] - z[1]);
+            if point.pressure > PRESSED * largest {
+                angle = angle
+                    .max(cross(first.direction, second.direction).atan2(dot(first.direction, second.direction)).abs());
             }
         }
-        change
+        Normals { angle, change: change.abs() + apart.abs() + slip }
+    }
+
+    /// All elements, with moduli.
+    fn side<'a>(&'a self, modulus: &'a [f64]) -> Facing<'a> {
+        Facing { mesh: self.mesh, space: self.space, elements: &[], modulus }
+    }
+
+    /// The points of a cell that press.
+    fn pressed(&self, cell: &Cell, side: Facing<'_>, field: ElasticField<'_>) -> Vec<Pressed> {
+        let Cell { element: e, span, other } = *cell;
+        let (half, rule) = ((span[1] - span[0]) / 2.0, gauss_legendre(POINTS));
+        let at = |(&g, &w): (&f64, &f64)| {
+            let t = span[0] + half * (1.0 + g);
+            let met = meet(side, (e, t), side, other)?;
+            let pull = field.traction(e, t);
+            let (pressure, shear) = (-dot(pull, met.direction), -cross(met.direction, pull));
+            let (displacement, ds) = (field.on_boundary(e, t).0, half * w * self.mesh.speed(e, t));
+            (pressure > 0.0).then_some(Pressed { at: (e, t), other, pressure, shear, ds, displacement, met })
+        };
+        rule.points.iter().zip(&rule.weights).filter_map(at).collect()
+    }
+
+    /// The density of J' - J of another direction.
+    fn turned(&self, point: &Pressed, other: Met, field: ElasticField<'_>) -> f64 {
+        let along = |met: Met| {
+            let beyond = field.on_boundary(point.other, met.t.clamp(-1.0, 1.0)).0;
+            let apart = [point.displacement[0] - beyond[0], point.displacement[1] - beyond[1]];
+            [dot(apart, met.direction) - met.distance, cross(met.direction, apart)]
+        };
+        let ([n, t], [normal, tangential]) = (along(other), along(point.met));
+        point.pressure * (n - normal) + point.shear * (t - tangential)
+    }
+
+    /// What is left between a moved point and the side that it presses, as that is drawn, moved with the point that it met: it has
+    /// moved aside, where the side is oblique to the direction or bends.
+    fn left_after_motion(&self, point: &Pressed, field: ElasticField<'_>) -> f64 {
+        let (m, Met { t, direction: d, .. }) = (point.other, point.met);
+        let t = t.clamp(-1.0, 1.0);
+        let (beyond, n) = (field.on_boundary(m, t).0, self.mesh.normal(m, t));
+        let edge = &self.scene.problem.outline.edges()[self.mesh.edge[m]];
+        let aside = cross(d, [point.displacement[0] - beyond[0], point.displacement[1] - beyond[1]]);
+        -aside * cross(d, n) / dot(d, n) + 0.5 * edge.curvature(self.mesh.edge_parameter(m, t)) * aside * aside
     }
 }
 

@@ -154,7 +154,8 @@ pub struct InterfaceSummary {
 pub struct NormalsSummary {
     /// Largest angle between them where the sides press each other (radian).
     pub angle: f64,
-    /// By how much J would differ, to first order, between contact along the normals of the one side and of the other.
+    /// By how much J would differ, to first order, between contact along the normals of the one side and of the other, and for pairs that
+    /// moved apart before they touched.
     pub energy_change: f64,
 }
 

@@ -104,7 +104,7 @@ pub(super) fn print_summary(stored: &Record) {
         say(&format!("interface   {}: {}, length {:.6e}{stick}, force ({x:.6e}, {y:.6e})", i.name, i.kind, i.length));
         if let Some(n) = i.normals.filter(|_| doubted("normals")) {
             say(&format!(
-                "            normals of the two sides differ by up to {:.2}°: J with those of the one or of the other differs by {:.1e}",
+                "            normals of the two sides differ by up to {:.2}°: J is uncertain by {:.1e} for that",
                 n.angle.to_degrees(),
                 n.energy_change
             ));
