@@ -47,6 +47,9 @@ pub(crate) struct ContactElement {
     pub friction: Vec<[f64; 2]>,
 }
 
+/// A direction of contact that changes by more next to a node turns there.
+const TURNED: f64 = 1e-9;
+
 /// A bound or a gap that changes by more than this part of its largest value next to a node jumps there.
 pub(crate) const JUMP: f64 = 1e-4;
 
@@ -92,7 +95,10 @@ pub(crate) fn contact_elements(
             let limit = |t: f64| data.gap.at(mesh, &Site::new(mesh, e, from_within(mesh, e, t)));
             let limits = [limit(-1.0)?, limit(1.0)?];
             let normal = |&t: &f64| match data.beyond {
-                Some(beyond) => (beyond.direction)(e, from_within(mesh, e, t)),
+                Some(beyond) => {
+                    let [at, within] = [t, from_within(mesh, e, t)].map(|t| (beyond.direction)(e, t));
+                    if (0..2).all(|i| (at[i] - within[i]).abs() < TURNED) { at } else { within }
+                }
                 None => mesh.normal(e, t),
             };
             found[e] = Some(ContactElement {

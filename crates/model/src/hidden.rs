@@ -138,17 +138,16 @@ impl Data<'_> {
     fn normal_displacement(&self, e: usize, displacement: &[f64]) -> Series {
         let basis = self.space.basis(e);
         let n = self.mesh.normal(e, 0.0);
-        let beside = |seen: Seen| seen.distance != 0.0 || seen.direction != n;
-        if !self.mesh.is_line(e) || self.seen(e, 0.0).is_some_and(beside) {
+        let apart = |seen: Seen| seen.distance != 0.0;
+        if !self.mesh.is_line(e) || self.direction(e, 0.0) != n || self.seen(e, 0.0).is_some_and(apart) {
             let mut phi = vec![0.0; basis.degree + 1];
             let value = |t: f64| {
                 basis.evaluate(t, &mut phi);
-                let seen = self.seen(e, t);
-                let n = seen.map_or_else(|| self.mesh.normal(e, t), |seen| seen.direction);
+                let n = self.direction(e, t);
                 let nodes = self.space.element_nodes(e).zip(&phi);
                 let u: f64 =
                     nodes.map(|(k, phi)| phi * (displacement[2 * k] * n[0] + displacement[2 * k + 1] * n[1])).sum();
-                u - seen.map_or(0.0, |seen| seen.distance)
+                u - self.seen(e, t).map_or(0.0, |seen| seen.distance)
             };
             let degree = basis.degree + 8;
             return project(value, degree, &gauss_legendre(degree + 1));

@@ -51,6 +51,8 @@ pub(crate) struct TiedNode {
 const TOUCHING: f64 = 1e-13;
 /// Part of the coordinates that rounding leaves in a distance.
 const COORDINATES: f64 = 4e-15;
+/// Sine of the angle below which the direction of contact is that of the normal.
+const ALIGNED: f64 = 1e-14;
 /// Part of an element that may stay uncovered.
 const UNCOVERED: f64 = 1e-8;
 
@@ -382,7 +384,10 @@ impl Data<'_> {
 
     /// The direction in which contact acts at a point of a side: that of its pair on another body, the normal against an obstacle.
     pub(crate) fn direction(&self, e: usize, t: f64) -> [f64; 2] {
-        self.seen(e, t).map_or_else(|| self.mesh.normal(e, t), |seen| seen.direction)
+        let n = self.mesh.normal(e, t);
+        // what rounding makes of opposite normals is none
+        let turned = |[x, y]: [f64; 2]| (x * n[1] - y * n[0]).abs() > ALIGNED;
+        self.seen(e, t).map(|seen| seen.direction).filter(|d| turned(*d)).unwrap_or(n)
     }
 }
 

@@ -101,8 +101,8 @@ pub const CASES: &[Case] = &[
         "between = [\"upper.left\", \"lower.right\"]",
         17,
         "[\"upper.left\"",
-        "are 2e0 apart",
-        "move the bodies together",
+        "do not face each other",
+        "name the sides that meet",
     ),
     of(
         "between = [\"upper.bottom\", \"lower.top\"]",
