@@ -111,6 +111,56 @@ fn a_crack_without_friction_stands_on_a_block() {
     assert!((whole - cracked - 2.209e-10).abs() < bar + own && own < 1e-7 * cracked.abs(), "{cracked} {whole}");
 }
 
+/// Faces that neither press nor open anywhere, of a crack in a block under shear: J is that of the finest meshes, and the states of
+/// rounding have no vertices. The length that they tell is in doubt.
+#[test]
+fn faces_that_touch_without_pressure_need_no_vertices() {
+    let text = |law: &str| {
+        let traction = |side: &str, x: &str, y: &str| format!("[sides.{side}]\ntraction = [\"{x}\", \"{y}\"]\n");
+        format!(
+            "material = {{ young = 1000, poisson = 0.3 }}\n[body]\ncorners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\n\
+             sides = [\"bottom\", \"right\", \"top\", \"left\"]\n[[body.cracks]]\npoints = [[-0.4, 0], [0.4, 0]]\n\
+             {}{}{}{}[[interface]]\non = \"crack\"\ncontact = {law}\n",
+            traction("bottom", "-3", "0"),
+            traction("top", "3", "0"),
+            traction("right", "0", "3"),
+            traction("left", "0", "-3"),
+        )
+    };
+    for law in ["true", "{ friction = { coulomb = \"0.3\" } }"] {
+        for (tolerance, most) in [("1e-3", 1000), ("1e-4", 1600), ("1e-5", 2500)] {
+            let told = solved(&text(law), &[&format!("method.tolerance={tolerance}")]);
+            check_undecided(&told, &format!("{law}, {tolerance}"), most, -0.051_466_873_257_94);
+        }
+    }
+}
+
+/// The same in the plane: Griffith's J.
+#[test]
+fn faces_in_the_plane_that_touch_without_pressure_need_no_vertices() {
+    let stress = [0.0, 0.0, 3.0];
+    let exact = whole(stress) - PI * 9.0 * 0.91 / 1000.0;
+    for (tolerance, most) in [("1e-3", 1200), ("1e-5", 2500)] {
+        let told = solved(&in_the_plane("[[-1, 0], [1, 0]]", stress, ""), &[&format!("method.tolerance={tolerance}")]);
+        check_undecided(&told, tolerance, most, exact);
+    }
+}
+
+/// J within its bar, few unknowns, and a doubt about the length of contact.
+fn check_undecided(told: &Summary, name: &str, most: usize, exact: f64) {
+    let (found, bar) = (told.energy_extrapolated.unwrap(), told.energy_uncertainty.unwrap());
+    let length = told.contact.as_ref().unwrap().length;
+    println!(
+        "{name}: {:.1e} off, {bar:.1e} told, {} dofs, {length}, {:?}",
+        found - exact,
+        told.dofs,
+        told.estimate_doubts
+    );
+    assert!(told.reason == "tolerance" && told.dofs < most, "{name}: {} {}", told.reason, told.dofs);
+    assert!((found - exact).abs() < bar + 1e-12, "{name}: {found} {exact} {bar}");
+    assert!(length == 0.0 || told.estimate_doubts.iter().any(|doubt| doubt == "sets"), "{name}: {length}");
+}
+
 /// A straight crack that is pressed together and slips, with its prolongation bent as it leaves the disc where two arcs meet: the
 /// pressure is that of the plane at every node, on finer meshes too, as shear changes no normal stress on the crack.
 #[test]

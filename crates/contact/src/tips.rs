@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::{SAME_PLACE, Subdivision};
 
-use crate::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, nodal_guess, tip_fits, transitions};
+use crate::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, nodal_guess, tip_fits};
 use crate::{ContactError, ContactLine, Problem, Sets, Solution};
 
 /// A transition that has a mesh vertex.
@@ -67,6 +67,8 @@ pub struct Solved<'a> {
     pub sets: &'a Sets,
     /// The contact boundary by edges.
     pub lines: &'a [ContactLine],
+    /// The transitions of each line that count.
+    pub transitions: &'a [Vec<Transition>],
 }
 
 /// The obstacle along an edge (edge parameters).
@@ -159,10 +161,10 @@ fn follow_all<'a>(
 ) -> (Vec<Followed<'a>>, Vec<Located>) {
     let mut followed: Vec<Followed<'a>> = Vec::new();
     let mut uncut = Vec::new();
-    for line in solved.lines {
+    for (line, found) in solved.lines.iter().zip(solved.transitions) {
         let edge = line.edge;
         let mine: Vec<Tip> = tips.iter().copied().filter(|t| t.edge == edge).collect();
-        let found = without_flicker(transitions(line, solved.sets), &mine);
+        let found = without_flicker(found.clone(), &mine);
         let found = one_zone_an_asperity(found, &obstacles[edge]);
         let mut used = vec![false; found.len()];
         tips.retain(|t| t.edge != edge);
@@ -250,11 +252,14 @@ fn located(
 
 /// The transitions of a mesh that has no vertices for them: each with half of its bracket as what it may be off.
 pub fn unlocated(solved: Solved<'_>) -> Vec<Located> {
-    let Solved { problem, solution, sets, lines } = solved;
+    let Solved { problem, solution, lines, transitions, .. } = solved;
     let place = |line: &ContactLine, transition: &Transition| {
         Located::unlocated(line.edge, transition, first_guess(line, transition, problem, solution))
     };
-    lines.iter().flat_map(|line| transitions(line, sets).iter().map(|t| place(line, t)).collect::<Vec<_>>()).collect()
+    let of_line = |(line, found): (&ContactLine, &Vec<Transition>)| -> Vec<Located> {
+        found.iter().map(|t| place(line, t)).collect()
+    };
+    lines.iter().zip(transitions).flat_map(of_line).collect()
 }
 
 /// Nodes of a run at most that may be flicker.

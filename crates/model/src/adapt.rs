@@ -1,7 +1,7 @@
 //! From the estimate of one mesh to the next mesh.
 
 use steklov_bem_operators::{Grading, Mark, Mesh, Piece, SAME_PLACE, Shape, Subdivision, doerfler, legendre_decay};
-use steklov_contact::{Located, Tip, relocate, unlocated};
+use steklov_contact::{Decided, Located, Tip, relocate, unlocated};
 use steklov_expression::Turn;
 use steklov_problem::{Refine, Scene};
 
@@ -49,14 +49,10 @@ impl<'a> Marking<'a> {
         factors: &'a Factors,
         estimate: Option<&'a Estimate>,
         unseen: &Unseen,
+        decided: Option<&'a Decided>,
     ) -> Self {
-        let state = match (&solved.contact, &factors.contact) {
-            (Some(contact), Some(part)) => Some(steklov_contact::Solved {
-                problem: &part.problem,
-                solution: &contact.solution,
-                sets: &part.sets,
-                lines: &part.lines,
-            }),
+        let state = match (&solved.contact, &factors.contact, decided) {
+            (Some(contact), Some(part), Some(decided)) => Some(part.solved(&contact.solution, decided)),
             _ => None,
         };
         let mut squared = estimate.map_or(vec![0.0; solved.mesh.len()], Estimate::squared);
@@ -243,7 +239,7 @@ fn follow_beyond(
 }
 
 impl Layout {
-    /// The layout to solve next, and where the transitions of this one are believed to be.
+    /// The layout to solve next, and where the transitions of this one are believed to be: those that are `decided`.
     ///
     /// # Errors
     /// A decomposition that fails.
@@ -254,8 +250,9 @@ impl Layout {
         factors: &Factors,
         estimate: Option<&Estimate>,
         unseen: &Unseen,
+        decided: Option<&Decided>,
     ) -> Result<(Self, Vec<Located>), SolveError> {
-        let marking = Marking::new(scene, solved, factors, estimate, unseen);
+        let marking = Marking::new(scene, solved, factors, estimate, unseen, decided);
         let mesh = &solved.mesh;
         let all = |rough: bool| vec![Mark::refine(rough, 1.0); mesh.len()];
         let marks = match scene.method.refine {

@@ -141,10 +141,17 @@ impl Model for BoundaryElements {
             }
             None => (None, Unseen::default()),
         };
-        let (mut layout, located) = progress.next.next(scene, &solved, &factors, estimate.as_ref(), &unseen)?;
+        let decided = solved.contact.as_ref().zip(factors.contact.as_ref()).map(|(contact, part)| {
+            part.decided(scene, &contact.solution, estimate.as_ref().map_or(0.0, |estimate| estimate.error))
+        });
+        let next = |estimate: Option<&Estimate>| {
+            progress.next.next(scene, &solved, &factors, estimate, &unseen, decided.as_ref())
+        };
+        let (mut layout, located) = next(estimate.as_ref())?;
         let before = progress.steps.last().map(|last| last.layout.located.as_slice());
         if let Some(estimate) = &mut estimate {
             estimate.add_transitions(scene, &solved.mesh, &located, before);
+            decided.iter().for_each(|decided| estimate.add_undecided(decided));
             estimate.add_roundoff(&solved);
             estimate.settle_exact(scene, &solved)?;
         }
@@ -153,7 +160,7 @@ impl Model for BoundaryElements {
         {
             // the mean outcome is solved well enough: what of the others?
             *one = mean_estimate(scene, random, (&body, enriched), one.clone())?;
-            (layout, _) = progress.next.next(scene, &solved, &factors, Some(one), &unseen)?;
+            (layout, _) = next(Some(one))?;
         }
         let contact = solved.contact.as_ref();
         let step = Step {

@@ -3,11 +3,11 @@
 use faer::Mat;
 use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{
-    ContactBoundary, ContactError, ContactLine, Kkt, Problem, Sets, Solution, active_set, contraction, interior_point,
-    kkt_in_body, lifting_motion, newton, other_solution, uzawa,
+    ContactBoundary, ContactError, ContactLine, Decided, Kkt, Least, Problem, Sets, Solution, active_set, contraction,
+    decided, interior_point, kkt_in_body, lifting_motion, newton, other_solution, uzawa,
 };
 use steklov_elastic::RigidMotion;
-use steklov_problem::Solver;
+use steklov_problem::{Scene, Solver};
 
 use crate::motions::{edges, unpressed};
 use crate::stabilised::StabilisedContact;
@@ -92,6 +92,28 @@ pub struct ContactFactors {
     pub sets: Sets,
     /// The conditions by edges.
     pub lines: Vec<ContactLine>,
+}
+
+/// Part of the estimated error that a zone of contact or of a gap has at least, if it is not one of rounding or of the error itself:
+/// where gap and pressure are both 0 up to 0.004 was measured.
+const DECIDED: f64 = 0.1;
+
+impl ContactFactors {
+    /// The transitions that are more than an error (energy norm) may make.
+    pub(crate) fn decided(&self, scene: &Scene, solution: &Solution, error: f64) -> Decided {
+        let least = |edge: usize| {
+            let root = scene.problem.contact_modulus(edge).sqrt();
+            let norm = (DECIDED * error).max(f64::MIN_POSITIVE);
+            Least { force: norm * root, gap: norm / root }
+        };
+        decided(&self.lines, &self.problem, solution, &self.sets, &least)
+    }
+
+    /// The problem with its solution and these transitions.
+    pub(crate) fn solved<'a>(&'a self, solution: &'a Solution, decided: &'a Decided) -> steklov_contact::Solved<'a> {
+        let Self { problem, sets, lines } = self;
+        steklov_contact::Solved { problem, solution, sets, lines, transitions: &decided.transitions }
+    }
 }
 
 /// The answer of the solver that a scene names.

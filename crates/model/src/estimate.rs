@@ -79,7 +79,8 @@ pub struct Estimate {
 pub enum Doubt {
     /// A transition of contact or stick lies inside an element: the frozen sets hide its error.
     Transition,
-    /// The contact sets are still changing from mesh to mesh.
+    /// The contact sets are still changing from mesh to mesh, or zones press by nothing beside the error: whether these are closed
+    /// rounding decides.
     Sets,
     /// The mesh is too coarse about singular points for one bubble an element to show the error: an element lies between two of
     /// them, where its error may have the other parity, or one next to them is of high degree, where the next one adds

@@ -9,7 +9,7 @@
 //! Those without a vertex count in the estimate; those that are off or changed since the step before are in doubt, by their energy.
 
 use steklov_bem_operators::Mesh;
-use steklov_contact::{Located, TipKind};
+use steklov_contact::{Decided, Located, TipKind};
 use steklov_problem::{Refine, Scene};
 
 use crate::estimate::{Doubt, Estimate, OF_SQUARE, ratio};
@@ -74,6 +74,14 @@ impl Estimate {
         }
         if self.is_coarse(&scene.problem.outline, mesh, &singular_points(scene, hp)) {
             self.doubts.push(Doubt::Coarse);
+        }
+    }
+
+    /// Says whether zones that press by nothing that counts are more than a small part of the length of contact, or all of it.
+    pub(crate) fn add_undecided(&mut self, decided: &Decided) {
+        let Decided { closed, undecided, length, .. } = *decided;
+        if undecided > (FAR_IN_ZONE * closed).min(FAR * length) && !self.doubts.contains(&Doubt::Sets) {
+            self.doubts.push(Doubt::Sets);
         }
     }
 }

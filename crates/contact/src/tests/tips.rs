@@ -45,7 +45,8 @@ fn step(
     singular: &[f64],
 ) -> Vec<Located> {
     let lines = [row.line.clone()];
-    let solved = Solved { problem: &row.problem, solution, sets, lines: &lines };
+    let transitions = [transitions(&row.line, sets)];
+    let solved = Solved { problem: &row.problem, solution, sets, lines: &lines, transitions: &transitions };
     relocate(tips, mesh, solved, &[singular.to_vec()], &[Obstacle::default()]).unwrap()
 }
 

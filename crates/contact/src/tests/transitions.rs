@@ -5,7 +5,9 @@ use proptest::prelude::*;
 
 use super::rows::Row;
 use crate::TipKind::{ContactEnd, SlipReversal, StickEnd};
-use crate::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
+use crate::{
+    ContactLine, Decided, Least, TipFit, TipKind, TipVertex, Transition, decided, first_guess, tip_fits, transitions,
+};
 
 fn numbered(states: &[(bool, i8)]) -> Row {
     Row::new(&(0..states.len()).map(|i| i as f64).collect::<Vec<_>>(), 0.3, 0.7)
@@ -271,4 +273,54 @@ proptest! {
         });
         prop_assert!(v.fit(&row, &beyond.collect::<Vec<_>>(), &near) != v.fit(&row, &states, &near));
     }
+}
+
+/// What is decided of lines of the given nodes: of each node its pressure, or less its gap. A force and a gap of 1 decide.
+fn decided_of(values: &[f64], lines: &[std::ops::Range<usize>]) -> Decided {
+    let s: Vec<f64> = (0..values.len()).map(|i| i as f64).collect();
+    let row = Row::new(&s, 0.0, 0.0);
+    let sets = row.sets(&values.iter().map(|v| (*v > 0.0, 0)).collect::<Vec<_>>());
+    let mut solution = row.at_rest();
+    for (i, value) in values.iter().enumerate() {
+        solution.multipliers[i] = [value.max(0.0), 0.0];
+        solution.displacement[2 * i] = value.min(0.0);
+    }
+    let line = |(edge, nodes): (usize, &std::ops::Range<usize>)| ContactLine {
+        edge,
+        points: row.line.points[nodes.clone()].to_vec(),
+    };
+    let lines: Vec<ContactLine> = lines.iter().enumerate().map(line).collect();
+    decided(&lines, &row.problem, &solution, &sets, &|_| Least { force: 1.0, gap: 1.0 })
+}
+
+/// Changes of state between zones that neither press nor open are none, but those to zones that do stay; so do zones that press
+/// little between gaps, with a length that is undecided.
+#[test]
+fn zones_of_rounding_have_no_transitions() {
+    let (a, b) = (1e-3, -1e-3);
+    let cases: [(&[f64], &[usize], f64); 6] = [
+        (&[5.0, 5.0, -5.0, -5.0], &[1], 0.0),
+        (&[a, b, a, b, a], &[], 1.5),
+        (&[b, b, b, a, b, b], &[], 0.5),
+        (&[5.0, 5.0, b, a, b, a, b], &[1], 1.0),
+        (&[5.0, 5.0, b, a, -5.0, -5.0], &[1], 0.5),
+        (&[5.0, -5.0, a, -5.0, 5.0], &[0, 1, 2, 3], 0.5),
+    ];
+    for (values, points, undecided) in cases {
+        let found = decided_of(values, &[0..values.len()]);
+        assert_eq!(found.transitions[0].iter().map(|t| t.point).collect::<Vec<_>>(), points, "{values:?}");
+        assert_eq!((found.undecided, found.length), (undecided, 0.5 * values.len() as f64), "{values:?}");
+    }
+}
+
+/// A zone goes on over the end of an edge: each part of it presses too little, both together do not.
+#[test]
+fn zones_go_on_over_corners() {
+    let values = [-1e-3, 0.5, 0.5, 0.5, 0.5, 0.5, -1e-3];
+    let count = |lines: &[std::ops::Range<usize>]| {
+        decided_of(&values, lines).transitions.iter().map(Vec::len).collect::<Vec<_>>()
+    };
+    assert_eq!(count(&[0..4, 3..7]), [1, 1]);
+    assert_eq!(count(&[0..4]), [0]);
+    assert_eq!(count(&[0..7]), [2]);
 }

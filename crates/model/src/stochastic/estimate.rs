@@ -83,13 +83,8 @@ fn one(
 ) -> Result<Estimate, SolveError> {
     let (mut estimate, _) = estimate(scene, solved, matrices, factors)?;
     if let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) {
-        let located = unlocated(steklov_contact::Solved {
-            problem: &part.problem,
-            solution: &contact.solution,
-            sets: &part.sets,
-            lines: &part.lines,
-        });
-        estimate.add_tips(scene, &located);
+        let decided = part.decided(scene, &contact.solution, estimate.error);
+        estimate.add_tips(scene, &unlocated(part.solved(&contact.solution, &decided)));
     }
     Ok(estimate)
 }
