@@ -9,8 +9,9 @@
 //! to first order, g the distance along the direction. Where bodies move far before they touch, x + u(x) arrives aside of y + u(y), by
 //! s, where the side of y, with normal n₂ and curvature κ, is -s (t·n₂)/(d·n₂) + ½ κ s² farther: that changes J by ∫ λ_n times that. And
 //! friction takes for slip what the motion along d and not along the normals is, the distance of the points that x meets along
-//! both: ∫ |λ_t| times that.
+//! both: ∫ |λ_t| times that. A gap of the scene is that at x, not at y: ∫ λ_n times the difference.
 
+use steklov_bem_operators::Site;
 use steklov_coupling::{Cell, Facing, Met, meet};
 use steklov_problem::{Friction, Law};
 use steklov_quadrature::gauss_legendre;
@@ -67,9 +68,12 @@ impl Data<'_> {
             pressed.iter_mut().for_each(|point| point.shear = 0.0);
         }
         let largest = pressed.iter().fold(0.0, |m: f64, p| m.max(p.pressure));
-        let (mut angle, mut change, mut apart, mut slip): (f64, f64, f64, f64) = (0.0, 0.0, 0.0, 0.0);
+        let [mut angle, mut change, mut apart, mut slip, mut carried] = [0.0_f64; 5];
         for point in &pressed {
             apart += point.ds * point.pressure * self.left_after_motion(point, field);
+            let [here, there] = [point.at, (point.other, point.met.t.clamp(-1.0, 1.0))]
+                .map(|(e, t)| self.value(&contact.gap, &Site::new(self.mesh, e, t)));
+            carried += point.ds * point.pressure * (here - there);
             let met = alone.each_ref().map(|alone| meet(self.side(alone), point.at, self.side(alone), point.other));
             let [Some(first), Some(second)] = met else { continue };
             let [a, b] = [first, second].map(|other| self.turned(point, other, field));
@@ -81,7 +85,7 @@ impl Data<'_> {
                     .max(cross(first.direction, second.direction).atan2(dot(first.direction, second.direction)).abs());
             }
         }
-        Normals { angle, change: change.abs() + apart.abs() + slip }
+        Normals { angle, change: change.abs() + apart.abs() + slip + carried.abs() }
     }
 
     /// All elements, with moduli.

@@ -212,7 +212,7 @@ impl HeldApart {
 fn meeting(a: &Piece, b: &Piece, small: f64) -> Option<[f64; 2]> {
     let mut stack = vec![(a.clone(), b.clone())];
     for _ in 0..MOST {
-        let Some((a, b)) = stack.pop() else { return None };
+        let (a, b) = stack.pop()?;
         if are_apart(&a, &b) {
             continue;
         }
