@@ -182,11 +182,8 @@ pub fn cells(own: Facing<'_>, other: Facing<'_>, [low, high]: [f64; 2], near: f6
         let mut of_element = nearest(drafts, SLIVER.max(2.0 * snap));
         close(&mut of_element, 2.0 * near / own.mesh.length(e), other.mesh);
         if of_element.is_empty() && own.mesh.length(e) <= near {
-            of_element.extend(beside(own.mesh.point(e, 0.0), other, 2.0 * near).map(|m| Cell {
-                element: e,
-                span: [-1.0, 1.0],
-                other: m,
-            }));
+            let cell = |m| Cell { element: e, span: [-1.0, 1.0], other: m };
+            of_element.extend(beside(own, e, other, [low, high], 2.0 * near).map(cell));
         }
         cells.append(&mut of_element);
     }
@@ -209,14 +206,18 @@ fn nearest(mut drafts: Vec<Draft>, shortest: f64) -> Vec<Cell> {
     cells
 }
 
-/// The element whose end is nearest to a point, if one is as near as that.
-fn beside(x: [f64; 2], other: Facing<'_>, near: f64) -> Option<usize> {
-    let away = |m: usize| {
-        let ends = other.mesh.ends(m).map(|y| (y[0] - x[0]).hypot(y[1] - x[1]));
-        ends[0].min(ends[1])
+/// The mortar element with the end that a non-mortar element, beyond the end of that side, passes by no more than `near`.
+fn beside(own: Facing<'_>, e: usize, other: Facing<'_>, [low, high]: [f64; 2], near: f64) -> Option<usize> {
+    let (x, pull) = (own.mesh.point(e, 0.0), own.pull(e, 0.0));
+    let end = |m: usize, t: f64| {
+        let (y, push) = (other.mesh.point(m, t), other.pull(m, t));
+        let (r, along) = ([y[0] - x[0], y[1] - x[1]], [pull[0] - push[0], pull[1] - push[1]]);
+        let length = along[0].hypot(along[1]);
+        let (aside, distance) = (cross(r, along).abs() / length, dot(r, along) / length);
+        (aside <= near && low <= distance && distance <= high).then_some((m, distance.abs()))
     };
-    let elements = other.elements.iter().map(|&m| (m, away(m))).filter(|(_, away)| *away <= near);
-    elements.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(m, _)| m)
+    let ends = other.elements.iter().flat_map(|&m| [end(m, -1.0), end(m, 1.0)]).flatten();
+    ends.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(m, _)| m)
 }
 
 /// Lengthens the cells of an element over what is left between neighbours, and over no more than `near` elsewhere.

@@ -18,7 +18,7 @@ use super::{Interface, Law, Other, Problem};
 /// Sides see each other where n·n' is below this.
 const FACING: f64 = -0.2;
 /// Part of the diameter of the smaller body below which distances are digits of a file: sides that are tied meet, corners are one.
-pub const COINCIDE: f64 = 1e-6;
+const COINCIDE: f64 = 1e-6;
 /// A point closer to an end of an edge is there (edge parameter).
 const NEAR_END: f64 = 1e-9;
 /// Parts of an edge between which it is asked what is seen.
@@ -105,7 +105,7 @@ impl Problem {
         }
     }
 
-    /// Distance below which points of both sides of an interface are one: [`COINCIDE`] of the smaller body, and the rounding of
+    /// Distance below which points of both sides of an interface are one: 1e-6 of the smaller body, and the rounding of
     /// coordinates far from the origin.
     pub fn coincidence(&self, interface: &Interface) -> f64 {
         (COINCIDE * self.smaller_extent(interface)).max(4e-15 * self.farthest())
