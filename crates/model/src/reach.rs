@@ -2,12 +2,15 @@
 //!
 //! Interfaces hold apart what sees each other on their sides. Every other pair of boundary elements of two bodies is proved to be
 //! apart: x + u is a polynomial on an element (of a curve to rounding), within the hull of its Bernstein coefficients; both curves are
-//! moved into their bodies by the depth that is allowed, and halved until a line separates them. What cannot be separated lies deeper
-//! than that. Within twice the depth of vertices at which both bodies touch as they are drawn nothing is asked.
+//! moved into their bodies by the depth that is allowed, and halved until a line separates them. What cannot be separated is
+//! looked at: it touches end to end, or a point of it, ends among them, lies deeper than that. Within twice the depth of vertices at which both bodies touch as they are drawn nothing is asked.
+//! A gap of the scene that is added to the distance is depth that is allowed.
 
 use std::collections::HashMap;
 
+use steklov_bem_operators::Site;
 use steklov_coupling::Cell;
+use steklov_problem::Law;
 use steklov_quadrature::{gauss_legendre, project};
 
 use crate::bernstein::{bernstein, halves};
@@ -52,25 +55,55 @@ impl Data<'_> {
         let common = self.common_vertices(&bodies, rounding);
         let none = Vec::new();
         let mut found: Vec<Entered> = Vec::new();
-        for depth in [strict, beside.max(strict)] {
-            let whole = |e: usize| self.moved(e, displacement, depth, [-1.0, 1.0]);
-            let moved: Vec<Piece> = (0..self.mesh.len()).map(whole).collect();
-            for (a, b) in (0..self.mesh.len()).flat_map(|a| (0..self.mesh.len()).map(move |b| (a, b))) {
-                let judged = held_apart.is_beside(a, b) == (depth > strict);
-                if bodies[a] >= bodies[b] || !judged || held_apart.is(a, b) || are_apart(&moved[a], &moved[b]) {
-                    continue;
-                }
-                let common = common.get(&[bodies[a], bodies[b]]).unwrap_or(&none);
-                let [Some(on_a), Some(on_b)] = [a, b].map(|e| self.away_from(common, e, 2.0 * depth)) else { continue };
-                let [first, second] =
-                    [(a, on_a), (b, on_b)].map(|(e, range)| self.moved(e, displacement, depth, range));
-                if let Some(point) = meeting(&first, &second, 0.1 * depth) {
-                    let depth = self.depth(displacement, &bodies, [a, b]).max(depth);
-                    keep_deepest(&mut found, Entered { bodies: [bodies[a], bodies[b]], point, depth });
+        let count = outline.bodies().len();
+        for pair in (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])) {
+            let apart = self.drawn_too_large(joints, pair);
+            let common = common.get(&pair).unwrap_or(&none);
+            for (is_beside, depth) in [(false, strict + apart), (true, beside.max(strict) + apart)] {
+                let of = |body: usize| (0..self.mesh.len()).filter(|&e| bodies[e] == body).collect::<Vec<_>>();
+                let moved = pair.map(|body| {
+                    let whole = |e: usize| (e, self.moved(e, displacement, depth, [-1.0, 1.0]));
+                    of(body).into_iter().map(whole).collect::<Vec<_>>()
+                });
+                for ((a, piece), (b, other)) in moved[0].iter().flat_map(|a| moved[1].iter().map(move |b| (a, b))) {
+                    let judged = held_apart.is_beside(*a, *b) == is_beside && !held_apart.is(*a, *b);
+                    if !judged || are_apart(piece, other) {
+                        continue;
+                    }
+                    let [Some(on_a), Some(on_b)] = [a, b].map(|e| self.away_from(common, *e, 2.0 * depth)) else {
+                        continue;
+                    };
+                    let [first, second] =
+                        [(a, on_a), (b, on_b)].map(|(e, range)| self.moved(*e, displacement, depth, range));
+                    let Some(point) = meeting(&first, &second, 0.1 * depth) else { continue };
+                    let least = depth;
+                    let depth = self.depth(displacement, &bodies, [*a, *b]);
+                    if depth > least {
+                        keep_deepest(&mut found, Entered { bodies: pair, point, depth });
+                    }
                 }
             }
         }
         found
+    }
+
+    /// The largest gap that the scene adds to the distance of two bodies: by so much they are smaller than they are drawn.
+    fn drawn_too_large(&self, joints: &[Joint], pair: [usize; 2]) -> f64 {
+        let problem = &self.scene.problem;
+        let gap = |joint: &Joint| {
+            let interface = &problem.interfaces[joint.interface];
+            let Law::Contact(contact) = &interface.law else { return 0.0 };
+            let sides = [interface.sides.as_slice(), problem.facing_sides(interface)].concat();
+            if !pair.iter().all(|body| sides.iter().any(|&side| problem.body_of_side(side) == *body)) {
+                return 0.0;
+            }
+            let at = |e: usize, k: usize| {
+                let t = 2.0 * k as f64 / LOOKS as f64 - 1.0;
+                self.value(&contact.gap, &Site::new(self.mesh, e, t))
+            };
+            joint.own.iter().flat_map(|&e| (0..=LOOKS).map(move |k| at(e, k))).fold(0.0, f64::max)
+        };
+        joints.iter().map(gap).fold(0.0, f64::max)
     }
 
     /// The vertices at which two bodies touch as they are drawn, by their numbers.

@@ -127,21 +127,13 @@ impl Problem {
     }
 
     /// Points of edges that belong together across interfaces are added to both: those of one side where the other one sees
-    /// them, and the ends of what is seen. What coincides with a point that is there already, or with a corner, is that.
+    /// them, and the ends of what is seen. What is close to a point that is there already, or to a corner,
+    /// is that.
     pub fn share_points(&self, points: &mut [Vec<f64>]) {
         for interface in self.joints() {
-            let near = self.coincidence(interface);
-            let edges = self.outline.edges();
             let add = |points: &mut [Vec<f64>], edge: usize, s: f64| {
-                let near = near / edges[edge].length();
-                let s = if s < near {
-                    0.0
-                } else if s > 1.0 - near {
-                    1.0
-                } else {
-                    s
-                };
-                if points[edge].iter().all(|p| (p - s).abs() > near) {
+                let s = at_end(s);
+                if points[edge].iter().all(|p| (p - s).abs() > NEAR_END) {
                     points[edge].push(s);
                 }
             };
@@ -274,9 +266,7 @@ impl Problem {
             .edges_of(self.facing_sides(interface))
             .flat_map(|(_, edge)| [0.0, 1.0].map(|s| (edge.point(s), self.pull(edge, s))))
             .collect();
-        let near = self.coincidence(interface);
         let of_edge = |(k, own): (usize, &Edge)| {
-            let near = near / own.length();
             let mut points: Vec<f64> = (0..=PARTS).map(|i| i as f64 / PARTS as f64).collect();
             points.extend(corners.iter().flat_map(|&(x, pull)| own.paired(x, pull, self.modulus_of(own))));
             points.sort_by(f64::total_cmp);
@@ -292,14 +282,13 @@ impl Problem {
                     [true, false] => [part[0], change(a, b, &sees)],
                     [false, true] => [change(b, a, &sees), part[1]],
                 };
-                match spans.last_mut().filter(|last| span[0] - last[1] < near.max(SAME)) {
+                match spans.last_mut().filter(|last| span[0] - last[1] < NEAR_END) {
                     Some(last) => last[1] = span[1],
                     None => spans.push(span),
                 }
             }
-            spans.retain(|[a, b]| b - a > near);
-            let whole = |[a, b]: [f64; 2]| [if a < near { 0.0 } else { a }, if b > 1.0 - near { 1.0 } else { b }];
-            spans.into_iter().map(move |s| Span { edge: k, s: whole(s) }).collect::<Vec<_>>()
+            spans.retain(|[a, b]| b - a > NEAR_END);
+            spans.into_iter().map(move |s| Span { edge: k, s: s.map(at_end) }).collect::<Vec<_>>()
         };
         self.edges_of(&interface.sides).flat_map(of_edge).collect()
     }
@@ -350,6 +339,17 @@ fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
 fn unit(v: [f64; 2]) -> [f64; 2] {
     let length = v[0].hypot(v[1]);
     v.map(|v| v / length)
+}
+
+/// An edge parameter, at an end that is close.
+fn at_end(s: f64) -> f64 {
+    if s < NEAR_END {
+        0.0
+    } else if s > 1.0 - NEAR_END {
+        1.0
+    } else {
+        s
+    }
 }
 
 /// Where `sees` changes from true at one parameter to false at another.
