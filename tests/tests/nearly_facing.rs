@@ -244,3 +244,55 @@ fn a_wedge_closed_by_its_gap_does_not_know_its_carrier() {
         }
     }
 }
+
+/// A pin in a hole that is a little larger, without friction under an oblique force: the mean normals of both would turn it, and what
+/// would is refused by name; friction holds it.
+#[test]
+fn a_pin_that_its_hole_turns_is_refused() {
+    let pin = |law: &str| {
+        format!(
+            "[[body]]\nname = \"pin\"\ncircle = {{ centre = [0, 0], radius = 1.0 }}\nside = \"rim\"\n\
+             material = {{ young = 1000.0, poisson = 0.3 }}\nbody_force = [\"0.1\", \"-1\"]\n\
+             [[body]]\nname = \"ring\"\ncorners = [[-3, -3], [3, -3], [3, 3], [-3, 3]]\n\
+             sides = [\"bottom\", \"right\", \"top\", \"left\"]\nmaterial = {{ young = 500.0, poisson = 0.3 }}\n\
+             [[body.holes]]\ncircle = {{ centre = [0, 1e-05], radius = 1.00001 }}\nside = \"hole\"\n\
+             [sides.ring.bottom]\ndisplacement = [\"0\", \"0\"]\n\
+             [[interface]]\nbetween = [\"pin.rim\", \"ring.hole\"]\ncontact = {law}\n"
+        )
+    };
+    let scene = steklov_tests::parse(&pin("true"), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let error = steklov_tests::adapt(&scene).err().unwrap().to_string();
+    assert!(error.starts_with("nothing holds pin against a motion"), "{error}");
+    let told = solved(&pin("{ friction = { coulomb = \"0.2\" } }"), &["method.tolerance=1e-2"]);
+    let force = told.contact.unwrap().force;
+    let weight = std::f64::consts::PI;
+    assert!((force[0] + 0.1 * weight).abs() < 1e-6 && (force[1] - weight).abs() < 1e-6, "{force:?}");
+}
+
+/// The overlap of two blocks ends 1e-5 before a corner: the mirror image has the same J.
+#[test]
+fn overlaps_end_close_to_corners() {
+    let at = |mirror: f64| {
+        let span = |a: f64, b: f64| if mirror < 0.0 { [-b, -a] } else { [a, b] };
+        let (low, up) = (span(0.0, 0.646), span(-1.411_490_526_465_746_3e-5, 0.645_997_567_180_633_3));
+        let of = |[x0, x1]: [f64; 2], y0: f64, y1: f64| [[x0, y0], [x1, y0], [x1, y1], [x0, y1]];
+        let text = block("lo", of(low, -0.786, 0.0), 1000.0)
+            + &block("up", of(up, 0.0, 0.412), 1463.0)
+            + HELD
+            + &format!(
+                "[sides.up.top]\ndisplacement = [\"{:?}\", \"-0.007238+{:?}*(x-{:?})\"]\n[[interface]]\n\
+                 between = [\"up.bottom\", \"lo.top\"]\ncontact = {{ friction = {{ tresca = \"1.533\" }} }}\n",
+                0.000_896 * mirror,
+                -0.000_857 * mirror,
+                0.322_991_725_876_137_86 * mirror
+            );
+        solved(&text, &["method.tolerance=1e-4"])
+    };
+    let told = [1.0, -1.0].map(at);
+    let [a, b] = told.each_ref().map(energy);
+    assert!((a[0] - b[0]).abs() < a[1] + b[1] && a[1] < 1e-6 * a[0], "{a:?} {b:?}");
+    for of in &told {
+        let length = of.contact.as_ref().unwrap().length;
+        assert!(of.converged && (length - 0.645_997_567).abs() < 1e-6, "{length}");
+    }
+}

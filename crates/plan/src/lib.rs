@@ -240,10 +240,16 @@ fn joint(scene: &Scene, interface: &Interface) -> Decision {
         (low, high) => format!("{low:.3e} to {high:.3e} apart"),
     };
     let (own, other) = (names(&interface.sides), names(problem.facing_sides(interface)));
+    let nothing = match problem.facing_nothing(interface).as_slice() {
+        [] => String::new(),
+        sides => format!("; nothing faces {}", names(sides)),
+    };
     Decision {
         what: "interface".into(),
         choice: format!("{law} of {own} and {other}"),
-        why: format!("{own} carries the multipliers and sees the other side over a length of {length:.6}; {distance}"),
+        why: format!(
+            "{own} carries the multipliers and sees the other side over a length of {length:.6}; {distance}{nothing}"
+        ),
     }
 }
 

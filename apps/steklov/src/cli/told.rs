@@ -50,10 +50,39 @@ fn untouched(stored: &Record) -> Vec<&str> {
     sides.map(|k| mesh.side_names[k].as_str()).collect()
 }
 
+/// The interfaces between several bodies, the places where these lie in each other, and the bodies.
+fn of_several(s: &Summary) -> Vec<String> {
+    let doubted = |doubt: &str| s.estimate_doubts.iter().any(|of| of == doubt);
+    let mut lines = Vec::new();
+    let mut say = |line: &str| lines.push(line.to_owned());
+    for i in &s.interfaces {
+        let stick = i.stick.map_or(String::new(), |stick| format!(", stick {stick:.6e}"));
+        let [x, y] = i.force;
+        say(&format!("interface   {}: {}, length {:.6e}{stick}, force ({x:.6e}, {y:.6e})", i.name, i.kind, i.length));
+        if let Some(n) = i.normals.filter(|_| doubted("normals")) {
+            say(&format!(
+                "            normals of the two sides differ by up to {:.2}°: J is uncertain by {:.1e} for that",
+                n.angle.to_degrees(),
+                n.energy_change
+            ));
+        }
+    }
+    for r in &s.reach {
+        let ([a, b], [x, y]) = (&r.bodies, r.point);
+        say(&format!(
+            "reach       {a} and {b} lie {:.3e} in each other at ({x:.6e}, {y:.6e}): name the sides that meet there in an interface",
+            r.depth
+        ));
+    }
+    for body in &s.bodies {
+        say(&format!("body        {}: {} dofs, strain energy {:.6e}", body.name, body.dofs, body.strain_energy));
+    }
+    lines
+}
+
 /// Prints the summary of a result.
 pub(super) fn print_summary(stored: &Record) {
     let Record { summary: s, plan, .. } = stored;
-    let doubted = |doubt: &str| s.estimate_doubts.iter().any(|of| of == doubt);
     say(&s.title);
     say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
     if !s.converged {
@@ -98,28 +127,7 @@ pub(super) fn print_summary(stored: &Record) {
         say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
         untouched(stored).iter().for_each(|side| say(&format!("            nothing touches side {side}")));
     }
-    for i in &s.interfaces {
-        let stick = i.stick.map_or(String::new(), |stick| format!(", stick {stick:.6e}"));
-        let [x, y] = i.force;
-        say(&format!("interface   {}: {}, length {:.6e}{stick}, force ({x:.6e}, {y:.6e})", i.name, i.kind, i.length));
-        if let Some(n) = i.normals.filter(|_| doubted("normals")) {
-            say(&format!(
-                "            normals of the two sides differ by up to {:.2}°: J is uncertain by {:.1e} for that",
-                n.angle.to_degrees(),
-                n.energy_change
-            ));
-        }
-    }
-    for r in &s.reach {
-        let ([a, b], [x, y]) = (&r.bodies, r.point);
-        say(&format!(
-            "reach       {a} and {b} lie {:.3e} in each other at ({x:.6e}, {y:.6e}): name the sides that meet there in an interface",
-            r.depth
-        ));
-    }
-    for body in &s.bodies {
-        say(&format!("body        {}: {} dofs, strain energy {:.6e}", body.name, body.dofs, body.strain_energy));
-    }
+    of_several(s).iter().for_each(|line| say(line));
     if let Some(a) = &s.audit {
         say(&format!(
             "audit       equilibrium {:.1e}, penetration {:.1e}, tension {:.1e}, complementarity {:.1e}, friction {:.1e}",
