@@ -96,7 +96,7 @@ proptest! {
         let e = (0..own.mesh.len()).min_by(|&a, &b| lowest(&own, a).total_cmp(&lowest(&own, b))).unwrap();
         let mut found = 0;
         for m in (0..other.mesh.len()).filter(|&m| other.mesh.side_names[other.mesh.side[m]] == "rim") {
-            let Some(there) = meet(own, (e, t), other, m).filter(|met| met.t.abs() < 1.0 && met.distance > 0.0) else { continue };
+            let Some(there) = meet(own, (e, t), other, m).filter(|met| met.t.abs() <= 1.0 && met.distance > 0.0) else { continue };
             if super::dot(own.mesh.normal(e, t), other.mesh.normal(m, there.t)) > -0.2 {
                 continue;
             }
@@ -111,7 +111,7 @@ proptest! {
             prop_assert!((back.distance - there.distance).abs() < 1e-12);
             prop_assert!((0..2).all(|i| (back.direction[i] + there.direction[i]).abs() < 1e-9));
         }
-        prop_assert!(found == 1 || t.abs() > 0.5, "{found} pairs");
+        prop_assert!(found >= 1 || t.abs() > 0.5, "{found} pairs");
     }
 }
 
