@@ -296,3 +296,18 @@ fn overlaps_end_close_to_corners() {
         assert!(of.converged && (length - 0.645_997_567).abs() < 1e-6, "{length}");
     }
 }
+
+/// Two thin plates side by side: the sides that look away from each other do not meet through the plates.
+#[test]
+fn sides_do_not_see_what_is_behind_them() {
+    let plate = |name: &str, x: f64| block(name, [[x, 0.0], [x + 0.02, 0.0], [x + 0.02, 1.0], [x, 1.0]], 100.0);
+    let between = |sides: &str| {
+        plate("a", 0.0)
+            + &plate("b", -0.03)
+            + "[sides.b.bottom]\ndisplacement = [\"0\", \"0\"]\n[sides.a.bottom]\ndisplacement = [\"0\", \"0\"]\n"
+            + &format!("[[interface]]\nbetween = {sides}\ncontact = true\n")
+    };
+    let error = refused(&between("[\"a.right\", \"b.left\"]"));
+    assert!(error.contains("do not face each other"), "{error}");
+    assert!(steklov_tests::parse(&between("[\"a.left\", \"b.right\"]"), &[]).is_ok());
+}

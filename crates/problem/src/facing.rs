@@ -17,10 +17,8 @@ use super::{Interface, Law, Other, Problem};
 
 /// Sides see each other where n·n' is below this.
 const FACING: f64 = -0.2;
-/// Part of the diameter of the smaller body below which distances are digits of a file: sides that are tied meet, corners are one.
+/// Part of the diameter of the smaller body below which distances are digits of a file: sides that are tied meet.
 const COINCIDE: f64 = 1e-6;
-/// Part of it up to which sides see each other that overlap as they are drawn, which is refused for itself.
-const DEEPEST: f64 = 0.1;
 /// A point closer to an end of an edge is there (edge parameter).
 const NEAR_END: f64 = 1e-9;
 /// Parts of an edge between which it is asked what is seen.
@@ -103,7 +101,7 @@ impl Problem {
         let near = self.coincidence(interface);
         match interface.law {
             Law::Tied(_) => [-near, near],
-            Law::Contact(_) => [-DEEPEST * self.smaller_extent(interface), f64::INFINITY],
+            Law::Contact(_) => [-10.0 * near, f64::INFINITY],
         }
     }
 

@@ -294,9 +294,11 @@ fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Res
         None => problem.carries_rather(&forward, &backward),
     };
     let chosen = if forward_carries { forward } else { backward };
-    problem
-        .check_facing(&chosen)
-        .map_err(|(message, help)| DataError::new(Kind::Geometry, between.item.place, message, help))?;
+    // bodies that overlap as they are drawn may be why
+    problem.check_facing(&chosen).map_err(|(message, help)| match problem.check_overlaps() {
+        Err((message, help)) => DataError::at(Kind::Geometry, &[vec!["body"]], message, help),
+        Ok(()) => DataError::new(Kind::Geometry, between.item.place, message, help),
+    })?;
     Ok(chosen)
 }
 
