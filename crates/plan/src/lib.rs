@@ -237,6 +237,10 @@ fn joint(scene: &Scene, interface: &Interface) -> Decision {
     let small = |d: f64| if d.abs() < 1e-12 * problem.outline.diameter() { 0.0 } else { d };
     let distance = match (small(low), small(high)) {
         (0.0, 0.0) => "they touch".to_owned(),
+        (low, high) if matches!(interface.law, Law::Tied(_)) => {
+            let near = problem.coincidence(interface);
+            format!("{low:.3e} to {high:.3e} apart, which is nothing up to {near:.1e}")
+        }
         (low, high) => format!("{low:.3e} to {high:.3e} apart"),
     };
     let (own, other) = (names(&interface.sides), names(problem.facing_sides(interface)));

@@ -30,6 +30,7 @@ mod check;
 mod cracks;
 mod error;
 mod facing;
+mod facing_check;
 mod facets;
 mod grid_fit;
 mod medium;
