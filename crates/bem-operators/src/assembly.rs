@@ -15,6 +15,7 @@
 
 use faer::Mat;
 
+use crate::condense::{Springs, add_springs};
 use crate::space::Dof;
 use crate::{BemError, Condensation, CondensedLoad, Partition};
 
@@ -56,6 +57,8 @@ pub struct Assembly {
     skeleton: Option<Skeleton>,
     /// Where held values go, in the order in which they are given.
     held: Vec<Holder>,
+    /// What holds the rotations of bodies that only touch along arcs about one centre.
+    springs: Vec<(usize, Springs)>,
 }
 
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,7 +88,8 @@ pub struct AssembledLoad {
 
 impl Assembly {
     /// Joins bodies, whose nodes follow one another, each given by its S_k. `partition` and `motions` are those of all nodes, the
-    /// former of Z: what it keeps or holds of a node with rows is w.
+    /// former of Z: what it keeps or holds of a node with rows is w. `rotations` are nodal vectors of single bodies that rows need
+    /// not leave free: springs hold them as couples, [`Assembly::spring_forces`].
     ///
     /// # Errors
     /// [`BemError::StiffnessSingular`] when bodies can move although what is kept does not; [`BemError::Cycle`].
@@ -94,11 +98,12 @@ impl Assembly {
         partition: &Partition,
         rows: &[Relative],
         motions: &[Vec<f64>],
+        rotations: &[(usize, Vec<f64>)],
     ) -> Result<Self, BemError> {
         if matrices.len() == 1 && rows.is_empty() {
             let held = vec![Holder::Body(0); partition.held.len()];
             let body = Condensation::new(matrices.remove(0), partition, motions)?;
-            return Ok(Self { bodies: vec![(0, body)], skeleton: None, held });
+            return Ok(Self { bodies: vec![(0, body)], skeleton: None, held, springs: Vec::new() });
         }
         let mut nodes: Vec<usize> =
             rows.iter().flat_map(|row| row.faced.iter().map(|f| f.0).chain([row.node])).collect();
@@ -106,10 +111,10 @@ impl Assembly {
         nodes.sort_unstable();
         nodes.dedup();
         let mut held = vec![Holder::Skeleton; partition.held.len()];
-        let (mut bodies, mut first) = (Vec::new(), 0);
+        let (mut bodies, mut first, mut springs) = (Vec::new(), 0, Vec::new());
         let mut stiffness = Mat::zeros(2 * nodes.len(), 2 * nodes.len());
         let mut alone: Vec<Vec<f64>> = Vec::new();
-        for (k, matrix) in matrices.into_iter().enumerate() {
+        for (k, mut matrix) in matrices.into_iter().enumerate() {
             let count = matrix.nrows() / 2;
             let own = first..first + count;
             let of_skeleton: Vec<usize> = nodes.iter().copied().filter(|node| own.contains(node)).collect();
@@ -129,8 +134,11 @@ impl Assembly {
                 alone = motions.iter().map(|motion| motion[2 * own.start..2 * own.end].to_vec()).collect();
                 alone.retain(|motion| motion.iter().any(|v| *v != 0.0));
             }
-            let springs = if of_skeleton.is_empty() { alone.as_slice() } else { &[] };
-            let body = Condensation::new(matrix, &of_body, springs)?;
+            let springs_alone = if of_skeleton.is_empty() { alone.as_slice() } else { &[] };
+            for (_, rotation) in rotations.iter().filter(|(body, _)| *body == k) {
+                springs.push((first, add_springs(matrix.as_mut(), &[without_mean(rotation)])));
+            }
+            let body = Condensation::new(matrix, &of_body, springs_alone)?;
             if let Some(node) = of_skeleton.first() {
                 let at = 2 * nodes.binary_search(node).unwrap_or(0);
                 let n = 2 * of_skeleton.len();
@@ -163,7 +171,7 @@ impl Assembly {
         });
         let motions: Vec<Vec<f64>> = motions.filter(|motion| motion.iter().any(|v| *v != 0.0)).collect();
         let condensation = Condensation::new(stiffness, &of_skeleton, &motions)?;
-        Ok(Self { bodies, skeleton: Some(Skeleton { condensation, nodes, rows }), held })
+        Ok(Self { bodies, skeleton: Some(Skeleton { condensation, nodes, rows }), held, springs })
     }
 
     /// S_c of what is kept, full storage.
@@ -237,8 +245,29 @@ impl Assembly {
     pub fn multiply(&self, displacement: &[f64]) -> Vec<f64> {
         let part =
             |(first, body): &(usize, Condensation)| body.multiply(&displacement[2 * first..2 * first + body.size()]);
-        self.bodies.iter().flat_map(part).collect()
+        let mut forces: Vec<f64> = self.bodies.iter().flat_map(part).collect();
+        if !self.springs.is_empty() {
+            forces.iter_mut().zip(self.spring_forces(displacement)).for_each(|(f, spring)| *f += spring);
+        }
+        forces
     }
+
+    /// The nodal forces of the springs that hold rotations: couples, as large as what rows do on the rotations.
+    pub fn spring_forces(&self, displacement: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; displacement.len()];
+        for (first, springs) in &self.springs {
+            let own = 2 * first..2 * first + springs.size();
+            forces[own.clone()].iter_mut().zip(springs.forces(&displacement[own])).for_each(|(f, spring)| *f += spring);
+        }
+        forces
+    }
+}
+
+/// A nodal vector of which no resultant is left.
+fn without_mean(nodal: &[f64]) -> Vec<f64> {
+    let nodes = (nodal.len() / 2) as f64;
+    let mean = [0, 1].map(|i| nodal.iter().skip(i).step_by(2).sum::<f64>() / nodes);
+    nodal.iter().enumerate().map(|(dof, v)| v - mean[dof % 2]).collect()
 }
 
 /// Numbers of rows in an order in which each comes before those of nodes that it faces.

@@ -211,8 +211,34 @@ impl Condensation {
     }
 }
 
-/// S + σ Σ r rᵀ with orthonormal r and σ the mean diagonal of S times the number of unknowns per motion.
-fn add_springs(mut s: MatMut<'_, f64>, motions: &[Vec<f64>]) {
+/// Springs that hold motions: forces -σ Σ r (r·u) on a displacement u.
+#[derive(Debug, Clone)]
+pub(crate) struct Springs {
+    /// σ.
+    stiffness: f64,
+    /// r, orthonormal.
+    motions: Vec<Vec<f64>>,
+}
+
+impl Springs {
+    /// Unknowns of the body.
+    pub(crate) fn size(&self) -> usize {
+        self.motions.first().map_or(0, Vec::len)
+    }
+
+    /// Their forces on the body.
+    pub(crate) fn forces(&self, displacement: &[f64]) -> Vec<f64> {
+        let mut forces = vec![0.0; displacement.len()];
+        for r in &self.motions {
+            let along: f64 = r.iter().zip(displacement).map(|(r, u)| r * u).sum();
+            forces.iter_mut().zip(r).for_each(|(f, r)| *f -= self.stiffness * along * r);
+        }
+        forces
+    }
+}
+
+/// S + σ Σ r rᵀ with orthonormal r and σ the mean diagonal of S.
+pub(crate) fn add_springs(mut s: MatMut<'_, f64>, motions: &[Vec<f64>]) -> Springs {
     let n = s.nrows();
     let scale = (0..n).map(|i| s[(i, i)]).sum::<f64>() / n as f64;
     let mut orthonormal: Vec<Vec<f64>> = Vec::new();
@@ -234,6 +260,7 @@ fn add_springs(mut s: MatMut<'_, f64>, motions: &[Vec<f64>]) {
             }
         }
     }
+    Springs { stiffness: scale, motions: orthonormal }
 }
 
 /// Turns the two unknowns of a node: S := Rᵀ S R with the directions as columns of R.

@@ -216,7 +216,9 @@ impl Body {
         contact: Option<&ContactResult>,
     ) -> Residual {
         let largest_diagonal = self.condensation.largest_diagonal();
-        let equations = Equations { forces, load, displacement, largest_diagonal, contact, tied: &self.tied };
+        let springs = self.condensation.spring_forces(displacement);
+        let forces: Vec<f64> = forces.iter().zip(springs).map(|(f, spring)| f - spring).collect();
+        let equations = Equations { forces: &forces, load, displacement, largest_diagonal, contact, tied: &self.tied };
         let supports = Supports { space: &self.space, held: &self.held };
         equations.residual(|dof| dof, |dof| supports.is_held(dof))
     }

@@ -16,7 +16,8 @@ use crate::contact::solve_problem;
 use crate::data::Data;
 use crate::error::SolveError;
 use crate::inclusion::Outside;
-use crate::joints::TiedNode;
+use crate::joints::{Joint, TiedNode};
+use crate::loose::Loose;
 use crate::motions::unresisted;
 use crate::parts::{Assembled, pieces};
 use crate::solution::{Seconds, Solved};
@@ -61,11 +62,13 @@ pub(crate) fn missed(mesh: &Mesh, space: &Space, motions: &[RigidMotion]) -> f64
     worst
 }
 
-/// Points and a load (x, y) at each of them.
-pub(crate) type PointLoad = (Vec<[f64; 2]>, Vec<f64>);
-
-/// Points and nodal load of a space that follows rotations to rounding, where the space of the mesh does not.
-pub(crate) fn rigid_load(data: &Data<'_>, given: &Given, missed: f64) -> Result<Option<PointLoad>, SolveError> {
+/// A space that follows rotations to rounding, where that of the mesh does not, and the nodal load (x, y) of it.
+pub(crate) fn rigid_load(
+    data: &Data<'_>,
+    given: &Given,
+    bodies: &[Assembled],
+    missed: f64,
+) -> Result<Option<(Space, Vec<f64>)>, SolveError> {
     if missed < NOTHING_MISSED {
         return Ok(None);
     }
@@ -73,12 +76,15 @@ pub(crate) fn rigid_load(data: &Data<'_>, given: &Given, missed: f64) -> Result<
     let mesh = Mesh { degree, ..data.mesh.clone() };
     let space = Space::new(&mesh);
     let mut load = Data { scene: data.scene, mesh: &mesh, space: &space }.load()?.nodal;
-    if let [Some(particular)] = given.particular.as_slice() {
+    for (body, particular) in bodies.iter().zip(&given.particular) {
+        let Some(particular) = particular else { continue };
+        let part = mesh.part(body.piece.elements.clone());
         // the rest of its load, S u_p, does no work on motions
-        let traction = particular.solution.traction_load(&mesh, &space);
-        load.iter_mut().zip(traction).for_each(|(f, t)| *f -= t);
+        let traction = particular.solution.traction_load(&part, &Space::new(&part));
+        let own = &mut load[2 * space.offset[body.piece.elements.start]..];
+        own.iter_mut().zip(traction).for_each(|(f, t)| *f -= t);
     }
-    Ok(Some((space.points, load)))
+    Ok(Some((space, load)))
 }
 
 /// What of a rotation may be missed.
@@ -155,13 +161,14 @@ fn partition(
 fn free_motions(
     data: &Data<'_>,
     given: &Given,
+    bodies: &[Assembled],
     candidates: &[RigidMotion],
     missed: f64,
 ) -> Result<Vec<RigidMotion>, SolveError> {
     let boundary = given.boundary.as_ref();
-    match rigid_load(data, given, missed)? {
+    match rigid_load(data, given, bodies, missed)? {
         None => unresisted((&data.space.points, &given.load), boundary, candidates),
-        Some((points, load)) => unresisted((&points, &load), boundary, candidates),
+        Some((space, load)) => unresisted((&space.points, &load), boundary, candidates),
     }
 }
 
@@ -199,24 +206,25 @@ fn assemble(
 /// miss on curves is taken out of the matrices, that it does not resist them.
 fn unresisted_motions(
     data: &Data<'_>,
-    (bodies, tied): (&mut [Assembled], &[TiedNode]),
+    bodies: &mut [Assembled],
+    (joints, tied): (&[Joint], &[TiedNode]),
     held: &[Held],
     matrices: &mut [Mat<f64>],
     given: &mut Given,
-) -> Result<(Vec<RigidMotion>, Vec<Vec<f64>>), SolveError> {
+) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
     let space = data.space;
     let supports = Supports { space, held };
     Ok(match bodies {
         [_] => {
             let candidates = data.scene.unresisted(0, supports.free_motions());
             let missed = missed(data.mesh, space, &candidates);
-            let free = free_motions(data, given, &candidates, missed)?;
+            let free = free_motions(data, given, bodies, &candidates, missed)?;
             let motions = nodal(&free, space);
             if missed > 0.0 {
                 project_off(&mut matrices[0], &nodal(&candidates, space));
                 project_load_off(&mut given.load, &motions);
             }
-            (free, motions)
+            (free, Loose { motions, rotations: Vec::new() })
         }
         bodies => {
             let bounded = |body: &Assembled| data.scene.problem.bodies[body.piece.body].far.is_none();
@@ -230,7 +238,11 @@ fn unresisted_motions(
                     *turning = candidates;
                 }
             }
-            (Vec::new(), data.loose_motions(bodies, &supports, given, tied)?)
+            let loose = data.loose_motions(bodies, joints, &supports, given, tied)?;
+            for (body, rotation) in &loose.rotations {
+                project_load_off(bodies[*body].piece.own_mut(&mut given.load), std::slice::from_ref(rotation));
+            }
+            (Vec::new(), loose)
         }
     })
 }
@@ -278,7 +290,7 @@ pub fn solve(
     }
 
     observe(Stage::Progress("condensation", 0.75))?;
-    let (free, motions) = unresisted_motions(&data, (&mut bodies, &tied), &held, &mut matrices, &mut given)?;
+    let (free, loose) = unresisted_motions(&data, &mut bodies, (&joints, &tied), &held, &mut matrices, &mut given)?;
     let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
     if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
         let candidates = scene.unresisted(0, supports.free_motions());
@@ -288,12 +300,12 @@ pub fn solve(
             load: &given.load,
             held: &partition.held,
             rigid: &nodal(&candidates, &space),
-            free: &motions,
+            free: &loose.motions,
             particular: given.particular[0].as_ref(),
         };
         given.stabilised = Some(solve_stabilised(&data, &of_stabilised)?);
     }
-    let condensation = Assembly::new(matrices, &partition, &rows, &motions)
+    let condensation = Assembly::new(matrices, &partition, &rows, &loose.motions, &loose.rotations)
         .map_err(|error| without_digits(error, &scene.problem, &bodies))?;
     seconds.factorise += clock.elapsed().as_secs_f64();
 
