@@ -41,6 +41,7 @@ mod outcome;
 mod outcomes;
 mod problem;
 mod random;
+mod random_check;
 mod sides;
 mod signals;
 mod source;
@@ -145,6 +146,7 @@ impl Scene {
     pub fn check(&self) -> Result<(), DataError> {
         self.problem.check_bodies()?;
         self.check_joints()?;
+        self.check_random()?;
         self.check_data()?;
         self.check_jumps()?;
         self.check_model()?;
@@ -164,6 +166,11 @@ impl Scene {
         let refuse = |key: &str, message: &str, help: &str| {
             Err(DataError::at(DataErrorKind::Unsupported, &[vec!["method", key]], message.to_owned(), help))
         };
+        if self.random.is_some() {
+            let message = "random input is for one body, and there are several";
+            let help = "leave out [random], or one body";
+            return Err(DataError::at(DataErrorKind::Unsupported, &[vec!["random"]], message, help));
+        }
         if self.method.multiplier == Multiplier::Stabilised {
             return refuse(
                 "multiplier",

@@ -15,9 +15,10 @@ pub struct Random {
     pub germs: Vec<Germ>,
     /// How to solve.
     pub stochastic: Stochastic,
-    /// Which data use random names.
+    /// Which data use random names: what [`Scene::uses`](super::Scene::uses) finds.
     pub uses: Uses,
-    /// For each germ where data have kinks or jumps, whatever the others: stochastic elements end there.
+    /// For each germ where data have kinks or jumps, whatever the others: stochastic elements end there. What
+    /// [`Scene::cuts`](super::Scene::cuts) finds.
     pub cuts: Vec<Vec<f64>>,
     /// Numbers of the problem that are random.
     pub constants: RandomConstants,

@@ -39,7 +39,7 @@ use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
     Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Law, Problem, Random, Scene, Side,
-    Source, Stochastic, Substance, Tie,
+    Source, Stochastic, Substance, Tie, Uses,
 };
 
 pub use error::{SceneError, located};
@@ -166,17 +166,16 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
     random::check_fields(&problem, &declared)?;
     let used = |name: &str| [&in_material, &in_sides, &in_body_force].iter().any(|u| u.contains(name));
     let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
-    let uses = random::uses(&problem, &is_random, in_material.iter().any(is_random), &in_body_force);
     let mut unused: Vec<String> = declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)).collect();
     unused.extend(unused_parameters(&parameter_uses, &used));
     let constants = random::constants(&fields, cavity, &is_random, &context)?;
     let (names, germs) = random::used(declared, &used)?;
-    let random = Random { names, germs, stochastic, uses, cuts: Vec::new(), constants };
+    let random = Random { names, germs, stochastic, uses: Uses::default(), cuts: Vec::new(), constants };
     let random = (!random.names.is_empty()).then_some(random);
     let mut scene = Scene { title, problem, parameters, probe, method, expect, random, unused };
-    let cuts = scene.random.as_ref().map(|random| scene.cuts(random));
-    if let (Some(random), Some(cuts)) = (&mut scene.random, cuts) {
-        random.cuts = cuts;
+    if let Some(mut random) = scene.random.take() {
+        (random.uses, random.cuts) = (scene.uses(&random), scene.cuts(&random));
+        scene.random = Some(random);
     }
     Ok(scene)
 }

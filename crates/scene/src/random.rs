@@ -1,12 +1,11 @@
 //! `[random]` and `[stochastic]`: variables, fields, and how to solve for all of their values.
 
-use std::collections::BTreeSet;
 use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::{Expression, Place, RandomField, Support};
 use steklov_problem::{
-    DataError, DataErrorKind as Kind, Germ, Problem, RandomConstants, RandomName, Sampling, Stochastic, Uses,
+    DataError, DataErrorKind as Kind, Germ, Problem, RandomConstants, RandomName, Sampling, Stochastic,
 };
 use steklov_stochastic::{Covariance, Distribution, Kernel, StochasticError, Truncation, Variable};
 
@@ -115,28 +114,6 @@ pub(super) fn check_poisson(
         )),
         None => Ok(()),
     }
-}
-
-/// Which data use a random name.
-pub(super) fn uses(
-    problem: &Problem,
-    is_random: &dyn Fn(&String) -> bool,
-    young: bool,
-    in_body_force: &BTreeSet<String>,
-) -> Uses {
-    let mut uses = Uses { young, loads: in_body_force.iter().any(is_random), ..Uses::default() };
-    for side in 0..problem.sides.len() {
-        for (what, expression) in problem.side_data(side) {
-            if expression.names().iter().any(is_random) {
-                match what {
-                    "traction" | "pressure" => uses.loads = true,
-                    "displacement" => uses.held = true,
-                    _ => uses.contact = true,
-                }
-            }
-        }
-    }
-    uses
 }
 
 /// The numbers of a scene that use random names; `cavity`: its modulus is that of the medium.

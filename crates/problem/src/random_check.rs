@@ -1,0 +1,86 @@
+//! Whether what random input says of a scene is what the expressions of the scene say.
+
+use steklov_expression::Expression;
+
+use super::{DataError, DataErrorKind as Kind, Random, RandomName, Scene, Uses};
+
+/// The data of an outcome that are made anew where they use random names.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Datum {
+    Young,
+    Load,
+    Contact,
+    Held,
+    /// It is always that of the outcome.
+    Remote,
+}
+
+impl Scene {
+    /// The expressions that may use random names, and what they give.
+    fn expressions<'a>(&'a self, random: &'a Random) -> Vec<(Datum, &'a Expression)> {
+        let mut all: Vec<(Datum, &Expression)> = Vec::new();
+        all.extend(random.constants.young.iter().map(|e| (Datum::Young, e)));
+        all.extend(random.constants.remote_stress.iter().flatten().map(|e| (Datum::Remote, e)));
+        all.extend(self.body().force.iter().flatten().map(|e| (Datum::Load, e)));
+        for side in 0..self.problem.sides.len() {
+            all.extend(self.problem.side_data(side).into_iter().map(|(what, e)| match what {
+                "traction" | "pressure" => (Datum::Load, e),
+                "displacement" => (Datum::Held, e),
+                _ => (Datum::Contact, e),
+            }));
+        }
+        all
+    }
+
+    /// Which data use random names.
+    pub fn uses(&self, random: &Random) -> Uses {
+        let all = self.expressions(random);
+        let varies = |e: &Expression| random.names.iter().any(|name| e.uses(name.name()));
+        let uses = |datum| all.iter().any(|(of, e)| *of == datum && varies(e));
+        Uses {
+            young: uses(Datum::Young),
+            loads: uses(Datum::Load),
+            contact: uses(Datum::Contact),
+            held: uses(Datum::Held),
+        }
+    }
+
+    /// Names and germs that are there, and what [`Scene::uses`] and [`Scene::cuts`] find in the expressions: what differs would
+    /// be solved with its nominal value, or with polynomials across a jump.
+    pub(super) fn check_random(&self) -> Result<(), DataError> {
+        let Some(random) = &self.random else { return Ok(()) };
+        let refuse = |message: String, help: &str| Err(DataError::at(Kind::Conflict, &[vec!["random"]], message, help));
+        let count = random.germs.len();
+        for name in &random.names {
+            let germs = match name {
+                RandomName::Variable { germ, .. } => *germ..*germ + 1,
+                RandomName::Field { field, first } => *first..*first + field.expansion.len(),
+            };
+            if germs.end > count {
+                let message = format!("{} has the germs {germs:?}, and random.germs has {count}", name.name());
+                return refuse(message, "give each variable one germ, and each field one for every mode");
+            }
+        }
+        let known = |name: &String| {
+            self.parameters.contains_key(name) || random.names.iter().any(|random| random.name() == name)
+        };
+        for (_, expression) in self.expressions(random) {
+            if let Some(name) = expression.names().iter().find(|name| !known(name)) {
+                let message = format!("{:?} uses {name}, which is neither random nor a parameter", expression.text());
+                let help = "add it to random.names, or to the parameters of the scene";
+                return Err(DataError::new(Kind::Conflict, expression.place, message, help));
+            }
+        }
+        let uses = self.uses(random);
+        if random.uses != uses {
+            let message = format!("random.uses is {:?}, and the expressions are {uses:?}", random.uses);
+            return refuse(message, "set random.uses to Scene::uses of the scene and its random input");
+        }
+        let cuts = self.cuts(random);
+        if random.cuts != cuts {
+            let message = format!("random.cuts is {:?}, and the expressions have {cuts:?}", random.cuts);
+            return refuse(message, "set random.cuts to Scene::cuts of the scene and its random input");
+        }
+        Ok(())
+    }
+}
