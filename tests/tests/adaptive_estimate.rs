@@ -1,7 +1,7 @@
 //! The estimate beside the true error, step by step, on the six problems with known energies and on every scene of the
 //! gallery.
 
-use steklov_model::estimate::Doubt;
+use steklov_model::doubt::Doubt;
 use steklov_problem::{Refine, Scene};
 use steklov_study::reference::true_error;
 use steklov_tests::{finer, gallery, judged, line, solved_in_steps};

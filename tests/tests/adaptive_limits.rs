@@ -4,8 +4,8 @@
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mesh, PairCache};
+use steklov_model::doubt::Doubt;
 use steklov_model::error::SolveError;
-use steklov_model::estimate::Doubt;
 use steklov_model::run::{Progress, Reason, run};
 use steklov_model::solve::solve;
 use steklov_model::stage::Stage;

@@ -9,9 +9,10 @@ use steklov_problem::{Refine, Scene};
 
 use crate::answer::{Report, report_of_boundary};
 use crate::body::Body;
+use crate::doubt::Doubt;
 use crate::elastic::EnrichedBody;
 use crate::error::SolveError;
-use crate::estimate::{Doubt, Estimate, ROUNDOFF, estimate, is_estimated};
+use crate::estimate::{Estimate, ROUNDOFF, estimate, is_estimated};
 use crate::hidden::Unseen;
 use crate::layout::Layout;
 use crate::memory::{Lack, lack};

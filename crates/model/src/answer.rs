@@ -7,8 +7,9 @@ use steklov_problem::{Scene, Solver, facets};
 use crate::around::Around;
 use crate::contact::ContactResult;
 use crate::data::Data;
+use crate::doubt::Doubt;
 use crate::energies::Energies;
-use crate::estimate::{Doubt, ROUNDOFF};
+use crate::estimate::ROUNDOFF;
 use crate::fields::probe;
 use crate::interfaces;
 use crate::large::is_large;
@@ -33,8 +34,8 @@ pub struct Report<'a> {
     pub energy: Option<[f64; 2]>,
     /// The estimated error (energy norm), and over the scale of the solution.
     pub error: Option<[f64; 2]>,
-    /// Doubts of the estimate, by their words.
-    pub doubts: Vec<String>,
+    /// What makes the estimate unreliable.
+    pub doubts: Vec<Doubt>,
     /// Whether the solution is known to be exact.
     pub exact: bool,
     /// The boundary.
@@ -75,13 +76,13 @@ pub fn answer<M: Model>(
     let mut doubts = report.doubts;
     doubts.extend(exterior.iter().filter_map(MediumSummary::doubt));
     if outcomes.is_some_and(|result| result.is_doubtful()) {
-        doubts.push(Doubt::Outcomes.word().to_owned());
+        doubts.push(Doubt::Outcomes);
     }
     if is_large(scene, report.trace) {
-        doubts.push("large".to_owned());
+        doubts.push(Doubt::Large);
     }
     if !facets(&scene.problem.outline).is_empty() {
-        doubts.push("facets".to_owned());
+        doubts.push(Doubt::Facets);
     }
     Summary {
         title: scene.title.clone(),
@@ -103,7 +104,7 @@ pub fn answer<M: Model>(
         friction_work: energies.friction_work,
         estimate: report.error.map(|[error, _]| error),
         estimate_relative: report.error.map(|[_, relative]| relative),
-        estimate_doubts: doubts,
+        estimate_doubts: doubts.iter().map(|doubt| doubt.word().to_owned()).collect(),
         iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact.map(|c| {
             let told = contact_summary(scene, report.trace, c, rows, report.located);
@@ -167,7 +168,7 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
         let error = estimate.map_or(scene.method.tolerance, |e| e.relative.max(scene.method.tolerance));
         reach = interfaces::reach(scene, solved, &joints, error);
     }
-    let doubts = estimate.iter().flat_map(|e| &e.doubts).map(|d| d.word().to_owned());
+    let doubts = estimate.iter().flat_map(|e| &e.doubts).copied();
     Report {
         energies: solved.energies,
         energy: estimate.map(|e| [e.energy, e.uncertainty]),

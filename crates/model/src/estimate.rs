@@ -18,6 +18,7 @@ use steklov_problem::{Indicator, Refine, Scene};
 
 use crate::body::{Body, Factors};
 use crate::data::Data;
+use crate::doubt::Doubt;
 use crate::elastic::{Elastic, EnrichedBody};
 use crate::enriched_problem::{Frame, System, frames};
 use crate::equilibrium::UNBALANCED;
@@ -72,43 +73,6 @@ pub struct Estimate {
     pub uncertainty: f64,
     /// What makes the estimate unreliable; empty if nothing does.
     pub doubts: Vec<Doubt>,
-}
-
-/// Why an estimate is not to be trusted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Doubt {
-    /// A transition of contact or stick lies inside an element: the frozen sets hide its error.
-    Transition,
-    /// The contact sets are still changing from mesh to mesh, or zones press by nothing beside the error: whether these are closed
-    /// rounding decides.
-    Sets,
-    /// The mesh is too coarse about singular points for one bubble an element to show the error: an element lies between two of
-    /// them, where its error may have the other parity, or one next to them is of high degree, where the next one adds
-    /// little. Or elements are longer than the body is thick there.
-    Coarse,
-    /// The loads vary within elements more than their degree follows: no bubble sees what they do.
-    Data,
-    /// Coulomb's law has several solutions on this mesh: another was found, or the fixed point leaves this one along a direction.
-    Several,
-    /// The error is down at rounding errors, or forces are out of balance by more than rounding may do.
-    Roundoff,
-    /// Outcomes of random input show contact, slip or data that the points at which it is solved do not.
-    Outcomes,
-}
-
-impl Doubt {
-    /// The word of the JSON object.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Transition => "transition",
-            Self::Sets => "sets",
-            Self::Coarse => "coarse",
-            Self::Data => "data",
-            Self::Several => "several",
-            Self::Roundoff => "roundoff",
-            Self::Outcomes => "outcomes",
-        }
-    }
 }
 
 /// Error over the geometric mean of η and of the correction, measured: the correction alone sees 0.6 to 0.95 of the error, η,

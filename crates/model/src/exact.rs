@@ -4,9 +4,10 @@ use steklov_bem_operators::Look;
 use steklov_problem::Scene;
 
 use crate::data::Data;
+use crate::doubt::Doubt;
 use crate::equilibrium::UNBALANCED;
 use crate::error::SolveError;
-use crate::estimate::{Doubt, Estimate, ROUNDOFF};
+use crate::estimate::{Estimate, ROUNDOFF};
 use crate::residual::Residual;
 use crate::solution::Solved;
 

@@ -4,6 +4,7 @@ use steklov_problem::{Interface, Law, Scene};
 
 use crate::contact::ContactResult;
 use crate::data::Data;
+use crate::doubt::Doubt;
 use crate::estimate::Estimate;
 use crate::joints::Joint;
 use crate::normals::Normals;
@@ -91,11 +92,11 @@ pub(crate) fn doubts(
     solved: &Solved,
     interfaces: &[InterfaceSummary],
     reach: &[ReachSummary],
-) -> Vec<String> {
+) -> Vec<Doubt> {
     let change: f64 = interfaces.iter().filter_map(|i| i.normals).map(|normals| normals.energy_change).sum();
     let matters = change > scene.method.tolerance * 2.0 * solved.energies.strain;
-    let found = [("normals", matters), ("reach", !reach.is_empty())];
-    found.into_iter().filter(|(_, is)| *is).map(|(doubt, _)| doubt.to_owned()).collect()
+    let found = [(Doubt::Normals, matters), (Doubt::Reach, !reach.is_empty())];
+    found.into_iter().filter(|(_, is)| *is).map(|(doubt, _)| doubt).collect()
 }
 
 fn of_contact(

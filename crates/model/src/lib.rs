@@ -21,6 +21,7 @@ mod corners;
 pub mod data;
 mod data_contact;
 mod data_work;
+pub mod doubt;
 mod elastic;
 pub mod energies;
 mod enriched_problem;

@@ -4,6 +4,8 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+use crate::doubt::Doubt;
+
 /// What a result is, in numbers. Lengths, stresses and forces per thickness in the units of the scene.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
@@ -197,8 +199,8 @@ pub struct MediumSummary {
 impl MediumSummary {
     /// `length` among the doubts: without balance displacements and energies, and with supports or contact also stresses and
     /// forces, are those of the length L.
-    pub(crate) fn doubt(&self) -> Option<String> {
-        (!self.balanced).then(|| "length".to_owned())
+    pub(crate) fn doubt(&self) -> Option<Doubt> {
+        (!self.balanced).then_some(Doubt::Length)
     }
 }
 

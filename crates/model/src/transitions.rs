@@ -12,7 +12,8 @@ use steklov_bem_operators::Mesh;
 use steklov_contact::{Decided, Located, TipKind};
 use steklov_problem::{Refine, Scene};
 
-use crate::estimate::{Doubt, Estimate, OF_SQUARE, ratio};
+use crate::doubt::Doubt;
+use crate::estimate::{Estimate, OF_SQUARE, ratio};
 use crate::first_mesh::singular_points;
 
 /// Squared energy norm of a tip that is off by δ, over E* B² |δ|³.

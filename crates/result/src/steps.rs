@@ -10,7 +10,8 @@ use steklov_io::{
     load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
 use steklov_model::adaptive::RefinedMesh;
-use steklov_model::estimate::{Bubble, Doubt, Estimate};
+use steklov_model::doubt::Doubt;
+use steklov_model::estimate::{Bubble, Estimate};
 use steklov_model::residual::Residual;
 use steklov_model::run::Step;
 use steklov_problem::Scene;
@@ -220,12 +221,9 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
     let &[relative, scale, correction, tips, energy, uncertainty] = terms.as_slice() else {
         return Err(invalid(at, "estimate_terms", format!("{} numbers, not 6", terms.len())));
     };
-    let doubts = load_texts(at, "doubts")?.into_iter().map(|word| {
-        let all = [Doubt::Transition, Doubt::Sets, Doubt::Coarse, Doubt::Data, Doubt::Several, Doubt::Roundoff];
-        all.into_iter()
-            .find(|d| d.word() == word)
-            .ok_or_else(|| invalid(at, "doubts", format!("unknown doubt {word:?}")))
-    });
+    let doubts = load_texts(at, "doubts")?
+        .into_iter()
+        .map(|word| Doubt::of_word(&word).ok_or_else(|| invalid(at, "doubts", format!("unknown doubt {word:?}"))));
     Ok(Estimate {
         indicators,
         residuals,

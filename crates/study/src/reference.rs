@@ -7,8 +7,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_bem_operators::{Mark, Mesh, PairCache, Piece, Space, Subdivision};
 use steklov_model::data::Data;
+use steklov_model::doubt::Doubt;
 use steklov_model::error::SolveError;
-use steklov_model::estimate::Doubt;
 use steklov_model::parts::pieces;
 use steklov_model::run::{Progress, Reason, Step, run};
 use steklov_model::solution::Solved;

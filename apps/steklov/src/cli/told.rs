@@ -1,6 +1,7 @@
 //! What is told of a result on stdout, and advice where it did not converge.
 
 use steklov_figures::stochastic;
+use steklov_model::doubt::Doubt;
 use steklov_model::report::TOUCHING;
 use steklov_model::run::Reason;
 use steklov_model::summary::{MediumSummary, Summary};
@@ -108,6 +109,10 @@ pub(super) fn print_summary(stored: &Record) {
     if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
         say(&format!("            J extrapolated {energy:.12e} ± {uncertainty:.1e}"));
     }
+    s.estimate_doubts
+        .iter()
+        .filter_map(|word| Doubt::of_word(word))
+        .for_each(|doubt| say(&format!("doubt       {doubt}")));
     s.exterior.iter().flat_map(far_away).for_each(|line| say(&line));
     if let Some(grid) = &s.grid {
         grid_lines(grid).iter().for_each(|line| say(line));

@@ -16,6 +16,7 @@ use super::solution::GridSolved;
 use super::solve::node_at;
 use super::trace::GridTrace;
 use crate::around::Around;
+use crate::doubt::Doubt;
 use crate::error::SolveError;
 
 /// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
@@ -98,10 +99,10 @@ pub const BLIND: f64 = 1e3;
 
 impl GridEstimate {
     /// Why it is not to be trusted.
-    pub fn doubts(&self) -> Vec<String> {
+    pub fn doubts(&self) -> Vec<Doubt> {
         let blind =
             self.crossed >= CROSSED || self.inside >= BLIND || self.crossing.is_some_and(|c| c.largest >= BLIND);
-        if blind { vec!["contrast".to_owned()] } else { Vec::new() }
+        if blind { vec![Doubt::Contrast] } else { Vec::new() }
     }
 }
 
