@@ -84,7 +84,7 @@ doubts! {
     Contrast: "contrast",
         "moduli differ so much inside coarse cells, along their edges or from corner to corner of a checkerboard that the estimate \
          is too small",
-        "align the coarse cells with the stiff parts, or take finer cells; `model = \"fem\"` where only the coarse cells are to blame";
+        "align the coarse cells with the stiff parts, or take finer cells; `model = \"fem\"`, with a `method.max_dofs` that allows it, where only the coarse cells are to blame";
     /// The directions of contact are uncertain by more than the tolerance.
     Normals: "normals",
         "the normals of two sides in contact differ so much that J is uncertain by more than the tolerance",

@@ -152,45 +152,56 @@ impl Problem {
     /// Whether bodies overlap as they are drawn.
     ///
     /// # Errors
-    /// What is wrong: the two bodies, a point and how deep it lies.
-    pub fn check_overlaps(&self) -> Result<(), (String, &'static str)> {
-        let bodies = self.outline.bodies();
-        for (a, loops) in bodies.iter().enumerate() {
-            for edge in loops.clone().flat_map(|l| &self.outline.edges()[self.outline.loops()[l].clone()]) {
-                for k in 0..2 * LOOKS {
-                    // on the boundary, and a little inside: bodies may share all of their boundaries
-                    let s = (k / 2) as f64 / LOOKS as f64 + 0.5 / LOOKS as f64;
-                    let (mut x, t) = (edge.point(s), edge.tangent(s));
-                    if k % 2 == 1 {
-                        let inset = INSET * self.extent(a);
-                        x = [x[0] - inset * t[1], x[1] + inset * t[0]];
-                        if !self.outline.is_in_body(a, x) {
-                            continue;
-                        }
-                    }
-                    for (b, other) in bodies.iter().enumerate().filter(|(b, _)| *b != a) {
-                        if !self.outline.is_in_body(b, x) {
-                            continue;
-                        }
-                        let boundary =
-                            other.clone().flat_map(|l| &self.outline.edges()[self.outline.loops()[l].clone()]);
-                        let depth = boundary.fold(f64::INFINITY, |least, edge| {
-                            edge.nearest(x, least).map_or(least, |(distance, _)| distance)
-                        });
-                        if depth > OVERLAP * self.extent(b).min(self.extent(a)) {
-                            let (a, b) = (&self.bodies[a].name, &self.bodies[b].name);
-                            return Err((
-                                format!(
-                                    "the point ({}, {}) of body {a:?} lies {depth:e} deep in body {b:?}",
-                                    x[0], x[1]
-                                ),
-                                "draw bodies that touch, and write an interference as a negative contact.gap",
-                            ));
-                        }
-                    }
-                }
+    /// What is wrong: the two bodies, the deepest of the points that are looked at, and how deep it lies.
+    pub fn check_overlaps(&self) -> Result<(), (String, String)> {
+        let bodies = self.outline.bodies().len();
+        let pairs = (0..bodies).flat_map(|a| (0..bodies).filter(move |&b| b != a).map(move |b| (a, b)));
+        for (a, b) in pairs {
+            let deepest = self.boundary_in(a, b).max_by(|(_, one), (_, two)| one.total_cmp(two));
+            let Some(([x, y], depth)) = deepest else { continue };
+            if depth > OVERLAP * self.extent(b).min(self.extent(a)) {
+                let (a, b, depth) = (&self.bodies[a].name, &self.bodies[b].name, rounded(depth));
+                return Err((
+                    format!("the point ({x}, {y}) of body {a:?} lies {depth} deep in body {b:?}"),
+                    format!(
+                        "draw bodies that touch, and write an interference as a negative contact.gap, here gap = \"-{depth}\", or as \
+                         the displacement_jump of a tie"
+                    ),
+                ));
             }
         }
         Ok(())
     }
+
+    /// Points of the boundary of body `a` that lie in body `b`, and how deep.
+    fn boundary_in(&self, a: usize, b: usize) -> impl Iterator<Item = ([f64; 2], f64)> {
+        let inset = INSET * self.extent(a);
+        // on the boundary, and a little inside: bodies may share all of their boundaries
+        let look = move |edge: &Edge, k: usize| {
+            let s = (k / 2) as f64 / LOOKS as f64 + 0.5 / LOOKS as f64;
+            let (x, t) = (edge.point(s), edge.tangent(s));
+            if k.is_multiple_of(2) {
+                Some(x)
+            } else {
+                Some([x[0] - inset * t[1], x[1] + inset * t[0]]).filter(|&x| self.outline.is_in_body(a, x))
+            }
+        };
+        let looks = self.edges_of_body(a).flat_map(move |edge| (0..2 * LOOKS).filter_map(move |k| look(edge, k)));
+        let deep = move |x: [f64; 2]| {
+            let nearer = |least: f64, edge: &Edge| edge.nearest(x, least).map_or(least, |(distance, _)| distance);
+            (x, self.edges_of_body(b).fold(f64::INFINITY, nearer))
+        };
+        looks.filter(move |&x| self.outline.is_in_body(b, x)).map(deep)
+    }
+
+    /// The edges of all loops of a body.
+    fn edges_of_body(&self, body: usize) -> impl Iterator<Item = &Edge> {
+        let loops = self.outline.bodies()[body].clone();
+        loops.flat_map(|l| &self.outline.edges()[self.outline.loops()[l].clone()])
+    }
+}
+
+/// To four digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
 }

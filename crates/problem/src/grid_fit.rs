@@ -1,10 +1,10 @@
 //! A polygon as a union of grid cells.
 
-use steklov_bem_operators::{Location, Polygon};
+use steklov_bem_operators::{Edge, Location, Polygon};
 use steklov_msfem::Grid;
 
 use super::moduli::whole;
-use super::{DataError, DataErrorKind as Kind, Scene};
+use super::{About, DataError, DataErrorKind as Kind, Scene};
 
 /// A corner this close to a grid point, in sides of the bounding box, is that point.
 const ON_GRID: f64 = 1e-9;
@@ -55,49 +55,85 @@ fn fits(polygon: &Polygon, cells: [usize; 2]) -> bool {
     })
 }
 
+/// The edges of all loops with the keys of the corner at which each begins, as the scene lists them.
+fn listed_edges(polygon: &Polygon) -> impl Iterator<Item = (Vec<Vec<String>>, &Edge)> {
+    let key = |loop_index: usize, corner: usize| {
+        let of_loop = match loop_index {
+            0 => vec!["body".to_owned()],
+            _ => vec!["body".to_owned(), "holes".to_owned(), (loop_index - 1).to_string()],
+        };
+        let of_corner = [&of_loop[..], &["corners".to_owned(), corner.to_string()]].concat();
+        vec![of_corner, of_loop]
+    };
+    polygon.loops().iter().enumerate().flat_map(move |(l, range)| {
+        polygon.edges()[range.clone()].iter().enumerate().map(move |(corner, edge)| (key(l, corner), edge))
+    })
+}
+
+/// Checks that the edges of the body are parallel to the axes, as those of grid cells are.
+///
+/// # Errors
+/// The first edge, as the scene lists them, that is not.
+pub(super) fn check_edges(scene: &Scene) -> Result<(), DataError> {
+    let polygon = &scene.problem.outline;
+    let (_, size) = bounding_box(polygon);
+    for (keys, edge) in listed_edges(polygon) {
+        let [a, b] = edge.listed();
+        let oblique = (0..2).all(|k| (b[k] - a[k]).abs() > ON_GRID * size[k]);
+        let how = match (edge.is_line(), oblique) {
+            (false, _) => "curved",
+            (true, true) => "neither horizontal nor vertical",
+            (true, false) => continue,
+        };
+        let message = format!(
+            "the edge from ({}, {}) to ({}, {}) is {how}, and a grid of rectangles has none like it",
+            a[0], a[1], b[0], b[1]
+        );
+        let help = format!("replace it by steps along the axes; or {}", without_grid(scene));
+        return Err(DataError { kind: Kind::Geometry, message, help, about: About::Keys(keys) });
+    }
+    Ok(())
+}
+
+/// How a body in a medium is solved by boundary elements alone, whatever its outline, holes and constant force.
+pub(super) const AS_TWO_BODIES: &str = "write the body and the medium as two [[body]] tables, the medium with medium = {} and the outline \
+                                        of the body as one of its [[body.holes]], and an [[interface]] with tied = true";
+
+/// How a body is solved without a grid.
+pub(super) fn without_grid(scene: &Scene) -> String {
+    let what = if scene.body().cells().is_some() {
+        "give one Young's modulus, material.young"
+    } else if scene.body().force.is_some() && scene.body().constant_force().is_none() {
+        "give one constant body force"
+    } else if scene.problem.medium().is_some() {
+        AS_TWO_BODIES
+    } else {
+        "leave method.model at \"auto\""
+    };
+    format!("{what}, without [grid]: boundary elements take any outline")
+}
+
 /// Checks that the body is a union of cells: its edges are parallel to the axes, its corners points of the grid that
 /// `name` names ("coarse", "fine").
 ///
 /// # Errors
 /// The first corner, as the scene lists them, at which it is not: with the nearest grid point and the spacing.
 pub fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), DataError> {
+    check_edges(scene)?;
     let polygon = &scene.problem.outline;
     let (low, size) = bounding_box(polygon);
-    for (loop_index, range) in polygon.loops().iter().enumerate() {
-        for (corner, edge) in polygon.edges()[range.clone()].iter().enumerate() {
-            let [a, b] = edge.listed();
-            let (hole, k) = (loop_index.saturating_sub(1).to_string(), corner.to_string());
-            let key = match loop_index {
-                0 => vec!["body", "corners", &k],
-                _ => vec!["body", "holes", &hole, "corners", &k],
-            };
-            let refuse = |message: String, help: &str| Err(DataError::at(Kind::Geometry, &[key], message, help));
-            if !edge.is_line() {
-                let message = format!("the edge from ({}, {}) to ({}, {}) is curved", a[0], a[1], b[0], b[1]);
-                return refuse(
-                    message,
-                    "the body is made of grid cells: give it straight edges along the axes, or leave [grid] out",
-                );
-            }
-            if (0..2).all(|k| (b[k] - a[k]).abs() > ON_GRID * size[k]) {
-                let message = format!(
-                    "the edge from ({}, {}) to ({}, {}) is neither horizontal nor vertical, as grids of rectangles need it",
-                    a[0], a[1], b[0], b[1]
-                );
-                let help = "replace it by steps along the axes; boundary elements take any polygon, of one material";
-                return refuse(message, help);
-            }
-            let (near, on) = nearest((low, size), cells, a);
-            if !on || near == nearest((low, size), cells, b).0 {
-                let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
-                let point = [0, 1].map(|k| low[k] + size[k] * near[k] / cells[k] as f64);
-                let message = format!(
-                    "the corner ({}, {}) is no point of the {name} grid: the nearest one is ({}, {}), the spacing is {} by {}",
-                    a[0], a[1], point[0], point[1], spacing[0], spacing[1]
-                );
-                let help = format!("move the corner there, or change [grid], such as to {}", fitting_grid(scene));
-                return refuse(message, &help);
-            }
+    for (keys, edge) in listed_edges(polygon) {
+        let [a, b] = edge.listed();
+        let (near, on) = nearest((low, size), cells, a);
+        if !on || near == nearest((low, size), cells, b).0 {
+            let spacing = [0, 1].map(|k| size[k] / cells[k] as f64);
+            let point = [0, 1].map(|k| low[k] + size[k] * near[k] / cells[k] as f64);
+            let message = format!(
+                "the corner ({}, {}) is no point of the {name} grid: the nearest one is ({}, {}), the spacing is {} by {}",
+                a[0], a[1], point[0], point[1], spacing[0], spacing[1]
+            );
+            let help = format!("move the corner there, or change [grid], such as to {}", fitting_grid(scene));
+            return Err(DataError { kind: Kind::Geometry, message, help, about: About::Keys(keys) });
         }
     }
     Ok(())

@@ -5,6 +5,7 @@ use steklov_coupling::Radiation;
 use steklov_elastic::{Material, RigidMotion};
 use steklov_expression::Expression;
 
+use super::grid_fit::AS_TWO_BODIES;
 use super::{BasisInput, Condition, DataError, DataErrorKind as Kind, Indicator, Law, Model, Scene};
 
 /// What a medium does far away.
@@ -317,11 +318,13 @@ impl Scene {
         if model == Model::Bem {
             if self.problem.outline.loops().len() > 1 {
                 let message = "boundary elements of a body in a medium cannot have holes in the body";
-                return refuse(Kind::Unsupported, &["body", "holes"], message, "use model = \"fem-bem\" with a [grid]");
+                let help = format!("{AS_TWO_BODIES}; or use model = \"fem-bem\" with a [grid]");
+                return refuse(Kind::Unsupported, &["body", "holes"], message, &help);
             }
             if self.body().force.is_some() {
                 let message = "boundary elements of a body in a medium carry no body force";
-                return refuse(Kind::Unsupported, &["body_force"], message, "use model = \"fem-bem\" with a [grid]");
+                let help = format!("{AS_TWO_BODIES}; or use model = \"fem-bem\" with a [grid]");
+                return refuse(Kind::Unsupported, &["body_force"], message, &help);
             }
             if self.method.indicator == Indicator::Residual {
                 let message = "boundary elements of a body in a medium have no residual indicator";

@@ -2,7 +2,7 @@
 
 use steklov_expression::Expression;
 
-use super::grid_fit::fitting_grid;
+use super::grid_fit::{AS_TWO_BODIES, check_edges, fitting_grid, without_grid};
 use super::{
     BasisInput, DataError, DataErrorKind as Kind, GridInput, Indicator, Model, Multiplier, Scene, check_body,
     check_modulus_cells,
@@ -95,10 +95,11 @@ impl Scene {
 
     /// A grid is needed, and there is none.
     pub fn grid_error(&self) -> DataError {
-        let add = format!("add {}", fitting_grid(self));
+        let fits = check_edges(self).is_ok();
+        let add = if fits { format!("add {}", fitting_grid(self)) } else { without_grid(self) };
         let asked = self.method.model != Model::Auto;
         if self.body().cells().is_none() && !asked {
-            let help = format!("give one constant force, or {add}");
+            let help = if fits { format!("give one constant force, or {add}") } else { add.clone() };
             if let Some(error) = self.force_that_varies(&help) {
                 return error;
             }
@@ -108,7 +109,9 @@ impl Scene {
             (false, Some(_)) => ("a material that differs from cell to cell needs a [grid]", vec!["material", "cells"]),
             (false, None) => ("a body with a force or holes in it, in a medium, needs a [grid]", vec!["body"]),
         };
-        DataError::at(Kind::MissingKey, &[key], message, &add)
+        let no_grid = if fits { "" } else { ", and no grid has edges like its outline" };
+        let help = if fits && key == ["body"] { format!("{AS_TWO_BODIES}; or {add}") } else { add };
+        DataError::at(Kind::MissingKey, &[key], format!("{message}{no_grid}"), help)
     }
 
     /// Finite elements: what they cannot treat, and whether body and modulus cells fit the grid.

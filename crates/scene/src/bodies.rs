@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Plane;
-use steklov_expression::Expression;
+use steklov_expression::{Expression, nearest};
 use steklov_problem::{
     Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, Interface, Law, Other, Problem, Substance,
     Tie,
@@ -192,6 +192,19 @@ fn conditions(
     Ok(())
 }
 
+/// Help for a name that no side has: one like it on the body that is named, else the sides of that body; without that body the
+/// whole name most like it.
+fn side_like(text: &str, problem: &Problem) -> String {
+    let names = problem.sides.iter().map(|side| side.name.as_str());
+    let Some((body, side)) = text.rsplit_once('.') else { return suggestion(text, names) };
+    let own: Vec<&str> = names.clone().filter_map(|name| name.strip_prefix(body)?.strip_prefix('.')).collect();
+    match (nearest(side, own.iter().copied()), own.is_empty()) {
+        (Some(near), _) => format!("did you mean {body}.{near}?"),
+        (None, true) => suggestion(text, names),
+        (None, false) => format!("the sides of {body} are {}", own.join(", ")),
+    }
+}
+
 /// The sides that a name or a list of names means, all of one body or, where `several`, of some.
 fn named_sides(field: &Field<'_>, problem: &Problem) -> Result<Vec<usize>, DataError> {
     let names = if matches!(field.item.value, Value::Array(_)) {
@@ -204,8 +217,7 @@ fn named_sides(field: &Field<'_>, problem: &Problem) -> Result<Vec<usize>, DataE
         let text = name.text()?;
         let Some(side) = problem.sides.iter().position(|side| side.name == text) else {
             let message = format!("there is no side {text:?}");
-            let help = suggestion(text, problem.sides.iter().map(|side| side.name.as_str()));
-            return Err(DataError::new(Kind::UnknownKey, name.item.place, message, help));
+            return Err(DataError::new(Kind::UnknownKey, name.item.place, message, side_like(text, problem)));
         };
         let twice =
             problem.interfaces.iter().any(|i| i.sides.contains(&side) || problem.facing_sides(i).contains(&side));
@@ -231,7 +243,7 @@ fn named_sides(field: &Field<'_>, problem: &Problem) -> Result<Vec<usize>, DataE
 fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Result<Interface, DataError> {
     let fields = Fields::new(field, &keys::INTERFACE)?;
     let between = fields.require("between", "between = [\"a.top\", \"b.bottom\"]")?;
-    let [first, second] = between.pair()?;
+    let [first, second] = between.pair("one for each of the two bodies that meet")?;
     let [a, b] = [named_sides(&first, problem)?, named_sides(&second, problem)?];
     let bodies = |sides: &[usize]| {
         let mut bodies: Vec<usize> = sides.iter().map(|&side| problem.body_of_side(side)).collect();

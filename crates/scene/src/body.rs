@@ -191,7 +191,7 @@ pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Ex
 
 /// The two components of a force per area.
 pub(super) fn force(value: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
-    let [x, y] = value.pair()?;
+    let [x, y] = value.components()?;
     let expressions = [x.expression_inside(context)?, y.expression_inside(context)?];
     for (expression, field) in expressions.iter().zip([x, y]) {
         if let Some(number) = expression.constant().filter(|v| !v.is_finite()) {

@@ -237,7 +237,7 @@ fn elliptic(
 
 fn cubic(of: &Fields<'_>) -> Result<Path, DataError> {
     let field = of.require("control", "control = [[x, y], [x, y]]")?;
-    let [first, second] = field.pair()?;
+    let [first, second] = field.pair("one for each control point")?;
     Ok(Path::Cubic { control: [first.point()?, second.point()?] })
 }
 

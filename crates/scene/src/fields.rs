@@ -158,18 +158,23 @@ impl<'a> Field<'a> {
         Ok(list.iter().enumerate().map(|(k, item)| Field { name: format!("{}[{k}]", self.name), item }).collect())
     }
 
-    /// The two entries of a list.
-    pub(super) fn pair(&self) -> Result<[Field<'a>; 2], DataError> {
+    /// The two entries of a list; `of` says what they are.
+    pub(super) fn pair(&self, of: &str) -> Result<[Field<'a>; 2], DataError> {
         let list = self.list()?;
         let count = list.len();
-        list.try_into().map_err(|_| {
-            self.problem(format!("{} has {count} entries", self.name), "it takes two, one for x and one for y")
-        })
+        let entries = if count == 1 { "entry" } else { "entries" };
+        list.try_into()
+            .map_err(|_| self.problem(format!("{} has {count} {entries}", self.name), format!("it takes two, {of}")))
+    }
+
+    /// The two entries of a list, of x and y.
+    pub(super) fn components(&self) -> Result<[Field<'a>; 2], DataError> {
+        self.pair("one for x and one for y")
     }
 
     /// A point or vector of two plain, finite numbers.
     pub(super) fn point(&self) -> Result<[f64; 2], DataError> {
-        let [x, y] = self.pair()?;
+        let [x, y] = self.components()?;
         Ok([x.number()?, y.number()?])
     }
 
@@ -199,7 +204,7 @@ impl<'a> Field<'a> {
 
     /// The values of two expressions.
     pub(super) fn expressions(&self, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
-        let [x, y] = self.pair()?;
+        let [x, y] = self.components()?;
         Ok([x.expression(context)?, y.expression(context)?])
     }
 

@@ -16,7 +16,7 @@ use super::tree::Value;
 pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, DataError> {
     let fields = Fields::new(field, &keys::GRID)?;
     let counts = |key: &str| {
-        let [x, y] = fields.require(key, &format!("{key} = [cells along x, cells along y]"))?.pair()?;
+        let [x, y] = fields.require(key, &format!("{key} = [cells along x, cells along y]"))?.components()?;
         Ok([x.whole(1, MOST_CELLS)?, y.whole(1, MOST_CELLS)?])
     };
     let (coarse, fine) = (counts("coarse")?, counts("fine")?);

@@ -107,13 +107,54 @@ const TABLES: [(&str, &[&str]); 13] = [
     ("interface", &INTERFACE),
 ];
 
-/// Help for a key that is unknown in a table with these entries and known keys: where such a key belongs, or the nearest one.
+/// Keys that scenes do not have, as other programs call them, and what to write instead.
+const INSTEAD: [(&[&str], &str); 8] = [
+    (
+        &["thickness", "depth"],
+        "everything is per unit thickness: divide forces by it, and multiply forces of the result by it",
+    ),
+    (
+        &["density", "rho", "gravity", "weight", "unit_weight"],
+        "write the weight per volume, density times gravity: [body_force] value = [\"0\", \"-7.85e-5\"]",
+    ),
+    (
+        &["force", "forces", "load", "loads", "point_load"],
+        "write a force as a traction, force over length of the side (and thickness): [sides.NAME] traction = [\"0\", \"-1\"]; a \
+         force on the whole body is [body_force] value",
+    ),
+    (
+        &["moment", "torque"],
+        "write a moment as a traction that varies along its side, such as traction = [\"y\", \"0\"] on one that is upright",
+    ),
+    (
+        &["e", "e_modulus", "modulus", "youngs_modulus", "elasticity"],
+        "write young = 200.0, in the scene's unit of stress",
+    ),
+    (&["nu", "poisson_ratio", "poissons_ratio"], "write poisson = 0.3"),
+    (
+        &["fixed", "fix", "support", "supports", "clamped", "hold", "roller"],
+        "write displacement = [\"0\", \"0\"] on the side, \"free\" for a component that may move",
+    ),
+    (
+        &["mesh", "mesh_size", "element_size"],
+        "the mesh follows from method.tolerance; method.elements is the number of the first one",
+    ),
+];
+
+/// Help for a key that is unknown in a table with these entries and known keys: where such a key belongs, what other programs'
+/// key it is, or the nearest one.
 pub(super) fn help(key: &str, known: &[&str], entries: &[Entry]) -> String {
     let near = || nearest(key, known.iter().copied());
     let elsewhere = || nearest(key, TABLES.iter().flat_map(|(_, keys)| keys.iter().copied()));
-    match homes(key, entries).or_else(|| if near().is_none() { homes(elsewhere()?, entries) } else { None }) {
-        Some(homes) => format!("did you mean {homes}?"),
-        None => suggestion(key, known.iter().copied()),
+    let lower = key.to_lowercase();
+    let instead = INSTEAD.iter().find(|(words, _)| words.contains(&lower.as_str())).map(|(_, help)| *help);
+    match (homes(key, entries), instead) {
+        (Some(homes), _) => format!("did you mean {homes}?"),
+        (None, Some(help)) => help.to_owned(),
+        (None, None) => match elsewhere().filter(|_| near().is_none()).and_then(|key| homes(key, entries)) {
+            Some(homes) => format!("did you mean {homes}?"),
+            None => suggestion(key, known.iter().copied()),
+        },
     }
 }
 
@@ -139,7 +180,9 @@ fn homes(key: &str, entries: &[Entry]) -> Option<String> {
     };
     let there: Vec<&str> = with_key().filter(is_there).collect();
     let named = if there.is_empty() && homes.is_empty() { with_key().collect() } else { there };
-    homes.extend(named.iter().map(|name| format!("{name}.{key}")));
+    // of a list of tables the first one stands for all
+    let is_list = |name: &str| table(name).is_some_and(|item| matches!(item.value, Value::Array(_)));
+    homes.extend(named.iter().map(|name| format!("{name}{}.{key}", if is_list(name) { ".0" } else { "" })));
     (!homes.is_empty()).then(|| homes.join(" or "))
 }
 

@@ -30,6 +30,7 @@ mod method;
 mod random;
 mod grid;
 mod exterior;
+mod foreign;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -47,6 +48,7 @@ pub use error::{SceneError, located};
 use body::Parameters;
 use cracks::Cracks;
 use fields::{Context, Field, Fields};
+use foreign::foreign;
 use sides::Given;
 use tree::{Item, suggestion};
 
@@ -72,6 +74,9 @@ impl Document {
         let bytes = std::fs::read(path).map_err(|e| {
             SceneError::unreadable(&name, e, "check the path; `steklov new` prints a scene to start from")
         })?;
+        if let Some((what, help)) = foreign(&bytes) {
+            return Err(SceneError::unreadable(&name, format_args!("it is {what}, not a scene"), help));
+        }
         let text = String::from_utf8(bytes).map_err(|e| {
             SceneError::unreadable(&name, e.utf8_error(), "a scene is TOML text in UTF-8; is this another file?")
         })?;

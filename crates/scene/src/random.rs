@@ -191,7 +191,7 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, DataError> {
         |field: &Field<'_>| field.number_where(|v| v > 0.0 && v.is_finite(), "a positive length, or one for each axis");
     let correlation = match correlation.item.value {
         Value::Array(_) => {
-            let [x, y] = correlation.pair()?;
+            let [x, y] = correlation.components()?;
             [length(&x)?, length(&y)?]
         }
         _ => [length(&correlation)?; 2],

@@ -66,7 +66,7 @@ fn displacement(
     context: &Context<'_>,
 ) -> Result<Condition, DataError> {
     let mut values = [None, None];
-    for (value, component) in values.iter_mut().zip(field.pair()?) {
+    for (value, component) in values.iter_mut().zip(field.components()?) {
         let free = matches!(&component.item.value, Value::Text(text) if text.trim() == "free");
         *value = if free { None } else { Some(component.expression(context)?) };
     }
@@ -89,7 +89,7 @@ fn displacement(
             "remove the traction, or make a component of the displacement \"free\"",
         ));
     }
-    for ((value, force), component) in values.iter().zip(&traction).zip(loaded.pair()?) {
+    for ((value, force), component) in values.iter().zip(&traction).zip(loaded.components()?) {
         if value.is_some() && force.constant() != Some(0.0) {
             return Err(DataError::new(
                 Kind::Conflict,

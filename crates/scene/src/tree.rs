@@ -223,12 +223,16 @@ fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<
             Ok(&mut entries[at].item)
         }
         Value::Array(list) => {
-            let count = list.len();
+            let (count, name) = (list.len(), Value::Text(key.clone()));
+            let named =
+                |item: &Item| item.at(&["name"]).is_some_and(|own| own.same(&Item { value: name.clone(), place }));
+            let by_name = list.iter().position(named);
             key.parse::<usize>().ok().and_then(|index| list.get_mut(index)).ok_or_else(|| {
                 let message = format!("{parent} is a list of {count} entries and has no entry {key}");
-                let help = match count {
-                    0 => format!("set the whole list: --set '{parent}=[...]'"),
-                    _ => format!("count from 0 to {}", count - 1),
+                let help = match by_name {
+                    Some(index) => format!("did you mean {parent}.{index}?"),
+                    None if count == 0 => format!("set the whole list: --set '{parent}=[...]'"),
+                    None => format!("count from 0 to {}", count - 1),
                 };
                 DataError::new(Kind::UnknownKey, place, message, help)
             })

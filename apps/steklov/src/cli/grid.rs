@@ -33,12 +33,14 @@ pub(super) fn grid_lines(grid: &GridSummary) -> Vec<String> {
 /// Where multiscale bases fail.
 pub(super) fn crossing_warning(grid: &GridSummary) -> Option<String> {
     let (contrast, [x, y], share) = (grid.crossing_contrast?, grid.crossing_at?, grid.crossing_share?);
+    let fem = if grid.boundary_elements.is_some() { "fem-bem" } else { "fem" };
     (contrast >= FAILING).then(|| {
         format!(
             "moduli differ by {contrast:.1e} along a coarse edge at ({x}, {y}), and by 100 or more on {:.0} % of them: \
-             multiscale elements fail there{}; align the coarse cells with the inclusions, or use model = \"fem\"",
+             multiscale elements fail there{}; align the coarse cells with the inclusions, or use model = \"{fem}\" with method.max_dofs = {} or more",
             100.0 * share,
-            if contrast >= BLIND { ", and their estimate is too small" } else { "" }
+            if contrast >= BLIND { ", and their estimate is too small" } else { "" },
+            grid.fine_dofs
         )
     })
 }

@@ -18,6 +18,14 @@ pub(super) fn check_output(out: &Path, scene: &Path, replace: bool) -> Result<()
     if out.is_dir() {
         return Err(Failure(format!("error: {} is a folder; name a file with --out", out.display())));
     }
+    let folder = out.parent().filter(|folder| *folder != Path::new(""));
+    if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {
+        let (is, remedy) = match folder.symlink_metadata() {
+            Ok(_) => ("is no folder", "name another one with --out"),
+            Err(_) => ("does not exist", "create it, or name another one with --out"),
+        };
+        return Err(Failure(format!("error: the folder {} of the result file {is}: {remedy}", folder.display())));
+    }
     if is_special(out) {
         let error = IoError::NotRegular { path: out.to_owned() };
         return Err(Failure(format!("error: {error} with --out")));

@@ -61,8 +61,8 @@ pub const CASES: &[Case] = &[
         "between = [\"upper.bottom\"]",
         17,
         "[\"upper.bottom\"]",
-        "has 1 entries",
-        "it takes two",
+        "has 1 entry",
+        "one for each of the two bodies that meet",
     ),
     of(
         "between = [\"upper.bottom\", \"lower.top\"]",
@@ -186,8 +186,8 @@ pub const CASES: &[Case] = &[
         "corners = [[0, -0.05], [1, -0.05], [1, 1], [0, 1]]",
         2,
         "",
-        "deep in body",
-        "negative contact.gap",
+        "lies 0.05 deep in body",
+        "negative contact.gap, here gap = \"-0.05\"",
     ),
     of(
         "contact = true",

@@ -1,0 +1,33 @@
+//! Files of other kinds that are given as scenes.
+
+/// What a file is that begins like one of another kind, and what to do with it.
+pub(super) fn foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+    const DRAWING: &str = "a scene is TOML text: write the points of the drawing as body.corners, what is round as circle, ellipse, arcs \
+                           or curves; `steklov new` prints a scene to start from";
+    const PICTURE: &str = "a scene is TOML text; `steklov new` prints one to start from";
+    let start = &bytes[..bytes.len().min(4096)];
+    let text = String::from_utf8_lossy(start);
+    let text = text.trim_start_matches('\u{feff}').trim_start();
+    let mut lines = text.lines().map(str::trim);
+    let is_dxf = match (lines.next(), lines.next()) {
+        (Some("0"), Some("SECTION")) | (Some("999"), Some(_)) => true,
+        _ => text.starts_with("AutoCAD Binary DXF"),
+    };
+    if text.starts_with('<') && text.contains("<svg") {
+        Some(("a drawing (SVG)", DRAWING))
+    } else if is_dxf {
+        Some(("a drawing (DXF)", DRAWING))
+    } else if start.starts_with(b"AC10") {
+        Some(("a drawing (DWG)", DRAWING))
+    } else if text.starts_with("ISO-10303-21") {
+        Some(("a drawing (STEP)", DRAWING))
+    } else if start.starts_with(b"%PDF") || start.starts_with(b"%!PS") {
+        Some(("a page (PDF or PostScript)", DRAWING))
+    } else if start.starts_with(b"\x89PNG") || start.starts_with(b"\xff\xd8\xff") {
+        Some(("a picture (PNG or JPEG)", PICTURE))
+    } else if start.starts_with(b"\x89HDF") {
+        Some(("an HDF5 file", "`steklov show` shows a result; the scene that it was made of is its data set `scene`"))
+    } else {
+        None
+    }
+}
