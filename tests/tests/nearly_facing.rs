@@ -300,6 +300,61 @@ fn a_pin_that_a_couple_turns_is_refused() {
     assert_eq!(solved(&pin(1e-3, ["0.1", "-1"], bore, "contact = true"), &[]).reason, "tolerance");
 }
 
+/// Friction bounds are those of the side that carries, per its length: what those of the other one change is told. Rings that slip
+/// all around, with 2 % more length outside, and a coefficient that varies over the distance of two blocks.
+#[test]
+fn friction_of_the_other_side_is_told() {
+    let ring = |name: &str, [inner, outer]: [f64; 2]| {
+        format!(
+            "[[body]]\nname = \"{name}\"\ncircle = {{ centre = [0, 0], radius = {outer:?} }}\nside = \"out\"\n\
+             material = {{ young = 100.0, poisson = 0.3 }}\n[[body.holes]]\n\
+             circle = {{ centre = [0, 0], radius = {inner:?} }}\nside = \"in\"\n"
+        )
+    };
+    let rings = ring("a", [0.5, 1.0])
+        + &ring("b", [1.02, 2.0])
+        + "[sides.a.in]\ndisplacement = [\"-0.005*y\", \"0.005*x\"]\n[sides.b.out]\ndisplacement = [\"0\", \"0\"]\n\
+           [[interface]]\nbetween = [\"a.out\", \"b.in\"]\n\
+           contact = { gap = \"-0.0201\", friction = { tresca = \"0.05\" } }\n";
+    let blocks = block("a", [[0.0, 0.05], [1.0, 0.05], [1.0, 1.0], [0.0, 1.0]], 100.0)
+        + &block("b", LOWER, 100.0)
+        + "[sides.b.bottom]\ndisplacement = [\"0\", \"0\"]\n[sides.a.top]\ndisplacement = [\"0.03\", \"-0.01\"]\n\
+           [[interface]]\nbetween = [\"a.bottom\", \"b.top\"]\n\
+           contact = { gap = \"-0.05\", friction = { coulomb = \"0.1+2*y\" } }\n";
+    // to first order, which the coefficient that is doubled is not
+    for (text, sides, within) in [(rings, ["a.out", "b.in"], [0.95, 1.05]), (blocks, ["a.bottom", "b.top"], [0.5, 1.5])]
+    {
+        let of = |side: &str| solved(&format!("{text}multiplier = \"{side}\"\n"), &["method.tolerance=1e-4"]);
+        let told = sides.map(of);
+        let [a, b] = told.each_ref().map(energy);
+        for of in &told {
+            let normals = of.interfaces[0].normals.unwrap();
+            let ratio = (a[0] - b[0]).abs() / normals.energy_change;
+            assert!(within[0] < ratio && ratio < within[1], "{ratio} {normals:?} {a:?} {b:?}");
+            assert!(normals.energy_change > 20.0 * (a[1] + b[1]) && normals.angle < 1e-9, "{normals:?} {a:?} {b:?}");
+            assert!(of.estimate_doubts.contains(&"normals".to_owned()), "{:?}", of.estimate_doubts);
+        }
+    }
+}
+
+/// s runs along one side: that of the first place carries, and no other may.
+#[test]
+fn data_in_s_are_those_of_the_first_place() {
+    let of = |law: &str| {
+        block("a", [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]], 1000.0)
+            + &block("b", LOWER, 100.0)
+            + "[sides.b.bottom]\ndisplacement = [\"0\", \"0\"]\n[sides.a.top]\ndisplacement = [\"0\", \"-0.01\"]\n\
+               [[interface]]\nbetween = [\"a.bottom\", \"b.top\"]\n"
+            + law
+    };
+    let [by_s, by_x] =
+        ["0.001*s", "0.001*x"].map(|gap| energy(&solved(&of(&format!("contact = {{ gap = \"{gap}\" }}")), &[])));
+    assert!((by_s[0] - by_x[0]).abs() < by_s[1] + by_x[1], "{by_s:?} {by_x:?}");
+    let error =
+        steklov_tests::parse(&of("contact = { gap = \"0.001*s\" }\nmultiplier = \"b.top\""), &[]).err().unwrap();
+    assert!(error.render().contains("data in s, are those of the other one"), "{}", error.render());
+}
+
 /// The overlap of two blocks ends 1e-5 before a corner: the mirror image has the same J.
 #[test]
 fn overlaps_end_close_to_corners() {

@@ -287,21 +287,25 @@ fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Res
         }
     });
     let one_body = [of_a.len() == 1, of_b.len() == 1];
-    let jumps = matches!(&law, Law::Tied(tie) if tie.displacement_jump.is_some() || tie.traction_jump.is_some());
+    // jumps have a sign, and s a side
+    let of_first = match &law {
+        Law::Tied(tie) => tie.displacement_jump.is_some() || tie.traction_jump.is_some(),
+        Law::Contact(contact) => contact.data().iter().any(|(_, datum)| datum.uses_edge()),
+    };
     let forward_carries = match carrier.transpose()? {
         Some(true) if one_body[0] => true,
-        Some(false) if one_body[1] && !jumps => false,
+        Some(false) if one_body[1] && !of_first => false,
         Some(_) => {
-            let message = "this side cannot carry the multipliers: it is of several bodies, or the other one is where jumps are given";
+            let message = "this side cannot carry the multipliers: it is of several bodies, or jumps, or data in s, are those of the other one";
             return Err(between.problem(message, "leave multiplier out, or exchange the two places of between"));
         }
-        None if jumps && !one_body[0] => {
+        None if of_first && !one_body[0] => {
             return Err(between.problem(
-                "jumps are given on the first place, which has sides of several bodies",
+                "jumps and data in s are those of the first place, which has sides of several bodies",
                 "exchange the two places of between",
             ));
         }
-        None if one_body == [true, false] || jumps => true,
+        None if one_body == [true, false] || of_first => true,
         None if one_body == [false, true] => false,
         None => problem.carries_rather(&forward, &backward),
     };
