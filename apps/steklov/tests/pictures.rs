@@ -23,6 +23,7 @@ fn show(
         title,
         points: &t.points,
         displacement: &t.points.iter().map(|&p| u(p)).collect::<Vec<_>>(),
+        largest: 0.0,
         triangles: &t.triangles,
         von_mises: &t.points.iter().map(|&p| stress(p)).collect::<Vec<_>>(),
         outline: &t.outline,

@@ -133,6 +133,7 @@ fn deformed_grids_of_many_cells() {
             title: "Bent grid",
             points: &points,
             displacement: &points.iter().map(bent).collect::<Vec<_>>(),
+            largest: 0.0,
             triangles: &lattice.triangles,
             von_mises: &stress,
             outline: &lattice.outline,

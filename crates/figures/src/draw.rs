@@ -73,12 +73,14 @@ fn body_picture(stored: &Record) -> Result<Picture, PictureError> {
     let [lines, gaps] = walls(&of_walls);
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
+    let largest = largest_displacement(stored);
     if let Some(record) = &stored.on_grid {
         let deformed = grid::deformed(stored, record, &displacement);
         return body(&Body {
             title,
             points: &deformed.points,
             displacement: &deformed.displacement,
+            largest,
             triangles: &deformed.triangles,
             von_mises: &deformed.von_mises,
             outline: &deformed.outline,
@@ -91,11 +93,17 @@ fn body_picture(stored: &Record) -> Result<Picture, PictureError> {
         title,
         points: &fields.points[..count],
         displacement: &displacement[..count],
+        largest,
         triangles,
         von_mises: &von_mises[..count],
         outline: &fields.lines,
         obstacles,
     })
+}
+
+/// The largest displacement of the nodes, which are closer where it matters than the points that are drawn.
+pub(crate) fn largest_displacement(stored: &Record) -> f64 {
+    stored.displacement.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max)
 }
 
 /// A list of points or vectors for each of some lines.

@@ -1,6 +1,6 @@
 //! Attributes. They lie in object headers, which carry a checksum of their own, so an altered one is noticed.
 
-use hdf5::types::TypeDescriptor;
+use hdf5::types::{TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Attribute, Location};
 
 use crate::error::{IoError, damaged, invalid, mismatch, missing, write_error};
@@ -102,6 +102,27 @@ pub fn read_text_attribute(at: &Location, name: &str) -> Result<String, IoError>
 
 pub(crate) fn read_names_attribute(at: &Location, name: &str) -> Result<Vec<String>, IoError> {
     read_strings(at, name, 1)
+}
+
+/// Reads the attribute `name` that another program wrote: one text or a list of them, of any kind of string.
+pub(crate) fn read_foreign_names(at: &Location, name: &str) -> Result<Vec<String>, IoError> {
+    let attribute = attribute(at, name)?;
+    let damage = |e: hdf5::Error| damaged(at, name, e);
+    match type_of(at, name, &attribute)? {
+        TypeDescriptor::FixedUnicode(size) | TypeDescriptor::FixedAscii(size) => {
+            let bytes = raw::read_attribute(&attribute).map_err(|e| damaged(at, name, e))?;
+            unpack(size, &bytes).map_err(|why| invalid(at, name, why))
+        }
+        TypeDescriptor::VarLenUnicode => {
+            let texts: Vec<VarLenUnicode> = attribute.read_raw().map_err(damage)?;
+            Ok(texts.iter().map(|text| text.to_string()).collect())
+        }
+        TypeDescriptor::VarLenAscii => {
+            let texts: Vec<VarLenAscii> = attribute.read_raw().map_err(damage)?;
+            Ok(texts.iter().map(|text| text.to_string()).collect())
+        }
+        other => Err(mismatch(at, name, "text", other)),
+    }
 }
 
 /// Reads the attribute `name` of `at`: a scalar or a list of integers of 64 bits.

@@ -6,7 +6,7 @@ use steklov_bem_operators::{
 use steklov_contact::oscillation;
 use steklov_elastic::Material;
 use steklov_expression::{Expression, Piece};
-use steklov_problem::{Condition, DataError, Law, Scene, Tie};
+use steklov_problem::{Condition, DataError, Interface, Law, Scene, Tie};
 use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::body_load::Particulars;
@@ -200,6 +200,27 @@ impl Data<'_> {
             Ok(())
         })?;
         Ok(loads)
+    }
+
+    /// The components of the traction (stress) at the reference coordinate t of element e that the condition of its side gives; none
+    /// of held components and where sides meet something.
+    pub fn given_traction(&self, e: usize, t: f64) -> [Option<f64>; 2] {
+        let (problem, side, site) = (&self.scene.problem, self.mesh.side[e], Site::new(self.mesh, e, t));
+        let meets =
+            |interface: &Interface| interface.sides.contains(&side) || problem.facing_sides(interface).contains(&side);
+        if problem.interfaces.iter().any(meets) {
+            return [None; 2];
+        }
+        let value = |expression: &Expression| self.value(expression, &site);
+        match &problem.sides[side].condition {
+            Condition::Free => [Some(0.0); 2],
+            Condition::Traction(traction) => traction.each_ref().map(|t| Some(value(t))),
+            Condition::Pressure(pressure) => self.mesh.normal(e, t).map(|n| Some(-value(pressure) * n)),
+            Condition::Displacement { values, traction } => [0, 1].map(|i| {
+                let given = || traction.as_ref().map_or(0.0, |traction| value(&traction[i]));
+                values[i].is_none().then(given)
+            }),
+        }
     }
 
     /// Calls with the side, name, expression and direction on each element of every traction, pressure and jump of the

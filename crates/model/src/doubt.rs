@@ -65,7 +65,7 @@ doubts! {
         "no smaller tolerance helps; where forces are out of balance bring lengths, gaps, loads and moduli nearer to each other";
     /// Outcomes of random input show contact, slip or data that the points at which it is solved do not.
     Outcomes: "outcomes",
-        "random outcomes show, or may show, contact, slip or data that none of the points that were solved has",
+        "random outcomes show, or may show, contact, slip or data that none of the points that were solved has, or a mean is out of its bounds",
         "`stochastic.refine = \"adaptive\"`, a higher `stochastic.degree` or `level`, or more `samples`";
     /// Gaps or prescribed displacements turn or deform a body more than small strains describe.
     Large: "large",

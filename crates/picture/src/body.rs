@@ -35,6 +35,8 @@ pub struct Body<'a> {
     pub points: &'a [[f64; 2]],
     /// Displacements (P).
     pub displacement: &'a [[f64; 2]],
+    /// Largest displacement that is known, which may be between the points.
+    pub largest: f64,
     /// Triangles (T).
     pub triangles: &'a [[usize; 3]],
     /// Von Mises stress at the points (P). A triangle with a NaN stays white; an infinite value has the colour of the
@@ -62,7 +64,7 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     assert_eq!(b.points.len(), b.displacement.len(), "one displacement a point");
     assert_eq!(b.points.len(), b.von_mises.len(), "one stress a point");
     let bounds = Bounds::of(b.points.iter());
-    let largest = b.displacement.iter().map(|u| u[0].hypot(u[1])).filter(|u| u.is_finite()).fold(0.0, f64::max);
+    let largest = b.displacement.iter().map(|u| u[0].hypot(u[1])).filter(|u| u.is_finite()).fold(b.largest, f64::max);
     let factor = exaggeration(largest / bounds.size());
     let deformed: Vec<_> = b.points.iter().zip(b.displacement).map(|(&p, &u)| moved(p, u, factor)).collect();
     let walls = walls(b.obstacles, factor);

@@ -6,7 +6,7 @@ use steklov_problem::{
     BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, Surroundings, bounding_box, grid_of,
 };
 
-use super::{Cost, Decision, Plan, contact, decision, far_away, plane};
+use super::{Cost, Decision, MODULI, Plan, contact, decision, far_away, plane};
 
 /// Bytes that the moduli, the fields and the result of a fine cell take.
 const BYTES_OF_CELL: f64 = 200.0;
@@ -176,18 +176,18 @@ fn asked(refine: Refine, known: Refine) -> &'static str {
 
 fn moduli(scene: &Scene) -> Decision {
     match scene.body().cells() {
-        None => decision("Young's modulus", scene.body().material().young.to_string(), "the same in all cells"),
+        None => decision(MODULI, scene.body().material().young.to_string(), "the same in all cells"),
         Some(cells) => {
             let text = match &cells.young {
                 CellModuli::Uniform { low, high, seed } => format!("random in [{low}, {high}], seed {seed}"),
-                CellModuli::Table { source, .. } => source.clone(),
+                CellModuli::Table { source, order, .. } => format!("{source}: {}", order.words()),
                 CellModuli::Expression(young) => young.text().to_owned(),
             };
             let why = match cells.young.constant() {
                 Some(_) => "the same in all cells".to_owned(),
                 None => format!("constant in cells of the size {}", cells.size),
             };
-            decision("Young's modulus", text, why)
+            decision(MODULI, text, why)
         }
     }
 }

@@ -74,6 +74,9 @@ pub fn plan(scene: &Scene) -> Plan {
 /// What is told where memory ends the refinement.
 pub const NEXT_MESH: &str = "next mesh";
 
+/// What the decision about the moduli of a body on a grid is called.
+pub const MODULI: &str = "Young's modulus";
+
 /// The mesh that memory leaves out, and why.
 pub fn without_memory(lack: Lack) -> Decision {
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);

@@ -45,6 +45,42 @@ impl GridInput {
     }
 }
 
+/// How the table of a file lies in the plane.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TableOrder {
+    /// Entry [ix, iy], y upwards.
+    Xy,
+    /// Entry [iy, ix], y upwards.
+    Yx,
+    /// Entry [row, column], rows from the top, as in an image.
+    Rows,
+}
+
+impl TableOrder {
+    /// Shape of the table of NX × NY cells.
+    pub fn shape(self, [nx, ny]: [usize; 2]) -> [usize; 2] {
+        if self == Self::Xy { [nx, ny] } else { [ny, nx] }
+    }
+
+    /// The entry of cell ix, iy of NX × NY.
+    pub fn entry(self, [ix, iy]: [usize; 2], [_, ny]: [usize; 2]) -> [usize; 2] {
+        match self {
+            Self::Xy => [ix, iy],
+            Self::Yx => [iy, ix],
+            Self::Rows => [ny - 1 - iy, ix],
+        }
+    }
+
+    /// What the indices are.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Xy => "first index along x, second one along y upwards",
+            Self::Yx => "first index along y upwards, second one along x",
+            Self::Rows => "rows along y from the top, columns along x, as in an image",
+        }
+    }
+}
+
 /// Young's modulus (stress) of the modulus cells.
 #[derive(Debug, Clone)]
 pub enum CellModuli {
@@ -59,8 +95,10 @@ pub enum CellModuli {
     },
     /// NX × NY numbers.
     Table {
-        /// The numbers, entry [ix, iy] at ix·NY + iy.
+        /// The numbers, that of cell ix, iy at ix·NY + iy.
         values: Arc<[f64]>,
+        /// How they lie in the file.
+        order: TableOrder,
         /// Where they come from, for messages.
         source: String,
     },

@@ -51,7 +51,7 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 
-pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS};
+pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS, TableOrder};
 pub use cracks::{Crack, CrackError, cut_by_cracks};
 pub use error::{About, DataError, DataErrorKind};
 pub use facets::{Drawn, Facets, facets};

@@ -75,7 +75,7 @@ const YOUNG: [&str; 3] = ["material", "cells", "young"];
 /// numbers: that of `[material.cells]`, or `material.young` everywhere. In cells outside of the body it is not checked.
 ///
 /// The modulus cells are NX × NY squares, i = ix·NY + iy counted from the lower left corner of the bounding box: number i is
-/// low + (high - low) u_i with u_i of [`unit_uniform`], or entry \[ix, iy\] of the dataset, or the value of the expression
+/// low + (high - low) u_i with u_i of [`unit_uniform`], or an entry of the dataset by its order, or the value of the expression
 /// at the cell's centre, which holds in the whole cell.
 ///
 /// # Errors
@@ -103,15 +103,18 @@ pub fn moduli(scene: &Scene, grid: &Grid) -> Result<Vec<f64>, DataError> {
     };
     match grid.body_cells().map(parent).find(|&i| !(values[i] > 0.0 && values[i].is_finite())) {
         None => Ok((0..nx * ny).map(|cell| values[parent(cell)]).collect()),
-        Some(i) => Err(impossible(&cells.young, values[i], [i / counts[1], i % counts[1]], centre(i))),
+        Some(i) => Err(impossible(&cells.young, values[i], ([i / counts[1], i % counts[1]], counts), centre(i))),
     }
 }
 
 /// The error of a modulus that is not positive and finite.
-fn impossible(young: &CellModuli, value: f64, [ix, iy]: [usize; 2], [x, y]: [f64; 2]) -> DataError {
+fn impossible(young: &CellModuli, value: f64, (cell, counts): ([usize; 2], [usize; 2]), [x, y]: [f64; 2]) -> DataError {
     let source = match young {
         CellModuli::Expression(expression) => format!(": expression {:?}", expression.text()),
-        CellModuli::Table { source, .. } => format!(": entry [{ix}, {iy}] of {source}"),
+        CellModuli::Table { source, order, .. } => {
+            let [i, j] = order.entry(cell, counts);
+            format!(": entry [{i}, {j}] of {source}")
+        }
         CellModuli::Uniform { .. } => String::new(),
     };
     let message = format!("Young's modulus is {value} in the cell with the centre ({x}, {y}){source}");

@@ -1,12 +1,13 @@
 //! What a result file keeps of a run, of boundary elements and of finite elements on grids.
 
-use steklov_bem_operators::Mesh;
 use steklov_io::vtkhdf::Grid;
 use steklov_io::{File, Group, IoError, invalid, vtkhdf};
 use steklov_model::adaptive::BoundaryElements;
+use steklov_model::data::Data;
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
 use steklov_model::interfaces::TieRow;
+use steklov_model::report::Trace;
 use steklov_model::run::{Model, Progress, Run, Step};
 use steklov_model::solution::Solved;
 use steklov_model::stage::Stage;
@@ -75,14 +76,23 @@ impl Keep for BoundaryElements {
 
     fn fields(scene: &Scene, run: &Run, outcomes: Option<&StochasticResult>) -> Fields {
         let solved: &Solved = &run.last;
+        let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
         let mut traction = Vec::new();
         for e in 0..solved.mesh.len() {
             let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
-            traction.extend(rule.points.iter().map(|&t| (solved.mesh.point(e, t), e, solved.traction(e, t))));
+            let at =
+                |&t: &f64| (solved.mesh.point(e, t), e, with_given(data.given_traction(e, t), solved.traction(e, t)));
+            traction.extend(rule.points.iter().map(at));
         }
         let grid = body_grid(scene, solved, outcomes.zip(run.matrices.as_ref()));
         Fields { grid, traction, on_grid: None, ties: solved.ties.clone() }
     }
+}
+
+/// A traction with the components that are given in their place: on a free side beside a held one the polynomials of an element
+/// may be far from them.
+fn with_given(given: [Option<f64>; 2], traction: [f64; 2]) -> [f64; 2] {
+    [0, 1].map(|i| given[i].unwrap_or(traction[i]))
 }
 
 impl Keep for OnGrid {
@@ -110,13 +120,14 @@ impl Keep for OnGrid {
         Ok(steps)
     }
 
-    fn fields(_: &Scene, run: &Run<Self>, _: Option<&StochasticResult>) -> Fields {
+    fn fields(scene: &Scene, run: &Run<Self>, _: Option<&StochasticResult>) -> Fields {
         let solved = &run.last;
-        let mesh: &Mesh = solved.trace().mesh;
+        let Trace { mesh, space, .. } = solved.trace();
+        let data = Data { scene, mesh, space };
         let traction = |e: usize| {
             let (point, [nx, ny]) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
             let [xx, yy, xy] = solved.at(point).1;
-            (point, e, [xx * nx + xy * ny, xy * nx + yy * ny])
+            (point, e, with_given(data.given_traction(e, 0.0), [xx * nx + xy * ny, xy * nx + yy * ny]))
         };
         Fields {
             grid: record::vtk(solved),

@@ -108,6 +108,10 @@ fn save_quantity(at: &Group, q: &Quantity) -> Result<(), IoError> {
         let meaning = label("of the quantity", "at the probabilities of the scene", &["probability"]);
         save_vector(at, "quantiles", quantiles, &meaning)?;
     }
+    if let Some(bounds) = &q.bounds_left {
+        let meaning = "values that the quantity cannot leave, and its mean does";
+        save_vector(at, "bounds_left", bounds, &label("of the quantity", meaning, &["bound"]))?;
+    }
     if let Some(density) = &q.density {
         save_vector(at, "bins", &density.edges, &label("of the quantity", "ends of the bins", &["end"]))?;
         save_vector(at, "density", &density.density, &label("1/quantity", "density of each bin", &["bin"]))?;
@@ -250,6 +254,11 @@ fn load_quantity(at: &Group, name: String) -> Result<Quantity, IoError> {
         standard_error: at.link_exists("standard_error").then(|| load_number(at, "standard_error")).transpose()?,
         truncation: at.link_exists("truncation").then(|| load_number(at, "truncation")).transpose()?,
         quantiles: optional("quantiles")?,
+        bounds_left: match optional("bounds_left")?.as_deref() {
+            None => None,
+            Some(&[low, high]) => Some([low, high]),
+            Some(_) => return Err(invalid(at, "bounds_left", "it does not have 2 numbers")),
+        },
         effects: optional("effects")?,
         name,
         mean,

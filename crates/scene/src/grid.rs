@@ -4,9 +4,10 @@ use std::path::Path;
 
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
-use steklov_io::{IoError, load_foreign_table};
+use steklov_io::{IoError, load_foreign_axes, load_foreign_table};
 use steklov_problem::{
-    BasisInput, CellModuli, Cells, DataError, DataErrorKind as Kind, GridInput, MOST_CELLS, Source, modulus_cells,
+    BasisInput, CellModuli, Cells, DataError, DataErrorKind as Kind, GridInput, MOST_CELLS, Source, TableOrder,
+    modulus_cells,
 };
 
 use super::fields::{Context, Field, Fields};
@@ -64,7 +65,7 @@ pub(super) fn cells(
 
 /// Moduli that are random numbers or come from a file; `cells`: how many there are along x and y, if they fit the body.
 fn table(young: &Field<'_>, cells: Option<[usize; 2]>, source: &Source) -> Result<CellModuli, DataError> {
-    let table = Fields::new(young, &["uniform", "seed", "file", "dataset"])?;
+    let table = Fields::new(young, &["uniform", "seed", "file", "dataset", "order"])?;
     let beside = |key: &str, of: &str| match table.get(key) {
         Some(field) => {
             let message = format!("{} stands without {of}", field.name);
@@ -75,6 +76,7 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, source: &Source) -> Resul
     match (table.get("uniform"), table.get("file")) {
         (Some(uniform), None) => {
             beside("dataset", "file")?;
+            beside("order", "file")?;
             let [low, high] = uniform.point()?;
             if !(low > 0.0 && low <= high && high.is_finite()) {
                 let message = format!("{} is [{low}, {high}]", uniform.name);
@@ -86,7 +88,7 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, source: &Source) -> Resul
         (None, Some(file)) => {
             beside("seed", "uniform")?;
             let dataset = table.require("dataset", "dataset = \"/young\"")?;
-            from_file(&file, &dataset, cells, source)
+            from_file((&file, &dataset, table.get("order")), cells, source)
         }
         (Some(_), Some(file)) => {
             let message = format!("{} has both uniform and file", young.name);
@@ -102,23 +104,65 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, source: &Source) -> Resul
 
 /// The moduli of a file. Cells that do not fit the body are refused later, by their size.
 fn from_file(
-    file: &Field<'_>,
-    dataset: &Field<'_>,
+    (file, dataset, given): (&Field<'_>, &Field<'_>, Option<Field<'_>>),
     cells: Option<[usize; 2]>,
     source: &Source,
 ) -> Result<CellModuli, DataError> {
-    let (path, name) = (file.text()?, dataset.text()?);
-    let folder = Path::new(&source.name).parent().unwrap_or(Path::new(""));
+    let (name, at) = (dataset.text()?, file.text()?);
+    let path = Path::new(&source.name).parent().unwrap_or(Path::new("")).join(at);
+    let refuse = |e: IoError| {
+        let (field, help) = match &e {
+            IoError::Missing { .. } => (dataset, "name a dataset of the file; `h5ls -r` lists them"),
+            IoError::Mismatch { .. } => (
+                dataset,
+                "store one number for each modulus cell, indexed [ix, iy], or [row, column] of an image with order = \"rows\"",
+            ),
+            _ => (file, "the path is relative to the folder of the scene"),
+        };
+        DataError::new(Kind::Read, field.item.place, format!("cannot read Young's moduli: {e}"), help)
+    };
+    let words = [("xy", TableOrder::Xy), ("rows", TableOrder::Rows)];
+    let given = given.map(|field| field.choice(&words).map(|order| (order, field))).transpose()?;
+    let axes = load_foreign_axes(&path, name).map_err(refuse)?;
+    let named = axes.as_ref().and_then(|axes| order_of(axes));
+    let order = match (given, named) {
+        (Some((order, field)), Some(other)) if order != other => {
+            let message =
+                format!("{} is another one than that of the attribute axes of {name} of {at}: {axes:?}", field.name);
+            return Err(DataError::new(
+                Kind::Conflict,
+                field.item.place,
+                message,
+                "remove it, or correct the attribute",
+            ));
+        }
+        (given, named) => given.map(|(order, _)| order).or(named).unwrap_or(TableOrder::Xy),
+    };
     let values = match cells {
         None => Vec::new(),
-        Some(cells) => load_foreign_table(folder.join(path), name, cells).map_err(|e| {
-            let (field, help) = match &e {
-                IoError::Missing { .. } => (dataset, "name a dataset of the file; `h5ls -r` lists them"),
-                IoError::Mismatch { .. } => (dataset, "store one number for each modulus cell, indexed [ix, iy]"),
-                _ => (file, "the path is relative to the folder of the scene"),
+        Some(cells) => {
+            let [nx, ny] = cells;
+            let stored = load_foreign_table(&path, name, order.shape(cells)).map_err(refuse)?;
+            let [_, columns] = order.shape(cells);
+            let entry = |cell: usize| {
+                let [i, j] = order.entry([cell / ny, cell % ny], cells);
+                stored[i * columns + j]
             };
-            DataError::new(Kind::Read, field.item.place, format!("cannot read Young's moduli: {e}"), help)
-        })?,
+            (0..nx * ny).map(entry).collect()
+        }
     };
-    Ok(CellModuli::Table { values: values.into(), source: format!("{name} of {path}") })
+    Ok(CellModuli::Table { values: values.into(), order, source: format!("{name} of {at}") })
+}
+
+/// The order that the names of the axes of a table mean, or one word for both; None of names that mean none.
+fn order_of(axes: &[String]) -> Option<TableOrder> {
+    let lower: Vec<String> = axes.iter().map(|name| name.trim().to_lowercase()).collect();
+    match lower.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["xy" | "x, y" | "x,y" | "x y"] | ["x" | "ix" | "i_x", "y" | "iy" | "i_y"] => Some(TableOrder::Xy),
+        ["yx" | "y, x" | "y,x" | "y x"] | ["y" | "iy" | "i_y", "x" | "ix" | "i_x"] => Some(TableOrder::Yx),
+        ["rows" | "row, column" | "row,column" | "row column"] | ["row" | "rows", "column" | "columns" | "col"] => {
+            Some(TableOrder::Rows)
+        }
+        _ => None,
+    }
 }

@@ -5,7 +5,7 @@ use steklov_model::doubt::Doubt;
 use steklov_model::report::TOUCHING;
 use steklov_model::run::Reason;
 use steklov_model::summary::{MediumSummary, Summary};
-use steklov_plan::{NEXT_MESH, Plan};
+use steklov_plan::{MODULI, NEXT_MESH, Plan};
 use steklov_result::record::Record;
 
 use super::grid::grid_lines;
@@ -93,6 +93,11 @@ pub(super) fn print_summary(stored: &Record) {
     if let Some(failure) = s.failure.as_ref().filter(|_| s.reason == Reason::Failed.word()) {
         say(&format!("            in the step after these: {failure}"));
     }
+    if stored.stochastic.is_some() {
+        say(
+            "mean input  what follows is one solution, of the mean of the random input; means of all outcomes stand under `outcomes`",
+        );
+    }
     say(&format!("energy J    {:.12e}", s.energy));
     say(&format!(
         "            strain {:.6e}, load work {:.6e}, friction work {:.6e}",
@@ -116,6 +121,10 @@ pub(super) fn print_summary(stored: &Record) {
     s.exterior.iter().flat_map(far_away).for_each(|line| say(&line));
     if let Some(grid) = &s.grid {
         grid_lines(grid).iter().for_each(|line| say(line));
+        plan.modelled
+            .iter()
+            .filter(|d| d.what == MODULI)
+            .for_each(|d| say(&format!("            modulus {}", d.choice)));
     }
     if let Some(c) = &s.contact {
         let note =

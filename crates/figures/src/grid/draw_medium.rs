@@ -4,6 +4,7 @@ use steklov_picture::{Body, Picture, PictureError, body};
 use steklov_result::record::Record;
 
 use super::draw::deformed;
+use crate::draw::largest_displacement;
 
 /// Body and medium, deformed alike, by their von Mises stress; none of other results.
 ///
@@ -36,6 +37,7 @@ pub(crate) fn medium(stored: &Record) -> Result<Option<Picture>, PictureError> {
         title: &format!("{}: body and medium", stored.summary.title),
         points,
         displacement: &all.displacement,
+        largest: largest_displacement(stored),
         triangles: &all.triangles,
         von_mises: &all.von_mises,
         outline,

@@ -106,6 +106,9 @@ pub fn lines(stored: &Record) -> Vec<String> {
     }
     for q in &result.quantities {
         let mut line = format!("            {}: {:.6e}", q.name, q.mean);
+        if let Some([low, high]) = q.bounds_left {
+            let _ = write!(line, " NOT RESOLVED: out of {low} to {high}, which it cannot leave, by this rule");
+        }
         line += &match q.variance {
             v if v.is_nan() => ", variance NOT RESOLVED: negative by this rule".to_owned(),
             v => format!(" ± {:.2e}", v.max(0.0).sqrt()),

@@ -17,6 +17,9 @@ pub fn json(random: &Random, result: &StochasticResult) -> Value {
         if let Some(truncation) = q.truncation {
             one["truncation"] = truncation.into();
         }
+        if let Some(bounds) = q.bounds_left {
+            one["bounds_left"] = object!(bounds);
+        }
         one["effects"] = q.effects.as_ref().map_or(Value::Null, |effects| {
             let named = result.labels.iter().zip(effects).map(|(l, e)| (l.clone(), Value::from(*e)));
             Value::Object(named.collect())

@@ -18,6 +18,7 @@ mod unseen;
 mod nodes;
 mod effects;
 mod result;
+mod spread;
 mod estimate;
 mod json;
 

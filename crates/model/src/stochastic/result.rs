@@ -11,6 +11,7 @@ use super::nodes::{End, is_coupled, solve_nodes};
 use super::of_surrogate::of_surrogate;
 use super::outcomes::{Answer, Outcomes};
 use super::samples::of_samples;
+use super::spread::{judge, of_one_scale};
 use super::unseen::{beside_grid, beside_samples};
 use crate::body::Body;
 use crate::error::SolveError;
@@ -48,8 +49,10 @@ pub struct Quantity {
     /// Root mean square of what polynomials leave out, which is more than the error of the mean; infinite of degree 0. Of samples what
     /// outcomes that they have not seen may add to the mean.
     pub truncation: Option<f64>,
-    /// At the probabilities of the scene; none of a sparse grid, whose answers are not a surrogate.
+    /// At the probabilities of the scene; none of a sparse grid, whose answers are not a surrogate, and of a spread that is rounding.
     pub quantiles: Option<Vec<f64>>,
+    /// Values that the quantity cannot leave, where the mean does: a rule with negative weights.
+    pub bounds_left: Option<[f64; 2]>,
     /// Of samples.
     pub density: Option<Histogram>,
     /// For each germ the share of the variance that is left when all others are known: Sobol's total effect. None without
@@ -150,7 +153,7 @@ pub(crate) struct Watch<'a> {
 impl StochasticResult {
     /// Whether the outcomes are in doubt: they show what the points do not, or may do so.
     pub fn is_doubtful(&self) -> bool {
-        self.overlooked || self.unseen.is_some()
+        self.overlooked || self.unseen.is_some() || self.quantities.iter().any(|q| q.bounds_left.is_some())
     }
 }
 
@@ -200,12 +203,16 @@ pub fn solve_stochastic(
     if let Some(path) = paths.iter().find(|p| !is_of_outcomes(p)) {
         return Err(scene.quantity_error(path).into());
     }
-    let nominal = outcomes.answer(&random.nominal(), &paths, &mut None)?;
-    for (path, value) in paths.iter().zip(&nominal.quantities) {
+    let of_scale: Vec<Vec<String>> = paths.iter().map(|path| of_one_scale(path)).collect();
+    let asked = [&paths[..], &of_scale.concat()].concat();
+    let mut nominal = outcomes.answer(&random.nominal(), &asked, &mut None)?.quantities.into_iter();
+    for (path, value) in paths.iter().zip(&mut nominal) {
         if value.is_nan() {
             return Err(scene.quantity_error(path).into());
         }
     }
+    let largest = |of: &Vec<String>| nominal.by_ref().take(of.len()).fold(0.0, |m: f64, v| m.max(v.abs()));
+    let scales: Vec<f64> = of_scale.iter().map(largest).collect();
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let mut result = match settings.method {
         Sampling::Galerkin | Sampling::Collocation => {
@@ -230,6 +237,7 @@ pub fn solve_stochastic(
             result
         }
     };
+    result.quantities.iter_mut().zip(scales).for_each(|(quantity, scale)| judge(scene, quantity, scale));
     result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
     result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
     result.young.iter_mut().for_each(|e| *e *= scene.body().material().young);
@@ -293,6 +301,7 @@ pub(super) fn of_grid(
             standard_error: None,
             truncation: None,
             quantiles: None,
+            bounds_left: None,
             density: None,
             effects: None,
         });

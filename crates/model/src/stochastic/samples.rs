@@ -82,6 +82,7 @@ pub(super) fn of_samples(
             variance: both.variance[k],
             standard_error: Some(errors.mean[k]),
             truncation: None,
+            bounds_left: None,
             quantiles: Some(quantiles(&values, &equal, &settings.quantiles)?),
             density: density(&values, &equal, BINS).ok(), // none of a constant
             effects: None,
