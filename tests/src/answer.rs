@@ -4,11 +4,12 @@ use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
+use steklov_model::contact_rows::{ContactRow, contact_rows};
 use steklov_model::error::SolveError;
 use steklov_model::first_mesh::first_mesh;
 use steklov_model::grid::OnGrid;
 use steklov_model::layout::Layout;
-use steklov_model::report::{ContactRow, contact_rows, contact_summary, located};
+use steklov_model::report::{contact_summary, located};
 use steklov_model::run::{Progress, Run, run};
 use steklov_model::solution::Solved;
 use steklov_model::summary::{ContactSummary, Summary};

@@ -3,7 +3,8 @@
 
 use std::f64::consts::PI;
 
-use steklov_model::report::{ContactRow, contact_rows, contact_summary};
+use steklov_model::contact_rows::{ContactRow, contact_rows};
+use steklov_model::report::contact_summary;
 use steklov_model::run::{Reason, Run};
 use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;

@@ -1,6 +1,7 @@
 //! Lengths of contact and stick against the ends of contact and the nodes between them.
 
-use steklov_model::report::{ContactRow, contact_rows, contact_summary, located};
+use steklov_model::contact_rows::{ContactRow, contact_rows};
+use steklov_model::report::{contact_summary, located};
 use steklov_model::run::Run;
 use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;

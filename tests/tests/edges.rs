@@ -1,7 +1,8 @@
 //! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
 
+use steklov_model::contact_rows::contact_rows;
 use steklov_model::error::SolveError;
-use steklov_model::report::{contact_rows, contact_summary, located};
+use steklov_model::report::{contact_summary, located};
 use steklov_problem::DataErrorKind;
 use steklov_tests::{adapt, answer, attempt, parse};
 

@@ -137,7 +137,7 @@ fn outcomes_are_those_of_scenes_of_their_own() {
         let (solved, ..) = steklov_model::solve::solve(&own, mesh, false, &mut PairCache::default(), &mut |_| Ok(()))
             .unwrap_or_else(|e| panic!("{e}"));
         let contact = solved.contact.as_ref().expect("contact");
-        let rows = steklov_model::report::contact_rows(solved.trace(), contact);
+        let rows = steklov_model::contact_rows::contact_rows(solved.trace(), contact);
         let told = steklov_model::report::contact_summary(&own, solved.trace(), contact, &rows, None);
         let (inside, stress) = solved.inside(0, [0.1, -0.2]);
         let top = solved.reactions.iter().find(|r| r.0 == "top").expect("held").1[1];

@@ -7,7 +7,8 @@ use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 use steklov_model::adaptive::unobserved;
-use steklov_model::report::{contact_rows, contact_summary, located};
+use steklov_model::contact_rows::contact_rows;
+use steklov_model::report::{contact_summary, located};
 use steklov_problem::{Condition, Contact, Friction, Scene};
 
 fn main() -> Result<(), Box<dyn Error>> {

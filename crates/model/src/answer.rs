@@ -6,14 +6,14 @@ use steklov_problem::{Scene, Solver, facets};
 
 use crate::around::Around;
 use crate::contact::ContactResult;
+use crate::contact_rows::{ContactRow, Trace, contact_rows};
 use crate::data::Data;
 use crate::doubt::Doubt;
 use crate::energies::Energies;
 use crate::estimate::ROUNDOFF;
-use crate::fields::probe;
 use crate::interfaces;
 use crate::large::is_large;
-use crate::report::{ContactRow, Trace, contact_rows, contact_summary, located};
+use crate::report::{contact_summary, located};
 use crate::run::{Model, Reason, Run};
 use crate::solution::Solved;
 use crate::stochastic::{self, StochasticResult};
@@ -179,7 +179,7 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
         contact: solved.contact.as_ref(),
         located: located(scene, &run.step().layout.located),
         reactions: &solved.reactions,
-        probe: scene.probe.iter().map(|&x| probe(scene, solved, x)).collect(),
+        probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
         grid: None,
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run)),

@@ -14,11 +14,10 @@ use crate::equilibrium::{Equations, Residual, reactions};
 use crate::error::SolveError;
 use crate::fields::Field;
 use crate::inclusion::Outside;
-use crate::interfaces::TieRow;
 use crate::joints::{Joint, TiedNode};
 use crate::motions::work;
 use crate::parts::Assembled;
-use crate::solution::{Seconds, Solved};
+use crate::solution::{Seconds, Solved, TieRow};
 use crate::stabilised::StabilisedContact;
 use crate::supports::{Held, Supports};
 

@@ -3,11 +3,11 @@
 use faer::Mat;
 use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{
-    ContactBoundary, ContactError, ContactLine, Decided, Kkt, Least, Problem, Sets, Solution, active_set, contraction,
-    decided, interior_point, kkt_in_body, lifting_motion, newton, other_solution, uzawa,
+    ContactBoundary, ContactError, ContactLine, Decided, Kkt, Least, Problem, Sets, Solution, contraction, decided,
+    kkt_in_body, lifting_motion, other_solution,
 };
 use steklov_elastic::RigidMotion;
-use steklov_problem::{Scene, Solver};
+use steklov_problem::Scene;
 
 use crate::motions::{edges, unpressed};
 use crate::stabilised::StabilisedContact;
@@ -113,16 +113,6 @@ impl ContactFactors {
     pub(crate) fn solved<'a>(&'a self, solution: &'a Solution, decided: &'a Decided) -> steklov_contact::Solved<'a> {
         let Self { problem, sets, lines } = self;
         steklov_contact::Solved { problem, solution, sets, lines, transitions: &decided.transitions }
-    }
-}
-
-/// The answer of the solver that a scene names.
-pub(crate) fn solve_problem(problem: &Problem, solver: Solver) -> Result<Solution, ContactError> {
-    match solver {
-        Solver::Auto => interior_point(problem),
-        Solver::Newton => newton(problem, None),
-        Solver::ActiveSet => active_set(problem, None),
-        Solver::Uzawa => uzawa(problem, None, None),
     }
 }
 

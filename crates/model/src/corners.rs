@@ -10,7 +10,7 @@ use std::f64::consts::PI;
 use steklov_elastic::{Face, Joint, Sector, Wedge};
 use steklov_problem::{Contact, Interface, Law, Scene, Span};
 
-use crate::report::{ContactRow, max_pressure};
+use crate::contact_rows::{ContactRow, max_pressure};
 use crate::vertices::{SMOOTH, direction, face, state};
 
 /// A point closer to an end of its edge is there (edge parameter).

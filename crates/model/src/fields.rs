@@ -2,50 +2,9 @@
 
 use std::ops::Range;
 
-use steklov_bem_operators::{BoundaryField, Inside, Location, Mesh, ParticularSolution, Trace};
-use steklov_problem::Scene;
+use steklov_bem_operators::{BoundaryField, Inside, Mesh, ParticularSolution, Trace};
 
 use crate::body_load::Particulars;
-use crate::solution::Solved;
-use crate::summary::Probe;
-
-/// Displacement and stress at a point: on the boundary those of the body.
-pub fn probe(scene: &Scene, solved: &Solved, x: [f64; 2]) -> Probe {
-    let (displacement, stress) = match (scene.problem.outline.contains(x), &solved.around) {
-        (Location::Boundary { edge, s }, _) => solved.on_edge(edge, s),
-        (Location::Outside, Some(around)) => around.at(x),
-        _ => solved.inside(scene.problem.outline.body_at(x).unwrap_or(0), x),
-    };
-    Probe { point: x, displacement, stress, stress_unbounded: false }
-}
-
-impl Solved {
-    /// Its field.
-    pub fn elastic_field(&self) -> ElasticField<'_> {
-        ElasticField { mesh: &self.mesh, field: &self.field, particular: &self.particular }
-    }
-
-    /// Displacement and stress at a point inside a body.
-    pub fn inside(&self, body: usize, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
-        self.elastic_field().inside(body, x)
-    }
-
-    /// Displacement and stress on the boundary, at the reference coordinate t of element e.
-    pub fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
-        self.elastic_field().on_boundary(e, t)
-    }
-
-    /// Traction at the reference coordinate t of element e.
-    pub fn traction(&self, e: usize, t: f64) -> [f64; 2] {
-        self.elastic_field().traction(e, t)
-    }
-
-    /// Displacement and stress at the edge parameter s of an edge of the polygon; at a corner or another vertex, where
-    /// stresses of the elements beside it differ, their mean.
-    pub fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
-        self.elastic_field().on_edge(edge, s)
-    }
-}
 
 /// The fields of all bodies of a mesh, without particular solutions.
 #[derive(Debug, Clone)]

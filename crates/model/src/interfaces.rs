@@ -3,29 +3,17 @@
 use steklov_problem::{Interface, Law, Scene};
 
 use crate::contact::ContactResult;
+use crate::contact_rows::{ContactRow, Trace, max_pressure};
 use crate::data::Data;
 use crate::doubt::Doubt;
 use crate::estimate::Estimate;
 use crate::joints::Joint;
 use crate::normals::Normals;
 use crate::reach::Entered;
-use crate::report::{ContactRow, Trace, max_pressure, summary_of_sides};
-use crate::solution::Solved;
+use crate::report::summary_of_sides;
+use crate::solution::{Solved, TieRow};
 use crate::summary::{Audit, BodySummary, InterfaceSummary, NormalsSummary, ReachSummary};
 use steklov_contact::Located;
-
-/// A node of a tie: the traction of the other body on the one that carries it.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TieRow {
-    /// Name of the interface.
-    pub name: String,
-    /// The point.
-    pub point: [f64; 2],
-    /// Length that it stands for.
-    pub weight: f64,
-    /// Traction on the body that carries the multipliers (stress).
-    pub traction: [f64; 2],
-}
 
 /// The bodies, if there are several: unknowns, energy, and the part of the estimate that is theirs.
 pub(crate) fn bodies(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Vec<BodySummary> {

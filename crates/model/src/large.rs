@@ -2,7 +2,7 @@
 
 use steklov_problem::{Condition, Scene};
 
-use crate::report::Trace;
+use crate::contact_rows::Trace;
 
 /// Rotations (radian), and deformations over the diameter of the body, from which linear elasticity describes no body any more.
 const LARGEST: f64 = 0.15;

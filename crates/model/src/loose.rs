@@ -17,7 +17,7 @@ use crate::error::SolveError;
 use crate::joints::{Joint, TiedNode};
 use crate::motions::nodal_work;
 use crate::parts::Assembled;
-use crate::solve::{missed, rigid_load};
+use crate::rotations::{missed, rigid_load};
 use crate::supports::Supports;
 
 /// Squared part of a constraint below which a motion does not meet it.

@@ -1,14 +1,15 @@
 //! A solved mesh.
 
-use steklov_bem_operators::{Mesh, Space};
+use steklov_bem_operators::{Location, Mesh, Space};
 use steklov_elastic::RigidMotion;
+use steklov_problem::Scene;
 
 use crate::around::Around;
 use crate::body_load::Particulars;
 use crate::contact::ContactResult;
 use crate::energies::Energies;
-use crate::fields::Field;
-use crate::interfaces::TieRow;
+use crate::fields::{ElasticField, Field};
+use crate::summary::Probe;
 
 /// Wall seconds of the parts of a step.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -21,6 +22,19 @@ pub struct Seconds {
     pub factorise: f64,
     /// Contact and back substitution.
     pub solve: f64,
+}
+
+/// A node of a tie: the traction of the other body on the one that carries it.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TieRow {
+    /// Name of the interface.
+    pub name: String,
+    /// The point.
+    pub point: [f64; 2],
+    /// Length that it stands for.
+    pub weight: f64,
+    /// Traction on the body that carries the multipliers (stress).
+    pub traction: [f64; 2],
 }
 
 /// A solved mesh.
@@ -55,4 +69,42 @@ pub struct Solved {
     pub free_motions: Vec<RigidMotion>,
     /// Wall seconds.
     pub seconds: Seconds,
+}
+
+impl Solved {
+    /// Its field.
+    pub fn elastic_field(&self) -> ElasticField<'_> {
+        ElasticField { mesh: &self.mesh, field: &self.field, particular: &self.particular }
+    }
+
+    /// Displacement and stress at a point inside a body.
+    pub fn inside(&self, body: usize, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        self.elastic_field().inside(body, x)
+    }
+
+    /// Displacement and stress on the boundary, at the reference coordinate t of element e.
+    pub fn on_boundary(&self, e: usize, t: f64) -> ([f64; 2], [f64; 3]) {
+        self.elastic_field().on_boundary(e, t)
+    }
+
+    /// Traction at the reference coordinate t of element e.
+    pub fn traction(&self, e: usize, t: f64) -> [f64; 2] {
+        self.elastic_field().traction(e, t)
+    }
+
+    /// Displacement and stress at the edge parameter s of an edge of the polygon; at a corner or another vertex, where
+    /// stresses of the elements beside it differ, their mean.
+    pub fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
+        self.elastic_field().on_edge(edge, s)
+    }
+
+    /// Displacement and stress at a point: on the boundary those of the body.
+    pub fn probe(&self, scene: &Scene, x: [f64; 2]) -> Probe {
+        let (displacement, stress) = match (scene.problem.outline.contains(x), &self.around) {
+            (Location::Boundary { edge, s }, _) => self.on_edge(edge, s),
+            (Location::Outside, Some(around)) => around.at(x),
+            _ => self.inside(scene.problem.outline.body_at(x).unwrap_or(0), x),
+        };
+        Probe { point: x, displacement, stress, stress_unbounded: false }
+    }
 }

@@ -10,7 +10,7 @@ use steklov_contact::{
 };
 
 use crate::body_load::Particular;
-use crate::contact::solve_problem;
+use crate::contact_solver::solve_problem;
 use crate::data::Data;
 use crate::error::SolveError;
 

@@ -6,8 +6,8 @@ use steklov_bem_operators::Mesh;
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Scene};
 
+use crate::contact_rows::{ContactRow, TOUCHING};
 use crate::corners::is_unbounded_between_bodies;
-use crate::report::{ContactRow, TOUCHING};
 
 /// Distance from a kink, as part of the edge, at which the gap is looked at.
 const NEAR: f64 = 1e-6;

@@ -7,7 +7,7 @@ use steklov_elastic::Material;
 use steklov_elastic::{Face, Joint, Sector, Wedge};
 use steklov_problem::{Condition, Friction, Scene};
 
-use crate::report::{ContactRow, TOUCHING, max_pressure};
+use crate::contact_rows::{ContactRow, TOUCHING, max_pressure};
 use crate::summary::Probe;
 
 /// Angles that differ by less are the same (radian).

@@ -1,8 +1,8 @@
 //! What is told of a result on stdout, and advice where it did not converge.
 
 use steklov_figures::stochastic;
+use steklov_model::contact_rows::TOUCHING;
 use steklov_model::doubt::Doubt;
-use steklov_model::report::TOUCHING;
 use steklov_model::run::Reason;
 use steklov_model::summary::{MediumSummary, Summary};
 use steklov_plan::{MODULI, NEXT_MESH, Plan};

@@ -8,8 +8,8 @@ use super::estimate::GridEstimate;
 use super::trace::GridTrace;
 use crate::around::Around;
 use crate::contact::ContactResult;
+use crate::contact_rows::Trace;
 use crate::energies::Energies;
-use crate::report::Trace;
 use crate::solution::Seconds;
 
 /// A solved grid.

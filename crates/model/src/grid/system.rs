@@ -9,7 +9,8 @@ use steklov_msfem::{Elimination, ReducedLoad};
 use steklov_problem::{Scene, Solver};
 
 use super::trace::GridTrace;
-use crate::contact::{CondensedBody, ContactResult, solve_contact, solve_problem};
+use crate::contact::{CondensedBody, ContactResult, solve_contact};
+use crate::contact_solver::solve_problem;
 use crate::equilibrium::{Equations, reactions};
 use crate::error::SolveError;
 use crate::motions::{unresisted, work};

@@ -15,8 +15,8 @@ use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::body::Given;
+use crate::contact_rows::ContactRow;
 use crate::error::SolveError;
-use crate::report::ContactRow;
 use crate::solution::Solved;
 use crate::summary::Summary;
 

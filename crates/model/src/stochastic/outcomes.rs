@@ -11,14 +11,14 @@ use steklov_stochastic::{scale_bounds, solve_warm};
 use super::jumps::Data as DataInGerms;
 use crate::body::{Body, Factors, Given};
 use crate::body_load::Particular;
-use crate::contact::solve_problem;
+use crate::contact_rows::{ContactRow, contact_rows};
+use crate::contact_solver::solve_problem;
 use crate::data::{Data, Loads};
 use crate::error::SolveError;
-use crate::fields::probe;
 use crate::motions::unresisted;
-use crate::report::{ContactRow, contact_rows, figures};
+use crate::report::figures;
+use crate::rotations::{missed, project_load_off, rigid_load};
 use crate::solution::Solved;
-use crate::solve::{missed, project_load_off, rigid_load};
 use crate::summary::Summary;
 use crate::supports::Supports;
 
@@ -168,7 +168,7 @@ impl<'a> Outcomes<'a> {
         }
         let mut figures = figures(scene, solved, &rows);
         if paths.iter().any(|p| p.starts_with("probe")) {
-            figures.probe = scene.probe.iter().map(|&x| probe(scene, solved, x)).collect();
+            figures.probe = scene.probe.iter().map(|&x| solved.probe(scene, x)).collect();
         }
         scale(&mut figures, modulus);
         (rows, figures)

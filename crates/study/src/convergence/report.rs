@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use steklov_io::Label;
-use steklov_model::report::ContactRow;
+use steklov_model::contact_rows::ContactRow;
 
 use super::strategy::{End, Point, Strategy};
 use super::{MEASURED, Study};
