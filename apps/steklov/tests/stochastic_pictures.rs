@@ -164,7 +164,11 @@ fn tables_give_back_the_arrays_and_their_moments() {
         assert!((moment(&|v| v) - mean).abs() < 1e-12 * scale.sqrt(), "{}", q.name);
         assert!((moment(&|v| (v - mean) * (v - mean)) - variance).abs() < 1e-12 * scale, "{}", q.name);
         assert_eq!(row[3], "", "no standard error but of Monte Carlo");
-        assert!(row[4..7].iter().map(number).eq(q.quantiles.clone().unwrap()), "{}", q.name);
+        match &q.quantiles {
+            Some(quantiles) => assert!(row[4..7].iter().map(number).eq(quantiles.clone()), "{}", q.name),
+            // a spread of rounding has none
+            None => assert!(row[4..7].iter().all(String::is_empty) && variance.sqrt() < 1e-10, "{}", q.name),
+        }
         assert_eq!(row[7..].iter().map(number).collect::<Vec<_>>(), [q.truncation.unwrap()], "{}", q.name);
     }
 

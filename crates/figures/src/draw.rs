@@ -185,7 +185,7 @@ pub fn tables(stored: &Record, folder: &Path, name: &str) -> std::io::Result<Vec
         Ok(())
     };
     save("displacement", pairs("x,y,ux,uy", &stored.points, &stored.displacement))?;
-    save("traction", pairs("x,y,tx,ty", &stored.traction_points, &stored.traction))?;
+    save("traction", pairs("x,y,tx,ty", &stored.traction_points, &tractions(stored)))?;
     if !stored.contact.is_empty() {
         let mut text = String::from("side,x,y,gap,u_n,u_t,pressure,shear,bound,weight,status\n");
         for r in &stored.contact {
@@ -205,6 +205,13 @@ pub fn tables(stored: &Record, folder: &Path, name: &str) -> std::io::Result<Vec
         save(table, text)?;
     }
     Ok(files)
+}
+
+/// Tractions on the boundary: the prescribed ones where they are, as polynomials of the solution may be far from them beside a held
+/// side.
+fn tractions(stored: &Record) -> Vec<[f64; 2]> {
+    let told = |(given, t): (&[f64; 2], &[f64; 2])| [0, 1].map(|i| if given[i].is_nan() { t[i] } else { given[i] });
+    stored.prescribed.iter().zip(&stored.traction).map(told).collect()
 }
 
 fn pairs(head: &str, points: &[[f64; 2]], values: &[[f64; 2]]) -> String {

@@ -51,6 +51,8 @@ pub struct Fields {
     pub grid: Grid,
     /// Points of the boundary, the element of each and the traction σ(u)n there.
     pub traction: Vec<([f64; 2], usize, [f64; 2])>,
+    /// The components of it there that the scene prescribes; NaN for the others.
+    pub prescribed: Vec<[f64; 2]>,
     /// The grid of finite elements.
     pub on_grid: Option<GridRecord>,
     /// Rows of the tables of ties.
@@ -77,22 +79,20 @@ impl Keep for BoundaryElements {
     fn fields(scene: &Scene, run: &Run, outcomes: Option<&StochasticResult>) -> Fields {
         let solved: &Solved = &run.last;
         let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
-        let mut traction = Vec::new();
+        let (mut traction, mut prescribed) = (Vec::new(), Vec::new());
         for e in 0..solved.mesh.len() {
             let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
-            let at =
-                |&t: &f64| (solved.mesh.point(e, t), e, with_given(data.given_traction(e, t), solved.traction(e, t)));
-            traction.extend(rule.points.iter().map(at));
+            traction.extend(rule.points.iter().map(|&t| (solved.mesh.point(e, t), e, solved.traction(e, t))));
+            prescribed.extend(rule.points.iter().map(|&t| or_nan(data.given_traction(e, t))));
         }
         let grid = body_grid(scene, solved, outcomes.zip(run.matrices.as_ref()));
-        Fields { grid, traction, on_grid: None, ties: solved.ties.clone() }
+        Fields { grid, traction, prescribed, on_grid: None, ties: solved.ties.clone() }
     }
 }
 
-/// A traction with the components that are given in their place: on a free side beside a held one the polynomials of an element
-/// may be far from them.
-fn with_given(given: [Option<f64>; 2], traction: [f64; 2]) -> [f64; 2] {
-    [0, 1].map(|i| given[i].unwrap_or(traction[i]))
+/// A traction of which some components are given, NaN for the others.
+fn or_nan(given: [Option<f64>; 2]) -> [f64; 2] {
+    given.map(|component| component.unwrap_or(f64::NAN))
 }
 
 impl Keep for OnGrid {
@@ -127,11 +127,12 @@ impl Keep for OnGrid {
         let traction = |e: usize| {
             let (point, [nx, ny]) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
             let [xx, yy, xy] = solved.at(point).1;
-            (point, e, with_given(data.given_traction(e, 0.0), [xx * nx + xy * ny, xy * nx + yy * ny]))
+            (point, e, [xx * nx + xy * ny, xy * nx + yy * ny])
         };
         Fields {
             grid: record::vtk(solved),
             traction: (0..mesh.len()).map(traction).collect(),
+            prescribed: (0..mesh.len()).map(|e| or_nan(data.given_traction(e, 0.0))).collect(),
             on_grid: Some(record::grid_record(solved, run.progress.steps.clone())),
             ties: Vec::new(),
         }

@@ -43,6 +43,8 @@ pub struct Record {
     pub traction_element: Vec<usize>,
     /// Traction σ(u)n there.
     pub traction: Vec<[f64; 2]>,
+    /// The components of it that the scene prescribes; NaN for the others.
+    pub prescribed: Vec<[f64; 2]>,
     /// Rows of the contact table.
     pub contact: Vec<ContactRow>,
     /// Rows of the tables of ties.
@@ -74,7 +76,7 @@ impl Record {
         reading: f64,
     ) -> Self {
         let clock = std::time::Instant::now();
-        let Fields { mut grid, traction, on_grid, ties } = M::fields(scene, run, stochastic.as_ref());
+        let Fields { mut grid, traction, prescribed, on_grid, ties } = M::fields(scene, run, stochastic.as_ref());
         let report = M::report(scene, run);
         let around = report.around.cloned().map(|around| {
             let window = window(&scene.problem.outline, &around);
@@ -97,6 +99,7 @@ impl Record {
             traction_points: traction.iter().map(|t| t.0).collect(),
             traction_element: traction.iter().map(|t| t.1).collect(),
             traction: traction.iter().map(|t| t.2).collect(),
+            prescribed,
             contact,
             ties,
             grid,

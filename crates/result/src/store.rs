@@ -210,6 +210,8 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
     let element = label("1", "element of each traction point", &["point"]);
     save_integers(at, "traction_element", &record.traction_element, &element)?;
     save_points(at, "traction", &record.traction, &label("stress", "traction sigma(u) n", point))?;
+    let prescribed = label("stress", "the components of it that the scene prescribes; NaN for the others", point);
+    save_points(at, "traction_prescribed", &record.prescribed, &prescribed)?;
     let reactions = create_group(at, "reactions")?;
     for (side, force) in &record.summary.reactions {
         // HDF5 takes a slash for a path and a point for the group itself
@@ -389,8 +391,12 @@ pub fn read(file: &File) -> Result<Record, IoError> {
     let traction_points = load_points(&solution, "traction_points")?;
     let traction_element = load_integers(&solution, "traction_element")?;
     let traction = load_points(&solution, "traction")?;
-    let lengths = [traction_points.len(), traction_element.len()];
-    if points.len() != displacement.len() || lengths != [traction.len(); 2] {
+    let prescribed = match solution.link_exists("traction_prescribed") {
+        true => load_points(&solution, "traction_prescribed")?,
+        false => vec![[f64::NAN; 2]; traction.len()], // files of before
+    };
+    let lengths = [traction_points.len(), traction_element.len(), prescribed.len()];
+    if points.len() != displacement.len() || lengths != [traction.len(); 3] {
         return Err(invalid(&solution, "displacement", "its points and values differ in number"));
     }
     let contact = if summary.contact.is_some() { load_contact(&open_group(file, "contact")?)? } else { Vec::new() };
@@ -418,6 +424,7 @@ pub fn read(file: &File) -> Result<Record, IoError> {
         traction_points,
         traction_element,
         traction,
+        prescribed,
         contact,
         ties,
         grid,

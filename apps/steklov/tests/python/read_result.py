@@ -64,6 +64,11 @@ close(displacement[corner[0]], [0.05067434, 0.01137091], 5e-5)
 at = read("solution/traction_points", (k, 2), F8, "length", ["point", "component"])
 element = read("solution/traction_element", (k,), I8, "1", ["point"])
 traction = read("solution/traction", (k, 2), F8, "stress", ["point", "component"])
+prescribed = read("solution/traction_prescribed", (k, 2), F8, "stress", ["point", "component"])
+given = {name: prescribed[side[element] == i] for i, name in enumerate(names)}
+assert np.isnan(given["floor"]).all() and not np.isnan(np.concatenate([given[n] for n in ("left", "top", "right")])).any()
+x = at[side[element] == names.index("top"), 0]
+close(given["top"], np.stack([0 * x, -500 * (0.5 - x) ** 2 * (0.5 + x) ** 2], axis=1), 1e-13)
 gauss, weights = np.polynomial.legendre.leggauss(p)
 middle = (nodes[elements[:, 0]] + nodes[elements[:, 1]]) / 2
 close(at, (middle[:, None, :] + gauss[None, :, None] * along[:, None, :] / 2).reshape(-1, 2), 1e-15)
