@@ -80,7 +80,7 @@ def run_steklov(program, problem, setting, threads):
         return [dict(mesh=0, failure="refused", message=done.stderr.strip())]
     record = dict(mesh=0, seconds=seconds, own_seconds=answer["seconds"]["total"], energy=answer["energy"])
     record.update({key: answer[key] for key in ("dofs", "steps", "iterations", "estimate_relative", "reason")})
-    return [record if done.returncode == 0 else dict(record, failure=answer["reason"])]
+    return [record if answer["converged"] else dict(record, failure=answer["reason"])]
 
 
 def run_peer(code, problem, setting, threads, seconds):

@@ -18,6 +18,7 @@ use steklov_figures::stochastic;
 use steklov_io::{File, IoError, create_atomically, open};
 use steklov_model::adaptive::BoundaryElements;
 use steklov_model::error::SolveError;
+use steklov_model::expect::check_expect;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::{Reason, Step, run};
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
@@ -31,12 +32,13 @@ use steklov_scene::{Document, TEMPLATE};
 use self::bar::Bar;
 use self::grid::crossing_warning;
 use self::output::{appeared, check_output};
-use self::told::{advice, print_summary};
+use self::told::{advice, expectation, print_summary};
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
 const WRONG: u8 = 1;
-/// Exit status: the tolerance or the solver's criterion was not reached, or the run was interrupted; the result is stored.
+/// Exit status: the tolerance, the solver's criterion or an entry of `[expect]` was not met, or the run was interrupted; the result is
+/// stored.
 const NOT_REACHED: u8 = 3;
 
 /// Frictional contact of 2D elastic bodies by boundary elements.
@@ -178,6 +180,7 @@ fn read_scene_within_memory(path: &Path, overrides: &[String]) -> Result<Documen
 fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
     let document = read_scene_within_memory(&args.scene, &args.overrides)?;
     let scene = &document.scene;
+    check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
     let mut plan = plan(scene);
     if scene.method.refine != Refine::None {
         plan.modelled.push(largest_mesh(scene));
@@ -200,6 +203,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         PathBuf::from(name)
     });
     check_output(&out, &args.scene, args.force || args.resume)?;
+    check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
     let plan = plan(scene);
     let refused = too_many_dofs(scene, plan.cost.dofs)
         .or_else(|| too_much_memory(scene, plan.cost.memory_bytes))
@@ -240,12 +244,16 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         if let Some(text) = summary.grid.as_ref().and_then(crossing_warning).filter(|_| !args.quiet) {
             eprintln!("warning: {text}");
         }
+        if !args.quiet {
+            summary.expect.iter().filter(|e| !e.holds).for_each(|e| eprintln!("{}", expectation(e)));
+        }
         say(&serde_json::to_string_pretty(summary)?);
     } else {
         print_summary(&stored);
         files.iter().for_each(|f| say(&format!("picture {}", f.display())));
     }
-    Ok(if summary.converged { 0 } else { NOT_REACHED })
+    let holds = summary.expect.iter().all(|e| e.holds);
+    Ok(if summary.converged && holds { 0 } else { NOT_REACHED })
 }
 
 /// What a solve gives: a record or an error, and how many steps were held already.

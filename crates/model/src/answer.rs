@@ -11,6 +11,7 @@ use crate::data::Data;
 use crate::doubt::Doubt;
 use crate::energies::Energies;
 use crate::estimate::ROUNDOFF;
+use crate::expect::expected;
 use crate::interfaces;
 use crate::large::is_large;
 use crate::report::{contact_summary, located};
@@ -84,7 +85,7 @@ pub fn answer<M: Model>(
     if !facets(&scene.problem.outline).is_empty() {
         doubts.push(Doubt::Facets);
     }
-    Summary {
+    let mut summary = Summary {
         title: scene.title.clone(),
         model: scene.model().word().into(),
         file: String::new(),
@@ -123,7 +124,10 @@ pub fn answer<M: Model>(
         exterior,
         seconds: SecondsSummary::of_steps(run.seconds()),
         peak_memory_bytes: peak_memory_bytes(),
-    }
+        expect: Vec::new(),
+    };
+    summary.expect = expected(scene, &summary);
+    summary
 }
 
 /// What the solver left undone, and what to do about it.

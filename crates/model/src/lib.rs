@@ -31,6 +31,7 @@ mod equilibrium;
 pub mod error;
 pub mod estimate;
 mod exact;
+pub mod expect;
 mod facing;
 pub mod fields;
 pub mod first_mesh;

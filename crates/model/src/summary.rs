@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::doubt::Doubt;
+use crate::expect::Expected;
 
 /// What a result is, in numbers. Lengths, stresses and forces per thickness in the units of the scene.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -45,11 +46,7 @@ pub struct Summary {
     pub estimate: Option<f64>,
     /// Estimate over (2 strain energy)^½.
     pub estimate_relative: Option<f64>,
-    /// Why the estimate is not to be trusted: transition (one lies inside an element), sets (contact still changes from
-    /// mesh to mesh), coarse (elements too long or of too high a degree for it), data (loads finer than the elements), several
-    /// (solutions under Coulomb's law), roundoff, length (what is told depends on the length L of `exterior`), large (gaps or
-    /// prescribed displacements beyond small strains), normals (those of the two sides of an interface differ so much that it matters
-    /// which of them contact takes), reach (bodies lie in each other where no contact was looked for); empty if it is.
+    /// Why the estimate is not to be trusted, the words of [`Doubt`]; empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
     /// Iterations of the contact solver in the last step; 0 without contact.
@@ -71,6 +68,9 @@ pub struct Summary {
     pub reactions: BTreeMap<String, [f64; 2]>,
     /// Results at the probe points.
     pub probe: Vec<Probe>,
+    /// The entries of the scene's `[expect]` beside the numbers of the result.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub expect: Vec<Expected>,
     /// Statistics; null for one outcome.
     pub stochastic: Option<serde_json::Value>,
     /// Finite elements only: the grid.
@@ -308,22 +308,27 @@ impl Summary {
 
     /// The number at a path of the object.
     pub(crate) fn number_at(root: &serde_json::Value, path: &str) -> Option<f64> {
-        let mut value = root;
-        for key in path.split('.') {
-            value = match value {
-                serde_json::Value::Array(items) => {
-                    let index = match (items.len(), key) {
-                        (_, "x" | "xx") => 0,
-                        (_, "y" | "yy") => 1,
-                        (_, "xy") => 2,
-                        _ => key.parse().ok()?,
-                    };
-                    items.get(index)?
+        fn find(value: &serde_json::Value, keys: &[&str]) -> Option<f64> {
+            match (keys.split_first(), value) {
+                (None, _) => value.as_bool().map(|b| f64::from(u8::from(b))).or_else(|| value.as_f64()),
+                (Some((key, rest)), serde_json::Value::Array(items)) => {
+                    find(items.get(Summary::component(key)?)?, rest)
                 }
-                other => other.get(key)?,
-            };
+                // names, as those of the sides of several bodies, may have points
+                (Some(_), other) => (1..=keys.len()).find_map(|n| find(other.get(keys[..n].join("."))?, &keys[n..])),
+            }
         }
-        value.as_bool().map(|b| f64::from(u8::from(b))).or_else(|| value.as_f64())
+        find(root, &path.split('.').collect::<Vec<_>>())
+    }
+
+    /// The place in a list that a key means: its number, or that of a component of a vector or tensor.
+    pub(crate) fn component(key: &str) -> Option<usize> {
+        match key {
+            "x" | "xx" => Some(0),
+            "y" | "yy" => Some(1),
+            "xy" => Some(2),
+            _ => key.parse().ok(),
+        }
     }
 }
 

@@ -3,6 +3,7 @@
 use steklov_figures::stochastic;
 use steklov_model::contact_rows::TOUCHING;
 use steklov_model::doubt::Doubt;
+use steklov_model::expect::Expected;
 use steklov_model::run::Reason;
 use steklov_model::summary::{MediumSummary, Summary};
 use steklov_plan::{MODULI, NEXT_MESH, Plan};
@@ -40,6 +41,19 @@ fn far_away(exterior: &MediumSummary) -> Vec<String> {
         );
     }
     lines
+}
+
+/// An entry of `[expect]` and whether it holds.
+pub(super) fn expectation(entry: &Expected) -> String {
+    let Expected { path, value, expected, tol, holds } = entry;
+    let word = if *holds { "holds" } else { "DOES NOT HOLD" };
+    match value {
+        Some(value) => format!(
+            "expected    {path} = {expected} ± {tol:e}: {value:?}, off by {:.1e}: {word}",
+            (value - expected).abs()
+        ),
+        None => format!("expected    {path} = {expected} ± {tol:e}: this result has no such number: {word}"),
+    }
 }
 
 /// Names of the contact sides without any pressure.
@@ -160,6 +174,7 @@ pub(super) fn print_summary(stored: &Record) {
         say(&format!("probe       ({x}, {y}): u = ({u:.6e}, {v:.6e}), {stress}"));
     }
     stochastic::lines(stored).iter().for_each(|line| say(line));
+    s.expect.iter().for_each(|entry| say(&expectation(entry)));
     say(&format!(
         "seconds     {:.3}, peak memory {:.1} MiB",
         s.seconds.total,

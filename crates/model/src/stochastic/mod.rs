@@ -27,4 +27,5 @@ pub use json::{json, method};
 pub use jumps::intervals;
 pub use nodes::{End, is_coupled};
 pub use outcomes::Outcomes;
+pub(crate) use result::paths_of;
 pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};

@@ -167,6 +167,11 @@ impl Watch<'_> {
     }
 }
 
+/// Paths of the quantities of a scene.
+pub(crate) fn paths_of(scene: &Scene, random: &Random) -> Vec<String> {
+    random.stochastic.quantities.clone().unwrap_or_else(|| default_paths(scene))
+}
+
 /// The quantities of a scene that names none.
 fn default_paths(scene: &Scene) -> Vec<String> {
     let contact = scene.contacts().next().is_some();
@@ -199,7 +204,7 @@ pub fn solve_stochastic(
     let watch = Watch { progress, stopped };
     let settings = &random.stochastic;
     let outcomes = Outcomes::new(scene, random, body)?;
-    let paths = settings.quantities.clone().unwrap_or_else(|| default_paths(scene));
+    let paths = paths_of(scene, random);
     if let Some(path) = paths.iter().find(|p| !is_of_outcomes(p)) {
         return Err(scene.quantity_error(path).into());
     }
