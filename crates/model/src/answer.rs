@@ -10,7 +10,7 @@ use crate::contact_rows::{ContactRow, Trace, contact_rows};
 use crate::data::Data;
 use crate::doubt::Doubt;
 use crate::energies::Energies;
-use crate::estimate::ROUNDOFF;
+use crate::estimate::{Estimate, ROUNDOFF};
 use crate::expect::expected;
 use crate::interfaces;
 use crate::large::is_large;
@@ -187,10 +187,34 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
         grid: None,
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, run)),
-        bodies: interfaces::bodies(scene, solved, estimate),
+        bodies: bodies(scene, solved, estimate),
         interfaces,
         reach,
     }
+}
+
+/// The bodies, if there are several: unknowns, energy, and the part of the estimate that is theirs.
+fn bodies(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Vec<BodySummary> {
+    if !scene.problem.has_several_bodies() {
+        return Vec::new();
+    }
+    let edges = scene.problem.outline.edges();
+    let body_of = |e: usize| scene.problem.outline.body_of_loop(edges[solved.mesh.edge[e]].loop_index);
+    let of = |(body, strain): (usize, &f64)| {
+        let own: Vec<usize> = (0..solved.mesh.len()).filter(|&e| body_of(e) == body).collect();
+        let part = |estimate: &Estimate| {
+            let all: f64 = estimate.indicators.iter().map(|i| i.total()).sum();
+            let here: f64 = own.iter().map(|&e| estimate.indicators[e].total()).sum();
+            if all > 0.0 { estimate.error * (here / all).sqrt() } else { 0.0 }
+        };
+        BodySummary {
+            name: scene.problem.bodies[body].name.clone(),
+            dofs: 2 * own.iter().map(|&e| solved.space.degree(e)).sum::<usize>(),
+            strain_energy: *strain,
+            estimate: estimate.map(part),
+        }
+    };
+    solved.strain_of_bodies.iter().enumerate().map(of).collect()
 }
 
 /// What an unbounded medium with a boundary of its own does far away; none without one.

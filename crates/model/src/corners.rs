@@ -11,7 +11,8 @@ use steklov_elastic::{Face, Joint, Sector, Wedge};
 use steklov_problem::{Contact, Interface, Law, Scene, Span};
 
 use crate::contact_rows::{ContactRow, max_pressure};
-use crate::vertices::{SMOOTH, direction, face, state};
+use crate::first_mesh::SMOOTH;
+use crate::vertices::{direction, face, state};
 
 /// A point closer to an end of its edge is there (edge parameter).
 const NEAR: f64 = 1e-6;

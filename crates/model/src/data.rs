@@ -11,7 +11,6 @@ use steklov_quadrature::{LobattoBasis, legendre_p};
 
 use crate::body_load::Particulars;
 use crate::error::SolveError;
-use crate::fields::Field;
 use crate::supports::Held;
 
 /// A scene on a mesh.
@@ -394,27 +393,6 @@ impl Data<'_> {
             BemError::DataRough { .. } => DataError::of_values(expression, &error.to_string()).into(),
             _ => error.into(),
         }
-    }
-
-    /// ∫ t φ_j over element e of the whole traction, for its local node j.
-    pub fn traction_moment(&self, field: &Field, particular: &Particulars, e: usize, j: usize) -> [f64; 2] {
-        let basis = self.space.basis(e);
-        let more = if self.mesh.is_line(e) { 2 } else { 16 };
-        let rule = steklov_quadrature::gauss_legendre(basis.degree + more);
-        let mut phi = vec![0.0; basis.degree + 1];
-        let mut sum = [0.0; 2];
-        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
-            basis.evaluate(t, &mut phi);
-            let mut traction = field.trace(e, t).traction;
-            if let Some(body) = particular.of(e) {
-                let extra = body.traction(self.mesh.point(e, t), self.mesh.normal(e, t));
-                traction = [traction[0] + extra[0], traction[1] + extra[1]];
-            }
-            for i in 0..2 {
-                sum[i] += w * self.mesh.speed(e, t) * phi[j] * traction[i];
-            }
-        }
-        sum
     }
 }
 

@@ -1,30 +1,14 @@
 //! `[expect]` of a scene: numbers that its result is to have, and whether it has them.
 
-use serde::{Deserialize, Serialize};
 use serde_json::{Value, json};
 use steklov_expression::nearest;
 use steklov_problem::{DataError, DataErrorKind as Kind, Law, Scene};
 
 use crate::stochastic::paths_of;
 use crate::summary::{
-    Audit, BodySummary, ContactSummary, GridSummary, InterfaceSummary, MediumSummary, NormalsSummary, Probe,
+    Audit, BodySummary, ContactSummary, Expected, GridSummary, InterfaceSummary, MediumSummary, NormalsSummary, Probe,
     ReachSummary, Stabilisation, Summary,
 };
-
-/// An entry of `[expect]` beside the number of the result.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-pub struct Expected {
-    /// Path in the JSON object.
-    pub path: String,
-    /// The number of the result; null where it has none.
-    pub value: Option<f64>,
-    /// What it is to be.
-    pub expected: f64,
-    /// How far it may be off.
-    pub tol: f64,
-    /// Whether it is not farther off.
-    pub holds: bool,
-}
 
 /// The entries of `[expect]` beside the numbers of a result.
 pub(crate) fn expected(scene: &Scene, summary: &Summary) -> Vec<Expected> {

@@ -5,6 +5,7 @@ use std::ops::Range;
 use steklov_bem_operators::{BoundaryField, Inside, Mesh, ParticularSolution, Trace};
 
 use crate::body_load::Particulars;
+use crate::data::Data;
 
 /// The fields of all bodies of a mesh, without particular solutions.
 #[derive(Debug, Clone)]
@@ -105,5 +106,28 @@ impl ElasticField<'_> {
             _ => stress,
         };
         (displacement, [0, 1, 2].map(|i| (stress[i] + other[i]) / 2.0))
+    }
+}
+
+impl Data<'_> {
+    /// ∫ t φ_j over element e of the whole traction, for its local node j.
+    pub fn traction_moment(&self, field: &Field, particular: &Particulars, e: usize, j: usize) -> [f64; 2] {
+        let basis = self.space.basis(e);
+        let more = if self.mesh.is_line(e) { 2 } else { 16 };
+        let rule = steklov_quadrature::gauss_legendre(basis.degree + more);
+        let mut phi = vec![0.0; basis.degree + 1];
+        let mut sum = [0.0; 2];
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            basis.evaluate(t, &mut phi);
+            let mut traction = field.trace(e, t).traction;
+            if let Some(body) = particular.of(e) {
+                let extra = body.traction(self.mesh.point(e, t), self.mesh.normal(e, t));
+                traction = [traction[0] + extra[0], traction[1] + extra[1]];
+            }
+            for i in 0..2 {
+                sum[i] += w * self.mesh.speed(e, t) * phi[j] * traction[i];
+            }
+        }
+        sum
     }
 }

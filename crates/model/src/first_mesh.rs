@@ -5,8 +5,9 @@ use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Law, Refine, Scene, Span};
 
 use crate::layout::Layout;
-use crate::vertices::SMOOTH;
 
+/// Angles on curves, whose numbers are seldom written with so many digits, that differ by less are the same (radian).
+pub(crate) const SMOOTH: f64 = 1e-6;
 /// Straight corners are those whose sides turn by less than this (radian).
 const STRAIGHT: f64 = 1e-9;
 /// A vertex closer to a kink of the data than this part of its element is moved there.

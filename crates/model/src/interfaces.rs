@@ -1,4 +1,4 @@
-//! What is told of each body and of each interface between bodies.
+//! What is told of each interface between bodies.
 
 use steklov_problem::{Interface, Law, Scene};
 
@@ -6,38 +6,13 @@ use crate::contact::ContactResult;
 use crate::contact_rows::{ContactRow, Trace, max_pressure};
 use crate::data::Data;
 use crate::doubt::Doubt;
-use crate::estimate::Estimate;
 use crate::joints::Joint;
 use crate::normals::Normals;
 use crate::reach::Entered;
 use crate::report::summary_of_sides;
 use crate::solution::{Solved, TieRow};
-use crate::summary::{Audit, BodySummary, InterfaceSummary, NormalsSummary, ReachSummary};
+use crate::summary::{Audit, InterfaceSummary, NormalsSummary, ReachSummary};
 use steklov_contact::Located;
-
-/// The bodies, if there are several: unknowns, energy, and the part of the estimate that is theirs.
-pub(crate) fn bodies(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Vec<BodySummary> {
-    if !scene.problem.has_several_bodies() {
-        return Vec::new();
-    }
-    let edges = scene.problem.outline.edges();
-    let body_of = |e: usize| scene.problem.outline.body_of_loop(edges[solved.mesh.edge[e]].loop_index);
-    let of = |(body, strain): (usize, &f64)| {
-        let own: Vec<usize> = (0..solved.mesh.len()).filter(|&e| body_of(e) == body).collect();
-        let part = |estimate: &Estimate| {
-            let all: f64 = estimate.indicators.iter().map(|i| i.total()).sum();
-            let here: f64 = own.iter().map(|&e| estimate.indicators[e].total()).sum();
-            if all > 0.0 { estimate.error * (here / all).sqrt() } else { 0.0 }
-        };
-        BodySummary {
-            name: scene.problem.bodies[body].name.clone(),
-            dofs: 2 * own.iter().map(|&e| solved.space.degree(e)).sum::<usize>(),
-            strain_energy: *strain,
-            estimate: estimate.map(part),
-        }
-    };
-    solved.strain_of_bodies.iter().enumerate().map(of).collect()
-}
 
 /// The interfaces between bodies, `joints` those of the mesh.
 pub(crate) fn interfaces(

@@ -5,7 +5,6 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::doubt::Doubt;
-use crate::expect::Expected;
 
 /// What a result is, in numbers. Lengths, stresses and forces per thickness in the units of the scene.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -345,4 +344,19 @@ pub fn available_memory_bytes() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|l| l.starts_with("MemAvailable:"))?;
     line.split_whitespace().nth(1)?.parse::<u64>().ok().map(|kib| 1024 * kib)
+}
+
+/// An entry of `[expect]` beside the number of the result.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Expected {
+    /// Path in the JSON object.
+    pub path: String,
+    /// The number of the result; null where it has none.
+    pub value: Option<f64>,
+    /// What it is to be.
+    pub expected: f64,
+    /// How far it may be off.
+    pub tol: f64,
+    /// Whether it is not farther off.
+    pub holds: bool,
 }

@@ -4,7 +4,6 @@ use steklov_bem_operators::{BemError, Mesh};
 use steklov_problem::Problem;
 
 use crate::error::SolveError;
-use crate::estimate::thickness;
 use crate::parts::Assembled;
 
 /// Digits from which on bending takes what a mesh needs.
@@ -24,6 +23,23 @@ pub(crate) fn without_digits(error: BemError, problem: &Problem, bodies: &[Assem
     // a beam resists bending by the cube of its thickness over its length
     let digits = (3.0 * (length / thickness).log10()).round();
     if digits < MANY { error.into() } else { SolveError::Thin { thickness, length, digits: digits.min(ALL) } }
+}
+
+/// Distance from the middle of an element to the nearest other one across its body, `bodies` of all elements; infinite if only its
+/// neighbours are there.
+pub(crate) fn thickness(mesh: &Mesh, bodies: &[usize], e: usize) -> f64 {
+    let (middle, n) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
+    let across = |f: usize| {
+        let (c, d) = (mesh.point(f, 0.0), mesh.half_chord(f));
+        let to = [c[0] - middle[0], c[1] - middle[1]];
+        let t = -((to[0] * d[0] + to[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(-1.0, 1.0);
+        let to = [to[0] + t * d[0], to[1] + t * d[1]];
+        let (squared, inwards) = (to[0] * to[0] + to[1] * to[1], -(to[0] * n[0] + to[1] * n[1]));
+        if inwards > 0.0 && inwards * inwards > 0.25 * squared { squared } else { f64::INFINITY }
+    };
+    let beside = |f: usize| f == e || mesh.next[e] == f || mesh.next[f] == e;
+    let others = (0..mesh.len()).filter(|&f| bodies[f] == bodies[e] && !beside(f));
+    others.map(across).fold(f64::INFINITY, f64::min).sqrt()
 }
 
 /// The thickness that half of the boundary stays below: beside corners an element sees the next side as across.

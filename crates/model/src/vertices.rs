@@ -8,12 +8,11 @@ use steklov_elastic::{Face, Joint, Sector, Wedge};
 use steklov_problem::{Condition, Friction, Scene};
 
 use crate::contact_rows::{ContactRow, TOUCHING, max_pressure};
+use crate::first_mesh::SMOOTH;
 use crate::summary::Probe;
 
 /// Angles that differ by less are the same (radian).
 const STRAIGHT: f64 = 1e-9;
-/// Of curves, whose numbers are seldom written with so many digits.
-pub(crate) const SMOOTH: f64 = 1e-6;
 
 /// Replaces stresses at probe points that have none: at a corner, or where the condition of a straight side changes, whose
 /// exponents let stresses grow without bound. `exact`: the field is known to have no singular part.

@@ -3,8 +3,8 @@
 use steklov_figures::stochastic;
 use steklov_model::contact_rows::TOUCHING;
 use steklov_model::doubt::Doubt;
-use steklov_model::expect::Expected;
 use steklov_model::run::Reason;
+use steklov_model::summary::Expected;
 use steklov_model::summary::{MediumSummary, Summary};
 use steklov_plan::{MODULI, NEXT_MESH, Plan};
 use steklov_result::record::Record;
