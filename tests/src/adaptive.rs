@@ -4,7 +4,7 @@ use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Subdivision};
 use steklov_model::error::SolveError;
-use steklov_model::run::{Progress, Run, Step, run};
+use steklov_model::run::adaptive_loop::{Progress, Run, Step, run};
 use steklov_model::stage::Stage;
 use steklov_problem::{Refine, Scene};
 

@@ -4,9 +4,9 @@
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
-use steklov_model::first_mesh::singular_points;
-use steklov_model::layout::Layout;
-use steklov_model::run::{Progress, Reason, Run, run};
+use steklov_model::mesh::first_mesh::singular_points;
+use steklov_model::mesh::layout::Layout;
+use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
 use steklov_problem::Scene;
 use steklov_tests::{Judged, adapt, judged, line, parse, scene, step_below, summary};
 

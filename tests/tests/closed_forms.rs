@@ -3,9 +3,9 @@
 
 use std::f64::consts::PI;
 
-use steklov_model::contact_rows::{ContactRow, contact_rows};
-use steklov_model::report::contact_summary;
-use steklov_model::run::{Reason, Run};
+use steklov_model::answer::report::contact_summary;
+use steklov_model::run::adaptive_loop::{Reason, Run};
+use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, line, parse, scene};
@@ -63,7 +63,7 @@ fn contact(scene: &Scene, run: &Run) -> (Vec<ContactRow>, ContactSummary) {
         run.last.trace(),
         contact,
         &rows,
-        steklov_model::report::located(scene, &run.step().layout.located),
+        steklov_model::answer::report::located(scene, &run.step().layout.located),
     );
     (rows, summary)
 }

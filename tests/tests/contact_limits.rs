@@ -5,7 +5,7 @@ use proptest::prelude::*;
 use steklov_bem_operators::Mesh;
 use steklov_contact::{Condition, ContactError, ContactNode, Problem};
 use steklov_model::error::SolveError;
-use steklov_model::first_mesh::first_mesh;
+use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_problem::Scene;
 use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
 

@@ -1,8 +1,8 @@
 //! Lengths of contact and stick against the ends of contact and the nodes between them.
 
-use steklov_model::contact_rows::{ContactRow, contact_rows};
-use steklov_model::report::{contact_summary, located};
-use steklov_model::run::Run;
+use steklov_model::answer::report::{contact_summary, located};
+use steklov_model::run::adaptive_loop::Run;
+use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;
 use steklov_tests::{Random, View, adapt, parse, random_case};

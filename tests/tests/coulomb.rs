@@ -4,7 +4,7 @@ use std::path::Path;
 
 use steklov_bem_operators::{Mark, Subdivision};
 use steklov_contact::{Problem, Solution, TipKind, fixed_point, interior_point, kkt, newton};
-use steklov_model::run::Run;
+use steklov_model::run::adaptive_loop::Run;
 use steklov_model::summary::Summary;
 use steklov_plan::plan;
 use steklov_problem::Scene;
@@ -28,8 +28,8 @@ fn summary(scene: &Scene) -> Summary {
 
 /// The condensed problem of a scene's first mesh, and its solution.
 fn condensed(scene: &Scene) -> (Problem, Solution) {
-    let mesh = steklov_model::first_mesh::first_mesh(scene);
-    let solved = steklov_model::solve::solve(scene, mesh, false, &mut Default::default(), &mut |_| Ok(()));
+    let mesh = steklov_model::mesh::first_mesh::first_mesh(scene);
+    let solved = steklov_model::solve::one_mesh::solve(scene, mesh, false, &mut Default::default(), &mut |_| Ok(()));
     let (solved, _, factors) = solved.unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     (factors.contact.expect("contact").problem, solved.contact.expect("contact").solution)
 }

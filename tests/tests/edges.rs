@@ -1,8 +1,8 @@
 //! Edges of what a scene may ask: held ends beside contact, one-element contact, kinks of the gap, lost digits.
 
-use steklov_model::contact_rows::contact_rows;
+use steklov_model::answer::report::{contact_summary, located};
 use steklov_model::error::SolveError;
-use steklov_model::report::{contact_summary, located};
+use steklov_model::solve::contact_rows::contact_rows;
 use steklov_problem::DataErrorKind;
 use steklov_tests::{adapt, answer, attempt, parse};
 
@@ -61,8 +61,9 @@ fn an_end_held_inside_the_obstacle_is_refused() {
     let sides = "[sides.floor]\ncontact = { gap = \"0\" }\n[sides.left]\ndisplacement = [\"0\", \"-0.02\"]\n\
                  [sides.right]\ndisplacement = [\"0\", \"free\"]\n";
     let scene = parse(&square(UNIT, &format!("{sides}{PRESSED}{}", method(8, 2))), &[]).expect("a scene");
-    let error =
-        attempt(&scene, steklov_model::first_mesh::first_mesh(&scene)).err().expect("no solution has finite energy");
+    let error = attempt(&scene, steklov_model::mesh::first_mesh::first_mesh(&scene))
+        .err()
+        .expect("no solution has finite energy");
     assert!(matches!(&error, SolveError::Data(e) if e.kind == DataErrorKind::Conflict), "{error}");
     // at the obstacle it may be held
     let fine = square(UNIT, &format!("{sides}{PRESSED}{}", method(8, 2))).replace("-0.02", "0");

@@ -1,6 +1,6 @@
 //! Where finite and multiscale finite elements fail: the result says so, by its estimate, a doubt or an error.
 
-use steklov_model::run::{Reason, Run};
+use steklov_model::run::adaptive_loop::{Reason, Run};
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, attempt_grid, on_grid, parse, scene};

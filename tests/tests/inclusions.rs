@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use steklov_bem_operators::BemError;
 use steklov_model::error::SolveError;
-use steklov_model::run::{Reason, Run};
+use steklov_model::run::adaptive_loop::{Reason, Run};
 use steklov_problem::{DataErrorKind, Scene};
 use steklov_study::reference::true_error;
 use steklov_tests::{adapt, finer, line, parse, solved_in_steps};

@@ -6,7 +6,7 @@ use std::f64::consts::FRAC_PI_2;
 use faer::Mat;
 use rayon::ThreadPoolBuilder;
 use steklov_bem_operators::{Domain, Operators, PairCache, Space, Steklov};
-use steklov_model::first_mesh::first_mesh;
+use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_model::stage::Stage;
 use steklov_tests::{Answer, Case, On, View, answer, parse, point_of, rotated, scene};
 
@@ -177,12 +177,13 @@ fn threads_change_no_bit_of_the_operators() {
             let first = [&operators.v, &operators.k, &operators.w].map(bits);
             let s = Steklov::new(operators, Domain::Interior).expect("V is positive definite").matrix;
             let mut stages = 0;
-            let solved = steklov_model::solve::solve(&scene, mesh, true, &mut PairCache::default(), &mut |stage| {
-                if let Stage::Steklov(_, again) = stage {
-                    stages += usize::from(bits(again) == bits(&s));
-                }
-                Ok(())
-            });
+            let solved =
+                steklov_model::solve::one_mesh::solve(&scene, mesh, true, &mut PairCache::default(), &mut |stage| {
+                    if let Stage::Steklov(_, again) = stage {
+                        stages += usize::from(bits(again) == bits(&s));
+                    }
+                    Ok(())
+                });
             let (solved, ..) = solved.unwrap_or_else(|e| panic!("{e}"));
             println!("{threads} threads: S computed twice has the same bits: {}", stages == 1);
             (first, s, solved.energies.total)

@@ -2,9 +2,9 @@
 //! stabilisation.
 
 use steklov_contact::{ContactError, MultiplierDegree, MultiplierMesh};
-use steklov_model::contact_rows::contact_rows;
+use steklov_model::answer::report::contact_summary;
 use steklov_model::error::SolveError;
-use steklov_model::report::contact_summary;
+use steklov_model::solve::contact_rows::contact_rows;
 use steklov_problem::{Multiplier, Refine, Scene};
 use steklov_quadrature::gauss_legendre;
 use steklov_tests::{adapt, answer, gallery, line, parse, scene};

@@ -3,7 +3,7 @@
 
 use std::fmt::Write;
 
-use steklov_model::run::{Reason, Run};
+use steklov_model::run::adaptive_loop::{Reason, Run};
 use steklov_tests::{Random, adapt, parse, summary};
 
 /// Seed of all places.

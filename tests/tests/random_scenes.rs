@@ -11,7 +11,7 @@ use std::time::Instant;
 use steklov_bem_operators::BemError;
 use steklov_contact::ContactError;
 use steklov_model::error::SolveError;
-use steklov_model::run::Reason;
+use steklov_model::run::adaptive_loop::Reason;
 use steklov_problem::{DataErrorKind, Scene};
 use steklov_study::reference::true_error;
 use steklov_tests::{Random, View, finer, parse, random_case, solved_in_steps};

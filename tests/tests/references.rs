@@ -6,7 +6,7 @@
 use steklov_bem_operators::Mesh;
 use steklov_contact::ContactError;
 use steklov_model::error::SolveError;
-use steklov_model::first_mesh::first_mesh;
+use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_tests::{Answer, answer, answer_on, attempt, scene};
 
 /// J of `block-on-floor`.

@@ -19,7 +19,7 @@ use faer::Mat;
 use steklov_bem_operators::{BemError, Condensation, Datum, Domain, Mesh, Operators, Partition, Space, Steklov};
 use steklov_contact::{Outcome, Problem, SideData, contact_boundary, kkt, newton, uzawa};
 use steklov_model::error::SolveError;
-use steklov_model::first_mesh::first_mesh;
+use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_problem::{DataErrorKind, Scene};
 use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
 

@@ -5,8 +5,8 @@ use steklov_bem_operators::{Mesh, PairCache};
 use steklov_contact::{
     ContactBoundary, ContactError, Problem, Solution, Start, active_set, interior_point, kkt, newton,
 };
-use steklov_model::first_mesh::first_mesh;
-use steklov_model::solve::solve;
+use steklov_model::mesh::first_mesh::first_mesh;
+use steklov_model::solve::one_mesh::solve;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, gallery};
 

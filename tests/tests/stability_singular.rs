@@ -2,7 +2,7 @@
 //! hp meshes exponentially. Re-entrant corners, held corners and ends of contact are in `adaptive_rates.rs` and
 //! `adaptive_references.rs`; here are points where conditions change on a straight side, and crack tips.
 
-use steklov_model::run::Reason;
+use steklov_model::run::adaptive_loop::Reason;
 use steklov_problem::{Refine, Scene};
 use steklov_tests::{adapt, line, parse};
 

@@ -1,7 +1,7 @@
 //! Random input of scenes: exact scalings, outcomes against scenes of their own, methods against each other.
 
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
-use steklov_model::run::Run;
+use steklov_model::run::adaptive_loop::Run;
 use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic};
 use steklov_problem::Scene;
 use steklov_scene::Document;
@@ -134,11 +134,12 @@ fn outcomes_are_those_of_scenes_of_their_own() {
         let numbers = [b, t, g, f, d].map(number);
         let own = text(&format!("{:?}", e.exp()), numbers.each_ref().map(String::as_str), &fixed);
         let mesh = run.last.mesh.clone();
-        let (solved, ..) = steklov_model::solve::solve(&own, mesh, false, &mut PairCache::default(), &mut |_| Ok(()))
-            .unwrap_or_else(|e| panic!("{e}"));
+        let (solved, ..) =
+            steklov_model::solve::one_mesh::solve(&own, mesh, false, &mut PairCache::default(), &mut |_| Ok(()))
+                .unwrap_or_else(|e| panic!("{e}"));
         let contact = solved.contact.as_ref().expect("contact");
-        let rows = steklov_model::contact_rows::contact_rows(solved.trace(), contact);
-        let told = steklov_model::report::contact_summary(&own, solved.trace(), contact, &rows, None);
+        let rows = steklov_model::solve::contact_rows::contact_rows(solved.trace(), contact);
+        let told = steklov_model::answer::report::contact_summary(&own, solved.trace(), contact, &rows, None);
         let (inside, stress) = solved.inside(0, [0.1, -0.2]);
         let top = solved.reactions.iter().find(|r| r.0 == "top").expect("held").1[1];
         let energies = solved.energies;

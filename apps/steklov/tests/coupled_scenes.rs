@@ -4,7 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_model::grid::OnGrid;
-use steklov_model::run::{self, Progress, Run};
+use steklov_model::run::adaptive_loop::{self, Progress, Run};
 use steklov_model::summary::Summary;
 use steklov_plan::plan;
 use steklov_problem::{DataErrorKind as Kind, Scene};
@@ -41,7 +41,7 @@ fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
 fn finished(text: &str, overrides: &[&str]) -> (Scene, Run<OnGrid>) {
     let scene = parse(text, overrides).unwrap_or_else(|e| panic!("{}", e.render()));
     let progress = Progress::<OnGrid>::new(&scene, Vec::new()).unwrap();
-    let run = run::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
+    let run = adaptive_loop::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
     (scene, run)
 }
 
@@ -145,7 +145,7 @@ fn a_resultant_is_told_or_refused() {
     assert!(!exterior.balanced && apart(&exterior.resultant, &[0.0, -1.0]) < 1e-12, "{exterior:?}");
     let (scene, bounded) = (parse(SQUARE, &[weight, "exterior.at_infinity=\"bounded\""]).unwrap(), AtomicUsize::new(0));
     let progress = Progress::<OnGrid>::new(&scene, Vec::new()).unwrap();
-    let Err(error) = run::run(&scene, progress, &bounded, &mut |_, _| Ok(())) else { panic!("a net force is bounded") };
+    let Err(error) = adaptive_loop::run(&scene, progress, &bounded, &mut |_, _| Ok(())) else { panic!("a net force is bounded") };
     assert!(error.to_string().contains("resultant (0.000e0, -1.000e0)"), "{error}");
 
     let twist = "exterior.stress_jump=[\"y\", \"x\", \"0\"]";
@@ -178,8 +178,8 @@ fn a_lining_of_the_rock_is_the_rock() {
         .replace("[[0.1, 0.2], [0.5, 0.1], [0.7, 0.4], [-40, 3]]", "[[0.25, 0], [0.5, 0], [1, 0.5]]")
         .replace("model = \"fem-bem\"\nrefine = \"none\"", "refine = \"hp\"\ntolerance = 1e-5");
     let scene = parse(&hole, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
-    let progress = steklov_model::run::Progress::first(&scene);
-    let done = run::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
+    let progress = steklov_model::run::adaptive_loop::Progress::first(&scene);
+    let done = adaptive_loop::run(&scene, progress, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
     let errors = [16, 32, 64].map(|n| {
         let probes = lined(n);
         let off = probes.iter().map(|probe| {

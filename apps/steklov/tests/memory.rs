@@ -5,7 +5,7 @@ mod place;
 use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran};
-use steklov_model::run::{Progress, Reason, run};
+use steklov_model::run::adaptive_loop::{Progress, Reason, run};
 use steklov_plan::NEXT_MESH;
 use steklov_problem::Scene;
 

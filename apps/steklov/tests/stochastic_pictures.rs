@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use steklov_io::{File, IoError, create_atomically, create_group, open, open_group};
-use steklov_model::run::{Progress, run};
+use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_model::stochastic::{StochasticResult, solve_stochastic};
 use steklov_result::outcomes::{read, write};
 use steklov_result::record::Record;

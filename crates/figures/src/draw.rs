@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
 use steklov_io::vtkhdf::Field;
-use steklov_model::contact_rows::ContactRow;
+use steklov_model::solve::contact_rows::ContactRow;
 use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
 use steklov_result::medium::body_part;
 use steklov_result::record::Record;

@@ -6,9 +6,9 @@ use std::f64::consts::PI;
 use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
-use steklov_model::adaptive::unobserved;
-use steklov_model::contact_rows::contact_rows;
-use steklov_model::report::{contact_summary, located};
+use steklov_model::answer::report::{contact_summary, located};
+use steklov_model::run::boundary_elements::unobserved;
+use steklov_model::solve::contact_rows::contact_rows;
 use steklov_problem::{Condition, Contact, Friction, Scene};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -6,7 +6,7 @@ use std::f64::consts::TAU;
 
 use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
-use steklov_model::adaptive::unobserved;
+use steklov_model::run::boundary_elements::unobserved;
 use steklov_problem::{FarField, Scene, Tie};
 
 /// Corners of the polygon that stands for the circle: its area is that of the circle but for (2π/n)²/6.

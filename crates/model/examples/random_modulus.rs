@@ -6,7 +6,7 @@ use std::error::Error;
 use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
-use steklov_model::adaptive::unobserved;
+use steklov_model::run::boundary_elements::unobserved;
 use steklov_model::stochastic::solve_stochastic;
 use steklov_problem::{Condition, Germ, Random, RandomConstants, RandomName, Scene, Stochastic, Uses};
 use steklov_stochastic::Variable;

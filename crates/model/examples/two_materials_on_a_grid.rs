@@ -7,7 +7,7 @@ use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 use steklov_model::grid::OnGrid;
-use steklov_model::run::{Progress, run};
+use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_problem::{BasisInput, CellModuli, Cells, Condition, GridInput, Scene, Substance};
 
 fn main() -> Result<(), Box<dyn Error>> {

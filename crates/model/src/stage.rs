@@ -6,8 +6,8 @@ use steklov_bem_operators::Operators;
 use steklov_coupling::{Trace, Transfer};
 
 use crate::grid::{GridSolved, OnGrid};
-use crate::run::Step;
-use crate::solution::Solved;
+use crate::run::adaptive_loop::Step;
+use crate::solve::solution::Solved;
 
 /// What a run hands to its observer while it has it.
 pub enum Stage<'a> {

@@ -1,7 +1,7 @@
 //! The plan of a scene on a grid.
 
 use steklov_elastic::RigidMotion;
-use steklov_model::supports::free_of_supports;
+use steklov_model::data::supports::free_of_supports;
 use steklov_problem::{
     BasisInput, CellModuli, GridInput, Indicator, Refine, Scene, Surroundings, bounding_box, grid_of,
 };

@@ -8,10 +8,10 @@ use steklov_bem_operators::Mesh;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
 use steklov_elastic::{Plane, RigidMotion};
-use steklov_model::estimate::is_estimated;
-use steklov_model::first_mesh::first_mesh;
-use steklov_model::memory::{Lack, memory_bytes};
-use steklov_model::supports::{free_of_supports, free_of_supports_of};
+use steklov_model::data::supports::{free_of_supports, free_of_supports_of};
+use steklov_model::estimate::error_estimate::is_estimated;
+use steklov_model::mesh::first_mesh::first_mesh;
+use steklov_model::run::memory::{Lack, memory_bytes};
 use steklov_problem::{
     Drawn, Friction, Interface, Law, MULTIPLIER_MESHES, Method, Multiplier, Refine, Scene, Solver, facets,
 };

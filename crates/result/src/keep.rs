@@ -2,14 +2,14 @@
 
 use steklov_io::vtkhdf::Grid;
 use steklov_io::{File, Group, IoError, invalid, vtkhdf};
-use steklov_model::adaptive::BoundaryElements;
-use steklov_model::contact_rows::Trace;
-use steklov_model::data::Data;
+use steklov_model::data::on_mesh::Data;
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
-use steklov_model::run::{Model, Progress, Run, Step};
-use steklov_model::solution::Solved;
-use steklov_model::solution::TieRow;
+use steklov_model::run::adaptive_loop::{Model, Progress, Run, Step};
+use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::solve::contact_rows::Trace;
+use steklov_model::solve::solution::Solved;
+use steklov_model::solve::solution::TieRow;
 use steklov_model::stage::Stage;
 use steklov_model::stochastic::StochasticResult;
 use steklov_problem::{Scene, moduli};

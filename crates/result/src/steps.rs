@@ -9,11 +9,11 @@ use steklov_io::{
     File, Group, IoError, create_group, invalid, label, load, load_dense, load_integers, load_number, load_texts,
     load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
 };
-use steklov_model::adaptive::RefinedMesh;
 use steklov_model::doubt::Doubt;
-use steklov_model::estimate::{Bubble, Estimate};
-use steklov_model::residual::Residual;
-use steklov_model::run::Step;
+use steklov_model::estimate::error_estimate::{Bubble, Estimate};
+use steklov_model::estimate::residual::Residual;
+use steklov_model::run::adaptive_loop::Step;
+use steklov_model::run::boundary_elements::RefinedMesh;
 use steklov_problem::Scene;
 
 /// A term of the indicators: name, meaning, value.

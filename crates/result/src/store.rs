@@ -10,10 +10,10 @@ use steklov_io::{
     load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
     save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
-use steklov_model::contact_rows::ContactRow;
 use steklov_model::error::SolveError;
-use steklov_model::run::Step;
-use steklov_model::solution::TieRow;
+use steklov_model::run::adaptive_loop::Step;
+use steklov_model::solve::contact_rows::ContactRow;
+use steklov_model::solve::solution::TieRow;
 use steklov_model::stage::Stage;
 use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;

@@ -6,13 +6,13 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_bem_operators::{Mark, Mesh, PairCache, Piece, Space, Subdivision};
-use steklov_model::data::Data;
+use steklov_model::data::on_mesh::Data;
+use steklov_model::data::parts::pieces;
 use steklov_model::doubt::Doubt;
 use steklov_model::error::SolveError;
-use steklov_model::parts::pieces;
-use steklov_model::run::{Progress, Reason, Step, run};
-use steklov_model::solution::Solved;
-use steklov_model::solve::solve;
+use steklov_model::run::adaptive_loop::{Progress, Reason, Step, run};
+use steklov_model::solve::one_mesh::solve;
+use steklov_model::solve::solution::Solved;
 use steklov_model::stage::Stage;
 use steklov_problem::{Refine, Scene};
 use steklov_quadrature::legendre_p;

@@ -2,10 +2,10 @@
 
 use faer::Mat;
 use steklov_bem_operators::{Dof, Mesh, Operators, Space, Steklov, TractionMap};
-use steklov_model::data::Data;
+use steklov_model::data::on_mesh::Data;
+use steklov_model::data::supports::Supports;
 use steklov_model::error::SolveError;
-use steklov_model::first_mesh::first_mesh;
-use steklov_model::supports::Supports;
+use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_problem::{Refine, Scene};
 use steklov_quadrature::gauss_legendre;
 
@@ -27,7 +27,7 @@ impl Supported {
     /// The scene's body on a mesh.
     ///
     /// # Errors
-    /// As [`steklov_model::solve::solve`], of prescribed displacements and operators.
+    /// As [`steklov_model::solve::one_mesh::solve`], of prescribed displacements and operators.
     pub(super) fn new(scene: &Scene, mesh: Mesh) -> Result<Self, SolveError> {
         let space = Space::new(&mesh);
         let held = Data { scene, mesh: &mesh, space: &space }.held()?;

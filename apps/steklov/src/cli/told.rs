@@ -1,9 +1,9 @@
 //! What is told of a result on stdout, and advice where it did not converge.
 
 use steklov_figures::stochastic;
-use steklov_model::contact_rows::TOUCHING;
 use steklov_model::doubt::Doubt;
-use steklov_model::run::Reason;
+use steklov_model::run::adaptive_loop::Reason;
+use steklov_model::solve::contact_rows::TOUCHING;
 use steklov_model::summary::Expected;
 use steklov_model::summary::{MediumSummary, Summary};
 use steklov_plan::{MODULI, NEXT_MESH, Plan};

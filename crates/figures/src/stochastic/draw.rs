@@ -1,7 +1,7 @@
 //! Pictures of the statistics: the spread of the body, contact, densities, effects of germs, the stochastic mesh.
 
 use steklov_bem_operators::Space;
-use steklov_model::contact_rows::ContactRow;
+use steklov_model::solve::contact_rows::ContactRow;
 use steklov_model::stochastic::{Quantity, StochasticResult};
 use steklov_picture::{
     BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,

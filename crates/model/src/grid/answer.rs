@@ -7,9 +7,9 @@ use steklov_problem::{Condition, Scene, Side};
 use super::estimate::GridEstimate;
 use super::run::OnGrid;
 use super::solution::GridSolved;
-use crate::answer::Report;
-use crate::around::Around;
-use crate::run::Run;
+use crate::run::adaptive_loop::Run;
+use crate::run::answer::Report;
+use crate::solve::medium::Around;
 use crate::summary::{GridSummary, Probe};
 
 /// Contrast along coarse edges from which linear traces fail.

@@ -12,11 +12,11 @@ use super::layout::GridLayout;
 use super::solution::{CoarseSolved, GridSolved};
 use super::solve::{basis, node_at, watched};
 use super::trace::GridTrace;
-use crate::around::Around;
 use crate::energies::Energies;
-use crate::equilibrium::UNBALANCED;
 use crate::error::SolveError;
-use crate::solution::Seconds;
+use crate::solve::equilibrium::UNBALANCED;
+use crate::solve::medium::Around;
+use crate::solve::solution::Seconds;
 use crate::stage::Stage;
 
 /// Parts of the solution that both kinds of elements have.

@@ -15,9 +15,9 @@ use super::oscillation::load_oscillation;
 use super::solution::GridSolved;
 use super::solve::node_at;
 use super::trace::GridTrace;
-use crate::around::Around;
 use crate::doubt::Doubt;
 use crate::error::SolveError;
+use crate::solve::medium::Around;
 
 /// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
 /// exact solution.

@@ -6,7 +6,7 @@ use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Scene};
 
 use super::estimate::Tractions;
 use super::trace::GridTrace;
-use crate::data::{Data, SideLoad};
+use crate::data::on_mesh::{Data, SideLoad};
 use crate::error::SolveError;
 
 /// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.

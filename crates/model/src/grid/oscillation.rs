@@ -9,7 +9,7 @@ use steklov_problem::Scene;
 use steklov_quadrature::gauss_legendre;
 
 use super::trace::GridTrace;
-use crate::data::Data;
+use crate::data::on_mesh::Data;
 use crate::error::SolveError;
 
 /// Part of a square that rounding leaves of what is resolved.

@@ -7,9 +7,9 @@ use super::estimate::GridEstimate;
 use super::layout::GridLayout;
 use super::solution::GridSolved;
 use super::solve::solve_grid;
-use crate::answer::Report;
 use crate::error::SolveError;
-use crate::run::{Advanced, Model, Progress, Reason, Run, Step, seconds_of};
+use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, seconds_of};
+use crate::run::answer::Report;
 use crate::stage::Stage;
 
 /// Dörfler's θ where the scene has none.

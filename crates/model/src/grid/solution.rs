@@ -6,11 +6,11 @@ use steklov_msfem::{Basis, CoarseMesh, HeterogeneousBody};
 
 use super::estimate::GridEstimate;
 use super::trace::GridTrace;
-use crate::around::Around;
-use crate::contact::ContactResult;
-use crate::contact_rows::Trace;
 use crate::energies::Energies;
-use crate::solution::Seconds;
+use crate::solve::contact::ContactResult;
+use crate::solve::contact_rows::Trace;
+use crate::solve::medium::Around;
+use crate::solve::solution::Seconds;
 
 /// A solved grid.
 pub struct GridSolved {

@@ -15,12 +15,12 @@ use super::loads::{check_gaps, loads};
 use super::solution::{CoarseSolved, GridSolved};
 use super::system::{Answer, System, without_motions};
 use super::trace::GridTrace;
-use crate::data::Data;
+use crate::data::on_mesh::Data;
+use crate::data::supports::Held;
 use crate::energies::Energies;
 use crate::error::SolveError;
-use crate::solution::Seconds;
+use crate::solve::solution::Seconds;
 use crate::stage::Stage;
-use crate::supports::Held;
 
 /// Cells, moduli and material of a scene on the grid of its layout.
 pub(crate) fn body(scene: &Scene, layout: &GridLayout) -> Result<HeterogeneousBody, SolveError> {

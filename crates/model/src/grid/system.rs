@@ -9,13 +9,13 @@ use steklov_msfem::{Elimination, ReducedLoad};
 use steklov_problem::{Scene, Solver};
 
 use super::trace::GridTrace;
-use crate::contact::{CondensedBody, ContactResult, solve_contact};
-use crate::contact_solver::solve_problem;
-use crate::equilibrium::{Equations, reactions};
+use crate::data::motions::{unresisted, work};
+use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
-use crate::motions::{unresisted, work};
+use crate::solve::contact::{CondensedBody, ContactResult, solve_contact};
+use crate::solve::contact_solver::solve_problem;
+use crate::solve::equilibrium::{Equations, reactions};
 use crate::stage::Stage;
-use crate::supports::{Held, Supports};
 
 /// Unknowns of a stiffness matrix reduced to the contact nodes.
 const CONTACT: &str = "displacement unknown of the contact nodes, in the order of /contact, along normal and tangent";

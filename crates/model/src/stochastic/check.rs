@@ -5,8 +5,8 @@ use steklov_problem::Stochastic;
 use steklov_stochastic::{StochasticMesh, sample, solve_points};
 
 use super::events::Unanimous;
-use super::looks::{Miss, Residual, residual};
 use super::nodes::Cell;
+use super::outcome_checks::{Miss, Residual, residual};
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::error::SolveError;

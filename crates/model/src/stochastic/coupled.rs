@@ -14,10 +14,10 @@ use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds
 
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
-use crate::body::Given;
-use crate::contact_rows::ContactRow;
 use crate::error::SolveError;
-use crate::solution::Solved;
+use crate::solve::body::Given;
+use crate::solve::contact_rows::ContactRow;
+use crate::solve::solution::Solved;
 use crate::summary::Summary;
 
 /// A node's part of the solution, with the multipliers λ̃.

@@ -6,11 +6,11 @@ use steklov_stochastic::{CellBasis, Nodes, StochasticMesh, Variable, sample};
 
 use super::jumps::split_at_cuts;
 use super::outcomes::Outcomes;
-use crate::body::{Body, Factors};
-use crate::elastic::EnrichedBody;
 use crate::error::SolveError;
-use crate::estimate::{Bubble, Estimate, estimate};
-use crate::solution::Solved;
+use crate::estimate::elastic::EnrichedBody;
+use crate::estimate::error_estimate::{Bubble, Estimate, estimate};
+use crate::solve::body::{Body, Factors};
+use crate::solve::solution::Solved;
 
 /// Most germs of which all combinations of two values are taken, and samples beyond.
 const FEW: usize = 4;

@@ -10,7 +10,7 @@ mod outcomes;
 mod coupled;
 mod events;
 mod jumps;
-mod looks;
+mod outcome_checks;
 mod check;
 mod of_surrogate;
 mod samples;

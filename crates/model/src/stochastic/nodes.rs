@@ -10,11 +10,11 @@ use super::check::{Check, check};
 use super::coupled::solve_cell;
 use super::events::{events, slips};
 use super::jumps::split_at_cuts;
-use super::looks::{Look, Looked, Miss, look, mean_modulus};
+use super::outcome_checks::{Look, Looked, Miss, look, mean_modulus};
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
+use crate::data::supports::free_of_supports;
 use crate::error::SolveError;
-use crate::supports::free_of_supports;
 
 /// Part of the squared error whose directions are refined at a time.
 const SHARE: f64 = 0.7;

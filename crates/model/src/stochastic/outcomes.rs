@@ -9,18 +9,18 @@ use steklov_problem::{Random, Scene, Solver};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
 use super::jumps::Data as DataInGerms;
-use crate::body::{Body, Factors, Given};
-use crate::body_load::Particular;
-use crate::contact_rows::{ContactRow, contact_rows};
-use crate::contact_solver::solve_problem;
-use crate::data::{Data, Loads};
+use crate::answer::report::figures;
+use crate::data::body_load::Particular;
+use crate::data::motions::unresisted;
+use crate::data::on_mesh::{Data, Loads};
+use crate::data::supports::Supports;
 use crate::error::SolveError;
-use crate::motions::unresisted;
-use crate::report::figures;
-use crate::rotations::{missed, project_load_off, rigid_load};
-use crate::solution::Solved;
+use crate::solve::body::{Body, Factors, Given};
+use crate::solve::contact_rows::{ContactRow, contact_rows};
+use crate::solve::contact_solver::solve_problem;
+use crate::solve::rotations::{missed, project_load_off, rigid_load};
+use crate::solve::solution::Solved;
 use crate::summary::Summary;
-use crate::supports::Supports;
 
 /// The outcomes of a scene's random input on a body.
 pub struct Outcomes<'a> {

@@ -13,9 +13,9 @@ use super::outcomes::{Answer, Outcomes};
 use super::samples::of_samples;
 use super::spread::{judge, of_one_scale};
 use super::unseen::{beside_grid, beside_samples};
-use crate::body::Body;
-use crate::contact_rows::TOUCHING;
 use crate::error::SolveError;
+use crate::solve::body::Body;
+use crate::solve::contact_rows::TOUCHING;
 
 /// Answers that are held at a time while samples stream by.
 pub(super) const BLOCK: usize = 1024;

@@ -2,7 +2,7 @@
 
 use steklov_io::vtkhdf::{Field, Grid as VtkGrid};
 use steklov_model::grid::{GridSolved, OnGrid};
-use steklov_model::run::Step;
+use steklov_model::run::adaptive_loop::Step;
 use steklov_msfem::{CoarseMesh, HeterogeneousBody};
 
 /// The grid of a result. The cells of the body are the quadrilaterals of the result and its nodes the points, both in their

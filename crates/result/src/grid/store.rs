@@ -6,7 +6,7 @@ use steklov_io::{
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
 };
 use steklov_model::grid::{GridEstimate, GridLayout, OnGrid};
-use steklov_model::run::Step;
+use steklov_model::run::adaptive_loop::Step;
 use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, HeterogeneousBody, Indicators};
 
 use super::record::GridRecord;

@@ -1,7 +1,7 @@
 //! The medium as cells of `/VTKHDF`, beside those of the body.
 
 use steklov_io::vtkhdf::{Field, Grid};
-use steklov_model::around::Around;
+use steklov_model::solve::medium::Around;
 
 use super::Window;
 

@@ -7,7 +7,7 @@ use steklov_io::{
     File, Group, IoError, create_group, invalid, label, load, load_dense, load_points, load_vector, open_group, save,
     save_dense, save_points, save_vector, vtkhdf,
 };
-use steklov_model::around::Around;
+use steklov_model::solve::medium::Around;
 use steklov_model::summary::MediumSummary;
 
 use super::Window;

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 use steklov_bem_operators::Polygon;
-use steklov_model::around::Around;
+use steklov_model::solve::medium::Around;
 
 use crate::record::chords;
 use crate::triangulate::{Triangulation, triangulate};

@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_contact::TipKind;
 use steklov_io::{Group, IoError, invalid, open_group};
-use steklov_model::run::Step;
+use steklov_model::run::adaptive_loop::Step;
 use steklov_problem::Scene;
 
 /// Checks the step that was read from the group `at`: the numbers are possible, its mesh is one of the scene's polygon,

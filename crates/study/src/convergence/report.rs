@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use steklov_io::Label;
-use steklov_model::contact_rows::ContactRow;
+use steklov_model::solve::contact_rows::ContactRow;
 
 use super::strategy::{End, Point, Strategy};
 use super::{MEASURED, Study};

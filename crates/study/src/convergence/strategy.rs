@@ -1,9 +1,9 @@
 //! One strategy: its runs, its seconds, its true errors.
 
 use steklov_bem_operators::Mesh;
-use steklov_model::contact_rows::{ContactRow, contact_rows};
 use steklov_model::error::SolveError;
-use steklov_model::run::{Progress, Reason, Run, Step, run};
+use steklov_model::run::adaptive_loop::{Progress, Reason, Run, Step, run};
+use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::stage::Stage;
 use steklov_problem::{Multiplier, Refine, Scene};
 

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use steklov_figures::{positions, side_file};
-use steklov_model::contact_rows::ContactRow;
+use steklov_model::solve::contact_rows::ContactRow;
 use steklov_picture::{Axis, PictureError};
 
 use super::pairs::{PAIRS, Point};

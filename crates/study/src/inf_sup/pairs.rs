@@ -12,9 +12,9 @@ use steklov_bem_operators::Mesh;
 use steklov_contact::{
     ContactError, MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms, dual_form, inf_sup, pairing,
 };
-use steklov_model::data::Data;
+use steklov_model::data::on_mesh::Data;
 use steklov_model::error::SolveError;
-use steklov_model::stabilised::SAFE;
+use steklov_model::solve::stabilised::SAFE;
 use steklov_problem::Scene;
 
 use super::subspace::{biorthogonal, continuous, restricted};

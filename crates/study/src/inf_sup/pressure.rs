@@ -3,9 +3,9 @@
 
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
-use steklov_model::contact_rows::{ContactRow, contact_rows};
 use steklov_model::error::SolveError;
-use steklov_model::solve::solve;
+use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
+use steklov_model::solve::one_mesh::solve;
 use steklov_problem::{Contact, Friction, Law, Multiplier, Scene};
 
 use crate::supported::uniform_mesh;

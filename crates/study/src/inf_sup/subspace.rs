@@ -86,7 +86,7 @@ mod tests {
 
     use super::*;
     use crate::supported::contact_sides;
-    use steklov_model::data::Data;
+    use steklov_model::data::on_mesh::Data;
     use steklov_problem::Scene;
 
     /// A trapezium on two contact sides, one of them oblique; its left side is held in x.

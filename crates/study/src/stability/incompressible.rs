@@ -4,8 +4,8 @@
 
 use steklov_elastic::Material;
 use steklov_model::error::SolveError;
-use steklov_model::first_mesh::first_mesh;
-use steklov_model::run::{Progress, run};
+use steklov_model::mesh::first_mesh::first_mesh;
+use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_model::stage::Stage;
 use steklov_problem::{Scene, Substance};
 

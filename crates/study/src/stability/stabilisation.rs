@@ -8,7 +8,7 @@
 use steklov_bem_operators::PairCache;
 use steklov_contact::{MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms};
 use steklov_model::error::SolveError;
-use steklov_model::solve::solve;
+use steklov_model::solve::one_mesh::solve;
 use steklov_problem::{Multiplier, Scene};
 
 use crate::convergence::for_truth;

@@ -6,7 +6,7 @@
 use std::sync::atomic::Ordering;
 
 use steklov_model::error::SolveError;
-use steklov_model::run::Run;
+use steklov_model::run::adaptive_loop::Run;
 use steklov_model::stochastic::{StochasticResult, is_coupled, solve_stochastic};
 use steklov_problem::{Random, Scene, Stochastic};
 use steklov_stochastic::Accumulator;

@@ -4,7 +4,7 @@ use std::time::Instant;
 
 use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, uzawa};
 use steklov_model::error::SolveError;
-use steklov_model::run::{Progress, run};
+use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_model::stochastic::Outcomes;
 use steklov_problem::{Random, Scene};
 

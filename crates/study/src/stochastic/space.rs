@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_model::error::SolveError;
-use steklov_model::run::{Progress, Reason, Run, run};
+use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
 use steklov_model::stage::Stage;
 use steklov_model::stochastic::solve_stochastic;
 use steklov_problem::{Random, Refine, Scene, Stochastic};

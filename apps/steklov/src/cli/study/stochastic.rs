@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use steklov_model::error::SolveError;
-use steklov_model::run::{Progress, run};
+use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_model::stage::Stage;
 use steklov_problem::{DataError, DataErrorKind};
 use steklov_study::Watch;

@@ -1,0 +1,11 @@
+//! What is told of a solved mesh: contact in numbers, interfaces, singular points, and how far the model holds.
+
+pub(crate) mod bernstein;
+pub(crate) mod corners;
+pub mod interfaces;
+pub mod normals;
+pub mod reach;
+pub mod report;
+pub(crate) mod singular_points;
+pub(crate) mod singular_pressure;
+pub(crate) mod small_strain;

@@ -1,0 +1,309 @@
+//! Whether bodies lie in each other, after they have moved, where no contact was looked for.
+//!
+//! Interfaces hold apart what sees each other on their sides. Every other pair of boundary elements of two bodies is proved to be
+//! apart: x + u is a polynomial on an element (of a curve to rounding), within the hull of its Bernstein coefficients; both curves are
+//! moved into their bodies by the depth that is allowed, and halved until a line separates them. What cannot be separated is
+//! looked at: it touches end to end, or a point of it, ends among them, lies deeper than that. Within twice the depth of vertices at which both bodies touch as they are drawn nothing is asked.
+//! A gap of the scene that is added to the distance is depth that is allowed.
+
+use std::collections::HashMap;
+
+use steklov_bem_operators::Site;
+use steklov_coupling::Cell;
+use steklov_problem::Law;
+use steklov_quadrature::{gauss_legendre, project};
+
+use crate::answer::bernstein::{bernstein, halves};
+use crate::data::joints::Joint;
+use crate::data::on_mesh::Data;
+
+/// Degrees beyond those of displacements in which curves are followed.
+const MORE: usize = 8;
+/// Depth that is allowed, over the relative error times the largest displacement.
+const DEEP: f64 = 2.0;
+/// Depth that is allowed beside an interface, over the largest displacement: contact there is that of small displacements.
+const BESIDE: f64 = 0.05;
+/// Pieces of a pair of elements at most.
+const MOST: usize = 20_000;
+/// Points of an element at which the depth of what is found is measured.
+const LOOKS: usize = 64;
+
+/// A place where two bodies lie in each other after they have moved.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Entered {
+    /// The bodies.
+    pub bodies: [usize; 2],
+    /// The place, after the motion.
+    pub point: [f64; 2],
+    /// How deep (length).
+    pub depth: f64,
+}
+
+/// Control points of a piece of a moved element.
+type Piece = Vec<[f64; 2]>;
+
+impl Data<'_> {
+    /// The deepest place of every pair of bodies where they lie in each other beyond the relative `error` of the displacements.
+    pub(crate) fn entered(&self, displacement: &[f64], joints: &[Joint], error: f64) -> Vec<Entered> {
+        let outline = &self.scene.problem.outline;
+        let body_of = |e: usize| outline.body_of_loop(outline.edges()[self.mesh.edge[e]].loop_index);
+        let bodies: Vec<usize> = (0..self.mesh.len()).map(body_of).collect();
+        let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+        let rounding = 1e-9 * outline.diameter();
+        let [strict, beside] = [DEEP * error, BESIDE].map(|part| (part * largest).max(rounding));
+        let held_apart = HeldApart::new(self, joints);
+        let common = self.common_vertices(&bodies, rounding);
+        let none = Vec::new();
+        let mut found: Vec<Entered> = Vec::new();
+        let count = outline.bodies().len();
+        for pair in (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])) {
+            let apart = self.drawn_too_large(joints, pair);
+            let common = common.get(&pair).unwrap_or(&none);
+            for (is_beside, depth) in [(false, strict + apart), (true, beside.max(strict) + apart)] {
+                let of = |body: usize| (0..self.mesh.len()).filter(|&e| bodies[e] == body).collect::<Vec<_>>();
+                let moved = pair.map(|body| {
+                    let whole = |e: usize| (e, self.moved(e, displacement, depth, [-1.0, 1.0]));
+                    of(body).into_iter().map(whole).collect::<Vec<_>>()
+                });
+                for ((a, piece), (b, other)) in moved[0].iter().flat_map(|a| moved[1].iter().map(move |b| (a, b))) {
+                    let judged = held_apart.is_beside(*a, *b) == is_beside && !held_apart.is(*a, *b);
+                    if !judged || are_apart(piece, other) {
+                        continue;
+                    }
+                    let [Some(on_a), Some(on_b)] = [a, b].map(|e| self.away_from(common, *e, 2.0 * depth)) else {
+                        continue;
+                    };
+                    let [first, second] =
+                        [(a, on_a), (b, on_b)].map(|(e, range)| self.moved(*e, displacement, depth, range));
+                    let Some(point) = meeting(&first, &second, 0.1 * depth) else { continue };
+                    let least = depth;
+                    let depth = self.depth(displacement, &bodies, [*a, *b]);
+                    if depth > least {
+                        keep_deepest(&mut found, Entered { bodies: pair, point, depth });
+                    }
+                }
+            }
+        }
+        found
+    }
+
+    /// The largest gap that the scene adds to the distance of two bodies: by so much they are smaller than they are drawn.
+    fn drawn_too_large(&self, joints: &[Joint], pair: [usize; 2]) -> f64 {
+        let problem = &self.scene.problem;
+        let gap = |joint: &Joint| {
+            let interface = &problem.interfaces[joint.interface];
+            let Law::Contact(contact) = &interface.law else { return 0.0 };
+            let sides = [interface.sides.as_slice(), problem.facing_sides(interface)].concat();
+            if !pair.iter().all(|body| sides.iter().any(|&side| problem.body_of_side(side) == *body)) {
+                return 0.0;
+            }
+            let at = |e: usize, k: usize| {
+                let t = 2.0 * k as f64 / LOOKS as f64 - 1.0;
+                self.value(&contact.gap, &Site::new(self.mesh, e, t))
+            };
+            joint.own.iter().flat_map(|&e| (0..=LOOKS).map(move |k| at(e, k))).fold(0.0, f64::max)
+        };
+        joints.iter().map(gap).fold(0.0, f64::max)
+    }
+
+    /// The vertices at which two bodies touch as they are drawn, by their numbers.
+    fn common_vertices(&self, bodies: &[usize], near: f64) -> HashMap<[usize; 2], Vec<[f64; 2]>> {
+        let mut common: HashMap<[usize; 2], Vec<[f64; 2]>> = HashMap::new();
+        let start = |e: usize| self.mesh.ends(e)[0];
+        for (a, b) in (0..self.mesh.len()).flat_map(|a| (a + 1..self.mesh.len()).map(move |b| (a, b))) {
+            let (x, y) = (start(a), start(b));
+            if bodies[a] != bodies[b] && (x[0] - y[0]).hypot(x[1] - y[1]) <= near {
+                common.entry([bodies[a].min(bodies[b]), bodies[a].max(bodies[b])]).or_default().push(x);
+            }
+        }
+        common
+    }
+
+    /// The part of an element that is farther away from points than this; none where it is all nearer.
+    fn away_from(&self, points: &[[f64; 2]], e: usize, least: f64) -> Option<[f64; 2]> {
+        let near = |t: f64| {
+            let x = self.mesh.point(e, t);
+            points.iter().any(|p| (x[0] - p[0]).hypot(x[1] - p[1]) < least)
+        };
+        if near(0.0) {
+            return None;
+        }
+        let outermost = |end: f64| {
+            let (mut away, mut other) = (0.0, end);
+            for _ in 0..if near(end) { 40 } else { 0 } {
+                let middle = (away + other) / 2.0;
+                if near(middle) { other = middle } else { away = middle }
+            }
+            if near(end) { away } else { end }
+        };
+        Some([outermost(-1.0), outermost(1.0)])
+    }
+
+    /// A part of an element after it has moved, and by so much into its body.
+    fn moved(&self, e: usize, displacement: &[f64], inward: f64, [t0, t1]: [f64; 2]) -> Piece {
+        let basis = self.space.basis(e);
+        let degree = if self.mesh.is_line(e) { basis.degree } else { basis.degree + MORE };
+        let at = |i: usize| {
+            let mut phi = vec![0.0; basis.degree + 1];
+            let value = |part: f64| {
+                let t = (t0 * (1.0 - part) + t1 * (1.0 + part)) / 2.0;
+                basis.evaluate(t, &mut phi);
+                let moved: f64 =
+                    self.space.element_nodes(e).zip(&phi).map(|(k, phi)| displacement[2 * k + i] * phi).sum();
+                self.mesh.point(e, t)[i] + moved - inward * self.mesh.normal(e, t)[i]
+            };
+            bernstein(&project(value, degree, &gauss_legendre(degree + 1)))
+        };
+        at(0).into_iter().zip(at(1)).map(|(x, y)| [x, y]).collect()
+    }
+
+    /// The largest depth of points of either element in the body of the other one.
+    fn depth(&self, displacement: &[f64], bodies: &[usize], pair: [usize; 2]) -> f64 {
+        let point = |e: usize, k: usize| {
+            let t = 2.0 * k as f64 / LOOKS as f64 - 1.0;
+            let (mut x, basis) = (self.mesh.point(e, t), self.space.basis(e));
+            let mut phi = vec![0.0; basis.degree + 1];
+            basis.evaluate(t, &mut phi);
+            for (k, phi) in self.space.element_nodes(e).zip(&phi) {
+                (0..2).for_each(|i| x[i] += displacement[2 * k + i] * phi);
+            }
+            x
+        };
+        let of = |own: usize, body: usize| {
+            let boundary: Vec<[[f64; 2]; 2]> = (0..self.mesh.len())
+                .filter(|&e| bodies[e] == body)
+                .flat_map(|e| (0..LOOKS).map(move |k| (e, k)))
+                .map(|(e, k)| [point(e, k), point(e, k + 1)])
+                .collect();
+            let bounded = self.scene.problem.outline.is_body_bounded(body);
+            let depth = |x: [f64; 2]| if is_within(&boundary, x) == bounded { distance(&boundary, x) } else { 0.0 };
+            (0..=LOOKS).map(|k| depth(point(own, k))).fold(0.0, f64::max)
+        };
+        of(pair[0], bodies[pair[1]]).max(of(pair[1], bodies[pair[0]]))
+    }
+}
+
+/// Keeps the deepest place of every pair of bodies.
+fn keep_deepest(found: &mut Vec<Entered>, new: Entered) {
+    match found.iter_mut().find(|of| of.bodies == new.bodies) {
+        Some(of) if of.depth < new.depth => *of = new,
+        Some(_) => {}
+        None => found.push(new),
+    }
+}
+
+/// Which elements an interface holds apart.
+struct HeldApart {
+    /// Interfaces on which elements see others, or are seen.
+    seeing: Vec<Vec<usize>>,
+    seen: Vec<Vec<usize>>,
+    /// Interfaces of whose sides they are.
+    sides: Vec<Vec<usize>>,
+    /// Interfaces between sides of their body.
+    bodies: Vec<Vec<usize>>,
+}
+
+impl HeldApart {
+    fn new(data: &Data<'_>, joints: &[Joint]) -> Self {
+        let (problem, mesh) = (&data.scene.problem, data.mesh);
+        let none = || vec![Vec::new(); mesh.len()];
+        let mut apart = Self { seeing: none(), seen: none(), sides: none(), bodies: none() };
+        for (k, joint) in joints.iter().enumerate() {
+            for &Cell { element, other, .. } in &joint.cells {
+                apart.seeing[element].push(k);
+                apart.seen[other].push(k);
+            }
+            let interface = &problem.interfaces[joint.interface];
+            let sides: Vec<usize> = interface.sides.iter().chain(problem.facing_sides(interface)).copied().collect();
+            let bodies: Vec<usize> = sides.iter().map(|&side| problem.body_of_side(side)).collect();
+            for e in 0..mesh.len() {
+                if sides.contains(&mesh.side[e]) {
+                    apart.sides[e].push(k);
+                }
+                if bodies.contains(&problem.body_of_side(mesh.side[e])) {
+                    apart.bodies[e].push(k);
+                }
+            }
+        }
+        apart
+    }
+
+    /// Whether two elements see each other's side on one interface.
+    fn is(&self, a: usize, b: usize) -> bool {
+        let common = |a: &[usize], b: &[usize]| a.iter().any(|k| b.contains(k));
+        common(&self.seeing[a], &self.seen[b]) || common(&self.seen[a], &self.seeing[b])
+    }
+
+    /// Whether one of them is on a side of an interface between their bodies.
+    fn is_beside(&self, a: usize, b: usize) -> bool {
+        let between = |k: &usize| self.bodies[a].contains(k) && self.bodies[b].contains(k);
+        self.sides[a].iter().chain(&self.sides[b]).any(between)
+    }
+}
+
+/// A point that two pieces may have in common; none where they are apart.
+fn meeting(a: &Piece, b: &Piece, small: f64) -> Option<[f64; 2]> {
+    let mut stack = vec![(a.clone(), b.clone())];
+    for _ in 0..MOST {
+        let (a, b) = stack.pop()?;
+        if are_apart(&a, &b) {
+            continue;
+        }
+        let (size_a, size_b) = (size(&a), size(&b));
+        if size_a.max(size_b) < small {
+            return Some(a[0]);
+        }
+        if size_a > size_b {
+            stack.extend(parts(&a).map(|half| (half, b.clone())));
+        } else {
+            stack.extend(parts(&b).map(|half| (a.clone(), half)));
+        }
+    }
+    stack.pop().map(|(a, _)| a[0])
+}
+
+/// Whether a line along an axis or along the chord of one of them separates two hulls.
+fn are_apart(a: &Piece, b: &Piece) -> bool {
+    let across = |piece: &Piece| {
+        let (first, last) = (piece[0], piece[piece.len() - 1]);
+        [first[1] - last[1], last[0] - first[0]]
+    };
+    let range = |piece: &Piece, axis: [f64; 2]| {
+        let along = piece.iter().map(|x| x[0] * axis[0] + x[1] * axis[1]);
+        along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
+    };
+    [[1.0, 0.0], [0.0, 1.0], across(a), across(b)].into_iter().any(|axis| {
+        let [a, b] = [range(a, axis), range(b, axis)];
+        a[1] < b[0] || b[1] < a[0]
+    })
+}
+
+fn size(piece: &Piece) -> f64 {
+    let span = |i: usize| {
+        let along = piece.iter().map(|x| x[i]);
+        along.clone().fold(f64::NEG_INFINITY, f64::max) - along.fold(f64::INFINITY, f64::min)
+    };
+    span(0).max(span(1))
+}
+
+fn parts(piece: &Piece) -> [Piece; 2] {
+    let of = |i: usize| halves(&piece.iter().map(|x| x[i]).collect::<Vec<f64>>());
+    let ([left_x, right_x], [left_y, right_y]) = (of(0), of(1));
+    [(left_x, left_y), (right_x, right_y)].map(|(x, y)| x.into_iter().zip(y).map(|(x, y)| [x, y]).collect())
+}
+
+/// Whether a point is to the left of closed polygons.
+fn is_within(boundary: &[[[f64; 2]; 2]], [x, y]: [f64; 2]) -> bool {
+    let crosses =
+        |[a, b]: &&[[f64; 2]; 2]| (a[1] > y) != (b[1] > y) && x < a[0] + (b[0] - a[0]) * (y - a[1]) / (b[1] - a[1]);
+    boundary.iter().filter(crosses).count() % 2 == 1
+}
+
+fn distance(boundary: &[[[f64; 2]; 2]], x: [f64; 2]) -> f64 {
+    let from = |[a, b]: &[[f64; 2]; 2]| {
+        let (d, r) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
+        let along = ((r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
+        (r[0] - along * d[0]).hypot(r[1] - along * d[1])
+    };
+    boundary.iter().map(from).fold(f64::INFINITY, f64::min)
+}

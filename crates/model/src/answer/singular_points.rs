@@ -1,0 +1,136 @@
+//! Vertices of the boundary at which stresses are infinite, so that numbers there are those of the mesh.
+
+use std::f64::consts::PI;
+
+use steklov_bem_operators::{Edge, SAME_PLACE};
+use steklov_elastic::Material;
+use steklov_elastic::{Face, Joint, Sector, Wedge};
+use steklov_problem::{Condition, Friction, Scene};
+
+use crate::mesh::first_mesh::SMOOTH;
+use crate::solve::contact_rows::{ContactRow, TOUCHING, max_pressure};
+use crate::summary::Probe;
+
+/// Angles that differ by less are the same (radian).
+const STRAIGHT: f64 = 1e-9;
+
+/// Replaces stresses at probe points that have none: at a corner, or where the condition of a straight side changes, whose
+/// exponents let stresses grow without bound. `exact`: the field is known to have no singular part.
+pub fn tell_unbounded(scene: &Scene, rows: &[ContactRow], probe: &mut [Probe], exact: bool) {
+    for probe in probe.iter_mut().filter(|p| !exact && is_unbounded_at(scene, rows, p.point)) {
+        (probe.stress, probe.stress_unbounded) = ([f64::NAN; 3], true);
+    }
+}
+
+/// Whether a point is a vertex with infinite stresses. Cells of different moduli about it count as one material; on the interface
+/// of such a body with the medium around it no vertex is judged.
+pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -> bool {
+    let edges = scene.problem.outline.edges();
+    let near = SAME_PLACE * scene.problem.outline.diameter();
+    for l in 0..scene.problem.outline.loops().len() {
+        let order = scene.problem.outline.traversal(l);
+        for (k, &b) in order.iter().enumerate() {
+            let a = order[(k + order.len() - 1) % order.len()];
+            let vertex = if edges[b].reversed { edges[b].end } else { edges[b].start };
+            if (vertex[0] - x[0]).hypot(vertex[1] - x[1]) <= near {
+                return wedge(scene, rows, &edges[a], &edges[b]).is_some_and(|wedge| wedge.is_singular());
+            }
+        }
+    }
+    false
+}
+
+/// Exponents below that of a crack: of a vertex between a held and a free side that is re-entrant.
+const STRONG: f64 = 0.45;
+
+/// The exponents at the vertices, contact apart, whose stresses grow faster than at the tip of a crack: the edges before and behind,
+/// and the smallest one.
+pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
+    let outline = &scene.problem.outline;
+    let edges = outline.edges();
+    let mut found = Vec::new();
+    for l in 0..outline.loops().len() {
+        let order = outline.traversal(l);
+        for (k, &b) in order.iter().enumerate() {
+            let a = order[(k + order.len() - 1) % order.len()];
+            let held = |e: usize| (0..2).any(|i| scene.problem.sides[edges[e].side].holds(i));
+            if held(a) == held(b) || [a, b].iter().any(|&e| scene.contact(edges[e].side).is_some()) {
+                continue;
+            }
+            let wedge = wedge(scene, &[], &edges[a], &edges[b]).filter(|w| w.sectors[0].angle > PI + STRAIGHT);
+            if let Some(exponent) = wedge.and_then(|wedge| wedge.least_exponent_below(STRONG)) {
+                found.push(([a, b], exponent));
+            }
+        }
+    }
+    found
+}
+
+/// Direction of an edge as the boundary is traversed, the body to its left, where it begins or ends.
+pub(crate) fn direction(edge: &Edge, at_end: bool) -> [f64; 2] {
+    if !edge.is_line() {
+        let sign = if edge.reversed { -1.0 } else { 1.0 };
+        return edge.tangent(if at_end == edge.reversed { 0.0 } else { 1.0 }).map(|t| sign * t);
+    }
+    let d = [edge.end[0] - edge.start[0], edge.end[1] - edge.start[1]];
+    let length = d[0].hypot(d[1]) * if edge.reversed { -1.0 } else { 1.0 };
+    d.map(|d| d / length)
+}
+
+/// The wedge between the edge before a vertex and that behind it; none where the boundary goes on as before.
+fn wedge(scene: &Scene, rows: &[ContactRow], before: &Edge, behind: &Edge) -> Option<Wedge> {
+    let (a, b) = (direction(before, true), direction(behind, false));
+    let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
+    let straight = (angle - PI).abs() < if before.is_line() && behind.is_line() { STRAIGHT } else { SMOOTH };
+    let sector = |angle: f64, material: &Material| Sector { angle, mu: material.mu(), kappa: material.kappa() };
+    if let Some(around) = scene.surroundings().filter(|_| behind.loop_index == 0) {
+        let judged = scene.body().cells().is_none() && !straight;
+        let sectors = vec![sector(angle, &scene.body().material()), sector(2.0 * PI - angle, &around.material)];
+        return judged.then_some(Wedge { sectors, joints: Vec::new(), faces: None });
+    }
+    let touch = |edge: &Edge| scene.contact(edge.side).is_some();
+    if straight && (before.side == behind.side || touch(before) && touch(behind)) {
+        return None;
+    }
+    let vertex = if behind.reversed { behind.end } else { behind.start };
+    let faces = [face(scene, rows, behind, vertex, b), face(scene, rows, before, vertex, a.map(|a| -a))];
+    Some(Wedge { sectors: vec![sector(angle, &scene.body().material())], joints: Vec::new(), faces: Some(faces) })
+}
+
+/// The condition on an edge at one of its ends, from which it runs along `ray`.
+pub(crate) fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64; 2], ray: [f64; 2]) -> Face {
+    if let Some(contact) = scene.contact(edge.side) {
+        return contact_face(rows, edge.side, &contact.friction, vertex);
+    }
+    match &scene.problem.sides[edge.side].condition {
+        Condition::Free | Condition::Traction(_) | Condition::Pressure(_) => Face::Free,
+        Condition::Displacement { values: [Some(_), Some(_)], .. } => Face::Held,
+        Condition::Displacement { values: [None, None], .. } => Face::Free,
+        // an axis, along the ray and turned from it
+        Condition::Displacement { values: [Some(_), None], .. } => Face::HeldAlong([ray[0], -ray[1]]),
+        Condition::Displacement { values: [None, Some(_)], .. } => Face::HeldAlong([ray[1], ray[0]]),
+    }
+}
+
+/// Contact: that of the nearest node of the side.
+fn contact_face(rows: &[ContactRow], side: usize, friction: &Friction, vertex: [f64; 2]) -> Face {
+    let distance = |r: &ContactRow| (r.point[0] - vertex[0]).hypot(r.point[1] - vertex[1]);
+    let nearest = rows.iter().filter(|r| r.side == side).min_by(|a, b| distance(a).total_cmp(&distance(b)));
+    match nearest.and_then(|row| state(row, max_pressure(rows), friction)) {
+        None => Face::Free,
+        Some(Joint::Bonded) => Face::Held,
+        Some(Joint::Sliding(ratio)) => Face::Sliding(ratio),
+    }
+}
+
+/// What a node in contact does; none where it is open. The shear of Tresca's law is bounded: it holds nothing.
+pub(crate) fn state(row: &ContactRow, largest: f64, friction: &Friction) -> Option<Joint> {
+    if row.pressure <= TOUCHING * largest {
+        return None;
+    }
+    Some(match friction {
+        Friction::Coulomb(_) if row.status == 1 => Joint::Bonded,
+        Friction::Coulomb(_) => Joint::Sliding(row.shear / row.pressure),
+        _ => Joint::Sliding(0.0),
+    })
+}

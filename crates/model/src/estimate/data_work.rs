@@ -1,0 +1,154 @@
+//! What J gains, to first order, by what the nodes of a mesh leave of its data.
+//!
+//! ```text
+//! held displacements    ∫ t·w,  w = u_D - I_p u_D              t: traction of the solution
+//! Tresca's bounds       ∫ F r u_t - Σ D_i F_i |u_t,i|          λ_t = F r, |r| ≤ 1
+//! ```
+//! J is the least over u of the largest value over r of ½⟨S u, u⟩ - l(u) + ∫ F r u_t, so that its derivative by data is that of
+//! this form at the saddle point. What is left is of second order: for held displacements from 0 to ½⟨S w, w⟩, as J is convex
+//! in them, and the error of t against w. Loads and gaps need nothing: their integrals against displacements and
+//! multipliers are exact.
+
+use steklov_bem_operators::{Datum, Site, side_moments};
+use steklov_contact::{LinePoint, Solution};
+use steklov_expression::Expression;
+use steklov_problem::Condition;
+use steklov_quadrature::gauss_legendre;
+
+use crate::data::on_mesh::Data;
+use crate::error::SolveError;
+use crate::solve::body::Factors;
+use crate::solve::contact::{ContactFactors, ContactResult};
+use crate::solve::solution::Solved;
+
+impl Data<'_> {
+    /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).
+    pub(crate) fn held_work(&self, solved: &Solved) -> Result<f64, SolveError> {
+        let mut work = 0.0;
+        for (side, condition) in self.scene.problem.sides.iter().enumerate() {
+            let Condition::Displacement { values, .. } = &condition.condition else { continue };
+            let body = self.particular_of_side(&solved.particular, side);
+            // the energies of an unbounded body are those of the field without the particular solution
+            let bounded = self.scene.problem.bodies[self.scene.problem.body_of_side(side)].far.is_none();
+            let of_all = body.filter(|_| bounded);
+            for (i, expression) in values.iter().enumerate() {
+                let Some(expression) = expression.as_ref().filter(|e| e.constant().is_none() || body.is_some()) else {
+                    continue;
+                };
+                let mut direction = [0.0; 2];
+                direction[i] = 1.0;
+                let function = self.less_particular(expression, body, |_| direction);
+                let traction = |e: usize, t: f64| {
+                    let own = solved.field.trace(e, t).traction[i];
+                    own + of_all.map_or(0.0, |b| b.traction(self.mesh.point(e, t), self.mesh.normal(e, t))[i])
+                };
+                work += self.work_on_rest(side, Some(expression), &function.datum("displacement"), &traction)?;
+            }
+        }
+        Ok(work)
+    }
+
+    /// ∫ φ (f - I_p f) over a side, φ(e, t) of at most the degree of element e; on curves ∫ I_pφ (f - I_p f).
+    pub(crate) fn work_on_rest(
+        &self,
+        side: usize,
+        expression: Option<&Expression>,
+        f: &Datum<'_>,
+        phi: &dyn Fn(usize, f64) -> f64,
+    ) -> Result<f64, SolveError> {
+        let (mesh, space) = (self.mesh, self.space);
+        let mut work = 0.0;
+        for (e, moments) in side_moments(mesh, space, side, f)
+            .map_err(|error| expression.map_or(error.clone().into(), |expression| self.located(error, expression)))?
+        {
+            let basis = space.basis(e);
+            let (mut nodal, mut weights) = (Vec::new(), Vec::new());
+            for (&t, moment) in basis.nodes.iter().zip(moments) {
+                nodal.push(f.at(mesh, &Site::new(mesh, e, t))?);
+                weights.push(phi(e, t));
+                work += phi(e, t) * moment;
+            }
+            let more = if mesh.is_line(e) { 1 } else { 12 };
+            let rule = gauss_legendre(basis.degree + more);
+            let mut values = vec![0.0; basis.degree + 1];
+            for (&t, weight) in rule.points.iter().zip(&rule.weights) {
+                basis.evaluate(t, &mut values);
+                let interpolant = |nodal: &[f64]| values.iter().zip(nodal).map(|(v, f)| v * f).sum::<f64>();
+                // the moments are those of the interpolant of φ, which on curves is not φ
+                let phi = if mesh.is_line(e) { phi(e, t) } else { interpolant(&weights) };
+                work -= mesh.speed(e, t) * weight * phi * interpolant(&nodal);
+            }
+        }
+        Ok(work)
+    }
+
+    /// ∫ F r u_t - Σ D_i F_i |u_t,i| over the sides with Tresca's bounds (energy), of biorthogonal multipliers.
+    pub(crate) fn friction_work_left(&self, solved: &Solved, factors: &Factors) -> Result<f64, SolveError> {
+        let (Some(result), Some(part)) = (&solved.contact, &factors.contact) else { return Ok(0.0) };
+        let mut work = 0.0;
+        let mut slips = None;
+        for (side, contact) in self.scene.contacts() {
+            let Some(bound) = contact.friction.bound().filter(|b| b.constant() != Some(0.0)) else { continue };
+            let slips = slips.get_or_insert_with(|| self.slips(solved, factors, result, part));
+            let function = self.function(bound);
+            let of_bound = function.datum("friction bound");
+            let value = |site: &Site| (of_bound.value)(site) * self.turned_slip(&slips[site.element], site);
+            let datum = Datum { name: "friction bound", value: &value, kinks: of_bound.kinks, rounding: None };
+            let moments =
+                side_moments(self.mesh, self.space, side, &datum).map_err(|error| self.located(error, bound))?;
+            work += moments.iter().flat_map(|(_, m)| m).sum::<f64>();
+        }
+        let Solution { displacement, multipliers, .. } = &result.solution;
+        Ok(if slips.is_some() { work - part.problem.friction_work(displacement, multipliers) } else { 0.0 })
+    }
+
+    /// u_t and r at the nodes of every element: r is ±1 where a node slips, the part λ_t/F of its bound where it sticks.
+    fn slips(
+        &self,
+        solved: &Solved,
+        factors: &Factors,
+        contact: &ContactResult,
+        part: &ContactFactors,
+    ) -> Vec<Vec<[f64; 2]>> {
+        let (mesh, space) = (self.mesh, self.space);
+        let mut slips = vec![Vec::new(); mesh.len()];
+        let relative = contact.boundary.relative(&factors.homogeneous);
+        for element in contact.boundary.elements(mesh, space) {
+            let e = element.element;
+            let slip = |((node, at), &place): ((usize, &Option<LinePoint>), &f64)| {
+                let [x, y] = self.direction(e, place);
+                let t = [-y, x];
+                let own = solved.particular.of(e).map_or([0.0; 2], |b| b.displacement(space.points[node]));
+                let u: f64 = (0..2).map(|i| (relative[2 * node + i] + own[i]) * t[i]).sum();
+                let turned = match at.map(|at| (at, part.sets.slip(at.index))) {
+                    Some((at, Some(0))) => {
+                        let bound = part.problem.nodes[at.node].conditions[at.condition].bound;
+                        (contact.solution.multipliers[at.index][1] / bound).clamp(-1.0, 1.0)
+                    }
+                    Some((_, Some(slip))) => f64::from(slip),
+                    _ if u == 0.0 => 0.0,
+                    _ => u.signum(),
+                };
+                [u, turned]
+            };
+            slips[e] = space.element_nodes(e).zip(&element.points).zip(&space.basis(e).nodes).map(slip).collect();
+        }
+        slips
+    }
+
+    /// r u_t at a point of an element: u_t of its polynomial, r linear between the nodes.
+    fn turned_slip(&self, nodal: &[[f64; 2]], site: &Site) -> f64 {
+        // a part of the side that faces nothing
+        if nodal.is_empty() {
+            return 0.0;
+        }
+        let basis = self.space.basis(site.element);
+        let mut phi = vec![0.0; basis.degree + 1];
+        basis.evaluate(site.t, &mut phi);
+        let slip: f64 = nodal.iter().zip(&phi).map(|([u, _], phi)| u * phi).sum();
+        let k = basis.nodes.partition_point(|t| *t < site.t).clamp(1, basis.degree);
+        let (a, b) = (basis.nodes[k - 1], basis.nodes[k]);
+        let part = (site.t - a) / (b - a);
+        slip * (nodal[k - 1][1] * (1.0 - part) + nodal[k][1] * part)
+    }
+}

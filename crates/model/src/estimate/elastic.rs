@@ -1,0 +1,170 @@
+//! The enriched matrices of a body, and with a medium around it of both, as an estimate uses them.
+//!
+//! With u the displacement of the body and ξ = u - u0 that of the medium, the forces on the bubbles and their W_bb are sums over both,
+//! and so is S₊; there are two traction residuals, of u inside and of ξ outside:
+//!
+//! ```text
+//! ρ_u = t0(b) - ⟨W u + (K'+½)ψ_i, b⟩ - ⟨W ξ + (K'-½)ψ_e, b⟩        ρ_ψ = (⟨(K+½)u - Vψ_i, P_p⟩, ⟨(½-K)ξ - Vψ_e, P_p⟩)
+//! ```
+//! What the nodes leave of u0 is no part of that: its solution, which has no jump of tractions, is orthogonal in the energy of
+//! body and medium to all that has no jump of displacements.
+
+use std::ops::Range;
+
+use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache};
+
+use crate::data::parts::Assembled;
+use crate::solve::body::{Body, Factors};
+
+/// What S₊ of the enriched spaces needs besides S, of bodies and of the medium around one.
+pub struct EnrichedBody {
+    /// Each body, its elements and its nodes.
+    bodies: Vec<(EnrichedSteklov, Range<usize>, Range<usize>)>,
+    outside: Option<EnrichedSteklov>,
+}
+
+impl EnrichedBody {
+    /// Of bodies whose operators are of the moments in `cache`: solved as ones that are to be estimated.
+    ///
+    /// # Errors
+    /// Those of [`EnrichedSteklov::new`].
+    pub fn new(body: &Body, cache: &mut PairCache) -> Result<Self, BemError> {
+        let of_mesh = (&body.mesh, &body.space);
+        let outside = body.outside.as_ref().map(|outside| outside.enriched(of_mesh, cache)).transpose()?;
+        let mut bodies = Vec::new();
+        for Assembled { piece, length, traction_map, .. } in &body.pieces {
+            let of_mesh = (&piece.mesh, &piece.space);
+            let enriched = EnrichedSteklov::new(of_mesh, &piece.material, *length, traction_map, cache)?;
+            bodies.push((enriched, piece.elements.clone(), piece.nodes.clone()));
+        }
+        Ok(Self { bodies, outside })
+    }
+}
+
+/// Displacements and the enriched matrices that they belong to: of each body, and of the medium around one.
+pub(crate) struct Elastic<'a> {
+    parts: Vec<Part<'a>>,
+    elements: usize,
+}
+
+/// A body or a medium.
+struct Part<'a> {
+    enriched: &'a EnrichedSteklov,
+    /// Nodal displacement.
+    u: &'a [f64],
+    elements: Range<usize>,
+    nodes: Range<usize>,
+}
+
+impl Part<'_> {
+    /// The part of values of the elements, two each.
+    fn extra<'v>(&self, extra: &'v [f64]) -> &'v [f64] {
+        &extra[2 * self.elements.start..2 * self.elements.end]
+    }
+
+    /// The part of values of the nodes, two each.
+    fn base<'v>(&self, base: &'v [f64]) -> &'v [f64] {
+        &base[2 * self.nodes.start..2 * self.nodes.end]
+    }
+}
+
+impl<'a> Elastic<'a> {
+    pub(crate) fn new(enriched: &'a EnrichedBody, factors: &'a Factors) -> Self {
+        let of_body = |(enriched, elements, nodes): &'a (EnrichedSteklov, Range<usize>, Range<usize>)| Part {
+            enriched,
+            u: &factors.homogeneous[2 * nodes.start..2 * nodes.end],
+            elements: elements.clone(),
+            nodes: nodes.clone(),
+        };
+        let mut parts: Vec<Part<'a>> = enriched.bodies.iter().map(of_body).collect();
+        let elements = parts.last().map_or(0, |part| part.elements.end);
+        let outside = enriched.outside.as_ref().zip(factors.outside.as_deref());
+        parts.extend(outside.map(|(enriched, u)| Part { enriched, u, elements: 0..elements, nodes: 0..u.len() / 2 }));
+        Self { parts, elements }
+    }
+
+    /// Forces on the bubbles, two for each element.
+    pub(crate) fn bubble_force(&self) -> Vec<f64> {
+        let mut forces = vec![0.0; 2 * self.elements];
+        for part in &self.parts {
+            add(&mut forces, 2 * part.elements.start, &part.enriched.bubble_force(part.u));
+        }
+        forces
+    }
+
+    /// η_ψ² = ρ_ψᵀ [V_PP]⁻¹ ρ_ψ of each element, summed over the parts.
+    pub(crate) fn traction_indicators(&self, elements: usize) -> Vec<f64> {
+        self.weighted_tractions(elements, [1.0; 2])
+    }
+
+    /// The part of them for which the displacement is as good as held, by a medium or a body that is much stiffer: no correction of
+    /// displacements has the energy of this.
+    pub(crate) fn held_tractions(&self, elements: usize, moduli: Option<[f64; 2]>) -> f64 {
+        let Some([body, medium]) = moduli else { return 0.0 };
+        let weight = |own: f64, other: f64| (other / (own + other)).powi(4);
+        let weights = [weight(body, medium), weight(medium, body)];
+        self.weighted_tractions(elements, weights).iter().sum()
+    }
+
+    fn weighted_tractions(&self, elements: usize, weights: [f64; 2]) -> Vec<f64> {
+        let mut indicators = vec![0.0; elements];
+        for (k, part) in self.parts.iter().enumerate() {
+            let residual = part.enriched.traction_residual(part.u);
+            let weight = weights[k.min(1)];
+            let own = &mut indicators[part.elements.clone()];
+            for (e, (indicator, rho)) in own.iter_mut().zip(residual.chunks_exact(2)).enumerate() {
+                let a = part.enriched.single_layer_block(e);
+                let det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+                let x = [(a[1][1] * rho[0] - a[0][1] * rho[1]) / det, (a[0][0] * rho[1] - a[1][0] * rho[0]) / det];
+                *indicator += weight * (x[0] * rho[0] + x[1] * rho[1]).max(0.0);
+            }
+        }
+        indicators
+    }
+
+    /// S₊u - (Su, 0), and its work on u: both summed over the parts.
+    pub(crate) fn excess(&self) -> (Enriched, f64) {
+        let nodes = self.parts.iter().map(|part| part.nodes.end).max().unwrap_or(0);
+        let (mut all, mut gained) = (Enriched { base: vec![0.0; 2 * nodes], extra: vec![0.0; 2 * self.elements] }, 0.0);
+        for part in &self.parts {
+            let excess = part.enriched.excess(part.u);
+            gained += part.u.iter().zip(&excess.base).map(|(u, s)| u * s).sum::<f64>();
+            add(&mut all.base, 2 * part.nodes.start, &excess.base);
+            add(&mut all.extra, 2 * part.elements.start, &excess.extra);
+        }
+        (all, gained)
+    }
+
+    /// S₊v, given S times the base part of v.
+    pub(crate) fn multiply(&self, v: &Enriched, base_force: Vec<f64>) -> Enriched {
+        let mut all = Enriched { base: base_force, extra: vec![0.0; v.extra.len()] };
+        for part in &self.parts {
+            let own = Enriched { base: part.base(&v.base).to_vec(), extra: part.extra(&v.extra).to_vec() };
+            let Enriched { base, extra } = part.enriched.multiply(&own, part.base(&all.base));
+            all.base[2 * part.nodes.start..2 * part.nodes.end].copy_from_slice(&base);
+            add(&mut all.extra, 2 * part.elements.start, &extra);
+        }
+        all
+    }
+
+    /// ⟨W b e_i, b e_j⟩ of element e.
+    pub(crate) fn hypersingular_block(&self, e: usize) -> [[f64; 2]; 2] {
+        self.block(e, EnrichedSteklov::hypersingular_block)
+    }
+
+    /// ⟨S₊ b e_i, b e_j⟩ of element e.
+    pub(crate) fn stiffness_block(&self, e: usize) -> [[f64; 2]; 2] {
+        self.block(e, EnrichedSteklov::stiffness_block)
+    }
+
+    fn block(&self, e: usize, of: impl Fn(&EnrichedSteklov, usize) -> [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+        let here = self.parts.iter().filter(|part| part.elements.contains(&e));
+        let blocks = here.map(|part| of(part.enriched, e - part.elements.start));
+        blocks.fold([[0.0; 2]; 2], |sum, a| [0, 1].map(|i| [0, 1].map(|j| sum[i][j] + a[i][j])))
+    }
+}
+
+/// Adds a part to all, from a place on.
+fn add(all: &mut [f64], first: usize, part: &[f64]) {
+    all[first..].iter_mut().zip(part).for_each(|(a, b)| *a += b);
+}

@@ -1,0 +1,127 @@
+//! The correction that enriched spaces add to a solution: S₊e = r on what the supports and the contact sets leave free.
+
+use steklov_bem_operators::{Assembly, Enriched};
+use steklov_contact::{ContactBubble, Frozen};
+use steklov_problem::Condition;
+
+use crate::data::on_mesh::Data;
+use crate::estimate::elastic::Elastic;
+use crate::estimate::interface_residual::FacingLoad;
+
+/// Reduction of the squared energy of the rest at which the correction is good enough.
+const ENOUGH: f64 = 1e-4;
+/// Steps of conjugate gradients at most.
+const STEPS: usize = 40;
+
+/// The directions in which the bubble of an element is free.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Frame {
+    directions: [[f64; 2]; 2],
+    pub(crate) free: [bool; 2],
+}
+
+impl Frame {
+    const FREE: Self = Self { directions: [[1.0, 0.0], [0.0, 1.0]], free: [true; 2] };
+
+    /// x = A⁻¹ρ in the free directions.
+    fn solve(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> [f64; 2] {
+        let [d, t] = self.directions;
+        let form = |x: [f64; 2], y: [f64; 2]| {
+            x[0] * (a[0][0] * y[0] + a[0][1] * y[1]) + x[1] * (a[1][0] * y[0] + a[1][1] * y[1])
+        };
+        let along = |x: [f64; 2]| x[0] * rho[0] + x[1] * rho[1];
+        let one = |x: [f64; 2]| x.map(|c| c * along(x) / form(x, x));
+        match self.free {
+            [false, false] => [0.0; 2],
+            [true, false] => one(d),
+            [false, true] => one(t),
+            [true, true] => {
+                let det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+                [(a[1][1] * rho[0] - a[0][1] * rho[1]) / det, (a[0][0] * rho[1] - a[1][0] * rho[0]) / det]
+            }
+        }
+    }
+
+    /// ρᵀA⁻¹ρ in the free directions.
+    pub(crate) fn energy(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> f64 {
+        let x = self.solve(a, rho);
+        (x[0] * rho[0] + x[1] * rho[1]).max(0.0)
+    }
+}
+
+/// What is free of every bubble: all, less what is held, less what the contact state prescribes. Another body gives way.
+pub(crate) fn frames(data: &Data<'_>, bubbles: &[ContactBubble], facing: &[FacingLoad]) -> Vec<Frame> {
+    let mesh = data.mesh;
+    let mut frames: Vec<Frame> = (0..mesh.len())
+        .map(|e| match &data.scene.problem.sides[mesh.side[e]].condition {
+            Condition::Displacement { values, .. } => {
+                Frame { free: [values[0].is_none(), values[1].is_none()], ..Frame::FREE }
+            }
+            _ => Frame::FREE,
+        })
+        .collect();
+    for bubble in bubbles {
+        let e = bubble.element;
+        frames[e] = Frame { directions: data.contact_frame(e), free: bubble.free };
+    }
+    for FacingLoad { element, .. } in facing {
+        frames[*element].free = [true; 2];
+    }
+    frames
+}
+
+/// S₊ on what the supports and the contact sets leave free, and S with single bubbles as its preconditioner.
+pub(crate) struct System<'a> {
+    pub(crate) condensation: &'a Assembly,
+    pub(crate) elastic: &'a Elastic<'a>,
+    pub(crate) frozen: Option<&'a Frozen<'a>>,
+    pub(crate) frames: &'a [Frame],
+    /// ⟨S₊ b, b⟩ of each bubble.
+    pub(crate) blocks: Vec<[[f64; 2]; 2]>,
+}
+
+impl System<'_> {
+    fn multiply(&self, v: &Enriched) -> Enriched {
+        self.elastic.multiply(v, self.condensation.multiply(&v.base))
+    }
+
+    fn precondition(&self, r: &Enriched) -> Enriched {
+        let load = self.condensation.load_of_correction(&r.base);
+        let kept = self.frozen.map_or(Vec::new(), |f| f.correction(&load.kept));
+        let base = self.condensation.expand(&load, &kept);
+        let extra = (0..self.frames.len()).flat_map(|e| {
+            let rho = [r.extra[2 * e], r.extra[2 * e + 1]];
+            self.frames[e].solve(self.blocks[e], rho)
+        });
+        Enriched { base, extra: extra.collect() }
+    }
+
+    /// ⟨S₊e, e⟩ and e of S₊e = r, by conjugate gradients.
+    pub(crate) fn correction(&self, r: &Enriched) -> (f64, Enriched) {
+        let mut e = Enriched { base: vec![0.0; r.base.len()], extra: vec![0.0; r.extra.len()] };
+        let mut r = r.clone();
+        let mut z = self.precondition(&r);
+        let mut p = z.clone();
+        let mut rz = r.dot(&z);
+        let mut energy = 0.0;
+        for _ in 0..STEPS {
+            let s = self.multiply(&p);
+            let step = rz / p.dot(&s);
+            if rz <= 0.0 || !step.is_finite() {
+                break;
+            }
+            energy += step * rz;
+            e.add(step, &p);
+            if step * rz <= ENOUGH * energy {
+                break;
+            }
+            r.add(-step, &s);
+            z = self.precondition(&r);
+            let next = r.dot(&z);
+            let mut direction = z.clone();
+            direction.add(next / rz, &p);
+            (p, rz) = (direction, next);
+        }
+        (energy, e)
+    }
+}

@@ -1,0 +1,13 @@
+//! The error of a solved mesh: bubbles, residuals, what the nodes do not see, and what data, rotations and rounding change of J.
+
+pub(crate) mod data_work;
+pub(crate) mod elastic;
+pub(crate) mod enriched_problem;
+pub mod error_estimate;
+pub(crate) mod interface_residual;
+pub(crate) mod multiplier_difference;
+pub(crate) mod penetration;
+pub mod residual;
+pub(crate) mod rotation_work;
+pub(crate) mod rounding;
+pub(crate) mod unseen;

@@ -1,0 +1,48 @@
+//! What rotations of bodies with curves change of J.
+//!
+//! The polynomials of curved elements have no rotations among them, so that a body that turns has the displacement I_p(u - r) + r,
+//! r its motion. Loads act on I_p u in the equations: the rest δ = r - I_p r does the work ∫ (t - t_p)·δ that J does not have, t_p
+//! the traction of the particular solution, and on interfaces, where the multiplier's part of t is in [`crate::facing`], -∫ t_p·δ.
+
+use steklov_quadrature::gauss_legendre;
+
+use crate::data::joints::Joint;
+use crate::data::on_mesh::Data;
+use crate::solve::body::Body;
+use crate::solve::solution::Solved;
+
+/// Gauss points beyond those of polynomials.
+const MORE: usize = 16;
+
+impl Data<'_> {
+    /// What J gains by δ, to first order, `homogeneous` the nodal displacement without particular solutions.
+    pub(crate) fn turning_work(&self, solved: &Solved, body: &Body, homogeneous: &[f64]) -> f64 {
+        let of_joint =
+            |e: usize| body.joints.iter().any(|joint: &Joint| joint.own.contains(&e) || joint.other.contains(&e));
+        let mut work = 0.0;
+        for assembled in &body.pieces {
+            let piece = &assembled.piece;
+            let Some(motion) = assembled.motion(piece.own(homogeneous)) else { continue };
+            for e in piece.elements.clone().filter(|&e| !self.mesh.is_line(e)) {
+                let basis = self.space.basis(e);
+                let rule = gauss_legendre(basis.degree + MORE);
+                let nodal: Vec<[f64; 2]> =
+                    self.space.element_nodes(e).map(|node| motion.at(self.space.points[node])).collect();
+                let mut phi = vec![0.0; basis.degree + 1];
+                for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+                    basis.evaluate(t, &mut phi);
+                    let (x, n) = (self.mesh.point(e, t), self.mesh.normal(e, t));
+                    let traction = match of_joint(e) {
+                        true => solved.particular.of(e).map_or([0.0; 2], |own| own.traction(x, n)).map(|t| -t),
+                        false => solved.field.trace(e, t).traction,
+                    };
+                    for (i, exact) in motion.at(x).into_iter().enumerate() {
+                        let follows: f64 = nodal.iter().zip(&phi).map(|(r, phi)| r[i] * phi).sum();
+                        work -= w * self.mesh.speed(e, t) * traction[i] * (exact - follows);
+                    }
+                }
+            }
+        }
+        work
+    }
+}

@@ -1,0 +1,245 @@
+//! A scene solved step by step: the one adaptive loop of boundary elements and of finite elements on grids.
+//!
+//! ```text
+//! Progress (steps, next layout) ─► advance: solve, estimate, next ─► Step ─► end? ─► Run (last solution, progress, reason)
+//!      ▲                                                               │ no
+//!      └───────────────────────────────────────────────────────────────┘
+//! ```
+//! This file, `adaptive`, `answer` and `stage` know each other: a run is one of boundary elements unless it says otherwise, a model
+//! tells a report, and a stage may be that a step is done.
+
+use std::fmt::Debug;
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use steklov_problem::Scene;
+
+use crate::error::SolveError;
+use crate::run::answer::Report;
+use crate::run::boundary_elements::BoundaryElements;
+use crate::run::memory::Lack;
+use crate::solve::solution::Seconds;
+use crate::stage::Stage;
+use crate::stochastic::StochasticResult;
+
+/// Why a run ended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Reason {
+    /// The one mesh that was asked for is solved.
+    Solved,
+    /// The estimated error is down at the tolerance.
+    Tolerance,
+    /// The next mesh would have more unknowns than allowed, or need more memory.
+    MaxDofs,
+    /// As many steps as allowed are done.
+    MaxSteps,
+    /// The stochastic mesh has as many nodes as allowed, and its truncation is not down at its tolerance.
+    MaxNodes,
+    /// Coarse cells need not, or cannot, be split any more: what is left is the error of the fine grid.
+    FineGrid,
+    /// Rounding errors leave nothing to refine.
+    Roundoff,
+    /// The contact solver did not reach its criterion.
+    Solver,
+    /// The user stopped it.
+    Interrupted,
+    /// The next step failed: [`Run::error`].
+    Failed,
+}
+
+impl Reason {
+    /// The word of the JSON object.
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Solved => "solved",
+            Self::Tolerance => "tolerance",
+            Self::MaxDofs => "max_dofs",
+            Self::MaxSteps => "max_steps",
+            Self::MaxNodes => "max_nodes",
+            Self::FineGrid => "fine_grid",
+            Self::Roundoff => "roundoff",
+            Self::Solver => "solver",
+            Self::Interrupted => "interrupted",
+            Self::Failed => "failed",
+        }
+    }
+}
+
+/// What is solved again and again, each time with another layout: [`BoundaryElements`] or [`crate::grid::OnGrid`].
+pub trait Model: Debug + Clone + PartialEq {
+    /// What is to be solved: a subdivision of the boundary, a grid.
+    type Layout: Debug + Clone + PartialEq + Send;
+    /// What a step keeps of it.
+    type Kept: Debug + Clone + PartialEq + Send;
+    /// The estimate of a step.
+    type Estimate: Debug + Clone + PartialEq + Send;
+    /// A solved layout.
+    type Solved: Send;
+    /// What its matrices leave.
+    type Matrices: Send;
+    /// What one step leaves to the next, besides its layout.
+    type Cache: Default;
+
+    /// Solves and estimates a layout, after the steps that are done.
+    ///
+    /// # Errors
+    /// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.
+    fn advance(
+        scene: &Scene,
+        progress: &Progress<Self>,
+        cache: &mut Self::Cache,
+        observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+    ) -> Result<Advanced<Self>, SolveError>;
+
+    /// Why the run ends after the last of the steps, if it does; `next` is what would be solved, if anything is refined.
+    fn end(scene: &Scene, steps: &[Step<Self>], solved: &Self::Solved, next: Option<&Self::Layout>) -> Option<Reason>;
+
+    /// What is told of the last solution.
+    fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a>;
+
+    /// The outcomes of random input on the last step of a run that went well; the run says why there are none or not all.
+    ///
+    /// # Errors
+    /// Data of an outcome that are impossible.
+    fn outcomes(
+        _: &Scene,
+        _: &mut Run<Self>,
+        _: &AtomicUsize,
+        _: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Option<StochasticResult>, SolveError> {
+        Ok(None)
+    }
+
+    /// What the step that would have come next lacks of memory, where that ended the run.
+    fn lack(_: &Scene, _: &Run<Self>) -> Option<Lack> {
+        None
+    }
+
+    /// The step as a stage to be watched, so many seconds after the run began.
+    fn stage<'a>(solved: &'a Self::Solved, step: &'a Step<Self>, seconds: f64) -> Stage<'a>;
+}
+
+/// A step that is done, and what it leads to.
+pub struct Advanced<M: Model> {
+    /// The solution.
+    pub solved: M::Solved,
+    /// What its matrices leave.
+    pub matrices: M::Matrices,
+    /// What is kept of it.
+    pub step: Step<M>,
+    /// What would be solved next; none where nothing is refined.
+    pub next: Option<M::Layout>,
+}
+
+/// What is kept of every step.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Step<M: Model = BoundaryElements> {
+    /// Its mesh, or its grid.
+    pub layout: M::Kept,
+    /// Unknowns of the displacement; on a grid the held ones included.
+    pub dofs: usize,
+    /// J.
+    pub energy: f64,
+    /// Half of a(u, u).
+    pub strain: f64,
+    /// Whether the contact solver reached its criterion and the forces balance.
+    pub converged: bool,
+    /// The contact solver's measure of the error, iteration by iteration; empty without contact.
+    pub history: Vec<f64>,
+    /// Estimate of the error; none of a single mesh of thousands of unknowns.
+    pub estimate: Option<M::Estimate>,
+    /// Wall seconds: set-up, assembly, factorisation, solution, estimate.
+    pub seconds: [f64; 5],
+}
+
+/// Wall seconds of a step.
+pub(crate) fn seconds_of(s: &Seconds, estimate: f64) -> [f64; 5] {
+    [s.set_up, s.assemble, s.factorise, s.solve, estimate]
+}
+
+/// Steps that are done, and the layout that they lead to.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Progress<M: Model = BoundaryElements> {
+    /// All steps.
+    pub steps: Vec<Step<M>>,
+    /// What is to be solved next.
+    pub next: M::Layout,
+}
+
+/// A finished run.
+pub struct Run<M: Model = BoundaryElements> {
+    /// The last step.
+    pub last: M::Solved,
+    /// What its matrices leave; None where a later step was begun, for which they were given up.
+    pub matrices: Option<M::Matrices>,
+    /// The steps and what comes next.
+    pub progress: Progress<M>,
+    /// Why it ended.
+    pub reason: Reason,
+    /// The error of the step after the last one, where one ended the run.
+    pub error: Option<SolveError>,
+    /// Wall seconds so far.
+    pub clock: Instant,
+}
+
+impl<M: Model> Run<M> {
+    /// Whether everything that was asked for is reached.
+    pub fn converged(&self) -> bool {
+        matches!(self.reason, Reason::Solved | Reason::Tolerance)
+    }
+
+    /// The last step.
+    pub fn step(&self) -> &Step<M> {
+        self.progress.steps.last().unwrap_or_else(|| unreachable!("a run has at least one step"))
+    }
+
+    /// Wall seconds of all steps: set-up, assembly, factorisation, solution, estimate.
+    pub fn seconds(&self) -> [f64; 5] {
+        [0, 1, 2, 3, 4].map(|k| self.progress.steps.iter().map(|s| s.seconds[k]).sum())
+    }
+}
+
+/// Solves a scene. `interrupts` counts the user's wishes to stop: after one the step that runs is finished and kept,
+/// after two the run ends at once with the steps before it.
+///
+/// # Errors
+/// As [`Model::advance`], of the first step that it solves: an error of a later one ends the run with the steps before it. Those of
+/// the observer always. [`SolveError::Interrupted`] if there is nothing to keep.
+pub fn run<M: Model>(
+    scene: &Scene,
+    mut progress: Progress<M>,
+    interrupts: &AtomicUsize,
+    observe: &mut dyn FnMut(usize, Stage<'_>) -> Result<(), SolveError>,
+) -> Result<Run<M>, SolveError> {
+    let clock = Instant::now();
+    let mut cache = M::Cache::default();
+    let mut last: Option<M::Solved> = None;
+    loop {
+        let number = progress.steps.len();
+        let mut watched = |stage: Stage<'_>| match interrupts.load(Ordering::Relaxed) {
+            0 | 1 => observe(number, stage),
+            _ => Err(SolveError::Interrupted),
+        };
+        let advanced = M::advance(scene, &progress, &mut cache, &mut watched);
+        let Advanced { solved, matrices, step, next } = match (advanced, last) {
+            (Err(SolveError::Interrupted), Some(last)) => {
+                return Ok(Run { last, matrices: None, progress, reason: Reason::Interrupted, error: None, clock });
+            }
+            (Err(error), Some(last)) if !matches!(error, SolveError::Observer(_)) => {
+                return Ok(Run { last, matrices: None, progress, reason: Reason::Failed, error: Some(error), clock });
+            }
+            (advanced, _) => advanced?,
+        };
+        observe(number, M::stage(&solved, &step, clock.elapsed().as_secs_f64()))?;
+        progress.steps.push(step);
+        let end = M::end(scene, &progress.steps, &solved, next.as_ref());
+        let interrupted = (interrupts.load(Ordering::Relaxed) > 0).then_some(Reason::Interrupted);
+        if let Some(next) = next {
+            progress.next = next;
+        }
+        if let Some(reason) = end.or(interrupted) {
+            return Ok(Run { last: solved, matrices: Some(matrices), progress, reason, error: None, clock });
+        }
+        last = Some(solved);
+    }
+}

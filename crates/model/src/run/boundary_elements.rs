@@ -1,0 +1,249 @@
+//! Boundary elements in the adaptive loop.
+
+use std::sync::atomic::{AtomicUsize, Ordering};
+use std::time::Instant;
+
+use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
+use steklov_contact::{Located, Tip};
+use steklov_problem::{Refine, Scene};
+
+use crate::doubt::Doubt;
+use crate::error::SolveError;
+use crate::estimate::elastic::EnrichedBody;
+use crate::estimate::error_estimate::{Estimate, ROUNDOFF, estimate, is_estimated};
+use crate::estimate::penetration::Unseen;
+use crate::mesh::layout::Layout;
+use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
+use crate::run::answer::{Report, report_of_boundary};
+use crate::run::memory::{Lack, lack};
+use crate::solve::body::Body;
+use crate::solve::one_mesh::solve;
+use crate::solve::solution::Solved;
+use crate::stage::Stage;
+use crate::stochastic::{End, StochasticResult, mean_estimate, solve_stochastic};
+
+/// Boundary elements, as a [`Model`].
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum BoundaryElements {}
+
+/// What a step keeps of its mesh.
+#[derive(Debug, Clone, PartialEq)]
+pub struct RefinedMesh {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// The vertices of the mesh that follow transitions of contact and stick.
+    pub tips: Vec<Tip>,
+    /// Where the transitions are believed to be.
+    pub located: Vec<Located>,
+}
+
+impl Step {
+    /// Estimate of the error.
+    ///
+    /// # Panics
+    /// If the mesh was too large for one.
+    pub fn estimate(&self) -> &Estimate {
+        self.estimate.as_ref().expect("meshes that lead to others are estimated")
+    }
+}
+
+impl Progress {
+    /// The beginning of a run.
+    pub fn first(scene: &Scene) -> Self {
+        Self { steps: Vec::new(), next: Layout::first(scene) }
+    }
+
+    /// What the next mesh lacks if the matrices that it needs do not fit into the memory that the method may take.
+    pub fn lack(&self, scene: &Scene) -> Option<Lack> {
+        lack_of(scene, &self.next)
+    }
+
+    /// The state before the last of these steps was solved; None of no steps. Solving it again gives the same bits, and
+    /// what they lead to.
+    pub fn before_last(mut steps: Vec<Step>) -> Option<Self> {
+        let RefinedMesh { mesh, tips, .. } = steps.pop()?.layout;
+        let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
+        Some(Self { steps, next: Layout { subdivision, tips } })
+    }
+}
+
+impl Run {
+    /// The matrices of the last step, made again where they were given up.
+    ///
+    /// # Errors
+    /// Those of [`solve`]; [`SolveError::Interrupted`] if the run was interrupted.
+    pub fn matrices(&mut self, scene: &Scene) -> Result<&Body, SolveError> {
+        match &mut self.matrices {
+            Some(body) => Ok(body),
+            None if self.reason == Reason::Interrupted => Err(SolveError::Interrupted),
+            none => {
+                let (mesh, estimated) = (self.last.mesh.clone(), is_estimated(scene, self.last.space.dofs()));
+                let (_, body, _) = solve(scene, mesh, estimated, &mut PairCache::default(), &mut |_| Ok(()))?;
+                Ok(none.insert(body))
+            }
+        }
+    }
+}
+
+/// Solves a scene of boundary elements from its first mesh to its last: [`run`] that nobody watches or stops.
+///
+/// # Errors
+/// As [`run`].
+pub fn unobserved(scene: &Scene) -> Result<Run, SolveError> {
+    run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
+}
+
+/// Whether the error of a step is down where rounding may decide. Of loads that the mesh does not follow an estimate of nothing
+/// tells nothing.
+fn is_exact(step: &Step) -> bool {
+    step.estimate.as_ref().is_some_and(|e| e.relative < ROUNDOFF && !e.doubts.contains(&Doubt::Data))
+}
+
+/// Whether the last estimate is half of the one before at most: rounding errors would have stopped it.
+fn still_falls(steps: &[Step]) -> bool {
+    let relative = |s: &Step| s.estimate.as_ref().map(|e| e.relative);
+    match steps {
+        [.., before, last] => relative(last).zip(relative(before)).is_some_and(|(last, before)| last < FALLS * before),
+        _ => false,
+    }
+}
+
+/// Part of the estimate before below which an estimate falls.
+const FALLS: f64 = 0.5;
+
+fn lack_of(scene: &Scene, layout: &Layout) -> Option<Lack> {
+    lack(scene, layout.subdivision.elements(), layout.dofs())
+}
+
+impl Model for BoundaryElements {
+    type Layout = Layout;
+    type Kept = RefinedMesh;
+    type Estimate = Estimate;
+    type Solved = Solved;
+    type Matrices = Body;
+    type Cache = PairCache;
+
+    fn advance(
+        scene: &Scene,
+        progress: &Progress,
+        cache: &mut PairCache,
+        observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+    ) -> Result<Advanced<Self>, SolveError> {
+        let mesh = progress.next.subdivision.mesh(&scene.problem.outline)?;
+        let estimated = is_estimated(scene, progress.next.dofs());
+        let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
+        let clock = Instant::now();
+        observe(Stage::Progress("estimate", 0.97))?;
+        let enriched = if estimated { Some(EnrichedBody::new(&body, cache)?) } else { None };
+        let (mut estimate, unseen) = match &enriched {
+            Some(enriched) => {
+                let (estimate, unseen) = estimate(scene, &solved, (&body, enriched), &factors)?;
+                (Some(estimate), unseen)
+            }
+            None => (None, Unseen::default()),
+        };
+        let decided = solved.contact.as_ref().zip(factors.contact.as_ref()).map(|(contact, part)| {
+            part.decided(scene, &contact.solution, estimate.as_ref().map_or(0.0, |estimate| estimate.error))
+        });
+        let next = |estimate: Option<&Estimate>| {
+            progress.next.next(scene, &solved, &factors, estimate, &unseen, decided.as_ref())
+        };
+        let (mut layout, located) = next(estimate.as_ref())?;
+        let before = progress.steps.last().map(|last| last.layout.located.as_slice());
+        if let Some(estimate) = &mut estimate {
+            estimate.add_transitions(scene, &solved.mesh, &located, before);
+            decided.iter().for_each(|decided| estimate.add_undecided(decided));
+            estimate.add_roundoff(&solved);
+            estimate.settle_exact(scene, &solved)?;
+        }
+        if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate)
+            && one.relative <= scene.method.tolerance
+        {
+            // the mean outcome is solved well enough: what of the others?
+            *one = mean_estimate(scene, random, (&body, enriched), one.clone())?;
+            (layout, _) = next(Some(one))?;
+        }
+        let contact = solved.contact.as_ref();
+        let step = Step {
+            layout: RefinedMesh { mesh: solved.mesh.clone(), tips: progress.next.tips.clone(), located },
+            dofs: solved.space.dofs(),
+            energy: solved.energies.total,
+            strain: solved.energies.strain,
+            converged: solved.balanced && contact.is_none_or(|c| c.converged()),
+            history: contact.map_or(Vec::new(), |c| c.reported().history.clone()),
+            estimate,
+            seconds: seconds_of(&solved.seconds, clock.elapsed().as_secs_f64()),
+        };
+        let refined = layout.subdivision != progress.next.subdivision;
+        Ok(Advanced { solved, matrices: body, step, next: refined.then_some(layout) })
+    }
+
+    fn end(scene: &Scene, steps: &[Step], _: &Solved, next: Option<&Layout>) -> Option<Reason> {
+        let method = &scene.method;
+        let unchanged = next.is_none();
+        let step = steps.last()?;
+        let reached = |s: &Step| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance);
+        let exact = is_exact(step);
+        // an estimate that is in doubt has to be confirmed by the next step, if there is any
+        let doubted = step.estimate.iter().flat_map(|e| &e.doubts).any(|d| *d != Doubt::Roundoff);
+        let confirmed = !doubted || exact || unchanged || steps.len() > 1 && reached(&steps[steps.len() - 2]);
+        Some(match method.refine {
+            _ if !step.converged => Reason::Solver,
+            Refine::None => Reason::Solved,
+            _ if reached(step) && confirmed => Reason::Tolerance,
+            _ if unchanged || exact && !still_falls(steps) => Reason::Roundoff,
+            _ if steps.len() >= method.max_steps => Reason::MaxSteps,
+            _ if next.is_some_and(|next| next.dofs() > method.max_dofs || lack_of(scene, next).is_some()) => {
+                Reason::MaxDofs
+            }
+            _ => return None,
+        })
+    }
+
+    fn report<'a>(scene: &Scene, run: &'a Run) -> Report<'a> {
+        report_of_boundary(scene, run)
+    }
+
+    fn outcomes(
+        scene: &Scene,
+        run: &mut Run,
+        interrupts: &AtomicUsize,
+        progress: &(dyn Fn(usize, usize) + Sync),
+    ) -> Result<Option<StochasticResult>, SolveError> {
+        let stopped_early = matches!(run.reason, Reason::Interrupted | Reason::Failed);
+        let (Some(random), Some(body)) = (scene.random.as_ref().filter(|_| !stopped_early), &run.matrices) else {
+            return Ok(None);
+        };
+        let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+        match solve_stochastic(scene, random, body, progress, &stopped) {
+            Ok(result) => {
+                run.reason = match result.end {
+                    _ if !run.converged() => run.reason,
+                    _ if result.unconverged > 0 => Reason::Solver,
+                    End::MaxNodes => Reason::MaxNodes,
+                    End::Rounds => Reason::MaxSteps,
+                    End::Solved | End::Tolerance => run.reason,
+                };
+                Ok(Some(result))
+            }
+            Err(SolveError::Interrupted) => {
+                run.reason = Reason::Interrupted;
+                Ok(None)
+            }
+            Err(error @ SolveError::Data(_)) => Err(error),
+            Err(error) => {
+                (run.reason, run.error) = (Reason::Failed, Some(error));
+                Ok(None)
+            }
+        }
+    }
+
+    fn lack(scene: &Scene, run: &Run) -> Option<Lack> {
+        let small = run.progress.next.dofs() <= scene.method.max_dofs;
+        lack_of(scene, &run.progress.next).filter(|_| small && run.reason == Reason::MaxDofs)
+    }
+
+    fn stage<'a>(solved: &'a Solved, step: &'a Step, seconds: f64) -> Stage<'a> {
+        Stage::Step { solved, step, seconds }
+    }
+}

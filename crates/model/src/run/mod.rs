@@ -1,0 +1,7 @@
+//! From a scene to its answer: the adaptive loop, its models, and what ends it.
+
+pub mod adaptive_loop;
+pub mod answer;
+pub mod boundary_elements;
+pub mod expect;
+pub mod memory;

@@ -1,0 +1,317 @@
+//! A body on a mesh: its matrices, which no load changes, and its answer to loads.
+
+use faer::Mat;
+use steklov_bem_operators::{Assembly, BoundaryField, Mesh, Space};
+use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
+use steklov_elastic::RigidMotion;
+use steklov_problem::Scene;
+
+use crate::data::body_load::{Particular, Particulars, energies_of};
+use crate::data::joints::{Joint, TiedNode};
+use crate::data::motions::work;
+use crate::data::on_mesh::{Data, Loads};
+use crate::data::parts::Assembled;
+use crate::data::supports::{Held, Supports};
+use crate::energies::Energies;
+use crate::error::SolveError;
+use crate::solve::contact::{CondensedBody, ContactFactors, ContactResult, solve_contact};
+use crate::solve::equilibrium::{Equations, Residual, reactions};
+use crate::solve::fields::Field;
+use crate::solve::inclusion::Outside;
+use crate::solve::solution::{Seconds, Solved, TieRow};
+use crate::solve::stabilised::StabilisedContact;
+
+/// What assembly and factorisation leave: enough to answer any loads, gaps, bounds and held values on the same supports.
+pub struct Body {
+    /// The mesh.
+    pub mesh: Mesh,
+    /// Its unknowns.
+    pub space: Space,
+    /// The bodies one by one, with their materials.
+    pub pieces: Vec<Assembled>,
+    /// S, the free unknowns eliminated; with a medium around the body the sum of both.
+    pub condensation: Assembly,
+    /// The medium around it, if there is one.
+    pub outside: Option<Outside>,
+    /// S_c of the contact unknowns, for the outcomes of random input; empty without contact, or when a scene without random input
+    /// is solved.
+    pub stiffness: Mat<f64>,
+    /// Interfaces between bodies.
+    pub(crate) joints: Vec<Joint>,
+    /// The nodes that are tied to other bodies.
+    pub(crate) tied: Vec<TiedNode>,
+    /// Prescribed components of the nodes.
+    pub(crate) held: Vec<Held>,
+    /// Rigid motions that nothing resists and no load drives.
+    pub free: Vec<RigidMotion>,
+}
+
+/// What acts on a body.
+pub struct Given {
+    pub(crate) loads: Loads,
+    /// By the bodies.
+    pub(crate) particular: Vec<Option<Particular>>,
+    pub(crate) boundary: Option<ContactBoundary>,
+    /// Values of the held unknowns, in the order of the nodes.
+    pub(crate) held: Vec<f64>,
+    /// Whether it is asked how safe a solution under Coulomb's law is.
+    pub(crate) judged: bool,
+    /// Whether contact may be solved again where the obstacle pushes the body off.
+    pub(crate) liftable: bool,
+    /// An answer with stabilised multipliers, which is then reported.
+    pub(crate) stabilised: Option<StabilisedContact>,
+    /// Nodal load of all.
+    pub(crate) load: Vec<f64>,
+    /// Load of the bubbles, less that of the particular solution.
+    extra_load: Vec<f64>,
+}
+
+impl Given {
+    pub(crate) fn new(
+        loads: Loads,
+        particular: Vec<Option<Particular>>,
+        boundary: Option<ContactBoundary>,
+        held: Vec<f64>,
+        bodies: &[Assembled],
+    ) -> Self {
+        let (mut load, mut extra_load) = (loads.nodal.clone(), loads.bubbles.clone());
+        for (Assembled { piece, .. }, p) in bodies.iter().zip(&particular) {
+            let Some(p) = p else { continue };
+            piece.own_mut(&mut load).iter_mut().zip(&p.load).for_each(|(f, p)| *f += p);
+            let of_bubbles = p.solution.bubble_load(&piece.mesh, &piece.space);
+            extra_load[2 * piece.elements.start..].iter_mut().zip(of_bubbles).for_each(|(f, t)| *f -= t);
+        }
+        Self { loads, particular, boundary, held, judged: true, liftable: true, stabilised: None, load, extra_load }
+    }
+}
+
+/// What is left of a solution, besides the matrices of its [`Body`], for its estimate and the next mesh.
+pub struct Factors {
+    /// Nodal displacement without the particular solution, of biorthogonal multipliers.
+    pub homogeneous: Vec<f64>,
+    /// Nodal displacement ξ of the medium around it.
+    pub outside: Option<Vec<f64>>,
+    /// J of that displacement.
+    pub energy: f64,
+    /// ‖u - u_b‖², energy norm, of the displacements of stabilised and biorthogonal multipliers; 0 if they are one.
+    pub difference: f64,
+    /// Load of the bubbles, less that of the particular solution.
+    pub extra_load: Vec<f64>,
+    /// What the polynomials of each element leave of its prescribed tractions, h/(p+2) ‖t - Π t‖² (stress² length²).
+    pub unresolved: Vec<f64>,
+    /// The condensed contact problem.
+    pub contact: Option<ContactFactors>,
+}
+
+impl Body {
+    /// The elastic field of a nodal displacement.
+    pub fn field(&self, displacement: &[f64]) -> Field {
+        let of = |body: &Assembled| {
+            let Assembled { piece, length, traction_map, .. } = body;
+            let mut own = piece.own(displacement).to_vec();
+            let motion = body.motion(&own);
+            if let Some(motion) = &motion {
+                own.iter_mut().zip(motion.nodal(&piece.space.points)).for_each(|(u, r)| *u -= r);
+            }
+            let traction = traction_map.apply(&own);
+            let field = BoundaryField::new(&piece.mesh, &piece.space, &piece.material, &own, &traction, *length);
+            (piece.elements.clone(), field.tending_to(traction_map.at_infinity(&own)).moved(motion))
+        };
+        Field::new(self.pieces.iter().map(of).collect())
+    }
+
+    /// Tractions of a nodal displacement, Legendre coefficients as the space numbers them.
+    pub fn traction(&self, displacement: &[f64]) -> Vec<f64> {
+        self.pieces.iter().flat_map(|a| a.traction_map.apply(a.piece.own(displacement))).collect()
+    }
+
+    /// The answer to what acts on the body; `solve` solves the condensed contact problem. No seconds are taken.
+    ///
+    /// # Errors
+    /// Those of the contact solver; results that leave the range of floating point.
+    pub(crate) fn answer(
+        &self,
+        scene: &Scene,
+        mut given: Given,
+        solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
+    ) -> Result<(Solved, Factors), SolveError> {
+        let Self { mesh, space, condensation, .. } = self;
+        let (companion, contact) = self.displacement(&mut given, solve)?;
+        let (contact, contact_factors) = contact.unzip();
+        let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
+        // what adaptivity and the estimate rest on is the companion: of biorthogonal multipliers
+        let (mut displacement, contact) = match (contact, given.stabilised.take()) {
+            (Some(contact), Some(s)) => (s.displacement.clone(), Some(contact.with_stabilised(s))),
+            (contact, _) => (companion.clone(), contact),
+        };
+        let forces = condensation.multiply(&displacement);
+        let supports = Supports { space, held: &self.held };
+        let residual = self.residual(&forces, &given.load, &displacement, contact.as_ref());
+        let contact = contact.map(|c| c.with_equilibrium(residual.relative));
+
+        // forces have the springs of free motions in them: these are taken out after that
+        if let Some(outside) = &self.outside {
+            outside.centre(&mut displacement, mesh, space, &self.free);
+        }
+        let lift = contact.as_ref().and_then(|c| c.lift.as_ref()).map(|lift| lift.nodal(&space.points));
+        let unlifted = lift.as_ref().map(|_| displacement.clone());
+        displacement.iter_mut().zip(lift.iter().flatten()).for_each(|(u, r)| *u += r);
+
+        let friction_work = contact.as_ref().map_or(0.0, |c| c.friction_work);
+        let Fields { homogeneous, field, energies, strain_of_bodies } =
+            self.fields(&given, &displacement, &forces, friction_work);
+        let Energies { total, strain, load_work, .. } = energies;
+        if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
+            return Err(SolveError::NotFinite { energy: total });
+        }
+        let (homogeneous, energy, difference) = match (&contact, unlifted) {
+            (Some(ContactResult { stabilised: Some(_), .. }), _) => {
+                let fields = self.fields(&given, &companion, &condensation.multiply(&companion), companion_friction);
+                (fields.homogeneous, fields.energies.total, self.squared_difference(&displacement, &companion))
+            }
+            // the estimate is that of the solution on its springs
+            (_, Some(u)) => (self.fields(&given, &u, &forces, friction_work).homogeneous, total, 0.0),
+            (_, None) => (homogeneous, total, 0.0),
+        };
+        let data = Data { scene, mesh, space };
+        let particular = Particulars::new(&self.pieces, &given.particular);
+        let of_corner = |e: usize, j: usize| data.traction_moment(&field, &particular, e, j);
+        let reactions = reactions(scene, (&supports, mesh), &residual.values, contact.as_ref(), of_corner);
+        let factors = Factors {
+            homogeneous,
+            outside: self.outside.as_ref().map(|outside| outside.displacement(&displacement)),
+            energy,
+            difference,
+            extra_load: given.extra_load,
+            unresolved: given.loads.unresolved,
+            contact: contact_factors,
+        };
+        let solved = Solved {
+            strain_of_bodies,
+            ties: self.tie_rows(scene, &residual.values),
+            around: self.outside.as_ref().and_then(|outside| outside.around(&data, &displacement, &given.loads.nodal)),
+            displacement,
+            field,
+            particular,
+            energies,
+            contact,
+            equilibrium: residual.relative,
+            balanced: residual.balanced,
+            reactions,
+            free_motions: self.free.clone(),
+            seconds: Seconds::default(),
+            mesh: mesh.clone(),
+            space: space.clone(),
+        };
+        Ok((solved, factors))
+    }
+
+    /// What is left of the equations of a displacement.
+    fn residual(
+        &self,
+        forces: &[f64],
+        load: &[f64],
+        displacement: &[f64],
+        contact: Option<&ContactResult>,
+    ) -> Residual {
+        let largest_diagonal = self.condensation.largest_diagonal();
+        let springs = self.condensation.spring_forces(displacement);
+        let forces: Vec<f64> = forces.iter().zip(springs).map(|(f, spring)| f - spring).collect();
+        let equations = Equations { forces: &forces, load, displacement, largest_diagonal, contact, tied: &self.tied };
+        let supports = Supports { space: &self.space, held: &self.held };
+        equations.residual(|dof| dof, |dof| supports.is_held(dof))
+    }
+
+    /// The tractions of ties, of what is left of the equations.
+    fn tie_rows(&self, scene: &Scene, residual: &[f64]) -> Vec<TieRow> {
+        let (mut rows, mut nodes): (Vec<TieRow>, Vec<[usize; 2]>) = (Vec::new(), Vec::new());
+        for tied in &self.tied {
+            let (node, i) = (tied.relative.node, tied.dof % 2);
+            // two nodes may be at one point: where a cut ends on another interface
+            let at = nodes.iter().position(|of| *of == [node, tied.interface]).unwrap_or_else(|| {
+                let name = scene.problem.interfaces[tied.interface].name.clone();
+                nodes.push([node, tied.interface]);
+                rows.push(TieRow { name, point: self.space.points[node], weight: tied.whole, traction: [0.0; 2] });
+                rows.len() - 1
+            });
+            rows[at].traction[i] = residual[tied.dof] / tied.weight;
+        }
+        rows
+    }
+
+    /// The nodal displacement under what acts on the body, and its contact, whose boundary is taken.
+    fn displacement(
+        &self,
+        given: &mut Given,
+        solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
+    ) -> Result<(Vec<f64>, Option<Contacted>), SolveError> {
+        let Self { mesh, space, condensation, .. } = self;
+        let condensed = condensation.load_held(&given.load, &given.held);
+        let Some(boundary) = given.boundary.take() else {
+            return Ok((condensation.expand(&condensed, &[]), None));
+        };
+        let body = CondensedBody {
+            mesh,
+            space,
+            stiffness: &self.stiffness,
+            load: &condensed.kept,
+            expand: &|v| condensation.expand(&condensed, v),
+            largest_diagonal: condensation.largest_diagonal(),
+            driven: &|motion| work(&space.points, &given.load, motion),
+            free: &self.free,
+            judged: given.judged,
+            liftable: given.liftable && given.stabilised.is_none(),
+        };
+        let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
+        Ok((displacement, Some((result, factors))))
+    }
+
+    /// ‖u - v‖², energy norm.
+    fn squared_difference(&self, u: &[f64], v: &[f64]) -> f64 {
+        let apart: Vec<f64> = u.iter().zip(v).map(|(a, b)| a - b).collect();
+        let stiff = self.condensation.multiply(&apart);
+        apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0)
+    }
+
+    /// The elastic field of a nodal displacement and its energies.
+    fn fields(&self, given: &Given, displacement: &[f64], forces: &[f64], friction_work: f64) -> Fields {
+        let mut homogeneous = displacement.to_vec();
+        for (body, p) in self.pieces.iter().zip(&given.particular) {
+            let displacement = p.iter().flat_map(|p| &p.displacement);
+            body.piece.own_mut(&mut homogeneous).iter_mut().zip(displacement).for_each(|(u, p)| *u -= p);
+        }
+        let field = self.field(&homogeneous);
+        let of_body = |(k, (Assembled { piece, .. }, p)): (usize, (&Assembled, &Option<Particular>))| {
+            let (u, forces) = (piece.own(displacement), piece.own(forces));
+            energies_of(u, forces, piece.own(&given.loads.nodal), p.as_ref(), field.of_body(k), piece)
+        };
+        let of_bodies: Vec<Energies> = self.pieces.iter().zip(&given.particular).enumerate().map(of_body).collect();
+        let sum = |of: fn(&Energies) -> f64| of_bodies.iter().map(of).sum::<f64>();
+        let mut energies = Energies {
+            total: sum(|e| e.total) + friction_work,
+            strain: sum(|e| e.strain),
+            load_work: sum(|e| e.load_work),
+            friction_work,
+        };
+        if let Some(outside) = &self.outside {
+            energies.strain = outside.strain_energy(displacement, &outside.displacement(displacement), forces);
+            energies.total = energies.strain - energies.load_work + friction_work;
+        }
+        let strain_of_bodies = of_bodies.iter().map(|e| e.strain).collect();
+        Fields { homogeneous, field, energies, strain_of_bodies }
+    }
+}
+
+/// Contact, and what is left of it for the estimate and the next mesh.
+type Contacted = (ContactResult, ContactFactors);
+
+/// What a nodal displacement gives.
+struct Fields {
+    /// It without the particular solution.
+    homogeneous: Vec<f64>,
+    /// The elastic field of that.
+    field: Field,
+    energies: Energies,
+    /// Strain energy of each body.
+    strain_of_bodies: Vec<f64>,
+}

@@ -1,0 +1,236 @@
+//! Motions of several bodies that neither supports nor interfaces resist.
+//!
+//! Contact resists a motion r of a body by what it changes of the distance, d·r. A body whose sides in contact are arcs about one
+//! centre has a rotation that maps these sides onto themselves, n·r = 0 with its own normals n: it changes no distance, although
+//! d·r, of the normals of both bodies, may be small instead of nothing. Loads must not drive it either; a couple holds it, as large
+//! as what pressures along d and not along n do on it.
+
+use std::ops::Range;
+
+use faer::{Mat, Side};
+use steklov_bem_operators::Relative;
+use steklov_elastic::RigidMotion;
+
+use crate::data::joints::{Joint, TiedNode};
+use crate::data::motions::nodal_work;
+use crate::data::on_mesh::Data;
+use crate::data::parts::Assembled;
+use crate::data::supports::Supports;
+use crate::error::SolveError;
+use crate::solve::body::Given;
+use crate::solve::rotations::{missed, rigid_load};
+
+/// Squared part of a constraint below which a motion does not meet it.
+const RANK: f64 = 1e-13;
+/// Part of the scale of the loads' work from which on loads drive a motion.
+const DRIVEN: f64 = 1e-9;
+/// Sine of the angle between two motions below which they are one.
+const SAME: f64 = 0.1;
+/// Part of a rotation that rounding leaves in other motions.
+const ROUNDED: f64 = 1e-9;
+
+/// Motions, nodal vectors, that nothing resists and no load drives.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct Loose {
+    /// Those that change no distance along directions of contact.
+    pub(crate) motions: Vec<Vec<f64>>,
+    /// Those that map the sides in contact of a body onto themselves, with its number.
+    pub(crate) rotations: Vec<(usize, Vec<f64>)>,
+}
+
+/// A rigid motion of a body.
+type Motion = (usize, RigidMotion);
+
+/// d·(r - r') of all motions, for every constraint.
+#[derive(Default)]
+struct Constraints {
+    /// Along the directions of contact between bodies.
+    touching: Vec<Vec<f64>>,
+    /// Of supports, ties, friction and obstacles.
+    firm: Vec<Vec<f64>>,
+}
+
+impl Data<'_> {
+    /// The motions that move bodies without a held displacement, a tie, an approach or, with friction, a slip
+    /// of a contact; no load may do work on them.
+    ///
+    /// # Errors
+    /// [`SolveError::Loose`].
+    pub(crate) fn loose_motions(
+        &self,
+        bodies: &[Assembled],
+        joints: &[Joint],
+        supports: &Supports<'_>,
+        given: &Given,
+        tied: &[TiedNode],
+    ) -> Result<Loose, SolveError> {
+        let motions = self.motions_of(bodies);
+        let constraints = self.constraints(bodies, &motions, supports, given, tied);
+        let all: Vec<Vec<f64>> = constraints.firm.iter().chain(&constraints.touching).cloned().collect();
+        let (mut free, rounding) = kernel(&all, motions.len());
+        let rotations = self.own_rotations(bodies, joints, &motions, &constraints.firm);
+        for (_, parts) in &rotations {
+            // directions of contact between circles turn a body about another centre than its own
+            free.retain(|f| dot(f, parts).powi(2) < 1.0 - SAME * SAME);
+        }
+        let resisted = free.len();
+        free.extend(rotations.iter().map(|(_, parts)| parts.clone()));
+        let moved = |parts: &[f64], nodes: &[Range<usize>], points: &[[f64; 2]]| {
+            let mut nodal = vec![0.0; 2 * points.len()];
+            for (part, (body, motion)) in parts.iter().zip(&motions) {
+                let own = &nodes[*body];
+                let values = motion.nodal(&points[own.clone()]);
+                nodal[2 * own.start..2 * own.end].iter_mut().zip(values).for_each(|(a, b)| *a += part * b);
+            }
+            nodal
+        };
+        let nodes: Vec<Range<usize>> = bodies.iter().map(|body| body.piece.nodes.clone()).collect();
+        let mut nodal: Vec<Vec<f64>> = free.iter().map(|parts| moved(parts, &nodes, &self.space.points)).collect();
+        let turns = |k: usize| free.iter().any(|parts| parts[k] != 0.0);
+        let missed = (0..motions.len()).filter(|&k| turns(k)).map(|k| {
+            let (body, motion) = &motions[k];
+            let piece = &bodies[*body].piece;
+            missed(&piece.mesh, &piece.space, std::slice::from_ref(motion))
+        });
+        let exact = rigid_load(self, given, bodies, missed.fold(0.0, f64::max))?;
+        for (parts, nodal) in free.iter().zip(&nodal) {
+            let (load, motion) = match &exact {
+                None => (&given.load, nodal.clone()),
+                Some((space, load)) => {
+                    let of = |body: &Assembled| {
+                        space.offset[body.piece.elements.start]..space.offset[body.piece.elements.end]
+                    };
+                    (load, moved(parts, &bodies.iter().map(of).collect::<Vec<_>>(), &space.points))
+                }
+            };
+            let (work, scale) = nodal_work(load, &motion);
+            if work.abs() > DRIVEN * scale + rounding * largest_work(load, &motion) {
+                let moves = |b: &usize| motions.iter().zip(parts).any(|((body, _), v)| body == b && v.abs() > 1e-6);
+                let names: Vec<&str> =
+                    (0..bodies.len()).filter(moves).map(|b| self.scene.problem.bodies[b].name.as_str()).collect();
+                return Err(SolveError::Loose { bodies: names.join(", "), work, scale });
+            }
+        }
+        let own = nodal.split_off(resisted);
+        let of_body =
+            |((body, _), nodal): (&(usize, Vec<f64>), Vec<f64>)| (*body, bodies[*body].piece.own(&nodal).to_vec());
+        Ok(Loose { motions: nodal, rotations: rotations.iter().zip(own).map(of_body).collect() })
+    }
+
+    /// The motions of all bodies that media around them do not resist, as large as one at their boundaries.
+    fn motions_of(&self, bodies: &[Assembled]) -> Vec<Motion> {
+        let mut motions = Vec::new();
+        for (body, Assembled { piece, .. }) in bodies.iter().enumerate() {
+            let centre = piece.space.points.iter().fold([0.0; 2], |sum, x| [sum[0] + x[0], sum[1] + x[1]]);
+            let centre = centre.map(|sum| sum / piece.space.nodes() as f64);
+            let size = piece.mesh.diameter() / 2.0;
+            let [x, y] = [[1.0, 0.0], [0.0, 1.0]].map(RigidMotion::along);
+            let all = vec![x, y, RigidMotion::about(centre, 1.0 / size)];
+            motions.extend(self.scene.unresisted(body, all).into_iter().map(|motion| (body, motion)));
+        }
+        motions
+    }
+
+    /// What supports, ties and contact ask of motions.
+    fn constraints(
+        &self,
+        bodies: &[Assembled],
+        motions: &[Motion],
+        supports: &Supports<'_>,
+        given: &Given,
+        tied: &[TiedNode],
+    ) -> Constraints {
+        let body_of = |node: usize| bodies.iter().position(|b| b.piece.nodes.contains(&node)).unwrap_or(0);
+        // d·(r - r') at a point, r' of the body that it faces: of exact motions, which nodal values on curves are not
+        let constraint = |node: usize, d: [f64; 2], row: Option<&Relative>| -> Vec<f64> {
+            let own = body_of(node);
+            let faced = row.and_then(|row| row.faced.iter().map(|f| body_of(f.0)).find(|body| *body != own));
+            let of = |(body, motion): &Motion| {
+                let sign = f64::from(*body == own) - f64::from(Some(*body) == faced);
+                sign * dot(&d, &motion.at(self.space.points[node]))
+            };
+            motions.iter().map(of).collect()
+        };
+        let axis = |dof: usize| if dof.is_multiple_of(2) { [1.0, 0.0] } else { [0.0, 1.0] };
+        let mut found = Constraints::default();
+        found.firm.extend(supports.dofs().iter().map(|(dof, _)| constraint(dof / 2, axis(*dof), None)));
+        found.firm.extend(tied.iter().map(|tied| constraint(tied.dof / 2, axis(tied.dof), Some(&tied.relative))));
+        let Some(boundary) = &given.boundary else { return found };
+        let mut first = 0;
+        for (node, contact) in boundary.nodes.iter().zip(&boundary.contact) {
+            for (k, (condition, law)) in node.conditions.iter().zip(&contact.conditions).enumerate() {
+                let row = boundary.rows.iter().find(|row| row.condition == first + k).map(|row| &row.relative);
+                let normal = constraint(node.node, condition.normal, row);
+                if row.is_some() { &mut found.touching } else { &mut found.firm }.push(normal);
+                if law.bound > 0.0 || law.coefficient > 0.0 {
+                    found.firm.push(constraint(node.node, condition.tangent, row));
+                }
+            }
+            first += node.conditions.len();
+        }
+        found
+    }
+
+    /// The rotations of bodies that map their sides in contact with others onto themselves and that nothing firm resists.
+    fn own_rotations(
+        &self,
+        bodies: &[Assembled],
+        joints: &[Joint],
+        motions: &[Motion],
+        firm: &[Vec<f64>],
+    ) -> Vec<(usize, Vec<f64>)> {
+        let touching: Vec<usize> = joints
+            .iter()
+            .filter(|joint| self.is_contact(joint))
+            .flat_map(|joint| joint.own.iter().chain(&joint.other).copied())
+            .collect();
+        let mut found = Vec::new();
+        for (body, Assembled { piece, .. }) in bodies.iter().enumerate() {
+            let mut constraints = firm.to_vec();
+            let of_body: Vec<usize> = touching.iter().copied().filter(|e| piece.elements.contains(e)).collect();
+            if of_body.is_empty() {
+                continue;
+            }
+            for e in of_body {
+                for t in [-1.0, 0.0, 1.0] {
+                    let (x, n) = (self.mesh.point(e, t), self.mesh.normal(e, t));
+                    constraints.push(motions.iter().map(|(_, motion)| dot(&n, &motion.at(x))).collect());
+                }
+            }
+            let own: Vec<usize> = (0..motions.len()).filter(|&k| motions[k].0 == body).collect();
+            constraints.iter_mut().for_each(|row| *row = own.iter().map(|&k| row[k]).collect());
+            let turns = |parts: &Vec<f64>| {
+                own.iter().zip(parts).any(|(&k, part)| motions[k].1.rotation != 0.0 && part.abs() > ROUNDED)
+            };
+            for parts in kernel(&constraints, own.len()).0.into_iter().filter(turns) {
+                let mut whole = vec![0.0; motions.len()];
+                own.iter().zip(parts).for_each(|(&k, part)| whole[k] = part);
+                found.push((body, whole));
+            }
+        }
+        found
+    }
+}
+
+/// Orthonormal vectors of so many numbers that meet all constraints, and what rounding leaves in them of others.
+fn kernel(constraints: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, f64) {
+    let gram = Mat::from_fn(count, count, |i, j| constraints.iter().map(|c| c[i] * c[j]).sum::<f64>());
+    let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return (Vec::new(), 0.0) };
+    let values = eigen.S().column_vector();
+    let largest = values.iter().fold(0.0, |m: f64, v| m.max(*v));
+    let (free, met): (Vec<usize>, Vec<usize>) = (0..count).partition(|&k| values[k] <= RANK * largest);
+    let smallest = met.iter().fold(largest, |m: f64, &k| m.min(values[k]));
+    let rounding = if largest > 0.0 { count as f64 * f64::EPSILON * largest / smallest } else { 0.0 };
+    (free.into_iter().map(|k| (0..count).map(|i| eigen.U()[(i, k)]).collect()).collect(), rounding)
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// Σ |f| max |r|: the work of a load on a motion as large everywhere as it is somewhere.
+fn largest_work(load: &[f64], motion: &[f64]) -> f64 {
+    let size = |v: &[f64]| v[0].hypot(v[1]);
+    let forces: f64 = load.chunks_exact(2).map(size).sum();
+    forces * motion.chunks_exact(2).map(size).fold(0.0, f64::max)
+}

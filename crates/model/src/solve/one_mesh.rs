@@ -1,0 +1,222 @@
+//! One mesh solved: operators, Steklov-Poincaré matrix, supports, contact, energies, reactions.
+
+use std::time::Instant;
+
+use faer::{Col, Mat};
+use steklov_bem_operators::{Assembly, Mesh, PairCache, Partition, Relative, Space, Steklov};
+use steklov_contact::ContactBoundary;
+use steklov_elastic::RigidMotion;
+use steklov_problem::{Multiplier, Scene};
+
+use crate::data::body_load::Particular;
+use crate::data::joints::{Joint, TiedNode};
+use crate::data::motions::unresisted;
+use crate::data::on_mesh::Data;
+use crate::data::parts::{Assembled, pieces};
+use crate::data::supports::{Held, Supports};
+use crate::error::SolveError;
+use crate::solve::assemble::operators;
+use crate::solve::body::{Body, Factors, Given};
+use crate::solve::contact_solver::solve_problem;
+use crate::solve::free_bodies::Loose;
+use crate::solve::inclusion::Outside;
+use crate::solve::rotations::{missed, project_load_off, project_off, rigid_load};
+use crate::solve::solution::{Seconds, Solved};
+use crate::solve::stabilised::{self, solve_stabilised};
+use crate::solve::thin::without_digits;
+use crate::stage::Stage;
+
+/// The particular solutions of body forces, or of the stress far from holes, and the forces S u_p.
+fn particular(scene: &Scene, bodies: &[Assembled], matrices: &[Mat<f64>]) -> Vec<Option<Particular>> {
+    let of = |(k, (body, matrix)): (usize, (&Assembled, &Mat<f64>))| {
+        let product = |u: &[f64]| (matrix * Col::from_fn(u.len(), |i| u[i])).iter().copied().collect();
+        Particular::of_body(scene, k, 1.0, &body.piece, product)
+    };
+    bodies.iter().zip(matrices).enumerate().map(of).collect()
+}
+
+fn nodal(motions: &[RigidMotion], space: &Space) -> Vec<Vec<f64>> {
+    motions.iter().map(|r| r.nodal(&space.points)).collect()
+}
+
+/// What is kept and held of the nodes, ties behind supports, and what nodes face on other bodies.
+fn partition(
+    boundary: Option<&ContactBoundary>,
+    supports: &Supports<'_>,
+    tied: &[TiedNode],
+) -> (Partition, Vec<Relative>) {
+    let partition = Partition {
+        kept: boundary.map_or(Vec::new(), ContactBoundary::kept),
+        held: supports.dofs().into_iter().chain(tied.iter().map(|tied| (tied.dof, tied.jump))).collect(),
+        frames: boundary.map_or(Vec::new(), ContactBoundary::frames),
+    };
+    let of_contact = boundary.iter().flat_map(|boundary| &boundary.rows).map(|row| row.relative.clone());
+    (partition, of_contact.chain(tied.iter().map(|tied| tied.relative.clone())).collect())
+}
+
+/// The motions that neither supports nor contact resist.
+fn free_motions(
+    data: &Data<'_>,
+    given: &Given,
+    bodies: &[Assembled],
+    candidates: &[RigidMotion],
+    missed: f64,
+) -> Result<Vec<RigidMotion>, SolveError> {
+    let boundary = given.boundary.as_ref();
+    match rigid_load(data, given, bodies, missed)? {
+        None => unresisted((&data.space.points, &given.load), boundary, candidates),
+        Some((space, load)) => unresisted((&space.points, &load), boundary, candidates),
+    }
+}
+
+/// S of every body, and what else its assembly leaves.
+fn assemble(
+    data: &Data<'_>,
+    estimated: bool,
+    cache: &mut PairCache,
+    seconds: &mut Seconds,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(Vec<Mat<f64>>, Vec<Assembled>), SolveError> {
+    let scene = data.scene;
+    let (mut matrices, mut bodies) = (Vec::new(), Vec::new());
+    let pieces = pieces(&scene.problem, data.mesh, data.space);
+    let share = 1.0 / pieces.len() as f64;
+    for (k, piece) in pieces.into_iter().enumerate() {
+        let clock = Instant::now();
+        observe(Stage::Progress("assembling V, K, W", 0.05 + 0.7 * share * k as f64))?;
+        let operators = operators((&piece.mesh, &piece.space), &piece.material, estimated, cache)?;
+        let length = operators.length;
+        seconds.assemble += clock.elapsed().as_secs_f64();
+        observe(Stage::Operators(k, &operators))?;
+
+        let clock = Instant::now();
+        observe(Stage::Progress("Steklov-Poincaré matrix", 0.05 + 0.7 * share * (k as f64 + 0.35)))?;
+        let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain(k))?;
+        matrices.push(matrix);
+        bodies.push(Assembled { piece, length, traction_map, turning: Vec::new() });
+        seconds.factorise += clock.elapsed().as_secs_f64();
+    }
+    Ok((matrices, bodies))
+}
+
+/// The motions that neither supports nor interfaces resist, as such of one body and as nodal vectors; what nodal values of rotations
+/// miss on curves is taken out of the matrices, that it does not resist them.
+fn unresisted_motions(
+    data: &Data<'_>,
+    bodies: &mut [Assembled],
+    (joints, tied): (&[Joint], &[TiedNode]),
+    held: &[Held],
+    matrices: &mut [Mat<f64>],
+    given: &mut Given,
+) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
+    let space = data.space;
+    let supports = Supports { space, held };
+    Ok(match bodies {
+        [_] => {
+            let candidates = data.scene.unresisted(0, supports.free_motions());
+            let missed = missed(data.mesh, space, &candidates);
+            let free = free_motions(data, given, bodies, &candidates, missed)?;
+            let motions = nodal(&free, space);
+            if missed > 0.0 {
+                project_off(&mut matrices[0], &nodal(&candidates, space));
+                project_load_off(&mut given.load, &motions);
+            }
+            (free, Loose { motions, rotations: Vec::new() })
+        }
+        bodies => {
+            let bounded = |body: &Assembled| data.scene.problem.bodies[body.piece.body].far.is_none();
+            for (Assembled { piece, turning, .. }, matrix) in
+                bodies.iter_mut().zip(matrices).filter(|(body, _)| bounded(body))
+            {
+                let of_piece = Supports { space: &piece.space, held: &held[piece.nodes.clone()] };
+                let candidates = of_piece.free_motions();
+                if missed(&piece.mesh, &piece.space, &candidates) > 0.0 {
+                    project_off(matrix, &nodal(&candidates, &piece.space));
+                    *turning = candidates;
+                }
+            }
+            let loose = data.loose_motions(bodies, joints, &supports, given, tied)?;
+            for (body, rotation) in &loose.rotations {
+                project_load_off(bodies[*body].piece.own_mut(&mut given.load), std::slice::from_ref(rotation));
+            }
+            (Vec::new(), loose)
+        }
+    })
+}
+
+/// Solves the scene on a mesh; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
+/// it has them.
+///
+/// # Errors
+/// Data that are not finite, a free rigid motion that the loads drive, an observer that fails.
+pub fn solve(
+    scene: &Scene,
+    mesh: Mesh,
+    estimated: bool,
+    cache: &mut PairCache,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<(Solved, Body, Factors), SolveError> {
+    let clock = Instant::now();
+    let mut seconds = Seconds::default();
+    observe(Stage::Progress("loads and supports", 0.0))?;
+    let space = Space::new(&mesh);
+    let data = Data { scene, mesh: &mesh, space: &space };
+    let held = data.held()?;
+    let loads = data.load()?;
+    let joints = data.joints()?;
+    let boundary = data.condensed_contact(&held, &joints)?;
+    let tied = data.tied_nodes(&joints, &held, boundary.as_ref())?;
+    seconds.set_up = clock.elapsed().as_secs_f64();
+
+    let (mut matrices, mut bodies) = assemble(&data, estimated, cache, &mut seconds, observe)?;
+    let clock = Instant::now();
+    let outside = Outside::new(&data, estimated, cache)?;
+    if let Some(outside) = &outside {
+        outside.stiffen(&mut matrices[0]);
+    }
+    for (k, matrix) in matrices.iter().enumerate() {
+        observe(Stage::Steklov(k, matrix))?;
+    }
+    let particular = particular(scene, &bodies, &matrices);
+    let supports = Supports { space: &space, held: &held };
+    let mut values = supports.values();
+    values.extend(tied.iter().map(|tied| tied.jump));
+    let mut given = Given::new(loads, particular, boundary, values, &bodies);
+    if let Some(outside) = &outside {
+        given.load.iter_mut().zip(&outside.load).for_each(|(f, jump)| *f += jump);
+    }
+
+    observe(Stage::Progress("condensation", 0.75))?;
+    let (free, loose) = unresisted_motions(&data, &mut bodies, (&joints, &tied), &held, &mut matrices, &mut given)?;
+    let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
+    if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
+        let candidates = scene.unresisted(0, supports.free_motions());
+        let of_stabilised = stabilised::Body {
+            traction: &bodies[0].traction_map,
+            stiffness: &matrices[0],
+            load: &given.load,
+            held: &partition.held,
+            rigid: &nodal(&candidates, &space),
+            free: &loose.motions,
+            particular: given.particular[0].as_ref(),
+        };
+        given.stabilised = Some(solve_stabilised(&data, &of_stabilised)?);
+    }
+    let condensation = Assembly::new(matrices, &partition, &rows, &loose.motions, &loose.rotations)
+        .map_err(|error| without_digits(error, &scene.problem, &bodies))?;
+    seconds.factorise += clock.elapsed().as_secs_f64();
+
+    let clock = Instant::now();
+    observe(Stage::Progress("contact", 0.95))?;
+    let stiffness = if given.boundary.is_some() { condensation.stiffness() } else { Mat::new() };
+    let mut body = Body { mesh, space, pieces: bodies, condensation, outside, stiffness, joints, tied, held, free };
+    let (mut solved, factors) =
+        body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;
+    if scene.random.is_none() {
+        // the contact problem has its own
+        body.stiffness = Mat::new();
+    }
+    seconds.solve = clock.elapsed().as_secs_f64();
+    solved.seconds = seconds;
+    Ok((solved, body, factors))
+}

@@ -1,0 +1,114 @@
+//! Rotations of bodies with curves, which the polynomials of curved elements are not.
+
+use faer::Mat;
+use rayon::prelude::*;
+use steklov_bem_operators::{Mesh, Space};
+use steklov_elastic::RigidMotion;
+
+use crate::data::on_mesh::Data;
+use crate::data::parts::Assembled;
+use crate::error::SolveError;
+use crate::solve::body::Given;
+
+/// Part of a rigid motion that its nodal values miss between the nodes: 0 but for a rotation of a body with curves, whose
+/// points are no polynomials of low degree.
+pub(crate) fn missed(mesh: &Mesh, space: &Space, motions: &[RigidMotion]) -> f64 {
+    if motions.iter().all(|motion| motion.rotation == 0.0) {
+        return 0.0;
+    }
+    let mut worst: f64 = 0.0;
+    for motion in motions {
+        let nodal = motion.nodal(&space.points);
+        let largest = nodal.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+        for e in (0..mesh.len()).filter(|&e| !mesh.is_line(e)) {
+            let basis = space.basis(e);
+            let mut phi = vec![0.0; basis.degree + 1];
+            for t in basis.nodes.windows(2).map(|t| (t[0] + t[1]) / 2.0) {
+                basis.evaluate(t, &mut phi);
+                let exact = motion.at(mesh.point(e, t));
+                for (i, exact) in exact.into_iter().enumerate() {
+                    let found: f64 =
+                        space.element_nodes(e).zip(&phi).map(|(node, phi)| phi * nodal[2 * node + i]).sum();
+                    worst = worst.max((found - exact).abs() / largest);
+                }
+            }
+        }
+    }
+    worst
+}
+
+/// A space that follows rotations to rounding, where that of the mesh does not, and the nodal load (x, y) of it.
+pub(crate) fn rigid_load(
+    data: &Data<'_>,
+    given: &Given,
+    bodies: &[Assembled],
+    missed: f64,
+) -> Result<Option<(Space, Vec<f64>)>, SolveError> {
+    if missed < NOTHING_MISSED {
+        return Ok(None);
+    }
+    let degree = data.mesh.degree.iter().map(|p| *p.max(&ROTATIONS)).collect();
+    let mesh = Mesh { degree, ..data.mesh.clone() };
+    let space = Space::new(&mesh);
+    let mut load = Data { scene: data.scene, mesh: &mesh, space: &space }.load()?.nodal;
+    for (body, particular) in bodies.iter().zip(&given.particular) {
+        let Some(particular) = particular else { continue };
+        let part = mesh.part(body.piece.elements.clone());
+        // the rest of its load, S u_p, does no work on motions
+        let traction = particular.solution.traction_load(&part, &Space::new(&part));
+        let own = &mut load[2 * space.offset[body.piece.elements.start]..];
+        own.iter_mut().zip(traction).for_each(|(f, t)| *f -= t);
+    }
+    Ok(Some((space, load)))
+}
+
+/// What of a rotation may be missed.
+const NOTHING_MISSED: f64 = 1e-12;
+/// Degree that follows rotations on an arc of 180°.
+const ROTATIONS: usize = 18;
+
+/// PᵀSP, P = I - QQᵀ the projection off the span Q of the motions: what the nodal values of a rotation miss on curves must not
+/// resist it. It is S - QRᵀ - RQᵀ with R = SQ - ½ Q(QᵀSQ).
+pub(crate) fn project_off(matrix: &mut Mat<f64>, motions: &[Vec<f64>]) {
+    let basis = orthonormal(motions);
+    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    let column = |j: usize| matrix.col(j).try_as_col_major().map_or(&[][..], |column| column.as_slice());
+    let rows: Vec<Vec<f64>> =
+        (0..matrix.ncols()).into_par_iter().map(|j| basis.iter().map(|q| dot(column(j), q)).collect()).collect();
+    let mut resisted: Vec<Vec<f64>> = (0..basis.len()).map(|k| rows.iter().map(|row| row[k]).collect()).collect();
+    let energies: Vec<Vec<f64>> = resisted.iter().map(|r| basis.iter().map(|q| dot(r, q)).collect()).collect();
+    for (r, energies) in resisted.iter_mut().zip(&energies) {
+        for (q, energy) in basis.iter().zip(energies) {
+            r.iter_mut().zip(q).for_each(|(r, q)| *r -= 0.5 * energy * q);
+        }
+    }
+    matrix.par_col_chunks_mut(1).enumerate().for_each(|(j, column)| {
+        for (i, s) in column.col_mut(0).iter_mut().enumerate() {
+            *s -= basis.iter().zip(&resisted).map(|(q, r)| q[i] * r[j] + r[i] * q[j]).sum::<f64>();
+        }
+    });
+}
+
+/// Takes the parts of a load off that work on the motions.
+pub(crate) fn project_load_off(load: &mut [f64], motions: &[Vec<f64>]) {
+    for q in orthonormal(motions) {
+        let part: f64 = load.iter().zip(&q).map(|(f, q)| f * q).sum();
+        load.iter_mut().zip(&q).for_each(|(f, q)| *f -= part * q);
+    }
+}
+
+fn orthonormal(motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
+    let mut basis: Vec<Vec<f64>> = Vec::new();
+    for motion in motions {
+        let mut q = motion.clone();
+        for _ in 0..2 {
+            for b in &basis {
+                let part: f64 = q.iter().zip(b).map(|(q, b)| q * b).sum();
+                q.iter_mut().zip(b).for_each(|(q, b)| *q -= part * b);
+            }
+        }
+        let norm = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+        basis.push(q.into_iter().map(|v| v / norm).collect());
+    }
+    basis
+}
