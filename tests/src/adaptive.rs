@@ -4,8 +4,7 @@ use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Subdivision};
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Progress, Run, Step, run};
-use steklov_model::stage::Stage;
+use steklov_model::run::adaptive_loop::{Event, Progress, Run, Step, run};
 use steklov_problem::{Refine, Scene};
 
 use crate::{adapt, scene};
@@ -81,8 +80,8 @@ pub fn line(x: &[f64], y: &[f64]) -> (f64, f64) {
 /// Those of [`run`].
 pub fn solved_in_steps(scene: &Scene) -> Result<(Run, Vec<Vec<f64>>), SolveError> {
     let mut displacements = Vec::new();
-    let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, stage| {
-        if let Stage::Step { solved, .. } = stage {
+    let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, event| {
+        if let Event::Done { solved, .. } = event {
             displacements.push(solved.displacement.clone());
         }
         Ok(())

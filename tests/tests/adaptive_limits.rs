@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 use steklov_bem_operators::{Mesh, PairCache};
 use steklov_model::doubt::Doubt;
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Progress, Reason, run};
+use steklov_model::run::adaptive_loop::{Event, Progress, Reason, run};
 use steklov_model::solve::one_mesh::solve;
 use steklov_model::stage::Stage;
 use steklov_problem::Scene;
@@ -155,8 +155,8 @@ fn a_step_that_fails_keeps_those_before_it() {
     let scene_of = |overrides: &[&str]| scene("block-on-floor", overrides);
     let failing = |at: usize, error: fn() -> SolveError| {
         let scene = scene_of(&[]);
-        run(&scene, Progress::first(&scene), &AtomicUsize::new(0), &mut |number, stage| match stage {
-            Stage::Steklov(_, _) if number == at => Err(error()),
+        run(&scene, Progress::first(&scene), &AtomicUsize::new(0), &mut |number, event| match event {
+            Event::Stage(Stage::Steklov(_, _)) if number == at => Err(error()),
             _ => Ok(()),
         })
     };

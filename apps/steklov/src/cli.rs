@@ -18,7 +18,7 @@ use steklov_figures::stochastic;
 use steklov_io::{File, IoError, create_atomically, open};
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
-use steklov_model::run::adaptive_loop::{Reason, Step, run};
+use steklov_model::run::adaptive_loop::{Event, Reason, Step, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::run::expect::check_expect;
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
@@ -289,16 +289,17 @@ fn solve_by<M: Keep>(
                 if args.save.is_some() { queue.write_next() } else { scope.spawn_fifo(|_| queue.write_next()) }
             };
             first.steps.iter().for_each(put);
-            let mut run = run(scene, first, interrupts, &mut |number, stage| {
-                bar.show(number, &stage);
-                if let Some(step) = M::step(&stage) {
-                    put(step);
+            let mut run = run(scene, first, interrupts, &mut |number, event| {
+                match event {
+                    Event::Done { step, .. } => put(step),
+                    Event::Stage(stage) => {
+                        bar.show(number, &stage);
+                        if args.save.is_some() {
+                            store::save_stage(file, number, &stage).map_err(store::observed)?;
+                        }
+                    }
                 }
-                if args.save.is_some() {
-                    store::save_stage(file, number, &stage).map_err(store::observed)
-                } else {
-                    Ok(())
-                }
+                Ok(())
             })?;
             plan.left_out.extend(M::lack(scene, &run).map(without_memory));
             let outcomes = M::outcomes(scene, &mut run, interrupts, &|done, count| bar.outcomes(done, count))?;

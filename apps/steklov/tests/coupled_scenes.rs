@@ -145,7 +145,9 @@ fn a_resultant_is_told_or_refused() {
     assert!(!exterior.balanced && apart(&exterior.resultant, &[0.0, -1.0]) < 1e-12, "{exterior:?}");
     let (scene, bounded) = (parse(SQUARE, &[weight, "exterior.at_infinity=\"bounded\""]).unwrap(), AtomicUsize::new(0));
     let progress = Progress::<OnGrid>::new(&scene, Vec::new()).unwrap();
-    let Err(error) = adaptive_loop::run(&scene, progress, &bounded, &mut |_, _| Ok(())) else { panic!("a net force is bounded") };
+    let Err(error) = adaptive_loop::run(&scene, progress, &bounded, &mut |_, _| Ok(())) else {
+        panic!("a net force is bounded")
+    };
     assert!(error.to_string().contains("resultant (0.000e0, -1.000e0)"), "{error}");
 
     let twist = "exterior.stress_jump=[\"y\", \"x\", \"0\"]";

@@ -1,15 +1,11 @@
-//! What a run hands to its observer.
+//! What a step hands to its observer.
 
 use faer::Mat;
 use sprs::CsMat;
 use steklov_bem_operators::Operators;
 use steklov_coupling::{Trace, Transfer};
 
-use crate::grid::{GridSolved, OnGrid};
-use crate::run::adaptive_loop::Step;
-use crate::solve::solution::Solved;
-
-/// What a run hands to its observer while it has it.
+/// What a step hands to its observer while it has it.
 pub enum Stage<'a> {
     /// V, K, W, M of a body of this number, and the space they belong to.
     Operators(usize, &'a Operators),
@@ -23,24 +19,6 @@ pub enum Stage<'a> {
     Interface(&'a Trace, &'a Transfer),
     /// A stiffness matrix reduced to some unknowns: its name and what these are.
     Condensed(&'static str, &'static str, &'a Mat<f64>),
-    /// A step is solved and estimated, so many seconds after the run began.
-    Step {
-        /// The solution.
-        solved: &'a Solved,
-        /// What is kept of it.
-        step: &'a Step,
-        /// Wall seconds.
-        seconds: f64,
-    },
-    /// The same on a grid.
-    GridStep {
-        /// The solution.
-        solved: &'a GridSolved,
-        /// What is kept of it.
-        step: &'a Step<OnGrid>,
-        /// Wall seconds.
-        seconds: f64,
-    },
     /// A part of the work begins; the number is its share of the work of the step that is then done, 0 to 1.
     Progress(&'static str, f64),
 }

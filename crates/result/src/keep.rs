@@ -10,7 +10,6 @@ use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::Trace;
 use steklov_model::solve::solution::Solved;
 use steklov_model::solve::solution::TieRow;
-use steklov_model::stage::Stage;
 use steklov_model::stochastic::StochasticResult;
 use steklov_problem::{Scene, moduli};
 
@@ -25,9 +24,6 @@ pub trait Keep: Model {
     /// # Errors
     /// Those of a first grid.
     fn resume(scene: &Scene, steps: Vec<Step<Self>>) -> Result<Progress<Self>, SolveError>;
-
-    /// The step that a stage tells of.
-    fn step<'a>(stage: &Stage<'a>) -> Option<&'a Step<Self>>;
 
     /// Writes a step into its group.
     ///
@@ -64,10 +60,6 @@ impl Keep for BoundaryElements {
         Ok(Progress::before_last(steps).unwrap_or_else(|| Progress::first(scene)))
     }
 
-    fn step<'a>(stage: &Stage<'a>) -> Option<&'a Step> {
-        if let Stage::Step { step, .. } = stage { Some(step) } else { None }
-    }
-
     fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
         steps::save(at, step)
     }
@@ -98,10 +90,6 @@ fn or_nan(given: [Option<f64>; 2]) -> [f64; 2] {
 impl Keep for OnGrid {
     fn resume(scene: &Scene, steps: Vec<Step<Self>>) -> Result<Progress<Self>, SolveError> {
         Progress::<Self>::new(scene, steps)
-    }
-
-    fn step<'a>(stage: &Stage<'a>) -> Option<&'a Step<Self>> {
-        if let Stage::GridStep { step, .. } = stage { Some(step) } else { None }
     }
 
     fn save_step(at: &Group, step: &Step<Self>) -> Result<(), IoError> {

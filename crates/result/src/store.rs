@@ -92,7 +92,7 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
             let meaning = label("stress", "stiffness matrix, all other unknowns eliminated", &axes);
             save_dense(&matrices(&step)?, name, matrix.as_ref(), &meaning)
         }
-        Stage::Progress(..) | Stage::Step { .. } | Stage::GridStep { .. } => Ok(()),
+        Stage::Progress(..) => Ok(()),
     }
 }
 

@@ -10,7 +10,8 @@ use steklov_model::data::on_mesh::Data;
 use steklov_model::data::parts::pieces;
 use steklov_model::doubt::Doubt;
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Progress, Reason, Step, run};
+use steklov_model::run::adaptive_loop::{Observer, Progress, Reason, Step, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::one_mesh::solve;
 use steklov_model::solve::solution::Solved;
 use steklov_model::stage::Stage;
@@ -97,14 +98,14 @@ const ROUNDING: f64 = 1e-12;
 const CLOSE: f64 = 1e-7;
 
 impl Reference {
-    /// Runs the hp strategy to an error well below the tolerance of the scene. `observe` sees the stages of its steps.
+    /// Runs the hp strategy to an error well below the tolerance of the scene. `observe` sees the events of its steps.
     ///
     /// # Errors
     /// As [`run`]; [`SolveError::Interrupted`] also after a first wish to stop; [`ReferenceError::NotSolved`].
     pub fn new(
         scene: &Scene,
         interrupts: &AtomicUsize,
-        observe: &mut dyn FnMut(usize, Stage<'_>) -> Result<(), SolveError>,
+        observe: &mut Observer<'_, BoundaryElements>,
     ) -> Result<Self, ReferenceError> {
         let mut fine = scene.clone();
         fine.method.refine = Refine::Hp;

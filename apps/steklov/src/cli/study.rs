@@ -15,6 +15,7 @@ use std::time::Instant;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_io::{IoError, create_atomically};
+use steklov_model::run::adaptive_loop::Event;
 use steklov_model::stage::Stage;
 use steklov_picture::{self as picture, PictureError};
 use steklov_plan::plan;
@@ -171,8 +172,8 @@ fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
     let repeat = usize::from(args.repeat);
     let stop = interrupts(args.quiet)?;
     let bar = Bar::new(args.quiet, 1 + names.len() * chosen.len() * (repeat + 1));
-    let reference = Reference::new(&for_truth(scene), &stop, &mut |step, stage| {
-        if let Stage::Progress(part, _) = stage {
+    let reference = Reference::new(&for_truth(scene), &stop, &mut |step, event| {
+        if let Event::Stage(Stage::Progress(part, _)) = event {
             bar.show("reference", &format!("step {}, {part}", step + 1));
         }
         Ok(())

@@ -92,10 +92,6 @@ impl Model for OnGrid {
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a> {
         answer::report(scene, run)
     }
-
-    fn stage<'a>(solved: &'a GridSolved, step: &'a Step<Self>, seconds: f64) -> Stage<'a> {
-        Stage::GridStep { solved, step, seconds }
-    }
 }
 
 /// Unknowns of the next step, held ones included.

@@ -114,10 +114,25 @@ pub trait Model: Debug + Clone + PartialEq {
     fn lack(_: &Scene, _: &Run<Self>) -> Option<Lack> {
         None
     }
-
-    /// The step as a stage to be watched, so many seconds after the run began.
-    fn stage<'a>(solved: &'a Self::Solved, step: &'a Step<Self>, seconds: f64) -> Stage<'a>;
 }
+
+/// What a run hands to its observer.
+pub enum Event<'a, M: Model> {
+    /// Something of the step that runs.
+    Stage(Stage<'a>),
+    /// A step is solved and estimated.
+    Done {
+        /// The solution.
+        solved: &'a M::Solved,
+        /// What is kept of it.
+        step: &'a Step<M>,
+        /// Wall seconds since the run began.
+        seconds: f64,
+    },
+}
+
+/// Who is told the events of every step, by its number.
+pub type Observer<'a, M> = dyn FnMut(usize, Event<'_, M>) -> Result<(), SolveError> + 'a;
 
 /// A step that is done, and what it leads to.
 pub struct Advanced<M: Model> {
@@ -209,7 +224,7 @@ pub fn run<M: Model>(
     scene: &Scene,
     mut progress: Progress<M>,
     interrupts: &AtomicUsize,
-    observe: &mut dyn FnMut(usize, Stage<'_>) -> Result<(), SolveError>,
+    observe: &mut Observer<'_, M>,
 ) -> Result<Run<M>, SolveError> {
     let clock = Instant::now();
     let mut cache = M::Cache::default();
@@ -217,7 +232,7 @@ pub fn run<M: Model>(
     loop {
         let number = progress.steps.len();
         let mut watched = |stage: Stage<'_>| match interrupts.load(Ordering::Relaxed) {
-            0 | 1 => observe(number, stage),
+            0 | 1 => observe(number, Event::Stage(stage)),
             _ => Err(SolveError::Interrupted),
         };
         let advanced = M::advance(scene, &progress, &mut cache, &mut watched);
@@ -230,7 +245,7 @@ pub fn run<M: Model>(
             }
             (advanced, _) => advanced?,
         };
-        observe(number, M::stage(&solved, &step, clock.elapsed().as_secs_f64()))?;
+        observe(number, Event::Done { solved: &solved, step: &step, seconds: clock.elapsed().as_secs_f64() })?;
         progress.steps.push(step);
         let end = M::end(scene, &progress.steps, &solved, next.as_ref());
         let interrupted = (interrupts.load(Ordering::Relaxed) > 0).then_some(Reason::Interrupted);

@@ -242,8 +242,4 @@ impl Model for BoundaryElements {
         let small = run.progress.next.dofs() <= scene.method.max_dofs;
         lack_of(scene, &run.progress.next).filter(|_| small && run.reason == Reason::MaxDofs)
     }
-
-    fn stage<'a>(solved: &'a Solved, step: &'a Step, seconds: f64) -> Stage<'a> {
-        Stage::Step { solved, step, seconds }
-    }
 }

@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::Mesh;
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Progress, Reason, Run, Step, run};
+use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Run, Step, run};
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::stage::Stage;
 use steklov_problem::{Multiplier, Refine, Scene};
@@ -204,10 +204,10 @@ struct Round {
 impl Round {
     fn new(scene: &Scene, what: &str, watch: &mut Watch<'_>) -> Self {
         let (mut displacements, mut ends) = (Vec::new(), Vec::new());
-        let run = run(scene, Progress::first(scene), watch.interrupts, &mut |step, stage| {
-            match stage {
-                Stage::Progress(part, _) => watch.tell(what, &format!("step {}, {part}", step + 1)),
-                Stage::Step { solved, seconds, .. } => {
+        let run = run(scene, Progress::first(scene), watch.interrupts, &mut |step, event| {
+            match event {
+                Event::Stage(Stage::Progress(part, _)) => watch.tell(what, &format!("step {}, {part}", step + 1)),
+                Event::Done { solved, seconds, .. } => {
                     displacements.push(solved.displacement.clone());
                     ends.push(seconds);
                 }

@@ -5,7 +5,7 @@
 use steklov_elastic::Material;
 use steklov_model::error::SolveError;
 use steklov_model::mesh::first_mesh::first_mesh;
-use steklov_model::run::adaptive_loop::{Progress, run};
+use steklov_model::run::adaptive_loop::{Event, Progress, run};
 use steklov_model::stage::Stage;
 use steklov_problem::{Scene, Substance};
 
@@ -129,8 +129,8 @@ pub fn incompressible(scene: &Scene, watch: &mut Watch<'_>) -> Result<Incompress
         scene.body_mut().substance = Substance::Homogeneous(material);
         scene.expect.clear(); // it is of another ratio
         let what = format!("ν = {poisson}");
-        let reference = Reference::new(&scene, watch.interrupts, &mut |step, stage| {
-            if let Stage::Progress(part, _) = stage {
+        let reference = Reference::new(&scene, watch.interrupts, &mut |step, event| {
+            if let Event::Stage(Stage::Progress(part, _)) = event {
                 watch.tell(&what, &format!("reference, step {}, {part}", step + 1));
             }
             Ok(())

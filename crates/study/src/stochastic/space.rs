@@ -7,7 +7,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
+use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Run, run};
 use steklov_model::stage::Stage;
 use steklov_model::stochastic::solve_stochastic;
 use steklov_problem::{Random, Refine, Scene, Stochastic};
@@ -163,8 +163,8 @@ fn meshes(
     let (max_dofs, max_steps) = (scene.method.max_dofs, scene.method.max_steps);
     loop {
         scene.method.max_steps = progress.steps.len() + 1;
-        let mut run = run(&scene, progress, watch.interrupts, &mut |step, stage| {
-            if let Stage::Progress(part, _) = stage {
+        let mut run = run(&scene, progress, watch.interrupts, &mut |step, event| {
+            if let Event::Stage(Stage::Progress(part, _)) = event {
                 watch.tell(name, &format!("step {}, {part}", step + 1));
             }
             Ok(())

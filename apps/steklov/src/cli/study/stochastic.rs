@@ -3,7 +3,7 @@
 use std::sync::atomic::Ordering;
 
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Progress, run};
+use steklov_model::run::adaptive_loop::{Event, Progress, run};
 use steklov_model::stage::Stage;
 use steklov_problem::{DataError, DataErrorKind};
 use steklov_study::Watch;
@@ -30,8 +30,8 @@ pub(super) fn stochastic(args: &StudyArgs) -> Result<u8, Failure> {
     let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
     let watch = &mut Watch::new(&stop, tell);
     let failed = |error: SolveError| explained(&document, error);
-    let last = run(scene, Progress::first(scene), &stop, &mut |step, stage| {
-        if let Stage::Progress(part, _) = stage {
+    let last = run(scene, Progress::first(scene), &stop, &mut |step, event| {
+        if let Event::Stage(Stage::Progress(part, _)) = event {
             bar.show("mesh", &format!("step {}, {part}", step + 1));
         }
         Ok(())
