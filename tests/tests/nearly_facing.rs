@@ -355,6 +355,24 @@ fn data_in_s_are_those_of_the_first_place() {
     assert!(error.render().contains("data in s, are those of the other one"), "{}", error.render());
 }
 
+/// A ring pressed so far that the end of contact passes the end of an arc: its vertex on the ring does not go to that end, where an
+/// element would have no length.
+#[test]
+fn vertices_do_not_go_to_ends_of_arcs() {
+    let corners = [[-1.1345, -0.7096], [1.1345, -0.7096], [1.1345, 0.0], [-1.1345, 0.0]];
+    let text = block("lo", corners, 4.974).replace("0.3 }", "0.45, plane = \"stress\" }")
+        + HELD
+        + "[[body]]\nname = \"up\"\ncircle = { centre = [0, 0.44729], radius = 0.4331 }\nside = \"rim\"\n\
+           material = { young = 10.88, poisson = 0.2, plane = \"stress\" }\n[[body.holes]]\n\
+           circle = { centre = [0, 0.44729], radius = 0.2424 }\nside = \"bore\"\n\
+           [sides.up.bore]\ndisplacement = [\"0\", \"-0.16159\"]\n[[interface]]\n\
+           between = [\"up.rim\", \"lo.top\"]\ncontact = { friction = { coulomb = \"0.138\" } }\n";
+    let [coarse, fine] = ["1e-3", "1e-4"].map(|tolerance| solved(&text, &[&format!("method.tolerance={tolerance}")]));
+    assert_eq!([&coarse.reason, &fine.reason], ["tolerance"; 2]);
+    let [a, b] = [&coarse, &fine].map(energy);
+    assert!((a[0] - b[0]).abs() < a[1] + b[1], "{a:?} {b:?}");
+}
+
 /// The overlap of two blocks ends 1e-5 before a corner: the mirror image has the same J.
 #[test]
 fn overlaps_end_close_to_corners() {

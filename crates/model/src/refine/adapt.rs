@@ -228,9 +228,9 @@ fn follow_beyond(
         let nearest = (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b])));
         if let Some(k) = nearest.filter(|&k| distance(&left[k]).is_finite()) {
             let (_, from) = left.swap_remove(k);
-            // no vertex passes a point that stays
+            // no vertex passes a point that stays, or moves to an end of its edge
             let between = |f: &f64| from.min(s) - SAME_PLACE < *f && *f < from.max(s) + SAME_PLACE;
-            if (from - s).abs() > SAME_PLACE && !fixed.iter().any(between) {
+            if (from - s).abs() > SAME_PLACE && !fixed.iter().chain(&[0.0, 1.0]).any(between) {
                 subdivision.shift(edge, from, s, &fixed);
             }
         }
