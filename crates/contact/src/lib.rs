@@ -48,67 +48,36 @@
 //! ```
 
 mod error;
-mod problem;
-mod sides;
-mod boundary;
-mod law;
-mod linear;
-mod free;
-mod multipliers;
-mod kkt;
-mod frozen;
-mod lines;
-mod transitions;
-mod decided;
-mod tips;
-mod bubbles;
-mod active_set;
-mod coupled;
-mod barrier;
-mod interior_point;
-mod fixed_point;
-mod several;
-mod newton;
-mod rows;
-mod uzawa;
-mod motions;
-mod stopped;
-mod multiplier_trace;
-mod residual;
-mod multiplier_space;
-mod lanczos;
-mod node_data;
-mod uniform_pressure;
-mod stabilised;
-mod inf_sup;
+mod on_mesh;
+mod solvers;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 #[cfg(test)]
 mod tests;
 
-pub use active_set::{Start, active_set};
-pub use boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Row, Share, Transfer, contact_boundary};
-pub use bubbles::{ContactBubble, contact_bubbles, oscillation};
-pub use decided::{Decided, Least, decided};
 pub use error::ContactError;
-pub use fixed_point::fixed_point;
-pub use frozen::{Frozen, Sets};
-pub use inf_sup::{InfSup, dual_form, inf_sup};
-pub use interior_point::interior_point;
-pub use kkt::{Kkt, kkt, kkt_in_body};
-pub use lines::{ContactLine, ElementConditions, LinePoint};
-pub use motions::{ContactEdge, lifting_motion, resisted_motions};
-pub use multiplier_space::{
+pub use on_mesh::boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Row, Share, Transfer, contact_boundary};
+pub use on_mesh::bubbles::{ContactBubble, contact_bubbles, oscillation};
+pub use on_mesh::decided::{Decided, Least, decided};
+pub use on_mesh::inf_sup::{InfSup, dual_form, inf_sup};
+pub use on_mesh::lines::{ContactLine, ElementConditions, LinePoint};
+pub use on_mesh::multiplier_space::{
     MultiplierCell, MultiplierDegree, MultiplierElement, MultiplierMesh, MultiplierNode, MultiplierSpace,
 };
-pub use multiplier_trace::multiplier_trace;
-pub use newton::newton;
-pub use problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
-pub use residual::{ContactResidual, ContactSolution, Multiplier, contact_residuals, contact_residuals_of};
-pub use rows::{MultiplierRow, multiplier_rows};
-pub use several::{Contraction, contraction, other_solution};
-pub use sides::{Beyond, SideData};
-pub use stabilised::{LEAST_GAMMA, Loading, Stabilised, StabilisedForms, pairing};
-pub use tips::{Located, Obstacle, Solved, Tip, relocate, unlocated};
-pub use transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
-pub use uzawa::uzawa;
+pub use on_mesh::multiplier_trace::multiplier_trace;
+pub use on_mesh::residual::{ContactResidual, ContactSolution, Multiplier, contact_residuals, contact_residuals_of};
+pub use on_mesh::sides::{Beyond, SideData};
+pub use on_mesh::stabilised::{LEAST_GAMMA, Loading, Stabilised, StabilisedForms, pairing};
+pub use on_mesh::tips::{Located, Obstacle, Solved, Tip, relocate, unlocated};
+pub use on_mesh::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, tip_fits, transitions};
+pub use solvers::active_set::{Start, active_set};
+pub use solvers::fixed_point::fixed_point;
+pub use solvers::frozen::{Frozen, Sets};
+pub use solvers::interior_point::interior_point;
+pub use solvers::kkt::{Kkt, kkt, kkt_in_body};
+pub use solvers::motions::{ContactEdge, lifting_motion, resisted_motions};
+pub use solvers::newton::newton;
+pub use solvers::problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
+pub use solvers::rows::{MultiplierRow, multiplier_rows};
+pub use solvers::several::{Contraction, contraction, other_solution};
+pub use solvers::uzawa::uzawa;

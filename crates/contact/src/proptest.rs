@@ -67,7 +67,7 @@ pub fn floating(nodes_at_most: usize, friction: Friction) -> impl Strategy<Value
         let numbers = (vec(-1.0..1.0, 4 * n * n), vec(-1.0..1.0, 2 * n), vec((0.1..1.0, -0.9..0.9), n));
         (numbers, nodes(kinds, friction)).prop_map(move |((g, w, share), nodes)| {
             let stiffness = without_rigid_motions(n, &g);
-            let mut load = crate::linear::product(&stiffness, &w);
+            let mut load = crate::solvers::linear::product(&stiffness, &w);
             for (i, c) in nodes.iter().flat_map(|n| &n.conditions).enumerate() {
                 load[2 * i] += c.normal_weight * share[i].0;
                 load[2 * i + 1] +=

@@ -6,8 +6,8 @@ use proptest::strategy::ValueTree;
 use proptest::test_runner::TestRunner;
 
 use super::oracle::{coulomb_solutions, distance};
-use crate::linear::largest;
 use crate::proptest::{Friction, floating, mixed, ordinary};
+use crate::solvers::linear::largest;
 use crate::{
     Condition, ContactNode, Contraction, Frozen, Outcome, Problem, Sets, Solution, Start, active_set, contraction,
     fixed_point, interior_point, kkt, newton, other_solution, uzawa,

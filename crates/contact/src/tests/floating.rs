@@ -51,8 +51,8 @@ proptest! {
                 match answer {
                     Err(ContactError::NotHeld { motion, work, scale }) => {
                         prop_assert!(work > 0.0 && work <= scale * (1.0 + 1e-9), "{work} {scale}");
-                        let elastic = crate::linear::product(&free.stiffness, &motion);
-                        prop_assert!(crate::linear::largest(elastic) < 1e-9);
+                        let elastic = crate::solvers::linear::product(&free.stiffness, &motion);
+                        prop_assert!(crate::solvers::linear::largest(elastic) < 1e-9);
                     }
                     other => prop_assert!(false, "{other:?}"),
                 }

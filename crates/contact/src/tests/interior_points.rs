@@ -4,8 +4,8 @@ use faer::Mat;
 use proptest::prelude::*;
 
 use super::oracle::{brute_force, distance};
-use crate::linear::{largest, product};
 use crate::proptest::{Friction, floating, mixed, ordinary};
+use crate::solvers::linear::{largest, product};
 use crate::{Condition, ContactError, ContactNode, Problem, Solution, Status, active_set, interior_point, kkt};
 
 /// The answer, which must pass the judge to 1e-10 but for the rounding of S v, which counts far from v = 0 only.

@@ -2,8 +2,8 @@
 
 use proptest::prelude::*;
 
-use crate::law::{Law, dot};
 use crate::proptest::{Friction, mixed};
+use crate::solvers::law::{Law, dot};
 use crate::{Condition, ContactNode, Problem, active_set, kkt};
 
 fn condition(normal: [f64; 2], bound: f64, gap: f64) -> Condition {
@@ -21,7 +21,7 @@ fn condition(normal: [f64; 2], bound: f64, gap: f64) -> Condition {
 }
 
 fn phi(law: &Law, w: [f64; 2]) -> f64 {
-    let theta = |k: &crate::law::Kink| {
+    let theta = |k: &crate::solvers::law::Kink| {
         let s = dot(k.direction, w) - k.at;
         // the indicator forgives roundoff
         if s.abs() < 1e-12 {

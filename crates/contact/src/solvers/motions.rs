@@ -2,7 +2,8 @@
 
 use steklov_elastic::RigidMotion;
 
-use crate::{ContactError, stopped};
+use crate::ContactError;
+use crate::solvers::stopped;
 
 /// A straight part of the contact boundary, as far as rigid motions are concerned: on it u_n is linear and u_t constant.
 #[derive(Debug, Clone, PartialEq)]

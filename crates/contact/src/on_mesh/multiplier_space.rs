@@ -11,7 +11,7 @@ use steklov_bem_operators::Mesh;
 use steklov_quadrature::{LobattoBasis, gauss_legendre};
 
 use crate::ContactError;
-use crate::stabilised::{CURVE_POINTS, frame};
+use crate::on_mesh::stabilised::{CURVE_POINTS, frame};
 
 /// How T_H follows from the displacement mesh T_h of the contact sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -3,7 +3,7 @@
 use faer::Mat;
 
 use crate::Problem;
-use crate::law::{Law, Piece};
+use crate::solvers::law::{Law, Piece};
 
 /// The displacements on all lines of given pieces that are on.
 pub(crate) struct Free {

@@ -2,13 +2,13 @@
 
 use std::ops::Range;
 
-use crate::coupled::{renewed_laws, solve_coupled};
-use crate::fixed_point::coulomb;
-use crate::free::{Free, off_forces};
-use crate::kkt::friction;
-use crate::law::{Branch, Law, Piece, dot};
-use crate::linear::{largest, product, solve_semidefinite};
-use crate::multipliers::{multipliers, status};
+use crate::solvers::coupled::{renewed_laws, solve_coupled};
+use crate::solvers::fixed_point::coulomb;
+use crate::solvers::free::{Free, off_forces};
+use crate::solvers::kkt::friction;
+use crate::solvers::law::{Branch, Law, Piece, dot};
+use crate::solvers::linear::{largest, product, solve_semidefinite};
+use crate::solvers::multipliers::{multipliers, status};
 use crate::{ContactError, ContactNode, Outcome, Problem, Solution};
 
 /// A node keeps its piece while it violates it by less than this, relative.

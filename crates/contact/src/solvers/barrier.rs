@@ -14,9 +14,9 @@ use faer::linalg::cholesky::llt::solve::solve_in_place;
 use faer::{ColMut, Mat, Par};
 
 use crate::Problem;
-use crate::free::Free;
-use crate::law::{Branch, Kink, Law, Piece, dot, norm};
-use crate::linear::{largest, product};
+use crate::solvers::free::Free;
+use crate::solvers::law::{Branch, Kink, Law, Piece, dot, norm};
+use crate::solvers::linear::{largest, product};
 
 /// Added to the diagonal of the Newton matrix, relative to its largest entry in S: without it a motion that neither
 /// stiffness nor barrier holds would have no step. More of it where that does not make the matrix definite.

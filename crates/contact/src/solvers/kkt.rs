@@ -1,6 +1,6 @@
 //! The judge: how well a displacement and multipliers obey all conditions, whatever computed them.
 
-use crate::linear::{largest, product};
+use crate::solvers::linear::{largest, product};
 use crate::{Condition, ContactNode, Problem, Solution};
 
 /// Relative violation of each condition of a contact problem; all 0 for an exact solution. A scale of 0 gives 0.

@@ -8,7 +8,7 @@
 //! ```
 //! in the energy norm, up to factors of the order of 1.
 
-use crate::transitions::{TipKind, Transition, transitions};
+use crate::on_mesh::transitions::{TipKind, Transition, transitions};
 use crate::{Condition, ContactLine, Problem, Sets, Solution};
 
 /// The force and the gap of a zone on an edge below which it is undecided; more than 0.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use steklov_bem_operators::{Mesh, Space};
 
-use crate::law::dot;
+use crate::solvers::law::dot;
 use crate::{BoundaryCondition, ContactBoundary};
 
 /// A condition on an edge.

@@ -1,7 +1,7 @@
 //! Multipliers and states of the conditions from the nodal force.
 
-use crate::law::{Branch, Kink, Law, cross, dot, norm};
-use crate::linear::largest;
+use crate::solvers::law::{Branch, Kink, Law, cross, dot, norm};
+use crate::solvers::linear::largest;
 use crate::{Condition, ContactNode, Problem, Status};
 
 /// Lines closer to v than this part of the largest displacement and gap meet in v.

@@ -4,11 +4,11 @@
 //! The displacement is free along the line n·v = g as ever, but equilibrium is asked for across that force: the trial
 //! direction is perpendicular to n, the test direction to n ± μ D_t/D_n t, and the system is not symmetric.
 
-use crate::active_set::Linear;
-use crate::free::{Direction, Free, form, project};
-use crate::law::{Branch, Law, Piece, cross, dot, norm};
-use crate::linear::{largest, product, solve_general};
-use crate::multipliers::{node_multipliers, touching_distance};
+use crate::solvers::active_set::Linear;
+use crate::solvers::free::{Direction, Free, form, project};
+use crate::solvers::law::{Branch, Law, Piece, cross, dot, norm};
+use crate::solvers::linear::{largest, product, solve_general};
+use crate::solvers::multipliers::{node_multipliers, touching_distance};
 use crate::{ContactError, ContactNode, Problem};
 
 /// Halvings of the difference between the pressures of a node with two conditions.

@@ -5,7 +5,7 @@ use std::sync::OnceLock;
 use steklov_bem_operators::{Datum, Mesh, Site, Space};
 use steklov_quadrature::{Rule, gauss_legendre, legendre_p, project};
 
-use crate::sides::from_within;
+use crate::on_mesh::sides::from_within;
 use crate::{ContactBoundary, ContactError, LinePoint, Sets};
 
 /// The bubble b = (P_(p+1) - P_(p-1))/(2p+1) of a contact element, its components along n and t.

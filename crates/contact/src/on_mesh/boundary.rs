@@ -2,8 +2,8 @@
 
 use steklov_bem_operators::{Dof, Mesh, Relative, Space, relative_displacement};
 
-use crate::law::{cross, dot};
-use crate::sides::{ContactElement, JUMP, SideData, contact_elements};
+use crate::on_mesh::sides::{ContactElement, JUMP, SideData, contact_elements};
+use crate::solvers::law::{cross, dot};
 use crate::{Condition, ContactError, ContactNode, Status};
 
 /// Components smaller than this count as zero: normals that agree, directions in which a node cannot move.

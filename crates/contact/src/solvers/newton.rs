@@ -2,9 +2,11 @@
 
 use faer::Mat;
 
-use crate::active_set::{Linear, active_set, iterate, laws, nearest_pieces, solution, solve_pieces, violations};
-use crate::law::{Branch, Law, Piece, dot};
-use crate::linear::{largest, product, solve_general};
+use crate::solvers::active_set::{
+    Linear, active_set, iterate, laws, nearest_pieces, solution, solve_pieces, violations,
+};
+use crate::solvers::law::{Branch, Law, Piece, dot};
+use crate::solvers::linear::{largest, product, solve_general};
 use crate::{ContactError, ContactNode, Outcome, Problem, Solution, Start};
 
 /// Weight m of the Fischer-Burmeister function against its penalty.

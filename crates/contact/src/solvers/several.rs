@@ -13,11 +13,11 @@
 
 use faer::Mat;
 
-use crate::active_set::{laws, nearest_pieces};
-use crate::fixed_point::{body_force, settled};
-use crate::frozen::{Frozen, Sets};
-use crate::law::{Branch, Law, Piece};
-use crate::linear::{largest, product};
+use crate::solvers::active_set::{laws, nearest_pieces};
+use crate::solvers::fixed_point::{body_force, settled};
+use crate::solvers::frozen::{Frozen, Sets};
+use crate::solvers::law::{Branch, Law, Piece};
+use crate::solvers::linear::{largest, product};
 use crate::{ContactError, Problem, Solution};
 
 /// Solutions farther apart than this part of the largest displacement and gap are different.

@@ -3,7 +3,7 @@
 use faer::Mat;
 use faer::prelude::*;
 
-use crate::frozen::{Frozen, Sets};
+use crate::solvers::frozen::{Frozen, Sets};
 use crate::{Condition, ContactError, ContactLine, Problem, Solution};
 
 /// Kind of a transition.

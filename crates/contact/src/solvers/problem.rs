@@ -3,8 +3,8 @@
 use faer::Mat;
 
 use crate::ContactError;
-use crate::law::{Law, cross, norm};
-use crate::linear::product;
+use crate::solvers::law::{Law, cross, norm};
+use crate::solvers::linear::product;
 
 /// One side's contact conditions at a node, in the node's own unknowns v:
 ///
@@ -116,7 +116,7 @@ impl Solution {
         outcome: Outcome,
         history: Vec<f64>,
     ) -> Self {
-        let status = crate::multipliers::status(problem, &displacement, &multipliers);
+        let status = crate::solvers::multipliers::status(problem, &displacement, &multipliers);
         Self { displacement, multipliers, status, iterations: history.len(), outcome, history }
     }
 

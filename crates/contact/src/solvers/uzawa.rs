@@ -3,8 +3,8 @@
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
 
-use crate::linear::{largest, product};
-use crate::multipliers::status;
+use crate::solvers::linear::{largest, product};
+use crate::solvers::multipliers::status;
 use crate::{ContactError, Outcome, Problem, Solution, Start, multiplier_rows};
 
 /// Relative displacement residual at which the iteration ends.

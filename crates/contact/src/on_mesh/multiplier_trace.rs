@@ -4,7 +4,7 @@ use steklov_bem_operators::{Mesh, Space};
 use steklov_quadrature::BiorthogonalBasis;
 
 use crate::ContactBoundary;
-use crate::law::{cross, dot};
+use crate::solvers::law::{cross, dot};
 
 /// λ^hp = Σ λ_i ψ̃_i on one element, as a polynomial: `[λ_n, λ_t]` (stress) at each of its p+1 Lobatto points.
 ///

@@ -1,10 +1,10 @@
 //! Primal-dual interior point method for the sets, active set steps for the answer.
 
-use crate::active_set::{ACCEPTED, Linear, Settled, iterate, laws, nearest_pieces, settle, solution};
-use crate::barrier::Barrier;
-use crate::fixed_point::coulomb;
-use crate::law::{Branch, Law, Piece, dot, norm};
-use crate::linear::{largest, product};
+use crate::solvers::active_set::{ACCEPTED, Linear, Settled, iterate, laws, nearest_pieces, settle, solution};
+use crate::solvers::barrier::Barrier;
+use crate::solvers::fixed_point::coulomb;
+use crate::solvers::law::{Branch, Law, Piece, dot, norm};
+use crate::solvers::linear::{largest, product};
 use crate::{ContactError, Outcome, Problem, Solution};
 
 /// Most interior point steps.

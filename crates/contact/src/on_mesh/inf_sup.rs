@@ -11,7 +11,7 @@ use faer::{Mat, Par, Side};
 use steklov_bem_operators::Dof;
 
 use crate::ContactError;
-use crate::stabilised::{add_springs, free_unknowns};
+use crate::on_mesh::stabilised::{add_springs, free_unknowns};
 
 /// The inf-sup constant.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::{SAME_PLACE, Subdivision};
 
-use crate::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, nodal_guess, tip_fits};
+use crate::on_mesh::transitions::{TipFit, TipKind, TipVertex, Transition, first_guess, nodal_guess, tip_fits};
 use crate::{ContactError, ContactLine, Problem, Sets, Solution};
 
 /// A transition that has a mesh vertex.

@@ -1,0 +1,21 @@
+//! Contact problems of nodes with their conditions, and what solves and judges them: no file here knows a mesh.
+
+pub(crate) mod active_set;
+pub(crate) mod barrier;
+pub(crate) mod coupled;
+pub(crate) mod fixed_point;
+pub(crate) mod free;
+pub(crate) mod frozen;
+pub(crate) mod interior_point;
+pub(crate) mod kkt;
+pub(crate) mod lanczos;
+pub(crate) mod law;
+pub(crate) mod linear;
+pub(crate) mod motions;
+pub(crate) mod multipliers;
+pub(crate) mod newton;
+pub(crate) mod problem;
+pub(crate) mod rows;
+pub(crate) mod several;
+pub(crate) mod stopped;
+pub(crate) mod uzawa;
