@@ -13,7 +13,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use steklov_bem_operators::PARTS;
+use steklov_algebra::PARTS;
 use steklov_figures::stochastic;
 use steklov_io::{File, IoError, create_atomically, open};
 use steklov_model::error::SolveError;

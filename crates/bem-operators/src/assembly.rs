@@ -142,7 +142,7 @@ impl Assembly {
             if let Some(node) = of_skeleton.first() {
                 let at = 2 * nodes.binary_search(node).unwrap_or(0);
                 let n = 2 * of_skeleton.len();
-                stiffness.as_mut().submatrix_mut(at, at, n, n).copy_from(&body.stiffness());
+                stiffness.as_mut().submatrix_mut(at, at, n, n).copy_from(&body.stiffness()?);
             }
             bodies.push((first, body));
             first += count;
@@ -175,7 +175,10 @@ impl Assembly {
     }
 
     /// S_c of what is kept, full storage.
-    pub fn stiffness(&self) -> Mat<f64> {
+    ///
+    /// # Errors
+    /// [`BemError::Fault`].
+    pub fn stiffness(&self) -> Result<Mat<f64>, BemError> {
         match &self.skeleton {
             None => self.bodies[0].1.stiffness(),
             Some(skeleton) => skeleton.condensation.stiffness(),

@@ -3,9 +3,8 @@
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
 use faer::{Col, Mat, MatMut, Par};
+use steklov_algebra::{add_to_lower, cholesky, solve_lower};
 
-use crate::dense::{add_to_lower, solve_lower};
-use crate::steklov::cholesky;
 use crate::{BemError, Dof};
 
 /// What becomes of the unknowns: each displacement unknown is eliminated, kept, or held at a value.
@@ -56,7 +55,7 @@ impl Condensation {
     ///
     /// Cost: n³/3 for n eliminated unknowns and n² per kept one; no memory beyond S_c.
     /// # Errors
-    /// [`BemError::StiffnessSingular`] when the eliminated unknowns can still move rigidly.
+    /// [`BemError::StiffnessSingular`] when the eliminated unknowns can still move rigidly, [`BemError::Fault`].
     /// # Panics
     /// When an unknown is kept and held, or kept twice.
     pub fn new(mut matrix: Mat<f64>, partition: &Partition, motions: &[Vec<f64>]) -> Result<Self, BemError> {
@@ -77,7 +76,7 @@ impl Condensation {
         let diagonal: Vec<f64> = (0..n).map(|i| matrix[(i, i)]).collect();
 
         cholesky(matrix.as_mut().submatrix_mut(0, 0, eliminated, eliminated))
-            .map_err(|pivot| BemError::StiffnessSingular { pivot, size: eliminated })?;
+            .map_err(|none| none.or(|pivot| BemError::StiffnessSingular { pivot, size: eliminated }))?;
         let smallest =
             (0..eliminated).map(|i| (i, matrix[(i, i)].powi(2) / diagonal[i])).min_by(|a, b| a.1.total_cmp(&b.1));
         if let Some((pivot, ratio)) = smallest
@@ -88,20 +87,23 @@ impl Condensation {
         let (upper, lower) = matrix.as_mut().split_at_row_mut(eliminated);
         let factor = upper.rb().submatrix(0, 0, eliminated, eliminated);
         let coupling = lower.submatrix_mut(0, 0, kept, eliminated);
-        solve_lower(factor, coupling.transpose_mut());
+        solve_lower(factor, coupling.transpose_mut())?;
 
         let held = partition.held.iter().map(|h| h.1).collect();
         Ok(Self { matrix, diagonal, order, eliminated, kept, held, frames: partition.frames.clone() })
     }
 
     /// S_c, kept × kept, full storage.
-    pub fn stiffness(&self) -> Mat<f64> {
+    ///
+    /// # Errors
+    /// [`BemError::Fault`].
+    pub fn stiffness(&self) -> Result<Mat<f64>, BemError> {
         let (r, k) = (self.eliminated, self.kept);
         let coupling = self.coupling();
         let mut condensed = Mat::from_fn(k, k, |i, j| self.entry(r + i.min(j), r + i.max(j)));
-        add_to_lower(condensed.as_mut(), coupling, coupling.transpose(), -1.0);
+        add_to_lower(condensed.as_mut(), coupling, coupling.transpose(), -1.0)?;
         crate::steklov::mirror_lower(condensed.as_mut());
-        condensed
+        Ok(condensed)
     }
 
     /// Reduces a nodal load (interleaved x, y, all unknowns) and the forces of the held values.

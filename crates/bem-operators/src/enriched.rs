@@ -1,10 +1,9 @@
 //! The Steklov-Poincaré matrix of the enriched spaces, by blocks on top of that of the base.
 
 use faer::{Col, Mat};
+use steklov_algebra::{add_product, cholesky, solve_lower};
 use steklov_elastic::Material;
 
-use crate::dense::{add_product, solve_lower};
-use crate::steklov::cholesky;
 use crate::{BemError, Bubbles, Enrichment, Mesh, PairCache, Space, TractionMap};
 
 /// S₊ of the spaces of one more degree, from the factors of S.
@@ -63,7 +62,7 @@ impl EnrichedSteklov {
             Some(bubbles) => bubbles,
             None => Bubbles::assemble(mesh, space, material, length, cache)?,
         };
-        Ok(layers.with(bubbles, traction))
+        layers.with(bubbles, traction)
     }
 }
 
@@ -100,34 +99,31 @@ impl Layers {
             top[(row, column)] += 0.5 * value;
         }
         // L_xb = Yᵀ with Y = L⁻¹V_bx
-        solve_lower(l, y.as_mut());
-        solve_lower(l, x_bubble.as_mut());
+        solve_lower(l, y.as_mut())?;
+        solve_lower(l, x_bubble.as_mut())?;
         traction.balance(y.as_mut());
         traction.balance(x_bubble.as_mut());
-        add_product(factor.as_mut(), y.transpose(), y.as_ref(), -1.0);
-        cholesky(factor.as_mut()).map_err(|pivot| BemError::SingleLayerIndefinite {
-            pivot: n + pivot,
-            size: n + extra,
-            length,
-            diameter,
-        })?;
-        add_product(top.as_mut(), y.transpose(), x, -1.0);
-        add_product(corner.as_mut(), y.transpose(), x_bubble.as_ref(), -1.0);
+        add_product(factor.as_mut(), y.transpose(), y.as_ref(), -1.0)?;
+        let size = n + extra;
+        let indefinite = |pivot| BemError::SingleLayerIndefinite { pivot: n + pivot, size, length, diameter };
+        cholesky(factor.as_mut()).map_err(|none| none.or(indefinite))?;
+        add_product(top.as_mut(), y.transpose(), x, -1.0)?;
+        add_product(corner.as_mut(), y.transpose(), x_bubble.as_ref(), -1.0)?;
         drop(y);
-        solve_lower(factor.as_ref(), top.as_mut());
-        solve_lower(factor.as_ref(), corner.as_mut());
+        solve_lower(factor.as_ref(), top.as_mut())?;
+        solve_lower(factor.as_ref(), corner.as_mut())?;
         Ok(Self { factor, top, corner, x_bubble, blocks })
     }
 
     /// In the storage of what W gains.
-    fn with(self, bubbles: Bubbles, traction: &TractionMap) -> EnrichedSteklov {
+    fn with(self, bubbles: Bubbles, traction: &TractionMap) -> Result<EnrichedSteklov, BemError> {
         let Self { factor, top, corner, x_bubble, blocks } = self;
         let Bubbles { w: mut coupling, w_corner: mut bubble } = bubbles;
         let blocks = blocks.into_iter().zip(diagonal_blocks(&bubble)).map(|(v, w)| [v, w]).collect();
         let (_, x) = traction.factors();
-        add_product(coupling.as_mut(), x.transpose(), x_bubble.as_ref(), 1.0);
-        add_product(bubble.as_mut(), x_bubble.transpose(), x_bubble.as_ref(), 1.0);
-        EnrichedSteklov { factor, top, corner, coupling, bubble, blocks }
+        add_product(coupling.as_mut(), x.transpose(), x_bubble.as_ref(), 1.0)?;
+        add_product(bubble.as_mut(), x_bubble.transpose(), x_bubble.as_ref(), 1.0)?;
+        Ok(EnrichedSteklov { factor, top, corner, coupling, bubble, blocks })
     }
 }
 

@@ -9,6 +9,9 @@ pub enum BemError {
     /// Constants that are no material's.
     #[error(transparent)]
     Material(#[from] steklov_elastic::MaterialError),
+    /// Linear algebra that went wrong.
+    #[error("{0}")]
+    Fault(#[from] steklov_algebra::Fault),
     /// An element list that is not a set of closed loops.
     #[error("the mesh is not a set of closed loops of elements: {what}")]
     Mesh {

@@ -1,13 +1,11 @@
 //! The symmetric Steklov-Poincaré matrix.
 
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
 use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::prelude::*;
 use faer::{Accum, Col, Mat, MatMut, MatRef, Par};
+use steklov_algebra::{add_to_lower, cholesky, parts, solve_lower};
 
-use crate::dense::{add_to_lower, parts, solve_lower};
 use crate::{BemError, Operators};
 
 /// On which side of the boundary the elastic body lies, and what its displacement does at infinity.
@@ -114,7 +112,7 @@ impl Steklov {
     ///
     /// Cost: N³/3 for V, N³ for L⁻¹H, N³ for (L⁻¹H)ᵀ(L⁻¹H) (one triangle), N unknowns.
     /// # Errors
-    /// [`BemError::SingleLayerIndefinite`] when V has no Cholesky factor (L too small).
+    /// [`BemError::SingleLayerIndefinite`] when V has no Cholesky factor (L too small), [`BemError::Fault`].
     /// # Source
     /// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987 (the symmetric form).
     pub fn new(operators: Operators, domain: Domain) -> Result<Self, BemError> {
@@ -125,18 +123,15 @@ impl Steklov {
         for (&value, (row, column)) in &mass {
             solved[(row, column)] += 0.5 * value;
         }
-        cholesky(factor.as_mut()).map_err(|pivot| BemError::SingleLayerIndefinite {
-            pivot,
-            size: factor.nrows(),
-            length,
-            diameter,
-        })?;
-        solve_lower(factor.as_ref(), solved.as_mut());
+        let size = factor.nrows();
+        let indefinite = |pivot| BemError::SingleLayerIndefinite { pivot, size, length, diameter };
+        cholesky(factor.as_mut()).map_err(|none| none.or(indefinite))?;
+        solve_lower(factor.as_ref(), solved.as_mut())?;
         let translations = domain.is_bounded_at_infinity().then(|| Translations::new(solved.as_ref()));
         if let Some(translations) = &translations {
             translations.remove(solved.as_mut());
         }
-        add_to_lower(matrix.as_mut(), solved.as_ref().transpose(), solved.as_ref(), 1.0);
+        add_to_lower(matrix.as_mut(), solved.as_ref().transpose(), solved.as_ref(), 1.0)?;
         mirror_lower(matrix.as_mut());
         Ok(Self { matrix, traction: TractionMap { factor, solved, domain, translations } })
     }
@@ -179,36 +174,6 @@ impl TractionMap {
         solve_upper_triangular_in_place(self.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);
         t.iter().copied().collect()
     }
-}
-
-/// Columns that are factorised at a time.
-const PANEL: usize = 256;
-
-/// Cholesky factor in the lower triangle; the strict upper triangle keeps its values. The error is the failing pivot.
-///
-/// Panel by panel: the diagonal block is factorised in a copy, because the library's own factorisation may use the
-/// storage above the diagonal.
-pub(crate) fn cholesky(mut a: MatMut<'_, f64>) -> Result<(), usize> {
-    let (n, par) = (a.nrows(), parts(a.nrows()));
-    for start in (0..n).step_by(PANEL) {
-        let size = PANEL.min(n - start);
-        let (mut block, _, mut below, mut rest) = a.rb_mut().get_mut(start.., start..).split_at_mut(size, size);
-        let mut factor = block.to_owned();
-        let mut memory = MemBuffer::new(cholesky_in_place_scratch::<f64>(size, par, Default::default()));
-        let stack = MemStack::new(&mut memory);
-        match cholesky_in_place(factor.as_mut(), LltRegularization::default(), par, stack, Default::default()) {
-            Ok(_) => {}
-            Err(LltError::NonPositivePivot { index }) => return Err(start + index),
-        }
-        for j in 0..size {
-            for i in j..size {
-                block[(i, j)] = factor[(i, j)];
-            }
-        }
-        solve_lower(factor.as_ref(), below.rb_mut().transpose_mut());
-        add_to_lower(rest.rb_mut(), below.rb(), below.rb().transpose(), -1.0);
-    }
-    Ok(())
 }
 
 /// Copies the lower triangle onto the upper one, by tiles.

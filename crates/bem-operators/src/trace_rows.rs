@@ -6,16 +6,15 @@
 //! A and B are the rows that [`BoundaryField::steklov_trace`](crate::BoundaryField::steklov_trace) applies to one field,
 //! û' are the Legendre coefficients of du/dt. Every element of the boundary contributes to every point.
 
-use faer::linalg::matmul::matmul;
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, Mat, Par};
+use faer::Mat;
 use rayon::prelude::*;
+use steklov_algebra::{add_product, solve_lower};
 use steklov_elastic::Material;
 use steklov_quadrature::legendre_p;
 
 use crate::near::MAX_ORDER;
 use crate::potential::{AtPoint, BoundaryField};
-use crate::{Mesh, Space, TractionMap};
+use crate::{BemError, Mesh, Space, TractionMap};
 
 /// σ^h at the reference coordinates of the elements `(e, t)`: rows 2i and 2i+1 are its x and y components at point i,
 /// columns the nodal displacements (stress per displacement).
@@ -24,13 +23,16 @@ use crate::{Mesh, Space, TractionMap};
 /// every element end it has a logarithmic singularity, so that integrals of its square want rules graded to these.
 /// *Cost*: m points and n unknowns: m n Legendre functions and 6 m n² operations. Parallel over points; the same bits for
 /// any number of threads.
+///
+/// # Errors
+/// [`BemError::Fault`].
 pub fn steklov_trace_rows(
     mesh: &Mesh,
     space: &Space,
     material: &Material,
     traction: &TractionMap,
     points: &[(usize, f64)],
-) -> Mat<f64> {
+) -> Result<Mat<f64>, BemError> {
     let n = space.dofs();
     let zeros = vec![0.0; n];
     // the geometry alone; L does not enter derivatives
@@ -39,9 +41,9 @@ pub fn steklov_trace_rows(
     let mut result = Mat::from_fn(2 * points.len(), n, |i, j| rows[i / 2][i % 2][j]);
     let (factor, solved) = traction.factors();
     let mut densities = Mat::from_fn(n, 2 * points.len(), |j, i| rows[i / 2][2 + i % 2][j]);
-    solve_lower_triangular_in_place(factor, densities.as_mut(), Par::rayon(0));
-    matmul(result.as_mut(), Accum::Add, densities.transpose(), solved, 1.0, Par::rayon(0));
-    result
+    solve_lower(factor, densities.as_mut())?;
+    add_product(result.as_mut(), densities.transpose(), solved, 1.0)?;
+    Ok(result)
 }
 
 /// The x and y rows on nodal displacements (through û'), and on the coefficients of the traction.

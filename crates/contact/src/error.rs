@@ -7,6 +7,9 @@ use steklov_elastic::RigidMotion;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum ContactError {
+    /// Linear algebra that went wrong.
+    #[error("{0}")]
+    Fault(#[from] steklov_algebra::Fault),
     /// The parts of a problem do not fit together.
     #[error("the contact problem is inconsistent: {what}")]
     Inconsistent {

@@ -185,7 +185,8 @@ fn a_uniform_pressure_is_met_by_any_multipliers() {
             MultiplierDegree::ContinuousLinear,
         ] {
             let multipliers = body.multipliers(mesh, degree);
-            let forms = StabilisedForms::new(&body.mesh, &body.space, &material, &traction, &multipliers);
+            let forms =
+                StabilisedForms::new(&body.mesh, &body.space, &material, &traction, &multipliers).expect("no fault");
             let critical = forms.critical_gamma(&stiffness, &body.held, &[]).unwrap();
             let stabilised =
                 forms.condense(&body.mesh, &multipliers, &[side], &loading, 0.5 * critical, critical).unwrap();

@@ -7,7 +7,7 @@ use faer::linalg::cholesky::{lblt, llt};
 use faer::{Mat, MatMut, MatRef, Par};
 use rayon::prelude::*;
 use sprs::CsMat;
-use steklov_bem_operators::PARTS;
+use steklov_algebra::{Fault, PARTS, check_cholesky, check_solution, spoil, threads};
 
 /// X E with E stored by columns.
 pub(crate) fn times(x: MatRef<'_, f64>, e: &CsMat<f64>) -> Mat<f64> {
@@ -56,12 +56,16 @@ pub(crate) fn product(x: MatRef<'_, f64>, y: &[f64]) -> Vec<f64> {
 
 /// Parallelism of dense algebra: cut into the same parts whatever the number of threads, for the same bits.
 fn parts() -> Par {
-    Par::rayon(PARTS)
+    threads(Par::rayon(PARTS))
 }
 
 /// Solves a symmetric system in place, of which the lower triangle is read; None where the solution is not finite.
-pub(crate) fn solve_indefinite(mut matrix: Mat<f64>, mut right: Vec<f64>) -> Option<Vec<f64>> {
+///
+/// # Errors
+/// What is no solution.
+pub(crate) fn solve_indefinite(mut matrix: Mat<f64>, mut right: Vec<f64>) -> Result<Option<Vec<f64>>, Fault> {
     let (n, par) = (right.len(), parts());
+    let (whole, load) = (mirrored(&matrix), right.clone());
     let mut below = Diag::zeros(n);
     let (mut forward, mut backward) = (vec![0usize; n], vec![0usize; n]);
     let scratch = lblt::factor::cholesky_in_place_scratch::<usize, f64>(n, par, Default::default());
@@ -80,17 +84,35 @@ pub(crate) fn solve_indefinite(mut matrix: Mat<f64>, mut right: Vec<f64>) -> Opt
     let stack = MemStack::new(&mut memory);
     let solution = MatMut::from_column_major_slice_mut(&mut right, n, 1);
     lblt::solve::solve_in_place(matrix.as_ref(), diagonal.as_ref(), below.as_ref(), permutation, solution, par, stack);
-    right.iter().all(|x| x.is_finite()).then_some(right)
+    if !right.iter().all(|x| x.is_finite()) {
+        return Ok(None);
+    }
+    spoil(MatMut::from_column_major_slice_mut(&mut right, n, 1), false);
+    check_solution(whole.as_ref(), &right, &load)?;
+    Ok(Some(right))
+}
+
+/// A symmetric matrix by its lower triangle.
+fn mirrored(a: &Mat<f64>) -> Mat<f64> {
+    Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i.max(j), i.min(j))])
 }
 
 /// Solves a positive definite system in place, of which the lower triangle is read; None where it is not definite.
-pub(crate) fn solve_definite(mut matrix: Mat<f64>, mut right: Mat<f64>) -> Option<Mat<f64>> {
+///
+/// # Errors
+/// A factor that is none.
+pub(crate) fn solve_definite(mut matrix: Mat<f64>, mut right: Mat<f64>) -> Result<Option<Mat<f64>>, Fault> {
     let (n, par) = (matrix.nrows(), parts());
+    let whole = mirrored(&matrix);
     let scratch = llt::factor::cholesky_in_place_scratch::<f64>(n, par, Default::default());
     let mut memory = MemBuffer::new(scratch.or(llt::solve::solve_in_place_scratch::<f64>(n, right.ncols(), par)));
     let regular = LltRegularization::default();
     let stack = MemStack::new(&mut memory);
-    llt::factor::cholesky_in_place(matrix.as_mut(), regular, par, stack, Default::default()).ok()?;
+    if llt::factor::cholesky_in_place(matrix.as_mut(), regular, par, stack, Default::default()).is_err() {
+        return Ok(None);
+    }
+    spoil(matrix.as_mut(), true);
+    check_cholesky(whole.as_ref(), matrix.as_ref())?;
     llt::solve::solve_in_place(matrix.as_ref(), right.as_mut(), par, MemStack::new(&mut memory));
-    right.is_all_finite().then_some(right)
+    Ok(right.is_all_finite().then_some(right))
 }

@@ -7,6 +7,9 @@ use steklov_msfem::MsfemError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CouplingError {
+    /// Linear algebra that went wrong.
+    #[error("{0}")]
+    Fault(#[from] steklov_algebra::Fault),
     /// A body whose outer boundary is not one closed curve.
     #[error("the body has no outer boundary that is one simple curve: {what}")]
     Outline {

@@ -5,7 +5,7 @@ use faer::linalg::solvers::Solve;
 
 use crate::dense::solve_indefinite;
 use crate::transmission::Unknowns;
-use crate::{Medium, Transmission};
+use crate::{CouplingError, Medium, Transmission};
 
 /// Two translations and the rotation about the mean node, each of norm 1; W and K + ½M vanish on all three.
 fn rigid_motions(medium: &Medium) -> Mat<f64> {
@@ -27,7 +27,7 @@ fn rigid_motions(medium: &Medium) -> Mat<f64> {
 }
 
 /// Solves [`crate::Form::ThreeField`]; ξ has no rigid motion at the nodes.
-pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns> {
+pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Result<Option<Unknowns>, CouplingError> {
     let operators = &problem.medium.operators;
     // tractions over E: all blocks have the magnitude of a length
     let young = problem.medium.material.young;
@@ -55,11 +55,11 @@ pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns
     let mut right: Vec<f64> = problem.load().iter().map(|f| f / young).collect();
     right.extend(operators.mass.outer_iterator().map(|row| -row.iter().map(|(j, m)| m * jump[j]).sum::<f64>()));
     right.resize(n + 2 * size, 0.0);
-    let mut interface = solve_indefinite(matrix, right)?;
+    let Some(mut interface) = solve_indefinite(matrix, right)? else { return Ok(None) };
     let mut traction = interface.split_off(n);
     let medium = traction.split_off(size);
     traction.iter_mut().for_each(|t| *t *= young);
-    Some(Unknowns { interface, traction, medium: Some(medium) })
+    Ok(Some(Unknowns { interface, traction, medium: Some(medium) }))
 }
 
 /// ξ plus the rigid motion that it lacks of another field, by least squares at the nodes.

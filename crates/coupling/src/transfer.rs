@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use sprs::{CsMat, TriMat};
+use steklov_algebra::Fault;
 use steklov_bem_operators::{Mesh, Space, distance};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
@@ -55,7 +56,7 @@ impl Transfer {
             return Err(CouplingError::Boundary { what });
         }
         let nested = overlaps.iter().all(|parts| parts.len() == 1);
-        let nodal = if nested { interpolation(&overlaps, space, count) } else { l2(&overlaps, mesh, space, count) };
+        let nodal = if nested { interpolation(&overlaps, space, count) } else { l2(&overlaps, mesh, space, count)? };
         let moments = moments(&overlaps, mesh, space, count);
         let both = |scalar: CsMat<f64>| (&components(&scalar) * &trace.values).to_csc();
         Ok(Self { projection: both(nodal), mass: both(moments) })
@@ -131,7 +132,7 @@ fn integrate(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, mut at: impl
 }
 
 /// The projection in L².
-fn l2(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, count: usize) -> CsMat<f64> {
+fn l2(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, count: usize) -> Result<CsMat<f64>, Fault> {
     let n = space.nodes();
     let mut right = Mat::<f64>::zeros(n, count);
     let mut phi = vec![0.0; Mesh::MAX_DEGREE + 1];
@@ -158,13 +159,13 @@ fn l2(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, count: usize) -> Cs
             }
         }
     }
-    let projection = solve_definite(mass, right)
+    let projection = solve_definite(mass, right)?
         .unwrap_or_else(|| unreachable!("elements have a length: the mass matrix is definite"));
     let mut values = TriMat::new((n, count));
     for point in 0..count {
         (0..n).for_each(|node| values.add_triplet(node, point, projection[(node, point)]));
     }
-    values.to_csr()
+    Ok(values.to_csr())
 }
 
 /// Moments of the linear functions against Legendre polynomials.

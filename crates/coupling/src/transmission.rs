@@ -96,7 +96,7 @@ impl<'a> Transmission<'a> {
         let balance = Balance::new(&load);
         let elimination = Elimination::new(stiffness, &order, &trace.unknowns, &[])?;
         let reduced = elimination.reduce(&load, &[]);
-        let (stiffness, kept_load) = (elimination.stiffness(), reduced.kept.clone());
+        let (stiffness, kept_load) = (elimination.stiffness()?, reduced.kept.clone());
         let inside = Inside { elimination, reduced, load, kept: trace.unknowns };
         Ok(Self { medium, transfer, stiffness, balance, load: kept_load, inside })
     }
@@ -132,8 +132,8 @@ impl<'a> Transmission<'a> {
             return Err(CouplingError::Contrast { contrast, limit: CONTRAST });
         }
         let solved = match form {
-            Form::TwoField => two_field::solve(self, jump),
-            Form::ThreeField => three_field::solve(self, jump),
+            Form::TwoField => two_field::solve(self, jump)?,
+            Form::ThreeField => three_field::solve(self, jump)?,
             Form::Schur => schur::solve(self, jump)?,
         };
         let solved = solved.ok_or(CouplingError::Singular { size: self.stiffness.nrows(), contrast })?;

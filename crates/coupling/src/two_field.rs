@@ -2,9 +2,9 @@
 
 use faer::Mat;
 
-use crate::Transmission;
 use crate::dense::{apply_transposed, congruence, product, solve_indefinite, times};
 use crate::transmission::Unknowns;
+use crate::{CouplingError, Transmission};
 
 /// (K - ½M), the double layer of the medium.
 pub(crate) fn double_layer(problem: &Transmission<'_>) -> Mat<f64> {
@@ -17,7 +17,7 @@ pub(crate) fn double_layer(problem: &Transmission<'_>) -> Mat<f64> {
 }
 
 /// Solves [`crate::Form::TwoField`].
-pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns> {
+pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Result<Option<Unknowns>, CouplingError> {
     let (operators, projection) = (&problem.medium.operators, &problem.transfer.projection);
     // tractions over E: all blocks have the magnitude of a length
     let young = problem.medium.material.young;
@@ -34,7 +34,7 @@ pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Option<Unknowns
     let jumped = apply_transposed(projection, &product(operators.w.as_ref(), jump));
     let mut right: Vec<f64> = problem.load().iter().zip(jumped).map(|(f, w)| (f + w) / young).collect();
     right.extend(product(k.as_ref(), jump));
-    let mut interface = solve_indefinite(matrix, right)?;
+    let Some(mut interface) = solve_indefinite(matrix, right)? else { return Ok(None) };
     let traction = interface.split_off(n).iter().map(|t| young * t).collect();
-    Some(Unknowns { interface, traction, medium: None })
+    Ok(Some(Unknowns { interface, traction, medium: None }))
 }

@@ -87,6 +87,7 @@ pub enum SolveError {
         /// Its germs.
         outcome: String,
         /// What is wrong.
+        #[source]
         error: Box<SolveError>,
     },
     /// The observer failed, as in storing what it was given.

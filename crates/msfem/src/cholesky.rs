@@ -11,7 +11,8 @@ use faer::sparse::linalg::cholesky::{
     factorize_symbolic_cholesky,
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, MatMut, Par, Side};
+use faer::{ColMut, Conj, Mat, MatMut, Par, Side};
+use steklov_algebra::{Probe, spoil};
 
 use crate::MsfemError;
 
@@ -70,6 +71,19 @@ impl Structure {
         let symbolic = factorize_symbolic_cholesky(pattern.view(), Side::Lower, ordering, params)
             .map_err(|_| MsfemError::Memory { size })?;
         Ok(Self { pattern: Arc::new(pattern), symbolic: Arc::new(symbolic) })
+    }
+
+    /// Factorises the matrix with these entries, and checks that the factor solves a system of it.
+    pub fn factorise_checked(&self, entries: &[f64], par: Par) -> Result<Cholesky, MsfemError> {
+        let Lower { start, rows } = &*self.pattern;
+        let mut factor = self.factorise(entries, par)?;
+        spoil(ColMut::from_slice_mut(&mut factor.values).as_mat_mut(), false);
+        let probe = Probe::scaled(start[..self.pattern.size()].iter().map(|&first| entries[first]));
+        let wanted = probe.times_sparse(start, rows, entries);
+        let mut solution = wanted.values().to_vec();
+        factor.solve(ColMut::from_slice_mut(&mut solution).as_mat_mut(), par);
+        Probe::of(solution).times_sparse(start, rows, entries).same(&wanted, "a sparse Cholesky factor")?;
+        Ok(factor)
     }
 
     /// Factorises the matrix with these entries.

@@ -3,12 +3,10 @@
 use faer::linalg::matmul::triangular::{BlockStructure, matmul};
 use faer::{Accum, Mat, MatMut, Par};
 use sprs::CsMat;
+use steklov_algebra::{PARTS, check_cholesky, spoil, threads};
 
 use crate::MsfemError;
 use crate::cholesky::{Cholesky, Lower, Structure};
-
-/// Parts into which dense products are cut, whatever the number of threads.
-const PARTS: usize = 16;
 
 /// Size from which factorisations use all threads.
 const LARGE: usize = 400_000;
@@ -86,20 +84,25 @@ impl Elimination {
         // the diagonal is the first entry of each column
         let shift: Vec<f64> = kept.iter().map(|&k| entries[pattern.start[k]]).collect();
         kept.iter().zip(&shift).for_each(|(&k, d)| entries[pattern.start[k]] += d);
-        let par = if free.len() < LARGE { Par::Seq } else { faer::get_global_parallelism() };
+        let par = if free.len() < LARGE { Par::Seq } else { threads(faer::get_global_parallelism()) };
         let factor = match free.is_empty() {
             true => None,
-            false => Some(Structure::new(pattern, &rows)?.factorise(&entries, par).map_err(|error| match error {
-                MsfemError::Singular { unknown, size } => MsfemError::Singular { unknown: free[unknown], size },
-                other => other,
-            })?),
+            false => {
+                Some(Structure::new(pattern, &rows)?.factorise_checked(&entries, par).map_err(|error| match error {
+                    MsfemError::Singular { unknown, size } => MsfemError::Singular { unknown: free[unknown], size },
+                    other => other,
+                })?)
+            }
         };
         let last = factor.as_ref().map_or(Mat::new(), |factor| factor.last_block(kept.len()));
         Ok(Self { stiffness, factor, free, kept, held: held.to_vec(), last, shift, par })
     }
 
     /// S_c, full storage, in the order of the kept unknowns.
-    pub fn stiffness(&self) -> Mat<f64> {
+    ///
+    /// # Errors
+    /// [`MsfemError::Fault`].
+    pub fn stiffness(&self) -> Result<Mat<f64>, MsfemError> {
         let n = self.last.nrows();
         let mut reduced = Mat::zeros(n, n);
         // cut into the same parts whatever the number of threads, for the same bits
@@ -112,8 +115,10 @@ impl Elimination {
             self.last.transpose(),
             BlockStructure::TriangularUpper,
             1.0,
-            Par::rayon(PARTS),
+            threads(Par::rayon(PARTS)),
         );
+        spoil(reduced.as_mut(), true);
+        check_cholesky(reduced.as_ref(), self.last.as_ref())?;
         for (k, d) in self.shift.iter().enumerate() {
             reduced[(k, k)] -= d;
         }
@@ -122,7 +127,7 @@ impl Elimination {
                 reduced[(i, j)] = reduced[(j, i)];
             }
         }
-        reduced
+        Ok(reduced)
     }
 
     /// K u.

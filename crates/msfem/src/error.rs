@@ -40,6 +40,9 @@ pub enum MsfemError {
         /// Number of unknowns.
         size: usize,
     },
+    /// Linear algebra that went wrong.
+    #[error("{0}")]
+    Fault(#[from] steklov_algebra::Fault),
     /// Poisson's ratio out of range.
     #[error("Poisson's ratio is {value}: it must lie between -1 and 1/2")]
     Poisson {

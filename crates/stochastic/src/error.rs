@@ -6,6 +6,9 @@ use steklov_contact::ContactError;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum StochasticError {
+    /// Linear algebra that went wrong.
+    #[error("{0}")]
+    Fault(#[from] steklov_algebra::Fault),
     /// A number is outside of what the formula allows.
     #[error("{what} is {value}; it must be {wanted}")]
     Number {

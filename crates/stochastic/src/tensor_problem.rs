@@ -5,6 +5,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use faer::prelude::*;
 use faer::{Accum, Mat, Par, Side};
 use rayon::prelude::*;
+use steklov_algebra::{check_inverse, llt};
 use steklov_contact::{ContactNode, MultiplierRow, Outcome, Problem, multiplier_rows};
 
 use crate::StochasticError;
@@ -95,7 +96,9 @@ impl Dual {
         let weight = |i: usize| row(i, 0).weight.sqrt();
         let chance = |j: usize| problem.weights[j].sqrt();
         let mass = Mat::from_fn(nodes, nodes, |j, k| problem.mass[(j, k)] / (chance(j) * chance(k)));
-        let inverse_mass = coercive(&mass, "M_E")?.inverse();
+        let of_mass = coercive(&mass, "M_E")?;
+        let inverse_mass = of_mass.inverse();
+        check_inverse(of_mass.L(), inverse_mass.as_ref())?;
         let factor = coercive(problem.stiffness, "the stiffness")?;
         let b = Mat::from_fn(n, m, |i, k| weight(i) * row(i, 0).entry(k));
         let response = factor.solve(b.transpose());
@@ -225,5 +228,5 @@ fn coercive(matrix: &Mat<f64>, what: &str) -> Result<faer::linalg::solvers::Llt<
     if smallest <= COERCIVE * largest {
         return Err(refused());
     }
-    matrix.llt(Side::Lower).map_err(|_| refused())
+    llt(matrix).map_err(|none| none.or(|_| refused()))
 }

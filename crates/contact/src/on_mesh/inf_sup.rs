@@ -6,8 +6,8 @@
 //! With b(μ, v) = μᵀB v, sup_v b(μ, v)²/‖v‖² = μᵀ B S⁻¹ Bᵀ μ: β² is the least eigenvalue of that form of the discrete space
 //! against the same form of a much finer one. β ≤ 1; where it tends to 0 with h or 1/p, pressures oscillate.
 
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Mat, Par, Side};
+use faer::{Mat, Side};
+use steklov_algebra::{add_product, llt, solve_lower};
 use steklov_bem_operators::Dof;
 
 use crate::ContactError;
@@ -35,10 +35,12 @@ pub fn dual_form(
     let n = free.len();
     let mut s = Mat::from_fn(n, n, |i, j| stiffness[(free[i], free[j])]);
     add_springs(&mut s, &free, rigid);
-    let factor = s.llt(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
+    let factor = llt(&s).map_err(|none| none.or(|_| ContactError::Decomposition { size: n }))?;
     let mut x = Mat::from_fn(n, 2 * pairing[0].nrows(), |i, j| pairing[j % 2][(j / 2, free[i])]);
-    solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
-    Ok(x.transpose() * &x)
+    solve_lower(factor.L(), x.as_mut())?;
+    let mut dual = Mat::zeros(x.ncols(), x.ncols());
+    add_product(dual.as_mut(), x.transpose(), x.as_ref(), 1.0)?;
+    Ok(dual)
 }
 
 /// β of a discrete form against that of a much finer displacement space, both from [`dual_form`] or a stabilised one.
@@ -47,11 +49,11 @@ pub fn dual_form(
 /// [`ContactError::Decomposition`] when the reference is not positive: the finer space is not fine enough.
 pub fn inf_sup(discrete: &Mat<f64>, reference: &Mat<f64>) -> Result<InfSup, ContactError> {
     let failed = ContactError::Decomposition { size: reference.nrows() };
-    let factor = reference.llt(Side::Lower).map_err(|_| failed.clone())?;
+    let factor = llt(reference).map_err(|none| none.or(|_| failed.clone()))?;
     let mut x = discrete.clone();
-    solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+    solve_lower(factor.L(), x.as_mut())?;
     let mut x = x.transpose().to_owned();
-    solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+    solve_lower(factor.L(), x.as_mut())?;
     let eigen = x.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
     Ok(InfSup { beta: eigen.S()[0].max(0.0).sqrt() })
 }

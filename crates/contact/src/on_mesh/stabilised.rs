@@ -20,11 +20,10 @@
 //! which with y = weight · displacement is a [`Problem`] with one node for each node of the multipliers: all its solvers
 //! apply, floating bodies included (Z is regular even if S is not).
 
-use faer::linalg::matmul::matmul;
 use faer::linalg::solvers::{DenseSolveCore, Llt};
-use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
-use faer::{Accum, Mat, Par, Scale, Side};
+use faer::{Mat, Scale};
+use steklov_algebra::{add_product, check_inverse, llt, solve_lower, solve_lower_transposed};
 use steklov_bem_operators::{Dof, Mesh, ParticularSolution, Space, TractionMap, graded_panels, steklov_trace_rows};
 use steklov_elastic::Material;
 use steklov_quadrature::gauss_legendre;
@@ -96,13 +95,16 @@ impl StabilisedForms {
     /// The forms on the contact sides of a mesh.
     ///
     /// *Cost*: m ≈ 40 + p points an element of these and n unknowns: 6 m n² operations, 16 m n bytes.
+    ///
+    /// # Errors
+    /// [`ContactError::Data`] of linear algebra that went wrong.
     pub fn new(
         mesh: &Mesh,
         space: &Space,
         material: &Material,
         traction: &TractionMap,
         multipliers: &MultiplierSpace,
-    ) -> Self {
+    ) -> Result<Self, ContactError> {
         let (n, nodes) = (space.dofs(), multipliers.nodes.len());
         let cells = multipliers.cells(mesh);
         let (mut points, mut weights, mut owners) = (Vec::new(), Vec::new(), Vec::new());
@@ -124,7 +126,7 @@ impl StabilisedForms {
                 }
             }
         }
-        let rows = steklov_trace_rows(mesh, space, material, traction, &points);
+        let rows = steklov_trace_rows(mesh, space, material, traction, &points)?;
         let mut trace = [0, 1].map(|k| {
             let directions: Vec<[f64; 2]> = points.iter().map(|&(e, t)| frame(mesh, e, t)[k]).collect();
             Mat::from_fn(points.len(), n, |i, j| {
@@ -141,16 +143,16 @@ impl StabilisedForms {
         let mut values = [values.clone(), values];
         uniform.damp_columns(&mut trace[0]);
         uniform.damp_columns(&mut values[0]);
-        Self { points, weights, uniform, trace, values, pairing: pairing(mesh, space, multipliers) }
+        Ok(Self { points, weights, uniform, trace, values, pairing: pairing(mesh, space, multipliers) })
     }
 
     /// ∫ (h/p²) σ^h·σ^h over the displacements: B_γ of γ₀ = 1.
-    fn trace_form(&self) -> Mat<f64> {
+    fn trace_form(&self) -> Result<Mat<f64>, ContactError> {
         let mut b = Mat::zeros(self.trace[0].ncols(), self.trace[0].ncols());
         for t in &self.trace {
-            matmul(b.as_mut(), Accum::Add, t.transpose(), t, 1.0, Par::rayon(0));
+            add_product(b.as_mut(), t.transpose(), t.as_ref(), 1.0)?;
         }
-        b
+        Ok(b)
     }
 
     /// The largest γ₀ (1/stress) for which <S v, v> - ∫ γ |σ^h(v)|² is not negative: 1/λ_max of ∫ (h/p²) σ^h·σ^h against S on the
@@ -171,13 +173,13 @@ impl StabilisedForms {
         let mut s = Mat::from_fn(n, n, |i, j| stiffness[(free[i], free[j])]);
         add_springs(&mut s, &free, rigid);
         let failed = ContactError::Decomposition { size: n };
-        let factor = s.llt(Side::Lower).map_err(|_| failed.clone())?;
+        let factor = llt(&s).map_err(|none| none.or(|_| failed.clone()))?;
         // X = L⁻¹ Tᵀ: T S⁻¹ Tᵀ and X Xᵀ share their spectrum
-        let form = self.trace_form();
+        let form = self.trace_form()?;
         let mut x = Mat::from_fn(n, n, |i, j| form[(free[i], free[j])]);
-        solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+        solve_lower(factor.L(), x.as_mut())?;
         let mut x = x.transpose().to_owned();
-        solve_lower_triangular_in_place(factor.L(), x.as_mut(), Par::rayon(0));
+        solve_lower(factor.L(), x.as_mut())?;
         Ok(1.0 / largest_eigenvalue(&x).ok_or(failed)?)
     }
 
@@ -193,7 +195,7 @@ impl StabilisedForms {
         rigid: &[Vec<f64>],
         gamma: f64,
     ) -> Result<Mat<f64>, ContactError> {
-        let form = self.trace_form();
+        let form = self.trace_form()?;
         let rest = Mat::from_fn(form.nrows(), form.ncols(), |i, j| stiffness[(i, j)] - gamma * form[(i, j)]);
         let coupled = [0, 1].map(|k| &self.pairing[k] - (self.values[k].transpose() * &self.trace[k]) * Scale(gamma));
         let mut dual = dual_form(&coupled, &rest, held, rigid)?;
@@ -231,19 +233,18 @@ impl StabilisedForms {
         let tau = self.particular(mesh, loading.particular);
 
         // D and E
-        let factor_of = |values: &Mat<f64>| {
+        let factor_of = |values: &Mat<f64>| -> Result<Llt<f64>, ContactError> {
             let mut d = Mat::zeros(nodes, nodes);
-            matmul(d.as_mut(), Accum::Replace, values.transpose(), values, gamma, Par::rayon(0));
-            d.llt(Side::Lower).map_err(|_| ContactError::Decomposition { size: nodes })
+            add_product(d.as_mut(), values.transpose(), values.as_ref(), gamma)?;
+            llt(&d).map_err(|none| none.or(|_| ContactError::Decomposition { size: nodes }))
         };
         let d_factors = [factor_of(&self.values[0])?, factor_of(&self.values[1])?];
-        let coupled = [0, 1].map(|k| {
-            let mut e = self.pairing[k].clone();
-            matmul(e.as_mut(), Accum::Add, self.values[k].transpose(), &self.trace[k], -gamma, Par::rayon(0));
-            e
-        });
+        let mut coupled = self.pairing.clone();
+        for (k, e) in coupled.iter_mut().enumerate() {
+            add_product(e.as_mut(), self.values[k].transpose(), self.trace[k].as_ref(), -gamma)?;
+        }
         // Z = S - B_γ + Σ (L⁻¹E)ᵀ(L⁻¹E), and f
-        let form = self.trace_form();
+        let form = self.trace_form()?;
         let mut z = Mat::from_fn(n, n, |i, j| loading.stiffness[(free[i], free[j])] - gamma * form[(free[i], free[j])]);
         add_springs(&mut z, &free, loading.motions);
         let mut load: Vec<f64> = free.iter().map(|&i| loading.load[i]).collect();
@@ -264,21 +265,24 @@ impl StabilisedForms {
         let mut coupling = Mat::zeros(n, 2 * nodes);
         for (k, e) in coupled.iter().enumerate() {
             let mut x = Mat::from_fn(nodes, n, |i, j| e[(i, free[j])]);
-            solve_lower_triangular_in_place(d_factors[k].L(), x.as_mut(), Par::rayon(0));
-            matmul(z.as_mut(), Accum::Add, x.transpose(), &x, 1.0, Par::rayon(0));
-            solve_upper_triangular_in_place(d_factors[k].L().transpose(), x.as_mut(), Par::rayon(0));
+            solve_lower(d_factors[k].L(), x.as_mut())?;
+            add_product(z.as_mut(), x.transpose(), x.as_ref(), 1.0)?;
+            solve_lower_transposed(d_factors[k].L(), x.as_mut())?;
             for node in 0..nodes {
                 (0..n).for_each(|j| coupling[(j, 2 * node + k)] = weight(node) * x[(node, j)]);
             }
         }
-        let factor = z.llt(Side::Lower).map_err(|_| refused)?;
+        let factor = llt(&z).map_err(|none| none.or(|_| refused))?;
         let mut y = coupling.clone();
-        solve_lower_triangular_in_place(factor.L(), y.as_mut(), Par::rayon(0));
+        solve_lower(factor.L(), y.as_mut())?;
         let inverse = [0, 1].map(|k| d_factors[k].inverse());
+        for (factor, inverse) in d_factors.iter().zip(&inverse) {
+            check_inverse(factor.L(), inverse.as_ref())?;
+        }
         let mut stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| {
             if i % 2 == j % 2 { weight(i / 2) * weight(j / 2) * inverse[i % 2][(i / 2, j / 2)] } else { 0.0 }
         });
-        matmul(stiffness.as_mut(), Accum::Add, y.transpose(), &y, -1.0, Par::rayon(0));
+        add_product(stiffness.as_mut(), y.transpose(), y.as_ref(), -1.0)?;
         let stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| 0.5 * (stiffness[(i, j)] + stiffness[(j, i)]));
         let solved = factor.solve(column(&load));
         let condensed = coupling.transpose() * &solved;

@@ -2,7 +2,8 @@
 
 use faer::linalg::solvers::Llt;
 use faer::prelude::*;
-use faer::{Mat, Side};
+use faer::{ColMut, Mat, Side};
+use steklov_algebra::{NoFactor, check_solution, check_spectrum, llt, spoil};
 
 use crate::ContactError;
 
@@ -23,14 +24,17 @@ pub(crate) enum Semidefinite {
 impl Semidefinite {
     pub(crate) fn new(k: &Mat<f64>) -> Result<Self, ContactError> {
         let n = k.nrows();
-        if let Ok(factor) = k.llt(Side::Lower) {
-            let l = factor.L();
-            if (0..n).all(|i| l[(i, i)].powi(2) > PIVOT * k[(i, i)]) {
+        match llt(k) {
+            Ok(factor) if (0..n).all(|i| factor.L()[(i, i)].powi(2) > PIVOT * k[(i, i)]) => {
                 return Ok(Self::Regular(factor));
             }
+            Err(NoFactor::Fault(fault)) => return Err(fault.into()),
+            Ok(_) | Err(NoFactor::Pivot(_)) => {}
         }
         let eigen = k.self_adjoint_eigen(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
         let s = eigen.S();
+        let values: Vec<f64> = (0..n).map(|j| s[j]).collect();
+        check_spectrum(k.as_ref(), (eigen.U(), eigen.U()), &values)?;
         let largest = (0..n).fold(0.0f64, |m, j| m.max(s[j].abs()));
         let inverse = (0..n).map(|j| if s[j].abs() > CUTOFF * largest { 1.0 / s[j] } else { 0.0 }).collect();
         Ok(Self::Singular { vectors: eigen.U().to_owned(), inverse })
@@ -55,7 +59,16 @@ impl Semidefinite {
 
 /// Solves K x = b with K symmetric and positive semi-definite, as [`Semidefinite`].
 pub(crate) fn solve_semidefinite(k: &Mat<f64>, b: &[f64], near: &[f64]) -> Result<Vec<f64>, ContactError> {
-    if b.is_empty() { Ok(Vec::new()) } else { Ok(Semidefinite::new(k)?.solve(b, near)) }
+    if b.is_empty() {
+        return Ok(Vec::new());
+    }
+    let factor = Semidefinite::new(k)?;
+    let mut x = factor.solve(b, near);
+    spoil(ColMut::from_slice_mut(&mut x).as_mat_mut(), false);
+    if let Semidefinite::Regular(_) = factor {
+        check_solution(k.as_ref(), &x, b)?;
+    }
+    Ok(x)
 }
 
 /// Solves A x = b with A square; the least-squares solution of least norm if A is numerically singular.
@@ -65,10 +78,15 @@ pub(crate) fn solve_general(a: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, Contact
     let u = factor.U();
     let largest = (0..n).fold(0.0f64, |m, i| m.max(u[(i, i)].abs()));
     if (0..n).all(|i| u[(i, i)].abs() > PIVOT * largest) {
-        return Ok(column(&factor.solve(to_matrix(b))));
+        let mut x = factor.solve(to_matrix(b));
+        spoil(x.as_mut(), false);
+        let x = column(&x);
+        check_solution(a.as_ref(), &x, b)?;
+        return Ok(x);
     }
     let svd = a.svd().map_err(|_| ContactError::Decomposition { size: n })?;
     let (u, v, s) = (svd.U(), svd.V(), svd.S());
+    check_spectrum(a.as_ref(), (v, u), &(0..n).map(|j| s[j]).collect::<Vec<_>>())?;
     let mut coefficients = u.transpose() * to_matrix(b);
     for j in 0..n {
         coefficients[(j, 0)] = if s[j] > CUTOFF * s[0] { coefficients[(j, 0)] / s[j] } else { 0.0 };

@@ -2,6 +2,7 @@
 
 use faer::linalg::solvers::DenseSolveCore;
 use faer::{Mat, Side};
+use steklov_algebra::{check_inverse, llt};
 
 use crate::solvers::linear::{largest, product};
 use crate::solvers::multipliers::status;
@@ -113,6 +114,9 @@ fn coercive_inverse(problem: &Problem) -> Result<Mat<f64>, ContactError> {
     if smallest <= COERCIVE * largest {
         return Err(ContactError::NotCoercive { smallest, largest });
     }
-    let factor = problem.stiffness.llt(Side::Lower).map_err(|_| ContactError::NotCoercive { smallest, largest })?;
-    Ok(factor.inverse())
+    let factor =
+        llt(&problem.stiffness).map_err(|none| none.or(|_| ContactError::NotCoercive { smallest, largest }))?;
+    let inverse = factor.inverse();
+    check_inverse(factor.L(), inverse.as_ref())?;
+    Ok(inverse)
 }

@@ -27,7 +27,7 @@ impl Clamped {
     }
 
     pub fn forms(&self, multipliers: &MultiplierSpace) -> StabilisedForms {
-        StabilisedForms::new(&self.mesh, &self.space, &self.material, &self.traction, multipliers)
+        StabilisedForms::new(&self.mesh, &self.space, &self.material, &self.traction, multipliers).expect("no fault")
     }
 
     pub fn multipliers(&self, mesh: MultiplierMesh, degree: MultiplierDegree) -> MultiplierSpace {

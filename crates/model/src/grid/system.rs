@@ -222,7 +222,7 @@ fn touching(
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<(Vec<f64>, ContactResult), SolveError> {
     let frames = Frames::new(&boundary);
-    let stiffness = frames.turn(elimination.stiffness());
+    let stiffness = frames.turn(elimination.stiffness()?);
     observe(Stage::Condensed("S_contact", CONTACT, &stiffness))?;
     let mut load = reduced.kept.clone();
     frames.turn_in(&mut load);

@@ -12,6 +12,7 @@ use std::fmt::Debug;
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use steklov_algebra::once_more;
 use steklov_problem::Scene;
 
 use crate::error::SolveError;
@@ -235,7 +236,7 @@ pub fn run<M: Model>(
             0 | 1 => observe(number, Event::Stage(stage)),
             _ => Err(SolveError::Interrupted),
         };
-        let advanced = M::advance(scene, &progress, &mut cache, &mut watched);
+        let advanced = once_more(|| M::advance(scene, &progress, &mut cache, &mut watched));
         let Advanced { solved, matrices, step, next } = match (advanced, last) {
             (Err(SolveError::Interrupted), Some(last)) => {
                 return Ok(Run { last, matrices: None, progress, reason: Reason::Interrupted, error: None, clock });

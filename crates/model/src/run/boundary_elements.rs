@@ -3,6 +3,7 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::Instant;
 
+use steklov_algebra::once_more;
 use steklov_bem_operators::{Mark, Mesh, PairCache, Subdivision};
 use steklov_contact::{Located, Tip};
 use steklov_problem::{Refine, Scene};
@@ -78,7 +79,8 @@ impl Run {
             None if self.reason == Reason::Interrupted => Err(SolveError::Interrupted),
             none => {
                 let (mesh, estimated) = (self.last.mesh.clone(), is_estimated(scene, self.last.space.dofs()));
-                let (_, body, _) = solve(scene, mesh, estimated, &mut PairCache::default(), &mut |_| Ok(()))?;
+                let again = || solve(scene, mesh.clone(), estimated, &mut PairCache::default(), &mut |_| Ok(()));
+                let (_, body, _) = once_more(again)?;
                 Ok(none.insert(body))
             }
         }
@@ -215,7 +217,7 @@ impl Model for BoundaryElements {
             return Ok(None);
         };
         let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-        match solve_stochastic(scene, random, body, progress, &stopped) {
+        match once_more(|| solve_stochastic(scene, random, body, progress, &stopped)) {
             Ok(result) => {
                 run.reason = match result.end {
                     _ if !run.converged() => run.reason,

@@ -208,7 +208,7 @@ pub fn solve(
 
     let clock = Instant::now();
     observe(Stage::Progress("contact", 0.95))?;
-    let stiffness = if given.boundary.is_some() { condensation.stiffness() } else { Mat::new() };
+    let stiffness = if given.boundary.is_some() { condensation.stiffness()? } else { Mat::new() };
     let mut body = Body { mesh, space, pieces: bodies, condensation, outside, stiffness, joints, tied, held, free };
     let (mut solved, factors) =
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;

@@ -60,7 +60,7 @@ pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<Stabi
     let (scene, mesh, method) = (data.scene, data.mesh, &data.scene.method);
     let sides: Vec<usize> = scene.contacts().map(|(side, _)| side).collect();
     let space = MultiplierSpace::new(mesh, &sides, method.multiplier_mesh, method.multiplier_degree)?;
-    let forms = StabilisedForms::new(mesh, data.space, &scene.body().material(), body.traction, &space);
+    let forms = StabilisedForms::new(mesh, data.space, &scene.body().material(), body.traction, &space)?;
     let critical = forms.critical_gamma(body.stiffness, body.held, body.rigid)?;
     if !critical.is_finite() {
         return Err(ContactError::Decomposition { size: body.load.len() }.into());

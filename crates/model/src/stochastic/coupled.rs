@@ -6,8 +6,9 @@
 //! ```
 //! so that a node's displacement is the answer of the body of the nominal modulus to f̃_j and λ̃_j.
 
+use faer::Mat;
 use faer::prelude::*;
-use faer::{Mat, Side};
+use steklov_algebra::llt;
 use steklov_contact::{Outcome, Solution};
 use steklov_problem::Scene;
 use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds, tensor_active_set};
@@ -38,7 +39,7 @@ pub(crate) fn solve_cell(
 ) -> Result<Vec<Answer>, SolveError> {
     let mass = basis.mass(modulus)?;
     let size = mass.nrows();
-    let factor = mass.llt(Side::Lower).map_err(|_| StochasticError::Decomposition { size })?;
+    let factor = llt(&mass).map_err(|none| none.or(|_| StochasticError::Decomposition { size }))?;
     let mixing = factor.solve(Mat::from_fn(size, size, |j, k| if j == k { basis.weights[j] } else { 0.0 })); // M_E⁻¹ D
     let mut given: Vec<(Scene, f64, Given)> = Vec::with_capacity(size);
     for point in &basis.points {

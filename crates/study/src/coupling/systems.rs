@@ -52,7 +52,7 @@ impl Reduced {
         let load = elimination.reduce(&load, &[]);
         let jump = exterior.space.interpolate(|x| exact.jump(x));
         let mass = dense(&exterior.operators.mass);
-        Ok(Self { body: problem.body, stiffness: elimination.stiffness(), exterior, elimination, load, jump, mass })
+        Ok(Self { body: problem.body, stiffness: elimination.stiffness()?, exterior, elimination, load, jump, mass })
     }
 
     /// W + Hᵀ V⁻¹ H with H = K + `half` M: the medium has half = -½, the body itself ½.

@@ -183,8 +183,10 @@ impl Forms {
     fn new(scene: &Scene, body: &Supported, fine: &Supported, space: MultiplierSpace) -> Self {
         let plain = |b: &Supported| dual_form(&pairing(&b.mesh, &b.space, &space), &b.stiffness, &b.held, &[]);
         let forms = StabilisedForms::new(&body.mesh, &body.space, &scene.body().material(), &body.traction, &space);
-        let critical = forms.critical_gamma(&body.stiffness, &body.held, &[]);
-        let stabilised = critical.and_then(|c| forms.dual_form(&body.stiffness, &body.held, &[], SAFE * c));
+        let stabilised = forms.and_then(|forms| {
+            let critical = forms.critical_gamma(&body.stiffness, &body.held, &[])?;
+            forms.dual_form(&body.stiffness, &body.held, &[], SAFE * critical)
+        });
         Self { plain: plain(body), stabilised, reference: plain(fine), space }
     }
 }

@@ -189,7 +189,7 @@ pub fn stabilisation(scene: &Scene, watch: &mut Watch<'_>) -> Option<Stabilisati
 
 fn critical(scene: &Scene, sides: &[usize], body: &Supported) -> Result<f64, SolveError> {
     let space = MultiplierSpace::new(&body.mesh, sides, scene.method.multiplier_mesh, scene.method.multiplier_degree)?;
-    let forms = StabilisedForms::new(&body.mesh, &body.space, &scene.body().material(), &body.traction, &space);
+    let forms = StabilisedForms::new(&body.mesh, &body.space, &scene.body().material(), &body.traction, &space)?;
     Ok(forms.critical_gamma(&body.stiffness, &body.held, &[])?)
 }
 

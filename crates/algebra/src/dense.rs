@@ -7,9 +7,15 @@
 
 use faer::linalg::matmul::matmul;
 use faer::linalg::matmul::triangular::{self, BlockStructure};
-use faer::linalg::triangular_solve::solve_lower_triangular_in_place;
-use faer::{Accum, MatMut, MatRef, Par};
+use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
+use faer::prelude::*;
+use faer::{Accum, Par};
 use rayon::prelude::*;
+
+use crate::Fault;
+use crate::fault::threads;
+use crate::probe::Probe;
+use crate::spoil::spoil;
 
 /// Parts into which the library cuts dense products and factorisations, whatever the number of threads: the order in which
 /// their sums are taken depends on this number. More threads than parts do not help.
@@ -39,19 +45,77 @@ enum Way {
 
 fn way(multiplications: usize, size: usize) -> Way {
     match size {
-        _ if multiplications <= SMALL => Way::OneThread,
+        _ if multiplications <= SMALL || threads(Par::rayon(PARTS)) == Par::Seq => Way::OneThread,
         LARGE.. => Way::Library,
         _ => Way::Columns,
     }
 }
 
 /// The library's parallelism for matrices of so many unknowns.
-pub(crate) fn parts(unknowns: usize) -> Par {
-    if unknowns < LARGE { Par::Seq } else { Par::rayon(PARTS) }
+pub fn parts(unknowns: usize) -> Par {
+    if unknowns < LARGE { Par::Seq } else { threads(Par::rayon(PARTS)) }
 }
 
 /// B := L⁻¹ B, L lower triangular.
-pub(crate) fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
+///
+/// # Errors
+/// A fault: L times the result is not B.
+pub fn solve_lower(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) -> Result<(), Fault> {
+    let probe = Probe::new(b.ncols());
+    let wanted = probe.times(b.rb());
+    lower_solve(l, b.rb_mut());
+    spoil(b.rb_mut(), false);
+    probe.times(b.rb()).times_lower(l).same(&wanted, "a triangular solve")
+}
+
+/// B := L⁻ᵀ B, L lower triangular.
+///
+/// # Errors
+/// A fault: Lᵀ times the result is not B.
+pub fn solve_lower_transposed(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) -> Result<(), Fault> {
+    let probe = Probe::new(b.ncols());
+    let wanted = probe.times(b.rb());
+    solve_upper_triangular_in_place(l.transpose(), b.rb_mut(), threads(Par::rayon(PARTS)));
+    spoil(b.rb_mut(), false);
+    probe.times(b.rb()).times_transposed_lower(l).same(&wanted, "a triangular solve")
+}
+
+/// C := C + α A B.
+///
+/// # Errors
+/// A fault: C changes by something else.
+pub fn add_product(mut c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) -> Result<(), Fault> {
+    let (probe, wanted) = wanted_product(Probe::times, c.rb(), (a, b), alpha);
+    product(c.rb_mut(), a, b, alpha);
+    spoil(c.rb_mut(), false);
+    probe.times(c.rb()).same(&wanted, "a product")
+}
+
+/// The lower triangle of C := C + α A B of a symmetric product.
+///
+/// # Errors
+/// A fault: C changes by something else.
+pub fn add_to_lower(mut c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) -> Result<(), Fault> {
+    let (probe, wanted) = wanted_product(Probe::times_symmetric, c.rb(), (a, b), alpha);
+    lower_product(c.rb_mut(), a, b, alpha);
+    spoil(c.rb_mut(), true);
+    probe.times_symmetric(c.rb()).same(&wanted, "a symmetric product")
+}
+
+/// A vector p and (C + α A B) p.
+fn wanted_product(
+    times: impl Fn(&Probe, MatRef<'_, f64>) -> Probe,
+    c: MatRef<'_, f64>,
+    (a, b): (MatRef<'_, f64>, MatRef<'_, f64>),
+    alpha: f64,
+) -> (Probe, Probe) {
+    let probe = Probe::new(c.ncols());
+    let mut wanted = times(&probe, c);
+    wanted.add(alpha, &probe.times(b).times(a));
+    (probe, wanted)
+}
+
+pub(crate) fn lower_solve(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
     let (n, columns) = (b.nrows(), b.ncols());
     match way(n * n / 2 * columns, n.max(columns)) {
         Way::OneThread => solve_lower_triangular_in_place(l, b, Par::Seq),
@@ -62,8 +126,7 @@ pub(crate) fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
     }
 }
 
-/// C := C + α A B.
-pub(crate) fn add_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) {
+fn product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) {
     let (m, inner, n) = (a.nrows(), a.ncols(), b.ncols());
     match way(m * inner * n, m.max(inner).max(n)) {
         Way::OneThread => matmul(c, Accum::Add, a, b, alpha, Par::Seq),
@@ -75,8 +138,7 @@ pub(crate) fn add_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, 
     }
 }
 
-/// The lower triangle of C := C + α A B.
-pub(crate) fn add_to_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) {
+pub(crate) fn lower_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) {
     let (n, inner) = (a.nrows(), a.ncols());
     match way(n * n / 2 * inner, n.max(inner)) {
         Way::OneThread => lower(c, a, b, alpha, Par::Seq),
@@ -127,17 +189,17 @@ mod tests {
         for (n, columns) in SIZES {
             let (l, b, c) = (matrix(n, n), matrix(n, columns), matrix(columns, columns));
             let (mut got, mut want) = (b.clone(), b.clone());
-            solve_lower(l.as_ref(), got.as_mut());
+            solve_lower(l.as_ref(), got.as_mut()).unwrap();
             solve_lower_triangular_in_place(l.as_ref(), want.as_mut(), Par::Seq);
             same_bits(&got, &want);
 
             let (mut got, mut want) = (c.clone(), c.clone());
-            add_product(got.as_mut(), b.transpose(), b.as_ref(), -1.0);
+            add_product(got.as_mut(), b.transpose(), b.as_ref(), -1.0).unwrap();
             matmul(want.as_mut(), Accum::Add, b.transpose(), b.as_ref(), -1.0, Par::Seq);
             same_bits(&got, &want);
 
             let (mut got, mut want) = (c.clone(), c);
-            add_to_lower(got.as_mut(), b.transpose(), b.as_ref(), 1.0);
+            add_to_lower(got.as_mut(), b.transpose(), b.as_ref(), 1.0).unwrap();
             lower(want.as_mut(), b.transpose(), b.as_ref(), 1.0, Par::Seq);
             same_bits(&got, &want);
         }

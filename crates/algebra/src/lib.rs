@@ -1,0 +1,32 @@
+//! Dense algebra that is checked: products, triangular solves and Cholesky factors, in place and on many threads.
+//!
+//! What the parallel kernels of the library below return is applied to a seeded vector, and so is what it was made of: that takes
+//! n² operations where the kernels take n³, and what both differ by is rounding or a [`Fault`].
+//!
+//! ```
+//! use faer::Mat;
+//! use steklov_algebra::{check_cholesky, check_solution};
+//!
+//! let a = Mat::from_fn(40, 40, |i, j| if i == j { 2.0 } else { 1.0 / (1.0 + (i + j) as f64) });
+//! let factor = a.llt(faer::Side::Lower).expect("positive definite");
+//! let mut l = factor.L().to_owned();
+//! check_cholesky(a.as_ref(), l.as_ref())?;
+//! l[(30, 20)] += 1e-9;
+//! assert!(check_cholesky(a.as_ref(), l.as_ref()).is_err());
+//! assert!(check_solution(a.as_ref(), &[1.0; 40], &[0.0; 40]).is_err());
+//! # Ok::<(), steklov_algebra::Fault>(())
+//! ```
+
+mod cholesky;
+mod dense;
+mod fault;
+mod probe;
+mod spoil;
+
+pub use cholesky::{NoFactor, cholesky, llt};
+pub use dense::{PARTS, add_product, add_to_lower, parts, solve_lower, solve_lower_transposed};
+pub use fault::{Fault, is_fault, once_more, threads};
+pub use probe::{Probe, check_cholesky, check_inverse, check_solution, check_spectrum};
+pub use spoil::spoil;
+#[cfg(feature = "faults")]
+pub use spoil::{Spoiler, disarm};

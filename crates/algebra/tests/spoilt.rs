@@ -1,0 +1,118 @@
+//! Factors, products and solutions with one wrong entry are told from those that are only rounded.
+
+use faer::{Mat, Side};
+use steklov_algebra::{
+    Fault, add_product, check_cholesky, check_inverse, check_solution, check_spectrum, cholesky, is_fault, llt,
+    once_more, solve_lower, solve_lower_transposed, threads,
+};
+use steklov_quadrature::unit_uniform;
+
+const SIZES: [usize; 5] = [8, 33, 100, 257, 600];
+
+/// Symmetric, positive definite, of condition 1e6 or more, whose rows differ in size by 1e12.
+fn graded(n: usize) -> Mat<f64> {
+    let scale = |i: usize| 10f64.powf(-6.0 * i as f64 / n as f64);
+    let u = Mat::from_fn(n, 6, |i, k| unit_uniform(n as u64, (6 * i + k) as u64) - 0.5);
+    let low = &u * u.transpose();
+    Mat::from_fn(n, n, |i, j| scale(i) * scale(j) * (1e4 * low[(i, j)] + if i == j { 1e-2 } else { 0.0 }))
+}
+
+fn entry(seed: u64, n: usize) -> (usize, usize) {
+    let at = |k: u64| (unit_uniform(seed, k) * n as f64) as usize;
+    (at(0).max(at(1)), at(0).min(at(1)))
+}
+
+/// With a bit of an entry flipped, NaN, or zeros from there on in its column.
+fn spoilt(a: &Mat<f64>, (i, j): (usize, usize), kind: u32) -> Mat<f64> {
+    let mut a = a.clone();
+    match kind {
+        64 => (i..a.nrows()).for_each(|i| a[(i, j)] = 0.0),
+        63 => a[(i, j)] = f64::NAN,
+        bit => a[(i, j)] = f64::from_bits(a[(i, j)].to_bits() ^ 1 << bit),
+    }
+    a
+}
+
+const KINDS: [u32; 9] = [48, 51, 52, 55, 60, 61, 62, 63, 64];
+
+#[test]
+fn rounding_is_no_fault() {
+    for n in SIZES {
+        let a = graded(n);
+        let factor = llt(&a).expect("a factor");
+        let mut whole = a.clone();
+        cholesky(whole.as_mut()).expect("a factor");
+        let mut b = a.clone();
+        solve_lower(factor.L(), b.as_mut()).expect("a solution");
+        solve_lower_transposed(factor.L(), b.as_mut()).expect("a solution");
+        let mut c = a.clone();
+        add_product(c.as_mut(), a.as_ref(), b.as_ref(), -2.0).expect("a product");
+        let eigen = a.self_adjoint_eigen(Side::Lower).expect("a spectrum");
+        let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
+        check_spectrum(a.as_ref(), (eigen.U(), eigen.U()), &values).expect("a spectrum");
+    }
+}
+
+#[test]
+fn diagonal_entries_of_factors_are_seen_however_small_their_rows() {
+    for n in SIZES {
+        let a = graded(n);
+        let l = llt(&a).expect("a factor").L().to_owned();
+        for i in (0..n).step_by(7) {
+            for kind in KINDS {
+                let fault = check_cholesky(a.as_ref(), spoilt(&l, (i, i), kind).as_ref());
+                let fault = fault.expect_err(&format!("{n}: entry {i}, {kind}, {:e} of {:e}", l[(i, i)], a[(i, i)]));
+                assert!(fault.error.is_nan() || fault.error > 1e-12, "{fault}");
+                assert_eq!((fault.what, fault.size), ("a Cholesky factor", n));
+            }
+        }
+    }
+}
+
+#[test]
+fn wrong_solutions_inverses_and_spectra_are_seen() {
+    for n in SIZES {
+        let a = Mat::from_fn(n, n, |i, j| if i == j { 3.0 } else { 1.0 / (1.0 + i.abs_diff(j) as f64).powi(2) });
+        let factor = llt(&a).expect("a factor");
+        let inverse = Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 });
+        let mut inverse = inverse;
+        solve_lower(factor.L(), inverse.as_mut()).expect("a solution");
+        solve_lower_transposed(factor.L(), inverse.as_mut()).expect("a solution");
+        check_inverse(factor.L(), inverse.as_ref()).expect("an inverse");
+        let eigen = a.self_adjoint_eigen(Side::Lower).expect("a spectrum");
+        let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
+        for (seed, kind) in KINDS.into_iter().enumerate() {
+            let (i, _) = entry(seed as u64, n);
+            assert!(check_inverse(factor.L(), spoilt(&inverse, (i, i), kind).as_ref()).is_err(), "{n} {kind}");
+            let x = inverse.col_as_slice(i).to_vec();
+            let b: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k == i))).collect();
+            check_solution(a.as_ref(), &x, &b).expect("a solution");
+            let wrong = spoilt(&inverse, (i, i), kind).col_as_slice(i).to_vec();
+            assert!(check_solution(a.as_ref(), &wrong, &b).is_err(), "{n} {kind}");
+            let mut wrong = values.clone();
+            wrong[i] = f64::from_bits(wrong[i].to_bits() ^ 1 << 48);
+            assert!(check_spectrum(a.as_ref(), (eigen.U(), eigen.U()), &wrong).is_err());
+        }
+    }
+}
+
+#[test]
+fn a_fault_is_tried_once_more_on_one_thread_and_other_errors_are_not() {
+    let fault = || Fault { what: "a product", size: 40, error: f64::NAN };
+    let usual = faer::Par::rayon(16);
+    for lasting in [false, true] {
+        let mut ways = Vec::new();
+        let result = once_more(|| {
+            ways.push(threads(usual) == faer::Par::Seq);
+            if ways.len() == 1 || lasting { Err(fault()) } else { Ok(7) }
+        });
+        assert_eq!((ways, result.is_err()), (vec![false, true], lasting));
+        assert!(threads(usual) == usual);
+    }
+    let mut tries = 0;
+    let other = once_more(|| {
+        tries += 1;
+        Err::<(), _>(std::io::Error::other("no fault"))
+    });
+    assert!(other.is_err() && tries == 1 && is_fault(&fault()) && !is_fault(&std::io::Error::other("no fault")));
+}
