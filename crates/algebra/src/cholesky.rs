@@ -8,7 +8,8 @@ use faer::{Mat, Side};
 
 use crate::Fault;
 use crate::dense::{lower_product, lower_solve, parts};
-use crate::probe::{Probe, check_cholesky, same_as_factor};
+use crate::operand::symmetric_upper;
+use crate::probe::{check_cholesky, same_as_factor, scaled_probe};
 use crate::spoil::spoil;
 
 /// Why a matrix has no Cholesky factor.
@@ -45,8 +46,8 @@ pub fn cholesky(mut a: MatMut<'_, f64>) -> Result<(), NoFactor> {
     let diagonal: Vec<f64> = (0..n).map(|i| a[(i, i)]).collect();
     factorise(a.rb_mut()).map_err(NoFactor::Pivot)?;
     spoil(a.rb_mut(), true);
-    let probe = Probe::scaled(diagonal.iter().copied());
-    same_as_factor(&probe, &probe.times_upper(a.rb(), &diagonal), a.rb()).map_err(NoFactor::Fault)
+    let probe = scaled_probe(diagonal.iter().copied());
+    same_as_factor(&probe, symmetric_upper(a.rb(), &diagonal), a.rb()).map_err(NoFactor::Fault)
 }
 
 /// Cholesky factor of the lower triangle of a matrix that stays as it is.

@@ -14,7 +14,8 @@ use rayon::prelude::*;
 
 use crate::Fault;
 use crate::fault::threads;
-use crate::probe::Probe;
+use crate::operand::{Operand, lower, lower_transposed, symmetric, whole};
+use crate::probe::{Last, probe};
 use crate::spoil::spoil;
 
 /// Parts into which the library cuts dense products and factorisations, whatever the number of threads: the order in which
@@ -60,59 +61,63 @@ pub fn parts(unknowns: usize) -> Par {
 ///
 /// # Errors
 /// A fault: L times the result is not B.
-pub fn solve_lower(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) -> Result<(), Fault> {
-    let probe = Probe::new(b.ncols());
-    let wanted = probe.times(b.rb());
-    lower_solve(l, b.rb_mut());
-    spoil(b.rb_mut(), false);
-    probe.times(b.rb()).times_lower(l).same(&wanted, "a triangular solve")
+pub fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>) -> Result<(), Fault> {
+    solve(lower(l), b, |b| lower_solve(l, b))
 }
 
 /// B := L⁻ᵀ B, L lower triangular.
 ///
 /// # Errors
 /// A fault: Lᵀ times the result is not B.
-pub fn solve_lower_transposed(l: MatRef<'_, f64>, mut b: MatMut<'_, f64>) -> Result<(), Fault> {
-    let probe = Probe::new(b.ncols());
-    let wanted = probe.times(b.rb());
-    solve_upper_triangular_in_place(l.transpose(), b.rb_mut(), threads(Par::rayon(PARTS)));
+pub fn solve_lower_transposed(l: MatRef<'_, f64>, b: MatMut<'_, f64>) -> Result<(), Fault> {
+    let upper = |b: MatMut<'_, f64>| solve_upper_triangular_in_place(l.transpose(), b, threads(Par::rayon(PARTS)));
+    solve(lower_transposed(l), b, upper)
+}
+
+/// What is solved times the result has to be B.
+fn solve(a: Operand<'_>, mut b: MatMut<'_, f64>, of: impl FnOnce(MatMut<'_, f64>)) -> Result<(), Fault> {
+    let probe = probe(b.ncols());
+    let wanted = whole(b.rb()).times(&probe);
+    of(b.rb_mut());
     spoil(b.rb_mut(), false);
-    probe.times(b.rb()).times_transposed_lower(l).same(&wanted, "a triangular solve")
+    let solved = whole(b.rb());
+    let inner = solved.times(&probe);
+    let check = Last { inner: &inner, terms: || solved.terms(&probe), row: |i, x: &[f64]| a.terms_of(i, x) };
+    check.same("a triangular solve", &a.times(&inner), &wanted)
 }
 
 /// C := C + α A B.
 ///
 /// # Errors
 /// A fault: C changes by something else.
-pub fn add_product(mut c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) -> Result<(), Fault> {
-    let (probe, wanted) = wanted_product(Probe::times, c.rb(), (a, b), alpha);
-    product(c.rb_mut(), a, b, alpha);
-    spoil(c.rb_mut(), false);
-    probe.times(c.rb()).same(&wanted, "a product")
+pub fn add_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) -> Result<(), Fault> {
+    gain(c, (whole, "a product"), (a, b, alpha), |c| product(c, a, b, alpha))
 }
 
 /// The lower triangle of C := C + α A B of a symmetric product.
 ///
 /// # Errors
 /// A fault: C changes by something else.
-pub fn add_to_lower(mut c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) -> Result<(), Fault> {
-    let (probe, wanted) = wanted_product(Probe::times_symmetric, c.rb(), (a, b), alpha);
-    lower_product(c.rb_mut(), a, b, alpha);
-    spoil(c.rb_mut(), true);
-    probe.times_symmetric(c.rb()).same(&wanted, "a symmetric product")
+pub fn add_to_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) -> Result<(), Fault> {
+    gain(c, (symmetric, "a symmetric product"), (a, b, alpha), |c| lower_product(c, a, b, alpha))
 }
 
-/// A vector p and (C + α A B) p.
-fn wanted_product(
-    times: impl Fn(&Probe, MatRef<'_, f64>) -> Probe,
-    c: MatRef<'_, f64>,
-    (a, b): (MatRef<'_, f64>, MatRef<'_, f64>),
-    alpha: f64,
-) -> (Probe, Probe) {
-    let probe = Probe::new(c.ncols());
-    let mut wanted = times(&probe, c);
-    wanted.add(alpha, &probe.times(b).times(a));
-    (probe, wanted)
+/// C has to gain α A B, in what is read of it.
+fn gain(
+    mut c: MatMut<'_, f64>,
+    (read, what): (for<'a> fn(MatRef<'a, f64>) -> Operand<'a>, &'static str),
+    (a, b, alpha): (MatRef<'_, f64>, MatRef<'_, f64>, f64),
+    of: impl FnOnce(MatMut<'_, f64>),
+) -> Result<(), Fault> {
+    let (probe, left, right) = (probe(c.ncols()), whole(a), whole(b));
+    let mut wanted = read(c.rb()).times(&probe);
+    let inner = right.times(&probe);
+    wanted.iter_mut().zip(left.times(&inner)).for_each(|(c, gained)| *c += alpha * gained);
+    of(c.rb_mut());
+    spoil(c.rb_mut(), what != "a product");
+    let c = read(c.rb());
+    let row = |i: usize, x: &[f64]| alpha.abs() * left.terms_of(i, x) + c.terms_of(i, &probe);
+    Last { inner: &inner, terms: || right.terms(&probe), row }.same(what, &c.times(&probe), &wanted)
 }
 
 pub(crate) fn lower_solve(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
@@ -141,8 +146,8 @@ fn product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f6
 pub(crate) fn lower_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) {
     let (n, inner) = (a.nrows(), a.ncols());
     match way(n * n / 2 * inner, n.max(inner)) {
-        Way::OneThread => lower(c, a, b, alpha, Par::Seq),
-        Way::Library => lower(c, a, b, alpha, Par::rayon(PARTS)),
+        Way::OneThread => triangle(c, a, b, alpha, Par::Seq),
+        Way::Library => triangle(c, a, b, alpha, Par::rayon(PARTS)),
         Way::Columns => {
             let size = group(n);
             let groups = c.par_col_chunks_mut(size).zip(b.par_col_chunks(size)).enumerate();
@@ -151,14 +156,14 @@ pub(crate) fn lower_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_
                 let (_, from_diagonal) = c.split_at_row_mut(start);
                 let (diagonal, below) = from_diagonal.split_at_row_mut(b.ncols());
                 let (at_diagonal, at_below) = a.subrows(start, n - start).split_at_row(b.ncols());
-                lower(diagonal, at_diagonal, b, alpha, Par::Seq);
+                triangle(diagonal, at_diagonal, b, alpha, Par::Seq);
                 matmul(below, Accum::Add, at_below, b, alpha, Par::Seq);
             });
         }
     }
 }
 
-fn lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64, par: Par) {
+fn triangle(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64, par: Par) {
     let whole = BlockStructure::Rectangular;
     triangular::matmul(c, BlockStructure::TriangularLower, Accum::Add, a, whole, b, whole, alpha, par);
 }
@@ -200,7 +205,7 @@ mod tests {
 
             let (mut got, mut want) = (c.clone(), c);
             add_to_lower(got.as_mut(), b.transpose(), b.as_ref(), 1.0).unwrap();
-            lower(want.as_mut(), b.transpose(), b.as_ref(), 1.0, Par::Seq);
+            triangle(want.as_mut(), b.transpose(), b.as_ref(), 1.0, Par::Seq);
             same_bits(&got, &want);
         }
     }

@@ -20,13 +20,14 @@
 mod cholesky;
 mod dense;
 mod fault;
+mod operand;
 mod probe;
 mod spoil;
 
 pub use cholesky::{NoFactor, cholesky, llt};
 pub use dense::{PARTS, add_product, add_to_lower, parts, solve_lower, solve_lower_transposed};
 pub use fault::{Fault, is_fault, once_more, threads};
-pub use probe::{Probe, check_cholesky, check_inverse, check_solution, check_spectrum};
+pub use probe::{Sparse, check_cholesky, check_inverse, check_solution, check_spectrum, scaled_probe};
 pub use spoil::spoil;
 #[cfg(feature = "faults")]
 pub use spoil::{Spoiler, disarm};

@@ -1,197 +1,33 @@
 //! Vectors by which factors and products are checked.
 //!
-//! Every entry has the sum of the absolute values of its terms beside it: what two ways to the same vector may differ by is a
-//! multiple of rounding of that sum, row by row, however the rows of a matrix differ in size.
+//! What two ways to the same vector may differ by is a multiple of rounding of the sum of the absolute values of its terms, row by
+//! row, however the rows of a matrix differ in size. An entry is no more than that sum, so that most rows need the entry alone.
 
-use faer::{MatRef, Side};
+use faer::MatRef;
 use steklov_quadrature::unit_uniform;
 
 use crate::Fault;
+use crate::operand::{Operand, lower, lower_transposed, symmetric, whole};
 
 /// Differences that rounding may make, over the sum of the terms.
 const ROUNDING: f64 = 1e-12;
 /// Seed of the probes.
 const SEED: u64 = 20_261_124;
-/// Sums that run beside each other.
-const LANES: usize = 8;
 
-/// A vector, and for each of its entries the sum of the absolute values of its terms.
-#[derive(Debug, Clone)]
-pub struct Probe {
-    value: Vec<f64>,
-    terms: Vec<f64>,
+/// A vector of numbers between ½ and 1 of either sign.
+pub(crate) fn probe(size: usize) -> Vec<f64> {
+    let entry = |i: usize| {
+        let u = unit_uniform(SEED, i as u64);
+        if u < 0.5 { u - 1.0 } else { u }
+    };
+    (0..size).map(entry).collect()
 }
 
-/// Part of a matrix that counts.
-#[derive(Debug, Clone, Copy)]
-enum Part {
-    Lower,
-    Symmetric(Side),
-}
-
-impl Probe {
-    /// A vector of numbers between ½ and 1 of either sign.
-    pub fn new(size: usize) -> Self {
-        let entry = |i: usize| {
-            let u = unit_uniform(SEED, i as u64);
-            if u < 0.5 { u - 1.0 } else { u }
-        };
-        Self::of((0..size).map(entry).collect())
-    }
-
-    /// The same over the roots of a diagonal, so that all unknowns count alike.
-    pub fn scaled(diagonal: impl ExactSizeIterator<Item = f64>) -> Self {
-        let mut probe = Self::new(diagonal.len());
-        probe.value.iter_mut().zip(diagonal).for_each(|(p, d)| *p /= if d > 0.0 { d.sqrt() } else { 1.0 });
-        Self::of(probe.value)
-    }
-
-    /// A vector as it is.
-    pub fn of(value: Vec<f64>) -> Self {
-        Self { terms: value.iter().map(|v| v.abs()).collect(), value }
-    }
-
-    /// The entries.
-    pub fn values(&self) -> &[f64] {
-        &self.value
-    }
-
-    fn zeros(size: usize) -> Self {
-        Self { value: vec![0.0; size], terms: vec![0.0; size] }
-    }
-
-    /// The sum of what the columns of a matrix give.
-    fn sum(size: usize, columns: usize, of: impl Fn(&mut Self, usize)) -> Self {
-        let mut result = Self::zeros(size);
-        pulp::Arch::new().dispatch(|| (0..columns).for_each(|j| of(&mut result, j)));
-        result
-    }
-
-    /// A p.
-    pub fn times(&self, a: MatRef<'_, f64>) -> Self {
-        if a.row_stride() == 1 {
-            let gain = |sum: &mut Self, j: usize| sum.gain(0, column(a, j), (self.value[j], self.terms[j]));
-            Self::sum(a.nrows(), a.ncols(), gain)
-        } else if a.col_stride() == 1 {
-            let rows = a.transpose();
-            let along = |sum: &mut Self, i: usize| (sum.value[i], sum.terms[i]) = self.along(0, column(rows, i));
-            Self::sum(a.nrows(), a.nrows(), along)
-        } else {
-            self.times(a.to_owned().as_ref())
-        }
-    }
-
-    /// Lᵀ p.
-    pub(crate) fn times_transposed_lower(&self, l: MatRef<'_, f64>) -> Self {
-        let along = |sum: &mut Self, j: usize| (sum.value[j], sum.terms[j]) = self.along(j, &column(l, j)[j..]);
-        Self::sum(l.ncols(), l.ncols(), along)
-    }
-
-    /// A p of one triangle of A, whose diagonal is given apart.
-    fn times_part(&self, a: MatRef<'_, f64>, part: Part, diagonal: impl Fn(usize) -> f64) -> Self {
-        let add = |sum: &mut Self, j: usize| {
-            let own = (self.value[j], self.terms[j]);
-            let (first, entries) = match part {
-                Part::Lower | Part::Symmetric(Side::Lower) => (j + 1, &column(a, j)[j + 1..]),
-                Part::Symmetric(Side::Upper) => (0, &column(a, j)[..j]),
-            };
-            sum.gain(first, entries, own);
-            sum.gain(j, &[diagonal(j)], own);
-            if let Part::Symmetric(_) = part {
-                let (value, terms) = self.along(first, entries);
-                sum.value[j] += value;
-                sum.terms[j] += terms;
-            }
-        };
-        Self::sum(a.nrows(), a.ncols(), add)
-    }
-
-    /// L p.
-    pub fn times_lower(&self, l: MatRef<'_, f64>) -> Self {
-        self.times_part(l, Part::Lower, |j| l[(j, j)])
-    }
-
-    /// A p of the lower triangle of a symmetric A.
-    pub fn times_symmetric(&self, a: MatRef<'_, f64>) -> Self {
-        self.times_part(a, Part::Symmetric(Side::Lower), |j| a[(j, j)])
-    }
-
-    /// A p of a symmetric A whose lower triangle is another matrix, and whose diagonal is given apart.
-    pub(crate) fn times_upper(&self, a: MatRef<'_, f64>, diagonal: &[f64]) -> Self {
-        self.times_part(a, Part::Symmetric(Side::Upper), |j| diagonal[j])
-    }
-
-    /// A p of the lower triangle of a sparse symmetric A, column by column, diagonal entries first.
-    pub fn times_sparse(&self, start: &[usize], rows: &[usize], entries: &[f64]) -> Self {
-        let mut result = Self::zeros(self.value.len());
-        for j in 0..self.value.len() {
-            for k in start[j]..start[j + 1] {
-                let (i, a) = (rows[k], entries[k]);
-                result.value[i] += a * self.value[j];
-                result.terms[i] += a.abs() * self.terms[j];
-                if i != j {
-                    result.value[j] += a * self.value[i];
-                    result.terms[j] += a.abs() * self.terms[i];
-                }
-            }
-        }
-        result
-    }
-
-    /// Adds a multiple of another vector.
-    pub fn add(&mut self, factor: f64, other: &Self) {
-        self.value.iter_mut().zip(&other.value).for_each(|(a, b)| *a += factor * b);
-        self.terms.iter_mut().zip(&other.terms).for_each(|(a, b)| *a += factor.abs() * b);
-    }
-
-    /// That two ways lead to the same vector, entry by entry.
-    ///
-    /// # Errors
-    /// [`Fault`] where they differ by more than rounding, or are no numbers.
-    pub fn same(&self, other: &Self, what: &'static str) -> Result<(), Fault> {
-        let difference = |i: usize| {
-            let (difference, terms) = ((self.value[i] - other.value[i]).abs(), self.terms[i] + other.terms[i]);
-            match difference / terms {
-                _ if is_rounding(difference, terms) => 0.0,
-                part if part > 0.0 => part,
-                _ => f64::NAN,
-            }
-        };
-        let size = self.value.len();
-        let error = (0..size).map(difference).fold(0.0, |m: f64, d| if d > m || d.is_nan() { d } else { m });
-        if error == 0.0 { Ok(()) } else { Err(Fault { what, size, error }) }
-    }
-
-    /// x += c, from row `first`.
-    #[inline(always)]
-    fn gain(&mut self, first: usize, entries: &[f64], (value, terms): (f64, f64)) {
-        let to = self.value[first..].iter_mut().zip(&mut self.terms[first..]);
-        for ((v, t), a) in to.zip(entries) {
-            *v += a * value;
-            *t += a.abs() * terms;
-        }
-    }
-
-    /// c · x, from row `first`.
-    #[inline(always)]
-    fn along(&self, first: usize, entries: &[f64]) -> (f64, f64) {
-        let (mut value, mut terms) = ([0.0; LANES], [0.0; LANES]);
-        let of = |x: &[f64]| -> usize { x.len() / LANES * LANES };
-        let (whole, rest) = entries.split_at(of(entries));
-        let (x, t) = (&self.value[first..first + entries.len()], &self.terms[first..first + entries.len()]);
-        let blocks = whole.chunks_exact(LANES).zip(x.chunks_exact(LANES)).zip(t.chunks_exact(LANES));
-        for ((a, x), t) in blocks {
-            for k in 0..LANES {
-                value[k] += a[k] * x[k];
-                terms[k] += a[k].abs() * t[k];
-            }
-        }
-        let mut sums = (value.iter().sum(), terms.iter().sum());
-        for ((a, x), t) in rest.iter().zip(&x[whole.len()..]).zip(&t[whole.len()..]) {
-            sums = (sums.0 + a * x, sums.1 + a.abs() * t);
-        }
-        sums
-    }
+/// The same over the roots of a diagonal, so that all unknowns count alike.
+pub fn scaled_probe(diagonal: impl ExactSizeIterator<Item = f64>) -> Vec<f64> {
+    let mut probe = probe(diagonal.len());
+    probe.iter_mut().zip(diagonal).for_each(|(p, d)| *p /= if d > 0.0 { d.sqrt() } else { 1.0 });
+    probe
 }
 
 /// Whether a difference is one of rounding; never where a number is not finite. What is below all numbers has no digits.
@@ -199,9 +35,38 @@ fn is_rounding(difference: f64, terms: f64) -> bool {
     difference <= ROUNDING * terms + f64::MIN_POSITIVE && difference.is_finite() && terms.is_finite()
 }
 
-#[inline(always)]
-fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
-    a.col(j).try_as_col_major().map_or(&[], |column| column.as_slice())
+/// The last product on the way to a vector, and what it is applied to.
+pub(crate) struct Last<'a, T, R> {
+    /// Values of the vector before it.
+    pub inner: &'a [f64],
+    /// The sums of the terms of that vector.
+    pub terms: T,
+    /// The sum of the terms of one row, from values or sums of terms before.
+    pub row: R,
+}
+
+impl<T: FnOnce() -> Vec<f64>, R: Fn(usize, &[f64]) -> f64> Last<'_, T, R> {
+    /// That two ways lead to the same vector, entry by entry.
+    ///
+    /// Terms are summed where values are too small to tell: first from the values before, then from their terms.
+    ///
+    /// # Errors
+    /// [`Fault`] where they differ by more than rounding, or are no numbers.
+    pub fn same(self, what: &'static str, one: &[f64], other: &[f64]) -> Result<(), Fault> {
+        let difference = |i: usize| (one[i] - other[i]).abs();
+        let mut rows: Vec<usize> = (0..one.len()).collect();
+        rows.retain(|&i| !is_rounding(difference(i), one[i].abs() + other[i].abs()));
+        rows.retain(|&i| !is_rounding(difference(i), (self.row)(i, self.inner)));
+        if rows.is_empty() {
+            return Ok(());
+        }
+        let terms = (self.terms)();
+        let part = |&i: &usize| (difference(i), (self.row)(i, &terms));
+        let wrong = rows.iter().map(part).filter(|&(difference, terms)| !is_rounding(difference, terms));
+        let error =
+            wrong.map(|(difference, terms)| difference / terms).reduce(|m, e| if e > m || e.is_nan() { e } else { m });
+        error.map_or(Ok(()), |error| Err(Fault { what, size: one.len(), error }))
+    }
 }
 
 /// That L Lᵀ = A, of the lower triangles of both.
@@ -209,13 +74,16 @@ fn column(a: MatRef<'_, f64>, j: usize) -> &[f64] {
 /// # Errors
 /// [`Fault`] where rounding does not explain the difference.
 pub fn check_cholesky(a: MatRef<'_, f64>, l: MatRef<'_, f64>) -> Result<(), Fault> {
-    let probe = Probe::scaled((0..a.nrows()).map(|i| a[(i, i)]));
-    same_as_factor(&probe, &probe.times_symmetric(a), l)
+    let probe = scaled_probe((0..a.nrows()).map(|i| a[(i, i)]));
+    same_as_factor(&probe, symmetric(a), l)
 }
 
-/// That L Lᵀ p is what A p was.
-pub(crate) fn same_as_factor(probe: &Probe, wanted: &Probe, l: MatRef<'_, f64>) -> Result<(), Fault> {
-    probe.times_transposed_lower(l).times_lower(l).same(wanted, "a Cholesky factor")
+/// That L Lᵀ p is A p.
+pub(crate) fn same_as_factor(probe: &[f64], a: Operand<'_>, l: MatRef<'_, f64>) -> Result<(), Fault> {
+    let (first, last) = (lower_transposed(l), lower(l));
+    let inner = first.times(probe);
+    let check = Last { inner: &inner, terms: || first.terms(probe), row: |i, x: &[f64]| last.terms_of(i, x) };
+    check.same("a Cholesky factor", &last.times(&inner), &a.times(probe))
 }
 
 /// That A x = b for a square A, relative to the largest rows: the backward error of a solution.
@@ -223,15 +91,17 @@ pub(crate) fn same_as_factor(probe: &Probe, wanted: &Probe, l: MatRef<'_, f64>) 
 /// # Errors
 /// [`Fault`] where rounding does not explain the difference.
 pub fn check_solution(a: MatRef<'_, f64>, x: &[f64], b: &[f64]) -> Result<(), Fault> {
-    let size = b.len();
-    let product = Probe::of(x.to_vec()).times(a);
     let largest = |v: &mut dyn Iterator<Item = f64>| v.fold(0.0f64, |m, x| if x > m || x.is_nan() { x } else { m });
-    let difference = largest(&mut product.value.iter().zip(b).map(|(a, b)| (a - b).abs()));
-    let scale = largest(&mut product.terms.iter().copied()) + largest(&mut b.iter().map(|b| b.abs()));
+    let (product, load) = (whole(a).times(x), largest(&mut b.iter().map(|b| b.abs())));
+    let difference = largest(&mut product.iter().zip(b).map(|(a, b)| (a - b).abs()));
+    if is_rounding(difference, load) {
+        return Ok(());
+    }
+    let scale = load + largest(&mut whole(a).terms(x).into_iter());
     if is_rounding(difference, scale) {
         return Ok(());
     }
-    Err(Fault { what: "the solution of a system", size, error: difference / scale })
+    Err(Fault { what: "the solution of a system", size: b.len(), error: difference / scale })
 }
 
 /// That A V = U Σ of vectors of length 1, relative to the largest value.
@@ -243,14 +113,15 @@ pub fn check_spectrum(
     (right, left): (MatRef<'_, f64>, MatRef<'_, f64>),
     values: &[f64],
 ) -> Result<(), Fault> {
-    let size = values.len();
-    let probe = Probe::new(size);
-    let scaled = Probe::of(probe.value.iter().zip(values).map(|(p, value)| p * value).collect());
-    let mut product = probe.times(right).times(a);
+    let probe = probe(values.len());
+    let scaled: Vec<f64> = probe.iter().zip(values).map(|(p, value)| p * value).collect();
     // rounding of the values is that of the largest one
     let largest = values.iter().fold(0.0f64, |m, v| if v.abs() > m || v.is_nan() { v.abs() } else { m });
-    product.terms.iter_mut().for_each(|t| *t += size as f64 * largest);
-    product.same(&scaled.times(left), "a spectrum")
+    let (first, last) = (whole(right), whole(a));
+    let inner = first.times(&probe);
+    let row = |i: usize, x: &[f64]| last.terms_of(i, x) + values.len() as f64 * largest;
+    let check = Last { inner: &inner, terms: || first.terms(&probe), row };
+    check.same("a spectrum", &last.times(&inner), &whole(left).times(&scaled))
 }
 
 /// That A X = 1 of a factor A = L Lᵀ.
@@ -258,6 +129,54 @@ pub fn check_spectrum(
 /// # Errors
 /// [`Fault`] where rounding does not explain the difference.
 pub fn check_inverse(l: MatRef<'_, f64>, inverse: MatRef<'_, f64>) -> Result<(), Fault> {
-    let probe = Probe::new(l.nrows());
-    probe.times(inverse).times_transposed_lower(l).times_lower(l).same(&probe, "an inverse")
+    let probe = probe(l.nrows());
+    let (first, second, last) = (whole(inverse), lower_transposed(l), lower(l));
+    let inner = second.times(&first.times(&probe));
+    let terms = || second.terms(&first.terms(&probe));
+    let check = Last { inner: &inner, terms, row: |i, x: &[f64]| last.terms_of(i, x) };
+    check.same("an inverse", &last.times(&inner), &probe)
+}
+
+/// The lower triangle of a sparse symmetric matrix, column by column, diagonal entries first.
+#[derive(Debug, Clone, Copy)]
+pub struct Sparse<'a> {
+    /// Where each column starts, and the end.
+    pub start: &'a [usize],
+    /// The row of each entry.
+    pub rows: &'a [usize],
+    /// The entries.
+    pub entries: &'a [f64],
+}
+
+impl Sparse<'_> {
+    /// Calls for each entry of the whole matrix, row and column.
+    fn each(&self, mut of: impl FnMut(usize, usize, f64)) {
+        for (j, range) in self.start.windows(2).enumerate() {
+            for k in range[0]..range[1] {
+                let (i, a) = (self.rows[k], self.entries[k]);
+                of(i, j, a);
+                if i != j {
+                    of(j, i, a);
+                }
+            }
+        }
+    }
+
+    /// A x.
+    pub fn times(&self, x: &[f64]) -> Vec<f64> {
+        let mut sum = vec![0.0; x.len()];
+        self.each(|i, j, a| sum[i] += a * x[j]);
+        sum
+    }
+
+    /// That A x = b, row by row.
+    ///
+    /// # Errors
+    /// [`Fault`] where rounding does not explain the difference.
+    pub fn check(&self, x: &[f64], b: &[f64]) -> Result<(), Fault> {
+        let mut terms = vec![0.0; x.len()];
+        self.each(|i, j, a| terms[i] += (a * x[j]).abs());
+        let check = Last { inner: &terms, terms: Vec::new, row: |i, _: &[f64]| terms[i] };
+        check.same("a sparse Cholesky factor", &self.times(x), b)
+    }
 }

@@ -3,7 +3,7 @@
 use faer::{Mat, Side};
 use steklov_algebra::{
     Fault, add_product, check_cholesky, check_inverse, check_solution, check_spectrum, cholesky, is_fault, llt,
-    once_more, solve_lower, solve_lower_transposed, threads,
+    once_more, scaled_probe, solve_lower, solve_lower_transposed, threads,
 };
 use steklov_quadrature::unit_uniform;
 
@@ -50,6 +50,30 @@ fn rounding_is_no_fault() {
         let eigen = a.self_adjoint_eigen(Side::Lower).expect("a spectrum");
         let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
         check_spectrum(a.as_ref(), (eigen.U(), eigen.U()), &values).expect("a spectrum");
+    }
+}
+
+/// Rows that the probe does not see but for rounding, in which values tell no terms, are no fault.
+#[test]
+fn rows_that_the_probe_cancels_are_judged_by_their_terms() {
+    for n in SIZES {
+        let p = scaled_probe(vec![1.0; n].into_iter());
+        // of entries of both signs: (B p)_i = 0 but for rounding
+        let b = Mat::from_fn(n, n, |i, j| {
+            let (k, size) = (n / 2 * 2, 10f64.powi(-(i as i32 % 9)) / (3.0 + i as f64));
+            if j >= k { 0.0 } else { size * if j % 2 == 0 { p[j + 1] } else { -p[j - 1] } }
+        });
+        let l = Mat::from_fn(n, n, |i, j| if i == j { 3.0 + (i as f64).sin() } else { 0.0 });
+        let mut x = b.clone();
+        solve_lower(l.as_ref(), x.as_mut()).expect("a solution");
+        let mut c = Mat::zeros(n, n);
+        add_product(c.as_mut(), l.as_ref(), x.as_ref(), 1.0).expect("a product");
+        let reached = (0..n).any(|i| {
+            let of = |m: &Mat<f64>| (0..n).map(|j| m[(i, j)] * p[j]).sum::<f64>();
+            let (one, other) = (of(&b), l[(i, i)] * of(&x));
+            (one - other).abs() > 1e-12 * (one.abs() + other.abs())
+        });
+        assert!(reached, "{n}: values tell all rows");
     }
 }
 

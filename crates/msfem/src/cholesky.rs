@@ -12,7 +12,7 @@ use faer::sparse::linalg::cholesky::{
 };
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMatRef};
 use faer::{ColMut, Conj, Mat, MatMut, Par, Side};
-use steklov_algebra::{Probe, spoil};
+use steklov_algebra::{Sparse, scaled_probe, spoil};
 
 use crate::MsfemError;
 
@@ -78,11 +78,11 @@ impl Structure {
         let Lower { start, rows } = &*self.pattern;
         let mut factor = self.factorise(entries, par)?;
         spoil(ColMut::from_slice_mut(&mut factor.values).as_mat_mut(), false);
-        let probe = Probe::scaled(start[..self.pattern.size()].iter().map(|&first| entries[first]));
-        let wanted = probe.times_sparse(start, rows, entries);
-        let mut solution = wanted.values().to_vec();
+        let matrix = Sparse { start, rows, entries };
+        let wanted = matrix.times(&scaled_probe(start[..self.pattern.size()].iter().map(|&first| entries[first])));
+        let mut solution = wanted.clone();
         factor.solve(ColMut::from_slice_mut(&mut solution).as_mat_mut(), par);
-        Probe::of(solution).times_sparse(start, rows, entries).same(&wanted, "a sparse Cholesky factor")?;
+        matrix.check(&solution, &wanted)?;
         Ok(factor)
     }
 
