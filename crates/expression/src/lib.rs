@@ -13,6 +13,7 @@
 
 mod token;
 mod tape;
+mod foreign;
 mod parse;
 mod interval;
 mod range;

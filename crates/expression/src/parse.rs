@@ -6,6 +6,7 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use super::foreign::translated;
 use super::tape::{One, Op, Two};
 use super::token::{Token, next_token};
 use super::{ExpressionError, FieldValue, Switch};
@@ -48,6 +49,15 @@ struct Parser<'a> {
 }
 
 pub(super) fn parse(
+    text: &str,
+    constants: &BTreeMap<String, f64>,
+    fields: &BTreeMap<String, Arc<FieldValue>>,
+    free: &[String],
+) -> Result<Parsed, ExpressionError> {
+    parsed(text, constants, fields, free).map_err(|error| translated(text, error))
+}
+
+fn parsed(
     text: &str,
     constants: &BTreeMap<String, f64>,
     fields: &BTreeMap<String, Arc<FieldValue>>,
