@@ -142,6 +142,9 @@ impl Scene {
             "gap" => {
                 "a gap is a finite distance at every point; for a side that nothing can touch leave the contact out"
             }
+            _ if negative && expression.constant().is_some() && expression.text().contains("tan(") => {
+                "friction cannot be negative: tan takes radians, write an angle in degrees as tan(30*pi/180)"
+            }
             _ if negative => "friction cannot be negative: write max(0, ...), or correct the expression",
             _ => NOT_FINITE,
         };

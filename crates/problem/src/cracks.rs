@@ -179,9 +179,10 @@ fn check(outline: &Polygon, cracks: &[Crack], k: usize, extent: f64) -> Result<(
                     break;
                 }
                 if apart([a, b], [pair[0], pair[1]]) <= ON_BOUNDARY * extent {
-                    let [x, y] = pair[0];
-                    let message = format!("the crack meets {} near ({x}, {y})", other.side);
-                    return refuse(message, "leave a distance between them: cracks do not branch");
+                    let [x, y] = common([a, b], [pair[0], pair[1]]);
+                    let met = format!("{}{}", other.side, if j == k { ", itself," } else { "" });
+                    let help = "leave a distance between them, or shorten one: cracks do not branch";
+                    return refuse(format!("the crack meets {met} at ({x}, {y})"), help);
                 }
             }
         }
@@ -197,6 +198,22 @@ fn apart([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> f64 {
     }
     let ends = [(a, [p, q]), (b, [p, q]), (p, [a, b]), (q, [a, b])];
     ends.into_iter().map(|(x, of)| distance_to_segment(x, of)).fold(f64::INFINITY, f64::min)
+}
+
+/// The point that two segments have in common; of those that only come near each other the end that is nearest.
+fn common(own: [[f64; 2]; 2], other: [[f64; 2]; 2]) -> [f64; 2] {
+    let [d, e] = [own, other].map(|[a, b]| [b[0] - a[0], b[1] - a[1]]);
+    let cross = |u: [f64; 2], v: [f64; 2]| u[0] * v[1] - u[1] * v[0];
+    let to = [other[0][0] - own[0][0], other[0][1] - own[0][1]];
+    let (s, t) = (cross(to, e) / cross(d, e), cross(to, d) / cross(d, e));
+    if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
+        // to six digits of the segment
+        let digits = 10f64.powf(6.0 - d[0].hypot(d[1]).log10().floor());
+        return [0, 1].map(|i| ((own[0][i] + s * d[i]) * digits).round() / digits + 0.0);
+    }
+    let off = |x: &[f64; 2], of| distance_to_segment(*x, of);
+    let ends = own.map(|x| (off(&x, other), x)).into_iter().chain(other.map(|x| (off(&x, own), x)));
+    ends.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(own[0], |(_, x)| x)
 }
 
 /// The way of a crack from its tip to the outer loop: straight on, or with one turn.

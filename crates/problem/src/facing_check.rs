@@ -56,7 +56,16 @@ impl Problem {
             });
         }
         if matches!(interface.law, Law::Contact(_)) {
-            return Ok(());
+            return match self.hidden_by(interface) {
+                Some(body) => Err((
+                    format!(
+                        "the sides {between} do not face each other: body {:?} lies between them",
+                        self.bodies[body].name
+                    ),
+                    "name the sides that meet: those that are drawn next to each other",
+                )),
+                None => Ok(()),
+            };
         }
         let beyond = self.mirrored(interface);
         let length = |of: &Interface| self.whole(of).iter().map(|span| self.span_length(span)).sum::<f64>();
@@ -85,6 +94,23 @@ impl Problem {
                 "leave it out, or move the bodies together",
             )),
         }
+    }
+
+    /// A body that lies between the sides of an interface wherever they see each other.
+    fn hidden_by(&self, interface: &Interface) -> Option<usize> {
+        let edges = self.outline.edges();
+        let near = self.coincidence(interface);
+        let between = |span: &Span| {
+            let s = (span.s[0] + span.s[1]) / 2.0;
+            let seen = self.seen(interface, span.edge, s)?;
+            let way = near..seen.distance - near;
+            let met = |edge: &&Edge| {
+                edge.met_by(edges[span.edge].point(s), seen.direction).iter().any(|(_, d)| way.contains(d))
+            };
+            edges.iter().find(met).map(|edge| self.body_of_side(edge.side))
+        };
+        let bodies: Option<Vec<usize>> = self.spans(interface).iter().map(between).collect();
+        bodies?.first().copied()
     }
 
     /// The same interface seen from its other sides.

@@ -132,24 +132,43 @@ pub fn check_body(scene: &Scene, cells: [usize; 2], name: &str) -> Result<(), Da
                 "the corner ({}, {}) is no point of the {name} grid: the nearest one is ({}, {}), the spacing is {} by {}",
                 a[0], a[1], point[0], point[1], spacing[0], spacing[1]
             );
-            let help = format!("move the corner there, or change [grid], such as to {}", fitting_grid(scene));
+            let help = match fitting_grid(scene) {
+                Some(grid) => format!("move the corner there, or change [grid], such as to {grid}"),
+                None => {
+                    "move the corner there: no [grid] of up to 1024 cells along each side has all corners".to_owned()
+                }
+            };
             return Err(DataError { kind: Kind::Geometry, message, help, about: About::Keys(keys) });
         }
     }
     Ok(())
 }
 
+/// Most cells along a side of a grid that is proposed.
+const PROPOSED: usize = 1024;
+
 /// An example of a `[grid]` for the body and its modulus cells, as text: coarse cells that are about square and have the
-/// corners of the body among their points, 2 to 64 along the shorter side.
-pub(super) fn fitting_grid(scene: &Scene) -> String {
-    let (_, size) = bounding_box(&scene.problem.outline);
+/// corners of the body among their points, 2 to 64 along the shorter side; else the fewest cells that have the corners.
+pub(super) fn fitting_grid(scene: &Scene) -> Option<String> {
+    let outline = &scene.problem.outline;
+    let (low, size) = bounding_box(outline);
     let shorter = size[0].min(size[1]);
-    // a long body is not cut into more than 1024 cells along it
-    let along = |n: usize| size.map(|side| (n as f64 * side / shorter).round().clamp(1.0, 1024.0) as usize);
-    let coarse = (2..=64).map(along).find(|&cells| fits(&scene.problem.outline, cells)).unwrap_or_else(|| along(4));
+    // a long body is not cut into more cells along it
+    let along = |n: usize| size.map(|side| (n as f64 * side / shorter).round().clamp(1.0, PROPOSED as f64) as usize);
+    let on = |k: usize, n: usize| {
+        let cells = size.map(|_| n);
+        outline.edges().iter().all(|edge| {
+            let mut corner = low;
+            corner[k] = edge.start[k];
+            nearest((low, size), cells, corner).1
+        })
+    };
+    let fewest = |k: usize| (2..=PROPOSED).find(|&n| on(k, n));
+    let either = || Some([fewest(0)?, fewest(1)?]).filter(|&cells| fits(outline, cells));
+    let coarse = (2..=64).map(along).find(|&cells| fits(outline, cells)).or_else(either)?;
     let fine = [0, 1].map(|k| {
         let moduli = scene.body().cells().and_then(|cells| whole(size[k] / cells.size));
         moduli.map_or(8, |moduli| super::moduli::fitting_fine(moduli, coarse[k], 2))
     });
-    format!("[grid] coarse = [{}, {}], fine = [{}, {}]", coarse[0], coarse[1], fine[0], fine[1])
+    Some(format!("[grid] coarse = [{}, {}], fine = [{}, {}]", coarse[0], coarse[1], fine[0], fine[1]))
 }

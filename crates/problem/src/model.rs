@@ -95,8 +95,9 @@ impl Scene {
 
     /// A grid is needed, and there is none.
     pub fn grid_error(&self) -> DataError {
-        let fits = check_edges(self).is_ok();
-        let add = if fits { format!("add {}", fitting_grid(self)) } else { without_grid(self) };
+        let grid = check_edges(self).ok().and_then(|()| fitting_grid(self));
+        let fits = grid.is_some();
+        let add = grid.map_or_else(|| without_grid(self), |grid| format!("add {grid}"));
         let asked = self.method.model != Model::Auto;
         if self.body().cells().is_none() && !asked {
             let help = if fits { format!("give one constant force, or {add}") } else { add.clone() };
@@ -109,7 +110,7 @@ impl Scene {
             (false, Some(_)) => ("a material that differs from cell to cell needs a [grid]", vec!["material", "cells"]),
             (false, None) => ("a body with a force or holes in it, in a medium, needs a [grid]", vec!["body"]),
         };
-        let no_grid = if fits { "" } else { ", and no grid has edges like its outline" };
+        let no_grid = if fits { "" } else { ", and no grid has its outline" };
         let help = if fits && key == ["body"] { format!("{AS_TWO_BODIES}; or {add}") } else { add };
         DataError::at(Kind::MissingKey, &[key], format!("{message}{no_grid}"), help)
     }

@@ -100,7 +100,8 @@ impl Scene {
 /// The material with another modulus, which `young` gives.
 fn with_young(material: &Material, value: f64, young: &Expression) -> Result<Material, DataError> {
     Material::new(value, material.poisson, material.plane).map_err(|e| {
-        let help = "give a positive number in the scene's unit of stress";
+        let help = "no outcome may reach that: bound what is random by low = .. or high = .., take distribution = \"lognormal\", \
+                    which is positive, or a smaller deviation";
         DataError::new(Kind::Value, young.place, e.to_string(), help)
     })
 }

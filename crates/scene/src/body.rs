@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::{Location, Loop, Polygon, PolygonError};
 use steklov_elastic::{Material, MaterialError, Plane};
 use steklov_expression::{Expression, is_name, is_reserved};
-use steklov_problem::{DataError, DataErrorKind as Kind, Source};
+use steklov_problem::{About, DataError, DataErrorKind as Kind, Source};
 
 use super::curves;
 use super::fields::{Context, Field, Fields};
@@ -26,7 +26,7 @@ pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameter
     let mut uses = Vec::new();
     for (key, place, value) in Fields::open(field)?.all() {
         check_name(key, place)?;
-        let number = value.constant(&context)?;
+        let number = value.constant(&context).map_err(|error| used_before(error, key, field, source))?;
         if !number.is_finite() {
             return Err(value.problem(format!("the parameter {key} is {number}"), "it must be finite"));
         }
@@ -34,6 +34,22 @@ pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameter
         uses.push((key.to_owned(), context.used.take().into_iter().collect()));
     }
     Ok(Parameters { values: context.constants, uses })
+}
+
+/// The error of a parameter that uses a name, where the name is one that stands below it.
+fn used_before(error: DataError, key: &str, all: &Field<'_>, source: &Source) -> DataError {
+    let About::Text(place) = error.about else { return error };
+    let name = &source.part(place.source)[place.start..place.end];
+    if error.kind != Kind::Expression || all.item.at(&[name]).is_none() {
+        return error;
+    }
+    let help = if name == key {
+        "give it a value that does not use itself".to_owned()
+    } else {
+        format!("write {name} above {key}; if it uses {key} itself, give one of the two a number")
+    };
+    let message = format!("parameters.{key} uses {name}, and parameters know only those above them");
+    DataError { message, help, ..error }
 }
 
 /// Whether a name can stand in an expression for something new.
@@ -86,7 +102,8 @@ pub(super) fn medium(fields: &Fields<'_>) -> Result<Polygon, DataError> {
     let outer = ["corners", "sides", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
     if let Some(field) = outer.into_iter().find_map(|key| fields.get(key)) {
         let message = format!("{} outlines a body, and a medium is the whole plane but for its holes", field.name);
-        let help = "write the loop as a hole: [[body.holes]] below the [[body]] of the medium";
+        let help = "remove what outlines it, as corners and sides: the plane is not cut off far away; a loop that bounds a hole \
+                    belongs in [[body.holes]] below the [[body]] of the medium; for a bounded body remove medium";
         return Err(DataError::new(Kind::Conflict, field.item.place, message, help));
     }
     fields.require("holes", "[[body.holes]] with corners and sides: where the medium meets something")?;

@@ -154,7 +154,18 @@ impl<'a> Field<'a> {
     }
 
     pub(super) fn list(&self) -> Result<Vec<Field<'a>>, DataError> {
-        let Value::Array(list) = &self.item.value else { return Err(self.wrong_type("a list in brackets")) };
+        let Value::Array(list) = &self.item.value else {
+            let key = self.name.rsplit('.').next().unwrap_or_default();
+            let wanted = match self.item.value {
+                Value::Table(_) if keys::LISTS.contains(&key) => {
+                    let header: String =
+                        self.name.split('.').map(|k| k.split('[').next().unwrap_or(k)).collect::<Vec<_>>().join(".");
+                    format!("a list of tables: write [[{header}]] with two pairs of brackets, one such table for each")
+                }
+                _ => "a list in brackets".to_owned(),
+            };
+            return Err(self.wrong_type(&wanted));
+        };
         Ok(list.iter().enumerate().map(|(k, item)| Field { name: format!("{}[{k}]", self.name), item }).collect())
     }
 

@@ -1,10 +1,13 @@
 //! Files of other kinds that are given as scenes.
 
+/// What a result file is.
+pub const HDF5: &str = "an HDF5 file";
+
 /// What a file is that begins like one of another kind, and what to do with it.
-pub(super) fn foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
+pub fn foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     const DRAWING: &str = "a scene is TOML text: write the points of the drawing as body.corners, what is round as circle, ellipse, arcs \
                            or curves; `steklov new` prints a scene to start from";
-    const PICTURE: &str = "a scene is TOML text; `steklov new` prints one to start from";
+    const OTHER: &str = "a scene is TOML text; `steklov new` prints one to start from";
     let start = &bytes[..bytes.len().min(4096)];
     let text = String::from_utf8_lossy(start);
     let text = text.trim_start_matches('\u{feff}').trim_start();
@@ -24,9 +27,11 @@ pub(super) fn foreign(bytes: &[u8]) -> Option<(&'static str, &'static str)> {
     } else if start.starts_with(b"%PDF") || start.starts_with(b"%!PS") {
         Some(("a page (PDF or PostScript)", DRAWING))
     } else if start.starts_with(b"\x89PNG") || start.starts_with(b"\xff\xd8\xff") {
-        Some(("a picture (PNG or JPEG)", PICTURE))
+        Some(("a picture (PNG or JPEG)", OTHER))
+    } else if start.starts_with(b"\x93NUMPY") {
+        Some(("an array of NumPy (.npy)", OTHER))
     } else if start.starts_with(b"\x89HDF") {
-        Some(("an HDF5 file", "`steklov show` shows a result; the scene that it was made of is its data set `scene`"))
+        Some((HDF5, "`steklov show` shows a result; the scene that it was made of is its data set `scene`"))
     } else {
         None
     }

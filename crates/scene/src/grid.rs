@@ -11,6 +11,7 @@ use steklov_problem::{
 };
 
 use super::fields::{Context, Field, Fields};
+use super::foreign::{HDF5, foreign};
 use super::keys;
 use super::tree::Value;
 
@@ -57,14 +58,15 @@ pub(super) fn cells(
     let size = size.number_where(|v| v > 0.0 && v.is_finite(), "a positive length")?;
     let young = fields.require("young", "young = { uniform = [low, high], seed = 1 }")?;
     let young = match young.item.value {
-        Value::Table(_) => table(&young, modulus_cells(polygon, size), context.source)?,
+        Value::Table(_) => table(&young, modulus_cells(polygon, size), size, context.source)?,
         _ => CellModuli::Expression(young.expression_inside(context)?),
     };
     Ok(Cells { size, young, of_unit_modulus: of_unit_modulus()? })
 }
 
-/// Moduli that are random numbers or come from a file; `cells`: how many there are along x and y, if they fit the body.
-fn table(young: &Field<'_>, cells: Option<[usize; 2]>, source: &Source) -> Result<CellModuli, DataError> {
+/// Moduli that are random numbers or come from a file; `cells`: how many of this size there are along x and y, if they fit the
+/// body.
+fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Source) -> Result<CellModuli, DataError> {
     let table = Fields::new(young, &["uniform", "seed", "file", "dataset", "order"])?;
     let beside = |key: &str, of: &str| match table.get(key) {
         Some(field) => {
@@ -77,7 +79,8 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, source: &Source) -> Resul
         (Some(uniform), None) => {
             beside("dataset", "file")?;
             beside("order", "file")?;
-            let [low, high] = uniform.point()?;
+            let [low, high] = uniform.pair("the lowest and the highest modulus")?;
+            let (low, high) = (low.number()?, high.number()?);
             if !(low > 0.0 && low <= high && high.is_finite()) {
                 let message = format!("{} is [{low}, {high}]", uniform.name);
                 return Err(uniform.problem(message, "both must be positive moduli, the lower one first"));
@@ -88,7 +91,7 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, source: &Source) -> Resul
         (None, Some(file)) => {
             beside("seed", "uniform")?;
             let dataset = table.require("dataset", "dataset = \"/young\"")?;
-            from_file((&file, &dataset, table.get("order")), cells, source)
+            from_file((&file, &dataset, table.get("order")), (cells, size), source)
         }
         (Some(_), Some(file)) => {
             let message = format!("{} has both uniform and file", young.name);
@@ -105,21 +108,35 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, source: &Source) -> Resul
 /// The moduli of a file. Cells that do not fit the body are refused later, by their size.
 fn from_file(
     (file, dataset, given): (&Field<'_>, &Field<'_>, Option<Field<'_>>),
-    cells: Option<[usize; 2]>,
+    (cells, size): (Option<[usize; 2]>, f64),
     source: &Source,
 ) -> Result<CellModuli, DataError> {
     let (name, at) = (dataset.text()?, file.text()?);
     let path = Path::new(&source.name).parent().unwrap_or(Path::new("")).join(at);
     let refuse = |e: IoError| {
-        let (field, help) = match &e {
-            IoError::Missing { .. } => (dataset, "name a dataset of the file; `h5ls -r` lists them"),
-            IoError::Mismatch { .. } => (
-                dataset,
-                "store one number for each modulus cell, indexed [ix, iy], or [row, column] of an image with order = \"rows\"",
-            ),
-            _ => (file, "the path is relative to the folder of the scene"),
+        let other = || std::fs::read(&path).ok().and_then(|bytes| foreign(&bytes)).filter(|(what, _)| *what != HDF5);
+        let (field, why, help) = match &e {
+            IoError::Missing { .. } => {
+                (dataset, e.to_string(), "name a dataset of the file; `h5ls -r` lists them".to_owned())
+            }
+            IoError::Mismatch { expected, found, .. } => {
+                let fitting = fitting_size(expected, found, size).map(|size| format!("take size = {size}; or "));
+                let help = "store one number for each modulus cell, indexed [ix, iy], or [row, column] of an image with \
+                            order = \"rows\"";
+                (dataset, e.to_string(), fitting.unwrap_or_default() + help)
+            }
+            _ => match other() {
+                Some((what, _)) => (
+                    file,
+                    format!("{at} is {what}"),
+                    format!(
+                        "they are read from an HDF5 file: h5py.File(\"young.h5\", \"w\")[{name:?}] = the array of numbers"
+                    ),
+                ),
+                None => (file, e.to_string(), "the path is relative to the folder of the scene".to_owned()),
+            },
         };
-        DataError::new(Kind::Read, field.item.place, format!("cannot read Young's moduli: {e}"), help)
+        DataError::new(Kind::Read, field.item.place, format!("cannot read Young's moduli: {why}"), help)
     };
     let words = [("xy", TableOrder::Xy), ("rows", TableOrder::Rows)];
     let given = given.map(|field| field.choice(&words).map(|order| (order, field))).transpose()?;
@@ -152,6 +169,17 @@ fn from_file(
         }
     };
     Ok(CellModuli::Table { values: values.into(), order, source: format!("{name} of {at}") })
+}
+
+/// The size of the cells with which a table of the shape `found` covers the body, where `expected` are those of this size.
+fn fitting_size(expected: &str, found: &str, size: f64) -> Option<f64> {
+    let counts = |text: &str| -> Option<[f64; 2]> {
+        let (x, y) = text.split_once(" by ")?;
+        let leading = |text: &str| text.split(|c: char| !c.is_ascii_digit()).next().and_then(|n| n.parse().ok());
+        Some([leading(x)?, leading(y)?])
+    };
+    let ([nx, ny], [mx, my]) = (counts(expected)?, counts(found)?);
+    (nx * my == ny * mx && mx > 0.0).then(|| size * nx / mx)
 }
 
 /// The order that the names of the axes of a table mean, or one word for both; None of names that mean none.

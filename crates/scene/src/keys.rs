@@ -90,6 +90,9 @@ pub(super) const GRID: [&str; 4] = ["coarse", "fine", "basis", "oversample"];
 pub(super) const EXTERIOR: [&str; 8] =
     ["young", "poisson", "plane", "displacement_jump", "traction_jump", "stress_jump", "remote_stress", "at_infinity"];
 
+/// The keys of lists of tables.
+pub(super) const LISTS: [&str; 3] = ["interface", "holes", "cracks"];
+
 /// The tables whose keys are fixed, the likelier ones first.
 const TABLES: [(&str, &[&str]); 13] = [
     ("method", &METHOD),
@@ -156,6 +159,12 @@ pub(super) fn help(key: &str, known: &[&str], entries: &[Entry]) -> String {
             None => suggestion(key, known.iter().copied()),
         },
     }
+}
+
+/// The full name of a key of a table of fixed keys whose name is not chosen by the user.
+pub fn full_key(key: &str) -> Option<String> {
+    let has = |(name, keys): &&(&str, &[&str])| !name.contains("NAME") && keys.contains(&key);
+    TABLES.iter().find(has).map(|(name, _)| format!("{name}.{key}"))
 }
 
 /// The full names that end in `key`: those of tables among the entries, and of `[method]`, if there are any.

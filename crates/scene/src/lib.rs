@@ -44,16 +44,20 @@ use steklov_problem::{
 };
 
 pub use error::{SceneError, located};
+pub use foreign::{HDF5, foreign};
+pub use keys::full_key;
 
 use body::Parameters;
 use cracks::Cracks;
 use fields::{Context, Field, Fields};
-use foreign::foreign;
 use sides::Given;
 use tree::{Item, suggestion};
 
 /// The commented scene that `steklov new` prints.
 pub const TEMPLATE: &str = include_str!("template.toml");
+
+/// The table that has no effect without `[random]`, among the names that nothing uses.
+pub const STOCHASTIC: &str = "[stochastic]";
 
 /// A scene with the texts from which it was read.
 #[derive(Debug, Clone)]
@@ -173,8 +177,11 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
     let is_random = |name: &String| declared.iter().any(|(n, _)| n == name);
     let mut unused: Vec<String> = declared.iter().map(|(name, _)| name.clone()).filter(|name| !used(name)).collect();
     unused.extend(unused_parameters(&parameter_uses, &used));
+    if declared.is_empty() && fields.get("stochastic").is_some() {
+        unused.push(STOCHASTIC.to_owned());
+    }
     let constants = random::constants(&fields, cavity, &is_random, &context)?;
-    let (names, germs) = random::used(declared, &used)?;
+    let (names, germs) = random::used(declared, stochastic.method, &used)?;
     let random = Random { names, germs, stochastic, uses: Uses::default(), cuts: Vec::new(), constants };
     let random = (!random.names.is_empty()).then_some(random);
     let mut scene = Scene { title, problem, parameters, probe, method, expect, random, unused };

@@ -46,9 +46,15 @@ pub(super) fn random(
     Ok(names)
 }
 
+/// Most germs of fields of which a rule can take points: two a germ are 2^64 of them.
+const RULE: usize = 64;
+/// Most germs of which samples are drawn in a bearable time.
+const DRAWN: usize = 512;
+
 /// The names that are used, with their germs; the expansions of fields are computed here.
 pub(super) fn used(
     declared: Vec<(String, Declared)>,
+    method: Sampling,
     uses: &dyn Fn(&str) -> bool,
 ) -> Result<(Vec<RandomName>, Vec<Germ>), DataError> {
     let (mut names, mut germs) = (Vec::new(), Vec::new());
@@ -67,6 +73,25 @@ pub(super) fn used(
                 let law = if uniform { Variable::uniform(-bound, bound) } else { Variable::normal(0.0, 1.0) };
                 let law = law.map_err(refused)?;
                 let first = germs.len();
+                let (modes, most) = (expansion.len(), if method == Sampling::MonteCarlo { DRAWN } else { RULE });
+                if first + modes > most {
+                    let [a, b] = covariance.correlation;
+                    let parts = expansion.sides().into_iter().zip([a, b]).map(|(side, length)| side / length);
+                    let longest = parts.fold(0.0, f64::max);
+                    let message = format!(
+                        "the field {name} has {modes} modes, more than the {most} germs that this stochastic.method can take; its \
+                         support is {longest} correlation lengths long"
+                    );
+                    let help = format!(
+                        "take a longer correlation, modes = 6, or a smaller captured{}",
+                        if most < DRAWN {
+                            format!("; method = \"monte-carlo\" takes up to {DRAWN}")
+                        } else {
+                            String::new()
+                        }
+                    );
+                    return Err(DataError::new(Kind::Value, place, message, help));
+                }
                 for m in 0..expansion.len() {
                     germs.push(Germ { label: format!("{name} {}", m + 1), variable: law.clone() });
                 }
@@ -241,7 +266,8 @@ pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, DataError> {
         ("sparse", Sampling::Sparse),
         ("monte-carlo", Sampling::MonteCarlo),
     ];
-    for (key, _, field) in Fields::new(field, &keys::STOCHASTIC)?.all() {
+    let table = Fields::new(field, &keys::STOCHASTIC)?;
+    for (key, _, field) in table.all() {
         match key {
             "method" => read.method = field.choice(&methods)?,
             "degree" => read.degree = field.whole(0, 64)?,
@@ -263,6 +289,15 @@ pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, DataError> {
                 read.quantities = Some(paths.iter().map(text).collect::<Result<_, _>>()?);
             }
         }
+    }
+    let only_point = match read.method {
+        Sampling::Galerkin | Sampling::Collocation => read.degree == 0 && read.elements == 1 && !read.refine,
+        Sampling::Sparse => read.level == 0,
+        Sampling::MonteCarlo => false,
+    };
+    if let Some(field) = table.get("degree").or(table.get("level")).filter(|_| only_point) {
+        let message = format!("{} is 0: one point stands for all outcomes, and every deviation is 0", field.name);
+        return Err(field.problem(message, "it must be 1 or more"));
     }
     Ok(read)
 }

@@ -105,15 +105,32 @@ fn document(text: &str, source: usize) -> Result<Item, DataError> {
         let place = Place { source, start: span.start, end: span.end };
         let message = e.message();
         let help = match message {
-            m if m.contains("duplicate") => "keep one of the two entries of this name",
-            _ if source > 0 => "the value is typed as TOML; text needs quotes: --set 'method.refine=\"none\"'",
-            _ => "scenes are TOML: key = value, text in quotes, lists in brackets, each table header once",
+            m if m.contains("duplicate") => "keep one of the two entries of this name".to_owned(),
+            _ => at_comma(text, span.start, source > 0).unwrap_or_else(|| {
+                let form = match source {
+                    0 => "scenes are TOML: key = value, text in quotes, lists in brackets, each table header once",
+                    _ => "the value is typed as TOML; text needs quotes: --set 'method.refine=\"none\"'",
+                };
+                form.to_owned()
+            }),
         };
         DataError::new(Kind::Syntax, place, format!("this is not TOML: {message}"), help)
     })?;
     let span = table.span();
     entries(table.get_ref(), source)
         .map(|e| Item { value: Value::Table(e), place: Place { source, start: span.start, end: span.end } })
+}
+
+/// What to write where a text ends to be TOML at a comma: in a number, or before the next override.
+fn at_comma(text: &str, at: usize, is_override: bool) -> Option<String> {
+    let (before, after) = (text.get(..at)?, text.get(at..)?.strip_prefix(',')?);
+    let is_number = |c: char| c.is_ascii_digit() || "+-.eE_".contains(c);
+    let (start, end) = (before.trim_end_matches(is_number).len(), after.find(|c| !is_number(c)).unwrap_or(after.len()));
+    if start < at && end > 0 && !after[end..].trim_start().starts_with(['=', '.']) {
+        return Some(format!("numbers are written with a decimal point: {}.{}", &before[start..], &after[..end]));
+    }
+    (is_override && after.contains('='))
+        .then(|| format!("write one --set for each key: --set '{before}' --set '{}'", after.trim()))
 }
 
 fn entries(table: &DeTable<'_>, source: usize) -> Result<Vec<Entry>, DataError> {
@@ -164,6 +181,13 @@ fn set(root: &mut Item, text: &str, source: usize) -> Result<(), DataError> {
         )
     };
     let equals = equals(text).ok_or_else(form)?;
+    if let Some((list, rest)) = text[..equals].split_once('[')
+        && let Some((index, after)) = rest.split_once(']')
+    {
+        let message = format!("the override {text:?} has brackets in its key");
+        let help = format!("write entries of lists with a point: --set '{list}.{index}{after}{}'", &text[equals..]);
+        return Err(DataError::new(Kind::Syntax, whole, message, help));
+    }
     let depth = depth(&document(&format!("{}=0", &text[..equals]), source).map_err(|_| form())?).ok_or_else(form)?;
     let mut rest = document(text, source)?;
     let mut path = Vec::new();
