@@ -67,10 +67,11 @@ doubts! {
     Outcomes: "outcomes",
         "random outcomes show, or may show, contact, slip or data that none of the points that were solved has, or a mean is out of its bounds",
         "`stochastic.refine = \"adaptive\"`, a higher `stochastic.degree` or `level`, or more `samples`";
-    /// Gaps or prescribed displacements turn or deform a body more than small strains describe.
+    /// Loads, gaps or prescribed displacements turn or deform a body more than small strains describe.
     Large: "large",
         "a body turns by more than 0.15 radian, or deforms by more than 0.15 of its diameter: small strains mean little there",
-        "smaller gaps or prescribed displacements; large deformations are not modelled";
+        "see whether `young` and the loads have the same unit of stress; or smaller loads, gaps or prescribed displacements: large \
+         deformations are not modelled";
     /// The outline is a polygon that stands for a curve.
     Facets: "facets",
         "the outline has a row of short edges that stands for a curve, and the error to that curve is not estimated",
@@ -92,7 +93,7 @@ doubts! {
     /// Bodies lie in each other where no interface is.
     Reach: "reach",
         "two bodies lie in each other at a place that no interface names",
-        "name the sides that meet there in an `[[interface]]`";
+        "name the sides that meet there in an `[[interface]]`; a crack by `on`, with `contact` in place of loads on its faces";
 }
 
 impl Doubt {

@@ -25,6 +25,8 @@ const DEEP: f64 = 2.0;
 const BESIDE: f64 = 0.05;
 /// Pieces of a pair of elements at most.
 const MOST: usize = 20_000;
+/// Parts of an element between which it is asked how far it has passed through another one.
+const PASSES: usize = 8;
 /// Points of an element at which the depth of what is found is measured.
 const LOOKS: usize = 64;
 
@@ -59,11 +61,21 @@ impl Data<'_> {
         for pair in (0..count).flat_map(|a| (a + 1..count).map(move |b| [a, b])) {
             let apart = self.drawn_too_large(joints, pair);
             let common = common.get(&pair).unwrap_or(&none);
+            let of = |body: usize| (0..self.mesh.len()).filter(|&e| bodies[e] == body).collect::<Vec<_>>();
+            let [first, second] = pair.map(of);
+            for [a, b] in first.iter().flat_map(|&a| second.iter().map(move |&b| [a, b])) {
+                if held_apart.is_beside(a, b) || held_apart.is(a, b) {
+                    continue;
+                }
+                let ways = [self.passed(displacement, [a, b], rounding), self.passed(displacement, [b, a], rounding)];
+                for (point, depth) in ways.into_iter().flatten().filter(|(_, depth)| *depth > strict + apart) {
+                    keep_deepest(&mut found, Entered { bodies: pair, point, depth });
+                }
+            }
             for (is_beside, depth) in [(false, strict + apart), (true, beside.max(strict) + apart)] {
-                let of = |body: usize| (0..self.mesh.len()).filter(|&e| bodies[e] == body).collect::<Vec<_>>();
-                let moved = pair.map(|body| {
-                    let whole = |e: usize| (e, self.moved(e, displacement, depth, [-1.0, 1.0]));
-                    of(body).into_iter().map(whole).collect::<Vec<_>>()
+                let moved = [&first, &second].map(|elements| {
+                    let whole = |&e: &usize| (e, self.moved(e, displacement, depth, [-1.0, 1.0]));
+                    elements.iter().map(whole).collect::<Vec<_>>()
                 });
                 for ((a, piece), (b, other)) in moved[0].iter().flat_map(|a| moved[1].iter().map(move |b| (a, b))) {
                     let judged = held_apart.is_beside(*a, *b) == is_beside && !held_apart.is(*a, *b);
@@ -85,6 +97,43 @@ impl Data<'_> {
             }
         }
         found
+    }
+
+    /// Where an element has passed farthest through one on the same line, as those of both faces of a crack, which do not cross
+    /// for that; and how far.
+    fn passed(&self, displacement: &[f64], [own, other]: [usize; 2], near: f64) -> Option<([f64; 2], f64)> {
+        if !self.mesh.is_line(own) || !self.mesh.is_line(other) {
+            return None;
+        }
+        let [a, b] = self.mesh.ends(other);
+        let d = [b[0] - a[0], b[1] - a[1]];
+        let length = d[0].hypot(d[1]);
+        let at = |k: usize| {
+            let t = 2.0 * k as f64 / PASSES as f64 - 1.0;
+            let (x, n) = (self.mesh.point(own, t), self.mesh.normal(own, t));
+            let r = [x[0] - a[0], x[1] - a[1]];
+            let (along, off) = ((r[0] * d[0] + r[1] * d[1]) / length, (r[0] * d[1] - r[1] * d[0]) / length);
+            if off.abs() > near || !(0.0..=length).contains(&along) {
+                return None;
+            }
+            let m = self.mesh.normal(other, 0.0);
+            if n[0] * m[0] + n[1] * m[1] > 0.0 {
+                return None; // end to end
+            }
+            let u = self.displacement_at(displacement, own, t);
+            let v = self.displacement_at(displacement, other, 2.0 * along / length - 1.0);
+            Some(([x[0] + u[0], x[1] + u[1]], (u[0] - v[0]) * n[0] + (u[1] - v[1]) * n[1]))
+        };
+        (0..=PASSES).filter_map(at).max_by(|a, b| a.1.total_cmp(&b.1))
+    }
+
+    /// The displacement at a point of an element.
+    fn displacement_at(&self, displacement: &[f64], e: usize, t: f64) -> [f64; 2] {
+        let basis = self.space.basis(e);
+        let mut phi = vec![0.0; basis.degree + 1];
+        basis.evaluate(t, &mut phi);
+        let nodes = || self.space.element_nodes(e).zip(&phi);
+        [0, 1].map(|i| nodes().map(|(k, phi)| displacement[2 * k + i] * phi).sum())
     }
 
     /// The largest gap that the scene adds to the distance of two bodies: by so much they are smaller than they are drawn.
@@ -161,13 +210,8 @@ impl Data<'_> {
     fn depth(&self, displacement: &[f64], bodies: &[usize], pair: [usize; 2]) -> f64 {
         let point = |e: usize, k: usize| {
             let t = 2.0 * k as f64 / LOOKS as f64 - 1.0;
-            let (mut x, basis) = (self.mesh.point(e, t), self.space.basis(e));
-            let mut phi = vec![0.0; basis.degree + 1];
-            basis.evaluate(t, &mut phi);
-            for (k, phi) in self.space.element_nodes(e).zip(&phi) {
-                (0..2).for_each(|i| x[i] += displacement[2 * k + i] * phi);
-            }
-            x
+            let (x, u) = (self.mesh.point(e, t), self.displacement_at(displacement, e, t));
+            [x[0] + u[0], x[1] + u[1]]
         };
         let of = |own: usize, body: usize| {
             let boundary: Vec<[[f64; 2]; 2]> = (0..self.mesh.len())
