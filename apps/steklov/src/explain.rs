@@ -166,8 +166,15 @@ fn shape() -> Blame<'static> {
 /// Contact.
 fn of_contact<'a>(scene: &'a Scene, error: &ContactError) -> Blame<'a> {
     match error {
+        ContactError::RigidMotion { motion, .. } if pulls_off(scene, |x| motion.at(x)) => {
+            let help = "the loads pull the body off its obstacle, which holds nothing along its normal: a pressure is positive in \
+                        compression, a traction has the direction of its force; turn its sign to press the body on its obstacle, or \
+                        hold a side: displacement = [\"free\", \"0\"]";
+            (Unsupported, loads(scene), help.to_owned())
+        }
         ContactError::RigidMotion { resistance, .. } if *resistance > 0.0 || is_coulomb(scene) => {
-            let help = "raise the friction bound or coefficient, balance the loads, or hold this motion: displacement = [\"0\", \"free\"] on a side";
+            let help = "hold this motion, as by displacement = [\"0\", \"free\"] on a side, balance the loads, or raise the friction \
+                        bound or coefficient, which is too little for them";
             (Unsupported, friction(scene), help.to_owned())
         }
         ContactError::RigidMotion { .. } | ContactError::NotHeld { .. } => moves(scene),
@@ -193,6 +200,18 @@ fn of_contact<'a>(scene: &'a Scene, error: &ContactError) -> Blame<'a> {
         }
         _ => shape(),
     }
+}
+
+/// Whether a motion leaves the sides in contact along their normals.
+fn pulls_off(scene: &Scene, motion: impl Fn([f64; 2]) -> [f64; 2]) -> bool {
+    let sides: Vec<usize> = scene.contacts().map(|(side, _)| side).collect();
+    let mut edges = scene.problem.outline.edges().iter().filter(|edge| sides.contains(&edge.side)).peekable();
+    edges.peek().is_some()
+        && edges.all(|edge| {
+            let (r, t) = (motion(edge.point(0.5)), edge.tangent(0.5));
+            let (along, across) = (r[0] * t[0] + r[1] * t[1], r[1] * t[0] - r[0] * t[1]);
+            across > 0.0 && along.abs() < 1e-6 * across
+        })
 }
 
 /// Whether the medium around a body or a hole resists all rigid motions.

@@ -34,8 +34,9 @@ pub enum ContactError {
     },
     /// Nothing holds the body against a rigid motion: neither supports nor contact nor friction.
     #[error(
-        "nothing holds the body against {motion}: the loads do work {work:.3e} on it (of a scale of {scale:.3e}) and \
-         friction resists with {resistance:.3e}; hold a displacement, balance the loads, or raise the friction bound or coefficient"
+        "nothing holds the body against {motion}: the loads do work {work:.3e} on it (of a scale of {scale:.3e}){}; \
+         hold a displacement, balance the loads, or raise the friction bound or coefficient",
+        resisting(*resistance)
     )]
     RigidMotion {
         /// The motion.
@@ -79,4 +80,9 @@ pub enum ContactError {
         /// Number of rows.
         size: usize,
     },
+}
+
+/// What friction does against a motion, where it does anything.
+fn resisting(resistance: f64) -> String {
+    if resistance > 0.0 { format!(" and friction resists with {resistance:.3e}") } else { String::new() }
 }

@@ -46,11 +46,15 @@ impl RigidMotion {
     }
 }
 
+/// Distance of a fixed point from which a rotation is told as a translation.
+const FAR: f64 = 1e11;
+
 /// "translation along (1, 0)" or "rotation about (0.5, 0)": a motion that turns has one fixed point, c + J a / ω.
 impl fmt::Display for RigidMotion {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let ([a, b], w, c) = (self.translation, self.rotation, self.centre);
-        if w != 0.0 {
+        // a fixed point so far away is a rotation that is all rounding
+        if w != 0.0 && a.hypot(b) < FAR * w.abs() {
             let size = [c[0], c[1], a / w, b / w].iter().fold(0.0, |m: f64, v| m.max(v.abs()));
             write!(f, "rotation about {}", point([c[0] - b / w, c[1] + a / w], size))
         } else if a == 0.0 && b == 0.0 {
