@@ -27,12 +27,12 @@ use steklov_problem::{Refine, grid_of, moduli};
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
 use steklov_result::store;
-use steklov_scene::{Document, TEMPLATE};
+use steklov_scene::{Document, HDF5, TEMPLATE, foreign};
 
 use self::bar::Bar;
 use self::grid::crossing_warning;
-use self::output::{appeared, check_output};
-use self::told::{advice, expectation, print_summary};
+use self::output::{appeared, check_folder, check_output};
+use self::told::{advice, cautions, expectation, print_summary};
 use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
@@ -181,6 +181,7 @@ fn show_plan(args: &PlanArgs) -> Result<u8, Failure> {
     let document = read_scene_within_memory(&args.scene, &args.overrides)?;
     let scene = &document.scene;
     check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
+    cautions(scene).iter().for_each(|text| eprintln!("warning: {text}"));
     let mut plan = plan(scene);
     if scene.method.refine != Refine::None {
         plan.modelled.push(largest_mesh(scene));
@@ -203,6 +204,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         PathBuf::from(name)
     });
     check_output(&out, &args.scene, args.force || args.resume)?;
+    check_folder("--plots", args.plots.as_deref())?;
     check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
     let plan = plan(scene);
     let refused = too_many_dofs(scene, plan.cost.dofs)
@@ -210,6 +212,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         .or_else(|| too_many_points(scene));
     if let Some(error) = refused {
         return Err(Failure(document.error(error).render()));
+    }
+    if !args.quiet {
+        cautions(scene).iter().for_each(|text| eprintln!("warning: {text}"));
     }
     let interrupts = interrupts(args.quiet)?;
     let bar = Bar::new(args.quiet);
@@ -382,7 +387,29 @@ fn on_threads(
     rayon::scope(|_| work())
 }
 
+/// A scene, or a file of another kind, that is to be shown.
+fn no_scene(path: &Path) -> Result<(), Failure> {
+    let name = path.display();
+    if let Ok(text) = std::fs::read_to_string(path)
+        && (path.extension().is_some_and(|ending| ending == "toml") || Document::parse(&text, "", &[]).is_ok())
+    {
+        let result = format!("{}.vtkhdf", stem(path));
+        return Err(Failure(format!(
+            "error: {name} is a scene and no result: steklov solve {name} makes {result}, which steklov show {result} shows"
+        )));
+    }
+    match std::fs::read(path).ok().and_then(|bytes| foreign(&bytes)) {
+        Some((what, _)) if what != HDF5 => {
+            Err(Failure(format!("error: {name} is {what} and no result of steklov solve")))
+        }
+        _ => Ok(()),
+    }
+}
+
 fn show(args: &ShowArgs) -> Result<u8, Failure> {
+    check_folder("--plots", args.plots.as_deref())?;
+    check_folder("--csv", args.csv.as_deref())?;
+    no_scene(&args.file)?;
     let mut stored = store::read(&open(&args.file)?)?;
     stored.summary.file = args.file.display().to_string();
     let mut files = Vec::new();

@@ -8,6 +8,22 @@ use steklov_result::store::unfinished;
 
 use super::Failure;
 
+/// What users hope for who give a result file such an ending, and how to have it.
+const ENDINGS: [(&[&str], &str); 4] = [
+    (&["json"], "the numbers are printed as JSON by --json: --json > FILE.json"),
+    (&["csv", "txt", "dat", "xlsx"], "tables come from the result: steklov show RESULT.vtkhdf --csv DIR"),
+    (&["svg", "png", "pdf", "jpg"], "pictures are drawn by --plots DIR"),
+    (&["vtk", "vtu", "pvd", "toml", "npy", "mat"], "ParaView and h5py open .vtkhdf"),
+];
+
+/// A folder to be that is a file.
+pub(super) fn check_folder(option: &str, folder: Option<&Path>) -> Result<(), Failure> {
+    match folder.filter(|folder| folder.exists() && !folder.is_dir()) {
+        Some(file) => Err(Failure(format!("error: {option} needs a folder, and {} is a file", file.display()))),
+        None => Ok(()),
+    }
+}
+
 /// An output that cannot be written is said before anything is solved.
 pub(super) fn check_output(out: &Path, scene: &Path, replace: bool) -> Result<(), Failure> {
     if let (Ok(a), Ok(b)) = (out.canonicalize(), scene.canonicalize())
@@ -17,6 +33,13 @@ pub(super) fn check_output(out: &Path, scene: &Path, replace: bool) -> Result<()
     }
     if out.is_dir() {
         return Err(Failure(format!("error: {} is a folder; name a file with --out", out.display())));
+    }
+    let ending = out.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default();
+    if let Some((_, help)) = ENDINGS.iter().find(|(endings, _)| endings.contains(&ending.as_str())) {
+        return Err(Failure(format!(
+            "error: --out {}: the result is one HDF5 file, name it .vtkhdf, .h5 or .hdf5; {help}",
+            out.display()
+        )));
     }
     let folder = out.parent().filter(|folder| *folder != Path::new(""));
     if let Some(folder) = folder.filter(|folder| !folder.is_dir()) {

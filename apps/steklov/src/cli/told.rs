@@ -7,7 +7,9 @@ use steklov_model::solve::contact_rows::TOUCHING;
 use steklov_model::summary::Expected;
 use steklov_model::summary::{MediumSummary, Summary};
 use steklov_plan::{MODULI, NEXT_MESH, Plan};
+use steklov_problem::{Law, Scene};
 use steklov_result::record::Record;
+use steklov_scene::STOCHASTIC;
 
 use super::grid::grid_lines;
 use super::say;
@@ -22,6 +24,38 @@ pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
         return Some(format!("{}: {}", next.what, next.why));
     }
     summary.failure.clone().filter(|_| summary.reason == Reason::Solver.word())
+}
+
+/// Coefficient of friction beyond those of all known materials.
+const ROUGHEST: f64 = 5.0;
+
+/// What is legal in a scene, and hardly meant.
+pub(super) fn cautions(scene: &Scene) -> Vec<String> {
+    let is_random = |name: &&String| !scene.parameters.contains_key(*name);
+    let (tables, names): (Vec<_>, Vec<_>) = scene.unused.iter().filter(is_random).partition(|name| *name == STOCHASTIC);
+    let mut told = Vec::new();
+    if !names.is_empty() {
+        let names = names.into_iter().map(String::as_str).collect::<Vec<_>>().join(", ");
+        told.push(format!(
+            "no datum uses the random {names}, which has no effect: write the name where it belongs, as in young = \"NAME\""
+        ));
+    }
+    if !tables.is_empty() {
+        told.push(format!(
+            "nothing is random, so that {STOCHASTIC} has no effect: declare names in [random] and use them"
+        ));
+    }
+    let laws = scene.problem.interfaces.iter().filter_map(|interface| match &interface.law {
+        Law::Contact(contact) => contact.friction.coefficient()?.constant(),
+        Law::Tied(_) => None,
+    });
+    if let Some(coefficient) = laws.filter(|c| *c > ROUGHEST).max_by(f64::total_cmp) {
+        told.push(format!(
+            "a friction coefficient of {coefficient} is larger than any known one: it is the tangent of the angle of friction, \
+             for degrees coulomb = \"tan({coefficient}*pi/180)\""
+        ));
+    }
+    told
 }
 
 /// What the medium does far away; with a net force also that its displacement depends on a length.
@@ -153,7 +187,8 @@ pub(super) fn print_summary(stored: &Record) {
             say(&format!("            Coulomb friction, contraction {factor:.3}{note}"));
         }
         say(&format!("            force on the body ({:.6e}, {:.6e})", c.force[0], c.force[1]));
-        untouched(stored).iter().for_each(|side| say(&format!("            nothing touches side {side}")));
+        let tension = if s.exterior.is_some() { ": stresses far away are negative in compression" } else { "" };
+        untouched(stored).iter().for_each(|side| say(&format!("            nothing touches side {side}{tension}")));
     }
     of_several(s).iter().for_each(|line| say(line));
     if let Some(a) = &s.audit {
