@@ -120,7 +120,6 @@ const fn given(arguments: &'static [&'static str], status: i32, told: &'static [
 }
 
 const LOAD: &str = "traction = [\"0\", \"-1\"]";
-const CONTACT: &str = "contact = { gap = \"0\", friction = { tresca = \"F\" } }";
 const UNIFORM: &str = "{ uniform = [1, 10] }";
 const BOX: &str = "corners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nsides = [\"lower\", \"right\", \"upper\", \"left\"]";
 const NOTCHED: &str = "corners = [[0, 0], [2, 0], [2, 1], [1.1, 1], [1.1, 0.77], [0, 0.77]]\n\
@@ -312,21 +311,6 @@ fn natural_mistakes_are_told_with_the_true_remedy() {
         }
     }
     assert!(wrong.is_empty(), "{wrong}");
-}
-
-/// Loads that move a held body by more than small strains describe are in doubt: a modulus in another unit than the loads.
-#[test]
-fn loads_that_deform_a_body_by_its_size_are_in_doubt() {
-    let place = Place::new();
-    place.write(
-        "scene.toml",
-        BLOCK.replace(CONTACT, "displacement = [\"0\", \"0\"]").replace(LOAD, "traction = [\"1\", \"0\"]"),
-    );
-    for (young, large) in [("200", false), ("2", true)] {
-        let doubts =
-            place.json(0, &["scene.toml", "--set", &format!("material.young={young}")])["estimate_doubts"].to_string();
-        assert_eq!(doubts.contains("large"), large, "{young}: {doubts}");
-    }
 }
 
 #[test]

@@ -67,11 +67,10 @@ doubts! {
     Outcomes: "outcomes",
         "random outcomes show, or may show, contact, slip or data that none of the points that were solved has, or a mean is out of its bounds",
         "`stochastic.refine = \"adaptive\"`, a higher `stochastic.degree` or `level`, or more `samples`";
-    /// Loads, gaps or prescribed displacements turn or deform a body more than small strains describe.
+    /// Gaps or prescribed displacements turn or deform a body more than small strains describe.
     Large: "large",
         "a body turns by more than 0.15 radian, or deforms by more than 0.15 of its diameter: small strains mean little there",
-        "see whether `young` and the loads have the same unit of stress; or smaller loads, gaps or prescribed displacements: large \
-         deformations are not modelled";
+        "smaller gaps or prescribed displacements; large deformations are not modelled";
     /// The outline is a polygon that stands for a curve.
     Facets: "facets",
         "the outline has a row of short edges that stands for a curve, and the error to that curve is not estimated",

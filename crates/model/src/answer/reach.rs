@@ -108,12 +108,16 @@ impl Data<'_> {
         let [a, b] = self.mesh.ends(other);
         let d = [b[0] - a[0], b[1] - a[1]];
         let length = d[0].hypot(d[1]);
+        let off = |x: [f64; 2]| ((x[0] - a[0]) * d[1] - (x[1] - a[1]) * d[0]) / length;
+        if self.mesh.ends(own).into_iter().any(|x| off(x).abs() > near) {
+            return None;
+        }
         let at = |k: usize| {
             let t = 2.0 * k as f64 / PASSES as f64 - 1.0;
             let (x, n) = (self.mesh.point(own, t), self.mesh.normal(own, t));
             let r = [x[0] - a[0], x[1] - a[1]];
-            let (along, off) = ((r[0] * d[0] + r[1] * d[1]) / length, (r[0] * d[1] - r[1] * d[0]) / length);
-            if off.abs() > near || !(0.0..=length).contains(&along) {
+            let along = (r[0] * d[0] + r[1] * d[1]) / length;
+            if !(0.0..=length).contains(&along) {
                 return None;
             }
             let m = self.mesh.normal(other, 0.0);

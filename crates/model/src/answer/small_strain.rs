@@ -8,25 +8,19 @@ use crate::solve::contact_rows::Trace;
 const LARGEST: f64 = 0.15;
 
 /// Whether gaps or prescribed displacements, which unlike loads cannot be scaled, turn the boundary by more than 0.15 or
-/// deform it by more than 0.15 of its diameter; or loads move a held body of boundary elements by more than that.
+/// deform it by more than 0.15 of its diameter.
 ///
 /// The motion c + ω (-y, x) about the mean of the nodes is that of the least squares, ω = Σ x × u / Σ |x|²; deformation is what it
 /// leaves.
 pub fn is_large(scene: &Scene, trace: Trace<'_>) -> bool {
-    if scene.is_cavity() {
+    let moved = scene.problem.sides.iter().any(|side| match &side.condition {
+        Condition::Displacement { values, .. } => values.iter().flatten().any(|v| v.constant() != Some(0.0)),
+        _ => false,
+    });
+    if !moved && scene.contacts().next().is_none() || scene.is_cavity() {
         return false;
     }
-    let held = scene.problem.sides.iter().filter_map(|side| match &side.condition {
-        Condition::Displacement { values, .. } => Some(values.iter().flatten()),
-        _ => None,
-    });
-    let held: Vec<_> = held.flatten().collect();
     let points = &trace.space.points;
-    let most = LARGEST * scene.problem.outline.diameter();
-    if held.iter().all(|v| v.constant() == Some(0.0)) && scene.contacts().next().is_none() {
-        let moves = |k: usize| trace.displacement[2 * k].hypot(trace.displacement[2 * k + 1]) > most;
-        return !held.is_empty() && !scene.is_on_grid() && (0..points.len()).any(moves);
-    }
     let count = points.len() as f64;
     let mean = |of: &dyn Fn(usize) -> [f64; 2]| {
         let sum = (0..points.len()).map(of).fold([0.0; 2], |s, v| [s[0] + v[0], s[1] + v[1]]);
@@ -46,5 +40,5 @@ pub fn is_large(scene: &Scene, trace: Trace<'_>) -> bool {
     let rotation = turning / inertia;
     let left = |(x, u): ([f64; 2], [f64; 2])| (u[0] + rotation * x[1]).hypot(u[1] - rotation * x[0]);
     let deformation = (0..points.len()).map(|k| left(relative(k))).fold(0.0, f64::max);
-    rotation.abs() > LARGEST || deformation > most
+    rotation.abs() > LARGEST || deformation > LARGEST * scene.problem.outline.diameter()
 }
