@@ -26,6 +26,8 @@ const RANK: f64 = 1e-13;
 const DRIVEN: f64 = 1e-9;
 /// Sine of the angle between two motions below which they are one.
 const SAME: f64 = 0.1;
+/// Part of a motion beyond others below which it is one of them.
+const EXACT: f64 = 1e-12;
 /// Part of a rotation that rounding leaves in other motions.
 const ROUNDED: f64 = 1e-9;
 
@@ -68,7 +70,9 @@ impl Data<'_> {
         let constraints = self.constraints(bodies, &motions, supports, given, tied);
         let all: Vec<Vec<f64>> = constraints.firm.iter().chain(&constraints.touching).cloned().collect();
         let (mut free, rounding) = kernel(&all, motions.len());
-        let rotations = self.own_rotations(bodies, joints, &motions, &constraints.firm);
+        let mut rotations = self.own_rotations(bodies, joints, &motions, &constraints.firm);
+        // of circles about one centre they are among the others
+        rotations.retain(|(_, parts)| beyond(&free, parts) > EXACT);
         for (_, parts) in &rotations {
             // directions of contact between circles turn a body about another centre than its own
             free.retain(|f| dot(f, parts).powi(2) < 1.0 - SAME * SAME);
@@ -226,6 +230,16 @@ fn kernel(constraints: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, f64) {
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The length of what orthonormal vectors leave of a vector.
+fn beyond(others: &[Vec<f64>], vector: &[f64]) -> f64 {
+    let mut left = vector.to_vec();
+    for other in others {
+        let part = dot(other, vector);
+        left.iter_mut().zip(other).for_each(|(left, other)| *left -= part * other);
+    }
+    dot(&left, &left).sqrt()
 }
 
 /// Σ |f| max |r|: the work of a load on a motion as large everywhere as it is somewhere.
