@@ -3,7 +3,7 @@
 //! ```text
 //! Scene ─► Layout ─► solve (mesh by mesh) ─► estimate ─► next Layout ... ─► Run ─► answer: Summary
 //!                                                                          └─► all outcomes of random input
-//! run::run::<BoundaryElements>, run::run::<OnGrid>: one loop, two models
+//! run::adaptive_loop::run of BoundaryElements, of OnGrid: one loop, two models
 //! ```
 
 pub mod answer;

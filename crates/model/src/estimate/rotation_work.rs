@@ -2,7 +2,7 @@
 //!
 //! The polynomials of curved elements have no rotations among them, so that a body that turns has the displacement I_p(u - r) + r,
 //! r its motion. Loads act on I_p u in the equations: the rest δ = r - I_p r does the work ∫ (t - t_p)·δ that J does not have, t_p
-//! the traction of the particular solution, and on interfaces, where the multiplier's part of t is in [`crate::facing`], -∫ t_p·δ.
+//! the traction of the particular solution, and on interfaces, where the multiplier's part of t is in [`crate::estimate::interface_residual`], -∫ t_p·δ.
 
 use steklov_quadrature::gauss_legendre;
 

@@ -5,8 +5,8 @@
 //!      ▲                                                               │ no
 //!      └───────────────────────────────────────────────────────────────┘
 //! ```
-//! This file, `adaptive`, `answer` and `stage` know each other: a run is one of boundary elements unless it says otherwise, a model
-//! tells a report, and a stage may be that a step is done.
+//! This file, `boundary_elements` and `answer` know each other: a run is one of boundary elements unless it says otherwise, and a model
+//! tells a report.
 
 use std::fmt::Debug;
 use std::sync::atomic::{AtomicUsize, Ordering};
