@@ -223,14 +223,15 @@ fn steep_contact_is_told() {
     assert!((told[0][0] - told[1][0]).abs() < told[0][1] + told[1][1], "{told:?}");
 }
 
-/// A wedge that its gap closes: either carrier gives the same J, and the answer says that it hangs on the normals.
+/// A wedge that its gap closes: with the gap of either side J is the same, and the answer says that it hangs on the normals.
 #[test]
 fn a_wedge_closed_by_its_gap_does_not_know_its_carrier() {
     for (height, truth) in [(0.12, 0.002_395_41), (0.02, 0.002_819_92)] {
-        let law = |carrier: &str| format!("contact = {{ gap = \"{:?}*x\" }}\nmultiplier = \"{carrier}\"", -height);
-        let down = "displacement = [\"0\", \"-0.01\"]";
-        let of = |carrier: &str| solved(&on_block([0.0, height], down, &law(carrier)), &["method.tolerance=1e-4"]);
-        let told = ["up.bottom", "lo.top"].map(of);
+        let law = format!("contact = {{ gap = \"{:?}*x\" }}", -height);
+        let text = on_block([0.0, height], "displacement = [\"0\", \"-0.01\"]", &law);
+        let exchanged = text.replace("[\"up.bottom\", \"lo.top\"]", "[\"lo.top\", \"up.bottom\"]");
+        assert_ne!(text, exchanged);
+        let told = [text, exchanged].map(|text| solved(&text, &["method.tolerance=1e-4"]));
         for of in &told {
             let normals = of.interfaces[0].normals.unwrap();
             assert!((normals.angle - height.atan()).abs() < 1e-6, "{normals:?}");
@@ -300,7 +301,7 @@ fn a_pin_that_a_couple_turns_is_refused() {
     assert_eq!(solved(&pin(1e-3, ["0.1", "-1"], bore, "contact = true"), &[]).reason, "tolerance");
 }
 
-/// Friction bounds are those of the side that carries, per its length: what those of the other one change is told. Rings that slip
+/// Friction bounds are those of the first place, per its length: what those of the other one change is told. Rings that slip
 /// all around, with 2 % more length outside, and a coefficient that varies over the distance of two blocks.
 #[test]
 fn friction_of_the_other_side_is_told() {
@@ -324,8 +325,14 @@ fn friction_of_the_other_side_is_told() {
     // to first order, which the coefficient that is doubled is not
     for (text, sides, within) in [(rings, ["a.out", "b.in"], [0.95, 1.05]), (blocks, ["a.bottom", "b.top"], [0.5, 1.5])]
     {
-        let of = |side: &str| solved(&format!("{text}multiplier = \"{side}\"\n"), &["method.tolerance=1e-4"]);
-        let told = sides.map(of);
+        let [first, second] = sides;
+        let of = |places: [&str; 2]| {
+            let text = text.replace(&format!("{sides:?}"), &format!("{places:?}"));
+            let refused = refused(&format!("{text}multiplier = \"{}\"\n", places[1]));
+            assert!(refused.contains("are those of the first one"), "{refused}");
+            solved(&text, &["method.tolerance=1e-4"])
+        };
+        let told = [[first, second], [second, first]].map(of);
         let [a, b] = told.each_ref().map(energy);
         for of in &told {
             let normals = of.interfaces[0].normals.unwrap();
@@ -352,7 +359,7 @@ fn data_in_s_are_those_of_the_first_place() {
     assert!((by_s[0] - by_x[0]).abs() < by_s[1] + by_x[1], "{by_s:?} {by_x:?}");
     let error =
         steklov_tests::parse(&of("contact = { gap = \"0.001*s\" }\nmultiplier = \"b.top\""), &[]).err().unwrap();
-    assert!(error.render().contains("data in s, are those of the other one"), "{}", error.render());
+    assert!(error.render().contains("data in s are those of the first one"), "{}", error.render());
 }
 
 /// A ring pressed so far that the end of contact passes the end of an arc: its vertex on the ring does not go to that end, where an

@@ -14,7 +14,7 @@
 
 use steklov_bem_operators::{Cut, CutError, Polygon, distance, distance_to_segment};
 
-use crate::{Contact, Interface, Law, Other, Problem, Tie};
+use crate::{Contact, Faces, Interface, Law, Other, Place, Problem, Tie};
 
 /// A crack in a body.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,8 +74,8 @@ impl Problem {
                     sides: vec![left],
                     other: Other::Sides(vec![right]),
                     law,
-                    second: false,
-                    cut: true,
+                    place: Place::First,
+                    faces: Faces::Cut,
                 });
             }
         }

@@ -13,7 +13,7 @@ use std::sync::{Mutex, PoisonError};
 
 use steklov_bem_operators::Edge;
 
-use super::{Interface, Law, Other, Problem};
+use super::{Faces, Interface, Law, Other, Problem};
 
 /// Sides see each other where n·n' is below this.
 const FACING: f64 = -0.2;
@@ -89,7 +89,7 @@ impl Problem {
             };
             self.edges_of(&interface.sides).map(|(k, _)| k).filter_map(beyond).collect::<Vec<_>>()
         };
-        self.joints().filter(|interface| interface.cut).flat_map(of).collect()
+        self.joints().filter(|interface| interface.faces == Faces::Cut).flat_map(of).collect()
     }
 
     pub(super) fn edges_of<'a>(&'a self, sides: &'a [usize]) -> impl Iterator<Item = (usize, &'a Edge)> {

@@ -3,7 +3,7 @@
 use steklov_bem_operators::Edge;
 
 use super::facing::{SAME, Span};
-use super::{Interface, Law, Other, Problem};
+use super::{Interface, Law, Other, Place, Problem};
 
 /// Bodies whose moduli are not farther apart than this factor are about as stiff.
 const ALIKE: f64 = 2.0;
@@ -18,7 +18,7 @@ impl Problem {
     /// Whether the carrying sides of the first of two mirrored interfaces carry the multipliers rather than those of the second:
     /// those of the softer body, whose mesh resolves what happens; of bodies about as stiff those that are wholly covered, else
     /// the first. On the coarse mesh of a stiff body multipliers would be too few to hold a soft one.
-    pub fn carries_rather(&self, first: &Interface, second: &Interface) -> bool {
+    pub(super) fn carries_rather(&self, first: &Interface, second: &Interface) -> bool {
         let covered = |interface: &Interface| self.unseen(interface).is_empty();
         let modulus =
             |interface: &Interface| self.bodies[self.body_of_side(interface.sides[0])].material().plane_modulus();
@@ -38,9 +38,8 @@ impl Problem {
     ///
     /// # Errors
     /// What is wrong, and what to do.
-    pub fn check_facing(&self, interface: &Interface) -> Result<(), (String, &'static str)> {
-        let names = |sides: &[usize]| sides.iter().map(|&s| self.sides[s].name.as_str()).collect::<Vec<_>>().join(", ");
-        let between = format!("{} and {}", names(&interface.sides), names(self.facing_sides(interface)));
+    pub(super) fn check_facing(&self, interface: &Interface) -> Result<(), (String, &'static str)> {
+        let between = [&interface.sides, self.facing_sides(interface)].map(|sides| self.names(sides)).join(" and ");
         let far = |x: &[f64; 2]| self.distance_to_other(interface, *x);
         if self.spans(interface).is_empty() {
             let least = self.looks(&self.whole(interface)).iter().map(far).fold(f64::INFINITY, f64::min);
@@ -96,6 +95,11 @@ impl Problem {
         }
     }
 
+    /// The names of sides.
+    pub(super) fn names(&self, sides: &[usize]) -> String {
+        sides.iter().map(|&side| self.sides[side].name.as_str()).collect::<Vec<_>>().join(", ")
+    }
+
     /// A body that lies between the sides of an interface wherever they see each other.
     fn hidden_by(&self, interface: &Interface) -> Option<usize> {
         let edges = self.outline.edges();
@@ -114,9 +118,10 @@ impl Problem {
     }
 
     /// The same interface seen from its other sides.
-    fn mirrored(&self, interface: &Interface) -> Interface {
+    pub(super) fn mirrored(&self, interface: &Interface) -> Interface {
         let (sides, other) = (self.facing_sides(interface).to_vec(), Other::Sides(interface.sides.clone()));
-        Interface { sides, other, second: !interface.second, ..interface.clone() }
+        let place = if interface.place == Place::First { Place::Second } else { Place::First };
+        Interface { sides, other, place, ..interface.clone() }
     }
 
     /// All of the carrying edges of an interface.
@@ -179,7 +184,7 @@ impl Problem {
     ///
     /// # Errors
     /// What is wrong: the two bodies, the deepest of the points that are looked at, and how deep it lies.
-    pub fn check_overlaps(&self) -> Result<(), (String, String)> {
+    pub(super) fn check_overlaps(&self) -> Result<(), (String, String)> {
         let bodies = self.outline.bodies().len();
         let pairs = (0..bodies).flat_map(|a| (0..bodies).filter(move |&b| b != a).map(move |b| (a, b)));
         for (a, b) in pairs {

@@ -67,8 +67,8 @@ impl Scene {
         for side in &mut problem.sides {
             names.all(side.condition.expressions_mut())?;
         }
-        for interface in &mut problem.interfaces {
-            match &mut interface.law {
+        for law in problem.laws_mut() {
+            match law {
                 Law::Contact(contact) => names.all(contact.expressions_mut())?,
                 Law::Tied(tie) => names.all(tie.expressions_mut())?,
             }

@@ -25,7 +25,7 @@ pub struct Problem {
     /// boundary of its own.
     pub bodies: Vec<Body>,
     /// What acts between them, and between them and rigid obstacles.
-    pub interfaces: Vec<Interface>,
+    pub(super) interfaces: Vec<Interface>,
     /// Where their sides see one another, once that is asked.
     pub(crate) known_spans: KnownSpans,
 }
@@ -66,10 +66,28 @@ pub struct Interface {
     pub other: Other,
     /// The law that holds there.
     pub law: Law,
-    /// Whether they are the second ones named: forces are told of the first ones.
-    pub second: bool,
-    /// Whether both sides are those of a cut through one body: their meshes are then the same.
-    pub cut: bool,
+    /// Where they are named; forces are told of the first place.
+    pub place: Place,
+    /// What both sides are.
+    pub faces: Faces,
+}
+
+/// The places of the two sides of an interface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Place {
+    /// Named first.
+    First,
+    /// Named second.
+    Second,
+}
+
+/// What both sides of an interface are.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Faces {
+    /// Sides of two outlines, each with a mesh of its own.
+    Own,
+    /// Both faces of a cut through one body: their meshes are the same.
+    Cut,
 }
 
 /// What sides of a body meet.
@@ -137,6 +155,16 @@ impl Problem {
         }
     }
 
+    /// What acts between bodies, and between them and rigid obstacles.
+    pub fn interfaces(&self) -> &[Interface] {
+        &self.interfaces
+    }
+
+    /// The laws of all interfaces.
+    pub fn laws_mut(&mut self) -> impl Iterator<Item = &mut Law> {
+        self.interfaces.iter_mut().map(|interface| &mut interface.law)
+    }
+
     /// The side of a name.
     pub fn side_mut(&mut self, name: &str) -> Option<&mut Side> {
         self.sides.iter_mut().find(|side| side.name == name)
@@ -152,8 +180,8 @@ impl Problem {
             sides: vec![side],
             other: Other::Obstacle,
             law,
-            second: false,
-            cut: false,
+            place: Place::First,
+            faces: Faces::Own,
         });
     }
 
@@ -176,8 +204,8 @@ impl Problem {
             sides,
             other: Other::Medium,
             law: Law::Tied(tie),
-            second: false,
-            cut: false,
+            place: Place::First,
+            faces: Faces::Own,
         });
         Ok(())
     }
@@ -250,14 +278,6 @@ impl Problem {
         if let Err((message, help)) = self.check_overlaps() {
             return Err(DataError::at(Kind::Geometry, &[vec!["body"]], message, help));
         }
-        let other =
-            |interface: &Interface| if let Other::Sides(sides) = &interface.other { sides.clone() } else { vec![] };
-        for interface in &self.interfaces {
-            if interface.sides.iter().chain(&other(interface)).any(|&side| side >= self.sides.len()) {
-                let message = format!("the interface {:?} has a side that there is not", interface.name);
-                return refuse(message, "sides are numbered through all bodies");
-            }
-        }
-        Ok(())
+        self.check_conditions()
     }
 }

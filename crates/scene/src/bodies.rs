@@ -4,8 +4,7 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::Plane;
 use steklov_expression::{Expression, nearest};
 use steklov_problem::{
-    Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, Interface, Law, Other, Problem, Substance,
-    Tie,
+    About, Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, Law, Place, Problem, Substance, Tie,
 };
 
 use super::body::{body, body_force, force, material, medium};
@@ -76,8 +75,7 @@ pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Prob
     if let Some(field) = fields.get("interface") {
         for table in field.list()? {
             if !cracks.interface(&table, context)? {
-                let interface = interface(&table, &problem, context)?;
-                problem.interfaces.push(interface);
+                interface(&table, &mut problem, context)?;
             }
         }
     }
@@ -205,117 +203,67 @@ fn side_like(text: &str, problem: &Problem) -> String {
     }
 }
 
-/// The sides that a name or a list of names means, all of one body or, where `several`, of some.
-fn named_sides(field: &Field<'_>, problem: &Problem) -> Result<Vec<usize>, DataError> {
+/// The sides that a name or a list of names means, and these names.
+fn named_sides<'a>(field: &Field<'a>, problem: &Problem) -> Result<(Vec<usize>, Vec<Field<'a>>), DataError> {
     let names = if matches!(field.item.value, Value::Array(_)) {
         field.list()?
     } else {
         vec![Field { name: field.name.clone(), item: field.item }]
     };
-    let mut found = Vec::new();
-    for name in &names {
-        let text = name.text()?;
-        let Some(side) = problem.sides.iter().position(|side| side.name == text) else {
-            let message = format!("there is no side {text:?}");
-            return Err(DataError::new(Kind::UnknownKey, name.item.place, message, side_like(text, problem)));
-        };
-        let twice =
-            problem.interfaces.iter().any(|i| i.sides.contains(&side) || problem.facing_sides(i).contains(&side));
-        if twice || found.contains(&side) {
-            let message = format!("the side {text:?} is in two conditions of contact or ties");
-            let help = "name it once; a side that faces several bodies lists them: between = [\"a.top\", [\"b.bottom\", \"c.bottom\"]]";
-            return Err(DataError::new(Kind::Conflict, name.item.place, message, help));
-        }
-        if !matches!(problem.sides[side].condition, Condition::Free) {
-            let message = format!("the side {text:?} has a condition in [sides] too");
-            let help = "a side of an interface has no other condition: divide the side where the interface ends";
-            return Err(DataError::new(Kind::Conflict, name.item.place, message, help));
-        }
-        found.push(side);
-    }
-    if found.is_empty() {
+    if names.is_empty() {
         return Err(field.problem(format!("{} names no side", field.name), "write \"BODY.SIDE\""));
     }
-    Ok(found)
+    let side = |name: &Field<'_>| {
+        let text = name.text()?;
+        problem.sides.iter().position(|side| side.name == text).ok_or_else(|| {
+            let message = format!("there is no side {text:?}");
+            DataError::new(Kind::UnknownKey, name.item.place, message, side_like(text, problem))
+        })
+    };
+    Ok((names.iter().map(side).collect::<Result<_, _>>()?, names))
+}
+
+/// The error of an interface at its place: the last of the names that it is about, else what it joins.
+fn placed(error: DataError, between: &Field<'_>, names: &[&Field<'_>]) -> DataError {
+    let About::Keys(keys) = &error.about else { return error };
+    let place = match keys[0].iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["interface", side] => {
+            names
+                .iter()
+                .rfind(|name| name.text().is_ok_and(|text| text == side))
+                .map_or(between, |name| name)
+                .item
+                .place
+        }
+        ["interface"] => between.item.place,
+        _ => return error,
+    };
+    DataError { about: About::Text(place), ..error }
 }
 
 /// A table of `[[interface]]`.
-fn interface(field: &Field<'_>, problem: &Problem, context: &Context<'_>) -> Result<Interface, DataError> {
+fn interface(field: &Field<'_>, problem: &mut Problem, context: &Context<'_>) -> Result<(), DataError> {
     let fields = Fields::new(field, &keys::INTERFACE)?;
     let between = fields.require("between", "between = [\"a.top\", \"b.bottom\"]")?;
     let [first, second] = between.pair("one for each of the two bodies that meet")?;
-    let [a, b] = [named_sides(&first, problem)?, named_sides(&second, problem)?];
-    let bodies = |sides: &[usize]| {
-        let mut bodies: Vec<usize> = sides.iter().map(|&side| problem.body_of_side(side)).collect();
-        bodies.sort_unstable();
-        bodies.dedup();
-        bodies
-    };
-    let [of_a, of_b] = [bodies(&a), bodies(&b)];
-    if let Some(&body) = of_a.iter().find(|body| of_b.contains(body)) {
-        let message = format!("{} are sides of one body, {:?}", between.name, problem.bodies[body].name);
-        return Err(between.problem(message, "an interface lies between two bodies"));
-    }
-    if of_a.len() > 1 && of_b.len() > 1 {
-        let message = format!("{} lists sides of several bodies on both places", between.name);
-        return Err(between.problem(message, "one of the two places has sides of one body: write several interfaces"));
-    }
+    let ((a, of_a), (b, of_b)) = (named_sides(&first, problem)?, named_sides(&second, problem)?);
     let law = law(&fields, context)?;
-    let name = match fields.get("name") {
-        Some(name) => name.text()?.to_owned(),
-        None => format!("{}-{}", problem.sides[a[0]].name, problem.sides[b[0]].name),
-    };
-    let with = |own: &[usize], other: &[usize], second: bool| Interface {
-        name: name.clone(),
-        sides: own.to_vec(),
-        other: Other::Sides(other.to_vec()),
-        law: law.clone(),
-        second,
-        cut: false,
-    };
-    let (forward, backward) = (with(&a, &b, false), with(&b, &a, true));
     let carrier = fields.get("multiplier").map(|field| {
         let text = field.text()?;
-        let named = |sides: &[usize]| sides.iter().any(|&side| problem.sides[side].name == text);
-        match (named(&a), named(&b)) {
-            (true, _) => Ok(true),
-            (_, true) => Ok(false),
-            _ => Err(field.problem(
-                format!("{} is {text:?}, which is no side of the interface", field.name),
-                "name one of the two sides",
-            )),
-        }
+        let place = |(sides, place): (&[usize], Place)| {
+            sides.iter().any(|&side| problem.sides[side].name == text).then_some(place)
+        };
+        [(&a[..], Place::First), (&b, Place::Second)].into_iter().find_map(place).ok_or_else(|| {
+            let message = format!("{} is {text:?}, which is no side of the interface", field.name);
+            field.problem(message, "name one of the two sides")
+        })
     });
-    let one_body = [of_a.len() == 1, of_b.len() == 1];
-    // jumps have a sign, and s a side
-    let of_first = match &law {
-        Law::Tied(tie) => tie.displacement_jump.is_some() || tie.traction_jump.is_some(),
-        Law::Contact(contact) => contact.data().iter().any(|(_, datum)| datum.uses_edge()),
-    };
-    let forward_carries = match carrier.transpose()? {
-        Some(true) if one_body[0] => true,
-        Some(false) if one_body[1] && !of_first => false,
-        Some(_) => {
-            let message = "this side cannot carry the multipliers: it is of several bodies, or jumps, or data in s, are those of the other one";
-            return Err(between.problem(message, "leave multiplier out, or exchange the two places of between"));
-        }
-        None if of_first && !one_body[0] => {
-            return Err(between.problem(
-                "jumps and data in s are those of the first place, which has sides of several bodies",
-                "exchange the two places of between",
-            ));
-        }
-        None if one_body == [true, false] || of_first => true,
-        None if one_body == [false, true] => false,
-        None => problem.carries_rather(&forward, &backward),
-    };
-    let chosen = if forward_carries { forward } else { backward };
-    // bodies that overlap as they are drawn may be why
-    problem.check_facing(&chosen).map_err(|(message, help)| match problem.check_overlaps() {
-        Err((message, help)) => DataError::at(Kind::Geometry, &[vec!["body"]], message, help),
-        Ok(()) => DataError::new(Kind::Geometry, between.item.place, message, help),
-    })?;
-    Ok(chosen)
+    let names: Vec<&Field<'_>> = of_a.iter().chain(&of_b).collect();
+    let joined = problem.join(&a, &b, law, carrier.transpose()?).map_err(|error| placed(error, &between, &names))?;
+    if let Some(name) = fields.get("name") {
+        joined.name = name.text()?.to_owned();
+    }
+    Ok(())
 }
 
 /// The law of an interface.

@@ -361,7 +361,7 @@ fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), DataErro
     let by_side = (0..problem.sides.len())
         .any(|side| !matches!(problem.sides[side].condition, Condition::Free) || problem.contact(side).is_some());
     let medium = problem.bodies.iter().find_map(|body| body.far.as_ref());
-    let mut ties = problem.interfaces.iter().filter_map(|interface| match &interface.law {
+    let mut ties = problem.interfaces().iter().filter_map(|interface| match &interface.law {
         Law::Tied(tie) => Some(tie),
         Law::Contact(_) => None,
     });

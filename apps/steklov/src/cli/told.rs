@@ -45,7 +45,7 @@ pub(super) fn cautions(scene: &Scene) -> Vec<String> {
             "nothing is random, so that {STOCHASTIC} has no effect: declare names in [random] and use them"
         ));
     }
-    let laws = scene.problem.interfaces.iter().filter_map(|interface| match &interface.law {
+    let laws = scene.problem.interfaces().iter().filter_map(|interface| match &interface.law {
         Law::Contact(contact) => contact.friction.coefficient()?.constant(),
         Law::Tied(_) => None,
     });

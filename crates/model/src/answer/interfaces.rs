@@ -1,6 +1,6 @@
 //! What is told of each interface between bodies.
 
-use steklov_problem::{Interface, Law, Scene};
+use steklov_problem::{Interface, Law, Place, Scene};
 
 use crate::answer::normals::Normals;
 use crate::answer::reach::Entered;
@@ -27,7 +27,7 @@ pub(crate) fn interfaces(
     let normals = |interface: &Interface| {
         let joint = joints
             .iter()
-            .find(|joint| std::ptr::eq(&raw const scene.problem.interfaces[joint.interface], interface))?;
+            .find(|joint| std::ptr::eq(&raw const scene.problem.interfaces()[joint.interface], interface))?;
         let Normals { angle, change } = data.normals(joint, solved.elastic_field());
         Some(NormalsSummary { angle, energy_change: change })
     };
@@ -113,7 +113,7 @@ fn of_tie(scene: &Scene, interface: &Interface, ties: &[TieRow]) -> InterfaceSum
     let (mut force, mut length) = ([0.0; 2], 0.0);
     for TieRow { weight, traction, .. } in own {
         length += weight;
-        let sign = if interface.second { -1.0 } else { 1.0 };
+        let sign = if interface.place == Place::Second { -1.0 } else { 1.0 };
         (0..2).for_each(|i| force[i] += sign * weight * traction[i]);
     }
     InterfaceSummary {

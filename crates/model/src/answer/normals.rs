@@ -67,7 +67,7 @@ impl Data<'_> {
             (0..self.mesh.len()).map(of).collect()
         };
         let (moduli, alone) = (self.moduli(), [alone(&joint.own), alone(&joint.other)]);
-        let Law::Contact(contact) = &self.scene.problem.interfaces[joint.interface].law else {
+        let Law::Contact(contact) = &self.scene.problem.interfaces()[joint.interface].law else {
             return Normals::default();
         };
         let mut points: Vec<Point> =

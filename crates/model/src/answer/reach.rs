@@ -144,7 +144,7 @@ impl Data<'_> {
     fn drawn_too_large(&self, joints: &[Joint], pair: [usize; 2]) -> f64 {
         let problem = &self.scene.problem;
         let gap = |joint: &Joint| {
-            let interface = &problem.interfaces[joint.interface];
+            let interface = &problem.interfaces()[joint.interface];
             let Law::Contact(contact) = &interface.law else { return 0.0 };
             let sides = [interface.sides.as_slice(), problem.facing_sides(interface)].concat();
             if !pair.iter().all(|body| sides.iter().any(|&side| problem.body_of_side(side) == *body)) {
@@ -261,7 +261,7 @@ impl HeldApart {
                 apart.seeing[element].push(k);
                 apart.seen[other].push(k);
             }
-            let interface = &problem.interfaces[joint.interface];
+            let interface = &problem.interfaces()[joint.interface];
             let sides: Vec<usize> = interface.sides.iter().chain(problem.facing_sides(interface)).copied().collect();
             let bodies: Vec<usize> = sides.iter().map(|&side| problem.body_of_side(side)).collect();
             for e in 0..mesh.len() {

@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_contact::{Condition, Located, TipKind};
-use steklov_problem::{Refine, Scene};
+use steklov_problem::{Place, Refine, Scene};
 
 use crate::answer::singular_pressure::is_unbounded;
 use crate::mesh::first_mesh::singular_points;
@@ -53,7 +53,7 @@ pub(crate) fn summary_of_sides(
     let mut force = [0.0; 2];
     for &side in sides {
         // against another body that on the side which is named first
-        let second = scene.problem.joint(side).is_some_and(|interface| interface.second);
+        let second = scene.problem.joint(side).is_some_and(|interface| interface.place == Place::Second);
         let part = contact.force(side).map(|f| if second { -f } else { f });
         force = [force[0] + part[0], force[1] + part[1]];
     }

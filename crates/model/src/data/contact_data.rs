@@ -68,7 +68,7 @@ impl Data<'_> {
         let functions = self.contact_functions(&sides);
         let of_joint = |side: usize| {
             let interface = self.scene.problem.joint(side)?;
-            joints.iter().find(|j| std::ptr::eq(&raw const self.scene.problem.interfaces[j.interface], interface))
+            joints.iter().find(|j| std::ptr::eq(&raw const self.scene.problem.interfaces()[j.interface], interface))
         };
         let direction = |e: usize, t: f64| self.direction(e, t);
         let beyond =

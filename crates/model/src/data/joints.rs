@@ -61,7 +61,7 @@ impl Data<'_> {
     pub(crate) fn joints(&self) -> Result<Vec<Joint>, SolveError> {
         let problem = &self.scene.problem;
         let mut joints = Vec::new();
-        for (number, interface) in problem.interfaces.iter().enumerate() {
+        for (number, interface) in problem.interfaces().iter().enumerate() {
             let facing = problem.facing_sides(interface);
             if facing.is_empty() {
                 continue;
@@ -101,7 +101,7 @@ impl Data<'_> {
     }
 
     fn interface(&self, joint: &Joint) -> &Interface {
-        &self.scene.problem.interfaces[joint.interface]
+        &self.scene.problem.interfaces()[joint.interface]
     }
 
     /// Whether an interface is one of contact.

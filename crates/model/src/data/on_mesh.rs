@@ -207,7 +207,7 @@ impl Data<'_> {
         let (problem, side, site) = (&self.scene.problem, self.mesh.side[e], Site::new(self.mesh, e, t));
         let meets =
             |interface: &Interface| interface.sides.contains(&side) || problem.facing_sides(interface).contains(&side);
-        if problem.interfaces.iter().any(meets) {
+        if problem.interfaces().iter().any(meets) {
             return [None; 2];
         }
         let value = |expression: &Expression| self.value(expression, &site);

@@ -98,7 +98,7 @@ impl Data<'_> {
     ) -> Nonconformity {
         let mut found = Nonconformity::default();
         for joint in joints {
-            let interface = &self.scene.problem.interfaces[joint.interface];
+            let interface = &self.scene.problem.interfaces()[joint.interface];
             for cell in &joint.cells {
                 let bubble = bubbles.iter().find(|b| b.element == cell.element);
                 let closed = match (&interface.law, bubble) {

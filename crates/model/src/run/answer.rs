@@ -110,7 +110,7 @@ pub fn answer<M: Model>(
         contact: contact.map(|c| {
             let told = contact_summary(scene, report.trace, c, rows, report.located);
             // of several interfaces nothing says which end is whose
-            let several = scene.problem.interfaces.len() > 1 && scene.problem.has_several_bodies();
+            let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
             ContactSummary { ends: told.ends.filter(|_| !several), ..told }
         }),
         bodies: report.bodies,

@@ -97,7 +97,7 @@ fn collect(value: &Value, path: String, paths: &mut Vec<String>) {
 /// An object with all numbers that a result of the scene may have.
 fn shape(scene: &Scene) -> Value {
     let problem = &scene.problem;
-    let touches = problem.interfaces.iter().any(|interface| matches!(interface.law, Law::Contact(_)));
+    let touches = problem.interfaces().iter().any(|interface| matches!(interface.law, Law::Contact(_)));
     let several = problem.has_several_bodies();
     let audit = Audit { equilibrium: 0.0, penetration: 0.0, tension: 0.0, complementarity: 0.0, friction: 0.0 };
     let contact = ContactSummary {

@@ -229,7 +229,7 @@ impl Body {
             let (node, i) = (tied.relative.node, tied.dof % 2);
             // two nodes may be at one point: where a cut ends on another interface
             let at = nodes.iter().position(|of| *of == [node, tied.interface]).unwrap_or_else(|| {
-                let name = scene.problem.interfaces[tied.interface].name.clone();
+                let name = scene.problem.interfaces()[tied.interface].name.clone();
                 nodes.push([node, tied.interface]);
                 rows.push(TieRow { name, point: self.space.points[node], weight: tied.whole, traction: [0.0; 2] });
                 rows.len() - 1

@@ -84,8 +84,8 @@ pub fn pressures(scene: &Scene, watch: &mut Watch<'_>) -> Result<Pressures, Solv
         (MultiplierMesh::Finer(2), MultiplierDegree::Relative(0));
     // a bound that oscillates with the pressure leaves the solver without an end
     let mut coulomb = false;
-    for interface in &mut scene.problem.interfaces {
-        if let Law::Contact(Contact { friction: friction @ Friction::Coulomb(_), .. }) = &mut interface.law {
+    for law in scene.problem.laws_mut() {
+        if let Law::Contact(Contact { friction: friction @ Friction::Coulomb(_), .. }) = law {
             *friction = Friction::None;
             coulomb = true;
         }

@@ -1,0 +1,125 @@
+//! Sides of bodies can only be joined in ways that can be solved.
+
+use std::collections::BTreeMap;
+
+use steklov_bem_operators::{Loop, Polygon};
+use steklov_elastic::{Material, Plane};
+use steklov_expression::Expression;
+use steklov_problem::{Body, Condition, Contact, Friction, Law, Place, Problem, Scene, Substance, Tie};
+
+/// Blocks of width 1, each `distance` above the one before; the sides of the k-th are 4k (bottom), 4k + 1, 4k + 2 (top), 4k + 3.
+fn stack(count: usize, distance: f64) -> Problem {
+    let names = |k: usize| ["bottom", "right", "top", "left"].map(|side| format!("{k}.{side}")).to_vec();
+    let outline = |k: usize| {
+        let y = k as f64 * (1.0 + distance);
+        Polygon::new(Loop::straight(vec![[0.0, y], [1.0, y], [1.0, y + 1.0], [0.0, y + 1.0]], names(k)), vec![])
+            .unwrap()
+    };
+    let material = Material::new(100.0, 0.3, Plane::Strain).unwrap();
+    let body = |k: usize| Body::new(&format!("{k}"), Substance::Homogeneous(material));
+    Problem::of_bodies(Polygon::assembly((0..count).map(outline).collect()), (0..count).map(body).collect())
+}
+
+fn read(text: &str) -> Expression {
+    Expression::parse(text, &BTreeMap::new()).unwrap()
+}
+
+fn contact(gap: &str, friction: Friction) -> Law {
+    Law::Contact(Contact { gap: read(gap), friction })
+}
+
+#[test]
+fn sides_are_joined_once_and_have_no_other_condition() {
+    let mut problem = stack(3, 0.0);
+    let tied = || Law::Tied(Tie::default());
+    problem.join(&[4], &[2], tied(), None).unwrap().name = "lower".into();
+    let refused = |problem: &mut Problem, first: &[usize], second: &[usize]| {
+        problem.join(first, second, tied(), None).map(|_| ()).unwrap_err().message
+    };
+    for (first, second, why) in [
+        (vec![8], vec![4], "in two conditions"),
+        (vec![8, 8], vec![6], "in two conditions"),
+        (vec![5], vec![7], "sides of one body"),
+        (vec![8], vec![], "names no side"),
+        (vec![8], vec![77], "there is no side 77"),
+        (vec![8, 5], vec![6, 9], "sides of one body"),
+        (vec![9], vec![6], "do not face each other"),
+    ] {
+        let told = refused(&mut problem, &first, &second);
+        assert!(told.contains(why), "{first:?} {second:?}: {told}");
+    }
+    problem.sides[8].condition = Condition::held();
+    assert!(refused(&mut problem, &[8], &[6]).contains("a condition in [sides] too"));
+    problem.sides[8].condition = Condition::Free;
+    problem.join(&[8], &[6], tied(), None).unwrap();
+    assert_eq!(problem.interfaces().iter().map(|i| i.name.as_str()).collect::<Vec<_>>(), ["lower", "2.bottom-1.top"]);
+    // what is given later is seen by the check
+    let outline = stack(3, 0.0).outline;
+    let mut scene = Scene::new(outline, Material::new(100.0, 0.3, Plane::Strain).unwrap());
+    scene.problem = problem;
+    scene.problem.sides[0].condition = Condition::held();
+    scene.check().unwrap();
+    scene.problem.sides[6].condition = Condition::held();
+    assert!(scene.check().unwrap_err().message.contains("a condition in [sides] too"));
+    scene.problem.touch(6, Contact { gap: read("0"), friction: Friction::None });
+    assert!(scene.check().unwrap_err().message.contains("in two conditions"));
+}
+
+/// Who carries changes the discretisation and nothing else: data that are not the same on both sides are those of the first place.
+#[test]
+fn data_that_differ_on_both_sides_are_those_of_the_first_place() {
+    let vary = |gap: &str| contact(gap, Friction::None);
+    let rub = |coefficient: &str| contact("0", Friction::Coulomb(read(coefficient)));
+    let apart = [0.0, 1e-9, 1e-5, 0.2];
+    for (law, of_first) in [
+        (vary("-0.1"), [false; 4]),
+        (vary("-0.1*x"), [false, false, true, true]),
+        (vary("-0.1*s"), [true; 4]),
+        (rub("0.3"), [false; 4]),
+        (rub("0.3+y"), [false, false, true, true]),
+        // lengths are the same on parallel lines
+        (contact("0", Friction::Tresca(read("0.3"))), [false; 4]),
+        (contact("0", Friction::Tresca(read("0.3+x"))), [false, false, true, true]),
+    ] {
+        for (distance, of_first) in apart.into_iter().zip(of_first) {
+            let join = |places: [usize; 2], carrier: Option<Place>| {
+                stack(2, distance)
+                    .join(&[places[0]], &[places[1]], law.clone(), carrier)
+                    .map(|i| (i.place, i.sides.clone()))
+            };
+            for places in [[4, 2], [2, 4]] {
+                assert_eq!(join(places, Some(Place::First)).unwrap(), (Place::First, vec![places[0]]));
+                let second = join(places, Some(Place::Second));
+                match of_first {
+                    false => assert_eq!(second.unwrap(), (Place::Second, vec![places[1]])),
+                    true => {
+                        let error = second.unwrap_err();
+                        assert!(error.message.contains("are those of the first one"), "{}", error.message);
+                        assert!(error.help.contains("exchange"), "{}", error.help);
+                        assert_eq!(join(places, None).unwrap().0, Place::First, "{law:?} {distance}");
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// On circles lengths differ as much as radii.
+#[test]
+fn bounds_per_length_are_those_of_the_first_place_on_circles() {
+    for (radius, is_free) in [(1.0 + 1e-9, true), (1.01, false)] {
+        let disc = Polygon::new(Loop::circle([0.0, 0.0], 1.0, 4, "out"), vec![]).unwrap();
+        let ring =
+            Polygon::new(Loop::circle([0.0, 0.0], 2.0, 4, "out"), vec![Loop::circle([0.0, 0.0], radius, 4, "in")])
+                .unwrap();
+        let material = Material::new(100.0, 0.3, Plane::Strain).unwrap();
+        let bodies = ["disc", "ring"].map(|name| Body::new(name, Substance::Homogeneous(material))).to_vec();
+        let outlines = vec![disc.with_body_name("disc"), ring.with_body_name("ring")];
+        let mut problem = Problem::of_bodies(Polygon::assembly(outlines), bodies);
+        let side = |name: &str| problem.sides.iter().position(|side| side.name == name).unwrap();
+        let (rim, hole) = (side("disc.out"), side("ring.in"));
+        let law = contact("0", Friction::Tresca(read("0.3")));
+        let joined = problem.join(&[rim], &[hole], law, Some(Place::Second)).map(|_| ());
+        assert_eq!(joined.is_ok(), is_free, "{radius}");
+    }
+}
