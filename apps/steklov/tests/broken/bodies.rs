@@ -162,7 +162,7 @@ pub const CASES: &[Case] = &[
         "tied = { displacement_jump = [\"1\", \"0\"] }\nmultiplier = \"lower.top\"",
         17,
         "[\"upper",
-        "this side cannot carry",
+        "the second place of upper.bottom-lower.top cannot carry",
         "leave multiplier out",
     ),
     of(
