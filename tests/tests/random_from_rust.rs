@@ -1,6 +1,13 @@
-//! Random input that a program gives: what does not say the same as the expressions is refused, and not solved with nominal values.
+//! Random input that a program gives: which data it moves is read from their expressions, and names that are not there are refused, so
+//! that nothing is solved with nominal values.
 
-use steklov_problem::{DataErrorKind, Random, RandomName, Scene};
+use steklov_bem_operators::{Loop, Polygon};
+use steklov_elastic::{Material, Plane};
+use steklov_expression::Expression;
+use steklov_model::run::boundary_elements::unobserved;
+use steklov_model::stochastic::solve_stochastic;
+use steklov_problem::{Condition, DataErrorKind, Germ, Random, RandomConstants, RandomName, Scene, Stochastic};
+use steklov_stochastic::Variable;
 use steklov_tests::parse;
 
 /// A square on a floor whose modulus, gap, friction, support and load are given.
@@ -38,20 +45,49 @@ fn refusal(scene: &Scene) -> String {
 }
 
 #[test]
-fn data_that_use_random_names_without_saying_so_are_refused() {
+fn what_data_use_is_what_their_expressions_say_also_after_they_were_changed() {
     for (k, varying) in VARYING.into_iter().enumerate() {
-        let given = with(varying);
+        let mut given = with(varying);
         given.check().expect("a scene that fits");
-        let uses = given.random.as_ref().expect("random input").uses;
-        assert_eq!([uses.young, uses.contact, uses.held, uses.loads], [k == 0, k == 1 || k == 2, k == 3, k == 4]);
-        for flag in 0..4 {
-            let mut wrong = given.clone();
-            let uses = &mut random(&mut wrong).uses;
-            let flag = [&mut uses.young, &mut uses.contact, &mut uses.held, &mut uses.loads].into_iter().nth(flag);
-            flag.map(|flag| *flag = !*flag).expect("a flag");
-            assert!(refusal(&wrong).starts_with("random.uses is Uses { young: "), "{}", refusal(&wrong));
-        }
+        let random = given.random.clone().expect("random input");
+        let uses = |scene: &Scene| {
+            let uses = scene.uses(&random);
+            [uses.young, uses.contact, uses.held, uses.loads]
+        };
+        let of_datum = [k == 0, k == 1 || k == 2, k == 3, k == 4];
+        assert_eq!(uses(&given), of_datum);
+        let pressure = Expression::parse("2*Q", &[("Q".to_owned(), 2.0)].into()).expect("a pressure");
+        given.problem.sides[1].condition = Condition::Pressure(pressure);
+        given.check().expect("a scene that fits");
+        assert_eq!(uses(&given), [of_datum[0], of_datum[1], of_datum[2], true]);
     }
+}
+
+/// J of a held block under the load Q is Q² times that of Q = 1, and the mean of Q² is 1 + 1/12 for Q uniform in [1/2, 3/2].
+#[test]
+fn a_random_load_of_a_program_is_random_in_every_outcome() {
+    let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
+    let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
+    let block = Polygon::new(Loop::straight(corners, sides), vec![]).expect("a block");
+    let mut scene = Scene::new(block, Material::new(100.0, 0.3, Plane::Strain).expect("a material"));
+    scene.problem.sides[0].condition = Condition::held();
+    let load = Expression::parse("Q", &[("Q".to_owned(), 1.0)].into()).expect("a load");
+    scene.problem.sides[2].condition = Condition::Pressure(load);
+    scene.method.tolerance = 1e-2;
+    let stochastic = Stochastic { quantities: Some(vec!["energy".to_owned()]), ..Stochastic::default() };
+    let variable = Variable::uniform(0.5, 1.5).expect("a variable");
+    let germs = vec![Germ { label: "Q".to_owned(), variable }];
+    let names = vec![RandomName::Variable { name: "Q".to_owned(), germ: 0 }];
+    scene.random = Some(Random { names, germs, stochastic, constants: RandomConstants::default() });
+    scene.check().expect("a scene that fits");
+    let run = unobserved(&scene).expect("a run");
+    let (random, body) = (scene.random.as_ref().expect("random input"), run.matrices.as_ref().expect("matrices"));
+    let outcomes = solve_stochastic(&scene, random, body, &|_, _| {}, &|| false).expect("outcomes");
+    let (of_one, energy) = (run.last.energies.total, &outcomes.quantities[0]);
+    assert!((energy.mean / of_one - 13.0 / 12.0).abs() < 1e-10, "{} of {of_one}", energy.mean);
+    // E[Q⁴] - E[Q²]² = 121/80 - 169/144
+    let variance = of_one * of_one * (121.0 / 80.0 - 169.0 / 144.0);
+    assert!((energy.variance / variance - 1.0).abs() < 1e-10, "{} of {variance}", energy.variance);
 }
 
 #[test]
@@ -71,17 +107,20 @@ fn names_and_germs_that_are_not_there_are_refused() {
 }
 
 #[test]
-fn jumps_at_which_stochastic_elements_do_not_end_are_refused() {
-    let given = with((4, "if(Q > 2.25, 1, 0)"));
+fn jumps_are_found_in_the_expressions_also_after_they_were_changed() {
+    let mut given = with((4, "if(Q > 2.25, 1, 0)"));
+    let random = given.random.clone().expect("random input");
+    let jumps = |scene: &Scene| -> Vec<f64> {
+        let cuts = scene.cuts(&random);
+        assert_eq!(cuts.len(), 1);
+        cuts[0].iter().map(|&cut| random.germs[0].variable.value(cut)).collect()
+    };
+    assert!(matches!(jumps(&given)[..], [q] if (q - 2.25).abs() < 1e-12), "{:?}", jumps(&given));
+    let load = Expression::parse("if(Q < 1.75, 1, 0)", &[("Q".to_owned(), 2.0)].into()).expect("a load");
+    given.problem.sides[1].condition = Condition::Pressure(load);
     given.check().expect("a scene that fits");
-    let cuts = given.random.as_ref().expect("random input").cuts.clone();
-    assert!(cuts.len() == 1 && cuts[0].len() == 1, "{cuts:?}");
-    assert!((given.random.as_ref().expect("random input").germs[0].variable.value(cuts[0][0]) - 2.25).abs() < 1e-12);
-    for wrong_cuts in [vec![], vec![vec![]], vec![vec![0.0]], vec![cuts[0].clone(), vec![]]] {
-        let mut wrong = given.clone();
-        random(&mut wrong).cuts = wrong_cuts;
-        assert!(refusal(&wrong).starts_with("random.cuts is ["), "{}", refusal(&wrong));
-    }
+    let [a, b] = jumps(&given)[..] else { panic!("two jumps: {:?}", jumps(&given)) };
+    assert!((a - 1.75).abs() < 1e-12 && (b - 2.25).abs() < 1e-12, "{a} {b}");
 }
 
 #[test]

@@ -267,7 +267,7 @@ pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<DataError> {
 /// The refusal of more stochastic nodes than are allowed; none if there are fewer.
 pub(crate) fn too_many_points(scene: &Scene) -> Option<DataError> {
     let random = scene.random.as_ref()?;
-    let (count, most) = (steklov_plan::points(random), random.stochastic.max_nodes);
+    let (count, most) = (steklov_plan::points(scene, random), random.stochastic.max_nodes);
     if random.stochastic.method == Sampling::MonteCarlo || count <= most as f64 {
         return None;
     }

@@ -198,7 +198,8 @@ fn random_names_are_germs_where_they_are_used() {
     let random = scene.random.as_ref().unwrap();
     let labels: Vec<&str> = random.germs.iter().map(|g| g.label.as_str()).collect();
     assert_eq!(labels, ["xi", "rough 1", "rough 2", "rough 3", "rough 4", "rough 5", "rough 6"]);
-    assert!(random.uses.contact && !random.uses.young && !random.uses.loads && !random.uses.held);
+    let uses = scene.uses(random);
+    assert!(uses.contact && !uses.young && !uses.loads && !uses.held);
     // at xi = 0.7 and the germs 0 of the field the bound is 0.7; with the first germ 1 it is above, by the mode's positive start
     let bound = |germs: &[f64]| {
         let outcome = scene.outcome(germs).unwrap();

@@ -82,7 +82,7 @@ fn the_plan_counts_the_points_that_are_solved() {
             let o = place.json(0, &["scene.toml", "--set", &method_key]);
             let solved = &o["stochastic"]["solution"];
             assert_eq!(solved["solves"], expected, "{method}: {solved}");
-            assert_eq!(points(scene.random.as_ref().unwrap()), f64::from(expected), "{method}");
+            assert_eq!(points(&scene, scene.random.as_ref().unwrap()), f64::from(expected), "{method}");
             assert_eq!(solved["coupled"], coupled && method == "galerkin", "{method}");
         }
     }

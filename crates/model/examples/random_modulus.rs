@@ -8,7 +8,7 @@ use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
 use steklov_model::run::boundary_elements::unobserved;
 use steklov_model::stochastic::solve_stochastic;
-use steklov_problem::{Condition, Germ, Random, RandomConstants, RandomName, Scene, Stochastic, Uses};
+use steklov_problem::{Condition, Germ, Random, RandomConstants, RandomName, Scene, Stochastic};
 use steklov_stochastic::Variable;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -25,8 +25,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         names: vec![RandomName::Variable { name: "E".to_owned(), germ: 0 }],
         germs: vec![Germ { label: "E".to_owned(), variable }],
         stochastic: Stochastic { degree: 8, quantities: Some(vec!["energy".to_owned()]), ..Stochastic::default() },
-        uses: Uses { young: true, ..Uses::default() },
-        cuts: vec![vec![]],
         constants: RandomConstants { young: Some(young), remote_stress: None },
     });
     scene.check()?;

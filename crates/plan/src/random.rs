@@ -2,7 +2,7 @@
 
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_model::stochastic::{intervals, is_coupled, method};
-use steklov_problem::{Condition, Random, Sampling, Scene};
+use steklov_problem::{Condition, Germ, Random, Sampling, Scene};
 use steklov_stochastic::smolyak;
 
 use super::Decision;
@@ -15,11 +15,13 @@ const MANY: usize = 64;
 const NAMED: usize = 8;
 
 /// Number of points at which a scene is solved, before any refinement of the stochastic mesh.
-pub fn points(random: &Random) -> f64 {
+pub fn points(scene: &Scene, random: &Random) -> f64 {
     let settings = &random.stochastic;
-    let of = |germ: usize| intervals(random, germ, settings.elements) as f64 * (settings.degree as f64 + 1.0);
+    let of = |(germ, cuts): (&Germ, Vec<f64>)| {
+        intervals(&germ.variable, &cuts, settings.elements) as f64 * (settings.degree as f64 + 1.0)
+    };
     match settings.method {
-        Sampling::Galerkin | Sampling::Collocation => (0..random.germs.len()).map(of).product(),
+        Sampling::Galerkin | Sampling::Collocation => random.germs.iter().zip(scene.cuts(random)).map(of).product(),
         Sampling::Sparse => sparse(random).unwrap_or(f64::INFINITY),
         Sampling::MonteCarlo => settings.samples as f64,
     }
@@ -42,7 +44,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
         return;
     };
     let settings = &random.stochastic;
-    let count = points(random);
+    let count = points(scene, random);
     let germs = random.germs.len();
     let how = match settings.method {
         Sampling::Galerkin | Sampling::Collocation => format!(
@@ -70,7 +72,7 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
         why
     };
     modelled.push(decision("random input", how, why));
-    if random.uses.young && settings.method == Sampling::Galerkin {
+    if scene.uses(random).young && settings.method == Sampling::Galerkin {
         let (choice, why) = match is_coupled(scene, random) {
             Ok(true) => ("coupled", "the modulus is not affine in its germs: the exact Galerkin system, cell by cell"),
             _ => (

@@ -30,7 +30,7 @@ impl Scene {
             }
         }
         let all_data = ends.len() <= DATA;
-        if all_data || random.uses.young && ends.len() <= CORNERS {
+        if all_data || self.uses(random).young && ends.len() <= CORNERS {
             for corner in 0..1usize << ends.len() {
                 let germs: Vec<f64> = ends.iter().enumerate().map(|(d, e)| e[corner >> d & 1]).collect();
                 let outcome = self.outcome(&germs)?;

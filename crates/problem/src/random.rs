@@ -6,7 +6,15 @@ use std::sync::Arc;
 use steklov_expression::{Expression, FieldValue, RandomField};
 use steklov_stochastic::{Distribution, Variable};
 
-/// Random input that a scene uses, and how it is treated.
+/// Random input that a scene uses, and how it is treated. Which data it moves is what their expressions say
+/// ([`Scene::uses`](super::Scene::uses), [`Scene::cuts`](super::Scene::cuts)): there is nothing to fill in.
+///
+/// ```compile_fail,E0560
+/// # use steklov_problem::{Random, RandomConstants, Stochastic};
+/// let (names, germs) = (vec![], vec![]);
+/// let constants = RandomConstants::default();
+/// Random { names, germs, constants, stochastic: Stochastic::default(), uses: Default::default() };
+/// ```
 #[derive(Debug, Clone)]
 pub struct Random {
     /// The names, in the order of the scene.
@@ -15,11 +23,6 @@ pub struct Random {
     pub germs: Vec<Germ>,
     /// How to solve.
     pub stochastic: Stochastic,
-    /// Which data use random names: what [`Scene::uses`](super::Scene::uses) finds.
-    pub uses: Uses,
-    /// For each germ where data have kinks or jumps, whatever the others: stochastic elements end there. What
-    /// [`Scene::cuts`](super::Scene::cuts) finds.
-    pub cuts: Vec<Vec<f64>>,
     /// Numbers of the problem that are random.
     pub constants: RandomConstants,
 }
@@ -59,19 +62,6 @@ pub enum RandomName {
         /// Its first germ; there is one a mode.
         first: usize,
     },
-}
-
-/// Which data of a scene use random names.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub struct Uses {
-    /// Young's modulus.
-    pub young: bool,
-    /// Tractions, pressures, body force.
-    pub loads: bool,
-    /// Gaps and friction.
-    pub contact: bool,
-    /// Prescribed displacements.
-    pub held: bool,
 }
 
 /// Points at which the problem is solved.

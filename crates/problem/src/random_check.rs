@@ -1,8 +1,8 @@
-//! Whether what random input says of a scene is what the expressions of the scene say.
+//! What the expressions of a scene say of its random input.
 
 use steklov_expression::Expression;
 
-use super::{DataError, DataErrorKind as Kind, Random, RandomName, Scene, Uses};
+use super::{DataError, DataErrorKind as Kind, Random, RandomName, Scene};
 
 /// The data of an outcome that are made anew where they use random names.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -13,6 +13,19 @@ enum Datum {
     Held,
     /// It is always that of the outcome.
     Remote,
+}
+
+/// Which data of a scene use random names.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Uses {
+    /// Young's modulus.
+    pub young: bool,
+    /// Tractions, pressures, body force.
+    pub loads: bool,
+    /// Gaps and friction.
+    pub contact: bool,
+    /// Prescribed displacements.
+    pub held: bool,
 }
 
 impl Scene {
@@ -45,8 +58,7 @@ impl Scene {
         }
     }
 
-    /// Names and germs that are there, and what [`Scene::uses`] and [`Scene::cuts`] find in the expressions: what differs would
-    /// be solved with its nominal value, or with polynomials across a jump.
+    /// Names that have their germs, and expressions whose names are there: others would be solved with their nominal values.
     pub(super) fn check_random(&self) -> Result<(), DataError> {
         let Some(random) = &self.random else { return Ok(()) };
         let refuse = |message: String, help: &str| Err(DataError::at(Kind::Conflict, &[vec!["random"]], message, help));
@@ -70,16 +82,6 @@ impl Scene {
                 let help = "add it to random.names, or to the parameters of the scene";
                 return Err(DataError::new(Kind::Conflict, expression.place, message, help));
             }
-        }
-        let uses = self.uses(random);
-        if random.uses != uses {
-            let message = format!("random.uses is {:?}, and the expressions are {uses:?}", random.uses);
-            return refuse(message, "set random.uses to Scene::uses of the scene and its random input");
-        }
-        let cuts = self.cuts(random);
-        if random.cuts != cuts {
-            let message = format!("random.cuts is {:?}, and the expressions have {cuts:?}", random.cuts);
-            return refuse(message, "set random.cuts to Scene::cuts of the scene and its random input");
         }
         Ok(())
     }

@@ -40,7 +40,7 @@ use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
     Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Law, Problem, Random, Scene, Side,
-    Source, Stochastic, Substance, Tie, Uses,
+    Source, Stochastic, Substance, Tie,
 };
 
 pub use error::{SceneError, located};
@@ -182,14 +182,9 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
     }
     let constants = random::constants(&fields, cavity, &is_random, &context)?;
     let (names, germs) = random::used(declared, stochastic.method, &used)?;
-    let random = Random { names, germs, stochastic, uses: Uses::default(), cuts: Vec::new(), constants };
+    let random = Random { names, germs, stochastic, constants };
     let random = (!random.names.is_empty()).then_some(random);
-    let mut scene = Scene { title, problem, parameters, probe, method, expect, random, unused };
-    if let Some(mut random) = scene.random.take() {
-        (random.uses, random.cuts) = (scene.uses(&random), scene.cuts(&random));
-        scene.random = Some(random);
-    }
-    Ok(scene)
+    Ok(Scene { title, problem, parameters, probe, method, expect, random, unused })
 }
 
 /// What is random in a scene: its names and what they are.

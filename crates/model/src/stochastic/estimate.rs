@@ -28,7 +28,7 @@ pub(crate) fn mean_estimate(
 ) -> Result<Estimate, SolveError> {
     let outcomes = Outcomes::new(scene, random, body)?;
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
-    let (points, weights) = outcomes_of(random, variables)?;
+    let (points, weights) = outcomes_of(scene, random, variables)?;
     let mut mean = nominal;
     let (mut error, mut scale) = (0.0, 0.0);
     mean.indicators.fill(Bubble::default());
@@ -57,14 +57,18 @@ pub(crate) fn mean_estimate(
 }
 
 /// Outcomes over which errors are averaged, and their weights.
-fn outcomes_of(random: &Random, variables: Vec<Variable>) -> Result<(Vec<Vec<f64>>, Vec<f64>), SolveError> {
+fn outcomes_of(
+    scene: &Scene,
+    random: &Random,
+    variables: Vec<Variable>,
+) -> Result<(Vec<Vec<f64>>, Vec<f64>), SolveError> {
     let germs = variables.len();
     if germs > FEW {
         let points = (0..SAMPLES).map(|i| sample(&variables, SEED, i)).collect();
         return Ok((points, vec![1.0 / SAMPLES as f64; SAMPLES as usize]));
     }
     let mut mesh = StochasticMesh::uniform(variables, &vec![1; germs], &vec![1; germs])?;
-    split_at_cuts(&mut mesh, random)?;
+    split_at_cuts(&mut mesh, scene.cuts(random))?;
     let (mut points, mut weights) = (Vec::new(), Vec::new());
     for cell in 0..mesh.cells.len() {
         let basis: CellBasis = mesh.basis(cell, Nodes::Gauss)?;

@@ -199,13 +199,13 @@ fn cut(hull: &[[f64; 2]], ends: &[[f64; 2]], variables: &[Variable]) -> Option<(
     cuts.min_by(|a, b| share(a.0).total_cmp(&share(b.0)))
 }
 
-/// Splits the cells of a mesh where data have kinks or jumps in one germ.
+/// Splits the cells of a mesh at the cuts of each germ.
 pub(super) fn split_at_cuts(
     mesh: &mut StochasticMesh,
-    random: &Random,
+    cuts: Vec<Vec<f64>>,
 ) -> Result<(), steklov_stochastic::StochasticError> {
-    for (direction, cuts) in random.cuts.iter().enumerate() {
-        for &at in cuts {
+    for (direction, cuts) in cuts.into_iter().enumerate() {
+        for at in cuts {
             for cell in 0..mesh.cells.len() {
                 let [a, b] = mesh.cells[cell].bounds[direction];
                 if a < at && at < b {
@@ -218,8 +218,7 @@ pub(super) fn split_at_cuts(
 }
 
 /// Number of intervals of a germ with so many elements, after the cuts.
-pub fn intervals(random: &Random, germ: usize, elements: usize) -> usize {
-    let variable = &random.germs[germ].variable;
+pub fn intervals(variable: &Variable, cuts: &[f64], elements: usize) -> usize {
     let is_end = |cut: f64| (1..elements).any(|k| variable.quantile(k as f64 / elements as f64) == cut);
-    elements + random.cuts[germ].iter().filter(|&&cut| !is_end(cut)).count()
+    elements + cuts.iter().filter(|&&cut| !is_end(cut)).count()
 }

@@ -131,7 +131,7 @@ impl Cell {
 /// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
 /// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
 pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
-    let galerkin = random.stochastic.method == Sampling::Galerkin && random.uses.young;
+    let galerkin = random.stochastic.method == Sampling::Galerkin && scene.uses(random).young;
     let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
     let simple = scene.particular_solution(0, 1.0).is_none() && !coulomb;
     Ok(galerkin && simple && scene.unresisted(0, free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
@@ -177,7 +177,7 @@ pub(crate) fn solve_nodes(
     let variables = random.germs.iter().map(|g| g.variable.clone()).collect();
     let (elements, degree) = (vec![settings.elements; random.germs.len()], vec![settings.degree; random.germs.len()]);
     let mut mesh = StochasticMesh::uniform(variables, &elements, &degree)?;
-    split_at_cuts(&mut mesh, random)?;
+    split_at_cuts(&mut mesh, scene.cuts(random))?;
     let mut cells: Vec<Option<Cell>> = Vec::new();
     let (mut solved, mut checks, mut samples) = (0, 0, 0);
     for round in 0.. {

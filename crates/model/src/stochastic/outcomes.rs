@@ -5,7 +5,7 @@
 
 use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
-use steklov_problem::{Random, Scene, Solver};
+use steklov_problem::{Random, Scene, Solver, Uses};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
 use super::jumps::Data as DataInGerms;
@@ -30,6 +30,7 @@ pub struct Outcomes<'a> {
     pub body: &'a Body,
     /// The data in their germs.
     pub(super) data: DataInGerms<'a>,
+    uses: Uses,
     loads: Loads,
     boundary: Option<ContactBoundary>,
 }
@@ -71,6 +72,7 @@ impl<'a> Outcomes<'a> {
             random,
             body,
             data: in_germs,
+            uses: scene.uses(random),
             loads: data.load()?,
             boundary: data.condensed_contact(&body.held, &[])?,
         })
@@ -83,7 +85,7 @@ impl<'a> Outcomes<'a> {
         let modulus = scene.body().material().young / self.scene.body().material().young;
         scene.body_mut().substance = self.scene.body().substance.clone();
         let data = Data { scene: &scene, mesh, space };
-        let uses = self.random.uses;
+        let uses = self.uses;
         let held = if uses.held { data.held()? } else { self.body.held.clone() };
         let mut loads = if uses.loads { data.load()? } else { self.loads.clone() };
         loads.scale(1.0 / modulus);

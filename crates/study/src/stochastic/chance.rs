@@ -157,7 +157,7 @@ pub fn chance(scene: &Scene, random: &Random, run: &mut Run, watch: &mut Watch<'
         let random = with(random, settings.clone());
         solve_stochastic(scene, &random, body, &|_, _| {}, &|| interrupts.load(Ordering::Relaxed) > 0)
     };
-    match judge(random, &solve, &mut chance, watch) {
+    match judge(scene, random, &solve, &mut chance, watch) {
         Err(SolveError::Interrupted) => return Ok(chance),
         judged => judged?,
     }
@@ -173,8 +173,8 @@ pub fn chance(scene: &Scene, random: &Random, run: &mut Run, watch: &mut Watch<'
         Err(error) => chance.failures.push(("the scene's own rule".into(), error.to_string())),
     }
     let coupled = is_coupled(scene, random)?;
-    let finest = reference(random).finest;
-    for rule in rules(random, &finest, coupled) {
+    let finest = reference(scene, random).finest;
+    for rule in rules(scene, random, &finest, coupled) {
         let last = chance.solved(rule.family);
         if rule.family == ADAPTED && last.is_some_and(|n| n as f64 >= LIMIT) {
             continue;
@@ -196,12 +196,13 @@ pub fn chance(scene: &Scene, random: &Random, run: &mut Run, watch: &mut Watch<'
 
 /// Solves by the reference, and by the rule before it.
 fn judge(
+    scene: &Scene,
     random: &Random,
     solve: &dyn Fn(&Stochastic) -> Result<StochasticResult, SolveError>,
     chance: &mut Chance,
     watch: &mut Watch<'_>,
 ) -> Result<(), SolveError> {
-    let rule = reference(random);
+    let rule = reference(scene, random);
     watch.tell("reference in chance", &rule.name);
     let before = solve(&rule.before)?;
     let names: Vec<String> = before.quantities.iter().map(|q| q.name.clone()).collect();

@@ -1,7 +1,7 @@
 //! The rules in chance that are compared, and the finer one that judges them.
 
 use steklov_plan::points;
-use steklov_problem::{Random, Sampling, Stochastic};
+use steklov_problem::{Random, Sampling, Scene, Stochastic};
 
 /// Families of rules: the name, and what changes from rule to rule.
 pub const FAMILIES: [(&str, &str); 6] = [
@@ -74,20 +74,20 @@ pub(super) fn with(random: &Random, settings: Stochastic) -> Random {
 }
 
 /// How many points settings have.
-pub(super) fn count(random: &Random, settings: &Stochastic) -> f64 {
-    points(&with(random, settings.clone()))
+pub(super) fn count(scene: &Scene, random: &Random, settings: &Stochastic) -> f64 {
+    points(scene, &with(random, settings.clone()))
 }
 
 /// Adaptive for one or two germs; else the tensor rule of the highest affordable degree, if that is two degrees above the
 /// scene's; else the finest affordable sparse grid. All are collocation, which every method here tends to.
-pub(super) fn reference(random: &Random) -> Finest {
+pub(super) fn reference(scene: &Scene, random: &Random) -> Finest {
     if random.germs.len() <= ADAPTIVE {
         let rule = |tolerance| adaptive(random, tolerance, REFERENCE);
         let name = "collocation on an adaptive stochastic mesh, tolerance 1e-8".into();
         return Finest { finest: rule(1e-8), before: rule(1e-7), name };
     }
     let largest = |least: usize, most: usize, rule: &dyn Fn(usize) -> Stochastic| {
-        (least..=most).take_while(|&k| count(random, &rule(k)) <= REFERENCE as f64).last()
+        (least..=most).take_while(|&k| count(scene, random, &rule(k)) <= REFERENCE as f64).last()
     };
     let rule = |degree| Stochastic { method: Sampling::Collocation, ..tensor(random, 1, degree) };
     let least = random.stochastic.degree + 2;
@@ -106,7 +106,7 @@ pub(super) fn reference(random: &Random) -> Finest {
 
 /// All rules, family by family from coarse to fine; those that would take too long, or are as fine as the reference, are
 /// left out. `coupled`: Galerkin's nodes are.
-pub(super) fn rules(random: &Random, reference: &Stochastic, coupled: bool) -> Vec<Rule> {
+pub(super) fn rules(scene: &Scene, random: &Random, reference: &Stochastic, coupled: bool) -> Vec<Rule> {
     let germs = random.germs.len();
     let mut rules = Vec::new();
     let mut add = |family: usize, parameter: f64, settings: Stochastic| {
@@ -114,10 +114,10 @@ pub(super) fn rules(random: &Random, reference: &Stochastic, coupled: bool) -> V
             Sampling::Sparse => reference.method == Sampling::Sparse,
             _ => family == 0 && reference.method == Sampling::Collocation,
         };
-        let finer = like && !reference.refine && count(random, &settings) >= count(random, reference);
+        let finer = like && !reference.refine && count(scene, random, &settings) >= count(scene, random, reference);
         let cell = ((settings.degree + 1) as f64).powi(germs as i32);
         let large = coupled && settings.method == Sampling::Galerkin && cell > COUPLED;
-        if !finer && !large && count(random, &settings) <= LIMIT {
+        if !finer && !large && count(scene, random, &settings) <= LIMIT {
             rules.push(Rule { family, parameter, settings });
         }
     };
@@ -155,9 +155,9 @@ pub(super) fn single(random: &Random) -> Stochastic {
 
 /// The rule for errors in space, and its name: the scene's, but a sparse grid of level 2 instead of samples or of more
 /// points than a study can take.
-pub(super) fn settled(random: &Random) -> (Stochastic, String) {
+pub(super) fn settled(scene: &Scene, random: &Random) -> (Stochastic, String) {
     let own = &random.stochastic;
-    if own.method == Sampling::MonteCarlo || count(random, own) > LIMIT {
+    if own.method == Sampling::MonteCarlo || count(scene, random, own) > LIMIT {
         return (sparse(random, 2), "sparse grid of level 2".into());
     }
     (Stochastic { samples: 1, ..own.clone() }, "the scene's rule".into())
@@ -179,9 +179,9 @@ mod tests {
             names.collect::<String>()
         );
         let scene = steklov_scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
-        let random = scene.random.unwrap();
-        let finest = reference(&random);
-        let rules = rules(&random, &finest.finest, false);
+        let random = scene.random.as_ref().unwrap();
+        let finest = reference(&scene, random);
+        let rules = rules(&scene, random, &finest.finest, false);
         (finest, rules)
     }
 

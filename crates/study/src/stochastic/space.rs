@@ -118,7 +118,7 @@ impl Space {
 /// # Errors
 /// Those of the first mesh.
 pub fn space(scene: &Scene, random: &Random, watch: &mut Watch<'_>) -> Result<Space, SolveError> {
-    let (settings, rule) = settled(random);
+    let (settings, rule) = settled(scene, random);
     let mut space = Space { rule, ..Space::default() };
     // the reference first: hp
     for strategy in [Refine::Hp, Refine::UniformH, Refine::UniformP] {
