@@ -6,7 +6,9 @@
 
 use std::f64::consts::TAU;
 
-use crate::polygon::{distance, winding};
+use steklov_elastic::plane::{cross, distance, minus, norm, unit};
+
+use crate::polygon::winding;
 use crate::{Edge, Path, Polygon};
 
 /// Points closer than this part of the diameter are one.
@@ -121,7 +123,7 @@ impl Polygon {
     fn points_on(&self, cut: &Cut, cuts: &[Cut], points: &mut Points) -> Vec<usize> {
         let ([a, b], near) = (cut.ends, points.near);
         let length = distance(a, b);
-        let n = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+        let n = unit(minus(b, a));
         let mut on: Vec<(f64, [f64; 2])> = Vec::new();
         for edge in self.edges() {
             let hits = edge.met_by(a, n).into_iter().filter(|(_, d)| -near <= *d && *d <= length + near);
@@ -129,14 +131,14 @@ impl Polygon {
         }
         for other in cuts.iter().filter(|other| *other != cut) {
             let [p, q] = other.ends;
-            let (d, r) = ([q[0] - p[0], q[1] - p[1]], [p[0] - a[0], p[1] - a[1]]);
-            let across = n[0] * d[1] - n[1] * d[0];
-            if across.abs() < 1e-9 * d[0].hypot(d[1]) {
+            let (d, r) = (minus(q, p), minus(p, a));
+            let across = cross(n, d);
+            if across.abs() < 1e-9 * norm(d) {
                 continue;
             }
-            let along = (r[0] * d[1] - r[1] * d[0]) / across;
-            let part = (r[0] * n[1] - r[1] * n[0]) / across;
-            let slack = near / d[0].hypot(d[1]);
+            let along = cross(r, d) / across;
+            let part = cross(r, n) / across;
+            let slack = near / norm(d);
             if -near <= along && along <= length + near && -slack <= part && part <= 1.0 + slack {
                 on.push((along, [a[0] + along * n[0], a[1] + along * n[1]]));
             }
@@ -179,8 +181,8 @@ impl Polygon {
         let area = |edges: &[Edge]| -> f64 {
             let o = edges[0].start;
             let twice = |e: &Edge| {
-                let (a, b) = ([e.start[0] - o[0], e.start[1] - o[1]], [e.end[0] - o[0], e.end[1] - o[1]]);
-                a[0] * b[1] - a[1] * b[0] + e.bulge(o)[0]
+                let (a, b) = (minus(e.start, o), minus(e.end, o));
+                cross(a, b) + e.bulge(o)[0]
             };
             edges.iter().map(twice).sum()
         };

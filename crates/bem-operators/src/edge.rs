@@ -5,11 +5,11 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::ops::RangeInclusive;
 
 use num_complex::Complex64;
+use steklov_elastic::plane::{self, cross, distance, dot, minus};
 use steklov_quadrature::gauss_legendre;
 
 use crate::curve::{Curve, Shape, cis_minus_one, evaluate};
 use crate::moments::Segment;
-use crate::polygon::distance;
 
 /// How an edge runs from its corner k to the next.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -88,7 +88,7 @@ impl Edge {
     pub fn point(&self, s: f64) -> [f64; 2] {
         let [a, b] = self.listed();
         if self.is_line() {
-            let d = [b[0] - a[0], b[1] - a[1]];
+            let d = minus(b, a);
             return if s <= 0.5 {
                 [a[0] + d[0] * s, a[1] + d[1] * s]
             } else {
@@ -356,8 +356,8 @@ impl Edge {
         let of = |weight: &dyn Fn([f64; 2]) -> f64| {
             let edge = self.integrate(1.0, |s, d| {
                 let x = self.point(s);
-                let r = [x[0] - a[0], x[1] - a[1]];
-                weight(r) * (r[0] * d[1] - r[1] * d[0])
+                let r = minus(x, a);
+                weight(r) * cross(r, d)
             });
             sign * edge
         };
@@ -403,8 +403,8 @@ impl Edge {
         let mut s = s;
         for _ in 0..8 {
             let (y, d) = (self.point(s), self.derivative(s));
-            let r = [y[0] - x[0], y[1] - x[1]];
-            s = (s - (r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
+            let r = minus(y, x);
+            s = (s - dot(r, d) / dot(d, d)).clamp(0.0, 1.0);
             let gap = distance(x, self.point(s));
             if gap < best.0 {
                 best = (gap, s);
@@ -420,11 +420,11 @@ impl Edge {
         }
         let from = |s: f64| {
             let y = self.point(s);
-            [y[0] - x[0], y[1] - x[1]]
+            minus(y, x)
         };
         let roots = self.roots(&|s| {
             let (r, d) = (from(s), self.derivative(s));
-            [r[0] * n[1] - r[1] * n[0], d[0] * n[1] - d[1] * n[0]]
+            [cross(r, n), cross(d, n)]
         });
         roots.into_iter().map(|s| (s, from(s)[0] * n[0] + from(s)[1] * n[1])).collect()
     }
@@ -468,9 +468,9 @@ impl Edge {
         }
         self.roots(&|s| {
             let (y, d, n) = (self.point(s), self.derivative(s), self.normal(s));
-            let (r, along) = ([y[0] - x[0], y[1] - x[1]], [0, 1].map(|i| pull[i] - push * n[i]));
+            let (r, along) = (minus(y, x), [0, 1].map(|i| pull[i] - push * n[i]));
             // the derivative of n is left out: the slope is that of small distances
-            [r[0] * along[1] - r[1] * along[0], d[0] * along[1] - d[1] * along[0]]
+            [cross(r, along), cross(d, along)]
         })
     }
 
@@ -615,6 +615,6 @@ const AT_END: f64 = 1e-11;
 
 /// Angle from one direction to another, -π to π.
 pub(crate) fn angle(a: [f64; 2], b: [f64; 2]) -> f64 {
-    let angle = (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
+    let angle = plane::angle(a, b);
     if angle == -PI { PI } else { angle }
 }

@@ -1,7 +1,9 @@
 //! Where two curved edges meet, or one meets itself: pieces are chords with a width, halved until they are apart.
 
+use steklov_elastic::plane::distance;
+
 use crate::edge::{Edge, Path, angle};
-use crate::polygon::{distance, nearest_on_segment, orientation};
+use crate::polygon::{nearest_on_segment, orientation};
 
 /// Pairs of pieces that are looked at before two edges count as too close to tell apart.
 const MOST_PAIRS: usize = 400_000;

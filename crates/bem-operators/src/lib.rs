@@ -87,7 +87,7 @@ pub use marking::{doerfler, legendre_decay};
 pub use mesh::{Mesh, edge_tangents};
 pub use moments::{PairMoments, Segment, Tables};
 pub use particular::ParticularSolution;
-pub use polygon::{Location, Loop, Polygon, distance, distance_to_segment};
+pub use polygon::{Location, Loop, Polygon, distance_to_segment};
 pub use polygon_check::{EdgeName, PolygonError};
 pub use potential::{BoundaryField, Inside, Trace};
 pub use residual::{BoundaryResidual, Look, boundary_residuals, boundary_residuals_of, graded_panels, residual_panels};

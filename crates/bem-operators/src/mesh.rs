@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use num_complex::Complex64;
+use steklov_elastic::plane::{distance, minus, norm, unit};
 use steklov_quadrature::gauss_legendre;
 
 use crate::BemError;
@@ -97,8 +98,7 @@ impl Mesh {
         if !self.is_line(e) {
             return 2.0 * self.curve(e).half_length();
         }
-        let d = self.half_chord(e);
-        2.0 * d[0].hypot(d[1])
+        2.0 * norm(self.half_chord(e))
     }
 
     /// |dy/dt| at the reference point t of element e: half of its length, but on polynomial curves.
@@ -191,7 +191,7 @@ impl Mesh {
         let mut d: f64 = 0.0;
         for (i, a) in corners.iter().enumerate() {
             for b in &corners[..i] {
-                d = d.max((a[0] - b[0]).hypot(a[1] - b[1]));
+                d = d.max(distance(*a, *b));
             }
         }
         d
@@ -270,9 +270,7 @@ pub fn edge_tangents(vertices: &[[f64; 2]], next: &[usize], edge: &[usize]) -> V
             let ends = starts.get(k).zip(ends.get(k));
             // a loop of one edge has no direction but that of each element
             let (a, b) = ends.map_or((vertices[e], vertices[after]), |(a, b)| (*a, *b));
-            let d = [b[0] - a[0], b[1] - a[1]];
-            let r = d[0].hypot(d[1]);
-            [d[0] / r, d[1] / r]
+            unit(minus(b, a))
         })
         .collect()
 }

@@ -1,6 +1,7 @@
 //! Particular solutions: of a constant body force, and of a uniform stress far away.
 
 use steklov_elastic::Material;
+use steklov_elastic::plane::{dot, minus, norm};
 use steklov_quadrature::legendre_p;
 
 use crate::near::panel_rule;
@@ -41,16 +42,16 @@ impl ParticularSolution {
 
     /// b/|b| and ξ; zero without a force.
     fn along(&self, x: [f64; 2]) -> ([f64; 2], f64) {
-        let norm = self.force[0].hypot(self.force[1]);
+        let norm = norm(self.force);
         let unit = if norm > 0.0 { self.force.map(|b| b / norm) } else { [0.0; 2] };
-        (unit, unit[0] * (x[0] - self.centre[0]) + unit[1] * (x[1] - self.centre[1]))
+        (unit, dot(unit, minus(x, self.centre)))
     }
 
     /// u_p.
     pub fn displacement(&self, x: [f64; 2]) -> [f64; 2] {
         let modulus = self.material.lambda() + 2.0 * self.material.mu();
         let xi = self.along(x).1;
-        let ([xx, yy, xy], d) = (self.strain, [x[0] - self.centre[0], x[1] - self.centre[1]]);
+        let ([xx, yy, xy], d) = (self.strain, minus(x, self.centre));
         let uniform = [xx * d[0] + xy * d[1], xy * d[0] + yy * d[1]];
         [0, 1].map(|i| uniform[i] - 0.5 * xi * xi * self.force[i] / modulus)
     }
@@ -163,10 +164,10 @@ impl ParticularSolution {
                 let (x, n, half) = (mesh.point(e, t), mesh.normal(e, t), mesh.speed(e, t));
                 let (unit, xi) = self.along(x);
                 // ∫_Ω ξ² = ∮ ξ³/3 unit·n
-                let flux = xi.powi(3) / 3.0 * (unit[0] * n[0] + unit[1] * n[1]);
+                let flux = xi.powi(3) / 3.0 * dot(unit, n);
                 work_of_force -= w * half * 0.5 * b2 / modulus * flux;
                 let (t, u) = (self.traction(x, n), self.displacement(x));
-                work_of_traction += w * half * (t[0] * u[0] + t[1] * u[1]);
+                work_of_traction += w * half * dot(t, u);
             }
         }
         (work_of_traction + work_of_force, work_of_force)

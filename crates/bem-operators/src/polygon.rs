@@ -5,6 +5,8 @@ use std::ops::Range;
 
 use robust::{Coord, orient2d};
 
+use steklov_elastic::plane::{cross, distance, dot, minus, unit};
+
 use crate::edge::{Edge, Path};
 use crate::polygon_check::{PolygonError, check, check_holes, tolerance};
 
@@ -347,40 +349,33 @@ pub(crate) fn orientation(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
     orient2d(coord(a), coord(b), coord(c))
 }
 
-/// Distance of two points.
-pub fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] - b[0]).hypot(a[1] - b[1])
-}
-
 /// Distance of a point from a segment.
 pub fn distance_to_segment(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
-    let (d, r) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
-    let s = ((r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
-    (r[0] - s * d[0]).hypot(r[1] - s * d[1])
+    let (d, r) = (minus(b, a), minus(x, a));
+    let s = (dot(r, d) / dot(d, d)).clamp(0.0, 1.0);
+    distance(r, d.map(|d| s * d))
 }
 
 /// Distance of x from the segment a → b, and the parameter s ∈ [0, 1] of the nearest point.
 pub(crate) fn nearest_on_segment(x: [f64; 2], a: [f64; 2], b: [f64; 2]) -> (f64, f64) {
-    let length = distance(a, b);
-    let t = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
-    let (from_a, from_b) = ([x[0] - a[0], x[1] - a[1]], [x[0] - b[0], x[1] - b[1]]);
-    let (along, short) = (from_a[0] * t[0] + from_a[1] * t[1], -(from_b[0] * t[0] + from_b[1] * t[1]));
+    let (length, t) = (distance(a, b), unit(minus(b, a)));
+    let (from_a, from_b) = (minus(x, a), minus(x, b));
+    let (along, short) = (dot(from_a, t), -dot(from_b, t));
     if along <= 0.0 {
         (distance(x, a), 0.0)
     } else if short <= 0.0 {
         (distance(x, b), 1.0)
     } else if along <= short {
-        ((t[0] * from_a[1] - t[1] * from_a[0]).abs(), along / length)
+        (cross(t, from_a).abs(), along / length)
     } else {
-        ((t[0] * from_b[1] - t[1] * from_b[0]).abs(), 1.0 - short / length)
+        (cross(t, from_b).abs(), 1.0 - short / length)
     }
 }
 
 /// Area of a closed chain of corners, positive when it is counter-clockwise.
 pub(crate) fn signed_area(corners: &[[f64; 2]]) -> f64 {
     let o = corners[0];
-    let cross = |a: [f64; 2], b: [f64; 2]| (a[0] - o[0]) * (b[1] - o[1]) - (a[1] - o[1]) * (b[0] - o[0]);
-    corners.windows(2).map(|w| cross(w[0], w[1])).sum::<f64>() / 2.0
+    corners.windows(2).map(|w| cross(minus(w[0], o), minus(w[1], o))).sum::<f64>() / 2.0
 }
 
 /// Signed area of a loop.
@@ -408,8 +403,8 @@ fn area_and_centroid(edges: &[Edge]) -> (f64, [f64; 2]) {
     let o = edges[0].start;
     let (mut twice, mut first) = (0.0, [0.0; 2]);
     for Edge { start, end, .. } in edges {
-        let (a, b) = ([start[0] - o[0], start[1] - o[1]], [end[0] - o[0], end[1] - o[1]]);
-        let cross = a[0] * b[1] - a[1] * b[0];
+        let (a, b) = (minus(*start, o), minus(*end, o));
+        let cross = cross(a, b);
         twice += cross;
         first = [first[0] + cross * (a[0] + b[0]), first[1] + cross * (a[1] + b[1])];
     }

@@ -2,9 +2,11 @@
 
 use std::fmt;
 
+use steklov_elastic::plane::{cross, distance, minus, unit};
+
 use crate::edge::{Edge, LARGEST_OPENING, Path, angle};
 use crate::edge_check::{LEAST_ANGLE, meeting, own_meeting};
-use crate::polygon::{Loop, area_of, distance, listed_edges, nearest_on_segment, orientation};
+use crate::polygon::{Loop, area_of, listed_edges, nearest_on_segment, orientation};
 
 /// An edge as the user lists it; corners count from 0.
 #[derive(Debug, Clone, PartialEq)]
@@ -303,8 +305,8 @@ fn check_width(loop_index: usize, corners: &[[f64; 2]]) -> Result<(), PolygonErr
     let a = corners[0];
     let b = corners.iter().fold(a, |far, &c| if distance(a, c) > distance(a, far) { c } else { far });
     let length = distance(a, b);
-    let t = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
-    let width = corners.iter().map(|c| (t[0] * (c[1] - a[1]) - t[1] * (c[0] - a[0])).abs()).fold(0.0, f64::max);
+    let t = unit(minus(b, a));
+    let width = corners.iter().map(|c| cross(t, minus(*c, a)).abs()).fold(0.0, f64::max);
     if width <= 1e-12 * length {
         return Err(PolygonError::ZeroArea { loop_index, width, length });
     }

@@ -10,6 +10,7 @@
 //! the element ends is left.
 
 use num_complex::Complex64;
+use steklov_elastic::plane::{dot, turned};
 use steklov_elastic::{Material, RigidMotion};
 use steklov_quadrature::{legendre_dq, legendre_p, legendre_q, legendre_q_cut};
 
@@ -200,9 +201,9 @@ impl BoundaryField {
     fn boundary_stress(&self, tangent: Complex64, traction: [f64; 2], along: [f64; 2]) -> [f64; 3] {
         let (t, n) = ([tangent.re, tangent.im], [tangent.im, -tangent.re]);
         let (nu, mu) = (self.material.nu(), self.material.mu());
-        let nn = traction[0] * n[0] + traction[1] * n[1];
-        let nt = traction[0] * t[0] + traction[1] * t[1];
-        let tt = (2.0 * mu * (along[0] * t[0] + along[1] * t[1]) + nu * nn) / (1.0 - nu);
+        let nn = dot(traction, n);
+        let nt = dot(traction, t);
+        let tt = (2.0 * mu * dot(along, t) + nu * nn) / (1.0 - nu);
         [
             nn * n[0] * n[0] + 2.0 * nt * n[0] * t[0] + tt * t[0] * t[0],
             nn * n[1] * n[1] + 2.0 * nt * n[1] * t[1] + tt * t[1] * t[1],
@@ -281,7 +282,7 @@ impl BoundaryField {
                 single[1] += k.c_v * (xy * s[0] + (yy - k.kappa * log) * s[1]);
             }
         }
-        let turned = [-slope[1], slope[0]];
+        let turned = turned(slope);
         let steklov = |i: usize| hypersingular[i] + adjoint[i] + turned[i] + 0.5 * traction[i];
         let equation = |i: usize| slope_u[i] - adjoint_u[i] + 0.5 * along[i] - single[i];
         ([steklov(0), steklov(1)], [equation(0), equation(1)])

@@ -4,6 +4,7 @@ use std::f64::consts::TAU;
 
 use ::proptest::collection::vec;
 use ::proptest::prelude::*;
+use steklov_elastic::plane::{cross, distance};
 use steklov_elastic::{Material, Plane};
 
 use crate::{Loop, Mesh, Polygon};
@@ -28,7 +29,7 @@ pub fn loops() -> impl Strategy<Value = (Loop, Vec<Loop>)> {
         // A disc about the origin lies in the body; the holes share it, one on each side.
         let clear = outer.iter().enumerate().map(|(k, a)| {
             let b = outer[(k + 1) % outer.len()];
-            (a[0] * b[1] - a[1] * b[0]) / (b[0] - a[0]).hypot(b[1] - a[1])
+            cross(*a, b) / distance(b, *a)
         });
         let disc = clear.fold(f64::INFINITY, f64::min);
         let hole = |sign: f64| {

@@ -15,6 +15,7 @@
 use std::ops::Range;
 
 use rayon::prelude::*;
+use steklov_elastic::plane::dot;
 use steklov_quadrature::{Rule, gauss_legendre};
 
 use crate::{BemError, BoundaryField, Mesh, Site};
@@ -89,7 +90,7 @@ fn element_residual(
             let site = Site::new(mesh, e, t);
             let (steklov, slope) = field.boundary_derivatives(e, t, 0..mesh.len());
             let w = w * stretch(t);
-            equation += w * (slope[0] * slope[0] + slope[1] * slope[1]);
+            equation += w * dot(slope, slope);
             for (given, steklov) in traction(&site).into_iter().zip(steklov) {
                 let Some(value) = given else { continue };
                 if !value.is_finite() {

@@ -16,6 +16,7 @@
 //! Wohlmuth, *A mortar finite element method using dual spaces for the Lagrange multiplier*, SIAM J. Numer. Anal. 38 (2000).
 
 use steklov_bem_operators::{Mesh, Space};
+use steklov_elastic::plane::{cross, distance, dot, minus, norm, unit};
 use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, gauss_legendre};
 
 /// Elements face each other where n·n' is below this.
@@ -94,9 +95,9 @@ pub fn meet(own: Facing<'_>, (e, t): (usize, f64), other: Facing<'_>, m: usize) 
     let t = paired(other, m, x, pull)?;
     let t = if other.mesh.is_line(m) { t } else { t.clamp(-1.0, 1.0) };
     let (y, push) = (other.mesh.point(m, t), other.pull(m, t.clamp(-1.0, 1.0)));
-    let along = [pull[0] - push[0], pull[1] - push[1]];
-    let direction = along.map(|d| d / along[0].hypot(along[1]));
-    Some(Met { t, distance: dot([y[0] - x[0], y[1] - x[1]], direction), direction })
+    let along = minus(pull, push);
+    let direction = unit(along);
+    Some(Met { t, distance: dot(minus(y, x), direction), direction })
 }
 
 /// The parameter of the point y of an element for which y - x is along `pull` - E n(y): on a line not bounded to [-1, 1], on a curve
@@ -106,13 +107,13 @@ fn paired(side: Facing<'_>, e: usize, x: [f64; 2], pull: [f64; 2]) -> Option<f64
     // of the sign of (y - x)·τ
     let along = |t: f64| {
         let (y, push) = (mesh.point(e, t), side.pull(e, t));
-        cross([y[0] - x[0], y[1] - x[1]], [pull[0] - push[0], pull[1] - push[1]])
+        cross(minus(y, x), minus(pull, push))
     };
     if mesh.is_line(e) {
         let push = side.pull(e, 0.0);
-        let to = [pull[0] - push[0], pull[1] - push[1]];
+        let to = minus(pull, push);
         let slope = cross(mesh.tangent(e, 0.0), to);
-        return (slope.abs() > 1e-3 * to[0].hypot(to[1])).then(|| -along(0.0) / (slope * mesh.speed(e, 0.0)));
+        return (slope.abs() > 1e-3 * norm(to)).then(|| -along(0.0) / (slope * mesh.speed(e, 0.0)));
     }
     let ends = [-1.0, 1.0].map(along);
     if ends[0] <= 0.0 && ends[1] >= 0.0 {
@@ -121,7 +122,7 @@ fn paired(side: Facing<'_>, e: usize, x: [f64; 2], pull: [f64; 2]) -> Option<f64
     // ahead of both ends, or behind; where it falls from + to - the element is farthest from x
     let away = |t: f64| {
         let y = mesh.point(e, t);
-        (y[0] - x[0]).hypot(y[1] - x[1])
+        distance(y, x)
     };
     let ahead = if ends[0] * ends[1] > 0.0 { ends[0] < 0.0 } else { away(1.0) < away(-1.0) };
     Some(if ahead { 2.0 } else { -2.0 })
@@ -211,8 +212,8 @@ fn beside(own: Facing<'_>, e: usize, other: Facing<'_>, [low, high]: [f64; 2], n
     let (x, pull) = (own.mesh.point(e, 0.0), own.pull(e, 0.0));
     let end = |m: usize, t: f64| {
         let (y, push) = (other.mesh.point(m, t), other.pull(m, t));
-        let (r, along) = ([y[0] - x[0], y[1] - x[1]], [pull[0] - push[0], pull[1] - push[1]]);
-        let length = along[0].hypot(along[1]);
+        let (r, along) = (minus(y, x), minus(pull, push));
+        let length = norm(along);
         let (aside, distance) = (cross(r, along).abs() / length, dot(r, along) / length);
         (aside <= near && low <= distance && distance <= high).then_some((m, distance.abs()))
     };
@@ -304,14 +305,6 @@ pub fn dual_moment(basis: &LobattoBasis, k: usize, f: &dyn Fn(f64) -> f64) -> f6
         dual.evaluate(&phi, &mut psi);
         psi[k] * f(t)
     })
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }
 
 #[cfg(test)]

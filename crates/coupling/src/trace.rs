@@ -3,7 +3,8 @@
 use std::collections::HashMap;
 
 use sprs::{CsMat, TriMat};
-use steklov_bem_operators::{Edge, Mesh, Polygon, SAME_PLACE, distance};
+use steklov_bem_operators::{Edge, Mesh, Polygon, SAME_PLACE};
+use steklov_elastic::plane::{cross, distance, dot};
 use steklov_msfem::{Basis, CellBasis, Grid, Multiscale};
 
 use crate::{CouplingError, Outline};
@@ -143,7 +144,7 @@ fn on_edge(edge: &Edge, ends: [[f64; 2]; 2]) -> Option<[f64; 2]> {
     let d = [0, 1].map(|i| (edge.end[i] - edge.start[i]) / length);
     let place = |x: [f64; 2]| {
         let r = [0, 1].map(|i| (x[i] - edge.start[i]) / length);
-        (r[0] * d[0] + r[1] * d[1], r[1] * d[0] - r[0] * d[1])
+        (dot(r, d), cross(d, r))
     };
     let [(from, a), (to, b)] = ends.map(place);
     let inside = |s: f64| (-SAME_PLACE..=1.0 + SAME_PLACE).contains(&s);

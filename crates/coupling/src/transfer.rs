@@ -3,7 +3,8 @@
 use faer::Mat;
 use sprs::{CsMat, TriMat};
 use steklov_algebra::Fault;
-use steklov_bem_operators::{Mesh, Space, distance};
+use steklov_bem_operators::{Mesh, Space};
+use steklov_elastic::plane::{cross, distance, dot, minus};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 use crate::dense::solve_definite;
@@ -70,9 +71,9 @@ pub(crate) fn overlaps(trace: &Trace, mesh: &Mesh, e: usize) -> Result<Vec<Overl
     let count = trace.points.len();
     // along the element from -1 to 1, and across in parts of its length
     let place = |x: [f64; 2]| {
-        let r = [x[0] - a[0], x[1] - a[1]];
-        let along = (r[0] * d[0] + r[1] * d[1]) / length;
-        (2.0 * along - 1.0, (r[1] * d[0] - r[0] * d[1]) / length)
+        let r = minus(x, a);
+        let along = dot(r, d) / length;
+        (2.0 * along - 1.0, cross(d, r) / length)
     };
     let snapped = |t: f64| if (t.abs() - 1.0).abs() < SAME { t.signum() } else { t };
     let mut found = Vec::new();

@@ -1,5 +1,6 @@
 //! What all models of plane elasticity share: an isotropic [`Material`] in plane strain or plane stress ([`Plane`]), its stresses,
-//! the rigid motions that supports leave free ([`RigidMotion`], [`free_motions`]), and how fields behave at vertices ([`Wedge`]).
+//! the rigid motions that supports leave free ([`RigidMotion`], [`free_motions`]), how fields behave at vertices ([`Wedge`]), and the
+//! algebra of vectors ([`plane`]).
 //!
 //! Stresses are `[σ_xx, σ_yy, σ_xy]`, vectors `[x, y]`; units are the caller's own.
 //!
@@ -21,6 +22,7 @@
 //! ```
 
 mod material;
+pub mod plane;
 mod rigid;
 mod wedge;
 

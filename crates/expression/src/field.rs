@@ -3,6 +3,7 @@
 use std::sync::Arc;
 
 use steklov_bem_operators::{Edge, Polygon};
+use steklov_elastic::plane::{dot, minus, norm};
 use steklov_stochastic::{Covariance, Field, StochasticError, Truncation};
 
 use crate::{Enclosure, Interval};
@@ -83,7 +84,7 @@ impl Support {
                 (low[i], high[i]) = (low[i].min(point[i]), high[i].max(point[i]));
             }
         }
-        Self::Body { corner: low, lengths: [high[0] - low[0], high[1] - low[1]] }
+        Self::Body { corner: low, lengths: minus(high, low) }
     }
 
     /// The expansion of a field that lives here.
@@ -107,7 +108,7 @@ impl Support {
     /// Coordinates of a point; of a point beside the side, of the nearest one on it.
     pub fn coordinates(&self, point: [f64; 2]) -> [f64; 2] {
         match self {
-            Self::Body { corner, .. } => [point[0] - corner[0], point[1] - corner[1]],
+            Self::Body { corner, .. } => minus(point, *corner),
             Self::Side { edges, .. } => {
                 let (mut start, mut nearest, mut arc) = (0.0, f64::INFINITY, 0.0);
                 for edge in edges {
@@ -120,10 +121,10 @@ impl Support {
                         continue;
                     }
                     let [a, b] = edge.listed();
-                    let d = [b[0] - a[0], b[1] - a[1]];
-                    let length = d[0].hypot(d[1]);
-                    let to = [point[0] - a[0], point[1] - a[1]];
-                    let t = ((to[0] * d[0] + to[1] * d[1]) / (length * length)).clamp(0.0, 1.0);
+                    let d = minus(b, a);
+                    let length = norm(d);
+                    let to = minus(point, a);
+                    let t = (dot(to, d) / (length * length)).clamp(0.0, 1.0);
                     let off = (to[0] - t * d[0]).hypot(to[1] - t * d[1]);
                     if off < nearest {
                         (nearest, arc) = (off, start + t * length);
@@ -189,6 +190,7 @@ impl FieldValue {
 #[cfg(test)]
 mod tests {
     use steklov_bem_operators::Loop;
+    use steklov_elastic::plane::distance;
 
     use super::*;
 
@@ -222,7 +224,7 @@ mod tests {
             assert_eq!(edges[0], polygon.edges()[start], "{outer} {hole}");
             let mut along = 0.0;
             for [a, b] in edges.iter().map(Edge::listed) {
-                let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+                let length = distance(b, a);
                 for k in 0..=16 {
                     let t = f64::from(k) / 16.0;
                     let point = [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];

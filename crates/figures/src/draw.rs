@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
+use steklov_elastic::plane::{cross, distance, minus, norm};
 use steklov_io::vtkhdf::Field;
 use steklov_model::solve::contact_rows::ContactRow;
 use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
@@ -103,7 +104,7 @@ fn body_picture(stored: &Record) -> Result<Picture, PictureError> {
 
 /// The largest displacement of the nodes, which are closer where it matters than the points that are drawn.
 pub(crate) fn largest_displacement(stored: &Record) -> f64 {
-    stored.displacement.iter().map(|u| u[0].hypot(u[1])).fold(0.0, f64::max)
+    stored.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max)
 }
 
 /// A list of points or vectors for each of some lines.
@@ -123,10 +124,10 @@ fn stretches(rows: &[ContactRow]) -> Vec<Vec<ContactRow>> {
     let mut stretches: Vec<Vec<ContactRow>> = Vec::new();
     for row in rows {
         let continues = stretches.last().and_then(|s| s.last()).is_some_and(|last| {
-            let along = [row.point[0] - last.point[0], row.point[1] - last.point[1]];
-            let ahead = last.normal[0] * along[1] - last.normal[1] * along[0];
+            let along = minus(row.point, last.point);
+            let ahead = cross(last.normal, along);
             // equal up to the rounding of an oblique side's elements
-            let turn = (last.normal[0] - row.normal[0]).hypot(last.normal[1] - row.normal[1]);
+            let turn = distance(last.normal, row.normal);
             turn < 1e-9 && last.side == row.side && ahead > 0.0
         });
         match stretches.last_mut() {
@@ -149,7 +150,7 @@ pub fn positions(side: &str, rows: &[&ContactRow]) -> (String, Vec<f64>) {
         let mut length = 0.0;
         let mut last = rows[0].point;
         let arc = rows.iter().map(|r| {
-            length += (r.point[0] - last[0]).hypot(r.point[1] - last[1]);
+            length += distance(r.point, last);
             last = r.point;
             length
         });

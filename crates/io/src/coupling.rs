@@ -6,6 +6,7 @@ use hdf5::Group;
 use sprs::CsMat;
 use steklov_bem_operators::{Mesh, Operators, Polygon, Space};
 use steklov_coupling::{Balance, CellIndicators, Coupled, InterfaceIndicators, Medium, Trace, Transfer};
+use steklov_elastic::plane::{cross, dot, minus};
 
 use crate::array::{load_integers, load_points, load_vector, save_integers, save_points, save_vector};
 use crate::dataset::label;
@@ -74,9 +75,9 @@ fn check_points(polygon: &Polygon, points: &[[f64; 2]]) -> Result<(), String> {
         }
         k += 1;
         while let Some(x) = points.get(k).filter(|x| **x != end) {
-            let (d, r) = ([end[0] - start[0], end[1] - start[1]], [x[0] - start[0], x[1] - start[1]]);
-            let along = (r[0] * d[0] + r[1] * d[1]) / (length * length);
-            let across = (r[1] * d[0] - r[0] * d[1]) / (length * length);
+            let (d, r) = (minus(end, start), minus(*x, start));
+            let along = dot(r, d) / (length * length);
+            let across = cross(d, r) / (length * length);
             // NaN fails, too
             if !(last < along && along < 1.0 && across.abs() < ACROSS) {
                 return Err(format!(

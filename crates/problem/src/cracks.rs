@@ -12,7 +12,8 @@
 //! what their meshes leave of the singular shears there: between unequal pieces it would be a pressure on the faces, and grow with
 //! the layers of the mesh.
 
-use steklov_bem_operators::{Cut, CutError, Polygon, distance, distance_to_segment};
+use steklov_bem_operators::{Cut, CutError, Polygon, distance_to_segment};
+use steklov_elastic::plane::{cross, distance, minus, norm, unit};
 
 use crate::{Contact, Faces, Interface, Law, Other, Place, Problem, Tie};
 
@@ -153,7 +154,7 @@ fn check(outline: &Polygon, cracks: &[Crack], k: usize, extent: f64) -> Result<(
     for (i, ends) in points.windows(2).enumerate() {
         let [a, b] = [ends[0], ends[1]];
         let length = distance(a, b);
-        let n = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
+        let n = unit(minus(b, a));
         let mouth = |d: f64| i == 0 && d < 1e-9 * extent || i == last && d > length - 1e-9 * extent;
         let hits = outline.edges().iter().flat_map(|edge| edge.met_by(a, n));
         let crossed = hits.map(|(_, d)| d).find(|&d| d > -1e-9 * extent && d < length + 1e-9 * extent && !mouth(d));
@@ -192,7 +193,7 @@ fn check(outline: &Polygon, cracks: &[Crack], k: usize, extent: f64) -> Result<(
 
 /// Distance of two segments.
 fn apart([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> f64 {
-    let side = |x: [f64; 2], [u, v]: [[f64; 2]; 2]| (v[0] - u[0]) * (x[1] - u[1]) - (v[1] - u[1]) * (x[0] - u[0]);
+    let side = |x: [f64; 2], [u, v]: [[f64; 2]; 2]| cross(minus(v, u), minus(x, u));
     if side(a, [p, q]) * side(b, [p, q]) < 0.0 && side(p, [a, b]) * side(q, [a, b]) < 0.0 {
         return 0.0;
     }
@@ -202,13 +203,12 @@ fn apart([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> f64 {
 
 /// The point that two segments have in common; of those that only come near each other the end that is nearest.
 fn common(own: [[f64; 2]; 2], other: [[f64; 2]; 2]) -> [f64; 2] {
-    let [d, e] = [own, other].map(|[a, b]| [b[0] - a[0], b[1] - a[1]]);
-    let cross = |u: [f64; 2], v: [f64; 2]| u[0] * v[1] - u[1] * v[0];
-    let to = [other[0][0] - own[0][0], other[0][1] - own[0][1]];
+    let [d, e] = [own, other].map(|[a, b]| minus(b, a));
+    let to = minus(other[0], own[0]);
     let (s, t) = (cross(to, e) / cross(d, e), cross(to, d) / cross(d, e));
     if (0.0..=1.0).contains(&s) && (0.0..=1.0).contains(&t) {
         // to six digits of the segment
-        let digits = 10f64.powf(6.0 - d[0].hypot(d[1]).log10().floor());
+        let digits = 10f64.powf(6.0 - norm(d).log10().floor());
         return [0, 1].map(|i| ((own[0][i] + s * d[i]) * digits).round() / digits + 0.0);
     }
     let off = |x: &[f64; 2], of| distance_to_segment(*x, of);
@@ -223,8 +223,7 @@ fn prolongation(
     (tip, before): ([f64; 2], [f64; 2]),
     extent: f64,
 ) -> Option<Vec<[f64; 2]>> {
-    let length = distance(before, tip);
-    let ahead = [(tip[0] - before[0]) / length, (tip[1] - before[1]) / length];
+    let ahead = unit(minus(tip, before));
     let own = |pair: &[[f64; 2]]| pair[0] == tip || pair[1] == tip;
     let others: Vec<[[f64; 2]; 2]> = cracks
         .iter()
@@ -250,7 +249,7 @@ fn prolongation(
         let of_hit = |&(_, k, s): &(f64, usize, f64)| {
             let edge = &outline.edges()[k];
             let (x, t) = (edge.point(s), edge.tangent(s));
-            let steep = (n[0] * t[1] - n[1] * t[0]).abs() / 0.5;
+            let steep = cross(n, t).abs() / 0.5;
             let corner = distance(x, edge.start).min(distance(x, edge.end)) / (CLEARANCE * extent);
             steep.min(corner)
         };

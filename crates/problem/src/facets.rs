@@ -1,6 +1,7 @@
 //! Polygons that stand for curves: each of their corners is a singular point that the part does not have.
 
-use steklov_bem_operators::{Edge, Polygon, distance};
+use steklov_bem_operators::{Edge, Polygon};
+use steklov_elastic::plane::{angle, cross, distance, dot, minus};
 
 /// Straight edges in a row that turn alike.
 #[derive(Debug, Clone, PartialEq)]
@@ -69,7 +70,7 @@ fn of_loop(outline: &Polygon, order: &[usize]) -> Vec<Facets> {
                 let ([a, b], sign) = (edge.listed(), if edge.reversed { -1.0 } else { 1.0 });
                 [sign * (b[0] - a[0]), sign * (b[1] - a[1])]
             });
-            let turn = (d[0] * e[1] - d[1] * e[0]).atan2(d[0] * e[0] + d[1] * e[1]);
+            let turn = angle(d, e);
             let at = after.listed()[usize::from(after.reversed)];
             Corner { at, before, after, turn }
         })
@@ -122,8 +123,8 @@ fn told(run: &[Corner<'_>], closed: bool) -> Facets {
 /// Centre and radius of the circle that points lie on.
 fn centre(points: &[[f64; 2]]) -> Option<([f64; 2], f64)> {
     let [a, b, c] = [points[0], points[points.len() / 3], points[2 * points.len() / 3]];
-    let (p, q) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-    let (pp, qq, det) = (p[0] * p[0] + p[1] * p[1], q[0] * q[0] + q[1] * q[1], 2.0 * (p[0] * q[1] - p[1] * q[0]));
+    let (p, q) = (minus(b, a), minus(c, a));
+    let (pp, qq, det) = (dot(p, p), dot(q, q), 2.0 * cross(p, q));
     let centre = [a[0] + (pp * q[1] - qq * p[1]) / det, a[1] + (qq * p[0] - pp * q[0]) / det];
     let radius = distance(centre, a);
     points.iter().all(|&x| (distance(x, centre) - radius).abs() < ROUND * radius).then_some((centre, radius))

@@ -1,6 +1,7 @@
 //! A polygon as a union of grid cells.
 
 use steklov_bem_operators::{Edge, Location, Polygon};
+use steklov_elastic::plane::minus;
 use steklov_msfem::Grid;
 
 use super::moduli::whole;
@@ -18,7 +19,7 @@ pub fn bounding_box(polygon: &Polygon) -> ([f64; 2], [f64; 2]) {
             high[k] = high[k].max(edge.start[k]);
         }
     }
-    (low, [high[0] - low[0], high[1] - low[1]])
+    (low, minus(high, low))
 }
 
 /// The fine grid of a scene: coarse × fine equal rectangles over the bounding box of the body. A cell belongs to the body

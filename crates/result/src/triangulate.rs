@@ -4,7 +4,8 @@
 //! the constrained Delaunay triangulation of all points is cut at the boundary. Nothing is solved on these triangles.
 
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
-use steklov_bem_operators::{distance, distance_to_segment};
+use steklov_bem_operators::distance_to_segment;
+use steklov_elastic::plane::{cross, distance};
 
 /// Least distance of a lattice point from the boundary, in units of the spacing.
 const CLEARANCE: f64 = 0.45;
@@ -76,7 +77,7 @@ pub fn triangulate(
     let (centre, size) = bounding_box(edges);
     let unit = |p: [f64; 2]| [(p[0] - centre[0]) / size, (p[1] - centre[1]) / size];
     let unit_edges: Vec<_> = edges.iter().map(|&(a, b, _)| (unit(a), unit(b))).collect();
-    let area: f64 = unit_edges.iter().map(|(a, b)| (a[0] * b[1] - a[1] * b[0]) / 2.0).sum();
+    let area: f64 = unit_edges.iter().map(|(a, b)| cross(*a, *b) / 2.0).sum();
     if area.is_nan() || area <= 1e-14 {
         return Err(TriangulationError::NoArea { area: area * size * size });
     }

@@ -1,6 +1,7 @@
 use std::collections::HashMap;
 
 use proptest::prelude::*;
+use steklov_elastic::plane::{cross, distance, dot, minus};
 
 use super::*;
 
@@ -12,7 +13,7 @@ fn loops(corners: &[&[[f64; 2]]]) -> Vec<Edge> {
 }
 
 fn doubled_area(a: [f64; 2], b: [f64; 2], c: [f64; 2]) -> f64 {
-    (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+    cross(minus(b, a), minus(c, a))
 }
 
 /// Everything that must hold for any polygon with `holes` holes; returns the triangulation.
@@ -102,8 +103,8 @@ fn triangles_of_the_square_are_well_shaped() {
     let t = judge(&loops(&[&SQUARE]), 600, 0);
     let angle = |[i, j, k]: [usize; 3]| {
         let (a, b, c) = (t.points[i], t.points[j], t.points[k]);
-        let (u, v) = ([b[0] - a[0], b[1] - a[1]], [c[0] - a[0], c[1] - a[1]]);
-        (u[0] * v[1] - u[1] * v[0]).atan2(u[0] * v[0] + u[1] * v[1]).to_degrees()
+        let (u, v) = (minus(b, a), minus(c, a));
+        cross(u, v).atan2(dot(u, v)).to_degrees()
     };
     let angles = t.triangles.iter().flat_map(|&[i, j, k]| [angle([i, j, k]), angle([j, k, i]), angle([k, i, j])]);
     let smallest = angles.fold(180.0, f64::min);

@@ -2,7 +2,8 @@
 
 use std::f64::consts::{PI, TAU};
 
-use steklov_bem_operators::{Loop, Path, distance};
+use steklov_bem_operators::{Loop, Path};
+use steklov_elastic::plane::{self, angle, cross, distance, minus, norm};
 use steklov_problem::{DataError, DataErrorKind as Kind};
 
 use super::fields::{Field, Fields};
@@ -72,10 +73,8 @@ pub(super) fn paths(fields: &Fields<'_>, listed: &Loop) -> Result<Vec<Path>, Dat
     let mut paths = vec![Path::Line; listed.corners.len()];
     let mut given = vec![false; paths.len()];
     let corners = &listed.corners;
-    let area: f64 = (0..corners.len())
-        .map(|k| (corners[k], corners[(k + 1) % corners.len()]))
-        .map(|(a, b)| a[0] * b[1] - a[1] * b[0])
-        .sum();
+    let area: f64 =
+        (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()])).map(|(a, b)| cross(a, b)).sum();
     for key in ["arcs", "curves"] {
         let Some(field) = fields.get(key) else { continue };
         for (edge, entry) in entries(&field, listed)? {
@@ -175,7 +174,7 @@ fn arc(entry: &Field<'_>, of: &Fields<'_>, [a, b]: [[f64; 2]; 2], area: f64) -> 
                 );
                 return Err(field.problem(message, "both must be the radius: move the centre or a corner"));
             }
-            about(turn([a[0] - c[0], a[1] - c[1]], [b[0] - c[0], b[1] - c[1]]), area, large)
+            about(angle(minus(a, c), minus(b, c)), area, large)
         }
     };
     Ok(if (opening / 4.0).tan().abs() < FLAT { Path::Line } else { Path::Arc { opening } })
@@ -189,14 +188,10 @@ fn about(angle: f64, area: f64, large: bool) -> f64 {
     if large { angle - TAU.copysign(angle) } else { angle }
 }
 
-fn turn(a: [f64; 2], b: [f64; 2]) -> f64 {
-    (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1])
-}
-
 /// The angle of an arc through a point: the inscribed angle is half of that of the rest of the circle.
 fn opening_through(field: &Field<'_>, a: [f64; 2], b: [f64; 2]) -> Result<f64, DataError> {
     let p = field.point()?;
-    let angle = turn([a[0] - p[0], a[1] - p[1]], [b[0] - p[0], b[1] - p[1]]);
+    let angle = angle(minus(a, p), minus(b, p));
     if !angle.is_finite() || distance(a, p).min(distance(b, p)) <= ON_CURVE * distance(a, b) || angle.abs() < 1e-9 {
         let message =
             format!("no arc goes through ({}, {}): it is a corner of the edge, or on its line beyond them", p[0], p[1]);
@@ -219,19 +214,19 @@ fn elliptic(
     let (sin, cos) = angle.sin_cos();
     // in units of the half axes
     let circle = |x: [f64; 2]| {
-        let r = [x[0] - c[0], x[1] - c[1]];
+        let r = minus(x, c);
         [(cos * r[0] + sin * r[1]) / p, (cos * r[1] - sin * r[0]) / q]
     };
     let [u, v] = [circle(a), circle(b)];
     for (x, u) in [(a, u), (b, v)] {
-        let size = u[0].hypot(u[1]);
+        let size = norm(u);
         if size.is_nan() || (size - 1.0).abs() > ON_CURVE {
             let message =
                 format!("the corner ({}, {}) is not on the ellipse: {size} of the way from its centre", x[0], x[1]);
             return Err(radii.problem(message, "both corners must lie on it: correct radii, centre or angle"));
         }
     }
-    let opening = about(turn(u, v), area, large);
+    let opening = about(plane::angle(u, v), area, large);
     Ok(Path::Ellipse { radii: [p, q], angle, start: u[1].atan2(u[0]), opening })
 }
 
@@ -263,7 +258,7 @@ pub(super) fn fillet(fields: &Fields<'_>, listed: Loop) -> Result<(Loop, Vec<usi
     let cut = |k: usize| -> (f64, f64) {
         let at = |k: usize| listed.corners[k % count];
         let (a, b, c) = (at(k + count - 1), at(k), at(k + 1));
-        let turn = turn([b[0] - a[0], b[1] - a[1]], [c[0] - b[0], c[1] - b[1]]);
+        let turn = angle(minus(b, a), minus(c, b));
         (radius[k].as_ref().map_or(0.0, |(r, _)| r * (turn / 2.0).tan().abs()), turn)
     };
     let cuts: Vec<(f64, f64)> = (0..count).map(cut).collect();

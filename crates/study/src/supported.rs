@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use steklov_bem_operators::{Dof, Mesh, Operators, Space, Steklov, TractionMap};
+use steklov_elastic::plane::dot;
 use steklov_model::data::on_mesh::Data;
 use steklov_model::data::supports::Supports;
 use steklov_model::error::SolveError;
@@ -57,7 +58,7 @@ fn moments(mesh: &Mesh, space: &Space, r: impl Fn([f64; 2]) -> [f64; 2]) -> (Vec
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             basis.evaluate(t, &mut phi);
             let (w, r) = (w * mesh.length(e) / 2.0, r(mesh.point(e, t)));
-            square += w * (r[0] * r[0] + r[1] * r[1]);
+            square += w * dot(r, r);
             for (node, phi) in space.element_nodes(e).zip(&phi) {
                 (0..2).for_each(|i| moments[2 * node + i] += w * phi * r[i]);
             }

@@ -1,9 +1,9 @@
 //! From the sides of a mesh to the conditions of a [`Problem`](crate::Problem).
 
 use steklov_bem_operators::{Dof, Mesh, Relative, Space, relative_displacement};
+use steklov_elastic::plane::{cross, dot, turned, unit};
 
 use crate::on_mesh::sides::{ContactElement, JUMP, SideData, contact_elements};
-use crate::solvers::law::{cross, dot};
 use crate::{Condition, ContactError, ContactNode, Status};
 
 /// Components smaller than this count as zero: normals that agree, directions in which a node cannot move.
@@ -427,8 +427,8 @@ impl Draft {
         if element.joined && cross(c.normal, normal).abs() > ALIGNED {
             // where a polygon that stands for a curve bends: the mean of both
             let mean = [0, 1].map(|i| c.weight * c.normal[i] + weight * normal[i]);
-            let length = mean[0].hypot(mean[1]);
-            (c.normal, c.tangent) = ([mean[0] / length, mean[1] / length], [-mean[1] / length, mean[0] / length]);
+            c.normal = unit(mean);
+            c.tangent = turned(c.normal);
         }
         c.elements.push(e);
         c.weight += weight;

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use steklov_bem_operators::{Mesh, Space};
+use steklov_elastic::plane::dot;
 
-use crate::solvers::law::dot;
 use crate::{BoundaryCondition, ContactBoundary};
 
 /// A condition on an edge.

@@ -1,10 +1,10 @@
 //! The multiplier as a function on the contact boundary.
 
 use steklov_bem_operators::{Mesh, Space};
+use steklov_elastic::plane::{cross, dot};
 use steklov_quadrature::BiorthogonalBasis;
 
 use crate::ContactBoundary;
-use crate::solvers::law::{cross, dot};
 
 /// λ^hp = Σ λ_i ψ̃_i on one element, as a polynomial: `[λ_n, λ_t]` (stress) at each of its p+1 Lobatto points.
 ///

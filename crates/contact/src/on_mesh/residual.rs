@@ -28,10 +28,10 @@ use std::ops::Range;
 
 use rayon::prelude::*;
 use steklov_bem_operators::{BoundaryField, Datum, Look, Mesh, ParticularSolution, Site, Space};
+use steklov_elastic::plane::dot;
 use steklov_quadrature::{gauss_legendre, project};
 
 use crate::on_mesh::multiplier_space::MultiplierCell;
-use crate::solvers::law::dot;
 use crate::{ContactBoundary, ContactError, MultiplierSpace, SideData, multiplier_trace};
 
 /// Squared residuals of one contact element (energy: force per thickness times length).

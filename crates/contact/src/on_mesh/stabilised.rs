@@ -26,13 +26,13 @@ use faer::{Mat, Scale};
 use steklov_algebra::{add_product, check_inverse, llt, solve_lower, solve_lower_transposed};
 use steklov_bem_operators::{Dof, Mesh, ParticularSolution, Space, TractionMap, graded_panels, steklov_trace_rows};
 use steklov_elastic::Material;
+use steklov_elastic::plane::dot;
 use steklov_quadrature::gauss_legendre;
 
 use crate::on_mesh::inf_sup::dual_form;
 use crate::on_mesh::node_data::{NodeData, node_data};
 use crate::on_mesh::uniform_pressure::UniformPressure;
 use crate::solvers::lanczos::largest_eigenvalue;
-use crate::solvers::law::dot;
 use crate::{Condition, ContactError, ContactNode, MultiplierSpace, Problem, SideData};
 
 /// The forms of the stabilisation with γ₀ = 1. All integrals of γ share one rule, graded to the ends of the elements of T_h, so that

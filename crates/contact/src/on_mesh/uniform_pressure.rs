@@ -29,6 +29,7 @@
 use faer::Mat;
 use steklov_bem_operators::Mesh;
 use steklov_elastic::Material;
+use steklov_elastic::plane::cross;
 
 /// Q on the points of the stabilisation's rule.
 pub(crate) struct UniformPressure {
@@ -64,9 +65,9 @@ impl UniformPressure {
 
 /// Signed area within a mesh: less its holes, negative outside of one.
 fn area(mesh: &Mesh) -> f64 {
-    let cross = |e: usize| {
+    let triangle = |e: usize| {
         let [a, b] = mesh.ends(e);
-        0.5 * (a[0] * b[1] - a[1] * b[0])
+        0.5 * cross(a, b)
     };
-    (0..mesh.len()).map(cross).sum()
+    (0..mesh.len()).map(triangle).sum()
 }

@@ -2,11 +2,13 @@
 
 use std::ops::Range;
 
+use steklov_elastic::plane::{dot, norm};
+
 use crate::solvers::coupled::{renewed_laws, solve_coupled};
 use crate::solvers::fixed_point::coulomb;
 use crate::solvers::free::{Free, off_forces};
 use crate::solvers::kkt::friction;
-use crate::solvers::law::{Branch, Law, Piece, dot};
+use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{largest, product, solve_semidefinite};
 use crate::solvers::multipliers::{multipliers, status};
 use crate::{ContactError, ContactNode, Outcome, Problem, Solution};
@@ -187,7 +189,7 @@ pub(crate) fn violations(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &
         .collect();
     let stress = problem.nodes.iter().zip(&weights).filter(|(_, w)| **w > 0.0).fold(0.0f64, |m, (n, w)| {
         let f = n.pick(r);
-        m.max(f[0].hypot(f[1]) / w)
+        m.max(norm(f) / w)
     });
     let nodes = problem.nodes.iter().zip(laws).zip(pieces).zip(weights);
     nodes

@@ -13,9 +13,11 @@ use faer::linalg::cholesky::llt::factor::{LltRegularization, cholesky_in_place, 
 use faer::linalg::cholesky::llt::solve::solve_in_place;
 use faer::{ColMut, Mat, Par};
 
+use steklov_elastic::plane::{dot, norm};
+
 use crate::Problem;
 use crate::solvers::free::Free;
-use crate::solvers::law::{Branch, Kink, Law, Piece, dot, norm};
+use crate::solvers::law::{Branch, Kink, Law, Piece};
 use crate::solvers::linear::{largest, product};
 
 /// Added to the diagonal of the Newton matrix, relative to its largest entry in S: without it a motion that neither

@@ -4,9 +4,11 @@
 //! The displacement is free along the line n·v = g as ever, but equilibrium is asked for across that force: the trial
 //! direction is perpendicular to n, the test direction to n ± μ D_t/D_n t, and the system is not symmetric.
 
+use steklov_elastic::plane::{cross, dot, minus, turned, unit};
+
 use crate::solvers::active_set::Linear;
 use crate::solvers::free::{Direction, Free, form, project};
-use crate::solvers::law::{Branch, Law, Piece, cross, dot, norm};
+use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{largest, product, solve_general};
 use crate::solvers::multipliers::{node_multipliers, touching_distance};
 use crate::{ContactError, ContactNode, Problem};
@@ -49,7 +51,7 @@ pub(crate) fn solve_coupled(
         let (fixed, directions) = forces(node, law, piece);
         known[node.first..node.first + node.unknowns].copy_from_slice(&fixed[..node.unknowns]);
         while let Some(&&(first, k, e)) = trials.peek().filter(|d| d.0 == node.first) {
-            let across = |r: &[f64; 2]| [-r[1] / norm(*r), r[0] / norm(*r)];
+            let across = |r: &[f64; 2]| turned(unit(*r));
             tests.push((first, k, if k == 2 { directions.first().map_or(e, across) } else { e }));
             trials.next();
         }
@@ -97,7 +99,7 @@ fn forces(node: &ContactNode, law: &Law, piece: &Piece) -> ([f64; 2], Vec<[f64; 
 /// λ_n⁺ of each condition when the piece carries the whole force r.
 fn pressures(node: &ContactNode, law: &Law, piece: &Piece, r: [f64; 2]) -> Vec<f64> {
     let (known, directions) = forces(node, law, piece);
-    let rest = [r[0] - known[0], r[1] - known[1]];
+    let rest = minus(r, known);
     let x: Vec<f64> = match *directions.as_slice() {
         [d] => vec![dot(d, rest) / dot(d, d)],
         [a, b] => vec![cross(rest, b) / cross(a, b), cross(a, rest) / cross(a, b)],

@@ -1,9 +1,11 @@
 //! Primal-dual interior point method for the sets, active set steps for the answer.
 
+use steklov_elastic::plane::{dot, norm};
+
 use crate::solvers::active_set::{ACCEPTED, Linear, Settled, iterate, laws, nearest_pieces, settle, solution};
 use crate::solvers::barrier::Barrier;
 use crate::solvers::fixed_point::coulomb;
-use crate::solvers::law::{Branch, Law, Piece, dot, norm};
+use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{largest, product};
 use crate::{ContactError, Outcome, Problem, Solution};
 

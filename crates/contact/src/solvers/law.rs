@@ -10,6 +10,8 @@
 //! prox(z) minimises φ(w) + ½ (w-z)ᵀC(w-z). The map is piecewise affine: on each [`Piece`] every kink is below, on or
 //! above its line. For an ordinary node it is the minimum with the gap and a soft threshold.
 
+use steklov_elastic::plane::{cross, dot, minus, norm, solve2, turned, unit};
+
 use crate::ContactNode;
 
 /// One summand θ(direction·v - at) of φ, in units of nodal force.
@@ -150,7 +152,7 @@ impl Law {
                     return ([at / d[0], 0.0], Vec::new());
                 }
                 let r = norm(d);
-                ([at * d[0] / (r * r), at * d[1] / (r * r)], vec![[-d[1] / r, d[0] / r]])
+                ([at * d[0] / (r * r), at * d[1] / (r * r)], vec![turned(unit(d))])
             }
             &[i, j] => (self.intersection(i, j), Vec::new()),
             _ => unreachable!("a piece has at most two kinks on"),
@@ -159,15 +161,14 @@ impl Law {
 
     fn intersection(&self, i: usize, j: usize) -> [f64; 2] {
         let (a, b) = (self.kinks[i], self.kinks[j]);
-        let det = cross(a.direction, b.direction);
-        [(a.at * b.direction[1] - b.at * a.direction[1]) / det, (b.at * a.direction[0] - a.at * b.direction[0]) / det]
+        solve2([a.direction, b.direction], [a.at, b.at])
     }
 
     /// Force of each kink under `piece` when the whole nodal force is R: the bounds off the lines, and on them the
     /// solution of Σ x_i d_i = R (its part along d for one line).
     pub fn forces(&self, piece: &[Branch], r: [f64; 2]) -> Vec<f64> {
         let off = self.off_force(piece);
-        let rest = [r[0] - off[0], r[1] - off[1]];
+        let rest = minus(r, off);
         let mut x: Vec<f64> =
             (self.kinks.iter().zip(piece)).map(|(k, b)| if *b == Below { k.low } else { k.high }).collect();
         match self.on(piece).as_slice() {
@@ -318,16 +319,4 @@ impl Law {
         };
         self.pieces.iter().max_by_key(|piece| rank(piece)).expect("the law of a node has at least one piece")
     }
-}
-
-pub(crate) fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-pub(crate) fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
-}
-
-pub(crate) fn norm(a: [f64; 2]) -> f64 {
-    a[0].hypot(a[1])
 }

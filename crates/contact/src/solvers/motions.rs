@@ -1,6 +1,6 @@
 //! Rigid motions that supports leave free: whether contact and friction hold them.
 
-use steklov_elastic::RigidMotion;
+use steklov_elastic::{RigidMotion, plane};
 
 use crate::ContactError;
 use crate::solvers::stopped;
@@ -93,7 +93,7 @@ struct Rows {
 impl Rows {
     fn new(candidates: &[RigidMotion], edges: &[ContactEdge]) -> Self {
         let row = |x: [f64; 2], d: [f64; 2]| -> Vec<f64> {
-            candidates.iter().map(|r| r.at(x)).map(|u| u[0] * d[0] + u[1] * d[1]).collect()
+            candidates.iter().map(|r| r.at(x)).map(|u| plane::dot(u, d)).collect()
         };
         // r_n, or r_n + μ r_t and r_n - μ r_t
         let pressing = |e: &ContactEdge| -> Vec<Vec<f64>> {
@@ -102,7 +102,7 @@ impl Rows {
             slopes.iter().flat_map(|slope| e.ends.map(|x| row(x, d(*slope)))).collect()
         };
         let normal: Vec<_> = edges.iter().flat_map(pressing).collect();
-        let tangential: Vec<_> = edges.iter().map(|e| row(e.ends[0], [-e.normal[1], e.normal[0]])).collect();
+        let tangential: Vec<_> = edges.iter().map(|e| row(e.ends[0], plane::turned(e.normal))).collect();
         let scale = normal.iter().chain(&tangential).flatten().fold(0.0, |m: f64, v| m.max(v.abs()));
         Self { normal, tangential, scale }
     }

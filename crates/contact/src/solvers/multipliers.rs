@@ -1,6 +1,8 @@
 //! Multipliers and states of the conditions from the nodal force.
 
-use crate::solvers::law::{Branch, Kink, Law, cross, dot, norm};
+use steklov_elastic::plane::{cross, dot, norm, turned};
+
+use crate::solvers::law::{Branch, Kink, Law};
 use crate::solvers::linear::largest;
 use crate::{Condition, ContactNode, Problem, Status};
 
@@ -84,7 +86,6 @@ fn least_shears(node: &ContactNode, law: &Law, touching: &[usize], forces: &[f64
     let pressed: Vec<&Condition> =
         touching.iter().filter(|&&i| !law.source[i].1).map(|&i| &node.conditions[law.source[i].0]).collect();
     let along = |d: [f64; 2]| [dot(d, shear[0]), dot(d, shear[1])];
-    let turned = |d: [f64; 2]| [-d[1], d[0]];
     match pressed.as_slice() {
         [] => {
             polygon.equal(along([1.0, 0.0]), r[0]);

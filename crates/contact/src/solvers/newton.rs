@@ -2,10 +2,12 @@
 
 use faer::Mat;
 
+use steklov_elastic::plane::dot;
+
 use crate::solvers::active_set::{
     Linear, active_set, iterate, laws, nearest_pieces, solution, solve_pieces, violations,
 };
-use crate::solvers::law::{Branch, Law, Piece, dot};
+use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{largest, product, solve_general};
 use crate::{ContactError, ContactNode, Outcome, Problem, Solution, Start};
 

@@ -2,8 +2,10 @@
 
 use faer::Mat;
 
+use steklov_elastic::plane::{cross, dot, norm};
+
 use crate::ContactError;
-use crate::solvers::law::{Law, cross, norm};
+use crate::solvers::law::Law;
 use crate::solvers::linear::product;
 
 /// One side's contact conditions at a node, in the node's own unknowns v:
@@ -129,7 +131,7 @@ impl Solution {
 impl Condition {
     /// u_n = normal·w of a node's unknowns w.
     fn normal_displacement(&self, w: [f64; 2]) -> f64 {
-        self.normal[0] * w[0] + self.normal[1] * w[1]
+        dot(self.normal, w)
     }
 
     /// g - u_n, the distance that is left.
@@ -150,7 +152,7 @@ impl Condition {
 
     /// u_t = tangent·w + slip_offset.
     pub fn slip(&self, w: [f64; 2]) -> f64 {
-        self.tangent[0] * w[0] + self.tangent[1] * w[1] + self.slip_offset
+        dot(self.tangent, w) + self.slip_offset
     }
 }
 
@@ -278,7 +280,7 @@ impl Condition {
             return Some(format!("the friction coefficient is {}; it must be finite and at least 0", self.coefficient));
         }
         for (weight, d) in [(self.normal_weight, self.normal), (self.tangent_weight, self.tangent)] {
-            if weight > 0.0 && (d[0].hypot(d[1]) == 0.0 || unknowns == 1 && (d[0] == 0.0 || d[1] != 0.0)) {
+            if weight > 0.0 && (norm(d) == 0.0 || unknowns == 1 && (d[0] == 0.0 || d[1] != 0.0)) {
                 return Some(format!(
                     "the direction [{}, {}] has a weight but does not fit {unknowns} unknowns",
                     d[0], d[1]

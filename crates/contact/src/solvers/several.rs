@@ -13,6 +13,8 @@
 
 use faer::Mat;
 
+use steklov_elastic::plane::dot;
+
 use crate::solvers::active_set::{laws, nearest_pieces};
 use crate::solvers::fixed_point::{body_force, settled};
 use crate::solvers::frozen::{Frozen, Sets};
@@ -65,8 +67,8 @@ pub fn contraction(problem: &Problem, answer: &Solution) -> Result<Contraction, 
         for (row, &(i, _)) in sliding.iter().enumerate() {
             let (node, c) = conditions[i];
             let force = node.pick(&elastic);
-            let square = c.normal[0] * c.normal[0] + c.normal[1] * c.normal[1];
-            derivative[(row, column)] = -(c.normal[0] * force[0] + c.normal[1] * force[1]) / (square * c.normal_weight);
+            let square = dot(c.normal, c.normal);
+            derivative[(row, column)] = -dot(c.normal, force) / (square * c.normal_weight);
         }
     }
     let values = derivative.eigenvalues().map_err(|_| ContactError::Decomposition { size: sliding.len() })?;

@@ -2,6 +2,7 @@
 
 use proptest::prelude::*;
 use steklov_bem_operators::{Datum, Loop, Mesh, Polygon, Site, Space};
+use steklov_elastic::plane::distance;
 
 use crate::{ContactBoundary, ContactError, SideData, contact_boundary};
 
@@ -55,7 +56,7 @@ fn lengths(boundary: &ContactBoundary, side: usize) -> [f64; 2] {
 }
 
 pub fn near(x: [f64; 2], a: [f64; 2]) -> bool {
-    (x[0] - a[0]).hypot(x[1] - a[1]) < 1e-12
+    distance(x, a) < 1e-12
 }
 
 proptest! {

@@ -1,6 +1,7 @@
 //! Contact conditions in the order of the edges.
 
 use proptest::prelude::*;
+use steklov_elastic::plane::{dot, minus};
 
 use super::boundaries::{build, free, mesh, near};
 
@@ -30,7 +31,7 @@ proptest! {
                 let before: usize = boundary.contact[..p.node].iter().map(|n| n.conditions.len()).sum();
                 prop_assert_eq!(p.index, before + p.condition);
                 let normal = boundary.nodes[p.node].conditions[p.condition].normal;
-                prop_assert!((normal[0] * (b[0] - a[0]) + normal[1] * (b[1] - a[1])).abs() < 1e-12);
+                prop_assert!(dot(normal, minus(b, a)).abs() < 1e-12);
             }
         }
         // the straight joint of the edges 0 and 1 has one condition on two lines, the bend one for each line

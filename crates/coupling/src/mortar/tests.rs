@@ -2,6 +2,7 @@ use std::f64::consts::TAU;
 
 use proptest::prelude::*;
 use steklov_bem_operators::{Loop, Mesh, Polygon, Space};
+use steklov_elastic::plane::{minus, norm};
 
 use super::{Facing, cells, meet, mortar_rows};
 
@@ -102,9 +103,9 @@ proptest! {
             }
             let (x, y) = (own.mesh.point(e, t), other.mesh.point(m, there.t));
             let [pull, push] = [own.pull(e, t), other.pull(m, there.t)];
-            let along = [pull[0] - push[0], pull[1] - push[1]];
-            let r = [y[0] - x[0], y[1] - x[1]];
-            let aside = super::cross(r, along).abs() / along[0].hypot(along[1]);
+            let along = minus(pull, push);
+            let r = minus(y, x);
+            let aside = super::cross(r, along).abs() / norm(along);
             // beyond an end of a curved element it is the end that is met
             if there.t.abs() == 1.0 && aside > 1e-12 {
                 continue;

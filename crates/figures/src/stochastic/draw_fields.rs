@@ -1,5 +1,6 @@
 //! Pictures of the expansions of random fields.
 
+use steklov_elastic::plane::minus;
 use steklov_model::stochastic::{FieldModes, StochasticResult};
 use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
 use steklov_result::record::Record;
@@ -63,7 +64,7 @@ fn on_the_body(stored: &Record, field: &FieldModes) -> Result<Picture, PictureEr
     let shown = 0..field.eigenvalues.len().min(MODES);
     let tile = |m: usize| Tile {
         caption: format!("mode {}", m + 1),
-        values: grid.points.iter().map(|p| at(field, [p[0] - low[0], p[1] - low[1]], m)).collect(),
+        values: grid.points.iter().map(|p| at(field, minus(*p, low), m)).collect(),
     };
     let title = format!("{}: modes of {}", stored.summary.title, field.name);
     let all: Vec<Tile> = shown.map(tile).collect();

@@ -7,6 +7,7 @@
 
 use std::f64::consts::PI;
 
+use steklov_elastic::plane::{angle, distance};
 use steklov_elastic::{Face, Joint, Sector, Wedge};
 use steklov_problem::{Contact, Interface, Law, Scene, Span};
 
@@ -108,7 +109,7 @@ impl Place<'_> {
         let next = outline.neighbour(edge, rising).0;
         let [a, b] = if behind { [next, edge] } else { [edge, next] };
         let (a, b) = (direction(&edges[a], true), direction(&edges[b], false));
-        let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
+        let angle = PI - angle(a, b);
         Some(Corner { sector: sector(angle), beyond: Some(next) })
     }
 
@@ -132,7 +133,7 @@ impl Place<'_> {
         let ends = self.spans.iter().filter(|span| span.edge == next).flat_map(|span| span.s);
         let at = |s: &f64| {
             let y = edge.point(*s);
-            (y[0] - x[0]).hypot(y[1] - x[1]) <= near
+            distance(y, x) <= near
         };
         ends.filter(at).map(|s| (next, s)).next()
     }
@@ -142,7 +143,7 @@ impl Place<'_> {
         let edge = &self.scene.problem.outline.edges()[edge];
         let sign = if edge.reversed { -1.0 } else { 1.0 };
         let [tx, ty] = edge.tangent(s).map(|t| sign * t);
-        let distance = |r: &ContactRow| (r.point[0] - x[0]).hypot(r.point[1] - x[1]);
+        let distance = |r: &ContactRow| distance(r.point, x);
         let along = |r: &&ContactRow| r.side == edge.side && r.normal[0] * ty - r.normal[1] * tx > ALONG;
         let nearest = self.rows.iter().filter(along).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
         state(nearest, max_pressure(self.rows), &self.contact.friction)

@@ -8,8 +8,9 @@
 
 use std::collections::HashMap;
 
-use steklov_bem_operators::Site;
+use steklov_bem_operators::{Site, distance_to_segment};
 use steklov_coupling::Cell;
+use steklov_elastic::plane::{cross, distance, dot, minus, norm};
 use steklov_problem::Law;
 use steklov_quadrature::{gauss_legendre, project};
 
@@ -106,27 +107,27 @@ impl Data<'_> {
             return None;
         }
         let [a, b] = self.mesh.ends(other);
-        let d = [b[0] - a[0], b[1] - a[1]];
-        let length = d[0].hypot(d[1]);
-        let off = |x: [f64; 2]| ((x[0] - a[0]) * d[1] - (x[1] - a[1]) * d[0]) / length;
+        let d = minus(b, a);
+        let length = norm(d);
+        let off = |x: [f64; 2]| cross(minus(x, a), d) / length;
         if self.mesh.ends(own).into_iter().any(|x| off(x).abs() > near) {
             return None;
         }
         let at = |k: usize| {
             let t = 2.0 * k as f64 / PASSES as f64 - 1.0;
             let (x, n) = (self.mesh.point(own, t), self.mesh.normal(own, t));
-            let r = [x[0] - a[0], x[1] - a[1]];
-            let along = (r[0] * d[0] + r[1] * d[1]) / length;
+            let r = minus(x, a);
+            let along = dot(r, d) / length;
             if !(0.0..=length).contains(&along) {
                 return None;
             }
             let m = self.mesh.normal(other, 0.0);
-            if n[0] * m[0] + n[1] * m[1] > 0.0 {
+            if dot(n, m) > 0.0 {
                 return None; // end to end
             }
             let u = self.displacement_at(displacement, own, t);
             let v = self.displacement_at(displacement, other, 2.0 * along / length - 1.0);
-            Some(([x[0] + u[0], x[1] + u[1]], (u[0] - v[0]) * n[0] + (u[1] - v[1]) * n[1]))
+            Some(([x[0] + u[0], x[1] + u[1]], dot(minus(u, v), n)))
         };
         (0..=PASSES).filter_map(at).max_by(|a, b| a.1.total_cmp(&b.1))
     }
@@ -165,7 +166,7 @@ impl Data<'_> {
         let start = |e: usize| self.mesh.ends(e)[0];
         for (a, b) in (0..self.mesh.len()).flat_map(|a| (a + 1..self.mesh.len()).map(move |b| (a, b))) {
             let (x, y) = (start(a), start(b));
-            if bodies[a] != bodies[b] && (x[0] - y[0]).hypot(x[1] - y[1]) <= near {
+            if bodies[a] != bodies[b] && distance(x, y) <= near {
                 common.entry([bodies[a].min(bodies[b]), bodies[a].max(bodies[b])]).or_default().push(x);
             }
         }
@@ -176,7 +177,7 @@ impl Data<'_> {
     fn away_from(&self, points: &[[f64; 2]], e: usize, least: f64) -> Option<[f64; 2]> {
         let near = |t: f64| {
             let x = self.mesh.point(e, t);
-            points.iter().any(|p| (x[0] - p[0]).hypot(x[1] - p[1]) < least)
+            points.iter().any(|p| distance(x, *p) < least)
         };
         if near(0.0) {
             return None;
@@ -224,7 +225,7 @@ impl Data<'_> {
                 .map(|(e, k)| [point(e, k), point(e, k + 1)])
                 .collect();
             let bounded = self.scene.problem.outline.is_body_bounded(body);
-            let depth = |x: [f64; 2]| if is_within(&boundary, x) == bounded { distance(&boundary, x) } else { 0.0 };
+            let depth = |x: [f64; 2]| if is_within(&boundary, x) == bounded { distance_to(&boundary, x) } else { 0.0 };
             (0..=LOOKS).map(|k| depth(point(own, k))).fold(0.0, f64::max)
         };
         of(pair[0], bodies[pair[1]]).max(of(pair[1], bodies[pair[0]]))
@@ -317,7 +318,7 @@ fn are_apart(a: &Piece, b: &Piece) -> bool {
         [first[1] - last[1], last[0] - first[0]]
     };
     let range = |piece: &Piece, axis: [f64; 2]| {
-        let along = piece.iter().map(|x| x[0] * axis[0] + x[1] * axis[1]);
+        let along = piece.iter().map(|x| dot(*x, axis));
         along.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], v| [low.min(v), high.max(v)])
     };
     [[1.0, 0.0], [0.0, 1.0], across(a), across(b)].into_iter().any(|axis| {
@@ -347,11 +348,6 @@ fn is_within(boundary: &[[[f64; 2]; 2]], [x, y]: [f64; 2]) -> bool {
     boundary.iter().filter(crosses).count() % 2 == 1
 }
 
-fn distance(boundary: &[[[f64; 2]; 2]], x: [f64; 2]) -> f64 {
-    let from = |[a, b]: &[[f64; 2]; 2]| {
-        let (d, r) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
-        let along = ((r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
-        (r[0] - along * d[0]).hypot(r[1] - along * d[1])
-    };
-    boundary.iter().map(from).fold(f64::INFINITY, f64::min)
+fn distance_to(boundary: &[[[f64; 2]; 2]], x: [f64; 2]) -> f64 {
+    boundary.iter().map(|side| distance_to_segment(x, *side)).fold(f64::INFINITY, f64::min)
 }

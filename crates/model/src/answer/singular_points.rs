@@ -4,6 +4,7 @@ use std::f64::consts::PI;
 
 use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_elastic::Material;
+use steklov_elastic::plane::{angle, distance, minus, unit};
 use steklov_elastic::{Face, Joint, Sector, Wedge};
 use steklov_problem::{Condition, Friction, Scene};
 
@@ -32,7 +33,7 @@ pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -
         for (k, &b) in order.iter().enumerate() {
             let a = order[(k + order.len() - 1) % order.len()];
             let vertex = if edges[b].reversed { edges[b].end } else { edges[b].start };
-            if (vertex[0] - x[0]).hypot(vertex[1] - x[1]) <= near {
+            if distance(vertex, x) <= near {
                 return wedge(scene, rows, &edges[a], &edges[b]).is_some_and(|wedge| wedge.is_singular());
             }
         }
@@ -68,19 +69,17 @@ pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
 
 /// Direction of an edge as the boundary is traversed, the body to its left, where it begins or ends.
 pub(crate) fn direction(edge: &Edge, at_end: bool) -> [f64; 2] {
-    if !edge.is_line() {
-        let sign = if edge.reversed { -1.0 } else { 1.0 };
-        return edge.tangent(if at_end == edge.reversed { 0.0 } else { 1.0 }).map(|t| sign * t);
-    }
-    let d = [edge.end[0] - edge.start[0], edge.end[1] - edge.start[1]];
-    let length = d[0].hypot(d[1]) * if edge.reversed { -1.0 } else { 1.0 };
-    d.map(|d| d / length)
+    let tangent = match edge.is_line() {
+        true => unit(minus(edge.end, edge.start)),
+        false => edge.tangent(if at_end == edge.reversed { 0.0 } else { 1.0 }),
+    };
+    if edge.reversed { tangent.map(|t| -t) } else { tangent }
 }
 
 /// The wedge between the edge before a vertex and that behind it; none where the boundary goes on as before.
 fn wedge(scene: &Scene, rows: &[ContactRow], before: &Edge, behind: &Edge) -> Option<Wedge> {
     let (a, b) = (direction(before, true), direction(behind, false));
-    let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
+    let angle = PI - angle(a, b);
     let straight = (angle - PI).abs() < if before.is_line() && behind.is_line() { STRAIGHT } else { SMOOTH };
     let sector = |angle: f64, material: &Material| Sector { angle, mu: material.mu(), kappa: material.kappa() };
     if let Some(around) = scene.surroundings().filter(|_| behind.loop_index == 0) {
@@ -114,7 +113,7 @@ pub(crate) fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64
 
 /// Contact: that of the nearest node of the side.
 fn contact_face(rows: &[ContactRow], side: usize, friction: &Friction, vertex: [f64; 2]) -> Face {
-    let distance = |r: &ContactRow| (r.point[0] - vertex[0]).hypot(r.point[1] - vertex[1]);
+    let distance = |r: &ContactRow| distance(r.point, vertex);
     let nearest = rows.iter().filter(|r| r.side == side).min_by(|a, b| distance(a).total_cmp(&distance(b)));
     match nearest.and_then(|row| state(row, max_pressure(rows), friction)) {
         None => Face::Free,

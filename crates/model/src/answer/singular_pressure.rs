@@ -3,6 +3,7 @@
 use std::f64::consts::PI;
 
 use steklov_bem_operators::Mesh;
+use steklov_elastic::plane::{angle, distance};
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Scene};
 
@@ -21,7 +22,7 @@ const SMOOTH: f64 = 1e-4;
 pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> bool {
     let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let pressed = |r: &&ContactRow| r.pressure > TOUCHING * largest;
-    let distance = |r: &ContactRow, x: [f64; 2]| (r.point[0] - x[0]).hypot(r.point[1] - x[1]);
+    let distance = |r: &ContactRow, x: [f64; 2]| distance(r.point, x);
     let touched = |x: [f64; 2], reach: f64| rows.iter().filter(pressed).any(|r| distance(r, x) <= reach);
     let stuck = |x: [f64; 2]| rows.iter().filter(pressed).any(|r| r.point == x && r.shear.abs() < r.bound);
     let gap_of = |side: usize| scene.contact(side).map(|contact| &contact.gap);
@@ -46,7 +47,7 @@ pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> b
         let (here, there) = (obstacle(mesh.side[e]), obstacle(mesh.side[before]));
         let (a, b) = (mesh.tangent(before, 1.0), mesh.tangent(e, -1.0));
         // turning to the left is a convex corner: interior angle π - turn
-        let angle = PI - (a[0] * b[1] - a[1] * b[0]).atan2(a[0] * b[0] + a[1] * b[1]);
+        let angle = PI - angle(a, b);
         let corner = mesh.vertices[e];
         let infinite = match (here, there) {
             (true, true) => angle > PI + 1e-9 && touched(corner, 0.0),

@@ -1,5 +1,6 @@
 //! Whether a body deforms beyond what small strains describe.
 
+use steklov_elastic::plane::{cross, dot, minus};
 use steklov_problem::{Condition, Scene};
 
 use crate::solve::contact_rows::Trace;
@@ -30,12 +31,12 @@ pub fn is_large(scene: &Scene, trace: Trace<'_>) -> bool {
     let (centre, moved) = (mean(&|k| points[k]), mean(&displacement));
     let relative = |k: usize| {
         let (x, u) = (points[k], displacement(k));
-        ([x[0] - centre[0], x[1] - centre[1]], [u[0] - moved[0], u[1] - moved[1]])
+        (minus(x, centre), minus(u, moved))
     };
     let (mut turning, mut inertia) = (0.0, 0.0);
     for (x, u) in (0..points.len()).map(relative) {
-        turning += x[0] * u[1] - x[1] * u[0];
-        inertia += x[0] * x[0] + x[1] * x[1];
+        turning += cross(x, u);
+        inertia += dot(x, x);
     }
     let rotation = turning / inertia;
     let left = |(x, u): ([f64; 2], [f64; 2])| (u[0] + rotation * x[1]).hypot(u[1] - rotation * x[0]);

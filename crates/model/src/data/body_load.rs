@@ -3,6 +3,7 @@
 use std::ops::Range;
 
 use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
+use steklov_elastic::plane;
 use steklov_problem::Scene;
 use steklov_quadrature::gauss_legendre;
 
@@ -143,7 +144,7 @@ fn crossed_work(field: &BoundaryField, particular: &ParticularSolution, mesh: &M
         let rule = gauss_legendre(space.degree(e) + 2);
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             let (traction, u) = (field.trace(e, t).traction, particular.displacement(mesh.point(e, t)));
-            work += w * mesh.speed(e, t) * (traction[0] * u[0] + traction[1] * u[1]);
+            work += w * mesh.speed(e, t) * plane::dot(traction, u);
         }
     }
     work

@@ -10,6 +10,7 @@
 use steklov_bem_operators::{Relative, Site, order_of_rows};
 use steklov_contact::{ContactBoundary, ContactError, Row, Transfer, oscillation};
 use steklov_coupling::{Cell, Facing, MortarRow, cells, mortar_rows};
+use steklov_elastic::plane::{cross, turned};
 use steklov_expression::Expression;
 use steklov_problem::{Interface, Law, Seen, Tie};
 
@@ -379,15 +380,14 @@ impl Data<'_> {
     /// The direction of contact in the middle of an element, and that turned by +90°.
     pub(crate) fn contact_frame(&self, e: usize) -> [[f64; 2]; 2] {
         let direction = self.direction(e, 0.0);
-        [direction, [-direction[1], direction[0]]]
+        [direction, turned(direction)]
     }
 
     /// The direction in which contact acts at a point of a side: that of its pair on another body, the normal against an obstacle.
     pub(crate) fn direction(&self, e: usize, t: f64) -> [f64; 2] {
         let n = self.mesh.normal(e, t);
         // what rounding makes of opposite normals is none
-        let turned = |[x, y]: [f64; 2]| (x * n[1] - y * n[0]).abs() > ALIGNED;
-        self.seen(e, t).map(|seen| seen.direction).filter(|d| turned(*d)).unwrap_or(n)
+        self.seen(e, t).map(|seen| seen.direction).filter(|d| cross(*d, n).abs() > ALIGNED).unwrap_or(n)
     }
 }
 

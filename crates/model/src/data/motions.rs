@@ -3,6 +3,7 @@
 use steklov_bem_operators::BemError;
 use steklov_contact::{ContactBoundary, ContactEdge, ContactError, resisted_motions};
 use steklov_elastic::RigidMotion;
+use steklov_elastic::plane::{distance, dot, minus};
 
 use crate::error::SolveError;
 
@@ -80,19 +81,18 @@ pub(crate) fn edges(boundary: &ContactBoundary) -> Vec<ContactEdge> {
             let friction = if friction.is_nan() { 0.0 } else { friction };
             let pressed = condition.normal_weight > 0.0 && condition.tangent_weight > 0.0;
             let coefficient = if pressed { condition.coefficient } else { 0.0 };
-            let offset = |x: [f64; 2]| (x[0] - node.point[0]) * c.normal[0] + (x[1] - node.point[1]) * c.normal[1];
-            let length = |a: [f64; 2], b: [f64; 2]| (a[0] - b[0]).hypot(a[1] - b[1]);
+            let offset = |x: [f64; 2]| dot(minus(x, node.point), c.normal);
             let aligned = |e: &&mut ContactEdge| {
-                (e.normal[0] - c.normal[0]).hypot(e.normal[1] - c.normal[1]) < 1e-9
+                distance(e.normal, c.normal) < 1e-9
                     && (e.coefficient - coefficient).abs() <= 1e-12 * coefficient
-                    && offset(e.ends[0]).abs() <= 1e-9 * length(e.ends[0], node.point)
+                    && offset(e.ends[0]).abs() <= 1e-9 * distance(e.ends[0], node.point)
             };
             match edges.iter_mut().find(aligned) {
                 Some(edge) => {
                     edge.friction += friction;
                     // the farthest pair of nodes on the line
-                    let (a, b) = (length(edge.ends[0], node.point), length(edge.ends[1], node.point));
-                    if a.max(b) > length(edge.ends[0], edge.ends[1]) {
+                    let (a, b) = (distance(edge.ends[0], node.point), distance(edge.ends[1], node.point));
+                    if a.max(b) > distance(edge.ends[0], edge.ends[1]) {
                         edge.ends[usize::from(a >= b)] = node.point;
                     }
                 }

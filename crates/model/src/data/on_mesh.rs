@@ -5,6 +5,7 @@ use steklov_bem_operators::{
 };
 use steklov_contact::oscillation;
 use steklov_elastic::Material;
+use steklov_elastic::plane::dot;
 use steklov_expression::{Expression, Piece};
 use steklov_problem::{Condition, DataError, Interface, Law, Scene, Tie};
 use steklov_quadrature::{LobattoBasis, legendre_p};
@@ -125,7 +126,7 @@ impl Data<'_> {
             let mut moments = Vec::with_capacity(followed.len());
             for Followed { element: e, moments: of_element, bubble, rest } in followed {
                 let d = direction(e);
-                unresolved[e] += rest * (d[0] * d[0] + d[1] * d[1]);
+                unresolved[e] += rest * dot(d, d);
                 (0..2).for_each(|i| extra[2 * e + i] += d[i] * bubble);
                 moments.push((e, of_element));
             }

@@ -12,6 +12,7 @@
 use std::ops::Range;
 
 use steklov_bem_operators::{BemError, Enriched, EnrichedSteklov, PairCache};
+use steklov_elastic::plane::{dot, solve2};
 
 use crate::data::parts::Assembled;
 use crate::solve::body::{Body, Factors};
@@ -114,9 +115,8 @@ impl<'a> Elastic<'a> {
             let own = &mut indicators[part.elements.clone()];
             for (e, (indicator, rho)) in own.iter_mut().zip(residual.chunks_exact(2)).enumerate() {
                 let a = part.enriched.single_layer_block(e);
-                let det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
-                let x = [(a[1][1] * rho[0] - a[0][1] * rho[1]) / det, (a[0][0] * rho[1] - a[1][0] * rho[0]) / det];
-                *indicator += weight * (x[0] * rho[0] + x[1] * rho[1]).max(0.0);
+                let rho = [rho[0], rho[1]];
+                *indicator += weight * dot(solve2(a, rho), rho).max(0.0);
             }
         }
         indicators

@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::{Assembly, Enriched};
 use steklov_contact::{ContactBubble, Frozen};
+use steklov_elastic::plane::{dot, solve2};
 use steklov_problem::Condition;
 
 use crate::data::on_mesh::Data;
@@ -26,26 +27,19 @@ impl Frame {
     /// x = A⁻¹ρ in the free directions.
     fn solve(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> [f64; 2] {
         let [d, t] = self.directions;
-        let form = |x: [f64; 2], y: [f64; 2]| {
-            x[0] * (a[0][0] * y[0] + a[0][1] * y[1]) + x[1] * (a[1][0] * y[0] + a[1][1] * y[1])
-        };
-        let along = |x: [f64; 2]| x[0] * rho[0] + x[1] * rho[1];
-        let one = |x: [f64; 2]| x.map(|c| c * along(x) / form(x, x));
+        let one = |x: [f64; 2]| x.map(|c| c * dot(x, rho) / dot(x, a.map(|row| dot(row, x))));
         match self.free {
             [false, false] => [0.0; 2],
             [true, false] => one(d),
             [false, true] => one(t),
-            [true, true] => {
-                let det = a[0][0] * a[1][1] - a[0][1] * a[1][0];
-                [(a[1][1] * rho[0] - a[0][1] * rho[1]) / det, (a[0][0] * rho[1] - a[1][0] * rho[0]) / det]
-            }
+            [true, true] => solve2(a, rho),
         }
     }
 
     /// ρᵀA⁻¹ρ in the free directions.
     pub(crate) fn energy(&self, a: [[f64; 2]; 2], rho: [f64; 2]) -> f64 {
         let x = self.solve(a, rho);
-        (x[0] * rho[0] + x[1] * rho[1]).max(0.0)
+        dot(x, rho).max(0.0)
     }
 }
 

@@ -14,6 +14,7 @@
 use steklov_bem_operators::{Enriched, Look, Mesh, Polygon, SAME_PLACE};
 use steklov_contact::{ContactBubble, Frozen};
 use steklov_elastic::Material;
+use steklov_elastic::plane::dot;
 use steklov_problem::{Indicator, Refine, Scene};
 
 use crate::answer::singular_points::strong_vertices;
@@ -211,7 +212,7 @@ fn bubble_residual(
         let (e, [n, t]) = (bubble.element, data.contact_frame(bubble.element));
         // a closed bubble's residual along n is ∫λ_n b; against another body it is what that pushes back with
         let pressure = match facing.iter().find(|of| of.element == e) {
-            Some(of) => -(of.load[0] * n[0] + of.load[1] * n[1]),
+            Some(of) => -dot(of.load, n),
             None => residual[2 * e] * n[0] + residual[2 * e + 1] * n[1],
         };
         let shear = bubble.load[1] - bubble.coupling * pressure;

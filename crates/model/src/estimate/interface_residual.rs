@@ -7,6 +7,7 @@
 use steklov_bem_operators::Site;
 use steklov_contact::ContactBubble;
 use steklov_coupling::{Cell, Facing, Met, meet};
+use steklov_elastic::plane::{dot, turned};
 use steklov_problem::Law;
 use steklov_quadrature::{gauss_legendre, legendre_p, project as legendre_project};
 
@@ -125,13 +126,13 @@ impl Data<'_> {
         for (k, (&g, &w)) in rule.points.iter().zip(&rule.weights).enumerate() {
             let t = span[0] + half * (1.0 + g);
             let Some(Met { t: s, direction: n, .. }) = meet(side, (e, t), side, m) else { continue };
-            let (s, tangent) = (s.clamp(-1.0, 1.0), [-n[1], n[0]]);
+            let (s, tangent) = (s.clamp(-1.0, 1.0), turned(n));
             let [(here, _), (beyond, _)] = [field.on_boundary(e, t), field.on_boundary(m, s)];
             let [pull, push] = [field.traction(e, t), field.traction(m, s)];
             let apart = self.left_apart(law, &Site::new(self.mesh, e, t), n);
             here_largest = here.into_iter().chain(beyond).fold(here_largest, |m, u| m.max(u.abs()));
             for (i, d) in [n, tangent].into_iter().enumerate().filter(|(i, _)| closed[*i]) {
-                let along = |v: [f64; 2]| v[0] * d[0] + v[1] * d[1];
+                let along = |v: [f64; 2]| dot(v, d);
                 lefts[k][i] = along(here) - along(beyond) - along(apart);
                 let traction = (along(push) - along(pull)) / 2.0;
                 work += half * w * self.mesh.speed(e, t) * traction * lefts[k][i];

@@ -5,6 +5,7 @@ use std::time::Instant;
 use steklov_bem_operators::{Datum, Mesh, Site, Space};
 use steklov_contact::oscillation;
 use steklov_coupling::{Coupled, CouplingError, Form, InterfaceIndicators, Interior, Jumps, Medium, Transmission};
+use steklov_elastic::plane::{cross, distance, dot, minus};
 use steklov_msfem::{CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
 use steklov_problem::{Scene, Surroundings};
 
@@ -146,10 +147,10 @@ fn boundary_mesh(scene: &Scene, layout: &GridLayout, interior: &Interior) -> Res
 fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
     let place = |(k, edge): (usize, &steklov_bem_operators::Edge)| {
         let ([a, b], length) = (edge.listed(), edge.length());
-        let along = ((x[0] - a[0]) * (b[0] - a[0]) + (x[1] - a[1]) * (b[1] - a[1])) / (length * length);
+        let along = dot(minus(x, a), minus(b, a)) / (length * length);
         let s = along.clamp(0.0, 1.0);
         let y = edge.point(s);
-        ((x[0] - y[0]).hypot(x[1] - y[1]), k, s)
+        (distance(x, y), k, s)
     };
     let nearest = scene.interface().map(place).min_by(|a, b| a.0.total_cmp(&b.0));
     nearest.map_or((0, 0.0), |(_, k, s)| (k, s))
@@ -269,8 +270,8 @@ pub(super) fn medium_tractions(grid: &Grid, around: &Around, fine: &GridTrace) -
 fn overlap([a, b]: [[f64; 2]; 2], length: f64, mesh: &Mesh, f: usize) -> Option<[f64; 2]> {
     let d = [(b[0] - a[0]) / length, (b[1] - a[1]) / length];
     let place = |x: [f64; 2]| {
-        let r = [x[0] - a[0], x[1] - a[1]];
-        ((r[0] * d[0] + r[1] * d[1]) / length, (r[1] * d[0] - r[0] * d[1]) / length)
+        let r = minus(x, a);
+        (dot(r, d) / length, cross(d, r) / length)
     };
     let [(from, off), (to, off_too)] = mesh.ends(f).map(place);
     let (from, to) = (from.max(0.0), to.min(1.0));
@@ -287,14 +288,14 @@ fn add_moments(
 ) {
     let p = space.degree(f);
     let rule = steklov_quadrature::gauss_legendre(p / 2 + 2);
-    let side = (b[0] - a[0]).hypot(b[1] - a[1]);
+    let side = distance(b, a);
     let [start, end] = mesh.ends(f);
-    let d = [end[0] - start[0], end[1] - start[1]];
+    let d = minus(end, start);
     let mut legendre = vec![0.0; p];
     for (&t, w) in rule.points.iter().zip(&rule.weights) {
         let s = from + (to - from) * (1.0 + t) / 2.0;
         let x = [a[0] + s * (b[0] - a[0]) - start[0], a[1] + s * (b[1] - a[1]) - start[1]];
-        let along = (x[0] * d[0] + x[1] * d[1]) / (d[0] * d[0] + d[1] * d[1]);
+        let along = dot(x, d) / dot(d, d);
         steklov_quadrature::legendre_p(2.0 * along - 1.0, &mut legendre);
         for i in 0..2 {
             let value: f64 = (0..p).map(|m| legendre[m] * traction[2 * (space.offset[f] + m) + i]).sum();

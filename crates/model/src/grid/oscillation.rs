@@ -98,6 +98,7 @@ fn rest(square: f64, resolved: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use steklov_elastic::plane::dot;
 
     /// Of a bilinear field the projection keeps all.
     #[test]
@@ -110,7 +111,7 @@ mod tests {
                 let (f, w) = (field(*a, *b), wa * wb * hx * hy);
                 let hats = [(1.0 - a) * (1.0 - b), a * (1.0 - b), a * b, (1.0 - a) * b];
                 (0..8).for_each(|k| moments[k] += w * hats[k / 2] * f[k % 2]);
-                square += w * (f[0] * f[0] + f[1] * f[1]);
+                square += w * dot(f, f);
             }
         }
         assert!((bilinear(&moments, hx * hy) / square - 1.0).abs() < 1e-13);

@@ -1,6 +1,7 @@
 //! The first mesh: vertices at singular points and where the data are narrower than an element.
 
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
+use steklov_elastic::plane::angle;
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Law, Refine, Scene, Span};
 
@@ -123,7 +124,7 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
                 [sign * (e[0] - s[0]), sign * (e[1] - s[1])]
             };
             let (x, y) = (direction(a, true), direction(b, false));
-            let turn = (x[0] * y[1] - x[1] * y[0]).atan2(x[0] * y[0] + x[1] * y[1]);
+            let turn = angle(x, y);
             let free = |k: usize| matches!(scene.problem.sides[edges[k].side].condition, Condition::Free);
             let free = |k: usize| free(k) && scene.contact(edges[k].side).is_none();
             let alike = edges[a].side == edges[b].side || curved && free(a) && free(b);

@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::{Grading, Mark, Mesh, Piece, SAME_PLACE, Shape, Subdivision, doerfler, legendre_decay};
 use steklov_contact::{Decided, Located, Tip, relocate, unlocated};
+use steklov_elastic::plane;
 use steklov_expression::Turn;
 use steklov_problem::{Refine, Scene};
 
@@ -185,7 +186,7 @@ fn lopsided_elements(mesh: &Mesh, singular: &[Vec<f64>], ratio: f64) -> Vec<usiz
     for e in 0..mesh.len() {
         for (x, _) in mesh.ends(e).into_iter().zip(mesh.span[e]).filter(|(_, s)| at(e, *s)) {
             let length = mesh.length(e);
-            match points.iter_mut().find(|(y, ..)| (y[0] - x[0]).hypot(y[1] - x[1]) <= near) {
+            match points.iter_mut().find(|(y, ..)| plane::distance(*y, x) <= near) {
                 Some((_, shortest, elements)) => {
                     *shortest = shortest.min(length);
                     elements.push(e);

@@ -2,6 +2,7 @@
 
 use steklov_contact::{Kkt, Located};
 use steklov_coupling::Radiation;
+use steklov_elastic::plane::norm;
 use steklov_problem::{Scene, Solver, facets};
 
 use crate::answer::interfaces;
@@ -228,7 +229,7 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
         for (&t, &w) in rule.points.iter().zip(&rule.weights) {
             let force = field.trace(e, t).traction.map(|v| w * mesh.speed(e, t) * v);
             resultant = [resultant[0] + force[0], resultant[1] + force[1]];
-            sum += force[0].hypot(force[1]);
+            sum += norm(force);
         }
     }
     Some(MediumSummary {
@@ -237,7 +238,7 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
             Radiation::Bounded => "bounded".into(),
         },
         resultant,
-        balanced: resultant[0].hypot(resultant[1]) <= BALANCED * sum,
+        balanced: norm(resultant) <= BALANCED * sum,
         constant: field.of_body(body).at_infinity(),
         length: mesh.part(field.elements(body)).diameter(),
     })

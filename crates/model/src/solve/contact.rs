@@ -7,6 +7,7 @@ use steklov_contact::{
     kkt_in_body, lifting_motion, other_solution,
 };
 use steklov_elastic::RigidMotion;
+use steklov_elastic::plane::dot;
 use steklov_problem::Scene;
 
 use crate::data::motions::{edges, unpressed};
@@ -192,7 +193,7 @@ pub(crate) fn solve_contact(
 fn leaving_rates(boundary: &ContactBoundary, motion: &RigidMotion) -> Vec<Vec<f64>> {
     let rates = boundary.nodes.iter().map(|node| {
         let r = motion.at(node.point);
-        node.conditions.iter().map(|c| -(r[0] * c.normal[0] + r[1] * c.normal[1])).collect()
+        node.conditions.iter().map(|c| -dot(r, c.normal)).collect()
     });
     let mut rates: Vec<Vec<f64>> = rates.collect();
     let fastest = rates.iter().flatten().fold(0.0, |m: f64, rate| m.max(*rate));

@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::{Mesh, Space};
 use steklov_contact::{MultiplierNode, Status};
+use steklov_elastic::plane::dot;
 
 use crate::solve::contact::ContactResult;
 use crate::solve::solution::Solved;
@@ -65,7 +66,7 @@ pub fn contact_rows(trace: Trace<'_>, contact: &ContactResult) -> Vec<ContactRow
     for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
         let u = [displacement[2 * node.node], displacement[2 * node.node + 1]];
         for (plane, condition) in node.conditions.iter().zip(&condensed.conditions) {
-            let along = |d: [f64; 2]| u[0] * d[0] + u[1] * d[1];
+            let along = |d: [f64; 2]| dot(u, d);
             let [pressure, shear] = solution.multipliers[rows.len()];
             let share = plane.shares.iter().max_by(|a, b| a.normal.total_cmp(&b.normal));
             rows.push(ContactRow {
@@ -73,7 +74,7 @@ pub fn contact_rows(trace: Trace<'_>, contact: &ContactResult) -> Vec<ContactRow
                 normal: plane.normal,
                 // a held component adds to the gap in the node's own unknowns what it takes from u_n
                 gap: condition.gap + along(plane.normal)
-                    - own(condensed.pick(&solution.displacement), condition.normal),
+                    - dot(condensed.pick(&solution.displacement), condition.normal),
                 normal_displacement: along(plane.normal),
                 tangential_displacement: along(plane.tangent),
                 pressure,
@@ -112,8 +113,8 @@ fn stabilised_rows(trace: Trace<'_>, contact: &StabilisedContact) -> Vec<Contact
             point: node.point,
             normal,
             gap: contact.gaps[i],
-            normal_displacement: u[0] * normal[0] + u[1] * normal[1],
-            tangential_displacement: u[0] * tangent[0] + u[1] * tangent[1],
+            normal_displacement: dot(u, normal),
+            tangential_displacement: dot(u, tangent),
             pressure,
             shear,
             bound: condition.limit(pressure),
@@ -132,10 +133,6 @@ fn number(status: Status) -> usize {
         Status::SlipPlus => 2,
         Status::SlipMinus => 3,
     }
-}
-
-fn own(unknowns: [f64; 2], direction: [f64; 2]) -> f64 {
-    unknowns[0] * direction[0] + unknowns[1] * direction[1]
 }
 
 /// Largest nodal pressure.

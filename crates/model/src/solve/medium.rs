@@ -3,6 +3,7 @@
 use steklov_bem_operators::{Inside, Mesh, ParticularSolution, Space};
 use steklov_coupling::{Balance, Coupled, MediumField, Radiation};
 use steklov_elastic::Material;
+use steklov_elastic::plane::{distance, dot, minus};
 use steklov_problem::Surroundings;
 
 use crate::summary::MediumSummary;
@@ -75,10 +76,10 @@ impl Around {
             }
             let ([a, b], d) = (self.mesh.ends(e), self.mesh.half_chord(e));
             let middle = [(a[0] + b[0]) / 2.0, (a[1] + b[1]) / 2.0];
-            let along = ((x[0] - middle[0]) * d[0] + (x[1] - middle[1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]);
+            let along = dot(minus(x, middle), d) / dot(d, d);
             let t = along.clamp(-1.0, 1.0);
             let y = self.mesh.point(e, t);
-            ((x[0] - y[0]).hypot(x[1] - y[1]), t)
+            (distance(x, y), t)
         };
         let nearest = (0..self.mesh.len()).map(|e| (from(e), e));
         let least = nearest.min_by(|((a, _), _), ((b, _), _)| a.total_cmp(b));

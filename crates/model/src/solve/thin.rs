@@ -1,6 +1,7 @@
 //! Bodies so thin that rounding leaves no digit of their stiffness.
 
 use steklov_bem_operators::{BemError, Mesh};
+use steklov_elastic::plane::{dot, minus};
 use steklov_problem::Problem;
 
 use crate::data::parts::Assembled;
@@ -31,10 +32,10 @@ pub(crate) fn thickness(mesh: &Mesh, bodies: &[usize], e: usize) -> f64 {
     let (middle, n) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
     let across = |f: usize| {
         let (c, d) = (mesh.point(f, 0.0), mesh.half_chord(f));
-        let to = [c[0] - middle[0], c[1] - middle[1]];
-        let t = -((to[0] * d[0] + to[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(-1.0, 1.0);
+        let to = minus(c, middle);
+        let t = -(dot(to, d) / dot(d, d)).clamp(-1.0, 1.0);
         let to = [to[0] + t * d[0], to[1] + t * d[1]];
-        let (squared, inwards) = (to[0] * to[0] + to[1] * to[1], -(to[0] * n[0] + to[1] * n[1]));
+        let (squared, inwards) = (dot(to, to), -dot(to, n));
         if inwards > 0.0 && inwards * inwards > 0.25 * squared { squared } else { f64::INFINITY }
     };
     let beside = |f: usize| f == e || mesh.next[e] == f || mesh.next[f] == e;

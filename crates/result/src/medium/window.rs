@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 use steklov_bem_operators::Polygon;
+use steklov_elastic::plane::distance;
 use steklov_model::solve::medium::Around;
 
 use crate::record::chords;
@@ -34,7 +35,7 @@ pub(crate) fn window(body: &Polygon, around: &Around) -> Window {
             high[k] = high[k].max(chord.ends[0][k]);
         }
     }
-    let margin = MARGIN * (high[0] - low[0]).hypot(high[1] - low[1]);
+    let margin = MARGIN * distance(high, low);
     let (low, high) = (low.map(|x| x - margin), high.map(|x| x + margin));
     let corners = [low, [high[0], low[1]], high, [low[0], high[1]]];
     let mut edges: Vec<_> = (0..4).map(|k| (corners[k], corners[(k + 1) % 4], 0)).collect();

@@ -3,9 +3,10 @@
 use std::collections::BTreeSet;
 use std::f64::consts::PI;
 
-use steklov_bem_operators::{Location, Polygon};
+use steklov_bem_operators::{Location, Polygon, distance_to_segment};
 use steklov_coupling::{CouplingError, Interior, Medium, Outline};
 use steklov_elastic::Material;
+use steklov_elastic::plane::{distance, dot, minus};
 use steklov_msfem::{Elasticity, Grid, HeterogeneousBody, Loads};
 use steklov_quadrature::gauss_legendre;
 
@@ -54,19 +55,14 @@ pub struct Problem {
 }
 
 /// Distance of a point from a segment.
-fn distance(x: [f64; 2], [a, b]: [[f64; 2]; 2]) -> f64 {
-    let (d, r) = ([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
-    let along = ((r[0] * d[0] + r[1] * d[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
-    (r[0] - along * d[0]).hypot(r[1] - along * d[1])
-}
-
 /// The point that is deepest in a polygon, of those that are equally deep the one in the middle, and its depth.
 fn deepest(polygon: &Polygon, low: [f64; 2], size: [f64; 2]) -> ([f64; 2], f64) {
     let mut best = ([f64::NAN; 2], 0.0, f64::NEG_INFINITY);
     for (i, j) in (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j))) {
         let share = [i, j].map(|k| k as f64 / STEPS as f64);
         let x = [0, 1].map(|k| low[k] + size[k] * share[k]);
-        let depth = polygon.edges().iter().map(|e| distance(x, [e.start, e.end])).fold(f64::INFINITY, f64::min);
+        let depth =
+            polygon.edges().iter().map(|e| distance_to_segment(x, [e.start, e.end])).fold(f64::INFINITY, f64::min);
         let rank = depth / (size[0] + size[1]) - 1e-6 * (share[0] - 0.5).hypot(share[1] - 0.5);
         if rank > best.2 && polygon.contains(x) == Location::Inside {
             best = (x, depth, rank);
@@ -83,9 +79,9 @@ fn traction([xx, yy, xy]: [f64; 3], n: [f64; 2]) -> [f64; 2] {
 /// Displacement and stress of a force b at p in the whole plane.
 fn kelvin(m: &Material, x: [f64; 2], p: [f64; 2], b: [f64; 2]) -> ([f64; 2], [f64; 3]) {
     let nu = m.nu();
-    let r = [x[0] - p[0], x[1] - p[1]];
-    let squared = r[0] * r[0] + r[1] * r[1];
-    let along = r[0] * b[0] + r[1] * b[1];
+    let r = minus(x, p);
+    let squared = dot(r, r);
+    let along = dot(r, b);
     let c = 1.0 / (8.0 * PI * m.mu() * (1.0 - nu));
     let u = [0, 1].map(|i| c * (-(3.0 - 4.0 * nu) * 0.5 * squared.ln() * b[i] + r[i] * along / squared));
     let q = -1.0 / (4.0 * PI * (1.0 - nu) * squared);
@@ -142,19 +138,19 @@ impl<'a> Manufactured<'a> {
         let pole = |p: [f64; 2]| [0, 1].map(|k| self.centre[k] + self.depth * p[k]);
         let b = self.pair.force.map(|f| f * self.depth);
         let [(u, s), (v, t)] = POLES.map(|p| kelvin(&self.pair.medium, x, pole(p), b));
-        ([u[0] - v[0], u[1] - v[1]], [s[0] - t[0], s[1] - t[1], s[2] - t[2]])
+        (minus(u, v), [s[0] - t[0], s[1] - t[1], s[2] - t[2]])
     }
 
     /// u0 = u - u_c (length).
     pub fn jump(&self, x: [f64; 2]) -> [f64; 2] {
         let (u, v) = (self.inner(x), self.outer(x).0);
-        [u[0] - v[0], u[1] - v[1]]
+        minus(u, v)
     }
 
     /// t0 = σ(u)n - σ(u_c)n (stress), n out of the body.
     pub fn traction_jump(&self, x: [f64; 2], n: [f64; 2]) -> [f64; 2] {
         let (t, c) = (traction(self.inner_stress(x), n), traction(self.outer(x).1, n));
-        [t[0] - c[0], t[1] - c[1]]
+        minus(t, c)
     }
 
     /// The body on a grid, with its loads; sides of holes are loaded by the traction of its field.
@@ -173,7 +169,7 @@ impl<'a> Manufactured<'a> {
         let rule = gauss_legendre(4);
         for (cell, side) in grid.boundary().into_iter().filter(|s| !outer.contains(s)) {
             let ([a, b], n) = sides(grid, cell, side);
-            let length = (b[0] - a[0]).hypot(b[1] - a[1]);
+            let length = distance(b, a);
             let mut moments = [[0.0; 2]; 2];
             for (&t, w) in rule.points.iter().zip(&rule.weights) {
                 let s = (1.0 + t) / 2.0;
