@@ -216,7 +216,7 @@ fn pulls_off(scene: &Scene, motion: impl Fn([f64; 2]) -> [f64; 2]) -> bool {
 
 /// Whether the medium around a body or a hole resists all rigid motions.
 fn is_held_by_medium(scene: &Scene) -> bool {
-    scene.far().is_some_and(|far| far.radiation == Radiation::Decaying)
+    scene.problem.radiation_of_medium() == Some(Radiation::Decaying)
 }
 
 /// The refusal of a first mesh that is larger than the scene allows; none if it is not.

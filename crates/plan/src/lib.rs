@@ -324,8 +324,8 @@ fn cost(scene: &Scene, mesh: &Mesh, dofs: usize, estimated: bool) -> Cost {
 
 /// What an unbounded medium does far away.
 pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
-    let Some(far) = scene.far() else { return };
-    let (choice, why) = match far.radiation {
+    let (Some(far), Some(radiation)) = (scene.far(), scene.problem.radiation_of_medium()) else { return };
+    let (choice, why) = match radiation {
         Radiation::Decaying => (
             "the displacement decays",
             "with a net force it grows as log(L/r), and L, the diameter of the boundary, selects its constant",

@@ -6,36 +6,28 @@ use steklov_elastic::{Material, RigidMotion};
 use steklov_expression::Expression;
 
 use super::grid_fit::AS_TWO_BODIES;
-use super::{BasisInput, Condition, DataError, DataErrorKind as Kind, Indicator, Law, Model, Scene};
+use super::{
+    BasisInput, Condition, DataError, DataErrorKind as Kind, Indicator, Interface, Law, Model, Other, Problem, Scene,
+};
 
 /// What a medium does far away.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FarField {
     /// Stress xx, yy, xy far away.
     pub remote_stress: [f64; 3],
-    /// What the displacement does far away, that of the remote stress apart.
-    pub radiation: Radiation,
-    /// Whether the scene states that.
-    pub stated: bool,
+    /// What the displacement does far away, that of the remote stress apart; `None`: what fits the supports.
+    pub at_infinity: Option<Radiation>,
     /// Whether the remote stress has names in it: with random ones it may vanish in an outcome.
     pub named: bool,
 }
 
 impl Default for FarField {
     fn default() -> Self {
-        Self { remote_stress: [0.0; 3], radiation: Radiation::Decaying, stated: false, named: false }
+        Self { remote_stress: [0.0; 3], at_infinity: None, named: false }
     }
 }
 
 impl FarField {
-    /// Of a medium that supports or obstacles hold, unless the scene states it: they leave no net force, for with one their
-    /// forces would depend on the length in its logarithm.
-    pub fn bounded_by_supports(&mut self) {
-        if !self.stated {
-            self.radiation = Radiation::Bounded;
-        }
-    }
-
     /// Whether it loads the bodies.
     pub fn is_loaded(&self) -> bool {
         self.named || self.remote_stress != [0.0; 3]
@@ -60,6 +52,8 @@ pub struct Surroundings<'a> {
     pub material: Material,
     /// What it does far away.
     pub far: &'a FarField,
+    /// What the displacement does there.
+    pub radiation: Radiation,
     /// The jumps between body and medium.
     pub tie: &'a Tie,
 }
@@ -110,6 +104,30 @@ impl Tie {
 /// From the normal of a side to the direction in which a datum acts.
 type Direction = fn([f64; 2]) -> [f64; 2];
 
+impl Problem {
+    /// What the displacement of a medium does far away; `None` of a bounded body. Unless it is stated, a medium that supports or
+    /// obstacles hold is bounded there: they leave no net force, for with one their forces would depend on the length in its
+    /// logarithm.
+    pub fn radiation(&self, body: usize) -> Option<Radiation> {
+        let far = self.bodies[body].far.as_ref()?;
+        let touches = |side: usize| {
+            let met = |interface: &Interface| interface.other == Other::Obstacle && interface.sides.contains(&side);
+            self.interfaces.iter().any(met)
+        };
+        let holds = |side: usize| {
+            self.body_of_side(side) == body
+                && (matches!(self.sides[side].condition, Condition::Displacement { .. }) || touches(side))
+        };
+        let held = (0..self.sides.len()).any(holds);
+        Some(far.at_infinity.unwrap_or(if held { Radiation::Bounded } else { Radiation::Decaying }))
+    }
+
+    /// The same of the medium among the bodies.
+    pub fn radiation_of_medium(&self) -> Option<Radiation> {
+        (0..self.bodies.len()).find_map(|body| self.radiation(body))
+    }
+}
+
 impl Scene {
     /// Whether the body is a medium itself: the plane outside of holes.
     pub fn is_cavity(&self) -> bool {
@@ -123,7 +141,7 @@ impl Scene {
 
     /// The domain of the boundary elements of a body.
     pub fn domain(&self, body: usize) -> Domain {
-        match self.problem.bodies[body].far.as_ref().map(|far| far.radiation) {
+        match self.problem.radiation(body) {
             Some(Radiation::Bounded) => Domain::BoundedAtInfinity,
             _ => Domain::Interior,
         }
@@ -137,8 +155,8 @@ impl Scene {
     /// Those of the rigid motions that supports leave a body free which the medium that it is, or that is around it, does not resist
     /// either: none if its displacement decays, translations if it is bounded at infinity.
     pub fn unresisted(&self, body: usize, free: Vec<RigidMotion>) -> Vec<RigidMotion> {
-        let far = self.problem.bodies[body].far.as_ref().or_else(|| self.problem.medium()?.far.as_ref());
-        match far.map(|far| far.radiation) {
+        let around = || self.problem.radiation_of_medium().filter(|_| !self.problem.has_several_bodies());
+        match self.problem.radiation(body).or_else(around) {
             None => free,
             Some(Radiation::Decaying) => Vec::new(),
             Some(Radiation::Bounded) => free.into_iter().filter(|motion| motion.rotation == 0.0).collect(),
@@ -165,8 +183,14 @@ impl Scene {
 
     /// The medium around the body; none of a body without one, or that is a medium itself.
     pub fn surroundings(&self) -> Option<Surroundings<'_>> {
-        let medium = self.problem.medium()?;
-        Some(Surroundings { material: medium.material(), far: medium.far.as_ref()?, tie: self.problem.tie()? })
+        let (medium, tie) = (self.problem.medium()?, self.problem.tie()?);
+        let far = medium.far.as_ref()?;
+        Some(Surroundings {
+            material: medium.material(),
+            far,
+            radiation: far.at_infinity.unwrap_or(Radiation::Decaying),
+            tie,
+        })
     }
 
     /// The expressions of the traction jump where a body meets the medium around it, their names, and the direction in which each

@@ -4,7 +4,7 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::Plane;
 use steklov_expression::{Expression, nearest};
 use steklov_problem::{
-    About, Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, Law, Place, Problem, Substance, Tie,
+    About, Body, Contact, DataError, DataErrorKind as Kind, FarField, Law, Place, Problem, Substance, Tie,
 };
 
 use super::body::{body, body_force, force, material, medium};
@@ -71,7 +71,6 @@ pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Prob
     if let Some(field) = fields.get("sides") {
         conditions(&field, &names, (&mut problem, &mut cracks), context)?;
     }
-    hold_media(&mut problem);
     if let Some(field) = fields.get("interface") {
         for table in field.list()? {
             if !cracks.interface(&table, context)? {
@@ -118,19 +117,6 @@ fn far(
 pub(super) fn pieces(body: &Body, count: usize) -> Vec<Body> {
     let name = |k: usize| if count == 1 { body.name.clone() } else { format!("{} {}", body.name, k + 1) };
     (0..count).map(|k| Body { name: name(k), ..body.clone() }).collect()
-}
-
-/// A medium that supports or obstacles hold is bounded at infinity, unless the scene states what it does.
-fn hold_media(problem: &mut Problem) {
-    let holds = |side: usize| {
-        matches!(problem.sides[side].condition, Condition::Displacement { .. }) || problem.contact(side).is_some()
-    };
-    let held: Vec<bool> = (0..problem.bodies.len())
-        .map(|body| (0..problem.sides.len()).any(|side| problem.body_of_side(side) == body && holds(side)))
-        .collect();
-    for (body, _) in problem.bodies.iter_mut().zip(held).filter(|(_, held)| *held) {
-        body.far.iter_mut().for_each(FarField::bounded_by_supports);
-    }
 }
 
 /// The material of a body, or that of the scene.

@@ -63,9 +63,8 @@ pub(super) fn far_field(fields: &Fields<'_>, context: &Context<'_>) -> Result<Fa
         None => [0.0; 3],
     };
     let words = [("decaying", Radiation::Decaying), ("bounded", Radiation::Bounded)];
-    let stated = fields.get("at_infinity").map(|word| word.choice(&words)).transpose()?;
-    let radiation = stated.unwrap_or(Radiation::Decaying);
-    Ok(FarField { remote_stress, radiation, stated: stated.is_some(), named })
+    let at_infinity = fields.get("at_infinity").map(|word| word.choice(&words)).transpose()?;
+    Ok(FarField { remote_stress, at_infinity, named })
 }
 
 /// The three entries xx, yy, xy of a symmetric tensor.

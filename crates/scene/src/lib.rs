@@ -312,17 +312,11 @@ struct Parts {
 /// The bodies and interfaces of a scene.
 fn problem(parts: Parts) -> Result<Problem, DataError> {
     let Parts { outline, substance, grid, sides, contacts, force, exterior } = parts;
-    let held = |side: &Side| matches!(side.condition, Condition::Displacement { .. });
-    let supported = sides.iter().any(held) || contacts.iter().any(Option::is_some);
     let mut problem = match (substance, &exterior) {
         (Some(substance), _) => Problem::new(outline, substance),
         (None, Some((material, far, _))) => {
             let mut problem = Problem::new(outline, Substance::Homogeneous(*material));
-            let mut far = far.clone();
-            if supported {
-                far.bounded_by_supports();
-            }
-            problem.bodies[0].far = Some(far);
+            problem.bodies[0].far = Some(far.clone());
             problem
         }
         (None, None) => unreachable!("a hole has a medium around it"),

@@ -124,7 +124,7 @@ fn join(
     let clock = Instant::now();
     observe(Stage::Progress("interface", 0.6))?;
     // the two-field form, its tractions eliminated
-    let coupled = problem.solve(&jump, Form::Schur, medium.far.radiation)?;
+    let coupled = problem.solve(&jump, Form::Schur, medium.radiation)?;
     let imbalance = problem.imbalance(&coupled);
     drop(problem);
     let seconds = Seconds { set_up: 0.0, assemble, factorise, solve: clock.elapsed().as_secs_f64() };

@@ -221,7 +221,7 @@ fn bodies(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Vec<Bo
 /// What an unbounded medium with a boundary of its own does far away; none without one.
 fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
     let parts = scene.problem.outline.bodies().len();
-    let (body, far) = (0..parts).find_map(|body| Some((body, scene.problem.bodies[body].far.as_ref()?)))?;
+    let (body, radiation) = (0..parts).find_map(|body| Some((body, scene.problem.radiation(body)?)))?;
     let Solved { mesh, space, field, .. } = &run.last;
     let (mut resultant, mut sum) = ([0.0; 2], 0.0);
     for e in field.elements(body) {
@@ -233,7 +233,7 @@ fn exterior_summary(scene: &Scene, run: &Run) -> Option<MediumSummary> {
         }
     }
     Some(MediumSummary {
-        radiation: match far.radiation {
+        radiation: match radiation {
             Radiation::Decaying => "decaying".into(),
             Radiation::Bounded => "bounded".into(),
         },

@@ -52,7 +52,7 @@ impl Outside {
         let Data { scene, mesh, space } = *data;
         let Some(medium) = scene.surroundings().filter(|_| scene.is_inclusion()) else { return Ok(None) };
         let material = medium.material;
-        let domain = match medium.far.radiation {
+        let domain = match medium.radiation {
             Radiation::Decaying => Domain::Exterior,
             Radiation::Bounded => Domain::ExteriorBoundedAtInfinity,
         };

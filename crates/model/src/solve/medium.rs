@@ -49,7 +49,7 @@ impl Around {
             traction: coupled.traction.clone(),
             constant: coupled.constant,
             balance: coupled.balance,
-            radiation: medium.far.radiation,
+            radiation: medium.radiation,
             remote_stress: medium.far.remote_stress,
             remote: medium.remote(),
             field,
