@@ -32,8 +32,8 @@ pub fn judged() -> [Judged; 6] {
     ]
     .map(|(name, file, change, energy)| {
         let mut scene = scene(file, change.as_slice());
-        scene.method.tolerance = 1e-6;
-        scene.method.max_dofs = 1400;
+        scene.method.tolerance = Some(1e-6);
+        scene.method.max_dofs = Some(1400);
         Judged { name, scene, energy }
     })
 }
@@ -97,8 +97,8 @@ pub fn solved_in_steps(scene: &Scene) -> Result<(Run, Vec<Vec<f64>>), SolveError
 pub fn finer(scene: &Scene, max_dofs: usize) -> Result<Subdivision, SolveError> {
     let mut fine = scene.clone();
     fine.method.refine = Refine::Hp;
-    fine.method.tolerance *= 0.1;
-    fine.method.max_dofs = max_dofs;
+    fine.method.tolerance = Some(fine.method.tolerance() * 0.1);
+    fine.method.max_dofs = Some(max_dofs);
     let mesh = adapt(&fine)?.last.mesh;
     Ok(Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]))
 }

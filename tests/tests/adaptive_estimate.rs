@@ -49,7 +49,7 @@ struct Measured {
 fn effectivities(name: &str, scene: &Scene) -> Vec<Measured> {
     let mut scene = scene.clone();
     scene.method.refine = Refine::Hp;
-    scene.method.max_dofs = DOFS;
+    scene.method.max_dofs = Some(DOFS);
     let (run, displacements) = solved_in_steps(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
     let fine = finer(&scene, REFERENCE_DOFS).unwrap_or_else(|e| panic!("{name}: {e}"));
     if run.step().estimate().relative < 1e-9 {

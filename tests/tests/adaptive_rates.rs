@@ -45,7 +45,7 @@ fn octaves(problem: &Judged, degree: usize, sides: &[usize], meshes: usize) -> V
             let mut scene = problem.scene.clone();
             scene.method.refine = Refine::None;
             scene.method.degree = degree;
-            scene.method.elements = 4 * (side + k * side / meshes);
+            scene.method.elements = Some(4 * (side + k * side / meshes));
             let run = adapt(&scene).unwrap_or_else(|e| panic!("{}: {e}", problem.name));
             sums[0] += problem.energy_error(run.step()).powi(2);
             sums[1] += run.step().estimate().relative.powi(2);
@@ -106,7 +106,7 @@ fn dofs(problem: &Judged, refine: Refine, indicator: Indicator, level: f64) -> f
     let mut scene = problem.scene.clone();
     scene.method.refine = refine;
     scene.method.indicator = indicator;
-    scene.method.max_dofs = 600;
+    scene.method.max_dofs = Some(600);
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{}: {e}", problem.name));
     let steps = &run.progress.steps;
     let errors: Vec<f64> = steps.iter().map(|s| problem.energy_error(s)).collect();

@@ -49,7 +49,7 @@ fn crossings(problem: &Judged, run: &Run, counted: [(usize, usize); 2]) -> [f64;
 fn few_unknowns_reach_the_known_energies_without_hints() {
     for (name, most) in [("block", [300, 540]), ("wedge", [420, 950])] {
         let problem = problem(name);
-        assert_eq!((problem.scene.method.elements, problem.scene.method.degree), (16, 1));
+        assert_eq!((problem.scene.method.elements(), problem.scene.method.degree), (16, 1));
         let counted = counted(&problem, &problem.solved(), "uniform");
         for ((_, dofs), most) in counted.into_iter().zip(most) {
             assert!(dofs <= most, "{name}: {dofs} unknowns, at most {most} were expected");
@@ -127,7 +127,7 @@ fn other_first_meshes_do_as_well() {
 fn errors_fall_exponentially() {
     for name in ["block", "wedge", "L"] {
         let mut problem = problem(name);
-        problem.scene.method.max_dofs = 1500;
+        problem.scene.method.max_dofs = Some(1500);
         let run = problem.solved();
         assert_eq!(run.reason, Reason::Tolerance, "{name}: down to 1e-6");
         let steps = &run.progress.steps;
@@ -148,7 +148,7 @@ fn errors_fall_exponentially() {
 /// Unknowns at which a scene reaches the tolerance 1e-4.
 fn dofs_to_tolerance(scene: &Scene) -> f64 {
     let mut scene = scene.clone();
-    scene.method.tolerance = 1e-4;
+    scene.method.tolerance = Some(1e-4);
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(run.reason, Reason::Tolerance);
     run.step().dofs as f64
@@ -179,7 +179,7 @@ fn corner(degrees: f64, floor: &str) -> Scene {
 /// The relative estimate is multiplied by e^slope for every unit of dofs^½, from the third step on.
 fn speed(scene: &Scene) -> f64 {
     let mut scene = scene.clone();
-    scene.method.tolerance = 1e-4;
+    scene.method.tolerance = Some(1e-4);
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
     assert_eq!(run.reason, Reason::Tolerance);
     let steps = &run.progress.steps[2..];
@@ -217,10 +217,10 @@ fn limits_are_kept_and_named() {
             println!("{name} {limit}: {} after {} steps", run.reason.word(), steps.len());
             assert_eq!(run.reason, reason, "{name} {limit}");
             assert!(!run.converged() && steps.len() <= scene.method.max_steps);
-            assert!(steps.iter().all(|s| s.dofs <= scene.method.max_dofs));
+            assert!(steps.iter().all(|s| s.dofs <= scene.method.max_dofs()));
             // the limit is met no earlier than it must be
             match reason {
-                Reason::MaxDofs => assert!(run.progress.next.dofs() > scene.method.max_dofs),
+                Reason::MaxDofs => assert!(run.progress.next.dofs() > scene.method.max_dofs()),
                 Reason::MaxSteps => assert_eq!(steps.len(), scene.method.max_steps),
                 _ => assert!(run.step().estimate().relative < 1e-6, "{:e}", run.step().estimate().relative),
             }

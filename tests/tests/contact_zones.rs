@@ -99,7 +99,7 @@ fn judge(scene: &Scene, run: &Run) -> bool {
 
 fn solved(text: &str, tolerance: f64) -> (Scene, Run) {
     let mut scene = parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
-    scene.method.tolerance = tolerance;
+    scene.method.tolerance = Some(tolerance);
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));
     (scene, run)
 }
@@ -151,7 +151,7 @@ fn lengths_of_random_scenes_are_those_between_their_ends() {
         if scene.contacts().next().is_none() {
             continue;
         }
-        (scene.method.tolerance, scene.method.max_dofs) = (1e-5, 900);
+        (scene.method.tolerance, scene.method.max_dofs) = (Some(1e-5), Some(900));
         // bodies that nothing holds are refused
         let Ok(run) = adapt(&scene) else { continue };
         println!("scene {number}");

@@ -106,14 +106,14 @@ fn ssnv128_has_the_digits_of_both_multipliers() {
 /// ‖(h/p²)^½ (λ_n - λ_ref)‖ of uniform meshes against an adaptive solution.
 fn pressure_errors(scene: &Scene, elements: &[usize]) -> Vec<f64> {
     let mut fine = stabilised(scene);
-    (fine.method.refine, fine.method.tolerance, fine.method.gamma) = (Refine::Hp, 1e-5, None);
+    (fine.method.refine, fine.method.tolerance, fine.method.gamma) = (Refine::Hp, Some(1e-5), None);
     (fine.method.multiplier_mesh, fine.method.multiplier_degree) =
         (MultiplierMesh::Same, MultiplierDegree::Relative(0));
     let fine = adapt(&fine).expect("it is solved").last;
     let reference = fine.contact.as_ref().and_then(|c| c.stabilised.as_ref()).expect("stabilised");
     let error = |n: usize| {
         let mut scene = stabilised(scene);
-        (scene.method.refine, scene.method.elements) = (Refine::None, n);
+        (scene.method.refine, scene.method.elements) = (Refine::None, Some(n));
         let solved = answer(&scene).solved;
         let s = solved.contact.as_ref().and_then(|c| c.stabilised.as_ref()).expect("stabilised");
         let mut sum = 0.0;

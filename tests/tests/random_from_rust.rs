@@ -73,7 +73,7 @@ fn a_random_load_of_a_program_is_random_in_every_outcome() {
     scene.problem.sides[0].condition = Condition::held();
     let load = Expression::parse("Q", &[("Q".to_owned(), 1.0)].into()).expect("a load");
     scene.problem.sides[2].condition = Condition::Pressure(load);
-    scene.method.tolerance = 1e-2;
+    scene.method.tolerance = Some(1e-2);
     let stochastic = Stochastic { quantities: Some(vec!["energy".to_owned()]), ..Stochastic::default() };
     let variable = Variable::uniform(0.5, 1.5).expect("a variable");
     let germs = vec![Germ { label: "Q".to_owned(), variable }];

@@ -79,7 +79,7 @@ fn judge(number: u64, scene: &Scene, full: bool) -> Outcome {
     let last = steps.len() - 1;
     (outcome.reason, outcome.dofs, outcome.steps) = (run.reason.word().into(), steps[last].dofs, steps.len());
     let method = &scene.method;
-    if steps.len() > method.max_steps || steps[1..].iter().any(|s| s.dofs > method.max_dofs) {
+    if steps.len() > method.max_steps || steps[1..].iter().any(|s| s.dofs > method.max_dofs()) {
         outcome.failure = Some(format!("{} steps, {:?} unknowns", steps.len(), steps.iter().map(|s| s.dofs)));
     }
     if run.reason == Reason::Solver || run.reason == Reason::MaxSteps {
@@ -121,7 +121,7 @@ fn judge(number: u64, scene: &Scene, full: bool) -> Outcome {
             ));
         }
         if k == last {
-            outcome.reached = truth.error / truth.norm / method.tolerance;
+            outcome.reached = truth.error / truth.norm / method.tolerance();
             if run.reason == Reason::Tolerance && outcome.reached > 1.0 / HALF {
                 outcome.failure = Some(format!("the tolerance is missed by a factor {:.2}", outcome.reached));
             }
@@ -163,7 +163,7 @@ fn random_scenes_reach_their_tolerance_or_say_why_not() {
             outcome.effectivities.iter().map(|(e, doubt)| format!("{e:.2}{}", if *doubt { "?" } else { "" })).collect();
         println!(
             "{number:3} {reason:12} {dofs:4} dofs {steps:2} steps {seconds:6.2} s  tol {:.1e} reached {:.2} [{}] {}",
-            scene.method.tolerance,
+            scene.method.tolerance(),
             outcome.reached,
             effectivities.join(" "),
             failure.as_deref().unwrap_or("")

@@ -19,7 +19,7 @@ fn the_residual_indicator_steers_every_scene() {
         }
         let [exact, single] = [&EXACT[..], &SINGLE].map(|scenes| scenes.iter().any(|number| name.starts_with(number)));
         (scene.method.indicator, scene.method.refine) = (Indicator::Residual, Refine::Hp);
-        (scene.method.tolerance, scene.method.max_dofs) = (1e-5, 400);
+        (scene.method.tolerance, scene.method.max_dofs) = (Some(1e-5), Some(400));
         let run = adapt(&scene).unwrap_or_else(|e| panic!("{name}: {e}"));
         let totals: Vec<f64> =
             run.progress.steps.iter().map(|s| s.estimate().residuals.iter().map(|r| r.total()).sum()).collect();

@@ -34,7 +34,7 @@ fn uniform_slope(scene: &Scene, energy: f64, degree: usize, elements: &[usize]) 
         .iter()
         .map(|&n| {
             let mut scene = scene.clone();
-            (scene.method.refine, scene.method.elements, scene.method.degree) = (Refine::None, n, degree);
+            (scene.method.refine, scene.method.elements, scene.method.degree) = (Refine::None, Some(n), degree);
             let run = adapt(&scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
             ((run.last.energies.total - energy) / energy).abs().sqrt()
         })
@@ -48,7 +48,7 @@ fn uniform_slope(scene: &Scene, energy: f64, degree: usize, elements: &[usize]) 
 /// J of an hp run down to 1e-6, the log of whose estimate must be straight over dofs^½ and steeper than an algebraic law.
 fn hp_energy(scene: &Scene) -> f64 {
     let mut scene = scene.clone();
-    scene.method.tolerance = 1e-6;
+    scene.method.tolerance = Some(1e-6);
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     assert_eq!(run.reason, Reason::Tolerance, "{}", scene.title);
     let steps = &run.progress.steps;

@@ -167,11 +167,11 @@ fn read_scene(path: &Path, overrides: &[String]) -> Result<Document, Failure> {
     Document::read(path, overrides).map_err(|e| Failure(e.render()))
 }
 
-/// A scene that is to be solved here: unless it gives method.max_dofs, matrices of boundary elements may take what is left of
+/// A scene that is to be solved here: unless it gives method.max_dofs(), matrices of boundary elements may take what is left of
 /// the memory.
 fn read_scene_within_memory(path: &Path, overrides: &[String]) -> Result<Document, Failure> {
     let mut document = read_scene(path, overrides)?;
-    if !document.scene.method.max_dofs_given && !document.scene.is_on_grid() {
+    if document.scene.method.max_dofs.is_none() && !document.scene.is_on_grid() {
         document.scene.method.memory = available_memory_bytes();
     }
     Ok(document)

@@ -221,10 +221,10 @@ fn is_held_by_medium(scene: &Scene) -> bool {
 
 /// The refusal of a first mesh that is larger than the scene allows; none if it is not.
 pub(crate) fn too_many_dofs(scene: &Scene, dofs: usize) -> Option<DataError> {
-    if dofs <= scene.method.max_dofs {
+    if dofs <= scene.method.max_dofs() {
         return None;
     }
-    let message = format!("the first mesh has {dofs} dofs, more than method.max_dofs = {}", scene.method.max_dofs);
+    let message = format!("the first mesh has {dofs} dofs, more than method.max_dofs = {}", scene.method.max_dofs());
     let (keys, help) = match scene.model() {
         Model::Fem | Model::FemBem => (
             vec![vec!["method", "max_dofs"], vec!["grid"]],

@@ -61,7 +61,7 @@ fn where_memory_ends_a_run_it_says_so() {
         assert!(told.what == NEXT_MESH && told.why.contains(&format!("memory is the limit: its {} dofs", 2 * dofs)));
     }
     // a given number of dofs ends it first
-    scene.method.max_dofs = 40;
+    scene.method.max_dofs = Some(40);
     let (reason, last, told) = ended(&scene);
     assert!((reason, last) == (Reason::MaxDofs, 32) && told.is_some());
     scene.method.memory = None;

@@ -194,7 +194,7 @@ fn grids_double_and_the_largest_multiple_is_the_last() {
     assert_eq!(largest(&scene, 2000, 578).unwrap().unwrap().grid.cells, [28, 28]);
     assert!(largest(&scene, 700, 578).unwrap().is_none());
     let own = vec!["method.max_dofs=100000".to_owned()];
-    let given = Method { max_dofs: 7, max_dofs_given: true, ..Method::default() };
+    let given = Method { max_dofs: Some(7), ..Method::default() };
     assert_eq!(settings(&Method::default(), &[]), own);
     assert!(settings(&given, &[]).is_empty());
     let user = vec!["method.max_dofs = 9".to_owned()];

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let gap = Expression::parse("(x - 0.5)^2/(2*R) - d", &names)?;
     scene.problem.touch(0, Contact { gap, friction: Friction::None });
     scene.problem.sides[2].condition = Condition::held();
-    scene.method.tolerance = 1e-4;
+    scene.method.tolerance = Some(1e-4);
     scene.check()?;
 
     let run = unobserved(&scene)?;

@@ -21,7 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pull = 3.0;
     let far = FarField { remote_stress: [pull, pull, 0.0], ..FarField::default() };
     scene.problem.surround(medium, far, Tie::default())?;
-    scene.method.tolerance = 1e-2;
+    scene.method.tolerance = Some(1e-2);
     scene.check()?;
 
     let run = unobserved(&scene)?;

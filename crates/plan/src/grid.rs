@@ -139,8 +139,8 @@ fn medium(scene: &Scene, around: Surroundings<'_>) -> [Decision; 2] {
         ),
         "unbounded: it is neither cut off nor meshed; the inside of the body is eliminated down to where both meet",
     );
-    let elements = if scene.method.elements_given {
-        let choice = format!("{} or more of degree {}", scene.method.elements, scene.method.degree);
+    let elements = if scene.method.elements.is_some() {
+        let choice = format!("{} or more of degree {}", scene.method.elements(), scene.method.degree);
         decision("boundary elements", choice, "as the scene says; the displacement of the body is projected on them")
     } else {
         let choice = format!("one between each two points of the body's trace, degree {}", scene.method.degree);
@@ -253,8 +253,8 @@ fn cost(scene: &Scene, input: &GridInput) -> Cost {
 /// Unknowns of the boundary elements of the medium around the body.
 fn interface_unknowns(scene: &Scene, input: &GridInput) -> f64 {
     let degree = 2 * scene.method.degree;
-    if scene.method.elements_given {
-        return (degree * scene.method.elements) as f64;
+    if scene.method.elements.is_some() {
+        return (degree * scene.method.elements()) as f64;
     }
     let cells = if scene.is_multiscale() { input.coarse } else { input.cells() };
     let (_, size) = bounding_box(&scene.problem.outline);

@@ -92,19 +92,19 @@ pub fn without_memory(lack: Lack) -> Decision {
 
 /// Up to which size meshes are refined.
 pub fn largest_mesh(scene: &Scene) -> Decision {
-    let Method { max_dofs, max_dofs_given, memory, .. } = scene.method;
+    let Method { max_dofs, memory, .. } = scene.method;
     let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
-    let why = match (memory, max_dofs_given) {
-        (_, true) => "method.max_dofs, whatever the memory".to_owned(),
-        (None, false) => "method.max_dofs is not given".to_owned(),
-        (Some(left), false) => format!(
+    let why = match (memory, max_dofs) {
+        (_, Some(_)) => "method.max_dofs, whatever the memory".to_owned(),
+        (None, None) => "method.max_dofs is not given".to_owned(),
+        (Some(left), None) => format!(
             "method.max_dofs is not given; or fewer, where matrices would need more than the {:.1} GiB of memory that \
              are left now, {} dofs without an estimate, fewer with one",
             gib(left),
             (left as f64 / 24.0).sqrt() as u64
         ),
     };
-    Decision { what: "largest mesh".into(), choice: format!("{max_dofs} dofs"), why }
+    Decision { what: "largest mesh".into(), choice: format!("{} dofs", scene.method.max_dofs()), why }
 }
 
 /// Plane strain or plane stress.
@@ -377,7 +377,7 @@ fn elements(scene: &Scene, number: usize) -> Decision {
         (false, true) => "the data have kinks or jumps, which need vertices of their own",
         (true, true) => "every straight edge needs one, and kinks and jumps of the data need vertices of their own",
     };
-    if scene.problem.outline.is_curved() && wanted < scene.method.elements {
+    if scene.problem.outline.is_curved() && wanted < scene.method.elements() {
         let why = "an outline with curves: few elements, whose degrees rise; edges and sharp turns need their own";
         return Decision { what: "elements".into(), choice: number.to_string(), why: why.into() };
     }

@@ -97,13 +97,13 @@ impl Scene {
         if self.has_few_first_elements() {
             4 * outline.loops().len()
         } else {
-            self.method.elements * outline.bodies().len()
+            self.method.elements() * outline.bodies().len()
         }
     }
 
     /// Whether the first mesh has as few elements as it can.
     pub fn has_few_first_elements(&self) -> bool {
-        !self.method.elements_given && self.method.refine == Refine::Hp && self.problem.outline.is_curved()
+        self.method.elements.is_none() && self.method.refine == Refine::Hp && self.problem.outline.is_curved()
     }
 
     /// A body of one material whose sides are all free, to which the rest is then given.

@@ -79,22 +79,16 @@ pub enum Solver {
 pub struct Method {
     /// Discretisation.
     pub model: Model,
-    /// Wanted relative error in the energy norm, in (0, 1).
-    pub tolerance: f64,
-    /// Whether the scene gives it.
-    pub tolerance_given: bool,
+    /// Wanted relative error in the energy norm, in (0, 1), if it is given.
+    pub tolerance: Option<f64>,
     /// Refinement.
     pub refine: Refine,
-    /// Elements of the first mesh, at least 1.
-    pub elements: usize,
-    /// Whether the scene gives them.
-    pub elements_given: bool,
+    /// Elements of the first mesh, at least 1, if they are given.
+    pub elements: Option<usize>,
     /// Degree of the first mesh, 1 to 64.
     pub degree: usize,
-    /// Largest number of displacement unknowns.
-    pub max_dofs: usize,
-    /// Whether the scene gives it.
-    pub max_dofs_given: bool,
+    /// Largest number of displacement unknowns, if it is given.
+    pub max_dofs: Option<usize>,
     /// Bytes that the matrices of a mesh may take; no limit if None.
     pub memory: Option<u64>,
     /// Largest number of adaptive steps.
@@ -121,14 +115,11 @@ impl Default for Method {
     fn default() -> Self {
         Self {
             model: Model::Auto,
-            tolerance: 1e-3,
-            tolerance_given: false,
+            tolerance: None,
             refine: Refine::Hp,
-            elements: 16,
-            elements_given: false,
+            elements: None,
             degree: 1,
-            max_dofs: 20_000,
-            max_dofs_given: false,
+            max_dofs: None,
             memory: None,
             max_steps: 60,
             indicator: Indicator::Bubble,
@@ -140,6 +131,23 @@ impl Default for Method {
             multiplier_degree: MultiplierDegree::Relative(0),
             solver: Solver::Auto,
         }
+    }
+}
+
+impl Method {
+    /// Wanted relative error in the energy norm.
+    pub fn tolerance(&self) -> f64 {
+        self.tolerance.unwrap_or(1e-3)
+    }
+
+    /// Elements of the first mesh.
+    pub fn elements(&self) -> usize {
+        self.elements.unwrap_or(16)
+    }
+
+    /// Largest number of displacement unknowns.
+    pub fn max_dofs(&self) -> usize {
+        self.max_dofs.unwrap_or(20_000)
     }
 }
 

@@ -18,13 +18,12 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, DataError> {
         match key {
             "model" => method.model = field.choice(&MODELS)?,
             "tolerance" => {
-                method.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?;
-                method.tolerance_given = true;
+                method.tolerance = Some(field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?);
             }
             "refine" => method.refine = field.choice(&REFINES)?,
-            "elements" => (method.elements, method.elements_given) = (field.whole(1, 1_000_000)?, true),
+            "elements" => method.elements = Some(field.whole(1, 1_000_000)?),
             "degree" => method.degree = field.whole(1, 64)?,
-            "max_dofs" => (method.max_dofs, method.max_dofs_given) = (field.whole(1, 100_000_000)?, true),
+            "max_dofs" => method.max_dofs = Some(field.whole(1, 100_000_000)?),
             "max_steps" => method.max_steps = field.whole(1, 1_000_000)?,
             "indicator" => {
                 method.indicator = field.choice(&[("bubble", Indicator::Bubble), ("residual", Indicator::Residual)])?;

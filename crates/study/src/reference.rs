@@ -110,8 +110,8 @@ impl Reference {
         let mut fine = scene.clone();
         fine.method.refine = Refine::Hp;
         fine.method.marking = None;
-        fine.method.tolerance = TOLERANCE.max(SHARPER * scene.method.tolerance);
-        fine.method.max_dofs = DOFS.max(scene.method.max_dofs + scene.method.max_dofs / 2);
+        fine.method.tolerance = Some(TOLERANCE.max(SHARPER * scene.method.tolerance()));
+        fine.method.max_dofs = Some(DOFS.max(scene.method.max_dofs() + scene.method.max_dofs() / 2));
         let run = run(&fine, Progress::first(&fine), interrupts, observe)?;
         if run.reason == Reason::Interrupted {
             return Err(SolveError::Interrupted.into());

@@ -13,10 +13,10 @@ const MAX_DOFS: usize = 1100;
 /// the user sets nothing else; then those of the user. `method` is that of the scene.
 pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
     let mut all: Vec<String> = FIRST.map(String::from).to_vec();
-    if !method.tolerance_given {
+    if method.tolerance.is_none() {
         all.push(TOLERANCE.into());
     }
-    if !method.max_dofs_given || method.max_dofs > MAX_DOFS {
+    if method.max_dofs.is_none_or(|given| given > MAX_DOFS) {
         all.push(format!("method.max_dofs={MAX_DOFS}"));
     }
     all.iter().rev().fold(user.to_vec(), |all, own| unless_set(own, &all))
@@ -43,9 +43,9 @@ mod tests {
         };
         let default = Method::default();
         of(default, &["method.tolerance=1e-6", "method.max_dofs=1100"]);
-        of(Method { tolerance_given: true, tolerance: 1e-4, ..default }, &["method.max_dofs=1100"]);
-        of(Method { max_dofs_given: true, max_dofs: 1100, elements: 64, ..default }, &["method.tolerance=1e-6"]);
-        let more = Method { max_dofs_given: true, max_dofs: 1101, ..default };
+        of(Method { tolerance: Some(1e-4), ..default }, &["method.max_dofs=1100"]);
+        of(Method { max_dofs: Some(1100), elements: Some(64), ..default }, &["method.tolerance=1e-6"]);
+        let more = Method { max_dofs: Some(1101), ..default };
         of(more, &["method.tolerance=1e-6", "method.max_dofs=1100"]);
     }
 }

@@ -76,7 +76,7 @@ pub fn contact_sides(scene: &Scene) -> Vec<usize> {
 pub(super) fn uniform(scene: &Scene, times: usize, degree: usize) -> Scene {
     let mut scene = scene.clone();
     scene.method.refine = Refine::None;
-    (scene.method.elements, scene.method.degree) = (times * scene.method.elements, degree);
+    (scene.method.elements, scene.method.degree) = (Some(times * scene.method.elements()), degree);
     scene
 }
 

@@ -347,7 +347,7 @@ fn hidden_overlaps(
     let modulus = |e: usize| data.scene.problem.contact_modulus(solved.mesh.edge[e]);
     let moved = solved.displacement.iter().fold(contact.boundary.largest_gap(), |m, u| m.max(u.abs()));
     let found = indicators.iter().map(Bubble::total).sum::<f64>().sqrt();
-    let wanted = LEAST_OVERLAP * (data.scene.method.tolerance * scale).max(found);
+    let wanted = LEAST_OVERLAP * (data.scene.method.tolerance() * scale).max(found);
     let least = |e: usize| (wanted * (2.0 / modulus(e)).sqrt()).max(ROUNDED_OVERLAP * moved);
     let mut overlaps = data.overlaps((&contact.boundary, joints), &solved.displacement, &least, closed);
     let mut energies = vec![0.0; indicators.len()];

@@ -135,10 +135,10 @@ fn join(
 /// earlier steps have cut them.
 fn boundary_mesh(scene: &Scene, layout: &GridLayout, interior: &Interior) -> Result<Mesh, SolveError> {
     let degree = scene.method.degree;
-    Ok(match (&layout.around, scene.method.elements_given) {
+    Ok(match (&layout.around, scene.method.elements.is_some()) {
         (Some(mesh), true) => mesh.clone(),
         (Some(mesh), false) => interior.trace.mesh_with(mesh)?,
-        (None, true) => Mesh::uniform(&interior.trace.polygon, scene.method.elements, degree),
+        (None, true) => Mesh::uniform(&interior.trace.polygon, scene.method.elements(), degree),
         (None, false) => interior.trace.mesh(1, degree)?,
     })
 }

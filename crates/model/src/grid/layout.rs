@@ -67,7 +67,7 @@ impl Marked {
         let elements = solved.around.as_ref().map_or(0, |around| around.mesh.len());
         let (Some(estimate), false) = (&solved.estimate, is_uniform(scene.method.refine)) else {
             // elements between the points of the trace follow it
-            let own = scene.method.elements_given;
+            let own = scene.method.elements.is_some();
             return Self { cells: vec![true; cells], elements: vec![own; elements] };
         };
         let mut squared = match &solved.coarse {

@@ -74,7 +74,7 @@ impl Model for OnGrid {
         let method = &scene.method;
         let parts = steps.last().map_or(1, |step| step.layout.parts);
         let estimate = solved.estimate.as_ref();
-        let reached = estimate.is_some_and(|e| e.relative <= method.tolerance && e.doubts().is_empty());
+        let reached = estimate.is_some_and(|e| e.relative <= method.tolerance() && e.doubts().is_empty());
         let outweighed =
             estimate.is_some_and(|e| solved.coarse.is_some() && e.multiscale + e.medium <= OUTWEIGHED * e.fine_grid);
         Some(match (method.refine, next) {
@@ -84,7 +84,7 @@ impl Model for OnGrid {
             (_, None) => Reason::FineGrid,
             _ if outweighed => Reason::FineGrid,
             _ if steps.len() >= method.max_steps => Reason::MaxSteps,
-            (_, Some(next)) if next_dofs(scene, solved, parts, next) > method.max_dofs => Reason::MaxDofs,
+            (_, Some(next)) if next_dofs(scene, solved, parts, next) > method.max_dofs() => Reason::MaxDofs,
             _ => return None,
         })
     }

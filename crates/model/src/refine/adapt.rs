@@ -119,7 +119,7 @@ impl<'a> Marking<'a> {
 
     /// The squared error that is tolerated, in parts of the estimated one.
     fn tolerated(&self) -> Option<f64> {
-        Some((self.scene.method.tolerance / self.estimate?.relative).powi(2))
+        Some((self.scene.method.tolerance() / self.estimate?.relative).powi(2))
     }
 
     /// Whether most of an element's indicator is that of its data.
@@ -147,7 +147,7 @@ impl<'a> Marking<'a> {
         if let (Some(state), true) = (self.state, turns.iter().flatten().any(|t| t.maximum)) {
             let mut whole = Subdivision::new(mesh, &vec![Mark::Keep; mesh.len()]);
             let located = relocate(&mut tips.to_vec(), &mut whole, state, singular, &obstacles(turns))?;
-            let goal = self.estimate.map_or(0.0, |all| self.scene.method.tolerance / all.relative);
+            let goal = self.estimate.map_or(0.0, |all| self.scene.method.tolerance() / all.relative);
             part = part_to_mark(&self.squared, &located, unlocated_energy(self.scene, &located), goal);
         }
         let mut marks = self.marks(part, &|e| self.rough(e));

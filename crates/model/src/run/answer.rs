@@ -170,7 +170,7 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
         let joints = data.joints().unwrap_or_default();
         let located = located(scene, &run.step().layout.located);
         interfaces = interfaces::interfaces(scene, solved, &joints, &rows, located);
-        let error = estimate.map_or(scene.method.tolerance, |e| e.relative.max(scene.method.tolerance));
+        let error = estimate.map_or(scene.method.tolerance(), |e| e.relative.max(scene.method.tolerance()));
         reach = interfaces::reach(scene, solved, &joints, error);
     }
     let doubts = estimate.iter().flat_map(|e| &e.doubts).copied();

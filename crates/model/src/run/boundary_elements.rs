@@ -159,7 +159,7 @@ impl Model for BoundaryElements {
             estimate.settle_exact(scene, &solved)?;
         }
         if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate)
-            && one.relative <= scene.method.tolerance
+            && one.relative <= scene.method.tolerance()
         {
             // the mean outcome is solved well enough: what of the others?
             *one = mean_estimate(scene, random, (&body, enriched), one.clone())?;
@@ -184,7 +184,7 @@ impl Model for BoundaryElements {
         let method = &scene.method;
         let unchanged = next.is_none();
         let step = steps.last()?;
-        let reached = |s: &Step| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance);
+        let reached = |s: &Step| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance());
         let exact = is_exact(step);
         // an estimate that is in doubt has to be confirmed by the next step, if there is any
         let doubted = step.estimate.iter().flat_map(|e| &e.doubts).any(|d| *d != Doubt::Roundoff);
@@ -195,7 +195,7 @@ impl Model for BoundaryElements {
             _ if reached(step) && confirmed => Reason::Tolerance,
             _ if unchanged || exact && !still_falls(steps) => Reason::Roundoff,
             _ if steps.len() >= method.max_steps => Reason::MaxSteps,
-            _ if next.is_some_and(|next| next.dofs() > method.max_dofs || lack_of(scene, next).is_some()) => {
+            _ if next.is_some_and(|next| next.dofs() > method.max_dofs() || lack_of(scene, next).is_some()) => {
                 Reason::MaxDofs
             }
             _ => return None,
@@ -241,7 +241,7 @@ impl Model for BoundaryElements {
     }
 
     fn lack(scene: &Scene, run: &Run) -> Option<Lack> {
-        let small = run.progress.next.dofs() <= scene.method.max_dofs;
+        let small = run.progress.next.dofs() <= scene.method.max_dofs();
         lack_of(scene, &run.progress.next).filter(|_| small && run.reason == Reason::MaxDofs)
     }
 }

@@ -89,7 +89,7 @@ pub fn largest(scene: &Scene, most_dofs: usize, dofs: usize) -> Result<Option<Le
 
 /// The overrides of a study, where neither the scene nor the user sets another limit of unknowns; then those of the user.
 pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
-    let own = (!method.max_dofs_given).then(|| format!("method.max_dofs={MOST_DOFS}"));
+    let own = method.max_dofs.is_none().then(|| format!("method.max_dofs={MOST_DOFS}"));
     own.into_iter().chain(user.iter().cloned()).collect()
 }
 

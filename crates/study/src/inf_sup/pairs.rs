@@ -116,7 +116,7 @@ pub fn pairs(scene: &Scene, watch: &mut Watch<'_>) -> Result<Vec<Point>, SolveEr
         let dofs = 2 * mesh.degree.iter().sum::<usize>();
         let reference_dofs = 2 * (mesh.len() << HALVINGS) * (degree + RAISED);
         let done = points.iter().any(|p| (p.elements, p.degree) == (mesh.len(), degree));
-        if done || dofs > scene.method.max_dofs || reference_dofs > REFERENCE_DOFS {
+        if done || dofs > scene.method.max_dofs() || reference_dofs > REFERENCE_DOFS {
             continue;
         }
         if watch.stopped() {

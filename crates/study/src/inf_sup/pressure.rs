@@ -76,7 +76,7 @@ pub(super) const ROWS: [Column<ContactRow>; 6] = [
 /// As [`solve`] with the scene's own γ; what fails with next to none or for want of Coulomb friction is told in its place.
 pub fn pressures(scene: &Scene, watch: &mut Watch<'_>) -> Result<Pressures, SolveError> {
     let dofs = |times: &usize| 2 * DEGREE * uniform_mesh(scene, *times, DEGREE).len();
-    let fitting = TIMES.into_iter().find(|t| dofs(t) <= scene.method.max_dofs.min(DOFS));
+    let fitting = TIMES.into_iter().find(|t| dofs(t) <= scene.method.max_dofs().min(DOFS));
     let mesh = uniform_mesh(scene, fitting.unwrap_or(1), DEGREE);
     let mut scene = scene.clone();
     scene.method.multiplier = Multiplier::Stabilised;

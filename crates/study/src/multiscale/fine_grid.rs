@@ -83,7 +83,7 @@ fn limit([a, b, c]: [f64; 3]) -> Option<[f64; 2]> {
 /// # Errors
 /// Those of the fine grid; [`SolveError::Interrupted`] before it is solved.
 pub fn fine_grid(scene: &Scene, repeat: usize, watch: &mut Watch<'_>) -> Result<FineGrid, ReferenceError> {
-    let most = scene.method.max_dofs.max(MOST_DOFS);
+    let most = scene.method.max_dofs().max(MOST_DOFS);
     let cells = grid_of(scene).map_err(SolveError::from)?.body_cells().count();
     let mut truth = None;
     let (mut levels, mut failures): (Vec<Level>, Vec<_>) = (Vec::new(), Vec::new());

@@ -77,13 +77,7 @@ mod tests {
     fn the_studys_own_tolerance_is_not_that_of_the_scene() {
         let of = |user: &[&str]| {
             let user: Vec<String> = user.iter().map(|&o| o.to_owned()).collect();
-            let given = Method {
-                tolerance: 1e-7,
-                tolerance_given: true,
-                max_dofs: 500,
-                max_dofs_given: true,
-                ..Method::default()
-            };
+            let given = Method { tolerance: Some(1e-7), max_dofs: Some(500), ..Method::default() };
             super::settings(&given, &user)
         };
         let first = ["method.elements=16", "method.degree=1"];

@@ -166,7 +166,7 @@ pub fn stabilisation(scene: &Scene, watch: &mut Watch<'_>) -> Option<Stabilisati
         let mesh = uniform_mesh(&scene, times, degree);
         let (elements, dofs) = (mesh.len(), 2 * mesh.degree.iter().sum::<usize>());
         let done = all.critical.iter().any(|c| (c.elements, c.degree) == (elements, degree));
-        if done || dofs > scene.method.max_dofs || watch.stopped() {
+        if done || dofs > scene.method.max_dofs() || watch.stopped() {
             continue;
         }
         watch.tell(STABILISATION, &format!("critical γ₀, {elements} elements of degree {degree}"));

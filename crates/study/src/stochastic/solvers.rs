@@ -91,7 +91,7 @@ pub fn solvers(scene: &Scene, random: &Random, watch: &mut Watch<'_>) -> Result<
     for times in TIMES {
         let scene = uniform(scene, times, scene.method.degree);
         let progress = Progress::first(&scene);
-        if times > 1 && progress.next.dofs() > scene.method.max_dofs || watch.stopped() {
+        if times > 1 && progress.next.dofs() > scene.method.max_dofs() || watch.stopped() {
             break;
         }
         let dofs = progress.next.dofs();

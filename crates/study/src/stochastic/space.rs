@@ -155,12 +155,12 @@ fn meshes(
 ) -> Result<(), SolveError> {
     let mut scene = scene.clone();
     scene.method.refine = strategy;
-    scene.method.tolerance *= FINER;
+    scene.method.tolerance = Some(scene.method.tolerance() * FINER);
     if strategy == Refine::UniformH {
         scene.method.degree = 1;
     }
     let mut progress = Progress::first(&scene);
-    let (max_dofs, max_steps) = (scene.method.max_dofs, scene.method.max_steps);
+    let (max_dofs, max_steps) = (scene.method.max_dofs(), scene.method.max_steps);
     loop {
         scene.method.max_steps = progress.steps.len() + 1;
         let mut run = run(&scene, progress, watch.interrupts, &mut |step, event| {

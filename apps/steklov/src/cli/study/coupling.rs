@@ -21,7 +21,7 @@ pub(super) fn coupling(args: &StudyArgs) -> Result<u8, Failure> {
     let scene = &document.scene;
     let refused = |error: DataError| Failure(document.error(error).render());
     let pairs = pairs(scene).map_err(refused)?;
-    let most = scene.method.max_dofs;
+    let most = scene.method.max_dofs();
     let at_most = |trace: usize| levels(scene, most, trace).map_err(refused);
     let (fine, middle, coarse) = (at_most(TRACE[0])?, at_most(TRACE[1])?, at_most(TRACE[2])?);
     let mut all = levels(scene, most, usize::MAX).map_err(refused)?;

@@ -24,7 +24,7 @@ pub(super) fn multiscale(args: &StudyArgs) -> Result<u8, Failure> {
     }
     let sizes = coarse_cells(scene).map_err(refused)?;
     let dofs = grid_of(scene).map_err(refused)?.dofs();
-    if dofs > scene.method.max_dofs.max(MOST_DOFS) {
+    if dofs > scene.method.max_dofs().max(MOST_DOFS) {
         let message = format!(
             "the fine grid has {dofs} dofs, and the study solves all of them at once: {MOST_DOFS} at most, or method.max_dofs"
         );
