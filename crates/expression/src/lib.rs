@@ -15,6 +15,7 @@ mod token;
 mod tape;
 mod foreign;
 mod parse;
+mod fold;
 mod interval;
 mod range;
 mod kinks;
@@ -28,6 +29,7 @@ use std::sync::Arc;
 
 pub use along::{Along, OnEdge};
 pub use field::{FieldValue, NoChain, RandomField, Support};
+pub use fold::Value;
 pub use interval::Interval;
 pub use parse::nearest;
 pub use range::{Enclosed, Leaves, Range as Enclosure, Track, enclose, leaves};
@@ -64,13 +66,6 @@ pub struct Switch {
     right: Option<Range<usize>>,
 }
 
-impl Switch {
-    fn moved_back(&self, by: usize) -> Self {
-        let back = |range: &Range<usize>| range.start - by..range.end - by;
-        Self { left: back(&self.left), right: self.right.as_ref().map(back) }
-    }
-}
-
 /// A function of the point (x, y) and of the edge parameter s.
 #[derive(Debug, Clone)]
 pub struct Expression {
@@ -79,15 +74,23 @@ pub struct Expression {
     pub place: Place,
 }
 
-/// What an expression was read into.
+/// What an expression was read into: its tape with all names open.
+#[derive(Debug)]
+struct Read {
+    text: String,
+    ops: Vec<Op>,
+    /// The names that it uses.
+    names: Vec<String>,
+}
+
+/// An expression with the values of its names.
 #[derive(Debug)]
 struct Code {
-    text: String,
+    read: Arc<Read>,
+    values: Vec<Value>,
     ops: Vec<Op>,
     height: usize,
     switches: Vec<Switch>,
-    /// The names that it uses.
-    names: Vec<String>,
     fields: Vec<Arc<FieldValue>>,
     known: along::Known,
 }
@@ -111,34 +114,30 @@ impl Expression {
         constants: &BTreeMap<String, f64>,
         fields: &BTreeMap<String, Arc<FieldValue>>,
     ) -> Result<Self, ExpressionError> {
-        Self::with_free_names(text, constants, fields, &[])
+        let parse::Parsed { ops, names, values } = parse::parse(text, constants, fields)?;
+        Ok(Self::of(Arc::new(Read { text: text.to_owned(), ops, names }), values, Place::default()))
     }
 
-    /// Reads `text` and leaves the names in `free` open: [`Expression::range`] is given their ranges, in this order, and
-    /// [`Expression::eval`] is NaN where one counts.
-    ///
-    /// # Errors
-    /// As [`Expression::parse`].
-    pub fn with_free_names(
-        text: &str,
-        constants: &BTreeMap<String, f64>,
-        fields: &BTreeMap<String, Arc<FieldValue>>,
-        free: &[String],
-    ) -> Result<Self, ExpressionError> {
-        let parse::Parsed { ops, switches, names, fields } = parse::parse(text, constants, fields, free)?;
-        let height = tape::height(&ops);
-        let known = along::Known::default();
-        let code = Code { text: text.to_owned(), height, ops, switches, names, fields, known };
-        Ok(Self { code: Arc::new(code), place: Place::default() })
+    fn of(read: Arc<Read>, values: Vec<Value>, place: Place) -> Self {
+        let fold::Folded { ops, switches, fields } = fold::fold(&read.ops, &values);
+        let (height, known) = (tape::height(&ops), along::Known::default());
+        Self { code: Arc::new(Code { read, values, ops, height, switches, fields, known }), place }
+    }
+
+    /// The expression with these values of names, of the others with its own: what it would be if its text were read with them.
+    pub fn with_values(&self, values: &BTreeMap<String, Value>) -> Self {
+        if !self.names().iter().any(|name| values.contains_key(name)) {
+            return self.clone();
+        }
+        let own = self.names().iter().zip(&self.code.values);
+        let all = own.map(|(name, own)| values.get(name).unwrap_or(own).clone()).collect();
+        Self::of(self.code.read.clone(), all, self.place)
     }
 
     /// The constant function.
     pub fn number(value: f64) -> Self {
-        let ops = vec![Op::Constant(value)];
-        let (switches, names, fields) = (Vec::new(), Vec::new(), Vec::new());
-        let known = along::Known::default();
-        let code = Code { text: value.to_string(), ops, height: 1, switches, names, fields, known };
-        Self { code: Arc::new(code), place: Place::default() }
+        let read = Read { text: value.to_string(), ops: vec![Op::Constant(value)], names: Vec::new() };
+        Self::of(Arc::new(read), Vec::new(), Place::default())
     }
 
     /// Value at (x, y, s); NaN or infinite where the expression has no finite value. The branch of an `if` that is not
@@ -149,17 +148,17 @@ impl Expression {
 
     /// The text as it was written.
     pub fn text(&self) -> &str {
-        &self.code.text
+        &self.code.read.text
     }
 
     /// Whether it uses the name of a parameter or random input.
     pub fn uses(&self, name: &str) -> bool {
-        self.code.names.iter().any(|n| n == name)
+        self.names().iter().any(|n| n == name)
     }
 
     /// The names of parameters and random input that it uses.
     pub fn names(&self) -> &[String] {
-        &self.code.names
+        &self.code.read.names
     }
 
     /// The value, if the expression depends on none of x, y, s.

@@ -1,4 +1,4 @@
-//! Precedence climbing from the text straight to the tape; constants are folded on the way.
+//! Precedence climbing from the text straight to the tape.
 //!
 //! From loose to tight: comparisons (they do not chain), `+ -`, `* /`, unary `+ -`, `^` (right-associative).
 
@@ -9,7 +9,7 @@ use std::sync::Arc;
 use super::foreign::translated;
 use super::tape::{One, Op, Two};
 use super::token::{Token, next_token};
-use super::{ExpressionError, FieldValue, Switch};
+use super::{ExpressionError, FieldValue, Value};
 
 /// Deepest nesting of parentheses, function calls, signs and powers.
 const DEEPEST: usize = 256;
@@ -26,21 +26,20 @@ pub(super) const VARIABLES: [&str; 4] = ["x", "y", "s", "pi"];
 pub(super) const FUNCTIONS: [&str; 12] =
     ["abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "atan2", "min", "max", "if"];
 
-/// What the parser leaves behind: the tape and its switches.
+/// What the parser leaves behind.
+#[derive(Default)]
 pub(super) struct Parsed {
+    /// The tape, in which all names are open.
     pub(super) ops: Vec<Op>,
-    pub(super) switches: Vec<Switch>,
-    /// Constants and fields that are used.
+    /// Constants and fields that are used, and their values.
     pub(super) names: Vec<String>,
-    pub(super) fields: Vec<Arc<FieldValue>>,
+    pub(super) values: Vec<Value>,
 }
 
 struct Parser<'a> {
     text: &'a str,
     constants: &'a BTreeMap<String, f64>,
     fields: &'a BTreeMap<String, Arc<FieldValue>>,
-    /// Names without a value.
-    free: &'a [String],
     /// The token that comes next, and where it stands.
     token: Token<'a>,
     span: Range<usize>,
@@ -52,19 +51,17 @@ pub(super) fn parse(
     text: &str,
     constants: &BTreeMap<String, f64>,
     fields: &BTreeMap<String, Arc<FieldValue>>,
-    free: &[String],
 ) -> Result<Parsed, ExpressionError> {
-    parsed(text, constants, fields, free).map_err(|error| translated(text, error))
+    parsed(text, constants, fields).map_err(|error| translated(text, error))
 }
 
 fn parsed(
     text: &str,
     constants: &BTreeMap<String, f64>,
     fields: &BTreeMap<String, Arc<FieldValue>>,
-    free: &[String],
 ) -> Result<Parsed, ExpressionError> {
-    let out = Parsed { ops: Vec::new(), switches: Vec::new(), names: Vec::new(), fields: Vec::new() };
-    let mut parser = Parser { text, constants, fields, free, token: Token::End, span: 0..0, depth: 0, out };
+    let out = Parsed::default();
+    let mut parser = Parser { text, constants, fields, token: Token::End, span: 0..0, depth: 0, out };
     parser.advance()?;
     parser.expression(COMPARISON)?;
     match parser.token {
@@ -112,7 +109,6 @@ impl<'a> Parser<'a> {
 
     /// An operand and the operators that bind at least as tightly as `level`.
     fn expression(&mut self, level: u8) -> Result<(), ExpressionError> {
-        let left = self.out.ops.len();
         self.operand()?;
         loop {
             let Token::Sign(sign) = self.token else { return Ok(()) };
@@ -134,12 +130,11 @@ impl<'a> Parser<'a> {
                 return Ok(());
             }
             self.advance()?;
-            let right = self.out.ops.len();
             match binds {
                 POWER => self.deeper(SIGN)?,
                 _ => self.expression(binds + 1)?,
             }
-            self.two(operator, left, right);
+            self.out.ops.push(Op::Two(operator));
             if let (COMPARISON, Token::Sign("<" | "<=" | ">" | ">=" | "==" | "!=")) = (binds, self.token) {
                 return Err(self.error("comparisons do not chain", "write a < x and x < b as (a < x)*(x < b)"));
             }
@@ -168,9 +163,8 @@ impl<'a> Parser<'a> {
             }
             Token::Sign("-") => {
                 self.advance()?;
-                let start = self.out.ops.len();
                 self.deeper(SIGN)?;
-                self.one(One::Negate, start);
+                self.out.ops.push(Op::One(One::Negate));
                 Ok(())
             }
             Token::Sign(sign) => {
@@ -191,19 +185,8 @@ impl<'a> Parser<'a> {
             "s" => Op::S,
             "pi" => Op::Constant(std::f64::consts::PI),
             _ => match (self.constants.get(name), self.fields.get(name)) {
-                _ if self.free.iter().any(|free| free == name) => {
-                    self.out.names.push(name.to_owned());
-                    Op::Name(self.free.iter().position(|free| free == name).unwrap_or_default())
-                }
-                (Some(&value), _) => {
-                    self.out.names.push(name.to_owned());
-                    Op::Constant(value)
-                }
-                (None, Some(field)) => {
-                    self.out.names.push(name.to_owned());
-                    self.out.fields.push(field.clone());
-                    Op::Field(self.out.fields.len() - 1)
-                }
+                (Some(&value), _) => self.known(name, Value::Constant(value)),
+                (None, Some(field)) => self.known(name, Value::Field(field.clone())),
                 (None, None) if FUNCTIONS.contains(&name) => {
                     let message = format!("the function {name} needs its argument in parentheses");
                     return Err(ExpressionError { message, span, help: format!("write {name}(...)") });
@@ -225,6 +208,17 @@ impl<'a> Parser<'a> {
         Ok(())
     }
 
+    /// A name that has a value.
+    fn known(&mut self, name: &str, value: Value) -> Op {
+        let Parsed { names, values, .. } = &mut self.out;
+        let index = names.iter().position(|known| known == name).unwrap_or_else(|| {
+            names.push(name.to_owned());
+            values.push(value);
+            names.len() - 1
+        });
+        Op::Name(index)
+    }
+
     /// A function call; the next token is its opening parenthesis.
     fn call(&mut self, name: &str, span: Range<usize>) -> Result<(), ExpressionError> {
         if !FUNCTIONS.contains(&name) {
@@ -239,9 +233,8 @@ impl<'a> Parser<'a> {
             return Err(ExpressionError { message, span, help });
         }
         self.advance()?;
-        let start = self.out.ops.len();
         if name == "if" {
-            return self.conditional(start);
+            return self.conditional();
         }
         self.deeper(COMPARISON)?;
         let one = match name {
@@ -257,7 +250,7 @@ impl<'a> Parser<'a> {
         };
         if let Some(function) = one {
             self.expect(")", &format!("{name} takes one argument"))?;
-            self.one(function, start);
+            self.out.ops.push(Op::One(function));
             return Ok(());
         }
         let (function, help) = match name {
@@ -273,103 +266,31 @@ impl<'a> Parser<'a> {
                 let message = format!("more than {DEEPEST} arguments");
                 return Err(self.error(message, "nest a few calls: max(max(a, b, ...), max(c, d, ...))"));
             }
-            let right = self.out.ops.len();
             self.deeper(COMPARISON)?;
-            self.two(function, start, right);
+            self.out.ops.push(Op::Two(function));
             if self.token != Token::Sign(",") || function == Two::Atan2 {
                 return self.expect(")", help);
             }
         }
     }
 
-    /// The three arguments of `if`; a branch that a constant condition rules out leaves nothing on the tape.
-    fn conditional(&mut self, start: usize) -> Result<(), ExpressionError> {
+    /// The three arguments of `if`.
+    fn conditional(&mut self) -> Result<(), ExpressionError> {
         const HELP: &str = "if takes three arguments: if(condition, value, otherwise)";
         self.deeper(COMPARISON)?;
-        let fixed = self.constant(start);
-        let condition = &self.out.ops[start..];
-        let compared = matches!(condition.last(), Some(Op::Two(two)) if two.is_comparison())
-            && !condition.iter().any(|op| matches!(op, Op::Branch { .. }));
-        if fixed.is_none() && !compared {
-            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None });
-        }
         self.expect(",", HELP)?;
         let branch = self.out.ops.len();
         self.out.ops.push(Op::Branch { otherwise: 0, end: 0 });
-        let switches = self.out.switches.len();
         self.deeper(COMPARISON)?;
         self.expect(",", HELP)?;
         let jump = self.out.ops.len();
         self.out.ops.push(Op::Jump(0));
-        let second_switches = self.out.switches.len();
         self.deeper(COMPARISON)?;
         self.expect(")", HELP)?;
         let end = self.out.ops.len();
-        let Some(condition) = fixed else {
-            self.out.ops[branch] = Op::Branch { otherwise: jump - branch, end: end - branch - 1 };
-            self.out.ops[jump] = Op::Jump(end - jump - 1);
-            return Ok(());
-        };
-        // Keep only the branch that is taken, moved to where the condition stood.
-        let (kept, kept_switches) = match condition {
-            c if c.is_nan() => {
-                self.out.ops[start] = Op::Constant(f64::NAN);
-                (start..start + 1, 0..0)
-            }
-            0.0 => (jump + 1..end, second_switches..self.out.switches.len()),
-            _ => (branch + 1..jump, switches..second_switches),
-        };
-        let moved = kept.start - start;
-        let moved_switches: Vec<Switch> =
-            self.out.switches[kept_switches].iter().map(|switch| switch.moved_back(moved)).collect();
-        self.out.switches.truncate(switches);
-        self.out.switches.extend(moved_switches);
-        self.out.ops.copy_within(kept.clone(), start);
-        self.out.ops.truncate(start + kept.len());
+        self.out.ops[branch] = Op::Branch { otherwise: jump - branch, end: end - branch - 1 };
+        self.out.ops[jump] = Op::Jump(end - jump - 1);
         Ok(())
-    }
-
-    /// Value of the operand that starts at `start` and ends the tape, if it is constant.
-    fn constant(&self, start: usize) -> Option<f64> {
-        match self.out.ops[start..] {
-            [Op::Constant(value)] => Some(value),
-            _ => None,
-        }
-    }
-
-    /// Applies a function to the operand that starts at `start`.
-    fn one(&mut self, function: One, start: usize) {
-        if let Some(value) = self.constant(start) {
-            self.out.ops[start] = Op::Constant(function.apply(value));
-            return;
-        }
-        if matches!(function, One::Abs | One::Sign | One::Sqrt) {
-            self.out.switches.push(Switch { left: start..self.out.ops.len(), right: None });
-        }
-        self.out.ops.push(Op::One(function));
-    }
-
-    /// Applies a function to the operands that start at `left` and at `right`.
-    fn two(&mut self, function: Two, left: usize, right: usize) {
-        let end = self.out.ops.len();
-        let exponent = self.constant(right);
-        if let ([Op::Constant(a)], Some(b)) = (&self.out.ops[left..right], exponent) {
-            self.out.ops[left] = Op::Constant(function.apply(*a, b));
-            self.out.ops.truncate(left + 1);
-            return;
-        }
-        let switch = match function {
-            Two::Add | Two::Subtract | Two::Multiply | Two::Divide => None,
-            // A whole power is smooth, or has a pole; any other has a branch point where its base is 0.
-            Two::Power if exponent.is_some_and(|b| b.fract() == 0.0) => None,
-            // atan2(y, x) jumps across y = 0, x < 0.
-            Two::Power | Two::Atan2 => Some(Switch { left: left..right, right: None }),
-            _ => Some(Switch { left: left..right, right: Some(right..end) }),
-        };
-        self.out
-            .switches
-            .extend(switch.filter(|s| s.right.is_some() || !matches!(self.out.ops[left..right], [Op::Constant(_)])));
-        self.out.ops.push(Op::Two(function));
     }
 }
 

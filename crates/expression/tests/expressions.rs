@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use proptest::prelude::*;
-use steklov_expression::{Enclosed, Expression, ExpressionError, Interval, Survey, enclose, leaves};
+use steklov_expression::{Enclosed, Expression, ExpressionError, Interval, Survey, Value, enclose, leaves};
 
 fn constants() -> BTreeMap<String, f64> {
     [("F".to_owned(), 0.3), ("long_name".to_owned(), -2.0)].into()
@@ -431,6 +431,19 @@ proptest! {
             let inside = low - rounding <= change && change <= high + rounding;
             prop_assert!(slope == Interval::ANY || inside || !change.is_finite() || size > 1e6, "{}: {change} not in [{low}, {high}]", tree.print(0));
         }
+    }
+
+    /// Operations, switches and all else are the same, to the bit.
+    #[test]
+    fn other_values_of_names_give_what_their_text_would(tree in trees(), f in -2.0..2.0_f64, long in prop::sample::select(vec![-2.0, 0.0, 0.5, 2.0, f64::NAN])) {
+        let text = tree.print(0);
+        let expression = |f: f64, long: f64| {
+            Expression::parse(&text, &[("F".to_owned(), f), ("long_name".to_owned(), long)].into()).expect("a text of a tree")
+        };
+        let others = [("F".to_owned(), Value::Constant(f)), ("long_name".to_owned(), Value::Constant(long))].into();
+        prop_assert_eq!(format!("{:?}", parse(&text).with_values(&others)), format!("{:?}", expression(f, long)));
+        let one = [("long_name".to_owned(), Value::Constant(long)), ("other".to_owned(), Value::Constant(f))].into();
+        prop_assert_eq!(format!("{:?}", parse(&text).with_values(&one)), format!("{:?}", expression(0.3, long)));
     }
 
     #[test]

@@ -1,44 +1,9 @@
 //! One outcome of random input as a problem of its own.
 
-use std::collections::BTreeMap;
-use std::sync::Arc;
-
 use steklov_elastic::Material;
-use steklov_expression::{Expression, FieldValue};
+use steklov_expression::Expression;
 
 use super::{Condition, Contact, DataError, DataErrorKind as Kind, Friction, Law, Random, Scene, Substance};
-
-/// The values of all names of an outcome: an expression that uses a random one is read again with them.
-struct Names<'a> {
-    random: &'a Random,
-    constants: BTreeMap<String, f64>,
-    fields: BTreeMap<String, Arc<FieldValue>>,
-}
-
-impl Names<'_> {
-    /// The expression of this outcome.
-    fn expression(&self, expression: &mut Expression) -> Result<(), DataError> {
-        if !self.random.names.iter().any(|name| expression.uses(name.name())) {
-            return Ok(());
-        }
-        let read = Expression::with_fields(expression.text(), &self.constants, &self.fields);
-        let mut read = read.map_err(|e| DataError::new(Kind::Expression, expression.place, e.message, e.help))?;
-        read.place = expression.place;
-        *expression = read;
-        Ok(())
-    }
-
-    fn all<'e>(&self, expressions: impl Iterator<Item = &'e mut Expression>) -> Result<(), DataError> {
-        expressions.into_iter().try_for_each(|expression| self.expression(expression))
-    }
-
-    /// The value of an expression that is the same everywhere.
-    fn value(&self, expression: &Expression) -> Result<f64, DataError> {
-        let mut own = expression.clone();
-        self.expression(&mut own)?;
-        Ok(own.constant().unwrap_or(f64::NAN))
-    }
-}
 
 impl Scene {
     /// The outcome of the random input for these germs; the scene itself if it has none.
@@ -54,30 +19,27 @@ impl Scene {
     }
 
     fn outcome_of(&self, random: &Random, germs: &[f64]) -> Result<Self, DataError> {
-        let (values, fields) = random.values(germs);
-        let mut constants = self.parameters.clone();
-        constants.extend(values);
-        let names = Names { random, constants, fields };
+        let values = random.values(germs);
+        let take = |expression: &mut Expression| *expression = expression.with_values(&values);
+        let value = |expression: &Expression| expression.with_values(&values).constant().unwrap_or(f64::NAN);
         let mut outcome = Self { random: None, unused: Vec::new(), ..self.clone() };
         let problem = &mut outcome.problem;
         if let Some(young) = &random.constants.young {
-            let material = with_young(&self.body().material(), names.value(young)?, young)?;
+            let material = with_young(&self.body().material(), value(young), young)?;
             problem.bodies[0].substance = Substance::Homogeneous(material);
         }
         for side in &mut problem.sides {
-            names.all(side.condition.expressions_mut())?;
+            side.condition.expressions_mut().for_each(take);
         }
         for law in problem.laws_mut() {
             match law {
-                Law::Contact(contact) => names.all(contact.expressions_mut())?,
-                Law::Tied(tie) => names.all(tie.expressions_mut())?,
+                Law::Contact(contact) => contact.expressions_mut().for_each(take),
+                Law::Tied(tie) => tie.expressions_mut().for_each(take),
             }
         }
         let medium = problem.bodies.iter_mut().find_map(|body| body.far.as_mut());
         if let (Some(far), Some(stress)) = (medium, &random.constants.remote_stress) {
-            for (value, expression) in far.remote_stress.iter_mut().zip(stress) {
-                *value = names.value(expression)?;
-            }
+            far.remote_stress = stress.each_ref().map(value);
             if far.remote_stress.iter().any(|s| !s.is_finite()) {
                 let message = format!("exterior.remote_stress is {:?}", far.remote_stress);
                 let key = vec!["exterior", "remote_stress"];
@@ -85,7 +47,7 @@ impl Scene {
             }
         }
         if let Some(force) = &mut problem.bodies[0].force {
-            names.all(force.iter_mut())?;
+            force.iter_mut().for_each(take);
             for (k, expression) in force.iter().enumerate() {
                 if let Some(number) = expression.constant().filter(|v| !v.is_finite()) {
                     let message = format!("body_force.value[{k}] is {number}: {:?}", expression.text());

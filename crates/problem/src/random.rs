@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use steklov_expression::{Expression, FieldValue, RandomField};
+use steklov_expression::{Expression, FieldValue, RandomField, Value};
 use steklov_stochastic::{Distribution, Variable};
 
 /// Random input that a scene uses, and how it is treated. Which data it moves is what their expressions say
@@ -134,20 +134,15 @@ impl RandomName {
 
 impl Random {
     /// Values of the names for these germs.
-    pub fn values(&self, germs: &[f64]) -> (BTreeMap<String, f64>, BTreeMap<String, Arc<FieldValue>>) {
-        let (mut constants, mut fields) = (BTreeMap::new(), BTreeMap::new());
-        for name in &self.names {
-            match name {
-                RandomName::Variable { name, germ } => {
-                    constants.insert(name.clone(), self.germs[*germ].variable.value(germs[*germ]));
-                }
-                RandomName::Field { field, first } => {
-                    let germs = germs[*first..first + field.expansion.len()].to_vec();
-                    fields.insert(field.name.clone(), Arc::new(FieldValue::new(field.clone(), germs)));
-                }
+    pub fn values(&self, germs: &[f64]) -> BTreeMap<String, Value> {
+        let value = |name: &RandomName| match name {
+            RandomName::Variable { germ, .. } => Value::Constant(self.germs[*germ].variable.value(germs[*germ])),
+            RandomName::Field { field, first } => {
+                let germs = germs[*first..first + field.expansion.len()].to_vec();
+                Value::Field(Arc::new(FieldValue::new(field.clone(), germs)))
             }
-        }
-        (constants, fields)
+        };
+        self.names.iter().map(|name| (name.name().to_owned(), value(name))).collect()
     }
 
     /// An outcome in words: the values of the names, the germs of fields.

@@ -1,7 +1,7 @@
 //! Data of a scene as functions of its germs, enclosed over boxes of them.
 
 use steklov_bem_operators::Edge;
-use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch};
+use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch, Value};
 
 use super::{Random, RandomName, Scene};
 
@@ -59,17 +59,18 @@ impl Signal {
 impl Scene {
     /// The signals of all data that depend on germs.
     pub fn signals(&self, random: &Random) -> Vec<Signal> {
-        let names: Vec<String> = random.names.iter().map(|n| n.name().to_owned()).collect();
-        let free = |text: &str| {
-            let read = Expression::with_free_names(text, &self.parameters, &Default::default(), &names).ok()?;
-            (!read.free_names(None).is_empty()).then_some(read)
+        let names = random.names.iter().enumerate();
+        let names = names.map(|(k, name)| (name.name().to_owned(), Value::Free(k))).collect();
+        let free = |expression: &Expression| {
+            let free = expression.with_values(&names);
+            (!free.free_names(None).is_empty()).then_some(free)
         };
         let nowhere = vec![[[0.0; 2]; 2]];
         let mut all: Vec<(Expression, Vec<[[f64; 2]; 2]>)> = Vec::new();
         let young = random.constants.young.as_ref();
-        all.extend(young.and_then(|young| free(young.text())).map(|e| (e, nowhere.clone())));
+        all.extend(young.and_then(free).map(|e| (e, nowhere.clone())));
         let forces = self.body().force.iter().flatten();
-        all.extend(forces.filter_map(|e| free(e.text())).map(|e| (e, nowhere.clone())));
+        all.extend(forces.filter_map(free).map(|e| (e, nowhere.clone())));
         for index in 0..self.problem.sides.len() {
             let edges = self.problem.outline.edges().iter().filter(|e| e.side == index);
             let chords = |e: &Edge| -> Vec<[[f64; 2]; 2]> {
@@ -78,7 +79,7 @@ impl Scene {
                 (0..count).map(|k| [point(k), point(k + 1)]).collect()
             };
             let paths: Vec<[[f64; 2]; 2]> = edges.flat_map(chords).collect();
-            let read = self.problem.side_data(index).into_iter().filter_map(|(_, e)| free(e.text()));
+            let read = self.problem.side_data(index).into_iter().filter_map(|(_, e)| free(e));
             all.extend(read.map(|e| (e, paths.clone())));
         }
         let germs_of = |name: &RandomName| match name {
