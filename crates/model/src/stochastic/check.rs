@@ -50,7 +50,6 @@ pub(super) fn check(
     cells: &[&Cell],
     settings: &Stochastic,
     round: usize,
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<Check, SolveError> {
     let draw = |i: usize| sample(&mesh.variables, settings.seed ^ STREAM, (round * SCREENED + i) as u64);
@@ -71,11 +70,11 @@ pub(super) fn check(
     }
     let answers = solve_points(points.len(), |i, warm: &mut Option<Solution>| {
         watch.check()?;
-        outcomes.answer(&points[i].1, paths, warm)
+        outcomes.answer(&points[i].1, warm)
     })?;
     let mut check = Check {
         outcomes: points.len(),
-        residual: Residual { squared: 0.0, quantities: vec![0.0; paths.len()] },
+        residual: Residual { squared: 0.0, quantities: vec![0.0; outcomes.numbers.len()] },
         energy: 0.0,
         by_cell: vec![0.0; cells.len()],
         worst: vec![None; cells.len()],
@@ -101,7 +100,6 @@ impl Check {
         outcomes: &Outcomes<'_>,
         cells: &[&Cell],
         share: f64,
-        paths: &[String],
     ) -> Result<(Vec<(usize, Miss)>, usize), SolveError> {
         let mut order: Vec<usize> = (0..cells.len()).collect();
         order.sort_by(|&a, &b| self.by_cell[b].total_cmp(&self.by_cell[a]));
@@ -118,7 +116,7 @@ impl Check {
             };
             let places: Vec<Vec<f64>> = (0..germ.len()).map(along).collect();
             let answers: Vec<Answer> =
-                solve_points(places.len(), |d, _: &mut ()| outcomes.answer(&places[d], paths, &mut None))?;
+                solve_points(places.len(), |d, _: &mut ()| outcomes.answer(&places[d], &mut None))?;
             solved += places.len();
             let of = |d: usize| residual(outcomes, &cell.basis, &cell.answers, &places[d], &answers[d]).squared;
             let residuals: Vec<f64> = (0..germ.len()).map(of).collect();
@@ -132,7 +130,7 @@ impl Check {
                 0.0,
             );
             let on_way = |t: f64| nearest[direction] + t * (germ[direction] - nearest[direction]);
-            let residual = Residual { squared: self.by_cell[c], quantities: vec![0.0; paths.len()] };
+            let residual = Residual { squared: self.by_cell[c], quantities: vec![0.0; outcomes.numbers.len()] };
             let at = Some(on_way(change.unwrap_or(0.5)));
             found.push((c, Miss { direction, at, event: change.is_some(), residual }));
         }

@@ -34,7 +34,6 @@ pub(crate) fn solve_cell(
     outcomes: &Outcomes<'_>,
     basis: &CellBasis,
     modulus: &dyn Fn(&[f64]) -> f64,
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<Vec<Answer>, SolveError> {
     let mass = basis.mass(modulus)?;
@@ -98,12 +97,12 @@ pub(crate) fn solve_cell(
             Ok(Solution::new(problem, displacement, multipliers, outcome, history))
         })?;
         let multipliers = contact.then_some(physical[j].as_slice());
-        let (rows, figures) = outcomes.figures(&scene, &solved, e, multipliers, paths);
+        let (rows, figures) = outcomes.figures(&scene, &solved, e, multipliers);
         let stiff = outcomes.body.condensation.multiply(&solved.displacement);
         nodes.push(Node { scene, solved, modulus: e, rows, figures, stiff });
     }
     let share = |j: usize, k: usize| mass[(j, k)] / basis.weights[j];
-    Ok((0..size).map(|j| projected(outcomes, &nodes, j, &|k| share(j, k), &physical[j], paths)).collect())
+    Ok((0..size).map(|j| projected(outcomes, &nodes, j, &|k| share(j, k), &physical[j])).collect())
 }
 
 /// A node's answer of the nominal modulus, and its numbers with the node's own modulus.
@@ -125,7 +124,6 @@ fn projected(
     j: usize,
     share: &dyn Fn(usize) -> f64,
     multipliers: &[[f64; 2]],
-    paths: &[String],
 ) -> Answer {
     let own = &nodes[j];
     let sum = |value: &dyn Fn(&Node) -> f64| nodes.iter().enumerate().map(|(k, n)| share(k) * value(n)).sum::<f64>();
@@ -148,7 +146,7 @@ fn projected(
         }
         figures_of_contact.force = total;
     }
-    let mut answer = outcomes.kept(&own.solved, own.modulus, &own.rows, &figures, paths);
+    let mut answer = outcomes.kept(&own.solved, own.modulus, &own.rows, &figures);
     answer.stressed = (0..u.len()).map(|i| sum(&|n| n.solved.displacement[i])).collect();
     answer
 }

@@ -6,6 +6,7 @@
 //! answers ─► StochasticResult: moments, quantiles, probability of contact, effect of each germ
 //! ```
 
+mod number;
 mod outcomes;
 mod coupled;
 mod events;

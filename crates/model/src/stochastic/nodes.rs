@@ -170,7 +170,6 @@ pub(crate) fn solve_nodes(
     random: &Random,
     outcomes: &Outcomes<'_>,
     coupled: bool,
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<Surrogate, SolveError> {
     let settings = &random.stochastic;
@@ -183,7 +182,7 @@ pub(crate) fn solve_nodes(
     for round in 0.. {
         cells.resize_with(mesh.cells.len(), || None);
         let todo: Vec<usize> = (0..cells.len()).filter(|&c| cells[c].is_none()).collect();
-        let (nodes, looks) = solve_todo(scene, outcomes, coupled, &mesh, (&todo, &mut cells), paths, watch)?;
+        let (nodes, looks) = solve_todo(scene, outcomes, coupled, &mesh, (&todo, &mut cells), watch)?;
         (solved, checks) = (solved + nodes, checks + looks);
         let all: Vec<&Cell> = cells.iter().flatten().collect();
         let nodes: usize = all.iter().map(|c| c.answers.len()).sum();
@@ -191,7 +190,7 @@ pub(crate) fn solve_nodes(
         let settled = !settings.refine || nodes >= settings.max_nodes || round == ROUNDS;
         let mut sample: Option<Check> = None;
         if settled || measured.relative() <= settings.tolerance {
-            let drawn = check(outcomes, &mesh, &all, settings, samples, paths, watch)?;
+            let drawn = check(outcomes, &mesh, &all, settings, samples, watch)?;
             (checks, samples) = (checks + drawn.outcomes, samples + 1);
             sample = Some(drawn);
         }
@@ -212,7 +211,7 @@ pub(crate) fn solve_nodes(
                     |c: &&Cell| c.misses.iter().map(|m| m.residual.quantities[k]).fold(c.quantities[k], f64::max);
                 all.iter().map(missed).sum::<f64>().max(sample.residual.quantities[k])
             };
-            let quantities = (0..paths.len()).map(quantity).collect();
+            let quantities = (0..outcomes.numbers.len()).map(quantity).collect();
             let measured = Size { squared: sample.residual.squared, ..with }.relative();
             // what 95 % of such samples would have seen
             let undecided = all.iter().map(|c| c.undecided).sum::<f64>().min(3.0 / sample.outcomes as f64);
@@ -221,7 +220,7 @@ pub(crate) fn solve_nodes(
             return Ok(Surrogate { mesh, cells, coupled, told, end, solved });
         }
         if let Some(sample) = sample {
-            let (misses, count) = sample.misses(outcomes, &all, SHARE, paths)?;
+            let (misses, count) = sample.misses(outcomes, &all, SHARE)?;
             checks += count;
             for (c, miss) in misses {
                 if let Some(cell) = &mut cells[c] {
@@ -271,18 +270,17 @@ fn solve_todo(
     coupled: bool,
     mesh: &StochasticMesh,
     (todo, cells): (&[usize], &mut [Option<Cell>]),
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<(usize, usize), SolveError> {
     let bases: Vec<CellBasis> = todo.iter().map(|&c| mesh.basis(c, Nodes::Gauss)).collect::<Result<_, _>>()?;
-    let answers = solve_cells(scene, outcomes, coupled, &bases, paths, watch)?;
+    let answers = solve_cells(scene, outcomes, coupled, &bases, watch)?;
     let each = || todo.iter().zip(&bases).zip(&answers);
     let looked: Vec<Looked<'_>> = each().map(|((&cell, basis), nodes)| Looked { cell, basis, nodes }).collect();
-    let Look { misses, undecided, outcomes: looks } = look(outcomes, mesh, &looked, paths, watch)?;
+    let Look { misses, undecided, outcomes: looks } = look(outcomes, mesh, &looked, watch)?;
     drop(looked);
     let solved = answers.iter().map(Vec::len).sum();
     for ((((&c, basis), answers), misses), open) in todo.iter().zip(bases).zip(answers).zip(misses).zip(undecided) {
-        let (errors, quantities) = errors(outcomes, &basis, &answers, paths.len());
+        let (errors, quantities) = errors(outcomes, &basis, &answers, outcomes.numbers.len());
         let undecided = open * mesh.probability(c);
         cells[c] = Some(Cell { basis, answers, errors, quantities, misses, undecided });
     }
@@ -295,7 +293,6 @@ fn solve_cells(
     outcomes: &Outcomes<'_>,
     coupled: bool,
     bases: &[CellBasis],
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<Vec<Vec<Answer>>, SolveError> {
     if coupled {
@@ -305,7 +302,7 @@ fn solve_cells(
             .iter()
             .map(|basis| {
                 watch.check()?;
-                solve_cell(outcomes, basis, &modulus, paths, watch)
+                solve_cell(outcomes, basis, &modulus, watch)
             })
             .collect();
     }
@@ -313,7 +310,7 @@ fn solve_cells(
     let done = AtomicUsize::new(0);
     let mut answers = solve_points(points.len(), |i, warm: &mut Option<Solution>| {
         watch.check()?;
-        let answer = outcomes.answer(points[i], paths, warm);
+        let answer = outcomes.answer(points[i], warm);
         watch.tell(done.fetch_add(1, Ordering::Relaxed) + 1, points.len());
         answer
     })?

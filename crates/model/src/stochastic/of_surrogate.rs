@@ -7,7 +7,8 @@ use steklov_stochastic::{density, quantiles, sample};
 use super::effects::{exact_effects, sampled_effect};
 use super::events::events;
 use super::nodes::{Cell, Surrogate};
-use super::outcomes::Answer;
+use super::number::Number;
+use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Cells, OVERLOOKED, Quantity, StochasticResult, UNDECIDED, Watch, bounds, of_grid};
 use crate::error::SolveError;
 
@@ -26,10 +27,10 @@ struct View<'a> {
 }
 
 impl<'a> View<'a> {
-    fn new(scene: &Scene, surrogate: &'a Surrogate, answers: &[Answer], paths: &[String]) -> Self {
+    fn new(scene: &Scene, surrogate: &'a Surrogate, answers: &[Answer], numbers: &[Number]) -> Self {
         let mut rest = events(&answers.iter().collect::<Vec<_>>()).into_iter();
         let changes = surrogate.cells.iter().map(|c| rest.by_ref().take(c.answers.len()).collect()).collect();
-        Self { surrogate, limits: paths.iter().map(|p| bounds(scene, p)).collect(), changes }
+        Self { surrogate, limits: numbers.iter().map(|number| bounds(scene, &number.path)).collect(), changes }
     }
 
     /// The quantities, and 1 for each of the conditions for which the surrogate of the change of contact is positive.
@@ -69,20 +70,20 @@ pub(super) fn of_surrogate(
     scene: &Scene,
     random: &Random,
     surrogate: &Surrogate,
-    paths: &[String],
+    outcomes: &Outcomes<'_>,
     watch: &Watch<'_>,
 ) -> Result<StochasticResult, SolveError> {
     let cells = &surrogate.cells;
     let points = cells.iter().flat_map(|c| c.basis.points.clone()).collect();
     let weights = cells.iter().flat_map(|c| c.basis.weights.clone()).collect();
     let answers: Vec<Answer> = cells.iter().flat_map(|c| c.answers.clone()).collect();
-    let mut result = of_grid(points, weights, &answers, paths)?;
+    let mut result = of_grid(points, weights, &answers, &outcomes.numbers)?;
     let settings = &random.stochastic;
     let count = settings.samples;
-    let view = View::new(scene, surrogate, &answers, paths);
+    let view = View::new(scene, surrogate, &answers, &outcomes.numbers);
     let germ = |i: usize| sample(&surrogate.mesh.variables, settings.seed, i as u64);
     let conditions = result.pressure.mean.len();
-    let mut samples = vec![Vec::with_capacity(count); paths.len()];
+    let mut samples = vec![Vec::with_capacity(count); outcomes.numbers.len()];
     let mut touching = vec![0.0; conditions];
     for first in (0..count).step_by(BLOCK) {
         watch.check()?;

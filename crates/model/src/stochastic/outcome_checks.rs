@@ -110,7 +110,6 @@ pub(super) fn look(
     outcomes: &Outcomes<'_>,
     mesh: &StochasticMesh,
     cells: &[Looked<'_>],
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<Look, SolveError> {
     let inside = |[a, b]: [f64; 2]| [a + INSIDE * (b - a), b - INSIDE * (b - a)];
@@ -120,7 +119,7 @@ pub(super) fn look(
     let (places, undecided) = places(outcomes, mesh, cells, &ends, &middles);
     let answers = solve_points(places.len(), |i, warm: &mut Option<Solution>| {
         watch.check()?;
-        outcomes.answer(&places[i].germ, paths, warm)
+        outcomes.answer(&places[i].germ, warm)
     })?;
     let mut misses: Vec<Vec<Miss>> = cells.iter().map(|_| Vec::new()).collect();
     let mut first = 0;

@@ -9,6 +9,8 @@ use steklov_problem::{Random, Scene, Solver, Uses};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
 use super::jumps::Data as DataInGerms;
+use super::number::Number;
+use super::result::paths_of;
 use crate::answer::report::figures;
 use crate::data::body_load::Particular;
 use crate::data::motions::unresisted;
@@ -28,6 +30,8 @@ pub struct Outcomes<'a> {
     random: &'a Random,
     /// The body.
     pub body: &'a Body,
+    /// The numbers that are asked for.
+    pub(super) numbers: Vec<Number>,
     /// The data in their germs.
     pub(super) data: DataInGerms<'a>,
     uses: Uses,
@@ -59,18 +63,28 @@ pub(crate) struct Answer {
     pub converged: bool,
 }
 
+/// The answer to an outcome, of the nominal modulus, and what is told of it with its own.
+pub(super) struct Outcome {
+    solved: Solved,
+    modulus: f64,
+    rows: Vec<ContactRow>,
+    pub(super) figures: Summary,
+}
+
 impl<'a> Outcomes<'a> {
     /// Of the random input of a scene on a body.
     ///
     /// # Errors
-    /// Data that cannot be used.
+    /// Data that cannot be used, a quantity that is no number of an outcome.
     pub fn new(scene: &'a Scene, random: &'a Random, body: &'a Body) -> Result<Self, SolveError> {
         let data = Data { scene, mesh: &body.mesh, space: &body.space };
         let in_germs = DataInGerms::new(scene, random);
+        let number = |path: &String| Number::new(path).ok_or_else(|| scene.quantity_error(path));
         Ok(Self {
             scene,
             random,
             body,
+            numbers: paths_of(scene, random).iter().map(number).collect::<Result<_, _>>()?,
             data: in_germs,
             uses: scene.uses(random),
             loads: data.load()?,
@@ -132,20 +146,21 @@ impl<'a> Outcomes<'a> {
     }
 
     /// Solves an outcome and keeps what statistics need.
-    pub(crate) fn answer(
-        &self,
-        germs: &[f64],
-        paths: &[String],
-        warm: &mut Option<Solution>,
-    ) -> Result<Answer, SolveError> {
+    pub(crate) fn answer(&self, germs: &[f64], warm: &mut Option<Solution>) -> Result<Answer, SolveError> {
+        let Outcome { solved, modulus, rows, figures } = self.outcome(germs, warm)?;
+        Ok(self.kept(&solved, modulus, &rows, &figures))
+    }
+
+    /// Solves an outcome.
+    pub(super) fn outcome(&self, germs: &[f64], warm: &mut Option<Solution>) -> Result<Outcome, SolveError> {
         let named = |error| match error {
             SolveError::Data(_) => error,
             error => SolveError::Outcome { outcome: self.random.outcome_name(germs), error: Box::new(error) },
         };
         let (scene, modulus, given) = self.given(germs).map_err(named)?;
         let (solved, _) = self.solved(&scene, given, warm).map_err(named)?;
-        let (rows, figures) = self.figures(&scene, &solved, modulus, None, paths);
-        Ok(self.kept(&solved, modulus, &rows, &figures, paths))
+        let (rows, figures) = self.figures(&scene, &solved, modulus, None);
+        Ok(Outcome { solved, modulus, rows, figures })
     }
 
     /// The contact rows and the numbers of an outcome, from its answer of the nominal modulus; `multipliers` (stress of the outcome)
@@ -156,7 +171,6 @@ impl<'a> Outcomes<'a> {
         solved: &Solved,
         modulus: f64,
         multipliers: Option<&[[f64; 2]]>,
-        paths: &[String],
     ) -> (Vec<ContactRow>, Summary) {
         let contact = solved.contact.as_ref();
         let mut rows = contact.map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
@@ -169,7 +183,7 @@ impl<'a> Outcomes<'a> {
             (row.pressure, row.shear) = (*pressure, *shear);
         }
         let mut figures = figures(scene, solved, &rows);
-        if paths.iter().any(|p| p.starts_with("probe")) {
+        if self.numbers.iter().any(|number| number.path.starts_with("probe")) {
             figures.probe = scene.probe.iter().map(|&x| solved.probe(scene, x)).collect();
         }
         scale(&mut figures, modulus);
@@ -182,21 +196,12 @@ impl<'a> Outcomes<'a> {
     }
 
     /// What statistics need of an outcome.
-    pub(crate) fn kept(
-        &self,
-        solved: &Solved,
-        modulus: f64,
-        rows: &[ContactRow],
-        figures: &Summary,
-        paths: &[String],
-    ) -> Answer {
+    pub(crate) fn kept(&self, solved: &Solved, modulus: f64, rows: &[ContactRow], figures: &Summary) -> Answer {
         let contact = solved.contact.as_ref();
-        let values = serde_json::to_value(figures).unwrap_or_default();
-        let quantity = |path: &String| Summary::number_at(&values, path).unwrap_or(f64::NAN);
         Answer {
             modulus,
             stressed: solved.displacement.iter().map(|u| modulus * u).collect(),
-            quantities: paths.iter().map(quantity).collect(),
+            quantities: self.numbers.iter().map(|number| number.of(figures)).collect(),
             strain: figures.strain_energy,
             reserve: rows.iter().map(|r| if r.bound.is_finite() { r.bound - r.shear.abs() } else { 0.0 }).collect(),
             slip: rows.iter().map(|r| if r.bound > 0.0 { r.tangential_displacement.abs() } else { 0.0 }).collect(),

@@ -8,6 +8,7 @@ use steklov_problem::{Random, Sampling, Scene};
 use steklov_stochastic::{Histogram, Moments, Variable, moments, smolyak, solve_points};
 
 use super::nodes::{End, is_coupled, solve_nodes};
+use super::number::Number;
 use super::of_surrogate::of_surrogate;
 use super::outcomes::{Answer, Outcomes};
 use super::samples::of_samples;
@@ -180,15 +181,6 @@ fn default_paths(scene: &Scene) -> Vec<String> {
     ["energy"].iter().chain(more).map(|s| (*s).to_owned()).collect()
 }
 
-/// Whether a path is of a number that each outcome has, not of the run.
-fn is_of_outcomes(path: &str) -> bool {
-    let [first, more] = path.split_once('.').map_or([path, ""], |(first, more)| [first, more]);
-    match first {
-        "energy" | "strain_energy" | "load_work" | "friction_work" => more.is_empty(),
-        _ => matches!(first, "contact" | "reactions" | "probe"),
-    }
-}
-
 /// Solves a scene for all outcomes of its random input, on the mesh of a body.
 ///
 /// # Errors
@@ -204,41 +196,34 @@ pub fn solve_stochastic(
     let watch = Watch { progress, stopped };
     let settings = &random.stochastic;
     let outcomes = Outcomes::new(scene, random, body)?;
-    let paths = paths_of(scene, random);
-    if let Some(path) = paths.iter().find(|p| !is_of_outcomes(p)) {
-        return Err(scene.quantity_error(path).into());
+    let nominal = outcomes.outcome(&random.nominal(), &mut None)?.figures;
+    if let Some(number) = outcomes.numbers.iter().find(|number| number.of(&nominal).is_nan()) {
+        return Err(scene.quantity_error(&number.path).into());
     }
-    let of_scale: Vec<Vec<String>> = paths.iter().map(|path| of_one_scale(path)).collect();
-    let asked = [&paths[..], &of_scale.concat()].concat();
-    let mut nominal = outcomes.answer(&random.nominal(), &asked, &mut None)?.quantities.into_iter();
-    for (path, value) in paths.iter().zip(&mut nominal) {
-        if value.is_nan() {
-            return Err(scene.quantity_error(path).into());
-        }
-    }
-    let largest = |of: &Vec<String>| nominal.by_ref().take(of.len()).fold(0.0, |m: f64, v| m.max(v.abs()));
-    let scales: Vec<f64> = of_scale.iter().map(largest).collect();
+    let size = |path: &String| Number::new(path).map_or(f64::NAN, |number| number.of(&nominal).abs());
+    let scale = |number: &Number| of_one_scale(&number.path).iter().map(size).fold(0.0, f64::max);
+    let scales: Vec<f64> = outcomes.numbers.iter().map(scale).collect();
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let mut result = match settings.method {
         Sampling::Galerkin | Sampling::Collocation => {
             let coupled = is_coupled(scene, random)?;
-            let surrogate = solve_nodes(scene, random, &outcomes, coupled, &paths, &watch)?;
-            of_surrogate(scene, random, &surrogate, &paths, &watch)?
+            let surrogate = solve_nodes(scene, random, &outcomes, coupled, &watch)?;
+            of_surrogate(scene, random, &surrogate, &outcomes, &watch)?
         }
         Sampling::Sparse => {
             let grid = smolyak(&variables, settings.level)?;
             let answers = solve_points(grid.points.len(), |i, warm: &mut Option<Solution>| {
                 watch.check()?;
                 watch.tell(i + 1, grid.points.len());
-                outcomes.answer(&grid.points[i], &paths, warm)
+                outcomes.answer(&grid.points[i], warm)
             })?;
-            let mut result = of_grid(grid.points.clone(), grid.weights.clone(), &answers, &paths)?;
-            beside_grid(&mut result, (&grid, &answers), &outcomes, random, &paths, &watch)?;
+            let mut result = of_grid(grid.points.clone(), grid.weights.clone(), &answers, &outcomes.numbers)?;
+            beside_grid(&mut result, (&grid, &answers), &outcomes, random, &watch)?;
             result
         }
         Sampling::MonteCarlo => {
-            let mut result = of_samples(&outcomes, &variables, random, &paths, &watch)?;
-            beside_samples(&mut result, &outcomes, random, &paths, &watch)?;
+            let mut result = of_samples(&outcomes, &variables, random, &watch)?;
+            beside_samples(&mut result, &outcomes, random, &watch)?;
             result
         }
     };
@@ -285,12 +270,12 @@ pub(super) fn of_grid(
     points: Vec<Vec<f64>>,
     weights: Vec<f64>,
     answers: &[Answer],
-    paths: &[String],
+    numbers: &[Number],
 ) -> Result<StochasticResult, SolveError> {
     let all: Vec<&Answer> = answers.iter().collect();
     let (displacement, stress_displacement, pressure, shear) = averaged(&weights, &all)?;
     let mut quantities = Vec::new();
-    for (k, name) in paths.iter().enumerate() {
+    for (k, number) in numbers.iter().enumerate() {
         let values: Vec<f64> = answers.iter().map(|a| a.quantities[k]).collect();
         let both = moments(&weights, &values.iter().map(|v| vec![*v]).collect::<Vec<_>>())?;
         let mean = both.mean[0];
@@ -299,7 +284,7 @@ pub(super) fn of_grid(
         };
         let negative = squares(&|w| w) < -ROUNDING * squares(&f64::abs);
         quantities.push(Quantity {
-            name: name.clone(),
+            name: number.path.clone(),
             values,
             mean,
             variance: if negative { f64::NAN } else { both.variance[0] },

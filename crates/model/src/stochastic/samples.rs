@@ -45,7 +45,6 @@ pub(super) fn of_samples(
     outcomes: &Outcomes<'_>,
     variables: &[Variable],
     random: &Random,
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<StochasticResult, SolveError> {
     let settings = &random.stochastic;
@@ -54,7 +53,7 @@ pub(super) fn of_samples(
         sums: Default::default(),
         points: Vec::new(),
         young: Vec::new(),
-        values: vec![Vec::with_capacity(count); paths.len()],
+        values: vec![Vec::with_capacity(count); outcomes.numbers.len()],
         iterations: 0,
         unconverged: 0,
     };
@@ -63,7 +62,7 @@ pub(super) fn of_samples(
         let answers = solve_points(block, |i, warm: &mut Option<Solution>| {
             watch.check()?;
             let germs = sample(variables, settings.seed, (first + i) as u64);
-            let answer = outcomes.answer(&germs, paths, warm)?;
+            let answer = outcomes.answer(&germs, warm)?;
             Ok::<_, SolveError>((germs, answer))
         })?;
         watch.tell(first + block, count);
@@ -77,7 +76,7 @@ pub(super) fn of_samples(
     let mut quantities = Vec::new();
     for (k, values) in passed.values.into_iter().enumerate() {
         quantities.push(Quantity {
-            name: paths[k].clone(),
+            name: outcomes.numbers[k].path.clone(),
             mean: both.mean[k],
             variance: both.variance[k],
             standard_error: Some(errors.mean[k]),

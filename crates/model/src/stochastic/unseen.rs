@@ -34,7 +34,6 @@ fn unseen(
     random: &Random,
     points: &[Vec<f64>],
     count: usize,
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<Unseen, SolveError> {
     let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
@@ -65,7 +64,7 @@ fn unseen(
     places.extend(open.found.into_iter().map(|found| (found.germ, found.share.min(likely))));
     let answers = solve_points(places.len(), |i, warm: &mut Option<Solution>| {
         watch.check()?;
-        outcomes.answer(&places[i].0, paths, warm)
+        outcomes.answer(&places[i].0, warm)
     })?;
     let answers = answers.into_iter().zip(places).map(|(answer, (germ, p))| (answer, germ, p)).collect();
     Ok(Unseen { answers, undecided: open.undecided.min(likely) })
@@ -78,10 +77,9 @@ pub(super) fn beside_samples(
     result: &mut StochasticResult,
     outcomes: &Outcomes<'_>,
     random: &Random,
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<(), SolveError> {
-    let Unseen { answers, undecided } = unseen(outcomes, random, &result.points, result.points.len(), paths, watch)?;
+    let Unseen { answers, undecided } = unseen(outcomes, random, &result.points, result.points.len(), watch)?;
     result.checks = answers.len();
     for (k, quantity) in result.quantities.iter_mut().enumerate() {
         let low = quantity.values.iter().copied().fold(f64::INFINITY, f64::min);
@@ -115,7 +113,6 @@ pub(super) fn beside_grid(
     (grid, answers): (&Points, &[Answer]),
     outcomes: &Outcomes<'_>,
     random: &Random,
-    paths: &[String],
     watch: &Watch<'_>,
 ) -> Result<(), SolveError> {
     let settings = &random.stochastic;
@@ -126,9 +123,9 @@ pub(super) fn beside_grid(
         .collect();
     let drawn = solve_points(fresh.len(), |i, warm: &mut Option<Solution>| {
         watch.check()?;
-        outcomes.answer(&fresh[i], paths, warm)
+        outcomes.answer(&fresh[i], warm)
     })?;
-    let Unseen { answers: ends, undecided } = unseen(outcomes, random, &grid.points, fresh.len(), paths, watch)?;
+    let Unseen { answers: ends, undecided } = unseen(outcomes, random, &grid.points, fresh.len(), watch)?;
     let conditions = result.probability.len();
     let all: Vec<&Answer> = answers.iter().chain(&drawn).collect();
     let other = |answer: &Answer| (0..conditions).any(|i| all.iter().all(|a| touches(a, i) != touches(answer, i)));

@@ -1,0 +1,135 @@
+//! The numbers of an outcome of which statistics are made: their paths are read once.
+
+use crate::summary::{ContactSummary, Probe, Summary};
+
+/// What finds a number in a summary.
+type Reader = dyn Fn(&Summary) -> Option<f64> + Send + Sync;
+
+/// A number that each outcome has.
+pub(super) struct Number {
+    /// Its path in the JSON object.
+    pub(super) path: String,
+    of: Box<Reader>,
+}
+
+impl Number {
+    /// The number at a path; none if outcomes have none there.
+    pub(super) fn new(path: &str) -> Option<Self> {
+        Some(Self { path: path.to_owned(), of: reader(path)? })
+    }
+
+    /// Its value; NaN where the outcome has none, or an infinite one.
+    pub(super) fn of(&self, summary: &Summary) -> f64 {
+        (self.of)(summary).filter(|value| value.is_finite()).unwrap_or(f64::NAN)
+    }
+}
+
+fn reader(path: &str) -> Option<Box<Reader>> {
+    let component = Summary::component;
+    let contact =
+        |of: fn(&ContactSummary) -> Option<f64>| -> Box<Reader> { Box::new(move |s| of(s.contact.as_ref()?)) };
+    let reader: Box<Reader> = match path.split('.').collect::<Vec<_>>()[..] {
+        ["energy"] => Box::new(|s| Some(s.energy)),
+        ["strain_energy"] => Box::new(|s| Some(s.strain_energy)),
+        ["load_work"] => Box::new(|s| Some(s.load_work)),
+        ["friction_work"] => Box::new(|s| Some(s.friction_work)),
+        ["contact", "length"] => contact(|c| Some(c.length)),
+        ["contact", "stick"] => contact(|c| Some(c.stick)),
+        ["contact", "slip"] => contact(|c| Some(c.slip)),
+        ["contact", "max_pressure"] => contact(|c| Some(c.max_pressure)),
+        ["contact", "max_pressure_unbounded"] => contact(|c| Some(f64::from(u8::from(c.max_pressure_unbounded)))),
+        ["contact", "contraction"] => contact(|c| c.contraction),
+        ["contact", "force", k] => {
+            let k = component(k)?;
+            Box::new(move |s| s.contact.as_ref()?.force.get(k).copied())
+        }
+        // names of sides may have points
+        ["reactions", ref side @ .., k] => {
+            let (side, k) = (side.join("."), component(k)?);
+            Box::new(move |s| s.reactions.get(&side)?.get(k).copied())
+        }
+        ["probe", point, "stress_unbounded"] => {
+            let point = component(point)?;
+            Box::new(move |s| s.probe.get(point)?.stress_unbounded.then_some(1.0))
+        }
+        ["probe", point, of, k] => {
+            let (point, k) = (component(point)?, component(k)?);
+            let vector: fn(&Probe) -> &[f64] = match of {
+                "point" => |p| &p.point,
+                "displacement" => |p| &p.displacement,
+                "stress" => |p| &p.stress,
+                _ => return None,
+            };
+            Box::new(move |s| vector(s.probe.get(point)?).get(k).copied())
+        }
+        _ => return None,
+    };
+    Some(reader)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// An outcome all of whose numbers are others.
+    fn outcome() -> Summary {
+        let contact = ContactSummary {
+            length: 1.5,
+            stick: 0.5,
+            slip: 1.0,
+            max_pressure: 7.0,
+            max_pressure_unbounded: true,
+            force: [-2.0, 3.0],
+            ends: None,
+            contraction: Some(0.25),
+            stabilisation: None,
+        };
+        let probe = |k: f64, stress_unbounded| Probe {
+            point: [k, 0.1],
+            displacement: [k + 0.2, -0.0],
+            stress: [k + 10.0, f64::NAN, k + 30.0],
+            stress_unbounded,
+        };
+        Summary {
+            energy: -1.0,
+            strain_energy: 2.0,
+            load_work: f64::INFINITY,
+            friction_work: 4.0,
+            contact: Some(contact),
+            reactions: [("floor".to_owned(), [5.0, 6.0]), ("low.floor".to_owned(), [8.0, 9.0])].into(),
+            probe: vec![probe(100.0, false), probe(200.0, true)],
+            ..Summary::default()
+        }
+    }
+
+    /// Numbers are those that paths find in the JSON object, with the same bits; of the run there are none.
+    #[test]
+    fn numbers_are_those_of_the_json_object() {
+        let outcome = outcome();
+        let mut paths: Vec<String> = ["energy", "strain_energy", "load_work", "friction_work", "energy.x", "contact"]
+            .iter()
+            .map(|path| (*path).to_owned())
+            .collect();
+        let of_contact =
+            ["length", "stick", "slip", "max_pressure", "max_pressure_unbounded", "contraction", "ends", "force"];
+        paths.extend(of_contact.iter().map(|of| format!("contact.{of}")));
+        let keys = ["x", "y", "xx", "yy", "xy", "0", "1", "2", "3", "z", ""];
+        let vectors =
+            ["contact.force", "contact.length", "reactions.floor", "reactions.low.floor", "reactions.low", "reactions"];
+        let of_points = ["point", "displacement", "stress", "stress_unbounded", "more", "stress.x"];
+        let points = ["0", "1", "y", "2", "z"].into_iter().flat_map(|k| of_points.map(|of| format!("probe.{k}.{of}")));
+        for vector in vectors.into_iter().map(str::to_owned).chain(points) {
+            paths.extend(keys.iter().map(|key| format!("{vector}.{key}")));
+            paths.push(vector);
+        }
+        let mut found = 0;
+        for path in paths {
+            let number = Number::new(&path).map_or(f64::NAN, |number| number.of(&outcome));
+            let in_json = outcome.at(&path).unwrap_or(f64::NAN);
+            assert_eq!(number.to_bits(), in_json.to_bits(), "{path}: {number}, in JSON {in_json}");
+            found += usize::from(!number.is_nan());
+        }
+        assert_eq!(found, 84);
+        assert!(Number::new("dofs").is_none() && outcome.at("dofs").is_some());
+    }
+}
