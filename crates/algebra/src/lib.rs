@@ -19,6 +19,7 @@
 
 mod cholesky;
 mod dense;
+mod dot;
 mod fault;
 mod operand;
 mod probe;
@@ -26,6 +27,7 @@ mod spoil;
 
 pub use cholesky::{NoFactor, cholesky, llt};
 pub use dense::{PARTS, add_product, add_to_lower, parts, solve_lower, solve_lower_transposed};
+pub use dot::dot;
 pub use fault::{Fault, is_fault, once_more, threads};
 pub use probe::{Sparse, check_cholesky, check_inverse, check_solution, check_spectrum, scaled_probe};
 pub use spoil::spoil;

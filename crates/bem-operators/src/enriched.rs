@@ -1,7 +1,7 @@
 //! The Steklov-Poincaré matrix of the enriched spaces, by blocks on top of that of the base.
 
 use faer::{Col, Mat};
-use steklov_algebra::{add_product, cholesky, solve_lower};
+use steklov_algebra::{add_product, cholesky, dot, solve_lower};
 use steklov_elastic::Material;
 
 use crate::{BemError, Bubbles, Enrichment, Mesh, PairCache, Space, TractionMap};
@@ -190,8 +190,7 @@ impl EnrichedSteklov {
 impl Enriched {
     /// Σ a·b over all unknowns.
     pub fn dot(&self, other: &Self) -> f64 {
-        let sum = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        sum(&self.base, &other.base) + sum(&self.extra, &other.extra)
+        dot(&self.base, &other.base) + dot(&self.extra, &other.extra)
     }
 
     /// Adds `factor` times another vector.

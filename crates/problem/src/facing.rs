@@ -12,6 +12,7 @@
 use std::sync::{Mutex, PoisonError};
 
 use steklov_bem_operators::Edge;
+use steklov_elastic::plane::{cross, dot, minus, norm, unit};
 
 use super::{Faces, Interface, Law, Other, Problem};
 
@@ -305,7 +306,7 @@ fn meet(
     (edge, s): (usize, f64),
 ) -> Option<Seen> {
     let direction = unit([0, 1].map(|i| pull[i] - push * beyond[i]));
-    let distance = (y[0] - x[0]) * direction[0] + (y[1] - x[1]) * direction[1];
+    let distance = dot(minus(y, x), direction);
     (dot(normal, beyond) < FACING).then_some(Seen { edge, s, distance, direction })
 }
 
@@ -318,27 +319,18 @@ fn meet_corner(
     push: f64,
     (edge, s): (usize, f64),
 ) -> Option<Seen> {
-    let r = [y[0] - x[0], y[1] - x[1]];
+    let r = minus(y, x);
     let along = normals.map(|beyond| [0, 1].map(|i| pull[i] - push * beyond[i]));
-    let [before, behind] = along.map(|d| r[0] * d[1] - r[1] * d[0]);
+    let [before, behind] = along.map(|d| cross(r, d));
     if normals[0] == normals[1] || before * behind > 0.0 {
         return None;
     }
     let mean = unit([0, 1].map(|i| normals[0][i] + normals[1][i]));
     let middle = unit([0, 1].map(|i| pull[i] - push * mean[i]));
-    let distance = r[0].hypot(r[1]);
+    let distance = norm(r);
     let ahead = dot(r, middle) > 0.5 * distance;
     let direction = if distance > 0.0 && ahead { unit(r) } else { middle };
     (dot(normal, mean) < FACING && (ahead || distance == 0.0)).then_some(Seen { edge, s, distance, direction })
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn unit(v: [f64; 2]) -> [f64; 2] {
-    let length = v[0].hypot(v[1]);
-    v.map(|v| v / length)
 }
 
 /// An edge parameter, at an end that is close.

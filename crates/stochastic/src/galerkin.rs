@@ -140,7 +140,3 @@ fn polynomials(x: f64, count: usize) -> Vec<f64> {
     orthonormal(x, &mut out);
     out
 }
-
-pub(crate) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
-}

@@ -1,7 +1,9 @@
 //! Karhunen-Loève expansions on a rectangle.
 
+use steklov_algebra::dot;
+
 use crate::covariance::check_length;
-use crate::galerkin::{dot, orthonormal, transform};
+use crate::galerkin::{orthonormal, transform};
 use crate::karhunen_loeve::{LIMIT, ROUNDOFF, captured, check, kept};
 use crate::spectrum::{Spectrum, folded_spectrum};
 use crate::{Covariance, KarhunenLoeve, Kernel, StochasticError, Truncation};

@@ -5,6 +5,7 @@
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use steklov_algebra::dot;
 use steklov_bem_operators::{Mark, Mesh, PairCache, Piece, Space, Subdivision};
 use steklov_model::data::on_mesh::Data;
 use steklov_model::data::parts::pieces;
@@ -343,10 +344,6 @@ fn prolong(mesh: &Mesh, displacement: &[f64], reference: &Solved) -> Vec<f64> {
         }
     }
     values
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 fn remove(v: &mut [f64], unit: &[f64]) {

@@ -251,13 +251,14 @@ impl StabilisedForms {
         for (i, &row) in free.iter().enumerate() {
             let fixed = loading.held.iter().map(|&(j, u)| (loading.stiffness[(row, j)] - gamma * form[(row, j)]) * u);
             load[i] -= fixed.sum::<f64>();
-            load[i] += gamma * (0..2).map(|k| inner(&self.trace[k], row, &tau[k])).sum::<f64>();
+            load[i] +=
+                gamma * (0..2).map(|k| steklov_algebra::dot(self.trace[k].col_as_slice(row), &tau[k])).sum::<f64>();
         }
         // offset c = E u_held - ∫ γ μ τ of y, component by component
         let offset = [0, 1].map(|k| -> Vec<f64> {
             let of = |row: usize| {
                 let fixed: f64 = loading.held.iter().map(|&(j, u)| coupled[k][(row, j)] * u).sum();
-                fixed - gamma * inner(&self.values[k], row, &tau[k])
+                fixed - gamma * steklov_algebra::dot(self.values[k].col_as_slice(row), &tau[k])
             };
             (0..nodes).map(of).collect()
         });
@@ -405,11 +406,6 @@ pub(crate) fn add_springs(matrix: &mut Mat<f64>, free: &[Dof], motions: &[Vec<f6
             }
         }
     }
-}
-
-/// Σ_i a[i][column] b[i].
-fn inner(a: &Mat<f64>, column: usize, b: &[f64]) -> f64 {
-    a.col_as_slice(column).iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The nodes of the condensed problem: two unknowns each, and the `offset` of what is prescribed.

@@ -1,5 +1,6 @@
 //! Rigid motions that supports leave free: whether contact and friction hold them.
 
+use steklov_algebra::dot;
 use steklov_elastic::{RigidMotion, plane};
 
 use crate::ContactError;
@@ -195,8 +196,4 @@ fn add_independent(basis: &mut Vec<Vec<f64>>, ray: &[f64]) {
     if size > 1e-6 {
         basis.push(rest.iter().map(|v| v / size).collect());
     }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

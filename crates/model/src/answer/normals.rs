@@ -16,6 +16,7 @@
 
 use steklov_bem_operators::Site;
 use steklov_coupling::{Cell, Facing, Met, meet};
+use steklov_elastic::plane::{self, cross, distance, dot, minus};
 use steklov_expression::Expression;
 use steklov_problem::{Friction, Law};
 use steklov_quadrature::gauss_legendre;
@@ -87,10 +88,9 @@ impl Data<'_> {
             let [a, b] = [first, second].map(|other| self.turned(point, other, field));
             change += point.ds * (a - b);
             let [y, z] = [first, second].map(|met| self.mesh.point(point.other, met.t));
-            slip += point.ds * point.shear.abs() * (y[0] - z[0]).hypot(y[1] - z[1]);
+            slip += point.ds * point.shear.abs() * distance(y, z);
             if point.pressure > PRESSED * largest {
-                angle = angle
-                    .max(cross(first.direction, second.direction).atan2(dot(first.direction, second.direction)).abs());
+                angle = angle.max(plane::angle(first.direction, second.direction).abs());
             }
         }
         Normals { angle, change: change.abs() + apart.abs() + slip + carried.abs() + rubbed.abs() }
@@ -142,7 +142,7 @@ impl Data<'_> {
             }
         };
         let beyond = field.on_boundary(point.other, point.met.t.clamp(-1.0, 1.0)).0;
-        let apart = [point.displacement[0] - beyond[0], point.displacement[1] - beyond[1]];
+        let apart = minus(point.displacement, beyond);
         bound * cross(point.met.direction, apart).abs()
     }
 
@@ -150,7 +150,7 @@ impl Data<'_> {
     fn turned(&self, point: &Point, other: Met, field: ElasticField<'_>) -> f64 {
         let along = |met: Met| {
             let beyond = field.on_boundary(point.other, met.t.clamp(-1.0, 1.0)).0;
-            let apart = [point.displacement[0] - beyond[0], point.displacement[1] - beyond[1]];
+            let apart = minus(point.displacement, beyond);
             [dot(apart, met.direction) - met.distance, cross(met.direction, apart)]
         };
         let ([n, t], [normal, tangential]) = (along(other), along(point.met));
@@ -164,15 +164,7 @@ impl Data<'_> {
         let t = t.clamp(-1.0, 1.0);
         let (beyond, n) = (field.on_boundary(m, t).0, self.mesh.normal(m, t));
         let edge = &self.scene.problem.outline.edges()[self.mesh.edge[m]];
-        let aside = cross(d, [point.displacement[0] - beyond[0], point.displacement[1] - beyond[1]]);
+        let aside = cross(d, minus(point.displacement, beyond));
         -aside * cross(d, n) / dot(d, n) + 0.5 * edge.curvature(self.mesh.edge_parameter(m, t)) * aside * aside
     }
-}
-
-fn dot(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[0] + a[1] * b[1]
-}
-
-fn cross(a: [f64; 2], b: [f64; 2]) -> f64 {
-    a[0] * b[1] - a[1] * b[0]
 }

@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use steklov_algebra::dot;
 use steklov_bem_operators::{BoundaryField, Mesh, ParticularSolution, Space};
 use steklov_elastic::plane;
 use steklov_problem::Scene;
@@ -131,10 +132,6 @@ pub(crate) fn energies_of(
     let load_work = traction_work + crossed - traction + p.work;
     let elastic = 0.5 * dot(&w, &stiff) + traction + 0.5 * p.energy - traction_work - p.work;
     Energies { total: elastic, strain: elastic + load_work, load_work, friction_work: 0.0 }
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// ∮ t(w)·u_p with the traction of w of its own space.

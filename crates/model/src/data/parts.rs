@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use faer::Mat;
 use faer::linalg::solvers::Solve;
+use steklov_algebra::dot;
 use steklov_bem_operators::{Mesh, Space, TractionMap};
 use steklov_elastic::{Material, RigidMotion};
 use steklov_problem::Problem;
@@ -83,7 +84,6 @@ impl Assembled {
         if motions.is_empty() {
             return None;
         }
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let gram = Mat::from_fn(motions.len(), motions.len(), |i, j| dot(&motions[i], &motions[j]));
         let right = Mat::from_fn(motions.len(), 1, |i, _| dot(&motions[i], own));
         let parts = gram.full_piv_lu().solve(right);

@@ -3,6 +3,7 @@
 
 use faer::Mat;
 use sprs::CsMat;
+use steklov_algebra::dot;
 use steklov_contact::ContactBoundary;
 use steklov_elastic::RigidMotion;
 use steklov_msfem::{Elimination, ReducedLoad};
@@ -77,7 +78,6 @@ pub(super) type Field<'a> = (&'a mut [f64], &'a [[f64; 2]]);
 
 /// Subtracts from a field its part along each motion, node by node, and the same motions from others.
 pub(super) fn without_motions((u, points): Field<'_>, others: &mut [Field<'_>], motions: &[RigidMotion]) {
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let subtract = |a: &mut [f64], part: f64, b: &[f64]| a.iter_mut().zip(b).for_each(|(a, b)| *a -= part * b);
     // on the points of the field and on those of the others
     let mut basis: Vec<Vec<Vec<f64>>> = Vec::new();
@@ -199,7 +199,6 @@ impl System {
         let of_corner = |e: usize, j: usize| traction(&displacement, e, j);
         let reactions = reactions(scene, (&supports, mesh), &at_trace, contact.as_ref(), of_corner);
         let contact = contact.map(|c| c.with_equilibrium(residual.relative));
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         Ok(Answer {
             energy: dot(&forces, &displacement),
             work: dot(&load, &displacement),

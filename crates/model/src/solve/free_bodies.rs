@@ -8,6 +8,7 @@
 use std::ops::Range;
 
 use faer::{Mat, Side};
+use steklov_algebra::dot;
 use steklov_bem_operators::Relative;
 use steklov_elastic::RigidMotion;
 
@@ -226,10 +227,6 @@ fn kernel(constraints: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, f64) {
     let smallest = met.iter().fold(largest, |m: f64, &k| m.min(values[k]));
     let rounding = if largest > 0.0 { count as f64 * f64::EPSILON * largest / smallest } else { 0.0 };
     (free.into_iter().map(|k| (0..count).map(|i| eigen.U()[(i, k)]).collect()).collect(), rounding)
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }
 
 /// The length of what orthonormal vectors leave of a vector.

@@ -11,6 +11,7 @@
 use std::collections::BTreeSet;
 
 use faer::{Col, Mat};
+use steklov_algebra::dot;
 use steklov_bem_operators::{
     BemError, Datum, Domain, EnrichedSteklov, Mesh, PairCache, Site, Space, Steklov, TractionMap, side_moments,
 };
@@ -222,8 +223,4 @@ fn displacement_jump(scene: &Scene) -> impl Iterator<Item = &Expression> {
 
 fn product(matrix: &Mat<f64>, v: &[f64]) -> Vec<f64> {
     (matrix * Col::from_fn(v.len(), |i| v[i])).iter().copied().collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use rayon::prelude::*;
+use steklov_algebra::dot;
 use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::RigidMotion;
 
@@ -71,7 +72,6 @@ const ROTATIONS: usize = 18;
 /// resist it. It is S - QRᵀ - RQᵀ with R = SQ - ½ Q(QᵀSQ).
 pub(crate) fn project_off(matrix: &mut Mat<f64>, motions: &[Vec<f64>]) {
     let basis = orthonormal(motions);
-    let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let column = |j: usize| matrix.col(j).try_as_col_major().map_or(&[][..], |column| column.as_slice());
     let rows: Vec<Vec<f64>> =
         (0..matrix.ncols()).into_par_iter().map(|j| basis.iter().map(|q| dot(column(j), q)).collect()).collect();
@@ -92,7 +92,7 @@ pub(crate) fn project_off(matrix: &mut Mat<f64>, motions: &[Vec<f64>]) {
 /// Takes the parts of a load off that work on the motions.
 pub(crate) fn project_load_off(load: &mut [f64], motions: &[Vec<f64>]) {
     for q in orthonormal(motions) {
-        let part: f64 = load.iter().zip(&q).map(|(f, q)| f * q).sum();
+        let part: f64 = dot(load, &q);
         load.iter_mut().zip(&q).for_each(|(f, q)| *f -= part * q);
     }
 }
@@ -103,7 +103,7 @@ fn orthonormal(motions: &[Vec<f64>]) -> Vec<Vec<f64>> {
         let mut q = motion.clone();
         for _ in 0..2 {
             for b in &basis {
-                let part: f64 = q.iter().zip(b).map(|(q, b)| q * b).sum();
+                let part: f64 = dot(&q, b);
                 q.iter_mut().zip(b).for_each(|(q, b)| *q -= part * b);
             }
         }
