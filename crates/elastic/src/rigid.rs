@@ -2,6 +2,10 @@
 
 use std::fmt;
 
+use nalgebra::Vector3;
+
+use crate::plane::{cross, distance, minus, norm, unit};
+
 /// An infinitesimal rigid motion r(x) = a + ω J (x - c), J the rotation by +90°.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RigidMotion {
@@ -91,44 +95,43 @@ pub fn free_motions(points: &[[f64; 2]], held: &[([f64; 2], [f64; 2])]) -> Vec<R
         high = [high[0].max(x[0]), high[1].max(x[1])];
     }
     let centre = [(low[0] + high[0]) / 2.0, (low[1] + high[1]) / 2.0];
-    let size = (high[0] - low[0]).hypot(high[1] - low[1]) / 2.0;
+    let size = distance(high, low) / 2.0;
     assert!(size > 0.0 && size.is_finite(), "a body has two different points");
 
-    let mut rows: Vec<[f64; 3]> = held.iter().filter_map(|&(x, d)| row(x, d, centre, size)).collect();
+    let mut rows: Vec<Vector3<f64>> = held.iter().filter_map(|&(x, d)| row(x, d, centre, size)).collect();
     let mut fixed = Vec::new();
-    while let Some(largest) = rows.iter().copied().max_by(|a, b| norm(*a).total_cmp(&norm(*b))) {
-        if fixed.len() == 3 || norm(largest) <= RANK {
+    while let Some(largest) = rows.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm())) {
+        if fixed.len() == 3 || largest.norm() <= RANK {
             break;
         }
-        let q = largest.map(|v| v / norm(largest));
+        let q = largest / largest.norm();
         for _ in 0..2 {
-            rows.iter_mut().for_each(|r| *r = without(*r, q));
+            rows.iter_mut().for_each(|r| *r -= q * r.dot(&q));
         }
         fixed.push(q);
     }
     let free = match fixed[..] {
-        [] => vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
+        [] => vec![Vector3::x(), Vector3::y(), Vector3::z()],
         [q] => {
-            let d = q[0].hypot(q[1]); // not 0: every row has a direction of length 1
-            let t = [-q[1] / d, q[0] / d, 0.0];
-            vec![t, cross(q, t)]
+            let [x, y] = unit([q[0], q[1]]); // not 0: every row has a direction of length 1
+            let t = Vector3::new(-y, x, 0.0);
+            vec![t, q.cross(&t)]
         }
-        [q, r] => vec![cross(q, r)],
+        [q, r] => vec![q.cross(&r)],
         _ => vec![],
     };
     free.into_iter().map(|v| motion(v, centre, size, held)).collect()
 }
 
 /// r(x)·d as a linear form of (r(c), ρω), d scaled to length 1.
-fn row(x: [f64; 2], d: [f64; 2], centre: [f64; 2], size: f64) -> Option<[f64; 3]> {
-    let length = d[0].hypot(d[1]);
-    let d = [d[0] / length, d[1] / length];
-    let from = [(x[0] - centre[0]) / size, (x[1] - centre[1]) / size];
-    (length > 0.0).then(|| [d[0], d[1], from[0] * d[1] - from[1] * d[0]])
+fn row(x: [f64; 2], d: [f64; 2], centre: [f64; 2], size: f64) -> Option<Vector3<f64>> {
+    let (length, d) = (norm(d), unit(d));
+    let from = minus(x, centre).map(|r| r / size);
+    (length > 0.0).then(|| Vector3::new(d[0], d[1], cross(from, d)))
 }
 
 /// The motion (r(c), ρω) as a translation, or as a rotation about its fixed point.
-fn motion(v: [f64; 3], centre: [f64; 2], size: f64, held: &[([f64; 2], [f64; 2])]) -> RigidMotion {
+fn motion(v: Vector3<f64>, centre: [f64; 2], size: f64, held: &[([f64; 2], [f64; 2])]) -> RigidMotion {
     let clean = |x: f64, unit: f64| if x.abs() <= 1e-12 * unit { 0.0 } else { x };
     if v[2].abs() <= RANK {
         let (a, b) = (clean(v[0], 1.0), clean(v[1], 1.0));
@@ -136,22 +139,8 @@ fn motion(v: [f64; 3], centre: [f64; 2], size: f64, held: &[([f64; 2], [f64; 2])
         return RigidMotion::along([a / length + 0.0, b / length + 0.0]);
     }
     let arm = [-v[1] / v[2] * size, v[0] / v[2] * size]; // J a / ω
-    let reach = size.max(arm[0].hypot(arm[1]));
+    let reach = size.max(norm(arm));
     let fixed = [centre[0] + arm[0], centre[1] + arm[1]];
-    let pinned = held.iter().map(|h| h.0).find(|x| (x[0] - fixed[0]).hypot(x[1] - fixed[1]) <= RANK * reach);
+    let pinned = held.iter().map(|h| h.0).find(|x| distance(*x, fixed) <= RANK * reach);
     RigidMotion::about(pinned.unwrap_or(fixed.map(|x| clean(x, size))), v[2].abs() / size)
-}
-
-fn norm(v: [f64; 3]) -> f64 {
-    v.iter().map(|x| x * x).sum::<f64>().sqrt()
-}
-
-fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
-}
-
-/// v minus its part along the unit vector q.
-fn without(v: [f64; 3], q: [f64; 3]) -> [f64; 3] {
-    let along = v[0] * q[0] + v[1] * q[1] + v[2] * q[2];
-    [v[0] - along * q[0], v[1] - along * q[1], v[2] - along * q[2]]
 }

@@ -1,6 +1,8 @@
 //! Whether obstacles all around leave a body any rigid motion, told by a few of their rows.
 
-type Vector = [f64; 3];
+use nalgebra::Vector3;
+
+type Vector = Vector3<f64>;
 
 /// Rows that are tried at most.
 const MOST: usize = 24;
@@ -12,19 +14,19 @@ const MOST: usize = 24;
 /// stopped. With R the distance of its farthest vertex from 0, n_i·r ≥ 1/R for some i. A ray that nothing in the subset stops
 /// adds the row that stops it most.
 pub(crate) fn every_way(rows: &[Vec<f64>], least: f64) -> bool {
-    let Some(rows) = rows.iter().map(|r| Vector::try_from(r.as_slice()).ok()).collect::<Option<Vec<_>>>() else {
+    let Some(rows) =
+        rows.iter().map(|r| Some(Vector::from(<[f64; 3]>::try_from(r.as_slice()).ok()?))).collect::<Option<Vec<_>>>()
+    else {
         return false;
     };
     let stops_most = |ray: Vector| {
-        let most = rows.iter().max_by(|a, b| dot(**a, ray).total_cmp(&dot(**b, ray)));
-        most.copied().filter(|row| dot(*row, ray) > least)
+        let most = rows.iter().max_by(|a, b| a.dot(&ray).total_cmp(&b.dot(&ray)));
+        most.copied().filter(|row| row.dot(&ray) > least)
     };
     let mut some = Vec::new();
     for axis in 0..3 {
         for sign in [1.0, -1.0] {
-            let mut ray = [0.0; 3];
-            ray[axis] = sign;
-            let Some(row) = stops_most(ray) else { return false };
+            let Some(row) = stops_most(Vector::ith(axis, sign)) else { return false };
             some.push(row);
         }
     }
@@ -45,11 +47,11 @@ pub(crate) fn every_way(rows: &[Vec<f64>], least: f64) -> bool {
 fn open_ray(rows: &[Vector], least: f64) -> Option<Vector> {
     for (i, &p) in rows.iter().enumerate() {
         for &q in &rows[..i] {
-            let line = cross(p, q);
-            let size = dot(line, line).sqrt();
+            let line = p.cross(&q);
+            let size = line.norm();
             for sign in [1.0, -1.0] {
-                let ray = line.map(|v| sign * v / size);
-                if size > 0.0 && rows.iter().all(|&row| dot(row, ray) <= least) {
+                let ray = line * sign / size;
+                if size > 0.0 && rows.iter().all(|row| row.dot(&ray) <= least) {
                     return Some(ray);
                 }
             }
@@ -64,24 +66,16 @@ fn farthest_vertex(rows: &[Vector]) -> f64 {
     for (i, &a) in rows.iter().enumerate() {
         for (j, &b) in rows[..i].iter().enumerate() {
             for &c in &rows[..j] {
-                let (bc, ca, ab) = (cross(b, c), cross(c, a), cross(a, b));
-                let volume = dot(a, bc);
-                let vertex = [0, 1, 2].map(|k| (bc[k] + ca[k] + ab[k]) / volume);
-                if volume != 0.0 && rows.iter().all(|&row| dot(row, vertex) <= 1.0 + 1e-6) {
-                    farthest = Some(farthest.unwrap_or(0.0).max(dot(vertex, vertex).sqrt()));
+                let (bc, ca, ab) = (b.cross(&c), c.cross(&a), a.cross(&b));
+                let volume = a.dot(&bc);
+                let vertex = (bc + ca + ab) / volume;
+                if volume != 0.0 && rows.iter().all(|row| row.dot(&vertex) <= 1.0 + 1e-6) {
+                    farthest = Some(farthest.unwrap_or(0.0).max(vertex.norm()));
                 }
             }
         }
     }
     farthest.unwrap_or(f64::INFINITY)
-}
-
-fn dot(a: Vector, b: Vector) -> f64 {
-    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
-}
-
-fn cross(a: Vector, b: Vector) -> Vector {
-    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 #[cfg(test)]
