@@ -57,49 +57,76 @@ pub fn parts(unknowns: usize) -> Par {
     if unknowns < LARGE { Par::Seq } else { threads(Par::rayon(PARTS)) }
 }
 
-/// B := L⁻¹ B, L lower triangular.
+/// What a matrix, as it stands, makes of the probe vector: the check of what is done with it next need not read it for that.
+#[derive(Debug, Clone)]
+pub struct Image(Vec<f64>);
+
+/// The image that is known, or that of a matrix.
+fn image(known: Option<&Image>, a: Operand<'_>, probe: &[f64]) -> Vec<f64> {
+    known.map_or_else(|| a.times(probe), |image| image.0.clone())
+}
+
+/// B := L⁻¹ B, L lower triangular. `of_b` is the image of B where it is known; that of the result is returned.
 ///
 /// # Errors
 /// A fault: L times the result is not B.
-pub fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>) -> Result<(), Fault> {
-    solve(lower(l), b, |b| lower_solve(l, b))
+pub fn solve_lower(l: MatRef<'_, f64>, b: MatMut<'_, f64>, of_b: Option<&Image>) -> Result<Image, Fault> {
+    solve(lower(l), b, of_b, |b| lower_solve(l, b))
 }
 
-/// B := L⁻ᵀ B, L lower triangular.
+/// B := L⁻ᵀ B, L lower triangular, with images as those of [`solve_lower`].
 ///
 /// # Errors
 /// A fault: Lᵀ times the result is not B.
-pub fn solve_lower_transposed(l: MatRef<'_, f64>, b: MatMut<'_, f64>) -> Result<(), Fault> {
+pub fn solve_lower_transposed(l: MatRef<'_, f64>, b: MatMut<'_, f64>, of_b: Option<&Image>) -> Result<Image, Fault> {
     let upper = |b: MatMut<'_, f64>| solve_upper_triangular_in_place(l.transpose(), b, threads(Par::rayon(PARTS)));
-    solve(lower_transposed(l), b, upper)
+    solve(lower_transposed(l), b, of_b, upper)
 }
 
 /// What is solved times the result has to be B.
-fn solve(a: Operand<'_>, mut b: MatMut<'_, f64>, of: impl FnOnce(MatMut<'_, f64>)) -> Result<(), Fault> {
+fn solve(
+    a: Operand<'_>,
+    mut b: MatMut<'_, f64>,
+    of_b: Option<&Image>,
+    of: impl FnOnce(MatMut<'_, f64>),
+) -> Result<Image, Fault> {
     let probe = probe(b.ncols());
-    let wanted = whole(b.rb()).times(&probe);
+    let wanted = image(of_b, whole(b.rb()), &probe);
     of(b.rb_mut());
     spoil(b.rb_mut(), false);
     let solved = whole(b.rb());
     let inner = solved.times(&probe);
     let check = Last { inner: &inner, terms: || solved.terms(&probe), row: |i, x: &[f64]| a.terms_of(i, x) };
-    check.same("a triangular solve", &a.times(&inner), &wanted)
+    check.same("a triangular solve", &a.times(&inner), &wanted)?;
+    Ok(Image(inner))
 }
 
-/// C := C + α A B.
+/// C := C + α A B. `of_b` is the image of B where it is known; that of C is returned.
 ///
 /// # Errors
 /// A fault: C changes by something else.
-pub fn add_product(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) -> Result<(), Fault> {
-    gain(c, (whole, "a product"), (a, b, alpha), |c| product(c, a, b, alpha))
+pub fn add_product(
+    c: MatMut<'_, f64>,
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    alpha: f64,
+    of_b: Option<&Image>,
+) -> Result<Image, Fault> {
+    gain(c, (whole, "a product"), (a, b, alpha), of_b, |c| product(c, a, b, alpha))
 }
 
-/// The lower triangle of C := C + α A B of a symmetric product.
+/// The lower triangle of C := C + α A B of a symmetric product, with images as those of [`add_product`].
 ///
 /// # Errors
 /// A fault: C changes by something else.
-pub fn add_to_lower(c: MatMut<'_, f64>, a: MatRef<'_, f64>, b: MatRef<'_, f64>, alpha: f64) -> Result<(), Fault> {
-    gain(c, (symmetric, "a symmetric product"), (a, b, alpha), |c| lower_product(c, a, b, alpha))
+pub fn add_to_lower(
+    c: MatMut<'_, f64>,
+    a: MatRef<'_, f64>,
+    b: MatRef<'_, f64>,
+    alpha: f64,
+    of_b: Option<&Image>,
+) -> Result<Image, Fault> {
+    gain(c, (symmetric, "a symmetric product"), (a, b, alpha), of_b, |c| lower_product(c, a, b, alpha))
 }
 
 /// C has to gain α A B, in what is read of it.
@@ -107,17 +134,20 @@ fn gain(
     mut c: MatMut<'_, f64>,
     (read, what): (for<'a> fn(MatRef<'a, f64>) -> Operand<'a>, &'static str),
     (a, b, alpha): (MatRef<'_, f64>, MatRef<'_, f64>, f64),
+    of_b: Option<&Image>,
     of: impl FnOnce(MatMut<'_, f64>),
-) -> Result<(), Fault> {
+) -> Result<Image, Fault> {
     let (probe, left, right) = (probe(c.ncols()), whole(a), whole(b));
     let mut wanted = read(c.rb()).times(&probe);
-    let inner = right.times(&probe);
+    let inner = image(of_b, right, &probe);
     wanted.iter_mut().zip(left.times(&inner)).for_each(|(c, gained)| *c += alpha * gained);
     of(c.rb_mut());
     spoil(c.rb_mut(), what != "a product");
     let c = read(c.rb());
     let row = |i: usize, x: &[f64]| alpha.abs() * left.terms_of(i, x) + c.terms_of(i, &probe);
-    Last { inner: &inner, terms: || right.terms(&probe), row }.same(what, &c.times(&probe), &wanted)
+    let gained = c.times(&probe);
+    Last { inner: &inner, terms: || right.terms(&probe), row }.same(what, &gained, &wanted)?;
+    Ok(Image(gained))
 }
 
 pub(crate) fn lower_solve(l: MatRef<'_, f64>, b: MatMut<'_, f64>) {
@@ -194,17 +224,17 @@ mod tests {
         for (n, columns) in SIZES {
             let (l, b, c) = (matrix(n, n), matrix(n, columns), matrix(columns, columns));
             let (mut got, mut want) = (b.clone(), b.clone());
-            solve_lower(l.as_ref(), got.as_mut()).unwrap();
+            solve_lower(l.as_ref(), got.as_mut(), None).unwrap();
             solve_lower_triangular_in_place(l.as_ref(), want.as_mut(), Par::Seq);
             same_bits(&got, &want);
 
             let (mut got, mut want) = (c.clone(), c.clone());
-            add_product(got.as_mut(), b.transpose(), b.as_ref(), -1.0).unwrap();
+            add_product(got.as_mut(), b.transpose(), b.as_ref(), -1.0, None).unwrap();
             matmul(want.as_mut(), Accum::Add, b.transpose(), b.as_ref(), -1.0, Par::Seq);
             same_bits(&got, &want);
 
             let (mut got, mut want) = (c.clone(), c);
-            add_to_lower(got.as_mut(), b.transpose(), b.as_ref(), 1.0).unwrap();
+            add_to_lower(got.as_mut(), b.transpose(), b.as_ref(), 1.0, None).unwrap();
             triangle(want.as_mut(), b.transpose(), b.as_ref(), 1.0, Par::Seq);
             same_bits(&got, &want);
         }

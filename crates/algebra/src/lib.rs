@@ -26,7 +26,7 @@ mod probe;
 mod spoil;
 
 pub use cholesky::{NoFactor, cholesky, llt};
-pub use dense::{PARTS, add_product, add_to_lower, parts, solve_lower, solve_lower_transposed};
+pub use dense::{Image, PARTS, add_product, add_to_lower, parts, solve_lower, solve_lower_transposed};
 pub use dot::dot;
 pub use fault::{Fault, is_fault, once_more, threads};
 pub use probe::{Sparse, check_cholesky, check_inverse, check_solution, check_spectrum, scaled_probe};

@@ -5,11 +5,10 @@
 use std::ops::Range;
 
 use faer::{MatRef, Side};
+use pulp::{Simd, WithSimd};
 
 /// Columns that are read together.
 const PANEL: usize = 4;
-/// Sums that run beside each other.
-const LANES: usize = 8;
 
 /// Part of a matrix that counts, and how.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -67,20 +66,13 @@ impl<'a> Operand<'a> {
     /// A x.
     pub fn times(&self, x: &[f64]) -> Vec<f64> {
         let mut sum = vec![0.0; self.rows()];
-        pulp::Arch::new().dispatch(
-            #[inline(always)]
-            || match (self.part, self.transposed) {
-                (Part::Symmetric(_), _) => self.add_panels::<true, true>(x, &mut sum),
-                (_, false) => self.add_panels::<true, false>(x, &mut sum),
-                (_, true) => self.add_panels::<false, true>(x, &mut sum),
-            },
-        );
+        pulp::Arch::new().dispatch(Pass { of: *self, x, sum: &mut sum });
         sum
     }
 
     /// What the columns give, from x to sum, and what they take, of x along them.
     #[inline(always)]
-    fn add_panels<const GIVE: bool, const TAKE: bool>(&self, x: &[f64], sum: &mut [f64]) {
+    fn add_panels<S: Simd, const GIVE: bool, const TAKE: bool>(&self, simd: S, x: &[f64], sum: &mut [f64]) {
         let (n, whole) = (self.columns.ncols(), self.part == Part::Whole);
         for start in (0..n).step_by(PANEL) {
             let end = n.min(start + PANEL);
@@ -93,31 +85,34 @@ impl<'a> Operand<'a> {
             let panel: [&[f64]; PANEL] = std::array::from_fn(|k| &self.column((start + k).min(n - 1))[rows.clone()]);
             if GIVE {
                 let factors = std::array::from_fn(|k| if start + k < n { x[start + k] } else { 0.0 });
-                give(panel, factors, &mut sum[rows.clone()]);
+                give(simd, panel, factors, &mut sum[rows.clone()]);
             }
             if TAKE {
-                let taken = take(panel, &x[rows]);
+                let taken = take(simd, panel, &x[rows]);
                 sum[start..end].iter_mut().zip(taken).for_each(|(s, t)| *s += t);
             }
             if !whole {
-                self.corner(start..end, |i, j, a| {
-                    if GIVE {
-                        sum[i] += a * x[j];
-                    }
-                    if TAKE && (i != j || !GIVE) {
-                        sum[j] += a * x[i];
-                    }
-                });
+                self.corner::<GIVE, TAKE>(start..end, &x[start..end], &mut sum[start..end]);
             }
         }
     }
 
-    /// The entries of a triangle between these columns and the same rows.
+    /// The entries of a triangle between these columns and the same rows, whose x and sum these are.
     #[inline(always)]
-    fn corner(&self, at: Range<usize>, mut of: impl FnMut(usize, usize, f64)) {
-        for j in at.clone() {
-            let rows = if self.part == Part::Symmetric(Side::Upper) { at.start..j + 1 } else { j..at.end };
-            rows.for_each(|i| of(i, j, self.entry(i, j)));
+    fn corner<const GIVE: bool, const TAKE: bool>(&self, at: Range<usize>, x: &[f64], sum: &mut [f64]) {
+        for j in 0..x.len() {
+            let column = &self.column(at.start + j)[at.clone()];
+            let diagonal = self.diagonal.map_or(column[j], |diagonal| diagonal[at.start + j]);
+            sum[j] += diagonal * x[j];
+            let rest = if self.part == Part::Symmetric(Side::Upper) { 0..j } else { j + 1..x.len() };
+            for i in rest {
+                if GIVE {
+                    sum[i] += column[i] * x[j];
+                }
+                if TAKE {
+                    sum[j] += column[i] * x[i];
+                }
+            }
         }
     }
 
@@ -176,33 +171,59 @@ impl<'a> Operand<'a> {
     }
 }
 
+/// A product with a vector, by the widest vectors of the processor.
+struct Pass<'a> {
+    of: Operand<'a>,
+    x: &'a [f64],
+    sum: &'a mut [f64],
+}
+
+impl WithSimd for Pass<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { of, x, sum } = self;
+        match (of.part, of.transposed) {
+            (Part::Symmetric(_), _) => of.add_panels::<S, true, true>(simd, x, sum),
+            (_, false) => of.add_panels::<S, true, false>(simd, x, sum),
+            (_, true) => of.add_panels::<S, false, true>(simd, x, sum),
+        }
+    }
+}
+
 /// sum += Σ a_k x_k.
 #[inline(always)]
-fn give(a: [&[f64]; PANEL], x: [f64; PANEL], sum: &mut [f64]) {
-    let [a, b, c, d] = a;
-    for ((((sum, a), b), c), d) in sum.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+fn give<S: Simd>(simd: S, a: [&[f64]; PANEL], x: [f64; PANEL], sum: &mut [f64]) {
+    let (sums, rest) = S::as_mut_simd_f64s(sum);
+    let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] = a.map(S::as_simd_f64s);
+    let factors = x.map(|x| simd.splat_f64s(x));
+    for ((((sum, &a), &b), &c), &d) in sums.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+        let two = simd.mul_add_e_f64s(b, factors[1], simd.mul_add_e_f64s(a, factors[0], *sum));
+        *sum = simd.mul_add_e_f64s(d, factors[3], simd.mul_add_e_f64s(c, factors[2], two));
+    }
+    for ((((sum, a), b), c), d) in rest.iter_mut().zip(a_rest).zip(b_rest).zip(c_rest).zip(d_rest) {
         *sum += (a * x[0] + b * x[1]) + (c * x[2] + d * x[3]);
     }
 }
 
 /// a_k · x.
 #[inline(always)]
-fn take(a: [&[f64]; PANEL], x: &[f64]) -> [f64; PANEL] {
-    let mut sums = [[0.0; LANES]; PANEL];
-    let blocks = a.map(|a| a.chunks_exact(LANES));
-    let rests = a.map(|a| a.chunks_exact(LANES).remainder());
-    let [a, b, c, d] = blocks;
-    let x = x.chunks_exact(LANES);
-    let rest = x.remainder();
-    for ((((x, a), b), c), d) in x.zip(a).zip(b).zip(c).zip(d) {
-        for k in 0..LANES {
-            sums[0][k] += a[k] * x[k];
-            sums[1][k] += b[k] * x[k];
-            sums[2][k] += c[k] * x[k];
-            sums[3][k] += d[k] * x[k];
-        }
+fn take<S: Simd>(simd: S, a: [&[f64]; PANEL], x: &[f64]) -> [f64; PANEL] {
+    let (x, x_rest) = S::as_simd_f64s(x);
+    let [(a, a_rest), (b, b_rest), (c, c_rest), (d, d_rest)] = a.map(S::as_simd_f64s);
+    let mut sums = [simd.splat_f64s(0.0); PANEL];
+    for ((((&x, &a), &b), &c), &d) in x.iter().zip(a).zip(b).zip(c).zip(d) {
+        sums[0] = simd.mul_add_e_f64s(a, x, sums[0]);
+        sums[1] = simd.mul_add_e_f64s(b, x, sums[1]);
+        sums[2] = simd.mul_add_e_f64s(c, x, sums[2]);
+        sums[3] = simd.mul_add_e_f64s(d, x, sums[3]);
     }
-    std::array::from_fn(|k| sums[k].iter().sum::<f64>() + rests[k].iter().zip(rest).map(|(a, x)| a * x).sum::<f64>())
+    let mut taken = sums.map(|sum| simd.reduce_sum_f64s(sum));
+    for ((((x, a), b), c), d) in x_rest.iter().zip(a_rest).zip(b_rest).zip(c_rest).zip(d_rest) {
+        taken.iter_mut().zip([a, b, c, d]).for_each(|(taken, a)| *taken += a * x);
+    }
+    taken
 }
 
 #[cfg(test)]

@@ -2,8 +2,8 @@
 
 use faer::{Mat, Side};
 use steklov_algebra::{
-    Fault, add_product, check_cholesky, check_inverse, check_solution, check_spectrum, cholesky, is_fault, llt,
-    once_more, scaled_probe, solve_lower, solve_lower_transposed, threads,
+    Fault, add_product, add_to_lower, check_cholesky, check_inverse, check_solution, check_spectrum, cholesky,
+    is_fault, llt, once_more, scaled_probe, solve_lower, solve_lower_transposed, threads,
 };
 use steklov_quadrature::unit_uniform;
 
@@ -43,10 +43,10 @@ fn rounding_is_no_fault() {
         let mut whole = a.clone();
         cholesky(whole.as_mut()).expect("a factor");
         let mut b = a.clone();
-        solve_lower(factor.L(), b.as_mut()).expect("a solution");
-        solve_lower_transposed(factor.L(), b.as_mut()).expect("a solution");
+        solve_lower(factor.L(), b.as_mut(), None).expect("a solution");
+        solve_lower_transposed(factor.L(), b.as_mut(), None).expect("a solution");
         let mut c = a.clone();
-        add_product(c.as_mut(), a.as_ref(), b.as_ref(), -2.0).expect("a product");
+        add_product(c.as_mut(), a.as_ref(), b.as_ref(), -2.0, None).expect("a product");
         let eigen = a.self_adjoint_eigen(Side::Lower).expect("a spectrum");
         let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
         check_spectrum(a.as_ref(), (eigen.U(), eigen.U()), &values).expect("a spectrum");
@@ -65,9 +65,9 @@ fn rows_that_the_probe_cancels_are_judged_by_their_terms() {
         });
         let l = Mat::from_fn(n, n, |i, j| if i == j { 3.0 + (i as f64).sin() } else { 0.0 });
         let mut x = b.clone();
-        solve_lower(l.as_ref(), x.as_mut()).expect("a solution");
+        solve_lower(l.as_ref(), x.as_mut(), None).expect("a solution");
         let mut c = Mat::zeros(n, n);
-        add_product(c.as_mut(), l.as_ref(), x.as_ref(), 1.0).expect("a product");
+        add_product(c.as_mut(), l.as_ref(), x.as_ref(), 1.0, None).expect("a product");
         let reached = (0..n).any(|i| {
             let of = |m: &Mat<f64>| (0..n).map(|j| m[(i, j)] * p[j]).sum::<f64>();
             let (one, other) = (of(&b), l[(i, i)] * of(&x));
@@ -100,8 +100,8 @@ fn wrong_solutions_inverses_and_spectra_are_seen() {
         let factor = llt(&a).expect("a factor");
         let inverse = Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 });
         let mut inverse = inverse;
-        solve_lower(factor.L(), inverse.as_mut()).expect("a solution");
-        solve_lower_transposed(factor.L(), inverse.as_mut()).expect("a solution");
+        solve_lower(factor.L(), inverse.as_mut(), None).expect("a solution");
+        solve_lower_transposed(factor.L(), inverse.as_mut(), None).expect("a solution");
         check_inverse(factor.L(), inverse.as_ref()).expect("an inverse");
         let eigen = a.self_adjoint_eigen(Side::Lower).expect("a spectrum");
         let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
@@ -116,6 +116,36 @@ fn wrong_solutions_inverses_and_spectra_are_seen() {
             let mut wrong = values.clone();
             wrong[i] = f64::from_bits(wrong[i].to_bits() ^ 1 << 48);
             assert!(check_spectrum(a.as_ref(), (eigen.U(), eigen.U()), &wrong).is_err());
+        }
+    }
+}
+
+/// The image of a result is that of the matrix: what is known of it and what is read of it agree, until the matrix changes.
+#[test]
+fn what_changes_after_its_check_is_seen_by_the_next_one() {
+    for n in SIZES {
+        let a = Mat::from_fn(n, n, |i, j| if i == j { 3.0 } else { 1.0 / (1.0 + i.abs_diff(j) as f64).powi(2) });
+        let l = llt(&a).expect("a factor").L().to_owned();
+        let b = Mat::from_fn(n, n + 3, |i, j| unit_uniform(n as u64, (i + n * j) as u64) - 0.5);
+        let mut x = b.clone();
+        let of_x = solve_lower(l.as_ref(), x.as_mut(), None).expect("a solution");
+        let mut c = b.clone();
+        let of_c = add_product(c.as_mut(), a.as_ref(), x.as_ref(), -1.0, Some(&of_x)).expect("a product");
+        let mut lower = Mat::zeros(n + 3, n + 3);
+        add_to_lower(lower.as_mut(), x.transpose(), x.as_ref(), 1.0, Some(&of_x)).expect("a symmetric product");
+        solve_lower(l.as_ref(), c.clone().as_mut(), Some(&of_c)).expect("a solution");
+        solve_lower_transposed(l.as_ref(), c.clone().as_mut(), Some(&of_c)).expect("a solution");
+        for (seed, kind) in KINDS.into_iter().enumerate() {
+            let at = entry(seed as u64, n);
+            let wrong = spoilt(&x, at, kind);
+            let product = add_product(b.clone().as_mut(), a.as_ref(), wrong.as_ref(), -1.0, Some(&of_x));
+            assert_eq!(product.expect_err(&format!("{n} {kind}")).what, "a product");
+            let symmetric = add_to_lower(lower.clone().as_mut(), x.transpose(), wrong.as_ref(), 1.0, Some(&of_x));
+            assert_eq!(symmetric.expect_err(&format!("{n} {kind}")).what, "a symmetric product");
+            for solve in [solve_lower, solve_lower_transposed] {
+                let solution = solve(l.as_ref(), spoilt(&c, at, kind).as_mut(), Some(&of_c));
+                assert_eq!(solution.expect_err(&format!("{n} {kind}")).what, "a triangular solve");
+            }
         }
     }
 }

@@ -3,7 +3,7 @@
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
 use faer::{Col, Mat, MatMut, Par};
-use steklov_algebra::{add_to_lower, cholesky, solve_lower};
+use steklov_algebra::{Image, add_to_lower, cholesky, solve_lower};
 
 use crate::{BemError, Dof};
 
@@ -27,6 +27,8 @@ pub struct Partition {
 pub struct Condensation {
     /// Strict upper triangle: S; lower triangle: L of S_RR, and S_KR L⁻ᵀ below it.
     matrix: Mat<f64>,
+    /// The image of L⁻¹ S_RK.
+    of_coupling: Image,
     diagonal: Vec<f64>,
     /// Unknown at each position.
     order: Vec<Dof>,
@@ -87,10 +89,10 @@ impl Condensation {
         let (upper, lower) = matrix.as_mut().split_at_row_mut(eliminated);
         let factor = upper.rb().submatrix(0, 0, eliminated, eliminated);
         let coupling = lower.submatrix_mut(0, 0, kept, eliminated);
-        solve_lower(factor, coupling.transpose_mut())?;
+        let of_coupling = solve_lower(factor, coupling.transpose_mut(), None)?;
 
         let held = partition.held.iter().map(|h| h.1).collect();
-        Ok(Self { matrix, diagonal, order, eliminated, kept, held, frames: partition.frames.clone() })
+        Ok(Self { matrix, of_coupling, diagonal, order, eliminated, kept, held, frames: partition.frames.clone() })
     }
 
     /// S_c, kept × kept, full storage.
@@ -101,7 +103,7 @@ impl Condensation {
         let (r, k) = (self.eliminated, self.kept);
         let coupling = self.coupling();
         let mut condensed = Mat::from_fn(k, k, |i, j| self.entry(r + i.min(j), r + i.max(j)));
-        add_to_lower(condensed.as_mut(), coupling, coupling.transpose(), -1.0)?;
+        add_to_lower(condensed.as_mut(), coupling, coupling.transpose(), -1.0, Some(&self.of_coupling))?;
         crate::steklov::mirror_lower(condensed.as_mut());
         Ok(condensed)
     }

@@ -1,7 +1,7 @@
 //! The Steklov-Poincaré matrix of the enriched spaces, by blocks on top of that of the base.
 
 use faer::{Col, Mat};
-use steklov_algebra::{add_product, cholesky, dot, solve_lower};
+use steklov_algebra::{Image, add_product, cholesky, dot, solve_lower};
 use steklov_elastic::Material;
 
 use crate::{BemError, Bubbles, Enrichment, Mesh, PairCache, Space, TractionMap};
@@ -73,6 +73,8 @@ struct Layers {
     corner: Mat<f64>,
     /// X_bx, N×n.
     x_bubble: Mat<f64>,
+    /// Its image.
+    of_bubble: Option<Image>,
     /// 2×2 blocks of V on the diagonal.
     blocks: Vec<[[f64; 2]; 2]>,
 }
@@ -80,7 +82,7 @@ struct Layers {
 impl Layers {
     /// In the storage of the enrichment.
     fn new(enrichment: Enrichment, traction: &TractionMap, [length, diameter]: [f64; 2]) -> Result<Self, BemError> {
-        let (l, x) = traction.factors();
+        let (l, x, of_x) = traction.factors();
         let n = x.nrows();
         let Enrichment {
             v: mut y, v_corner: mut factor, k: mut x_bubble, k_corner: mut corner, k_top: mut top, ..
@@ -99,30 +101,30 @@ impl Layers {
             top[(row, column)] += 0.5 * value;
         }
         // L_xb = Yᵀ with Y = L⁻¹V_bx
-        solve_lower(l, y.as_mut())?;
-        solve_lower(l, x_bubble.as_mut())?;
-        traction.balance(y.as_mut());
-        traction.balance(x_bubble.as_mut());
-        add_product(factor.as_mut(), y.transpose(), y.as_ref(), -1.0)?;
+        let mut of_y = Some(solve_lower(l, y.as_mut(), None)?);
+        let mut of_bubble = Some(solve_lower(l, x_bubble.as_mut(), None)?);
+        traction.balance(y.as_mut(), &mut of_y);
+        traction.balance(x_bubble.as_mut(), &mut of_bubble);
+        add_product(factor.as_mut(), y.transpose(), y.as_ref(), -1.0, of_y.as_ref())?;
         let size = n + extra;
         let indefinite = |pivot| BemError::SingleLayerIndefinite { pivot: n + pivot, size, length, diameter };
         cholesky(factor.as_mut()).map_err(|none| none.or(indefinite))?;
-        add_product(top.as_mut(), y.transpose(), x, -1.0)?;
-        add_product(corner.as_mut(), y.transpose(), x_bubble.as_ref(), -1.0)?;
+        let of_top = add_product(top.as_mut(), y.transpose(), x, -1.0, of_x)?;
+        let of_corner = add_product(corner.as_mut(), y.transpose(), x_bubble.as_ref(), -1.0, of_bubble.as_ref())?;
         drop(y);
-        solve_lower(factor.as_ref(), top.as_mut())?;
-        solve_lower(factor.as_ref(), corner.as_mut())?;
-        Ok(Self { factor, top, corner, x_bubble, blocks })
+        solve_lower(factor.as_ref(), top.as_mut(), Some(&of_top))?;
+        solve_lower(factor.as_ref(), corner.as_mut(), Some(&of_corner))?;
+        Ok(Self { factor, top, corner, x_bubble, of_bubble, blocks })
     }
 
     /// In the storage of what W gains.
     fn with(self, bubbles: Bubbles, traction: &TractionMap) -> Result<EnrichedSteklov, BemError> {
-        let Self { factor, top, corner, x_bubble, blocks } = self;
+        let Self { factor, top, corner, x_bubble, of_bubble, blocks } = self;
         let Bubbles { w: mut coupling, w_corner: mut bubble } = bubbles;
         let blocks = blocks.into_iter().zip(diagonal_blocks(&bubble)).map(|(v, w)| [v, w]).collect();
-        let (_, x) = traction.factors();
-        add_product(coupling.as_mut(), x.transpose(), x_bubble.as_ref(), 1.0)?;
-        add_product(bubble.as_mut(), x_bubble.transpose(), x_bubble.as_ref(), 1.0)?;
+        let (_, x, _) = traction.factors();
+        add_product(coupling.as_mut(), x.transpose(), x_bubble.as_ref(), 1.0, of_bubble.as_ref())?;
+        add_product(bubble.as_mut(), x_bubble.transpose(), x_bubble.as_ref(), 1.0, of_bubble.as_ref())?;
         Ok(EnrichedSteklov { factor, top, corner, coupling, bubble, blocks })
     }
 }

@@ -4,7 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::prelude::*;
 use faer::{Accum, Col, Mat, MatMut, MatRef, Par};
-use steklov_algebra::{add_to_lower, cholesky, parts, solve_lower};
+use steklov_algebra::{Image, add_to_lower, cholesky, parts, solve_lower};
 
 use crate::{BemError, Operators};
 
@@ -61,6 +61,8 @@ pub struct TractionMap {
     factor: Mat<f64>,
     /// L⁻¹ H, traction × displacement; bounded at infinity, without its part along L⁻¹ H 1.
     solved: Mat<f64>,
+    /// The image of that, unless a part has been taken out of it.
+    image: Option<Image>,
     domain: Domain,
     translations: Option<Translations>,
 }
@@ -126,21 +128,22 @@ impl Steklov {
         let size = factor.nrows();
         let indefinite = |pivot| BemError::SingleLayerIndefinite { pivot, size, length, diameter };
         cholesky(factor.as_mut()).map_err(|none| none.or(indefinite))?;
-        solve_lower(factor.as_ref(), solved.as_mut())?;
+        let mut image = Some(solve_lower(factor.as_ref(), solved.as_mut(), None)?);
         let translations = domain.is_bounded_at_infinity().then(|| Translations::new(solved.as_ref()));
         if let Some(translations) = &translations {
             translations.remove(solved.as_mut());
+            image = None;
         }
-        add_to_lower(matrix.as_mut(), solved.as_ref().transpose(), solved.as_ref(), 1.0)?;
+        add_to_lower(matrix.as_mut(), solved.transpose(), solved.as_ref(), 1.0, image.as_ref())?;
         mirror_lower(matrix.as_mut());
-        Ok(Self { matrix, traction: TractionMap { factor, solved, domain, translations } })
+        Ok(Self { matrix, traction: TractionMap { factor, solved, image, domain, translations } })
     }
 }
 
 impl TractionMap {
-    /// L of V = L Lᵀ (in the lower triangle) and L⁻¹H.
-    pub(crate) fn factors(&self) -> (MatRef<'_, f64>, MatRef<'_, f64>) {
-        (self.factor.as_ref(), self.solved.as_ref())
+    /// L of V = L Lᵀ (in the lower triangle), and L⁻¹H with its image.
+    pub(crate) fn factors(&self) -> (MatRef<'_, f64>, MatRef<'_, f64>, Option<&Image>) {
+        (self.factor.as_ref(), self.solved.as_ref(), self.image.as_ref())
     }
 
     /// On which side of the boundary the body lies.
@@ -148,10 +151,12 @@ impl TractionMap {
         self.domain
     }
 
-    /// Takes out of L⁻¹ times a matrix of tractions what the displacement at infinity takes; nothing unless it is bounded there.
-    pub(crate) fn balance(&self, a: MatMut<'_, f64>) {
+    /// Takes out of L⁻¹ times a matrix of tractions, and its image, what the displacement at infinity takes; nothing unless it is
+    /// bounded there.
+    pub(crate) fn balance(&self, a: MatMut<'_, f64>, image: &mut Option<Image>) {
         if let Some(translations) = &self.translations {
             translations.remove(a);
+            *image = None;
         }
     }
 

@@ -39,10 +39,10 @@ pub fn steklov_trace_rows(
     let field = BoundaryField::new(mesh, space, material, &zeros, &zeros, 1.0);
     let rows: Vec<[Vec<f64>; 4]> = points.par_iter().map(|&(e, t)| point_rows(&field, space, e, t)).collect();
     let mut result = Mat::from_fn(2 * points.len(), n, |i, j| rows[i / 2][i % 2][j]);
-    let (factor, solved) = traction.factors();
+    let (factor, solved, of_solved) = traction.factors();
     let mut densities = Mat::from_fn(n, 2 * points.len(), |j, i| rows[i / 2][2 + i % 2][j]);
-    solve_lower(factor, densities.as_mut())?;
-    add_product(result.as_mut(), densities.transpose(), solved, 1.0)?;
+    solve_lower(factor, densities.as_mut(), None)?;
+    add_product(result.as_mut(), densities.transpose(), solved, 1.0, of_solved)?;
     Ok(result)
 }
 

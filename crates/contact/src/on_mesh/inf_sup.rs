@@ -37,9 +37,9 @@ pub fn dual_form(
     add_springs(&mut s, &free, rigid);
     let factor = llt(&s).map_err(|none| none.or(|_| ContactError::Decomposition { size: n }))?;
     let mut x = Mat::from_fn(n, 2 * pairing[0].nrows(), |i, j| pairing[j % 2][(j / 2, free[i])]);
-    solve_lower(factor.L(), x.as_mut())?;
+    let of_x = solve_lower(factor.L(), x.as_mut(), None)?;
     let mut dual = Mat::zeros(x.ncols(), x.ncols());
-    add_product(dual.as_mut(), x.transpose(), x.as_ref(), 1.0)?;
+    add_product(dual.as_mut(), x.transpose(), x.as_ref(), 1.0, Some(&of_x))?;
     Ok(dual)
 }
 
@@ -51,9 +51,9 @@ pub fn inf_sup(discrete: &Mat<f64>, reference: &Mat<f64>) -> Result<InfSup, Cont
     let failed = ContactError::Decomposition { size: reference.nrows() };
     let factor = llt(reference).map_err(|none| none.or(|_| failed.clone()))?;
     let mut x = discrete.clone();
-    solve_lower(factor.L(), x.as_mut())?;
+    solve_lower(factor.L(), x.as_mut(), None)?;
     let mut x = x.transpose().to_owned();
-    solve_lower(factor.L(), x.as_mut())?;
+    solve_lower(factor.L(), x.as_mut(), None)?;
     let eigen = x.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
     Ok(InfSup { beta: eigen.S()[0].max(0.0).sqrt() })
 }

@@ -150,7 +150,7 @@ impl StabilisedForms {
     fn trace_form(&self) -> Result<Mat<f64>, ContactError> {
         let mut b = Mat::zeros(self.trace[0].ncols(), self.trace[0].ncols());
         for t in &self.trace {
-            add_product(b.as_mut(), t.transpose(), t.as_ref(), 1.0)?;
+            add_product(b.as_mut(), t.transpose(), t.as_ref(), 1.0, None)?;
         }
         Ok(b)
     }
@@ -177,9 +177,9 @@ impl StabilisedForms {
         // X = L⁻¹ Tᵀ: T S⁻¹ Tᵀ and X Xᵀ share their spectrum
         let form = self.trace_form()?;
         let mut x = Mat::from_fn(n, n, |i, j| form[(free[i], free[j])]);
-        solve_lower(factor.L(), x.as_mut())?;
+        solve_lower(factor.L(), x.as_mut(), None)?;
         let mut x = x.transpose().to_owned();
-        solve_lower(factor.L(), x.as_mut())?;
+        solve_lower(factor.L(), x.as_mut(), None)?;
         Ok(1.0 / largest_eigenvalue(&x).ok_or(failed)?)
     }
 
@@ -235,13 +235,13 @@ impl StabilisedForms {
         // D and E
         let factor_of = |values: &Mat<f64>| -> Result<Llt<f64>, ContactError> {
             let mut d = Mat::zeros(nodes, nodes);
-            add_product(d.as_mut(), values.transpose(), values.as_ref(), gamma)?;
+            add_product(d.as_mut(), values.transpose(), values.as_ref(), gamma, None)?;
             llt(&d).map_err(|none| none.or(|_| ContactError::Decomposition { size: nodes }))
         };
         let d_factors = [factor_of(&self.values[0])?, factor_of(&self.values[1])?];
         let mut coupled = self.pairing.clone();
         for (k, e) in coupled.iter_mut().enumerate() {
-            add_product(e.as_mut(), self.values[k].transpose(), self.trace[k].as_ref(), -gamma)?;
+            add_product(e.as_mut(), self.values[k].transpose(), self.trace[k].as_ref(), -gamma, None)?;
         }
         // Z = S - B_γ + Σ (L⁻¹E)ᵀ(L⁻¹E), and f
         let form = self.trace_form()?;
@@ -266,16 +266,16 @@ impl StabilisedForms {
         let mut coupling = Mat::zeros(n, 2 * nodes);
         for (k, e) in coupled.iter().enumerate() {
             let mut x = Mat::from_fn(nodes, n, |i, j| e[(i, free[j])]);
-            solve_lower(d_factors[k].L(), x.as_mut())?;
-            add_product(z.as_mut(), x.transpose(), x.as_ref(), 1.0)?;
-            solve_lower_transposed(d_factors[k].L(), x.as_mut())?;
+            let of_x = solve_lower(d_factors[k].L(), x.as_mut(), None)?;
+            add_product(z.as_mut(), x.transpose(), x.as_ref(), 1.0, Some(&of_x))?;
+            solve_lower_transposed(d_factors[k].L(), x.as_mut(), Some(&of_x))?;
             for node in 0..nodes {
                 (0..n).for_each(|j| coupling[(j, 2 * node + k)] = weight(node) * x[(node, j)]);
             }
         }
         let factor = llt(&z).map_err(|none| none.or(|_| refused))?;
         let mut y = coupling.clone();
-        solve_lower(factor.L(), y.as_mut())?;
+        let of_y = solve_lower(factor.L(), y.as_mut(), None)?;
         let inverse = [0, 1].map(|k| d_factors[k].inverse());
         for (factor, inverse) in d_factors.iter().zip(&inverse) {
             check_inverse(factor.L(), inverse.as_ref())?;
@@ -283,7 +283,7 @@ impl StabilisedForms {
         let mut stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| {
             if i % 2 == j % 2 { weight(i / 2) * weight(j / 2) * inverse[i % 2][(i / 2, j / 2)] } else { 0.0 }
         });
-        add_product(stiffness.as_mut(), y.transpose(), y.as_ref(), -1.0)?;
+        add_product(stiffness.as_mut(), y.transpose(), y.as_ref(), -1.0, Some(&of_y))?;
         let stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| 0.5 * (stiffness[(i, j)] + stiffness[(j, i)]));
         let solved = factor.solve(column(&load));
         let condensed = coupling.transpose() * &solved;
