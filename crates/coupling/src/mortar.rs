@@ -95,8 +95,7 @@ pub fn meet(own: Facing<'_>, (e, t): (usize, f64), other: Facing<'_>, m: usize) 
     let t = paired(other, m, x, pull)?;
     let t = if other.mesh.is_line(m) { t } else { t.clamp(-1.0, 1.0) };
     let (y, push) = (other.mesh.point(m, t), other.pull(m, t.clamp(-1.0, 1.0)));
-    let along = minus(pull, push);
-    let direction = unit(along);
+    let direction = unit(minus(pull, push));
     Some(Met { t, distance: dot(minus(y, x), direction), direction })
 }
 

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use steklov_bem_operators::{Loop, Polygon};
-use steklov_elastic::plane::{minus, norm};
+use steklov_elastic::plane::{distance, minus};
 use steklov_msfem::{Grid, Loads};
 use steklov_quadrature::gauss_legendre;
 
@@ -71,8 +71,7 @@ impl Outline {
         let rule = gauss_legendre(POINTS);
         for (k, &(cell, side)) in self.sides.iter().enumerate() {
             let [a, b] = [self.nodes[k], self.nodes[(k + 1) % self.nodes.len()]].map(|n| grid.point(n));
-            let d = minus(b, a);
-            let length = norm(d);
+            let (d, length) = (minus(b, a), distance(b, a));
             let mut moments = [[0.0; 2]; 2];
             for (&t, w) in rule.points.iter().zip(&rule.weights) {
                 let s = (1.0 + t) / 2.0;

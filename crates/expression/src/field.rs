@@ -121,9 +121,8 @@ impl Support {
                         continue;
                     }
                     let [a, b] = edge.listed();
-                    let d = minus(b, a);
+                    let (d, to) = (minus(b, a), minus(point, a));
                     let length = norm(d);
-                    let to = minus(point, a);
                     let t = (dot(to, d) / (length * length)).clamp(0.0, 1.0);
                     let off = (to[0] - t * d[0]).hypot(to[1] - t * d[1]);
                     if off < nearest {

@@ -10,7 +10,7 @@ use std::collections::HashMap;
 
 use steklov_bem_operators::{Site, distance_to_segment};
 use steklov_coupling::Cell;
-use steklov_elastic::plane::{cross, distance, dot, minus, norm};
+use steklov_elastic::plane::{cross, distance, dot, minus};
 use steklov_problem::Law;
 use steklov_quadrature::{gauss_legendre, project};
 
@@ -107,8 +107,7 @@ impl Data<'_> {
             return None;
         }
         let [a, b] = self.mesh.ends(other);
-        let d = minus(b, a);
-        let length = norm(d);
+        let (d, length) = (minus(b, a), distance(b, a));
         let off = |x: [f64; 2]| cross(minus(x, a), d) / length;
         if self.mesh.ends(own).into_iter().any(|x| off(x).abs() > near) {
             return None;
@@ -116,8 +115,7 @@ impl Data<'_> {
         let at = |k: usize| {
             let t = 2.0 * k as f64 / PASSES as f64 - 1.0;
             let (x, n) = (self.mesh.point(own, t), self.mesh.normal(own, t));
-            let r = minus(x, a);
-            let along = dot(r, d) / length;
+            let along = dot(minus(x, a), d) / length;
             if !(0.0..=length).contains(&along) {
                 return None;
             }

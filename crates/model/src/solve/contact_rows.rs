@@ -66,17 +66,16 @@ pub fn contact_rows(trace: Trace<'_>, contact: &ContactResult) -> Vec<ContactRow
     for (node, condensed) in contact.boundary.nodes.iter().zip(&contact.boundary.contact) {
         let u = [displacement[2 * node.node], displacement[2 * node.node + 1]];
         for (plane, condition) in node.conditions.iter().zip(&condensed.conditions) {
-            let along = |d: [f64; 2]| dot(u, d);
             let [pressure, shear] = solution.multipliers[rows.len()];
             let share = plane.shares.iter().max_by(|a, b| a.normal.total_cmp(&b.normal));
             rows.push(ContactRow {
                 point: node.point,
                 normal: plane.normal,
                 // a held component adds to the gap in the node's own unknowns what it takes from u_n
-                gap: condition.gap + along(plane.normal)
+                gap: condition.gap + dot(u, plane.normal)
                     - dot(condensed.pick(&solution.displacement), condition.normal),
-                normal_displacement: along(plane.normal),
-                tangential_displacement: along(plane.tangent),
+                normal_displacement: dot(u, plane.normal),
+                tangential_displacement: dot(u, plane.tangent),
                 pressure,
                 shear,
                 bound: condition.limit(pressure),

@@ -80,8 +80,7 @@ fn traction([xx, yy, xy]: [f64; 3], n: [f64; 2]) -> [f64; 2] {
 fn kelvin(m: &Material, x: [f64; 2], p: [f64; 2], b: [f64; 2]) -> ([f64; 2], [f64; 3]) {
     let nu = m.nu();
     let r = minus(x, p);
-    let squared = dot(r, r);
-    let along = dot(r, b);
+    let (squared, along) = (dot(r, r), dot(r, b));
     let c = 1.0 / (8.0 * PI * m.mu() * (1.0 - nu));
     let u = [0, 1].map(|i| c * (-(3.0 - 4.0 * nu) * 0.5 * squared.ln() * b[i] + r[i] * along / squared));
     let q = -1.0 / (4.0 * PI * (1.0 - nu) * squared);
