@@ -3,13 +3,8 @@
 
 use std::error::Error;
 
-use steklov_bem_operators::{Loop, Polygon};
-use steklov_elastic::{Material, Plane};
-use steklov_expression::Expression;
-use steklov_model::run::boundary_elements::unobserved;
-use steklov_model::stochastic::solve_stochastic;
-use steklov_problem::{Condition, Germ, Random, RandomConstants, RandomName, Scene, Stochastic};
-use steklov_stochastic::Variable;
+use steklov_model::prelude::*;
+use steklov_model::steklov_stochastic::Variable;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (low, high): (f64, f64) = (50.0, 150.0);
@@ -27,12 +22,10 @@ fn main() -> Result<(), Box<dyn Error>> {
         stochastic: Stochastic { degree: 8, quantities: Some(vec!["energy".to_owned()]), ..Stochastic::default() },
         constants: RandomConstants { young: Some(young), remote_stress: None },
     });
-    scene.check()?;
 
-    let run = unobserved(&scene)?;
-    let (Some(random), Some(body)) = (&scene.random, &run.matrices) else { return Err("no body".into()) };
-    let outcomes = solve_stochastic(&scene, random, body, &|_, _| {}, &|| false)?;
-    let nominal = run.last.energies.total * scene.body().material().young;
+    let answer = solve(&scene)?;
+    let Some(outcomes) = answer.outcomes else { return Err("no outcomes".into()) };
+    let nominal = answer.summary.energy * scene.body().material().young;
     let exact = nominal * (high / low).ln() / (high - low);
     let mean = outcomes.quantities[0].mean;
     println!("mean of J: {mean:.10}, exact {exact:.10}");

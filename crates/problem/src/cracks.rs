@@ -62,7 +62,7 @@ impl Problem {
     /// The interfaces of cracks along which [`cut_by_cracks`] has cut bodies: the laws of their faces, none of those whose faces
     /// are loaded, and the ties beyond their tips.
     pub fn join_cracks(&mut self, cracks: Vec<(Crack, Option<Contact>)>) {
-        let side = |problem: &Self, name: String| problem.sides.iter().position(|side| side.name == name);
+        let side = |problem: &Self, name: String| problem.side(&name);
         let mut joined = Vec::new();
         for (crack, contact) in cracks {
             let beyond = (".beyond", Some(Law::Tied(Tie::default())));

@@ -108,9 +108,14 @@ impl Scene {
 
     /// A body of one material whose sides are all free, to which the rest is then given.
     pub fn new(outline: Polygon, material: Material) -> Self {
+        Self::of(Problem::new(outline, Substance::Homogeneous(material)))
+    }
+
+    /// A problem to be solved by the default method.
+    pub fn of(problem: Problem) -> Self {
         Self {
             title: String::new(),
-            problem: Problem::new(outline, Substance::Homogeneous(material)),
+            problem,
             parameters: BTreeMap::new(),
             probe: Vec::new(),
             method: Method::default(),

@@ -165,6 +165,11 @@ impl Problem {
         self.interfaces.iter_mut().map(|interface| &mut interface.law)
     }
 
+    /// The number of the side of a name, `BODY.SIDE` among several bodies.
+    pub fn side(&self, name: &str) -> Option<usize> {
+        self.sides.iter().position(|side| side.name == name)
+    }
+
     /// The side of a name.
     pub fn side_mut(&mut self, name: &str) -> Option<&mut Side> {
         self.sides.iter_mut().find(|side| side.name == name)

@@ -87,7 +87,7 @@ impl Record {
         }
         let trace = report.trace;
         let contact = report.contact.map_or(Vec::new(), |c| contact_rows(trace, c));
-        let mut summary = answer(scene, run, &contact, stochastic.as_ref());
+        let mut summary = answer(scene, run, report, &contact, stochastic.as_ref());
         summary.file = file.display().to_string();
         summary.seconds.write = clock.elapsed().as_secs_f64();
         summary.seconds.total = reading + run.clock.elapsed().as_secs_f64();

@@ -157,7 +157,7 @@ fn conditions(
             if cracks.load(&full, &table, problem, context)? {
                 continue;
             }
-            let Some(index) = problem.sides.iter().position(|side| side.name == full) else {
+            let Some(index) = problem.side(&full) else {
                 let own = problem.sides.iter().filter_map(|side| side.name.strip_prefix(&format!("{name}.")));
                 let help = suggestion(side, own.collect::<Vec<_>>().into_iter());
                 return Err(DataError::new(
@@ -201,7 +201,7 @@ fn named_sides<'a>(field: &Field<'a>, problem: &Problem) -> Result<(Vec<usize>, 
     }
     let side = |name: &Field<'_>| {
         let text = name.text()?;
-        problem.sides.iter().position(|side| side.name == text).ok_or_else(|| {
+        problem.side(text).ok_or_else(|| {
             let message = format!("there is no side {text:?}");
             DataError::new(Kind::UnknownKey, name.item.place, message, side_like(text, problem))
         })

@@ -64,16 +64,16 @@ pub struct Report<'a> {
     pub reach: Vec<ReachSummary>,
 }
 
-/// The numbers of a run with all outcomes of its random input; `rows` are those of the contact table.
+/// The numbers of a run with all outcomes of its random input; `report` is that of its last solution, `rows` are those of the
+/// contact table.
 pub fn answer<M: Model>(
     scene: &Scene,
     run: &Run<M>,
+    report: Report<'_>,
     rows: &[ContactRow],
     outcomes: Option<&StochasticResult>,
 ) -> Summary {
-    let mut report = M::report(scene, run);
-    let Report { energies, contact, .. } = report;
-    let (mut probe, exterior) = (std::mem::take(&mut report.probe), report.exterior.take());
+    let Report { energies, contact, mut probe, exterior, .. } = report;
     tell_unbounded(scene, rows, &mut probe, report.exact);
     let mut doubts = report.doubts;
     doubts.extend(exterior.iter().filter_map(MediumSummary::doubt));
