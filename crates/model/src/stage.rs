@@ -19,6 +19,8 @@ pub enum Stage<'a> {
     Interface(&'a Trace, &'a Transfer),
     /// A stiffness matrix reduced to some unknowns: its name and what these are.
     Condensed(&'static str, &'static str, &'a Mat<f64>),
+    /// The step begins once more, after a fault of the linear algebra: what was handed over of it does not count.
+    Again,
     /// A part of the work begins; the number is its share of the work of the step that is then done, 0 to 1.
     Progress(&'static str, f64),
 }

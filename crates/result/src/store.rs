@@ -92,8 +92,14 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
             let meaning = label("stress", "stiffness matrix, all other unknowns eliminated", &axes);
             save_dense(&matrices(&step)?, name, matrix.as_ref(), &meaning)
         }
+        Stage::Again => unlink(&step, "matrices"),
         Stage::Progress(..) => Ok(()),
     }
+}
+
+/// Takes an entry away, if it is there.
+fn unlink(group: &Group, name: &str) -> Result<(), IoError> {
+    if group.link_exists(name) { group.unlink(name).map_err(|e| invalid(group, name, e.to_string())) } else { Ok(()) }
 }
 
 /// Copies the matrices of the first steps of another file, as many as it has; `number` is that of these steps.
@@ -185,10 +191,7 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
         outcomes::write(&create_group(file, "stochastic")?, result)?;
     }
     // the matrices of a step that was stopped
-    let unfinished = format!("/steps/{}", steps::name(count));
-    if file.link_exists(&unfinished) {
-        file.unlink(&unfinished).map_err(|e| invalid(file, "steps", e.to_string()))?;
-    }
+    unlink(file, &format!("/steps/{}", steps::name(count)))?;
     let matrices = format!("{last}/matrices");
     if file.link_exists(&matrices) {
         file.link_hard(&matrices, "/matrices").map_err(|e| invalid(file, "matrices", e.to_string()))?;

@@ -236,7 +236,13 @@ pub fn run<M: Model>(
             0 | 1 => observe(number, Event::Stage(stage)),
             _ => Err(SolveError::Interrupted),
         };
-        let advanced = once_more(|| M::advance(scene, &progress, &mut cache, &mut watched));
+        let mut begun = false;
+        let advanced = once_more(|| {
+            if std::mem::replace(&mut begun, true) {
+                watched(Stage::Again)?;
+            }
+            M::advance(scene, &progress, &mut cache, &mut watched)
+        });
         let Advanced { solved, matrices, step, next } = match (advanced, last) {
             (Err(SolveError::Interrupted), Some(last)) => {
                 return Ok(Run { last, matrices: None, progress, reason: Reason::Interrupted, error: None, clock });
