@@ -6,7 +6,7 @@
 //! run::adaptive_loop::run of BoundaryElements, of OnGrid: one loop, two models
 //! ```
 //!
-//! [`solve`] goes all of that way:
+//! [`solve()`] goes all of that way:
 //!
 //! ```
 //! use steklov_model::prelude::*;

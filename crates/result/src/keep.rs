@@ -2,7 +2,7 @@
 
 use steklov_io::vtkhdf::Grid;
 use steklov_io::{File, Group, IoError, invalid, vtkhdf};
-use steklov_model::data::on_mesh::Data;
+use steklov_model::data::on_mesh::OnMesh;
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{Model, Progress, Run, Step};
@@ -70,7 +70,7 @@ impl Keep for BoundaryElements {
 
     fn fields(scene: &Scene, run: &Run, outcomes: Option<&StochasticResult>) -> Fields {
         let solved: &Solved = &run.last;
-        let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
+        let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
         let (mut traction, mut prescribed) = (Vec::new(), Vec::new());
         for e in 0..solved.mesh.len() {
             let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
@@ -111,7 +111,7 @@ impl Keep for OnGrid {
     fn fields(scene: &Scene, run: &Run<Self>, _: Option<&StochasticResult>) -> Fields {
         let solved = &run.last;
         let Trace { mesh, space, .. } = solved.trace();
-        let data = Data { scene, mesh, space };
+        let data = OnMesh { scene, mesh, space };
         let traction = |e: usize| {
             let (point, [nx, ny]) = (mesh.point(e, 0.0), mesh.normal(e, 0.0));
             let [xx, yy, xy] = solved.at(point).1;

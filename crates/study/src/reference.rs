@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_algebra::dot;
 use steklov_bem_operators::{Mark, Mesh, PairCache, Piece, Space, Subdivision};
-use steklov_model::data::on_mesh::Data;
+use steklov_model::data::on_mesh::OnMesh;
 use steklov_model::data::parts::pieces;
 use steklov_model::doubt::Doubt;
 use steklov_model::error::SolveError;
@@ -263,7 +263,7 @@ fn distance(
         Some(outside) => {
             // the jumps of the two meshes differ by what the nodes of one leave of it
             let space = Space::new(mesh);
-            let jump = Data { scene, mesh, space: &space }.jump()?;
+            let jump = OnMesh { scene, mesh, space: &space }.jump()?;
             let xi: Vec<f64> = displacement.iter().zip(&jump).map(|(u, jump)| u - jump).collect();
             let mut apart = prolong(mesh, &xi, &exact);
             apart.iter_mut().zip(outside.displacement(&exact.displacement)).for_each(|(a, b)| *a -= b);

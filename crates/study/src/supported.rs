@@ -3,7 +3,7 @@
 use faer::Mat;
 use steklov_bem_operators::{Dof, Mesh, Operators, Space, Steklov, TractionMap};
 use steklov_elastic::plane::dot;
-use steklov_model::data::on_mesh::Data;
+use steklov_model::data::on_mesh::OnMesh;
 use steklov_model::data::supports::Supports;
 use steklov_model::error::SolveError;
 use steklov_model::mesh::first_mesh::first_mesh;
@@ -31,7 +31,7 @@ impl Supported {
     /// As [`steklov_model::solve::one_mesh::solve`], of prescribed displacements and operators.
     pub(super) fn new(scene: &Scene, mesh: Mesh) -> Result<Self, SolveError> {
         let space = Space::new(&mesh);
-        let held = Data { scene, mesh: &mesh, space: &space }.held()?;
+        let held = OnMesh { scene, mesh: &mesh, space: &space }.held()?;
         let supports = Supports { space: &space, held: &held };
         let (fixed, motions) = (supports.dofs(), scene.unresisted(0, supports.free_motions()));
         let operators = Operators::assemble(&mesh, &space, &scene.body().material(), None)?;

@@ -6,7 +6,7 @@ use crate::answer::normals::Normals;
 use crate::answer::reach::Entered;
 use crate::answer::report::summary_of_sides;
 use crate::data::joints::Joint;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::doubt::Doubt;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, Trace, max_pressure};
@@ -23,7 +23,7 @@ pub(crate) fn interfaces(
     located: Option<&[Located]>,
 ) -> Vec<InterfaceSummary> {
     let trace = solved.trace();
-    let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
+    let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
     let normals = |interface: &Interface| {
         let joint = joints
             .iter()
@@ -43,7 +43,7 @@ pub(crate) fn interfaces(
 
 /// Places where bodies lie in each other beyond the relative error of their displacements.
 pub(crate) fn reach(scene: &Scene, solved: &Solved, joints: &[Joint], error: f64) -> Vec<ReachSummary> {
-    let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
+    let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
     let name = |body: usize| scene.problem.bodies[body].name.clone();
     let told = |Entered { bodies, point, depth }| ReachSummary { bodies: bodies.map(name), point, depth };
     data.entered(&solved.displacement, joints, error).into_iter().map(told).collect()

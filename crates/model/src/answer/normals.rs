@@ -22,7 +22,7 @@ use steklov_problem::{Friction, Law};
 use steklov_quadrature::gauss_legendre;
 
 use crate::data::joints::Joint;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::solve::fields::ElasticField;
 
 /// Gauss points on a cell.
@@ -59,7 +59,7 @@ struct Point {
     stretch: f64,
 }
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// What the direction decides on an interface of contact.
     pub(crate) fn normals(&self, joint: &Joint, field: ElasticField<'_>) -> Normals {
         // the normals of one side are those of contact with a partner that gives way to it

@@ -16,7 +16,7 @@ use steklov_quadrature::{gauss_legendre, project};
 
 use crate::answer::bernstein::{bernstein, halves};
 use crate::data::joints::Joint;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 
 /// Degrees beyond those of displacements in which curves are followed.
 const MORE: usize = 8;
@@ -45,7 +45,7 @@ pub struct Entered {
 /// Control points of a piece of a moved element.
 type Piece = Vec<[f64; 2]>;
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// The deepest place of every pair of bodies where they lie in each other beyond the relative `error` of the displacements.
     pub(crate) fn entered(&self, displacement: &[f64], joints: &[Joint], error: f64) -> Vec<Entered> {
         let outline = &self.scene.problem.outline;
@@ -251,7 +251,7 @@ struct HeldApart {
 }
 
 impl HeldApart {
-    fn new(data: &Data<'_>, joints: &[Joint]) -> Self {
+    fn new(data: &OnMesh<'_>, joints: &[Joint]) -> Self {
         let (problem, mesh) = (&data.scene.problem, data.mesh);
         let none = || vec![Vec::new(); mesh.len()];
         let mut apart = Self { seeing: none(), seen: none(), sides: none(), bodies: none() };

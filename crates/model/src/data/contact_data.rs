@@ -7,11 +7,11 @@ use steklov_problem::{Contact, DataError, DataErrorKind, Friction};
 
 use crate::data::body_load::Particulars;
 use crate::data::joints::Joint;
-use crate::data::on_mesh::{Data, Function};
+use crate::data::on_mesh::{Function, OnMesh};
 use crate::data::supports::Held;
 use crate::error::SolveError;
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// Contact on the bubbles; gap and held displacements are those of the field without the particular solution.
     pub(crate) fn contact_bubbles(
         &self,

@@ -14,7 +14,7 @@ use steklov_elastic::plane::{cross, turned};
 use steklov_expression::Expression;
 use steklov_problem::{Interface, Law, Seen, Tie};
 
-use crate::data::on_mesh::{Data, Function};
+use crate::data::on_mesh::{Function, OnMesh};
 use crate::data::supports::Held;
 use crate::error::SolveError;
 
@@ -57,7 +57,7 @@ const ALIGNED: f64 = 1e-14;
 /// Part of an element that may stay uncovered.
 const UNCOVERED: f64 = 1e-8;
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// The interfaces between bodies.
     pub(crate) fn joints(&self) -> Result<Vec<Joint>, SolveError> {
         let problem = &self.scene.problem;

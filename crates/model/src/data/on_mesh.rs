@@ -15,7 +15,7 @@ use crate::data::supports::Held;
 use crate::error::SolveError;
 
 /// A scene on a mesh.
-pub struct Data<'a> {
+pub struct OnMesh<'a> {
     /// The scene.
     pub scene: &'a Scene,
     /// The elements.
@@ -62,7 +62,7 @@ const ROUNDING: f64 = 1e-14;
 /// An element of degree 1 and the moments of its traction against the functions of its ends.
 pub type SideLoad = (usize, [[f64; 2]; 2]);
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// The material of the body of an element.
     pub(crate) fn material_of(&self, e: usize) -> Material {
         let problem = &self.scene.problem;

@@ -15,13 +15,13 @@ use steklov_expression::Expression;
 use steklov_problem::Condition;
 use steklov_quadrature::gauss_legendre;
 
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 use crate::solve::body::Factors;
 use crate::solve::contact::{ContactFactors, ContactResult};
 use crate::solve::solution::Solved;
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// ∫ t·w over the held sides, without the particular solution in w (energy: force/thickness times length).
     pub(crate) fn held_work(&self, solved: &Solved) -> Result<f64, SolveError> {
         let mut work = 0.0;

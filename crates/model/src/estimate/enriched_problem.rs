@@ -5,7 +5,7 @@ use steklov_contact::{ContactBubble, Frozen};
 use steklov_elastic::plane::{dot, solve2};
 use steklov_problem::Condition;
 
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::interface_residual::FacingLoad;
 
@@ -44,7 +44,7 @@ impl Frame {
 }
 
 /// What is free of every bubble: all, less what is held, less what the contact state prescribes. Another body gives way.
-pub(crate) fn frames(data: &Data<'_>, bubbles: &[ContactBubble], facing: &[FacingLoad]) -> Vec<Frame> {
+pub(crate) fn frames(data: &OnMesh<'_>, bubbles: &[ContactBubble], facing: &[FacingLoad]) -> Vec<Frame> {
     let mesh = data.mesh;
     let mut frames: Vec<Frame> = (0..mesh.len())
         .map(|e| match &data.scene.problem.sides[mesh.side[e]].condition {

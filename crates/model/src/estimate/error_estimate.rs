@@ -19,7 +19,7 @@ use steklov_problem::{Indicator, Refine, Scene};
 
 use crate::answer::singular_points::strong_vertices;
 use crate::data::joints::Joint;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::doubt::Doubt;
 use crate::error::SolveError;
 use crate::estimate::elastic::{Elastic, EnrichedBody};
@@ -133,7 +133,7 @@ pub fn estimate(
 ) -> Result<(Estimate, Unseen), SolveError> {
     let Solved { mesh, space, .. } = solved;
     let elastic = Elastic::new(enriched, factors);
-    let data = Data { scene, mesh, space };
+    let data = OnMesh { scene, mesh, space };
     let bubbles = match (&solved.contact, &factors.contact) {
         (Some(contact), Some(part)) => data.contact_bubbles(&contact.boundary, &part.sets, &solved.particular)?,
         _ => Vec::new(),
@@ -201,7 +201,7 @@ pub fn estimate(
 
 /// ρ_u, with what contact and other bodies do on the bubbles.
 fn bubble_residual(
-    data: &Data<'_>,
+    data: &OnMesh<'_>,
     factors: &Factors,
     elastic: &Elastic<'_>,
     bubbles: &[ContactBubble],
@@ -236,7 +236,7 @@ fn bubble_residual(
 
 /// η_u², η_ψ² and η_g² of the elements, overlaps left out, and the sum of the η_g² of held displacements.
 fn indicators(
-    data: &Data<'_>,
+    data: &OnMesh<'_>,
     solved: &Solved,
     elastic: &Elastic<'_>,
     (bubbles, frames): (&[ContactBubble], &[Frame]),
@@ -306,7 +306,7 @@ fn combined_error(indicators: &[Bubble], correction: f64, unseen: f64, held: f64
 
 /// What loads and bounds have between the points that the elements' degrees follow, of each element.
 fn unresolved(
-    data: &Data<'_>,
+    data: &OnMesh<'_>,
     solved: &Solved,
     factors: &Factors,
     bubbles: &[ContactBubble],
@@ -337,7 +337,7 @@ fn doubts(scene: &Scene, solved: &Solved, (unresolved, overlaps): (&[f64], &[Ove
 /// Adds the energies of overlaps that are more than the indicators of their elements, and returns these overlaps. What a gap does
 /// between the nodes of closed elements is their oscillation.
 fn hidden_overlaps(
-    data: &Data<'_>,
+    data: &OnMesh<'_>,
     (solved, joints): (&Solved, &[Joint]),
     scale: f64,
     closed: &[usize],

@@ -12,7 +12,7 @@ use steklov_problem::Law;
 use steklov_quadrature::{gauss_legendre, legendre_p, project as legendre_project};
 
 use crate::data::joints::Joint;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::solve::fields::ElasticField;
 
 /// What is left apart below this part of the displacements is none.
@@ -40,7 +40,7 @@ pub(crate) struct Nonconformity {
     pub(crate) energies: Vec<(usize, f64)>,
 }
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// The loads of all elements on both sides of closed or tied interfaces; `bubbles` are those of the contact elements.
     pub(crate) fn facing_loads(
         &self,

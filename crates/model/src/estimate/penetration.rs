@@ -14,7 +14,7 @@ use steklov_quadrature::{Series, gauss_legendre, project};
 
 use crate::answer::bernstein::{bernstein, halves};
 use crate::data::joints::Joint;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 
 /// A part of a contact element in which the body lies in the obstacle.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -45,7 +45,7 @@ const SHORTEST: f64 = 1e-9;
 /// Depths are known to this part of themselves.
 const PRECISE: f64 = 0.2;
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// The overlaps deeper than `least` of an element, of a nodal displacement, in the order of the elements, but for those of
     /// `closed`. Against other bodies displacements are relative ones.
     pub(crate) fn overlaps(

@@ -7,7 +7,7 @@ use steklov_contact::{ContactResidual, ContactSolution, Multiplier, contact_resi
 use steklov_expression::Expression;
 use steklov_problem::Condition;
 
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 use crate::solve::solution::Solved;
 
@@ -27,7 +27,7 @@ impl Residual {
     }
 }
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// Residual indicators of some elements.
     pub fn residuals(&self, solved: &Solved, elements: Range<usize>, look: Look) -> Result<Vec<Residual>, SolveError> {
         let body = solved.particular.of(0);

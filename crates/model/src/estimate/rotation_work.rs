@@ -7,14 +7,14 @@
 use steklov_quadrature::gauss_legendre;
 
 use crate::data::joints::Joint;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::solve::body::Body;
 use crate::solve::solution::Solved;
 
 /// Gauss points beyond those of polynomials.
 const MORE: usize = 16;
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// What J gains by δ, to first order, `homogeneous` the nodal displacement without particular solutions.
     pub(crate) fn turning_work(&self, solved: &Solved, body: &Body, homogeneous: &[f64]) -> f64 {
         let of_joint =

@@ -3,7 +3,7 @@
 use steklov_bem_operators::Look;
 use steklov_problem::Scene;
 
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::doubt::Doubt;
 use crate::error::SolveError;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF};
@@ -36,7 +36,7 @@ const GROUP: usize = 64;
 /// errors anywhere mostly shows in the first group: residuals of polynomials reach everywhere.
 fn leaves_less(scene: &Scene, solved: &Solved, error: f64) -> Result<bool, SolveError> {
     let Solved { mesh, space, .. } = solved;
-    let data = Data { scene, mesh, space };
+    let data = OnMesh { scene, mesh, space };
     let mut left = 0.0;
     for start in (0..mesh.len()).step_by(GROUP) {
         let group = start..(start + GROUP).min(mesh.len());

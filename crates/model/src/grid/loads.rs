@@ -6,7 +6,7 @@ use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Scene};
 
 use super::estimate::Tractions;
 use super::trace::GridTrace;
-use crate::data::on_mesh::{Data, SideLoad};
+use crate::data::on_mesh::{OnMesh, SideLoad};
 use crate::error::SolveError;
 
 /// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
@@ -16,7 +16,7 @@ pub(super) fn loads(
     fine: &GridTrace,
 ) -> Result<(Loads, Tractions), SolveError> {
     let (mut loads, mut tractions) = (Loads::default(), Tractions::default());
-    let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
+    let data = OnMesh { scene, mesh: &fine.mesh, space: &fine.space };
     for e in 0..fine.mesh.len() {
         if let Condition::Displacement { values, .. } = &scene.problem.sides[fine.mesh.side[e]].condition {
             let given = values.each_ref().map(|value| value.is_none().then_some(0.0));

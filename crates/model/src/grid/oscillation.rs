@@ -9,7 +9,7 @@ use steklov_problem::Scene;
 use steklov_quadrature::gauss_legendre;
 
 use super::trace::GridTrace;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 
 /// Part of a square that rounding leaves of what is resolved.
@@ -68,7 +68,7 @@ fn bilinear(moments: &[f64; 8], area: f64) -> f64 {
 }
 
 fn of_tractions(scene: &Scene, body: &HeterogeneousBody, fine: &GridTrace) -> Result<f64, SolveError> {
-    let data = Data { scene, mesh: &fine.mesh, space: &fine.space };
+    let data = OnMesh { scene, mesh: &fine.mesh, space: &fine.space };
     let mut sum = 0.0;
     data.each_traction(&mut |side, name, expression, _, direction| {
         if expression.constant().is_some() {

@@ -15,7 +15,7 @@ use super::loads::{check_gaps, loads};
 use super::solution::{CoarseSolved, GridSolved};
 use super::system::{Answer, System, without_motions};
 use super::trace::GridTrace;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::data::supports::Held;
 use crate::energies::Energies;
 use crate::error::SolveError;
@@ -138,7 +138,7 @@ fn solve_fine(
     observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<(GridSolved, Vec<bool>), SolveError> {
     let clock = Instant::now();
-    let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
+    let data = OnMesh { scene, mesh: &trace.mesh, space: &trace.space };
     let held = data.held()?;
     check_gaps(scene, &trace)?;
     let boundary = data.contact(&held, &[])?;
@@ -360,11 +360,11 @@ fn solve_coarse(
     let basis = basis(scene);
     let mut problem = Multiscale::new(&body, mesh, basis)?;
     let (trace, at_boundary) = coarse_trace(scene, &problem)?;
-    let data = Data { scene, mesh: &trace.mesh, space: &trace.space };
+    let data = OnMesh { scene, mesh: &trace.mesh, space: &trace.space };
     let held = data.held()?;
     check_gaps(scene, &trace)?;
     let boundary = data.contact(&held, &[])?;
-    let fine_held = Data { scene, mesh: &fine.mesh, space: &fine.space }.held()?;
+    let fine_held = OnMesh { scene, mesh: &fine.mesh, space: &fine.space }.held()?;
     let lift = lift(&problem, &fine, &fine_held, &trace, &held);
     let extra = Extra { bubbles: !loads.body.is_empty() && basis != Basis::Q1 && basis.is_conforming(), lift };
     let set_up = clock.elapsed().as_secs_f64();

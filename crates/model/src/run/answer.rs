@@ -9,7 +9,7 @@ use crate::answer::interfaces;
 use crate::answer::report::{contact_summary, located};
 use crate::answer::singular_points::tell_unbounded;
 use crate::answer::small_strain::is_large;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::doubt::Doubt;
 use crate::energies::Energies;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF};
@@ -165,7 +165,7 @@ pub(crate) fn report_of_boundary<'a>(scene: &Scene, run: &'a Run) -> Report<'a> 
     let (mut interfaces, mut reach) = (Vec::new(), Vec::new());
     if scene.problem.has_several_bodies() {
         let rows = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
-        let data = Data { scene, mesh: &solved.mesh, space: &solved.space };
+        let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
         // a mesh that was solved has them
         let joints = data.joints().unwrap_or_default();
         let located = located(scene, &run.step().layout.located);

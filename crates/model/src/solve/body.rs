@@ -9,7 +9,7 @@ use steklov_problem::Scene;
 use crate::data::body_load::{Particular, Particulars, energies_of};
 use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::work;
-use crate::data::on_mesh::{Data, Loads};
+use crate::data::on_mesh::{Loads, OnMesh};
 use crate::data::parts::Assembled;
 use crate::data::supports::{Held, Supports};
 use crate::energies::Energies;
@@ -47,7 +47,7 @@ pub struct Body {
 }
 
 /// What acts on a body.
-pub struct Given {
+pub struct Loading {
     pub(crate) loads: Loads,
     /// By the bodies.
     pub(crate) particular: Vec<Option<Particular>>,
@@ -66,7 +66,7 @@ pub struct Given {
     extra_load: Vec<f64>,
 }
 
-impl Given {
+impl Loading {
     pub(crate) fn new(
         loads: Loads,
         particular: Vec<Option<Particular>>,
@@ -132,7 +132,7 @@ impl Body {
     pub(crate) fn answer(
         &self,
         scene: &Scene,
-        mut given: Given,
+        mut given: Loading,
         solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
     ) -> Result<(Solved, Factors), SolveError> {
         let Self { mesh, space, condensation, .. } = self;
@@ -173,7 +173,7 @@ impl Body {
             (_, Some(u)) => (self.fields(&given, &u, &forces, friction_work).homogeneous, total, 0.0),
             (_, None) => (homogeneous, total, 0.0),
         };
-        let data = Data { scene, mesh, space };
+        let data = OnMesh { scene, mesh, space };
         let particular = Particulars::new(&self.pieces, &given.particular);
         let of_corner = |e: usize, j: usize| data.traction_moment(&field, &particular, e, j);
         let reactions = reactions(scene, (&supports, mesh), &residual.values, contact.as_ref(), of_corner);
@@ -242,7 +242,7 @@ impl Body {
     /// The nodal displacement under what acts on the body, and its contact, whose boundary is taken.
     fn displacement(
         &self,
-        given: &mut Given,
+        given: &mut Loading,
         solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
     ) -> Result<(Vec<f64>, Option<Contacted>), SolveError> {
         let Self { mesh, space, condensation, .. } = self;
@@ -274,7 +274,7 @@ impl Body {
     }
 
     /// The elastic field of a nodal displacement and its energies.
-    fn fields(&self, given: &Given, displacement: &[f64], forces: &[f64], friction_work: f64) -> Fields {
+    fn fields(&self, given: &Loading, displacement: &[f64], forces: &[f64], friction_work: f64) -> Fields {
         let mut homogeneous = displacement.to_vec();
         for (body, p) in self.pieces.iter().zip(&given.particular) {
             let displacement = p.iter().flat_map(|p| &p.displacement);

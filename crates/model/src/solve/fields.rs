@@ -5,7 +5,7 @@ use std::ops::Range;
 use steklov_bem_operators::{BoundaryField, Inside, Mesh, ParticularSolution, Trace};
 
 use crate::data::body_load::Particulars;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 
 /// The fields of all bodies of a mesh, without particular solutions.
 #[derive(Debug, Clone)]
@@ -109,7 +109,7 @@ impl ElasticField<'_> {
     }
 }
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// ∫ t φ_j over element e of the whole traction, for its local node j.
     pub fn traction_moment(&self, field: &Field, particular: &Particulars, e: usize, j: usize) -> [f64; 2] {
         let basis = self.space.basis(e);

@@ -14,11 +14,11 @@ use steklov_elastic::RigidMotion;
 
 use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::nodal_work;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
 use crate::data::supports::Supports;
 use crate::error::SolveError;
-use crate::solve::body::Given;
+use crate::solve::body::Loading;
 use crate::solve::rotations::{missed, rigid_load};
 
 /// Squared part of a constraint below which a motion does not meet it.
@@ -53,7 +53,7 @@ struct Constraints {
     firm: Vec<Vec<f64>>,
 }
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// The motions that move bodies without a held displacement, a tie, an approach or, with friction, a slip
     /// of a contact; no load may do work on them.
     ///
@@ -64,7 +64,7 @@ impl Data<'_> {
         bodies: &[Assembled],
         joints: &[Joint],
         supports: &Supports<'_>,
-        given: &Given,
+        given: &Loading,
         tied: &[TiedNode],
     ) -> Result<Loose, SolveError> {
         let motions = self.motions_of(bodies);
@@ -142,7 +142,7 @@ impl Data<'_> {
         bodies: &[Assembled],
         motions: &[Motion],
         supports: &Supports<'_>,
-        given: &Given,
+        given: &Loading,
         tied: &[TiedNode],
     ) -> Constraints {
         let body_of = |node: usize| bodies.iter().position(|b| b.piece.nodes.contains(&node)).unwrap_or(0);

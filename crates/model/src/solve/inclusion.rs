@@ -22,7 +22,7 @@ use steklov_expression::Expression;
 use steklov_problem::Scene;
 use steklov_quadrature::legendre_p;
 
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 use crate::solve::assemble::operators;
 use crate::solve::medium::Around;
@@ -49,8 +49,8 @@ impl Outside {
     ///
     /// # Errors
     /// Those of [`Operators::assemble`] and [`Steklov::new`]; a jump that is not finite.
-    pub(crate) fn new(data: &Data<'_>, estimated: bool, cache: &mut PairCache) -> Result<Option<Self>, SolveError> {
-        let Data { scene, mesh, space } = *data;
+    pub(crate) fn new(data: &OnMesh<'_>, estimated: bool, cache: &mut PairCache) -> Result<Option<Self>, SolveError> {
+        let OnMesh { scene, mesh, space } = *data;
         let Some(medium) = scene.surroundings().filter(|_| scene.is_inclusion()) else { return Ok(None) };
         let material = medium.material;
         let domain = match medium.radiation {
@@ -107,7 +107,7 @@ impl Outside {
     }
 
     /// The medium of a solution; `loads` are the nodal values of t0.
-    pub(crate) fn around(&self, data: &Data<'_>, u: &[f64], loads: &[f64]) -> Option<Around> {
+    pub(crate) fn around(&self, data: &OnMesh<'_>, u: &[f64], loads: &[f64]) -> Option<Around> {
         let xi = self.displacement(u);
         let force = [0, 1].map(|i| loads.iter().skip(i).step_by(2).sum());
         let balance = Balance { force, scale: loads.iter().map(|f| f.abs()).sum() };
@@ -124,7 +124,7 @@ impl Outside {
     }
 }
 
-impl Data<'_> {
+impl OnMesh<'_> {
     /// The jump u0 of the displacement from the medium to the body at every node, that of the remote stress included; interleaved.
     pub fn jump(&self) -> Result<Vec<f64>, SolveError> {
         let (scene, mesh, space) = (self.scene, self.mesh, self.space);

@@ -11,12 +11,12 @@ use steklov_problem::{Multiplier, Scene};
 use crate::data::body_load::Particular;
 use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::unresisted;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::data::parts::{Assembled, pieces};
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
 use crate::solve::assemble::operators;
-use crate::solve::body::{Body, Factors, Given};
+use crate::solve::body::{Body, Factors, Loading};
 use crate::solve::contact_solver::solve_problem;
 use crate::solve::free_bodies::Loose;
 use crate::solve::inclusion::Outside;
@@ -56,8 +56,8 @@ fn partition(
 
 /// The motions that neither supports nor contact resist.
 fn free_motions(
-    data: &Data<'_>,
-    given: &Given,
+    data: &OnMesh<'_>,
+    given: &Loading,
     bodies: &[Assembled],
     candidates: &[RigidMotion],
     missed: f64,
@@ -71,7 +71,7 @@ fn free_motions(
 
 /// S of every body, and what else its assembly leaves.
 fn assemble(
-    data: &Data<'_>,
+    data: &OnMesh<'_>,
     estimated: bool,
     cache: &mut PairCache,
     seconds: &mut Seconds,
@@ -102,12 +102,12 @@ fn assemble(
 /// The motions that neither supports nor interfaces resist, as such of one body and as nodal vectors; what nodal values of rotations
 /// miss on curves is taken out of the matrices, that it does not resist them.
 fn unresisted_motions(
-    data: &Data<'_>,
+    data: &OnMesh<'_>,
     bodies: &mut [Assembled],
     (joints, tied): (&[Joint], &[TiedNode]),
     held: &[Held],
     matrices: &mut [Mat<f64>],
-    given: &mut Given,
+    given: &mut Loading,
 ) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
     let space = data.space;
     let supports = Supports { space, held };
@@ -160,7 +160,7 @@ pub fn solve(
     let mut seconds = Seconds::default();
     observe(Stage::Progress("loads and supports", 0.0))?;
     let space = Space::new(&mesh);
-    let data = Data { scene, mesh: &mesh, space: &space };
+    let data = OnMesh { scene, mesh: &mesh, space: &space };
     let held = data.held()?;
     let loads = data.load()?;
     let joints = data.joints()?;
@@ -181,7 +181,7 @@ pub fn solve(
     let supports = Supports { space: &space, held: &held };
     let mut values = supports.values();
     values.extend(tied.iter().map(|tied| tied.jump));
-    let mut given = Given::new(loads, particular, boundary, values, &bodies);
+    let mut given = Loading::new(loads, particular, boundary, values, &bodies);
     if let Some(outside) = &outside {
         given.load.iter_mut().zip(&outside.load).for_each(|(f, jump)| *f += jump);
     }

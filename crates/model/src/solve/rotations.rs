@@ -6,10 +6,10 @@ use steklov_algebra::dot;
 use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::RigidMotion;
 
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
 use crate::error::SolveError;
-use crate::solve::body::Given;
+use crate::solve::body::Loading;
 
 /// Part of a rigid motion that its nodal values miss between the nodes: 0 but for a rotation of a body with curves, whose
 /// points are no polynomials of low degree.
@@ -40,8 +40,8 @@ pub(crate) fn missed(mesh: &Mesh, space: &Space, motions: &[RigidMotion]) -> f64
 
 /// A space that follows rotations to rounding, where that of the mesh does not, and the nodal load (x, y) of it.
 pub(crate) fn rigid_load(
-    data: &Data<'_>,
-    given: &Given,
+    data: &OnMesh<'_>,
+    given: &Loading,
     bodies: &[Assembled],
     missed: f64,
 ) -> Result<Option<(Space, Vec<f64>)>, SolveError> {
@@ -51,7 +51,7 @@ pub(crate) fn rigid_load(
     let degree = data.mesh.degree.iter().map(|p| *p.max(&ROTATIONS)).collect();
     let mesh = Mesh { degree, ..data.mesh.clone() };
     let space = Space::new(&mesh);
-    let mut load = Data { scene: data.scene, mesh: &mesh, space: &space }.load()?.nodal;
+    let mut load = OnMesh { scene: data.scene, mesh: &mesh, space: &space }.load()?.nodal;
     for (body, particular) in bodies.iter().zip(&given.particular) {
         let Some(particular) = particular else { continue };
         let part = mesh.part(body.piece.elements.clone());

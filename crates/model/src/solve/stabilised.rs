@@ -10,7 +10,7 @@ use steklov_contact::{
 };
 
 use crate::data::body_load::Particular;
-use crate::data::on_mesh::Data;
+use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 use crate::solve::contact_solver::solve_problem;
 
@@ -56,7 +56,7 @@ pub(crate) struct Body<'a> {
 }
 
 /// Solves contact with stabilised multipliers.
-pub(crate) fn solve_stabilised(data: &Data<'_>, body: &Body<'_>) -> Result<StabilisedContact, SolveError> {
+pub(crate) fn solve_stabilised(data: &OnMesh<'_>, body: &Body<'_>) -> Result<StabilisedContact, SolveError> {
     let (scene, mesh, method) = (data.scene, data.mesh, &data.scene.method);
     let sides: Vec<usize> = scene.contacts().map(|(side, _)| side).collect();
     let space = MultiplierSpace::new(mesh, &sides, method.multiplier_mesh, method.multiplier_degree)?;

@@ -16,7 +16,7 @@ use steklov_stochastic::{CellBasis, StochasticError, TensorProblem, scale_bounds
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::error::SolveError;
-use crate::solve::body::Given;
+use crate::solve::body::Loading;
 use crate::solve::contact_rows::ContactRow;
 use crate::solve::solution::Solved;
 use crate::summary::Summary;
@@ -40,7 +40,7 @@ pub(crate) fn solve_cell(
     let size = mass.nrows();
     let factor = llt(&mass).map_err(|none| none.or(|_| StochasticError::Decomposition { size }))?;
     let mixing = factor.solve(Mat::from_fn(size, size, |j, k| if j == k { basis.weights[j] } else { 0.0 })); // M_E⁻¹ D
-    let mut given: Vec<(Scene, f64, Given)> = Vec::with_capacity(size);
+    let mut given: Vec<(Scene, f64, Loading)> = Vec::with_capacity(size);
     for point in &basis.points {
         watch.check()?;
         given.push(outcomes.given(point)?);

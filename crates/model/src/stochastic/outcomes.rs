@@ -8,16 +8,16 @@ use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_problem::{Random, Scene, Solver, Uses};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
-use super::jumps::Data as DataInGerms;
+use super::jumps::OnMesh as DataInGerms;
 use super::number::Number;
 use super::result::paths_of;
 use crate::answer::report::figures;
 use crate::data::body_load::Particular;
 use crate::data::motions::unresisted;
-use crate::data::on_mesh::{Data, Loads};
+use crate::data::on_mesh::{Loads, OnMesh};
 use crate::data::supports::Supports;
 use crate::error::SolveError;
-use crate::solve::body::{Body, Factors, Given};
+use crate::solve::body::{Body, Factors, Loading};
 use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::solve::contact_solver::solve_problem;
 use crate::solve::rotations::{missed, project_load_off, rigid_load};
@@ -77,7 +77,7 @@ impl<'a> Outcomes<'a> {
     /// # Errors
     /// Data that cannot be used, a quantity that is no number of an outcome.
     pub fn new(scene: &'a Scene, random: &'a Random, body: &'a Body) -> Result<Self, SolveError> {
-        let data = Data { scene, mesh: &body.mesh, space: &body.space };
+        let data = OnMesh { scene, mesh: &body.mesh, space: &body.space };
         let in_germs = DataInGerms::new(scene, random);
         let number = |path: &String| Number::new(path).ok_or_else(|| scene.quantity_error(path));
         Ok(Self {
@@ -93,12 +93,12 @@ impl<'a> Outcomes<'a> {
     }
 
     /// The outcome as a scene, its modulus over the nominal one, and what acts on the body of the nominal modulus.
-    pub fn given(&self, germs: &[f64]) -> Result<(Scene, f64, Given), SolveError> {
+    pub fn given(&self, germs: &[f64]) -> Result<(Scene, f64, Loading), SolveError> {
         let (mesh, space): (&Mesh, &Space) = (&self.body.mesh, &self.body.space);
         let mut scene = self.scene.outcome(germs)?;
         let modulus = scene.body().material().young / self.scene.body().material().young;
         scene.body_mut().substance = self.scene.body().substance.clone();
-        let data = Data { scene: &scene, mesh, space };
+        let data = OnMesh { scene: &scene, mesh, space };
         let uses = self.uses;
         let held = if uses.held { data.held()? } else { self.body.held.clone() };
         let mut loads = if uses.loads { data.load()? } else { self.loads.clone() };
@@ -112,7 +112,7 @@ impl<'a> Outcomes<'a> {
         let product = |u: &[f64]| self.body.condensation.multiply(u);
         let particular = vec![Particular::of_body(&scene, 0, 1.0 / modulus, &pieces[0].piece, product)];
         let supports = Supports { space, held: &held };
-        let mut given = Given::new(loads, particular, boundary, supports.values(), pieces);
+        let mut given = Loading::new(loads, particular, boundary, supports.values(), pieces);
         given.judged = false;
         let candidates = scene.unresisted(0, supports.free_motions());
         let missed = missed(mesh, space, &candidates);
@@ -135,7 +135,7 @@ impl<'a> Outcomes<'a> {
     pub fn solved(
         &self,
         scene: &Scene,
-        given: Given,
+        given: Loading,
         warm: &mut Option<Solution>,
     ) -> Result<(Solved, Factors), SolveError> {
         let solver = self.scene.method.solver;

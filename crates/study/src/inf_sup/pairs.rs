@@ -12,7 +12,7 @@ use steklov_bem_operators::Mesh;
 use steklov_contact::{
     ContactError, MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms, dual_form, inf_sup, pairing,
 };
-use steklov_model::data::on_mesh::Data;
+use steklov_model::data::on_mesh::OnMesh;
 use steklov_model::error::SolveError;
 use steklov_model::solve::stabilised::SAFE;
 use steklov_problem::Scene;
@@ -149,7 +149,7 @@ fn on_mesh(scene: &Scene, mesh: Mesh, degree: usize) -> Result<Vec<Point>, Solve
             Part::All => None,
             Part::Continuous => Some(continuous(&body, &forms.space)),
             Part::Biorthogonal => {
-                let data = Data { scene, mesh: &body.mesh, space: &body.space };
+                let data = OnMesh { scene, mesh: &body.mesh, space: &body.space };
                 data.contact(&data.held()?, &[])?.map(|boundary| biorthogonal(&body, &boundary, &forms.space))
             }
         };

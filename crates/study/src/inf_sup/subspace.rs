@@ -86,7 +86,7 @@ mod tests {
 
     use super::*;
     use crate::supported::contact_sides;
-    use steklov_model::data::on_mesh::Data;
+    use steklov_model::data::on_mesh::OnMesh;
     use steklov_problem::Scene;
 
     /// A trapezium on two contact sides, one of them oblique; its left side is held in x.
@@ -120,7 +120,7 @@ displacement = ["0", "free"]
         let scene = steklov_scene::parse(SCENE, "scene", &[]).unwrap();
         for degree in [1, 2, 5] {
             let (body, full) = body(&scene, degree);
-            let data = Data { scene: &scene, mesh: &body.mesh, space: &body.space };
+            let data = OnMesh { scene: &scene, mesh: &body.mesh, space: &body.space };
             let boundary = data.contact(&data.held().unwrap(), &[]).unwrap().unwrap();
             let t = biorthogonal(&body, &boundary, &full);
             let [n, s] = pairing(&body.mesh, &body.space, &full);
