@@ -422,3 +422,26 @@ fn sides_do_not_see_what_is_behind_them() {
     assert!(error.contains("do not face each other"), "{error}");
     assert!(steklov_tests::parse(&between("[\"a.left\", \"b.right\"]"), &[]).is_ok());
 }
+
+/// Two blocks side by side on a slab, as close as their ends are in what is seen of an edge: what lies between them touches nothing.
+#[test]
+fn blocks_stand_side_by_side_however_close() {
+    let of = |gap: f64| {
+        let left = [[0.0, 0.0], [1.106, 0.0], [1.106, 0.7444], [0.0, 0.7444]];
+        let right = [[1.106 + gap, 0.0], [2.608, 0.0], [2.608, 0.9], [1.106 + gap, 0.9]];
+        let text = block("right", right, 7.266)
+            + &block("left", left, 21.25)
+            + &block("slab", [[0.0, -0.6], [2.608, -0.6], [2.608, 0.0], [0.0, 0.0]], 7.266)
+            + "[sides.right.top]\ndisplacement = [\"0\", \"-0.011\"]\n[sides.left.top]\ndisplacement = [\"0\", \"-0.006\"]\n\
+               [sides.slab.bottom]\ndisplacement = [\"0\", \"0\"]\n[[interface]]\n\
+               between = [\"slab.top\", [\"left.bottom\", \"right.bottom\"]]\ncontact = { gap = \"0\" }\n";
+        energy(&solved(&text, &["method.tolerance=1e-2"]))
+    };
+    let all = [1e-4, 1e-5, 2.87e-6, 1e-6, 3e-7, 1e-7, 1e-8].map(|gap| (gap, of(gap)));
+    let (_, least) = all[6];
+    for (gap, told) in all {
+        // a part of the width loses its energy
+        let beyond = (told[0] - least[0]).abs();
+        assert!(beyond < told[1] + least[1] + 2.0 * gap * least[0].abs(), "{gap:e}: {told:?} {least:?}");
+    }
+}

@@ -275,7 +275,9 @@ impl Problem {
             let sees = |s: f64| self.seen(interface, k, s).is_some();
             let mut spans: Vec<[f64; 2]> = Vec::new();
             for part in points.windows(2) {
-                let inset = 1e-6 * (part[1] - part[0]);
+                // feet that are at an end to rounding are seen beyond it, farther than a millionth of a short part
+                let length = part[1] - part[0];
+                let inset = (1e-6 * length).max(NEAR_END.min(length / 4.0));
                 let [a, b] = [part[0] + inset, part[1] - inset];
                 let span = match [sees(a), sees(b)] {
                     [false, false] => continue,
