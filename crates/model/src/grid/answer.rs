@@ -8,7 +8,7 @@ use super::estimate::GridEstimate;
 use super::run::OnGrid;
 use super::solution::GridSolved;
 use crate::run::adaptive_loop::Run;
-use crate::run::answer::Report;
+use crate::run::report::Report;
 use crate::solve::medium::Around;
 use crate::summary::{GridSummary, Probe};
 

@@ -9,7 +9,7 @@ use super::solution::GridSolved;
 use super::solve::solve_grid;
 use crate::error::SolveError;
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, seconds_of};
-use crate::run::answer::Report;
+use crate::run::report::Report;
 use crate::stage::Stage;
 
 /// Dörfler's θ where the scene has none.

@@ -16,9 +16,9 @@ use steklov_algebra::once_more;
 use steklov_problem::Scene;
 
 use crate::error::SolveError;
-use crate::run::answer::Report;
 use crate::run::boundary_elements::BoundaryElements;
 use crate::run::memory::Lack;
+use crate::run::report::Report;
 use crate::solve::solution::Seconds;
 use crate::stage::Stage;
 use crate::stochastic::StochasticResult;

@@ -1,6 +1,6 @@
 //! The numbers of a run.
 
-use steklov_contact::{Kkt, Located};
+use steklov_contact::Kkt;
 use steklov_coupling::Radiation;
 use steklov_elastic::plane::norm;
 use steklov_problem::{Scene, Solver, facets};
@@ -11,58 +11,19 @@ use crate::answer::singular_points::tell_unbounded;
 use crate::answer::small_strain::is_large;
 use crate::data::on_mesh::OnMesh;
 use crate::doubt::Doubt;
-use crate::energies::Energies;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF};
 use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
+use crate::run::report::Report;
 use crate::solve::contact::ContactResult;
-use crate::solve::contact_rows::{ContactRow, Trace, contact_rows};
+use crate::solve::contact_rows::{ContactRow, contact_rows};
 use crate::solve::medium::Around;
 use crate::solve::solution::Solved;
 use crate::stochastic::{self, StochasticResult};
-use crate::summary::{
-    Audit, BodySummary, ContactSummary, GridSummary, InterfaceSummary, MediumSummary, Probe, ReachSummary,
-    SecondsSummary, Summary, peak_memory_bytes,
-};
+use crate::summary::{Audit, BodySummary, ContactSummary, MediumSummary, SecondsSummary, Summary, peak_memory_bytes};
 
 /// Part of the forces on the boundary below which their resultant counts as none.
 const BALANCED: f64 = 1e-6;
-
-/// What a model tells of its last solution.
-pub struct Report<'a> {
-    /// Energies.
-    pub energies: Energies,
-    /// J of the data, and how far it may be off.
-    pub energy: Option<[f64; 2]>,
-    /// The estimated error (energy norm), and over the scale of the solution.
-    pub error: Option<[f64; 2]>,
-    /// What makes the estimate unreliable.
-    pub doubts: Vec<Doubt>,
-    /// Whether the solution is known to be exact.
-    pub exact: bool,
-    /// The boundary.
-    pub trace: Trace<'a>,
-    /// Contact, if there is any.
-    pub contact: Option<&'a ContactResult>,
-    /// Where zones of contact and stick end, where that is known better than by nodes.
-    pub located: Option<&'a [Located]>,
-    /// Force of the support or obstacle on the body for each held or contacting side.
-    pub reactions: &'a [(String, [f64; 2])],
-    /// Displacement and stress at the points of the scene.
-    pub probe: Vec<Probe>,
-    /// The grid of finite elements.
-    pub grid: Option<GridSummary>,
-    /// The medium around the body, solved.
-    pub around: Option<&'a Around>,
-    /// What is told of an unbounded medium.
-    pub exterior: Option<MediumSummary>,
-    /// Several bodies.
-    pub bodies: Vec<BodySummary>,
-    /// The interfaces between them.
-    pub interfaces: Vec<InterfaceSummary>,
-    /// Places where they lie in each other.
-    pub reach: Vec<ReachSummary>,
-}
 
 /// The numbers of a run with all outcomes of its random input; `report` is that of its last solution, `rows` are those of the
 /// contact table.

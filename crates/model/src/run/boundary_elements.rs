@@ -15,8 +15,9 @@ use crate::estimate::error_estimate::{Estimate, ROUNDOFF, estimate, is_estimated
 use crate::estimate::penetration::Unseen;
 use crate::mesh::layout::Layout;
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
-use crate::run::answer::{Report, report_of_boundary};
+use crate::run::answer::report_of_boundary;
 use crate::run::memory::{Lack, lack};
+use crate::run::report::Report;
 use crate::solve::body::Body;
 use crate::solve::one_mesh::solve;
 use crate::solve::solution::Solved;

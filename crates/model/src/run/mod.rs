@@ -5,3 +5,4 @@ pub mod answer;
 pub mod boundary_elements;
 pub mod expect;
 pub mod memory;
+pub mod report;

@@ -5,10 +5,10 @@ use steklov_problem::Stochastic;
 use steklov_stochastic::{StochasticMesh, sample, solve_points};
 
 use super::events::Unanimous;
-use super::nodes::Cell;
 use super::outcome_checks::{Miss, Residual, residual};
 use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
+use super::surrogate::Cell;
 use crate::error::SolveError;
 
 /// Samples of which polynomials say whether contact or stick change there as at no node.

@@ -22,7 +22,7 @@ const WIDTHS: f64 = 1.0;
 const SIZE: f64 = 1e-3;
 
 /// The data of a scene in its germs.
-pub(crate) struct OnMesh<'a> {
+pub(crate) struct InGerms<'a> {
     random: &'a Random,
     signals: Vec<Signal>,
 }
@@ -52,7 +52,7 @@ struct Part {
     part: [f64; 2],
 }
 
-impl<'a> OnMesh<'a> {
+impl<'a> InGerms<'a> {
     pub(crate) fn new(scene: &Scene, random: &'a Random) -> Self {
         Self { random, signals: scene.signals(random) }
     }

@@ -8,25 +8,28 @@
 
 mod number;
 mod outcomes;
+mod result;
 mod coupled;
 mod events;
 mod jumps;
 mod outcome_checks;
+mod surrogate;
 mod check;
+mod nodes;
+mod effects;
 mod of_surrogate;
 mod samples;
 mod unseen;
-mod nodes;
-mod effects;
-mod result;
 mod spread;
+mod all_outcomes;
 mod estimate;
 mod json;
 
+pub use all_outcomes::solve_stochastic;
 pub(crate) use estimate::mean_estimate;
 pub use json::{json, method};
 pub use jumps::intervals;
-pub use nodes::{End, is_coupled};
+pub use nodes::is_coupled;
 pub use outcomes::Outcomes;
-pub(crate) use result::paths_of;
-pub use result::{Cells, FieldModes, Quantity, StochasticResult, solve_stochastic};
+pub(crate) use outcomes::paths_of;
+pub use result::{Cells, End, FieldModes, Quantity, StochasticResult};

@@ -10,9 +10,10 @@ use super::check::{Check, check};
 use super::coupled::solve_cell;
 use super::events::{events, slips};
 use super::jumps::split_at_cuts;
-use super::outcome_checks::{Look, Looked, Miss, look, mean_modulus};
+use super::outcome_checks::{Look, Looked, look, mean_modulus};
 use super::outcomes::{Answer, Outcomes};
-use super::result::Watch;
+use super::result::{End, Watch};
+use super::surrogate::{Cell, Surrogate, Told};
 use crate::data::supports::free_of_supports;
 use crate::error::SolveError;
 
@@ -20,113 +21,10 @@ use crate::error::SolveError;
 const SHARE: f64 = 0.7;
 /// Most rounds of refinement.
 const ROUNDS: usize = 60;
-/// Squared errors that many times those which coefficients show are of something that no node sees.
-const UNSEEN: f64 = 16.0;
 /// Largest deviation of the modulus from an affine function of its germs, relative, that rounding explains.
 const AFFINE: f64 = 1e-12;
 /// Places between the ends of a germ at which that is looked at.
 const PLACES: usize = 12;
-
-/// Why no more outcomes were solved.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum End {
-    /// Those that were asked for are solved.
-    #[default]
-    Solved,
-    /// The estimated truncation is down at the tolerance.
-    Tolerance,
-    /// The stochastic mesh has as many nodes as allowed.
-    MaxNodes,
-    /// Refinement does not lead to the tolerance.
-    Rounds,
-}
-
-impl End {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Solved, Self::Tolerance, Self::MaxNodes, Self::Rounds];
-
-    /// The word of the JSON object.
-    pub fn word(self) -> &'static str {
-        match self {
-            Self::Solved => "solved",
-            Self::Tolerance => "tolerance",
-            Self::MaxNodes => "max_nodes",
-            Self::Rounds => "rounds",
-        }
-    }
-}
-
-/// A stochastic mesh and the answers at its nodes.
-pub(crate) struct Surrogate {
-    pub(crate) mesh: StochasticMesh,
-    pub(crate) cells: Vec<Cell>,
-    /// Whether the nodes of a cell are coupled.
-    pub(crate) coupled: bool,
-    /// What is told of its errors.
-    pub(crate) told: Told,
-    pub(crate) end: End,
-    /// Points that were solved, those of cells that were refined later included.
-    pub(crate) solved: usize,
-}
-
-/// Errors of a surrogate.
-pub(crate) struct Told {
-    /// (Σ of the squared errors)^½ over the mean energy norm: as the coefficients tell it, with what the ends of cells and fresh
-    /// outcomes show, and these alone.
-    pub(crate) by_nodes: f64,
-    pub(crate) relative: f64,
-    pub(crate) measured: f64,
-    /// The squared error of each quantity.
-    pub(crate) quantities: Vec<f64>,
-    /// Outcomes solved to look at ends and at fresh outcomes.
-    pub(crate) checks: usize,
-    /// Probability in which kinks and jumps of data may have been overlooked.
-    pub(crate) undecided: f64,
-}
-
-/// A cell with its answers.
-pub(crate) struct Cell {
-    pub(crate) basis: CellBasis,
-    pub(crate) answers: Vec<Answer>,
-    /// As the coefficients tell it.
-    errors: Vec<DirectionError>,
-    /// Σ over the directions, for each quantity.
-    quantities: Vec<f64>,
-    misses: Vec<Miss>,
-    /// Probability in which kinks and jumps of data are neither found nor excluded.
-    undecided: f64,
-}
-
-impl Cell {
-    /// Errors with what nodes do not see.
-    pub(crate) fn errors(&self) -> Vec<DirectionError> {
-        let of = |(d, &seen): (usize, &DirectionError)| {
-            let misses = self.misses.iter().filter(|m| m.direction == d);
-            match misses.max_by(|a, b| a.residual.squared.total_cmp(&b.residual.squared)) {
-                Some(miss) if miss.residual.squared > seen.error => {
-                    let error = miss.residual.squared;
-                    let rough = miss.event || error > UNSEEN * seen.error;
-                    DirectionError { error, decay: if rough { 1.0 } else { seen.decay } }
-                }
-                _ => seen,
-            }
-        };
-        self.errors.iter().enumerate().map(of).collect()
-    }
-
-    /// Where to split in a direction: where what no node sees begins, if that is more than what they see, else where contact or stick
-    /// change between nodes.
-    fn cut(&self, direction: usize) -> Option<f64> {
-        let all: Vec<&Answer> = self.answers.iter().collect();
-        let missed = self.misses.iter().filter(|m| m.direction == direction && m.at.is_some());
-        missed
-            .filter(|m| m.residual.squared > self.errors[direction].error)
-            .max_by(|a, b| a.residual.squared.total_cmp(&b.residual.squared))
-            .and_then(|m| m.at)
-            .or_else(|| changes(&self.basis, direction, &events(&all)))
-            .or_else(|| changes(&self.basis, direction, &slips(&all)))
-    }
-}
 
 /// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
 /// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.

@@ -6,10 +6,10 @@ use steklov_stochastic::{density, quantiles, sample};
 
 use super::effects::{exact_effects, sampled_effect};
 use super::events::events;
-use super::nodes::{Cell, Surrogate};
 use super::number::Number;
 use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Cells, OVERLOOKED, Quantity, StochasticResult, UNDECIDED, Watch, bounds, of_grid};
+use super::surrogate::{Cell, Surrogate};
 use crate::error::SolveError;
 
 /// Most samples of a surrogate of several cells for the effects of single germs.

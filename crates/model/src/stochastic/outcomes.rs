@@ -8,9 +8,8 @@ use steklov_contact::{ContactBoundary, ContactError, Problem, Solution};
 use steklov_problem::{Random, Scene, Solver, Uses};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
-use super::jumps::OnMesh as DataInGerms;
+use super::jumps::InGerms;
 use super::number::Number;
-use super::result::paths_of;
 use crate::answer::report::figures;
 use crate::data::body_load::Particular;
 use crate::data::motions::unresisted;
@@ -33,7 +32,7 @@ pub struct Outcomes<'a> {
     /// The numbers that are asked for.
     pub(super) numbers: Vec<Number>,
     /// The data in their germs.
-    pub(super) data: DataInGerms<'a>,
+    pub(super) data: InGerms<'a>,
     uses: Uses,
     loads: Loads,
     boundary: Option<ContactBoundary>,
@@ -78,7 +77,7 @@ impl<'a> Outcomes<'a> {
     /// Data that cannot be used, a quantity that is no number of an outcome.
     pub fn new(scene: &'a Scene, random: &'a Random, body: &'a Body) -> Result<Self, SolveError> {
         let data = OnMesh { scene, mesh: &body.mesh, space: &body.space };
-        let in_germs = DataInGerms::new(scene, random);
+        let in_germs = InGerms::new(scene, random);
         let number = |path: &String| Number::new(path).ok_or_else(|| scene.quantity_error(path));
         Ok(Self {
             scene,
@@ -225,4 +224,17 @@ fn scale(figures: &mut Summary, modulus: f64) {
     }
     figures.reactions.values_mut().flatten().for_each(|f| *f *= modulus);
     figures.probe.iter_mut().flat_map(|p| &mut p.stress).for_each(|s| *s *= modulus);
+}
+
+/// Paths of the quantities of a scene.
+pub(crate) fn paths_of(scene: &Scene, random: &Random) -> Vec<String> {
+    random.stochastic.quantities.clone().unwrap_or_else(|| default_paths(scene))
+}
+
+/// The quantities of a scene that names none.
+fn default_paths(scene: &Scene) -> Vec<String> {
+    let contact = scene.contacts().next().is_some();
+    let more: &[&str] =
+        if contact { &["contact.force.x", "contact.force.y", "contact.max_pressure", "contact.length"] } else { &[] };
+    ["energy"].iter().chain(more).map(|s| (*s).to_owned()).collect()
 }

@@ -1,0 +1,46 @@
+//! What a model tells of its last solution.
+
+use steklov_contact::Located;
+
+use crate::doubt::Doubt;
+use crate::energies::Energies;
+use crate::solve::contact::ContactResult;
+use crate::solve::contact_rows::Trace;
+use crate::solve::medium::Around;
+use crate::summary::{BodySummary, GridSummary, InterfaceSummary, MediumSummary, Probe, ReachSummary};
+
+/// What a model tells of its last solution.
+pub struct Report<'a> {
+    /// Energies.
+    pub energies: Energies,
+    /// J of the data, and how far it may be off.
+    pub energy: Option<[f64; 2]>,
+    /// The estimated error (energy norm), and over the scale of the solution.
+    pub error: Option<[f64; 2]>,
+    /// What makes the estimate unreliable.
+    pub doubts: Vec<Doubt>,
+    /// Whether the solution is known to be exact.
+    pub exact: bool,
+    /// The boundary.
+    pub trace: Trace<'a>,
+    /// Contact, if there is any.
+    pub contact: Option<&'a ContactResult>,
+    /// Where zones of contact and stick end, where that is known better than by nodes.
+    pub located: Option<&'a [Located]>,
+    /// Force of the support or obstacle on the body for each held or contacting side.
+    pub reactions: &'a [(String, [f64; 2])],
+    /// Displacement and stress at the points of the scene.
+    pub probe: Vec<Probe>,
+    /// The grid of finite elements.
+    pub grid: Option<GridSummary>,
+    /// The medium around the body, solved.
+    pub around: Option<&'a Around>,
+    /// What is told of an unbounded medium.
+    pub exterior: Option<MediumSummary>,
+    /// Several bodies.
+    pub bodies: Vec<BodySummary>,
+    /// The interfaces between them.
+    pub interfaces: Vec<InterfaceSummary>,
+    /// Places where they lie in each other.
+    pub reach: Vec<ReachSummary>,
+}

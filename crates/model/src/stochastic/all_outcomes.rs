@@ -1,0 +1,95 @@
+//! All outcomes of a scene: from points to statistics.
+
+use std::time::Instant;
+
+use steklov_contact::Solution;
+use steklov_expression::RandomField;
+use steklov_problem::{Random, Sampling, Scene};
+use steklov_stochastic::{Variable, smolyak, solve_points};
+
+use super::nodes::{is_coupled, solve_nodes};
+use super::number::Number;
+use super::of_surrogate::of_surrogate;
+use super::outcomes::Outcomes;
+use super::result::{FieldModes, StochasticResult, Watch, of_grid};
+use super::samples::of_samples;
+use super::spread::{judge, of_one_scale};
+use super::unseen::{beside_grid, beside_samples};
+use crate::error::SolveError;
+use crate::solve::body::Body;
+
+/// Steps along a side, and in each direction over the body, at which modes of random fields are stored.
+const LINE: usize = 200;
+const GRID: usize = 32;
+
+/// Solves a scene for all outcomes of its random input, on the mesh of a body.
+///
+/// # Errors
+/// An outcome that is impossible, a quantity that is not a number of the result, [`SolveError::Interrupted`].
+pub fn solve_stochastic(
+    scene: &Scene,
+    random: &Random,
+    body: &Body,
+    progress: &(dyn Fn(usize, usize) + Sync),
+    stopped: &(dyn Fn() -> bool + Sync),
+) -> Result<StochasticResult, SolveError> {
+    let clock = Instant::now();
+    let watch = Watch { progress, stopped };
+    let settings = &random.stochastic;
+    let outcomes = Outcomes::new(scene, random, body)?;
+    let nominal = outcomes.outcome(&random.nominal(), &mut None)?.figures;
+    if let Some(number) = outcomes.numbers.iter().find(|number| number.of(&nominal).is_nan()) {
+        return Err(scene.quantity_error(&number.path).into());
+    }
+    let size = |path: &String| Number::new(path).map_or(f64::NAN, |number| number.of(&nominal).abs());
+    let scale = |number: &Number| of_one_scale(&number.path).iter().map(size).fold(0.0, f64::max);
+    let scales: Vec<f64> = outcomes.numbers.iter().map(scale).collect();
+    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let mut result = match settings.method {
+        Sampling::Galerkin | Sampling::Collocation => {
+            let coupled = is_coupled(scene, random)?;
+            let surrogate = solve_nodes(scene, random, &outcomes, coupled, &watch)?;
+            of_surrogate(scene, random, &surrogate, &outcomes, &watch)?
+        }
+        Sampling::Sparse => {
+            let grid = smolyak(&variables, settings.level)?;
+            let answers = solve_points(grid.points.len(), |i, warm: &mut Option<Solution>| {
+                watch.check()?;
+                watch.tell(i + 1, grid.points.len());
+                outcomes.answer(&grid.points[i], warm)
+            })?;
+            let mut result = of_grid(grid.points.clone(), grid.weights.clone(), &answers, &outcomes.numbers)?;
+            beside_grid(&mut result, (&grid, &answers), &outcomes, random, &watch)?;
+            result
+        }
+        Sampling::MonteCarlo => {
+            let mut result = of_samples(&outcomes, &variables, random, &watch)?;
+            beside_samples(&mut result, &outcomes, random, &watch)?;
+            result
+        }
+    };
+    result.quantities.iter_mut().zip(scales).for_each(|(quantity, scale)| judge(scene, quantity, scale));
+    result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
+    result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
+    result.young.iter_mut().for_each(|e| *e *= scene.body().material().young);
+    result.probabilities = settings.quantiles.clone();
+    result.seconds = clock.elapsed().as_secs_f64();
+    Ok(result)
+}
+
+/// The expansion of a field along its side, or on a grid over the body.
+fn field_modes(field: &RandomField) -> FieldModes {
+    let step = |k: usize, n: usize, length: f64| length * k as f64 / n as f64;
+    let points: Vec<Vec<f64>> = match field.expansion.sides()[..] {
+        [x, y] => (0..=GRID).flat_map(|j| (0..=GRID).map(move |i| vec![step(i, GRID, x), step(j, GRID, y)])).collect(),
+        ref length => (0..=LINE).map(|k| vec![step(k, LINE, length[0])]).collect(),
+    };
+    let at = |p: &Vec<f64>| field.expansion.modes([p[0], p.get(1).copied().unwrap_or(0.0)]);
+    FieldModes {
+        name: field.name.clone(),
+        eigenvalues: field.expansion.eigenvalues(),
+        captured: field.expansion.captured(),
+        modes: points.iter().map(at).collect(),
+        points,
+    }
+}
