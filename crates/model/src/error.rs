@@ -103,3 +103,15 @@ impl From<DataError> for SolveError {
         Self::Data(Box::new(error))
     }
 }
+
+impl From<steklov_msfem::MsfemError> for SolveError {
+    fn from(error: steklov_msfem::MsfemError) -> Self {
+        Self::Msfem(Box::new(error))
+    }
+}
+
+impl From<steklov_coupling::CouplingError> for SolveError {
+    fn from(error: steklov_coupling::CouplingError) -> Self {
+        Self::Coupling(Box::new(error))
+    }
+}

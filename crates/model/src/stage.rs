@@ -5,6 +5,8 @@ use sprs::CsMat;
 use steklov_bem_operators::Operators;
 use steklov_coupling::{Trace, Transfer};
 
+use crate::error::SolveError;
+
 /// What a step hands to its observer while it has it.
 pub enum Stage<'a> {
     /// V, K, W, M of a body of this number, and the space they belong to.
@@ -23,4 +25,25 @@ pub enum Stage<'a> {
     Again,
     /// A part of the work begins; the number is its share of the work of the step that is then done, 0 to 1.
     Progress(&'static str, f64),
+}
+
+/// Does work that tells its progress, which takes a part of the step from one share to another.
+pub(crate) fn watched<T, E: Into<SolveError>>(
+    part: &'static str,
+    [from, to]: [f64; 2],
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+    work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, E>,
+) -> Result<T, SolveError> {
+    let mut stopped = None;
+    let done = work(&mut |share| match observe(Stage::Progress(part, from + (to - from) * share)) {
+        Ok(()) => true,
+        Err(error) => {
+            stopped = Some(error);
+            false
+        }
+    });
+    match stopped {
+        Some(error) => Err(error),
+        None => done.map_err(Into::into),
+    }
 }

@@ -4,16 +4,11 @@ use steklov_bem_operators::Location;
 use steklov_msfem::crossing_contrast;
 use steklov_problem::{Condition, Scene, Side};
 
-use super::estimate::GridEstimate;
-use super::run::OnGrid;
+use super::error_parts::{FAILING, GridEstimate};
 use super::solution::GridSolved;
-use crate::run::adaptive_loop::Run;
 use crate::run::report::Report;
 use crate::solve::medium::Around;
 use crate::summary::{GridSummary, Probe};
-
-/// Contrast along coarse edges from which linear traces fail.
-pub const FAILING: f64 = 1e2;
 
 impl GridSolved {
     /// Displacement and stress at a point of the body or its boundary.
@@ -26,8 +21,7 @@ impl GridSolved {
 }
 
 /// What finite elements tell.
-pub(super) fn report<'a>(scene: &Scene, run: &'a Run<OnGrid>) -> Report<'a> {
-    let solved = &run.last;
+pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
     let estimate = solved.estimate.as_ref();
     // J(u_h) - J(u) = ½ ‖u - u_h‖² for data that the elements have; where they lock, half of the squared estimate is more than
     // that, but not less: the exact J lies between

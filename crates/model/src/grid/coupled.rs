@@ -9,16 +9,16 @@ use steklov_elastic::plane::{cross, distance, dot, minus};
 use steklov_msfem::{CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, Multiscale};
 use steklov_problem::{Scene, Surroundings};
 
+use super::cells::basis;
 use super::layout::GridLayout;
 use super::solution::{CoarseSolved, GridSolved};
-use super::solve::{basis, node_at, watched};
-use super::trace::GridTrace;
+use super::trace::{GridTrace, node_at};
 use crate::energies::Energies;
 use crate::error::SolveError;
 use crate::solve::equilibrium::UNBALANCED;
 use crate::solve::medium::Around;
 use crate::solve::solution::Seconds;
-use crate::stage::Stage;
+use crate::stage::{Stage, watched};
 
 /// Parts of the solution that both kinds of elements have.
 struct Joined {
@@ -303,12 +303,6 @@ fn add_moments(
             moments[0][i] += (1.0 - s) * weight;
             moments[1][i] += s * weight;
         }
-    }
-}
-
-impl From<CouplingError> for SolveError {
-    fn from(error: CouplingError) -> Self {
-        Self::Coupling(Box::new(error))
     }
 }
 

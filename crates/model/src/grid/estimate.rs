@@ -1,57 +1,22 @@
-//! The estimated error of a grid's solution, by its parts.
+//! The error of a grid's solution is estimated.
 
 use std::collections::HashMap;
 
-use steklov_coupling::{CellIndicators, InterfaceIndicators};
+use steklov_coupling::CellIndicators;
 use steklov_msfem::{
-    Basis, CoarseCell, CoarseMesh, CrossingContrast, HeterogeneousBody, Indicators, Loads, bubble_indicators,
-    crossing_contrast, nodal_indicators,
+    Basis, CoarseCell, CoarseMesh, HeterogeneousBody, Indicators, Loads, bubble_indicators, crossing_contrast,
+    nodal_indicators,
 };
 use steklov_problem::{Indicator, Scene};
 
-use super::FAILING;
 use super::coupled::{MediumTraction, medium_tractions};
+use super::error_parts::{FAILING, GridEstimate, of_elements};
+use super::loads::Tractions;
 use super::oscillation::load_oscillation;
 use super::solution::GridSolved;
-use super::solve::node_at;
-use super::trace::GridTrace;
-use crate::doubt::Doubt;
+use super::trace::{GridTrace, node_at};
 use crate::error::SolveError;
 use crate::solve::medium::Around;
-
-/// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
-/// exact solution.
-#[derive(Debug, Clone, PartialEq)]
-pub struct GridEstimate {
-    /// η² of each coarse cell (force times length per thickness); empty without coarse cells.
-    pub indicators: Vec<f64>,
-    /// Residuals of coarse cells, of the edges between them and of tractions, of which the indicators are the sums; None of nodal
-    /// residuals.
-    pub residual: Option<Indicators>,
-    /// Their sum: the squared multiscale error.
-    pub multiscale: f64,
-    /// The squared error of the fine grid.
-    pub fine_grid: f64,
-    /// What is left of the equations where body and medium meet, boundary element by boundary element; None without a medium.
-    pub interface: Option<InterfaceIndicators>,
-    /// Energy of what the nodes of each boundary element leave of the jump of the displacement.
-    pub jump: Vec<f64>,
-    /// The squared error of the medium: the sum of [`Self::of_elements`].
-    pub medium: f64,
-    /// (multiscale + fine grid + medium)^½, energy norm.
-    pub error: f64,
-    /// Error over (2 strain energy)^½.
-    pub relative: f64,
-    /// How the moduli vary along coarse edges.
-    pub crossing: Option<CrossingContrast>,
-    /// Largest ratio of moduli in a coarse cell whose functions do not know them (basis q1); 1 otherwise.
-    pub inside: f64,
-    /// Largest ratio of moduli between the pairs of opposite cells that meet at a fine node, as on a checkerboard.
-    pub crossed: f64,
-}
-
-/// Ratio between pairs of opposite cells from which the fine grid's own estimate is too small.
-const CROSSED: f64 = 1e2;
 
 /// Largest ratio of the softer of two opposite cells at a node to the stiffer one of the other two.
 fn contrast_crossed(body: &HeterogeneousBody) -> f64 {
@@ -75,35 +40,6 @@ fn contrast_inside(body: &HeterogeneousBody, mesh: &CoarseMesh) -> f64 {
         high / low
     };
     mesh.cells.iter().map(ratio).fold(1.0, f64::max)
-}
-
-impl GridEstimate {
-    /// η² of each boundary element (force times length per thickness): the error of its traction, or its residuals.
-    pub fn of_elements(&self, indicator: Indicator) -> Vec<f64> {
-        of_elements(self.interface.as_ref(), &self.jump, indicator)
-    }
-}
-
-fn of_elements(interface: Option<&InterfaceIndicators>, jump: &[f64], indicator: Indicator) -> Vec<f64> {
-    let Some(interface) = interface else { return Vec::new() };
-    let mut squared = match indicator {
-        Indicator::Bubble => interface.traction_error.clone(),
-        Indicator::Residual => interface.squared(),
-    };
-    squared.iter_mut().zip(jump).for_each(|(eta, jump)| *eta += jump);
-    squared
-}
-
-/// Ratio of moduli along a coarse edge from which no residual sees the error.
-pub const BLIND: f64 = 1e3;
-
-impl GridEstimate {
-    /// Why it is not to be trusted.
-    pub fn doubts(&self) -> Vec<Doubt> {
-        let blind =
-            self.crossed >= CROSSED || self.inside >= BLIND || self.crossing.is_some_and(|c| c.largest >= BLIND);
-        if blind { vec![Doubt::Contrast] } else { Vec::new() }
-    }
 }
 
 /// Estimates the error of a conforming solution; None of bases that do not conform, whose error no residual sees whole.
@@ -235,9 +171,6 @@ fn share_with_medium(solved: &GridSolved, around: &Around, sides: &[MediumTracti
         }
     }
 }
-
-/// Mean tractions (stress) on fine sides (cell, side) of the boundary; None where the displacement is given.
-pub(super) type Tractions = HashMap<(usize, usize), [Option<f64>; 2]>;
 
 /// A fine side in contact.
 struct ContactSide {

@@ -1,13 +1,17 @@
 //! Loads and gaps of a scene on a grid.
 
+use std::collections::HashMap;
+
 use steklov_bem_operators::{Mesh, Site};
 use steklov_msfem::{HeterogeneousBody, Loads, MsfemError};
 use steklov_problem::{Condition, Contact, DataError, DataErrorKind, Scene};
 
-use super::estimate::Tractions;
 use super::trace::GridTrace;
 use crate::data::on_mesh::{OnMesh, SideLoad};
 use crate::error::SolveError;
+
+/// Mean tractions (stress) on fine sides (cell, side) of the boundary; None where the displacement is given.
+pub(super) type Tractions = HashMap<(usize, usize), [Option<f64>; 2]>;
 
 /// Tractions side by side of the cells on the boundary, and the body force; the means of the tractions.
 pub(super) fn loads(

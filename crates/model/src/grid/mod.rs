@@ -10,23 +10,24 @@
 //!                                     └─► Record ─► result file, summary, pictures
 //! ```
 //! The boundary of the grid is a boundary mesh of degree 1, so that loads, supports and contact are set up by the same code as
-//! those of boundary elements. A solution holds its estimate, which is made where body and medium are solved: these files know
-//! each other.
+//! those of boundary elements.
 
 mod answer;
+mod cells;
 mod coupled;
+mod error_parts;
 mod estimate;
 mod layout;
 mod loads;
 mod oscillation;
+mod refine;
 mod run;
 mod solution;
 mod solve;
 mod system;
 mod trace;
 
-pub use answer::FAILING;
-pub use estimate::{BLIND, GridEstimate};
+pub use error_parts::{BLIND, FAILING, GridEstimate};
 pub use layout::GridLayout;
 pub use run::{MARKING, OnGrid};
 pub use solution::{CoarseSolved, GridSolved};

@@ -3,8 +3,9 @@
 use steklov_problem::{Refine, Scene};
 
 use super::answer;
-use super::estimate::GridEstimate;
+use super::error_parts::GridEstimate;
 use super::layout::GridLayout;
+use super::refine::next_layout;
 use super::solution::GridSolved;
 use super::solve::solve_grid;
 use crate::error::SolveError;
@@ -65,7 +66,7 @@ impl Model for OnGrid {
         let theta = scene.method.marking.unwrap_or(MARKING);
         let next = match scene.method.refine {
             Refine::None => None,
-            _ => layout.next(&solved, scene, theta)?,
+            _ => next_layout(layout, &solved, scene, theta)?,
         };
         Ok(Advanced { solved, matrices: (), step, next })
     }
@@ -90,7 +91,7 @@ impl Model for OnGrid {
     }
 
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a> {
-        answer::report(scene, run)
+        answer::report(scene, &run.last)
     }
 }
 

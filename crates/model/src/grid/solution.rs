@@ -4,7 +4,7 @@ use steklov_coupling::InterfaceIndicators;
 use steklov_elastic::RigidMotion;
 use steklov_msfem::{Basis, CoarseMesh, HeterogeneousBody};
 
-use super::estimate::GridEstimate;
+use super::error_parts::GridEstimate;
 use super::trace::GridTrace;
 use crate::energies::Energies;
 use crate::solve::contact::ContactResult;

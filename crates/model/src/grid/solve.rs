@@ -3,52 +3,23 @@
 use std::time::Instant;
 
 use steklov_elastic::RigidMotion;
-use steklov_msfem::{
-    Basis, CoarseCell, CoarseMesh, Elasticity, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale,
-};
-use steklov_problem::{BasisInput, Scene, grid_of, moduli};
+use steklov_msfem::{Basis, CoarseCell, CoarseMesh, Extra, Grid, HeterogeneousBody, Loads, MsfemError, Multiscale};
+use steklov_problem::Scene;
 
+use super::cells::{basis, body};
 use super::coupled::solve_coupled;
 use super::estimate::estimate;
 use super::layout::GridLayout;
 use super::loads::{check_gaps, loads};
 use super::solution::{CoarseSolved, GridSolved};
 use super::system::{Answer, System, without_motions};
-use super::trace::GridTrace;
+use super::trace::{GridTrace, node_at};
 use crate::data::on_mesh::OnMesh;
 use crate::data::supports::Held;
 use crate::energies::Energies;
 use crate::error::SolveError;
 use crate::solve::solution::Seconds;
-use crate::stage::Stage;
-
-/// Cells, moduli and material of a scene on the grid of its layout.
-pub(crate) fn body(scene: &Scene, layout: &GridLayout) -> Result<HeterogeneousBody, SolveError> {
-    let coarse = grid_of(scene)?;
-    let parts = layout.parts;
-    let cells = coarse.cells.map(|n| n * parts);
-    let spacing = coarse.spacing.map(|h| h / parts as f64);
-    let grid = Grid::new(coarse.origin, spacing, cells, |ix, iy| coarse.inside(ix / parts, iy / parts))?;
-    let young = moduli(scene, &grid)?;
-    Ok(HeterogeneousBody::new(
-        grid,
-        young,
-        Elasticity::new(scene.body().material().poisson, scene.body().material().plane)?,
-    )?)
-}
-
-/// The basis that a scene asks for.
-pub(crate) fn basis(scene: &Scene) -> Basis {
-    let Some(grid) = &scene.body().grid else { return Basis::Coupled };
-    match grid.basis {
-        BasisInput::Linear => Basis::Linear,
-        BasisInput::Coupled => Basis::Coupled,
-        BasisInput::Oscillatory => Basis::Oscillatory,
-        BasisInput::Oversampled => Basis::Oversampled(grid.oversample.unwrap_or(grid.fine[0].max(grid.fine[1]))),
-        BasisInput::Periodic => Basis::Periodic,
-        BasisInput::Q1 => Basis::Q1,
-    }
-}
+use crate::stage::{Stage, watched};
 
 /// Solves the scene on a grid.
 ///
@@ -122,11 +93,6 @@ fn held_unknowns(grid: &Grid, trace: &GridTrace, held: &[Held]) -> Vec<bool> {
         (0..2).for_each(|k| is_held[2 * node + k] |= held.components[k].is_some());
     }
     is_held
-}
-
-/// The node at a lattice point of the boundary.
-pub(super) fn node_at(grid: &Grid, [i, j]: [usize; 2]) -> usize {
-    grid.node(i, j).unwrap_or_else(|| unreachable!("points of the boundary are nodes"))
 }
 
 /// Bilinear elements on all cells.
@@ -225,27 +191,6 @@ fn lift(problem: &Multiscale<'_>, fine: &GridTrace, held: &[Held], trace: &GridT
         place += count;
     }
     if lifted { lift } else { Vec::new() }
-}
-
-/// Does work that tells its progress, which takes a part of the step from one share to another.
-pub(super) fn watched<T, E: Into<SolveError>>(
-    part: &'static str,
-    [from, to]: [f64; 2],
-    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
-    work: impl FnOnce(&mut dyn FnMut(f64) -> bool) -> Result<T, E>,
-) -> Result<T, SolveError> {
-    let mut stopped = None;
-    let done = work(&mut |share| match observe(Stage::Progress(part, from + (to - from) * share)) {
-        Ok(()) => true,
-        Err(error) => {
-            stopped = Some(error);
-            false
-        }
-    });
-    match stopped {
-        Some(error) => Err(error),
-        None => done.map_err(Into::into),
-    }
 }
 
 /// Strain energy and load work of the fine displacement; cell by cell where the basis is not conforming.
@@ -425,10 +370,4 @@ fn solve_coarse(
         jump_oscillation: Vec::new(),
     };
     Ok((solved, is_held))
-}
-
-impl From<MsfemError> for SolveError {
-    fn from(error: MsfemError) -> Self {
-        Self::Msfem(Box::new(error))
-    }
 }

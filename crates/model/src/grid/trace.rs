@@ -73,3 +73,8 @@ impl GridTrace {
         self.side(grid, [points[0], points[1]])
     }
 }
+
+/// The node at a lattice point of the boundary.
+pub(super) fn node_at(grid: &Grid, [i, j]: [usize; 2]) -> usize {
+    grid.node(i, j).unwrap_or_else(|| unreachable!("points of the boundary are nodes"))
+}

@@ -1,0 +1,71 @@
+//! The estimated error of a grid's solution by its parts, and when it is not to be trusted.
+
+use steklov_coupling::InterfaceIndicators;
+use steklov_msfem::{CrossingContrast, Indicators};
+use steklov_problem::Indicator;
+
+use crate::doubt::Doubt;
+
+/// Contrast along coarse edges from which linear traces fail.
+pub const FAILING: f64 = 1e2;
+
+/// Ratio of moduli along a coarse edge from which no residual sees the error.
+pub const BLIND: f64 = 1e3;
+
+/// Ratio between pairs of opposite cells from which the fine grid's own estimate is too small.
+const CROSSED: f64 = 1e2;
+
+/// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
+/// exact solution.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GridEstimate {
+    /// η² of each coarse cell (force times length per thickness); empty without coarse cells.
+    pub indicators: Vec<f64>,
+    /// Residuals of coarse cells, of the edges between them and of tractions, of which the indicators are the sums; None of nodal
+    /// residuals.
+    pub residual: Option<Indicators>,
+    /// Their sum: the squared multiscale error.
+    pub multiscale: f64,
+    /// The squared error of the fine grid.
+    pub fine_grid: f64,
+    /// What is left of the equations where body and medium meet, boundary element by boundary element; None without a medium.
+    pub interface: Option<InterfaceIndicators>,
+    /// Energy of what the nodes of each boundary element leave of the jump of the displacement.
+    pub jump: Vec<f64>,
+    /// The squared error of the medium: the sum of [`Self::of_elements`].
+    pub medium: f64,
+    /// (multiscale + fine grid + medium)^½, energy norm.
+    pub error: f64,
+    /// Error over (2 strain energy)^½.
+    pub relative: f64,
+    /// How the moduli vary along coarse edges.
+    pub crossing: Option<CrossingContrast>,
+    /// Largest ratio of moduli in a coarse cell whose functions do not know them (basis q1); 1 otherwise.
+    pub inside: f64,
+    /// Largest ratio of moduli between the pairs of opposite cells that meet at a fine node, as on a checkerboard.
+    pub crossed: f64,
+}
+
+impl GridEstimate {
+    /// η² of each boundary element (force times length per thickness): the error of its traction, or its residuals.
+    pub fn of_elements(&self, indicator: Indicator) -> Vec<f64> {
+        of_elements(self.interface.as_ref(), &self.jump, indicator)
+    }
+
+    /// Why it is not to be trusted.
+    pub fn doubts(&self) -> Vec<Doubt> {
+        let blind =
+            self.crossed >= CROSSED || self.inside >= BLIND || self.crossing.is_some_and(|c| c.largest >= BLIND);
+        if blind { vec![Doubt::Contrast] } else { Vec::new() }
+    }
+}
+
+pub(super) fn of_elements(interface: Option<&InterfaceIndicators>, jump: &[f64], indicator: Indicator) -> Vec<f64> {
+    let Some(interface) = interface else { return Vec::new() };
+    let mut squared = match indicator {
+        Indicator::Bubble => interface.traction_error.clone(),
+        Indicator::Residual => interface.squared(),
+    };
+    squared.iter_mut().zip(jump).for_each(|(eta, jump)| *eta += jump);
+    squared
+}
