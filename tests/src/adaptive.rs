@@ -5,6 +5,7 @@ use std::sync::atomic::AtomicUsize;
 use steklov_bem_operators::{Mark, Subdivision};
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Event, Progress, Run, Step, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::{Refine, Scene};
 
 use crate::{adapt, scene};
@@ -40,7 +41,7 @@ pub fn judged() -> [Judged; 6] {
 
 impl Judged {
     /// (|J - J_ref|/|J_ref|)^½.
-    pub fn energy_error(&self, step: &Step) -> f64 {
+    pub fn energy_error(&self, step: &Step<BoundaryElements>) -> f64 {
         ((step.energy - self.energy).abs() / self.energy.abs()).sqrt()
     }
 
@@ -48,7 +49,7 @@ impl Judged {
     ///
     /// # Panics
     /// If it has no solution.
-    pub fn solved(&self) -> Run {
+    pub fn solved(&self) -> Run<BoundaryElements> {
         adapt(&self.scene).unwrap_or_else(|e| panic!("{}: {e}", self.name))
     }
 }
@@ -78,7 +79,7 @@ pub fn line(x: &[f64], y: &[f64]) -> (f64, f64) {
 ///
 /// # Errors
 /// Those of [`run`].
-pub fn solved_in_steps(scene: &Scene) -> Result<(Run, Vec<Vec<f64>>), SolveError> {
+pub fn solved_in_steps(scene: &Scene) -> Result<(Run<BoundaryElements>, Vec<Vec<f64>>), SolveError> {
     let mut displacements = Vec::new();
     let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, event| {
         if let Event::Done { solved, .. } = event {

@@ -10,6 +10,7 @@ use steklov_model::grid::OnGrid;
 use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_model::mesh::layout::Layout;
 use steklov_model::run::adaptive_loop::{Progress, Run, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::solve::solution::Solved;
 use steklov_model::summary::{ContactSummary, Summary};
@@ -106,7 +107,7 @@ pub fn gallery() -> Vec<(String, Scene)> {
 ///
 /// # Errors
 /// Those of [`run`].
-pub fn adapt(scene: &Scene) -> Result<Run, SolveError> {
+pub fn adapt(scene: &Scene) -> Result<Run<BoundaryElements>, SolveError> {
     run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
 }
 
@@ -145,7 +146,7 @@ pub fn attempt(scene: &Scene, mesh: Mesh) -> Result<Answer, SolveError> {
     once.method.refine = Refine::None;
     let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
     let progress = Progress { steps: Vec::new(), next: Layout { subdivision, tips: Vec::new() } };
-    let run: Run = run(&once, progress, &AtomicUsize::new(0), &mut |_, _| Ok(()))?;
+    let run: Run<BoundaryElements> = run(&once, progress, &AtomicUsize::new(0), &mut |_, _| Ok(()))?;
     let (rows, summary) = match &run.last.contact {
         None => (Vec::new(), None),
         Some(contact) => {

@@ -6,7 +6,8 @@ use std::sync::atomic::AtomicUsize;
 use steklov_bem_operators::{Mesh, PairCache};
 use steklov_model::doubt::Doubt;
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Event, Progress, Reason, run};
+use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Step, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::one_mesh::solve;
 use steklov_model::stage::Stage;
 use steklov_problem::Scene;
@@ -32,7 +33,7 @@ fn effectivities(scene: &Scene, dofs: usize, doubt: Doubt) -> Vec<(f64, bool)> {
     let (run, displacements) = solved_in_steps(scene).unwrap();
     assert_eq!(run.reason, Reason::Tolerance);
     let fine = finer(scene, dofs).unwrap();
-    let judged = |(step, displacement): (&steklov_model::run::adaptive_loop::Step, &Vec<f64>)| {
+    let judged = |(step, displacement): (&Step<BoundaryElements>, &Vec<f64>)| {
         let truth = true_error(scene, &step.layout.mesh, displacement, &fine).unwrap();
         let estimate = step.estimate();
         let found = (estimate.error / truth.error, estimate.doubts.contains(&doubt));

@@ -7,6 +7,7 @@ use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_model::mesh::first_mesh::singular_points;
 use steklov_model::mesh::layout::Layout;
 use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::Scene;
 use steklov_tests::{Judged, adapt, judged, line, parse, scene, step_below, summary};
 
@@ -18,7 +19,7 @@ fn problem(name: &str) -> Judged {
 }
 
 /// Steps from which the energy error stays below either level, and the unknowns of these steps.
-fn counted(problem: &Judged, run: &Run, start: &str) -> [(usize, usize); 2] {
+fn counted(problem: &Judged, run: &Run<BoundaryElements>, start: &str) -> [(usize, usize); 2] {
     let steps = &run.progress.steps;
     let errors: Vec<f64> = steps.iter().map(|s| problem.energy_error(s)).collect();
     let counted = LEVELS.map(|level| {
@@ -34,7 +35,7 @@ fn counted(problem: &Judged, run: &Run, start: &str) -> [(usize, usize); 2] {
 }
 
 /// Unknowns at which the line of log error over unknowns crosses the levels: whole steps are a third apart.
-fn crossings(problem: &Judged, run: &Run, counted: [(usize, usize); 2]) -> [f64; 2] {
+fn crossings(problem: &Judged, run: &Run<BoundaryElements>, counted: [(usize, usize); 2]) -> [f64; 2] {
     let steps = &run.progress.steps;
     let at = |k: usize| (steps[k].dofs as f64, problem.energy_error(&steps[k]).ln());
     [0, 1].map(|i| {

@@ -5,18 +5,19 @@ use std::f64::consts::PI;
 
 use steklov_model::answer::report::contact_summary;
 use steklov_model::run::adaptive_loop::{Reason, Run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;
 use steklov_tests::{adapt, line, parse, scene};
 
-fn solved(scene: &Scene) -> Run {
+fn solved(scene: &Scene) -> Run<BoundaryElements> {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title));
     assert_eq!(run.reason, Reason::Tolerance, "{}", scene.title);
     run
 }
 
-fn displacement(run: &Run, at: [f64; 2]) -> [f64; 2] {
+fn displacement(run: &Run<BoundaryElements>, at: [f64; 2]) -> [f64; 2] {
     let points = &run.last.space.points;
     let i = points.iter().position(|x| *x == at).expect("a node");
     [run.last.displacement[2 * i], run.last.displacement[2 * i + 1]]
@@ -55,7 +56,7 @@ fn a_crack_opens_like_griffiths() {
     assert!(left.abs() < 3e-5, "{left:e}");
 }
 
-fn contact(scene: &Scene, run: &Run) -> (Vec<ContactRow>, ContactSummary) {
+fn contact(scene: &Scene, run: &Run<BoundaryElements>) -> (Vec<ContactRow>, ContactSummary) {
     let contact = run.last.contact.as_ref().expect("contact");
     let rows = contact_rows(run.last.trace(), contact);
     let summary = contact_summary(

@@ -2,6 +2,7 @@
 
 use steklov_model::answer::report::{contact_summary, located};
 use steklov_model::run::adaptive_loop::Run;
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::summary::ContactSummary;
 use steklov_problem::Scene;
@@ -73,7 +74,7 @@ fn lengths(scene: &Scene, rows: &[ContactRow], ends: &[[f64; 2]]) -> Option<[f64
     Some([length, rows.iter().filter(|r| pressed(r)).map(|r| r.weight).sum()])
 }
 
-fn told(scene: &Scene, run: &Run) -> Option<(Vec<ContactRow>, ContactSummary)> {
+fn told(scene: &Scene, run: &Run<BoundaryElements>) -> Option<(Vec<ContactRow>, ContactSummary)> {
     let contact = run.last.contact.as_ref()?;
     let rows = contact_rows(run.last.trace(), contact);
     let summary = contact_summary(scene, run.last.trace(), contact, &rows, located(scene, &run.step().layout.located));
@@ -81,7 +82,7 @@ fn told(scene: &Scene, run: &Run) -> Option<(Vec<ContactRow>, ContactSummary)> {
 }
 
 /// Whether the length was located.
-fn judge(scene: &Scene, run: &Run) -> bool {
+fn judge(scene: &Scene, run: &Run<BoundaryElements>) -> bool {
     let Some((rows, contact)) = told(scene, run) else { return false };
     assert!((contact.length - contact.stick - contact.slip).abs() < 1e-12 && contact.slip >= 0.0, "{contact:?}");
     let weight: f64 = rows.iter().filter(|r| r.pressure > 1e-12 * contact.max_pressure).map(|r| r.weight).sum();
@@ -97,7 +98,7 @@ fn judge(scene: &Scene, run: &Run) -> bool {
     true
 }
 
-fn solved(text: &str, tolerance: f64) -> (Scene, Run) {
+fn solved(text: &str, tolerance: f64) -> (Scene, Run<BoundaryElements>) {
     let mut scene = parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     scene.method.tolerance = Some(tolerance);
     let run = adapt(&scene).unwrap_or_else(|e| panic!("{e}"));

@@ -5,6 +5,7 @@ use std::path::Path;
 use steklov_bem_operators::{Mark, Subdivision};
 use steklov_contact::{Problem, Solution, TipKind, fixed_point, interior_point, kkt, newton};
 use steklov_model::run::adaptive_loop::Run;
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
 use steklov_plan::plan;
 use steklov_problem::Scene;
@@ -18,7 +19,7 @@ fn scene(name: &str, overrides: &[&str]) -> Scene {
     steklov_scene::read(&path, &overrides).unwrap_or_else(|e| panic!("{name}: {}", e.render()))
 }
 
-fn run(scene: &Scene) -> Run {
+fn run(scene: &Scene) -> Run<BoundaryElements> {
     adapt(scene).unwrap_or_else(|e| panic!("{}: {e}", scene.title))
 }
 

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use steklov_bem_operators::BemError;
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Reason, Run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::{DataErrorKind, Scene};
 use steklov_study::reference::true_error;
 use steklov_tests::{adapt, finer, line, parse, solved_in_steps};
@@ -60,18 +61,18 @@ fn scene(text: &str, overrides: &[&str]) -> Scene {
     parse(text, overrides).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
-fn solved(scene: &Scene) -> Run {
+fn solved(scene: &Scene) -> Run<BoundaryElements> {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
     assert!(run.converged(), "{:?}", run.reason);
     run
 }
 
-fn at(run: &Run, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+fn at(run: &Run<BoundaryElements>, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
     run.last.around.as_ref().expect("a medium").at(x)
 }
 
 /// The nodal displacement at a point.
-fn node(run: &Run, x: [f64; 2]) -> [f64; 2] {
+fn node(run: &Run<BoundaryElements>, x: [f64; 2]) -> [f64; 2] {
     let near = |y: &[f64; 2]| (y[0] - x[0]).hypot(y[1] - x[1]) < 1e-12;
     let i = run.last.space.points.iter().position(near).expect("a node");
     [run.last.displacement[2 * i], run.last.displacement[2 * i + 1]]

@@ -4,6 +4,7 @@
 use std::fmt::Write;
 
 use steklov_model::run::adaptive_loop::{Reason, Run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_tests::{Random, adapt, parse, summary};
 
 /// Seed of all places.
@@ -52,7 +53,7 @@ fn scene(datum: Datum, width: f64, places: &[f64], shown: bool) -> String {
     )
 }
 
-fn solved(text: &str, tolerance: &str) -> Run {
+fn solved(text: &str, tolerance: &str) -> Run<BoundaryElements> {
     let scene = parse(text, &[&format!("method.tolerance={tolerance}")]).unwrap_or_else(|e| panic!("{text}\n{e}"));
     adapt(&scene).unwrap_or_else(|e| panic!("{text}\n{e}"))
 }

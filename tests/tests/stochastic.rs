@@ -2,6 +2,7 @@
 
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
 use steklov_model::run::adaptive_loop::Run;
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic};
 use steklov_problem::Scene;
 use steklov_scene::Document;
@@ -30,14 +31,14 @@ fn parse(text: &str) -> Scene {
     steklov_tests::parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
-fn solved(scene: &Scene) -> (Run, StochasticResult) {
+fn solved(scene: &Scene) -> (Run<BoundaryElements>, StochasticResult) {
     let run = adapt(scene).unwrap_or_else(|e| panic!("{e}"));
     let result = on(scene, &run);
     (run, result)
 }
 
 /// All outcomes on the last mesh of a run.
-fn on(scene: &Scene, run: &Run) -> StochasticResult {
+fn on(scene: &Scene, run: &Run<BoundaryElements>) -> StochasticResult {
     let random = scene.random.as_ref().expect("random input");
     solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &|_, _| {}, &|| false)
         .unwrap_or_else(|e| panic!("{e}"))

@@ -56,19 +56,19 @@ pub struct Fields {
 }
 
 impl Keep for BoundaryElements {
-    fn resume(scene: &Scene, steps: Vec<Step>) -> Result<Progress, SolveError> {
+    fn resume(scene: &Scene, steps: Vec<Step<BoundaryElements>>) -> Result<Progress<BoundaryElements>, SolveError> {
         Ok(Progress::before_last(steps).unwrap_or_else(|| Progress::first(scene)))
     }
 
-    fn save_step(at: &Group, step: &Step) -> Result<(), IoError> {
+    fn save_step(at: &Group, step: &Step<BoundaryElements>) -> Result<(), IoError> {
         steps::save(at, step)
     }
 
-    fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
+    fn read_steps(file: &File, scene: &Scene) -> Result<Vec<Step<BoundaryElements>>, IoError> {
         steps::load_all(file, scene)
     }
 
-    fn fields(scene: &Scene, run: &Run, outcomes: Option<&StochasticResult>) -> Fields {
+    fn fields(scene: &Scene, run: &Run<BoundaryElements>, outcomes: Option<&StochasticResult>) -> Fields {
         let solved: &Solved = &run.last;
         let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
         let (mut traction, mut prescribed) = (Vec::new(), Vec::new());

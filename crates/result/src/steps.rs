@@ -13,7 +13,7 @@ use steklov_model::doubt::Doubt;
 use steklov_model::estimate::error_estimate::{Bubble, Estimate};
 use steklov_model::estimate::residual::Residual;
 use steklov_model::run::adaptive_loop::Step;
-use steklov_model::run::boundary_elements::RefinedMesh;
+use steklov_model::run::boundary_elements::{BoundaryElements, RefinedMesh};
 use steklov_problem::Scene;
 
 /// A term of the indicators: name, meaning, value.
@@ -39,7 +39,7 @@ const BUBBLE_TERMS: [Term<Bubble>; 3] = [
 ///
 /// # Errors
 /// When the file cannot be written.
-pub(crate) fn save(at: &Group, step: &Step) -> Result<(), IoError> {
+pub(crate) fn save(at: &Group, step: &Step<BoundaryElements>) -> Result<(), IoError> {
     save_as(at, "mesh", &step.layout.mesh)?;
     save_integers(at, "dofs", &[step.dofs], &label("1", "displacement unknowns", &["value"]))?;
     save_number(at, "energy", step.energy, "force*length/thickness", "J")?;
@@ -133,7 +133,7 @@ pub(crate) fn name(number: usize) -> String {
 ///
 /// # Errors
 /// A file that is not one of this program's, truncated or altered, or of another scene.
-pub(crate) fn load_all(file: &File, scene: &Scene) -> Result<Vec<Step>, IoError> {
+pub(crate) fn load_all(file: &File, scene: &Scene) -> Result<Vec<Step<BoundaryElements>>, IoError> {
     let groups = groups(file)?;
     let load = |at: &Group| {
         let step = load_step(at)?;
@@ -161,7 +161,7 @@ pub(crate) fn groups(file: &File) -> Result<Vec<Group>, IoError> {
     names.iter().map(|name| open_group(&steps, name)).collect()
 }
 
-fn load_step(at: &Group) -> Result<Step, IoError> {
+fn load_step(at: &Group) -> Result<Step<BoundaryElements>, IoError> {
     let seconds = load_vector(at, "seconds")?;
     let dofs = load_integers(at, "dofs")?;
     let ([dofs], Ok(seconds)) = (dofs.as_slice(), <[f64; 5]>::try_from(seconds.as_slice())) else {

@@ -121,7 +121,7 @@ impl Reference {
         let Some(last) = steps.iter().rev().find(|s| s.converged) else {
             return Err(ReferenceError::NotSolved { steps: steps.len() });
         };
-        let settled = |s: &&Step| {
+        let settled = |s: &&Step<BoundaryElements>| {
             s.converged && !s.estimate().doubts.iter().any(|d| matches!(d, Doubt::Transition | Doubt::Sets))
         };
         let mut levels: Vec<Level> = steps.iter().filter(settled).map(Level::of).collect();
@@ -162,7 +162,7 @@ impl Reference {
     pub fn true_error(
         &self,
         scene: &Scene,
-        step: &Step,
+        step: &Step<BoundaryElements>,
         displacement: &[f64],
         interrupts: &AtomicUsize,
     ) -> Result<Option<f64>, SolveError> {
@@ -187,7 +187,7 @@ impl Reference {
 }
 
 impl Level {
-    fn of(step: &Step) -> Self {
+    fn of(step: &Step<BoundaryElements>) -> Self {
         let subdivision = Subdivision::new(&step.layout.mesh, &vec![Mark::Keep; step.layout.mesh.len()]);
         Self { subdivision, dofs: step.dofs, estimate: step.estimate().relative }
     }

@@ -130,6 +130,6 @@ pub(crate) fn state(row: &ContactRow, largest: f64, friction: &Friction) -> Opti
     Some(match friction {
         Friction::Coulomb(_) if row.status == 1 => Joint::Bonded,
         Friction::Coulomb(_) => Joint::Sliding(row.shear / row.pressure),
-        _ => Joint::Sliding(0.0),
+        Friction::None | Friction::Tresca(_) => Joint::Sliding(0.0),
     })
 }

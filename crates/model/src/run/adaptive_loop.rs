@@ -5,8 +5,6 @@
 //!      ▲                                                               │ no
 //!      └───────────────────────────────────────────────────────────────┘
 //! ```
-//! This file, `boundary_elements` and `answer` know each other: a run is one of boundary elements unless it says otherwise, and a model
-//! tells a report.
 
 use std::fmt::Debug;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -16,7 +14,6 @@ use steklov_algebra::once_more;
 use steklov_problem::Scene;
 
 use crate::error::SolveError;
-use crate::run::boundary_elements::BoundaryElements;
 use crate::run::memory::Lack;
 use crate::run::report::Report;
 use crate::solve::solution::Seconds;
@@ -66,7 +63,8 @@ impl Reason {
     }
 }
 
-/// What is solved again and again, each time with another layout: [`BoundaryElements`] or [`crate::grid::OnGrid`].
+/// What is solved again and again, each time with another layout:
+/// [`crate::run::boundary_elements::BoundaryElements`] or [`crate::grid::OnGrid`].
 pub trait Model: Debug + Clone + PartialEq {
     /// What is to be solved: a subdivision of the boundary, a grid.
     type Layout: Debug + Clone + PartialEq + Send;
@@ -149,7 +147,7 @@ pub struct Advanced<M: Model> {
 
 /// What is kept of every step.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Step<M: Model = BoundaryElements> {
+pub struct Step<M: Model> {
     /// Its mesh, or its grid.
     pub layout: M::Kept,
     /// Unknowns of the displacement; on a grid the held ones included.
@@ -175,7 +173,7 @@ pub(crate) fn seconds_of(s: &Seconds, estimate: f64) -> [f64; 5] {
 
 /// Steps that are done, and the layout that they lead to.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Progress<M: Model = BoundaryElements> {
+pub struct Progress<M: Model> {
     /// All steps.
     pub steps: Vec<Step<M>>,
     /// What is to be solved next.
@@ -183,7 +181,7 @@ pub struct Progress<M: Model = BoundaryElements> {
 }
 
 /// A finished run.
-pub struct Run<M: Model = BoundaryElements> {
+pub struct Run<M: Model> {
     /// The last step.
     pub last: M::Solved,
     /// What its matrices leave; None where a later step was begun, for which they were given up.

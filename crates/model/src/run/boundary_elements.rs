@@ -15,7 +15,7 @@ use crate::estimate::error_estimate::{Estimate, ROUNDOFF, estimate, is_estimated
 use crate::estimate::penetration::Unseen;
 use crate::mesh::layout::Layout;
 use crate::run::adaptive_loop::{Advanced, Model, Progress, Reason, Run, Step, run, seconds_of};
-use crate::run::answer::report_of_boundary;
+use crate::run::boundary_report;
 use crate::run::memory::{Lack, lack};
 use crate::run::report::Report;
 use crate::solve::body::Body;
@@ -39,7 +39,7 @@ pub struct RefinedMesh {
     pub located: Vec<Located>,
 }
 
-impl Step {
+impl Step<BoundaryElements> {
     /// Estimate of the error.
     ///
     /// # Panics
@@ -49,7 +49,7 @@ impl Step {
     }
 }
 
-impl Progress {
+impl Progress<BoundaryElements> {
     /// The beginning of a run.
     pub fn first(scene: &Scene) -> Self {
         Self { steps: Vec::new(), next: Layout::first(scene) }
@@ -62,14 +62,14 @@ impl Progress {
 
     /// The state before the last of these steps was solved; None of no steps. Solving it again gives the same bits, and
     /// what they lead to.
-    pub fn before_last(mut steps: Vec<Step>) -> Option<Self> {
+    pub fn before_last(mut steps: Vec<Step<BoundaryElements>>) -> Option<Self> {
         let RefinedMesh { mesh, tips, .. } = steps.pop()?.layout;
         let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
         Some(Self { steps, next: Layout { subdivision, tips } })
     }
 }
 
-impl Run {
+impl Run<BoundaryElements> {
     /// The matrices of the last step, made again where they were given up.
     ///
     /// # Errors
@@ -92,19 +92,19 @@ impl Run {
 ///
 /// # Errors
 /// As [`run`].
-pub fn unobserved(scene: &Scene) -> Result<Run, SolveError> {
+pub fn unobserved(scene: &Scene) -> Result<Run<BoundaryElements>, SolveError> {
     run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
 }
 
 /// Whether the error of a step is down where rounding may decide. Of loads that the mesh does not follow an estimate of nothing
 /// tells nothing.
-fn is_exact(step: &Step) -> bool {
+fn is_exact(step: &Step<BoundaryElements>) -> bool {
     step.estimate.as_ref().is_some_and(|e| e.relative < ROUNDOFF && !e.doubts.contains(&Doubt::Data))
 }
 
 /// Whether the last estimate is half of the one before at most: rounding errors would have stopped it.
-fn still_falls(steps: &[Step]) -> bool {
-    let relative = |s: &Step| s.estimate.as_ref().map(|e| e.relative);
+fn still_falls(steps: &[Step<BoundaryElements>]) -> bool {
+    let relative = |s: &Step<BoundaryElements>| s.estimate.as_ref().map(|e| e.relative);
     match steps {
         [.., before, last] => relative(last).zip(relative(before)).is_some_and(|(last, before)| last < FALLS * before),
         _ => false,
@@ -128,7 +128,7 @@ impl Model for BoundaryElements {
 
     fn advance(
         scene: &Scene,
-        progress: &Progress,
+        progress: &Progress<BoundaryElements>,
         cache: &mut PairCache,
         observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
     ) -> Result<Advanced<Self>, SolveError> {
@@ -181,11 +181,12 @@ impl Model for BoundaryElements {
         Ok(Advanced { solved, matrices: body, step, next: refined.then_some(layout) })
     }
 
-    fn end(scene: &Scene, steps: &[Step], _: &Solved, next: Option<&Layout>) -> Option<Reason> {
+    fn end(scene: &Scene, steps: &[Step<Self>], _: &Solved, next: Option<&Layout>) -> Option<Reason> {
         let method = &scene.method;
         let unchanged = next.is_none();
         let step = steps.last()?;
-        let reached = |s: &Step| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance());
+        let reached =
+            |s: &Step<BoundaryElements>| s.estimate.as_ref().is_some_and(|e| e.relative <= method.tolerance());
         let exact = is_exact(step);
         // an estimate that is in doubt has to be confirmed by the next step, if there is any
         let doubted = step.estimate.iter().flat_map(|e| &e.doubts).any(|d| *d != Doubt::Roundoff);
@@ -203,13 +204,14 @@ impl Model for BoundaryElements {
         })
     }
 
-    fn report<'a>(scene: &Scene, run: &'a Run) -> Report<'a> {
-        report_of_boundary(scene, run)
+    fn report<'a>(scene: &Scene, run: &'a Run<BoundaryElements>) -> Report<'a> {
+        let step = run.step();
+        boundary_report::report(scene, &run.last, step.estimate.as_ref(), &step.layout.located)
     }
 
     fn outcomes(
         scene: &Scene,
-        run: &mut Run,
+        run: &mut Run<BoundaryElements>,
         interrupts: &AtomicUsize,
         progress: &(dyn Fn(usize, usize) + Sync),
     ) -> Result<Option<StochasticResult>, SolveError> {
@@ -241,7 +243,7 @@ impl Model for BoundaryElements {
         }
     }
 
-    fn lack(scene: &Scene, run: &Run) -> Option<Lack> {
+    fn lack(scene: &Scene, run: &Run<BoundaryElements>) -> Option<Lack> {
         let small = run.progress.next.dofs() <= scene.method.max_dofs();
         lack_of(scene, &run.progress.next).filter(|_| small && run.reason == Reason::MaxDofs)
     }

@@ -3,6 +3,7 @@
 pub mod adaptive_loop;
 pub mod answer;
 pub mod boundary_elements;
+mod boundary_report;
 pub mod expect;
 pub mod memory;
 pub mod report;

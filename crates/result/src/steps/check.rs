@@ -4,6 +4,7 @@ use steklov_bem_operators::{Mark, Mesh, Subdivision};
 use steklov_contact::TipKind;
 use steklov_io::{Group, IoError, invalid, open_group};
 use steklov_model::run::adaptive_loop::Step;
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::Scene;
 
 /// Checks the step that was read from the group `at`: the numbers are possible, its mesh is one of the scene's polygon,
@@ -11,7 +12,7 @@ use steklov_problem::Scene;
 ///
 /// # Errors
 /// [`IoError::Invalid`] names the dataset and what is wrong in it.
-pub(super) fn check(at: &Group, step: &Step, scene: &Scene) -> Result<(), IoError> {
+pub(super) fn check(at: &Group, step: &Step<BoundaryElements>, scene: &Scene) -> Result<(), IoError> {
     for (name, value) in [("energy", step.energy), ("strain_energy", step.strain)] {
         if !value.is_finite() {
             return Err(invalid(at, name, format!("it is {value}")));

@@ -3,6 +3,7 @@
 use steklov_bem_operators::Mesh;
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Run, Step, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
 use steklov_model::stage::Stage;
 use steklov_problem::{Multiplier, Refine, Scene};
@@ -70,7 +71,7 @@ impl Point {
         self.mesh.degree.iter().copied().max().unwrap_or(0)
     }
 
-    fn new(step: &Step, error: Option<f64>, reference: &Reference, mut times: Vec<f64>) -> Self {
+    fn new(step: &Step<BoundaryElements>, error: Option<f64>, reference: &Reference, mut times: Vec<f64>) -> Self {
         let (estimate, norm) = (step.estimate(), reference.norm);
         let oscillation: f64 = estimate.indicators.iter().map(|i| i.oscillation).sum();
         Self {
@@ -194,7 +195,7 @@ pub fn strategy(
 
 /// One run, and what its steps leave.
 struct Round {
-    run: Result<Run, SolveError>,
+    run: Result<Run<BoundaryElements>, SolveError>,
     /// Nodal displacement of each step.
     displacements: Vec<Vec<f64>>,
     /// Seconds from the beginning of the run to the end of each step.

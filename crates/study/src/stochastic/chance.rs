@@ -7,6 +7,7 @@ use std::sync::atomic::Ordering;
 
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::Run;
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::stochastic::{StochasticResult, is_coupled, solve_stochastic};
 use steklov_problem::{Random, Scene, Stochastic};
 use steklov_stochastic::Accumulator;
@@ -143,7 +144,12 @@ impl Chance {
 ///
 /// # Errors
 /// Those of the reference: an outcome that is impossible, a quantity that is no number of the result.
-pub fn chance(scene: &Scene, random: &Random, run: &mut Run, watch: &mut Watch<'_>) -> Result<Chance, SolveError> {
+pub fn chance(
+    scene: &Scene,
+    random: &Random,
+    run: &mut Run<BoundaryElements>,
+    watch: &mut Watch<'_>,
+) -> Result<Chance, SolveError> {
     let step = run.step();
     let deterministic = step.seconds[..4].iter().sum();
     let estimate = step.estimate.as_ref().map_or(f64::NAN, |e| e.relative);

@@ -8,6 +8,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Run, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::stage::Stage;
 use steklov_model::stochastic::solve_stochastic;
 use steklov_problem::{Random, Refine, Scene, Stochastic};
@@ -188,7 +189,7 @@ fn meshes(
 fn point(
     scene: &Scene,
     random: &Random,
-    run: &mut Run,
+    run: &mut Run<BoundaryElements>,
     curve: usize,
     settings: &Stochastic,
     interrupts: &AtomicUsize,

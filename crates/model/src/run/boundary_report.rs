@@ -1,0 +1,108 @@
+//! What boundary elements tell of a solution.
+
+use steklov_contact::Located;
+use steklov_coupling::Radiation;
+use steklov_elastic::plane::norm;
+use steklov_problem::Scene;
+
+use crate::answer::interfaces;
+use crate::answer::report::located;
+use crate::data::on_mesh::OnMesh;
+use crate::estimate::error_estimate::{Estimate, ROUNDOFF};
+use crate::run::report::Report;
+use crate::solve::contact_rows::contact_rows;
+use crate::solve::medium::Around;
+use crate::solve::solution::Solved;
+use crate::summary::{BodySummary, MediumSummary};
+
+/// Part of the forces on the boundary below which their resultant counts as none.
+const BALANCED: f64 = 1e-6;
+
+/// What boundary elements tell.
+pub(crate) fn report<'a>(
+    scene: &Scene,
+    solved: &'a Solved,
+    estimate: Option<&Estimate>,
+    transitions: &'a [Located],
+) -> Report<'a> {
+    let located = located(scene, transitions);
+    let (mut interfaces, mut reach) = (Vec::new(), Vec::new());
+    if scene.problem.has_several_bodies() {
+        let rows = solved.contact.as_ref().map_or(Vec::new(), |c| contact_rows(solved.trace(), c));
+        let data = OnMesh { scene, mesh: &solved.mesh, space: &solved.space };
+        // a mesh that was solved has them
+        let joints = data.joints().unwrap_or_default();
+        interfaces = interfaces::interfaces(scene, solved, &joints, &rows, located);
+        let error = estimate.map_or(scene.method.tolerance(), |e| e.relative.max(scene.method.tolerance()));
+        reach = interfaces::reach(scene, solved, &joints, error);
+    }
+    let doubts = estimate.iter().flat_map(|e| &e.doubts).copied();
+    Report {
+        energies: solved.energies,
+        energy: estimate.map(|e| [e.energy, e.uncertainty]),
+        error: estimate.map(|e| [e.error, e.relative]),
+        doubts: doubts.chain(interfaces::doubts(scene, solved, &interfaces, &reach)).collect(),
+        exact: estimate.is_some_and(|e| e.relative < ROUNDOFF),
+        trace: solved.trace(),
+        contact: solved.contact.as_ref(),
+        located,
+        reactions: &solved.reactions,
+        probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
+        grid: None,
+        around: solved.around.as_ref(),
+        exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, solved)),
+        bodies: bodies(scene, solved, estimate),
+        interfaces,
+        reach,
+    }
+}
+
+/// The bodies, if there are several: unknowns, energy, and the part of the estimate that is theirs.
+fn bodies(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Vec<BodySummary> {
+    if !scene.problem.has_several_bodies() {
+        return Vec::new();
+    }
+    let edges = scene.problem.outline.edges();
+    let body_of = |e: usize| scene.problem.outline.body_of_loop(edges[solved.mesh.edge[e]].loop_index);
+    let of = |(body, strain): (usize, &f64)| {
+        let own: Vec<usize> = (0..solved.mesh.len()).filter(|&e| body_of(e) == body).collect();
+        let part = |estimate: &Estimate| {
+            let all: f64 = estimate.indicators.iter().map(|i| i.total()).sum();
+            let here: f64 = own.iter().map(|&e| estimate.indicators[e].total()).sum();
+            if all > 0.0 { estimate.error * (here / all).sqrt() } else { 0.0 }
+        };
+        BodySummary {
+            name: scene.problem.bodies[body].name.clone(),
+            dofs: 2 * own.iter().map(|&e| solved.space.degree(e)).sum::<usize>(),
+            strain_energy: *strain,
+            estimate: estimate.map(part),
+        }
+    };
+    solved.strain_of_bodies.iter().enumerate().map(of).collect()
+}
+
+/// What an unbounded medium with a boundary of its own does far away; none without one.
+fn exterior_summary(scene: &Scene, solved: &Solved) -> Option<MediumSummary> {
+    let parts = scene.problem.outline.bodies().len();
+    let (body, radiation) = (0..parts).find_map(|body| Some((body, scene.problem.radiation(body)?)))?;
+    let Solved { mesh, space, field, .. } = solved;
+    let (mut resultant, mut sum) = ([0.0; 2], 0.0);
+    for e in field.elements(body) {
+        let rule = steklov_quadrature::gauss_legendre(space.degree(e));
+        for (&t, &w) in rule.points.iter().zip(&rule.weights) {
+            let force = field.trace(e, t).traction.map(|v| w * mesh.speed(e, t) * v);
+            resultant = [resultant[0] + force[0], resultant[1] + force[1]];
+            sum += norm(force);
+        }
+    }
+    Some(MediumSummary {
+        radiation: match radiation {
+            Radiation::Decaying => "decaying".into(),
+            Radiation::Bounded => "bounded".into(),
+        },
+        resultant,
+        balanced: norm(resultant) <= BALANCED * sum,
+        constant: field.of_body(body).at_infinity(),
+        length: mesh.part(field.elements(body)).diameter(),
+    })
+}
