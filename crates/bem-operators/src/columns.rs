@@ -6,7 +6,7 @@ use faer::Mat;
 
 use crate::moments::{Geometry, LANES, Tables, first_is_outer};
 use crate::pass::{Block, Pass};
-use crate::{Bubbles, Enrichment, Operators, Space};
+use crate::{Bubbles, Enrichment, Operators};
 
 /// The matrices that one pass over the pairs fills.
 #[derive(Default)]
@@ -40,47 +40,6 @@ pub(crate) struct Scratch {
     g: [Vec<f64>; 3],
     /// Entries xx, xy, yy of W with each test function.
     w: [Vec<f64>; 3],
-}
-
-/// The functions of an element of one degree: the nodal ones from start to end, then, with an enrichment, the bubble
-/// (P_(p+1) - P_(p-1))/(2p+1).
-pub(crate) struct Local {
-    /// Legendre coefficients of each function, one more than there are test degrees.
-    values: Vec<f64>,
-    /// Legendre coefficients of its derivative with respect to t.
-    derivatives: Vec<f64>,
-    /// The same, coefficient by coefficient: that of function i at m `stride` + i.
-    transposed: Vec<f64>,
-    stride: usize,
-}
-
-impl Local {
-    pub(crate) fn new(space: &Space, e: usize, enriched: bool) -> Self {
-        let basis = space.basis(e);
-        let p = basis.degree;
-        let top = p + usize::from(enriched);
-        let (mut values, mut derivatives) = (Vec::new(), Vec::new());
-        for j in 0..=p {
-            values.extend((0..=top).map(|n| if n <= p { basis.to_legendre[(n, j)] } else { 0.0 }));
-            derivatives.extend((0..top).map(|n| if n < p { basis.derivative_to_legendre[(n, j)] } else { 0.0 }));
-        }
-        if enriched {
-            let scale = 1.0 / (2 * p + 1) as f64;
-            values.extend((0..=top).map(|n| match n {
-                _ if n == p + 1 => scale,
-                _ if n + 1 == p => -scale,
-                _ => 0.0,
-            }));
-            derivatives.extend((0..top).map(|n| if n == p { 1.0 } else { 0.0 }));
-        }
-        let functions = values.len() / (top + 1);
-        let stride = functions.next_multiple_of(LANES);
-        let mut transposed = vec![0.0; stride * top];
-        for (i, row) in derivatives.chunks_exact(top).enumerate() {
-            row.iter().enumerate().for_each(|(m, d)| transposed[m * stride + i] = *d);
-        }
-        Self { values, derivatives, transposed, stride }
-    }
 }
 
 /// Columns that one task owns, at least; neighbours in a group share their tables.

@@ -3,7 +3,7 @@
 use steklov_elastic::plane::distance;
 
 use crate::edge::{Edge, Path, angle};
-use crate::polygon::{nearest_on_segment, orientation};
+use crate::predicates::{nearest_on_segment, orientation};
 
 /// Pairs of pieces that are looked at before two edges count as too close to tell apart.
 const MOST_PAIRS: usize = 400_000;

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 use steklov_elastic::Material;
 
-use crate::columns::Local;
 use crate::curve::Curve;
 use crate::curved_pair;
 use crate::far::{Batch, Classifier, KINDS, flush, kind_index};
 use crate::far_curved::{FarCurved, Reach};
 use crate::kernel::Constants;
+use crate::local_functions::Local;
 use crate::moments::{LANES, Segment, first_is_outer, same, storage};
 use crate::near;
 use crate::{Mesh, Space};

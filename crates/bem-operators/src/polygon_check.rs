@@ -6,7 +6,8 @@ use steklov_elastic::plane::{cross, distance, minus, unit};
 
 use crate::edge::{Edge, LARGEST_OPENING, Path, angle};
 use crate::edge_check::{LEAST_ANGLE, meeting, own_meeting};
-use crate::polygon::{Loop, area_of, listed_edges, nearest_on_segment, orientation};
+use crate::polygon::{Loop, area_of, listed_edges};
+use crate::predicates::{nearest_on_segment, orientation};
 
 /// An edge as the user lists it; corners count from 0.
 #[derive(Debug, Clone, PartialEq)]
