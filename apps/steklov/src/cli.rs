@@ -1,6 +1,7 @@
 //! Arguments, messages and exit statuses of the command.
 
 mod bar;
+mod failure;
 mod grid;
 mod output;
 mod study;
@@ -30,6 +31,7 @@ use steklov_result::store;
 use steklov_scene::{Document, HDF5, TEMPLATE, foreign};
 
 use self::bar::Bar;
+use self::failure::{Failure, say};
 use self::grid::crossing_warning;
 use self::output::{appeared, check_folder, check_output};
 use self::told::{advice, cautions, expectation, print_summary};
@@ -128,15 +130,6 @@ struct ShowArgs {
     json: bool,
 }
 
-/// A message for stderr; the status is 1.
-struct Failure(String);
-
-impl<E: std::error::Error> From<E> for Failure {
-    fn from(error: E) -> Self {
-        Self(format!("error: {error}"))
-    }
-}
-
 impl Cli {
     /// Runs the command and returns its exit status.
     pub fn run(self) -> u8 {
@@ -155,12 +148,6 @@ impl Cli {
             WRONG
         })
     }
-}
-
-/// Prints to stdout; a reader that has gone away is no error.
-fn say(text: &str) {
-    use std::io::Write as _;
-    let _ = writeln!(std::io::stdout(), "{text}");
 }
 
 fn read_scene(path: &Path, overrides: &[String]) -> Result<Document, Failure> {

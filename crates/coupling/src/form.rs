@@ -1,5 +1,10 @@
 //! The three forms of the equations on the interface.
 
+use crate::{Coupled, CouplingError, Medium, Radiation, Transmission, dense, schur, three_field, two_field};
+
+/// Stiffness of the body over that of the medium from which too few digits are left.
+const CONTRAST: f64 = 1e10;
+
 /// Which fields are unknowns. v are the unknowns of the trace, Π v the trace in the displacement space of the boundary elements;
 /// A_c and f_c are the body's stiffness and load, reduced to v; n points out of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,4 +29,81 @@ pub enum Form {
     /// Displacement v; S = W + (K - ½M)ᵀ V⁻¹ (K - ½M), positive definite: (A_c + Πᵀ S Π) v = f_c + Πᵀ S u0. The solution
     /// of the two-field form, with the traction eliminated; the cheapest.
     Schur,
+}
+
+impl Transmission<'_> {
+    /// Solves for a jump u0 of displacements (length), given at the nodes of the boundary elements, interleaved.
+    ///
+    /// # Errors
+    /// [`CouplingError::Inconsistent`] for a jump of another size or one that is not finite, [`CouplingError::Unbalanced`] for
+    /// a resultant and [`Radiation::Bounded`], [`CouplingError::Contrast`], [`CouplingError::Singular`].
+    pub fn solve(&self, jump: &[f64], form: Form, radiation: Radiation) -> Result<Coupled, CouplingError> {
+        let needed = self.medium.space.dofs();
+        if jump.len() != needed {
+            let what =
+                format!("the jump of displacements has {} values, and the boundary elements {needed}", jump.len());
+            return Err(CouplingError::Inconsistent { what });
+        }
+        if let Some((k, value)) = jump.iter().enumerate().find(|(_, u)| !u.is_finite()) {
+            let [x, y] = self.medium.space.points[k / 2];
+            let what = format!("the jump of displacements is {value} at ({x}, {y}): it must be finite");
+            return Err(CouplingError::Inconsistent { what });
+        }
+        if radiation == Radiation::Bounded {
+            self.balance.check()?;
+        }
+        let contrast = self.contrast();
+        let lost = if form == Form::ThreeField { contrast.max(1.0 / contrast) } else { contrast };
+        if lost >= CONTRAST || !lost.is_finite() {
+            return Err(CouplingError::Contrast { contrast, limit: CONTRAST });
+        }
+        let solved = match form {
+            Form::TwoField => two_field::solve(self, jump)?,
+            Form::ThreeField => three_field::solve(self, jump)?,
+            Form::Schur => schur::solve(self, jump)?,
+        };
+        let solved = solved.ok_or(CouplingError::Singular { size: self.stiffness.nrows(), contrast })?;
+        let displacement = self.inside.elimination.expand(&self.inside.reduced, &solved.interface);
+        let trace = dense::apply(&self.transfer.projection, &solved.interface);
+        let exterior_displacement: Vec<f64> = trace.iter().zip(jump).map(|(u, u0)| u - u0).collect();
+        let exterior_displacement = match solved.medium {
+            Some(medium) => three_field::with_rigid_motion_of(&exterior_displacement, medium, self.medium),
+            None => exterior_displacement,
+        };
+        let mut coupled = Coupled {
+            displacement,
+            trace,
+            exterior_displacement,
+            traction: solved.traction,
+            constant: [0.0; 2],
+            balance: self.balance,
+        };
+        if radiation == Radiation::Bounded {
+            coupled.remove_mean(self.medium);
+        }
+        Ok(coupled)
+    }
+}
+
+impl Coupled {
+    /// Moves body and medium so that the mean of u over the interface vanishes.
+    ///
+    /// With a free, u, u_c and a have one constant in common: V φ = (K - ½) ξ + a is unchanged, (K - ½) 1 being -1, and where
+    /// the loads have no resultant φ has none, so that the decaying solution is one of the bounded ones.
+    fn remove_mean(&mut self, medium: &Medium) {
+        let (mut integral, mut length) = ([0.0; 2], 0.0);
+        for e in 0..medium.mesh.len() {
+            let scale = medium.mesh.length(e);
+            length += scale;
+            let mean = medium.space.basis(e).to_legendre.row(0);
+            for (node, weight) in medium.space.element_nodes(e).zip(mean.iter()) {
+                (0..2).for_each(|i| integral[i] += scale * weight * self.trace[2 * node + i]);
+            }
+        }
+        let mean = integral.map(|m| m / length);
+        for field in [&mut self.displacement, &mut self.trace, &mut self.exterior_displacement] {
+            field.chunks_exact_mut(2).for_each(|u| (0..2).for_each(|i| u[i] -= mean[i]));
+        }
+        self.constant = mean.map(|m| -m);
+    }
 }

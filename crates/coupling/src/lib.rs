@@ -64,12 +64,13 @@ mod interior;
 mod transfer;
 mod medium;
 mod balance;
-mod form;
+mod coupled;
 mod transmission;
 mod dense;
 mod two_field;
 mod three_field;
 mod schur;
+mod form;
 mod subdivided;
 mod far;
 mod body_side;
@@ -79,6 +80,7 @@ mod cell_indicators;
 
 pub use balance::{Balance, Radiation};
 pub use cell_indicators::CellIndicators;
+pub use coupled::Coupled;
 pub use error::CouplingError;
 pub use form::Form;
 pub use indicators::{InterfaceIndicators, Jumps};
@@ -88,4 +90,4 @@ pub use mortar::{Cell, Facing, Met, MortarRow, cells, dual_moment, meet, mortar_
 pub use outline::Outline;
 pub use trace::Trace;
 pub use transfer::Transfer;
-pub use transmission::{Coupled, Transmission};
+pub use transmission::Transmission;

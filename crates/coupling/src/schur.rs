@@ -3,8 +3,8 @@
 use faer::Mat;
 use steklov_bem_operators::{Domain, Steklov};
 
+use crate::coupled::Unknowns;
 use crate::dense::{apply, apply_transposed, congruence, product, solve_definite};
-use crate::transmission::Unknowns;
 use crate::{CouplingError, Transmission};
 
 /// Solves [`crate::Form::Schur`].

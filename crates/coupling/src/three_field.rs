@@ -3,8 +3,8 @@
 use faer::Mat;
 use faer::linalg::solvers::Solve;
 
+use crate::coupled::Unknowns;
 use crate::dense::solve_indefinite;
-use crate::transmission::Unknowns;
 use crate::{CouplingError, Medium, Transmission};
 
 /// Two translations and the rotation about the mean node, each of norm 1; W and K + ½M vanish on all three.

@@ -4,11 +4,8 @@ use faer::Mat;
 use steklov_msfem::{Elimination, ReducedLoad};
 
 use crate::balance::Balance;
-use crate::{CouplingError, Form, Interior, Medium, Radiation, Transfer, three_field, two_field};
-use crate::{dense, schur};
-
-/// Stiffness of the body over that of the medium from which too few digits are left.
-const CONTRAST: f64 = 1e10;
+use crate::dense;
+use crate::{Coupled, CouplingError, Interior, Medium, Transfer};
 
 /// A body and the medium around it; all unknowns of the body but those of its trace are eliminated.
 ///
@@ -38,46 +35,18 @@ pub struct Transmission<'a> {
     /// Load, reduced to the unknowns of the trace.
     load: Vec<f64>,
     /// The way back to the inside of a grid.
-    inside: Inside,
+    pub(crate) inside: Inside,
 }
 
 /// A grid whose unknowns are eliminated but for those of its trace.
 #[derive(Debug)]
-struct Inside {
-    elimination: Elimination,
-    reduced: ReducedLoad,
+pub(crate) struct Inside {
+    pub(crate) elimination: Elimination,
+    pub(crate) reduced: ReducedLoad,
     /// Load of all unknowns (force per thickness).
     load: Vec<f64>,
     /// Unknowns of the trace.
     kept: Vec<usize>,
-}
-
-/// Displacements and tractions of body and medium.
-#[derive(Debug, Clone)]
-pub struct Coupled {
-    /// Unknowns of the body (length).
-    pub displacement: Vec<f64>,
-    /// Displacement u of the body at the nodes of the boundary elements (length).
-    pub trace: Vec<f64>,
-    /// Displacement ξ = u_c of the medium there (length).
-    pub exterior_displacement: Vec<f64>,
-    /// Traction φ = σ(u_c)n of the medium, n out of the body, by the traction space of the boundary elements (stress).
-    pub traction: Vec<f64>,
-    /// Displacement a at infinity (length).
-    pub constant: [f64; 2],
-    /// Resultant of body force and jump of tractions. Unless it is balanced, the displacement grows as log r and its translation
-    /// depends on the length L in log(L/r).
-    pub balance: Balance,
-}
-
-/// What a form of the equations is solved for.
-pub(crate) struct Unknowns {
-    /// Unknowns of the trace.
-    pub interface: Vec<f64>,
-    /// φ.
-    pub traction: Vec<f64>,
-    /// ξ up to a rigid motion where it is an unknown of its own.
-    pub medium: Option<Vec<f64>>,
 }
 
 impl<'a> Transmission<'a> {
@@ -106,58 +75,6 @@ impl<'a> Transmission<'a> {
         &self.load
     }
 
-    /// Solves for a jump u0 of displacements (length), given at the nodes of the boundary elements, interleaved.
-    ///
-    /// # Errors
-    /// [`CouplingError::Inconsistent`] for a jump of another size or one that is not finite, [`CouplingError::Unbalanced`] for
-    /// a resultant and [`Radiation::Bounded`], [`CouplingError::Contrast`], [`CouplingError::Singular`].
-    pub fn solve(&self, jump: &[f64], form: Form, radiation: Radiation) -> Result<Coupled, CouplingError> {
-        let needed = self.medium.space.dofs();
-        if jump.len() != needed {
-            let what =
-                format!("the jump of displacements has {} values, and the boundary elements {needed}", jump.len());
-            return Err(CouplingError::Inconsistent { what });
-        }
-        if let Some((k, value)) = jump.iter().enumerate().find(|(_, u)| !u.is_finite()) {
-            let [x, y] = self.medium.space.points[k / 2];
-            let what = format!("the jump of displacements is {value} at ({x}, {y}): it must be finite");
-            return Err(CouplingError::Inconsistent { what });
-        }
-        if radiation == Radiation::Bounded {
-            self.balance.check()?;
-        }
-        let contrast = self.contrast();
-        let lost = if form == Form::ThreeField { contrast.max(1.0 / contrast) } else { contrast };
-        if lost >= CONTRAST || !lost.is_finite() {
-            return Err(CouplingError::Contrast { contrast, limit: CONTRAST });
-        }
-        let solved = match form {
-            Form::TwoField => two_field::solve(self, jump)?,
-            Form::ThreeField => three_field::solve(self, jump)?,
-            Form::Schur => schur::solve(self, jump)?,
-        };
-        let solved = solved.ok_or(CouplingError::Singular { size: self.stiffness.nrows(), contrast })?;
-        let displacement = self.inside.elimination.expand(&self.inside.reduced, &solved.interface);
-        let trace = dense::apply(&self.transfer.projection, &solved.interface);
-        let exterior_displacement: Vec<f64> = trace.iter().zip(jump).map(|(u, u0)| u - u0).collect();
-        let exterior_displacement = match solved.medium {
-            Some(medium) => three_field::with_rigid_motion_of(&exterior_displacement, medium, self.medium),
-            None => exterior_displacement,
-        };
-        let mut coupled = Coupled {
-            displacement,
-            trace,
-            exterior_displacement,
-            traction: solved.traction,
-            constant: [0.0; 2],
-            balance: self.balance,
-        };
-        if radiation == Radiation::Bounded {
-            coupled.remove_mean(self.medium);
-        }
-        Ok(coupled)
-    }
-
     /// How far the forces of a solution by [`Form::TwoField`] or [`Form::Schur`] are out of balance,
     /// max|A u + Πᵀ S(ξ - a) - F| / (max|A u| + max|F|) over all unknowns of the body: roundoff, which grows with the stiffness of
     /// the body over that of the medium. 0 where nothing acts.
@@ -173,31 +90,8 @@ impl<'a> Transmission<'a> {
     }
 
     /// Largest diagonal entry of A_c over that of W.
-    fn contrast(&self) -> f64 {
+    pub(crate) fn contrast(&self) -> f64 {
         let largest = |m: &Mat<f64>| (0..m.nrows()).fold(0.0f64, |l, i| l.max(m[(i, i)]));
         largest(&self.stiffness) / largest(&self.medium.operators.w)
-    }
-}
-
-impl Coupled {
-    /// Moves body and medium so that the mean of u over the interface vanishes.
-    ///
-    /// With a free, u, u_c and a have one constant in common: V φ = (K - ½) ξ + a is unchanged, (K - ½) 1 being -1, and where
-    /// the loads have no resultant φ has none, so that the decaying solution is one of the bounded ones.
-    fn remove_mean(&mut self, medium: &Medium) {
-        let (mut integral, mut length) = ([0.0; 2], 0.0);
-        for e in 0..medium.mesh.len() {
-            let scale = medium.mesh.length(e);
-            length += scale;
-            let mean = medium.space.basis(e).to_legendre.row(0);
-            for (node, weight) in medium.space.element_nodes(e).zip(mean.iter()) {
-                (0..2).for_each(|i| integral[i] += scale * weight * self.trace[2 * node + i]);
-            }
-        }
-        let mean = integral.map(|m| m / length);
-        for field in [&mut self.displacement, &mut self.trace, &mut self.exterior_displacement] {
-            field.chunks_exact_mut(2).for_each(|u| (0..2).for_each(|i| u[i] -= mean[i]));
-        }
-        self.constant = mean.map(|m| -m);
     }
 }

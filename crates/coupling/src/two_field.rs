@@ -2,8 +2,8 @@
 
 use faer::Mat;
 
+use crate::coupled::Unknowns;
 use crate::dense::{apply_transposed, congruence, product, solve_indefinite, times};
-use crate::transmission::Unknowns;
 use crate::{CouplingError, Transmission};
 
 /// (K - ½M), the double layer of the medium.

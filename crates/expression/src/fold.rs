@@ -3,7 +3,8 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::tape::{One, Op, Two};
+use super::operation::{One, Two};
+use super::tape::Op;
 use super::{FieldValue, Switch};
 
 /// What a name stands for.

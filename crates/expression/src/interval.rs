@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
-use super::tape::{One, Two};
+use super::operation::{One, Two};
 
 /// All numbers from `low` to `high`; never empty, never NaN.
 #[derive(Debug, Clone, Copy, PartialEq)]

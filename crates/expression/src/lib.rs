@@ -12,6 +12,7 @@
 //! ```
 
 mod token;
+mod operation;
 mod tape;
 mod foreign;
 mod parse;

@@ -7,7 +7,8 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use super::foreign::translated;
-use super::tape::{One, Op, Two};
+use super::operation::{One, Two};
+use super::tape::Op;
 use super::token::{Token, next_token};
 use super::{ExpressionError, FieldValue, Value};
 

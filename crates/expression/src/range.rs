@@ -8,7 +8,8 @@
 use std::ops::Sub;
 
 use super::interval::Interval;
-use super::tape::{One, Op, Two};
+use super::operation::{One, Two};
+use super::tape::Op;
 use super::{Expression, Switch};
 
 /// Enclosures of the values of a function and of its derivative by the parameter of a path.

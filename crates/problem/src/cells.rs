@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
+use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
+use steklov_elastic::plane::minus;
 use steklov_expression::Expression;
 
 /// Most cells of a grid, over the whole bounding box.
@@ -126,4 +128,16 @@ pub struct Cells {
     pub young: CellModuli,
     /// The material of modulus 1 with the same Poisson's ratio in the same plane.
     pub of_unit_modulus: Material,
+}
+
+/// Lower left corner and sides of the bounding box.
+pub fn bounding_box(polygon: &Polygon) -> ([f64; 2], [f64; 2]) {
+    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
+    for edge in polygon.edges() {
+        for k in 0..2 {
+            low[k] = low[k].min(edge.start[k]);
+            high[k] = high[k].max(edge.start[k]);
+        }
+    }
+    (low, minus(high, low))
 }

@@ -1,26 +1,14 @@
 //! A polygon as a union of grid cells.
 
 use steklov_bem_operators::{Edge, Location, Polygon};
-use steklov_elastic::plane::minus;
 use steklov_msfem::Grid;
 
+use super::cells::bounding_box;
 use super::moduli::whole;
 use super::{About, DataError, DataErrorKind as Kind, Scene};
 
 /// A corner this close to a grid point, in sides of the bounding box, is that point.
 const ON_GRID: f64 = 1e-9;
-
-/// Lower left corner and sides of the bounding box.
-pub fn bounding_box(polygon: &Polygon) -> ([f64; 2], [f64; 2]) {
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for edge in polygon.edges() {
-        for k in 0..2 {
-            low[k] = low[k].min(edge.start[k]);
-            high[k] = high[k].max(edge.start[k]);
-        }
-    }
-    (low, minus(high, low))
-}
 
 /// The fine grid of a scene: coarse × fine equal rectangles over the bounding box of the body. A cell belongs to the body
 /// if its centre does.

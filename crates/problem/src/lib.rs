@@ -52,12 +52,12 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 
-pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS, TableOrder};
+pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS, TableOrder, bounding_box};
 pub use cracks::{Crack, CrackError, cut_by_cracks};
 pub use error::{About, DataError, DataErrorKind};
 pub use facets::{Drawn, Facets, facets};
 pub use facing::{Seen, Span};
-pub use grid_fit::{bounding_box, check_body, grid_of};
+pub use grid_fit::{check_body, grid_of};
 pub use medium::{FarField, Surroundings, Tie};
 pub use method::{Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Model, Multiplier, Refine, Solver};
 pub use moduli::{check_modulus_cells, moduli, modulus_cells};

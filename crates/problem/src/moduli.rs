@@ -4,7 +4,7 @@ use steklov_bem_operators::Polygon;
 use steklov_msfem::Grid;
 use steklov_quadrature::unit_uniform;
 
-use super::grid_fit::bounding_box;
+use super::cells::bounding_box;
 use super::{CellModuli, Cells, DataError, DataErrorKind as Kind, MOST_CELLS, Scene, Substance};
 
 /// Relative distance of a quotient from a whole number that counts as rounding.

@@ -13,8 +13,8 @@ use steklov_model::solve::solution::TieRow;
 use steklov_model::stochastic::StochasticResult;
 use steklov_problem::{Scene, moduli};
 
+use crate::body_grid::body_grid;
 use crate::grid::{GridRecord, record, store as grid};
-use crate::record::body_grid;
 use crate::steps;
 
 /// A model whose runs are kept in files.

@@ -5,6 +5,7 @@
 //! file ─► store::read ─► Record          file ─► Keep::read_steps ─► steps from which a run goes on
 //! ```
 
+mod body_grid;
 pub mod grid;
 pub mod keep;
 pub mod medium;

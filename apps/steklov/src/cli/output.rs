@@ -6,7 +6,7 @@ use steklov_io::{IoError, is_special};
 use steklov_model::error::SolveError;
 use steklov_result::store::unfinished;
 
-use super::Failure;
+use super::failure::Failure;
 
 /// What users hope for who give a result file such an ending, and how to have it.
 const ENDINGS: [(&[&str], &str); 4] = [

@@ -11,8 +11,8 @@ use steklov_problem::{Law, Scene};
 use steklov_result::record::Record;
 use steklov_scene::STOCHASTIC;
 
+use super::failure::say;
 use super::grid::grid_lines;
-use super::say;
 
 /// What to do about a run whose contact solver did not reach its criterion, or that memory ended.
 pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {

@@ -11,7 +11,6 @@ use steklov_bem_operators::Mesh;
 use steklov_quadrature::{LobattoBasis, gauss_legendre};
 
 use crate::ContactError;
-use crate::on_mesh::stabilised::{CURVE_POINTS, frame};
 
 /// How T_H follows from the displacement mesh T_h of the contact sides.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -314,3 +313,11 @@ fn rule(degree: usize) -> (Vec<f64>, Vec<f64>) {
 fn sorted([a, b]: [f64; 2]) -> [f64; 2] {
     [a.min(b), a.max(b)]
 }
+
+/// Outward normal and tangent at a point of an element.
+pub(crate) fn frame(mesh: &Mesh, e: usize, t: f64) -> [[f64; 2]; 2] {
+    [mesh.normal(e, t), mesh.tangent(e, t)]
+}
+
+/// More Gauss points where normal and |γ'| change along an element.
+pub(crate) const CURVE_POINTS: usize = 14;

@@ -30,6 +30,7 @@ use steklov_elastic::plane::dot;
 use steklov_quadrature::gauss_legendre;
 
 use crate::on_mesh::inf_sup::dual_form;
+use crate::on_mesh::multiplier_space::{CURVE_POINTS, frame};
 use crate::on_mesh::node_data::{NodeData, node_data};
 use crate::on_mesh::uniform_pressure::UniformPressure;
 use crate::solvers::lanczos::largest_eigenvalue;
@@ -350,14 +351,6 @@ impl Stabilised {
         displacement
     }
 }
-
-/// Outward normal and tangent at a point of an element.
-pub(crate) fn frame(mesh: &Mesh, e: usize, t: f64) -> [[f64; 2]; 2] {
-    [mesh.normal(e, t), mesh.tangent(e, t)]
-}
-
-/// More Gauss points where normal and |γ'| change along an element.
-pub(crate) const CURVE_POINTS: usize = 14;
 
 /// ∫ μ n·φ and ∫ μ t·φ: nodes of the multipliers × displacement unknowns, of any mesh of the same polygon.
 pub fn pairing(mesh: &Mesh, space: &Space, multipliers: &MultiplierSpace) -> [Mat<f64>; 2] {

@@ -6,11 +6,11 @@
 
 use steklov_elastic::plane::{cross, dot, minus, turned, unit};
 
-use crate::solvers::active_set::Linear;
 use crate::solvers::free::{Direction, Free, form, project};
 use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{largest, product, solve_general};
 use crate::solvers::multipliers::{node_multipliers, touching_distance};
+use crate::solvers::pieces::Linear;
 use crate::{ContactError, ContactNode, Problem};
 
 /// Halvings of the difference between the pressures of a node with two conditions.

@@ -1,8 +1,9 @@
 //! Coulomb's law as a fixed point of Tresca problems.
 
-use crate::solvers::active_set::{ACCEPTED, Linear, Settled, iterate, laws, nearest_pieces, settle, solution};
 use crate::solvers::law::{Law, Piece};
 use crate::solvers::linear::{largest, product};
+use crate::solvers::pieces::{Linear, laws, nearest_pieces};
+use crate::solvers::settle::{ACCEPTED, Settled, iterate, settle, solution};
 use crate::{ContactError, Outcome, Problem, Solution, Start, interior_point};
 
 /// Relative change of the pressures at which the iteration ends.

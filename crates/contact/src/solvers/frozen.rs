@@ -1,9 +1,9 @@
 //! Contact problems with given sets: which conditions are closed, which stick, which slip.
 
-use crate::solvers::active_set::{laws, nearest_pieces};
 use crate::solvers::free::{Free, off_forces};
 use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{Semidefinite, product};
+use crate::solvers::pieces::{laws, nearest_pieces};
 use crate::{ContactError, Problem, Solution, Start};
 
 /// State of each condition, in the order of the multipliers. Under Coulomb's law the friction bounds are those of the

@@ -2,11 +2,12 @@
 
 use steklov_elastic::plane::{dot, norm};
 
-use crate::solvers::active_set::{ACCEPTED, Linear, Settled, iterate, laws, nearest_pieces, settle, solution};
 use crate::solvers::barrier::Barrier;
 use crate::solvers::fixed_point::coulomb;
 use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{largest, product};
+use crate::solvers::pieces::{Linear, laws, nearest_pieces};
+use crate::solvers::settle::{ACCEPTED, Settled, iterate, settle, solution};
 use crate::{ContactError, Outcome, Problem, Solution};
 
 /// Most interior point steps.

@@ -4,7 +4,7 @@ use steklov_elastic::plane::{cross, dot, norm, turned};
 
 use crate::solvers::law::{Branch, Kink, Law};
 use crate::solvers::linear::largest;
-use crate::{Condition, ContactNode, Problem, Status};
+use crate::{Condition, ContactNode, Outcome, Problem, Solution, Status};
 
 /// Lines closer to v than this part of the largest displacement and gap meet in v.
 const TOUCH: f64 = 1e-12;
@@ -174,4 +174,18 @@ pub(crate) fn status(problem: &Problem, v: &[f64], multipliers: &[[f64; 2]]) -> 
             }
         })
         .collect()
+}
+
+impl Solution {
+    /// A solution whose displacement and multipliers are known.
+    pub fn new(
+        problem: &Problem,
+        displacement: Vec<f64>,
+        multipliers: Vec<[f64; 2]>,
+        outcome: Outcome,
+        history: Vec<f64>,
+    ) -> Self {
+        let status = status(problem, &displacement, &multipliers);
+        Self { displacement, multipliers, status, iterations: history.len(), outcome, history }
+    }
 }

@@ -4,11 +4,11 @@ use faer::Mat;
 
 use steklov_elastic::plane::dot;
 
-use crate::solvers::active_set::{
-    Linear, active_set, iterate, laws, nearest_pieces, solution, solve_pieces, violations,
-};
+use crate::solvers::active_set::active_set;
 use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{largest, product, solve_general};
+use crate::solvers::pieces::{Linear, laws, nearest_pieces};
+use crate::solvers::settle::{iterate, solution, solve_pieces, violations};
 use crate::{ContactError, ContactNode, Outcome, Problem, Solution, Start};
 
 /// Weight m of the Fischer-Burmeister function against its penalty.

@@ -110,18 +110,6 @@ pub struct Solution {
 }
 
 impl Solution {
-    /// A solution whose displacement and multipliers are known.
-    pub fn new(
-        problem: &Problem,
-        displacement: Vec<f64>,
-        multipliers: Vec<[f64; 2]>,
-        outcome: Outcome,
-        history: Vec<f64>,
-    ) -> Self {
-        let status = crate::solvers::multipliers::status(problem, &displacement, &multipliers);
-        Self { displacement, multipliers, status, iterations: history.len(), outcome, history }
-    }
-
     /// Whether the solver's own criterion was reached.
     pub fn converged(&self) -> bool {
         self.outcome == Outcome::Converged

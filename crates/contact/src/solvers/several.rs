@@ -15,11 +15,11 @@ use faer::Mat;
 
 use steklov_elastic::plane::dot;
 
-use crate::solvers::active_set::{laws, nearest_pieces};
 use crate::solvers::fixed_point::{body_force, settled};
 use crate::solvers::frozen::{Frozen, Sets};
 use crate::solvers::law::{Branch, Law, Piece};
 use crate::solvers::linear::{largest, product};
+use crate::solvers::pieces::{laws, nearest_pieces};
 use crate::{ContactError, Problem, Solution};
 
 /// Solutions farther apart than this part of the largest displacement and gap are different.

@@ -5,7 +5,7 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::plane::distance;
 use steklov_model::solve::medium::Around;
 
-use crate::record::chords;
+use crate::body_grid::chords;
 use crate::triangulate::{Triangulation, triangulate};
 
 /// Distance of the window's sides from the body, in diameters of it.
