@@ -9,11 +9,10 @@
 //! overlap as they are drawn; of several pairs of a point the nearest counts. Beside a corner of the partner points see the corner,
 //! whose normal is any one between those of its edges.
 
-use std::sync::{Mutex, PoisonError};
-
 use steklov_bem_operators::Edge;
 use steklov_elastic::plane::{cross, dot, minus, norm, unit};
 
+use super::spans::Span;
 use super::{Faces, Interface, Law, Other, Problem};
 
 /// Sides see each other where n·n' is below this.
@@ -27,20 +26,6 @@ const PARTS: usize = 64;
 /// Edge parameters closer than this are one.
 pub(super) const SAME: f64 = 1e-11;
 
-/// Spans that are known, by the sides of their interface and what these face.
-#[derive(Debug, Default)]
-pub struct KnownSpans(Mutex<Vec<(Met, Vec<Span>)>>);
-
-/// The sides of an interface, and those that they face.
-type Met = [Vec<usize>; 2];
-
-/// A copy knows nothing: its outline may be another one.
-impl Clone for KnownSpans {
-    fn clone(&self) -> Self {
-        Self::default()
-    }
-}
-
 /// What a point of one side sees on another.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
@@ -52,15 +37,6 @@ pub struct Seen {
     pub distance: f64,
     /// The direction of contact, a unit vector out of the body that sees.
     pub direction: [f64; 2],
-}
-
-/// A part of an edge that sees another side.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Span {
-    /// The edge.
-    pub edge: usize,
-    /// Its part, s rising.
-    pub s: [f64; 2],
 }
 
 impl Problem {
@@ -252,14 +228,22 @@ impl Problem {
 
     /// The parts of the carrying edges of an interface that see other sides.
     pub fn spans(&self, interface: &Interface) -> Vec<Span> {
-        let mut known = self.known_spans.0.lock().unwrap_or_else(PoisonError::into_inner);
-        let key = [interface.sides.clone(), self.facing_sides(interface).to_vec()];
-        if let Some((_, spans)) = known.iter().find(|(of, _)| *of == key) {
-            return spans.clone();
-        }
-        let spans = self.find_spans(interface);
-        known.push((key, spans.clone()));
-        spans
+        self.known_spans.get_or(self.seen_by(interface), || self.find_spans(interface))
+    }
+
+    /// The bits of all that the spans of an interface depend on: sides, law, edges and moduli.
+    fn seen_by(&self, interface: &Interface) -> Vec<u64> {
+        let sides = [&interface.sides, self.facing_sides(interface)].map(|sides| {
+            let count = sides.len() as u64;
+            [count].into_iter().chain(sides.iter().map(|&side| side as u64))
+        });
+        let tied = matches!(interface.law, Law::Tied(_));
+        let edges = self.outline.edges().iter().flat_map(|edge| {
+            let ends = [edge.start, edge.end].as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>();
+            [edge.side as u64].into_iter().chain(ends).chain(edge.listed_bits())
+        });
+        let moduli = self.bodies.iter().map(|body| body.material().plane_modulus().to_bits());
+        sides.into_iter().flatten().chain([u64::from(tied)]).chain(moduli).chain(edges).collect()
     }
 
     fn find_spans(&self, interface: &Interface) -> Vec<Span> {

@@ -2,7 +2,8 @@
 
 use steklov_bem_operators::Edge;
 
-use super::facing::{SAME, Span};
+use super::facing::SAME;
+use super::spans::Span;
 use super::{Interface, Law, Other, Place, Problem};
 
 /// Bodies whose moduli are not farther apart than this factor are about as stiff.

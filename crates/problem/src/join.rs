@@ -4,7 +4,7 @@
 //! choice of the discretisation. Data are not: jumps have a sign, s runs along one side, and where the sides are drawn apart what is
 //! given in x and y, or per length, differs from one side to the other. Such data are those of the first place, which then carries.
 
-use super::facing::Span;
+use super::spans::Span;
 use super::{
     Condition, DataError, DataErrorKind as Kind, Faces, Friction, Interface, Law, Other, Place, Problem, Side,
 };

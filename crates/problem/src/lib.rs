@@ -31,6 +31,7 @@ mod cracks;
 mod error;
 mod facing;
 mod facing_check;
+mod far_field;
 mod facets;
 mod grid_fit;
 mod join;
@@ -46,6 +47,7 @@ mod random_check;
 mod sides;
 mod signals;
 mod source;
+mod spans;
 
 use std::collections::BTreeMap;
 
@@ -56,17 +58,19 @@ pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS, TableOrder
 pub use cracks::{Crack, CrackError, cut_by_cracks};
 pub use error::{About, DataError, DataErrorKind};
 pub use facets::{Drawn, Facets, facets};
-pub use facing::{Seen, Span};
+pub use facing::Seen;
+pub use far_field::FarField;
 pub use grid_fit::{check_body, grid_of};
-pub use medium::{FarField, Surroundings, Tie};
+pub use medium::Surroundings;
 pub use method::{Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Model, Multiplier, Refine, Solver};
 pub use moduli::{check_modulus_cells, moduli, modulus_cells};
 pub use problem::{Body, Faces, Interface, Law, Other, Place, Problem, Substance};
 pub use random::{Germ, Random, RandomConstants, RandomName, Sampling, Stochastic};
 pub use random_check::Uses;
-pub use sides::{Condition, Contact, Friction, Side};
+pub use sides::{Condition, Contact, Friction, Side, Tie};
 pub use signals::Signal;
 pub use source::Source;
+pub use spans::Span;
 
 /// A problem that has passed all checks. Any consistent units; everything is per unit thickness.
 #[derive(Debug, Clone)]

@@ -7,43 +7,9 @@ use steklov_expression::Expression;
 
 use super::grid_fit::AS_TWO_BODIES;
 use super::{
-    BasisInput, Condition, DataError, DataErrorKind as Kind, Indicator, Interface, Law, Model, Other, Problem, Scene,
+    BasisInput, Condition, DataError, DataErrorKind as Kind, FarField, Indicator, Interface, Law, Model, Other,
+    Problem, Scene, Tie,
 };
-
-/// What a medium does far away.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FarField {
-    /// Stress xx, yy, xy far away.
-    pub remote_stress: [f64; 3],
-    /// What the displacement does far away, that of the remote stress apart; `None`: what fits the supports.
-    pub at_infinity: Option<Radiation>,
-    /// Whether the remote stress has names in it: with random ones it may vanish in an outcome.
-    pub named: bool,
-}
-
-impl Default for FarField {
-    fn default() -> Self {
-        Self { remote_stress: [0.0; 3], at_infinity: None, named: false }
-    }
-}
-
-impl FarField {
-    /// Whether it loads the bodies.
-    pub fn is_loaded(&self) -> bool {
-        self.named || self.remote_stress != [0.0; 3]
-    }
-}
-
-/// A body and a medium that are tied, up to jumps.
-#[derive(Debug, Clone, Default)]
-pub struct Tie {
-    /// u - u_c where body and medium meet (length).
-    pub displacement_jump: Option<[Expression; 2]>,
-    /// σ(u)n - σ(u_c)n there (stress), n out of the body.
-    pub traction_jump: Option<[Expression; 2]>,
-    /// The same as a tensor xx, yy, xy (stress) that is applied to n; both are added.
-    pub stress_jump: Option<[Expression; 3]>,
-}
 
 /// The medium around a body, and how both meet.
 #[derive(Debug, Clone, Copy)]

@@ -11,7 +11,7 @@ use steklov_bem_operators::{Edge, Loop, Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 
-use super::facing::KnownSpans;
+use super::spans::KnownSpans;
 use super::{Cells, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Side, Tie};
 
 /// Bodies and what acts between them.

@@ -86,3 +86,14 @@ impl Side {
         matches!(&self.condition, Condition::Displacement { values, .. } if values[component].is_some())
     }
 }
+
+/// A body and a medium that are tied, up to jumps.
+#[derive(Debug, Clone, Default)]
+pub struct Tie {
+    /// u - u_c where body and medium meet (length).
+    pub displacement_jump: Option<[Expression; 2]>,
+    /// σ(u)n - σ(u_c)n there (stress), n out of the body.
+    pub traction_jump: Option<[Expression; 2]>,
+    /// The same as a tensor xx, yy, xy (stress) that is applied to n; both are added.
+    pub stress_jump: Option<[Expression; 3]>,
+}

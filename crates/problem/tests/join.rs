@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::{Loop, Polygon};
 use steklov_elastic::{Material, Plane};
 use steklov_expression::Expression;
-use steklov_problem::{Body, Condition, Contact, Friction, Law, Place, Problem, Scene, Substance, Tie};
+use steklov_problem::{Body, Condition, Contact, Friction, Law, Place, Problem, Scene, Side, Span, Substance, Tie};
 
 /// Blocks of width 1, each `distance` above the one before; the sides of the k-th are 4k (bottom), 4k + 1, 4k + 2 (top), 4k + 3.
 fn stack(count: usize, distance: f64) -> Problem {
@@ -122,4 +122,27 @@ fn bounds_per_length_are_those_of_the_first_place_on_circles() {
         let joined = problem.join(&[rim], &[hole], law, Some(Place::Second)).map(|_| ());
         assert_eq!(joined.is_ok(), is_free, "{radius}");
     }
+}
+
+/// Where bodies see one another depends on shapes and moduli: a problem that is changed is not answered from memory.
+#[test]
+fn a_changed_problem_sees_anew() {
+    let mut problem = stack(2, 0.25);
+    problem.join(&[4], &[2], contact("0", Friction::None), None).unwrap();
+    let spans = |problem: &Problem| problem.spans(&problem.interfaces()[0]);
+    let before = spans(&problem);
+    assert_eq!(before.len(), 1);
+    assert_eq!((spans(&problem), spans(&problem.clone())), (before.clone(), before.clone()));
+    // the upper block moves to the right by half of its width
+    let mut moved = problem.clone();
+    let corners = |x: f64, y: f64| vec![[x, y], [x + 1.0, y], [x + 1.0, y + 1.0], [x, y + 1.0]];
+    let block = |x, y, sides: &[Side]| {
+        let names = sides.iter().map(|side| side.name.clone()).collect();
+        Polygon::new(Loop::straight(corners(x, y), names), vec![]).unwrap()
+    };
+    let blocks = vec![block(0.0, 0.0, &problem.sides[..4]), block(0.5, 1.25, &problem.sides[4..])];
+    moved.outline = Polygon::assembly(blocks);
+    let after = spans(&moved);
+    let length = |spans: &[Span]| spans.iter().map(|span| span.s[1] - span.s[0]).sum::<f64>();
+    assert!((length(&before) - 1.0).abs() < 1e-9 && (length(&after) - 0.5).abs() < 1e-9, "{before:?} {after:?}");
 }
