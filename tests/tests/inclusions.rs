@@ -8,6 +8,7 @@ use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Reason, Run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::{DataErrorKind, Scene};
+use steklov_scene::SceneErrorKind;
 use steklov_study::reference::true_error;
 use steklov_tests::{adapt, finer, line, parse, solved_in_steps};
 
@@ -472,6 +473,9 @@ fn what_boundary_elements_on_both_sides_cannot_have_is_refused() {
         (hole, "holes"),
     ] {
         let error = parse(&text(&SQUARE, m, m, rest), &[]).expect_err(word);
-        assert!(error.kind == DataErrorKind::Unsupported && error.to_string().contains(word), "{error}");
+        assert!(
+            error.kind == SceneErrorKind::Data(DataErrorKind::Unsupported) && error.to_string().contains(word),
+            "{error}"
+        );
     }
 }

@@ -21,6 +21,7 @@ use steklov_contact::{Outcome, Problem, SideData, contact_boundary, kkt, newton,
 use steklov_model::error::SolveError;
 use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_problem::{DataErrorKind, Scene};
+use steklov_scene::SceneErrorKind;
 use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
 
 const SOLVERS: [&str; 2] = ["newton", "active-set"];
@@ -292,7 +293,7 @@ fn refusal(condition: &On) -> (bool, String) {
     let case = Case::square(0.3).on("top", On::held("0", "0")).on("floor", condition.clone());
     match parse(&case.method("elements = 20\ndegree = 3").toml(&View::PLAIN), &[]) {
         Err(error) => {
-            assert_eq!(error.kind, DataErrorKind::Data, "{}", error.render());
+            assert_eq!(error.kind, SceneErrorKind::Data(DataErrorKind::Data), "{}", error.render());
             (false, error.render())
         }
         Ok(scene) => match attempt(&scene, first_mesh(&scene)).err() {

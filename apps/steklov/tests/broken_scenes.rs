@@ -7,7 +7,7 @@ use std::path::Path;
 use broken::{SOUND, cases};
 use proptest::prelude::*;
 use steklov_problem::{Condition, Contact, DataErrorKind, Expectation, Friction, Method, Model, Refine, Scene, Solver};
-use steklov_scene::{Document, TEMPLATE};
+use steklov_scene::{Document, SceneErrorKind, TEMPLATE};
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov_scene::SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
@@ -180,11 +180,11 @@ fn overrides_change_any_key() {
 #[test]
 fn a_model_that_does_not_fit_is_refused_only_after_all_other_checks() {
     let text = format!("{SOUND}[exterior]\nyoung = 50\npoisson = 0.3\n");
-    assert_eq!(parse(&text, &[]).unwrap_err().kind, DataErrorKind::Conflict);
+    assert_eq!(parse(&text, &[]).unwrap_err().kind, SceneErrorKind::Data(DataErrorKind::Conflict));
     let negative = text.replace("tresca = \"F\"", "tresca = \"F-1\"");
-    assert_eq!(parse(&negative, &[]).unwrap_err().kind, DataErrorKind::Data);
+    assert_eq!(parse(&negative, &[]).unwrap_err().kind, SceneErrorKind::Data(DataErrorKind::Data));
     let both = parse(&text, &["method.elements=0"]).unwrap_err();
-    assert_eq!(both.kind, DataErrorKind::Value);
+    assert_eq!(both.kind, SceneErrorKind::Data(DataErrorKind::Value));
 }
 
 /// The scene with a random variable and a random field, both used.
@@ -221,32 +221,32 @@ fn random_names_are_germs_where_they_are_used() {
 fn impossible_outcomes_are_refused_before_anything_is_solved() {
     // xi reaches 1: 0.9 - xi is negative there, though not in its middle
     let error = parse(&random_scene("0.9-xi"), &[]).unwrap_err();
-    assert_eq!(error.kind, DataErrorKind::Data);
+    assert_eq!(error.kind, SceneErrorKind::Data(DataErrorKind::Data));
     assert!(error.message.contains("-0.09999999999999998"), "{}", error.message);
     let error = parse(&random_scene("xi"), &["material.young=\"200*(0.9-xi)\""]).unwrap_err();
     assert!(error.message.starts_with("for xi = 1") && error.message.contains("modulus"), "{}", error.message);
     // each of two germs alone is possible, both at their ends are not
     let two = random_scene("0.2+0.15*a+0.15*b")
         + "[random.a]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n[random.b]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n";
-    assert_eq!(parse(&two, &[]).unwrap_err().kind, DataErrorKind::Data);
+    assert_eq!(parse(&two, &[]).unwrap_err().kind, SceneErrorKind::Data(DataErrorKind::Data));
     // a field lives on its side
     let elsewhere = random_scene("F").replace("\"-1\"]", "\"-rough\"]");
     let error = parse(&elsewhere, &[]).unwrap_err();
-    assert_eq!(error.kind, DataErrorKind::Conflict);
+    assert_eq!(error.kind, SceneErrorKind::Data(DataErrorKind::Conflict));
     assert!(error.message.contains("the field rough of side \"floor\""), "{}", error.message);
     let error = parse(&random_scene("xi"), &["material.young=\"200+rough\""]).unwrap_err();
     assert!(error.message.contains("depends on the place"), "{}", error.message);
     let error = parse(&random_scene("xi"), &["material.poisson=\"0.3*xi\""]).unwrap_err();
     assert!(error.message.contains("depends on the random xi"), "{}", error.message);
     let error = parse(&random_scene("rough+2"), &["random.rough.modes=100000"]).unwrap_err();
-    assert_eq!(error.kind, DataErrorKind::Value);
+    assert_eq!(error.kind, SceneErrorKind::Data(DataErrorKind::Value));
 }
 
 #[test]
 fn files_that_cannot_be_read_are_named() {
     for path in ["no/such/scene.toml", env!("CARGO_MANIFEST_DIR")] {
         let error = steklov_scene::read(Path::new(path), &[]).unwrap_err();
-        assert_eq!((error.kind, error.line()), (DataErrorKind::Read, None));
+        assert_eq!((error.kind, error.line()), (SceneErrorKind::Read, None));
         assert!(error.render().contains(path) && error.help.contains("steklov new"));
     }
 }
@@ -260,7 +260,10 @@ fn a_value_at_a_quadrature_point_is_judged_like_the_samples() {
     assert_eq!(scene.check_value("top", "traction", load, (1.3, 1.0, 0.5)).unwrap(), 1.0);
     let error = scene.check_value("top", "traction", load, (0.3, 1.0, 0.5)).unwrap_err();
     let error = document.error(error);
-    assert_eq!((error.kind, error.line(), error.offending()), (DataErrorKind::Data, Some(13), "\"1/(x-0.3)\""));
+    assert_eq!(
+        (error.kind, error.line(), error.offending()),
+        (SceneErrorKind::Data(DataErrorKind::Data), Some(13), "\"1/(x-0.3)\"")
+    );
 }
 
 proptest! {

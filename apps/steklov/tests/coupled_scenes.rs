@@ -7,9 +7,10 @@ use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{self, Progress, Run};
 use steklov_model::summary::Summary;
 use steklov_plan::plan;
-use steklov_problem::{DataErrorKind as Kind, Scene};
+use steklov_problem::{DataErrorKind, Scene};
 use steklov_result::record::Record;
 use steklov_scene::SceneError;
+use steklov_scene::SceneErrorKind as Kind;
 
 /// A square of one material in a medium of another, under remote stress.
 const SQUARE: &str = r#"title = "square"
@@ -206,17 +207,24 @@ fn what_a_medium_excludes_is_refused_at_its_place() {
         (
             "young = 10\npoisson = 0.3\nremote",
             "young = -1\npoisson = 0.3\nremote",
-            Kind::Value,
+            Kind::Data(DataErrorKind::Value),
             "-1",
             "Young's modulus is -1",
             "positive",
         ),
-        ("[1, -0.5, 0.25]", "[1, -0.5]", Kind::Value, "[1, -0.5]", "has 2 entries", "xx, yy and xy"),
+        (
+            "[1, -0.5, 0.25]",
+            "[1, -0.5]",
+            Kind::Data(DataErrorKind::Value),
+            "[1, -0.5]",
+            "has 2 entries",
+            "xx, yy and xy",
+        ),
         ("remote_stress", "remote_stres", Kind::UnknownKey, "remote_stres", "unknown key", "remote_stress"),
         (
             "[grid]",
             "displacement_jump = [\"1/(x-0.5)\", \"0\"]\n[grid]",
-            Kind::Data,
+            Kind::Data(DataErrorKind::Data),
             "\"1/(x-0.5)\"",
             "displacement jump of side \"bottom\" is inf",
             "finite",
@@ -224,7 +232,7 @@ fn what_a_medium_excludes_is_refused_at_its_place() {
         (
             "[grid]",
             "displacement_jump = [\"s\", \"0\"]\n[grid]",
-            Kind::Data,
+            Kind::Data(DataErrorKind::Data),
             "\"s\"",
             "is 1 before and 0 after the corner (0.5, -0.5)",
             "continuous",
@@ -232,7 +240,7 @@ fn what_a_medium_excludes_is_refused_at_its_place() {
         (
             "[grid]",
             "displacement_jump = [\"sign(x)\", \"0\"]\n[grid]",
-            Kind::Data,
+            Kind::Data(DataErrorKind::Data),
             "\"sign(x)\"",
             "jumps from -1 to 1",
             "does not tear",
@@ -240,7 +248,7 @@ fn what_a_medium_excludes_is_refused_at_its_place() {
         (
             "[grid]",
             "traction_jump = [\"0\", \"log(x)\"]\n[grid]",
-            Kind::Data,
+            Kind::Data(DataErrorKind::Data),
             "\"log(x)\"",
             "traction jump of side \"bottom\" is NaN",
             "finite",
@@ -248,27 +256,48 @@ fn what_a_medium_excludes_is_refused_at_its_place() {
         (
             "[grid]",
             "stress_jump = [\"0\", \"0\"]\n[grid]",
-            Kind::Value,
+            Kind::Data(DataErrorKind::Value),
             "[\"0\", \"0\"]",
             "has 2 entries",
             "xx, yy and xy",
         ),
-        ("[grid]", "at_infinity = \"free\"\n[grid]", Kind::Value, "\"free\"", "is not a choice", "decaying, bounded"),
-        ("[grid]", "plane = \"stress\"\n[grid]", Kind::Conflict, "\"stress\"", "not that of the body", "remove it"),
+        (
+            "[grid]",
+            "at_infinity = \"free\"\n[grid]",
+            Kind::Data(DataErrorKind::Value),
+            "\"free\"",
+            "is not a choice",
+            "decaying, bounded",
+        ),
+        (
+            "[grid]",
+            "plane = \"stress\"\n[grid]",
+            Kind::Data(DataErrorKind::Conflict),
+            "\"stress\"",
+            "not that of the body",
+            "remove it",
+        ),
         (
             "[grid]",
             "[sides.left]\ntraction = [1, 0]\n[grid]",
-            Kind::Conflict,
+            Kind::Data(DataErrorKind::Conflict),
             "[sides.left]",
             "meets the medium",
             "jump",
         ),
-        ("[material]", &held, Kind::Unsupported, "[sides.wall]", "not held or touched", "pressure"),
-        ("\"fem-bem\"", "\"fem\"", Kind::Conflict, "\"fem\"", "no medium around", "fem-bem"),
+        (
+            "[material]",
+            &held,
+            Kind::Data(DataErrorKind::Unsupported),
+            "[sides.wall]",
+            "not held or touched",
+            "pressure",
+        ),
+        ("\"fem-bem\"", "\"fem\"", Kind::Data(DataErrorKind::Conflict), "\"fem\"", "no medium around", "fem-bem"),
         (
             "coarse = [4, 4]",
             "basis = \"periodic\"\ncoarse = [4, 4]",
-            Kind::Unsupported,
+            Kind::Data(DataErrorKind::Unsupported),
             "\"periodic\"",
             "no single displacement",
             "coupled",
@@ -295,6 +324,6 @@ fn a_body_that_touches_itself_is_refused() {
         .replace(corners, touching)
         .replace("[\"bottom\", \"right\", \"top\", \"left\"]", "[\"a\",\"b\",\"c\",\"d\",\"e\",\"f\",\"g\",\"h\"]");
     let error = parse(&text, &[]).unwrap_err();
-    assert_eq!(error.kind, Kind::Geometry);
+    assert_eq!(error.kind, Kind::Data(DataErrorKind::Geometry));
     assert!(error.render().contains("move the corner away"), "{}", error.render());
 }

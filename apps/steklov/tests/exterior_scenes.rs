@@ -5,7 +5,8 @@ mod place;
 use place::Place;
 use serde_json::Value;
 use steklov_io::{open, vtkhdf};
-use steklov_problem::DataErrorKind as Kind;
+use steklov_problem::DataErrorKind;
+use steklov_scene::SceneErrorKind as Kind;
 
 /// A square and a triangle in the plane, under remote stress; the square is loaded too.
 const HOLES: &str = r#"title = "Two holes"
@@ -133,28 +134,40 @@ fn what_a_hole_cannot_have_is_refused_at_its_place() {
         (
             "[probe]",
             "[body_force]\nvalue = [\"0\", \"-1\"]\n[probe]",
-            Kind::Unsupported,
+            Kind::Data(DataErrorKind::Unsupported),
             16,
             "cannot carry a body force",
         ),
-        ("[-1.0, -2.0, 0.5]", "[-1.0, -2.0, 0.5]\ntraction_jump = [0, 1]", Kind::Conflict, 12, "needs a body"),
-        ("[3.0, 1.5]", "[0.0, 0.5]", Kind::Geometry, 6, "cross"),
+        (
+            "[-1.0, -2.0, 0.5]",
+            "[-1.0, -2.0, 0.5]\ntraction_jump = [0, 1]",
+            Kind::Data(DataErrorKind::Conflict),
+            12,
+            "needs a body",
+        ),
+        ("[3.0, 1.5]", "[0.0, 0.5]", Kind::Data(DataErrorKind::Geometry), 6, "cross"),
         (
             "[[3.0, 0.0], [4.0, 0.5], [3.0, 1.5]]",
             "[[0.0, 0.0], [0.5, 0.0], [0.0, 0.5]]",
-            Kind::Geometry,
+            Kind::Data(DataErrorKind::Geometry),
             6,
             "in hole 1",
         ),
         (
             "[[3.0, 0.0], [4.0, 0.5], [3.0, 1.5]]",
             "[[3.0, 0.0], [4.0, 0.0], [5.0, 0.0]]",
-            Kind::Geometry,
+            Kind::Data(DataErrorKind::Geometry),
             6,
             "of hole 2 lie on",
         ),
-        ("[0.0, 1.0], [50", "[0.0, 0.9], [50", Kind::Value, 17, "(0, 0.9) is not in the body"),
-        ("[method]", "[method]\nmodel = \"fem-bem\"", Kind::Conflict, 19, "no [material] of a body"),
+        ("[0.0, 1.0], [50", "[0.0, 0.9], [50", Kind::Data(DataErrorKind::Value), 17, "(0, 0.9) is not in the body"),
+        (
+            "[method]",
+            "[method]\nmodel = \"fem-bem\"",
+            Kind::Data(DataErrorKind::Conflict),
+            19,
+            "no [material] of a body",
+        ),
     ] {
         assert!(HOLES.contains(from), "{from}");
         let error = steklov_scene::parse(&HOLES.replace(from, to), "holes.toml", &[]).expect_err(message);

@@ -6,8 +6,9 @@ mod place;
 use place::Place;
 use proptest::prelude::*;
 use steklov_io::{Label, create_atomically, save_dense, save_vector};
-use steklov_problem::{BasisInput, CellModuli, DataErrorKind as Kind, Model, Scene, grid_of, moduli};
+use steklov_problem::{BasisInput, CellModuli, DataErrorKind, Model, Scene, grid_of, moduli};
 use steklov_quadrature::unit_uniform;
+use steklov_scene::SceneErrorKind as Kind;
 use steklov_scene::{Document, SceneError};
 
 /// An L of three unit squares with 4 × 4 moduli in its bounding box, 2 × 2 fine cells each.
@@ -64,7 +65,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
     for (edits, kind, line, offending, message, remedy) in [
         (
             &[("[2.0, 1.0], [1.0, 1.0]", "[2.0, 1.1], [1.0, 1.1]")][..],
-            Kind::Geometry,
+            Kind::Data(DataErrorKind::Geometry),
             3,
             "[2.0, 1.1]",
             "the corner (2, 1.1) is no point of the coarse grid: the nearest one is (2, 1), the spacing is 0.5 by 0.5",
@@ -72,7 +73,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[corner],
-            Kind::Geometry,
+            Kind::Data(DataErrorKind::Geometry),
             3,
             "[2.0, 1.0]",
             "from (2, 1) to (1, 1.1) is neither horizontal nor vertical",
@@ -83,7 +84,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
                 "[sides.floor]",
                 "[[body.holes]]\ncorners = [[0.5, 0.5], [0.5, 0.75], [0.75, 0.75], [0.75, 0.5]]\nsides = [\"h\", \"h\", \"h\", \"h\"]\n[sides.floor]",
             )],
-            Kind::Geometry,
+            Kind::Data(DataErrorKind::Geometry),
             9,
             "[0.5, 0.75]",
             "the corner (0.5, 0.75) is no point of the coarse grid: the nearest one is (0.5, 1)",
@@ -95,7 +96,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
                 "[sides.floor]",
                 "[[body.holes]]\ncorners = [[0.5, 0.25], [0.75, 0.25], [0.75, 0.75], [0.5, 0.75]]\nsides = [\"h\", \"h\", \"h\", \"h\"]\n[sides.floor]",
             )],
-            Kind::Geometry,
+            Kind::Data(DataErrorKind::Geometry),
             9,
             "[0.5, 0.25]",
             "the corner (0.5, 0.25) is no point of the coarse grid",
@@ -103,7 +104,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("coarse = [4, 4]", "coarse = [1, 1]"), ("fine = [2, 2]", "fine = [5, 8]\n[method]\nmodel = \"fem\"")],
-            Kind::Geometry,
+            Kind::Data(DataErrorKind::Geometry),
             3,
             "[1.0, 1.0]",
             "(1, 1) is no point of the fine grid: the nearest one is (1.2, 1), the spacing is 0.4 by 0.25",
@@ -115,7 +116,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
                 ("[1.0, 2.0], [0.0, 2.0]", "[1.0, 2.0], [0.5, 2.0], [0.5, 1.9999999999], [0.0, 1.9999999999]"),
                 ("\"left\"]", "\"left\", \"a\", \"b\"]"),
             ],
-            Kind::Geometry,
+            Kind::Data(DataErrorKind::Geometry),
             3,
             "[0.5, 2.0]",
             "the corner (0.5, 2) is no point",
@@ -123,7 +124,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("size = 0.5", "size = 0.3")],
-            Kind::Value,
+            Kind::Data(DataErrorKind::Value),
             7,
             "0.3",
             "size 0.3 do not divide the bounding box of 2 by 2",
@@ -131,7 +132,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("size = 0.5", "size = 3")],
-            Kind::Value,
+            Kind::Data(DataErrorKind::Value),
             7,
             "3",
             "size 3 do not divide the bounding box of 2 by 2: it has 0.6666666666666666 by",
@@ -139,7 +140,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("size = 0.5", "size = 1e-300")],
-            Kind::Value,
+            Kind::Data(DataErrorKind::Value),
             7,
             "1e-300",
             "do not divide the bounding box",
@@ -147,7 +148,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("fine = [2, 2]", "fine = [3, 1]"), ("size = 0.5", "size = 0.25")],
-            Kind::Value,
+            Kind::Data(DataErrorKind::Value),
             7,
             "0.25",
             "fine cells of 0.16666666666666666 by 0.5 do not divide modulus cells of the size 0.25",
@@ -155,7 +156,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("[grid]\ncoarse = [4, 4]\nfine = [2, 2]\n", "[method]\nmodel = \"fem\"\n")],
-            Kind::MissingKey,
+            Kind::Data(DataErrorKind::Missing),
             13,
             "\"fem\"",
             "finite elements need a [grid]",
@@ -163,7 +164,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("[grid]", "[method]\nmultiplier = \"stabilised\"\n[grid]")],
-            Kind::Unsupported,
+            Kind::Data(DataErrorKind::Unsupported),
             13,
             "\"stabilised\"",
             "biorthogonal multipliers only",
@@ -174,7 +175,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
                 ("[0, -1]", "[0, \"-1-xi\"]"),
                 ("[grid]", "[random.xi]\ndistribution = \"uniform\"\nlow = 0\nhigh = 1\n[grid]"),
             ],
-            Kind::Unsupported,
+            Kind::Data(DataErrorKind::Unsupported),
             12,
             "random",
             "random input needs one material, that is boundary elements",
@@ -185,7 +186,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
                 ("{ uniform = [2000, 3000], seed = 2014 }", "\"2000+xi\""),
                 ("[grid]", "[random.xi]\ndistribution = \"uniform\"\nlow = 0\nhigh = 1\n[grid]"),
             ],
-            Kind::Unsupported,
+            Kind::Data(DataErrorKind::Unsupported),
             12,
             "random",
             "random input needs one material",
@@ -193,7 +194,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("[grid]", "[method]\nmodel = \"msfem-bem\"\n[grid]")],
-            Kind::MissingKey,
+            Kind::Data(DataErrorKind::Missing),
             13,
             "\"msfem-bem\"",
             "no medium around the body",
@@ -201,7 +202,7 @@ fn what_does_not_fit_the_grid_is_refused_at_its_place() {
         ),
         (
             &[("[grid]", "[exterior]\nyoung = 50\npoisson = 0.3\n[grid]")],
-            Kind::Conflict,
+            Kind::Data(DataErrorKind::Conflict),
             8,
             "[sides.floor]",
             "meets the medium",
@@ -247,7 +248,7 @@ fn the_model_is_the_least_that_fits() {
     let infinite = infinite.error(infinite.scene.force_at([0.0, 0.5]).unwrap_err());
     check(
         &infinite,
-        Kind::Data,
+        Kind::Data(DataErrorKind::Data),
         1,
         "\"1/x\"",
         "the body force is inf at the point (0, 0.5)",
@@ -342,7 +343,7 @@ fn cells_outside_of_the_body_are_numbered_and_not_judged() {
     {
         let error = by(text).unwrap_err();
         let message = format!("Young's modulus is {value} in the cell with the centre (");
-        check(&error, Kind::Data, 1, &format!("\"{text}\""), &message, "positive and finite");
+        check(&error, Kind::Data(DataErrorKind::Data), 1, &format!("\"{text}\""), &message, "positive and finite");
         assert!(error.message.ends_with(&format!("): expression {text:?}")), "{}", error.message);
     }
     // one modulus is that of every cell
@@ -408,7 +409,14 @@ fn moduli_of_a_file_beside_the_scene_are_indexed_by_column_and_row() {
         let (_place, path) = with_file(4, 4, |ix, iy| if [ix, iy] == [2, 1] { value } else { 1.0 });
         let message =
             format!("modulus is {shown} in the cell with the centre (1.25, 0.75): entry [2, 1] of /young of young.h5");
-        check(&read(&path, &[]).unwrap_err(), Kind::Data, 7, "{ file", &message, "positive and finite");
+        check(
+            &read(&path, &[]).unwrap_err(),
+            Kind::Data(DataErrorKind::Data),
+            7,
+            "{ file",
+            &message,
+            "positive and finite",
+        );
     }
     // a bounding box of 2 by 4 is met by 4 × 8 numbers, not by 8 × 4
     let (_place, path) = with_file(8, 4, |_, _| 1.0);

@@ -110,7 +110,8 @@ pub fn check_solution(a: MatRef<'_, f64>, x: &[f64], b: &[f64]) -> Result<(), Fa
 /// [`Fault`] where rounding does not explain the difference.
 pub fn check_spectrum(
     a: MatRef<'_, f64>,
-    (right, left): (MatRef<'_, f64>, MatRef<'_, f64>),
+    right: MatRef<'_, f64>,
+    left: MatRef<'_, f64>,
     values: &[f64],
 ) -> Result<(), Fault> {
     let probe = probe(values.len());

@@ -50,7 +50,8 @@ impl EnrichedSteklov {
     /// # Errors
     /// [`BemError::SingleLayerIndefinite`] when V₊ has no Cholesky factor; as [`Enrichment::assemble`].
     pub fn new(
-        (mesh, space): (&Mesh, &Space),
+        mesh: &Mesh,
+        space: &Space,
         material: &Material,
         length: f64,
         traction: &TractionMap,

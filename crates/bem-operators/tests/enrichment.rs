@@ -129,8 +129,7 @@ fn the_enriched_stiffness_is_that_of_one_degree_more() {
     let base = Operators::to_enrich(&mesh, &space, &material(), None, &mut cache).expect("operators");
     let length = base.length;
     let steklov = Steklov::new(base, Domain::Interior).expect("S");
-    let enriched =
-        EnrichedSteklov::new((&mesh, &space), &material(), length, &steklov.traction, &mut cache).expect("S₊");
+    let enriched = EnrichedSteklov::new(&mesh, &space, &material(), length, &steklov.traction, &mut cache).expect("S₊");
     let (n, t) = (space.dofs(), prolongation(&space, &raised));
     let s = t.transpose() * &whole.matrix * &t;
     let scale = s.norm_max();

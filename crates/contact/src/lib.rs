@@ -56,8 +56,9 @@ pub mod proptest;
 mod tests;
 
 pub use error::ContactError;
-pub use on_mesh::boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Row, Share, Transfer, contact_boundary};
+pub use on_mesh::boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Row, Share, Transfer};
 pub use on_mesh::bubbles::{ContactBubble, contact_bubbles, oscillation};
+pub use on_mesh::conditions::contact_boundary;
 pub use on_mesh::decided::{Decided, Least, decided};
 pub use on_mesh::inf_sup::{InfSup, dual_form, inf_sup};
 pub use on_mesh::lines::{ContactLine, ElementConditions, LinePoint};

@@ -71,7 +71,7 @@ impl Medium {
 
     /// The field of a solution in the medium.
     pub fn field(&self, solution: &Coupled) -> MediumField {
-        MediumField::new((&self.mesh, &self.space), &self.material, self.operators.length, solution)
+        MediumField::new(&self.mesh, &self.space, &self.material, self.operators.length, solution)
     }
 }
 
@@ -84,7 +84,7 @@ pub struct MediumField {
 
 impl MediumField {
     /// The field of ξ, φ and a of a solution on boundary elements and their unknowns; `length` is L in log(L/r).
-    pub fn new((mesh, space): (&Mesh, &Space), material: &Material, length: f64, solution: &Coupled) -> Self {
+    pub fn new(mesh: &Mesh, space: &Space, material: &Material, length: f64, solution: &Coupled) -> Self {
         let (u, t) = (&solution.exterior_displacement, &solution.traction);
         Self { field: BoundaryField::new(mesh, space, material, u, t, length), constant: solution.constant }
     }

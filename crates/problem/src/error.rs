@@ -6,22 +6,12 @@ use steklov_expression::{Expression, Place};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum DataErrorKind {
-    /// The scene, or a file that it names, cannot be read.
-    Read,
-    /// The text is not TOML, or an override is not `KEY=VALUE`.
-    Syntax,
-    /// A key or the name of a side that does not exist.
-    UnknownKey,
-    /// An override that changes nothing: no expression uses the name that it sets.
-    UnusedKey,
-    /// A key that must be there.
-    MissingKey,
-    /// A value of another type than the key takes.
-    WrongType,
     /// A value of the right type that is impossible.
     Value,
-    /// The text of an expression cannot be read.
-    Expression,
+    /// A datum that must be there.
+    Missing,
+    /// A name that nothing has.
+    Unknown,
     /// Two entries exclude each other.
     Conflict,
     /// The loops do not bound a body.

@@ -256,7 +256,7 @@ impl Scene {
             if coupled {
                 let message = "there is no medium around the body";
                 let help = "add a table [exterior] with young and poisson, or use \"fem\", \"msfem\" or \"auto\"";
-                return refuse(Kind::MissingKey, &["method", "model"], message, help);
+                return refuse(Kind::Missing, &["method", "model"], message, help);
             }
             return Ok(());
         }

@@ -112,7 +112,7 @@ impl Scene {
         };
         let no_grid = if fits { "" } else { ", and no grid has its outline" };
         let help = if fits && key == ["body"] { format!("{AS_TWO_BODIES}; or {add}") } else { add };
-        DataError::at(Kind::MissingKey, &[key], format!("{message}{no_grid}"), help)
+        DataError::at(Kind::Missing, &[key], format!("{message}{no_grid}"), help)
     }
 
     /// Finite elements: what they cannot treat, and whether body and modulus cells fit the grid.

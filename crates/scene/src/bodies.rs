@@ -3,12 +3,11 @@
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Plane;
 use steklov_expression::{Expression, nearest};
-use steklov_problem::{
-    About, Body, Contact, DataError, DataErrorKind as Kind, FarField, Law, Place, Problem, Substance, Tie,
-};
+use steklov_problem::{About, Body, Contact, DataError, DataErrorKind, FarField, Law, Place, Problem, Substance, Tie};
 
 use super::body::{body, body_force, force, material, medium};
 use super::cracks::Cracks;
+use super::error::{ReadError, SceneErrorKind as Kind};
 use super::exterior::far_field;
 use super::fields::{Context, Field, Fields};
 use super::keys;
@@ -21,7 +20,7 @@ pub(super) fn are_several(field: &Field<'_>) -> bool {
 }
 
 /// The problem of several bodies: `[[body]]`, `[sides.BODY.SIDE]`, `[[interface]]`.
-pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Problem, DataError> {
+pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Problem, ReadError> {
     let tables = fields.require("body", "[[body]] with name, corners and sides")?.list()?;
     for key in ["exterior", "grid", "random"] {
         if let Some(field) = fields.get(key) {
@@ -30,7 +29,7 @@ pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Prob
                 "exterior" => "write the medium as a [[body]] with a name, medium = {} and [[body.holes]]",
                 _ => "leave it out, or solve one body",
             };
-            return Err(DataError::new(Kind::Unsupported, field.item.place, message, help));
+            return Err(ReadError::new(DataErrorKind::Unsupported, field.item.place, message, help));
         }
     }
     let forces = fields.get("body_force").map(|f| body_force(&f, context)).transpose()?;
@@ -49,7 +48,7 @@ pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Prob
         names.push(name);
         if let Some(field) = of_body.get("grid") {
             let message = format!("{} cannot be solved among several bodies", field.name);
-            return Err(DataError::new(Kind::Unsupported, field.item.place, message, "leave it out"));
+            return Err(ReadError::new(DataErrorKind::Unsupported, field.item.place, message, "leave it out"));
         }
         let far = far(&of_body, (name, &field), &bodies, context)?;
         let own_force = of_body.get("body_force").map(|f| force(&f, context)).transpose()?;
@@ -88,7 +87,7 @@ fn far(
     (name, field): (&str, &Field<'_>),
     others: &[Body],
     context: &Context<'_>,
-) -> Result<Option<FarField>, DataError> {
+) -> Result<Option<FarField>, ReadError> {
     let far = match of_body.get("medium") {
         Some(field) => Some(far_field(&Fields::new(&field, &keys::MEDIUM)?, context)?),
         None => return Ok(None),
@@ -99,8 +98,8 @@ fn far(
     }
     if let Some(field) = of_body.get("body_force") {
         let help = "give the stress that it makes as medium.remote_stress";
-        return Err(DataError::new(
-            Kind::Unsupported,
+        return Err(ReadError::new(
+            DataErrorKind::Unsupported,
             field.item.place,
             "an unbounded medium cannot carry a body force",
             help,
@@ -108,7 +107,7 @@ fn far(
     }
     if let Some(field) = of_body.get("cracks") {
         let help = "write a bounded body around the crack that is tied to the medium";
-        return Err(DataError::new(Kind::Unsupported, field.item.place, "a medium cannot have cracks", help));
+        return Err(ReadError::new(DataErrorKind::Unsupported, field.item.place, "a medium cannot have cracks", help));
     }
     Ok(far)
 }
@@ -124,7 +123,7 @@ fn own_material(
     of_body: &Fields<'_>,
     fields: &Fields<'_>,
     context: &Context<'_>,
-) -> Result<steklov_elastic::Material, DataError> {
+) -> Result<steklov_elastic::Material, ReadError> {
     let field = match of_body.get("material") {
         Some(field) => field,
         None => fields
@@ -132,7 +131,7 @@ fn own_material(
     };
     if let Some(cells) = Fields::new(&field, &keys::MATERIAL)?.get("cells") {
         let message = format!("{} cannot be solved among several bodies", cells.name);
-        return Err(DataError::new(Kind::Unsupported, cells.item.place, message, "give one Young's modulus"));
+        return Err(ReadError::new(DataErrorKind::Unsupported, cells.item.place, message, "give one Young's modulus"));
     }
     let fields = Fields::new(&field, &keys::MATERIAL)?;
     let young = fields.require("young", "young = 200.0, in the scene's unit of stress")?.constant(context)?;
@@ -145,12 +144,12 @@ fn conditions(
     names: &[&str],
     (problem, cracks): (&mut Problem, &mut Cracks),
     context: &Context<'_>,
-) -> Result<(), DataError> {
+) -> Result<(), ReadError> {
     for (name, place, of_body) in Fields::open(field)?.all() {
         if !names.contains(&name) {
             let message = format!("there is no body {name:?}");
             let help = suggestion(name, names.iter().copied());
-            return Err(DataError::new(Kind::UnknownKey, place, message, help));
+            return Err(ReadError::new(Kind::UnknownKey, place, message, help));
         }
         for (side, place, table) in Fields::open(&of_body)?.all() {
             let full = format!("{name}.{side}");
@@ -160,7 +159,7 @@ fn conditions(
             let Some(index) = problem.side(&full) else {
                 let own = problem.sides.iter().filter_map(|side| side.name.strip_prefix(&format!("{name}.")));
                 let help = suggestion(side, own.collect::<Vec<_>>().into_iter());
-                return Err(DataError::new(
+                return Err(ReadError::new(
                     Kind::UnknownKey,
                     place,
                     format!("the body {name:?} has no side {side:?}"),
@@ -190,7 +189,7 @@ fn side_like(text: &str, problem: &Problem) -> String {
 }
 
 /// The sides that a name or a list of names means, and these names.
-fn named_sides<'a>(field: &Field<'a>, problem: &Problem) -> Result<(Vec<usize>, Vec<Field<'a>>), DataError> {
+fn named_sides<'a>(field: &Field<'a>, problem: &Problem) -> Result<(Vec<usize>, Vec<Field<'a>>), ReadError> {
     let names = if matches!(field.item.value, Value::Array(_)) {
         field.list()?
     } else {
@@ -203,15 +202,15 @@ fn named_sides<'a>(field: &Field<'a>, problem: &Problem) -> Result<(Vec<usize>, 
         let text = name.text()?;
         problem.side(text).ok_or_else(|| {
             let message = format!("there is no side {text:?}");
-            DataError::new(Kind::UnknownKey, name.item.place, message, side_like(text, problem))
+            ReadError::new(Kind::UnknownKey, name.item.place, message, side_like(text, problem))
         })
     };
     Ok((names.iter().map(side).collect::<Result<_, _>>()?, names))
 }
 
 /// The error of an interface at its place: the last of the names that it is about, else what it joins.
-fn placed(error: DataError, between: &Field<'_>, names: &[&Field<'_>]) -> DataError {
-    let About::Keys(keys) = &error.about else { return error };
+fn placed(error: DataError, between: &Field<'_>, names: &[&Field<'_>]) -> ReadError {
+    let About::Keys(keys) = &error.about else { return error.into() };
     let place = match keys[0].iter().map(String::as_str).collect::<Vec<_>>()[..] {
         ["interface", side] => {
             names
@@ -222,13 +221,13 @@ fn placed(error: DataError, between: &Field<'_>, names: &[&Field<'_>]) -> DataEr
                 .place
         }
         ["interface"] => between.item.place,
-        _ => return error,
+        _ => return error.into(),
     };
-    DataError { about: About::Text(place), ..error }
+    DataError { about: About::Text(place), ..error }.into()
 }
 
 /// A table of `[[interface]]`.
-fn interface(field: &Field<'_>, problem: &mut Problem, context: &Context<'_>) -> Result<(), DataError> {
+fn interface(field: &Field<'_>, problem: &mut Problem, context: &Context<'_>) -> Result<(), ReadError> {
     let fields = Fields::new(field, &keys::INTERFACE)?;
     let between = fields.require("between", "between = [\"a.top\", \"b.bottom\"]")?;
     let [first, second] = between.pair("one for each of the two bodies that meet")?;
@@ -253,15 +252,15 @@ fn interface(field: &Field<'_>, problem: &mut Problem, context: &Context<'_>) ->
 }
 
 /// The law of an interface.
-fn law(fields: &Fields<'_>, context: &Context<'_>) -> Result<Law, DataError> {
+fn law(fields: &Fields<'_>, context: &Context<'_>) -> Result<Law, ReadError> {
     match (fields.get("contact"), fields.get("tied")) {
-        (Some(_), Some(tied)) => Err(DataError::new(
-            Kind::Conflict,
+        (Some(_), Some(tied)) => Err(ReadError::new(
+            DataErrorKind::Conflict,
             tied.item.place,
             "an interface is either in contact or tied".to_owned(),
             "remove contact or tied",
         )),
-        (None, None) => Err(DataError::new(
+        (None, None) => Err(ReadError::new(
             Kind::MissingKey,
             fields.place,
             "the interface has no law".to_owned(),

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::{Location, Loop, Polygon, PolygonError};
 use steklov_elastic::{Material, MaterialError, Plane};
 use steklov_expression::{Expression, is_name, is_reserved};
-use steklov_problem::{About, DataError, DataErrorKind as Kind, Source};
+use steklov_problem::{About, DataErrorKind, Source};
 
 use super::curves;
+use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 
@@ -21,7 +22,7 @@ pub(super) struct Parameters {
 }
 
 /// Names and values of `[parameters]`: numbers, or expressions of the ones above.
-pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameters, DataError> {
+pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameters, ReadError> {
     let mut context = Context::new(source, BTreeMap::new());
     let mut uses = Vec::new();
     for (key, place, value) in Fields::open(field)?.all() {
@@ -37,7 +38,7 @@ pub(super) fn parameters(field: &Field<'_>, source: &Source) -> Result<Parameter
 }
 
 /// The error of a parameter that uses a name, where the name is one that stands below it.
-fn used_before(error: DataError, key: &str, all: &Field<'_>, source: &Source) -> DataError {
+fn used_before(error: ReadError, key: &str, all: &Field<'_>, source: &Source) -> ReadError {
     let About::Text(place) = error.about else { return error };
     let name = &source.part(place.source)[place.start..place.end];
     if error.kind != Kind::Expression || all.item.at(&[name]).is_none() {
@@ -49,18 +50,23 @@ fn used_before(error: DataError, key: &str, all: &Field<'_>, source: &Source) ->
         format!("write {name} above {key}; if it uses {key} itself, give one of the two a number")
     };
     let message = format!("parameters.{key} uses {name}, and parameters know only those above them");
-    DataError { message, help, ..error }
+    ReadError { message, help, ..error }
 }
 
 /// Whether a name can stand in an expression for something new.
-pub(super) fn check_name(name: &str, place: steklov_expression::Place) -> Result<(), DataError> {
+pub(super) fn check_name(name: &str, place: steklov_expression::Place) -> Result<(), ReadError> {
     if is_reserved(name) {
         let message = format!("the name {name:?} has a meaning of its own in expressions");
-        return Err(DataError::new(Kind::Conflict, place, message, format!("choose another name, such as {name}0")));
+        return Err(ReadError::new(
+            DataErrorKind::Conflict,
+            place,
+            message,
+            format!("choose another name, such as {name}0"),
+        ));
     }
     if !is_name(name) {
         let message = format!("the name {name:?} cannot be written in an expression");
-        return Err(DataError::new(Kind::Value, place, message, "use letters, digits and _, a letter first"));
+        return Err(ReadError::new(DataErrorKind::Value, place, message, "use letters, digits and _, a letter first"));
     }
     Ok(())
 }
@@ -73,7 +79,7 @@ struct Listed<'a> {
     origin: Vec<usize>,
 }
 
-fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), DataError> {
+fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), ReadError> {
     if let Some(whole) = curves::whole_loop(fields)? {
         let field = || fields.get("circle").or(fields.get("ellipse"));
         let (Some(corners), Some(sides)) = (field(), field()) else { unreachable!("it was read") };
@@ -98,25 +104,25 @@ fn read_loop<'a>(fields: &Fields<'a>) -> Result<(Loop, Listed<'a>), DataError> {
 }
 
 /// The unbounded plane without the holes of a body.
-pub(super) fn medium(fields: &Fields<'_>) -> Result<Polygon, DataError> {
+pub(super) fn medium(fields: &Fields<'_>) -> Result<Polygon, ReadError> {
     let outer = ["corners", "sides", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
     if let Some(field) = outer.into_iter().find_map(|key| fields.get(key)) {
         let message = format!("{} outlines a body, and a medium is the whole plane but for its holes", field.name);
         let help = "remove what outlines it, as corners and sides: the plane is not cut off far away; a loop that bounds a hole \
                     belongs in [[body.holes]] below the [[body]] of the medium; for a bounded body remove medium";
-        return Err(DataError::new(Kind::Conflict, field.item.place, message, help));
+        return Err(ReadError::new(DataErrorKind::Conflict, field.item.place, message, help));
     }
     fields.require("holes", "[[body.holes]] with corners and sides: where the medium meets something")?;
     loops_of(fields, Vec::new(), true)
 }
 
 /// The polygon of the fields of `[body]`; `cavity`: its loops are holes in the unbounded plane.
-pub(super) fn body(fields: &Fields<'_>, cavity: bool) -> Result<Polygon, DataError> {
+pub(super) fn body(fields: &Fields<'_>, cavity: bool) -> Result<Polygon, ReadError> {
     loops_of(fields, vec![read_loop(fields)?], cavity)
 }
 
 /// The polygon of some loops and of those of `holes`.
-fn loops_of<'a>(fields: &Fields<'a>, first: Vec<(Loop, Listed<'a>)>, cavity: bool) -> Result<Polygon, DataError> {
+fn loops_of<'a>(fields: &Fields<'a>, first: Vec<(Loop, Listed<'a>)>, cavity: bool) -> Result<Polygon, ReadError> {
     let (mut loops, mut listed): (Vec<Loop>, Vec<Listed<'a>>) = first.into_iter().unzip();
     if let Some(list) = fields.get("holes") {
         for hole in list.list()? {
@@ -132,7 +138,7 @@ fn loops_of<'a>(fields: &Fields<'a>, first: Vec<(Loop, Listed<'a>)>, cavity: boo
 }
 
 /// The place that a geometrical error means, and its remedy; `first` is the number that the first loop has in it.
-fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> DataError {
+fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> ReadError {
     let corners = |l: usize| listed[l - first].corners.item.place;
     let corner = |l: usize, k: usize| {
         let Listed { corners, origin, .. } = &listed[l - first];
@@ -181,11 +187,11 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> DataErr
         }
         _ => (corners(first), "correct the corners"),
     };
-    DataError::new(Kind::Geometry, place, error.to_string(), help)
+    ReadError::new(DataErrorKind::Geometry, place, error.to_string(), help)
 }
 
 /// Young's modulus, Poisson's ratio and the plane assumption of a table.
-pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -> Result<Material, DataError> {
+pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -> Result<Material, ReadError> {
     let poisson = fields.require("poisson", "poisson = 0.3")?;
     let plane = match fields.get("plane") {
         Some(plane) => plane.choice(&[("strain", Plane::Strain), ("stress", Plane::Stress)])?,
@@ -201,13 +207,13 @@ pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -
 }
 
 /// `[body_force]`.
-pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
+pub(super) fn body_force(field: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], ReadError> {
     let value = Fields::new(field, &keys::BODY_FORCE)?.require("value", "value = [\"0\", \"-9.81\"]")?;
     force(&value, context)
 }
 
 /// The two components of a force per area.
-pub(super) fn force(value: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
+pub(super) fn force(value: &Field<'_>, context: &Context<'_>) -> Result<[Expression; 2], ReadError> {
     let [x, y] = value.components()?;
     let expressions = [x.expression_inside(context)?, y.expression_inside(context)?];
     for (expression, field) in expressions.iter().zip([x, y]) {
@@ -220,7 +226,7 @@ pub(super) fn force(value: &Field<'_>, context: &Context<'_>) -> Result<[Express
 }
 
 /// `[probe]`: points of the body or of its boundary; `around`: also of the plane around it.
-pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Result<Vec<[f64; 2]>, DataError> {
+pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Result<Vec<[f64; 2]>, ReadError> {
     let points = Fields::new(field, &keys::PROBE)?.require("points", "points = [[x, y], ...]")?;
     let mut list = Vec::new();
     for field in points.list()? {

@@ -2,8 +2,9 @@
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::{Expression, Place};
-use steklov_problem::{Condition, Contact, Crack, DataError, DataErrorKind as Kind, Friction, Problem, cut_by_cracks};
+use steklov_problem::{Condition, Contact, Crack, DataErrorKind, Friction, Problem, cut_by_cracks};
 
+use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::sides::{self, Given};
@@ -18,7 +19,7 @@ pub(super) struct Cracks {
 
 impl Cracks {
     /// Reads the cracks of a body, whose pieces along them are returned; `prefix` is that of the names of its sides.
-    pub(super) fn cut(&mut self, of_body: &Fields<'_>, prefix: &str, outline: Polygon) -> Result<Polygon, DataError> {
+    pub(super) fn cut(&mut self, of_body: &Fields<'_>, prefix: &str, outline: Polygon) -> Result<Polygon, ReadError> {
         let Some(list) = of_body.get("cracks") else { return Ok(outline) };
         let mut own = Vec::new();
         for table in list.list()? {
@@ -43,7 +44,7 @@ impl Cracks {
         }
         let cracks: Vec<Crack> = own.iter().map(|(crack, _)| crack.clone()).collect();
         let pieces = cut_by_cracks(&outline, &cracks)
-            .map_err(|(k, message, help)| DataError::new(Kind::Geometry, own[k].1, message, help))?;
+            .map_err(|(k, message, help)| ReadError::new(DataErrorKind::Geometry, own[k].1, message, help))?;
         let closed = Contact { gap: Expression::number(0.0), friction: Friction::None };
         self.all.extend(own.into_iter().map(|(crack, place)| (crack, place, Some(closed.clone()))));
         Ok(pieces)
@@ -56,14 +57,14 @@ impl Cracks {
         table: &Field<'_>,
         problem: &mut Problem,
         context: &Context<'_>,
-    ) -> Result<bool, DataError> {
+    ) -> Result<bool, ReadError> {
         let Some((_, _, contact)) = self.all.iter_mut().find(|(crack, ..)| crack.side == name) else {
             return Ok(false);
         };
         let Given::Condition(Condition::Pressure(pressure)) = sides::given(table, context)? else {
             let message = format!("{name:?} is a crack, and the condition is no pressure");
             let help = "give it a pressure, or write contact in a table [[interface]] with on";
-            return Err(DataError::new(Kind::Unsupported, table.item.place, message, help));
+            return Err(ReadError::new(DataErrorKind::Unsupported, table.item.place, message, help));
         };
         *contact = None;
         for face in ["left", "right"] {
@@ -75,14 +76,14 @@ impl Cracks {
     }
 
     /// Takes a table of `[[interface]]` with `on`; whether it is one.
-    pub(super) fn interface(&mut self, table: &Field<'_>, context: &Context<'_>) -> Result<bool, DataError> {
+    pub(super) fn interface(&mut self, table: &Field<'_>, context: &Context<'_>) -> Result<bool, ReadError> {
         let fields = Fields::new(table, &keys::INTERFACE)?;
         let Some(on) = fields.get("on") else { return Ok(false) };
         for key in ["between", "tied", "multiplier", "name"] {
             if let Some(field) = fields.get(key) {
                 let message = format!("{} stands beside {}", field.name, on.name);
-                return Err(DataError::new(
-                    Kind::Conflict,
+                return Err(ReadError::new(
+                    DataErrorKind::Conflict,
                     field.item.place,
                     message,
                     "the faces of a crack are in contact: leave it out",
@@ -93,12 +94,12 @@ impl Cracks {
         let known: Vec<String> = self.all.iter().map(|(crack, ..)| crack.side.clone()).collect();
         let Some((_, _, contact)) = self.all.iter_mut().find(|(crack, ..)| crack.side == name) else {
             let help = suggestion(name, known.iter().map(String::as_str));
-            return Err(DataError::new(Kind::UnknownKey, on.item.place, format!("there is no crack {name:?}"), help));
+            return Err(ReadError::new(Kind::UnknownKey, on.item.place, format!("there is no crack {name:?}"), help));
         };
         let Some(contact) = contact else {
             let help = "leave out one of both: faces that are loaded are not in contact";
-            return Err(DataError::new(
-                Kind::Conflict,
+            return Err(ReadError::new(
+                DataErrorKind::Conflict,
                 on.item.place,
                 format!("the crack {name:?} has a pressure in [sides] too"),
                 help,

@@ -4,8 +4,9 @@ use std::f64::consts::{PI, TAU};
 
 use steklov_bem_operators::{Loop, Path};
 use steklov_elastic::plane::{self, angle, cross, distance, minus, norm};
-use steklov_problem::{DataError, DataErrorKind as Kind};
+use steklov_problem::DataErrorKind;
 
+use super::error::ReadError;
 use super::fields::{Field, Fields};
 use super::tree::Value;
 
@@ -21,14 +22,14 @@ const ON_CURVE: f64 = 1e-9;
 const FLAT: f64 = 1e-9;
 
 /// The loop of `circle` or `ellipse` with its `side`, if there is one.
-pub(super) fn whole_loop(fields: &Fields<'_>) -> Result<Option<Loop>, DataError> {
+pub(super) fn whole_loop(fields: &Fields<'_>) -> Result<Option<Loop>, ReadError> {
     let (circle, ellipse) = (fields.get("circle"), fields.get("ellipse"));
     let Some(field) = circle.as_ref().or(ellipse.as_ref()) else { return Ok(None) };
     for key in ["corners", "sides", "arcs", "curves", "fillet"] {
         if let Some(other) = fields.get(key) {
             let message = format!("{} is given beside {}", other.name, field.name);
-            return Err(DataError::new(
-                Kind::Conflict,
+            return Err(ReadError::new(
+                DataErrorKind::Conflict,
                 other.item.place,
                 message,
                 "a loop has corners or is a circle or an ellipse",
@@ -50,15 +51,15 @@ pub(super) fn whole_loop(fields: &Fields<'_>) -> Result<Option<Loop>, DataError>
     Ok(Some(Loop::ellipse(centre, radii, angle, QUARTERS, &side)))
 }
 
-fn finite(field: &Field<'_>) -> Result<f64, DataError> {
+fn finite(field: &Field<'_>) -> Result<f64, ReadError> {
     field.number_where(f64::is_finite, "finite")
 }
 
-fn positive(field: &Field<'_>) -> Result<f64, DataError> {
+fn positive(field: &Field<'_>) -> Result<f64, ReadError> {
     field.number_where(|v| v > 0.0 && v.is_finite(), "positive and finite")
 }
 
-fn half_axes(field: &Field<'_>) -> Result<[f64; 2], DataError> {
+fn half_axes(field: &Field<'_>) -> Result<[f64; 2], ReadError> {
     let radii = field.point()?;
     match radii.iter().all(|r| *r > 0.0 && r.is_finite()) {
         true => Ok(radii),
@@ -69,7 +70,7 @@ fn half_axes(field: &Field<'_>) -> Result<[f64; 2], DataError> {
 }
 
 /// The paths of `arcs` and `curves` of a loop with these corners and sides, counter-clockwise or not.
-pub(super) fn paths(fields: &Fields<'_>, listed: &Loop) -> Result<Vec<Path>, DataError> {
+pub(super) fn paths(fields: &Fields<'_>, listed: &Loop) -> Result<Vec<Path>, ReadError> {
     let mut paths = vec![Path::Line; listed.corners.len()];
     let mut given = vec![false; paths.len()];
     let corners = &listed.corners;
@@ -94,7 +95,7 @@ pub(super) fn paths(fields: &Fields<'_>, listed: &Loop) -> Result<Vec<Path>, Dat
 }
 
 /// Edges and their tables: by the name of a side or the number of an edge, or a list with `edge`.
-fn entries<'a>(field: &Field<'a>, listed: &Loop) -> Result<Vec<(usize, Field<'a>)>, DataError> {
+fn entries<'a>(field: &Field<'a>, listed: &Loop) -> Result<Vec<(usize, Field<'a>)>, ReadError> {
     let count = listed.corners.len();
     let numbered = |number: usize, at: &Field<'_>| match number < count {
         true => Ok(number),
@@ -117,7 +118,7 @@ fn entries<'a>(field: &Field<'a>, listed: &Loop) -> Result<Vec<(usize, Field<'a>
             ([], Err(_)) => {
                 let message = format!("{} names no side of this loop", entry.name);
                 let help = format!("the sides are {}", listed.sides.join(", "));
-                return Err(DataError::new(Kind::Value, place, message, help));
+                return Err(ReadError::new(DataErrorKind::Value, place, message, help));
             }
             (several, _) => {
                 let message = format!("the side {key:?} has {} edges", several.len());
@@ -125,7 +126,7 @@ fn entries<'a>(field: &Field<'a>, listed: &Loop) -> Result<Vec<(usize, Field<'a>
                     "name the edge by its number: {}",
                     several.iter().map(usize::to_string).collect::<Vec<_>>().join(", ")
                 );
-                return Err(DataError::new(Kind::Value, place, message, help));
+                return Err(ReadError::new(DataErrorKind::Value, place, message, help));
             }
         };
         found.push((edge, entry));
@@ -135,7 +136,7 @@ fn entries<'a>(field: &Field<'a>, listed: &Loop) -> Result<Vec<(usize, Field<'a>
 
 /// The arc of a table between two corners, of a loop with this signed area: where both halves of a circle would do, the one that
 /// bulges out of the loop is meant.
-fn arc(entry: &Field<'_>, of: &Fields<'_>, [a, b]: [[f64; 2]; 2], area: f64) -> Result<Path, DataError> {
+fn arc(entry: &Field<'_>, of: &Fields<'_>, [a, b]: [[f64; 2]; 2], area: f64) -> Result<Path, ReadError> {
     let large = of.get("large").map_or(Ok(false), |f| f.flag())?;
     let given: Vec<&str> =
         ["bulge", "centre", "radius", "through"].into_iter().filter(|k| of.get(k).is_some()).collect();
@@ -189,7 +190,7 @@ fn about(angle: f64, area: f64, large: bool) -> f64 {
 }
 
 /// The angle of an arc through a point: the inscribed angle is half of that of the rest of the circle.
-fn opening_through(field: &Field<'_>, a: [f64; 2], b: [f64; 2]) -> Result<f64, DataError> {
+fn opening_through(field: &Field<'_>, a: [f64; 2], b: [f64; 2]) -> Result<f64, ReadError> {
     let p = field.point()?;
     let angle = angle(minus(a, p), minus(b, p));
     if !angle.is_finite() || distance(a, p).min(distance(b, p)) <= ON_CURVE * distance(a, b) || angle.abs() < 1e-9 {
@@ -208,7 +209,7 @@ fn elliptic(
     [a, b]: [[f64; 2]; 2],
     area: f64,
     large: bool,
-) -> Result<Path, DataError> {
+) -> Result<Path, ReadError> {
     let (c, [p, q]) = (centre.point()?, half_axes(radii)?);
     let angle = of.get("angle").map_or(Ok(0.0), |angle| finite(&angle))?.to_radians();
     let (sin, cos) = angle.sin_cos();
@@ -230,7 +231,7 @@ fn elliptic(
     Ok(Path::Ellipse { radii: [p, q], angle, start: u[1].atan2(u[0]), opening })
 }
 
-fn cubic(of: &Fields<'_>) -> Result<Path, DataError> {
+fn cubic(of: &Fields<'_>) -> Result<Path, ReadError> {
     let field = of.require("control", "control = [[x, y], [x, y]]")?;
     let [first, second] = field.pair("one for each control point")?;
     Ok(Path::Cubic { control: [first.point()?, second.point()?] })
@@ -238,14 +239,19 @@ fn cubic(of: &Fields<'_>) -> Result<Path, DataError> {
 
 /// Rounds corners by arcs that touch both edges: `fillet = { CORNER = radius }`. Returns for each corner the listed one that it
 /// comes from.
-pub(super) fn fillet(fields: &Fields<'_>, listed: Loop) -> Result<(Loop, Vec<usize>), DataError> {
+pub(super) fn fillet(fields: &Fields<'_>, listed: Loop) -> Result<(Loop, Vec<usize>), ReadError> {
     let count = listed.corners.len();
     let Some(field) = fields.get("fillet") else { return Ok((listed, (0..count).collect())) };
     let mut radius: Vec<Option<(f64, Field<'_>)>> = (0..count).map(|_| None).collect();
     for (key, place, value) in Fields::open(&field)?.all() {
         let Some(corner) = key.parse::<usize>().ok().filter(|k| *k < count) else {
             let message = format!("{} names no corner", value.name);
-            return Err(DataError::new(Kind::Value, place, message, format!("the corners are 0 to {}", count - 1)));
+            return Err(ReadError::new(
+                DataErrorKind::Value,
+                place,
+                message,
+                format!("the corners are 0 to {}", count - 1),
+            ));
         };
         let path = |k: usize| listed.path(k % count);
         if path(corner) != Path::Line || path(corner + count - 1) != Path::Line {

@@ -8,12 +8,68 @@ use steklov_problem::{About, DataError, DataErrorKind, Source};
 
 use super::tree;
 
+/// Sort of the error of a scene.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum SceneErrorKind {
+    /// The scene, or a file that it names, cannot be read.
+    Read,
+    /// The text is not TOML, or an override is not `KEY=VALUE`.
+    Syntax,
+    /// A key or the name of a side that does not exist.
+    UnknownKey,
+    /// An override that changes nothing: no expression uses the name that it sets.
+    UnusedKey,
+    /// A key that must be there.
+    MissingKey,
+    /// A value of another type than the key takes.
+    WrongType,
+    /// The text of an expression cannot be read.
+    Expression,
+    /// What is written says something impossible.
+    Data(DataErrorKind),
+}
+
+impl From<DataErrorKind> for SceneErrorKind {
+    fn from(kind: DataErrorKind) -> Self {
+        Self::Data(kind)
+    }
+}
+
+/// An error that is met while a scene is read, of its text or of its data.
+#[derive(Debug)]
+pub(super) struct ReadError {
+    pub kind: SceneErrorKind,
+    /// What is wrong.
+    pub message: String,
+    /// What to change.
+    pub help: String,
+    pub about: About,
+}
+
+impl ReadError {
+    /// An error about a part of a text.
+    pub fn new(
+        kind: impl Into<SceneErrorKind>,
+        place: Place,
+        message: impl Into<String>,
+        help: impl Into<String>,
+    ) -> Self {
+        Self { kind: kind.into(), message: message.into(), help: help.into(), about: About::Text(place) }
+    }
+}
+
+impl From<DataError> for ReadError {
+    fn from(DataError { kind, message, help, about }: DataError) -> Self {
+        Self { kind: kind.into(), message, help, about }
+    }
+}
+
 /// An error of a scene. [`SceneError::render`] shows it with the line that is meant.
 #[derive(Debug, Clone, thiserror::Error, Diagnostic)]
 #[error("{message}")]
 pub struct SceneError {
     /// Sort of the error.
-    pub kind: DataErrorKind,
+    pub kind: SceneErrorKind,
     /// What is wrong.
     pub message: String,
     /// What to change.
@@ -57,7 +113,7 @@ impl SceneError {
     /// A file that cannot be read.
     pub(super) fn unreadable(name: &str, why: impl std::fmt::Display, help: &str) -> Self {
         Self {
-            kind: DataErrorKind::Read,
+            kind: SceneErrorKind::Read,
             message: format!("cannot read the scene {name}: {why}"),
             help: help.to_owned(),
             source_code: Arc::new(NamedSource::new(name, String::new())),
@@ -79,8 +135,8 @@ fn place_of(source: &Source, about: About) -> Place {
 }
 
 /// An error of the data, at its place in the scene.
-pub fn located(source: &Source, error: DataError) -> SceneError {
-    let DataError { kind, message, help, about } = error;
+pub(super) fn located(source: &Source, error: impl Into<ReadError>) -> SceneError {
+    let ReadError { kind, message, help, about } = error.into();
     let place = place_of(source, about);
     let text = source.part(place.source);
     let name = if place.source == 0 { &source.name } else { "--set" };
@@ -98,13 +154,13 @@ pub fn located(source: &Source, error: DataError) -> SceneError {
 }
 
 /// What stands beside the text that is meant.
-fn label(kind: DataErrorKind) -> &'static str {
+fn label(kind: SceneErrorKind) -> &'static str {
     match kind {
-        DataErrorKind::UnknownKey => "not known",
-        DataErrorKind::UnusedKey => "not used",
-        DataErrorKind::MissingKey => "incomplete",
-        DataErrorKind::WrongType => "wrong type",
-        DataErrorKind::Conflict => "excluded by another entry",
+        SceneErrorKind::UnknownKey | SceneErrorKind::Data(DataErrorKind::Unknown) => "not known",
+        SceneErrorKind::UnusedKey => "not used",
+        SceneErrorKind::MissingKey | SceneErrorKind::Data(DataErrorKind::Missing) => "incomplete",
+        SceneErrorKind::WrongType => "wrong type",
+        SceneErrorKind::Data(DataErrorKind::Conflict) => "excluded by another entry",
         _ => "here",
     }
 }

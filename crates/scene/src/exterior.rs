@@ -2,9 +2,10 @@
 
 use steklov_coupling::Radiation;
 use steklov_elastic::{Material, Plane};
-use steklov_problem::{DataError, DataErrorKind as Kind, FarField, Tie};
+use steklov_problem::{DataErrorKind, FarField, Tie};
 
 use super::body::material;
+use super::error::ReadError;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 
@@ -13,7 +14,7 @@ pub(super) fn exterior(
     field: &Field<'_>,
     body: Option<Plane>,
     context: &Context<'_>,
-) -> Result<(Material, FarField, Tie), DataError> {
+) -> Result<(Material, FarField, Tie), ReadError> {
     let jumps = ["displacement_jump", "traction_jump", "stress_jump"];
     let [displacement, traction, stress] = jumps;
     let fields = Fields::new(field, &keys::EXTERIOR)?;
@@ -22,7 +23,12 @@ pub(super) fn exterior(
     match (fields.get("plane"), body) {
         (Some(plane), Some(body)) if material.plane != body => {
             let message = format!("{} is not that of the body", plane.name);
-            return Err(DataError::new(Kind::Conflict, plane.item.place, message, "remove it: material.plane counts"));
+            return Err(ReadError::new(
+                DataErrorKind::Conflict,
+                plane.item.place,
+                message,
+                "remove it: material.plane counts",
+            ));
         }
         (_, Some(body)) => material.plane = body,
         (_, None) => {}
@@ -30,7 +36,7 @@ pub(super) fn exterior(
     if let (Some(jump), None) = (jumps.iter().find_map(|jump| fields.get(jump)), body) {
         let message = format!("{} needs a body that the medium meets, and there is no [material] of one", jump.name);
         let help = "load the sides of the hole by [sides], or give the body a [material]";
-        return Err(DataError::new(Kind::Conflict, jump.item.place, message, help));
+        return Err(ReadError::new(DataErrorKind::Conflict, jump.item.place, message, help));
     }
     let pair = |key: &str| fields.get(key).map(|jump| jump.expressions(context)).transpose();
     let stress_jump = match fields.get(stress) {
@@ -45,7 +51,7 @@ pub(super) fn exterior(
 }
 
 /// `remote_stress` and `at_infinity` of a medium.
-pub(super) fn far_field(fields: &Fields<'_>, context: &Context<'_>) -> Result<FarField, DataError> {
+pub(super) fn far_field(fields: &Fields<'_>, context: &Context<'_>) -> Result<FarField, ReadError> {
     let mut named = false;
     let remote_stress = match fields.get("remote_stress") {
         Some(remote) => {
@@ -68,7 +74,7 @@ pub(super) fn far_field(fields: &Fields<'_>, context: &Context<'_>) -> Result<Fa
 }
 
 /// The three entries xx, yy, xy of a symmetric tensor.
-fn tensor<'a>(field: &Field<'a>) -> Result<[Field<'a>; 3], DataError> {
+fn tensor<'a>(field: &Field<'a>) -> Result<[Field<'a>; 3], ReadError> {
     let list = field.list()?;
     let count = list.len();
     let wrong = |_| field.problem(format!("{} has {count} entries", field.name), "it takes three: xx, yy and xy");

@@ -6,8 +6,9 @@ use std::sync::Arc;
 
 use steklov_expression::FieldValue;
 use steklov_expression::{Expression, Place};
-use steklov_problem::{DataError, DataErrorKind as Kind, Source};
+use steklov_problem::{DataErrorKind, Source};
 
+use super::error::{ReadError, SceneErrorKind as Kind};
 use super::keys;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
 
@@ -42,20 +43,20 @@ pub(super) struct Field<'a> {
 impl<'a> Fields<'a> {
     /// # Errors
     /// The field is no table, or has a key that is not in `known`.
-    pub(super) fn new(field: &Field<'a>, known: &[&str]) -> Result<Self, DataError> {
+    pub(super) fn new(field: &Field<'a>, known: &[&str]) -> Result<Self, ReadError> {
         let fields = Self::open(field)?;
         match fields.entries.iter().find(|e| !known.contains(&e.key.as_str())) {
             Some(entry) => {
                 let message = format!("unknown key {}", fields.name(&entry.key));
                 let help = keys::help(&entry.key, known, fields.entries);
-                Err(DataError::new(Kind::UnknownKey, entry.key_place, message, help))
+                Err(ReadError::new(Kind::UnknownKey, entry.key_place, message, help))
             }
             None => Ok(fields),
         }
     }
 
     /// A table whose keys are names that the user chooses.
-    pub(super) fn open(field: &Field<'a>) -> Result<Self, DataError> {
+    pub(super) fn open(field: &Field<'a>) -> Result<Self, ReadError> {
         match &field.item.value {
             Value::Table(entries) => Ok(Self { path: field.name.clone(), place: field.item.place, entries }),
             _ => Err(field.wrong_type("a table")),
@@ -72,10 +73,10 @@ impl<'a> Fields<'a> {
 
     /// # Errors
     /// The key is missing; `example` shows how to write it.
-    pub(super) fn require(&self, key: &str, example: &str) -> Result<Field<'a>, DataError> {
+    pub(super) fn require(&self, key: &str, example: &str) -> Result<Field<'a>, ReadError> {
         self.get(key).ok_or_else(|| {
             let message = format!("{} is missing", self.name(key));
-            DataError::new(Kind::MissingKey, self.place, message, format!("add {example}"))
+            ReadError::new(Kind::MissingKey, self.place, message, format!("add {example}"))
         })
     }
 
@@ -86,23 +87,23 @@ impl<'a> Fields<'a> {
 }
 
 impl<'a> Field<'a> {
-    pub(super) fn wrong_type(&self, wanted: &str) -> DataError {
+    pub(super) fn wrong_type(&self, wanted: &str) -> ReadError {
         let message = format!("{} is {}", self.name, type_name(&self.item.value));
-        DataError::new(Kind::WrongType, self.item.place, message, format!("{} takes {wanted}", self.name))
+        ReadError::new(Kind::WrongType, self.item.place, message, format!("{} takes {wanted}", self.name))
     }
 
-    pub(super) fn problem(&self, message: impl Into<String>, help: impl Into<String>) -> DataError {
-        DataError::new(Kind::Value, self.item.place, message, help)
+    pub(super) fn problem(&self, message: impl Into<String>, help: impl Into<String>) -> ReadError {
+        ReadError::new(DataErrorKind::Value, self.item.place, message, help)
     }
 
-    pub(super) fn text(&self) -> Result<&'a str, DataError> {
+    pub(super) fn text(&self) -> Result<&'a str, ReadError> {
         match &self.item.value {
             Value::Text(text) => Ok(text),
             _ => Err(self.wrong_type("a string in quotes")),
         }
     }
 
-    pub(super) fn number(&self) -> Result<f64, DataError> {
+    pub(super) fn number(&self) -> Result<f64, ReadError> {
         match self.item.value {
             Value::Integer(n) => Ok(n as f64),
             Value::Float(v) => Ok(v),
@@ -110,7 +111,7 @@ impl<'a> Field<'a> {
         }
     }
 
-    pub(super) fn flag(&self) -> Result<bool, DataError> {
+    pub(super) fn flag(&self) -> Result<bool, ReadError> {
         match self.item.value {
             Value::Boolean(value) => Ok(value),
             _ => Err(self.wrong_type("true or false")),
@@ -118,7 +119,7 @@ impl<'a> Field<'a> {
     }
 
     /// A number for which `test` holds; `wanted` says it in words.
-    pub(super) fn number_where(&self, test: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, DataError> {
+    pub(super) fn number_where(&self, test: impl Fn(f64) -> bool, wanted: &str) -> Result<f64, ReadError> {
         let value = self.number()?;
         if test(value) {
             Ok(value)
@@ -128,7 +129,7 @@ impl<'a> Field<'a> {
     }
 
     /// A whole number between two bounds.
-    pub(super) fn whole(&self, least: usize, most: usize) -> Result<usize, DataError> {
+    pub(super) fn whole(&self, least: usize, most: usize) -> Result<usize, ReadError> {
         let Value::Integer(value) = self.item.value else { return Err(self.wrong_type("a whole number")) };
         match usize::try_from(value) {
             Ok(n) if (least..=most).contains(&n) => Ok(n),
@@ -140,7 +141,7 @@ impl<'a> Field<'a> {
     }
 
     /// One of the given words.
-    pub(super) fn choice<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, DataError> {
+    pub(super) fn choice<T: Copy>(&self, words: &[(&str, T)]) -> Result<T, ReadError> {
         let text = self.text()?;
         words.iter().find(|w| w.0 == text).map(|w| w.1).ok_or_else(|| {
             let known = words.iter().map(|w| w.0);
@@ -153,7 +154,7 @@ impl<'a> Field<'a> {
         })
     }
 
-    pub(super) fn list(&self) -> Result<Vec<Field<'a>>, DataError> {
+    pub(super) fn list(&self) -> Result<Vec<Field<'a>>, ReadError> {
         let Value::Array(list) = &self.item.value else {
             let key = self.name.rsplit('.').next().unwrap_or_default();
             let wanted = match self.item.value {
@@ -170,7 +171,7 @@ impl<'a> Field<'a> {
     }
 
     /// The two entries of a list; `of` says what they are.
-    pub(super) fn pair(&self, of: &str) -> Result<[Field<'a>; 2], DataError> {
+    pub(super) fn pair(&self, of: &str) -> Result<[Field<'a>; 2], ReadError> {
         let list = self.list()?;
         let count = list.len();
         let entries = if count == 1 { "entry" } else { "entries" };
@@ -179,18 +180,18 @@ impl<'a> Field<'a> {
     }
 
     /// The two entries of a list, of x and y.
-    pub(super) fn components(&self) -> Result<[Field<'a>; 2], DataError> {
+    pub(super) fn components(&self) -> Result<[Field<'a>; 2], ReadError> {
         self.pair("one for x and one for y")
     }
 
     /// A point or vector of two plain, finite numbers.
-    pub(super) fn point(&self) -> Result<[f64; 2], DataError> {
+    pub(super) fn point(&self) -> Result<[f64; 2], ReadError> {
         let [x, y] = self.components()?;
         Ok([x.number()?, y.number()?])
     }
 
     /// A number, or the text of an expression.
-    pub(super) fn expression(&self, context: &Context<'_>) -> Result<Expression, DataError> {
+    pub(super) fn expression(&self, context: &Context<'_>) -> Result<Expression, ReadError> {
         let mut expression = match &self.item.value {
             Value::Integer(n) => Expression::number(*n as f64),
             Value::Float(v) => Expression::number(*v),
@@ -204,7 +205,7 @@ impl<'a> Field<'a> {
                     _ => self.item.place,
                 };
                 let message = format!("in the expression of {}: {}", self.name, e.message);
-                DataError::new(Kind::Expression, place, message, e.help)
+                ReadError::new(Kind::Expression, place, message, e.help)
             })?,
             _ => return Err(self.wrong_type("a number or an expression in quotes")),
         };
@@ -214,13 +215,13 @@ impl<'a> Field<'a> {
     }
 
     /// The values of two expressions.
-    pub(super) fn expressions(&self, context: &Context<'_>) -> Result<[Expression; 2], DataError> {
+    pub(super) fn expressions(&self, context: &Context<'_>) -> Result<[Expression; 2], ReadError> {
         let [x, y] = self.components()?;
         Ok([x.expression(context)?, y.expression(context)?])
     }
 
     /// A number, or an expression of a point of the body: s has no meaning there.
-    pub(super) fn expression_inside(&self, context: &Context<'_>) -> Result<Expression, DataError> {
+    pub(super) fn expression_inside(&self, context: &Context<'_>) -> Result<Expression, ReadError> {
         let expression = self.expression(context)?;
         if expression.uses_edge() {
             let message = format!("{} uses s: {:?}", self.name, expression.text());
@@ -230,7 +231,7 @@ impl<'a> Field<'a> {
     }
 
     /// A number, or an expression that does not depend on the place.
-    pub(super) fn constant(&self, context: &Context<'_>) -> Result<f64, DataError> {
+    pub(super) fn constant(&self, context: &Context<'_>) -> Result<f64, ReadError> {
         let expression = self.expression(context)?;
         expression.constant().ok_or_else(|| {
             self.problem(

@@ -6,18 +6,18 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 use steklov_io::{IoError, load_foreign_axes, load_foreign_table};
 use steklov_problem::{
-    BasisInput, CellModuli, Cells, DataError, DataErrorKind as Kind, GridInput, MOST_CELLS, Source, TableOrder,
-    modulus_cells,
+    BasisInput, CellModuli, Cells, DataErrorKind, GridInput, MOST_CELLS, Source, TableOrder, modulus_cells,
 };
 
+use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::foreign::{HDF5, foreign};
 use super::keys;
 use super::tree::Value;
 
-pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, DataError> {
+pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, ReadError> {
     let fields = Fields::new(field, &keys::GRID)?;
-    let counts = |key: &str| {
+    let counts = |key: &str| -> Result<[usize; 2], ReadError> {
         let [x, y] = fields.require(key, &format!("{key} = [cells along x, cells along y]"))?.components()?;
         Ok([x.whole(1, MOST_CELLS)?, y.whole(1, MOST_CELLS)?])
     };
@@ -50,9 +50,9 @@ pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, DataError> {
 pub(super) fn cells(
     field: &Field<'_>,
     polygon: &Polygon,
-    of_unit_modulus: impl FnOnce() -> Result<Material, DataError>,
+    of_unit_modulus: impl FnOnce() -> Result<Material, ReadError>,
     context: &Context<'_>,
-) -> Result<Cells, DataError> {
+) -> Result<Cells, ReadError> {
     let fields = Fields::new(field, &keys::CELLS)?;
     let size = fields.require("size", "size = the edge length of a cell")?;
     let size = size.number_where(|v| v > 0.0 && v.is_finite(), "a positive length")?;
@@ -66,12 +66,12 @@ pub(super) fn cells(
 
 /// Moduli that are random numbers or come from a file; `cells`: how many of this size there are along x and y, if they fit the
 /// body.
-fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Source) -> Result<CellModuli, DataError> {
+fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Source) -> Result<CellModuli, ReadError> {
     let table = Fields::new(young, &["uniform", "seed", "file", "dataset", "order"])?;
     let beside = |key: &str, of: &str| match table.get(key) {
         Some(field) => {
             let message = format!("{} stands without {of}", field.name);
-            Err(DataError::new(Kind::Conflict, field.item.place, message, format!("remove it, or add {of}")))
+            Err(ReadError::new(DataErrorKind::Conflict, field.item.place, message, format!("remove it, or add {of}")))
         }
         None => Ok(()),
     };
@@ -95,12 +95,12 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Sourc
         }
         (Some(_), Some(file)) => {
             let message = format!("{} has both uniform and file", young.name);
-            Err(DataError::new(Kind::Conflict, file.item.place, message, "keep one of the two"))
+            Err(ReadError::new(DataErrorKind::Conflict, file.item.place, message, "keep one of the two"))
         }
         (None, None) => {
             let message = format!("{} has neither uniform nor file", young.name);
             let help = "write { uniform = [low, high], seed = 1 } or { file = \"young.h5\", dataset = \"/young\" }";
-            Err(DataError::new(Kind::MissingKey, young.item.place, message, help))
+            Err(ReadError::new(Kind::MissingKey, young.item.place, message, help))
         }
     }
 }
@@ -110,7 +110,7 @@ fn from_file(
     (file, dataset, given): (&Field<'_>, &Field<'_>, Option<Field<'_>>),
     (cells, size): (Option<[usize; 2]>, f64),
     source: &Source,
-) -> Result<CellModuli, DataError> {
+) -> Result<CellModuli, ReadError> {
     let (name, at) = (dataset.text()?, file.text()?);
     let path = Path::new(&source.name).parent().unwrap_or(Path::new("")).join(at);
     let refuse = |e: IoError| {
@@ -136,7 +136,7 @@ fn from_file(
                 None => (file, e.to_string(), "the path is relative to the folder of the scene".to_owned()),
             },
         };
-        DataError::new(Kind::Read, field.item.place, format!("cannot read Young's moduli: {why}"), help)
+        ReadError::new(Kind::Read, field.item.place, format!("cannot read Young's moduli: {why}"), help)
     };
     let words = [("xy", TableOrder::Xy), ("rows", TableOrder::Rows)];
     let given = given.map(|field| field.choice(&words).map(|order| (order, field))).transpose()?;
@@ -146,8 +146,8 @@ fn from_file(
         (Some((order, field)), Some(other)) if order != other => {
             let message =
                 format!("{} is another one than that of the attribute axes of {name} of {at}: {axes:?}", field.name);
-            return Err(DataError::new(
-                Kind::Conflict,
+            return Err(ReadError::new(
+                DataErrorKind::Conflict,
                 field.item.place,
                 message,
                 "remove it, or correct the attribute",

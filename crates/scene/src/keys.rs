@@ -1,8 +1,9 @@
 //! The keys of the tables of a scene, where a key belongs that stands at a wrong place, and overrides without effect.
 
 use steklov_expression::nearest;
-use steklov_problem::{DataError, DataErrorKind as Kind, Scene};
+use steklov_problem::Scene;
 
+use super::error::{ReadError, SceneErrorKind as Kind};
 use super::tree::{Entry, Item, Value, suggestion};
 
 pub(super) const SCENE: [&str; 14] = [
@@ -196,7 +197,7 @@ fn homes(key: &str, entries: &[Entry]) -> Option<String> {
 }
 
 /// Overrides of names that nothing uses, and of `[stochastic]` without random input, change nothing: they are refused.
-pub(super) fn check_overrides(scene: &Scene, root: &Item) -> Result<(), DataError> {
+pub(super) fn check_overrides(scene: &Scene, root: &Item) -> Result<(), ReadError> {
     let Value::Table(tables) = &root.value else { return Ok(()) };
     for table in tables {
         let names = match (&table.item.value, table.key.as_str()) {
@@ -204,7 +205,7 @@ pub(super) fn check_overrides(scene: &Scene, root: &Item) -> Result<(), DataErro
             (_, "stochastic") if table.key_place.source > 0 && scene.random.is_none() => {
                 let message = "[stochastic] has no effect: nothing in the scene is random";
                 let help = "use a name of [random] in an expression, or leave out this override";
-                return Err(DataError::new(Kind::UnusedKey, table.key_place, message, help));
+                return Err(ReadError::new(Kind::UnusedKey, table.key_place, message, help));
             }
             _ => continue,
         };
@@ -217,7 +218,7 @@ pub(super) fn check_overrides(scene: &Scene, root: &Item) -> Result<(), DataErro
                 (None, Some(_)) => format!("used are {}", used.collect::<Vec<_>>().join(", ")),
                 (None, None) => "set the key itself whose value is to change".to_owned(),
             };
-            return Err(DataError::new(Kind::UnusedKey, entry.key_place, message, help));
+            return Err(ReadError::new(Kind::UnusedKey, entry.key_place, message, help));
         }
     }
     Ok(())

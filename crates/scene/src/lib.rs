@@ -39,11 +39,12 @@ use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Law, Problem, Random, Scene, Side,
-    Source, Stochastic, Substance, Tie,
+    Body, Condition, Contact, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, Scene, Side, Source,
+    Stochastic, Substance, Tie,
 };
 
-pub use error::{SceneError, located};
+use error::{ReadError, SceneErrorKind as Kind, located};
+pub use error::{SceneError, SceneErrorKind};
 pub use foreign::{HDF5, foreign};
 pub use keys::full_key;
 
@@ -136,7 +137,7 @@ pub fn read(path: &Path, overrides: &[String]) -> Result<Scene, SceneError> {
 }
 
 /// The scene of a document, if nothing is wrong with it.
-fn checked(source: &Source) -> Result<Scene, DataError> {
+fn checked(source: &Source) -> Result<Scene, ReadError> {
     let root = tree::build(source)?;
     let scene = scene(&root, source)?;
     keys::check_overrides(&scene, &root)?;
@@ -145,7 +146,7 @@ fn checked(source: &Source) -> Result<Scene, DataError> {
 }
 
 /// The nominal scene.
-fn scene(root: &Item, source: &Source) -> Result<Scene, DataError> {
+fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     let fields = Fields::new(&Field { name: String::new(), item: root }, &keys::SCENE)?;
     let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();
     let Parameters { values: parameters, uses: parameter_uses } =
@@ -196,22 +197,27 @@ fn one_body(
     of_body: &Field<'_>,
     cavity: bool,
     context: &mut Context<'_>,
-) -> Result<(Problem, Declared, BTreeSet<String>), DataError> {
+) -> Result<(Problem, Declared, BTreeSet<String>), ReadError> {
     let of_outline = Fields::new(of_body, &keys::BODY)?;
     let outline = body::body(&of_outline, cavity)?;
     if let Some(field) = of_outline.get("cracks") {
         for key in ["exterior", "grid", "random"] {
             if let Some(other) = fields.get(key) {
                 let message = format!("{} and {} cannot be solved together", field.name, other.name);
-                return Err(DataError::new(Kind::Unsupported, field.item.place, message, "leave one of them out"));
+                return Err(ReadError::new(
+                    DataErrorKind::Unsupported,
+                    field.item.place,
+                    message,
+                    "leave one of them out",
+                ));
             }
         }
         return cracked(fields, &of_outline, outline, context).map(|problem| (problem, Vec::new(), BTreeSet::new()));
     }
     if let Some(field) = fields.get("interface") {
         let help = "write each body as a table [[body]] with a name";
-        return Err(DataError::new(
-            Kind::Conflict,
+        return Err(ReadError::new(
+            DataErrorKind::Conflict,
             field.item.place,
             "an interface needs several bodies, or a crack",
             help,
@@ -256,7 +262,7 @@ fn cracked(
     of_body: &Fields<'_>,
     outline: Polygon,
     context: &mut Context<'_>,
-) -> Result<Problem, DataError> {
+) -> Result<Problem, ReadError> {
     let field = fields.require("material", "a table [material] with young and poisson")?;
     let substance = substance(&field, &outline, context)?;
     if let Substance::Cells(_) = substance {
@@ -277,7 +283,7 @@ fn cracked(
             let names = whole.side_names();
             let Some(index) = names.iter().position(|side| side == name) else {
                 let help = suggestion(name, names.iter().map(String::as_str));
-                return Err(DataError::new(Kind::UnknownKey, place, format!("the body has no side {name:?}"), help));
+                return Err(ReadError::new(Kind::UnknownKey, place, format!("the body has no side {name:?}"), help));
             };
             match sides::given(&table, context)? {
                 Given::Condition(condition) => problem.sides[index].condition = condition,
@@ -310,7 +316,7 @@ struct Parts {
 }
 
 /// The bodies and interfaces of a scene.
-fn problem(parts: Parts) -> Result<Problem, DataError> {
+fn problem(parts: Parts) -> Result<Problem, ReadError> {
     let Parts { outline, substance, grid, sides, contacts, force, exterior } = parts;
     let mut problem = match (substance, &exterior) {
         (Some(substance), _) => Problem::new(outline, substance),
@@ -333,7 +339,7 @@ fn problem(parts: Parts) -> Result<Problem, DataError> {
     if let Some((material, far, tie)) = exterior.filter(|_| !cavity) {
         let refuse = |e: PolygonError| {
             let help = "a medium surrounds a body whose outer loop is the outline of a hole";
-            DataError::at(Kind::Geometry, &[vec!["body", "corners"]], e.to_string(), help)
+            DataError::at(DataErrorKind::Geometry, &[vec!["body", "corners"]], e.to_string(), help)
         };
         problem.surround(material, far, tie).map_err(refuse)?;
     }
@@ -345,7 +351,7 @@ fn has_force(problem: &Problem) -> bool {
 }
 
 /// Whether a side or the medium loads, holds or touches the body.
-fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), DataError> {
+fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), ReadError> {
     let body = &problem.bodies[0];
     let by_side = (0..problem.sides.len())
         .any(|side| !matches!(problem.sides[side].condition, Condition::Free) || problem.contact(side).is_some());
@@ -365,7 +371,7 @@ fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), DataErro
         Some(_) if body.far.is_some() => format!("add exterior.remote_stress, or a table {sides}"),
         Some(_) => "add exterior.remote_stress, displacement_jump or traction_jump, or a [body_force]".to_owned(),
     };
-    Err(DataError::new(Kind::MissingKey, place, "nothing loads, holds or touches the body", help))
+    Err(ReadError::new(Kind::MissingKey, place, "nothing loads, holds or touches the body", help))
 }
 
 /// The parameters that neither data nor used parameters use.
@@ -387,11 +393,11 @@ fn unused_parameters<'a>(
 }
 
 /// `[material]`; with `cells` these give Young's modulus.
-fn substance(field: &Field<'_>, outline: &Polygon, context: &Context<'_>) -> Result<Substance, DataError> {
+fn substance(field: &Field<'_>, outline: &Polygon, context: &Context<'_>) -> Result<Substance, ReadError> {
     let fields = Fields::new(field, &keys::MATERIAL)?;
     match (fields.get("cells"), fields.get("young")) {
-        (Some(cells), Some(young)) => Err(DataError::new(
-            Kind::Conflict,
+        (Some(cells), Some(young)) => Err(ReadError::new(
+            DataErrorKind::Conflict,
             young.item.place,
             format!("{} stands beside {}", young.name, cells.name),
             "the cells give Young's modulus: remove one of the two",

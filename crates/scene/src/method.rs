@@ -2,15 +2,15 @@
 
 use steklov_contact::MultiplierDegree;
 use steklov_problem::{
-    DataError, DataErrorKind as Kind, Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Multiplier, Refine,
-    Solver,
+    DataErrorKind, Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Multiplier, Refine, Solver,
 };
 
+use super::error::ReadError;
 use super::fields::{Field, Fields};
 use super::keys;
 use super::tree::Value;
 
-pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, DataError> {
+pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
     let mut method = Method::default();
     let Some(field) = field else { return Ok(method) };
     let fields = Fields::new(&field, &keys::METHOD)?;
@@ -58,8 +58,8 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, DataError> {
         ("multiplier_degree", method.multiplier_degree != default.multiplier_degree),
     ];
     match fields.all().find(|(key, ..)| changed.contains(&(key, true))) {
-        Some((_, place, field)) if method.multiplier == Multiplier::Biorthogonal => Err(DataError::new(
-            Kind::Value,
+        Some((_, place, field)) if method.multiplier == Multiplier::Biorthogonal => Err(ReadError::new(
+            DataErrorKind::Value,
             place,
             format!("{} has no effect with biorthogonal multipliers", field.name),
             "set method.multiplier = \"stabilised\", or remove it",
@@ -80,7 +80,7 @@ const SOLVERS: [(&str, Solver); 4] =
     [("auto", Solver::Auto), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
 
 /// A number, or `None` for the word "auto".
-fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, DataError> {
+fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, ReadError> {
     match &field.item.value {
         Value::Text(text) if text == "auto" => Ok(None),
         Value::Text(text) => Err(field.problem(format!("{} is {text:?}", field.name), format!("it must be {wanted}"))),
@@ -89,7 +89,7 @@ fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<O
 }
 
 /// The entries of `[expect]`, as quoted or as nested keys.
-pub(super) fn expect(field: &Field<'_>, path: &str, list: &mut Vec<Expectation>) -> Result<(), DataError> {
+pub(super) fn expect(field: &Field<'_>, path: &str, list: &mut Vec<Expectation>) -> Result<(), ReadError> {
     for (key, _, entry) in Fields::open(field)?.all() {
         let path = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
         let leaf = match &entry.item.value {

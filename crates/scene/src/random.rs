@@ -4,12 +4,11 @@ use std::sync::Arc;
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::{Expression, Place, RandomField, Support};
-use steklov_problem::{
-    DataError, DataErrorKind as Kind, Germ, Problem, RandomConstants, RandomName, Sampling, Stochastic,
-};
+use steklov_problem::{DataErrorKind, Germ, Problem, RandomConstants, RandomName, Sampling, Stochastic};
 use steklov_stochastic::{Covariance, Distribution, Kernel, StochasticError, Truncation, Variable};
 
 use super::body::check_name;
+use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
@@ -25,13 +24,13 @@ pub(super) fn random(
     field: &Field<'_>,
     polygon: &Polygon,
     context: &mut Context<'_>,
-) -> Result<Vec<(String, Declared)>, DataError> {
+) -> Result<Vec<(String, Declared)>, ReadError> {
     let mut names = Vec::new();
     for (name, place, table) in Fields::open(field)?.all() {
         check_name(name, place)?;
         if context.constants.contains_key(name) {
             let message = format!("{name} is a parameter as well as a random input");
-            return Err(DataError::new(Kind::Conflict, place, message, "rename one of the two"));
+            return Err(ReadError::new(DataErrorKind::Conflict, place, message, "rename one of the two"));
         }
         let declared = if Fields::open(&table)?.get("covariance").is_some() {
             context.fields.insert(name.to_owned(), Arc::default());
@@ -56,7 +55,7 @@ pub(super) fn used(
     declared: Vec<(String, Declared)>,
     method: Sampling,
     uses: &dyn Fn(&str) -> bool,
-) -> Result<(Vec<RandomName>, Vec<Germ>), DataError> {
+) -> Result<(Vec<RandomName>, Vec<Germ>), ReadError> {
     let (mut names, mut germs) = (Vec::new(), Vec::new());
     for (name, declared) in declared.into_iter().filter(|(name, _)| uses(name)) {
         match declared {
@@ -66,7 +65,7 @@ pub(super) fn used(
             }
             Declared::Field { covariance, truncation, support, uniform, place } => {
                 let refused = |e: StochasticError| {
-                    DataError::new(Kind::Value, place, format!("the field {name}: {e}"), "change the field")
+                    ReadError::new(DataErrorKind::Value, place, format!("the field {name}: {e}"), "change the field")
                 };
                 let expansion = support.expansion(&covariance, truncation).map_err(refused)?;
                 let bound = 3.0f64.sqrt();
@@ -90,7 +89,7 @@ pub(super) fn used(
                             String::new()
                         }
                     );
-                    return Err(DataError::new(Kind::Value, place, message, help));
+                    return Err(ReadError::new(DataErrorKind::Value, place, message, help));
                 }
                 for m in 0..expansion.len() {
                     germs.push(Germ { label: format!("{name} {}", m + 1), variable: law.clone() });
@@ -104,7 +103,7 @@ pub(super) fn used(
 }
 
 /// A field on a side has no value on the others.
-pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -> Result<(), DataError> {
+pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -> Result<(), ReadError> {
     for (index, side) in problem.sides.iter().enumerate() {
         for (what, expression) in problem.side_data(index) {
             for (name, declared) in declared.iter().filter(|(name, _)| expression.uses(name)) {
@@ -113,7 +112,7 @@ pub(super) fn check_fields(problem: &Problem, declared: &[(String, Declared)]) -
                 {
                     let message = format!("the {what} of side {:?} uses the field {name} of side {on:?}", side.name);
                     let help = format!("declare a field on {:?}, or on = \"body\"", side.name);
-                    return Err(DataError::new(Kind::Conflict, expression.place, message, help));
+                    return Err(ReadError::new(DataErrorKind::Conflict, expression.place, message, help));
                 }
             }
         }
@@ -126,12 +125,12 @@ pub(super) fn check_poisson(
     material: &Field<'_>,
     declared: &[(String, Declared)],
     context: &Context<'_>,
-) -> Result<(), DataError> {
+) -> Result<(), ReadError> {
     let Some(poisson) = Fields::open(material)?.get("poisson") else { return Ok(()) };
     let expression = poisson.expression(context)?;
     match declared.iter().find(|(name, _)| expression.uses(name)) {
-        Some((name, _)) => Err(DataError::new(
-            Kind::Unsupported,
+        Some((name, _)) => Err(ReadError::new(
+            DataErrorKind::Unsupported,
             poisson.item.place,
             format!("{} depends on the random {name}", poisson.name),
             "every ratio has boundary operators of its own, so that no factorisation would serve two outcomes: give a number, \
@@ -147,7 +146,7 @@ pub(super) fn constants(
     cavity: bool,
     is_random: &dyn Fn(&String) -> bool,
     context: &Context<'_>,
-) -> Result<RandomConstants, DataError> {
+) -> Result<RandomConstants, ReadError> {
     let table = |key: &str| scene.get(key).map(|field| Fields::open(&field)).transpose();
     let varies = |expression: &Expression| expression.names().iter().any(is_random);
     let young = table(if cavity { "exterior" } else { "material" })?.and_then(|table| table.get("young"));
@@ -169,7 +168,7 @@ enum Law {
     Beta,
 }
 
-fn variable(field: &Field<'_>) -> Result<Variable, DataError> {
+fn variable(field: &Field<'_>) -> Result<Variable, ReadError> {
     let words =
         [("uniform", Law::Uniform), ("normal", Law::Normal), ("lognormal", Law::Lognormal), ("beta", Law::Beta)];
     const EXAMPLE: &str = "distribution = \"uniform\", or covariance = \"exponential\" for a field";
@@ -206,7 +205,7 @@ fn variable(field: &Field<'_>) -> Result<Variable, DataError> {
 }
 
 /// A random field.
-fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, DataError> {
+fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, ReadError> {
     let fields = Fields::new(field, &["covariance", "correlation", "on", "captured", "modes", "variables"])?;
     let kernels =
         [("exponential", Kernel::Exponential), ("gaussian", Kernel::Gaussian), ("matern32", Kernel::Matern32)];
@@ -226,12 +225,17 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, DataError> {
     let word = on.text()?;
     if !names.clone().any(|name| name == word) {
         let message = format!("the body has no side {word:?}");
-        return Err(DataError::new(Kind::UnknownKey, on.item.place, message, suggestion(word, names)));
+        return Err(ReadError::new(Kind::UnknownKey, on.item.place, message, suggestion(word, names)));
     }
     let truncation = match (fields.get("captured"), fields.get("modes")) {
         (Some(_), Some(modes)) => {
             let message = format!("{} stands beside captured", modes.name);
-            return Err(DataError::new(Kind::Conflict, modes.item.place, message, "keep captured or modes, not both"));
+            return Err(ReadError::new(
+                DataErrorKind::Conflict,
+                modes.item.place,
+                message,
+                "keep captured or modes, not both",
+            ));
         }
         (None, Some(modes)) => Truncation::Modes(modes.whole(1, 10_000)?),
         (Some(captured), None) => {
@@ -258,7 +262,7 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, DataError> {
     Ok(Declared::Field { covariance, truncation, support, uniform, place: field.item.place })
 }
 
-pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, DataError> {
+pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, ReadError> {
     let mut read = Stochastic::default();
     let methods = [
         ("galerkin", Sampling::Galerkin),

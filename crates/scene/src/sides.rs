@@ -2,8 +2,9 @@
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::Expression;
-use steklov_problem::{Condition, Contact, DataError, DataErrorKind as Kind, Friction, Side};
+use steklov_problem::{Condition, Contact, DataErrorKind, Friction, Side};
 
+use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
@@ -19,7 +20,7 @@ pub(super) fn sides(
     field: Option<&Field<'_>>,
     polygon: &Polygon,
     context: &Context<'_>,
-) -> Result<(Vec<Side>, Vec<Option<Contact>>), DataError> {
+) -> Result<(Vec<Side>, Vec<Option<Contact>>), ReadError> {
     let names = polygon.side_names();
     let mut sides: Vec<Side> =
         names.iter().map(|name| Side { name: name.clone(), condition: Condition::Free }).collect();
@@ -29,7 +30,7 @@ pub(super) fn sides(
         let Some(index) = names.iter().position(|name| name == key) else {
             let message = format!("the body has no side {key:?}");
             let help = suggestion(key, names.iter().map(String::as_str));
-            return Err(DataError::new(Kind::UnknownKey, place, message, help));
+            return Err(ReadError::new(Kind::UnknownKey, place, message, help));
         };
         match given(&table, context)? {
             Given::Condition(condition) => sides[index].condition = condition,
@@ -40,7 +41,7 @@ pub(super) fn sides(
 }
 
 /// What a table says of a side.
-pub(super) fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, DataError> {
+pub(super) fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, ReadError> {
     let fields = Fields::new(field, &keys::SIDE)?;
     let given: Vec<(&str, Field<'_>)> = keys::SIDE.iter().filter_map(|&key| Some((key, fields.get(key)?))).collect();
     Ok(Given::Condition(match &given[..] {
@@ -55,7 +56,7 @@ pub(super) fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, D
             let help = format!(
                 "remove {first} or {second}; only a displacement with a \"free\" component may have a traction beside it"
             );
-            return Err(DataError::new(Kind::Conflict, other.item.place, message, help));
+            return Err(ReadError::new(DataErrorKind::Conflict, other.item.place, message, help));
         }
     }))
 }
@@ -64,7 +65,7 @@ fn displacement(
     field: &Field<'_>,
     traction: Option<&Field<'_>>,
     context: &Context<'_>,
-) -> Result<Condition, DataError> {
+) -> Result<Condition, ReadError> {
     let mut values = [None, None];
     for (value, component) in values.iter_mut().zip(field.components()?) {
         let free = matches!(&component.item.value, Value::Text(text) if text.trim() == "free");
@@ -82,8 +83,8 @@ fn displacement(
         return Ok(Condition::Traction(traction));
     }
     if values.iter().all(Option::is_some) {
-        return Err(DataError::new(
-            Kind::Conflict,
+        return Err(ReadError::new(
+            DataErrorKind::Conflict,
             loaded.item.place,
             format!("{} stands beside a displacement that holds both components", loaded.name),
             "remove the traction, or make a component of the displacement \"free\"",
@@ -91,8 +92,8 @@ fn displacement(
     }
     for ((value, force), component) in values.iter().zip(&traction).zip(loaded.components()?) {
         if value.is_some() && force.constant() != Some(0.0) {
-            return Err(DataError::new(
-                Kind::Conflict,
+            return Err(ReadError::new(
+                DataErrorKind::Conflict,
                 component.item.place,
                 format!("{} is {:?}, but the displacement holds this component", component.name, force.text()),
                 "write \"0\" for the held component: its traction is the reaction, which is computed",
@@ -103,7 +104,7 @@ fn displacement(
 }
 
 /// A table `contact`.
-pub(super) fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Contact, DataError> {
+pub(super) fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Contact, ReadError> {
     let fields = Fields::new(field, &keys::CONTACT)?;
     let gap = match fields.get("gap") {
         Some(gap) => gap.expression(context)?,
@@ -119,12 +120,17 @@ pub(super) fn contact(field: &Field<'_>, context: &Context<'_>) -> Result<Contac
         (None, Some(coefficient)) => Friction::Coulomb(coefficient.expression(context)?),
         (Some(_), Some(second)) => {
             let message = format!("{} has two laws of friction", field.name);
-            return Err(DataError::new(Kind::Conflict, second.item.place, message, "keep tresca or coulomb, not both"));
+            return Err(ReadError::new(
+                DataErrorKind::Conflict,
+                second.item.place,
+                message,
+                "keep tresca or coulomb, not both",
+            ));
         }
         (None, None) => {
             let message = format!("{} names no law", law.name);
             let help = "write { tresca = \"0.3\" } or { coulomb = \"0.2\" }, or leave friction out";
-            return Err(DataError::new(Kind::MissingKey, law.item.place, message, help));
+            return Err(ReadError::new(Kind::MissingKey, law.item.place, message, help));
         }
     };
     Ok(Contact { gap, friction })

@@ -1,7 +1,9 @@
 //! The scene as a tree of values that know their place in the text; overrides are put into it.
 
 use steklov_expression::{Place, nearest};
-use steklov_problem::{DataError, DataErrorKind as Kind, Source};
+use steklov_problem::{DataErrorKind, Source};
+
+use super::error::{ReadError, SceneErrorKind as Kind};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -87,7 +89,7 @@ pub(super) struct Entry {
 }
 
 /// The tree of the file with the overrides applied in order.
-pub(super) fn build(source: &Source) -> Result<Item, DataError> {
+pub(super) fn build(source: &Source) -> Result<Item, ReadError> {
     let mut root = document(&source.text, 0)?;
     // What a message about a missing table points at: the first line that says something.
     let first = source.text.lines().find(|l| !l.trim().is_empty()).unwrap_or("");
@@ -99,7 +101,7 @@ pub(super) fn build(source: &Source) -> Result<Item, DataError> {
     Ok(root)
 }
 
-fn document(text: &str, source: usize) -> Result<Item, DataError> {
+fn document(text: &str, source: usize) -> Result<Item, ReadError> {
     let table = DeTable::parse(text).map_err(|e| {
         let span = e.span().unwrap_or(0..0);
         let place = Place { source, start: span.start, end: span.end };
@@ -114,7 +116,7 @@ fn document(text: &str, source: usize) -> Result<Item, DataError> {
                 form.to_owned()
             }),
         };
-        DataError::new(Kind::Syntax, place, format!("this is not TOML: {message}"), help)
+        ReadError::new(Kind::Syntax, place, format!("this is not TOML: {message}"), help)
     })?;
     let span = table.span();
     entries(table.get_ref(), source)
@@ -133,7 +135,7 @@ fn at_comma(text: &str, at: usize, is_override: bool) -> Option<String> {
         .then(|| format!("write one --set for each key: --set '{before}' --set '{}'", after.trim()))
 }
 
-fn entries(table: &DeTable<'_>, source: usize) -> Result<Vec<Entry>, DataError> {
+fn entries(table: &DeTable<'_>, source: usize) -> Result<Vec<Entry>, ReadError> {
     let mut entries = Vec::new();
     for (key, value) in table {
         let span = key.span();
@@ -144,15 +146,15 @@ fn entries(table: &DeTable<'_>, source: usize) -> Result<Vec<Entry>, DataError> 
     Ok(entries)
 }
 
-fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, DataError> {
+fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, ReadError> {
     let span = value.span();
     let place = Place { source, start: span.start, end: span.end };
     let value = match value.get_ref() {
         DeValue::String(text) => Value::Text(text.to_string()),
         DeValue::Integer(digits) => {
             Value::Integer(i64::from_str_radix(digits.as_str(), digits.radix()).map_err(|_| {
-                DataError::new(
-                    Kind::Value,
+                ReadError::new(
+                    DataErrorKind::Value,
                     place,
                     "this integer does not fit in 64 bits",
                     "write large numbers as 1e20",
@@ -170,10 +172,10 @@ fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, DataError> 
 }
 
 /// Applies the override `KEY=VALUE`.
-fn set(root: &mut Item, text: &str, source: usize) -> Result<(), DataError> {
+fn set(root: &mut Item, text: &str, source: usize) -> Result<(), ReadError> {
     let whole = Place { source, start: 0, end: text.len() };
     let form = || {
-        DataError::new(
+        ReadError::new(
             Kind::Syntax,
             whole,
             format!("the override {text:?} is not of the form KEY=VALUE"),
@@ -186,7 +188,7 @@ fn set(root: &mut Item, text: &str, source: usize) -> Result<(), DataError> {
     {
         let message = format!("the override {text:?} has brackets in its key");
         let help = format!("write entries of lists with a point: --set '{list}.{index}{after}{}'", &text[equals..]);
-        return Err(DataError::new(Kind::Syntax, whole, message, help));
+        return Err(ReadError::new(Kind::Syntax, whole, message, help));
     }
     let depth = depth(&document(&format!("{}=0", &text[..equals]), source).map_err(|_| form())?).ok_or_else(form)?;
     let mut rest = document(text, source)?;
@@ -233,7 +235,7 @@ fn depth(item: &Item) -> Option<usize> {
 }
 
 /// The value of the k-th key of the path in `target`; a key that is not there is made, for its table to judge.
-fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<&'a mut Item, DataError> {
+fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<&'a mut Item, ReadError> {
     let (key, place) = (&path[k].0, path[k].1);
     let parent = path[..k].iter().map(|p| p.0.as_str()).collect::<Vec<_>>().join(".");
     match &mut target.value {
@@ -258,12 +260,12 @@ fn step<'a>(target: &'a mut Item, path: &[(String, Place)], k: usize) -> Result<
                     None if count == 0 => format!("set the whole list: --set '{parent}=[...]'"),
                     None => format!("count from 0 to {}", count - 1),
                 };
-                DataError::new(Kind::UnknownKey, place, message, help)
+                ReadError::new(Kind::UnknownKey, place, message, help)
             })
         }
         other => {
             let message = format!("{parent} is {} and has no key {key}", type_name(other));
-            Err(DataError::new(Kind::WrongType, place, message, format!("set {parent} itself")))
+            Err(ReadError::new(Kind::WrongType, place, message, format!("set {parent} itself")))
         }
     }
 }

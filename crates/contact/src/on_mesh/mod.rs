@@ -2,6 +2,7 @@
 
 pub(crate) mod boundary;
 pub(crate) mod bubbles;
+pub(crate) mod conditions;
 pub(crate) mod decided;
 pub(crate) mod inf_sup;
 pub(crate) mod lines;

@@ -34,7 +34,7 @@ impl Semidefinite {
         let eigen = k.self_adjoint_eigen(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
         let s = eigen.S();
         let values: Vec<f64> = (0..n).map(|j| s[j]).collect();
-        check_spectrum(k.as_ref(), (eigen.U(), eigen.U()), &values)?;
+        check_spectrum(k.as_ref(), eigen.U(), eigen.U(), &values)?;
         let largest = (0..n).fold(0.0f64, |m, j| m.max(s[j].abs()));
         let inverse = (0..n).map(|j| if s[j].abs() > CUTOFF * largest { 1.0 / s[j] } else { 0.0 }).collect();
         Ok(Self::Singular { vectors: eigen.U().to_owned(), inverse })
@@ -86,7 +86,7 @@ pub(crate) fn solve_general(a: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, Contact
     }
     let svd = a.svd().map_err(|_| ContactError::Decomposition { size: n })?;
     let (u, v, s) = (svd.U(), svd.V(), svd.S());
-    check_spectrum(a.as_ref(), (v, u), &(0..n).map(|j| s[j]).collect::<Vec<_>>())?;
+    check_spectrum(a.as_ref(), v, u, &(0..n).map(|j| s[j]).collect::<Vec<_>>())?;
     let mut coefficients = u.transpose() * to_matrix(b);
     for j in 0..n {
         coefficients[(j, 0)] = if s[j] > CUTOFF * s[0] { coefficients[(j, 0)] / s[j] } else { 0.0 };

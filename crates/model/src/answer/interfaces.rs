@@ -71,7 +71,7 @@ fn of_contact(
 ) -> InterfaceSummary {
     let own: Vec<ContactRow> = rows.iter().filter(|row| interface.sides.contains(&row.side)).cloned().collect();
     let largest = max_pressure(rows);
-    let told = summary_of_sides(scene, trace, contact, (&own, &interface.sides, largest), located);
+    let told = summary_of_sides(scene, trace, contact, &own, &interface.sides, largest, located);
     InterfaceSummary {
         name: interface.name.clone(),
         kind: "contact".into(),

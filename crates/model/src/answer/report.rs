@@ -20,7 +20,7 @@ pub fn contact_summary(
     located: Option<&[Located]>,
 ) -> ContactSummary {
     let sides: Vec<usize> = scene.contacts().map(|(side, _)| side).collect();
-    summary_of_sides(scene, trace, contact, (rows, &sides, max_pressure(rows)), located)
+    summary_of_sides(scene, trace, contact, rows, &sides, max_pressure(rows), located)
 }
 
 /// Lengths, largest pressure and resultant of sides, given by their rows, numbers and the largest pressure of all; `located`:
@@ -29,7 +29,9 @@ pub(crate) fn summary_of_sides(
     scene: &Scene,
     trace: Trace<'_>,
     contact: &ContactResult,
-    (rows, sides, largest): (&[ContactRow], &[usize], f64),
+    rows: &[ContactRow],
+    sides: &[usize],
+    largest: f64,
     located: Option<&[Located]>,
 ) -> ContactSummary {
     let on_sides = |l: &&Located| sides.contains(&scene.problem.outline.edges()[l.edge].side);

@@ -48,8 +48,8 @@ pub(crate) struct TiedNode {
     pub interface: usize,
 }
 
-/// Distances below this part of the diameter are none.
-const TOUCHING: f64 = 1e-13;
+/// Distances of bodies below this part of the diameter are none.
+const NO_DISTANCE: f64 = 1e-13;
 /// Part of the coordinates that rounding leaves in a distance.
 const COORDINATES: f64 = 4e-15;
 /// Sine of the angle below which the direction of contact is that of the normal.
@@ -357,7 +357,7 @@ impl OnMesh<'_> {
         }
         // sides that touch do so up to the rounding of their coordinates
         let diameter = self.scene.problem.outline.diameter();
-        let rounding = TOUCHING * diameter;
+        let rounding = NO_DISTANCE * diameter;
         let distance = move |site: &Site| self.seen(site.element, site.t).map_or(0.0, |seen| seen.distance);
         let value = move |site: &Site| {
             let distance = distance(site);

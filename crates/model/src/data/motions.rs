@@ -22,7 +22,8 @@ pub(crate) fn nodal_work(load: &[f64], motion: &[f64]) -> (f64, f64) {
 /// The motions of `candidates` that nothing resists: all of them without contact, if a load at points does no work on any; in
 /// contact those that no obstacle stops.
 pub(crate) fn unresisted(
-    (points, load): (&[[f64; 2]], &[f64]),
+    points: &[[f64; 2]],
+    load: &[f64],
     boundary: Option<&ContactBoundary>,
     candidates: &[RigidMotion],
 ) -> Result<Vec<RigidMotion>, SolveError> {

@@ -30,12 +30,12 @@ impl EnrichedBody {
     /// # Errors
     /// Those of [`EnrichedSteklov::new`].
     pub fn new(body: &Body, cache: &mut PairCache) -> Result<Self, BemError> {
-        let of_mesh = (&body.mesh, &body.space);
-        let outside = body.outside.as_ref().map(|outside| outside.enriched(of_mesh, cache)).transpose()?;
+        let outside =
+            body.outside.as_ref().map(|outside| outside.enriched(&body.mesh, &body.space, cache)).transpose()?;
         let mut bodies = Vec::new();
         for Assembled { piece, length, traction_map, .. } in &body.pieces {
-            let of_mesh = (&piece.mesh, &piece.space);
-            let enriched = EnrichedSteklov::new(of_mesh, &piece.material, *length, traction_map, cache)?;
+            let enriched =
+                EnrichedSteklov::new(&piece.mesh, &piece.space, &piece.material, *length, traction_map, cache)?;
             bodies.push((enriched, piece.elements.clone(), piece.nodes.clone()));
         }
         Ok(Self { bodies, outside })

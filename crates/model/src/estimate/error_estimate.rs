@@ -128,7 +128,8 @@ pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
 pub fn estimate(
     scene: &Scene,
     solved: &Solved,
-    (body, enriched): (&Body, &EnrichedBody),
+    body: &Body,
+    enriched: &EnrichedBody,
     factors: &Factors,
 ) -> Result<(Estimate, Unseen), SolveError> {
     let Solved { mesh, space, .. } = solved;
@@ -349,7 +350,7 @@ fn hidden_overlaps(
     let found = indicators.iter().map(Bubble::total).sum::<f64>().sqrt();
     let wanted = LEAST_OVERLAP * (data.scene.method.tolerance() * scale).max(found);
     let least = |e: usize| (wanted * (2.0 / modulus(e)).sqrt()).max(ROUNDED_OVERLAP * moved);
-    let mut overlaps = data.overlaps((&contact.boundary, joints), &solved.displacement, &least, closed);
+    let mut overlaps = data.overlaps(&contact.boundary, joints, &solved.displacement, &least, closed);
     let mut energies = vec![0.0; indicators.len()];
     for overlap in &overlaps {
         energies[overlap.element] += modulus(overlap.element) / 2.0 * overlap.depth * overlap.depth;

@@ -50,7 +50,8 @@ impl OnMesh<'_> {
     /// `closed`. Against other bodies displacements are relative ones.
     pub(crate) fn overlaps(
         &self,
-        (boundary, joints): (&ContactBoundary, &[Joint]),
+        boundary: &ContactBoundary,
+        joints: &[Joint],
         displacement: &[f64],
         least: &dyn Fn(usize) -> f64,
         closed: &[usize],

@@ -154,7 +154,7 @@ impl System {
         let supports = Supports { space, held };
         let candidates = supports.free_motions();
         let of_load = |motion: &RigidMotion| work(&points, &load, motion);
-        let free = unresisted((&points, &load), boundary.as_ref(), &candidates)?;
+        let free = unresisted(&points, &load, boundary.as_ref(), &candidates)?;
         let kept: Vec<usize> = boundary.as_ref().map_or(Vec::new(), |b| b.kept().into_iter().map(unknown).collect());
         let (mut fixed, mut values): (Vec<usize>, Vec<f64>) =
             supports.dofs().into_iter().map(|(dof, value)| (unknown(dof), value)).unzip();

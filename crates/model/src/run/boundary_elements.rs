@@ -140,7 +140,7 @@ impl Model for BoundaryElements {
         let enriched = if estimated { Some(EnrichedBody::new(&body, cache)?) } else { None };
         let (mut estimate, unseen) = match &enriched {
             Some(enriched) => {
-                let (estimate, unseen) = estimate(scene, &solved, (&body, enriched), &factors)?;
+                let (estimate, unseen) = estimate(scene, &solved, &body, enriched, &factors)?;
                 (Some(estimate), unseen)
             }
             None => (None, Unseen::default()),
@@ -163,7 +163,7 @@ impl Model for BoundaryElements {
             && one.relative <= scene.method.tolerance()
         {
             // the mean outcome is solved well enough: what of the others?
-            *one = mean_estimate(scene, random, (&body, enriched), one.clone())?;
+            *one = mean_estimate(scene, random, &body, enriched, one.clone())?;
             (layout, _) = next(Some(one))?;
         }
         let contact = solved.contact.as_ref();

@@ -47,7 +47,7 @@ pub fn check_expect(scene: &Scene) -> Result<(), DataError> {
         };
         let message = format!("the result of this scene has no number at {:?}", entry.path);
         let nested = [&["expect"][..], &keys].concat();
-        return Err(DataError::at(Kind::UnknownKey, &[vec!["expect", &entry.path], nested], message, help));
+        return Err(DataError::at(Kind::Unknown, &[vec!["expect", &entry.path], nested], message, help));
     }
     Ok(())
 }

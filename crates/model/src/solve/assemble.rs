@@ -5,7 +5,8 @@ use steklov_elastic::Material;
 
 /// V, K, W of a mesh; `estimated`: what an estimate needs besides is kept in `cache`.
 pub(crate) fn operators(
-    (mesh, space): (&Mesh, &Space),
+    mesh: &Mesh,
+    space: &Space,
     material: &Material,
     estimated: bool,
     cache: &mut PairCache,

@@ -57,7 +57,7 @@ impl Outside {
             Radiation::Decaying => Domain::Exterior,
             Radiation::Bounded => Domain::ExteriorBoundedAtInfinity,
         };
-        let operators = operators((mesh, space), &material, estimated, cache)?;
+        let operators = operators(mesh, space, &material, estimated, cache)?;
         let length = operators.length;
         let Steklov { matrix: stiffness, traction: traction_map } = Steklov::new(operators, domain)?;
         let jump = data.jump()?;
@@ -68,10 +68,11 @@ impl Outside {
     /// What S₊ of the enriched spaces needs besides.
     pub(crate) fn enriched(
         &self,
-        of_mesh: (&Mesh, &Space),
+        mesh: &Mesh,
+        space: &Space,
         cache: &mut PairCache,
     ) -> Result<EnrichedSteklov, BemError> {
-        EnrichedSteklov::new(of_mesh, &self.material, self.length, &self.traction_map, cache)
+        EnrichedSteklov::new(mesh, space, &self.material, self.length, &self.traction_map, cache)
     }
 
     /// Adds S_e to the matrix of the body.

@@ -39,7 +39,7 @@ pub struct Around {
 impl Around {
     /// The medium of a solved transmission problem; `length` is L in log(L/r).
     pub fn new(medium: Surroundings<'_>, mesh: Mesh, space: Space, length: f64, coupled: &Coupled) -> Self {
-        let field = MediumField::new((&mesh, &space), &medium.material, length, coupled);
+        let field = MediumField::new(&mesh, &space, &medium.material, length, coupled);
         Self {
             mesh,
             space,

@@ -64,8 +64,8 @@ fn free_motions(
 ) -> Result<Vec<RigidMotion>, SolveError> {
     let boundary = given.boundary.as_ref();
     match rigid_load(data, given, bodies, missed)? {
-        None => unresisted((&data.space.points, &given.load), boundary, candidates),
-        Some((space, load)) => unresisted((&space.points, &load), boundary, candidates),
+        None => unresisted(&data.space.points, &given.load, boundary, candidates),
+        Some((space, load)) => unresisted(&space.points, &load, boundary, candidates),
     }
 }
 
@@ -84,7 +84,7 @@ fn assemble(
     for (k, piece) in pieces.into_iter().enumerate() {
         let clock = Instant::now();
         observe(Stage::Progress("assembling V, K, W", 0.05 + 0.7 * share * k as f64))?;
-        let operators = operators((&piece.mesh, &piece.space), &piece.material, estimated, cache)?;
+        let operators = operators(&piece.mesh, &piece.space, &piece.material, estimated, cache)?;
         let length = operators.length;
         seconds.assemble += clock.elapsed().as_secs_f64();
         observe(Stage::Operators(k, &operators))?;

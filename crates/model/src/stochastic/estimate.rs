@@ -23,7 +23,8 @@ const SEED: u64 = 1;
 pub(crate) fn mean_estimate(
     scene: &Scene,
     random: &Random,
-    (body, enriched): (&Body, &EnrichedBody),
+    body: &Body,
+    enriched: &EnrichedBody,
     nominal: Estimate,
 ) -> Result<Estimate, SolveError> {
     let outcomes = Outcomes::new(scene, random, body)?;
@@ -36,7 +37,7 @@ pub(crate) fn mean_estimate(
     for (germs, weight) in points.iter().zip(weights) {
         let (outcome, modulus, given) = outcomes.given(germs)?;
         let (solved, factors) = outcomes.solved(&outcome, given, &mut warm)?;
-        let one = one(&outcome, &solved, (body, enriched), &factors)?;
+        let one = one(&outcome, &solved, body, enriched, &factors)?;
         let weight = weight * modulus;
         error += weight * one.error * one.error;
         scale += weight * one.scale * one.scale;
@@ -82,10 +83,11 @@ fn outcomes_of(
 fn one(
     scene: &Scene,
     solved: &Solved,
-    matrices: (&Body, &EnrichedBody),
+    body: &Body,
+    enriched: &EnrichedBody,
     factors: &Factors,
 ) -> Result<Estimate, SolveError> {
-    let (mut estimate, _) = estimate(scene, solved, matrices, factors)?;
+    let (mut estimate, _) = estimate(scene, solved, body, enriched, factors)?;
     if let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) {
         let decided = part.decided(scene, &contact.solution, estimate.error);
         estimate.add_tips(scene, &unlocated(part.solved(&contact.solution, &decided)));

@@ -116,8 +116,8 @@ impl<'a> Outcomes<'a> {
         let candidates = scene.unresisted(0, supports.free_motions());
         let missed = missed(mesh, space, &candidates);
         let free = match rigid_load(&data, &given, pieces, missed)? {
-            None => unresisted((&space.points, &given.load), given.boundary.as_ref(), &candidates)?,
-            Some((rigid, load)) => unresisted((&rigid.points, &load), given.boundary.as_ref(), &candidates)?,
+            None => unresisted(&space.points, &given.load, given.boundary.as_ref(), &candidates)?,
+            Some((rigid, load)) => unresisted(&rigid.points, &load, given.boundary.as_ref(), &candidates)?,
         };
         if missed > 0.0 {
             project_load_off(&mut given.load, &free.iter().map(|r| r.nodal(&space.points)).collect::<Vec<_>>());

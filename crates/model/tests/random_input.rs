@@ -1,26 +1,52 @@
 //! Random input that a program gives: which data it moves is read from their expressions, and names that are not there are refused, so
 //! that nothing is solved with nominal values.
 
-use steklov_bem_operators::{Loop, Polygon};
-use steklov_elastic::{Material, Plane};
-use steklov_expression::Expression;
+use steklov_model::prelude::*;
 use steklov_model::run::boundary_elements::unobserved;
+use steklov_model::steklov_stochastic::Variable;
 use steklov_model::stochastic::solve_stochastic;
-use steklov_problem::{Condition, DataErrorKind, Germ, Random, RandomConstants, RandomName, Scene, Stochastic};
-use steklov_stochastic::Variable;
-use steklov_tests::parse;
+use steklov_problem::DataErrorKind;
+
+/// Names with random values, and the values of the nominal outcome.
+const NOMINAL: [(&str, f64); 2] = [("Q", 2.0), ("R", 3.0)];
+
+fn read(text: &str) -> Expression {
+    Expression::parse(text, &NOMINAL.map(|(name, value)| (name.to_owned(), value)).into()).expect("an expression")
+}
+
+/// A square with lower left corner at `low`, and the names of its sides.
+fn square(low: [f64; 2], names: [&str; 4]) -> Polygon {
+    let [x, y] = low;
+    let corners = vec![[x, y], [x + 1.0, y], [x + 1.0, y + 1.0], [x, y + 1.0]];
+    Polygon::new(Loop::straight(corners, names.map(str::to_owned).to_vec()), vec![]).expect("a square")
+}
 
 /// A square on a floor whose modulus, gap, friction, support and load are given.
 fn scene([young, gap, friction, held, load]: [&str; 5]) -> Scene {
-    let text = format!(
-        "[body]\ncorners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]\n\
-         sides = [\"floor\", \"right\", \"top\", \"left\"]\n[material]\nyoung = \"{young}\"\npoisson = 0.3\n\
-         [sides.floor]\ncontact = {{ gap = \"{gap}\", friction = {{ tresca = \"{friction}\" }} }}\n\
-         [sides.top]\ndisplacement = [\"0\", \"{held}\"]\n[sides.left]\ntraction = [\"{load}\", \"0\"]\n\
-         [random.Q]\ndistribution = \"uniform\"\nlow = 1.5\nhigh = 2.5\n\
-         [random.R]\ndistribution = \"normal\"\nmean = 3\ndeviation = 0.1\n"
-    );
-    parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+    let young = read(young);
+    let material = Material::new(young.eval(0.0, 0.0, 0.0), 0.3, Plane::Strain).expect("a material");
+    let mut scene = Scene::new(square([-0.5, -0.5], ["floor", "right", "top", "left"]), material);
+    scene.problem.touch(0, Contact { gap: read(gap), friction: Friction::Tresca(read(friction)) });
+    scene.problem.sides[2].condition =
+        Condition::Displacement { values: [read("0"), read(held)].map(Some), traction: None };
+    scene.problem.sides[3].condition = Condition::Traction([read(load), read("0")]);
+    let used = |name: &str| [young.text(), gap, friction, held, load].iter().any(|text| text.contains(name));
+    let all = [Variable::uniform(1.5, 2.5), Variable::normal(3.0, 0.1)].map(|variable| variable.expect("a variable"));
+    let germs: Vec<Germ> = NOMINAL
+        .into_iter()
+        .zip(all)
+        .filter(|((name, _), _)| used(name))
+        .map(|((name, _), variable)| Germ { label: name.to_owned(), variable })
+        .collect();
+    let names = germs.iter().enumerate().map(|(germ, of)| RandomName::Variable { name: of.label.clone(), germ });
+    let young = NOMINAL.iter().any(|(name, _)| young.text().contains(name)).then_some(young);
+    scene.random = Some(Random {
+        names: names.collect(),
+        germs,
+        stochastic: Stochastic::default(),
+        constants: RandomConstants { young, remote_stress: None },
+    });
+    scene
 }
 
 const PLAIN: [&str; 5] = ["1e3", "1e-3", "0.1", "-1e-2", "1"];
@@ -125,21 +151,19 @@ fn jumps_are_found_in_the_expressions_also_after_they_were_changed() {
 
 #[test]
 fn random_input_of_several_bodies_is_refused() {
-    let body = |name: &str, y: f64| {
-        format!(
-            "[[body]]\nname = \"{name}\"\ncorners = [[0, {y}], [1, {y}], [1, {}], [0, {}]]\n\
-             sides = [\"bottom\", \"right\", \"top\", \"left\"]\nmaterial = {{ young = 1e3, poisson = 0.3 }}\n",
-            y + 1.0,
-            y + 1.0
-        )
-    };
-    let text = format!(
-        "{}{}[sides.low.bottom]\ndisplacement = [\"0\", \"0\"]\n[sides.high.top]\ndisplacement = [\"0\", \"-0.01\"]\n\
-         [[interface]]\nbetween = [\"low.top\", \"high.bottom\"]\ncontact = true\n",
-        body("low", 0.0),
-        body("high", 1.0)
-    );
-    let mut several = parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let outline = Polygon::assembly(vec![
+        square([0.0, 0.0], ["low.bottom", "low.right", "low.top", "low.left"]),
+        square([0.0, 1.0], ["high.bottom", "high.right", "high.top", "high.left"]),
+    ]);
+    let material = Material::new(1e3, 0.3, Plane::Strain).expect("a material");
+    let body = |name| Body::new(name, Substance::Homogeneous(material));
+    let mut problem = Problem::of_bodies(outline, vec![body("low"), body("high")]);
+    problem.sides[0].condition = Condition::held();
+    problem.sides[6].condition =
+        Condition::Displacement { values: [read("0"), read("-0.01")].map(Some), traction: None };
+    let law = Law::Contact(Contact { gap: read("0"), friction: Friction::None });
+    problem.join(&[2], &[4], law, None).expect("sides that face each other");
+    let mut several = Scene::of(problem);
     several.check().expect("two bodies");
     let mut random = with(VARYING[0]).random;
     random.as_mut().expect("random input").constants.young = None;
