@@ -136,7 +136,7 @@ impl Cli {
         let status = match self.command {
             Command::Solve(args) => on_threads(args.threads, args.quiet, || solve_scene(&args)),
             Command::Plan(args) => show_plan(&args),
-            Command::Study(args) => on_threads(args.threads(), args.quiet(), || study::study(&args)),
+            Command::Study(args) => on_threads(args.threads, args.quiet, || study::study(&args)),
             Command::Show(args) => show(&args),
             Command::New => {
                 say(TEMPLATE.trim_end());

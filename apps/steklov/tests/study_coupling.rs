@@ -8,11 +8,11 @@ use std::sync::atomic::AtomicUsize;
 use place::{Place, names};
 use serde_json::{Value, json};
 use steklov_problem::{Method, Scene, Source};
-use steklov_study::Watch;
 use steklov_study::coupling::{
     CouplingStudy, Effectivity, coarsest, conditioning, convergence, costs, effectivity, largest, levels, pairs,
     pictures, report, settings, wrongs,
 };
+use steklov_study::{Setting, Watch};
 
 const FILES: &str = "conditioning.csv conditioning.png conditioning.svg contrast.csv convergence.csv cost-entries.png \
                      cost-entries.svg cost-seconds.png cost-seconds.svg cost.csv coupling.h5 effectivity-cells.png \
@@ -193,12 +193,8 @@ fn grids_double_and_the_largest_multiple_is_the_last() {
     assert_eq!(all, [4, 8, 16]);
     assert_eq!(largest(&scene, 2000, 578).unwrap().unwrap().grid.cells, [28, 28]);
     assert!(largest(&scene, 700, 578).unwrap().is_none());
-    let own = vec!["method.max_dofs=100000".to_owned()];
-    let given = Method { max_dofs: Some(7), ..Method::default() };
-    assert_eq!(settings(&Method::default(), &[]), own);
-    assert!(settings(&given, &[]).is_empty());
-    let user = vec!["method.max_dofs = 9".to_owned()];
-    assert_eq!(settings(&given, &user), user);
+    assert_eq!(settings(&Method::default()), [Setting::MaxDofs(100_000)]);
+    assert!(settings(&Method { max_dofs: Some(7), ..Method::default() }).is_empty());
 }
 
 /// Bit by bit the columns of HDF5 are those of the JSON object, and they say what they mean.
@@ -263,12 +259,12 @@ fn interruptions_keep_what_is_finished() {
     let study = CouplingStudy {
         scene: &scene,
         source: &Source::default(),
-        pairs: &pairs,
-        convergence: &convergence,
-        effectivity: &effectivity,
-        costs: &costs,
-        conditioning: &conditioning,
-        wrongs: &wrongs,
+        pairs,
+        convergence,
+        effectivity,
+        costs,
+        conditioning,
+        wrongs,
         repeat: 1,
         interrupted: true,
     };

@@ -185,8 +185,8 @@ fn failures_and_interruptions_are_told() {
         pressures(&scene, &mut Watch::new(&stopped, &mut |_, _| {})).unwrap(),
     );
     assert!(none.is_empty() && nothing.solutions.is_empty());
-    let study =
-        InfSup { scene: &scene, source: &Source::default(), points: &none, pressures: &nothing, interrupted: true };
+    let source = &Source::default();
+    let study = InfSup { scene: &scene, source, points: none, pressures: nothing.clone(), interrupted: true };
     assert!(!study.complete() && report(&study).text().contains("interrupted: what was finished is here"));
     let folder = tempfile::tempdir().unwrap();
     assert_eq!(pictures(&study, folder.path()).unwrap().len(), 2);
@@ -201,17 +201,10 @@ fn failures_and_interruptions_are_told() {
         stabilised: 0.5,
         failure: Some("not positive".into()),
     };
-    let points = [failed];
     let solutions =
         vec![Pressure { gamma: 1e-9, critical: 1.0, converged: false, rows: vec![], failure: Some("lost".into()) }];
-    let pressures = Pressures { solutions, ..nothing.clone() };
-    let study = InfSup {
-        scene: &scene,
-        source: &Source::default(),
-        points: &points,
-        pressures: &pressures,
-        interrupted: false,
-    };
+    let pressures = Pressures { solutions, ..nothing };
+    let study = InfSup { scene: &scene, source, points: vec![failed], pressures, interrupted: false };
     let told = report(&study).text();
     assert!(!study.complete(), "{told}");
     for part in ["FAILED: P_p, halved elements on 16 elements of degree 2: not positive", "no solution: lost"] {

@@ -65,10 +65,10 @@ fn of_scene(scene: &str, overrides: &[&str]) -> (Value, String) {
     let study = MultiscaleStudy {
         scene: &scene,
         source: &Source::default(),
-        fine_grid: &fine,
-        convergence: &convergence,
-        laminates: &laminates,
-        contrast: &contrast,
+        fine_grid: fine,
+        convergence,
+        laminates,
+        contrast,
         repeat: 1,
         interrupted: false,
     };
@@ -268,10 +268,10 @@ fn interruptions_keep_what_is_finished() {
     let study = MultiscaleStudy {
         scene: &scene,
         source: &Source::default(),
-        fine_grid: &fine,
-        convergence: &convergence,
-        laminates: &laminates,
-        contrast: &contrast,
+        fine_grid: fine,
+        convergence,
+        laminates,
+        contrast,
         repeat: 1,
         interrupted: true,
     };

@@ -204,15 +204,14 @@ fn failures_are_told_with_their_ratio() {
         energy_error: 0.3,
         failure: failure.map(String::from),
     };
-    let single_layer = SingleLayer::default();
     let of = |truths, points, interrupted| {
         let incompressible = Incompressible { truths, points };
         let study = Stability {
             scene: &scene,
             source: &Source::default(),
-            incompressible: &incompressible,
-            beside: &[],
-            single_layer: &single_layer,
+            incompressible,
+            beside: Vec::new(),
+            single_layer: SingleLayer::default(),
             stabilisation: None,
             interrupted,
         };
@@ -236,14 +235,13 @@ fn failures_are_told_with_their_ratio() {
         failure: Some("too large".into()),
     };
     let stabilisation = Stabilisation { critical: vec![failed], ..Default::default() };
-    let incompressible = Incompressible::default();
     let study = Stability {
         scene: &scene,
         source: &Source::default(),
-        incompressible: &incompressible,
-        beside: &[],
-        single_layer: &single_layer,
-        stabilisation: Some(&stabilisation),
+        incompressible: Incompressible::default(),
+        beside: Vec::new(),
+        single_layer: SingleLayer::default(),
+        stabilisation: Some(stabilisation),
         interrupted: false,
     };
     let text = report(&study).text();

@@ -198,9 +198,9 @@ fn interruptions_keep_what_is_finished() {
     let study = Stochastic {
         scene: &scene,
         source: &Source::default(),
-        chance: &chance,
-        space: &space,
-        solvers: Some(&solvers),
+        chance,
+        space,
+        solvers: Some(solvers),
         interrupted: true,
     };
     assert!(!study.complete() && report(&study).text().contains("interrupted: what was finished is here"));

@@ -3,6 +3,13 @@
 //! What the parallel kernels of the library below return is applied to a seeded vector, and so is what it was made of: that takes
 //! n² operations where the kernels take n³, and what both differ by is rounding or a [`Fault`].
 //!
+//! What a result makes of the vector, its [`Image`], goes on to the checks of what is made of that result, which need not read it again.
+//! Sparse factors (`steklov-msfem`), solutions of dense systems (`steklov-contact`, `steklov-coupling`) and spectra are checked by the
+//! same vector. Not checked, as nothing of it runs on several threads of the library: local problems of multiscale bases, matrices of
+//! ten rows or fewer, Newton matrices of the interior point method, whose residuals are taken from S itself, products column by column
+//! of stochastic nodes, eigenpairs of random fields and of Gauss rules. Not checked either: solves with one right side, after which the
+//! equations of the answer are looked at, and systems that only studies set up, which are references themselves.
+//!
 //! ```
 //! use faer::Mat;
 //! use steklov_algebra::{check_cholesky, check_solution};

@@ -94,7 +94,7 @@ impl Scene {
     }
 
     /// A grid is needed, and there is none.
-    pub fn grid_error(&self) -> DataError {
+    pub(crate) fn grid_error(&self) -> DataError {
         let grid = check_edges(self).ok().and_then(|()| fitting_grid(self));
         let fits = grid.is_some();
         let add = grid.map_or_else(|| without_grid(self), |grid| format!("add {grid}"));

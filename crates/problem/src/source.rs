@@ -9,11 +9,19 @@ pub struct Source {
     pub text: String,
     /// The overrides `KEY=VALUE`, in order.
     pub overrides: Vec<String>,
+    /// What a study sets, `KEY=VALUE`: keys that no override decides.
+    pub settings: Vec<String>,
 }
 
 impl Source {
-    /// The text that a place counts in: 0 is the file, k the k-th override.
+    /// The text that a place counts in: 0 is the file, then the overrides, then the settings.
     pub fn part(&self, source: usize) -> &str {
-        if source == 0 { &self.text } else { &self.overrides[source - 1] }
+        let change = source.checked_sub(1).and_then(|k| self.changes().nth(k));
+        change.unwrap_or(&self.text)
+    }
+
+    /// Overrides and settings, in the order in which places count them.
+    pub fn changes(&self) -> impl Iterator<Item = &String> {
+        self.overrides.iter().chain(&self.settings)
     }
 }

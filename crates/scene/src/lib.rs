@@ -93,11 +93,17 @@ impl Document {
     /// # Errors
     /// Whatever is wrong with it.
     pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self, SceneError> {
-        let source = Source { name: name.to_owned(), text: text.to_owned(), overrides: overrides.to_vec() };
+        let (name, text, overrides) = (name.to_owned(), text.to_owned(), overrides.to_vec());
+        let source = Source { name, text, overrides, settings: Vec::new() };
         match checked(&source) {
             Ok(scene) => Ok(Self { scene, source }),
             Err(error) => Err(located(&source, error)),
         }
+    }
+
+    /// Whether an override decides what a setting `KEY=VALUE` would set: it sets KEY itself or a table that KEY is in.
+    pub fn overrides(&self, setting: &str) -> bool {
+        self.source.overrides.iter().any(|text| tree::decides(text, setting))
     }
 
     /// An error of the data, at its place in the texts.

@@ -88,14 +88,14 @@ pub(super) struct Entry {
     pub(super) item: Item,
 }
 
-/// The tree of the file with the overrides applied in order.
+/// The tree of the file with overrides and settings applied in order.
 pub(super) fn build(source: &Source) -> Result<Item, ReadError> {
     let mut root = document(&source.text, 0)?;
     // What a message about a missing table points at: the first line that says something.
     let first = source.text.lines().find(|l| !l.trim().is_empty()).unwrap_or("");
     let start = source.text.find(first).unwrap_or(0);
     root.place = Place { source: 0, start, end: start + first.len() };
-    for (k, text) in source.overrides.iter().enumerate() {
+    for (k, text) in source.changes().enumerate() {
         set(&mut root, text, k + 1)?;
     }
     Ok(root)
@@ -173,6 +173,25 @@ fn item(value: &Spanned<DeValue<'_>>, source: usize) -> Result<Item, ReadError> 
 
 /// Applies the override `KEY=VALUE`.
 fn set(root: &mut Item, text: &str, source: usize) -> Result<(), ReadError> {
+    let (path, value) = read_override(text, source)?;
+    let mut target = root;
+    for k in 0..path.len() {
+        target = step(target, &path, k)?;
+    }
+    *target = value;
+    Ok(())
+}
+
+/// Whether an override decides what another one, a setting, would set: its key is the same, or one that the other key is in.
+pub(super) fn decides(text: &str, setting: &str) -> bool {
+    match (read_override(text, 0), read_override(setting, 0)) {
+        (Ok((path, _)), Ok((own, _))) => path.iter().zip(own).all(|(key, own)| key.0 == own.0),
+        _ => false,
+    }
+}
+
+/// The keys of an override `KEY=VALUE`, and the value.
+fn read_override(text: &str, source: usize) -> Result<(Vec<(String, Place)>, Item), ReadError> {
     let whole = Place { source, start: 0, end: text.len() };
     let form = || {
         ReadError::new(
@@ -203,12 +222,7 @@ fn set(root: &mut Item, text: &str, source: usize) -> Result<(), ReadError> {
             _ => return Err(form()),
         }
     }
-    let mut target = root;
-    for k in 0..path.len() {
-        target = step(target, &path, k)?;
-    }
-    *target = rest;
-    Ok(())
+    Ok((path, rest))
 }
 
 /// Place of the first equals sign outside of quotes.

@@ -7,6 +7,7 @@
 //!      ─► chart (SVG, PNG)
 //! ```
 
+mod error;
 pub mod reference;
 mod supported;
 mod settings;
@@ -23,8 +24,9 @@ pub mod stochastic;
 pub mod multiscale;
 pub mod coupling;
 
+pub use error::StudyError;
 pub use report::Report;
-pub use settings::settings;
+pub use settings::{Setting, settings};
 pub use supported::contact_sides;
 pub use watch::{Found, Watch};
 

@@ -19,6 +19,8 @@ use steklov_model::stage::Stage;
 use steklov_problem::{Refine, Scene};
 use steklov_quadrature::legendre_p;
 
+use crate::error::StudyError;
+
 /// What errors are measured against.
 #[derive(Debug, Clone)]
 pub struct Reference {
@@ -64,23 +66,6 @@ pub struct Level {
     pub estimate: f64,
 }
 
-/// Why there is no reference.
-#[derive(Debug, thiserror::Error)]
-pub enum ReferenceError {
-    /// The fine run failed.
-    #[error(transparent)]
-    Solve(#[from] SolveError),
-    /// No mesh of the fine run can be trusted.
-    #[error(
-        "no mesh of the reference is solved to the contact solver's criterion (tried: {steps}): \
-         nothing can be compared; try another method.solver or other method.elements"
-    )]
-    NotSolved {
-        /// Meshes of the fine run.
-        steps: usize,
-    },
-}
-
 /// Relative error (energy norm) that the reference aims at: this part of the tolerance of the strategies, or the number
 /// after it where rounding would be in the way.
 const SHARPER: f64 = 0.02;
@@ -102,12 +87,12 @@ impl Reference {
     /// Runs the hp strategy to an error well below the tolerance of the scene. `observe` sees the events of its steps.
     ///
     /// # Errors
-    /// As [`run`]; [`SolveError::Interrupted`] also after a first wish to stop; [`ReferenceError::NotSolved`].
+    /// As [`run`]; [`SolveError::Interrupted`] also after a first wish to stop; [`StudyError::NotSolved`].
     pub fn new(
         scene: &Scene,
         interrupts: &AtomicUsize,
         observe: &mut Observer<'_, BoundaryElements>,
-    ) -> Result<Self, ReferenceError> {
+    ) -> Result<Self, StudyError> {
         let mut fine = scene.clone();
         fine.method.refine = Refine::Hp;
         fine.method.marking = None;
@@ -119,7 +104,7 @@ impl Reference {
         }
         let steps = &run.progress.steps;
         let Some(last) = steps.iter().rev().find(|s| s.converged) else {
-            return Err(ReferenceError::NotSolved { steps: steps.len() });
+            return Err(StudyError::NotSolved { steps: steps.len() });
         };
         let settled = |s: &&Step<BoundaryElements>| {
             s.converged && !s.estimate().doubts.iter().any(|d| matches!(d, Doubt::Transition | Doubt::Sets))

@@ -8,6 +8,7 @@ use steklov_io::{
 };
 use steklov_problem::{Scene, Source};
 
+use crate::show;
 use crate::table::Table;
 
 /// What a study found.
@@ -175,7 +176,7 @@ impl Report<'_> {
     pub fn json(&self) -> Value {
         let mut all = object(&self.parts);
         all["title"] = json!(self.scene.title);
-        all["settings"] = json!(self.source.overrides);
+        all["settings"] = json!(show::settings(self.source));
         (all["complete"], all["interrupted"]) = (self.complete.into(), self.interrupted.into());
         all
     }
@@ -189,7 +190,7 @@ impl Report<'_> {
         write_text_attribute(file, "content", self.content)?;
         write_integer_attribute(file, "threads", &[rayon::current_num_threads() as i64])?;
         save_text(file, "scene", &self.source.text, "text of the scene file")?;
-        save_texts(file, "overrides", &self.source.overrides, self.overrides, "override")?;
+        save_texts(file, "overrides", &show::settings(self.source), self.overrides, "override")?;
         let meaning = "the JSON object of study --json, without its list of files";
         save_text(file, "summary", &self.json().to_string(), meaning)?;
         keep(file, &self.parts)

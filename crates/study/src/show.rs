@@ -15,10 +15,15 @@ pub(crate) fn line(text: &mut String, (name, width): (&str, usize), cells: impl 
     let _ = writeln!(text, "{name:<width$}{cells}");
 }
 
+/// What the study and the user set, `KEY=VALUE`.
+pub(crate) fn settings(source: &Source) -> Vec<String> {
+    [&source.settings[..], &source.overrides].concat()
+}
+
 /// The settings of a study, and what a reader of the results must know.
-pub(crate) fn settings(source: &Source, note: Option<&str>) -> String {
+pub(crate) fn head(source: &Source, note: Option<&str>) -> String {
     let note = note.map_or(String::new(), |note| format!("note        {note}\n"));
-    format!("settings    {} (--set changes them)\n{note}", source.overrides.join(", "))
+    format!("settings    {} (--set changes them)\n{note}", settings(source).join(", "))
 }
 
 /// What failed, and why.

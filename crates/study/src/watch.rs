@@ -3,6 +3,10 @@
 use std::fmt::Display;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
+use steklov_model::run::adaptive_loop::Event;
+use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::stage::Stage;
+
 /// Hears what is being done, and may stop it.
 pub struct Watch<'a> {
     /// Wishes to stop.
@@ -23,6 +27,13 @@ impl<'a> Watch<'a> {
 
     pub(crate) fn tell(&mut self, part: &str, detail: &str) {
         (self.tell)(part, detail);
+    }
+
+    /// Tells where in a step an adaptive run is; `prefix` stands before the number of the step.
+    pub(crate) fn tell_step(&mut self, part: &str, prefix: &str, step: usize, event: &Event<'_, BoundaryElements>) {
+        if let Event::Stage(Stage::Progress(what, _)) = event {
+            self.tell(part, &format!("{prefix}step {}, {what}", step + 1));
+        }
     }
 }
 

@@ -1,29 +1,21 @@
 //! The subcommand `study`.
 
-mod coupling;
-mod inf_sup;
-mod multiscale;
-mod stability;
-mod stochastic;
-
 use std::cell::Cell;
 use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::Ordering;
 use std::time::Instant;
 
+use clap::builder::PossibleValuesParser;
 use clap::{Args, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_io::{IoError, create_atomically};
-use steklov_model::run::adaptive_loop::Event;
-use steklov_model::stage::Stage;
 use steklov_picture::{self as picture, PictureError};
 use steklov_plan::plan;
-use steklov_problem::{Method, Multiplier, Refine, Scene};
+use steklov_problem::{DataError, Method, Multiplier, Refine, Scene};
 use steklov_scene::Document;
-use steklov_study::convergence::{MULTIPLIERS, NAMES, Study, for_truth, pictures, report, strategy};
-use steklov_study::reference::{Reference, ReferenceError};
-use steklov_study::{Report, Watch, contact_sides, settings};
+use steklov_study::convergence::{MULTIPLIERS, NAMES};
+use steklov_study::{Report, Setting, StudyError, Watch, contact_sides, settings};
+use steklov_study::{convergence, coupling, inf_sup, multiscale, stability, stochastic};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
@@ -33,11 +25,11 @@ pub(super) struct StudyArgs {
     /// Scene file (TOML)
     scene: PathBuf,
     /// Strategies to compare, separated by commas; default: all
-    #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
-    strategies: Vec<Name>,
+    #[arg(long, value_name = "NAMES", value_parser = one_of(&NAMES), value_delimiter = ',')]
+    strategies: Vec<String>,
     /// Multipliers of contact to compare, separated by commas: every strategy is run with each; default: the scene's own
-    #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
-    multipliers: Vec<MultiplierName>,
+    #[arg(long, value_name = "NAMES", value_parser = one_of(&MULTIPLIERS), value_delimiter = ',')]
+    multipliers: Vec<String>,
     /// What to study
     #[arg(long, value_enum, default_value = "convergence")]
     what: What,
@@ -56,49 +48,21 @@ pub(super) struct StudyArgs {
     overrides: Vec<String>,
     /// Number of threads, at most four a processor; default: one a processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    pub(super) threads: Option<u16>,
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
     /// No progress on stderr
     #[arg(long)]
-    quiet: bool,
+    pub(super) quiet: bool,
     /// Write into a folder that is not empty, over the files of an older study
     #[arg(long)]
     force: bool,
 }
 
-impl StudyArgs {
-    /// Threads to use; none for as many as there are processors.
-    pub(super) fn threads(&self) -> Option<u16> {
-        self.threads
-    }
-
-    /// Whether stderr is for errors only.
-    pub(super) fn quiet(&self) -> bool {
-        self.quiet
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum Name {
-    UniformH,
-    UniformP,
-    H,
-    HpDecay,
-    Hp,
-}
-
-impl Name {
-    fn strategy(self) -> (&'static str, Refine) {
-        NAMES[self as usize]
-    }
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, ValueEnum)]
-enum MultiplierName {
-    Biorthogonal,
-    Stabilised,
+/// Takes one of these names.
+fn one_of<T>(all: &[(&'static str, T)]) -> PossibleValuesParser {
+    all.iter().map(|(name, _)| *name).into()
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
@@ -117,33 +81,98 @@ enum What {
     Coupling,
 }
 
-/// Studies a scene and stores what comes out.
-pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
-    match args.what {
-        What::Convergence | What::InfSup | What::Stochastic | What::Multiscale | What::Coupling
-            if args.beside.is_some() =>
-        {
-            Err(Failure("error: --beside belongs to --what stability".into()))
+impl What {
+    /// The name of its files, and what it sets in a scene of such a method where the user sets nothing else.
+    fn name_and_settings(self) -> (&'static str, fn(&Method) -> Vec<Setting>) {
+        match self {
+            Self::Convergence => ("study", settings),
+            Self::InfSup => ("inf-sup", |_| inf_sup::SETTINGS.to_vec()),
+            Self::Stability => ("stability", stability::settings),
+            Self::Stochastic => ("stochastic", settings),
+            Self::Multiscale => ("multiscale", |_| Vec::new()),
+            Self::Coupling => ("coupling", coupling::settings),
         }
-        What::Convergence => convergence(args),
-        _ if !args.multipliers.is_empty() => Err(Failure("error: --multipliers belongs to --what convergence".into())),
-        What::Stability | What::InfSup | What::Stochastic | What::Multiscale | What::Coupling
-            if !args.strategies.is_empty() =>
-        {
-            Err(Failure(
-                "error: --strategies belongs to --what convergence: the others are studied on uniform meshes".into(),
-            ))
-        }
-        What::Stability => stability::stability(args),
-        What::InfSup => inf_sup::inf_sup(args),
-        What::Stochastic => stochastic::stochastic(args),
-        What::Multiscale => multiscale::multiscale(args),
-        What::Coupling => coupling::coupling(args),
     }
 }
 
+/// Studies a scene and stores what comes out.
+pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
+    check_options(args)?;
+    let document = document(args)?;
+    let Document { scene, source } = &document;
+    let repeat = usize::from(args.repeat);
+    let refused = |error: DataError| Failure(document.error(error).render());
+    match args.what {
+        What::Convergence => {
+            boundary_only(scene)?;
+            let all = strategies(args, scene)?;
+            let stages = 1 + all.len() * (repeat + 1);
+            let study = |watch: &mut Watch<'_>| convergence::study(scene, source, &all, repeat, watch);
+            carry_out(args, &document, stages, study, convergence::report, convergence::pictures)
+        }
+        What::InfSup => {
+            inf_sup::check(scene).map_err(refused)?;
+            let study = |watch: &mut Watch<'_>| inf_sup::study(scene, source, watch);
+            carry_out(args, &document, 3, study, inf_sup::report, inf_sup::pictures)
+        }
+        What::Stability => {
+            boundary_only(scene)?;
+            let beside = args.beside.as_deref().map_or(Ok(Vec::new()), stability::read_beside)?;
+            let study = |watch: &mut Watch<'_>| stability::study(scene, source, beside, watch);
+            carry_out(args, &document, stability::POISSON.len() + 3, study, stability::report, stability::pictures)
+        }
+        What::Stochastic => {
+            let random = stochastic::random(scene).map_err(refused)?;
+            let study = |watch: &mut Watch<'_>| stochastic::study(scene, source, random, watch);
+            carry_out(args, &document, stochastic::FAMILIES.len() + 8, study, stochastic::report, stochastic::pictures)
+        }
+        What::Multiscale => {
+            let sizes = multiscale::coarse_cells(scene).map_err(refused)?;
+            let study = |watch: &mut Watch<'_>| multiscale::study(scene, source, &sizes, repeat, watch);
+            carry_out(args, &document, multiscale::BASES.len() + 4, study, multiscale::report, multiscale::pictures)
+        }
+        What::Coupling => {
+            let (pairs, grids) = (coupling::pairs(scene).map_err(refused)?, coupling::grids(scene).map_err(refused)?);
+            let stages = pairs.len() + 5;
+            let study = |watch: &mut Watch<'_>| Ok(coupling::study(scene, source, pairs, &grids, repeat, watch));
+            carry_out(args, &document, stages, study, coupling::report, coupling::pictures)
+        }
+    }
+}
+
+/// Options that belong to one study only.
+fn check_options(args: &StudyArgs) -> Result<(), Failure> {
+    let is_other = args.what != What::Convergence;
+    let misplaced = [
+        (args.beside.is_some() && args.what != What::Stability, "--beside belongs to --what stability"),
+        (is_other && !args.multipliers.is_empty(), "--multipliers belongs to --what convergence"),
+        (
+            is_other && !args.strategies.is_empty(),
+            "--strategies belongs to --what convergence: the others are studied on uniform meshes",
+        ),
+    ];
+    let first = misplaced.iter().find(|(is_misplaced, _)| *is_misplaced);
+    first.map_or(Ok(()), |(_, message)| Err(Failure(format!("error: {message}"))))
+}
+
+/// The scene with the settings of the study, where the user sets nothing else; first without them, so that its own faults
+/// are told at their places.
+fn document(args: &StudyArgs) -> Result<Document, Failure> {
+    let mut document = read_scene(&args.scene, &args.overrides)?;
+    let (_, settings) = args.what.name_and_settings();
+    for setting in settings(&document.scene.method) {
+        let text = setting.to_string();
+        if !document.overrides(&text) {
+            setting.apply(&mut document.scene.method);
+            document.source.settings.push(text);
+        }
+    }
+    document.scene.check().map_err(|error| Failure(document.error(error).render()))?;
+    Ok(document)
+}
+
 /// Studies of boundary elements are not of bodies on grids.
-pub(super) fn boundary_only(scene: &Scene) -> Result<(), Failure> {
+fn boundary_only(scene: &Scene) -> Result<(), Failure> {
     if !scene.is_on_grid() {
         return Ok(());
     }
@@ -156,81 +185,68 @@ pub(super) fn boundary_only(scene: &Scene) -> Result<(), Failure> {
     Err(Failure(message))
 }
 
-/// Compares strategies on a scene.
-fn convergence(args: &StudyArgs) -> Result<u8, Failure> {
-    let document = document(args, |method| settings(method, &args.overrides))?;
-    let scene = &document.scene;
-    boundary_only(scene)?;
-    let out = folder(args, &document, "study")?;
-    let mut names: Vec<(&str, Refine)> = args.strategies.iter().map(|n| n.strategy()).collect();
-    if names.is_empty() {
-        names = NAMES.to_vec();
-    }
-    names.sort_by_key(|n| NAMES.iter().position(|m| m == n));
-    names.dedup();
-    let chosen = multipliers(args, scene)?;
-    let repeat = usize::from(args.repeat);
-    let stop = interrupts(args.quiet)?;
-    let bar = Bar::new(args.quiet, 1 + names.len() * chosen.len() * (repeat + 1));
-    let reference = Reference::new(&for_truth(scene), &stop, &mut |step, event| {
-        if let Event::Stage(Stage::Progress(part, _)) = event {
-            bar.show("reference", &format!("step {}, {part}", step + 1));
-        }
-        Ok(())
-    });
-    let reference = reference.map_err(|error| unreferenced(&document, error))?;
-    let mut strategies = Vec::new();
-    for ((name, refine), (suffix, multiplier)) in names.iter().flat_map(|n| chosen.iter().map(move |m| (n, m))) {
-        if stop.load(Ordering::Relaxed) == 0 {
-            let mut scene = scene.clone();
-            scene.method.multiplier = *multiplier;
-            let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
-            let watch = &mut Watch::new(&stop, tell);
-            strategies.push(strategy(&scene, (&format!("{name}{suffix}"), *refine), &reference, repeat, watch));
-        }
-    }
-    let interrupted = stop.load(Ordering::Relaxed) > 0;
-    let study =
-        Study { scene, source: &document.source, reference: &reference, strategies: &strategies, repeat, interrupted };
-    finish(args, &out, "study", &bar, &report(&study), &|out| pictures(&study, out))
-}
-
-/// The multipliers, each with what it adds to the name of a strategy.
-fn multipliers(args: &StudyArgs, scene: &Scene) -> Result<Vec<(String, Multiplier)>, Failure> {
-    if args.multipliers.is_empty() {
-        return Ok(vec![(String::new(), scene.method.multiplier)]);
-    }
-    if contact_sides(scene).is_empty() {
+/// The strategies to compare, each with every multiplier: name, refinement, multiplier.
+fn strategies(args: &StudyArgs, scene: &Scene) -> Result<Vec<(String, Refine, Multiplier)>, Failure> {
+    if !args.multipliers.is_empty() && contact_sides(scene).is_empty() {
         return Err(Failure("error: --multipliers compares multipliers of contact, and no side of the scene is in contact: leave it out".into()));
     }
-    let mut chosen = args.multipliers.clone();
-    chosen.sort_unstable();
-    chosen.dedup();
-    let named = |m: &MultiplierName| {
-        let (name, multiplier) = MULTIPLIERS[*m as usize];
-        (format!(", {name}"), multiplier)
-    };
-    Ok(chosen.iter().map(named).collect())
-}
-
-/// The scene with the settings of a study, which follow from its text; first as it is, so that its own faults are told at
-/// their places.
-fn document(args: &StudyArgs, settings: impl Fn(&Method) -> Vec<String>) -> Result<Document, Failure> {
-    let Document { scene, source } = read_scene(&args.scene, &args.overrides)?;
-    Document::parse(&source.text, &source.name, &settings(&scene.method)).map_err(|e| Failure(e.render()))
-}
-
-/// Why there is nothing to measure errors against.
-fn unreferenced(document: &Document, error: ReferenceError) -> Failure {
-    match error {
-        ReferenceError::Solve(error) => explained(document, error),
-        error @ ReferenceError::NotSolved { .. } => error.into(),
+    let is_in = |list: &[String], name: &str| list.iter().any(|wanted| wanted == name);
+    let mut all = Vec::new();
+    for (name, refine) in NAMES.into_iter().filter(|n| args.strategies.is_empty() || is_in(&args.strategies, n.0)) {
+        if args.multipliers.is_empty() {
+            all.push((name.to_owned(), refine, scene.method.multiplier));
+        }
+        let multipliers = MULTIPLIERS.into_iter().filter(|m| is_in(&args.multipliers, m.0));
+        all.extend(multipliers.map(|(word, multiplier)| (format!("{name}, {word}"), refine, multiplier)));
     }
+    Ok(all)
+}
+
+/// Studies with so many stages on a bar, stores and tells the report, and draws the pictures.
+fn carry_out<S>(
+    args: &StudyArgs,
+    document: &Document,
+    stages: usize,
+    study: impl FnOnce(&mut Watch<'_>) -> Result<S, StudyError>,
+    report: fn(&S) -> Report<'_>,
+    pictures: fn(&S, &Path) -> Result<Vec<PathBuf>, PictureError>,
+) -> Result<u8, Failure> {
+    let out = folder(args, document)?;
+    let stop = interrupts(args.quiet)?;
+    let bar = Bar::new(args.quiet, stages);
+    let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
+    let study = study(&mut Watch::new(&stop, tell)).map_err(|error| match error {
+        StudyError::Solve(error) => explained(document, error),
+        error => error.into(),
+    })?;
+    bar.show("files", "");
+    let report = report(&study);
+    let failed = |e: std::io::Error| not_written(&out, &e);
+    std::fs::create_dir_all(&out).map_err(failed)?;
+    let mut files = vec![out.join(format!("{}.h5", args.what.name_and_settings().0))];
+    create_atomically(&files[0], true, |file| report.write(file))?;
+    for (table, content) in &report.tables {
+        let path = out.join(table);
+        picture::replace(&out, &path, content.as_bytes()).map_err(failed)?;
+        files.push(path);
+    }
+    files.extend(pictures(&study, &out)?);
+    bar.finish();
+    if args.json {
+        let mut object = report.json();
+        object["files"] = files.iter().map(|f| f.display().to_string()).collect();
+        say(&serde_json::to_string_pretty(&object)?);
+    } else {
+        say(report.text().trim_end());
+        say(&format!("files       {} in {}", files.len(), out.display()));
+    }
+    Ok(if report.complete { 0 } else { NOT_REACHED })
 }
 
 /// The folder of the files, which is checked, and the size of the first mesh, before anything is solved.
-fn folder(args: &StudyArgs, document: &Document, what: &str) -> Result<PathBuf, Failure> {
-    let out = args.out.clone().unwrap_or_else(|| PathBuf::from(format!("{}-{what}", stem(&args.scene))));
+fn folder(args: &StudyArgs, document: &Document) -> Result<PathBuf, Failure> {
+    let name = || PathBuf::from(format!("{}-{}", stem(&args.scene), args.what.name_and_settings().0));
+    let out = args.out.clone().unwrap_or_else(name);
     check_folder(&out, args.force)?;
     match too_many_dofs(&document.scene, plan(&document.scene).cost.dofs) {
         Some(error) => Err(Failure(document.error(error).render())),
@@ -255,38 +271,6 @@ fn check_folder(out: &Path, force: bool) -> Result<(), Failure> {
 
 fn not_written(out: &Path, why: &std::io::Error) -> Failure {
     Failure(format!("error: the study cannot be written into {}: {why}", out.display()))
-}
-
-/// Writes NAME.h5, the tables and the pictures of a study, and tells what it found and where it is.
-fn finish(
-    args: &StudyArgs,
-    out: &Path,
-    name: &str,
-    bar: &Bar,
-    report: &Report<'_>,
-    pictures: &dyn Fn(&Path) -> Result<Vec<PathBuf>, PictureError>,
-) -> Result<u8, Failure> {
-    bar.show("files", "");
-    let failed = |e: std::io::Error| not_written(out, &e);
-    std::fs::create_dir_all(out).map_err(failed)?;
-    let mut files = vec![out.join(format!("{name}.h5"))];
-    create_atomically(&files[0], true, |file| report.write(file))?;
-    for (table, content) in &report.tables {
-        let path = out.join(table);
-        picture::replace(out, &path, content.as_bytes()).map_err(failed)?;
-        files.push(path);
-    }
-    files.extend(pictures(out)?);
-    bar.finish();
-    if args.json {
-        let mut object = report.json();
-        object["files"] = files.iter().map(|f| f.display().to_string()).collect();
-        say(&serde_json::to_string_pretty(&object)?);
-    } else {
-        say(report.text().trim_end());
-        say(&format!("files       {} in {}", files.len(), out.display()));
-    }
-    Ok(if report.complete { 0 } else { NOT_REACHED })
 }
 
 /// A bar on a terminal; elsewhere a line for each run; nothing when quiet.

@@ -8,13 +8,17 @@ mod strategy;
 mod report;
 mod draw;
 
-use steklov_problem::{Scene, Source};
+use steklov_problem::{Multiplier, Refine, Scene, Source};
 
+use crate::error::StudyError;
 use crate::reference::{EnergySource, Reference};
+use crate::watch::Watch;
 
 pub use draw::pictures;
 pub use report::report;
-pub use strategy::{End, MULTIPLIERS, NAMES, Point, Strategy, for_truth, strategy};
+pub use strategy::{End, MULTIPLIERS, NAMES, Point, Strategy, strategy};
+
+pub(crate) use strategy::for_truth;
 
 /// Steps of a strategy whose true errors are measured, and which are printed, at most.
 const MEASURED: usize = 10;
@@ -27,13 +31,39 @@ pub struct Study<'a> {
     /// The texts from which it was read.
     pub source: &'a Source,
     /// What the errors are measured against.
-    pub reference: &'a Reference,
+    pub reference: Reference,
     /// The strategies in the order in which they were asked for.
-    pub strategies: &'a [Strategy],
+    pub strategies: Vec<Strategy>,
     /// Runs of each strategy of which the seconds are medians.
     pub repeat: usize,
     /// Whether the user stopped it.
     pub interrupted: bool,
+}
+
+/// Runs strategies, each a name, a refinement and a multiplier, `repeat` times. After a wish to stop no more of them are run.
+///
+/// # Errors
+/// Those of [`Reference::new`].
+pub fn study<'a>(
+    scene: &'a Scene,
+    source: &'a Source,
+    chosen: &[(String, Refine, Multiplier)],
+    repeat: usize,
+    watch: &mut Watch<'_>,
+) -> Result<Study<'a>, StudyError> {
+    let reference = Reference::new(&for_truth(scene), watch.interrupts, &mut |step, event| {
+        watch.tell_step("reference", "", step, &event);
+        Ok(())
+    })?;
+    let mut strategies = Vec::new();
+    for (name, refine, multiplier) in chosen {
+        if !watch.stopped() {
+            let mut scene = scene.clone();
+            scene.method.multiplier = *multiplier;
+            strategies.push(strategy(&scene, (name, *refine), &reference, repeat, watch));
+        }
+    }
+    Ok(Study { scene, source, reference, strategies, repeat, interrupted: watch.stopped() })
 }
 
 impl Study<'_> {

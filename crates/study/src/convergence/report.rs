@@ -50,7 +50,7 @@ const CONTACT: [Column<ContactRow>; 4] = [
 ];
 
 /// What the study found.
-pub fn report<'a>(study: &Study<'a>) -> Report<'a> {
+pub fn report<'a>(study: &'a Study<'_>) -> Report<'a> {
     let names: Vec<String> = study.strategies.iter().map(|s| s.name.clone()).collect();
     let told_strategies = study.strategies.iter().map(told_strategy).collect::<Value>();
     let kept_strategies = study.strategies.iter().map(|s| part(&s.name, kept_strategy(s))).collect();
@@ -80,7 +80,7 @@ pub fn report<'a>(study: &Study<'a>) -> Report<'a> {
 }
 
 fn reference(study: &Study<'_>) -> Vec<Part> {
-    let Reference { energy, own_energy, uncertainty, norm, levels, .. } = study.reference;
+    let Reference { energy, own_energy, uncertainty, norm, levels, .. } = &study.reference;
     let finest = study.reference.finest();
     let unit = "force*length/thickness";
     let meaning = "(2 strain energy)^(1/2) of the finest mesh: what errors are relative to";
@@ -160,9 +160,9 @@ fn kept_strategy(s: &Strategy) -> Vec<Part> {
 
 /// The reference, some steps of each strategy, the fitted laws.
 fn body(study: &Study<'_>) -> String {
-    let Reference { energy, own_energy, uncertainty, .. } = study.reference;
+    let Reference { energy, own_energy, uncertainty, .. } = &study.reference;
     let Level { dofs, estimate, .. } = study.reference.finest();
-    let mut text = show::settings(study.source, None);
+    let mut text = show::head(study.source, None);
     let _ = writeln!(
         text,
         "reference   {dofs} dofs, estimated error {estimate:.1e}, J = {own_energy:.12e} ± {uncertainty:.0e}"
@@ -173,7 +173,7 @@ fn body(study: &Study<'_>) -> String {
     text += "\n";
     let _ = write!(text, "{:<width$} {:>4}", "strategy", "step");
     heads(&mut text, ("", 0), &SHOWN);
-    for strategy in study.strategies {
+    for strategy in &study.strategies {
         show_strategy(&mut text, strategy, width);
     }
     if study.strategies.iter().flat_map(|s| &s.points).any(|p| !p.doubts.is_empty()) {

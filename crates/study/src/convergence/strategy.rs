@@ -5,7 +5,6 @@ use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Run, Step, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
-use steklov_model::stage::Stage;
 use steklov_problem::{Multiplier, Refine, Scene};
 
 use super::{MEASURED, chosen};
@@ -29,7 +28,7 @@ pub const MULTIPLIERS: [(&str, Multiplier); 2] =
 
 /// The scene with biorthogonal multipliers: true errors are distances to its solution, which on a fine mesh is that of
 /// any multipliers.
-pub fn for_truth(scene: &Scene) -> Scene {
+pub(crate) fn for_truth(scene: &Scene) -> Scene {
     let mut scene = scene.clone();
     scene.method.multiplier = Multiplier::Biorthogonal;
     scene
@@ -206,13 +205,10 @@ impl Round {
     fn new(scene: &Scene, what: &str, watch: &mut Watch<'_>) -> Self {
         let (mut displacements, mut ends) = (Vec::new(), Vec::new());
         let run = run(scene, Progress::first(scene), watch.interrupts, &mut |step, event| {
-            match event {
-                Event::Stage(Stage::Progress(part, _)) => watch.tell(what, &format!("step {}, {part}", step + 1)),
-                Event::Done { solved, seconds, .. } => {
-                    displacements.push(solved.displacement.clone());
-                    ends.push(seconds);
-                }
-                _ => {}
+            watch.tell_step(what, "", step, &event);
+            if let Event::Done { solved, seconds, .. } = event {
+                displacements.push(solved.displacement.clone());
+                ends.push(seconds);
             }
             Ok(())
         });

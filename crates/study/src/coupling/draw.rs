@@ -74,7 +74,7 @@ fn errors(study: &CouplingStudy<'_>, all: &mut Pictures<'_>) -> Result<(), Pictu
 
 /// Indicators over errors.
 fn effectivities(study: &CouplingStudy<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
-    let indicated = study.effectivity;
+    let indicated = &study.effectivity;
     let whole = |pair| {
         [0, 1].map(|form| indicated.of(pair, form).map(|i| [across(i.cells), i.whole]).collect::<Vec<_>>()).to_vec()
     };

@@ -6,12 +6,16 @@ use steklov_msfem::Grid;
 use steklov_problem::{DataError, DataErrorKind, GridInput, Method, Scene, check_body, grid_of, moduli};
 
 use super::manufactured::Pair;
+use crate::settings::Setting;
 
 /// Fewer cells than this along the shorter side of the body are no grid of the study.
 const FEWEST: usize = 4;
 
 /// Most unknowns of a body, where the scene sets no other number.
 const MOST_DOFS: usize = 100_000;
+
+/// Most unknowns on the boundary of grids: for errors, for eigenvalues, for indicators, for costs.
+const TRACE: [usize; 4] = [1100, 560, 280, usize::MAX];
 
 /// Three pairs that every study has: E and ν of the body and of the medium, plane strain.
 const GIVEN: [(&str, [f64; 2], [f64; 2]); 3] = [
@@ -87,10 +91,24 @@ pub fn largest(scene: &Scene, most_dofs: usize, dofs: usize) -> Result<Option<Le
     Ok(found.filter(|level| level.grid.dofs() > dofs))
 }
 
-/// The overrides of a study, where neither the scene nor the user sets another limit of unknowns; then those of the user.
-pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
-    let own = method.max_dofs.is_none().then(|| format!("method.max_dofs={MOST_DOFS}"));
-    own.into_iter().chain(user.iter().cloned()).collect()
+/// The settings of the study: a limit of unknowns where neither the scene nor the user sets another. `method` is that of the
+/// scene, overrides included.
+pub fn settings(method: &Method) -> Vec<Setting> {
+    if method.max_dofs.is_some() { Vec::new() } else { vec![Setting::MaxDofs(MOST_DOFS)] }
+}
+
+/// The grids for errors, for eigenvalues, for indicators: [`levels`] with no more unknowns than the scene allows, and few on the
+/// boundary; then those for costs, with as many on the boundary as there are, and the [`largest`] one.
+///
+/// # Errors
+/// As [`levels`].
+pub fn grids(scene: &Scene) -> Result<[Vec<Level>; 4], DataError> {
+    let most = scene.method.max_dofs();
+    let [fine, middle, coarse, all] = TRACE.map(|trace| levels(scene, most, trace));
+    let (fine, middle, coarse, mut all) = (fine?, middle?, coarse?, all?);
+    let dofs = all.last().map_or(0, |level| level.grid.dofs());
+    all.extend(largest(scene, most, dofs)?);
+    Ok([fine, middle, coarse, all])
 }
 
 /// A grid of the body of the study.

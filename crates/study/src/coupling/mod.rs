@@ -21,12 +21,14 @@ mod draw;
 
 use steklov_problem::{Scene, Source};
 
+use crate::watch::Watch;
+
 pub use conditioning::{Condition, Conditioning, conditioning};
 pub use convergence::{Convergence, FORMS, Point, convergence};
 pub use cost::{Cost, Costs, WAYS, costs};
 pub use draw::pictures;
 pub use effectivity::{Effectivity, INDICATED, Indicated, TERMS, effectivity};
-pub use grids::{Level, coarsest, largest, levels, pairs, settings};
+pub use grids::{Level, coarsest, grids, largest, levels, pairs, settings};
 pub use manufactured::{Manufactured, Pair, Problem};
 pub use report::report;
 pub use wrong::{SYSTEMS, Wrong, Wrongs, wrongs};
@@ -38,21 +40,45 @@ pub struct CouplingStudy<'a> {
     /// The texts from which it was read.
     pub source: &'a Source,
     /// The materials; the scene's own last.
-    pub pairs: &'a [Pair],
+    pub pairs: Vec<Pair>,
     /// Errors of the forms.
-    pub convergence: &'a Convergence,
+    pub convergence: Convergence,
     /// Indicators over errors.
-    pub effectivity: &'a Effectivity,
+    pub effectivity: Effectivity,
     /// Seconds and entries of three ways to solve.
-    pub costs: &'a Costs,
+    pub costs: Costs,
     /// Conditions of the three-field form.
-    pub conditioning: &'a Conditioning,
+    pub conditioning: Conditioning,
     /// Errors with wrong signs and factors.
-    pub wrongs: &'a Wrongs,
+    pub wrongs: Wrongs,
     /// Runs of which seconds are medians.
     pub repeat: usize,
     /// Whether the user stopped it.
     pub interrupted: bool,
+}
+
+/// All parts of the study, with [`pairs`] and [`grids`]; `repeat` runs of which seconds are medians.
+pub fn study<'a>(
+    scene: &'a Scene,
+    source: &'a Source,
+    pairs: Vec<Pair>,
+    [fine, middle, coarse, all]: &[Vec<Level>; 4],
+    repeat: usize,
+    watch: &mut Watch<'_>,
+) -> CouplingStudy<'a> {
+    let polygon = &scene.problem.outline;
+    CouplingStudy {
+        scene,
+        source,
+        convergence: convergence(polygon, &pairs, fine, repeat, watch),
+        effectivity: effectivity(polygon, &pairs, coarse, watch),
+        costs: costs(polygon, &pairs[pairs.len() - 1], all, repeat, watch),
+        conditioning: conditioning(polygon, &pairs, middle, watch),
+        wrongs: wrongs(polygon, &pairs[0], middle, watch),
+        interrupted: watch.stopped(),
+        pairs,
+        repeat,
+    }
 }
 
 impl CouplingStudy<'_> {

@@ -34,7 +34,7 @@ const PAIRS: [Column<Pair>; 4] = [
 ];
 
 /// What the study found.
-pub fn report<'a>(study: &CouplingStudy<'a>) -> Report<'a> {
+pub fn report<'a>(study: &'a CouplingStudy<'_>) -> Report<'a> {
     let of_form = |form: usize| study.convergence.points.iter().filter(move |p| p.form == form);
     let form = |k| Table::new("grid of a pair", of_form(k), &POINTS);
     let points = || (0..FORMS.len()).flat_map(of_form);
@@ -56,7 +56,7 @@ pub fn report<'a>(study: &CouplingStudy<'a>) -> Report<'a> {
         told("repeat", study.repeat),
         failures(study.failures()),
         told("pairs", study.pairs.iter().map(pair).collect::<Value>()),
-        rows("pairs", Table::new("pair", study.pairs, &PAIRS)).only_kept(),
+        rows("pairs", Table::new("pair", &study.pairs, &PAIRS)).only_kept(),
         named("forms", FORMS.iter().map(|f| f.0), "the form of the equations", form),
     ];
     parts.extend(all.into_iter().map(|(name, table)| rows(name, table)));

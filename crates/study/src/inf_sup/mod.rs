@@ -10,10 +10,12 @@ mod pressure;
 mod report;
 mod draw;
 
-use steklov_problem::{Scene, Source};
+use steklov_problem::{DataError, DataErrorKind, Scene, Source};
 
-use crate::distinct;
-use crate::settings::unless_set;
+use crate::error::StudyError;
+use crate::settings::Setting;
+use crate::watch::Watch;
+use crate::{contact_sides, distinct};
 
 pub use draw::pictures;
 pub use pairs::{PAIRS, Pair, Part, Point, pairs};
@@ -21,7 +23,7 @@ pub use pressure::{Pressure, Pressures, pressures};
 pub use report::report;
 
 /// First mesh: the reference spaces have 16 times its elements.
-const ELEMENTS: &str = "method.elements=8";
+pub const SETTINGS: [Setting; 1] = [Setting::Elements(8)];
 
 /// A finished study.
 #[derive(Debug)]
@@ -31,11 +33,34 @@ pub struct InfSup<'a> {
     /// The texts from which it was read.
     pub source: &'a Source,
     /// β of the pairs, mesh by mesh.
-    pub points: &'a [Point],
+    pub points: Vec<Point>,
     /// Pressures of an unstable pair.
-    pub pressures: &'a Pressures,
+    pub pressures: Pressures,
     /// Whether the user stopped it.
     pub interrupted: bool,
+}
+
+/// Whether a scene can be studied.
+///
+/// # Errors
+/// A scene without contact.
+pub fn check(scene: &Scene) -> Result<(), DataError> {
+    if contact_sides(scene).is_empty() {
+        let message = "inf-sup constants are about multipliers of contact, and no side is in contact".to_owned();
+        let help = "give a side contact = { gap = \"0\" }, or study --what convergence or stability";
+        return Err(DataError::at(DataErrorKind::Unsupported, &[vec!["sides"]], message, help));
+    }
+    Ok(())
+}
+
+/// Pressures and constants of a scene.
+///
+/// # Errors
+/// Those of [`pressures`] and [`pairs`].
+pub fn study<'a>(scene: &'a Scene, source: &'a Source, watch: &mut Watch<'_>) -> Result<InfSup<'a>, StudyError> {
+    let pressures = pressures(scene, watch)?;
+    let points = pairs(scene, watch)?;
+    Ok(InfSup { scene, source, points, pressures, interrupted: watch.stopped() })
 }
 
 impl InfSup<'_> {
@@ -66,9 +91,4 @@ impl InfSup<'_> {
     fn coarsest(&self) -> usize {
         self.points.iter().map(|p| p.elements).min().unwrap_or(0)
     }
-}
-
-/// The overrides of a study: its first mesh where the user sets none, then those of the user.
-pub fn settings(user: &[String]) -> Vec<String> {
-    unless_set(ELEMENTS, user)
 }

@@ -17,15 +17,15 @@ use crate::show;
 use crate::table::Table;
 
 /// What the study found.
-pub fn report<'a>(study: &InfSup<'a>) -> Report<'a> {
+pub fn report<'a>(study: &'a InfSup<'_>) -> Report<'a> {
     let pair = |k| Table::new("mesh", study.of_pair(k), &POINTS);
     let failures = study.points.iter().filter_map(|p| {
         let why = p.failure.as_ref()?;
         Some(json!({ "pair": PAIRS[p.pair].name, "elements": p.elements, "degree": p.degree, "message": why }))
     });
     let names = study.points.iter().map(|p| format!("\"{}\"", PAIRS[p.pair].name));
-    let pairs = Table::new("mesh", study.points, &POINTS).key("pair", names);
-    let all = study.pressures;
+    let pairs = Table::new("mesh", &study.points, &POINTS).key("pair", names);
+    let all = &study.pressures;
     let gammas = all.solutions.iter().flat_map(|s| s.rows.iter().map(|_| format!("{:?}", s.gamma)));
     let nodes = all.solutions.iter().flat_map(|s| &s.rows);
     let pressures = Table::new("node of the multipliers", nodes, &ROWS).key("gamma", gammas);
@@ -63,7 +63,7 @@ fn solution(s: &Pressure) -> Vec<Part> {
 }
 
 fn body(study: &InfSup<'_>) -> String {
-    let mut text = show::settings(study.source, study.note());
+    let mut text = show::head(study.source, study.note());
     for (what, value) in [("without", (|p| p.plain) as fn(&Point) -> f64), ("with", |p| p.stabilised)] {
         let title = format!("beta {what} stabilisation");
         for degree in study.degrees() {
@@ -78,13 +78,13 @@ fn body(study: &InfSup<'_>) -> String {
         let some = |p: &Point| p.elements == coarsest;
         constants(&mut text, study, [&title, &end], &some, |p| format!("p = {}", p.degree), value);
     }
-    for p in study.points {
+    for p in &study.points {
         if let Some(why) = &p.failure {
             let name = PAIRS[p.pair].name;
             let _ = writeln!(text, "FAILED: {name} on {} elements of degree {}: {why}", p.elements, p.degree);
         }
     }
-    pressures(&mut text, study.pressures);
+    pressures(&mut text, &study.pressures);
     text
 }
 

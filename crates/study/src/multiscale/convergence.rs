@@ -1,10 +1,11 @@
 //! Errors of the bases on smaller and smaller coarse cells.
 
 use steklov_model::error::SolveError;
+use steklov_problem::DataErrorKind::{Unsupported, Value};
 use steklov_problem::{DataError, Scene, check_body, grid_of};
 
-use super::FineGrid;
 use super::measure::{BASES, NOT_CONVERGED, error, estimate, on_coarse_cells, timed};
+use super::{FineGrid, MOST_DOFS};
 use crate::table::Column;
 use crate::watch::{Found, Watch};
 
@@ -67,10 +68,16 @@ impl Convergence {
 /// are whole and more than one along x or y, and the body is made of such cells.
 ///
 /// # Errors
-/// A scene without a grid; one with no such cells.
+/// A scene without a grid; one with no such cells; a fine grid of more unknowns than [`MOST_DOFS`] and the scene allow.
 pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
+    let refuse = |kind, key, message: String, help: &str| Err(DataError::at(kind, &[key], message, help));
+    let Some(input) = &scene.body().grid else {
+        let message = "the study is about coarse cells on a fine grid, and the scene has no [grid]".to_owned();
+        let help =
+            "add [grid] coarse = [12, 2], fine = [16, 16] with the numbers of the body, or study --what convergence";
+        return refuse(Unsupported, vec!["body"], message, help);
+    };
     let grid = grid_of(scene)?;
-    let Some(input) = &scene.body().grid else { return Err(scene.grid_error()) };
     let mut sizes = Vec::new();
     let mut fine = input.fine;
     while fine != [1, 1] {
@@ -88,7 +95,15 @@ pub fn coarse_cells(scene: &Scene) -> Result<Vec<[usize; 2]>, DataError> {
             input.fine[0], input.fine[1]
         );
         let help = "take fewer coarse cells and more fine ones in each: grid.fine = [8, 8]";
-        return Err(DataError::at(steklov_problem::DataErrorKind::Value, &[vec!["grid", "fine"]], message, help));
+        return refuse(Value, vec!["grid", "fine"], message, help);
+    }
+    let dofs = grid.dofs();
+    if dofs > scene.method.max_dofs().max(MOST_DOFS) {
+        let message = format!(
+            "the fine grid has {dofs} dofs, and the study solves all of them at once: {MOST_DOFS} at most, or method.max_dofs"
+        );
+        let help = "take fewer fine cells, or raise method.max_dofs as far as the memory allows";
+        return refuse(Value, vec!["grid", "fine"], message, help);
     }
     Ok(sizes)
 }

@@ -89,7 +89,7 @@ fn cost(study: &MultiscaleStudy<'_>, all: &mut Pictures<'_>) -> Result<(), Pictu
 /// Errors and effectivities over the period of layers and over the size of coarse cells: a line a basis, the two laminates
 /// solid and dashed.
 fn resonance(study: &MultiscaleStudy<'_>, pictures: &mut Pictures<'_>) -> Result<(), PictureError> {
-    let all = study.laminates;
+    let all = &study.laminates;
     let points = |over_periods: bool, laminate: usize, basis: usize| -> Vec<&Layers> {
         if over_periods {
             all.over_periods(laminate, basis).collect()

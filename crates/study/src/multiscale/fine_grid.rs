@@ -5,7 +5,7 @@ use steklov_model::grid::GridSolved;
 use steklov_problem::{Scene, grid_of};
 
 use super::measure::{NOT_CONVERGED, norm, on_all_cells, timed};
-use crate::reference::ReferenceError;
+use crate::error::StudyError;
 use crate::table::Column;
 use crate::watch::Watch;
 
@@ -82,7 +82,7 @@ fn limit([a, b, c]: [f64; 3]) -> Option<[f64; 2]> {
 ///
 /// # Errors
 /// Those of the fine grid; [`SolveError::Interrupted`] before it is solved.
-pub fn fine_grid(scene: &Scene, repeat: usize, watch: &mut Watch<'_>) -> Result<FineGrid, ReferenceError> {
+pub fn fine_grid(scene: &Scene, repeat: usize, watch: &mut Watch<'_>) -> Result<FineGrid, StudyError> {
     let most = scene.method.max_dofs().max(MOST_DOFS);
     let cells = grid_of(scene).map_err(SolveError::from)?.body_cells().count();
     let mut truth = None;
@@ -95,7 +95,7 @@ pub fn fine_grid(scene: &Scene, repeat: usize, watch: &mut Watch<'_>) -> Result<
         watch.tell("fine grid", &format!("cells in {parts} by {parts} parts"));
         match timed(repeat, || on_all_cells(scene, parts, watch.interrupts)) {
             Ok((solved, _)) if !solved.converged() && truth.is_none() => {
-                return Err(ReferenceError::NotSolved { steps: 1 });
+                return Err(StudyError::NotSolved { steps: 1 });
             }
             Ok((solved, seconds)) if solved.converged() => {
                 // nothing estimated is no estimate

@@ -18,6 +18,9 @@ mod draw;
 
 use steklov_problem::{Scene, Source};
 
+use crate::error::StudyError;
+use crate::watch::Watch;
+
 pub use contrast::{Contrast, PARTS, Stiff, contrast};
 pub use convergence::{Convergence, Point, coarse_cells, convergence};
 pub use draw::pictures;
@@ -33,17 +36,36 @@ pub struct MultiscaleStudy<'a> {
     /// The texts from which it was read.
     pub source: &'a Source,
     /// Bilinear elements on all cells.
-    pub fine_grid: &'a FineGrid,
+    pub fine_grid: FineGrid,
     /// Multiscale elements on the scene.
-    pub convergence: &'a Convergence,
+    pub convergence: Convergence,
     /// Resonance on laminates.
-    pub laminates: &'a Laminates,
+    pub laminates: Laminates,
     /// Stiff parts inside of coarse cells and across their edges.
-    pub contrast: &'a Contrast,
+    pub contrast: Contrast,
     /// Runs of which seconds are medians.
     pub repeat: usize,
     /// Whether the user stopped it.
     pub interrupted: bool,
+}
+
+/// All parts of the study, the scene on coarse cells of these sizes; `repeat` runs of which seconds are medians.
+///
+/// # Errors
+/// Those of [`fine_grid`].
+pub fn study<'a>(
+    scene: &'a Scene,
+    source: &'a Source,
+    sizes: &[[usize; 2]],
+    repeat: usize,
+    watch: &mut Watch<'_>,
+) -> Result<MultiscaleStudy<'a>, StudyError> {
+    let fine_grid = fine_grid(scene, repeat, watch)?;
+    let convergence = convergence(scene, &fine_grid, sizes, repeat, watch);
+    let laminates = laminates(watch);
+    let contrast = contrast(watch);
+    let interrupted = watch.stopped();
+    Ok(MultiscaleStudy { scene, source, fine_grid, convergence, laminates, contrast, repeat, interrupted })
 }
 
 impl MultiscaleStudy<'_> {

@@ -23,7 +23,7 @@ use crate::show::{self, Shown, cells, heads, line};
 use crate::table::Table;
 
 /// What the study found.
-pub fn report<'a>(study: &MultiscaleStudy<'a>) -> Report<'a> {
+pub fn report<'a>(study: &'a MultiscaleStudy<'_>) -> Report<'a> {
     let basis = |k| Table::new("coarse grid", study.convergence.of(k), &POINTS);
     let points = &study.convergence.points;
     let bases = Table::new("coarse grid", points, &POINTS).key("basis", points.iter().map(|p| BASES[p.basis].0.into()));
@@ -43,7 +43,7 @@ pub fn report<'a>(study: &MultiscaleStudy<'a>) -> Report<'a> {
     let parts = vec![
         told("repeat", study.repeat),
         failures(study.failures()),
-        part("fine_grid", fine_grid_parts(study.fine_grid, levels)),
+        part("fine_grid", fine_grid_parts(&study.fine_grid, levels)),
         named("bases", BASES.iter().map(|b| b.0), "the basis, as scenes name it", basis),
         told("laminates", laminates.json()),
         part("laminates", vec![layers, columns("", laminates)]).only_kept(),
@@ -104,7 +104,7 @@ fn fine_grid(text: &mut String, study: &MultiscaleStudy<'_>) {
         ("estimate", 9, |l| cell(l.estimate, 4)),
         ("seconds", 9, |l| cell(l.seconds, 4)),
     ];
-    let fine = study.fine_grid;
+    let fine = &study.fine_grid;
     let _ = writeln!(text, "\nbilinear elements; error of the fine grid: {}", fine.source());
     if let Some([limit, rate]) = fine.limit {
         let _ = writeln!(text, "limit       J = {limit:.9e}, J_h - J ~ h^{rate:.2}");
@@ -147,7 +147,7 @@ fn values<T>(text: &mut String, name: &str, points: &[&T], value: fn(&T) -> f64,
 }
 
 fn laminates(text: &mut String, study: &MultiscaleStudy<'_>) {
-    let all = study.laminates;
+    let all = &study.laminates;
     *text +=
         "\nlayers 1:10 on the unit square of 256x256 cells: relative errors, and the estimate over the error (est.)\n";
     let mut block = |head: String, points: Vec<Vec<&Layers>>, varied: fn(&Layers) -> f64| {
@@ -171,7 +171,7 @@ fn laminates(text: &mut String, study: &MultiscaleStudy<'_>) {
 }
 
 fn contrast(text: &mut String, study: &MultiscaleStudy<'_>) {
-    let all = study.contrast;
+    let all = &study.contrast;
     *text +=
         "\nplate of 2x1, 8x4 coarse cells of 16x16, with stiff parts: relative errors, and estimates over the error\n";
     for (part, (name, _)) in PARTS.iter().enumerate() {

@@ -20,7 +20,7 @@ pub fn pictures(study: &Stability<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pi
     let mut all = Pictures::new(folder);
     incompressible(study, &mut all)?;
     single_layer(study, &mut all)?;
-    if let Some(found) = study.stabilisation {
+    if let Some(found) = &study.stabilisation {
         stabilisation(study, found, &mut all)?;
     }
     Ok(all.files)
@@ -28,7 +28,7 @@ pub fn pictures(study: &Stability<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pi
 
 /// A quantity of each mesh over ½ - ν.
 fn by_mesh(study: &Stability<'_>, value: fn(&Point) -> f64) -> Vec<Line> {
-    let all = study.incompressible;
+    let all = &study.incompressible;
     let line = |mesh| Line::new(mesh_name(mesh), [all.of_mesh(mesh).map(|p| [0.5 - p.poisson, value(p)]).collect()]);
     all.meshes().into_iter().map(line).collect()
 }
@@ -42,7 +42,7 @@ fn incompressible(study: &Stability<'_>, all: &mut Pictures<'_>) -> Result<(), P
     let drawing = Drawing { title, axes: [x, log(ERROR)], lines, ..Drawing::default() };
     all.draw("incompressible-error", &drawing)?;
     let mut lines = by_mesh(study, |p| p.energy_error);
-    for (name, results) in judged(study.beside, &study.incompressible.truths) {
+    for (name, results) in judged(&study.beside, &study.incompressible.truths) {
         let points = results.iter().map(|j| [0.5 - j.poisson, j.energy_error]).collect();
         lines.push(Line::new(name, [Vec::new(), points]));
     }
@@ -53,7 +53,7 @@ fn incompressible(study: &Stability<'_>, all: &mut Pictures<'_>) -> Result<(), P
 
 /// Eigenvalues of V over the size.
 fn single_layer(study: &Stability<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
-    let SingleLayer { points, degenerate: [a, b], .. } = study.single_layer;
+    let SingleLayer { points, degenerate: [a, b], .. } = &study.single_layer;
     let curve = |value: fn(&Spectrum) -> f64| {
         let (points, flagged) = points.iter().map(|p| ([p.diameter, value(p).abs()], value(p) < 0.0)).unzip();
         Dots { points, flagged }

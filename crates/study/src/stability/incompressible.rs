@@ -5,11 +5,11 @@
 use steklov_elastic::Material;
 use steklov_model::error::SolveError;
 use steklov_model::mesh::first_mesh::first_mesh;
-use steklov_model::run::adaptive_loop::{Event, Progress, run};
-use steklov_model::stage::Stage;
+use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_problem::{Scene, Substance};
 
-use crate::reference::{Reference, ReferenceError};
+use crate::error::StudyError;
+use crate::reference::Reference;
 use crate::supported::uniform;
 use crate::table::Column;
 use crate::watch::Watch;
@@ -120,7 +120,7 @@ impl Incompressible {
 ///
 /// # Errors
 /// As [`Reference::new`] at the first ratio; what fails later is told in its place.
-pub fn incompressible(scene: &Scene, watch: &mut Watch<'_>) -> Result<Incompressible, ReferenceError> {
+pub fn incompressible(scene: &Scene, watch: &mut Watch<'_>) -> Result<Incompressible, StudyError> {
     let mut all = Incompressible::default();
     for poisson in POISSON {
         let mut scene = scene.clone();
@@ -130,13 +130,11 @@ pub fn incompressible(scene: &Scene, watch: &mut Watch<'_>) -> Result<Incompress
         scene.expect.clear(); // it is of another ratio
         let what = format!("ν = {poisson}");
         let reference = Reference::new(&scene, watch.interrupts, &mut |step, event| {
-            if let Event::Stage(Stage::Progress(part, _)) = event {
-                watch.tell(&what, &format!("reference, step {}, {part}", step + 1));
-            }
+            watch.tell_step(&what, "reference, ", step, &event);
             Ok(())
         });
         match reference {
-            Err(ReferenceError::Solve(SolveError::Interrupted)) => break,
+            Err(StudyError::Solve(SolveError::Interrupted)) => break,
             Err(error) if all.truths.is_empty() => return Err(error),
             Err(error) => {
                 let (energy, estimate, failure) = (f64::NAN, f64::NAN, Some(error.to_string()));

@@ -17,7 +17,9 @@ mod draw;
 use steklov_elastic::Plane;
 use steklov_problem::{Method, Scene, Source};
 
-use crate::settings::unless_set;
+use crate::error::StudyError;
+use crate::settings::Setting;
+use crate::watch::Watch;
 
 pub use beside::{Beside, BesideError, read_beside};
 pub use draw::pictures;
@@ -28,7 +30,7 @@ pub use stabilisation::{Critical, Stabilisation, WithGamma, stabilisation};
 
 /// Tolerance of the scene: the errors of coarse uniform meshes are measured, for which references of 1/50 of it are fine
 /// enough.
-const TOLERANCE: &str = "method.tolerance=1e-3";
+const TOLERANCE: f64 = 1e-3;
 
 /// A finished study.
 #[derive(Debug)]
@@ -38,21 +40,48 @@ pub struct Stability<'a> {
     /// The texts from which it was read.
     pub source: &'a Source,
     /// Errors as ν → ½.
-    pub incompressible: &'a Incompressible,
+    pub incompressible: Incompressible,
     /// Results of other methods for the same scene.
-    pub beside: &'a [Beside],
+    pub beside: Vec<Beside>,
     /// Eigenvalues of the single layer matrix.
-    pub single_layer: &'a SingleLayer,
+    pub single_layer: SingleLayer,
     /// Stabilised multipliers over γ₀; none without contact.
-    pub stabilisation: Option<&'a Stabilisation>,
+    pub stabilisation: Option<Stabilisation>,
     /// Whether the user stopped it.
     pub interrupted: bool,
+}
+
+/// The settings of the study: its tolerance and those of [`crate::settings()`]. `method` is that of the scene, overrides
+/// included.
+pub fn settings(method: &Method) -> Vec<Setting> {
+    let mut all = crate::settings(&Method { tolerance: Some(TOLERANCE), ..*method });
+    all.push(Setting::Tolerance(TOLERANCE));
+    all
+}
+
+/// All parts of the study, beside results of other methods.
+///
+/// # Errors
+/// Those of [`incompressible`] and [`single_layer`].
+pub fn study<'a>(
+    scene: &'a Scene,
+    source: &'a Source,
+    beside: Vec<Beside>,
+    watch: &mut Watch<'_>,
+) -> Result<Stability<'a>, StudyError> {
+    let incompressible = incompressible(scene, watch)?;
+    let single_layer = single_layer(scene, watch)?;
+    let stabilisation = stabilisation(scene, watch);
+    let interrupted = watch.stopped();
+    Ok(Stability { scene, source, incompressible, beside, single_layer, stabilisation, interrupted })
 }
 
 impl Stability<'_> {
     /// Whether nobody stopped it and every mesh was solved at every ratio and with every γ₀.
     pub fn complete(&self) -> bool {
-        !self.interrupted && self.incompressible.complete() && self.stabilisation.is_none_or(Stabilisation::complete)
+        !self.interrupted
+            && self.incompressible.complete()
+            && self.stabilisation.as_ref().is_none_or(Stabilisation::complete)
     }
 
     /// What a reader of the results must know.
@@ -63,26 +92,18 @@ impl Stability<'_> {
     }
 }
 
-/// The overrides of a study: its tolerance and those of [`crate::settings()`] where the user sets nothing else, then those of
-/// the user. `method` is that of the scene.
-pub fn settings(method: &Method, user: &[String]) -> Vec<String> {
-    crate::settings(method, &unless_set(TOLERANCE, user))
-}
-
 #[cfg(test)]
 mod tests {
     use steklov_problem::Method;
 
+    use super::settings;
+    use crate::settings::Setting::{Degree, Elements, MaxDofs, Tolerance};
+
     #[test]
     fn the_studys_own_tolerance_is_not_that_of_the_scene() {
-        let of = |user: &[&str]| {
-            let user: Vec<String> = user.iter().map(|&o| o.to_owned()).collect();
-            let given = Method { tolerance: Some(1e-7), max_dofs: Some(500), ..Method::default() };
-            super::settings(&given, &user)
-        };
-        let first = ["method.elements=16", "method.degree=1"];
-        assert_eq!(of(&["title=\"a\""]), [first[0], first[1], "method.tolerance=1e-3", "title=\"a\""]);
-        assert_eq!(of(&["method.degree = 3"]), [first[0], "method.tolerance=1e-3", "method.degree = 3"]);
-        assert_eq!(of(&["method.tolerance = 1e-4"]), [first[0], first[1], "method.tolerance = 1e-4"]);
+        let first = [Elements(16), Degree(1)];
+        let given = Method { tolerance: Some(1e-7), max_dofs: Some(500), ..Method::default() };
+        assert_eq!(settings(&given), [&first[..], &[Tolerance(1e-3)]].concat());
+        assert_eq!(settings(&Method::default()), [&first[..], &[MaxDofs(1100), Tolerance(1e-3)]].concat());
     }
 }

@@ -22,11 +22,11 @@ use crate::show::{self, line};
 use crate::table::Table;
 
 /// What the study found.
-pub fn report<'a>(study: &Stability<'a>) -> Report<'a> {
+pub fn report<'a>(study: &'a Stability<'_>) -> Report<'a> {
     let points = Table::new("mesh at a ratio", &study.incompressible.points, &POINTS);
     let spectra = Table::new("size", &study.single_layer.points, &SPECTRA);
     let mut tables = vec![("incompressible.csv", points.csv()), ("single-layer.csv", spectra.csv())];
-    let stabilisation = match study.stabilisation {
+    let stabilisation = match &study.stabilisation {
         None => told("stabilisation", Value::Null),
         Some(all) => {
             let critical = Table::new("mesh", &all.critical, &CRITICAL);
@@ -38,7 +38,7 @@ pub fn report<'a>(study: &Stability<'a>) -> Report<'a> {
             part("stabilisation", vec![rows("critical", critical), rows("errors", errors), failures])
         }
     };
-    let layer = study.single_layer;
+    let layer = &study.single_layer;
     let meaning = "diameters of bodies of this shape at which V is singular for L = 1";
     let degenerate = Label { unit: "length", meaning, axes: &["eigenvalue"] };
     let single_layer = vec![
@@ -67,7 +67,7 @@ pub fn report<'a>(study: &Stability<'a>) -> Report<'a> {
 }
 
 fn incompressible_parts(study: &Stability<'_>, points: Table) -> Vec<Part> {
-    let all = study.incompressible;
+    let all = &study.incompressible;
     let other = |(name, results): (&str, Vec<Judged>)| {
         let results = Table::new("ratio", &results, &RESULTS);
         vec![text("name", name, "the other method and its mesh"), columns("points", results)]
@@ -76,7 +76,7 @@ fn incompressible_parts(study: &Stability<'_>, points: Table) -> Vec<Part> {
     vec![
         rows("references", Table::new("ratio", &all.truths, &TRUTHS)),
         rows("points", points),
-        list("beside", judged(study.beside, &all.truths).into_iter().map(other).collect()),
+        list("beside", judged(&study.beside, &all.truths).into_iter().map(other).collect()),
         told("failures", failures.collect::<Value>()),
     ]
 }
@@ -87,10 +87,10 @@ pub(super) fn mesh_name((elements, degree): (usize, usize)) -> String {
 }
 
 fn body(study: &Stability<'_>) -> String {
-    let mut text = show::settings(study.source, study.note());
+    let mut text = show::head(study.source, study.note());
     incompressible(&mut text, study);
     single_layer(&mut text, study);
-    match study.stabilisation {
+    match &study.stabilisation {
         Some(all) => stabilisation(&mut text, all),
         None => text += "\nstabilised multipliers: left out, no side is in contact\n",
     }
@@ -124,14 +124,14 @@ fn by_mesh<'p, T: 'p, I: Iterator<Item = &'p T>>(
 }
 
 fn incompressible(text: &mut String, study: &Stability<'_>) {
-    let all = study.incompressible;
+    let all = &study.incompressible;
     *text += "\n";
     line(text, ("Poisson's ratio", NAME), all.truths.iter().map(|t| t.poisson.to_string()));
     numbers(text, "reference, estimated", all.truths.iter().map(|t| t.estimate));
     let quantities: [Quantity<Point>; 2] =
         [("relative error, energy norm", |p| p.error), ("energy error", |p| p.energy_error)];
     by_mesh(text, quantities, &all.meshes(), |mesh| all.of_mesh(mesh));
-    for (name, results) in judged(study.beside, &all.truths) {
+    for (name, results) in judged(&study.beside, &all.truths) {
         let at = |poisson| results.iter().find(|j| j.poisson == poisson).map_or(f64::NAN, |j| j.energy_error);
         numbers(text, &format!("  {name}"), all.truths.iter().map(|t| at(t.poisson)));
     }
@@ -141,7 +141,7 @@ fn incompressible(text: &mut String, study: &Stability<'_>) {
 }
 
 fn single_layer(text: &mut String, study: &Stability<'_>) {
-    let all = study.single_layer;
+    let all = &study.single_layer;
     let ([a, b], [low, high]) = (all.degenerate, all.own());
     let _ = writeln!(text, "\nsingle layer matrix V, {} elements, {} unknowns", all.elements, all.unknowns);
     let _ = writeln!(

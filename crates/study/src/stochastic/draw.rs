@@ -32,7 +32,7 @@ pub fn pictures(study: &Stochastic<'_>, folder: &Path) -> Result<Vec<PathBuf>, P
         in_space(study, 0, ["space-energy", "E[J]"], &mut all)?;
         in_space(study, 1, ["space-norm", "E[<u, Su>]"], &mut all)?;
     }
-    if let Some(solvers) = study.solvers.filter(|s| !s.methods.is_empty()) {
+    if let Some(solvers) = study.solvers.as_ref().filter(|s| !s.methods.is_empty()) {
         iterations(study, solvers, &mut all)?;
         histories(study, solvers, &mut all)?;
     }
@@ -47,7 +47,7 @@ fn in_chance(
     what: &str,
     all: &mut Pictures<'_>,
 ) -> Result<(), PictureError> {
-    let chance = study.chance;
+    let chance = &study.chance;
     let of = |family: usize, value: &dyn Fn(&Measured) -> f64| {
         known(chance.of(family, quantity).map(|m| [m.solves as f64, value(m)]))
     };
@@ -77,7 +77,7 @@ fn in_space(
     [file, symbol]: [&str; 2],
     all: &mut Pictures<'_>,
 ) -> Result<(), PictureError> {
-    let space = study.space;
+    let space = &study.space;
     let line = |(k, (curve, ..)): (usize, &(&str, _, _, _))| {
         let name = match space.law(k, which) {
             Some(fit) => format!("{curve}: {}", fit.law.with_rate(fit.rate)),

@@ -14,7 +14,11 @@ mod solvers;
 mod report;
 mod draw;
 
-use steklov_problem::{Scene, Source};
+use steklov_model::run::adaptive_loop::{Progress, run};
+use steklov_problem::{DataError, DataErrorKind, Random, Scene, Source};
+
+use crate::error::StudyError;
+use crate::watch::Watch;
 
 pub use chance::{Chance, Cost, Measured, Quantity, chance};
 pub use draw::pictures;
@@ -31,13 +35,47 @@ pub struct Stochastic<'a> {
     /// The texts from which it was read.
     pub source: &'a Source,
     /// Errors in chance.
-    pub chance: &'a Chance,
+    pub chance: Chance,
     /// Errors in space.
-    pub space: &'a Space,
+    pub space: Space,
     /// What solvers cost; none without contact.
-    pub solvers: Option<&'a Solvers>,
+    pub solvers: Option<Solvers>,
     /// Whether the user stopped it.
     pub interrupted: bool,
+}
+
+/// What is random in a scene.
+///
+/// # Errors
+/// A scene in which nothing is.
+pub fn random(scene: &Scene) -> Result<&Random, DataError> {
+    scene.random.as_ref().ok_or_else(|| {
+        let message = "the study is about random input, and no datum of the scene uses any".to_owned();
+        let help =
+            "declare a name under [random] and use it in the modulus, a load or a gap, or study --what convergence";
+        let keys = &[vec!["random"], vec!["material", "young"]];
+        DataError::at(DataErrorKind::Unsupported, keys, message, help)
+    })
+}
+
+/// All parts of the study: chance on the last mesh of an adaptive run, space, solvers.
+///
+/// # Errors
+/// Those of the run, of [`chance`], [`space`] and [`solvers`].
+pub fn study<'a>(
+    scene: &'a Scene,
+    source: &'a Source,
+    random: &Random,
+    watch: &mut Watch<'_>,
+) -> Result<Stochastic<'a>, StudyError> {
+    let mut last = run(scene, Progress::first(scene), watch.interrupts, &mut |step, event| {
+        watch.tell_step("mesh", "", step, &event);
+        Ok(())
+    })?;
+    let chance = chance(scene, random, &mut last, watch)?;
+    let space = space(scene, random, watch)?;
+    let solvers = solvers(scene, random, watch)?;
+    Ok(Stochastic { scene, source, chance, space, solvers, interrupted: watch.stopped() })
 }
 
 impl Stochastic<'_> {

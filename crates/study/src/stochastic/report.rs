@@ -22,15 +22,15 @@ use crate::show::{self, Shown, heads};
 use crate::table::Table;
 
 /// What the study found.
-pub fn report<'a>(study: &Stochastic<'a>) -> Report<'a> {
+pub fn report<'a>(study: &'a Stochastic<'_>) -> Report<'a> {
     let quoted = |name: &str| format!("\"{name}\"");
-    let (chance, space) = (study.chance, study.space);
+    let (chance, space) = (&study.chance, &study.space);
     let of = |m: &Measured| format!("{},{}", quoted(FAMILIES[m.family].0), quoted(&chance.quantities[m.quantity].name));
     let rules = Table::new("rule", &chance.points, &RULES).key("rule,quantity", chance.points.iter().map(of));
     let curves = space.points.iter().map(|p| quoted(CURVES[p.curve].0));
     let meshes = Table::new("mesh", &space.points, &POINTS).key("curve", curves);
     let mut tables = vec![("stochastic.csv", rules.csv()), ("space.csv", meshes.csv())];
-    let solvers = study.solvers.map(|all| {
+    let solvers = study.solvers.as_ref().map(|all| {
         let names = all.methods.iter().map(|m| quoted(SOLVERS[m.solver].0));
         tables.push(("solvers.csv", Table::new("mesh", &all.methods, &METHODS).key("solver", names).csv()));
         list("solvers", (0..SOLVERS.len()).map(|k| solver_parts(all, k)).collect())
@@ -121,12 +121,12 @@ fn solver_parts(solvers: &Solvers, k: usize) -> Vec<Part> {
 }
 
 fn body(study: &Stochastic<'_>) -> String {
-    let mut text = show::settings(study.source, None);
-    chance(&mut text, study.chance);
+    let mut text = show::head(study.source, None);
+    chance(&mut text, &study.chance);
     if let Some(reference) = &study.space.reference {
-        space(&mut text, study.space, reference);
+        space(&mut text, &study.space, reference);
     }
-    match study.solvers {
+    match &study.solvers {
         Some(all) => solvers(&mut text, all),
         None => text += "\ncontact solvers: left out, no side is in contact\n",
     }

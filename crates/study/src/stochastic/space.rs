@@ -7,9 +7,8 @@
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Run, run};
+use steklov_model::run::adaptive_loop::{Progress, Reason, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_model::stage::Stage;
 use steklov_model::stochastic::solve_stochastic;
 use steklov_problem::{Random, Refine, Scene, Stochastic};
 
@@ -165,9 +164,7 @@ fn meshes(
     loop {
         scene.method.max_steps = progress.steps.len() + 1;
         let mut run = run(&scene, progress, watch.interrupts, &mut |step, event| {
-            if let Event::Stage(Stage::Progress(part, _)) = event {
-                watch.tell(name, &format!("step {}, {part}", step + 1));
-            }
+            watch.tell_step(name, "", step, &event);
             Ok(())
         })?;
         for (curve, settings) in curves {

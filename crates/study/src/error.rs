@@ -1,0 +1,24 @@
+//! Why a study has no results.
+
+use steklov_bem_operators::BemError;
+use steklov_model::error::SolveError;
+
+/// Why a study has no results.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// What the rest is measured against cannot be solved.
+    #[error(transparent)]
+    Solve(#[from] SolveError),
+    /// The single layer matrix of the study's own mesh cannot be had.
+    #[error(transparent)]
+    SingleLayer(#[from] BemError),
+    /// No mesh of the fine run can be trusted.
+    #[error(
+        "no mesh of the reference is solved to the contact solver's criterion (tried: {steps}): \
+         nothing can be compared; try another method.solver or other method.elements"
+    )]
+    NotSolved {
+        /// Meshes of the fine run.
+        steps: usize,
+    },
+}
