@@ -7,7 +7,8 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov_problem::{Method, Scene, Source};
+use steklov_problem::{Method, Scene};
+use steklov_scene::Source;
 use steklov_study::coupling::{
     CouplingStudy, Effectivity, coarsest, conditioning, convergence, costs, effectivity, largest, levels, pairs,
     pictures, report, settings, wrongs,

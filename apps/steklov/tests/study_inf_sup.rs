@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov_problem::Source;
+use steklov_scene::Source;
 use steklov_study::Watch;
 use steklov_study::inf_sup::{InfSup, PAIRS, Point, Pressure, Pressures, pairs, pictures, pressures, report};
 

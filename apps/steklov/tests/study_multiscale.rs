@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov_problem::Source;
+use steklov_scene::Source;
 use steklov_study::Watch;
 use steklov_study::multiscale::{
     Contrast, Laminates, MultiscaleStudy, coarse_cells, contrast, convergence, fine_grid, laminates, pictures, report,

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
-use steklov_problem::Source;
+use steklov_scene::Source;
 use steklov_study::Watch;
 use steklov_study::stability::{
     Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, report,

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicUsize;
 use place::{Place, names};
 use serde_json::{Value, json};
 use steklov_model::run::adaptive_loop::{Progress, run};
-use steklov_problem::Source;
+use steklov_scene::Source;
 use steklov_study::Watch;
 use steklov_study::stochastic::{Stochastic, chance, pictures, report, solvers, space};
 

@@ -46,7 +46,6 @@ mod random;
 mod random_check;
 mod sides;
 mod signals;
-mod source;
 mod spans;
 
 use std::collections::BTreeMap;
@@ -69,7 +68,6 @@ pub use random::{Germ, Random, RandomConstants, RandomName, Sampling, Stochastic
 pub use random_check::Uses;
 pub use sides::{Condition, Contact, Friction, Side, Tie};
 pub use signals::Signal;
-pub use source::Source;
 pub use spans::Span;
 
 /// A problem that has passed all checks. Any consistent units; everything is per unit thickness.

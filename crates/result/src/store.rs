@@ -18,7 +18,7 @@ use steklov_model::stage::Stage;
 use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;
 use steklov_plan::Plan;
-use steklov_problem::Source;
+use steklov_scene::Source;
 
 use crate::grid::store as grid;
 use crate::keep::Keep;

@@ -5,12 +5,13 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::{Location, Loop, Polygon, PolygonError};
 use steklov_elastic::{Material, MaterialError, Plane};
 use steklov_expression::{Expression, is_name, is_reserved};
-use steklov_problem::{About, DataErrorKind, Source};
+use steklov_problem::{About, DataErrorKind};
 
 use super::curves;
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::keys;
+use super::source::Source;
 
 /// `[parameters]`.
 #[derive(Default)]

@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use miette::{Diagnostic, GraphicalReportHandler, GraphicalTheme, NamedSource, SourceSpan};
 use steklov_expression::Place;
-use steklov_problem::{About, DataError, DataErrorKind, Source};
+use steklov_problem::{About, DataError, DataErrorKind};
 
+use super::source::Source;
 use super::tree;
 
 /// Sort of the error of a scene.

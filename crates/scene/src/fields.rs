@@ -6,10 +6,11 @@ use std::sync::Arc;
 
 use steklov_expression::FieldValue;
 use steklov_expression::{Expression, Place};
-use steklov_problem::{DataErrorKind, Source};
+use steklov_problem::DataErrorKind;
 
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::keys;
+use super::source::Source;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
 
 /// What expressions are read with.

@@ -5,14 +5,13 @@ use std::path::Path;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 use steklov_io::{IoError, load_foreign_axes, load_foreign_table};
-use steklov_problem::{
-    BasisInput, CellModuli, Cells, DataErrorKind, GridInput, MOST_CELLS, Source, TableOrder, modulus_cells,
-};
+use steklov_problem::{BasisInput, CellModuli, Cells, DataErrorKind, GridInput, MOST_CELLS, TableOrder, modulus_cells};
 
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
 use super::foreign::{HDF5, foreign};
 use super::keys;
+use super::source::Source;
 use super::tree::Value;
 
 pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, ReadError> {

@@ -31,6 +31,7 @@ mod random;
 mod grid;
 mod exterior;
 mod foreign;
+mod source;
 
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -39,7 +40,7 @@ use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, Condition, Contact, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, Scene, Side, Source,
+    Body, Condition, Contact, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, Scene, Side,
     Stochastic, Substance, Tie,
 };
 
@@ -47,6 +48,7 @@ use error::{ReadError, SceneErrorKind as Kind, located};
 pub use error::{SceneError, SceneErrorKind};
 pub use foreign::{HDF5, foreign};
 pub use keys::full_key;
+pub use source::Source;
 
 use body::Parameters;
 use cracks::Cracks;

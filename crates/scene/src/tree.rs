@@ -1,9 +1,10 @@
 //! The scene as a tree of values that know their place in the text; overrides are put into it.
 
 use steklov_expression::{Place, nearest};
-use steklov_problem::{DataErrorKind, Source};
+use steklov_problem::DataErrorKind;
 
 use super::error::{ReadError, SceneErrorKind as Kind};
+use super::source::Source;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 

@@ -10,7 +10,8 @@ mod pressure;
 mod report;
 mod draw;
 
-use steklov_problem::{DataError, DataErrorKind, Scene, Source};
+use steklov_problem::{DataError, DataErrorKind, Scene};
+use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::settings::Setting;

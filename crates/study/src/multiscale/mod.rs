@@ -16,7 +16,8 @@ mod contrast;
 mod report;
 mod draw;
 
-use steklov_problem::{Scene, Source};
+use steklov_problem::Scene;
+use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::watch::Watch;

@@ -15,7 +15,8 @@ mod report;
 mod draw;
 
 use steklov_elastic::Plane;
-use steklov_problem::{Method, Scene, Source};
+use steklov_problem::{Method, Scene};
+use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::settings::Setting;

@@ -15,7 +15,8 @@ mod report;
 mod draw;
 
 use steklov_model::run::adaptive_loop::{Progress, run};
-use steklov_problem::{DataError, DataErrorKind, Random, Scene, Source};
+use steklov_problem::{DataError, DataErrorKind, Random, Scene};
+use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::watch::Watch;
