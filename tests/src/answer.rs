@@ -4,6 +4,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
 use steklov_bem_operators::{Mark, Mesh, Subdivision};
+use steklov_document::{Document, SceneError};
 use steklov_model::answer::report::{contact_summary, located};
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
@@ -17,7 +18,6 @@ use steklov_model::summary::{ContactSummary, Summary};
 use steklov_plan::plan;
 use steklov_problem::{Model, Refine, Scene};
 use steklov_result::record::Record;
-use steklov_scene::{Document, SceneError};
 
 /// A solved scene with its contact table.
 pub struct Answer {
@@ -58,10 +58,10 @@ impl Answer {
 /// A scene from TOML text and overrides `KEY=VALUE`.
 ///
 /// # Errors
-/// Those of [`steklov_scene::parse`].
+/// Those of [`steklov_document::parse`].
 pub fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|o| (*o).to_owned()).collect();
-    steklov_scene::parse(text, "test.toml", &overrides)
+    steklov_document::parse(text, "test.toml", &overrides)
 }
 
 /// A scene of the gallery, `scenes/NAME.toml` or `scenes/NN-NAME.toml`, with overrides.
@@ -98,7 +98,7 @@ pub fn gallery() -> Vec<(String, Scene)> {
     paths.sort();
     let named = paths.iter().map(|path| {
         let name = path.file_stem().expect("a file name").to_string_lossy().into_owned();
-        (name, steklov_scene::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+        (name, steklov_document::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
     });
     named.filter(|(_, scene)| scene.model() == Model::Bem).collect()
 }

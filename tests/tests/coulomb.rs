@@ -16,7 +16,7 @@ use steklov_tests::adapt;
 fn scene(name: &str, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../scenes/{name}.toml"));
-    steklov_scene::read(&path, &overrides).unwrap_or_else(|e| panic!("{name}: {}", e.render()))
+    steklov_document::read(&path, &overrides).unwrap_or_else(|e| panic!("{name}: {}", e.render()))
 }
 
 fn run(scene: &Scene) -> Run<BoundaryElements> {
@@ -108,7 +108,7 @@ fn the_nafems_cylinder_reaches_hertz_as_the_body_grows() {
         .map(|size: f64| {
             let corners = format!("[[0, 0], [{size}, 0], [{size}, {size}], [0, {size}]]");
             let text = text.replace("[[0, 0], [100, 0], [100, 100], [0, 100]]", &corners);
-            let scene = steklov_scene::parse(&text, "cylinder.toml", &["method.tolerance=1e-5".into()]);
+            let scene = steklov_document::parse(&text, "cylinder.toml", &["method.tolerance=1e-5".into()]);
             let contact = summary(&scene.unwrap_or_else(|e| panic!("{}", e.render()))).contact.expect("contact");
             let errors = [contact.length / 6.21463 - 1.0, contact.max_pressure / 3585.36 - 1.0];
             println!("size {size}: a off by {:.2e}, p0 by {:.2e}", errors[0], errors[1]);
@@ -146,7 +146,7 @@ fn no_coefficient_is_no_friction() {
                 [material]\nyoung = 10.0\npoisson = 0.3\n[sides.top]\ndisplacement = [\"0.01\", \"-0.02*x\"]\n\
                 [method]\nrefine = \"none\"\ndegree = 3\n[sides.floor]\n";
     let solve = |contact: &str| {
-        let scene = steklov_scene::parse(&format!("{text}contact = {contact}\n"), "test.toml", &[]);
+        let scene = steklov_document::parse(&format!("{text}contact = {contact}\n"), "test.toml", &[]);
         run(&scene.unwrap_or_else(|e| panic!("{}", e.render()))).last.displacement
     };
     let [smooth, none, some] = ["", ", friction = { coulomb = \"0\" }", ", friction = { coulomb = \"0.1\" }"]
@@ -163,7 +163,7 @@ fn a_pull_beyond_the_coefficient_is_refused() {
              [material]\nyoung = 10.0\npoisson = 0.3\n[sides.floor]\ncontact = {{ gap = \"0\", friction = {{ coulomb = \"0.3\" }} }}\n\
              [sides.top]\ntraction = [\"{q}/2\", \"-1\"]\n[method]\nrefine = \"none\"\nelements = 24\n"
         );
-        adapt(&steklov_scene::parse(&text, "test.toml", &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+        adapt(&steklov_document::parse(&text, "test.toml", &[]).unwrap_or_else(|e| panic!("{}", e.render())))
     };
     for q in [0.0, 0.3, -0.55, 0.59] {
         let run = pulled(q).unwrap_or_else(|e| panic!("{q}: {e}"));

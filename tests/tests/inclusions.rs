@@ -4,11 +4,11 @@ use std::f64::consts::PI;
 use std::fmt::Write;
 
 use steklov_bem_operators::BemError;
+use steklov_document::SceneErrorKind;
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Reason, Run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::{DataErrorKind, Scene};
-use steklov_scene::SceneErrorKind;
 use steklov_study::reference::true_error;
 use steklov_tests::{adapt, finer, line, parse, solved_in_steps};
 

@@ -37,7 +37,7 @@ fn name(path: &Path) -> String {
 
 fn read(path: &Path, overrides: &[&str]) -> Scene {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    steklov_scene::read(path, &overrides).unwrap_or_else(|e| panic!("{}: {}", name(path), e.render()))
+    steklov_document::read(path, &overrides).unwrap_or_else(|e| panic!("{}: {}", name(path), e.render()))
 }
 
 /// The summary of a solved scene, and the residual of equilibrium over the scale of forces.
@@ -228,7 +228,7 @@ fn polygonal_hole_converges_to_the_circle() {
         table["body"].as_table_mut().expect("a table").insert("holes".into(), vec![hole].into());
         table["method"].as_table_mut().expect("a table").insert("elements".into(), (2 * n as i64).into());
         let scene =
-            steklov_scene::parse(&table.to_string(), "hole.toml", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+            steklov_document::parse(&table.to_string(), "hole.toml", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
         let (summary, _) = solved(&scene);
         let error = |path: &str, exact: f64| (summary.at(path).expect(path) / exact - 1.0).abs();
         // exact, with p = 10, μ = 400, radius 1: u_r = p/(2μ), work p u_r over the circle

@@ -18,10 +18,10 @@
 use faer::Mat;
 use steklov_bem_operators::{BemError, Condensation, Datum, Domain, Mesh, Operators, Partition, Space, Steklov};
 use steklov_contact::{Outcome, Problem, SideData, contact_boundary, kkt, newton, uzawa};
+use steklov_document::SceneErrorKind;
 use steklov_model::error::SolveError;
 use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_problem::{DataErrorKind, Scene};
-use steklov_scene::SceneErrorKind;
 use steklov_tests::{Answer, Case, On, View, answer, answer_on, attempt, parse, scene};
 
 const SOLVERS: [&str; 2] = ["newton", "active-set"];

@@ -1,11 +1,11 @@
 //! Random input of scenes: exact scalings, outcomes against scenes of their own, methods against each other.
 
 use steklov_bem_operators::{Mark, PairCache, Subdivision};
+use steklov_document::Document;
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::stochastic::{Quantity, StochasticResult, solve_stochastic};
 use steklov_problem::Scene;
-use steklov_scene::Document;
 use steklov_stochastic::{Nodes, StochasticMesh, Variable};
 use steklov_tests::{adapt, document};
 

@@ -15,6 +15,7 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_algebra::PARTS;
+use steklov_document::{Document, HDF5, TEMPLATE, foreign};
 use steklov_figures::stochastic;
 use steklov_io::{File, IoError, create_atomically, open};
 use steklov_model::error::SolveError;
@@ -28,7 +29,6 @@ use steklov_problem::{Refine, grid_of, moduli};
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
 use steklov_result::store;
-use steklov_scene::{Document, HDF5, TEMPLATE, foreign};
 
 use self::bar::Bar;
 use self::failure::{Failure, say};

@@ -39,7 +39,7 @@ fn with_remedy(mut error: clap::Error) -> clap::Error {
     }
     let arguments: Vec<String> = std::env::args().skip(1).collect();
     let elsewhere = || ELSEWHERE.iter().find(|(option, _)| *option == given).map(|(_, help)| (*help).to_owned());
-    let key = || given.strip_prefix("--").and_then(|key| steklov_scene::full_key(&key.replace('-', "_")));
+    let key = || given.strip_prefix("--").and_then(|key| steklov_document::full_key(&key.replace('-', "_")));
     let of_scene = || key().map(|key| format!("keys of the scene are changed by --set {key}=VALUE"));
     if let Some(help) = torn(&arguments).or_else(elsewhere).or_else(of_scene) {
         error.remove(ContextKind::SuggestedArg);

@@ -6,12 +6,12 @@ use std::path::Path;
 
 use broken::{SOUND, cases};
 use proptest::prelude::*;
+use steklov_document::{Document, SceneErrorKind, TEMPLATE};
 use steklov_problem::{Condition, Contact, DataErrorKind, Expectation, Friction, Method, Model, Refine, Scene, Solver};
-use steklov_scene::{Document, SceneErrorKind, TEMPLATE};
 
-fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov_scene::SceneError> {
+fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov_document::SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    steklov_scene::parse(text, "broken.toml", &overrides)
+    steklov_document::parse(text, "broken.toml", &overrides)
 }
 
 fn sound(text: &str, overrides: &[&str]) -> Scene {
@@ -245,7 +245,7 @@ fn impossible_outcomes_are_refused_before_anything_is_solved() {
 #[test]
 fn files_that_cannot_be_read_are_named() {
     for path in ["no/such/scene.toml", env!("CARGO_MANIFEST_DIR")] {
-        let error = steklov_scene::read(Path::new(path), &[]).unwrap_err();
+        let error = steklov_document::read(Path::new(path), &[]).unwrap_err();
         assert_eq!((error.kind, error.line()), (SceneErrorKind::Read, None));
         assert!(error.render().contains(path) && error.help.contains("steklov new"));
     }

@@ -3,14 +3,14 @@
 use std::path::Path;
 use std::sync::atomic::AtomicUsize;
 
+use steklov_document::SceneError;
+use steklov_document::SceneErrorKind as Kind;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{self, Progress, Run};
 use steklov_model::summary::Summary;
 use steklov_plan::plan;
 use steklov_problem::{DataErrorKind, Scene};
 use steklov_result::record::Record;
-use steklov_scene::SceneError;
-use steklov_scene::SceneErrorKind as Kind;
 
 /// A square of one material in a medium of another, under remote stress.
 const SQUARE: &str = r#"title = "square"
@@ -36,7 +36,7 @@ refine = "none"
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    steklov_scene::parse(text, "scene.toml", &overrides)
+    steklov_document::parse(text, "scene.toml", &overrides)
 }
 
 fn finished(text: &str, overrides: &[&str]) -> (Scene, Run<OnGrid>) {

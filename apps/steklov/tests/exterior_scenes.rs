@@ -4,9 +4,9 @@ mod place;
 
 use place::Place;
 use serde_json::Value;
+use steklov_document::SceneErrorKind as Kind;
 use steklov_io::{open, vtkhdf};
 use steklov_problem::DataErrorKind;
-use steklov_scene::SceneErrorKind as Kind;
 
 /// A square and a triangle in the plane, under remote stress; the square is loaded too.
 const HOLES: &str = r#"title = "Two holes"
@@ -170,7 +170,7 @@ fn what_a_hole_cannot_have_is_refused_at_its_place() {
         ),
     ] {
         assert!(HOLES.contains(from), "{from}");
-        let error = steklov_scene::parse(&HOLES.replace(from, to), "holes.toml", &[]).expect_err(message);
+        let error = steklov_document::parse(&HOLES.replace(from, to), "holes.toml", &[]).expect_err(message);
         assert_eq!((error.kind, error.line()), (kind, Some(line)), "{error}");
         assert!(error.render().contains(message), "{message}: {}", error.render());
     }

@@ -5,11 +5,11 @@ mod place;
 
 use place::Place;
 use proptest::prelude::*;
+use steklov_document::SceneErrorKind as Kind;
+use steklov_document::{Document, SceneError};
 use steklov_io::{Label, create_atomically, save_dense, save_vector};
 use steklov_problem::{BasisInput, CellModuli, DataErrorKind, Model, Scene, grid_of, moduli};
 use steklov_quadrature::unit_uniform;
-use steklov_scene::SceneErrorKind as Kind;
-use steklov_scene::{Document, SceneError};
 
 /// An L of three unit squares with 4 × 4 moduli in its bounding box, 2 × 2 fine cells each.
 const L: &str = r#"title = "L"
@@ -32,7 +32,7 @@ const CELLS: &str = "cells = { size = 0.5, young = { uniform = [2000, 3000], see
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    steklov_scene::parse(text, "broken.toml", &overrides)
+    steklov_document::parse(text, "broken.toml", &overrides)
 }
 
 fn sound(text: &str, overrides: &[&str]) -> Scene {

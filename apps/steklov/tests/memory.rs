@@ -48,7 +48,7 @@ fn an_adaptive_run_takes_35_bytes_for_each_pair_of_unknowns() {
 #[test]
 fn where_memory_ends_a_run_it_says_so() {
     let text = place::BLOCK.replace("refine = \"none\"", "refine = \"uniform-h\"\ntolerance = 1e-9");
-    let mut scene = steklov_scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let mut scene = steklov_document::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     let ended = |scene: &Scene| {
         let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
         (run.reason, run.step().dofs, run.progress.lack(scene).map(steklov_plan::without_memory))

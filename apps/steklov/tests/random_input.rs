@@ -3,9 +3,9 @@
 mod place;
 
 use place::{BLOCK, Place};
+use steklov_document::SceneError;
 use steklov_plan::points;
 use steklov_problem::Scene;
-use steklov_scene::SceneError;
 
 /// The block held at its floor, with this modulus.
 fn held(young: &str, more: &str) -> String {
@@ -19,7 +19,7 @@ const NORMAL: &str = "[random.xi]\ndistribution = \"normal\"\nmean = 0.0\ndeviat
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
-    steklov_scene::parse(text, "scene.toml", &overrides)
+    steklov_document::parse(text, "scene.toml", &overrides)
 }
 
 /// A modulus that is clipped or steps near the ends of its germ is not affine; one that is clipped beyond them is.

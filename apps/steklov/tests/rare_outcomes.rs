@@ -197,7 +197,7 @@ fn the_plan_counts_the_elements_that_jumps_make() {
         ("0.09 + 0.02*(x > 0.5)*a", 1, 4),
     ] {
         place.write("gap.toml", column(gap, 1, &format!("elements = {elements}\n")));
-        let scene = steklov_scene::read(&place.path("gap.toml"), &[]).unwrap();
+        let scene = steklov_document::read(&place.path("gap.toml"), &[]).unwrap();
         assert_eq!(steklov_plan::points(&scene, scene.random.as_ref().unwrap()), f64::from(nodes), "{gap}");
         assert_eq!(place.json(0, &["gap.toml"])["stochastic"]["solution"]["solves"], nodes, "{gap}");
     }

@@ -198,7 +198,7 @@ fn what_is_stored_is_read_with_the_same_bits() {
     let place = Place::new();
     for method in ["galerkin", "collocation", "sparse", "monte-carlo"] {
         place.write("rough.toml", rough(&format!("method = \"{method}\"\n")));
-        let scene = steklov_scene::read(&place.path("rough.toml"), &[]).unwrap();
+        let scene = steklov_document::read(&place.path("rough.toml"), &[]).unwrap();
         let run = run(&scene, Progress::first(&scene), &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
         let random = scene.random.as_ref().unwrap();
         let result = solve_stochastic(&scene, random, run.matrices.as_ref().unwrap(), &|_, _| (), &|| false).unwrap();

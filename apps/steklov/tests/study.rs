@@ -11,8 +11,8 @@ use std::sync::atomic::AtomicUsize;
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
 use steklov_bem_operators::Mesh;
+use steklov_document::Source;
 use steklov_problem::Refine;
-use steklov_scene::Source;
 use steklov_study::Watch;
 use steklov_study::convergence::{End, NAMES, Study, report, strategy};
 use steklov_study::reference::Reference;
@@ -175,7 +175,7 @@ fn check_fits(name: &str, rows: &[BTreeMap<String, f64>], o: &Value) {
 fn strategies_that_fail_or_are_stopped_are_told() {
     let scene = |solver: &str| {
         let set = [format!("method.solver=\"{solver}\""), "method.tolerance=1e-2".into()];
-        steklov_scene::parse(place::BLOCK, "block.toml", &set).unwrap()
+        steklov_document::parse(place::BLOCK, "block.toml", &set).unwrap()
     };
     let (good, bad) = (scene("auto"), scene("uzawa"));
     let reference = Reference::new(&good, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();

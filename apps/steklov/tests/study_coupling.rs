@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
+use steklov_document::Source;
 use steklov_problem::{Method, Scene};
-use steklov_scene::Source;
 use steklov_study::coupling::{
     CouplingStudy, Effectivity, coarsest, conditioning, convergence, costs, effectivity, largest, levels, pairs,
     pictures, report, settings, wrongs,
@@ -63,7 +63,7 @@ model = "fem-bem"
 "#;
 
 fn parsed(scene: &str) -> Scene {
-    steklov_scene::parse(scene, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()))
+    steklov_document::parse(scene, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()))
 }
 
 fn number(value: &Value) -> f64 {

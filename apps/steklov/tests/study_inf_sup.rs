@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov_scene::Source;
+use steklov_document::Source;
 use steklov_study::Watch;
 use steklov_study::inf_sup::{InfSup, PAIRS, Point, Pressure, Pressures, pairs, pictures, pressures, report};
 
@@ -26,7 +26,7 @@ fn square(young: f64, top: &str) -> String {
 }
 
 fn betas(text: &str) -> Vec<Point> {
-    pairs(&steklov_scene::parse(text, "scene", &[]).unwrap(), &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {}))
+    pairs(&steklov_document::parse(text, "scene", &[]).unwrap(), &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {}))
         .unwrap()
 }
 
@@ -129,7 +129,7 @@ fn the_files_agree() {
 fn the_unstable_pressure_oscillates() {
     let wedge = square(1000.0, "displacement = [\"0\", \"0\"]").replace("\"0\" }", "\"abs(x-1)/10 - 0.1\" }");
     let wedge = wedge.replace("max_dofs = 64", "max_dofs = 128");
-    let scene = steklov_scene::parse(&wedge, "scene", &[]).unwrap();
+    let scene = steklov_document::parse(&wedge, "scene", &[]).unwrap();
     let all = pressures(&scene, &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {})).unwrap();
     let [stable, unstable] = &all.solutions[..] else { panic!("{all:?}") };
     assert!((stable.gamma / stable.critical - 0.5).abs() < 1e-12 && unstable.gamma < 1e-4 * stable.gamma);
@@ -178,7 +178,7 @@ fn check(group: &steklov_io::Group, table: &Table, object: &Value) {
 /// What failed is told with its mesh; after a wish to stop there is what there is, and it can be drawn.
 #[test]
 fn failures_and_interruptions_are_told() {
-    let scene = steklov_scene::parse(place::BLOCK, "block.toml", &[]).unwrap();
+    let scene = steklov_document::parse(place::BLOCK, "block.toml", &[]).unwrap();
     let stopped = AtomicUsize::new(1);
     let (none, nothing) = (
         pairs(&scene, &mut Watch::new(&stopped, &mut |_, _| {})).unwrap(),

@@ -6,7 +6,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
-use steklov_scene::Source;
+use steklov_document::Source;
 use steklov_study::Watch;
 use steklov_study::multiscale::{
     Contrast, Laminates, MultiscaleStudy, coarse_cells, contrast, convergence, fine_grid, laminates, pictures, report,
@@ -57,7 +57,7 @@ fn close(what: &str, got: f64, wanted: f64, tolerance: f64) {
 /// The parts of the study that are about the scene: the JSON object and the table.
 fn of_scene(scene: &str, overrides: &[&str]) -> (Value, String) {
     let overrides: Vec<String> = overrides.iter().map(|&o| o.to_owned()).collect();
-    let scene = steklov_scene::parse(scene, "scene", &overrides).unwrap_or_else(|e| panic!("{}", e.render()));
+    let scene = steklov_document::parse(scene, "scene", &overrides).unwrap_or_else(|e| panic!("{}", e.render()));
     let (run, tell) = (AtomicUsize::new(0), &mut |_: &str, _: &str| {});
     let fine = fine_grid(&scene, 1, &mut Watch::new(&run, tell)).unwrap();
     let convergence = convergence(&scene, &fine, &coarse_cells(&scene).unwrap(), 1, &mut Watch::new(&run, tell));
@@ -255,8 +255,8 @@ fn contact_and_other_models_are_studied() {
 /// After a wish to stop there is what there is, and it can be told and drawn.
 #[test]
 fn interruptions_keep_what_is_finished() {
-    let scene =
-        steklov_scene::parse(BAR, "scene", &["grid.fine=[4, 4]".into(), "material.cells.size=0.125".into()]).unwrap();
+    let scene = steklov_document::parse(BAR, "scene", &["grid.fine=[4, 4]".into(), "material.cells.size=0.125".into()])
+        .unwrap();
     let (go, stopped, tell) = (AtomicUsize::new(0), AtomicUsize::new(1), &mut |_: &str, _: &str| {});
     assert!(fine_grid(&scene, 1, &mut Watch::new(&stopped, tell)).is_err());
     let fine = fine_grid(&scene, 1, &mut Watch::new(&go, tell)).unwrap();

@@ -4,8 +4,8 @@ mod place;
 
 use place::Place;
 use serde_json::{Value, json};
+use steklov_document::Document;
 use steklov_problem::{DataError, DataErrorKind};
-use steklov_scene::Document;
 
 /// Settings of a short study of the block, and the first step of its strategy.
 fn study(place: &Place, overrides: &[&str]) -> (Vec<String>, Value) {
@@ -35,7 +35,7 @@ fn overrides_win_over_settings_which_win_over_the_scene() {
         let (settings, step) = study(&place, overrides);
         assert_eq!(settings, [own, overrides].concat());
         assert_eq!([&step["elements"], &step["max_degree"]], first.map(|n| json!(n)).each_ref(), "{overrides:?}");
-        let read = steklov_scene::parse(place::BLOCK, "block.toml", &settings).unwrap().method;
+        let read = steklov_document::parse(place::BLOCK, "block.toml", &settings).unwrap().method;
         assert_eq!([read.elements(), read.degree], first);
     }
 }

@@ -8,7 +8,7 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, Ran, names};
 use serde_json::{Value, json};
-use steklov_scene::Source;
+use steklov_document::Source;
 use steklov_study::Watch;
 use steklov_study::stability::{
     Critical, Incompressible, POISSON, Point, SingleLayer, Stabilisation, Stability, Truth, WithGamma, report,
@@ -189,7 +189,7 @@ fn the_files_agree_and_eigenvalues_change_sign_at_degenerate_sizes() {
 /// A ratio without a reference or a mesh without a solution is told, and the study is not complete.
 #[test]
 fn failures_are_told_with_their_ratio() {
-    let scene = steklov_scene::parse(place::BLOCK, "block.toml", &[]).unwrap();
+    let scene = steklov_document::parse(place::BLOCK, "block.toml", &[]).unwrap();
     let truth = |poisson, failure: Option<&str>| {
         let energy = if failure.is_some() { f64::NAN } else { -1.0 };
         Truth { poisson, energy, estimate: 1e-5, dofs: 100, failure: failure.map(String::from) }
@@ -263,7 +263,7 @@ fn stabilised_multipliers_have_a_critical_gamma() {
             3e-4 * young
         );
         let sets = ["method.elements=16".into(), "method.degree=1".into()];
-        let scene = steklov_scene::parse(&text, "scene", &sets).unwrap();
+        let scene = steklov_document::parse(&text, "scene", &sets).unwrap();
         let all = stabilisation(&scene, &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {})).unwrap();
         assert!(all.complete());
         for (elements, degree, want) in [(32, 1, 0.644), (64, 1, 0.627), (32, 2, 0.99), (16, 4, 1.49), (16, 12, 1.95)] {
@@ -280,7 +280,7 @@ fn stabilised_multipliers_have_a_critical_gamma() {
             assert!(of(0.5) < 1.5 * of(1e-4) && of(0.99) > 1.1 * of(0.5), "{elements} {degree}");
         }
     }
-    let free = steklov_scene::parse(&bending("strain"), "scene", &[]).unwrap();
+    let free = steklov_document::parse(&bending("strain"), "scene", &[]).unwrap();
     assert_eq!(stabilisation(&free, &mut Watch::new(&AtomicUsize::new(0), &mut |_, _| {})), None);
 }
 

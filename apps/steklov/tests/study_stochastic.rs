@@ -7,8 +7,8 @@ use std::sync::atomic::AtomicUsize;
 
 use place::{Place, names};
 use serde_json::{Value, json};
+use steklov_document::Source;
 use steklov_model::run::adaptive_loop::{Progress, run};
-use steklov_scene::Source;
 use steklov_study::Watch;
 use steklov_study::stochastic::{Stochastic, chance, pictures, report, solvers, space};
 
@@ -187,7 +187,7 @@ fn check(group: &steklov_io::Group, object: &Value) {
 /// After a wish to stop there is what there is, and it can be told and drawn.
 #[test]
 fn interruptions_keep_what_is_finished() {
-    let scene = steklov_scene::parse(&pressed(), "scene", &[]).unwrap();
+    let scene = steklov_document::parse(&pressed(), "scene", &[]).unwrap();
     let random = scene.random.as_ref().unwrap();
     let (stopped, tell) = (AtomicUsize::new(1), &mut |_: &str, _: &str| {});
     let mut last = run(&scene, Progress::first(&scene), &stopped, &mut |_, _| Ok(())).unwrap();

@@ -16,8 +16,8 @@ use crate::{Coupled, CouplingError, Interior, Medium, Transfer};
 /// distance. *Fails when* the body is far stiffer than the medium: its rigid motion loses as many digits as it is stiffer by
 /// magnitudes, and by ten of them it is refused; the three-field form loses digits the other way, too. *Cost*: the sparse Cholesky
 /// factorisation of the body's stiffness down to n unknowns of the trace, three dense matrices of the boundary elements with
-/// N unknowns, and the dense solution: n³/3 + 2.3 N³ by [`Form::Schur`], (n+N)³/3 by [`Form::TwoField`], (n+2N)³/3 by
-/// [`Form::ThreeField`].
+/// N unknowns, and the dense solution: n³/3 + 2.3 N³ by [`Form::Schur`](crate::Form::Schur), (n+N)³/3 by [`Form::TwoField`](crate::Form::TwoField), (n+2N)³/3 by
+/// [`Form::ThreeField`](crate::Form::ThreeField).
 ///
 /// # Source
 /// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987; Gatica and Hsiao,
@@ -75,7 +75,7 @@ impl<'a> Transmission<'a> {
         &self.load
     }
 
-    /// How far the forces of a solution by [`Form::TwoField`] or [`Form::Schur`] are out of balance,
+    /// How far the forces of a solution by [`Form::TwoField`](crate::Form::TwoField) or [`Form::Schur`](crate::Form::Schur) are out of balance,
     /// max|A u + Πᵀ S(ξ - a) - F| / (max|A u| + max|F|) over all unknowns of the body: roundoff, which grows with the stiffness of
     /// the body over that of the medium. 0 where nothing acts.
     pub fn imbalance(&self, solved: &Coupled) -> f64 {

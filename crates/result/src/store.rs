@@ -5,6 +5,7 @@ use std::path::Path;
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 use steklov_bem_operators::{Mesh, Space};
+use steklov_document::Source;
 use steklov_io::{
     File, Group, IoError, copy, create_group, invalid, label, load, load_integers, load_points, load_text, load_texts,
     load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
@@ -18,7 +19,6 @@ use steklov_model::stage::Stage;
 use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;
 use steklov_plan::Plan;
-use steklov_scene::Source;
 
 use crate::grid::store as grid;
 use crate::keep::Keep;

@@ -2,12 +2,12 @@
 
 use serde_json::{Map, Value, json};
 use steklov_bem_operators::Mesh;
+use steklov_document::Source;
 use steklov_io::{
     File, Group, IoError, Label, create_group, save, save_integers, save_number, save_points, save_text, save_texts,
     save_vector, write_integer_attribute, write_text_attribute,
 };
 use steklov_problem::Scene;
-use steklov_scene::Source;
 
 use crate::show;
 use crate::table::Table;

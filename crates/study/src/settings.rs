@@ -79,7 +79,7 @@ mod tests {
         for setting in [Elements(48), Degree(3), Tolerance(1e-3), Tolerance(2.5e-7), MaxDofs(100_000)] {
             let mut method = Method::default();
             setting.apply(&mut method);
-            let read = steklov_scene::parse(scene, "scene", &[setting.to_string()]).unwrap().method;
+            let read = steklov_document::parse(scene, "scene", &[setting.to_string()]).unwrap().method;
             assert!(method != Method::default() && method == read, "{setting}");
         }
         assert_eq!(Tolerance(1e-3).to_string(), "method.tolerance=1e-3");

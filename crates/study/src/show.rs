@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use steklov_scene::Source;
+use steklov_document::Source;
 
 /// A number, or a dash for what is not known.
 pub(crate) fn number(value: f64, show: impl FnOnce(f64) -> String) -> String {

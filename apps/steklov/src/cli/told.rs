@@ -1,5 +1,6 @@
 //! What is told of a result on stdout, and advice where it did not converge.
 
+use steklov_document::STOCHASTIC;
 use steklov_figures::stochastic;
 use steklov_model::doubt::Doubt;
 use steklov_model::run::adaptive_loop::Reason;
@@ -9,7 +10,6 @@ use steklov_model::summary::{MediumSummary, Summary};
 use steklov_plan::{MODULI, NEXT_MESH, Plan};
 use steklov_problem::{Law, Scene};
 use steklov_result::record::Record;
-use steklov_scene::STOCHASTIC;
 
 use super::failure::say;
 use super::grid::grid_lines;

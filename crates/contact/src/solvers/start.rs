@@ -2,7 +2,7 @@
 
 use crate::{ContactError, Problem};
 
-/// Where a solver starts: a displacement and multipliers of the shapes of [`Solution`].
+/// Where a solver starts: a displacement and multipliers of the shapes of [`crate::Solution`].
 #[derive(Debug, Clone, Copy)]
 pub struct Start<'a> {
     /// Unknowns v.

@@ -8,8 +8,8 @@ mod strategy;
 mod report;
 mod draw;
 
+use steklov_document::Source;
 use steklov_problem::{Multiplier, Refine, Scene};
-use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::reference::{EnergySource, Reference};

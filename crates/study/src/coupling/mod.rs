@@ -19,8 +19,8 @@ mod wrong;
 mod report;
 mod draw;
 
+use steklov_document::Source;
 use steklov_problem::Scene;
-use steklov_scene::Source;
 
 use crate::watch::Watch;
 

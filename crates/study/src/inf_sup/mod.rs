@@ -10,8 +10,8 @@ mod pressure;
 mod report;
 mod draw;
 
+use steklov_document::Source;
 use steklov_problem::{DataError, DataErrorKind, Scene};
-use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::settings::Setting;

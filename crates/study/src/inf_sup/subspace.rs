@@ -117,7 +117,7 @@ displacement = ["0", "free"]
     /// ∫ ψ̃_i φ_j = δ_ij D_i along the direction of each unknown, for all displacements that are not held.
     #[test]
     fn biorthogonal_multipliers_see_one_displacement_each() {
-        let scene = steklov_scene::parse(SCENE, "scene", &[]).unwrap();
+        let scene = steklov_document::parse(SCENE, "scene", &[]).unwrap();
         for degree in [1, 2, 5] {
             let (body, full) = body(&scene, degree);
             let data = OnMesh { scene: &scene, mesh: &body.mesh, space: &body.space };
@@ -147,7 +147,7 @@ displacement = ["0", "free"]
     #[test]
     fn continuous_multipliers_are_the_traces_of_displacements() {
         let scene =
-            steklov_scene::parse(SCENE, "scene", &["sides.left.displacement=[\"free\", \"0\"]".into()]).unwrap();
+            steklov_document::parse(SCENE, "scene", &["sides.left.displacement=[\"free\", \"0\"]".into()]).unwrap();
         for degree in [1, 3] {
             let (body, full) = body(&scene, degree);
             let t = continuous(&body, &full);

@@ -144,7 +144,7 @@ fine = [4, 4]
     #[test]
     fn fields_cell_by_cell_have_the_error_of_the_whole() {
         // enlarged by nothing, the oversampled basis is the coupled one, but counts as one that does not conform
-        let scene = steklov_scene::parse(L, "L", &[]).unwrap();
+        let scene = steklov_document::parse(L, "L", &[]).unwrap();
         let run = &AtomicUsize::new(0);
         let truth = on_all_cells(&scene, 1, run).unwrap();
         let error = |basis, oversample| {
@@ -163,7 +163,7 @@ fine = [4, 4]
 
     #[test]
     fn seconds_are_medians_of_as_many_runs_as_are_asked_for() {
-        let scene = steklov_scene::parse(L, "L", &[]).unwrap();
+        let scene = steklov_document::parse(L, "L", &[]).unwrap();
         for (repeat, wanted) in [(0, 1), (1, 1), (3, 3)] {
             let mut runs = 0;
             let solve = || {

@@ -16,8 +16,8 @@ mod contrast;
 mod report;
 mod draw;
 
+use steklov_document::Source;
 use steklov_problem::Scene;
-use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::watch::Watch;

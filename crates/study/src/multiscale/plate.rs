@@ -85,8 +85,8 @@ pub(super) fn plate(
 #[cfg(test)]
 mod tests {
     use super::*;
+    use steklov_document::Document;
     use steklov_problem::{grid_of, moduli};
-    use steklov_scene::Document;
 
     #[test]
     fn the_plates_are_those_of_their_texts() {

@@ -14,9 +14,9 @@ mod stabilisation;
 mod report;
 mod draw;
 
+use steklov_document::Source;
 use steklov_elastic::Plane;
 use steklov_problem::{Method, Scene};
-use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::settings::Setting;

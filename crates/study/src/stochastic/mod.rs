@@ -14,9 +14,9 @@ mod solvers;
 mod report;
 mod draw;
 
+use steklov_document::Source;
 use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_problem::{DataError, DataErrorKind, Random, Scene};
-use steklov_scene::Source;
 
 use crate::error::StudyError;
 use crate::watch::Watch;

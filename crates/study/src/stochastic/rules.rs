@@ -178,7 +178,7 @@ mod tests {
             "{SCENE}[sides.top]\ntraction = [\"0\", \"{load}\"]\n{}[stochastic]\nmethod = \"{method}\"\ndegree = 1\n",
             names.collect::<String>()
         );
-        let scene = steklov_scene::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        let scene = steklov_document::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
         let random = scene.random.as_ref().unwrap();
         let finest = reference(&scene, random);
         let rules = rules(&scene, random, &finest.finest, false);

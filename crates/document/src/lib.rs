@@ -9,12 +9,12 @@
 //! let text = "body.corners = [[0, 0], [2, 0], [2, 1], [0, 1]]\nbody.sides = [\"floor\", \"right\", \"top\", \"left\"]\n\
 //!             material = { young = 200.0, poisson = 0.3 }\nsides.top.pressure = 1\n\
 //!             sides.floor.displacement = [0, 0]\n";
-//! let scene = steklov_scene::parse(text, "block.toml", &["method.tolerance=1e-5".to_owned()])?;
+//! let scene = steklov_document::parse(text, "block.toml", &["method.tolerance=1e-5".to_owned()])?;
 //! assert_eq!((scene.body().material().young, scene.method.tolerance()), (200.0, 1e-5));
 //!
-//! let error = steklov_scene::parse(&text.replace("young", "yuong"), "block.toml", &[]).unwrap_err();
+//! let error = steklov_document::parse(&text.replace("young", "yuong"), "block.toml", &[]).unwrap_err();
 //! assert_eq!((error.line(), error.help.as_str()), (Some(3), "did you mean young?"));
-//! # Ok::<(), steklov_scene::SceneError>(())
+//! # Ok::<(), steklov_document::SceneError>(())
 //! ```
 
 mod error;
