@@ -7,7 +7,7 @@ use steklov_io::File;
 use steklov_model::run::adaptive_loop::{Event, Progress, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::Scene;
-use steklov_result::store::{observed, save_stage};
+use steklov_result::store::{Saved, observed, save_stage};
 use steklov_tests::scene;
 
 /// Runs a scene and stores the matrices of its steps; all entries of those that are there.
@@ -15,7 +15,7 @@ fn stored(scene: &Scene) -> (Run<BoundaryElements>, Vec<Vec<f64>>) {
     let folder = tempfile::tempdir().unwrap();
     let file = File::create(folder.path().join("steps.h5")).unwrap();
     let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |number, event| match event {
-        Event::Stage(stage) => save_stage(&file, number, &stage).map_err(observed),
+        Event::Stage(stage) => save_stage(&file, number, &stage, &[Saved::Matrices]).map_err(observed),
         Event::Done { .. } => Ok(()),
     });
     let run = run.unwrap_or_else(|e| panic!("{e}"));

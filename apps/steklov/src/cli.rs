@@ -28,7 +28,7 @@ use steklov_plan::{Plan, largest_mesh, plan, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
-use steklov_result::store;
+use steklov_result::store::{self, Saved};
 
 use self::bar::Bar;
 use self::failure::{Failure, say};
@@ -75,9 +75,9 @@ struct SolveArgs {
     /// Change a key of the scene, the value typed as TOML; may be repeated
     #[arg(long = "set", value_name = "KEY=VALUE")]
     overrides: Vec<String>,
-    /// Store V, K, W, M and S as well
-    #[arg(long, value_enum)]
-    save: Option<Save>,
+    /// Store stages of each step as well, separated by commas
+    #[arg(long, value_name = "NAMES", value_enum, value_delimiter = ',')]
+    save: Vec<Save>,
     /// Draw pictures into this folder
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
@@ -100,7 +100,22 @@ struct SolveArgs {
 
 #[derive(Clone, Copy, ValueEnum)]
 enum Save {
+    /// V, K, W, M and S, of grids K and what it is reduced to
     Matrices,
+    /// The condensed contact problem and its solution
+    Contact,
+    /// All of these
+    All,
+}
+
+impl Save {
+    fn stages(self) -> &'static [Saved] {
+        match self {
+            Self::Matrices => &[Saved::Matrices],
+            Self::Contact => &[Saved::Contact],
+            Self::All => &[Saved::Matrices, Saved::Contact],
+        }
+    }
 }
 
 #[derive(Args)]
@@ -267,18 +282,20 @@ fn solve_by<M: Keep>(
         M::read_steps(old, scene)
     })?;
     let held = stored.len();
+    let saved: Vec<Saved> = args.save.iter().flat_map(|save| save.stages()).copied().collect();
+    let saving = !saved.is_empty();
     let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
         let first = M::resume(scene, stored)?;
         if let Some(old) = old {
             // those of the last step are made anew if they are wanted
-            store::copy_matrices(old, file, if args.save.is_some() { first.steps.len() } else { held })?;
+            store::copy_saved(old, file, if saving { first.steps.len() } else { held })?;
         }
         let queue = store::StepQueue::<M>::new(file);
         let record = rayon::scope_fifo(|scope| {
             let put = |step: &Step<M>| {
                 queue.push(step.clone());
                 // the stages that are saved go into the file in between: equal content has to give equal bytes
-                if args.save.is_some() { queue.write_next() } else { scope.spawn_fifo(|_| queue.write_next()) }
+                if saving { queue.write_next() } else { scope.spawn_fifo(|_| queue.write_next()) }
             };
             first.steps.iter().for_each(put);
             let mut run = run(scene, first, interrupts, &mut |number, event| {
@@ -286,9 +303,7 @@ fn solve_by<M: Keep>(
                     Event::Done { step, .. } => put(step),
                     Event::Stage(stage) => {
                         bar.show(number, &stage);
-                        if args.save.is_some() {
-                            store::save_stage(file, number, &stage).map_err(store::observed)?;
-                        }
+                        store::save_stage(file, number, &stage, &saved).map_err(store::observed)?;
                     }
                 }
                 Ok(())

@@ -69,3 +69,23 @@ fn h5py_reads_the_outcomes_of_random_input() {
     place.write("told.json", told);
     python("read_stochastic.py", &place, &["rough.vtkhdf", "told.json"]);
 }
+
+#[test]
+fn h5py_reads_contact_problems_that_their_solutions_solve() {
+    for name in ["block-on-floor", "25-coulomb-wedge", "60-two-cylinders", "37-block-of-random-cells"] {
+        let place = Place::new();
+        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        place.run([
+            "solve",
+            &scene,
+            "--quiet",
+            "--set",
+            "method.max_steps=3",
+            "--save",
+            "contact",
+            "--out",
+            "it.vtkhdf",
+        ]);
+        python("read_contact_problem.py", &place, &["it.vtkhdf"]);
+    }
+}

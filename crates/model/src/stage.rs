@@ -3,6 +3,7 @@
 use faer::Mat;
 use sprs::CsMat;
 use steklov_bem_operators::Operators;
+use steklov_contact::{Problem, Solution};
 use steklov_coupling::{Trace, Transfer};
 
 use crate::error::SolveError;
@@ -21,6 +22,8 @@ pub enum Stage<'a> {
     Interface(&'a Trace, &'a Transfer),
     /// A stiffness matrix reduced to some unknowns: its name and what these are.
     Condensed(&'static str, &'static str, &'a Mat<f64>),
+    /// The condensed contact problem and its solution, of biorthogonal multipliers.
+    Contact(&'a Problem, &'a Solution),
     /// The step begins once more, after a fault of the linear algebra: what was handed over of it does not count.
     Again,
     /// A part of the work begins; the number is its share of the work of the step that is then done, 0 to 1.

@@ -59,11 +59,45 @@ fn matrices(step: &Group) -> Result<Group, IoError> {
     if step.link_exists("matrices") { open_group(step, "matrices") } else { create_group(step, "matrices") }
 }
 
-/// Stores the matrices of a step while they exist, as `/steps/NNN/matrices`.
+/// What is stored of every step besides its result.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Saved {
+    /// All matrices from which contact is condensed, as `/steps/NNN/matrices`.
+    Matrices,
+    /// The condensed contact problem and its solution, as `/steps/NNN/contact_problem`.
+    Contact,
+}
+
+const SAVED: [Saved; 2] = [Saved::Matrices, Saved::Contact];
+
+impl Saved {
+    /// The group of a step that it is stored in.
+    fn group(self) -> &'static str {
+        match self {
+            Self::Matrices => "matrices",
+            Self::Contact => "contact_problem",
+        }
+    }
+
+    /// Whether it is of this stage; none is of progress.
+    fn is_of(self, stage: &Stage<'_>) -> bool {
+        match stage {
+            Stage::Progress(..) => false,
+            Stage::Again => true,
+            Stage::Contact(..) => self == Self::Contact,
+            _ => self == Self::Matrices,
+        }
+    }
+}
+
+/// Stores a stage of a step while it exists, if it is to be saved.
 ///
 /// # Errors
 /// When the file cannot be written.
-pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), IoError> {
+pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]) -> Result<(), IoError> {
+    if !saved.iter().any(|saved| saved.is_of(stage)) {
+        return Ok(());
+    }
     let step = step_group(file, number)?;
     const DISPLACEMENT: &str = "displacement unknown: nodes in the order of /solution/points, component fastest";
     match stage {
@@ -92,7 +126,12 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>) -> Result<(), I
             let meaning = label("stress", "stiffness matrix, all other unknowns eliminated", &axes);
             save_dense(&matrices(&step)?, name, matrix.as_ref(), &meaning)
         }
-        Stage::Again => unlink(&step, "matrices"),
+        Stage::Contact(problem, solution) => {
+            let at = create_group(&step, Saved::Contact.group())?;
+            save(&at, "problem", *problem)?;
+            save(&at, "solution", *solution)
+        }
+        Stage::Again => saved.iter().try_for_each(|saved| unlink(&step, saved.group())),
         Stage::Progress(..) => Ok(()),
     }
 }
@@ -102,16 +141,16 @@ fn unlink(group: &Group, name: &str) -> Result<(), IoError> {
     if group.link_exists(name) { group.unlink(name).map_err(|e| invalid(group, name, e.to_string())) } else { Ok(()) }
 }
 
-/// Copies the matrices of the first steps of another file, as many as it has; `number` is that of these steps.
+/// Copies what is saved of the first steps of another file, as far as it has them; `number` is that of these steps.
 ///
 /// # Errors
 /// When one of the files cannot be read or written.
-pub fn copy_matrices(from: &File, file: &File, number: usize) -> Result<(), IoError> {
+pub fn copy_saved(from: &File, file: &File, number: usize) -> Result<(), IoError> {
     let steps = open_group(from, "steps")?;
     for k in 0..number {
         let step = open_group(&steps, &steps::name(k))?;
-        if step.link_exists("matrices") {
-            copy(&step, "matrices", &step_group(file, k)?)?;
+        for name in SAVED.map(Saved::group).into_iter().filter(|name| step.link_exists(name)) {
+            copy(&step, name, &step_group(file, k)?)?;
         }
     }
     Ok(())
@@ -192,9 +231,9 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
     }
     // the matrices of a step that was stopped
     unlink(file, &format!("/steps/{}", steps::name(count)))?;
-    let matrices = format!("{last}/matrices");
-    if file.link_exists(&matrices) {
-        file.link_hard(&matrices, "/matrices").map_err(|e| invalid(file, "matrices", e.to_string()))?;
+    for name in SAVED.map(Saved::group).into_iter().filter(|name| file.link_exists(&format!("{last}/{name}"))) {
+        let of_step = format!("{last}/{name}");
+        file.link_hard(&of_step, &format!("/{name}")).map_err(|e| invalid(file, name, e.to_string()))?;
     }
     vtkhdf::write(file, &record.grid)
 }

@@ -4,7 +4,7 @@
 use faer::Mat;
 use sprs::CsMat;
 use steklov_algebra::dot;
-use steklov_contact::ContactBoundary;
+use steklov_contact::{ContactBoundary, Problem};
 use steklov_elastic::RigidMotion;
 use steklov_msfem::{Elimination, ReducedLoad};
 use steklov_problem::{Scene, Solver};
@@ -243,6 +243,8 @@ fn touching(
         // pins take the motions that the obstacle would make
         liftable: false,
     };
-    let (displacement, result, _) = solve_contact(&body, boundary, &mut |problem| solve_problem(problem, solver))?;
+    let solve = &mut |problem: &Problem| solve_problem(problem, solver);
+    let (displacement, result, factors) = solve_contact(&body, boundary, solve)?;
+    observe(Stage::Contact(&factors.problem, &result.solution))?;
     Ok((displacement, result))
 }

@@ -135,6 +135,9 @@ impl Model for BoundaryElements {
         let mesh = progress.next.subdivision.mesh(&scene.problem.outline)?;
         let estimated = is_estimated(scene, progress.next.dofs());
         let (solved, body, factors) = solve(scene, mesh, estimated, cache, observe)?;
+        if let (Some(contact), Some(part)) = (&solved.contact, &factors.contact) {
+            observe(Stage::Contact(&part.problem, &contact.solution))?;
+        }
         let clock = Instant::now();
         observe(Stage::Progress("estimate", 0.97))?;
         let enriched = if estimated { Some(EnrichedBody::new(&body, cache)?) } else { None };
