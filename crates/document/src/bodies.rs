@@ -11,7 +11,7 @@ use super::error::{ReadError, SceneErrorKind as Kind};
 use super::exterior::far_field;
 use super::fields::{Context, Field, Fields};
 use super::keys;
-use super::sides::{self, Given};
+use super::sides;
 use super::tree::{Value, suggestion};
 
 /// Whether `body` is a list of tables.
@@ -166,10 +166,7 @@ fn conditions(
                     help,
                 ));
             };
-            match sides::given(&table, context)? {
-                Given::Condition(condition) => problem.sides[index].condition = condition,
-                Given::Contact(contact) => problem.touch(index, contact),
-            }
+            sides::given(&table, context)?.to(problem, index);
         }
     }
     Ok(())

@@ -61,7 +61,8 @@ impl Cracks {
         let Some((_, _, contact)) = self.all.iter_mut().find(|(crack, ..)| crack.side == name) else {
             return Ok(false);
         };
-        let Given::Condition(Condition::Pressure(pressure)) = sides::given(table, context)? else {
+        let Given { condition: Condition::Pressure(pressure), springs: None, .. } = sides::given(table, context)?
+        else {
             let message = format!("{name:?} is a crack, and the condition is no pressure");
             let help = "give it a pressure, or write contact in a table [[interface]] with on";
             return Err(ReadError::new(DataErrorKind::Unsupported, table.item.place, message, help));

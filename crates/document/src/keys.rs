@@ -52,7 +52,8 @@ pub(super) const CRACK: [&str; 2] = ["points", "side"];
 pub(super) const LOOP: [&str; 8] = ["corners", "sides", "arcs", "curves", "fillet", "circle", "ellipse", "side"];
 pub(super) const MATERIAL: [&str; 4] = ["young", "poisson", "plane", "cells"];
 pub(super) const CELLS: [&str; 2] = ["size", "young"];
-pub(super) const SIDE: [&str; 4] = ["contact", "displacement", "pressure", "traction"];
+pub(super) const SIDE: [&str; 5] = ["contact", "displacement", "pressure", "traction", "springs"];
+pub(super) const SPRINGS: [&str; 2] = ["normal", "tangential"];
 pub(super) const CONTACT: [&str; 2] = ["gap", "friction"];
 pub(super) const FRICTION: [&str; 2] = ["tresca", "coulomb"];
 pub(super) const BODY_FORCE: [&str; 1] = ["value"];
@@ -95,13 +96,14 @@ pub(super) const EXTERIOR: [&str; 8] =
 pub(super) const LISTS: [&str; 3] = ["interface", "holes", "cracks"];
 
 /// The tables whose keys are fixed, the likelier ones first.
-const TABLES: [(&str, &[&str]); 13] = [
+const TABLES: [(&str, &[&str]); 14] = [
     ("method", &METHOD),
     ("material", &MATERIAL),
     ("body", &BODY),
     ("sides.NAME", &SIDE),
     ("sides.NAME.contact", &CONTACT),
     ("sides.NAME.contact.friction", &FRICTION),
+    ("sides.NAME.springs", &SPRINGS),
     ("body_force", &BODY_FORCE),
     ("probe", &PROBE),
     ("grid", &GRID),
@@ -112,7 +114,7 @@ const TABLES: [(&str, &[&str]); 13] = [
 ];
 
 /// Keys that scenes do not have, as other programs call them, and what to write instead.
-const INSTEAD: [(&[&str], &str); 8] = [
+const INSTEAD: [(&[&str], &str); 9] = [
     (
         &["thickness", "depth"],
         "everything is per unit thickness: divide forces by it, and multiply forces of the result by it",
@@ -138,6 +140,10 @@ const INSTEAD: [(&[&str], &str); 8] = [
     (
         &["fixed", "fix", "support", "supports", "clamped", "hold", "roller"],
         "write displacement = [\"0\", \"0\"] on the side, \"free\" for a component that may move",
+    ),
+    (
+        &["spring", "stiffness", "foundation", "winkler", "robin", "bedding", "subgrade"],
+        "write springs = \"10\" on the side, stress per length, or { normal = \"10\", tangential = \"0\" }",
     ),
     (
         &["mesh", "mesh_size", "element_size"],

@@ -40,8 +40,7 @@ use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, Condition, Contact, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, Scene, Side,
-    Stochastic, Substance, Tie,
+    Body, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, Scene, Stochastic, Substance, Tie,
 };
 
 use error::{ReadError, SceneErrorKind as Kind, located};
@@ -255,12 +254,12 @@ fn one_body(
     let exterior = exterior.transpose()?;
     let in_material = context.used.borrow().clone();
     let grid = fields.get("grid").map(|field| grid::grid(&field)).transpose()?;
-    let (sides, contacts) = sides::sides(fields.get("sides").as_ref(), &outline, context)?;
+    let sides = sides::sides(fields.get("sides").as_ref(), &outline, context)?;
     let in_sides = context.used.take();
     let force = fields.get("body_force").map(|f| body::body_force(&f, context)).transpose()?;
     // names of the force alone are told apart from those of sides
     context.used.replace(in_sides);
-    let problem = problem(Parts { outline, substance: body, grid, sides, contacts, force, exterior })?;
+    let problem = problem(Parts { outline, substance: body, grid, sides, force, exterior })?;
     Ok((problem, declared, in_material))
 }
 
@@ -293,10 +292,7 @@ fn cracked(
                 let help = suggestion(name, names.iter().map(String::as_str));
                 return Err(ReadError::new(Kind::UnknownKey, place, format!("the body has no side {name:?}"), help));
             };
-            match sides::given(&table, context)? {
-                Given::Condition(condition) => problem.sides[index].condition = condition,
-                Given::Contact(contact) => problem.touch(index, contact),
-            }
+            sides::given(&table, context)?.to(&mut problem, index);
         }
     }
     if let Some(field) = fields.get("interface") {
@@ -317,15 +313,14 @@ struct Parts {
     /// That of the body; none of a hole.
     substance: Option<Substance>,
     grid: Option<GridInput>,
-    sides: Vec<Side>,
-    contacts: Vec<Option<Contact>>,
+    sides: Vec<Given>,
     force: Option<[Expression; 2]>,
     exterior: Option<(Material, FarField, Tie)>,
 }
 
 /// The bodies and interfaces of a scene.
 fn problem(parts: Parts) -> Result<Problem, ReadError> {
-    let Parts { outline, substance, grid, sides, contacts, force, exterior } = parts;
+    let Parts { outline, substance, grid, sides, force, exterior } = parts;
     let mut problem = match (substance, &exterior) {
         (Some(substance), _) => Problem::new(outline, substance),
         (None, Some((material, far, _))) => {
@@ -338,11 +333,8 @@ fn problem(parts: Parts) -> Result<Problem, ReadError> {
     let body = &mut problem.bodies[0];
     let cavity = body.far.is_some();
     *body = Body { grid, force, ..body.clone() };
-    problem.sides = sides;
-    for (side, contact) in contacts.into_iter().enumerate() {
-        if let Some(contact) = contact {
-            problem.touch(side, contact);
-        }
+    for (side, given) in sides.into_iter().enumerate() {
+        given.to(&mut problem, side);
     }
     if let Some((material, far, tie)) = exterior.filter(|_| !cavity) {
         let refuse = |e: PolygonError| {
@@ -361,8 +353,8 @@ fn has_force(problem: &Problem) -> bool {
 /// Whether a side or the medium loads, holds or touches the body.
 fn something_acts(fields: &Fields<'_>, problem: &Problem) -> Result<(), ReadError> {
     let body = &problem.bodies[0];
-    let by_side = (0..problem.sides.len())
-        .any(|side| !matches!(problem.sides[side].condition, Condition::Free) || problem.contact(side).is_some());
+    let by_side =
+        (0..problem.sides.len()).any(|side| !problem.sides[side].is_free() || problem.contact(side).is_some());
     let medium = problem.bodies.iter().find_map(|body| body.far.as_ref());
     let mut ties = problem.interfaces().iter().filter_map(|interface| match &interface.law {
         Law::Tied(tie) => Some(tie),

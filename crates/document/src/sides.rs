@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::Polygon;
 use steklov_expression::Expression;
-use steklov_problem::{Condition, Contact, DataErrorKind, Friction, Side};
+use steklov_problem::{Condition, Contact, DataErrorKind, Friction, Problem, Springs};
 
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
@@ -10,43 +10,55 @@ use super::keys;
 use super::tree::{Value, suggestion};
 
 /// What a table says of a side.
-pub(super) enum Given {
-    Condition(Condition),
-    Contact(Contact),
+#[derive(Default)]
+pub(super) struct Given {
+    pub(super) condition: Condition,
+    pub(super) contact: Option<Contact>,
+    pub(super) springs: Option<Springs>,
 }
 
-/// The sides in the order of [`Polygon::side_names`], and the contacts of some of them.
+impl Given {
+    /// Gives it to a side of a problem.
+    pub(super) fn to(self, problem: &mut Problem, side: usize) {
+        if let Some(contact) = self.contact {
+            problem.touch(side, contact);
+        }
+        (problem.sides[side].condition, problem.sides[side].springs) = (self.condition, self.springs);
+    }
+}
+
+/// What is said of the sides, in the order of [`Polygon::side_names`].
 pub(super) fn sides(
     field: Option<&Field<'_>>,
     polygon: &Polygon,
     context: &Context<'_>,
-) -> Result<(Vec<Side>, Vec<Option<Contact>>), ReadError> {
+) -> Result<Vec<Given>, ReadError> {
     let names = polygon.side_names();
-    let mut sides: Vec<Side> =
-        names.iter().map(|name| Side { name: name.clone(), condition: Condition::Free }).collect();
-    let mut contacts: Vec<Option<Contact>> = vec![None; names.len()];
-    let Some(field) = field else { return Ok((sides, contacts)) };
+    let mut sides: Vec<Given> = names.iter().map(|_| Given::default()).collect();
+    let Some(field) = field else { return Ok(sides) };
     for (key, place, table) in Fields::open(field)?.all() {
         let Some(index) = names.iter().position(|name| name == key) else {
             let message = format!("the body has no side {key:?}");
             let help = suggestion(key, names.iter().map(String::as_str));
             return Err(ReadError::new(Kind::UnknownKey, place, message, help));
         };
-        match given(&table, context)? {
-            Given::Condition(condition) => sides[index].condition = condition,
-            Given::Contact(contact) => contacts[index] = Some(contact),
-        }
+        sides[index] = given(&table, context)?;
     }
-    Ok((sides, contacts))
+    Ok(sides)
 }
 
 /// What a table says of a side.
 pub(super) fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, ReadError> {
     let fields = Fields::new(field, &keys::SIDE)?;
-    let given: Vec<(&str, Field<'_>)> = keys::SIDE.iter().filter_map(|&key| Some((key, fields.get(key)?))).collect();
-    Ok(Given::Condition(match &given[..] {
-        [] => Condition::Free,
-        [("contact", contact)] => return Ok(Given::Contact(self::contact(contact, context)?)),
+    let springs = fields.get("springs").map(|field| springs(&field, context)).transpose()?;
+    let beside = keys::SIDE.iter().filter(|key| **key != "springs");
+    let given: Vec<(&str, Field<'_>)> = beside.filter_map(|&key| Some((key, fields.get(key)?))).collect();
+    let contact = match &given[..] {
+        [("contact", contact)] => Some(self::contact(contact, context)?),
+        _ => None,
+    };
+    let condition = match &given[..] {
+        [] | [("contact", _)] => Condition::Free,
         [("pressure", pressure)] => Condition::Pressure(pressure.expression(context)?),
         [("traction", traction)] => Condition::Traction(traction.expressions(context)?),
         [(_, values)] => displacement(values, None, context)?,
@@ -58,7 +70,30 @@ pub(super) fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, R
             );
             return Err(ReadError::new(DataErrorKind::Conflict, other.item.place, message, help));
         }
-    }))
+    };
+    Ok(Given { condition, contact, springs })
+}
+
+/// `springs`: one stiffness, those along x and y, or those along normal and tangent.
+fn springs(field: &Field<'_>, context: &Context<'_>) -> Result<Springs, ReadError> {
+    match &field.item.value {
+        Value::Array(_) => Ok(Springs::Axes(field.expressions(context)?)),
+        Value::Table(_) => {
+            let fields = Fields::new(field, &keys::SPRINGS)?;
+            let stiffness = |key: &str| match fields.get(key) {
+                Some(stiffness) => stiffness.expression(context),
+                None => Ok(Expression::number(0.0)),
+            };
+            let [normal, tangential] = keys::SPRINGS.map(stiffness);
+            Ok(Springs::Normal { normal: normal?, tangential: tangential? })
+        }
+        Value::Text(_) | Value::Integer(_) | Value::Float(_) => Ok(Springs::both(field.expression(context)?)),
+        _ => {
+            let forms =
+                "a stiffness: \"10\", [\"10\", \"0\"] along x and y, or { normal = \"10\", tangential = \"0\" }";
+            Err(field.wrong_type(forms))
+        }
+    }
 }
 
 fn displacement(

@@ -28,6 +28,13 @@ impl RigidMotion {
         Self { translation: [0.0; 2], rotation, centre }
     }
 
+    /// One motion after another, about the origin; none of none.
+    pub fn sum(a: Option<Self>, b: Option<Self>) -> Option<Self> {
+        let (Some(a), Some(b)) = (&a, &b) else { return a.or(b) };
+        let ([x, y], [u, v]) = (a.at([0.0; 2]), b.at([0.0; 2]));
+        Some(Self { translation: [x + u, y + v], rotation: a.rotation + b.rotation, centre: [0.0; 2] })
+    }
+
     /// r(x).
     pub fn at(&self, x: [f64; 2]) -> [f64; 2] {
         let ([a, b], w, c) = (self.translation, self.rotation, self.centre);

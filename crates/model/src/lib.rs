@@ -49,7 +49,7 @@ pub mod prelude {
     pub use steklov_expression::Expression;
     pub use steklov_problem::{
         Body, Condition, Contact, Friction, Germ, Law, Place, Problem, Random, RandomConstants, RandomName, Scene,
-        Stochastic, Substance, Tie,
+        Springs, Stochastic, Substance, Tie,
     };
     pub use steklov_stochastic::Distribution;
 

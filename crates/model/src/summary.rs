@@ -27,7 +27,7 @@ pub struct Summary {
     pub dofs: usize,
     /// Number of meshes solved.
     pub steps: usize,
-    /// J = strain energy - load work + friction work; around a hole under remote stress that of what the hole adds, as all
+    /// J = strain energy + spring energy - load work + friction work; around a hole under remote stress that of what the hole adds, as all
     /// energies.
     pub energy: f64,
     /// J of the spaces of one degree more, and of the data themselves in place of what the nodes know of them.
@@ -37,11 +37,14 @@ pub struct Summary {
     pub energy_uncertainty: Option<f64>,
     /// ½ a(u, u).
     pub strain_energy: f64,
+    /// ½ ∫ K u·u of springs on sides, which is no part of the strain energy; left out without them.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub spring_energy: Option<f64>,
     /// Work of tractions and body force, without that of reactions.
     pub load_work: f64,
     /// Σ D_i F_i |u_t,i| over the whole contact boundary.
     pub friction_work: f64,
-    /// Estimated error ⟨S e, e⟩^½ in the energy norm.
+    /// Estimated error ⟨S e, e⟩^½ in the energy norm, S with springs.
     pub estimate: Option<f64>,
     /// Estimate over (2 strain energy)^½.
     pub estimate_relative: Option<f64>,
@@ -63,7 +66,7 @@ pub struct Summary {
     /// Places where bodies lie in each other, after they have moved, because no interface looks for contact there.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub reach: Vec<ReachSummary>,
-    /// Force on the body from each held or contacting side.
+    /// Force on the body from each side that is held, in contact or on springs.
     pub reactions: BTreeMap<String, [f64; 2]>,
     /// Results at the probe points.
     pub probe: Vec<Probe>,

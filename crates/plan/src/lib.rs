@@ -2,13 +2,13 @@
 
 mod grid;
 mod random;
+mod supports;
 
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::Mesh;
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
-use steklov_elastic::{Plane, RigidMotion};
-use steklov_model::data::supports::{free_of_supports, free_of_supports_of};
+use steklov_elastic::Plane;
 use steklov_model::estimate::error_estimate::is_estimated;
 use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_model::run::memory::{Lack, memory_bytes};
@@ -145,7 +145,7 @@ fn boundary_plan(scene: &Scene) -> Plan {
     let mut left_out = Vec::new();
     contact(scene, &mut modelled, &mut left_out);
     far_away(scene, &mut modelled, &mut left_out);
-    modelled.push(supports(scene));
+    supports::decide(scene, &mut modelled);
     body_forces(scene, &mut modelled, &mut left_out);
     random::decide(scene, &mut modelled, &mut left_out);
     let why = match scene.body().grid {
@@ -260,22 +260,6 @@ fn joint(scene: &Scene, interface: &Interface) -> Decision {
     }
 }
 
-/// What holds several bodies: supports, and interfaces alone.
-fn supports_of_several(scene: &Scene) -> Decision {
-    let problem = &scene.problem;
-    let loose: Vec<String> = (0..problem.outline.bodies().len())
-        .filter_map(|body| {
-            let free = scene.unresisted(body, free_of_supports_of(scene, Some(body)));
-            (!free.is_empty()).then(|| format!("{} ({})", problem.bodies[body].name, RigidMotion::names(&free)))
-        })
-        .collect();
-    if loose.is_empty() {
-        return decision("supports", "hold every body against all rigid motions", "held displacements");
-    }
-    let choice = format!("leave bodies free: {}", loose.join("; "));
-    decision("supports", choice, "only interfaces hold them there, or the loads must be balanced")
-}
-
 /// The forces on the bodies.
 fn body_forces(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let several = scene.problem.has_several_bodies();
@@ -289,26 +273,6 @@ fn body_forces(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<D
     if modelled.len() == before {
         left_out.push(decision("body force", "none", "the scene has none"));
     }
-}
-
-/// What holds the body of boundary elements.
-fn supports(scene: &Scene) -> Decision {
-    if scene.problem.has_several_bodies() {
-        return supports_of_several(scene);
-    }
-    let free = scene.unresisted(0, free_of_supports(scene));
-    let (choice, why) = if !free.is_empty() {
-        let choice = format!("leave {} free", RigidMotion::names(&free));
-        (choice, "contact or friction must hold it, or the loads must be balanced")
-    } else if scene.is_inclusion() {
-        ("none is needed".to_owned(), "the medium holds the body")
-    } else if scene.is_cavity() {
-        let why = "a displacement that decays has no rigid motion, and one that is bounded no rotation";
-        ("none is needed".to_owned(), why)
-    } else {
-        ("hold all rigid motions".to_owned(), "held displacements")
-    };
-    decision("supports", choice, why)
 }
 
 /// What the first mesh of boundary elements costs.

@@ -3,7 +3,7 @@
 use steklov_bem_operators::Edge;
 use steklov_expression::{Expression, OnEdge, Track};
 
-use super::{Condition, DataError, DataErrorKind as Kind, Problem, Scene};
+use super::{Condition, DataError, DataErrorKind as Kind, Problem, Scene, Side, Springs};
 
 /// Number of equal steps along an edge at which data are looked at.
 const STEPS: usize = 256;
@@ -11,6 +11,9 @@ const STEPS: usize = 256;
 const JUMPING: f64 = 0.99;
 /// Largest gap, in diameters of the body: beyond it the displacements are lost in the rounding errors of the gap.
 const GAP: f64 = 1e12;
+
+/// What the stiffness of springs is called.
+pub const STIFFNESS: &str = "stiffness of springs";
 
 /// What to do about values that are not finite.
 const NOT_FINITE: &str =
@@ -27,7 +30,7 @@ impl Problem {
     pub fn side_data(&self, side: usize) -> Vec<(&'static str, &Expression)> {
         match self.contact(side) {
             Some(contact) => contact.data(),
-            None => data(&self.sides[side].condition),
+            None => data(&self.sides[side]),
         }
     }
 }
@@ -66,7 +69,7 @@ impl Scene {
         for at in steps.chain(beside).map(path) {
             largest = largest.max(self.check_value(side, what, expression, at)?.abs());
         }
-        let least = if what.starts_with("friction") { 0.0 } else { f64::NEG_INFINITY };
+        let least = if is_positive(what) { 0.0 } else { f64::NEG_INFINITY };
         if let Some(s) = expression.impossible(edge, least) {
             self.check_value(side, what, expression, path(s))?;
         }
@@ -110,10 +113,10 @@ impl Scene {
     }
 
     /// The value of a side's datum at (x, y, s), if it is possible. `what` names the datum: "traction", "gap",
-    /// "friction bound", "friction coefficient", "displacement", "pressure".
+    /// "friction bound", "friction coefficient", "displacement", "pressure", "stiffness of springs".
     ///
     /// # Errors
-    /// A value that is not finite, a negative bound or coefficient of friction: names side, point and expression.
+    /// A value that is not finite, a negative bound or coefficient of friction or stiffness: names side, point and expression.
     pub fn check_value(
         &self,
         side: &str,
@@ -123,7 +126,7 @@ impl Scene {
     ) -> Result<f64, DataError> {
         let (x, y, s) = at;
         let value = expression.eval(x, y, s);
-        let negative = value < 0.0 && what.starts_with("friction");
+        let negative = value < 0.0 && is_positive(what);
         let huge = what == "gap" && value.abs() > GAP * self.problem.outline.diameter();
         if value.is_finite() && !negative && !huge {
             return Ok(value);
@@ -145,6 +148,9 @@ impl Scene {
             _ if negative && expression.constant().is_some() && expression.text().contains("tan(") => {
                 "friction cannot be negative: tan takes radians, write an angle in degrees as tan(30*pi/180)"
             }
+            STIFFNESS if negative => {
+                "springs pull back: their stiffness cannot be negative, write max(0, ...), or correct the expression"
+            }
             _ if negative => "friction cannot be negative: write max(0, ...), or correct the expression",
             _ => NOT_FINITE,
         };
@@ -152,9 +158,14 @@ impl Scene {
     }
 }
 
-/// The expressions of a condition and their names.
-fn data(condition: &Condition) -> Vec<(&'static str, &Expression)> {
-    match condition {
+/// Whether a datum is 0 or more.
+fn is_positive(what: &str) -> bool {
+    what.starts_with("friction") || what == STIFFNESS
+}
+
+/// The expressions of a side and their names.
+fn data(side: &Side) -> Vec<(&'static str, &Expression)> {
+    let mut data = match &side.condition {
         Condition::Free => Vec::new(),
         Condition::Traction(traction) => traction.iter().map(|t| ("traction", t)).collect(),
         Condition::Pressure(pressure) => vec![("pressure", pressure)],
@@ -162,5 +173,7 @@ fn data(condition: &Condition) -> Vec<(&'static str, &Expression)> {
             let values = values.iter().flatten().map(|u| ("displacement", u));
             values.chain(traction.iter().flatten().map(|t| ("traction", t))).collect()
         }
-    }
+    };
+    data.extend(side.springs.iter().flat_map(Springs::stiffnesses).map(|k| (STIFFNESS, k)));
+    data
 }

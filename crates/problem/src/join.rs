@@ -5,9 +5,7 @@
 //! given in x and y, or per length, differs from one side to the other. Such data are those of the first place, which then carries.
 
 use super::spans::Span;
-use super::{
-    Condition, DataError, DataErrorKind as Kind, Faces, Friction, Interface, Law, Other, Place, Problem, Side,
-};
+use super::{DataError, DataErrorKind as Kind, Faces, Friction, Interface, Law, Other, Place, Problem, Side};
 
 /// Parts of what a side sees at whose ends it is asked how far away the other side is.
 const PARTS: usize = 16;
@@ -86,7 +84,7 @@ impl Problem {
     fn check_once<'a>(&self, sides: impl Iterator<Item = &'a usize>) -> Result<(), DataError> {
         let mut found = Vec::new();
         for &side in sides {
-            let Some(Side { name, condition }) = self.sides.get(side) else {
+            let Some(of_side @ Side { name, .. }) = self.sides.get(side) else {
                 let message = format!("there is no side {side}: the problem has {}", self.sides.len());
                 return Err(DataError::at(Kind::Value, &[vec!["interface"]], message, "sides are numbered from 0"));
             };
@@ -98,7 +96,7 @@ impl Problem {
                 let help = "name it once; a side that faces several bodies lists them: between = [\"a.top\", [\"b.bottom\", \"c.bottom\"]]";
                 return refuse(message, help);
             }
-            if !matches!(condition, Condition::Free) {
+            if !of_side.is_free() {
                 let message = format!("the side {name:?} has a condition in [sides] too");
                 let help = "a side of an interface has no other condition: divide the side where the interface ends";
                 return refuse(message, help);

@@ -47,6 +47,7 @@ mod random_check;
 mod sides;
 mod signals;
 mod spans;
+mod springs;
 
 use std::collections::BTreeMap;
 
@@ -54,6 +55,7 @@ use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 
 pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS, TableOrder, bounding_box};
+pub use check::STIFFNESS;
 pub use cracks::{Crack, CrackError, cut_by_cracks};
 pub use error::{About, DataError, DataErrorKind};
 pub use facets::{Drawn, Facets, facets};
@@ -66,7 +68,7 @@ pub use moduli::{check_modulus_cells, moduli, modulus_cells};
 pub use problem::{Body, Faces, Interface, Law, Other, Place, Problem, Substance};
 pub use random::{Germ, Random, RandomConstants, RandomName, Sampling, Stochastic};
 pub use random_check::Uses;
-pub use sides::{Condition, Contact, Friction, Side, Tie};
+pub use sides::{Condition, Contact, Friction, Side, Springs, Tie};
 pub use signals::Signal;
 pub use spans::Span;
 
@@ -153,11 +155,13 @@ impl Scene {
     /// # Errors
     /// The first thing that is wrong.
     pub fn check(&self) -> Result<(), DataError> {
+        self.check_beside_springs()?;
         self.problem.check_bodies()?;
         self.check_joints()?;
         self.check_random()?;
         self.check_data()?;
         self.check_jumps()?;
+        self.check_stiffness()?;
         self.check_model()?;
         if self.random.is_some() && self.method.multiplier == Multiplier::Stabilised {
             let message = "random input has biorthogonal multipliers only";

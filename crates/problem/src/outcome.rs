@@ -3,7 +3,7 @@
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 
-use super::{Condition, Contact, DataError, DataErrorKind as Kind, Friction, Law, Random, Scene, Substance};
+use super::{Condition, Contact, DataError, DataErrorKind as Kind, Friction, Law, Random, Scene, Springs, Substance};
 
 impl Scene {
     /// The outcome of the random input for these germs; the scene itself if it has none.
@@ -30,6 +30,7 @@ impl Scene {
         }
         for side in &mut problem.sides {
             side.condition.expressions_mut().for_each(take);
+            side.springs.iter_mut().flat_map(Springs::stiffnesses_mut).for_each(take);
         }
         for law in problem.laws_mut() {
             match law {
@@ -78,6 +79,15 @@ impl Condition {
             Self::Displacement { values, traction } => {
                 Box::new(values.iter_mut().flatten().chain(traction.iter_mut().flatten()))
             }
+        }
+    }
+}
+
+impl Springs {
+    fn stiffnesses_mut(&mut self) -> [&mut Expression; 2] {
+        match self {
+            Self::Axes([x, y]) => [x, y],
+            Self::Normal { normal, tangential } => [normal, tangential],
         }
     }
 }

@@ -12,7 +12,7 @@ use steklov_elastic::Material;
 use steklov_expression::Expression;
 
 use super::spans::KnownSpans;
-use super::{Cells, Condition, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Side, Tie};
+use super::{Cells, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Side, Tie};
 
 /// Bodies and what acts between them.
 #[derive(Debug, Clone)]
@@ -145,9 +145,8 @@ impl Problem {
 
     /// Bodies whose sides are all free, in the order of [`Polygon::bodies`].
     pub fn of_bodies(outline: Polygon, bodies: Vec<Body>) -> Self {
-        let free = |name: &String| Side { name: name.clone(), condition: Condition::Free };
         Self {
-            sides: outline.side_names().iter().map(free).collect(),
+            sides: outline.side_names().iter().map(|name| Side::free(name)).collect(),
             outline,
             bodies,
             interfaces: Vec::new(),
@@ -178,7 +177,7 @@ impl Problem {
     /// Contact of a side with a rigid obstacle, in the place of what was there.
     pub fn touch(&mut self, side: usize, contact: Contact) {
         self.interfaces.retain(|i| i.sides != [side]);
-        self.sides[side].condition = Condition::Free;
+        self.sides[side] = Side::free(&self.sides[side].name);
         let (name, law) = (self.sides[side].name.clone(), Law::Contact(contact));
         self.interfaces.push(Interface {
             name,
@@ -232,6 +231,11 @@ impl Problem {
     pub fn body_of_side(&self, side: usize) -> usize {
         let edge = self.outline.edges().iter().find(|edge| edge.side == side);
         edge.map_or(0, |edge| self.outline.body_of_loop(edge.loop_index))
+    }
+
+    /// Whether a side is on springs.
+    pub fn has_springs(&self) -> bool {
+        self.sides.iter().any(|side| side.springs.is_some())
     }
 
     /// Whether sides of several bodies meet.

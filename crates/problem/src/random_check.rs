@@ -2,6 +2,7 @@
 
 use steklov_expression::Expression;
 
+use super::check::STIFFNESS;
 use super::{DataError, DataErrorKind as Kind, Random, RandomName, Scene};
 
 /// The data of an outcome that are made anew where they use random names.
@@ -11,6 +12,7 @@ enum Datum {
     Load,
     Contact,
     Held,
+    Springs,
     /// It is always that of the outcome.
     Remote,
 }
@@ -26,6 +28,8 @@ pub struct Uses {
     pub contact: bool,
     /// Prescribed displacements.
     pub held: bool,
+    /// Stiffnesses of springs.
+    pub springs: bool,
 }
 
 impl Scene {
@@ -39,6 +43,7 @@ impl Scene {
             all.extend(self.problem.side_data(side).into_iter().map(|(what, e)| match what {
                 "traction" | "pressure" => (Datum::Load, e),
                 "displacement" => (Datum::Held, e),
+                STIFFNESS => (Datum::Springs, e),
                 _ => (Datum::Contact, e),
             }));
         }
@@ -55,6 +60,7 @@ impl Scene {
             loads: uses(Datum::Load),
             contact: uses(Datum::Contact),
             held: uses(Datum::Held),
+            springs: uses(Datum::Springs),
         }
     }
 

@@ -3,9 +3,10 @@
 use steklov_expression::Expression;
 
 /// Condition on a side; n points out of the body. Sides that meet an obstacle or another body are free besides.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub enum Condition {
     /// No traction.
+    #[default]
     Free,
     /// Traction t = (t_x, t_y) (stress).
     Traction([Expression; 2]),
@@ -24,6 +25,44 @@ impl Condition {
     /// No displacement.
     pub fn held() -> Self {
         Self::Displacement { values: [Some(Expression::number(0.0)), Some(Expression::number(0.0))], traction: None }
+    }
+}
+
+/// Springs between a side and ground that does not move: beside what is given the traction -K u acts on the body, K of two
+/// stiffnesses k ≥ 0 (stress/length), K u = Σ k_i (d_i·u) d_i.
+#[derive(Debug, Clone)]
+pub enum Springs {
+    /// Along x and y.
+    Axes([Expression; 2]),
+    /// Along the normal and the tangent of the side.
+    Normal {
+        /// k_n.
+        normal: Expression,
+        /// k_t.
+        tangential: Expression,
+    },
+}
+
+impl Springs {
+    /// The same stiffness in all directions.
+    pub fn both(stiffness: Expression) -> Self {
+        Self::Axes([stiffness.clone(), stiffness])
+    }
+
+    /// k_1 and k_2.
+    pub fn stiffnesses(&self) -> [&Expression; 2] {
+        match self {
+            Self::Axes([x, y]) => [x, y],
+            Self::Normal { normal, tangential } => [normal, tangential],
+        }
+    }
+
+    /// d_1 and d_2 where the side has this unit normal.
+    pub fn directions(&self, [x, y]: [f64; 2]) -> [[f64; 2]; 2] {
+        match self {
+            Self::Axes(_) => [[1.0, 0.0], [0.0, 1.0]],
+            Self::Normal { .. } => [[x, y], [-y, x]],
+        }
     }
 }
 
@@ -78,9 +117,21 @@ pub struct Side {
     pub name: String,
     /// What acts on it.
     pub condition: Condition,
+    /// Springs that hold it besides; the condition is then a load, or free.
+    pub springs: Option<Springs>,
 }
 
 impl Side {
+    /// A side on which nothing acts.
+    pub fn free(name: &str) -> Self {
+        Self { name: name.to_owned(), condition: Condition::Free, springs: None }
+    }
+
+    /// Whether nothing acts on it, interfaces apart.
+    pub fn is_free(&self) -> bool {
+        matches!(self.condition, Condition::Free) && self.springs.is_none()
+    }
+
     /// Whether it holds a component of the displacement.
     pub fn holds(&self, component: usize) -> bool {
         matches!(&self.condition, Condition::Displacement { values, .. } if values[component].is_some())

@@ -75,7 +75,8 @@ impl Keep for BoundaryElements {
         for e in 0..solved.mesh.len() {
             let rule = steklov_quadrature::gauss_legendre(solved.space.degree(e));
             traction.extend(rule.points.iter().map(|&t| (solved.mesh.point(e, t), e, solved.traction(e, t))));
-            prescribed.extend(rule.points.iter().map(|&t| or_nan(data.given_traction(e, t))));
+            prescribed
+                .extend(rule.points.iter().map(|&t| or_nan(data.given_traction(e, t, solved.on_boundary(e, t).0))));
         }
         let grid = body_grid(scene, solved, outcomes.zip(run.matrices.as_ref()));
         Fields { grid, traction, prescribed, on_grid: None, ties: solved.ties.clone() }
@@ -120,7 +121,9 @@ impl Keep for OnGrid {
         Fields {
             grid: record::vtk(solved),
             traction: (0..mesh.len()).map(traction).collect(),
-            prescribed: (0..mesh.len()).map(|e| or_nan(data.given_traction(e, 0.0))).collect(),
+            prescribed: (0..mesh.len())
+                .map(|e| or_nan(data.given_traction(e, 0.0, solved.at(mesh.point(e, 0.0)).0)))
+                .collect(),
             on_grid: Some(record::grid_record(solved, run.progress.steps.clone())),
             ties: Vec::new(),
         }

@@ -4,6 +4,7 @@ use faer::Mat;
 use steklov_bem_operators::{Dof, Mesh, Operators, Space, Steklov, TractionMap};
 use steklov_elastic::plane::dot;
 use steklov_model::data::on_mesh::OnMesh;
+use steklov_model::data::parts::pieces;
 use steklov_model::data::supports::Supports;
 use steklov_model::error::SolveError;
 use steklov_model::mesh::first_mesh::first_mesh;
@@ -16,7 +17,7 @@ pub(super) struct Supported {
     pub(super) mesh: Mesh,
     /// Its unknowns.
     pub(super) space: Space,
-    /// S, with springs against the rigid motions r that the supports leave: E (∫ r·v)² / (∫ r·r ∫ 1), the same on any mesh.
+    /// S with the springs of sides, and with springs against the rigid motions r that the supports leave: E (∫ r·v)² / (∫ r·r ∫ 1), the same on any mesh.
     pub(super) stiffness: Mat<f64>,
     /// Displacements to tractions.
     pub(super) traction: TractionMap,
@@ -31,11 +32,15 @@ impl Supported {
     /// As [`steklov_model::solve::one_mesh::solve`], of prescribed displacements and operators.
     pub(super) fn new(scene: &Scene, mesh: Mesh) -> Result<Self, SolveError> {
         let space = Space::new(&mesh);
-        let held = OnMesh { scene, mesh: &mesh, space: &space }.held()?;
+        let data = OnMesh { scene, mesh: &mesh, space: &space };
+        let held = data.held()?;
         let supports = Supports { space: &space, held: &held };
-        let (fixed, motions) = (supports.dofs(), scene.unresisted(0, supports.free_motions()));
+        let springs = data.springs()?;
+        let (fixed, motions) =
+            (supports.dofs(), scene.unresisted(0, supports.free_motions(springs.resisted(|_| true))));
         let operators = Operators::assemble(&mesh, &space, &scene.body().material(), None)?;
         let Steklov { matrix: mut stiffness, traction } = Steklov::new(operators, scene.domain(0))?;
+        springs.stiffen(&mut stiffness, &pieces(&scene.problem, &mesh, &space)[0], &space);
         let length: f64 = (0..mesh.len()).map(|e| mesh.length(e)).sum();
         for motion in motions {
             let (moments, square) = moments(&mesh, &space, |x| motion.at(x));

@@ -147,8 +147,9 @@ pub(super) fn print_summary(stored: &Record) {
         );
     }
     say(&format!("energy J    {:.12e}", s.energy));
+    let springs = s.spring_energy.map_or(String::new(), |energy| format!("springs {energy:.6e}, "));
     say(&format!(
-        "            strain {:.6e}, load work {:.6e}, friction work {:.6e}",
+        "            strain {:.6e}, {springs}load work {:.6e}, friction work {:.6e}",
         s.strain_energy, s.load_work, s.friction_work
     ));
     if let (Some(error), Some(relative)) = (s.estimate, s.estimate_relative) {

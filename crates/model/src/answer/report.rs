@@ -82,6 +82,7 @@ pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Su
     Summary {
         energy: solved.energies.total,
         strain_energy: solved.energies.strain,
+        spring_energy: scene.problem.has_springs().then_some(solved.energies.springs),
         load_work: solved.energies.load_work,
         friction_work: solved.energies.friction_work,
         contact: solved.contact.as_ref().map(|c| contact_summary(scene, solved.trace(), c, rows, None)),

@@ -119,19 +119,25 @@ pub(crate) fn energies_of(
     let traction_work = dot(tractions, displacement);
     let Some(p) = particular else {
         let strain = 0.5 * dot(displacement, forces);
-        return Energies { total: strain - traction_work, strain, load_work: traction_work, friction_work: 0.0 };
+        return Energies {
+            total: strain - traction_work,
+            strain,
+            springs: 0.0,
+            load_work: traction_work,
+            friction_work: 0.0,
+        };
     };
     let w: Vec<f64> = displacement.iter().zip(&p.displacement).map(|(u, p)| u - p).collect();
     let stiff: Vec<f64> = forces.iter().zip(&p.stiff).map(|(s, p)| s - p).collect();
     let traction = dot(&p.traction, &w);
     if p.relative {
         let (strain, load_work) = (0.5 * dot(&w, &stiff), dot(tractions, &w) - dot(&p.loaded, &w));
-        return Energies { total: strain - load_work, strain, load_work, friction_work: 0.0 };
+        return Energies { total: strain - load_work, strain, springs: 0.0, load_work, friction_work: 0.0 };
     }
     let crossed = crossed_work(field, &p.solution, mesh, space);
     let load_work = traction_work + crossed - traction + p.work;
     let elastic = 0.5 * dot(&w, &stiff) + traction + 0.5 * p.energy - traction_work - p.work;
-    Energies { total: elastic, strain: elastic + load_work, load_work, friction_work: 0.0 }
+    Energies { total: elastic, strain: elastic + load_work, springs: 0.0, load_work, friction_work: 0.0 }
 }
 
 /// ∮ t(w)·u_p with the traction of w of its own space.

@@ -6,4 +6,5 @@ pub mod joints;
 pub(crate) mod motions;
 pub mod on_mesh;
 pub mod parts;
+pub mod springs;
 pub mod supports;

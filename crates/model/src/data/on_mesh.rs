@@ -141,7 +141,7 @@ impl OnMesh<'_> {
     }
 
     /// What the elements of a side follow of a datum, `raised` having their degrees and one more.
-    fn followed(
+    pub(crate) fn followed(
         &self,
         raised: &Space,
         side: usize,
@@ -202,9 +202,9 @@ impl OnMesh<'_> {
         Ok(loads)
     }
 
-    /// The components of the traction (stress) at the reference coordinate t of element e that the condition of its side gives; none
-    /// of held components and where sides meet something.
-    pub fn given_traction(&self, e: usize, t: f64) -> [Option<f64>; 2] {
+    /// The components of the traction (stress) at the reference coordinate t of element e that the condition of its side gives, with
+    /// that of springs at the displacement u; none of held components and where sides meet something.
+    pub fn given_traction(&self, e: usize, t: f64, u: [f64; 2]) -> [Option<f64>; 2] {
         let (problem, side, site) = (&self.scene.problem, self.mesh.side[e], Site::new(self.mesh, e, t));
         let meets =
             |interface: &Interface| interface.sides.contains(&side) || problem.facing_sides(interface).contains(&side);
@@ -212,7 +212,7 @@ impl OnMesh<'_> {
             return [None; 2];
         }
         let value = |expression: &Expression| self.value(expression, &site);
-        match &problem.sides[side].condition {
+        let given = match &problem.sides[side].condition {
             Condition::Free => [Some(0.0); 2],
             Condition::Traction(traction) => traction.each_ref().map(|t| Some(value(t))),
             Condition::Pressure(pressure) => self.mesh.normal(e, t).map(|n| Some(-value(pressure) * n)),
@@ -220,7 +220,13 @@ impl OnMesh<'_> {
                 let given = || traction.as_ref().map_or(0.0, |traction| value(&traction[i]));
                 values[i].is_none().then(given)
             }),
-        }
+        };
+        let pull = problem.sides[side].springs.as_ref().map_or([0.0; 2], |springs| {
+            let directions = springs.directions(self.mesh.normal(e, t));
+            let of = |(k, d): (&Expression, [f64; 2])| d.map(|c| value(k) * dot(d, u) * c);
+            springs.stiffnesses().into_iter().zip(directions).map(of).fold([0.0; 2], |s, f| [s[0] + f[0], s[1] + f[1]])
+        });
+        [0, 1].map(|i| given[i].map(|t| t - pull[i]))
     }
 
     /// Calls with the side, name, expression and direction on each element of every traction, pressure and jump of the
@@ -416,14 +422,14 @@ fn to_hierarchical(basis: &LobattoBasis, raised: &LobattoBasis, moments: &mut Ve
 }
 
 /// What an element follows of a datum.
-struct Followed {
-    element: usize,
+pub(crate) struct Followed {
+    pub(crate) element: usize,
     /// Against its nodal functions.
     moments: Vec<f64>,
     /// Against its bubble.
     bubble: f64,
     /// h/(p+2) ‖t - Π_(p+1) t‖² of the rest.
-    rest: f64,
+    pub(crate) rest: f64,
 }
 
 /// Values at points of the boundary.

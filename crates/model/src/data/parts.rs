@@ -74,10 +74,68 @@ pub struct Assembled {
     /// Of one of several bodies with curves the motions that its supports leave free: what nodal values miss of them does not
     /// resist them, and is no part of its displacement.
     pub(crate) turning: Vec<RigidMotion>,
+    /// Of a body on springs what they carry.
+    pub(crate) carried: Option<Carried>,
+}
+
+/// Motions that the supports of a body leave free and its nodal values follow: on soft springs they may be much larger than what
+/// strains it. That of a displacement u is the r with the least |u - r|² in the norm of σ + M, M that of springs: stiff ones pull at
+/// little of u - r then, whatever it is elsewhere.
+pub(crate) struct Carried {
+    motions: Vec<RigidMotion>,
+    /// (σ + M) r of their nodal values, over the square root of the energy of each.
+    weighted: Vec<Vec<f64>>,
+    gram: Mat<f64>,
+    scale: Vec<f64>,
+}
+
+impl Carried {
+    /// `pull` is M of nodal values, `sigma` a stiffness of the body.
+    pub(crate) fn new(
+        motions: Vec<RigidMotion>,
+        points: &[[f64; 2]],
+        sigma: f64,
+        pull: impl Fn(&[f64]) -> Vec<f64>,
+    ) -> Self {
+        let nodal: Vec<Vec<f64>> = motions.iter().map(|motion| motion.nodal(points)).collect();
+        let of = |r: &Vec<f64>| -> Vec<f64> { r.iter().zip(pull(r)).map(|(r, pull)| sigma * r + pull).collect() };
+        let mut weighted: Vec<Vec<f64>> = nodal.iter().map(of).collect();
+        let scale: Vec<f64> = nodal.iter().zip(&weighted).map(|(r, w)| dot(r, w).sqrt().recip()).collect();
+        weighted.iter_mut().zip(&scale).for_each(|(w, scale)| w.iter_mut().for_each(|w| *w *= scale));
+        let gram = Mat::from_fn(motions.len(), motions.len(), |i, j| dot(&weighted[i], &nodal[j]) * scale[j]);
+        Self { motions, weighted, gram, scale }
+    }
+
+    /// The motion of a nodal displacement.
+    fn of(&self, own: &[f64]) -> RigidMotion {
+        let right = Mat::from_fn(self.motions.len(), 1, |i, _| dot(&self.weighted[i], own));
+        let parts = self.gram.full_piv_lu().solve(right);
+        let parts: Vec<f64> = self.scale.iter().enumerate().map(|(k, scale)| parts[(k, 0)] * scale).collect();
+        sum_of(&self.motions, &parts)
+    }
+}
+
+/// Σ of motions times their parts.
+fn sum_of(motions: &[RigidMotion], parts: &[f64]) -> RigidMotion {
+    let mut sum = RigidMotion::along([0.0; 2]);
+    for (motion, part) in motions.iter().zip(parts) {
+        // about the origin
+        let at = motion.at([0.0; 2]);
+        (0..2).for_each(|i| sum.translation[i] += part * at[i]);
+        sum.rotation += part * motion.rotation;
+    }
+    sum
 }
 
 impl Assembled {
-    /// The part of a nodal displacement of the body that is a motion, least squares.
+    /// Takes the motion that springs carry off a nodal displacement of the body, and returns it.
+    pub(crate) fn settle(&self, own: &mut [f64]) -> Option<RigidMotion> {
+        let motion = self.carried.as_ref()?.of(own);
+        own.iter_mut().zip(motion.nodal(&self.piece.space.points)).for_each(|(u, r)| *u -= r);
+        Some(motion)
+    }
+
+    /// The part of a nodal displacement of the body that is a motion which nodal values miss, least squares.
     pub(crate) fn motion(&self, own: &[f64]) -> Option<RigidMotion> {
         let points = &self.piece.space.points;
         let motions: Vec<Vec<f64>> = self.turning.iter().map(|motion| motion.nodal(points)).collect();
@@ -87,13 +145,7 @@ impl Assembled {
         let gram = Mat::from_fn(motions.len(), motions.len(), |i, j| dot(&motions[i], &motions[j]));
         let right = Mat::from_fn(motions.len(), 1, |i, _| dot(&motions[i], own));
         let parts = gram.full_piv_lu().solve(right);
-        let mut sum = RigidMotion::along([0.0; 2]);
-        for (k, motion) in self.turning.iter().enumerate() {
-            // about the origin
-            let at = motion.at([0.0; 2]);
-            (0..2).for_each(|i| sum.translation[i] += parts[(k, 0)] * at[i]);
-            sum.rotation += parts[(k, 0)] * motion.rotation;
-        }
-        Some(sum)
+        let parts: Vec<f64> = (0..motions.len()).map(|k| parts[(k, 0)]).collect();
+        Some(sum_of(&self.turning, &parts))
     }
 }

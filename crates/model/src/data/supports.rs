@@ -4,6 +4,8 @@ use steklov_bem_operators::{Edge, Mesh, Space};
 use steklov_elastic::{RigidMotion, free_motions};
 use steklov_problem::{Condition, Scene, Side};
 
+use crate::data::springs::Resisted;
+
 /// Prescribed components of one node: value and the first side that holds it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Held {
@@ -32,9 +34,9 @@ impl Supports<'_> {
         self.dofs().into_iter().map(|(_, value)| value).collect()
     }
 
-    /// Rigid motions that the supports leave free.
-    pub fn free_motions(&self) -> Vec<RigidMotion> {
-        let mut constraints = Vec::new();
+    /// Rigid motions that the supports and what springs resist leave free.
+    pub fn free_motions(&self, resisted: Vec<Resisted>) -> Vec<RigidMotion> {
+        let mut constraints = resisted;
         for (node, held) in self.held.iter().enumerate() {
             for (component, direction) in held.components.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                 if component.is_some() {
@@ -89,7 +91,7 @@ impl Supports<'_> {
     }
 }
 
-/// Rigid motions that the held sides leave free.
+/// Rigid motions that held sides and springs leave free.
 pub fn free_of_supports(scene: &Scene) -> Vec<RigidMotion> {
     free_of_supports_of(scene, None)
 }
@@ -101,6 +103,12 @@ pub fn free_of_supports_of(scene: &Scene, body: Option<usize>) -> Vec<RigidMotio
     let own = |edge: &&Edge| body.is_none_or(|body| outline.body_of_loop(edge.loop_index) == body);
     let edges: Vec<&Edge> = outline.edges().iter().filter(own).collect();
     for edge in &edges {
+        if let Some(springs) = &scene.problem.sides[edge.side].springs {
+            for (k, _) in springs.stiffnesses().iter().enumerate().filter(|(_, k)| k.constant() != Some(0.0)) {
+                let at = |s: f64| (edge.point(s), springs.directions(edge.normal(s))[k]);
+                constraints.extend([0.0, 0.5, 1.0].map(at));
+            }
+        }
         if let Condition::Displacement { values, .. } = &scene.problem.sides[edge.side].condition {
             for (value, direction) in values.iter().zip([[1.0, 0.0], [0.0, 1.0]]) {
                 if value.is_some() {

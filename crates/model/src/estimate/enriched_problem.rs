@@ -1,11 +1,12 @@
 //! The correction that enriched spaces add to a solution: S₊e = r on what the supports and the contact sets leave free.
 
-use steklov_bem_operators::{Assembly, Enriched};
+use steklov_bem_operators::{Assembly, Enriched, Space};
 use steklov_contact::{ContactBubble, Frozen};
 use steklov_elastic::plane::{dot, solve2};
 use steklov_problem::Condition;
 
 use crate::data::on_mesh::OnMesh;
+use crate::data::springs::Springs;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::interface_residual::FacingLoad;
 
@@ -70,13 +71,24 @@ pub(crate) struct System<'a> {
     pub(crate) elastic: &'a Elastic<'a>,
     pub(crate) frozen: Option<&'a Frozen<'a>>,
     pub(crate) frames: &'a [Frame],
+    /// What of S₊ is that of springs, S having theirs on the nodes.
+    pub(crate) springs: &'a Springs,
+    pub(crate) space: &'a Space,
     /// ⟨S₊ b, b⟩ of each bubble.
     pub(crate) blocks: Vec<[[f64; 2]; 2]>,
 }
 
 impl System<'_> {
     fn multiply(&self, v: &Enriched) -> Enriched {
-        self.elastic.multiply(v, self.condensation.multiply(&v.base))
+        let mut all = self.elastic.multiply(v, self.condensation.multiply(&v.base));
+        if !self.springs.is_empty() {
+            let both: Vec<f64> = v.base.iter().chain(&v.extra).copied().collect();
+            all.add(1.0, &self.springs.pull(self.space, self.frames.len(), &both));
+            // that of the nodes on the nodes is in S
+            let of_nodes = self.springs.pull(self.space, self.frames.len(), &v.base).base;
+            all.base.iter_mut().zip(of_nodes).for_each(|(f, pull)| *f -= pull);
+        }
+        all
     }
 
     fn precondition(&self, r: &Enriched) -> Enriched {

@@ -143,7 +143,9 @@ pub fn estimate(
     let facing = data.facing_loads(&body.joints, solved.elastic_field(), &bubbles);
     let frames = frames(&data, &bubbles, &facing);
     let residual = bubble_residual(&data, factors, &elastic, &bubbles, &facing);
-    let (mut indicators, held_oscillation) = indicators(&data, solved, &elastic, (&bubbles, &frames), &residual)?;
+    let of_springs = body.springs.bubble_blocks(mesh.len());
+    let (mut indicators, held_oscillation) =
+        indicators(&data, solved, &elastic, (&bubbles, &frames), (&residual, &of_springs))?;
     let scale = scale(solved.energies.strain, body, factors);
     let nonconformity = data.nonconformity(&body.joints, solved.elastic_field(), &bubbles);
     for &(e, energy) in data.tie_oscillation(&body.joints)?.iter().chain(&nonconformity.energies) {
@@ -155,31 +157,22 @@ pub fn estimate(
         Indicator::Residual => data.residuals(solved, 0..mesh.len(), Look::Close)?,
     };
 
-    // the enriched problem: r = f₊ - S₊(u, 0)
-    let (excess, gained) = elastic.excess();
-    let force = elastic.bubble_force();
-    let r = Enriched {
-        base: excess.base.iter().map(|s| -s).collect(),
-        extra: residual.iter().zip(&force).zip(&excess.extra).map(|((r, f), s)| r + f - s).collect(),
-    };
-    let frozen = factors.contact.as_ref().map(|c| Frozen::new(&c.problem, &c.sets)).transpose()?;
-    let system = System {
-        condensation: &body.condensation,
-        elastic: &elastic,
-        frozen: frozen.as_ref(),
-        frames: &frames,
-        blocks: (0..mesh.len()).map(|e| elastic.stiffness_block(e)).collect(),
-    };
-    let (squared, correction) = system.correction(&r);
+    let (gained, squared, correction) = correction(body, &elastic, factors, (&frames, &of_springs), &residual)?;
 
-    let held = held_tractions(scene, solved, &elastic, &indicators, &frames);
+    let held = held_tractions(scene, solved, &elastic, &indicators, (&frames, &of_springs));
     let unseen = unseen_of(scene, solved, factors, &indicators, &correction);
     let error = combined_error(&indicators, squared, unseen, held, factors.difference);
     let of_jump = solved.around.as_ref().map_or(Ok(0.0), |around| data.jump_work(around))?;
     let friction = data.friction_work_left(solved, factors)?;
     let turning = data.turning_work(solved, body, &factors.homogeneous);
-    let of_data =
-        of_jump + data.held_work(solved)? + HELD_REST * held_oscillation + friction + nonconformity.work + turning;
+    let on_springs = body.springs.work_on_rest(&data, &solved.displacement, &solved.particular);
+    let of_data = of_jump
+        + data.held_work(solved)?
+        + HELD_REST * held_oscillation
+        + friction
+        + nonconformity.work
+        + turning
+        + on_springs;
     let extrapolation = 0.5 * (gained - squared);
     let energy = factors.energy + of_data + extrapolation;
     if !error.is_finite() || !energy.is_finite() {
@@ -198,6 +191,34 @@ pub fn estimate(
     let estimate =
         Estimate { indicators, residuals, correction, tips: 0.0, error, relative, scale, energy, uncertainty, doubts };
     Ok((estimate, Unseen { overlaps, unresolved }))
+}
+
+/// What J of the nodes gains by S₊, and the squared energy and the correction of the enriched problem: r = f₊ - S₊(u, 0).
+fn correction(
+    body: &Body,
+    elastic: &Elastic<'_>,
+    factors: &Factors,
+    (frames, springs): (&[Frame], &[[[f64; 2]; 2]]),
+    residual: &[f64],
+) -> Result<(f64, f64, Enriched), SolveError> {
+    let (excess, gained) = elastic.excess();
+    let force = elastic.bubble_force();
+    let r = Enriched {
+        base: excess.base.iter().map(|s| -s).collect(),
+        extra: residual.iter().zip(&force).zip(&excess.extra).map(|((r, f), s)| r + f - s).collect(),
+    };
+    let frozen = factors.contact.as_ref().map(|c| Frozen::new(&c.problem, &c.sets)).transpose()?;
+    let system = System {
+        condensation: &body.condensation,
+        elastic,
+        frozen: frozen.as_ref(),
+        frames,
+        springs: &body.springs,
+        space: &body.space,
+        blocks: (0..frames.len()).map(|e| sum(elastic.stiffness_block(e), springs[e])).collect(),
+    };
+    let (squared, correction) = system.correction(&r);
+    Ok((gained, squared, correction))
 }
 
 /// ρ_u, with what contact and other bodies do on the bubbles.
@@ -241,12 +262,13 @@ fn indicators(
     solved: &Solved,
     elastic: &Elastic<'_>,
     (bubbles, frames): (&[ContactBubble], &[Frame]),
-    residual: &[f64],
+    (residual, springs): (&[f64], &[[[f64; 2]; 2]]),
 ) -> Result<(Vec<Bubble>, f64), SolveError> {
     let modulus = |e: usize| data.material_of(e).plane_modulus();
     let tractions = elastic.traction_indicators(data.mesh.len());
     let of = |e: usize| Bubble {
-        displacement: frames[e].energy(elastic.hypersingular_block(e), [residual[2 * e], residual[2 * e + 1]]),
+        displacement: frames[e]
+            .energy(sum(elastic.hypersingular_block(e), springs[e]), [residual[2 * e], residual[2 * e + 1]]),
         traction: tractions[e],
         oscillation: 0.0,
     };
@@ -260,24 +282,40 @@ fn indicators(
         indicators[e].oscillation += modulus(e) / 2.0 * oscillation;
         held += modulus(e) / 2.0 * oscillation;
     }
+    for (e, oscillation) in data.oscillation_on_springs(&solved.particular)? {
+        let part = held_by_springs(elastic.hypersingular_block(e), springs[e]);
+        indicators[e].oscillation += part * modulus(e) / 2.0 * oscillation;
+    }
     for (e, oscillation) in data.jump_oscillation()? {
         indicators[e].oscillation += oscillation;
     }
     Ok((indicators, held))
 }
 
-/// Σ η_ψ² of the elements whose components are both held, at least what the medium makes of it.
+/// Σ η_ψ² of the elements whose components are both held, or as good as held by springs, at least what the medium makes of it.
 fn held_tractions(
     scene: &Scene,
     solved: &Solved,
     elastic: &Elastic<'_>,
     indicators: &[Bubble],
-    frames: &[Frame],
+    (frames, springs): (&[Frame], &[[[f64; 2]; 2]]),
 ) -> f64 {
-    let held: f64 = indicators.iter().zip(frames).filter(|(_, f)| f.free == [false; 2]).map(|(i, _)| i.traction).sum();
+    let weight = |e: usize| match frames[e].free {
+        [false, false] => 1.0,
+        _ => held_by_springs(elastic.hypersingular_block(e), springs[e]).powi(4),
+    };
+    let held: f64 = indicators.iter().enumerate().map(|(e, i)| weight(e) * i.traction).sum();
     let moduli =
         solved.around.as_ref().map(|around| [&scene.body().material(), &around.material].map(Material::plane_modulus));
     held.max(elastic.held_tractions(solved.mesh.len(), moduli))
+}
+
+/// How far springs hold the bubble of an element, from 0 to 1: the least part that they have of its stiffness, W and M of it.
+fn held_by_springs(w: [[f64; 2]; 2], m: [[f64; 2]; 2]) -> f64 {
+    let (mean, half) = ((m[0][0] + m[1][1]) / 2.0, (m[0][0] - m[1][1]) / 2.0);
+    let least = (mean - half.hypot(m[0][1])).max(0.0);
+    let elastic = w[0][0].max(w[1][1]);
+    if least > 0.0 { least / (least + elastic) } else { 0.0 }
 }
 
 /// What is not seen next to vertices whose stresses grow fast; and what tractions do not see of the displacement, with the
@@ -399,21 +437,26 @@ impl Estimate {
     }
 }
 
+fn sum(a: [[f64; 2]; 2], b: [[f64; 2]; 2]) -> [[f64; 2]; 2] {
+    [0, 1].map(|i| [0, 1].map(|j| a[i][j] + b[i][j]))
+}
+
 pub(crate) fn ratio(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
 }
 
 /// What rounding does to J: to the energy itself, and to the forces S u of displacements that mostly cancel.
 fn rounding_of_energy(solved: &Solved, body: &Body, scale: f64) -> f64 {
-    let largest = solved.displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
+    let largest = body.settled(&solved.displacement).iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let [energy, forces] = if body.pieces.len() > 1 { ROUNDED_OF_SEVERAL } else { ROUNDED };
-    (energy * scale * scale).max(forces * body.condensation.largest_diagonal() * largest * largest)
+    let stored = energy * scale * scale + energy * 2.0 * solved.energies.springs;
+    stored.max(forces * body.largest_diagonal * largest * largest)
 }
 
 /// (2 strain energy)^½; where there is no strain, that of roundoff.
 fn scale(strain: f64, body: &Body, factors: &Factors) -> f64 {
     let largest = factors.homogeneous.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
-    let floor = 1e-20 * body.condensation.largest_diagonal() * largest * largest;
+    let floor = 1e-20 * body.largest_diagonal * largest * largest;
     (2.0 * strain).max(floor).sqrt()
 }
 

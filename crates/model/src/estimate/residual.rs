@@ -4,8 +4,6 @@ use std::ops::Range;
 
 use steklov_bem_operators::{BoundaryResidual, Look, Site, boundary_residuals_of};
 use steklov_contact::{ContactResidual, ContactSolution, Multiplier, contact_residuals_of};
-use steklov_expression::Expression;
-use steklov_problem::Condition;
 
 use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
@@ -33,20 +31,7 @@ impl OnMesh<'_> {
         let body = solved.particular.of(0);
         let traction = |site: &Site| -> [Option<f64>; 2] {
             let e = site.element;
-            let value = |f: &Expression| self.value(f, site);
-            if self.scene.contact(self.mesh.side[e]).is_some() {
-                return [None; 2];
-            }
-            let given = match &self.scene.problem.sides[self.mesh.side[e]].condition {
-                Condition::Free => [Some(0.0); 2],
-                Condition::Traction(t) => [Some(value(&t[0])), Some(value(&t[1]))],
-                Condition::Pressure(p) => self.mesh.normal(e, site.t).map(|n| Some(-n * value(p))),
-                Condition::Displacement { values, traction } => [0, 1].map(|i| match (&values[i], traction) {
-                    (Some(_), _) => None,
-                    (None, Some(t)) => Some(value(&t[i])),
-                    (None, None) => Some(0.0),
-                }),
-            };
+            let given = self.given_traction(e, site.t, solved.on_boundary(e, site.t).0);
             let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e, site.t)));
             [0, 1].map(|i| given[i].map(|t| t - particular[i]))
         };

@@ -185,7 +185,7 @@ fn solved(
     let estimate_seconds = clock.elapsed().as_secs_f64();
     Ok(GridSolved {
         dofs,
-        energies: Energies { total: strain - load_work, strain, load_work, friction_work: 0.0 },
+        energies: Energies { total: strain - load_work, strain, springs: 0.0, load_work, friction_work: 0.0 },
         boundary_displacement,
         displacement,
         contact: None,

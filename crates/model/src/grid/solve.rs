@@ -82,7 +82,7 @@ fn mean_stress(problem: &Multiscale<'_>, grid: &Grid, [ix, iy]: [usize; 2], u: &
 
 fn energies(answer: &Answer, strain: f64, load_work: f64) -> Energies {
     let friction_work = answer.contact.as_ref().map_or(0.0, |c| c.friction_work);
-    Energies { total: strain - load_work + friction_work, strain, load_work, friction_work }
+    Energies { total: strain - load_work + friction_work, strain, springs: 0.0, load_work, friction_work }
 }
 
 /// Fine unknowns that are prescribed.

@@ -152,7 +152,7 @@ impl System {
         let GridTrace { mesh, space, .. } = trace;
         let unknown = |dof: usize| 2 * at_boundary[dof / 2] + dof % 2;
         let supports = Supports { space, held };
-        let candidates = supports.free_motions();
+        let candidates = supports.free_motions(Vec::new());
         let of_load = |motion: &RigidMotion| work(&points, &load, motion);
         let free = unresisted(&points, &load, boundary.as_ref(), &candidates)?;
         let kept: Vec<usize> = boundary.as_ref().map_or(Vec::new(), |b| b.kept().into_iter().map(unknown).collect());
@@ -197,7 +197,7 @@ impl System {
         let lost = resistance.iter().any(|r| *r > RESISTING * carried);
         let at_trace: Vec<f64> = (0..space.dofs()).map(|dof| residual.values[unknown(dof)]).collect();
         let of_corner = |e: usize, j: usize| traction(&displacement, e, j);
-        let reactions = reactions(scene, (&supports, mesh), &at_trace, contact.as_ref(), of_corner);
+        let reactions = reactions(scene, (&supports, mesh), &at_trace, (contact.as_ref(), Vec::new()), of_corner);
         let contact = contact.map(|c| c.with_equilibrium(residual.relative));
         Ok(Answer {
             energy: dot(&forces, &displacement),

@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
 use steklov_elastic::plane::angle;
 use steklov_expression::{Expression, OnEdge, Track};
-use steklov_problem::{Condition, Law, Refine, Scene, Span};
+use steklov_problem::{Condition, Law, Refine, Scene, Span, Springs};
 
 use crate::mesh::layout::Layout;
 
@@ -125,8 +125,8 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
             };
             let (x, y) = (direction(a, true), direction(b, false));
             let turn = angle(x, y);
-            let free = |k: usize| matches!(scene.problem.sides[edges[k].side].condition, Condition::Free);
-            let free = |k: usize| free(k) && scene.contact(edges[k].side).is_none();
+            let free =
+                |k: usize| scene.problem.sides[edges[k].side].is_free() && scene.contact(edges[k].side).is_none();
             let alike = edges[a].side == edges[b].side || curved && free(a) && free(b);
             let mirror = curved && is_mirror_corner(scene, [a, b], turn);
             let bends = curved && bends_at_joint(&edges[a], &edges[b]);
@@ -183,10 +183,14 @@ fn is_mirror_corner(scene: &Scene, edges: [usize; 2], turn: f64) -> bool {
         let constant = |i: usize| values[i].as_ref().is_some_and(|v| v.constant().is_some());
         (0..2).any(|i| along(i) && constant(i) && values[1 - i].is_none())
     };
-    let even = |k: usize| match &scene.problem.sides[all[k].side].condition {
-        Condition::Free => scene.contact(all[k].side).is_none(),
-        Condition::Pressure(pressure) => pressure.constant().is_some(),
-        _ => false,
+    let even = |k: usize| {
+        let side = &scene.problem.sides[all[k].side];
+        let loaded = match &side.condition {
+            Condition::Free => scene.contact(all[k].side).is_none(),
+            Condition::Pressure(pressure) => pressure.constant().is_some(),
+            _ => false,
+        };
+        loaded && side.springs.iter().flat_map(Springs::stiffnesses).all(|k| k.constant().is_some())
     };
     let square = (turn.abs() - std::f64::consts::FRAC_PI_2).abs() < SMOOTH;
     let [a, b] = edges;

@@ -53,6 +53,7 @@ pub fn answer<M: Model>(
         energy_extrapolated: report.energy.map(|[energy, _]| energy),
         energy_uncertainty: report.energy.map(|[_, uncertainty]| uncertainty),
         strain_energy: energies.strain,
+        spring_energy: scene.problem.has_springs().then_some(energies.springs),
         load_work: energies.load_work,
         friction_work: energies.friction_work,
         estimate: report.error.map(|[error, _]| error),

@@ -115,6 +115,7 @@ fn shape(scene: &Scene) -> Value {
     let summary = Summary {
         energy_extrapolated: Some(0.0),
         energy_uncertainty: Some(0.0),
+        spring_energy: problem.has_springs().then_some(0.0),
         estimate: Some(0.0),
         estimate_relative: Some(0.0),
         contact: touches.then_some(contact),

@@ -11,6 +11,7 @@ use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::work;
 use crate::data::on_mesh::{Loads, OnMesh};
 use crate::data::parts::Assembled;
+use crate::data::springs::Springs;
 use crate::data::supports::{Held, Supports};
 use crate::energies::Energies;
 use crate::error::SolveError;
@@ -42,6 +43,10 @@ pub struct Body {
     pub(crate) tied: Vec<TiedNode>,
     /// Prescribed components of the nodes.
     pub(crate) held: Vec<Held>,
+    /// Springs on sides; S is with theirs.
+    pub springs: Springs,
+    /// Largest entry of the diagonal of S without them.
+    pub(crate) largest_diagonal: f64,
     /// Rigid motions that nothing resists and no load drives.
     pub free: Vec<RigidMotion>,
 }
@@ -85,9 +90,12 @@ impl Loading {
     }
 }
 
+/// Corrections of a body on springs: soft ones leave the sum of both stiffnesses few digits of theirs, and forces have all.
+const CORRECTIONS: usize = 2;
+
 /// What is left of a solution, besides the matrices of its [`Body`], for its estimate and the next mesh.
 pub struct Factors {
-    /// Nodal displacement without the particular solution, of biorthogonal multipliers.
+    /// Nodal displacement without the particular solution and the motions that springs carry, of biorthogonal multipliers.
     pub homogeneous: Vec<f64>,
     /// Nodal displacement ξ of the medium around it.
     pub outside: Option<Vec<f64>>,
@@ -95,9 +103,9 @@ pub struct Factors {
     pub energy: f64,
     /// ‖u - u_b‖², energy norm, of the displacements of stabilised and biorthogonal multipliers; 0 if they are one.
     pub difference: f64,
-    /// Load of the bubbles, less that of the particular solution.
+    /// Load of the bubbles, less that of the particular solution and what springs pull at them.
     pub extra_load: Vec<f64>,
-    /// What the polynomials of each element leave of its prescribed tractions, h/(p+2) ‖t - Π t‖² (stress² length²).
+    /// What the polynomials of each element leave of its prescribed tractions and of those of springs, h/(p+2) ‖t - Π t‖² (stress² length²).
     pub unresolved: Vec<f64>,
     /// The condensed contact problem.
     pub contact: Option<ContactFactors>,
@@ -109,15 +117,50 @@ impl Body {
         let of = |body: &Assembled| {
             let Assembled { piece, length, traction_map, .. } = body;
             let mut own = piece.own(displacement).to_vec();
+            let carried = body.settle(&mut own);
             let motion = body.motion(&own);
             if let Some(motion) = &motion {
                 own.iter_mut().zip(motion.nodal(&piece.space.points)).for_each(|(u, r)| *u -= r);
             }
             let traction = traction_map.apply(&own);
             let field = BoundaryField::new(&piece.mesh, &piece.space, &piece.material, &own, &traction, *length);
-            (piece.elements.clone(), field.tending_to(traction_map.at_infinity(&own)).moved(motion))
+            let field = field.tending_to(traction_map.at_infinity(&own)).moved(RigidMotion::sum(carried, motion));
+            (piece.elements.clone(), field)
         };
         Field::new(self.pieces.iter().map(of).collect())
+    }
+
+    /// S u of the bodies alone, without springs.
+    pub(crate) fn elastic_forces(&self, displacement: &[f64]) -> Vec<f64> {
+        let settled = self.settled(displacement);
+        let forces = self.condensation.multiply(&settled);
+        if self.springs.is_empty() {
+            return forces;
+        }
+        forces.iter().zip(self.pull(&settled)).map(|(f, pull)| f - pull).collect()
+    }
+
+    /// A nodal displacement without the motions of bodies that springs carry: S of the bodies alone does not resist them.
+    pub(crate) fn settled(&self, displacement: &[f64]) -> Vec<f64> {
+        let mut settled = displacement.to_vec();
+        for body in &self.pieces {
+            body.settle(body.piece.own_mut(&mut settled));
+        }
+        settled
+    }
+
+    /// What springs pull at the nodes.
+    fn pull(&self, displacement: &[f64]) -> Vec<f64> {
+        self.springs.pull(&self.space, self.mesh.len(), displacement).base
+    }
+
+    /// The same with springs.
+    fn forces(&self, displacement: &[f64]) -> Vec<f64> {
+        let elastic = self.elastic_forces(displacement);
+        if self.springs.is_empty() {
+            return elastic;
+        }
+        elastic.iter().zip(self.pull(displacement)).map(|(f, pull)| f + pull).collect()
     }
 
     /// Tractions of a nodal displacement, Legendre coefficients as the space numbers them.
@@ -135,7 +178,7 @@ impl Body {
         mut given: Loading,
         solve: &mut dyn FnMut(&Problem) -> Result<Solution, ContactError>,
     ) -> Result<(Solved, Factors), SolveError> {
-        let Self { mesh, space, condensation, .. } = self;
+        let Self { mesh, space, .. } = self;
         let (companion, contact) = self.displacement(&mut given, solve)?;
         let (contact, contact_factors) = contact.unzip();
         let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
@@ -144,12 +187,13 @@ impl Body {
             (Some(contact), Some(s)) => (s.displacement.clone(), Some(contact.with_stabilised(s))),
             (contact, _) => (companion.clone(), contact),
         };
-        let forces = condensation.multiply(&displacement);
+        let forces = self.forces(&displacement);
         let supports = Supports { space, held: &self.held };
         let residual = self.residual(&forces, &given.load, &displacement, contact.as_ref());
         let contact = contact.map(|c| c.with_equilibrium(residual.relative));
 
         // forces have the springs of free motions in them: these are taken out after that
+        let forces = if self.springs.is_empty() { forces } else { self.elastic_forces(&displacement) };
         if let Some(outside) = &self.outside {
             outside.centre(&mut displacement, mesh, space, &self.free);
         }
@@ -164,26 +208,29 @@ impl Body {
         if [total, strain, load_work].iter().chain(&displacement).any(|v| !v.is_finite()) {
             return Err(SolveError::NotFinite { energy: total });
         }
-        let (homogeneous, energy, difference) = match (&contact, unlifted) {
+        let (homogeneous, estimated, energy, difference) = match (&contact, unlifted) {
             (Some(ContactResult { stabilised: Some(_), .. }), _) => {
-                let fields = self.fields(&given, &companion, &condensation.multiply(&companion), companion_friction);
-                (fields.homogeneous, fields.energies.total, self.squared_difference(&displacement, &companion))
+                let fields = self.fields(&given, &companion, &self.elastic_forces(&companion), companion_friction);
+                let difference = self.squared_difference(&displacement, &companion);
+                (fields.homogeneous, companion, fields.energies.total, difference)
             }
             // the estimate is that of the solution on its springs
-            (_, Some(u)) => (self.fields(&given, &u, &forces, friction_work).homogeneous, total, 0.0),
-            (_, None) => (homogeneous, total, 0.0),
+            (_, Some(u)) => (self.fields(&given, &u, &forces, friction_work).homogeneous, u, total, 0.0),
+            (_, None) => (homogeneous, displacement.clone(), total, 0.0),
         };
-        let data = OnMesh { scene, mesh, space };
+        let (data, pull) = (OnMesh { scene, mesh, space }, self.springs.pull(space, mesh.len(), &estimated).extra);
+        let unresolved = data.unresolved_springs(&estimated)?;
         let particular = Particulars::new(&self.pieces, &given.particular);
         let of_corner = |e: usize, j: usize| data.traction_moment(&field, &particular, e, j);
-        let reactions = reactions(scene, (&supports, mesh), &residual.values, contact.as_ref(), of_corner);
+        let pulled = self.springs.reactions(mesh, space, &displacement);
+        let reactions = reactions(scene, (&supports, mesh), &residual.values, (contact.as_ref(), pulled), of_corner);
         let factors = Factors {
-            homogeneous,
+            homogeneous: self.settled(&homogeneous),
             outside: self.outside.as_ref().map(|outside| outside.displacement(&displacement)),
             energy,
             difference,
-            extra_load: given.extra_load,
-            unresolved: given.loads.unresolved,
+            extra_load: given.extra_load.iter().zip(pull).map(|(f, pull)| f - pull).collect(),
+            unresolved: given.loads.unresolved.iter().zip(unresolved).map(|(t, k)| t + k).collect(),
             contact: contact_factors,
         };
         let solved = Solved {
@@ -214,7 +261,7 @@ impl Body {
         displacement: &[f64],
         contact: Option<&ContactResult>,
     ) -> Residual {
-        let largest_diagonal = self.condensation.largest_diagonal();
+        let largest_diagonal = self.largest_diagonal;
         let springs = self.condensation.spring_forces(displacement);
         let forces: Vec<f64> = forces.iter().zip(springs).map(|(f, spring)| f - spring).collect();
         let equations = Equations { forces: &forces, load, displacement, largest_diagonal, contact, tied: &self.tied };
@@ -248,7 +295,14 @@ impl Body {
         let Self { mesh, space, condensation, .. } = self;
         let condensed = condensation.load_held(&given.load, &given.held);
         let Some(boundary) = given.boundary.take() else {
-            return Ok((condensation.expand(&condensed, &[]), None));
+            let mut displacement = condensation.expand(&condensed, &[]);
+            for _ in 0..if self.springs.is_empty() { 0 } else { CORRECTIONS } {
+                let forces = self.forces(&displacement);
+                let rest: Vec<f64> = given.load.iter().zip(forces).map(|(f, s)| f - s).collect();
+                let correction = condensation.expand(&condensation.load_of_correction(&rest), &[]);
+                displacement.iter_mut().zip(correction).for_each(|(u, c)| *u += c);
+            }
+            return Ok((displacement, None));
         };
         let body = CondensedBody {
             mesh,
@@ -256,7 +310,7 @@ impl Body {
             stiffness: &self.stiffness,
             load: &condensed.kept,
             expand: &|v| condensation.expand(&condensed, v),
-            largest_diagonal: condensation.largest_diagonal(),
+            largest_diagonal: self.largest_diagonal,
             driven: &|motion| work(&space.points, &given.load, motion),
             free: &self.free,
             judged: given.judged,
@@ -273,7 +327,7 @@ impl Body {
         apart.iter().zip(&stiff).map(|(a, b)| a * b).sum::<f64>().max(0.0)
     }
 
-    /// The elastic field of a nodal displacement and its energies.
+    /// The elastic field of a nodal displacement and its energies; `forces` are S u of the bodies alone.
     fn fields(&self, given: &Loading, displacement: &[f64], forces: &[f64], friction_work: f64) -> Fields {
         let mut homogeneous = displacement.to_vec();
         for (body, p) in self.pieces.iter().zip(&given.particular) {
@@ -287,9 +341,11 @@ impl Body {
         };
         let of_bodies: Vec<Energies> = self.pieces.iter().zip(&given.particular).enumerate().map(of_body).collect();
         let sum = |of: fn(&Energies) -> f64| of_bodies.iter().map(of).sum::<f64>();
+        let springs = self.springs.energy(&self.space, displacement);
         let mut energies = Energies {
-            total: sum(|e| e.total) + friction_work,
+            total: sum(|e| e.total) + springs + friction_work,
             strain: sum(|e| e.strain),
+            springs,
             load_work: sum(|e| e.load_work),
             friction_work,
         };

@@ -77,16 +77,17 @@ impl Equations<'_> {
     }
 }
 
-/// Force of the support or obstacle on the body for each held or contacting side, in their order; `residual` at the unknowns of
-/// the boundary. `traction(e, j)` parts the force of a corner between two supports: the moment of the traction on element e.
+/// Force of the support, the springs or the obstacle on the body for each held, sprung or contacting side, in their order;
+/// `residual` at the unknowns of the boundary. `traction(e, j)` parts the force of a corner between two supports: the moment of the traction on element e.
 pub(crate) fn reactions(
     scene: &Scene,
     (supports, mesh): (&Supports<'_>, &Mesh),
     residual: &[f64],
-    contact: Option<&ContactResult>,
+    (contact, springs): (Option<&ContactResult>, Vec<(usize, [f64; 2])>),
     traction: impl Fn(usize, usize) -> [f64; 2],
 ) -> Vec<(String, [f64; 2])> {
     let mut reactions = supports.reactions(residual, mesh, &scene.problem.sides, traction);
+    reactions.extend(springs);
     if let Some(c) = contact {
         reactions.extend(scene.contacts().map(|(side, _)| (side, c.force(side))));
     }

@@ -16,6 +16,7 @@ use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::nodal_work;
 use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Assembled;
+use crate::data::springs::Springs;
 use crate::data::supports::Supports;
 use crate::error::SolveError;
 use crate::solve::body::Loading;
@@ -49,7 +50,7 @@ type Motion = (usize, RigidMotion);
 struct Constraints {
     /// Along the directions of contact between bodies.
     touching: Vec<Vec<f64>>,
-    /// Of supports, ties, friction and obstacles.
+    /// Of supports, springs, ties, friction and obstacles.
     firm: Vec<Vec<f64>>,
 }
 
@@ -63,12 +64,12 @@ impl OnMesh<'_> {
         &self,
         bodies: &[Assembled],
         joints: &[Joint],
-        supports: &Supports<'_>,
+        (supports, springs): (&Supports<'_>, &Springs),
         given: &Loading,
         tied: &[TiedNode],
     ) -> Result<Loose, SolveError> {
         let motions = self.motions_of(bodies);
-        let constraints = self.constraints(bodies, &motions, supports, given, tied);
+        let constraints = self.constraints(bodies, &motions, (supports, springs), given, tied);
         let all: Vec<Vec<f64>> = constraints.firm.iter().chain(&constraints.touching).cloned().collect();
         let (mut free, rounding) = kernel(&all, motions.len());
         let mut rotations = self.own_rotations(bodies, joints, &motions, &constraints.firm);
@@ -141,7 +142,7 @@ impl OnMesh<'_> {
         &self,
         bodies: &[Assembled],
         motions: &[Motion],
-        supports: &Supports<'_>,
+        (supports, springs): (&Supports<'_>, &Springs),
         given: &Loading,
         tied: &[TiedNode],
     ) -> Constraints {
@@ -160,6 +161,13 @@ impl OnMesh<'_> {
         let mut found = Constraints::default();
         found.firm.extend(supports.dofs().iter().map(|(dof, _)| constraint(dof / 2, axis(*dof), None)));
         found.firm.extend(tied.iter().map(|tied| constraint(tied.dof / 2, axis(tied.dof), Some(&tied.relative))));
+        for (body, Assembled { piece, .. }) in bodies.iter().enumerate() {
+            let of = |x: [f64; 2], d: [f64; 2]| {
+                let of_motion = |(of, motion): &Motion| if *of == body { dot(&d, &motion.at(x)) } else { 0.0 };
+                motions.iter().map(of_motion).collect()
+            };
+            found.firm.extend(springs.resisted(|e| piece.elements.contains(&e)).into_iter().map(|(x, d)| of(x, d)));
+        }
         let Some(boundary) = &given.boundary else { return found };
         let mut first = 0;
         for (node, contact) in boundary.nodes.iter().zip(&boundary.contact) {

@@ -12,7 +12,8 @@ use crate::data::body_load::Particular;
 use crate::data::joints::{Joint, TiedNode};
 use crate::data::motions::unresisted;
 use crate::data::on_mesh::OnMesh;
-use crate::data::parts::{Assembled, pieces};
+use crate::data::parts::{Assembled, Carried, pieces};
+use crate::data::springs::Springs;
 use crate::data::supports::{Held, Supports};
 use crate::error::SolveError;
 use crate::solve::assemble::operators;
@@ -22,7 +23,7 @@ use crate::solve::free_bodies::Loose;
 use crate::solve::inclusion::Outside;
 use crate::solve::rotations::{missed, project_load_off, project_off, rigid_load};
 use crate::solve::solution::{Seconds, Solved};
-use crate::solve::stabilised::{self, solve_stabilised};
+use crate::solve::stabilised::{self, StabilisedContact, solve_stabilised};
 use crate::solve::thin::without_digits;
 use crate::stage::Stage;
 
@@ -93,7 +94,7 @@ fn assemble(
         observe(Stage::Progress("Steklov-Poincaré matrix", 0.05 + 0.7 * share * (k as f64 + 0.35)))?;
         let Steklov { matrix, traction: traction_map } = Steklov::new(operators, scene.domain(k))?;
         matrices.push(matrix);
-        bodies.push(Assembled { piece, length, traction_map, turning: Vec::new() });
+        bodies.push(Assembled { piece, length, traction_map, turning: Vec::new(), carried: None });
         seconds.factorise += clock.elapsed().as_secs_f64();
     }
     Ok((matrices, bodies))
@@ -105,7 +106,7 @@ fn unresisted_motions(
     data: &OnMesh<'_>,
     bodies: &mut [Assembled],
     (joints, tied): (&[Joint], &[TiedNode]),
-    held: &[Held],
+    (held, springs): (&[Held], &Springs),
     matrices: &mut [Mat<f64>],
     given: &mut Loading,
 ) -> Result<(Vec<RigidMotion>, Loose), SolveError> {
@@ -113,7 +114,7 @@ fn unresisted_motions(
     let supports = Supports { space, held };
     Ok(match bodies {
         [_] => {
-            let candidates = data.scene.unresisted(0, supports.free_motions());
+            let candidates = data.scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
             let missed = missed(data.mesh, space, &candidates);
             let free = free_motions(data, given, bodies, &candidates, missed)?;
             let motions = nodal(&free, space);
@@ -129,19 +130,79 @@ fn unresisted_motions(
                 bodies.iter_mut().zip(matrices).filter(|(body, _)| bounded(body))
             {
                 let of_piece = Supports { space: &piece.space, held: &held[piece.nodes.clone()] };
-                let candidates = of_piece.free_motions();
+                let candidates = of_piece.free_motions(springs.resisted(|e| piece.elements.contains(&e)));
                 if missed(&piece.mesh, &piece.space, &candidates) > 0.0 {
                     project_off(matrix, &nodal(&candidates, &piece.space));
                     *turning = candidates;
                 }
             }
-            let loose = data.loose_motions(bodies, joints, &supports, given, tied)?;
+            let loose = data.loose_motions(bodies, joints, (&supports, springs), given, tied)?;
             for (body, rotation) in &loose.rotations {
                 project_load_off(bodies[*body].piece.own_mut(&mut given.load), std::slice::from_ref(rotation));
             }
             (Vec::new(), loose)
         }
     })
+}
+
+/// Contact with stabilised multipliers; `candidates` are the motions that neither supports nor springs resist.
+fn stabilise(
+    data: &OnMesh<'_>,
+    (body, stiffness): (&Assembled, &Mat<f64>),
+    given: &Loading,
+    held: &[(usize, f64)],
+    candidates: &[RigidMotion],
+    loose: &Loose,
+) -> Result<StabilisedContact, SolveError> {
+    let of_stabilised = stabilised::Body {
+        traction: &body.traction_map,
+        stiffness,
+        load: &given.load,
+        held,
+        rigid: &nodal(candidates, data.space),
+        free: &loose.motions,
+        particular: given.particular[0].as_ref(),
+    };
+    solve_stabilised(data, &of_stabilised)
+}
+
+/// Adds springs to the matrices; the largest entry of the diagonal without them, if there are any. What rounding leaves of the
+/// resistance of bodies to the motions that springs alone hold is taken out first: springs may be softer.
+fn add_springs(
+    data: &OnMesh<'_>,
+    springs: &Springs,
+    bodies: &mut [Assembled],
+    held: &[Held],
+    matrices: &mut [Mat<f64>],
+) -> Option<f64> {
+    if springs.is_empty() {
+        return None;
+    }
+    let diagonals = matrices.iter().flat_map(|s| (0..s.nrows()).map(|i| s[(i, i)]));
+    let largest = diagonals.fold(0.0, f64::max);
+    for (Assembled { piece, carried, .. }, matrix) in bodies.iter_mut().zip(matrices) {
+        if springs.resisted(|e| piece.elements.contains(&e)).is_empty() {
+            continue;
+        }
+        let mut motions = Supports { space: &piece.space, held: &held[piece.nodes.clone()] }.free_motions(Vec::new());
+        if missed(&piece.mesh, &piece.space, &motions) > 0.0 {
+            // what nodes miss of rotations on curves is strain
+            motions.retain(|motion| motion.rotation == 0.0);
+        }
+        if !motions.is_empty() {
+            project_off(matrix, &nodal(&motions, &piece.space));
+        }
+        if !motions.is_empty() {
+            let pull = |own: &[f64]| {
+                let mut all = vec![0.0; data.space.dofs()];
+                piece.own_mut(&mut all).copy_from_slice(own);
+                piece.own(&springs.pull(data.space, data.mesh.len(), &all).base).to_vec()
+            };
+            *carried = Some(Carried::new(motions, &piece.space.points, largest, pull));
+        }
+        springs.stiffen(matrix, piece, data.space);
+    }
+    Some(largest)
 }
 
 /// Solves the scene on a mesh; `estimated`: an estimate is to follow. Moments of pairs of elements are taken from `cache` where
@@ -166,6 +227,7 @@ pub fn solve(
     let joints = data.joints()?;
     let boundary = data.condensed_contact(&held, &joints)?;
     let tied = data.tied_nodes(&joints, &held, boundary.as_ref())?;
+    let springs = data.springs()?;
     seconds.set_up = clock.elapsed().as_secs_f64();
 
     let (mut matrices, mut bodies) = assemble(&data, estimated, cache, &mut seconds, observe)?;
@@ -178,6 +240,7 @@ pub fn solve(
         observe(Stage::Steklov(k, matrix))?;
     }
     let particular = particular(scene, &bodies, &matrices);
+    let largest_diagonal = add_springs(&data, &springs, &mut bodies, &held, &mut matrices);
     let supports = Supports { space: &space, held: &held };
     let mut values = supports.values();
     values.extend(tied.iter().map(|tied| tied.jump));
@@ -187,20 +250,13 @@ pub fn solve(
     }
 
     observe(Stage::Progress("condensation", 0.75))?;
-    let (free, loose) = unresisted_motions(&data, &mut bodies, (&joints, &tied), &held, &mut matrices, &mut given)?;
+    let (free, loose) =
+        unresisted_motions(&data, &mut bodies, (&joints, &tied), (&held, &springs), &mut matrices, &mut given)?;
     let (partition, rows) = partition(given.boundary.as_ref(), &supports, &tied);
     if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
-        let candidates = scene.unresisted(0, supports.free_motions());
-        let of_stabilised = stabilised::Body {
-            traction: &bodies[0].traction_map,
-            stiffness: &matrices[0],
-            load: &given.load,
-            held: &partition.held,
-            rigid: &nodal(&candidates, &space),
-            free: &loose.motions,
-            particular: given.particular[0].as_ref(),
-        };
-        given.stabilised = Some(solve_stabilised(&data, &of_stabilised)?);
+        let candidates = scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
+        let of_body = (&bodies[0], &matrices[0]);
+        given.stabilised = Some(stabilise(&data, of_body, &given, &partition.held, &candidates, &loose)?);
     }
     let condensation = Assembly::new(matrices, &partition, &rows, &loose.motions, &loose.rotations)
         .map_err(|error| without_digits(error, &scene.problem, &bodies))?;
@@ -209,7 +265,21 @@ pub fn solve(
     let clock = Instant::now();
     observe(Stage::Progress("contact", 0.95))?;
     let stiffness = if given.boundary.is_some() { condensation.stiffness()? } else { Mat::new() };
-    let mut body = Body { mesh, space, pieces: bodies, condensation, outside, stiffness, joints, tied, held, free };
+    let largest_diagonal = largest_diagonal.unwrap_or_else(|| condensation.largest_diagonal());
+    let mut body = Body {
+        mesh,
+        space,
+        pieces: bodies,
+        condensation,
+        outside,
+        stiffness,
+        joints,
+        tied,
+        held,
+        springs,
+        largest_diagonal,
+        free,
+    };
     let (mut solved, factors) =
         body.answer(scene, given, &mut |problem| solve_problem(problem, scene.method.solver))?;
     if scene.random.is_none() {

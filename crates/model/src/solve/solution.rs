@@ -63,7 +63,7 @@ pub struct Solved {
     pub equilibrium: f64,
     /// Whether that is as small as rounding allows: else too many digits were lost to call the answer one.
     pub balanced: bool,
-    /// Force of the support or obstacle on the body for each held or contacting side.
+    /// Force on the body of the support, the springs or the obstacle of each side that has one.
     pub reactions: Vec<(String, [f64; 2])>,
     /// Rigid motions that nothing resists and no load drives; the displacement has none of them.
     pub free_motions: Vec<RigidMotion>,

@@ -31,6 +31,7 @@ fn reader(path: &str) -> Option<Box<Reader>> {
     let reader: Box<Reader> = match path.split('.').collect::<Vec<_>>()[..] {
         ["energy"] => Box::new(|s| Some(s.energy)),
         ["strain_energy"] => Box::new(|s| Some(s.strain_energy)),
+        ["spring_energy"] => Box::new(|s| s.spring_energy),
         ["load_work"] => Box::new(|s| Some(s.load_work)),
         ["friction_work"] => Box::new(|s| Some(s.friction_work)),
         ["contact", "length"] => contact(|c| Some(c.length)),

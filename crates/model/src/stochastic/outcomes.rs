@@ -108,12 +108,12 @@ impl<'a> Outcomes<'a> {
             scale_bounds(&mut boundary.contact, 1.0 / modulus);
         }
         let pieces = &self.body.pieces;
-        let product = |u: &[f64]| self.body.condensation.multiply(u);
+        let product = |u: &[f64]| self.body.elastic_forces(u);
         let particular = vec![Particular::of_body(&scene, 0, 1.0 / modulus, &pieces[0].piece, product)];
         let supports = Supports { space, held: &held };
         let mut given = Loading::new(loads, particular, boundary, supports.values(), pieces);
         given.judged = false;
-        let candidates = scene.unresisted(0, supports.free_motions());
+        let candidates = scene.unresisted(0, supports.free_motions(self.body.springs.resisted(|_| true)));
         let missed = missed(mesh, space, &candidates);
         let free = match rigid_load(&data, &given, pieces, missed)? {
             None => unresisted(&space.points, &given.load, given.boundary.as_ref(), &candidates)?,
@@ -218,7 +218,7 @@ impl<'a> Outcomes<'a> {
 fn scale(figures: &mut Summary, modulus: f64) {
     let energies =
         [&mut figures.energy, &mut figures.strain_energy, &mut figures.load_work, &mut figures.friction_work];
-    energies.into_iter().for_each(|e| *e *= modulus);
+    energies.into_iter().chain(&mut figures.spring_energy).for_each(|e| *e *= modulus);
     if let Some(contact) = &mut figures.contact {
         contact.force = contact.force.map(|f| f * modulus);
     }

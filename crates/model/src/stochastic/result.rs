@@ -261,7 +261,7 @@ pub(super) fn bounds(scene: &Scene, path: &str) -> [f64; 2] {
     let edges = scene.problem.outline.edges().iter().filter(|e| scene.contact(e.side).is_some());
     match path {
         "contact.length" | "contact.stick" | "contact.slip" => [0.0, edges.map(|e| e.length()).sum()],
-        "contact.max_pressure" | "strain_energy" | "friction_work" => [0.0, f64::INFINITY],
+        "contact.max_pressure" | "strain_energy" | "spring_energy" | "friction_work" => [0.0, f64::INFINITY],
         _ => [f64::NEG_INFINITY, f64::INFINITY],
     }
 }

@@ -11,8 +11,10 @@ const BEYOND: f64 = 1e-9;
 
 /// Last keys of paths that are components of one vector or tensor, and paths of one unit that are parts of each other.
 const COMPONENTS: [&[&str]; 3] = [&["x", "y"], &["0", "1", "2"], &["xx", "yy", "xy"]];
-const PARTS: [&[&str]; 2] =
-    [&["energy", "strain_energy", "load_work", "friction_work"], &["contact.length", "contact.stick", "contact.slip"]];
+const PARTS: [&[&str]; 2] = [
+    &["energy", "strain_energy", "spring_energy", "load_work", "friction_work"],
+    &["contact.length", "contact.stick", "contact.slip"],
+];
 
 /// The paths whose largest value is the scale of a quantity: its own, and those of what it is a component or part of.
 pub(super) fn of_one_scale(path: &str) -> Vec<String> {
