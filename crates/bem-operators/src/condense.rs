@@ -3,8 +3,9 @@
 use faer::linalg::triangular_solve::{solve_lower_triangular_in_place, solve_upper_triangular_in_place};
 use faer::prelude::*;
 use faer::{Col, Mat, MatMut, Par};
-use steklov_algebra::{Image, add_to_lower, cholesky, solve_lower};
+use steklov_algebra::{Image, add_to_lower, check_cholesky, cholesky, scaled_probe, solve_lower};
 
+use crate::steklov::{is_finite, of_factor};
 use crate::{BemError, Dof};
 
 /// What becomes of the unknowns: each displacement unknown is eliminated, kept, or held at a value.
@@ -25,17 +26,29 @@ pub struct Partition {
 /// storage, while its upper triangle still holds S.
 #[derive(Debug, Clone)]
 pub struct Condensation {
-    /// Strict upper triangle: S; lower triangle: L of S_RR, and S_KR L⁻ᵀ below it.
-    matrix: Mat<f64>,
-    /// The image of L⁻¹ S_RK.
-    of_coupling: Image,
-    diagonal: Vec<f64>,
-    /// Unknown at each position.
-    order: Vec<Dof>,
-    eliminated: usize,
-    kept: usize,
-    held: Vec<f64>,
-    frames: Vec<(usize, [[f64; 2]; 2])>,
+    parts: CondensationParts,
+    /// The image of L⁻¹ S_RK, unless that was read.
+    of_coupling: Option<Image>,
+}
+
+/// What a [`Condensation`] consists of.
+#[derive(Debug, Clone)]
+pub struct CondensationParts {
+    /// Strict upper triangle: S in the order of the positions; lower triangle: L of S_RR, and S_KR L⁻ᵀ below it. The rest
+    /// of the lower triangle is not used.
+    pub matrix: Mat<f64>,
+    /// Diagonal of S.
+    pub diagonal: Vec<f64>,
+    /// Unknown at each position: eliminated, kept, held.
+    pub order: Vec<Dof>,
+    /// How many are eliminated.
+    pub eliminated: usize,
+    /// How many are kept.
+    pub kept: usize,
+    /// Values of the held ones.
+    pub held: Vec<f64>,
+    /// As in [`Partition`].
+    pub frames: Vec<(usize, [[f64; 2]; 2])>,
 }
 
 /// A load reduced to the kept unknowns.
@@ -92,7 +105,23 @@ impl Condensation {
         let of_coupling = solve_lower(factor, coupling.transpose_mut(), None)?;
 
         let held = partition.held.iter().map(|h| h.1).collect();
-        Ok(Self { matrix, of_coupling, diagonal, order, eliminated, kept, held, frames: partition.frames.clone() })
+        let frames = partition.frames.clone();
+        let parts = CondensationParts { matrix, diagonal, order, eliminated, kept, held, frames };
+        Ok(Self { parts, of_coupling: Some(of_coupling) })
+    }
+
+    /// What it consists of.
+    pub fn parts(&self) -> &CondensationParts {
+        &self.parts
+    }
+
+    /// The condensation of these parts. That L Lᵀ = S_RR and C Lᵀ = S_KR is seen on a vector, in n² operations.
+    ///
+    /// # Errors
+    /// [`BemError::Part`] for a part that does not fit.
+    pub fn from_parts(parts: CondensationParts) -> Result<Self, BemError> {
+        parts.check()?;
+        Ok(Self { parts, of_coupling: None })
     }
 
     /// S_c, kept × kept, full storage.
@@ -100,17 +129,17 @@ impl Condensation {
     /// # Errors
     /// [`BemError::Fault`].
     pub fn stiffness(&self) -> Result<Mat<f64>, BemError> {
-        let (r, k) = (self.eliminated, self.kept);
+        let (r, k) = (self.parts.eliminated, self.parts.kept);
         let coupling = self.coupling();
         let mut condensed = Mat::from_fn(k, k, |i, j| self.entry(r + i.min(j), r + i.max(j)));
-        add_to_lower(condensed.as_mut(), coupling, coupling.transpose(), -1.0, Some(&self.of_coupling))?;
+        add_to_lower(condensed.as_mut(), coupling, coupling.transpose(), -1.0, self.of_coupling.as_ref())?;
         crate::steklov::mirror_lower(condensed.as_mut());
         Ok(condensed)
     }
 
     /// Reduces a nodal load (interleaved x, y, all unknowns) and the forces of the held values.
     pub fn load(&self, load: &[f64]) -> CondensedLoad {
-        self.load_held(load, &self.held)
+        self.load_held(load, &self.parts.held)
     }
 
     /// As [`Self::load`], with other values of the held unknowns, in the order of [`Partition::held`].
@@ -118,8 +147,8 @@ impl Condensation {
     /// # Panics
     /// When there are fewer or more of them.
     pub fn load_held(&self, load: &[f64], held: &[f64]) -> CondensedLoad {
-        assert_eq!(held.len(), self.held.len(), "values of held unknowns");
-        let (r, k) = (self.eliminated, self.kept);
+        assert_eq!(held.len(), self.parts.held.len(), "values of held unknowns");
+        let (r, k) = (self.parts.eliminated, self.parts.kept);
         let mut f = self.to_positions(load);
         for (h, &value) in held.iter().enumerate() {
             if value != 0.0 {
@@ -140,13 +169,13 @@ impl Condensation {
 
     /// Reduces a nodal load with the held values at 0: that of a correction.
     pub fn load_of_correction(&self, load: &[f64]) -> CondensedLoad {
-        self.load_held(load, &vec![0.0; self.held.len()])
+        self.load_held(load, &vec![0.0; self.parts.held.len()])
     }
 
     /// Nodal displacement (interleaved x, y) of the kept values, in equilibrium with the load at the eliminated unknowns.
     pub fn expand(&self, load: &CondensedLoad, kept: &[f64]) -> Vec<f64> {
-        let v = Col::from_fn(self.kept, |i| kept[i]);
-        let mut u = Col::from_fn(self.eliminated, |i| load.eliminated[i]);
+        let v = Col::from_fn(self.parts.kept, |i| kept[i]);
+        let mut u = Col::from_fn(self.parts.eliminated, |i| load.eliminated[i]);
         u -= self.coupling().transpose() * &v;
         solve_upper_triangular_in_place(self.factor().transpose(), u.as_mat_mut(), Par::Seq);
         let positions: Vec<f64> = u.iter().chain(kept).chain(&load.held).copied().collect();
@@ -155,21 +184,21 @@ impl Condensation {
 
     /// Number of all unknowns.
     pub fn size(&self) -> usize {
-        self.order.len()
+        self.parts.order.len()
     }
 
     /// Largest diagonal entry of S: the scale of S u is this times that of u.
     pub fn largest_diagonal(&self) -> f64 {
-        self.diagonal.iter().fold(0.0, |m: f64, d| m.max(*d))
+        self.parts.diagonal.iter().fold(0.0, |m: f64, d| m.max(*d))
     }
 
     /// S u of a nodal displacement (both interleaved x, y).
     pub fn multiply(&self, displacement: &[f64]) -> Vec<f64> {
         let u = self.to_positions(displacement);
-        let mut result: Vec<f64> = u.iter().zip(&self.diagonal).map(|(u, d)| u * d).collect();
+        let mut result: Vec<f64> = u.iter().zip(&self.parts.diagonal).map(|(u, d)| u * d).collect();
         for j in 1..u.len() {
             let mut sum = 0.0;
-            for (i, &s) in self.matrix.col(j).subrows(0, j).iter().enumerate() {
+            for (i, &s) in self.parts.matrix.col(j).subrows(0, j).iter().enumerate() {
                 sum += s * u[i];
                 result[i] += s * u[j];
             }
@@ -179,39 +208,108 @@ impl Condensation {
     }
 
     fn factor(&self) -> faer::MatRef<'_, f64> {
-        self.matrix.as_ref().submatrix(0, 0, self.eliminated, self.eliminated)
+        self.parts.matrix.as_ref().submatrix(0, 0, self.parts.eliminated, self.parts.eliminated)
     }
 
     fn coupling(&self) -> faer::MatRef<'_, f64> {
-        self.matrix.as_ref().submatrix(self.eliminated, 0, self.kept, self.eliminated)
+        self.parts.matrix.as_ref().submatrix(self.parts.eliminated, 0, self.parts.kept, self.parts.eliminated)
     }
 
     /// Entry of S at positions i ≤ j.
     fn entry(&self, i: usize, j: usize) -> f64 {
-        if i == j { self.diagonal[i] } else { self.matrix[(i, j)] }
+        if i == j { self.parts.diagonal[i] } else { self.parts.matrix[(i, j)] }
     }
 
     fn to_positions(&self, nodal: &[f64]) -> Vec<f64> {
         let mut turned = nodal.to_vec();
-        for &(node, [a, b]) in &self.frames {
+        for &(node, [a, b]) in &self.parts.frames {
             let (x, y) = (nodal[2 * node], nodal[2 * node + 1]);
             turned[2 * node] = a[0] * x + a[1] * y;
             turned[2 * node + 1] = b[0] * x + b[1] * y;
         }
-        self.order.iter().map(|&dof| turned[dof]).collect()
+        self.parts.order.iter().map(|&dof| turned[dof]).collect()
     }
 
     fn to_nodes(&self, positions: &[f64]) -> Vec<f64> {
         let mut nodal = vec![0.0; positions.len()];
-        for (&dof, &value) in self.order.iter().zip(positions) {
+        for (&dof, &value) in self.parts.order.iter().zip(positions) {
             nodal[dof] = value;
         }
-        for &(node, [a, b]) in &self.frames {
+        for &(node, [a, b]) in &self.parts.frames {
             let (p, q) = (nodal[2 * node], nodal[2 * node + 1]);
             nodal[2 * node] = a[0] * p + b[0] * q;
             nodal[2 * node + 1] = a[1] * p + b[1] * q;
         }
         nodal
+    }
+}
+
+/// Rounding of C Lᵀ over the number of its terms and the root of the diagonal.
+const SAME: f64 = 1e-11;
+
+impl CondensationParts {
+    fn check(&self) -> Result<(), BemError> {
+        let wrong = |part: &'static str, what: String| Err(BemError::Part { part, what });
+        let (n, r, k) = (self.order.len(), self.eliminated, self.kept);
+        if (self.matrix.nrows(), self.matrix.ncols(), self.diagonal.len()) != (n, n, n) || n % 2 != 0 {
+            let what = format!("it is {}×{} for {n} unknowns", self.matrix.nrows(), self.matrix.ncols());
+            return wrong("S", what);
+        }
+        if r.checked_add(k).and_then(|all| all.checked_add(self.held.len())) != Some(n) {
+            return wrong("held_values", format!("{r} eliminated, {k} kept, {} held of {n}", self.held.len()));
+        }
+        let mut taken = vec![false; n];
+        for (position, &dof) in self.order.iter().enumerate() {
+            if dof >= n || std::mem::replace(&mut taken[dof], true) {
+                let part = ["eliminated", "kept", "held"][usize::from(position >= r) + usize::from(position >= r + k)];
+                return wrong(part, format!("unknown {dof} of {n} stands there twice or is none"));
+            }
+        }
+        if !is_finite(&self.matrix) || !self.diagonal.iter().all(|d| d.is_finite()) {
+            return wrong("S", "an entry of it, of L or of the coupling is not finite".into());
+        }
+        if let Some(value) = self.held.iter().find(|v| !v.is_finite()) {
+            return wrong("held_values", format!("{value} is no displacement"));
+        }
+        let mut turned = vec![false; n / 2];
+        for &(node, [a, b]) in &self.frames {
+            let products =
+                [a[0] * a[0] + a[1] * a[1] - 1.0, b[0] * b[0] + b[1] * b[1] - 1.0, a[0] * b[0] + a[1] * b[1]];
+            if node >= n / 2 || std::mem::replace(&mut turned[node], true) {
+                return wrong("frame_nodes", format!("node {node} of {} is turned twice or is none", n / 2));
+            }
+            if !products.iter().all(|p| p.abs() <= 1e-9) {
+                return wrong("frames", format!("{a:?} and {b:?} are not orthonormal"));
+            }
+        }
+        self.check_factor()
+    }
+
+    fn check_factor(&self) -> Result<(), BemError> {
+        let wrong = |part: &'static str, what: String| Err(BemError::Part { part, what });
+        let (r, k) = (self.eliminated, self.kept);
+        let factor = self.matrix.as_ref().submatrix(0, 0, r, r);
+        if let Some(i) = (0..r).find(|&i| factor[(i, i)] <= 0.0) {
+            return wrong("L", format!("pivot {i} is {}", factor[(i, i)]));
+        }
+        let mut stiffness = of_factor(factor);
+        (0..r).for_each(|i| stiffness[(i, i)] = self.diagonal[i]);
+        if let Err(fault) = check_cholesky(stiffness.as_ref(), factor) {
+            return wrong("L", format!("L L^T is not S of the eliminated unknowns: {fault}"));
+        }
+        let probe = scaled_probe(self.diagonal[..r].iter().copied());
+        let transposed = |j: usize| (j..r).map(|i| factor[(i, j)] * probe[i]).sum::<f64>();
+        let inner: Vec<f64> = (0..r).map(transposed).collect();
+        for row in r..r + k {
+            let of_coupling: f64 = (0..r).map(|j| self.matrix[(row, j)] * inner[j]).sum();
+            let of_stiffness: f64 = (0..r).map(|i| self.matrix[(i, row)] * probe[i]).sum();
+            let rounding = SAME * r as f64 * self.diagonal[row].max(0.0).sqrt();
+            if (of_coupling - of_stiffness).abs() > rounding {
+                let what = format!("row {} makes {of_coupling} of a vector, S {of_stiffness}", row - r);
+                return wrong("coupling", what);
+            }
+        }
+        Ok(())
     }
 }
 

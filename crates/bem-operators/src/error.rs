@@ -18,6 +18,14 @@ pub enum BemError {
         /// Which element, and what is wrong with it.
         what: String,
     },
+    /// A stored part that does not fit the others.
+    #[error("{part} does not fit: {what}")]
+    Part {
+        /// Name of the part.
+        part: &'static str,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The single layer matrix V has no Cholesky factor: the length in log(L/r) is too small for the boundary.
     #[error(
         "the single layer matrix is not positive definite (pivot {pivot} of {size}): \

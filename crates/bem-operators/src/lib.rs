@@ -78,7 +78,7 @@ pub mod proptest;
 pub use assemble::Operators;
 pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_displacement};
 pub use cache::PairCache;
-pub use condense::{Condensation, CondensedLoad, Partition};
+pub use condense::{Condensation, CondensationParts, CondensedLoad, Partition};
 pub use curve::{CircularArc, Curve, PolynomialCurve, Shape};
 pub use cut::{Cut, CutError};
 pub use edge::{Edge, LARGEST_OPENING, Path};
@@ -96,7 +96,7 @@ pub use potential::{BoundaryField, Inside, Trace};
 pub use predicates::distance_to_segment;
 pub use residual::{BoundaryResidual, Look, boundary_residuals, boundary_residuals_of, graded_panels, residual_panels};
 pub use space::{Dof, Space};
-pub use steklov::{Domain, Steklov, TractionMap};
+pub use steklov::{Domain, Steklov, TractionMap, TractionParts, Translations};
 pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
 pub use trace_rows::steklov_trace_rows;
 

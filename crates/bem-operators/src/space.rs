@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use steklov_quadrature::LobattoBasis;
 
-use crate::Mesh;
+use crate::{BemError, Mesh};
 
 /// Displacement and traction unknowns of a [`Mesh`].
 ///
@@ -41,6 +41,36 @@ impl Space {
             offset.push(points.len());
         }
         Self { offset, next: mesh.next.clone(), points, bases }
+    }
+
+    /// The space of these offsets, successors and nodal points; its bases are made anew.
+    ///
+    /// # Errors
+    /// [`BemError::Part`] unless offsets rise from 0 to the number of points by degrees from 1 to [`Mesh::MAX_DEGREE`], each
+    /// element follows one other, and points are finite.
+    pub fn from_parts(offset: Vec<usize>, next: Vec<usize>, points: Vec<[f64; 2]>) -> Result<Self, BemError> {
+        let n = next.len();
+        let wrong = |part: &'static str, what: String| Err(BemError::Part { part, what });
+        if n == 0 || offset.len() != n + 1 || offset[0] != 0 || offset[n] != points.len() {
+            return wrong("offset", format!("{} of them for {n} elements and {} nodes", offset.len(), points.len()));
+        }
+        let mut bases = BTreeMap::new();
+        for (e, ends) in offset.windows(2).enumerate() {
+            match ends[1].checked_sub(ends[0]) {
+                Some(p @ 1..=Mesh::MAX_DEGREE) => bases.entry(p).or_insert_with(|| LobattoBasis::new(p)),
+                _ => return wrong("offset", format!("element {e} owns the nodes from {} to {}", ends[0], ends[1])),
+            };
+        }
+        let mut followed = vec![false; n];
+        for (e, &next) in next.iter().enumerate() {
+            if next >= n || next == e || std::mem::replace(&mut followed[next], true) {
+                return wrong("next", format!("element {e} is followed by {next}, of {n} elements in closed loops"));
+            }
+        }
+        if let Some(k) = points.iter().position(|x| !x.iter().all(|x| x.is_finite())) {
+            return wrong("points", format!("node {k} is at ({}, {})", points[k][0], points[k][1]));
+        }
+        Ok(Self { offset, next, points, bases })
     }
 
     /// Number of displacement nodes, equal to the number of traction coefficients.

@@ -4,7 +4,7 @@ use faer::linalg::matmul::matmul;
 use faer::linalg::triangular_solve::solve_upper_triangular_in_place;
 use faer::prelude::*;
 use faer::{Accum, Col, Mat, MatMut, MatRef, Par};
-use steklov_algebra::{Image, add_to_lower, cholesky, parts, solve_lower};
+use steklov_algebra::{Image, add_to_lower, check_cholesky, cholesky, parts, solve_lower};
 
 use crate::{BemError, Operators};
 
@@ -57,23 +57,31 @@ pub struct Steklov {
 /// ψ = V⁻¹ H u by the Cholesky factor of V, with the sign of the domain.
 #[derive(Debug, Clone)]
 pub struct TractionMap {
-    /// L of V = L Lᵀ in the lower triangle; what stands above it is V.
-    factor: Mat<f64>,
-    /// L⁻¹ H, traction × displacement; bounded at infinity, without its part along L⁻¹ H 1.
-    solved: Mat<f64>,
-    /// The image of that, unless a part has been taken out of it.
+    parts: TractionParts,
+    /// The image of L⁻¹ H, unless a part has been taken out of it or it was read.
     image: Option<Image>,
-    domain: Domain,
-    translations: Option<Translations>,
+}
+
+/// What a [`TractionMap`] consists of.
+#[derive(Debug, Clone)]
+pub struct TractionParts {
+    /// On which side of the boundary the body lies.
+    pub domain: Domain,
+    /// L of V = L Lᵀ in the lower triangle; what stands above it is V.
+    pub factor: Mat<f64>,
+    /// L⁻¹ H, traction × displacement; bounded at infinity, without its part along L⁻¹ H 1.
+    pub solved: Mat<f64>,
+    /// What has been taken out, bounded at infinity.
+    pub translations: Option<Translations>,
 }
 
 /// What is taken out of L⁻¹ H where the displacement is bounded at infinity: L⁻¹ H 1 = Q R, QᵀQ = 1.
 #[derive(Debug, Clone)]
-struct Translations {
+pub struct Translations {
     /// Q, traction × 2.
-    basis: Mat<f64>,
-    /// The constant at infinity, a = R⁻¹ Qᵀ L⁻¹ H u: 2 × displacement.
-    constant: Mat<f64>,
+    pub basis: Mat<f64>,
+    /// The constant at infinity, a = R⁻¹ Qᵀ L⁻¹ H u: 2 × displacement; that of a translation is itself.
+    pub constant: Mat<f64>,
 }
 
 impl Translations {
@@ -136,25 +144,154 @@ impl Steklov {
         }
         add_to_lower(matrix.as_mut(), solved.transpose(), solved.as_ref(), 1.0, image.as_ref())?;
         mirror_lower(matrix.as_mut());
-        Ok(Self { matrix, traction: TractionMap { factor, solved, image, domain, translations } })
+        Ok(Self {
+            matrix,
+            traction: TractionMap { parts: TractionParts { domain, factor, solved, translations }, image },
+        })
+    }
+
+    /// S with a traction map of these parts.
+    ///
+    /// What is checked beside extents and signs takes N² operations: L Lᵀ is V on a vector, S is symmetric, and W, which is S less
+    /// (L⁻¹H)ᵀ(L⁻¹H), takes translations to 0; bounded at infinity QᵀQ = 1, QᵀL⁻¹H = 0, and translations have themselves at
+    /// infinity.
+    ///
+    /// # Errors
+    /// [`BemError::Part`] for a part that does not fit.
+    pub fn from_parts(matrix: Mat<f64>, parts: TractionParts) -> Result<Self, BemError> {
+        parts.check()?;
+        let (n, wrong) = (parts.solved.ncols(), |what| Err(BemError::Part { part: "S", what }));
+        if (matrix.nrows(), matrix.ncols()) != (n, n) {
+            return wrong(format!("it is {}×{}, not {n}×{n}", matrix.nrows(), matrix.ncols()));
+        }
+        for (i, j) in (0..n).flat_map(|j| (0..=j).map(move |i| (i, j))) {
+            if !matrix[(i, j)].is_finite() || matrix[(i, j)] != matrix[(j, i)] {
+                return wrong(format!("it is {} at ({i}, {j}), {} at ({j}, {i})", matrix[(i, j)], matrix[(j, i)]));
+            }
+        }
+        let sum = |a: MatRef<'_, f64>, of: fn(f64) -> f64| {
+            let mut sums = Mat::<f64>::zeros(a.nrows(), 2);
+            for (j, column) in a.col_iter().enumerate() {
+                (0..a.nrows()).for_each(|i| sums[(i, j % 2)] += of(column[i]));
+            }
+            sums
+        };
+        let (moved, terms) = (sum(parts.solved.as_ref(), |v| v), sum(parts.solved.as_ref(), f64::abs));
+        let rest = sum(matrix.as_ref(), |v| v) - parts.solved.transpose() * moved;
+        let scale = sum(matrix.as_ref(), f64::abs);
+        for (i, j) in (0..n).flat_map(|i| [(i, 0), (i, 1)]) {
+            let single: f64 = parts.solved.col(i).iter().zip(terms.col(j).iter()).map(|(x, t)| x.abs() * t).sum();
+            if rest[(i, j)].abs() > SAME * (scale[(i, j)] + single) {
+                return wrong(format!(
+                    "S - X^T X, X the part solved, makes {} of translation {j} at {i}",
+                    rest[(i, j)]
+                ));
+            }
+        }
+        Ok(Self { matrix, traction: TractionMap { parts, image: None } })
     }
 }
 
+/// What rounding may make of identities of stored parts, relative to their terms.
+const SAME: f64 = 1e-9;
+
+impl TractionParts {
+    fn check(&self) -> Result<(), BemError> {
+        let wrong = |part: &'static str, what: String| Err(BemError::Part { part, what });
+        let (p, n) = (self.factor.nrows(), self.solved.ncols());
+        if p == 0 || self.factor.ncols() != p {
+            return wrong("factor", format!("it is {p}×{}, not square", self.factor.ncols()));
+        }
+        if self.solved.nrows() != p || n == 0 || n % 2 != 0 {
+            return wrong("solved", format!("it is {}×{n} for {p} tractions and two components", self.solved.nrows()));
+        }
+        for (part, matrix) in [("factor", &self.factor), ("solved", &self.solved)] {
+            if !is_finite(matrix) {
+                return wrong(part, "an entry is not finite".into());
+            }
+        }
+        let factor = &self.factor;
+        if let Some(i) = (0..p).find(|&i| factor[(i, i)] <= 0.0) {
+            return wrong("factor", format!("pivot {i} is {}", factor[(i, i)]));
+        }
+        let single_layer = of_factor(factor.as_ref());
+        if let Err(fault) = check_cholesky(single_layer.as_ref(), factor.as_ref()) {
+            return wrong("factor", format!("L L^T is not V above the diagonal: {fault}"));
+        }
+        match (&self.translations, self.domain.is_bounded_at_infinity()) {
+            (None, false) => Ok(()),
+            (Some(translations), true) => translations.check(&self.solved),
+            _ => wrong("domain", format!("{:?} with other parts than it has", self.domain)),
+        }
+    }
+}
+
+impl Translations {
+    fn check(&self, solved: &Mat<f64>) -> Result<(), BemError> {
+        let wrong = |part: &'static str, what: String| Err(BemError::Part { part, what });
+        let (p, n) = (solved.nrows(), solved.ncols());
+        let (basis, constant) = (&self.basis, &self.constant);
+        if (basis.nrows(), basis.ncols()) != (p, 2) {
+            return wrong("basis", format!("it is {}×{}, not {p}×2", basis.nrows(), basis.ncols()));
+        }
+        if (constant.nrows(), constant.ncols()) != (2, n) {
+            return wrong("constant", format!("it is {}×{}, not 2×{n}", constant.nrows(), constant.ncols()));
+        }
+        let unit = |i: usize, j: usize| if i == j { 1.0 } else { 0.0 };
+        for (i, j) in [(0, 0), (0, 1), (1, 0), (1, 1)] {
+            let product = basis.col(i).transpose() * basis.col(j);
+            if product.is_nan() || (product - unit(i, j)).abs() > SAME {
+                return wrong("basis", format!("columns {i} and {j} have the product {product}"));
+            }
+            let at_infinity: f64 = (0..n / 2).map(|node| constant[(i, 2 * node + j)]).sum();
+            let terms: f64 = (0..n / 2).map(|node| constant[(i, 2 * node + j)].abs()).sum();
+            if !at_infinity.is_finite() || (at_infinity - unit(i, j)).abs() > SAME * (1.0 + terms) {
+                return wrong("constant", format!("translation {j} has {at_infinity} at infinity along {i}"));
+            }
+        }
+        let largest = solved.col_iter().fold(0.0f64, |m, column| m.max(column.norm_l2()));
+        let rest = along(basis, solved.as_ref()).norm_max();
+        if rest > SAME * largest {
+            return wrong("solved", format!("it has a part {rest} along the basis, of columns up to {largest}"));
+        }
+        Ok(())
+    }
+}
+
+pub(crate) fn is_finite(a: &Mat<f64>) -> bool {
+    a.col_iter().all(|column| column.iter().all(|v| v.is_finite()))
+}
+
+/// The matrix, in the lower triangle, of a factor that has its entries above the diagonal.
+pub(crate) fn of_factor(factor: MatRef<'_, f64>) -> Mat<f64> {
+    let entry = |i: usize, j: usize| match i.cmp(&j) {
+        std::cmp::Ordering::Greater => factor[(j, i)],
+        std::cmp::Ordering::Equal => factor.row(i).subcols(0, i + 1).squared_norm_l2(),
+        std::cmp::Ordering::Less => 0.0,
+    };
+    Mat::from_fn(factor.nrows(), factor.nrows(), entry)
+}
+
 impl TractionMap {
+    /// What it consists of.
+    pub fn parts(&self) -> &TractionParts {
+        &self.parts
+    }
+
     /// L of V = L Lᵀ (in the lower triangle), and L⁻¹H with its image.
     pub(crate) fn factors(&self) -> (MatRef<'_, f64>, MatRef<'_, f64>, Option<&Image>) {
-        (self.factor.as_ref(), self.solved.as_ref(), self.image.as_ref())
+        (self.parts.factor.as_ref(), self.parts.solved.as_ref(), self.image.as_ref())
     }
 
     /// On which side of the boundary the body lies.
     pub(crate) fn domain(&self) -> Domain {
-        self.domain
+        self.parts.domain
     }
 
     /// Takes out of L⁻¹ times a matrix of tractions, and its image, what the displacement at infinity takes; nothing unless it is
     /// bounded there.
     pub(crate) fn balance(&self, a: MatMut<'_, f64>, image: &mut Option<Image>) {
-        if let Some(translations) = &self.translations {
+        if let Some(translations) = &self.parts.translations {
             translations.remove(a);
             *image = None;
         }
@@ -163,7 +300,7 @@ impl TractionMap {
     /// The constant a to which the displacement tends at infinity, of a nodal displacement on the boundary; 0 unless that is
     /// what the domain asks for.
     pub fn at_infinity(&self, displacement: &[f64]) -> [f64; 2] {
-        self.translations.as_ref().map_or([0.0; 2], |t| {
+        self.parts.translations.as_ref().map_or([0.0; 2], |t| {
             let a = &t.constant * Col::from_fn(displacement.len(), |i| displacement[i]);
             [a[0], a[1]]
         })
@@ -172,11 +309,11 @@ impl TractionMap {
     /// Legendre coefficients of the traction t = σ(u)n of a nodal displacement, interleaved as [`crate::Space`] says.
     pub fn apply(&self, displacement: &[f64]) -> Vec<f64> {
         let u = Col::from_fn(displacement.len(), |i| displacement[i]);
-        let mut t = &self.solved * &u;
-        if self.domain.is_exterior() {
+        let mut t = &self.parts.solved * &u;
+        if self.parts.domain.is_exterior() {
             t *= -1.0;
         }
-        solve_upper_triangular_in_place(self.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);
+        solve_upper_triangular_in_place(self.parts.factor.as_ref().transpose(), t.as_mat_mut(), Par::Seq);
         t.iter().copied().collect()
     }
 }

@@ -1,10 +1,9 @@
 //! [`Persist`] for the types of `steklov-bem-operators`.
 //!
-//! The space of a mesh is numbered anew from it, and the Steklov-Poincaré matrix is made anew from the stored operators,
-//! both with the same bits; S alone is stored by [`save_dense`].
+//! The space of a stored mesh is numbered anew from it with the same bits; a space alone is stored by its numbers and points.
 
 use hdf5::Group;
-use steklov_bem_operators::{Edge, Loop, Mesh, Operators, Path, Polygon, Shape, edge_tangents};
+use steklov_bem_operators::{Edge, Loop, Mesh, Operators, Path, Polygon, Shape, Space, edge_tangents};
 
 use crate::array::{
     load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,
@@ -15,6 +14,7 @@ use crate::error::{IoError, invalid, mismatch};
 use crate::matrix::{load_dense, load_sparse, save_dense, save_sparse};
 use crate::persist::Persist;
 use crate::quadrature::{check_length, load_sized};
+use crate::steklov::misfit;
 use crate::text::{load_texts, save_texts};
 
 fn index<'a>(meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
@@ -142,6 +142,24 @@ impl Persist for Mesh {
     }
 }
 
+impl Persist for Space {
+    const KIND: &'static str = "displacement and traction unknowns of a boundary mesh";
+    const VERSION: u32 = 1;
+
+    fn write(&self, at: &Group) -> Result<(), IoError> {
+        let meaning = "first node of each element, and the number of nodes; the differences are the degrees";
+        save_integers(at, "offset", &self.offset, &index(meaning, &["element, end"]))?;
+        save_integers(at, "next", &self.next, &index("successor of each element on its loop", &["element"]))?;
+        let meaning = "nodes: start of each element, then its inner Gauss-Lobatto points";
+        save_points(at, "points", &self.points, &Label { unit: "length", meaning, axes: &["node", "xy"] })
+    }
+
+    fn read(at: &Group) -> Result<Self, IoError> {
+        let (offset, next) = (load_integers(at, "offset")?, load_integers(at, "next")?);
+        Space::from_parts(offset, next, load_points(at, "points")?).map_err(|e| misfit(at, e))
+    }
+}
+
 /// Number of the kind of a path, and its numbers.
 fn path_numbers(path: Path) -> (usize, [f64; 5]) {
     match path {
@@ -191,8 +209,8 @@ fn shapes(at: &Group) -> Result<Vec<Shape>, IoError> {
     counts.iter().map(&mut shape).collect()
 }
 
-const TRACTION: &str = "traction: Legendre coefficients by element, component fastest";
-const DISPLACEMENT: &str = "displacement: nodes, component fastest";
+pub(crate) const TRACTION: &str = "traction: Legendre coefficients by element, component fastest";
+pub(crate) const DISPLACEMENT: &str = "displacement: nodes, component fastest";
 
 impl Persist for Operators {
     const KIND: &'static str = "boundary element operators";

@@ -8,6 +8,14 @@
 //! each dataset has the attributes `unit`, `meaning` and `axes` ([`Label`]). Arrays are row-major, indices are integers of
 //! 64 bits, texts are UTF-8 of fixed length, numbers keep their bits (NaN and infinities too).
 //!
+//! | type | datasets of its group |
+//! |---|---|
+//! | `Space` | `offset` `next` `points`; degrees are differences of `offset`, bases are made anew |
+//! | `Steklov` | `S` `factor` (L, above it V) `solved` (L^-1 H) `domain`; bounded at infinity `basis` `constant` |
+//! | `Condensation` | `eliminated` `kept` `held` `held_values` `frame_nodes` `frames` `S` `L` `coupling` `condensed` |
+//!
+//! The matrices of these satisfy the formulas in their attribute `meaning`; reading demands it.
+//!
 //! ```
 //! use steklov_io::{IoError, Label, create_atomically, load_vector, open, save_vector};
 //!
@@ -48,6 +56,8 @@ mod quadrature;
 mod elastic;
 #[cfg(feature = "bem-operators")]
 mod bem_operators;
+#[cfg(feature = "bem-operators")]
+mod steklov;
 #[cfg(feature = "contact")]
 mod contact;
 #[cfg(feature = "stochastic")]

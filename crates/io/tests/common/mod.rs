@@ -6,7 +6,7 @@ use std::process::Command;
 
 use faer::Mat;
 use sprs::CsMat;
-use steklov_io::{File, Group, IoError, Persist, create_atomically, load, open, save};
+use steklov_io::*;
 
 /// A new folder and a file name in it; the folder goes when the first is dropped.
 pub fn place() -> (tempfile::TempDir, PathBuf) {
@@ -22,16 +22,21 @@ pub fn written(fill: impl FnOnce(&File) -> Result<(), IoError>) -> (tempfile::Te
     (folder, open(&path).unwrap())
 }
 
-/// Stores `value`, reads it, and demands that it prints the same (which tells -0 from 0, and every number of f64 from
-/// every other) and that the value read is stored as the same bytes. Gives the value read.
-pub fn check_round_trip<T: Persist + std::fmt::Debug>(value: &T) -> T {
+/// Stores a value, reads it and stores what was read: the bytes of both files are the same.
+pub fn stored_twice<T: Persist>(value: &T) -> T {
     let (folder, path) = place();
     create_atomically(&path, false, |file| save(file, "value", value)).unwrap();
     let back: T = load(&open(&path).unwrap(), "value").unwrap();
-    assert_eq!(format!("{value:?}"), format!("{back:?}"));
     let again = folder.path().join("again.vtkhdf");
     create_atomically(&again, false, |file| save(file, "value", &back)).unwrap();
     assert!(std::fs::read(&path).unwrap() == std::fs::read(&again).unwrap(), "the bytes differ");
+    back
+}
+
+/// As [`stored_twice`], of a value that prints the same too (which tells -0 from 0, and every number of f64 from every other).
+pub fn check_round_trip<T: Persist + std::fmt::Debug>(value: &T) -> T {
+    let back = stored_twice(value);
+    assert_eq!(format!("{value:?}"), format!("{back:?}"));
     back
 }
 
@@ -83,4 +88,125 @@ pub fn python(script: &str, argument: &std::path::Path) {
     });
     let (out, err) = (String::from_utf8_lossy(&run.stdout), String::from_utf8_lossy(&run.stderr));
     assert!(run.status.success(), "{script} failed\n{out}\n{err}");
+}
+
+/// Paths of the datasets in a group, those of its groups too.
+fn datasets(group: &Group) -> Vec<String> {
+    let mut paths = Vec::new();
+    for name in group.member_names().unwrap() {
+        match group.group(&name) {
+            Ok(inner) => paths.extend(datasets(&inner).iter().map(|path| format!("{name}/{path}"))),
+            Err(_) => paths.push(name),
+        }
+    }
+    paths
+}
+
+/// A way to change a dataset.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Damage {
+    /// It is not there.
+    Missing,
+    /// It has a row more, or a text is another one.
+    Longer,
+    /// An entry is NaN, or 2^40.
+    NoNumber,
+    /// An entry is larger, by a thousandth of itself and of the largest, or by 1.
+    Larger,
+}
+
+/// Whether the dataset was changed.
+fn damage(group: &Group, name: &str, damage: Damage) -> bool {
+    let (dataset, wrong) =
+        (group.dataset(name).unwrap(), Label { unit: "1", meaning: "wrong", axes: &["row", "column"] });
+    let list = Label { axes: &["row"], ..wrong };
+    let (kind, rank) = (dataset.dtype().unwrap().to_descriptor().unwrap(), dataset.ndim());
+    let shape = dataset.shape();
+    drop(dataset);
+    let columns = if rank == 2 { shape[1] } else { 1 };
+    let at = shape.iter().product::<usize>() / 2;
+    if shape.contains(&0) && damage != Damage::Missing && damage != Damage::Longer {
+        return false;
+    }
+    match kind {
+        _ if damage == Damage::Missing => group.unlink(name).unwrap(),
+        hdf5::types::TypeDescriptor::Float(_) => {
+            let mut values: Vec<f64> = if rank == 1 {
+                load_vector(group, name).unwrap()
+            } else {
+                let a = load_dense(group, name).unwrap();
+                (0..shape[0]).flat_map(|i| (0..columns).map(move |j| (i, j))).map(|(i, j)| a[(i, j)]).collect()
+            };
+            let largest = values.iter().fold(1e-3f64, |m, v| if v.is_finite() { m.max(v.abs()) } else { m });
+            match damage {
+                Damage::NoNumber => values[at] = f64::NAN,
+                Damage::Larger => values[at] += 1e-3 * (values[at].abs() + largest),
+                _ => values.extend(vec![1.0; columns]),
+            }
+            group.unlink(name).unwrap();
+            if rank == 1 {
+                save_vector(group, name, &values, &list).unwrap();
+            } else {
+                let rows = values.len() / columns.max(1);
+                let matrix = Mat::from_fn(rows.max(1), columns, |i, j| values[i * columns + j]);
+                save_dense(group, name, matrix.as_ref(), &wrong).unwrap();
+            }
+        }
+        hdf5::types::TypeDescriptor::Integer(_) if rank == 1 => {
+            let mut values = load_integers(group, name).unwrap();
+            match damage {
+                Damage::NoNumber => values[at] = 1 << 40,
+                Damage::Larger => values[at] += 1,
+                _ => values.push(1),
+            }
+            group.unlink(name).unwrap();
+            save_integers(group, name, &values, &list).unwrap();
+        }
+        _ if rank == 0 && damage == Damage::Longer => {
+            group.unlink(name).unwrap();
+            save_text(group, name, "no word of this", "wrong").unwrap();
+        }
+        _ => return false,
+    }
+    true
+}
+
+/// Stores `value` and changes each of its datasets in turn, in each way: reading has to refuse the file by an error that names it
+/// and the group. `free` are the datasets of which an entry may have any finite value. Gives the number of damaged files.
+pub fn check_damage_is_refused<T: Persist>(value: &T, free: &[&str]) -> usize {
+    let (_folder, file) = written(|f| save(f, "value", value));
+    let paths = datasets(&file.group("value").unwrap());
+    let mut count = 0;
+    for path in &paths {
+        for kind in [Damage::Missing, Damage::Longer, Damage::NoNumber, Damage::Larger] {
+            if kind == Damage::Larger && free.contains(&path.as_str()) {
+                continue;
+            }
+            let (parent, name) = path.rsplit_once('/').unwrap_or(("", path));
+            let mut changed = false;
+            let (_folder, file) = written(|f| {
+                save(f, "value", value)?;
+                let group = f.group(&format!("value/{parent}")).unwrap();
+                changed = damage(&group, name, kind);
+                Ok(())
+            });
+            if !changed {
+                continue;
+            }
+            count += 1;
+            let Err(error) = load::<T>(&file, "value") else { panic!("{path} {kind:?} went unnoticed") };
+            let text = error.to_string();
+            assert!(text.contains("a result.vtkhdf") && text.contains("/value"), "{path} {kind:?}: {text}");
+            match kind {
+                Damage::Missing => assert!(matches!(error, IoError::Missing { .. }) && text.contains(path), "{text}"),
+                _ => {
+                    let typed =
+                        matches!(error, IoError::Invalid { .. } | IoError::Mismatch { .. } | IoError::Missing { .. });
+                    assert!(typed, "{path} {kind:?}: {error:?}");
+                }
+            }
+        }
+    }
+    assert!(count >= 2 * paths.len(), "{count} files of {} datasets", paths.len());
+    count
 }
