@@ -23,6 +23,67 @@ const OF_CONDITION: [(&str, &str, &str); 6] = [
     ("coefficient", "1", "Coulomb's coefficient of friction"),
 ];
 
+/// Contact nodes and their conditions, without the numbers `except`.
+pub(crate) fn save_nodes(at: &Group, nodes: &[ContactNode], except: &[&str]) -> Result<(), IoError> {
+    let integers = |name, meaning, value: &dyn Fn(&ContactNode) -> usize| {
+        let values: Vec<usize> = nodes.iter().map(value).collect();
+        save_integers(at, name, &values, &label("1", meaning, &["node"]))
+    };
+    integers("first", "first unknown of each node", &|n| n.first)?;
+    integers("unknowns", "number of its unknowns", &|n| n.unknowns)?;
+    integers("conditions", "number of its conditions", &|n| n.conditions.len())?;
+
+    let conditions: Vec<&Condition> = nodes.iter().flat_map(|n| &n.conditions).collect();
+    let pair = |name, meaning, value: &dyn Fn(&Condition) -> [f64; 2]| {
+        let values: Vec<[f64; 2]> = conditions.iter().map(|c| value(c)).collect();
+        save_points(at, name, &values, &label("1", meaning, &["condition", "unknown of the node"]))
+    };
+    pair("normal", "coefficients of the normal displacement", &|c| c.normal)?;
+    pair("tangent", "coefficients of the tangential displacement", &|c| c.tangent)?;
+    for (i, (name, unit, meaning)) in OF_CONDITION.into_iter().enumerate().filter(|(_, n)| !except.contains(&n.0)) {
+        let value =
+            |c: &&Condition| [c.normal_weight, c.tangent_weight, c.gap, c.slip_offset, c.bound, c.coefficient][i];
+        let values: Vec<f64> = conditions.iter().map(value).collect();
+        save_vector(at, name, &values, &label(unit, meaning, &["condition"]))?;
+    }
+    Ok(())
+}
+
+/// What [`save_nodes`] wrote, with 0 for the numbers `except`.
+pub(crate) fn load_nodes(at: &Group, except: &[&str]) -> Result<Vec<ContactNode>, IoError> {
+    let (first, unknowns, counts) =
+        (load_integers(at, "first")?, load_integers(at, "unknowns")?, load_integers(at, "conditions")?);
+    check_length(at, "unknowns", unknowns.len(), first.len())?;
+    check_length(at, "conditions", counts.len(), first.len())?;
+
+    let (normal, tangent) = (load_points(at, "normal")?, load_points(at, "tangent")?);
+    check_length(at, "tangent", tangent.len(), normal.len())?;
+    let mut columns = Vec::new();
+    for (name, _, _) in OF_CONDITION {
+        let column = if except.contains(&name) { vec![0.0; normal.len()] } else { load_vector(at, name)? };
+        check_length(at, name, column.len(), normal.len())?;
+        columns.push(column);
+    }
+    let mut conditions = (0..normal.len()).map(|i| Condition {
+        normal: normal[i],
+        tangent: tangent[i],
+        normal_weight: columns[0][i],
+        tangent_weight: columns[1][i],
+        gap: columns[2][i],
+        slip_offset: columns[3][i],
+        bound: columns[4][i],
+        coefficient: columns[5][i],
+    });
+    let mut nodes = Vec::new();
+    for (i, &first) in first.iter().enumerate() {
+        let conditions: Vec<Condition> = conditions.by_ref().take(counts[i]).collect();
+        check_length(at, "conditions", conditions.len(), counts[i])?;
+        nodes.push(ContactNode { first, unknowns: unknowns[i], conditions });
+    }
+    check_length(at, "normal", normal.len(), normal.len() - conditions.len())?;
+    Ok(nodes)
+}
+
 impl Persist for Problem {
     const KIND: &'static str = "condensed contact problem";
     const VERSION: u32 = 2;
@@ -30,64 +91,14 @@ impl Persist for Problem {
     fn write(&self, at: &Group) -> Result<(), IoError> {
         save_dense(at, "stiffness", self.stiffness.as_ref(), &label("stress", "S", &["unknown", "unknown"]))?;
         save_vector(at, "load", &self.load, &label("force/length", "f", &["unknown"]))?;
-        let integers = |name, meaning, value: &dyn Fn(&ContactNode) -> usize| {
-            let values: Vec<usize> = self.nodes.iter().map(value).collect();
-            save_integers(at, name, &values, &label("1", meaning, &["node"]))
-        };
-        integers("first", "first unknown of each node", &|n| n.first)?;
-        integers("unknowns", "number of its unknowns", &|n| n.unknowns)?;
-        integers("conditions", "number of its conditions", &|n| n.conditions.len())?;
-
-        let conditions: Vec<&Condition> = self.nodes.iter().flat_map(|n| &n.conditions).collect();
-        let pair = |name, meaning, value: &dyn Fn(&Condition) -> [f64; 2]| {
-            let values: Vec<[f64; 2]> = conditions.iter().map(|c| value(c)).collect();
-            save_points(at, name, &values, &label("1", meaning, &["condition", "unknown of the node"]))
-        };
-        pair("normal", "coefficients of the normal displacement", &|c| c.normal)?;
-        pair("tangent", "coefficients of the tangential displacement", &|c| c.tangent)?;
-        for (i, (name, unit, meaning)) in OF_CONDITION.into_iter().enumerate() {
-            let value =
-                |c: &&Condition| [c.normal_weight, c.tangent_weight, c.gap, c.slip_offset, c.bound, c.coefficient][i];
-            let values: Vec<f64> = conditions.iter().map(value).collect();
-            save_vector(at, name, &values, &label(unit, meaning, &["condition"]))?;
-        }
-        Ok(())
+        save_nodes(at, &self.nodes, &[])
     }
 
     fn read(at: &Group) -> Result<Self, IoError> {
         let load = load_vector(at, "load")?;
         let m = load.len();
         let stiffness = load_sized(at, "stiffness", m, m)?;
-        let (first, unknowns, counts) =
-            (load_integers(at, "first")?, load_integers(at, "unknowns")?, load_integers(at, "conditions")?);
-        check_length(at, "unknowns", unknowns.len(), first.len())?;
-        check_length(at, "conditions", counts.len(), first.len())?;
-
-        let (normal, tangent) = (load_points(at, "normal")?, load_points(at, "tangent")?);
-        check_length(at, "tangent", tangent.len(), normal.len())?;
-        let mut columns = Vec::new();
-        for (name, _, _) in OF_CONDITION {
-            let column = load_vector(at, name)?;
-            check_length(at, name, column.len(), normal.len())?;
-            columns.push(column);
-        }
-        let mut conditions = (0..normal.len()).map(|i| Condition {
-            normal: normal[i],
-            tangent: tangent[i],
-            normal_weight: columns[0][i],
-            tangent_weight: columns[1][i],
-            gap: columns[2][i],
-            slip_offset: columns[3][i],
-            bound: columns[4][i],
-            coefficient: columns[5][i],
-        });
-        let mut nodes = Vec::new();
-        for (i, &first) in first.iter().enumerate() {
-            let conditions: Vec<Condition> = conditions.by_ref().take(counts[i]).collect();
-            check_length(at, "conditions", conditions.len(), counts[i])?;
-            nodes.push(ContactNode { first, unknowns: unknowns[i], conditions });
-        }
-        check_length(at, "normal", normal.len(), normal.len() - conditions.len())?;
+        let nodes = load_nodes(at, &[])?;
         let problem = Self { stiffness, load, nodes };
         problem.check().map_err(|e| invalid(at, "", e))?;
         Ok(problem)

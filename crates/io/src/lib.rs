@@ -13,6 +13,11 @@
 //! | `Space` | `offset` `next` `points`; degrees are differences of `offset`, bases are made anew |
 //! | `Steklov` | `S` `factor` (L, above it V) `solved` (L^-1 H) `domain`; bounded at infinity `basis` `constant` |
 //! | `Condensation` | `eliminated` `kept` `held` `held_values` `frame_nodes` `frames` `S` `L` `coupling` `condensed` |
+//! | `Variable` | `distribution` `parameters` `interval` |
+//! | `Truncation` | `modes` or `captured` |
+//! | `Recurrence` | `interval` `probability` `shift` `scale` `alpha` `beta` |
+//! | stochastic `CellBasis` | `axis_D/recurrence` `axis_D/rule` `points` `weights` |
+//! | `StoredTensorProblem` | `stiffness` `mass` `weights` `load`; `nodes/..` once, but `gap` `slip_offset` `bound` by stochastic node |
 //!
 //! The matrices of these satisfy the formulas in their attribute `meaning`; reading demands it.
 //!
@@ -62,6 +67,10 @@ mod steklov;
 mod contact;
 #[cfg(feature = "stochastic")]
 mod stochastic;
+#[cfg(feature = "stochastic")]
+mod cell_basis;
+#[cfg(feature = "stochastic")]
+mod tensor_problem;
 #[cfg(feature = "msfem")]
 mod msfem;
 #[cfg(feature = "coupling")]
@@ -79,4 +88,6 @@ pub use foreign::{load_foreign_axes, load_foreign_table};
 pub use hdf5::{File, Group};
 pub use matrix::{load_dense, load_sparse, save_dense, save_sparse};
 pub use persist::{Persist, copy, create_group, load, open_group, save};
+#[cfg(feature = "stochastic")]
+pub use tensor_problem::StoredTensorProblem;
 pub use text::{load_text, load_texts, save_text, save_texts};

@@ -3,12 +3,13 @@
 use faer::Mat;
 use hdf5::Group;
 use steklov_stochastic::{
-    Distribution, IntervalParts, KarhunenLoeve, ModeParts, Moments, Points, StochasticCell, StochasticMesh, Variable,
+    Distribution, IntervalParts, KarhunenLoeve, ModeParts, Moments, Points, StochasticCell, StochasticMesh, Truncation,
+    Variable,
 };
 
 use crate::array::{load_integers, load_number, load_vector, save_integers, save_number, save_vector};
 use crate::dataset::label;
-use crate::error::{IoError, invalid};
+use crate::error::{IoError, invalid, missing};
 use crate::matrix::{load_dense, save_dense};
 use crate::persist::Persist;
 use crate::text::{load_text, load_texts, save_text, save_texts};
@@ -73,6 +74,73 @@ fn law(distribution: Distribution) -> (&'static str, [f64; 2]) {
     }
 }
 
+/// The variable of a stored law, its parameters and its interval.
+fn variable(name: &str, parameters: &[f64], interval: &[f64]) -> Result<Variable, String> {
+    let (&[p, q], &[low, high]) = (parameters, interval) else {
+        return Err(format!("{} parameters and {} ends, not 2 each", parameters.len(), interval.len()));
+    };
+    let distribution = match name {
+        "uniform" if [p, q] != [0.0; 2] => return Err(format!("{p} and {q} of a uniform law, which has none: 0")),
+        "uniform" => Distribution::Uniform,
+        "normal" => Distribution::Normal { mean: p, deviation: q },
+        "lognormal" => Distribution::Lognormal { mean: p, deviation: q },
+        "beta" => Distribution::Beta { alpha: p, beta: q },
+        other => return Err(format!("the distribution {other:?} is none")),
+    };
+    Variable::new(distribution, low, high).map_err(|e| e.to_string())
+}
+
+impl Persist for Variable {
+    const KIND: &'static str = "random variable";
+    const VERSION: u32 = 1;
+
+    fn write(&self, at: &Group) -> Result<(), IoError> {
+        let (name, parameters) = law(self.distribution());
+        save_text(at, "distribution", name, "law before the restriction: uniform, normal, lognormal or beta")?;
+        let meaning = label("of the law", "mean and deviation, or alpha and beta; 0 of a uniform one", &["parameter"]);
+        save_vector(at, "parameters", &parameters, &meaning)?;
+        let meaning = "low and high, on which the law is conditioned: density / (F(high) - F(low))";
+        save_vector(at, "interval", &self.interval(), &label("of the variable", meaning, &["end"]))
+    }
+
+    fn read(at: &Group) -> Result<Self, IoError> {
+        let (name, parameters) = (load_text(at, "distribution")?, load_vector(at, "parameters")?);
+        variable(&name, &parameters, &load_vector(at, "interval")?).map_err(|why| invalid(at, "parameters", why))
+    }
+}
+
+impl Persist for Truncation {
+    const KIND: &'static str = "end of an expansion";
+    const VERSION: u32 = 1;
+
+    fn write(&self, at: &Group) -> Result<(), IoError> {
+        match *self {
+            Self::Modes(modes) => {
+                save_integers(at, "modes", &[modes], &label("1", "number of modes, 1 or more", &["value"]))
+            }
+            Self::Captured(share) => {
+                let meaning = "share of the variance that the modes carry: sum of lambda_m / L >= captured, in (0, 1)";
+                save_number(at, "captured", share, "1", meaning)
+            }
+        }
+    }
+
+    fn read(at: &Group) -> Result<Self, IoError> {
+        match (at.link_exists("modes"), at.link_exists("captured")) {
+            (true, true) => Err(invalid(at, "captured", "there are modes, too")),
+            (false, true) => match load_number(at, "captured")? {
+                share if share > 0.0 && share < 1.0 => Ok(Self::Captured(share)),
+                share => Err(invalid(at, "captured", format!("{share} is no share above 0 and below 1"))),
+            },
+            (false, false) => Err(missing(at, "modes, nor captured")),
+            (true, false) => match load_integers(at, "modes")?[..] {
+                [modes] if modes > 0 => Ok(Self::Modes(modes)),
+                ref other => Err(invalid(at, "modes", format!("{other:?} is no number of modes, 1 or more"))),
+            },
+        }
+    }
+}
+
 impl Persist for StochasticMesh {
     const KIND: &'static str = "stochastic mesh";
     const VERSION: u32 = 1;
@@ -111,18 +179,9 @@ impl Persist for StochasticMesh {
         if !fits {
             return Err(invalid(at, "degree", "variables, cells and degrees differ in number"));
         }
-        let variable = |((name, p), i): ((&String, &Vec<f64>), &Vec<f64>)| {
-            let distribution = match name.as_str() {
-                "uniform" => Distribution::Uniform,
-                "normal" => Distribution::Normal { mean: p[0], deviation: p[1] },
-                "lognormal" => Distribution::Lognormal { mean: p[0], deviation: p[1] },
-                "beta" => Distribution::Beta { alpha: p[0], beta: p[1] },
-                other => return Err(invalid(at, "distributions", format!("{other:?} is none"))),
-            };
-            Variable::new(distribution, i[0], i[1]).map_err(|e| invalid(at, "parameters", e.to_string()))
-        };
-        let variables =
-            names.iter().zip(&parameters).zip(&intervals).map(variable).collect::<Result<Vec<Variable>, IoError>>()?;
+        let laws = names.iter().zip(&parameters).zip(&intervals);
+        let variables: Result<Vec<Variable>, String> = laws.map(|((name, p), i)| variable(name, p, i)).collect();
+        let variables = variables.map_err(|why| invalid(at, "parameters", why))?;
         let cell = |(k, (low, high)): (usize, (&Vec<f64>, &Vec<f64>))| StochasticCell {
             bounds: low.iter().zip(high).map(|(a, b)| [*a, *b]).collect(),
             degree: degree[k * germs..(k + 1) * germs].to_vec(),

@@ -7,6 +7,8 @@ use steklov_quadrature::Rule;
 
 /// Gauss points of [`CellBasis::mass`] beyond the q+1 of the basis, in each direction.
 const EXTRA: usize = 6;
+/// What rounding may make of products of orthonormal polynomials.
+const ORTHONORMAL: f64 = 1e-8;
 
 /// Where the nodes of a cell's basis are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -76,12 +78,40 @@ impl CellBasis {
         }
         let axes: Result<Vec<_>, _> =
             (0..directions).map(|d| Axis::new(&variables[d], cell.bounds[d], cell.degree[d], nodes)).collect();
-        let axes = axes?;
+        Ok(Self::of(axes?))
+    }
+
+    fn of(axes: Vec<Axis>) -> Self {
         let probability: f64 = axes.iter().map(|axis| axis.recurrence.probability).product();
         let rules: Vec<&Rule> = axes.iter().map(|axis| &axis.rule).collect();
         let (points, mut weights) = tensor(&rules);
         weights.iter_mut().for_each(|w| *w *= probability);
-        Ok(Self { points, weights, axes })
+        Self { points, weights, axes }
+    }
+
+    /// Recurrence and rule of each direction: all else follows from them.
+    pub fn axes(&self) -> impl ExactSizeIterator<Item = (&Recurrence, &Rule)> {
+        self.axes.iter().map(|axis| (&axis.recurrence, &axis.rule))
+    }
+
+    /// The basis of a recurrence and a rule for each direction.
+    ///
+    /// # Errors
+    /// [`StochasticError::Inconsistent`] unless each recurrence has six coefficients more than its rule points, and the rule
+    /// makes the orthonormal polynomials orthonormal as far as its degree 2n-1 (Gauss) or 2n-3 (Lobatto) goes, to 1e-8;
+    /// [`StochasticError::Number`] for more than a million nodes.
+    pub fn from_axes(axes: Vec<(Recurrence, Rule)>) -> Result<Self, StochasticError> {
+        let count = axes.iter().map(|(_, rule)| rule.len() as f64).product::<f64>();
+        if count > MOST as f64 {
+            let what = "the number of nodes of a stochastic cell".into();
+            return Err(StochasticError::Number { what, value: count, wanted: "at most 1e6" });
+        }
+        for (d, (recurrence, rule)) in axes.iter().enumerate() {
+            recurrence.check()?;
+            check_rule(recurrence, rule)
+                .map_err(|what| StochasticError::Inconsistent { what: format!("the rule of direction {d} {what}") })?;
+        }
+        Ok(Self::of(axes.into_iter().map(|(recurrence, rule)| Axis::of(recurrence, rule)).collect()))
     }
 
     /// θ_j(germ) in `values[j]`; polynomials go on outside of the cell.
@@ -200,6 +230,12 @@ impl Axis {
         let recurrence = Recurrence::new(variable, bounds, n + EXTRA)?;
         let gauss = nodes == Nodes::Gauss || degree == 0;
         let rule = if gauss { recurrence.gauss(n)? } else { recurrence.lobatto(n)? };
+        Ok(Self::of(recurrence, rule))
+    }
+
+    fn of(recurrence: Recurrence, rule: Rule) -> Self {
+        let (n, degree) = (rule.len(), rule.len() - 1);
+        let gauss = rule.degree == 2 * n - 1;
         let unit = if degree == 0 { 1.0 } else { 0.25 * (rule.points[n - 1] - rule.points[0]) };
         let product = |j: usize| -> f64 {
             let factors = (0..n).filter(|&k| k != j).map(|k| (rule.points[j] - rule.points[k]) / unit);
@@ -212,7 +248,7 @@ impl Axis {
         }
         let squares = (0..n).map(|j| rule.weights[j] * polynomials[(degree, j)] * polynomials[(degree, j)]);
         let top = if gauss { 1.0 } else { squares.sum() };
-        Ok(Self { recurrence, rule, unit, barycentric, polynomials, top })
+        Self { recurrence, rule, unit, barycentric, polynomials, top }
     }
 
     /// Lagrange polynomials at a germ, by the first barycentric formula: the second one loses digits beyond the outermost
@@ -225,6 +261,38 @@ impl Axis {
         let all: f64 = nodes.iter().map(|node| (x - node) / self.unit).product();
         nodes.iter().zip(&self.barycentric).map(|(node, b)| all * b * (self.unit / (x - node))).collect()
     }
+}
+
+/// Whether a rule is a Gauss or Lobatto rule of a recurrence, by the products of its orthonormal polynomials; what is wrong.
+fn check_rule(recurrence: &Recurrence, rule: &Rule) -> Result<(), String> {
+    let n = rule.len();
+    if n == 0 || rule.weights.len() != n || recurrence.alpha.len() != n + EXTRA {
+        let (weights, coefficients) = (rule.weights.len(), recurrence.alpha.len());
+        return Err(format!("has {n} points and {weights} weights, its recurrence {coefficients} coefficients"));
+    }
+    if rule.degree != 2 * n - 1 && (n < 2 || rule.degree != 2 * n - 3) {
+        return Err(format!("of {n} points has the degree {}, neither Gauss nor Lobatto", rule.degree));
+    }
+    if let Some(w) = rule.weights.iter().find(|w| !(**w > 0.0 && w.is_finite())) {
+        return Err(format!("has the weight {w}"));
+    }
+    let [low, high] = recurrence.interval;
+    if !rule.points.windows(2).all(|x| x[0] < x[1]) || !rule.points.iter().all(|x| (low..=high).contains(x)) {
+        return Err(format!("has points that do not rise inside of [{low}, {high}]"));
+    }
+    if rule.degree != 2 * n - 1 && [rule.points[0], rule.points[n - 1]] != recurrence.interval {
+        return Err(format!("is a Lobatto rule whose points do not end at {low} and {high}"));
+    }
+    let mut values = vec![vec![0.0; n + 1]; n];
+    rule.points.iter().zip(&mut values).for_each(|(x, values)| recurrence.evaluate(*x, values));
+    for (j, k) in (0..n).flat_map(|j| (j..=n).map(move |k| (j, k))).filter(|(j, k)| j + k <= rule.degree) {
+        let terms = values.iter().zip(&rule.weights).map(|(p, w)| w * p[j] * p[k]);
+        let (product, wanted) = (terms.sum::<f64>(), if j == k { 1.0 } else { 0.0 });
+        if product.is_nan() || (product - wanted).abs() > ORTHONORMAL {
+            return Err(format!("makes {product} of the polynomials of degrees {j} and {k}, not {wanted}"));
+        }
+    }
+    Ok(())
 }
 
 /// Points and weights of a product of rules, the last one fastest.

@@ -94,6 +94,34 @@ impl Recurrence {
         Ok(made(shift, unit * cut.half * deviation, alpha, beta))
     }
 
+    /// Whether it can be one of a density on its interval.
+    ///
+    /// # Errors
+    /// [`StochasticError::Inconsistent`] unless there are from 1 to 256 pairs α_k, β_k, all finite, β_0 = 1 and β_k > 0, a
+    /// probability above 0 and not above 1, a scale above 0, and an interval with the shift in it.
+    pub fn check(&self) -> Result<(), StochasticError> {
+        let wrong = |what: String| Err(StochasticError::Inconsistent { what: format!("{what} of a recurrence") });
+        let [low, high] = self.interval;
+        let (n, probability, scale) = (self.alpha.len(), self.probability, self.scale);
+        if !(1..=MOST).contains(&n) || self.beta.len() != n {
+            return wrong(format!("{n} coefficients alpha and {} coefficients beta", self.beta.len()));
+        }
+        if let Some(alpha) = self.alpha.iter().find(|a| !a.is_finite()) {
+            return wrong(format!("the coefficient alpha {alpha}"));
+        }
+        if self.beta[0] != 1.0 || !self.beta.iter().all(|b| *b > 0.0 && b.is_finite()) {
+            return wrong(format!("the coefficients beta {:?}", self.beta));
+        }
+        if !(low < high && low <= self.shift && self.shift <= high && self.shift.is_finite()) {
+            return wrong(format!("the interval [{low}, {high}] around the shift {}", self.shift));
+        }
+        // sums of roundings may leave more than 1
+        if !(EMPTY..=1.0 + 1e-9).contains(&probability) {
+            return wrong(format!("the probability {probability}"));
+        }
+        if scale > 0.0 && scale.is_finite() { Ok(()) } else { wrong(format!("the scale {scale}")) }
+    }
+
     /// Gauss rule of n points: ∫ f dρ to degree 2n-1, ρ the conditioned density; points are germs inside the interval,
     /// weights are positive and sum to 1. Symmetric densities have exactly symmetric rules.
     ///

@@ -170,7 +170,13 @@ fn product(a: &Mat<f64>, b: &Mat<f64>) -> Mat<f64> {
 }
 
 impl TensorProblem<'_> {
-    fn check(&self) -> Result<(), StochasticError> {
+    /// Whether the parts fit together.
+    ///
+    /// # Errors
+    /// [`StochasticError::Inconsistent`] for parts of other sizes, M_E that is not symmetric with a positive diagonal, or nodes
+    /// that differ in more than gaps and bounds; [`StochasticError::Number`] for a weight that is not positive;
+    /// [`StochasticError::Contact`] for nodes that do not fit S.
+    pub fn check(&self) -> Result<(), StochasticError> {
         let (m, nodes) = (self.stiffness.nrows(), self.weights.len());
         let inconsistent = |what: String| Err(StochasticError::Inconsistent { what });
         if nodes == 0 || self.mass.nrows() != nodes || self.mass.ncols() != nodes || self.nodes.len() != nodes {
