@@ -18,6 +18,9 @@
 //! | `Recurrence` | `interval` `probability` `shift` `scale` `alpha` `beta` |
 //! | stochastic `CellBasis` | `axis_D/recurrence` `axis_D/rule` `points` `weights` |
 //! | `StoredTensorProblem` | `stiffness` `mass` `weights` `load`; `nodes/..` once, but `gap` `slip_offset` `bound` by stochastic node |
+//! | `MultiplierSpace` | `edge` `side` `degree` `span` `nodes`; `node_edge` `node_side` `parameter` `weight` `points` `normal` `tangent` `curved` `resultant` |
+//! | `StabilisedForms` | `elements` `coordinates` `weights` `damping`; `trace_` `values_` `pairing_` `C_gamma_` `D_gamma_` of `n` and `t`; `B_gamma` |
+//! | `InfSup` | `beta` |
 //!
 //! The matrices of these satisfy the formulas in their attribute `meaning`; reading demands it.
 //!
@@ -65,6 +68,8 @@ mod bem_operators;
 mod steklov;
 #[cfg(feature = "contact")]
 mod contact;
+#[cfg(feature = "contact")]
+mod multipliers;
 #[cfg(feature = "stochastic")]
 mod stochastic;
 #[cfg(feature = "stochastic")]

@@ -12,6 +12,7 @@ pub(crate) mod node_data;
 pub(crate) mod residual;
 pub(crate) mod sides;
 pub(crate) mod stabilised;
+pub(crate) mod stabilised_parts;
 pub(crate) mod tips;
 pub(crate) mod transitions;
 pub(crate) mod uniform_pressure;

@@ -92,6 +92,8 @@ pub struct MultiplierCell {
 
 /// Ends closer than this part of an edge are one.
 const SAME: f64 = 1e-12;
+/// What rounding makes of a frame.
+const FRAME: f64 = 1e-9;
 
 impl MultiplierSpace {
     /// The space on the given sides of a mesh.
@@ -140,6 +142,59 @@ impl MultiplierSpace {
         }
         space.integrate_on_curves(mesh);
         Ok(space)
+    }
+
+    /// Whether elements and nodes fit together.
+    ///
+    /// # Errors
+    /// [`ContactError::Inconsistent`] for an element without rising span or whose nodes are not its Lobatto points, or on another
+    /// edge; a node of no element; a weight that is not positive; a frame that is not orthonormal and
+    /// counter-clockwise; a number that is not finite.
+    pub fn check(&self) -> Result<(), ContactError> {
+        let wrong = |what: String| Err(ContactError::Inconsistent { what });
+        let mut used = vec![false; self.nodes.len()];
+        for (j, element) in self.elements.iter().enumerate() {
+            let ([a, b], count) = (element.span, element.nodes.len());
+            if !(a < b && a.is_finite() && b.is_finite()) {
+                return wrong(format!("multiplier element {j} has the span [{a}, {b}]"));
+            }
+            if element.degree.checked_add(1) != Some(count) {
+                return wrong(format!("multiplier element {j} of degree {} has {count} nodes", element.degree));
+            }
+            for (&k, t) in element.nodes.iter().zip(rule(element.degree).0) {
+                let Some(node) = self.nodes.get(k) else {
+                    return wrong(format!("multiplier element {j} has the node {k} of {}", self.nodes.len()));
+                };
+                let s = a + (b - a) / 2.0 * (1.0 + t);
+                let there = (node.s - s).abs() <= SAME * (a.abs() + b.abs());
+                if !there || (node.edge, node.side) != (element.edge, element.side) {
+                    return wrong(format!(
+                        "node {k} at {} on edge {} of side {} is not at {s} on edge {} of side {}, in multiplier element {j}",
+                        node.s, node.edge, node.side, element.edge, element.side
+                    ));
+                }
+                used[k] = true;
+            }
+        }
+        for (k, node) in self.nodes.iter().enumerate() {
+            let [n, t] = node.frame;
+            let unit = n[0] * n[0] + n[1] * n[1] - 1.0;
+            let turned = [t[0] + n[1], t[1] - n[0]];
+            if ![unit, turned[0], turned[1]].iter().all(|v| v.abs() <= FRAME) {
+                return wrong(format!("node {k} of the multipliers has the frame {n:?}, {t:?}"));
+            }
+            let finite = node.resultant.iter().flatten().flatten().chain(&node.point).all(|v| v.is_finite());
+            if !(node.weight > 0.0 && node.weight.is_finite() && finite && used[k]) {
+                return wrong(format!(
+                    "node {k} of the multipliers at {:?} has the weight {} and the resultant {:?}, and is {}",
+                    node.point,
+                    node.weight,
+                    node.resultant,
+                    if used[k] { "of an element" } else { "of no element" }
+                ));
+            }
+        }
+        Ok(())
     }
 
     /// Weights and resultants of the nodes on curved edges.

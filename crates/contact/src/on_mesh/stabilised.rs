@@ -32,6 +32,7 @@ use steklov_quadrature::gauss_legendre;
 use crate::on_mesh::inf_sup::dual_form;
 use crate::on_mesh::multiplier_space::{CURVE_POINTS, frame};
 use crate::on_mesh::node_data::{NodeData, node_data};
+use crate::on_mesh::stabilised_parts::StabilisedParts;
 use crate::on_mesh::uniform_pressure::UniformPressure;
 use crate::solvers::lanczos::largest_eigenvalue;
 use crate::{Condition, ContactError, ContactNode, MultiplierSpace, Problem, SideData};
@@ -39,18 +40,9 @@ use crate::{Condition, ContactError, ContactNode, MultiplierSpace, Problem, Side
 /// The forms of the stabilisation with γ₀ = 1. All integrals of γ share one rule, graded to the ends of the elements of T_h, so that
 /// ∫ γ |λ + σ^h|² is a sum of squares whatever its points.
 pub struct StabilisedForms {
-    /// Quadrature points: element of T_h, reference coordinate.
-    points: Vec<(usize, f64)>,
-    /// (w h/p²)^½ at the points.
-    weights: Vec<f64>,
+    parts: StabilisedParts,
     /// Q of normal stresses.
     uniform: UniformPressure,
-    /// (w h/p²)^½ n·σ^h, times Q, and t·σ^h: points × displacements.
-    trace: [Mat<f64>; 2],
-    /// (w h/p²)^½ μ, times Q for μ_n: points × nodes of the multipliers.
-    values: [Mat<f64>; 2],
-    /// ∫ μ n·φ and ∫ μ t·φ: nodes of the multipliers × displacements.
-    pairing: [Mat<f64>; 2],
 }
 
 /// A stabilised problem, condensed to the multipliers.
@@ -144,13 +136,51 @@ impl StabilisedForms {
         let mut values = [values.clone(), values];
         uniform.damp_columns(&mut trace[0]);
         uniform.damp_columns(&mut values[0]);
-        Ok(Self { points, weights, uniform, trace, values, pairing: pairing(mesh, space, multipliers) })
+        let (damping, pairing) = (uniform.part, pairing(mesh, space, multipliers));
+        Ok(Self { parts: StabilisedParts { points, weights, damping, trace, values, pairing }, uniform })
+    }
+
+    /// What they consist of.
+    pub fn parts(&self) -> &StabilisedParts {
+        &self.parts
+    }
+
+    /// The forms of these parts.
+    ///
+    /// # Errors
+    /// [`ContactError::Inconsistent`] for parts of other sizes or numbers that are not finite; weights that are not positive; points
+    /// outside of their elements; multipliers whose basis functions do not sum to 1, or which Q does not lead to one another.
+    pub fn from_parts(parts: StabilisedParts) -> Result<Self, ContactError> {
+        let uniform = UniformPressure::of(&parts.weights, parts.damping);
+        parts.check(&uniform).map_err(|what| ContactError::Inconsistent { what })?;
+        Ok(Self { parts, uniform })
+    }
+
+    /// ∫ (h/p²) μ σ^h of normal and of tangential stresses, C_γ of γ₀ = 1: nodes of the multipliers × displacements.
+    ///
+    /// # Errors
+    /// [`ContactError::Fault`].
+    pub fn mixed_forms(&self) -> Result<[Mat<f64>; 2], ContactError> {
+        let [normal, tangential] = &self.parts.trace;
+        Ok([gram(&self.parts.values[0], normal)?, gram(&self.parts.values[1], tangential)?])
+    }
+
+    /// ∫ (h/p²) μ_i μ_j of normal and of tangential multipliers, D_γ of γ₀ = 1.
+    ///
+    /// # Errors
+    /// [`ContactError::Fault`].
+    pub fn multiplier_forms(&self) -> Result<[Mat<f64>; 2], ContactError> {
+        let [normal, tangential] = &self.parts.values;
+        Ok([gram(normal, normal)?, gram(tangential, tangential)?])
     }
 
     /// ∫ (h/p²) σ^h·σ^h over the displacements: B_γ of γ₀ = 1.
-    fn trace_form(&self) -> Result<Mat<f64>, ContactError> {
-        let mut b = Mat::zeros(self.trace[0].ncols(), self.trace[0].ncols());
-        for t in &self.trace {
+    ///
+    /// # Errors
+    /// [`ContactError::Fault`].
+    pub fn trace_form(&self) -> Result<Mat<f64>, ContactError> {
+        let mut b = Mat::zeros(self.parts.trace[0].ncols(), self.parts.trace[0].ncols());
+        for t in &self.parts.trace {
             add_product(b.as_mut(), t.transpose(), t.as_ref(), 1.0, None)?;
         }
         Ok(b)
@@ -198,9 +228,10 @@ impl StabilisedForms {
     ) -> Result<Mat<f64>, ContactError> {
         let form = self.trace_form()?;
         let rest = Mat::from_fn(form.nrows(), form.ncols(), |i, j| stiffness[(i, j)] - gamma * form[(i, j)]);
-        let coupled = [0, 1].map(|k| &self.pairing[k] - (self.values[k].transpose() * &self.trace[k]) * Scale(gamma));
+        let coupled = [0, 1]
+            .map(|k| &self.parts.pairing[k] - (self.parts.values[k].transpose() * &self.parts.trace[k]) * Scale(gamma));
         let mut dual = dual_form(&coupled, &rest, held, rigid)?;
-        for (k, values) in self.values.iter().enumerate() {
+        for (k, values) in self.parts.values.iter().enumerate() {
             let d = values.transpose() * values;
             for j in 0..d.ncols() {
                 (0..d.nrows()).for_each(|i| dual[(2 * i + k, 2 * j + k)] += gamma * d[(i, j)]);
@@ -239,10 +270,10 @@ impl StabilisedForms {
             add_product(d.as_mut(), values.transpose(), values.as_ref(), gamma, None)?;
             llt(&d).map_err(|none| none.or(|_| ContactError::Decomposition { size: nodes }))
         };
-        let d_factors = [factor_of(&self.values[0])?, factor_of(&self.values[1])?];
-        let mut coupled = self.pairing.clone();
+        let d_factors = [factor_of(&self.parts.values[0])?, factor_of(&self.parts.values[1])?];
+        let mut coupled = self.parts.pairing.clone();
         for (k, e) in coupled.iter_mut().enumerate() {
-            add_product(e.as_mut(), self.values[k].transpose(), self.trace[k].as_ref(), -gamma, None)?;
+            add_product(e.as_mut(), self.parts.values[k].transpose(), self.parts.trace[k].as_ref(), -gamma, None)?;
         }
         // Z = S - B_γ + Σ (L⁻¹E)ᵀ(L⁻¹E), and f
         let form = self.trace_form()?;
@@ -252,14 +283,14 @@ impl StabilisedForms {
         for (i, &row) in free.iter().enumerate() {
             let fixed = loading.held.iter().map(|&(j, u)| (loading.stiffness[(row, j)] - gamma * form[(row, j)]) * u);
             load[i] -= fixed.sum::<f64>();
-            load[i] +=
-                gamma * (0..2).map(|k| steklov_algebra::dot(self.trace[k].col_as_slice(row), &tau[k])).sum::<f64>();
+            load[i] += gamma
+                * (0..2).map(|k| steklov_algebra::dot(self.parts.trace[k].col_as_slice(row), &tau[k])).sum::<f64>();
         }
         // offset c = E u_held - ∫ γ μ τ of y, component by component
         let offset = [0, 1].map(|k| -> Vec<f64> {
             let of = |row: usize| {
                 let fixed: f64 = loading.held.iter().map(|&(j, u)| coupled[k][(row, j)] * u).sum();
-                fixed - gamma * steklov_algebra::dot(self.values[k].col_as_slice(row), &tau[k])
+                fixed - gamma * steklov_algebra::dot(self.parts.values[k].col_as_slice(row), &tau[k])
             };
             (0..nodes).map(of).collect()
         });
@@ -310,9 +341,10 @@ impl StabilisedForms {
         let (u, tau) = (column(displacement), self.particular(mesh, particular));
         for (k, tau) in tau.iter().enumerate() {
             let lambda = Mat::from_fn(values.len(), 1, |i, _| values[i][k]);
-            let mut sum = &self.values[k] * &lambda + &self.trace[k] * &u;
+            let mut sum = &self.parts.values[k] * &lambda + &self.parts.trace[k] * &u;
             tau.iter().enumerate().for_each(|(i, tau)| sum[(i, 0)] += tau);
-            forces += self.pairing[k].transpose() * &lambda - self.trace[k].transpose() * (Scale(gamma) * sum);
+            forces +=
+                self.parts.pairing[k].transpose() * &lambda - self.parts.trace[k].transpose() * (Scale(gamma) * sum);
         }
         column_of(&forces)
     }
@@ -324,7 +356,7 @@ impl StabilisedForms {
             let tau = b.traction(mesh.point(e, t), normal);
             [w * dot(tau, normal), w * dot(tau, tangent)]
         };
-        let both: Vec<[f64; 2]> = self.points.iter().zip(&self.weights).map(at).collect();
+        let both: Vec<[f64; 2]> = self.parts.points.iter().zip(&self.parts.weights).map(at).collect();
         let nodal = particular.map(|(_, u)| column(u));
         [0, 1].map(|k| {
             let mut tau: Vec<f64> = both.iter().map(|v| v[k]).collect();
@@ -332,12 +364,19 @@ impl StabilisedForms {
                 self.uniform.damp(&mut tau);
             }
             if let Some(u) = &nodal {
-                let discrete = &self.trace[k] * u;
+                let discrete = &self.parts.trace[k] * u;
                 tau.iter_mut().enumerate().for_each(|(i, tau)| *tau -= discrete[(i, 0)]);
             }
             tau
         })
     }
+}
+
+/// Aᵀ B.
+fn gram(a: &Mat<f64>, b: &Mat<f64>) -> Result<Mat<f64>, ContactError> {
+    let mut form = Mat::zeros(a.ncols(), b.ncols());
+    add_product(form.as_mut(), a.transpose(), b.as_ref(), 1.0, None)?;
+    Ok(form)
 }
 
 impl Stabilised {

@@ -36,7 +36,7 @@ pub(crate) struct UniformPressure {
     /// π.
     direction: Vec<f64>,
     /// 1-√ρ.
-    part: f64,
+    pub(crate) part: f64,
 }
 
 impl UniformPressure {
@@ -45,10 +45,13 @@ impl UniformPressure {
         let total: f64 = weights.iter().map(|w| w * w).sum();
         let area = area(mesh);
         let x = if area > 0.0 { material.lambda() / material.young * total / area } else { 0.0 };
-        Self {
-            direction: weights.iter().map(|w| w / total.sqrt()).collect(),
-            part: 1.0 - (1.0 + x.max(0.0)).powf(-0.5),
-        }
+        Self::of(weights, 1.0 - (1.0 + x.max(0.0)).powf(-0.5))
+    }
+
+    /// With `part` for 1-√ρ.
+    pub(crate) fn of(weights: &[f64], part: f64) -> Self {
+        let total: f64 = weights.iter().map(|w| w * w).sum();
+        Self { direction: weights.iter().map(|w| w / total.sqrt()).collect(), part }
     }
 
     /// Q v of one function at the points.
