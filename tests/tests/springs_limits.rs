@@ -1,5 +1,6 @@
 //! Springs on sides that are much stiffer or softer than the body.
 
+use steklov_model::doubt::Doubt;
 use steklov_model::run::adaptive_loop::{Reason, Run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::Scene;
@@ -109,5 +110,29 @@ fn soft_springs_beside_contact() {
         let sum = run.last.reactions.iter().fold([0.0; 2], |s, (_, f)| [s[0] + f[0], s[1] + f[1]]);
         println!("k = {k:e}: {:?} {:?} {:e}", run.reason, run.last.reactions, run.last.equilibrium);
         assert!((sum[0] + 2e-3).hypot(sum[1] - 2.0) < 1e-13 + 1e-15 / k && run.reason == Reason::Tolerance);
+    }
+}
+
+/// A disc whose rim, on springs k, has the traction (-y, x) - (x, y): it turns by 1/k, as far as 2e5 where springs are soft, and
+/// u_r = c r with c = -2/(E/((1+ν)(1-2ν)) + k R). Where rounding has the strain energy, the estimate is doubted.
+#[test]
+fn a_disc_turns_far_on_soft_springs() {
+    for k in [1e4, 1.0, 1e-3, 1e-5] {
+        let run = solved(&format!(
+            "body = {{ circle = {{ centre = [0, 0], radius = 2 }}, side = \"rim\" }}\nmaterial = {{ young = 100.0, poisson = 0.3 }}\n\
+             sides.rim = {{ springs = \"{k:e}\", traction = [\"-y-x\", \"x-y\"] }}\nmethod.tolerance = 1e-5\n"
+        ));
+        let (stiffness, rim) = (100.0 / (1.3 * 0.4), 4.0 * std::f64::consts::PI);
+        let c = -2.0 / (stiffness + 2.0 * k);
+        let (strain, springs) = (stiffness * c * c * rim, 0.5 * k * rim * 4.0 * (c * c + 1.0 / k / k));
+        let energies = run.last.energies;
+        println!("k = {k:e}: {} dofs, {:?}", run.step().dofs, run.reason);
+        let (estimate, exact) = (run.step().estimate(), -strain - springs);
+        let doubted = estimate.doubts.contains(&Doubt::Roundoff);
+        println!("strain energy off by {:.1e}, {doubted}", energies.strain / strain - 1.0);
+        assert!((energies.strain / strain - 1.0).abs() < 3e-5 || doubted && k < 1e-4);
+        close(energies.springs, springs, 1e-6, "spring energy");
+        println!("J off by {:e} ± {:e}", estimate.energy - exact, estimate.uncertainty);
+        assert!((estimate.energy - exact).abs() <= estimate.uncertainty + 1e-13 * exact.abs());
     }
 }

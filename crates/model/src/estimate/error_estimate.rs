@@ -25,6 +25,7 @@ use crate::error::SolveError;
 use crate::estimate::elastic::{Elastic, EnrichedBody};
 use crate::estimate::enriched_problem::{Frame, System, frames};
 use crate::estimate::interface_residual::FacingLoad;
+use crate::estimate::on_springs::{ROUNDED_TURNING, held_by_springs, turns_too_far};
 use crate::estimate::penetration::{Overlap, Unseen};
 use crate::estimate::residual::Residual;
 use crate::estimate::unseen::{unseen_at_vertices, unseen_by_tractions};
@@ -185,7 +186,8 @@ pub fn estimate(
     let uncertainty = 0.5 * first_order + friction.abs() + of_square * error * error + bounds;
     let uncertainty = uncertainty.max(rounding_of_energy(solved, body, scale));
     let unresolved = unresolved(&data, solved, factors, &bubbles)?;
-    let doubts = doubts(scene, solved, (&unresolved, &overlaps), error);
+    let mut doubts = doubts(scene, solved, (&unresolved, &overlaps), error);
+    doubts.extend(turns_too_far(solved, body).then_some(Doubt::Roundoff));
     let relative = ratio(error, scale);
     let correction = squared;
     let estimate =
@@ -308,14 +310,6 @@ fn held_tractions(
     let moduli =
         solved.around.as_ref().map(|around| [&scene.body().material(), &around.material].map(Material::plane_modulus));
     held.max(elastic.held_tractions(solved.mesh.len(), moduli))
-}
-
-/// How far springs hold the bubble of an element, from 0 to 1: the least part that they have of its stiffness, W and M of it.
-fn held_by_springs(w: [[f64; 2]; 2], m: [[f64; 2]; 2]) -> f64 {
-    let (mean, half) = ((m[0][0] + m[1][1]) / 2.0, (m[0][0] - m[1][1]) / 2.0);
-    let least = (mean - half.hypot(m[0][1])).max(0.0);
-    let elastic = w[0][0].max(w[1][1]);
-    if least > 0.0 { least / (least + elastic) } else { 0.0 }
 }
 
 /// What is not seen next to vertices whose stresses grow fast; and what tractions do not see of the displacement, with the
@@ -449,6 +443,7 @@ pub(crate) fn ratio(error: f64, scale: f64) -> f64 {
 fn rounding_of_energy(solved: &Solved, body: &Body, scale: f64) -> f64 {
     let largest = body.settled(&solved.displacement).iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let [energy, forces] = if body.pieces.len() > 1 { ROUNDED_OF_SEVERAL } else { ROUNDED };
+    let forces = if body.springs.is_empty() { forces } else { ROUNDED_TURNING };
     let stored = energy * scale * scale + energy * 2.0 * solved.energies.springs;
     stored.max(forces * body.largest_diagonal * largest * largest)
 }

@@ -6,6 +6,7 @@ pub(crate) mod enriched_problem;
 pub mod error_estimate;
 pub(crate) mod interface_residual;
 pub(crate) mod multiplier_difference;
+pub(crate) mod on_springs;
 pub(crate) mod penetration;
 pub mod residual;
 pub(crate) mod rotation_work;
