@@ -50,11 +50,11 @@ fn close(found: f64, exact: f64, part: f64, what: &str) {
     assert!(off <= part, "{what}: {found:e}, not {exact:e}");
 }
 
-/// A bar on springs under tension: u_x = p/k + p x/E, u_y = -ν p y/E, with springs from 2e-8 to 2e13 times E over its length, which
+/// A bar on springs under tension: u_x = p/k + p x/E, u_y = -ν p y/E, with springs from 1e-8 to 2e12 times E over its length, which
 /// alone hold it along x. What stiff ones store goes with 1/k.
 #[test]
 fn a_bar_on_springs_under_tension() {
-    for k in [1e-6, 0.1, 7.0, 1e3, 1e9, 1e13] {
+    for k in [5e-7, 0.1, 7.0, 1e3, 1e9, 1e14] {
         let sprung = format!("sides.left.springs = [\"{k:e}\", 0]\n");
         let run = solved(&block(&format!(
             "{sprung}sides.floor.displacement = [\"free\", 0]\nsides.right.traction = [3, 0]\n"
@@ -63,13 +63,13 @@ fn a_bar_on_springs_under_tension() {
         println!("k = {k:e}: displacements off by {:.1e}", off / largest);
         assert!(off < 1e-12 * largest && run.reason == Reason::Tolerance);
         let energies = run.last.energies;
-        close(energies.strain, 0.09, 1e-15 * (1e8 / k).max(100.0), "strain energy");
+        // strains of 0.03 are differences of displacements 3/k, which have 16 digits
+        let digits = 1e-12f64.max(3e-14 / k);
+        close(energies.strain, 0.09, digits, "strain energy");
         close(energies.springs, 4.5 / k, 1e-12, "spring energy");
         close(energies.load_work, 9.0 / k + 0.18, 1e-12, "load work");
         let [x, y] = force(&run, "left");
         assert!((x + 3.0).abs() < 1e-12 && y.abs() < 1e-12, "{x} {y}");
-        // u of 3/k has no more digits
-        let digits = 1e-13f64.max(3e-14 / k);
         assert!(run.last.balanced && run.last.equilibrium < digits, "{:e}", run.last.equilibrium);
     }
 }
