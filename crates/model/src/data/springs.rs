@@ -22,6 +22,7 @@ use steklov_quadrature::{LobattoBasis, legendre_p};
 use crate::data::body_load::Particulars;
 use crate::data::on_mesh::OnMesh;
 use crate::data::parts::Piece;
+use crate::data::supports::Resisted;
 use crate::error::SolveError;
 
 /// Degrees beyond that of an element that follow its curve.
@@ -44,9 +45,6 @@ struct OfElement {
     element: usize,
     points: Vec<Point>,
 }
-
-/// A direction in which springs resist the displacement of a point.
-pub type Resisted = ([f64; 2], [f64; 2]);
 
 /// The springs of all sides.
 #[derive(Debug, Clone, Default)]

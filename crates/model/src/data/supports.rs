@@ -4,7 +4,8 @@ use steklov_bem_operators::{Edge, Mesh, Space};
 use steklov_elastic::{RigidMotion, free_motions};
 use steklov_problem::{Condition, Scene, Side};
 
-use crate::data::springs::Resisted;
+/// A direction in which springs resist the displacement of a point.
+pub type Resisted = ([f64; 2], [f64; 2]);
 
 /// Prescribed components of one node: value and the first side that holds it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
