@@ -306,7 +306,10 @@ fn held_tractions(
         [false, false] => 1.0,
         _ => held_by_springs(elastic.hypersingular_block(e), springs[e]).powi(4),
     };
-    let held: f64 = indicators.iter().enumerate().map(|(e, i)| weight(e) * i.traction).sum();
+    // an indicator that is not finite is not to vanish in a product with 0
+    let weighted =
+        indicators.iter().enumerate().map(|(e, i)| (weight(e), i.traction)).filter(|(weight, _)| *weight > 0.0);
+    let held: f64 = weighted.map(|(weight, traction)| weight * traction).sum();
     let moduli =
         solved.around.as_ref().map(|around| [&scene.body().material(), &around.material].map(Material::plane_modulus));
     held.max(elastic.held_tractions(solved.mesh.len(), moduli))
