@@ -7,7 +7,8 @@ use steklov_io::File;
 use steklov_model::run::adaptive_loop::{Event, Progress, Run, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::Scene;
-use steklov_result::store::{Saved, observed, save_stage};
+use steklov_result::stages::{Saved, save_stage};
+use steklov_result::store::observed;
 use steklov_tests::scene;
 
 /// Runs a scene and stores the matrices of its steps; all entries of those that are there.

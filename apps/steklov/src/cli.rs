@@ -28,7 +28,8 @@ use steklov_plan::{Plan, largest_mesh, plan, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
-use steklov_result::store::{self, Saved};
+use steklov_result::stages::{Saved, copy_saved, save_stage};
+use steklov_result::store;
 
 use self::bar::Bar;
 use self::failure::{Failure, say};
@@ -288,7 +289,7 @@ fn solve_by<M: Keep>(
         let first = M::resume(scene, stored)?;
         if let Some(old) = old {
             // those of the last step are made anew if they are wanted
-            store::copy_saved(old, file, if saving { first.steps.len() } else { held })?;
+            copy_saved(old, file, if saving { first.steps.len() } else { held })?;
         }
         let queue = store::StepQueue::<M>::new(file);
         let record = rayon::scope_fifo(|scope| {
@@ -303,7 +304,7 @@ fn solve_by<M: Keep>(
                     Event::Done { step, .. } => put(step),
                     Event::Stage(stage) => {
                         bar.show(number, &stage);
-                        store::save_stage(file, number, &stage, &saved).map_err(store::observed)?;
+                        save_stage(file, number, &stage, &saved).map_err(store::observed)?;
                     }
                 }
                 Ok(())

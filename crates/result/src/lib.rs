@@ -11,6 +11,7 @@ pub mod keep;
 pub mod medium;
 pub mod outcomes;
 pub mod record;
+pub mod stages;
 mod steps;
 pub mod store;
 pub mod triangulate;

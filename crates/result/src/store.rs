@@ -7,15 +7,14 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 use steklov_bem_operators::{Mesh, Space};
 use steklov_document::Source;
 use steklov_io::{
-    File, Group, IoError, copy, create_group, invalid, label, load, load_integers, load_points, load_text, load_texts,
-    load_vector, open, open_group, save, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,
-    save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
+    File, Group, IoError, create_group, invalid, label, load, load_integers, load_points, load_text, load_texts,
+    load_vector, open, open_group, save, save_dense, save_integers, save_points, save_text, save_texts, save_vector,
+    vtkhdf, write_integer_attribute, write_text_attribute,
 };
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::Step;
 use steklov_model::solve::contact_rows::ContactRow;
 use steklov_model::solve::solution::TieRow;
-use steklov_model::stage::Stage;
 use steklov_model::stochastic::StochasticResult;
 use steklov_model::summary::Summary;
 use steklov_plan::Plan;
@@ -25,6 +24,7 @@ use crate::keep::Keep;
 use crate::medium;
 use crate::outcomes;
 use crate::record::Record;
+use crate::stages::{SAVED, Saved, step_group, unlink};
 use crate::steps;
 
 /// Why a run that is stored has no result.
@@ -45,115 +45,6 @@ impl From<IoError> for Unsolved {
 /// The error of a run that is observed by what stores it.
 pub fn observed(error: IoError) -> SolveError {
     SolveError::Observer(Box::new(error))
-}
-
-/// `/steps/NNN`, made when it is not there.
-pub(crate) fn step_group(file: &File, number: usize) -> Result<Group, IoError> {
-    let steps = if file.link_exists("steps") { open_group(file, "steps")? } else { create_group(file, "steps")? };
-    let name = steps::name(number);
-    if steps.link_exists(&name) { open_group(&steps, &name) } else { create_group(&steps, &name) }
-}
-
-/// Its `matrices`, made when they are not there.
-fn matrices(step: &Group) -> Result<Group, IoError> {
-    if step.link_exists("matrices") { open_group(step, "matrices") } else { create_group(step, "matrices") }
-}
-
-/// What is stored of every step besides its result.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Saved {
-    /// All matrices from which contact is condensed, as `/steps/NNN/matrices`.
-    Matrices,
-    /// The condensed contact problem and its solution, as `/steps/NNN/contact_problem`.
-    Contact,
-}
-
-const SAVED: [Saved; 2] = [Saved::Matrices, Saved::Contact];
-
-impl Saved {
-    /// The group of a step that it is stored in.
-    fn group(self) -> &'static str {
-        match self {
-            Self::Matrices => "matrices",
-            Self::Contact => "contact_problem",
-        }
-    }
-
-    /// Whether it is of this stage; none is of progress.
-    fn is_of(self, stage: &Stage<'_>) -> bool {
-        match stage {
-            Stage::Progress(..) => false,
-            Stage::Again => true,
-            Stage::Contact(..) => self == Self::Contact,
-            _ => self == Self::Matrices,
-        }
-    }
-}
-
-/// Stores a stage of a step while it exists, if it is to be saved.
-///
-/// # Errors
-/// When the file cannot be written.
-pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]) -> Result<(), IoError> {
-    if !saved.iter().any(|saved| saved.is_of(stage)) {
-        return Ok(());
-    }
-    let step = step_group(file, number)?;
-    const DISPLACEMENT: &str = "displacement unknown: nodes in the order of /solution/points, component fastest";
-    match stage {
-        Stage::Operators(0, operators) => save(&step, "matrices", *operators),
-        // bodies behind the first one in groups of their own
-        Stage::Operators(body, operators) => save(&matrices(&step)?, &format!("body_{body}"), *operators),
-        Stage::Steklov(body, s) => {
-            let meaning = label("stress", "Steklov-Poincare operator <S u, v>", &[DISPLACEMENT, DISPLACEMENT]);
-            let of_step = matrices(&step)?;
-            let at = if *body == 0 { of_step } else { open_group(&of_step, &format!("body_{body}"))? };
-            save_dense(&at, "S", s.as_ref(), &meaning)
-        }
-        Stage::Stiffness(name, unknowns, matrix) => {
-            let axis = format!("displacement unknown: 2 {unknowns} + component");
-            let axes = [axis.as_str(); 2];
-            save_sparse(&matrices(&step)?, name, matrix, &label("stress", "stiffness matrix <K u, v>", &axes))
-        }
-        Stage::Medium(operators) => save(&matrices(&step)?, "medium", *operators),
-        Stage::Interface(trace, transfer) => {
-            let at = matrices(&step)?;
-            save(&at, "trace", *trace)?;
-            save(&at, "transfer", *transfer)
-        }
-        Stage::Condensed(name, unknowns, matrix) => {
-            let axes = [*unknowns; 2];
-            let meaning = label("stress", "stiffness matrix, all other unknowns eliminated", &axes);
-            save_dense(&matrices(&step)?, name, matrix.as_ref(), &meaning)
-        }
-        Stage::Contact(problem, solution) => {
-            let at = create_group(&step, Saved::Contact.group())?;
-            save(&at, "problem", *problem)?;
-            save(&at, "solution", *solution)
-        }
-        Stage::Again => saved.iter().try_for_each(|saved| unlink(&step, saved.group())),
-        Stage::Progress(..) => Ok(()),
-    }
-}
-
-/// Takes an entry away, if it is there.
-fn unlink(group: &Group, name: &str) -> Result<(), IoError> {
-    if group.link_exists(name) { group.unlink(name).map_err(|e| invalid(group, name, e.to_string())) } else { Ok(()) }
-}
-
-/// Copies what is saved of the first steps of another file, as far as it has them; `number` is that of these steps.
-///
-/// # Errors
-/// When one of the files cannot be read or written.
-pub fn copy_saved(from: &File, file: &File, number: usize) -> Result<(), IoError> {
-    let steps = open_group(from, "steps")?;
-    for k in 0..number {
-        let step = open_group(&steps, &steps::name(k))?;
-        for name in SAVED.map(Saved::group).into_iter().filter(|name| step.link_exists(name)) {
-            copy(&step, name, &step_group(file, k)?)?;
-        }
-    }
-    Ok(())
 }
 
 /// Steps on their way into a new file: written in their order, each by a thread that has nothing else to do.
