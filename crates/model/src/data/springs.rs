@@ -58,6 +58,9 @@ impl OnMesh<'_> {
     /// h/(p+2) ‖K u - Π K u‖² of each element, u a nodal displacement: what its degree, raised by one, does not follow.
     pub(crate) fn unresolved_springs(&self, displacement: &[f64]) -> Result<Vec<f64>, SolveError> {
         let mut unresolved = vec![0.0; self.mesh.len()];
+        if !self.scene.problem.has_springs() {
+            return Ok(unresolved);
+        }
         let raised = Space::new(&self.mesh.raised(&vec![true; self.mesh.len()]));
         for (side, of_side) in self.scene.problem.sides.iter().enumerate() {
             let Some(springs) = &of_side.springs else { continue };
