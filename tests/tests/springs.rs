@@ -1,36 +1,19 @@
-//! Springs on sides: closed forms, limits, identities, the estimate, and what is refused.
+//! Springs on sides: closed forms, identities, the estimate.
+
+mod on_springs;
 
 use std::sync::atomic::AtomicUsize;
 
 use steklov_model::run::adaptive_loop::{Reason, Run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::summary::Summary;
-use steklov_problem::Scene;
 use steklov_study::reference::Reference;
-use steklov_tests::{Random, adapt, parse, solved_in_steps};
+use steklov_tests::{Random, adapt, solved_in_steps};
 
-fn scene(text: &str) -> Scene {
-    parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
-}
-
-fn solved(text: &str) -> Run<BoundaryElements> {
-    adapt(&scene(text)).unwrap_or_else(|e| panic!("{e}\n{text}"))
-}
+use on_springs::{block, close, force, scene, solved};
 
 fn summary(text: &str) -> Summary {
     steklov_model::solve(&scene(text)).unwrap_or_else(|e| panic!("{e}\n{text}")).summary
-}
-
-fn force(run: &Run<BoundaryElements>, side: &str) -> [f64; 2] {
-    run.last.reactions.iter().find(|(name, _)| name == side).unwrap_or_else(|| panic!("a reaction of {side}")).1
-}
-
-/// A block 0 ≤ x ≤ 2, 0 ≤ y ≤ 1 of E = 100, ν = 0.3 in plane stress, with conditions on its sides.
-fn block(conditions: &str) -> String {
-    format!(
-        "body.corners = [[0,0],[2,0],[2,1],[0,1]]\nbody.sides = [\"floor\",\"right\",\"top\",\"left\"]\n\
-         material = {{ young = 100.0, poisson = 0.3, plane = \"stress\" }}\n{conditions}"
-    )
 }
 
 /// Largest distance of nodal displacements from a field, and the largest displacement.
@@ -42,12 +25,6 @@ fn worst(run: &Run<BoundaryElements>, field: impl Fn([f64; 2]) -> [f64; 2]) -> (
         largest = largest.max(exact[0].hypot(exact[1]));
     }
     (worst, largest)
-}
-
-fn close(found: f64, exact: f64, part: f64, what: &str) {
-    let off = (found / exact - 1.0).abs();
-    println!("{what}: {found:.12e}, off by {off:.1e}");
-    assert!(off <= part, "{what}: {found:e}, not {exact:e}");
 }
 
 /// A bar on springs under tension: u_x = p/k + p x/E, u_y = -ν p y/E, with springs from 1e-8 to 2e12 times E over its length, which

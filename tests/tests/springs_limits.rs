@@ -1,36 +1,11 @@
 //! Springs on sides that are much stiffer or softer than the body.
 
+mod on_springs;
+
 use steklov_model::doubt::Doubt;
-use steklov_model::run::adaptive_loop::{Reason, Run};
-use steklov_model::run::boundary_elements::BoundaryElements;
-use steklov_problem::Scene;
-use steklov_tests::{adapt, parse};
+use steklov_model::run::adaptive_loop::Reason;
 
-fn scene(text: &str) -> Scene {
-    parse(text, &[]).unwrap_or_else(|e| panic!("{}", e.render()))
-}
-
-fn solved(text: &str) -> Run<BoundaryElements> {
-    adapt(&scene(text)).unwrap_or_else(|e| panic!("{e}\n{text}"))
-}
-
-fn force(run: &Run<BoundaryElements>, side: &str) -> [f64; 2] {
-    run.last.reactions.iter().find(|(name, _)| name == side).unwrap_or_else(|| panic!("a reaction of {side}")).1
-}
-
-/// A block 0 ≤ x ≤ 2, 0 ≤ y ≤ 1 of E = 100, ν = 0.3 in plane stress, with conditions on its sides.
-fn block(conditions: &str) -> String {
-    format!(
-        "body.corners = [[0,0],[2,0],[2,1],[0,1]]\nbody.sides = [\"floor\",\"right\",\"top\",\"left\"]\n\
-         material = {{ young = 100.0, poisson = 0.3, plane = \"stress\" }}\n{conditions}"
-    )
-}
-
-fn close(found: f64, exact: f64, part: f64, what: &str) {
-    let off = (found / exact - 1.0).abs();
-    println!("{what}: {found:.12e}, off by {off:.1e}");
-    assert!(off <= part, "{what}: {found:e}, not {exact:e}");
-}
+use on_springs::{block, close, force, solved};
 
 /// Stiff springs tend to a held side, J from below with 1/k; soft ones to a free side, J from above with k.
 #[test]

@@ -103,7 +103,7 @@ struct SolveArgs {
 enum Save {
     /// V, K, W, M and S, of grids K and what it is reduced to
     Matrices,
-    /// The condensed contact problem and its solution
+    /// The condensed contact problem of biorthogonal multipliers, and its solution
     Contact,
     /// All of these
     All,
