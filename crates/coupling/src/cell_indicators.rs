@@ -1,7 +1,7 @@
 //! What the displacement of the grid leaves of the equations in the body, cell by cell.
 
 use rayon::prelude::*;
-use steklov_msfem::HeterogeneousBody;
+use steklov_msfem::{HeterogeneousBody, SideTraction};
 use steklov_quadrature::gauss_legendre;
 
 /// Residuals of bilinear elements in each cell of the bounding box of a grid, 0 in dropped ones, as squares of energies (force
@@ -22,29 +22,40 @@ pub struct CellIndicators {
     /// Half of Σ h w ‖J/2‖² over the sides with a neighbour, J the jump of σ(u)n there, h the length of the side and
     /// w = 2/(E⁺ + E⁻); the other half belongs to the neighbour.
     pub jump: Vec<f64>,
+    /// Σ h/E ‖t - σ(u)n‖² over the sides on the boundary, of the components that are given there.
+    pub neumann: Vec<f64>,
 }
 
 impl CellIndicators {
-    /// The residuals of a displacement u (length) of all nodes under a body force f (force per area per thickness).
+    /// The residuals of a displacement u (length) of all nodes under a body force f (force per area per thickness);
+    /// `traction(cell, side)` is the mean traction (stress) on a side of the boundary, None for a component that is not given there,
+    /// as on an interface.
     ///
     /// # Panics
     /// If u has fewer values than the grid has unknowns.
-    pub fn new(body: &HeterogeneousBody, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64; 2] + Sync)) -> Self {
+    pub fn new(
+        body: &HeterogeneousBody,
+        u: &[f64],
+        force: &(dyn Fn([f64; 2]) -> [f64; 2] + Sync),
+        traction: &SideTraction<'_>,
+    ) -> Self {
         let [nx, ny] = body.grid.cells;
         let terms = |cell: usize| {
             if body.grid.inside(cell / ny, cell % ny) {
-                [volume(body, u, force, cell), jump(body, u, cell)]
+                let [jump, neumann] = sides(body, u, traction, cell);
+                [volume(body, u, force, cell), jump, neumann]
             } else {
-                [0.0; 2]
+                [0.0; 3]
             }
         };
-        let (volume, jump) = (0..nx * ny).into_par_iter().map(|c| terms(c).into()).unzip();
-        Self { volume, jump }
+        let all: Vec<[f64; 3]> = (0..nx * ny).into_par_iter().map(terms).collect();
+        let [volume, jump, neumann] = [0, 1, 2].map(|k| all.iter().map(|terms| terms[k]).collect());
+        Self { volume, jump, neumann }
     }
 
-    /// The sum of both terms of each cell.
+    /// The sum of all terms of each cell.
     pub fn squared(&self) -> Vec<f64> {
-        self.volume.iter().zip(&self.jump).map(|(v, j)| v + j).collect()
+        (0..self.volume.len()).map(|c| self.volume[c] + self.jump[c] + self.neumann[c]).collect()
     }
 }
 
@@ -68,7 +79,8 @@ fn volume(body: &HeterogeneousBody, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64
     hx.max(hy).powi(2) / young * sum
 }
 
-fn jump(body: &HeterogeneousBody, u: &[f64], cell: usize) -> f64 {
+/// Jumps to the neighbours, and what is left of given tractions.
+fn sides(body: &HeterogeneousBody, u: &[f64], traction: &SideTraction<'_>, cell: usize) -> [f64; 2] {
     let grid = &body.grid;
     let [ix, iy] = grid.cell(cell);
     let [nx, ny] = grid.cells;
@@ -88,17 +100,28 @@ fn jump(body: &HeterogeneousBody, u: &[f64], cell: usize) -> f64 {
         let [xx, yy, xy] = body.elasticity.stress(body.young[cell], &values, local, grid.spacing);
         if axis == 0 { [xx, xy] } else { [xy, yy] }
     };
-    let mut sum = 0.0;
+    let (mut jump, mut neumann) = (0.0, 0.0);
     for (k, neighbour) in neighbours.into_iter().enumerate() {
-        let Some([jx, jy]) = neighbour.filter(|&[jx, jy]| grid.inside(jx, jy)) else { continue };
-        let other = jx * ny + jy;
         let (axis, upper) = (k % 2, k < 2);
-        let (length, weight) = (grid.spacing[1 - axis], 2.0 / (body.young[cell] + body.young[other]));
+        let length = grid.spacing[1 - axis];
+        let Some([jx, jy]) = neighbour.filter(|&[jx, jy]| grid.inside(jx, jy)) else {
+            // sides of a cell are counted from the lower one, to the left
+            let given = traction(cell, [1, 2, 3, 0][k]);
+            let outward = if upper { 1.0 } else { -1.0 };
+            for (&at, w) in rule.points.iter().zip(&rule.weights) {
+                let own = across(cell, axis, upper, at);
+                let left = [0, 1].map(|i| given[i].map_or(0.0, |given| given - outward * own[i]));
+                neumann += length * length / body.young[cell] * w * (left[0].powi(2) + left[1].powi(2));
+            }
+            continue;
+        };
+        let other = jx * ny + jy;
+        let weight = 2.0 / (body.young[cell] + body.young[other]);
         for (&at, w) in rule.points.iter().zip(&rule.weights) {
             let (own, beyond) = (across(cell, axis, upper, at), across(other, axis, !upper, at));
             let half = [0, 1].map(|i| (own[i] - beyond[i]) / 2.0);
-            sum += 0.5 * length * length * weight * w * (half[0].powi(2) + half[1].powi(2));
+            jump += 0.5 * length * length * weight * w * (half[0].powi(2) + half[1].powi(2));
         }
     }
-    sum
+    [jump, neumann]
 }

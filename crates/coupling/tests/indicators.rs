@@ -54,7 +54,7 @@ fn all_terms_are_those_of_the_reference_file_and_the_wrong_sign_does_not_converg
             let (transmission, u0) = problem(interior.clone(), &exterior);
             let solved = transmission.solve(&u0, Form::TwoField, Radiation::Decaying).unwrap();
             let u = &solved.displacement;
-            let inside = CellIndicators::new(&grid, u, &|x| body_force(&material(body), x));
+            let inside = CellIndicators::new(&grid, u, &|x| body_force(&material(body), x), &|_, _| [None; 2]);
             let on = with_jumps(body, medium, 2, |jumps| {
                 InterfaceIndicators::new(&exterior, &grid, u, &solved, Form::TwoField, jumps).unwrap()
             });
@@ -144,7 +144,7 @@ proptest! {
                 prop_assert!((other.traction[e] / wanted - 1.0).abs() < 1e-6, "{} {wanted}", other.traction[e]);
             }
         }
-        let inside = CellIndicators::new(&medium, &solved_field(&medium, field), &|_| [0.0; 2]);
+        let inside = CellIndicators::new(&medium, &solved_field(&medium, field), &|_| [0.0; 2], &|_, _| [None; 2]);
         prop_assert!(inside.squared().iter().all(|r| *r < 1e-20 * (1.0 + young)));
     }
 
@@ -250,6 +250,35 @@ fn each_place_has_the_weight_of_its_cell() {
     }
 }
 
+/// A homogeneous strain in an L of cells of other moduli: what is given on the sides of the boundary less σn counts, h² |t - σn|²/E of each
+/// component that is given, jumps count between cells, and nothing else does.
+#[test]
+fn tractions_that_are_not_met_count_side_by_side() {
+    let medium = ell([4, 4], |cell| 1.0 + cell as f64, 0.3);
+    let unit = material([1.0, 0.3]).stress([[0.3, 0.1], [0.1, -0.2]]);
+    let fine = solved_field(&medium, |[x, y]| [0.3 * x + 0.1 * y, 0.1 * x - 0.2 * y]);
+    let normals = [[0.0, -1.0], [1.0, 0.0], [0.0, 1.0], [-1.0, 0.0]];
+    let given = |cell: usize, side: usize| match (cell + side) % 3 {
+        0 => [None; 2],
+        1 => [Some(0.7), None],
+        _ => [Some(-0.4), Some(0.2 * side as f64)],
+    };
+    let found = CellIndicators::new(&medium, &fine, &|_| [0.0; 2], &given);
+    let mut wanted = vec![0.0; 16];
+    for (cell, side) in medium.grid.boundary() {
+        let h = if side % 2 == 0 { 0.25 } else { 0.2 };
+        let own = traction(unit, normals[side]).map(|t| medium.young[cell] * t);
+        for (given, own) in given(cell, side).into_iter().zip(own) {
+            wanted[cell] += given.map_or(0.0, |given| h * h * (given - own).powi(2) / medium.young[cell]);
+        }
+    }
+    assert!(wanted.iter().filter(|w| **w > 0.0).count() > 8);
+    for (cell, (found, wanted)) in found.neumann.iter().zip(&wanted).enumerate() {
+        close(&format!("cell {cell}"), *found, *wanted, 1e-12);
+    }
+    assert!(found.volume.iter().all(|v| *v < 1e-25) && found.jump.iter().sum::<f64>() > 0.0);
+}
+
 /// The three-field form, whose residuals are others; the same bits for any number of threads.
 #[test]
 fn the_indicators_of_three_fields_follow_the_error() {
@@ -262,7 +291,7 @@ fn the_indicators_of_three_fields_follow_the_error() {
             let (transmission, u0) = problem(interior, &exterior);
             let solved = transmission.solve(&u0, Form::ThreeField, Radiation::Decaying).unwrap();
             let u = &solved.displacement;
-            let inside = CellIndicators::new(&grid, u, &|x| body_force(&material(body), x));
+            let inside = CellIndicators::new(&grid, u, &|x| body_force(&material(body), x), &|_, _| [None; 2]);
             let indicators = |threads: usize| {
                 let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
                 pool.install(|| {
@@ -302,7 +331,7 @@ fn elements_longer_than_the_sides_of_cells_have_indicators_that_follow_the_error
             let on = with_jumps(body, medium, 1, |jumps| {
                 InterfaceIndicators::new(&exterior, &grid, u, &solved, form, jumps).unwrap()
             });
-            let inside = CellIndicators::new(&grid, u, &|x| body_force(&material(body), x));
+            let inside = CellIndicators::new(&grid, u, &|x| body_force(&material(body), x), &|_, _| [None; 2]);
             let sum = |terms: Vec<f64>| terms.iter().sum::<f64>();
             let effectivity = (sum(inside.squared()) + sum(on.squared())).sqrt() / energy_error(&grid, body, u);
             println!("{elements} of degree {degree} {form:?}: {effectivity:.3}");

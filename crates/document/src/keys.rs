@@ -58,7 +58,7 @@ pub(super) const CONTACT: [&str; 2] = ["gap", "friction"];
 pub(super) const FRICTION: [&str; 2] = ["tresca", "coulomb"];
 pub(super) const BODY_FORCE: [&str; 1] = ["value"];
 pub(super) const PROBE: [&str; 1] = ["points"];
-pub(super) const METHOD: [&str; 15] = [
+pub(super) const METHOD: [&str; 16] = [
     "model",
     "tolerance",
     "refine",
@@ -67,6 +67,7 @@ pub(super) const METHOD: [&str; 15] = [
     "max_dofs",
     "max_steps",
     "indicator",
+    "estimators",
     "marking",
     "smoothness",
     "multiplier",

@@ -28,6 +28,7 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
             "indicator" => {
                 method.indicator = field.choice(&[("bubble", Indicator::Bubble), ("residual", Indicator::Residual)])?;
             }
+            "estimators" => method.estimators = field.flag()?,
             "marking" => {
                 method.marking = auto(&field, |v| v > 0.0 && v <= 1.0, "\"auto\", or a number above 0 and at most 1")?
             }

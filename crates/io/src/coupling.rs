@@ -253,18 +253,27 @@ impl Persist for InterfaceIndicators {
 
 impl Persist for CellIndicators {
     const KIND: &'static str = "residual indicators of the cells of a grid";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2;
+    const OLDEST: u32 = 1;
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
         let term = |name, values: &[f64], meaning| {
             save_vector(at, name, values, &label("force*length/thickness", meaning, &["cell"]))
         };
         term("volume", &self.volume, "h^2/E of the body force and the divergence of the stress")?;
-        term("jump", &self.jump, "half of h^2/E of the jumps of the traction between cells")
+        term("jump", &self.jump, "half of h^2/E of the jumps of the traction between cells")?;
+        term("neumann", &self.neumann, "h/E of the given traction less that of the solution")
     }
 
     fn read(at: &Group) -> Result<Self, IoError> {
         let volume = load_squares(at, "volume", None)?;
-        Ok(Self { jump: load_squares(at, "jump", Some(volume.len()))?, volume })
+        let cells = Some(volume.len());
+        let jump = load_squares(at, "jump", cells)?;
+        // version 1 had no tractions
+        let neumann = match at.link_exists("neumann") {
+            true => load_squares(at, "neumann", cells)?,
+            false => vec![0.0; volume.len()],
+        };
+        Ok(Self { volume, jump, neumann })
     }
 }

@@ -75,7 +75,7 @@ proptest! {
             InterfaceIndicators::new(&around, &medium, &solved.displacement, &solved, form, &jumps).unwrap();
         prop_assert_eq!(indicators.hypersingular.is_some(), form == Form::ThreeField);
         prop_assert_eq!(&check_round_trip(&indicators), &indicators);
-        let cells = CellIndicators::new(&medium, &solved.displacement, &|_| [0.0; 2]);
+        let cells = CellIndicators::new(&medium, &solved.displacement, &|_| [0.0; 2], &|_, _| [None; 2]);
         prop_assert_eq!(&check_round_trip(&cells), &cells);
     }
 }
@@ -247,7 +247,7 @@ fn solutions_and_indicators_that_do_not_fit_are_refused() {
         assert!(spoiled(&indicators, name, vector(name, vec![1.0, f64::NAN])).contains("entry 1 is NaN"), "{name}");
         assert!(spoiled(&indicators, name, vector(name, vec![-1e-9, 1.0])).contains("square of an energy"), "{name}");
     }
-    let cells = CellIndicators { volume: vec![1.0, 0.0], jump: vec![3.0, 4.0] };
+    let cells = CellIndicators { volume: vec![1.0, 0.0], jump: vec![3.0, 4.0], neumann: vec![0.0, 2.0] };
     assert!(spoiled(&cells, "jump", vector("jump", vec![1.0])).contains("1 entries where 2 are needed"));
     for name in ["volume", "jump"] {
         assert!(spoiled(&cells, name, vector(name, vec![f64::NAN, 1.0])).contains("entry 0 is NaN"), "{name}");

@@ -30,6 +30,7 @@ pub mod doubt;
 pub mod energies;
 pub mod error;
 pub mod estimate;
+pub mod estimators;
 pub mod grid;
 pub mod mesh;
 pub mod refine;

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 
 use crate::doubt::Doubt;
+use crate::estimators::Estimators;
 
 /// What a result is, in numbers. Lengths, stresses and forces per thickness in the units of the scene.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
@@ -51,6 +52,9 @@ pub struct Summary {
     /// Why the estimate is not to be trusted, the words of [`Doubt`]; empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
+    /// Residual estimators; left out unless they are asked for.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub estimators: Option<Estimators>,
     /// Iterations of the contact solver in the last step; 0 without contact.
     pub iterations: usize,
     /// Contact; null without a contact side.

@@ -81,13 +81,14 @@ impl Indicators {
         Self { volume_mean, volume_oscillation, jump_mean, jump_oscillation, neumann }
     }
 
+    /// The terms in the order of the fields.
+    pub fn parts(&self) -> [&[f64]; 5] {
+        [&self.volume_mean, &self.volume_oscillation, &self.jump_mean, &self.jump_oscillation, &self.neumann]
+    }
+
     /// η_T² of each coarse cell, all terms together.
     pub fn squared(&self) -> Vec<f64> {
-        let terms = |c: usize| {
-            let volume = self.volume_mean[c] + self.volume_oscillation[c];
-            volume + self.jump_mean[c] + self.jump_oscillation[c] + self.neumann[c]
-        };
-        (0..self.neumann.len()).map(terms).collect()
+        (0..self.neumann.len()).map(|c| self.parts().iter().map(|part| part[c]).sum()).collect()
     }
 }
 

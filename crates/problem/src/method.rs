@@ -95,6 +95,8 @@ pub struct Method {
     pub max_steps: usize,
     /// Indicator of the error.
     pub indicator: Indicator,
+    /// Whether the residual estimators are told as numbers, whatever steers the refinement.
+    pub estimators: bool,
     /// Dörfler's θ in (0, 1]; `None` is auto.
     pub marking: Option<f64>,
     /// δ in (0, 1] of the h-or-p decision.
@@ -123,6 +125,7 @@ impl Default for Method {
             memory: None,
             max_steps: 60,
             indicator: Indicator::Bubble,
+            estimators: false,
             marking: None,
             smoothness: 0.6,
             multiplier: Multiplier::Biorthogonal,
@@ -143,6 +146,11 @@ impl Method {
     /// Elements of the first mesh.
     pub fn elements(&self) -> usize {
         self.elements.unwrap_or(16)
+    }
+
+    /// Whether residuals are computed: where they steer the refinement they are told too.
+    pub fn has_residuals(&self) -> bool {
+        self.estimators || self.indicator == Indicator::Residual
     }
 
     /// Largest number of displacement unknowns.

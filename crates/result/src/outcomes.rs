@@ -181,6 +181,8 @@ pub fn read(at: &Group) -> Result<StochasticResult, IoError> {
         cells,
         truncation,
         truncation_measured,
+        // it is in the JSON object
+        estimator: None,
         truncation_by_germ,
         checks,
         overlooked: overlooked != 0,

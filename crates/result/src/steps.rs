@@ -3,8 +3,7 @@
 mod check;
 
 use faer::Mat;
-use steklov_bem_operators::BoundaryResidual;
-use steklov_contact::{ContactResidual, Located, Tip, TipKind};
+use steklov_contact::{Located, Tip, TipKind};
 use steklov_io::{
     File, Group, IoError, create_group, invalid, label, load, load_dense, load_integers, load_number, load_texts,
     load_vector, open_group, save as save_as, save_dense, save_integers, save_number, save_texts, save_vector,
@@ -12,23 +11,13 @@ use steklov_io::{
 use steklov_model::doubt::Doubt;
 use steklov_model::estimate::error_estimate::{Bubble, Estimate};
 use steklov_model::estimate::residual::Residual;
+use steklov_model::estimators::ON_BOUNDARY;
 use steklov_model::run::adaptive_loop::Step;
 use steklov_model::run::boundary_elements::{BoundaryElements, RefinedMesh};
 use steklov_problem::Scene;
 
 /// A term of the indicators: name, meaning, value.
 type Term<T> = (&'static str, &'static str, fn(&T) -> f64);
-const RESIDUAL_TERMS: [Term<Residual>; 9] = [
-    ("neumann", "h/(pE) |t - S u|^2 where t is prescribed", |r| r.boundary.neumann),
-    ("equation", "hE/p |d/ds((K+1/2)u - V psi)|^2", |r| r.boundary.equation),
-    ("contact", "h/(pE) |lambda + S u|^2", |r| r.contact.contact),
-    ("stabilisation", "h/(p^2 E) |lambda + S u|^2 of stabilised multipliers", |r| r.contact.stabilisation),
-    ("complementarity", "pressure where the gap is open", |r| r.contact.complementarity),
-    ("tension", "negative pressure", |r| r.contact.tension),
-    ("penetration", "overlap", |r| r.contact.penetration),
-    ("bound", "shear beyond the friction bound", |r| r.contact.bound),
-    ("friction", "slip below the bound or against the shear", |r| r.contact.friction),
-];
 const BUBBLE_TERMS: [Term<Bubble>; 3] = [
     ("displacement", "eta_u squared of the displacement bubble", |b| b.displacement),
     ("traction", "eta_psi squared of the top traction", |b| b.traction),
@@ -116,8 +105,8 @@ fn save_estimate(at: &Group, estimate: &Estimate) -> Result<(), IoError> {
         save_vector(&indicators, name, &values, &label(energy, meaning, &["element"]))?;
     }
     if !estimate.residuals.is_empty() {
-        for (name, meaning, term) in RESIDUAL_TERMS {
-            let values: Vec<f64> = estimate.residuals.iter().map(term).collect();
+        for (k, (name, meaning)) in ON_BOUNDARY.into_iter().enumerate() {
+            let values: Vec<f64> = estimate.residuals.iter().map(|residual| residual.terms()[k]).collect();
             save_vector(&indicators, name, &values, &label(energy, meaning, &["element"]))?;
         }
     }
@@ -194,26 +183,13 @@ fn load_estimate(at: &Group, elements: usize) -> Result<Estimate, IoError> {
     let [u, t, g] = BUBBLE_TERMS.map(|(name, ..)| column(name));
     let (u, t, g) = (u?, t?, g?);
     let indicators = (0..elements).map(|e| Bubble { displacement: u[e], traction: t[e], oscillation: g[e] }).collect();
-    let residuals = if group.link_exists(RESIDUAL_TERMS[0].0) {
-        let columns = RESIDUAL_TERMS.map(|(name, ..)| column(name));
-        let mut terms = Vec::new();
-        for column in columns {
-            terms.push(column?);
+    let residuals = if group.link_exists(ON_BOUNDARY[0].0) {
+        let mut columns = Vec::new();
+        for (name, _) in ON_BOUNDARY {
+            // files of before have no term of held displacements
+            columns.push(if group.link_exists(name) { column(name)? } else { vec![0.0; elements] });
         }
-        let residual = |e: usize| Residual {
-            boundary: BoundaryResidual { neumann: terms[0][e], equation: terms[1][e] },
-            contact: ContactResidual {
-                element: e,
-                contact: terms[2][e],
-                stabilisation: terms[3][e],
-                complementarity: terms[4][e],
-                tension: terms[5][e],
-                penetration: terms[6][e],
-                bound: terms[7][e],
-                friction: terms[8][e],
-            },
-        };
-        (0..elements).map(residual).collect()
+        (0..elements).map(|e| Residual::of_terms(e, [0, 1, 2, 3, 4, 5, 6, 7, 8, 9].map(|k| columns[k][e]))).collect()
     } else {
         Vec::new()
     };

@@ -8,10 +8,11 @@ use steklov_bem_operators::{Mesh, Space};
 use steklov_document::Source;
 use steklov_io::{
     File, Group, IoError, create_group, invalid, label, load, load_integers, load_points, load_text, load_texts,
-    load_vector, open, open_group, save, save_dense, save_integers, save_points, save_text, save_texts, save_vector,
-    vtkhdf, write_integer_attribute, write_text_attribute,
+    load_vector, open, open_group, save, save_dense, save_integers, save_number, save_points, save_text, save_texts,
+    save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
 };
 use steklov_model::error::SolveError;
+use steklov_model::estimators::{Estimator, Estimators};
 use steklov_model::run::adaptive_loop::Step;
 use steklov_model::solve::contact_rows::ContactRow;
 use steklov_model::solve::solution::TieRow;
@@ -108,6 +109,9 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
             grid::write(file, grid)?;
         }
     }
+    if let Some(estimators) = &record.summary.estimators {
+        save_estimators(&create_group(file, "estimators")?, estimators)?;
+    }
     save_solution(&create_group(file, "solution")?, record)?;
     if record.summary.contact.is_some() {
         save_contact(&create_group(file, "contact")?, &record.contact)?;
@@ -174,6 +178,22 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
 }
 
 /// `/bodies/NAME`: the part of mesh and solution of each of several bodies.
+/// A group for each residual estimator that applies.
+fn save_estimators(at: &Group, estimators: &Estimators) -> Result<(), IoError> {
+    let norm = "(force*length/thickness)^(1/2)";
+    for (name, estimator) in estimators.named() {
+        let Some(Estimator { value, relative, parts }) = estimator else { continue };
+        let of = create_group(at, name)?;
+        save_number(&of, "value", *value, norm, "eta, root of the sum of the squared parts")?;
+        save_number(&of, "relative", *relative, "1", "eta over (2 strain energy)^(1/2)")?;
+        let of = create_group(&of, "parts")?;
+        for (part, value) in parts {
+            save_number(&of, part, *value, norm, "root of the sum over all elements")?;
+        }
+    }
+    Ok(())
+}
+
 fn save_bodies(file: &File, record: &Record) -> Result<(), IoError> {
     if record.summary.bodies.is_empty() {
         return Ok(());
@@ -341,7 +361,10 @@ pub fn read(file: &File) -> Result<Record, IoError> {
     let grid = vtkhdf::read(file)?;
     medium::store::check(file, summary.exterior.as_ref(), &grid)?;
     let stochastic = match file.link_exists("stochastic") {
-        true => Some(read_stochastic(file, points.len(), contact.len())?),
+        true => {
+            let estimator = summary.estimators.as_ref().and_then(|all| all.stochastic.clone());
+            Some(StochasticResult { estimator, ..read_stochastic(file, points.len(), contact.len())? })
+        }
         false => None,
     };
     let on_grid = match summary.grid.is_some() || file.link_exists("multiscale") {

@@ -3,6 +3,7 @@
 use steklov_document::STOCHASTIC;
 use steklov_figures::stochastic;
 use steklov_model::doubt::Doubt;
+use steklov_model::estimators::Estimators;
 use steklov_model::run::adaptive_loop::Reason;
 use steklov_model::solve::contact_rows::TOUCHING;
 use steklov_model::summary::Expected;
@@ -163,6 +164,7 @@ pub(super) fn print_summary(stored: &Record) {
     if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
         say(&format!("            J extrapolated {energy:.12e} ± {uncertainty:.1e}"));
     }
+    s.estimators.iter().flat_map(estimator_lines).for_each(|line| say(&line));
     s.estimate_doubts
         .iter()
         .filter_map(|word| Doubt::of_word(word))
@@ -217,4 +219,24 @@ pub(super) fn print_summary(stored: &Record) {
         s.peak_memory_bytes as f64 / f64::from(1 << 20)
     ));
     say(&format!("result      {}", s.file));
+}
+
+/// Parts of an estimator below this part of it are not told.
+const SMALL_PART: f64 = 1e-3;
+
+/// The residual estimators, the largest parts first.
+fn estimator_lines(estimators: &Estimators) -> Vec<String> {
+    let mut lines = Vec::new();
+    for (name, estimator) in estimators.named() {
+        let Some(estimator) = estimator else { continue };
+        lines.push(format!("residual    {:.3e} by {name}, relative {:.3e}", estimator.value, estimator.relative));
+        let mut parts: Vec<_> =
+            estimator.parts.iter().filter(|(_, part)| **part > SMALL_PART * estimator.value).collect();
+        parts.sort_by(|a, b| b.1.total_cmp(a.1));
+        let parts: Vec<String> = parts.iter().map(|(name, part)| format!("{name} {part:.1e}")).collect();
+        if !parts.is_empty() {
+            lines.push(format!("            {}", parts.join(", ")));
+        }
+    }
+    lines
 }

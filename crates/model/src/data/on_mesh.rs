@@ -433,7 +433,7 @@ pub(crate) struct Followed {
 }
 
 /// Values at points of the boundary.
-type AtSites<'a> = Box<dyn Fn(&Site) -> f64 + Sync + 'a>;
+pub(crate) type AtSites<'a> = Box<dyn Fn(&Site) -> f64 + Sync + 'a>;
 
 /// An expression as a datum of the numerics.
 pub(crate) struct Function<'a> {

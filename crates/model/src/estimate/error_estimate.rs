@@ -11,7 +11,7 @@
 //! with strategies that keep the degree, with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 
-use steklov_bem_operators::{Enriched, Look, Mesh, Polygon, SAME_PLACE};
+use steklov_bem_operators::{Enriched, Mesh, Polygon, SAME_PLACE};
 use steklov_contact::{ContactBubble, Frozen};
 use steklov_elastic::Material;
 use steklov_elastic::plane::dot;
@@ -58,7 +58,7 @@ impl Bubble {
 pub struct Estimate {
     /// Indicators of the elements.
     pub indicators: Vec<Bubble>,
-    /// Residual indicators, where these are asked for; else empty.
+    /// Residuals, where these are asked for and known; else empty.
     pub residuals: Vec<Residual>,
     /// ⟨S₊e₊, e₊⟩ of the correction e₊ that the enriched spaces add.
     pub correction: f64,
@@ -116,6 +116,11 @@ const ROUNDED_OVERLAP: f64 = 1e-12;
 const ROUNDED: [f64; 2] = [1e-12, 1e-15];
 const ROUNDED_OF_SEVERAL: [f64; 2] = [3e-12, 5e-15];
 
+/// Whether residuals are computed: they know no medium around a body, and no other body.
+pub(crate) fn has_residuals(scene: &Scene) -> bool {
+    scene.method.has_residuals() && !scene.is_inclusion() && !scene.problem.has_several_bodies()
+}
+
 /// Whether meshes of so many unknowns are estimated.
 pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
     scene.method.refine != Refine::None || dofs <= LARGEST_SINGLE
@@ -153,10 +158,7 @@ pub fn estimate(
         indicators[e].oscillation += energy;
     }
     let overlaps = hidden_overlaps(&data, (solved, &body.joints), scale, &closed, &mut indicators);
-    let residuals = match scene.method.indicator {
-        Indicator::Bubble => Vec::new(),
-        Indicator::Residual => data.residuals(solved, 0..mesh.len(), Look::Close)?,
-    };
+    let residuals = if has_residuals(scene) { data.all_residuals(solved, 1.0)? } else { Vec::new() };
 
     let (gained, squared, correction) = correction(body, &elastic, factors, (&frames, &of_springs), &residual)?;
 
@@ -401,11 +403,12 @@ fn hidden_overlaps(
 
 impl Estimate {
     /// η² of each element: what steers the refinement.
-    pub fn squared(&self) -> Vec<f64> {
-        if self.residuals.is_empty() {
+    pub fn squared(&self, indicator: Indicator) -> Vec<f64> {
+        if indicator == Indicator::Bubble {
             self.indicators.iter().map(Bubble::total).collect()
         } else {
-            self.indicators.iter().zip(&self.residuals).map(|(b, r)| r.total() + b.oscillation).collect()
+            let of = |(b, r): (&Bubble, &Residual)| r.boundary.total() + r.contact.total() + b.oscillation;
+            self.indicators.iter().zip(&self.residuals).map(of).collect()
         }
     }
 

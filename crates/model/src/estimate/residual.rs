@@ -2,11 +2,12 @@
 
 use std::ops::Range;
 
-use steklov_bem_operators::{BoundaryResidual, Look, Site, boundary_residuals_of};
-use steklov_contact::{ContactResidual, ContactSolution, Multiplier, contact_residuals_of};
+use steklov_bem_operators::{BoundaryResidual, Datum, Look, Site, boundary_residuals_of};
+use steklov_contact::{ContactResidual, ContactSolution, Multiplier, SideData, contact_residuals_of};
 
-use crate::data::on_mesh::OnMesh;
+use crate::data::on_mesh::{AtSites, OnMesh};
 use crate::error::SolveError;
+use crate::estimators::{Estimator, ON_BOUNDARY, STABILISATION};
 use crate::solve::solution::Solved;
 
 /// The residual indicator of one element.
@@ -16,24 +17,95 @@ pub struct Residual {
     pub boundary: BoundaryResidual,
     /// What is left of the contact conditions.
     pub contact: ContactResidual,
+    /// E*/2 ‖w‖ ‖dw/ds‖ of what the nodes leave of a held displacement, w = u_D - I_p u_D.
+    pub held: f64,
 }
 
 impl Residual {
     /// η².
     pub fn total(&self) -> f64 {
-        self.boundary.total() + self.contact.total()
+        self.boundary.total() + self.contact.total() + self.held
+    }
+
+    /// From what [`Self::terms`] gives of an element.
+    pub fn of_terms(element: usize, terms: [f64; ON_BOUNDARY.len()]) -> Self {
+        let [neumann, equation, contact, stabilisation, complementarity, tension, penetration, bound, friction, held] =
+            terms;
+        Self {
+            boundary: BoundaryResidual { neumann, equation },
+            contact: ContactResidual {
+                element,
+                contact,
+                stabilisation,
+                complementarity,
+                tension,
+                penetration,
+                bound,
+                friction,
+            },
+            held,
+        }
+    }
+
+    /// The term of each name in [`ON_BOUNDARY`].
+    pub fn terms(&self) -> [f64; ON_BOUNDARY.len()] {
+        let (b, c) = (&self.boundary, &self.contact);
+        [
+            b.neumann,
+            b.equation,
+            c.contact,
+            c.stabilisation,
+            c.complementarity,
+            c.tension,
+            c.penetration,
+            c.bound,
+            c.friction,
+            self.held,
+        ]
     }
 }
 
+/// Terms of contact, stabilised or not.
+const OF_CONTACT: Range<usize> = 2..9;
+
+/// The estimator of a solution by boundary elements from the residuals of all elements.
+pub fn estimator(residuals: &[Residual], solved: &Solved) -> Estimator {
+    let applies = |k: usize| match &solved.contact {
+        None => !OF_CONTACT.contains(&k),
+        Some(contact) => contact.stabilised.is_some() || ON_BOUNDARY[k].0 != STABILISATION,
+    };
+    let terms: Vec<_> = residuals.iter().map(Residual::terms).collect();
+    let sum = |k: usize| (ON_BOUNDARY[k].0, terms.iter().map(|terms| terms[k]).sum());
+    Estimator::new((0..ON_BOUNDARY.len()).filter(|&k| applies(k)).map(sum), (2.0 * solved.energies.strain).sqrt())
+}
+
 impl OnMesh<'_> {
-    /// Residual indicators of some elements.
-    pub fn residuals(&self, solved: &Solved, elements: Range<usize>, look: Look) -> Result<Vec<Residual>, SolveError> {
+    /// Residuals of all elements, with what the nodes leave of held displacements. Of random input `solved` is the answer of the
+    /// nominal modulus to an outcome whose modulus is so many times that; elsewhere this is 1.
+    ///
+    /// # Errors
+    /// Data that are not finite.
+    pub fn all_residuals(&self, solved: &Solved, modulus: f64) -> Result<Vec<Residual>, SolveError> {
+        let mut residuals = self.residuals(solved, 0..self.mesh.len(), (Look::Close, modulus))?;
+        for (e, oscillation) in self.held_oscillation(&solved.particular)? {
+            residuals[e].held += self.material_of(e).plane_modulus() / 2.0 * oscillation;
+        }
+        Ok(residuals)
+    }
+
+    /// Residuals of some elements.
+    pub(crate) fn residuals(
+        &self,
+        solved: &Solved,
+        elements: Range<usize>,
+        (look, modulus): (Look, f64),
+    ) -> Result<Vec<Residual>, SolveError> {
         let body = solved.particular.of(0);
         let traction = |site: &Site| -> [Option<f64>; 2] {
             let e = site.element;
             let given = self.given_traction(e, site.t, solved.on_boundary(e, site.t).0);
             let particular = body.map_or([0.0; 2], |b| b.traction(site.point, self.mesh.normal(e, site.t)));
-            [0, 1].map(|i| given[i].map(|t| t - particular[i]))
+            [0, 1].map(|i| given[i].map(|t| t / modulus - particular[i]))
         };
         let first = elements.start;
         let boundary = boundary_residuals_of(self.mesh, solved.field.of_body(0), &traction, elements.clone(), look)?;
@@ -51,12 +123,24 @@ impl OnMesh<'_> {
                 field: solved.field.of_body(0),
                 body_force: body,
             };
-            for residual in
-                self.with_contact_data(&[], |sides| contact_residuals_of(&solution, sides, elements, look))?
-            {
+            let contact = self.with_contact_data(&[], |sides| {
+                let bounds: Vec<_> = sides.iter().map(|side| side.bound.map(|bound| scaled(bound, modulus))).collect();
+                let mut nominal: Vec<SideData<'_>> = Vec::with_capacity(sides.len());
+                for (side, value) in sides.iter().zip(&bounds) {
+                    let bound = side.bound.zip(value.as_deref()).map(|(bound, value)| Datum { value, ..bound });
+                    nominal.push(SideData { bound, ..*side });
+                }
+                contact_residuals_of(&solution, &nominal, elements, look)
+            });
+            for residual in contact? {
                 residuals[residual.element - first].contact = residual;
             }
         }
         Ok(residuals)
     }
+}
+
+/// A friction bound over a modulus.
+fn scaled(bound: Datum<'_>, modulus: f64) -> AtSites<'_> {
+    Box::new(move |site| (bound.value)(site) / modulus)
 }

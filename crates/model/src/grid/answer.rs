@@ -44,6 +44,10 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         energy: correction.map(|c| [solved.energies.total - c, c]),
         error: estimate.map(|e| [e.error, e.relative]),
         doubts: estimate.map_or(Vec::new(), GridEstimate::doubts),
+        estimators: scene
+            .method
+            .has_residuals()
+            .then(|| estimate.map_or_else(Default::default, GridEstimate::estimators)),
         exact: false,
         trace: solved.trace(),
         contact: solved.contact.as_ref(),

@@ -5,6 +5,7 @@ use steklov_msfem::{CrossingContrast, Indicators};
 use steklov_problem::Indicator;
 
 use crate::doubt::Doubt;
+use crate::estimators::{Estimator, Estimators, IN_CELLS, IN_COARSE_CELLS, ON_INTERFACE};
 
 /// Contrast along coarse edges from which linear traces fail.
 pub const FAILING: f64 = 1e2;
@@ -21,9 +22,12 @@ const CROSSED: f64 = 1e2;
 pub struct GridEstimate {
     /// η² of each coarse cell (force times length per thickness); empty without coarse cells.
     pub indicators: Vec<f64>,
-    /// Residuals of coarse cells, of the edges between them and of tractions, of which the indicators are the sums; None of nodal
-    /// residuals.
+    /// Residuals of coarse cells, of the edges between them and of tractions, where these are asked for and known: the indicators are
+    /// their sums, or nodal residuals.
     pub residual: Option<Indicators>,
+    /// Sums of the residuals of the fine cells of a body in a medium without coarse cells, against the exact solution: volume, jumps,
+    /// tractions; None where they are not asked for.
+    pub in_cells: Option<[f64; 3]>,
     /// Their sum: the squared multiscale error.
     pub multiscale: f64,
     /// The squared error of the fine grid.
@@ -47,6 +51,27 @@ pub struct GridEstimate {
 }
 
 impl GridEstimate {
+    /// The residual estimators, each where it applies.
+    pub fn estimators(&self) -> Estimators {
+        // with the same scale as the estimate
+        let scale = if self.relative > 0.0 { self.error / self.relative } else { 0.0 };
+        let sum = |terms: &[f64]| terms.iter().sum::<f64>();
+        let mut parts: Vec<(&str, f64)> = Vec::new();
+        if let Some(terms) = &self.residual {
+            parts.extend(IN_COARSE_CELLS.into_iter().zip(terms.parts()).map(|((name, _), part)| (name, sum(part))));
+        }
+        parts.extend(self.in_cells.iter().flat_map(|sums| IN_CELLS.into_iter().zip(*sums)));
+        if parts.is_empty() {
+            return Estimators::default();
+        }
+        let Some(interface) = &self.interface else {
+            return Estimators { multiscale: Some(Estimator::new(parts, scale)), ..Estimators::default() };
+        };
+        let on_interface = [sum(&interface.traction), sum(&interface.displacement), sum(&self.jump)];
+        parts.extend(ON_INTERFACE.into_iter().zip(on_interface));
+        Estimators { coupling: Some(Estimator::new(parts, scale)), ..Estimators::default() }
+    }
+
     /// η² of each boundary element (force times length per thickness): the error of its traction, or its residuals.
     pub fn of_elements(&self, indicator: Indicator) -> Vec<f64> {
         of_elements(self.interface.as_ref(), &self.jump, indicator)

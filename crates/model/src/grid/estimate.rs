@@ -66,7 +66,7 @@ pub(super) fn estimate(
         }
         tractions.insert(pressed.side, [0, 1].map(|i| Some((t0[i] + t1[i]) / 2.0)));
     }
-    let residuals = scene.method.indicator == Indicator::Residual;
+    let mut of_residuals = tractions.clone();
     if let Some(around) = &solved.around {
         let fine = GridTrace::new(scene, &body.grid, |_| true)?;
         let sides = medium_tractions(&body.grid, around, &fine);
@@ -75,30 +75,29 @@ pub(super) fn estimate(
                 (0..2).for_each(|i| load[2 * node + i] += moment[i]);
             }
             let given = tractions.entry(side.side).or_insert([Some(0.0); 2]);
+            *given = beside_medium(solved, around, side, *given);
             // the residuals there are those of the boundary elements
-            *given = if residuals { [None; 2] } else { beside_medium(solved, around, side, *given) };
+            of_residuals.insert(side.side, [None; 2]);
         }
         share_with_medium(solved, around, &sides, &mut load);
     }
-    let traction = |cell: usize, side: usize| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2]);
-    let mut residual = None;
-    let indicators = match (coarse, scene.method.indicator) {
+    let (residual, in_cells) =
+        if scene.method.has_residuals() { residuals(scene, solved, loads, &of_residuals) } else { (None, None) };
+    let steers = scene.method.indicator == Indicator::Residual;
+    let indicators = match (coarse, &residual) {
         (None, _) => Vec::new(),
-        (Some(coarse), Indicator::Bubble) => nodal_indicators(body, &coarse.mesh, &load, u, held),
-        (Some(coarse), Indicator::Residual) => {
-            // the bubbles of the solution answer the load inside of the cells
-            let force = if coarse.bubbles { &[][..] } else { &loads.body };
-            residual.insert(Indicators::new(body, &coarse.mesh, force, u, &traction)).squared()
-        }
+        (Some(_), Some(residual)) if steers => residual.squared(),
+        (Some(coarse), _) => nodal_indicators(body, &coarse.mesh, &load, u, held),
     };
     let multiscale = indicators.iter().sum::<f64>();
-    let fine_grid: f64 = if residuals && coarse.is_none() && solved.around.is_some() {
-        let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
-        CellIndicators::new(body, u, &force).squared().iter().sum()
-    } else {
-        let fine = GridTrace::new(scene, &body.grid, |_| true)?;
-        bubble_indicators(body, &loads.body, u, &traction).iter().sum::<f64>()
-            + load_oscillation(scene, body, loads, &fine)?
+    let fine_grid: f64 = match in_cells {
+        Some(terms) if steers => terms.iter().sum(),
+        _ => {
+            let traction = given(if steers { &of_residuals } else { &tractions });
+            let fine = GridTrace::new(scene, &body.grid, |_| true)?;
+            bubble_indicators(body, &loads.body, u, &traction).iter().sum::<f64>()
+                + load_oscillation(scene, body, loads, &fine)?
+        }
     };
     let interface = solved.interface.clone();
     let jump = solved.jump_oscillation.clone();
@@ -112,6 +111,7 @@ pub(super) fn estimate(
     Ok(Some(GridEstimate {
         indicators,
         residual,
+        in_cells,
         multiscale,
         fine_grid,
         interface,
@@ -123,6 +123,36 @@ pub(super) fn estimate(
         inside,
         crossed: contrast_crossed(body),
     }))
+}
+
+/// The mean traction on a side of the boundary, 0 where nothing is given.
+fn given(tractions: &Tractions) -> impl Fn(usize, usize) -> [Option<f64>; 2] + Sync + '_ {
+    |cell, side| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2])
+}
+
+/// What is left of the equations in coarse cells whose bases solve them inside, or in fine cells next to a medium, whose terms are
+/// summed: volume, jumps, tractions.
+fn residuals(
+    scene: &Scene,
+    solved: &GridSolved,
+    loads: &Loads,
+    tractions: &Tractions,
+) -> (Option<Indicators>, Option<[f64; 3]>) {
+    let (body, u, traction) = (&solved.body, &solved.displacement, given(tractions));
+    match &solved.coarse {
+        Some(coarse) if !matches!(coarse.basis, Basis::Q1 | Basis::Linear) => {
+            // the bubbles of the solution answer the load inside of the cells
+            let force = if coarse.bubbles { &[][..] } else { &loads.body };
+            (Some(Indicators::new(body, &coarse.mesh, force, u, &traction)), None)
+        }
+        None if solved.around.is_some() => {
+            let force = |x: [f64; 2]| scene.force_at(x).unwrap_or([f64::NAN; 2]);
+            let cells = CellIndicators::new(body, u, &force, &traction);
+            let sum = |terms: &[f64]| terms.iter().sum();
+            (None, Some([sum(&cells.volume), sum(&cells.jump), sum(&cells.neumann)]))
+        }
+        _ => (None, None),
+    }
 }
 
 /// What is left of the balance of tractions acts on body and medium alike: of the energy r²/k₁ that it would have in a cell

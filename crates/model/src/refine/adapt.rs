@@ -57,7 +57,7 @@ impl<'a> Marking<'a> {
             (Some(contact), Some(part), Some(decided)) => Some(part.solved(&contact.solution, decided)),
             _ => None,
         };
-        let mut squared = estimate.map_or(vec![0.0; solved.mesh.len()], Estimate::squared);
+        let mut squared = estimate.map_or(vec![0.0; solved.mesh.len()], |e| e.squared(scene.method.indicator));
         let apart = multiplier_indicators(solved, factors.difference);
         squared.iter_mut().zip(&apart).for_each(|(all, part)| *all += part);
         let unresolved = match estimate {

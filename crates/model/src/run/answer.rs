@@ -7,6 +7,7 @@ use crate::answer::report::contact_summary;
 use crate::answer::singular_points::tell_unbounded;
 use crate::answer::small_strain::is_large;
 use crate::doubt::Doubt;
+use crate::estimators::Estimators;
 use crate::run::adaptive_loop::{Model, Reason, Run};
 use crate::run::expect::expected;
 use crate::run::report::Report;
@@ -59,6 +60,9 @@ pub fn answer<M: Model>(
         estimate: report.error.map(|[error, _]| error),
         estimate_relative: report.error.map(|[_, relative]| relative),
         estimate_doubts: doubts.iter().map(|doubt| doubt.word().to_owned()).collect(),
+        estimators: report
+            .estimators
+            .map(|own| Estimators { stochastic: outcomes.and_then(|result| result.estimator.clone()), ..own }),
         iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact.map(|c| {
             let told = contact_summary(scene, report.trace, c, rows, report.located);

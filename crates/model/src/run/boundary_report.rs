@@ -3,12 +3,14 @@
 use steklov_contact::Located;
 use steklov_coupling::Radiation;
 use steklov_elastic::plane::norm;
-use steklov_problem::Scene;
+use steklov_problem::{Multiplier, Scene};
 
 use crate::answer::interfaces;
 use crate::answer::report::located;
 use crate::data::on_mesh::OnMesh;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF};
+use crate::estimate::residual::estimator;
+use crate::estimators::Estimators;
 use crate::run::report::Report;
 use crate::solve::contact_rows::contact_rows;
 use crate::solve::medium::Around;
@@ -42,6 +44,7 @@ pub(crate) fn report<'a>(
         energy: estimate.map(|e| [e.energy, e.uncertainty]),
         error: estimate.map(|e| [e.error, e.relative]),
         doubts: doubts.chain(interfaces::doubts(scene, solved, &interfaces, &reach)).collect(),
+        estimators: scene.method.has_residuals().then(|| estimators(scene, solved, estimate)),
         exact: estimate.is_some_and(|e| e.relative < ROUNDOFF),
         trace: solved.trace(),
         contact: solved.contact.as_ref(),
@@ -54,6 +57,16 @@ pub(crate) fn report<'a>(
         bodies: bodies(scene, solved, estimate),
         interfaces,
         reach,
+    }
+}
+
+/// The residual estimator of the solution, that of stabilised multipliers or the other one; none of a mesh without residuals.
+fn estimators(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Estimators {
+    let known = estimate.filter(|estimate| !estimate.residuals.is_empty());
+    let own = known.map(|estimate| estimator(&estimate.residuals, solved));
+    match scene.method.multiplier {
+        Multiplier::Biorthogonal => Estimators { contact: own, ..Estimators::default() },
+        Multiplier::Stabilised => Estimators { stabilised: own, ..Estimators::default() },
     }
 }
 

@@ -4,6 +4,7 @@ use serde_json::{Value, json};
 use steklov_expression::nearest;
 use steklov_problem::{DataError, DataErrorKind as Kind, Law, Scene};
 
+use crate::estimators::{Estimator, Estimators, IN_CELLS, IN_COARSE_CELLS, ON_BOUNDARY, ON_INTERFACE, TRUNCATION};
 use crate::stochastic::paths_of;
 use crate::summary::{
     Audit, BodySummary, ContactSummary, Expected, GridSummary, InterfaceSummary, MediumSummary, NormalsSummary, Probe,
@@ -118,6 +119,7 @@ fn shape(scene: &Scene) -> Value {
         spring_energy: problem.has_springs().then_some(0.0),
         estimate: Some(0.0),
         estimate_relative: Some(0.0),
+        estimators: scene.method.has_residuals().then(of_estimators),
         contact: touches.then_some(contact),
         audit: touches.then_some(audit),
         bodies: if several { vec![of_body()] } else { Vec::new() },
@@ -134,6 +136,22 @@ fn shape(scene: &Scene) -> Value {
         ..Summary::default()
     };
     serde_json::to_value(summary).unwrap_or_default()
+}
+
+/// All of them with all parts: which apply is known after the run.
+fn of_estimators() -> Estimators {
+    let of = |names: &[&'static str]| Some(Estimator::new(names.iter().map(|&name| (name, 0.0)), 0.0));
+    let [on_boundary, in_coarse_cells] = [&ON_BOUNDARY[..], &IN_COARSE_CELLS].map(|parts| {
+        let names = parts.iter().map(|(name, _)| *name);
+        names.collect::<Vec<_>>()
+    });
+    Estimators {
+        contact: of(&on_boundary),
+        stabilised: of(&on_boundary),
+        stochastic: of(&[&on_boundary[..], &[TRUNCATION]].concat()),
+        multiscale: of(&in_coarse_cells),
+        coupling: of(&[&in_coarse_cells[..], &IN_CELLS, &ON_INTERFACE].concat()),
+    }
 }
 
 fn of_body() -> BodySummary {

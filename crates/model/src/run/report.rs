@@ -4,6 +4,7 @@ use steklov_contact::Located;
 
 use crate::doubt::Doubt;
 use crate::energies::Energies;
+use crate::estimators::Estimators;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::Trace;
 use crate::solve::medium::Around;
@@ -17,6 +18,8 @@ pub struct Report<'a> {
     pub energy: Option<[f64; 2]>,
     /// The estimated error (energy norm), and over the scale of the solution.
     pub error: Option<[f64; 2]>,
+    /// Residual estimators, where they are asked for.
+    pub estimators: Option<Estimators>,
     /// What makes the estimate unreliable.
     pub doubts: Vec<Doubt>,
     /// Whether the solution is known to be exact.

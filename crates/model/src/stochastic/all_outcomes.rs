@@ -7,6 +7,7 @@ use steklov_expression::RandomField;
 use steklov_problem::{Random, Sampling, Scene};
 use steklov_stochastic::{Variable, smolyak, solve_points};
 
+use super::estimate::mean_estimator;
 use super::nodes::{is_coupled, solve_nodes};
 use super::number::Number;
 use super::of_surrogate::of_surrogate;
@@ -16,6 +17,7 @@ use super::samples::of_samples;
 use super::spread::{judge, of_one_scale};
 use super::unseen::{beside_grid, beside_samples};
 use crate::error::SolveError;
+use crate::estimate::error_estimate::has_residuals;
 use crate::solve::body::Body;
 
 /// Steps along a side, and in each direction over the body, at which modes of random fields are stored.
@@ -69,6 +71,9 @@ pub fn solve_stochastic(
         }
     };
     result.quantities.iter_mut().zip(scales).for_each(|(quantity, scale)| judge(scene, quantity, scale));
+    if has_residuals(scene) {
+        result.estimator = Some(mean_estimator(scene, random, &outcomes, result.truncation)?);
+    }
     result.fields = random.fields().map(|(field, _)| field_modes(field)).collect();
     result.labels = random.germs.iter().map(|g| g.label.clone()).collect();
     result.young.iter_mut().for_each(|e| *e *= scene.body().material().young);

@@ -6,9 +6,11 @@ use steklov_stochastic::{CellBasis, Nodes, StochasticMesh, Variable, sample};
 
 use super::jumps::split_at_cuts;
 use super::outcomes::Outcomes;
+use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 use crate::estimate::elastic::EnrichedBody;
 use crate::estimate::error_estimate::{Bubble, Estimate, estimate};
+use crate::estimators::{Estimator, ON_BOUNDARY, TRUNCATION};
 use crate::solve::body::{Body, Factors};
 use crate::solve::solution::Solved;
 
@@ -55,6 +57,34 @@ pub(crate) fn mean_estimate(
     (mean.error, mean.scale) = (error.sqrt(), scale.sqrt());
     mean.relative = if mean.error == 0.0 { 0.0 } else { mean.error / mean.scale };
     Ok(mean)
+}
+
+/// The residual estimator in the mean over outcomes, the same as in [`mean_estimate`]: each term in mean square, and with `truncation`
+/// (energy norm) what polynomials of the germs leave out.
+pub(super) fn mean_estimator(
+    scene: &Scene,
+    random: &Random,
+    outcomes: &Outcomes<'_>,
+    truncation: Option<f64>,
+) -> Result<Estimator, SolveError> {
+    let body = outcomes.body;
+    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
+    let (points, weights) = outcomes_of(scene, random, variables)?;
+    let (mut sums, mut scale) = ([0.0; ON_BOUNDARY.len()], 0.0);
+    let mut warm: Option<Solution> = None;
+    for (germs, weight) in points.iter().zip(weights) {
+        let (outcome, modulus, given) = outcomes.given(germs)?;
+        let (solved, _) = outcomes.solved(&outcome, given, &mut warm)?;
+        let data = OnMesh { scene: &outcome, mesh: &body.mesh, space: &body.space };
+        let weight = weight * modulus;
+        for residual in data.all_residuals(&solved, modulus)? {
+            sums.iter_mut().zip(residual.terms()).for_each(|(sum, term)| *sum += weight * term);
+        }
+        scale += weight * 2.0 * solved.energies.strain;
+    }
+    let scale = scale.sqrt();
+    let truncation = truncation.map(|relative| (TRUNCATION, (relative * scale).powi(2)));
+    Ok(Estimator::new(ON_BOUNDARY.into_iter().map(|(name, _)| name).zip(sums).chain(truncation), scale))
 }
 
 /// Outcomes over which errors are averaged, and their weights.

@@ -6,6 +6,7 @@ use steklov_stochastic::{Histogram, Moments, moments};
 use super::number::Number;
 use super::outcomes::Answer;
 use crate::error::SolveError;
+use crate::estimators::Estimator;
 use crate::solve::contact_rows::TOUCHING;
 
 /// Answers that are held at a time while samples stream by.
@@ -147,6 +148,8 @@ pub struct StochasticResult {
     pub checks: usize,
     /// Why no more outcomes were solved.
     pub end: End,
+    /// The residual estimator in the mean over the outcomes, where it is asked for.
+    pub estimator: Option<Estimator>,
     /// Square of it for each germ.
     pub truncation_by_germ: Vec<f64>,
     /// Whether the nodes of a stochastic cell were coupled.

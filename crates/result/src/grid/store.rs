@@ -5,6 +5,7 @@ use steklov_io::{
     File, Group, IoError, create_group, invalid, label, load, load_dense, load_integers, load_number, load_points,
     load_vector, open_group, save, save_dense, save_integers, save_number, save_points, save_vector, vtkhdf,
 };
+use steklov_model::estimators::IN_COARSE_CELLS;
 use steklov_model::grid::{GridEstimate, GridLayout, OnGrid};
 use steklov_model::run::adaptive_loop::Step;
 use steklov_msfem::{CoarseCell, CoarseMesh, CrossingContrast, Grid, HeterogeneousBody, Indicators};
@@ -15,6 +16,7 @@ use super::record::GridRecord;
 const AROUND: &str = "boundary_elements";
 /// What is left of the equations between body and medium.
 const INTERFACE: &str = "interface";
+const IN_CELLS: &str = "cell_residuals";
 const JUMP: &str = "interface_jump";
 const COARSE: &str = "first fine cell along x and y, fine cells along x and y";
 
@@ -109,9 +111,14 @@ pub(crate) fn save_step(at: &Group, step: &Step<OnGrid>) -> Result<(), IoError> 
     let whole = energy("squared indicators: those of nodal residuals, or the sum of the other terms here");
     save_vector(&indicators, "squared", &estimate.indicators, &whole)?;
     if let Some(terms) = &estimate.residual {
-        for (name, meaning, values) in RESIDUAL_TERMS {
-            save_vector(&indicators, name, values(terms), &energy(meaning))?;
+        for ((name, meaning), values) in IN_COARSE_CELLS.into_iter().zip(terms.parts()) {
+            save_vector(&indicators, name, values, &energy(meaning))?;
         }
+    }
+    if let Some(sums) = &estimate.in_cells {
+        let names = "volume, jumps between cells, tractions";
+        let meaning = "sums of the residuals of all fine cells against the exact solution";
+        save_vector(at, IN_CELLS, sums, &label("force*length/thickness", meaning, &[names]))?;
     }
     if !estimate.jump.is_empty() {
         let meaning = "what the nodes leave of the jump of the displacement";
@@ -126,16 +133,6 @@ pub(crate) fn save_step(at: &Group, step: &Step<OnGrid>) -> Result<(), IoError> 
     let numbers = [crossing.largest, crossing.at[0], crossing.at[1], crossing.share];
     save_vector(at, "crossing", &numbers, &label("as named", "contrast along coarse edges", &[names]))
 }
-
-/// A term of the residual indicators: name, meaning, values.
-type Term = (&'static str, &'static str, fn(&Indicators) -> &Vec<f64>);
-const RESIDUAL_TERMS: [Term; 5] = [
-    ("volume_mean", "H^2/E of the mean body force", |t| &t.volume_mean),
-    ("volume_oscillation", "H^2/E of the rest of the body force", |t| &t.volume_oscillation),
-    ("jump_mean", "H/E of the mean jumps of the traction between coarse cells", |t| &t.jump_mean),
-    ("jump_oscillation", "H/E of the rest of these jumps", |t| &t.jump_oscillation),
-    ("neumann", "H/E of the given traction less that of the solution", |t| &t.neumann),
-];
 
 /// Reads `/multiscale` and the steps, and checks that they fit the fields of the result.
 ///
@@ -251,6 +248,13 @@ fn load_estimate(at: &Group, cells: usize) -> Result<GridEstimate, IoError> {
     let medium = terms.get(5).copied().unwrap_or(0.0);
     let jump = if at.link_exists(JUMP) { load_vector(at, JUMP)? } else { Vec::new() };
     let interface = if at.link_exists(INTERFACE) { Some(load(at, INTERFACE)?) } else { None };
+    let in_cells = match at.link_exists(IN_CELLS) {
+        true => {
+            let sums = load_vector(at, IN_CELLS)?;
+            Some(<[f64; 3]>::try_from(sums.as_slice()).map_err(|_| invalid(at, IN_CELLS, "three sums belong here"))?)
+        }
+        false => None,
+    };
     let group = open_group(at, "indicators")?;
     let column = |name: &str| -> Result<Vec<f64>, IoError> {
         let values = load_vector(&group, name)?;
@@ -259,9 +263,9 @@ fn load_estimate(at: &Group, cells: usize) -> Result<GridEstimate, IoError> {
             n => Err(invalid(&group, name, format!("{n} indicators of {cells} coarse cells"))),
         }
     };
-    let residual = if group.link_exists(RESIDUAL_TERMS[0].0) {
+    let residual = if group.link_exists(IN_COARSE_CELLS[0].0) {
         let [volume_mean, volume_oscillation, jump_mean, jump_oscillation, neumann] =
-            RESIDUAL_TERMS.map(|(name, ..)| column(name));
+            IN_COARSE_CELLS.map(|(name, _)| column(name));
         Some(Indicators {
             volume_mean: volume_mean?,
             volume_oscillation: volume_oscillation?,
@@ -285,6 +289,7 @@ fn load_estimate(at: &Group, cells: usize) -> Result<GridEstimate, IoError> {
     Ok(GridEstimate {
         indicators,
         residual,
+        in_cells,
         multiscale,
         fine_grid,
         interface,

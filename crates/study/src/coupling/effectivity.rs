@@ -134,7 +134,7 @@ fn indicated(exact: &Manufactured<'_>, level: &Level) -> Result<[Indicated; 2], 
         let [energy, _] = exact.energy_error(&problem.body, u);
         let traction = exact.traction_error(&exterior, &solved.traction);
         let error = energy.hypot(traction);
-        let inside = CellIndicators::new(&problem.body, u, &|x| exact.body_force(x));
+        let inside = CellIndicators::new(&problem.body, u, &|x| exact.body_force(x), &|_, _| [None; 2]);
         let on = InterfaceIndicators::new(&exterior, &problem.body, u, &solved, form, &jumps)?;
         let sum = |terms: &[f64]| terms.iter().sum::<f64>();
         let hypersingular = on.hypersingular.as_ref().map_or(f64::NAN, |h| sum(h));

@@ -1,0 +1,176 @@
+//! Residual estimators as numbers: what they are told for, their parts, their means over outcomes, and the error beside them.
+
+use std::collections::BTreeMap;
+
+use steklov_model::estimators::{
+    Estimator, Estimators, IN_CELLS, IN_COARSE_CELLS, ON_BOUNDARY, ON_INTERFACE, TRUNCATION,
+};
+use steklov_model::run::expect::check_expect;
+use steklov_model::{Answer, solve};
+use steklov_problem::Scene;
+use steklov_tests::{parse, scene};
+
+const ASKED: &str = "method.estimators=true";
+
+fn solved(scene: &Scene) -> Answer {
+    solve(scene).unwrap_or_else(|e| panic!("{e}"))
+}
+
+fn estimators(scene: &Scene) -> Estimators {
+    solved(scene).summary.estimators.expect("they are asked for")
+}
+
+/// Which kinds are told, in the order of [`Estimators::named`].
+fn told(estimators: &Estimators) -> [bool; 5] {
+    estimators.named().map(|(_, estimator)| estimator.is_some())
+}
+
+fn names(estimator: &Estimator) -> Vec<&str> {
+    estimator.parts.keys().map(String::as_str).collect()
+}
+
+/// The squares of the parts add up to that of the value, which over the relative one is (2 strain energy)^½.
+fn adds_up(estimator: &Estimator, strain: f64) {
+    let sum: f64 = estimator.parts.values().map(|part| part * part).sum();
+    assert!((sum / estimator.value.powi(2) - 1.0).abs() < 1e-12, "{estimator:?}");
+    let scale = estimator.value / estimator.relative;
+    assert!((scale / (2.0 * strain).sqrt() - 1.0).abs() < 1e-9, "{scale} {strain}");
+}
+
+fn sorted<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+    let mut names: Vec<&str> = names.into_iter().collect();
+    names.sort_unstable();
+    names
+}
+
+#[test]
+fn each_kind_of_scene_has_its_own_estimator_with_its_parts() {
+    let on_boundary = |left_out: &[&str]| {
+        let names = ON_BOUNDARY.iter().map(|(name, _)| *name);
+        sorted(names.filter(|name| !left_out.contains(name)))
+    };
+    let contact = on_boundary(&["stabilisation"]);
+    let coarse = || IN_COARSE_CELLS.iter().map(|(name, _)| *name);
+    let without = ["contact", "stabilisation", "complementarity", "tension", "penetration", "bound", "friction"];
+    let stabilised = ["method.multiplier=\"stabilised\"", "method.tolerance=1e-2"];
+    let loose = ["method.tolerance=1e-2"];
+    let cases: [(&str, &[&str], [bool; 5], Vec<&str>); 7] = [
+        ("block-on-floor", &loose, [true, false, false, false, false], contact.clone()),
+        ("wedge-gap", &stabilised, [false, true, false, false, false], on_boundary(&[])),
+        ("cantilever", &loose, [true, false, false, false, false], on_boundary(&without)),
+        ("random-modulus", &loose, [true, false, true, false, false], contact),
+        ("bar-of-random-cells", &[], [false, false, false, true, false], sorted(coarse())),
+        (
+            "stiff-inclusion-of-random-cells",
+            &[],
+            [false, false, false, false, true],
+            sorted(coarse().chain(ON_INTERFACE)),
+        ),
+        (
+            "random-cells-in-a-medium",
+            &[],
+            [false, false, false, false, true],
+            sorted(IN_CELLS.into_iter().chain(ON_INTERFACE)),
+        ),
+    ];
+    for (name, overrides, kinds, parts) in cases {
+        let unasked = solved(&scene(name, overrides)).summary;
+        assert!(unasked.estimators.is_none(), "{name}: nobody asked");
+        let asked = solved(&scene(name, &[overrides, &[ASKED]].concat())).summary;
+        assert_eq!((asked.energy, asked.estimate), (unasked.energy, unasked.estimate), "{name}: they steer nothing");
+        let found = asked.estimators.expect("they are asked for");
+        assert_eq!(told(&found), kinds, "{name}");
+        let (_, first) = found.named().into_iter().find(|(_, estimator)| estimator.is_some()).expect("one is told");
+        let first = first.expect("it is told");
+        assert_eq!(names(first), parts, "{name}");
+        adds_up(first, asked.strain_energy);
+    }
+}
+
+/// Several bodies, and a body in a medium by boundary elements, have no residuals; bases that do not solve the equations in coarse
+/// cells none of these.
+#[test]
+fn what_has_no_residuals_is_told_none() {
+    for (name, overrides) in [("tied-blocks", &[][..]), ("bar-of-random-cells", &["grid.basis=\"q1\""])] {
+        let found = estimators(&scene(name, &[overrides, &[ASKED]].concat()));
+        assert_eq!(found, Estimators::default(), "{name}");
+    }
+}
+
+/// A block on springs of friction whose modulus, load and friction bound are random.
+const RANDOM: &str = r#"
+    [body]
+    corners = [[-0.5, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5]]
+    sides = ["floor", "right", "top", "left"]
+    [material]
+    young = "E"
+    poisson = 0.3
+    [random.E]
+    distribution = "uniform"
+    low = 400.0
+    high = 1600.0
+    [random.q]
+    distribution = "uniform"
+    low = 5.0
+    high = 15.0
+    [sides.floor]
+    contact = { gap = "0.2*x^2", friction = { tresca = "0.02*q" } }
+    [sides.top]
+    traction = ["0.1*q", "-q*exp(-20*(x - 0.1)^2)"]
+    [sides.left]
+    displacement = ["0", "free"]
+    [body_force]
+    value = ["0", "-1"]
+    [method]
+    refine = "none"
+    elements = 16
+    degree = 2
+    estimators = true
+    [stochastic]
+    degree = 2
+"#;
+
+/// The mean square over outcomes, which are solved with data and modulus of the nominal one, is that of the outcomes as scenes of their
+/// own, part by part: the two-point Gauss rule has weights of a quarter.
+#[test]
+fn the_mean_over_outcomes_is_that_of_the_outcomes_as_scenes() {
+    let scene = parse(RANDOM, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let found = estimators(&scene).stochastic.expect("it is told");
+    let (mut mean, mut strain): (BTreeMap<String, f64>, f64) = (BTreeMap::new(), 0.0);
+    let point = |low: f64, high: f64, sign: f64| (low + high) / 2.0 + sign * (high - low) / 2.0 / 3f64.sqrt();
+    for [a, b] in [[-1.0, -1.0], [1.0, -1.0], [-1.0, 1.0], [1.0, 1.0]] {
+        let one = scene.outcome(&[point(400.0, 1600.0, a), point(5.0, 15.0, b)]).expect("an outcome");
+        let summary = solved(&one).summary;
+        strain += summary.strain_energy / 4.0;
+        for (name, part) in summary.estimators.and_then(|all| all.contact).expect("it is told").parts {
+            *mean.entry(name).or_default() += part * part / 4.0;
+        }
+    }
+    let largest = mean.values().fold(0.0, |m: f64, part| m.max(*part));
+    for (name, wanted) in &mean {
+        let found = found.parts[name].powi(2);
+        assert!((found - wanted).abs() < 1e-9 * largest, "{name}: {found} {wanted}");
+    }
+    let truncation = found.parts[TRUNCATION];
+    assert!(truncation > 0.0 && truncation.is_finite());
+    adds_up(&found, strain);
+    // what is random counts: the mean input alone has another sum
+    let nominal = estimators(&scene).contact.expect("it is told");
+    assert!((nominal.value / found.value - 1.0).abs() > 1e-2, "{nominal:?} {found:?}");
+}
+
+/// `[expect]` may name parts, but only of what is told.
+#[test]
+fn expectations_may_name_parts() {
+    let path = "estimators.contact.parts.neumann";
+    let text = format!("{}\n[expect]\n\"{path}\" = {{ value = 1.0, tol = 1e-9 }}\n", RANDOM);
+    let one = parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let summary = solved(&one).summary;
+    let told = summary.estimators.and_then(|all| all.contact).expect("it is told");
+    assert_eq!(summary.expect[0].value, Some(told.parts["neumann"]));
+    assert!(!summary.expect[0].holds);
+    let unasked = parse(&text, &["method.estimators=false"]).unwrap_or_else(|e| panic!("{}", e.render()));
+    let error = check_expect(&unasked).expect_err("there will be no such number");
+    assert!(error.to_string().contains(path), "{error}");
+    assert!(check_expect(&one).is_ok());
+}
