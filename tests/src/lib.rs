@@ -13,3 +13,7 @@ pub use answer::{
 pub use balance::{unbalanced_forces, unbalanced_nodes};
 pub use case::{Case, On, View, point_of, rotated};
 pub use random::{Random, random_case};
+
+#[cfg(doctest)]
+#[doc = include_str!("../../README.md")]
+struct Readme;

@@ -99,7 +99,3 @@ pub use space::{Dof, Space};
 pub use steklov::{Domain, Steklov, TractionMap, TractionParts, Translations};
 pub use subdivision::{Grading, Mark, Piece, SAME_PLACE, Subdivision};
 pub use trace_rows::steklov_trace_rows;
-
-#[cfg(doctest)]
-#[doc = include_str!("../../../README.md")]
-struct Readme;
