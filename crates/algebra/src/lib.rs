@@ -11,12 +11,16 @@
 //! equations of the answer are looked at, and systems that only studies set up, which are references themselves.
 //!
 //! ```
-//! use faer::Mat;
-//! use steklov_algebra::{check_cholesky, check_solution};
+//! use steklov_algebra::faer::Mat;
+//! use steklov_algebra::{check_cholesky, check_solution, cholesky};
 //!
-//! let a = Mat::from_fn(40, 40, |i, j| if i == j { 2.0 } else { 1.0 / (1.0 + (i + j) as f64) });
-//! let factor = a.llt(faer::Side::Lower).expect("positive definite");
-//! let mut l = factor.L().to_owned();
+//! // A_ij = min(i, j) is L Lᵀ, L full of ones on and below its diagonal
+//! let a = Mat::from_fn(40, 40, |i, j| 1.0 + i.min(j) as f64);
+//! let mut l = a.clone();
+//! cholesky(l.as_mut()).expect("positive definite");
+//! assert!((0..40).all(|i| (0..=i).all(|j| (l[(i, j)] - 1.0).abs() < 1e-13)));
+//!
+//! // one entry that is wrong, and an answer that is none, are found in n² operations
 //! check_cholesky(a.as_ref(), l.as_ref())?;
 //! l[(30, 20)] += 1e-9;
 //! assert!(check_cholesky(a.as_ref(), l.as_ref()).is_err());
@@ -31,6 +35,9 @@ mod fault;
 mod operand;
 mod probe;
 mod spoil;
+
+// the crates of whose types the interface is made
+pub use faer;
 
 pub use cholesky::{NoFactor, cholesky, llt};
 pub use dense::{Image, PARTS, add_product, add_to_lower, parts, solve_lower, solve_lower_transposed};

@@ -16,8 +16,8 @@
 //! plane strain unless [`steklov_elastic::Plane::Stress`] is chosen; everything is per unit thickness.
 //!
 //! ```
+//! use steklov_bem_operators::steklov_elastic::{Material, Plane};
 //! use steklov_bem_operators::{Domain, Loop, Mesh, Operators, Polygon, Space, Steklov};
-//! use steklov_elastic::{Material, Plane};
 //!
 //! // a rectangle of 2 by 1, each side cut into elements of degree 2
 //! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
@@ -74,6 +74,9 @@ mod residual;
 
 #[cfg(feature = "proptest")]
 pub mod proptest;
+
+// the crates of whose types the interface is made
+pub use {faer, num_complex, sprs, steklov_elastic, steklov_quadrature};
 
 pub use assemble::Operators;
 pub use assembly::{AssembledLoad, Assembly, Relative, order_of_rows, relative_displacement};

@@ -21,7 +21,7 @@
 //! u_n ≤ g; S u + Bᵀλ = f.
 //!
 //! ```
-//! use faer::Mat;
+//! use steklov_contact::faer::Mat;
 //! use steklov_contact::{Condition, ContactNode, Problem, active_set, kkt};
 //!
 //! // a spring of stiffness 4 in both directions, pushed with (6, 1.5) against a wall at distance 1
@@ -54,6 +54,9 @@ mod solvers;
 pub mod proptest;
 #[cfg(test)]
 mod tests;
+
+// the crates of whose types the interface is made
+pub use {faer, steklov_bem_operators};
 
 pub use error::ContactError;
 pub use on_mesh::boundary::{BoundaryCondition, BoundaryNode, ContactBoundary, Row, Share, Transfer};

@@ -17,6 +17,9 @@
 //! # Ok::<(), steklov_document::SceneError>(())
 //! ```
 
+// the crates of whose types the interface is made
+pub use steklov_problem;
+
 mod error;
 mod tree;
 mod keys;

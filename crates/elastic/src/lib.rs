@@ -7,7 +7,6 @@
 //! ```
 //! use steklov_elastic::{Material, Plane, RigidMotion, free_motions};
 //!
-//! # fn main() -> Result<(), steklov_elastic::MaterialError> {
 //! // pulled along x in plane strain: σ_yy = 0 needs ε_yy = -ν/(1-ν) ε_xx
 //! let steel = Material::new(210e3, 0.3, Plane::Strain)?;
 //! let stress = steel.stress([[1e-3, 0.0], [0.0, -0.3 / 0.7 * 1e-3]]);
@@ -17,8 +16,7 @@
 //! let corners = [[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
 //! let rollers = [([0.0, 0.0], [0.0, 1.0]), ([2.0, 0.0], [0.0, 1.0])];
 //! assert_eq!(RigidMotion::names(&free_motions(&corners, &rollers)), "translation along (1, 0)");
-//! # Ok(())
-//! # }
+//! # Ok::<(), steklov_elastic::MaterialError>(())
 //! ```
 
 mod material;

@@ -24,6 +24,9 @@ mod survey;
 mod along;
 mod field;
 
+// the crates of whose types the interface is made
+pub use {steklov_bem_operators, steklov_stochastic};
+
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;

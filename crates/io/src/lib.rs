@@ -27,14 +27,14 @@
 //! ```
 //! use steklov_io::{IoError, Label, create_atomically, load_vector, open, save_vector};
 //!
-//! let folder = tempfile::tempdir().unwrap();
-//! let path = folder.path().join("block.vtkhdf");
+//! let path = std::env::temp_dir().join(format!("steklov-io-{}.vtkhdf", std::process::id()));
 //! let pressure = Label { unit: "stress", meaning: "contact pressure, positive in compression", axes: &["contact node"] };
-//! create_atomically(&path, false, |file| save_vector(file, "pressure", &[0.0, 18.8], &pressure))?;
+//! create_atomically(&path, true, |file| save_vector(file, "pressure", &[0.1, f64::INFINITY], &pressure))?;
 //!
 //! let file = open(&path)?;
-//! assert_eq!(load_vector(&file, "pressure")?, [0.0, 18.8]);
+//! assert_eq!(load_vector(&file, "pressure")?, [0.1, f64::INFINITY]);
 //! assert!(matches!(create_atomically(&path, false, |_| Ok::<(), IoError>(())), Err(IoError::Exists { .. })));
+//! # std::fs::remove_file(&path).unwrap();
 //! # Ok::<(), IoError>(())
 //! ```
 //!
@@ -80,6 +80,9 @@ mod tensor_problem;
 mod msfem;
 #[cfg(feature = "coupling")]
 mod coupling;
+
+// the crates of whose types the interface is made
+pub use {faer, sprs};
 
 pub use array::{
     load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,

@@ -38,8 +38,8 @@
 //! bits for any number of threads, but for matrices so large that their factorisation uses several.
 //!
 //! ```
+//! use steklov_msfem::steklov_elastic::Plane;
 //! use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, Loads, HeterogeneousBody, Multiscale};
-//! use steklov_elastic::Plane;
 //!
 //! // a strip of 64 × 16 cells, every other column stiffer, pulled at its right end; the left end is held
 //! let grid = Grid::rectangle([4.0, 1.0], [64, 16])?;
@@ -86,6 +86,9 @@ mod indicators;
 mod fine_error;
 mod refinement;
 mod contrast;
+
+// the crates of whose types the interface is made
+pub use {faer, sprs, steklov_elastic};
 
 pub use basis::{Basis, CellBasis};
 pub use body::HeterogeneousBody;

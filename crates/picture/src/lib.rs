@@ -19,7 +19,9 @@
 //!     guides: &[Guide { label: "N^-1", slope: -1.0 }],
 //!     band: None,
 //! })?;
-//! assert!(picture.svg.contains("unknowns") && picture.png.starts_with(b"\x89PNG"));
+//! let [wide, high] = [16, 20].map(|at| u32::from_be_bytes(std::array::from_fn(|byte| picture.png[at + byte])));
+//! assert_eq!(wide, 2 * 900); // two pixels a unit
+//! assert!(picture.svg.contains(&format!("height=\"{}\"", high / 2)) && picture.svg.contains("unknowns"));
 //! # Ok::<(), steklov_picture::PictureError>(())
 //! ```
 

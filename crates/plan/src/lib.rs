@@ -1,8 +1,32 @@
 //! The least model that can answer a scene, chosen before anything is solved.
+//!
+//! ```
+//! use steklov_plan::plan;
+//! use steklov_plan::steklov_problem::steklov_bem_operators::{Loop, Polygon};
+//! use steklov_plan::steklov_problem::steklov_elastic::{Material, Plane};
+//! use steklov_plan::steklov_problem::{Condition, Scene};
+//!
+//! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
+//! let sides = ["floor", "right", "top", "left"].map(str::to_owned).to_vec();
+//! let block = Polygon::new(Loop::straight(corners, sides), vec![])?;
+//! let mut scene = Scene::new(block, Material::new(200.0, 0.3, Plane::Strain)?);
+//! scene.problem.sides[0].condition = Condition::held();
+//! scene.method.elements = Some(48);
+//! scene.method.degree = 2;
+//!
+//! // n = 2 · 48 · p unknowns; V, K and W are 8 n² bytes each, and 24 n² (1/p + 1/p²) are for the estimate
+//! let plan = plan(&scene);
+//! assert_eq!((plan.model.as_str(), plan.cost.elements, plan.cost.dofs), ("bem", 48, 192));
+//! assert_eq!(plan.cost.memory_bytes, 24 * 192 * 192 * 7 / 4);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 mod grid;
 mod random;
 mod supports;
+
+// the crates of whose types the interface is made
+pub use {steklov_model, steklov_problem};
 
 use serde::{Deserialize, Serialize};
 use steklov_bem_operators::Mesh;

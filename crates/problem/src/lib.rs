@@ -6,9 +6,9 @@
 //! ```
 //!
 //! ```
-//! use steklov_bem_operators::{Loop, Polygon};
-//! use steklov_elastic::{Material, Plane};
-//! use steklov_expression::Expression;
+//! use steklov_problem::steklov_bem_operators::{Loop, Polygon};
+//! use steklov_problem::steklov_elastic::{Material, Plane};
+//! use steklov_problem::steklov_expression::Expression;
 //! use steklov_problem::{Condition, Model, Scene};
 //!
 //! let corners = vec![[0.0, 0.0], [2.0, 0.0], [2.0, 1.0], [0.0, 1.0]];
@@ -48,6 +48,12 @@ mod sides;
 mod signals;
 mod spans;
 mod springs;
+
+// the crates of whose types the interface is made
+pub use {
+    steklov_bem_operators, steklov_contact, steklov_coupling, steklov_elastic, steklov_expression, steklov_msfem,
+    steklov_stochastic,
+};
 
 use std::collections::BTreeMap;
 

@@ -40,6 +40,9 @@ mod splitmix64;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 
+// the crates of whose types the interface is made
+pub use {faer, num_complex};
+
 pub use biorthogonal::BiorthogonalBasis;
 pub use gauss::{gauss_jacobi, gauss_legendre, gauss_lobatto};
 pub use graded::{End, graded, graded_unit, substituted};

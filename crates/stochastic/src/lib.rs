@@ -53,6 +53,9 @@ mod tensor_solvers;
 mod statistics;
 mod moments;
 
+// the crates of whose types the interface is made
+pub use {faer, steklov_contact, steklov_quadrature};
+
 pub use cell_basis::{CellBasis, Nodes};
 pub use chains::{CHAIN, scale_bounds, solve_points, solve_warm};
 pub use covariance::{Covariance, Kernel};

@@ -6,6 +6,30 @@
 //! rows ─► table (columns declared once) ─► report (CSV, JSON, HDF5, text)
 //!      ─► chart (SVG, PNG)
 //! ```
+//!
+//! ```
+//! use steklov_study::reference::Reference;
+//! use steklov_study::steklov_document::Document;
+//!
+//! let text = r#"
+//! body = { corners = [[0, 0], [2, 0], [2, 1], [0, 1]], sides = ["floor", "right", "top", "left"] }
+//! material = { young = 200, poisson = 0.3 }
+//! sides.floor.contact = { gap = "0" }
+//! sides.top.pressure = 3
+//! "#;
+//! let document = Document::parse(text, "block.toml", &[])?;
+//! let scene = &document.scene;
+//! let truth = Reference::new(scene, &Default::default(), &mut |_, _| Ok(()))?;
+//!
+//! // the block is pressed alike everywhere: J = -p² (1-ν²) A / 2E, and (|J - J*| / |J*|)^½ is an error
+//! let exact = -0.5 * 9.0 * (1.0 - 0.3 * 0.3) * 2.0 / 200.0;
+//! assert!((truth.own_energy / exact - 1.0).abs() < 1e-10);
+//! assert!((truth.energy_error(exact * (1.0 + 1e-4)) - 1e-2).abs() < 1e-6);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+
+// the crates of whose types the interface is made
+pub use {steklov_document, steklov_figures, steklov_model, steklov_problem};
 
 mod error;
 pub mod reference;
