@@ -105,6 +105,8 @@ enum Save {
     Matrices,
     /// The condensed contact problem of biorthogonal multipliers, and its solution
     Contact,
+    /// Stabilised multipliers, the forms of their stabilisation and the equations they obey
+    Stabilisation,
     /// All of these
     All,
 }
@@ -114,7 +116,8 @@ impl Save {
         match self {
             Self::Matrices => &[Saved::Matrices],
             Self::Contact => &[Saved::Contact],
-            Self::All => &[Saved::Matrices, Saved::Contact],
+            Self::Stabilisation => &[Saved::Stabilisation],
+            Self::All => &[Saved::Matrices, Saved::Contact, Saved::Stabilisation],
         }
     }
 }

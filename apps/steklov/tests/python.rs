@@ -89,3 +89,18 @@ fn h5py_reads_contact_problems_that_their_solutions_solve() {
         python("read_contact_problem.py", &place, &["it.vtkhdf"]);
     }
 }
+
+#[test]
+fn h5py_reads_stabilised_multipliers_that_obey_their_equations() {
+    let forms = ["--set", "method.multiplier=\"stabilised\"", "--set", "method.max_steps=3"];
+    let weight = ["--set", "body_force.value=[\"0.1\", \"-0.3\"]"];
+    let scenes: [(&str, &[&str]); 4] =
+        [("17-wedge-gap", &[]), ("25-coulomb-wedge", &[]), ("57-hertz-cylinder", &[]), ("15-block-on-floor", &weight)];
+    for (name, more) in scenes {
+        let place = Place::new();
+        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let save = ["--quiet", "--save", "stabilisation", "--out", "it.vtkhdf"];
+        place.run([&["solve", &scene], &forms[..], more, &save[..]].concat());
+        python("read_stabilisation.py", &place, &["it.vtkhdf"]);
+    }
+}

@@ -7,6 +7,7 @@ use steklov_contact::{Problem, Solution};
 use steklov_coupling::{Trace, Transfer};
 
 use crate::error::SolveError;
+use crate::solve::stabilised::StabilisedSystem;
 
 /// What a step hands to its observer while it has it.
 pub enum Stage<'a> {
@@ -24,6 +25,8 @@ pub enum Stage<'a> {
     Condensed(&'static str, &'static str, &'a Mat<f64>),
     /// The condensed contact problem and its solution, of biorthogonal multipliers.
     Contact(&'a Problem, &'a Solution),
+    /// The equations of stabilised multipliers and their answer.
+    Stabilised(&'a StabilisedSystem<'a>),
     /// The step begins once more, after a fault of the linear algebra: what was handed over of it does not count.
     Again,
     /// A part of the work begins; the number is its share of the work of the step that is then done, 0 to 1.

@@ -1,4 +1,6 @@
-//! Stages of a step, stored while they exist: matrices, contact problems.
+//! Stages of a step, stored while they exist: matrices, contact problems, stabilised multipliers.
+
+mod stabilisation;
 
 use steklov_io::{File, Group, IoError, copy, create_group, invalid, label, open_group, save, save_dense, save_sparse};
 use steklov_model::stage::Stage;
@@ -24,10 +26,12 @@ pub enum Saved {
     Matrices,
     /// The condensed contact problem and its solution, as `/steps/NNN/contact_problem`.
     Contact,
+    /// Stabilised multipliers, their forms and the equations they obey, as `/steps/NNN/stabilisation`.
+    Stabilisation,
 }
 
 /// All of it.
-pub(crate) const SAVED: [Saved; 2] = [Saved::Matrices, Saved::Contact];
+pub(crate) const SAVED: [Saved; 3] = [Saved::Matrices, Saved::Contact, Saved::Stabilisation];
 
 impl Saved {
     /// The group of a step that it is stored in.
@@ -35,6 +39,7 @@ impl Saved {
         match self {
             Self::Matrices => "matrices",
             Self::Contact => "contact_problem",
+            Self::Stabilisation => "stabilisation",
         }
     }
 
@@ -44,6 +49,7 @@ impl Saved {
             Stage::Progress(..) => false,
             Stage::Again => true,
             Stage::Contact(..) => self == Self::Contact,
+            Stage::Stabilised(..) => self == Self::Stabilisation,
             _ => self == Self::Matrices,
         }
     }
@@ -90,6 +96,7 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]
             save(&at, "problem", *problem)?;
             save(&at, "solution", *solution)
         }
+        Stage::Stabilised(system) => stabilisation::save_system(&step, system),
         Stage::Again => saved.iter().try_for_each(|saved| unlink(&step, saved.group())),
         Stage::Progress(..) => Ok(()),
     }

@@ -349,8 +349,9 @@ impl StabilisedForms {
         column_of(&forces)
     }
 
-    /// (w h/p²)^½ of n·τ, times Q, and t·τ at the points, less what σ^h makes of the particular solution's nodal values.
-    fn particular(&self, mesh: &Mesh, particular: Option<(&ParticularSolution, &[f64])>) -> [Vec<f64>; 2] {
+    /// (w h/p²)^½ of n·τ, times Q, and t·τ at the points, less what σ^h makes of the particular solution's nodal values;
+    /// `particular` as in [`Loading`].
+    pub fn particular(&self, mesh: &Mesh, particular: Option<(&ParticularSolution, &[f64])>) -> [Vec<f64>; 2] {
         let at = |(&(e, t), w): (&(usize, f64), &f64)| -> [f64; 2] {
             let (Some((b, _)), [normal, tangent]) = (particular, frame(mesh, e, t)) else { return [0.0; 2] };
             let tau = b.traction(mesh.point(e, t), normal);

@@ -153,6 +153,7 @@ fn stabilise(
     held: &[(usize, f64)],
     candidates: &[RigidMotion],
     loose: &Loose,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
 ) -> Result<StabilisedContact, SolveError> {
     let of_stabilised = stabilised::Body {
         traction: &body.traction_map,
@@ -163,7 +164,7 @@ fn stabilise(
         free: &loose.motions,
         particular: given.particular[0].as_ref(),
     };
-    solve_stabilised(data, &of_stabilised)
+    solve_stabilised(data, &of_stabilised, observe)
 }
 
 /// Adds springs to the matrices; the largest entry of the diagonal without them, if there are any. What rounding leaves of the
@@ -256,7 +257,7 @@ pub fn solve(
     if given.boundary.is_some() && scene.method.multiplier == Multiplier::Stabilised {
         let candidates = scene.unresisted(0, supports.free_motions(springs.resisted(|_| true)));
         let of_body = (&bodies[0], &matrices[0]);
-        given.stabilised = Some(stabilise(&data, of_body, &given, &partition.held, &candidates, &loose)?);
+        given.stabilised = Some(stabilise(&data, of_body, &given, &partition.held, &candidates, &loose, observe)?);
     }
     let condensation = Assembly::new(matrices, &partition, &rows, &loose.motions, &loose.rotations)
         .map_err(|error| without_digits(error, &scene.problem, &bodies))?;

@@ -13,6 +13,7 @@ use crate::data::body_load::Particular;
 use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 use crate::solve::contact_solver::solve_problem;
+use crate::stage::Stage;
 
 /// Stabilised multipliers on a solved mesh.
 #[derive(Debug, Clone)]
@@ -39,6 +40,22 @@ pub struct StabilisedContact {
     pub audit: Kkt,
 }
 
+/// The equations that a stabilised answer obeys, γ = γ₀ h/p².
+pub struct StabilisedSystem<'a> {
+    /// B_γ, C_γ, D_γ of γ₀ = 1.
+    pub forms: &'a StabilisedForms,
+    /// S, that of springs in it.
+    pub stiffness: &'a Mat<f64>,
+    /// f of S u.
+    pub load: &'a [f64],
+    /// Unknowns with a prescribed value.
+    pub held: &'a [(Dof, f64)],
+    /// τ at the points of the forms, as [`StabilisedForms::particular`] has it: along n and along t.
+    pub particular: [Vec<f64>; 2],
+    /// The answer.
+    pub contact: &'a StabilisedContact,
+}
+
 /// γ₀ over its critical value, unless the scene gives γ₀.
 pub const SAFE: f64 = 0.5;
 
@@ -56,7 +73,11 @@ pub(crate) struct Body<'a> {
 }
 
 /// Solves contact with stabilised multipliers.
-pub(crate) fn solve_stabilised(data: &OnMesh<'_>, body: &Body<'_>) -> Result<StabilisedContact, SolveError> {
+pub(crate) fn solve_stabilised(
+    data: &OnMesh<'_>,
+    body: &Body<'_>,
+    observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
+) -> Result<StabilisedContact, SolveError> {
     let (scene, mesh, method) = (data.scene, data.mesh, &data.scene.method);
     let sides: Vec<usize> = scene.contacts().map(|(side, _)| side).collect();
     let space = MultiplierSpace::new(mesh, &sides, method.multiplier_mesh, method.multiplier_degree)?;
@@ -76,7 +97,7 @@ pub(crate) fn solve_stabilised(data: &OnMesh<'_>, body: &Body<'_>) -> Result<Sta
     let displacement = stabilised.displacement(&solution.displacement);
     let forces = forms.nodal_forces(mesh, gamma, &solution.multipliers, &displacement, particular);
     let largest = displacement.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
-    Ok(StabilisedContact {
+    let contact = StabilisedContact {
         audit: kkt_in_body(problem, &solution, largest),
         friction_work: problem.friction_work(&solution.displacement, &solution.multipliers),
         gaps: stabilised.gaps,
@@ -87,5 +108,10 @@ pub(crate) fn solve_stabilised(data: &OnMesh<'_>, body: &Body<'_>) -> Result<Sta
         critical,
         forces,
         displacement,
-    })
+    };
+    let Body { stiffness, load, held, .. } = *body;
+    let particular = forms.particular(mesh, particular);
+    let system = StabilisedSystem { forms: &forms, stiffness, load, held, particular, contact: &contact };
+    observe(Stage::Stabilised(&system))?;
+    Ok(contact)
 }
