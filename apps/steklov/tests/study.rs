@@ -32,7 +32,7 @@ const FILES: &str = "contact-floor.png contact-floor.svg effectivity.png effecti
                      meshes-hp-decay.png meshes-hp-decay.svg meshes-hp.png meshes-hp.svg meshes-uniform-h.png \
                      meshes-uniform-h.svg meshes-uniform-p.png meshes-uniform-p.svg study.csv study.h5";
 
-const NUMBERS: [&str; 8] = [
+const NUMBERS: [&str; 10] = [
     "seconds",
     "error",
     "energy",
@@ -41,6 +41,8 @@ const NUMBERS: [&str; 8] = [
     "effectivity",
     "energy_extrapolated",
     "energy_uncertainty",
+    "residual",
+    "residual_effectivity",
 ];
 
 /// The rows of a CSV table by strategy, each by column; empty numbers are NaN.
@@ -92,6 +94,7 @@ fn the_files_of_a_study_agree() {
         let (rows, group) = (&table[name], file.group(&format!("strategies/{name}")).unwrap());
         check_columns(name, rows, &group, of(&o, name));
         check_numbers(name, rows, energy);
+        check_residuals(name, rows, &group, of(&o, name));
         check_fits(name, rows, of(&o, name));
         // the floor carries the load on the top
         let contact = group.group("contact").unwrap();
@@ -146,6 +149,36 @@ fn check_numbers(name: &str, rows: &[BTreeMap<String, f64>], reference: f64) {
     let known: Vec<f64> = rows.iter().map(|r| r["error"]).filter(|e| e.is_finite()).collect();
     assert!(known.len() >= 3 && rows[0]["error"].is_finite(), "{name}: {known:?}");
     assert!(known.windows(2).all(|e| e[1] < e[0]), "{name}: errors rise, {known:?}");
+}
+
+/// The residual estimator is that of its parts, its effectivities and constants follow by their definitions, and it is the error but for
+/// a factor that a block with friction keeps.
+fn check_residuals(name: &str, rows: &[BTreeMap<String, f64>], group: &steklov_io::Group, o: &Value) {
+    let parts = group.member_names().unwrap();
+    let parts: Vec<Vec<f64>> = parts
+        .iter()
+        .filter(|n| n.starts_with("residual_") && !["residual_effectivity", "residual_constants"].contains(&n.as_str()))
+        .map(|n| steklov_io::load_vector(group, n).unwrap())
+        .collect();
+    assert_eq!(parts.len(), 10);
+    let (mut least, mut most, mut count) = (f64::INFINITY, 0.0f64, 0);
+    for (k, row) in rows.iter().enumerate() {
+        let sum: f64 = parts.iter().map(|part| part[k]).filter(|part| part.is_finite()).map(|part| part * part).sum();
+        assert!((sum.sqrt() / row["residual"] - 1.0).abs() < 1e-12, "{name}: {row:?}");
+        let ratio = row["residual"] / row["error"];
+        assert!(ratio == row["residual_effectivity"] || ratio.is_nan(), "{name}: {row:?}");
+        if ratio.is_finite() {
+            (least, most, count) = (least.min(ratio), most.max(ratio), count + 1);
+        }
+    }
+    assert!(1.0 < least && most < 7.0, "{name}: {least} to {most}");
+    let told = &o["residual_constants"];
+    let kept = group.group("residual_constants").unwrap();
+    for (n, wanted) in [("reliability", 1.0 / least), ("efficiency", most)] {
+        assert!((number(&told[n]) / wanted - 1.0).abs() < 1e-14, "{name}: {told}");
+        assert_eq!(steklov_io::load_number(&kept, n).unwrap(), number(&told[n]));
+    }
+    assert_eq!(told["steps"], count);
 }
 
 /// What the logarithm of an error is linear in.

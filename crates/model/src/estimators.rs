@@ -90,6 +90,12 @@ impl Estimators {
 }
 
 impl Estimator {
+    /// The same over another norm: value and parts are relative then.
+    pub fn over(&self, norm: f64) -> Self {
+        let parts = self.parts.iter().map(|(name, part)| (name.clone(), part / norm)).collect();
+        Self { value: self.value / norm, relative: self.value / norm, parts }
+    }
+
     /// Of squared parts (energies) and (2 strain energy)^½.
     pub fn new<'a>(squared: impl IntoIterator<Item = (&'a str, f64)>, scale: f64) -> Self {
         let (mut sum, mut parts) = (0.0, BTreeMap::new());

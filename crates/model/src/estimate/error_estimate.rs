@@ -27,7 +27,7 @@ use crate::estimate::enriched_problem::{Frame, System, frames};
 use crate::estimate::interface_residual::FacingLoad;
 use crate::estimate::on_springs::{ROUNDED_TURNING, held_by_springs, turns_too_far};
 use crate::estimate::penetration::{Overlap, Unseen};
-use crate::estimate::residual::Residual;
+use crate::estimate::residual::{Residual, knows_residuals};
 use crate::estimate::unseen::{unseen_at_vertices, unseen_by_tractions};
 use crate::mesh::first_mesh::coarse_elements;
 use crate::solve::body::{Body, Factors};
@@ -116,9 +116,9 @@ const ROUNDED_OVERLAP: f64 = 1e-12;
 const ROUNDED: [f64; 2] = [1e-12, 1e-15];
 const ROUNDED_OF_SEVERAL: [f64; 2] = [3e-12, 5e-15];
 
-/// Whether residuals are computed: they know no medium around a body, and no other body.
+/// Whether residuals are computed.
 pub(crate) fn has_residuals(scene: &Scene) -> bool {
-    scene.method.has_residuals() && !scene.is_inclusion() && !scene.problem.has_several_bodies()
+    scene.method.has_residuals() && knows_residuals(scene)
 }
 
 /// Whether meshes of so many unknowns are estimated.

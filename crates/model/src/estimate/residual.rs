@@ -4,6 +4,7 @@ use std::ops::Range;
 
 use steklov_bem_operators::{BoundaryResidual, Datum, Look, Site, boundary_residuals_of};
 use steklov_contact::{ContactResidual, ContactSolution, Multiplier, SideData, contact_residuals_of};
+use steklov_problem::Scene;
 
 use crate::data::on_mesh::{AtSites, OnMesh};
 use crate::error::SolveError;
@@ -67,6 +68,11 @@ impl Residual {
 
 /// Terms of contact, stabilised or not.
 const OF_CONTACT: Range<usize> = 2..9;
+
+/// Whether the boundary elements of a scene have residuals: these know no medium around a body, and no other body.
+pub fn knows_residuals(scene: &Scene) -> bool {
+    !scene.is_inclusion() && !scene.problem.has_several_bodies()
+}
 
 /// The estimator of a solution by boundary elements from the residuals of all elements.
 pub fn estimator(residuals: &[Residual], solved: &Solved) -> Estimator {

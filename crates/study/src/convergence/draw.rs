@@ -21,6 +21,7 @@ const ERROR: Quantity = ("true error", |p| p.error);
 const ESTIMATE: Quantity = ("estimate", |p| p.estimate);
 const ENERGY_ERROR: Quantity = ("energy error", |p| p.energy_error);
 const EFFECTIVITY: Quantity = ("estimate / error", Point::effectivity);
+const RESIDUAL_EFFECTIVITY: Quantity = ("residual estimator / error", Point::residual_effectivity);
 
 /// Draws the charts, the meshes of each strategy and the contact sides of the last one that has any into a folder;
 /// returns the files.
@@ -48,10 +49,14 @@ pub fn pictures(study: &Study<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictur
         let lines = lines(study, cost, &[ENERGY_ERROR], None);
         all.draw(name, &Drawing { axes: [x, energy], lines, ..drawing(study) })?;
     }
-    let axes = [dofs, linear(EFFECTIVITY.0)];
-    let lines = lines(study, by_dofs, &[EFFECTIVITY], None);
+    let both = [EFFECTIVITY, RESIDUAL_EFFECTIVITY];
+    let known = study.strategies.iter().flat_map(|s| &s.points).any(|p| p.residual_effectivity().is_finite());
+    let shown = &both[..if known { 2 } else { 1 }];
+    let names: Vec<&str> = shown.iter().map(|(name, _)| *name).collect();
+    let axes = [dofs, linear(if known { "estimate over true error" } else { EFFECTIVITY.0 })];
+    let lines = lines(study, by_dofs, shown, None);
     let band = Some(Band { label: "within 25 %", y: [0.8, 1.25] });
-    all.draw("effectivity", &Drawing { axes, lines, band, ..drawing(study) })?;
+    all.draw("effectivity", &Drawing { axes, lines, band, quantities: &names, ..drawing(study) })?;
     for strategy in study.strategies.iter().filter(|s| !s.points.is_empty()) {
         all.files.extend(mesh_pictures(study, strategy, folder)?);
     }

@@ -17,7 +17,7 @@ use crate::watch::Watch;
 
 pub use draw::pictures;
 pub use report::report;
-pub use strategy::{End, MULTIPLIERS, NAMES, Point, Strategy, strategy};
+pub use strategy::{Constants, End, MULTIPLIERS, NAMES, Point, Strategy, strategy};
 
 pub(crate) use strategy::for_truth;
 

@@ -12,9 +12,10 @@ use std::fmt::Write as _;
 
 use serde_json::{Value, json};
 use steklov_io::Label;
+use steklov_model::estimators::ON_BOUNDARY;
 use steklov_model::solve::contact_rows::ContactRow;
 
-use super::strategy::{End, Point, Strategy};
+use super::strategy::{Constants, End, Point, Strategy};
 use super::{MEASURED, Study};
 use crate::fit::Fit;
 use crate::reference::{Level, Reference};
@@ -23,7 +24,7 @@ use crate::show::{self, Shown, heads};
 use crate::table::{Column, Table};
 
 /// The numbers of a step.
-const NUMBERS: [Column<Point>; 8] = [
+const NUMBERS: [Column<Point>; 10] = [
     ("seconds", "seconds", "from the beginning of the run to the end of the step, median of the runs", |p| p.seconds),
     ("error", "1", "true error, energy norm, relative; NaN where it was not measured", |p| p.error),
     ("energy", "force*length/thickness", "J", |p| p.energy),
@@ -32,6 +33,31 @@ const NUMBERS: [Column<Point>; 8] = [
     ("effectivity", "1", "estimate over true error; NaN where that was not measured", Point::effectivity),
     ("energy_extrapolated", "force*length/thickness", "J of the spaces of one degree more", |p| p.extrapolated[0]),
     ("energy_uncertainty", "force*length/thickness", "how far the exact J may be from that", |p| p.extrapolated[1]),
+    ("residual", "1", "residual estimator, relative to the same norm; NaN where there is none", |p| {
+        p.residual.as_ref().map_or(f64::NAN, |residual| residual.value)
+    }),
+    ("residual_effectivity", "1", "residual estimator over true error; NaN where one is not known", |p| {
+        p.residual_effectivity()
+    }),
+];
+
+/// A part of the residual estimator; NaN where it has none of this name.
+fn residual_part(p: &Point, name: &str) -> f64 {
+    p.residual.as_ref().and_then(|residual| residual.parts.get(name)).copied().unwrap_or(f64::NAN)
+}
+
+/// The parts of the residual estimator.
+const RESIDUAL_PARTS: [Column<Point>; ON_BOUNDARY.len()] = [
+    ("residual_neumann", "1", ON_BOUNDARY[0].1, |p| residual_part(p, ON_BOUNDARY[0].0)),
+    ("residual_equation", "1", ON_BOUNDARY[1].1, |p| residual_part(p, ON_BOUNDARY[1].0)),
+    ("residual_contact", "1", ON_BOUNDARY[2].1, |p| residual_part(p, ON_BOUNDARY[2].0)),
+    ("residual_stabilisation", "1", ON_BOUNDARY[3].1, |p| residual_part(p, ON_BOUNDARY[3].0)),
+    ("residual_complementarity", "1", ON_BOUNDARY[4].1, |p| residual_part(p, ON_BOUNDARY[4].0)),
+    ("residual_tension", "1", ON_BOUNDARY[5].1, |p| residual_part(p, ON_BOUNDARY[5].0)),
+    ("residual_penetration", "1", ON_BOUNDARY[6].1, |p| residual_part(p, ON_BOUNDARY[6].0)),
+    ("residual_bound", "1", ON_BOUNDARY[7].1, |p| residual_part(p, ON_BOUNDARY[7].0)),
+    ("residual_friction", "1", ON_BOUNDARY[8].1, |p| residual_part(p, ON_BOUNDARY[8].0)),
+    ("residual_held", "1", ON_BOUNDARY[9].1, |p| residual_part(p, ON_BOUNDARY[9].0)),
 ];
 
 /// The parts of its estimate.
@@ -120,6 +146,9 @@ fn told_strategy(s: &Strategy) -> Value {
         "name": s.name,
         "reason": s.end.word(),
         "message": failure,
+        "residual_constants": s.constants().map(|c| {
+            json!({ "reliability": c.reliability, "efficiency": c.efficiency, "steps": c.steps })
+        }),
         "fits": s.fits().into_iter().map(fit).collect::<Value>(),
         "steps": steps(&s.points.iter().collect::<Vec<_>>()).json(),
     })
@@ -142,9 +171,21 @@ fn kept_strategy(s: &Strategy) -> Vec<Part> {
         text("message", message, "the error with which it failed; empty if it did not"),
         columns("", steps(&s.points.iter().collect::<Vec<_>>())),
         columns("", Table::new("step", &s.points, &PARTS)),
+        columns("", Table::new("step", &s.points, &RESIDUAL_PARTS)),
         part("fits", s.fits().into_iter().map(fit).collect()),
         part("steps", s.points.iter().enumerate().map(mesh).collect()),
     ];
+    if let Some(c) = s.constants() {
+        let steps = Label { unit: "1", meaning: "steps whose true error was measured", axes: &["value"] };
+        parts.push(part(
+            "residual_constants",
+            vec![
+                number("reliability", c.reliability, "1", "largest true error over residual estimator"),
+                number("efficiency", c.efficiency, "1", "largest residual estimator over true error"),
+                counts("steps", vec![c.steps], steps),
+            ],
+        ));
+    }
     if !s.contact.is_empty() {
         let nodes = &s.contact;
         let meaning = "0 apart, 1 stick, 2 slip along +t, 3 slip along -t";
@@ -183,7 +224,7 @@ fn body(study: &Study<'_>) -> String {
 }
 
 /// What is printed of a step.
-const SHOWN: [Shown<Point>; 8] = [
+const SHOWN: [Shown<Point>; 9] = [
     ("elements", 8, |p| p.mesh.len().to_string()),
     ("degree", 6, |p| p.max_degree().to_string()),
     ("dofs", 5, |p| p.dofs.to_string()),
@@ -192,6 +233,7 @@ const SHOWN: [Shown<Point>; 8] = [
     ("energy error", 12, |p| small(p.energy_error)),
     ("estimate", 9, |p| small(p.estimate)),
     ("est./error", 10, |p| show::number(p.effectivity(), |v| format!("{v:.2}"))),
+    ("res./error", 10, |p| show::number(p.residual_effectivity(), |v| format!("{v:.2}"))),
 ];
 
 fn small(value: f64) -> String {
@@ -218,5 +260,12 @@ fn show_strategy(text: &mut String, strategy: &Strategy, width: usize) {
     for Fit { law, rate, r_squared, points } in strategy.fits() {
         let law = law.with_rate(rate);
         let _ = writeln!(text, "{:<width$} error ~ {law} (R² = {r_squared:.4}, last {points} points)", "");
+    }
+    if let Some(Constants { reliability, efficiency, steps }) = strategy.constants() {
+        let _ = writeln!(
+            text,
+            "{:<width$} error <= {reliability:.2} of the residual estimator, which is <= {efficiency:.2} of the error ({steps} steps)",
+            ""
+        );
     }
 }

@@ -1,10 +1,16 @@
 //! One strategy: its runs, its seconds, its true errors.
 
+use std::time::Instant;
+
 use steklov_bem_operators::Mesh;
+use steklov_model::data::on_mesh::OnMesh;
 use steklov_model::error::SolveError;
+use steklov_model::estimate::residual::{estimator, knows_residuals};
+use steklov_model::estimators::Estimator;
 use steklov_model::run::adaptive_loop::{Event, Progress, Reason, Run, Step, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::solve::contact_rows::{ContactRow, contact_rows};
+use steklov_model::solve::solution::Solved;
 use steklov_problem::{Multiplier, Refine, Scene};
 
 use super::{MEASURED, chosen};
@@ -34,6 +40,9 @@ pub(crate) fn for_truth(scene: &Scene) -> Scene {
     scene
 }
 
+/// Relative errors below this are rounding.
+const ROUNDED: f64 = 1e-9;
+
 /// A step of a strategy.
 #[derive(Debug, Clone)]
 pub struct Point {
@@ -55,6 +64,8 @@ pub struct Point {
     pub extrapolated: [f64; 2],
     /// Parts of the estimate, over the same: correction, oscillation, tips.
     pub parts: [f64; 3],
+    /// The residual estimator and its parts, over the same; None where the scene has none.
+    pub residual: Option<Estimator>,
     /// Why the estimate is in doubt; empty if it is not.
     pub doubts: Vec<&'static str>,
 }
@@ -65,12 +76,22 @@ impl Point {
         self.estimate / self.error
     }
 
+    /// Residual estimator over error; NaN where one of them is not known.
+    pub fn residual_effectivity(&self) -> f64 {
+        self.residual.as_ref().map_or(f64::NAN, |residual| residual.value / self.error)
+    }
+
     /// Highest degree of its mesh.
     pub fn max_degree(&self) -> usize {
         self.mesh.degree.iter().copied().max().unwrap_or(0)
     }
 
-    fn new(step: &Step<BoundaryElements>, error: Option<f64>, reference: &Reference, mut times: Vec<f64>) -> Self {
+    fn new(
+        step: &Step<BoundaryElements>,
+        (error, residual): (Option<f64>, Option<&Estimator>),
+        reference: &Reference,
+        mut times: Vec<f64>,
+    ) -> Self {
         let (estimate, norm) = (step.estimate(), reference.norm);
         let oscillation: f64 = estimate.indicators.iter().map(|i| i.oscillation).sum();
         Self {
@@ -83,9 +104,21 @@ impl Point {
             estimate: estimate.error / norm,
             extrapolated: [estimate.energy, estimate.uncertainty],
             parts: [estimate.correction, oscillation, estimate.tips].map(|p| p.max(0.0).sqrt() / norm),
+            residual: residual.map(|residual| residual.over(norm)),
             doubts: estimate.doubts.iter().map(|d| d.word()).collect(),
         }
     }
+}
+
+/// The constants of a residual estimator η over the measured steps.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Constants {
+    /// The largest error over η: the error is at most so many times η.
+    pub reliability: f64,
+    /// The largest η over error: η is at most so many times the error.
+    pub efficiency: f64,
+    /// Steps that were measured.
+    pub steps: usize,
 }
 
 /// How a strategy ended.
@@ -136,6 +169,15 @@ impl Strategy {
         !matches!(self.end, End::Failed(_) | End::Run(Reason::Interrupted | Reason::Solver))
     }
 
+    /// The constants of the residual estimator; None where no step was measured. Errors of rounding are left out.
+    pub fn constants(&self) -> Option<Constants> {
+        let known = self.points.iter().filter(|p| p.error > ROUNDED).map(Point::residual_effectivity);
+        let ratios: Vec<f64> = known.filter(|ratio| ratio.is_finite()).collect();
+        let largest = |of: fn(f64) -> f64| ratios.iter().fold(0.0, |m: f64, ratio| m.max(of(*ratio)));
+        let (reliability, efficiency) = (largest(f64::recip), largest(|ratio| ratio));
+        (!ratios.is_empty()).then_some(Constants { reliability, efficiency, steps: ratios.len() })
+    }
+
     /// Laws fitted to its true errors: one of powers, for hp strategies those of exponentials.
     pub fn fits(&self) -> Vec<Fit> {
         let laws = if self.name.starts_with("hp") { &[Law::SquareRoot, Law::CubeRoot][..] } else { &[Law::Algebraic] };
@@ -178,14 +220,14 @@ pub fn strategy(
     let dofs: Vec<usize> = steps.iter().map(|s| s.dofs).collect();
     let measured = chosen(&dofs, MEASURED);
     let mut points = Vec::with_capacity(steps.len());
-    for (k, (step, displacement)) in steps.iter().zip(&first.displacements).enumerate() {
+    for (k, (step, (displacement, residual))) in steps.iter().zip(&first.left).enumerate() {
         // an error that cannot be measured is not known: the point has its estimate still
         let error = (measured.contains(&k) && !watch.stopped()).then(|| {
             watch.tell(&format!("{name}, true errors"), &format!("step {} of {}", k + 1, steps.len()));
             reference.true_error(&truth, step, displacement, watch.interrupts).ok().flatten()
         });
         let times = ends.iter().filter_map(|e| e.get(k).copied()).collect();
-        points.push(Point::new(step, error.flatten(), reference, times));
+        points.push(Point::new(step, (error.flatten(), residual.as_ref()), reference, times));
     }
     let contact = run.last.contact.as_ref().map_or(Vec::new(), |c| contact_rows(run.last.trace(), c));
     let end = run.error.as_ref().map_or(End::Run(run.reason), |error| End::Failed(error.to_string()));
@@ -195,23 +237,41 @@ pub fn strategy(
 /// One run, and what its steps leave.
 struct Round {
     run: Result<Run<BoundaryElements>, SolveError>,
-    /// Nodal displacement of each step.
-    displacements: Vec<Vec<f64>>,
+    /// Nodal displacement and residual estimator of each step.
+    left: Vec<(Vec<f64>, Option<Estimator>)>,
     /// Seconds from the beginning of the run to the end of each step.
     ends: Vec<f64>,
 }
 
 impl Round {
     fn new(scene: &Scene, what: &str, watch: &mut Watch<'_>) -> Self {
-        let (mut displacements, mut ends) = (Vec::new(), Vec::new());
+        let (mut left, mut ends) = (Vec::new(), Vec::new());
+        // the run does not need what is looked at here
+        let mut looking = 0.0;
         let run = run(scene, Progress::first(scene), watch.interrupts, &mut |step, event| {
             watch.tell_step(what, "", step, &event);
-            if let Event::Done { solved, seconds, .. } = event {
-                displacements.push(solved.displacement.clone());
-                ends.push(seconds);
+            if let Event::Done { solved, step, seconds } = event {
+                ends.push(seconds - looking);
+                let clock = Instant::now();
+                // one that cannot be computed is not known
+                left.push((solved.displacement.clone(), residual(scene, solved, step).ok().flatten()));
+                looking += clock.elapsed().as_secs_f64();
             }
             Ok(())
         });
-        Self { run, displacements, ends }
+        Self { run, left, ends }
     }
+}
+
+/// The residual estimator of a step; None where the scene has none.
+fn residual(scene: &Scene, solved: &Solved, step: &Step<BoundaryElements>) -> Result<Option<Estimator>, SolveError> {
+    if !knows_residuals(scene) {
+        return Ok(None);
+    }
+    let known = step.estimate.as_ref().map(|estimate| &estimate.residuals).filter(|known| !known.is_empty());
+    let residuals = match known {
+        Some(known) => known.clone(),
+        None => OnMesh { scene, mesh: &solved.mesh, space: &solved.space }.all_residuals(solved, 1.0)?,
+    };
+    Ok(Some(estimator(&residuals, solved)))
 }
