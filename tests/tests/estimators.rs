@@ -2,13 +2,18 @@
 
 use std::collections::BTreeMap;
 
+use steklov_model::estimate::residual::Residual;
 use steklov_model::estimators::{
     Estimator, Estimators, IN_CELLS, IN_COARSE_CELLS, ON_BOUNDARY, ON_INTERFACE, TRUNCATION,
 };
+use steklov_model::run::adaptive_loop::Step;
+use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::run::expect::check_expect;
 use steklov_model::{Answer, solve};
-use steklov_problem::Scene;
-use steklov_tests::{parse, scene};
+use steklov_problem::{Multiplier, Refine, Scene};
+use steklov_stochastic::{Nodes, StochasticMesh, Variable};
+use steklov_study::reference::true_error;
+use steklov_tests::{adapt, finer, parse, scene, solved_in_steps};
 
 const ASKED: &str = "method.estimators=true";
 
@@ -173,4 +178,117 @@ fn expectations_may_name_parts() {
     let error = check_expect(&unasked).expect_err("there will be no such number");
     assert!(error.to_string().contains(path), "{error}");
     assert!(check_expect(&one).is_ok());
+}
+
+/// Least and largest estimator over true error of the steps of an hp run down to 1e-4 or 250 unknowns, from the second mesh on.
+fn ratios(name: &str, overrides: &[&str]) -> [f64; 2] {
+    let mut one = scene(name, &[overrides, &[ASKED]].concat());
+    one.random = None;
+    (one.method.elements, one.method.degree) = (None, 1);
+    (one.method.refine, one.method.max_dofs, one.method.tolerance) = (Refine::Hp, Some(250), Some(1e-4));
+    let (run, displacements) = solved_in_steps(&one).unwrap_or_else(|e| panic!("{name}: {e}"));
+    // the exact solution is that of any multipliers
+    one.method.multiplier = Multiplier::Biorthogonal;
+    let fine = finer(&one, 800).unwrap_or_else(|e| panic!("{name}: {e}"));
+    let ratio = |(step, displacement): (&Step<BoundaryElements>, &Vec<f64>)| {
+        let residual: f64 = step.estimate().residuals.iter().map(Residual::total).sum();
+        let truth = true_error(&one, &step.layout.mesh, displacement, &fine).unwrap_or_else(|e| panic!("{name}: {e}"));
+        residual.sqrt() / truth.error
+    };
+    let ratios: Vec<f64> = run.progress.steps.iter().zip(&displacements).skip(1).map(ratio).collect();
+    println!("{name:22} {} steps: {ratios:.2?}", ratios.len());
+    assert!(ratios.len() >= 3, "{name}");
+    [ratios.iter().copied().fold(f64::INFINITY, f64::min), ratios.iter().copied().fold(0.0, f64::max)]
+}
+
+/// One body by boundary elements, with either kind of multipliers: the estimator is the error times a number between these, on corners,
+/// cracks, holes, smooth and unbounded pressures, Tresca's and Coulomb's friction, in and around a body.
+#[test]
+fn the_estimators_of_one_body_follow_the_error() {
+    let stabilised = ["method.multiplier=\"stabilised\""];
+    let cases: [(&str, &[&str]); 14] = [
+        ("cantilever", &[]),
+        ("kirsch", &[]),
+        ("l-shape", &[]),
+        ("crack", &[]),
+        ("tunnel", &[]),
+        ("block-on-floor", &[]),
+        ("wedge-gap", &[]),
+        ("stick-and-slip", &[]),
+        ("kink-in-an-element", &[]),
+        ("coulomb-wedge", &[]),
+        ("hertz", &[]),
+        ("random-modulus", &[]),
+        ("block-on-floor", &stabilised),
+        ("wedge-gap", &stabilised),
+    ];
+    for (name, overrides) in cases {
+        let [least, most] = ratios(name, overrides);
+        assert!(1.2 < least && most < 8.0, "{name}: {least} to {most}");
+    }
+}
+
+/// Random input: the mean square over the outcomes of the two-point Gauss rule, each against a solution of its own.
+#[test]
+fn the_estimator_of_random_input_follows_the_mean_error() {
+    let small = ["method.refine=\"none\"", "method.elements=32", "method.degree=2", "stochastic.degree=1", ASKED];
+    let one = scene("random-load-and-modulus", &small);
+    let told = estimators(&one).stochastic.expect("it is told");
+    let random = one.random.as_ref().expect("it is random");
+    let variables: Vec<Variable> = random.germs.iter().map(|germ| germ.variable.clone()).collect();
+    let rule = StochasticMesh::uniform(variables, &[1; 3], &[1; 3]).and_then(|mesh| mesh.basis(0, Nodes::Gauss));
+    let rule = rule.expect("a rule");
+    let mut squared = 0.0;
+    for (germs, weight) in rule.points.iter().zip(&rule.weights) {
+        let outcome = one.outcome(germs).expect("an outcome");
+        let run = adapt(&outcome).expect("it is solved");
+        let mut fine = outcome.clone();
+        (fine.method.tolerance, fine.method.elements, fine.method.degree) = (Some(1e-3), None, 1);
+        let fine = finer(&fine, 900).expect("it is solved");
+        let truth = true_error(&outcome, &run.last.mesh, &run.last.displacement, &fine).expect("it is solved");
+        squared += weight * truth.error * truth.error;
+    }
+    let spatial = (told.value.powi(2) - told.parts[TRUNCATION].powi(2)).sqrt();
+    let ratio = spatial / squared.sqrt();
+    println!("{spatial:e} over {:e}: {ratio:.2}", squared.sqrt());
+    assert!(1.2 < ratio && ratio < 5.0, "{ratio}");
+}
+
+/// Multiscale elements against bilinear ones on all fine cells: both minimise J, so that twice its difference is the squared error.
+#[test]
+fn the_estimator_of_coarse_cells_follows_the_error() {
+    let energy = |overrides: &[&str]| {
+        let summary = solved(&scene("bar-of-random-cells", overrides)).summary;
+        (summary.energy, summary.estimators)
+    };
+    let (fine, _) = energy(&["method.model=\"fem\"", "grid.coarse=[192,32]", "grid.fine=[1,1]"]);
+    for cells in [["grid.coarse=[12,2]", "grid.fine=[16,16]"], ["grid.coarse=[48,8]", "grid.fine=[4,4]"]] {
+        for basis in ["coupled", "oscillatory"] {
+            let (coarse, found) = energy(&[cells[0], cells[1], &format!("grid.basis=\"{basis}\""), ASKED]);
+            let ratio =
+                found.and_then(|all| all.multiscale).expect("it is told").value / (2.0 * (coarse - fine)).sqrt();
+            println!("{} {basis}: {ratio:.2}", cells[0]);
+            assert!(1.2 < ratio && ratio < 3.0, "{cells:?} {basis}: {ratio}");
+        }
+    }
+}
+
+/// A body in a medium: J falls by the squared error of the cells to that of halved ones, but for a quarter.
+#[test]
+fn the_estimator_of_a_body_in_a_medium_follows_the_error() {
+    let on_grid = |cells: usize| {
+        let grid = [format!("grid.coarse=[{cells},{cells}]"), "grid.fine=[1,1]".into()];
+        let all = ["method.model=\"fem-bem\"", "method.refine=\"none\"", &grid[0], &grid[1], ASKED];
+        let summary = solved(&scene("stiff-inclusion-of-random-cells", &all)).summary;
+        (summary.energy, summary.estimators.and_then(|all| all.coupling).expect("it is told").value)
+    };
+    let [(a, first), (b, second), (c, _)] = [16, 32, 64].map(on_grid);
+    // corners and cells of other moduli: J converges like h^(2 r), r from the last two differences
+    let rate = (a - b) / (b - c);
+    let limit = c - (b - c) / (rate - 1.0);
+    for (energy, value) in [(a, first), (b, second)] {
+        let ratio = value / (2.0 * (energy - limit).abs()).sqrt();
+        println!("{value:e} over {:e}: {ratio:.2}, rate {rate:.2}", (2.0 * (energy - limit).abs()).sqrt());
+        assert!(2.0 < ratio && ratio < 8.0, "{ratio}");
+    }
 }
