@@ -28,7 +28,7 @@ use steklov_plan::{Plan, largest_mesh, plan, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
-use steklov_result::stages::{Saved, copy_saved, save_stage};
+use steklov_result::stages::{SAVED, Saved, copy_saved, save_stage};
 use steklov_result::store;
 
 use self::bar::Bar;
@@ -36,7 +36,7 @@ use self::failure::{Failure, say};
 use self::grid::crossing_warning;
 use self::output::{appeared, check_folder, check_output};
 use self::told::{advice, cautions, expectation, print_summary};
-use crate::explain::{explain, too_many_dofs, too_many_points, too_much_memory};
+use crate::explain::{explain, too_large_basis, too_many_dofs, too_many_points, too_much_memory};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
 const WRONG: u8 = 1;
@@ -99,6 +99,13 @@ struct SolveArgs {
     resume: bool,
 }
 
+impl SolveArgs {
+    /// What is to be stored besides the result.
+    fn saved(&self) -> Vec<Saved> {
+        self.save.iter().flat_map(|save| save.stages()).copied().collect()
+    }
+}
+
 #[derive(Clone, Copy, ValueEnum)]
 enum Save {
     /// V, K, W, M and S, of grids K and what it is reduced to
@@ -107,6 +114,8 @@ enum Save {
     Contact,
     /// Stabilised multipliers, the forms of their stabilisation and the equations they obey
     Stabilisation,
+    /// Multiscale bases of grids, coarse and fine cells, the prolongation and the fine stiffness matrix
+    Basis,
     /// All of these
     All,
 }
@@ -117,7 +126,8 @@ impl Save {
             Self::Matrices => &[Saved::Matrices],
             Self::Contact => &[Saved::Contact],
             Self::Stabilisation => &[Saved::Stabilisation],
-            Self::All => &[Saved::Matrices, Saved::Contact, Saved::Stabilisation],
+            Self::Basis => &[Saved::Basis],
+            Self::All => &SAVED,
         }
     }
 }
@@ -215,7 +225,8 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     let plan = plan(scene);
     let refused = too_many_dofs(scene, plan.cost.dofs)
         .or_else(|| too_much_memory(scene, plan.cost.memory_bytes))
-        .or_else(|| too_many_points(scene));
+        .or_else(|| too_many_points(scene))
+        .or_else(|| too_large_basis(scene).filter(|_| args.saved().contains(&Saved::Basis)));
     if let Some(error) = refused {
         return Err(Failure(document.error(error).render()));
     }
@@ -286,7 +297,7 @@ fn solve_by<M: Keep>(
         M::read_steps(old, scene)
     })?;
     let held = stored.len();
-    let saved: Vec<Saved> = args.save.iter().flat_map(|save| save.stages()).copied().collect();
+    let saved = args.saved();
     let saving = !saved.is_empty();
     let record = create_atomically(out, args.force || args.resume, |file| -> Result<Record, store::Unsolved> {
         let first = M::resume(scene, stored)?;

@@ -264,6 +264,20 @@ pub(crate) fn too_much_memory(scene: &Scene, needed: u64) -> Option<DataError> {
     Some(DataError::at(Value, &[vec!["grid"]], message, help))
 }
 
+/// Bytes that storing the basis of a grid takes for each fine unknown: its rows of K and P, and copies on their way into the file.
+const STORED: u64 = 1000;
+
+/// The refusal of a basis that cannot be stored; none if it can, or the system does not tell.
+pub(crate) fn too_large_basis(scene: &Scene) -> Option<DataError> {
+    let grid = scene.body().grid.as_ref().filter(|_| scene.is_multiscale())?;
+    let needed = 2 * STORED * grid.cells().iter().map(|n| *n as u64).product::<u64>();
+    let available = available_memory_bytes().filter(|bytes| needed > *bytes)?;
+    let gib = |bytes: u64| bytes as f64 / f64::from(1 << 30);
+    let message =
+        format!("--save basis needs about {:.1} GiB of memory, and {:.1} GiB are left", gib(needed), gib(available));
+    Some(DataError::at(Value, &[vec!["grid"]], message, "take fewer cells, or leave basis out of --save"))
+}
+
 /// The refusal of more stochastic nodes than are allowed; none if there are fewer.
 pub(crate) fn too_many_points(scene: &Scene) -> Option<DataError> {
     let random = scene.random.as_ref()?;

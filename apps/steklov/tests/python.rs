@@ -104,3 +104,48 @@ fn h5py_reads_stabilised_multipliers_that_obey_their_equations() {
         python("read_stabilisation.py", &place, &["it.vtkhdf"]);
     }
 }
+
+#[test]
+fn h5py_rebuilds_coarse_stiffness_from_multiscale_bases() {
+    let of = |key: &str, value: &str| ["--set".to_owned(), format!("{key}={value}")];
+    let bases = ["q1", "linear", "coupled", "oscillatory", "oversampled", "periodic"];
+    let checkerboard = bases.map(|basis| (basis, "35-checkerboard", 1, &[][..]));
+    let adapted = ["linear", "oscillatory"].map(|basis| (basis, "38-l-shape-of-random-cells", 4, &["hanging"][..]));
+    let others = [("oscillatory", "34-laminate", 1), ("coupled", "42-stiff-inclusion-of-random-cells", 1)];
+    let others = others.map(|(basis, name, steps)| (basis, name, steps, &[][..]));
+    for (basis, name, steps, more) in checkerboard.into_iter().chain(adapted).chain(others) {
+        let place = Place::new();
+        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let sets = [
+            of("grid.basis", &format!("\"{basis}\"")),
+            of("grid.fine", "[4, 4]"),
+            of("method.max_steps", &steps.to_string()),
+        ];
+        let save = ["solve", &scene, "--quiet", "--save", "matrices,basis", "--out", "it.vtkhdf"].map(str::to_owned);
+        place.run(save.into_iter().chain(sets.into_iter().flatten()));
+        python("read_basis.py", &place, &[&["it.vtkhdf"], more].concat());
+    }
+}
+
+/// A run that is stopped after two steps and goes on has what an uninterrupted one has.
+#[test]
+fn all_that_is_saved_stays_when_a_run_goes_on() {
+    let stabilised = ["matrices", "contact_problem", "stabilisation"];
+    let scenes: [(&str, &[&str], &[&str]); 2] = [
+        ("17-wedge-gap", &["--set", "method.multiplier=\"stabilised\""], &stabilised),
+        ("38-l-shape-of-random-cells", &["--set", "grid.fine=[4, 4]"], &["matrices", "basis"]),
+    ];
+    for (name, sets, expected) in scenes {
+        let place = Place::new();
+        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let solve = |out: &str, steps: usize, more: &[&str]| {
+            let steps = format!("method.max_steps={steps}");
+            let settings = ["--quiet", "--save", "all", "--out", out, "--set", &steps];
+            place.run([&["solve", &scene], &settings[..], sets, more].concat());
+        };
+        solve("whole.vtkhdf", 4, &[]);
+        solve("parts.vtkhdf", 2, &[]);
+        solve("parts.vtkhdf", 4, &["--resume"]);
+        python("same_saved.py", &place, &[&["whole.vtkhdf", "parts.vtkhdf"], expected].concat());
+    }
+}

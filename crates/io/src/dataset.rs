@@ -138,18 +138,76 @@ pub(crate) fn write_rows(
     label: &Label<'_>,
     mut rows: impl FnMut(std::ops::Range<usize>) -> Vec<f64>,
 ) -> Result<(), IoError> {
-    let dataset = create(at, name, f64::type_descriptor(), &[n, m], label)?;
-    if n == 0 || m == 0 {
-        return Ok(());
+    let mut written = Rows::new(at, name, [n, m], label)?;
+    for start in (0..n).step_by(written.block) {
+        written.push(&rows(start..(start + written.block).min(n)))?;
     }
-    let step = (CHUNK / m).clamp(1, n);
-    for start in (0..n).step_by(step) {
-        let end = (start + step).min(n);
-        let block = rows(start..end);
-        let view = ArrayView2::from_shape((end - start, m), &block).map_err(|e| write_error(at, name, e))?;
-        dataset.write_slice(view, s![start..end, ..]).map_err(|e| write_error(at, name, e))?;
+    written.finish()
+}
+
+/// An n×m array that is written from its first row to its last, as they come.
+pub struct Rows {
+    at: Group,
+    name: String,
+    dataset: Dataset,
+    shape: [usize; 2],
+    /// Rows that are written at a time.
+    block: usize,
+    written: usize,
+    /// Rows that are not.
+    waiting: Vec<f64>,
+}
+
+impl Rows {
+    /// Makes the dataset.
+    pub(crate) fn new(at: &Group, name: &str, [n, m]: [usize; 2], label: &Label<'_>) -> Result<Self, IoError> {
+        let dataset = create(at, name, f64::type_descriptor(), &[n, m], label)?;
+        let block = (CHUNK / m.max(1)).clamp(1, n.max(1));
+        let (at, name) = (at.clone(), name.to_owned());
+        Ok(Self { at, name, dataset, shape: [n, m], block, written: 0, waiting: Vec::new() })
     }
-    Ok(())
+
+    /// The next rows, one behind the other.
+    ///
+    /// # Errors
+    /// [`IoError::Write`], also of more rows than the array has, or of a part of one.
+    pub fn push(&mut self, rows: &[f64]) -> Result<(), IoError> {
+        let [n, m] = self.shape;
+        self.waiting.extend_from_slice(rows);
+        if self.waiting.len() > (n - self.written) * m || !rows.len().is_multiple_of(m) {
+            let why = format!("{} numbers for {} rows of {m}", self.waiting.len(), n - self.written);
+            return Err(write_error(&self.at, &self.name, why));
+        }
+        let whole = self.waiting.len() / (self.block * m).max(1) * self.block;
+        self.write(whole)
+    }
+
+    /// Writes so many of the rows that wait, block by block.
+    fn write(&mut self, count: usize) -> Result<(), IoError> {
+        let (m, failed) = (self.shape[1], |e: &dyn std::fmt::Display| write_error(&self.at, &self.name, e));
+        for block in self.waiting[..count * m].chunks((self.block * m).max(1)) {
+            let rows = block.len() / m;
+            let view = ArrayView2::from_shape((rows, m), block).map_err(|e| failed(&e))?;
+            let end = self.written + rows;
+            self.dataset.write_slice(view, s![self.written..end, ..]).map_err(|e| failed(&e))?;
+            self.written = end;
+        }
+        self.waiting.drain(..count * m);
+        Ok(())
+    }
+
+    /// Writes what is left.
+    ///
+    /// # Errors
+    /// [`IoError::Write`], also where rows are missing.
+    pub fn finish(mut self) -> Result<(), IoError> {
+        let [n, m] = self.shape;
+        self.write(self.waiting.len() / m.max(1))?;
+        if m > 0 && self.written != n {
+            return Err(write_error(&self.at, &self.name, format!("{} of {n} rows", self.written)));
+        }
+        Ok(())
+    }
 }
 
 /// Reads an n×m array in blocks of rows: `start(n, m)` makes what `row(i, values)` fills.

@@ -89,12 +89,12 @@ pub use array::{
     save_points, save_vector,
 };
 pub use attribute::{read_integer_attribute, read_text_attribute, write_integer_attribute, write_text_attribute};
-pub use dataset::{Label, StoredLabel, label, load_label};
+pub use dataset::{Label, Rows, StoredLabel, label, load_label};
 pub use error::{IoError, invalid};
 pub use file::{FORMAT, FORMAT_VERSION, create_atomically, is_special, open};
 pub use foreign::{load_foreign_axes, load_foreign_table};
 pub use hdf5::{File, Group};
-pub use matrix::{load_dense, load_sparse, save_dense, save_sparse};
+pub use matrix::{load_dense, load_sparse, save_dense, save_rows, save_sparse};
 pub use persist::{Persist, copy, create_group, load, open_group, save};
 #[cfg(feature = "stochastic")]
 pub use tensor_problem::StoredTensorProblem;

@@ -5,7 +5,7 @@ use hdf5::Group;
 use sprs::CsMat;
 
 use crate::array::{load_integers, load_vector, save_integers, save_vector};
-use crate::dataset::{Label, read_rows, write_rows};
+use crate::dataset::{Label, Rows, read_rows, write_rows};
 use crate::error::{IoError, invalid, mismatch};
 use crate::persist::{create_group, open_group};
 
@@ -17,6 +17,14 @@ pub fn save_dense(at: &Group, name: &str, a: MatRef<'_, f64>, label: &Label<'_>)
     write_rows(at, name, [a.nrows(), a.ncols()], label, |rows| {
         rows.flat_map(|i| (0..a.ncols()).map(move |j| a[(i, j)])).collect()
     })
+}
+
+/// Begins an n×m array as [`save_dense`] writes it, whose rows come one after the other: [`Rows::push`], at last [`Rows::finish`].
+///
+/// # Errors
+/// [`IoError::Write`].
+pub fn save_rows(at: &Group, name: &str, shape: [usize; 2], label: &Label<'_>) -> Result<Rows, IoError> {
+    Rows::new(at, name, shape, label)
 }
 
 /// Reads what [`save_dense`] wrote, the same bits.

@@ -9,7 +9,7 @@ use sprs::CsMat;
 use steklov_io::{
     IoError, Label, StoredLabel, create_group, load_dense, load_integers, load_label, load_number, load_pairs,
     load_points, load_sparse, load_text, load_texts, load_vector, save_dense, save_integers, save_number, save_pairs,
-    save_points, save_sparse, save_text, save_texts, save_vector,
+    save_points, save_rows, save_sparse, save_text, save_texts, save_vector,
 };
 
 const ONE: Label<'_> = Label { unit: "length", meaning: "numbers", axes: &["entry"] };
@@ -39,6 +39,26 @@ proptest! {
         let a = Mat::from_fn(n, m, |i, j| v[20 * i + j]);
         let (_folder, file) = written(|f| save_dense(f, "a", a.as_ref(), &TWO));
         prop_assert_eq!(dense_bits(&load_dense(&file, "a").unwrap()), dense_bits(&a));
+    }
+
+    /// Rows that come in pieces give the same dataset as all at once, over many blocks too.
+    #[test]
+    fn tables_by_rows_are_those_at_once(m in 0_usize..7, cuts in prop::collection::vec(0_usize..9000, 0..9)) {
+        let (n, wide) = (cuts.iter().sum::<usize>(), 3 * m);
+        let a = Mat::from_fn(n, wide, |i, j| (i * wide + j) as f64 - 0.5);
+        let (_folder, file) = written(|f| {
+            save_dense(f, "whole", a.as_ref(), &TWO)?;
+            let mut rows = save_rows(f, "rows", [n, wide], &TWO)?;
+            let mut first = 0;
+            for count in &cuts {
+                let part: Vec<f64> = (first * wide..(first + count) * wide).map(|k| k as f64 - 0.5).collect();
+                rows.push(&part)?;
+                first += count;
+            }
+            rows.finish()
+        });
+        prop_assert_eq!(dense_bits(&load_dense(&file, "rows").unwrap()), dense_bits(&a));
+        prop_assert_eq!(dense_bits(&load_dense(&file, "whole").unwrap()), dense_bits(&a));
     }
 
     #[test]
@@ -226,5 +246,23 @@ fn dense_matrices_are_stored_by_rows() {
         let (_folder, file) = written(|f| save_dense(f, "a", a.as_ref(), &TWO));
         let rows: Vec<f64> = (0..n).flat_map(|i| (0..m).map(move |j| (10 * i + j) as f64)).collect();
         assert_eq!(file.dataset("a").unwrap().read_raw::<f64>().unwrap(), rows, "{n} by {m}");
+    }
+}
+
+/// A table of too many or too few rows, or of a part of one, is none.
+#[test]
+fn rows_that_do_not_fill_their_table_are_refused() {
+    for (pushed, why) in
+        [(&[1.0; 9][..], "9 numbers for 2 rows of 3"), (&[1.0; 4], "4 numbers"), (&[1.0; 3], "1 of 2 rows")]
+    {
+        let (folder, path) = common::place();
+        let written = steklov_io::create_atomically(&path, false, |f| {
+            let mut rows = save_rows(f, "rows", [2, 3], &TWO)?;
+            rows.push(pushed)?;
+            rows.finish()
+        });
+        let told = written.unwrap_err().to_string();
+        assert!(told.contains(why) && told.contains("rows"), "{told}");
+        drop(folder);
     }
 }

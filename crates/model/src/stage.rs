@@ -5,6 +5,7 @@ use sprs::CsMat;
 use steklov_bem_operators::Operators;
 use steklov_contact::{Problem, Solution};
 use steklov_coupling::{Trace, Transfer};
+use steklov_msfem::Multiscale;
 
 use crate::error::SolveError;
 use crate::solve::stabilised::StabilisedSystem;
@@ -15,8 +16,10 @@ pub enum Stage<'a> {
     Operators(usize, &'a Operators),
     /// S of a body of this number.
     Steklov(usize, &'a Mat<f64>),
-    /// A sparse stiffness matrix: its name and what its unknowns 2·n + component are numbered by.
-    Stiffness(&'static str, &'static str, &'a CsMat<f64>),
+    /// A sparse stiffness matrix and its load: its name and what its unknowns 2·n + component are numbered by.
+    Stiffness(&'static str, &'static str, &'a CsMat<f64>, &'a [f64]),
+    /// The coarse cells of a grid with their bases.
+    Basis(&'a Multiscale<'a>),
     /// V, K, W, M of the medium around a body.
     Medium(&'a Operators),
     /// The trace of a body on the interface with the medium, and what takes it to the boundary elements there.

@@ -81,6 +81,7 @@ mod basis;
 mod coarse_mesh;
 mod multiscale;
 mod patterns;
+mod prolongation;
 mod elimination;
 mod indicators;
 mod fine_error;

@@ -32,11 +32,11 @@ pub struct Multiscale<'a> {
     /// Number of the first unknown of each vertex: its x component, then y; None of vertices that hang.
     pub unknown: Vec<Option<usize>>,
     /// Both components of every vertex, as combinations of unknowns.
-    combinations: Vec<[Combination; 2]>,
+    pub(crate) combinations: Vec<[Combination; 2]>,
     /// Patterns of moduli: the cells of each, all with the same basis.
     pub(crate) patterns: Vec<Vec<usize>>,
     structures: Structures,
-    kept: Vec<Option<CellBasis>>,
+    pub(crate) kept: Vec<Option<CellBasis>>,
 }
 
 /// K^H and the load of a coarse problem.
@@ -332,10 +332,7 @@ impl<'a> Multiscale<'a> {
         go_on: &mut dyn FnMut(f64) -> bool,
         mut each: impl FnMut(usize, &[f64]),
     ) -> Result<(), MsfemError> {
-        let mut pattern = vec![0; self.mesh.cells.len()];
-        for (number, cells) in self.patterns.iter().enumerate() {
-            cells.iter().for_each(|&c| pattern[c] = number);
-        }
+        let pattern = self.pattern_of_cells();
         let cells: Vec<usize> = (0..self.mesh.cells.len()).collect();
         for batch in cells.chunks(BATCH) {
             if !go_on(batch[0] as f64 / cells.len() as f64) {

@@ -1,8 +1,11 @@
-//! Stages of a step, stored while they exist: matrices, contact problems, stabilised multipliers.
+//! Stages of a step, stored while they exist: matrices, contact problems, stabilised multipliers, multiscale bases.
 
+mod basis;
 mod stabilisation;
 
-use steklov_io::{File, Group, IoError, copy, create_group, invalid, label, open_group, save, save_dense, save_sparse};
+use steklov_io::{
+    File, Group, IoError, copy, create_group, invalid, label, open_group, save, save_dense, save_sparse, save_vector,
+};
 use steklov_model::stage::Stage;
 
 use crate::steps;
@@ -28,10 +31,12 @@ pub enum Saved {
     Contact,
     /// Stabilised multipliers, their forms and the equations they obey, as `/steps/NNN/stabilisation`.
     Stabilisation,
+    /// The multiscale basis of a grid, as `/steps/NNN/basis`.
+    Basis,
 }
 
 /// All of it.
-pub(crate) const SAVED: [Saved; 3] = [Saved::Matrices, Saved::Contact, Saved::Stabilisation];
+pub const SAVED: [Saved; 4] = [Saved::Matrices, Saved::Contact, Saved::Stabilisation, Saved::Basis];
 
 impl Saved {
     /// The group of a step that it is stored in.
@@ -40,6 +45,7 @@ impl Saved {
             Self::Matrices => "matrices",
             Self::Contact => "contact_problem",
             Self::Stabilisation => "stabilisation",
+            Self::Basis => "basis",
         }
     }
 
@@ -50,6 +56,7 @@ impl Saved {
             Stage::Again => true,
             Stage::Contact(..) => self == Self::Contact,
             Stage::Stabilised(..) => self == Self::Stabilisation,
+            Stage::Basis(..) => self == Self::Basis,
             _ => self == Self::Matrices,
         }
     }
@@ -75,10 +82,13 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]
             let at = if *body == 0 { of_step } else { open_group(&of_step, &format!("body_{body}"))? };
             save_dense(&at, "S", s.as_ref(), &meaning)
         }
-        Stage::Stiffness(name, unknowns, matrix) => {
-            let axis = format!("displacement unknown: 2 {unknowns} + component");
+        Stage::Stiffness(name, unknowns, matrix, load) => {
+            let (at, axis) = (matrices(&step)?, format!("displacement unknown: 2 {unknowns} + component"));
             let axes = [axis.as_str(); 2];
-            save_sparse(&matrices(&step)?, name, matrix, &label("stress", "stiffness matrix <K u, v>", &axes))
+            save_sparse(&at, name, matrix, &label("stress", "stiffness matrix <K u, v>", &axes))?;
+            let meaning =
+                format!("f: {name} u = f + forces of supports, contact and medium, on other unknowns {name} u = f");
+            save_vector(&at, "f", load, &label("force/thickness", &meaning, &axes[..1]))
         }
         Stage::Medium(operators) => save(&matrices(&step)?, "medium", *operators),
         Stage::Interface(trace, transfer) => {
@@ -96,6 +106,7 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]
             save(&at, "problem", *problem)?;
             save(&at, "solution", *solution)
         }
+        Stage::Basis(problem) => basis::save_basis(&step, problem),
         Stage::Stabilised(system) => stabilisation::save_system(&step, system),
         Stage::Again => saved.iter().try_for_each(|saved| unlink(&step, saved.group())),
         Stage::Progress(..) => Ok(()),

@@ -100,6 +100,16 @@ assert stretch @ K @ stretch > 1
 v = at_vertices.ravel()
 assert abs(v @ K @ v - 2 * told["strain_energy"]) <= 1e-11 * told["strain_energy"]
 
+# K v = f but at supports and contact, whose forces those of the solution are
+f = step["matrices/f"][()]
+forces = K @ v - f
+on_box = (x == x.min()) | (x == x.max()) | (y == y.min()) | (y == y.max())
+scale = (np.abs(K) @ np.abs(v)).max()
+assert f.shape == v.shape and np.abs(forces.reshape(-1, 2)[~on_box]).max() <= 1e-12 * scale
+reactions = sum(np.array(force) for force in told["reactions"].values())
+close(forces.reshape(-1, 2).sum(axis=0), reactions, 1e-11 * scale)
+close(f.reshape(-1, 2).sum(axis=0), -reactions, 1e-11 * scale)
+
 # The matrix reduced to the contact nodes, in the frames of the contact: no energy but that of the others' equilibrium
 S = step["matrices/S_contact"][()]
 nodes = file["contact/points"][()]

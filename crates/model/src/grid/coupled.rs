@@ -57,7 +57,7 @@ pub(super) fn solve_coupled(
     let Some(cells) = &layout.coarse else {
         observe(Stage::Progress("assembling K", 0.05))?;
         let interior = Interior::fine(&body, loads)?;
-        observe(Stage::Stiffness("K", "node of the fine grid", &interior.stiffness))?;
+        observe(Stage::Stiffness("K", "node of the fine grid", &interior.stiffness, &interior.load))?;
         let assemble = clock.elapsed().as_secs_f64();
         let mut joined = join(scene, medium, interior, layout, observe)?;
         joined.seconds.assemble += assemble;
@@ -74,7 +74,8 @@ pub(super) fn solve_coupled(
     let interior = watched("bases of coarse cells", [0.05, 0.4], observe, |go_on| -> Result<_, CouplingError> {
         Interior::coarse(&mut problem, loads, go_on)
     })?;
-    observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &interior.stiffness))?;
+    observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &interior.stiffness, &interior.load))?;
+    observe(Stage::Basis(&problem))?;
     let assemble = clock.elapsed().as_secs_f64();
     let mut joined = join(scene, medium, interior, layout, observe)?;
     joined.seconds.assemble += assemble;

@@ -120,7 +120,7 @@ fn solve_fine(
         at_boundary: trace.lattice.iter().map(|&p| node_at(grid, p)).collect(),
     };
     let assemble = clock.elapsed().as_secs_f64();
-    observe(Stage::Stiffness("K", "node of the fine grid", &system.stiffness))?;
+    observe(Stage::Stiffness("K", "node of the fine grid", &system.stiffness, &system.load))?;
     let clock = Instant::now();
     let traction = |u: &[f64], e: usize, _: usize| {
         let cell = trace.cell(grid, e).0;
@@ -317,7 +317,8 @@ fn solve_coarse(
     let clock = Instant::now();
     let system = coarse_system(&mut problem, loads, &extra, at_boundary, observe)?;
     let assemble = clock.elapsed().as_secs_f64();
-    observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &system.stiffness))?;
+    observe(Stage::Stiffness("K_H", "coarse vertex that does not hang", &system.stiffness, &system.load))?;
+    observe(Stage::Basis(&problem))?;
 
     let clock = Instant::now();
     let at_boundary = system.at_boundary.clone();
