@@ -10,7 +10,8 @@ use serde_json::{Value, json};
 use steklov_document::Source;
 use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_study::Watch;
-use steklov_study::stochastic::{Stochastic, chance, pictures, report, solvers, space};
+use steklov_study::solvers::solvers;
+use steklov_study::stochastic::{Stochastic, chance, pictures, report, space};
 
 const FILES: &str = "mean-contact-force-y.png mean-contact-force-y.svg mean-energy.png mean-energy.svg solver-history.png \
                      solver-history.svg solver-iterations.png solver-iterations.svg solvers.csv space-energy.png \
@@ -131,11 +132,15 @@ fn contact_is_studied_and_the_files_agree() {
 
     let of = |name: &str| column(called(&o["solvers"], name), "iterations");
     let (uzawa, active, interior) = (of("Uzawa"), of("active set"), of("interior point"));
+    let newton = of("semi-smooth Newton");
     println!("Uzawa {uzawa:?}, active set {active:?}, interior point {interior:?}");
     assert_eq!(uzawa.len(), 3);
     assert!(uzawa.windows(2).all(|n| n[1] > 1.5 * n[0]), "{uzawa:?}");
     for k in 0..3 {
-        assert!(uzawa[k] > 5.0 * active[k] && uzawa[k] > 5.0 * interior[k], "{uzawa:?} {active:?} {interior:?}");
+        assert!(
+            uzawa[k] > 5.0 * active[k] && uzawa[k] > 5.0 * interior[k] && uzawa[k] > 5.0 * newton[k],
+            "{uzawa:?} {active:?} {interior:?}"
+        );
     }
     for solver in o["solvers"].as_array().unwrap() {
         assert!(column(solver, "kkt").iter().all(|k| *k < 1e-9), "{solver}");
@@ -193,7 +198,7 @@ fn interruptions_keep_what_is_finished() {
     let mut last = run(&scene, Progress::first(&scene), &stopped, &mut |_, _| Ok(())).unwrap();
     let chance = chance(&scene, random, &mut last, &mut Watch::new(&stopped, tell)).unwrap();
     let space = space(&scene, random, &mut Watch::new(&stopped, tell)).unwrap();
-    let solvers = solvers(&scene, random, &mut Watch::new(&stopped, tell)).unwrap().unwrap();
+    let solvers = solvers(&scene, &mut Watch::new(&stopped, tell)).unwrap().unwrap();
     assert!(chance.points.is_empty() && space.points.is_empty() && solvers.methods.is_empty());
     let study = Stochastic {
         scene: &scene,

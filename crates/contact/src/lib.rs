@@ -81,7 +81,7 @@ pub use solvers::frozen::{Frozen, Sets};
 pub use solvers::interior_point::interior_point;
 pub use solvers::kkt::{Kkt, kkt, kkt_in_body};
 pub use solvers::motions::{ContactEdge, lifting_motion, resisted_motions};
-pub use solvers::newton::newton;
+pub use solvers::newton::{newton, newton_watched};
 pub use solvers::problem::{Condition, ContactNode, Outcome, Problem, Solution, Status};
 pub use solvers::rows::{MultiplierRow, multiplier_rows};
 pub use solvers::several::{Contraction, contraction, other_solution};

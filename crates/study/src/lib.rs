@@ -44,6 +44,7 @@ mod chart;
 pub mod convergence;
 pub mod stability;
 pub mod inf_sup;
+pub mod solvers;
 pub mod stochastic;
 pub mod multiscale;
 pub mod coupling;

@@ -15,7 +15,7 @@ use steklov_plan::plan;
 use steklov_problem::{DataError, Method, Multiplier, Refine, Scene};
 use steklov_study::convergence::{MULTIPLIERS, NAMES};
 use steklov_study::{Report, Setting, StudyError, Watch, contact_sides, settings};
-use steklov_study::{convergence, coupling, inf_sup, multiscale, stability, stochastic};
+use steklov_study::{convergence, coupling, inf_sup, multiscale, solvers, stability, stochastic};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
@@ -40,7 +40,7 @@ pub(super) struct StudyArgs {
     /// Runs of each strategy, of which the seconds are medians
     #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
-    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup, -stochastic, -multiscale, -coupling) in the current folder
+    /// Folder for the files; default: the scene's name with -study (-stability, -inf-sup, -solvers, -stochastic, -multiscale, -coupling) in the current folder
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
     /// Change a key of the scene, the value typed as TOML; may be repeated
@@ -73,6 +73,8 @@ enum What {
     InfSup,
     /// Errors as the material becomes incompressible; the single layer at degenerate sizes of the body
     Stability,
+    /// Iterations and seconds of contact solvers, and how fast the semi-smooth Newton method converges
+    Solvers,
     /// Errors of means and variances of a scene with random input, in chance and in space; iterations of contact solvers
     Stochastic,
     /// Errors of multiscale bases on a scene with a grid, of resonance and of high contrast, beside the fine grid's own
@@ -88,6 +90,7 @@ impl What {
             Self::Convergence => ("study", settings),
             Self::InfSup => ("inf-sup", |_| inf_sup::SETTINGS.to_vec()),
             Self::Stability => ("stability", stability::settings),
+            Self::Solvers => ("solvers", settings),
             Self::Stochastic => ("stochastic", settings),
             Self::Multiscale => ("multiscale", |_| Vec::new()),
             Self::Coupling => ("coupling", coupling::settings),
@@ -120,6 +123,11 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
             let beside = args.beside.as_deref().map_or(Ok(Vec::new()), stability::read_beside)?;
             let study = |watch: &mut Watch<'_>| stability::study(scene, source, beside, watch);
             carry_out(args, &document, stability::POISSON.len() + 3, study, stability::report, stability::pictures)
+        }
+        What::Solvers => {
+            solvers::check(scene).map_err(refused)?;
+            let study = |watch: &mut Watch<'_>| solvers::study(scene, source, watch);
+            carry_out(args, &document, 1, study, solvers::report, solvers::pictures)
         }
         What::Stochastic => {
             let random = stochastic::random(scene).map_err(refused)?;

@@ -47,6 +47,18 @@ const SHORTEST: f64 = 1e-2;
 /// Source: Chen, Chen and Kanzow, Math. Program. 88 (2000) (penalised function); Christensen, Klarbring, Pang and
 /// Strömberg, Int. J. Numer. Methods Eng. 42 (1998).
 pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
+    newton_watched(problem, start, &mut |_| ())
+}
+
+/// [`newton`], telling the unknowns before its first step and after each: none where the active set method does all.
+///
+/// # Errors
+/// As [`newton`].
+pub fn newton_watched(
+    problem: &Problem,
+    start: Option<Start<'_>>,
+    tell: &mut dyn FnMut(&[f64]),
+) -> Result<Solution, ContactError> {
     problem.check()?;
     if problem.nodes.iter().any(|n| n.conditions.len() > 1 && n.conditions.iter().any(|c| c.is_coulomb())) {
         return active_set(problem, start);
@@ -68,6 +80,7 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
     let mut state = equations.at(&v);
     for _ in 0..LIMIT {
         history.push(state.relative());
+        tell(&v);
         if state.relative() <= TOLERANCE {
             break;
         }

@@ -4,17 +4,12 @@ use std::path::{Path, PathBuf};
 
 use steklov_picture::PictureError;
 
+use super::Stochastic;
 use super::chance::Measured;
 use super::rules::FAMILIES;
-use super::solvers::SOLVERS;
 use super::space::CURVES;
-use super::{Solvers, Stochastic};
 use crate::chart::{Drawing, Line, Pictures, known, log};
-
-/// Iterations of a history that are drawn at most.
-const DRAWN: usize = 40;
-/// A measure of 0 is drawn here.
-const FLOOR: f64 = 1e-17;
+use crate::solvers;
 
 const DOFS: &str = "degrees of freedom N";
 
@@ -33,8 +28,9 @@ pub fn pictures(study: &Stochastic<'_>, folder: &Path) -> Result<Vec<PathBuf>, P
         in_space(study, 1, ["space-norm", "E[<u, Su>]"], &mut all)?;
     }
     if let Some(solvers) = study.solvers.as_ref().filter(|s| !s.methods.is_empty()) {
-        iterations(study, solvers, &mut all)?;
-        histories(study, solvers, &mut all)?;
+        let title = |on: &str| format!("{}: contact solvers{on}, nominal outcome", study.scene.title);
+        solvers::iterations(&title(""), solvers, &mut all)?;
+        solvers::histories(&title, solvers, &mut all)?;
     }
     Ok(all.files)
 }
@@ -93,38 +89,4 @@ fn in_space(
         ..Drawing::default()
     };
     all.draw(file, &drawing)
-}
-
-fn iterations(study: &Stochastic<'_>, solvers: &Solvers, all: &mut Pictures<'_>) -> Result<(), PictureError> {
-    let line = |(k, (name, _)): (usize, &(&str, _))| {
-        Line::new(*name, [known(solvers.of(k).map(|m| [m.dofs as f64, m.iterations]))])
-    };
-    let drawing = Drawing {
-        title: &format!("{}: contact solvers, nominal outcome", study.scene.title),
-        axes: [log(DOFS), log("iterations to 1e-10")],
-        lines: SOLVERS.iter().enumerate().map(line).collect(),
-        ..Drawing::default()
-    };
-    all.draw("solver-iterations", &drawing)
-}
-
-fn histories(study: &Stochastic<'_>, solvers: &Solvers, all: &mut Pictures<'_>) -> Result<(), PictureError> {
-    let line = |(k, (name, _)): (usize, &(&str, _))| {
-        let history = solvers.finest().find(|m| m.solver == k).map_or(&[][..], |m| &m.history);
-        // evenly spaced in the logarithm of the iteration
-        let mut kept: Vec<usize> = (0..DRAWN)
-            .map(|i| ((history.len() as f64).powf(i as f64 / (DRAWN - 1) as f64)).round() as usize)
-            .filter(|n| (1..=history.len()).contains(n))
-            .collect();
-        kept.dedup();
-        Line::new(*name, [kept.into_iter().map(|n| [n as f64, history[n - 1].max(FLOOR)]).collect()])
-    };
-    let elements = solvers.finest().next().map_or(0, |m| m.elements);
-    let drawing = Drawing {
-        title: &format!("{}: contact solvers on {elements} elements, nominal outcome", study.scene.title),
-        axes: [log("iteration"), log("the solver's own relative measure (0 as 1e-17)")],
-        lines: SOLVERS.iter().enumerate().map(line).collect(),
-        ..Drawing::default()
-    };
-    all.draw("solver-history", &drawing)
 }

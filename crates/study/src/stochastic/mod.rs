@@ -3,14 +3,13 @@
 //! ```text
 //! settings ─► Chance (rules on the last mesh against a finer one)     ─┐
 //!             Space (strategies against the end of an hp one)          ├─► Stochastic ─► report, draw
-//!             Solvers (Uzawa, active set, interior point, by the mesh) ─┘
+//!             Solvers (of contact, mesh by mesh)                       ─┘
 //! ```
 //! Each part is a file: what it computes, and the columns of its table.
 
 mod chance;
 mod rules;
 mod space;
-mod solvers;
 mod report;
 mod draw;
 
@@ -19,13 +18,13 @@ use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_problem::{DataError, DataErrorKind, Random, Scene};
 
 use crate::error::StudyError;
+use crate::solvers::{Solvers, solvers};
 use crate::watch::Watch;
 
 pub use chance::{Chance, Cost, Measured, Quantity, chance};
 pub use draw::pictures;
 pub use report::report;
 pub use rules::FAMILIES;
-pub use solvers::{Method, SOLVERS, Solvers, solvers};
 pub use space::{CURVES, Point, Space, space};
 
 /// A finished study.
@@ -75,7 +74,7 @@ pub fn study<'a>(
     })?;
     let chance = chance(scene, random, &mut last, watch)?;
     let space = space(scene, random, watch)?;
-    let solvers = solvers(scene, random, watch)?;
+    let solvers = solvers(scene, watch)?;
     Ok(Stochastic { scene, source, chance, space, solvers, interrupted: watch.stopped() })
 }
 

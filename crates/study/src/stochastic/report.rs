@@ -10,15 +10,14 @@
 use std::fmt::Write as _;
 
 use serde_json::{Value, json};
-use steklov_io::Label;
 
 use super::chance::{Measured, QUANTITIES, RULES};
 use super::rules::{FAMILIES, MONTE_CARLO};
-use super::solvers::{METHODS, SOLVERS};
 use super::space::{CURVES, POINTS, Point};
-use super::{Chance, Quantity, Solvers, Space, Stochastic};
-use crate::report::{Part, Report, columns, failures, list, named, part, text, texts, told, vector};
+use super::{Chance, Quantity, Space, Stochastic};
+use crate::report::{Part, Report, columns, failures, list, named, part, text, texts, told};
 use crate::show::{self, Shown, heads};
+use crate::solvers::{self, METHODS, SOLVERS};
 use crate::table::Table;
 
 /// What the study found.
@@ -33,7 +32,7 @@ pub fn report<'a>(study: &'a Stochastic<'_>) -> Report<'a> {
     let solvers = study.solvers.as_ref().map(|all| {
         let names = all.methods.iter().map(|m| quoted(SOLVERS[m.solver].0));
         tables.push(("solvers.csv", Table::new("mesh", &all.methods, &METHODS).key("solver", names).csv()));
-        list("solvers", (0..SOLVERS.len()).map(|k| solver_parts(all, k)).collect())
+        list("solvers", (0..SOLVERS.len()).map(|k| solvers::parts(all, k)).collect())
     });
     let [told_chance, kept_chance] = chance_parts(chance);
     let curve = |k| Table::new("mesh", space.of(k), &POINTS);
@@ -107,19 +106,6 @@ fn chance_parts(chance: &Chance) -> [Vec<Part>; 2] {
     [told, kept]
 }
 
-fn solver_parts(solvers: &Solvers, k: usize) -> Vec<Part> {
-    let failures =
-        solvers.of(k).filter_map(|m| Some(json!({ "elements": m.elements, "message": m.failure.as_ref()? })));
-    let history = solvers.finest().find(|m| m.solver == k).map_or(&[][..], |m| &m.history);
-    let meaning = "the solver's own relative measure on the finest mesh";
-    vec![
-        text("name", SOLVERS[k].0, "the solver"),
-        columns("points", Table::new("mesh", solvers.of(k), &METHODS)),
-        told("failures", failures.collect::<Value>()),
-        vector("history", history, Label { unit: "1", meaning, axes: &["iteration"] }).only_kept(),
-    ]
-}
-
 fn body(study: &Stochastic<'_>) -> String {
     let mut text = show::head(study.source, None);
     chance(&mut text, &study.chance);
@@ -127,7 +113,7 @@ fn body(study: &Stochastic<'_>) -> String {
         space(&mut text, &study.space, reference);
     }
     match &study.solvers {
-        Some(all) => solvers(&mut text, all),
+        Some(all) => solvers::table(&mut text, ", nominal outcome", all),
         None => text += "\ncontact solvers: left out, no side is in contact\n",
     }
     for (what, why) in study.failures() {
@@ -239,33 +225,6 @@ fn space(text: &mut String, all: &Space, reference: &Point) {
                 let law = fit.law.with_rate(fit.rate);
                 let _ = writeln!(text, "{:<25} error of {what} ~ {law} (R² = {:.4})", "", fit.r_squared);
             }
-        }
-    }
-}
-
-fn solvers(text: &mut String, all: &Solvers) {
-    let _ = writeln!(
-        text,
-        "\ncontact solvers, nominal outcome, uniform meshes: iterations to 1e-10, seconds, worst measure"
-    );
-    let heads: String = SOLVERS.iter().map(|s| format!(" {:>28}", s.0)).collect();
-    let _ = writeln!(text, "{:>8} {:>6} {:>11}{heads}", "elements", "dofs", "multipliers");
-    for first in all.of(0) {
-        let on_mesh = (0..SOLVERS.len()).filter_map(|k| all.of(k).find(|m| m.elements == first.elements));
-        let cell = |m: &super::Method| match &m.failure {
-            Some(_) => format!(" {:>28}", "failed"),
-            None => {
-                let count = show::number(m.iterations, |v| v.to_string());
-                format!(" {count:>8} {:>9.4} {:>9}", m.seconds, cell(m.kkt))
-            }
-        };
-        let cells: String = on_mesh.map(cell).collect();
-        let _ = writeln!(text, "{:>8} {:>6} {:>11}{cells}", first.elements, first.dofs, first.multipliers);
-    }
-    for (k, (name, _)) in SOLVERS.iter().enumerate() {
-        let mut failed = all.of(k).filter_map(|m| m.failure.as_ref());
-        if let Some(why) = failed.next() {
-            let _ = writeln!(text, "{name}, no answer on {} meshes: {why}", 1 + failed.count());
         }
     }
 }

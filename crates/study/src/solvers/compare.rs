@@ -1,12 +1,13 @@
-//! Iterations and seconds of contact solvers for the nominal outcome on uniform meshes.
+//! Iterations and seconds of contact solvers on uniform meshes.
 
 use std::time::Instant;
 
-use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, uzawa};
+use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, newton, uzawa};
 use steklov_model::error::SolveError;
-use steklov_model::run::adaptive_loop::{Progress, run};
-use steklov_model::stochastic::Outcomes;
-use steklov_problem::{Random, Scene};
+use steklov_model::run::adaptive_loop::{Event, Progress, run};
+use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::stage::Stage;
+use steklov_problem::{Multiplier, Scene};
 
 use crate::supported::{contact_sides, uniform};
 use crate::table::Column;
@@ -15,8 +16,12 @@ use crate::watch::Watch;
 /// What a solver is called.
 type Solver = fn(&Problem) -> Result<Solution, ContactError>;
 /// Solvers and their names.
-pub const SOLVERS: [(&str, Solver); 3] =
-    [("Uzawa", |p| uzawa(p, None, None)), ("active set", |p| active_set(p, None)), ("interior point", interior_point)];
+pub const SOLVERS: [(&str, Solver); 4] = [
+    ("Uzawa", |p| uzawa(p, None, None)),
+    ("active set", |p| active_set(p, None)),
+    ("interior point", interior_point),
+    ("semi-smooth Newton", |p| newton(p, None)),
+];
 
 /// Where iterations are counted: the solver's own relative measure.
 pub const TOLERANCE: f64 = 1e-10;
@@ -49,7 +54,7 @@ pub struct Method {
 }
 
 /// Columns of the solvers.
-pub(super) const METHODS: [Column<Method>; 6] = [
+pub(crate) const METHODS: [Column<Method>; 6] = [
     ("elements", "1", "elements of the uniform mesh, degree of the scene", |m| m.elements as f64),
     ("dofs", "1", "displacement unknowns", |m| m.dofs as f64),
     ("multipliers", "1", "contact multipliers", |m| m.multipliers as f64),
@@ -78,46 +83,75 @@ impl Solvers {
     }
 }
 
-/// Solves the condensed contact problem of the nominal outcome on uniform meshes; none without contact. After a wish to stop
-/// no more meshes are done.
+/// A condensed contact problem and its mesh.
+pub(crate) struct OnMesh {
+    pub(crate) elements: usize,
+    pub(crate) dofs: usize,
+    pub(crate) problem: Problem,
+}
+
+/// The condensed contact problems on uniform meshes, of random input for its mean. After a wish to stop no more meshes are done.
+///
+/// # Errors
+/// Those of assembling the meshes.
+pub(crate) fn problems(
+    scene: &Scene,
+    watch: &mut Watch<'_>,
+    call: &mut dyn FnMut(OnMesh, &Watch<'_>),
+) -> Result<(), SolveError> {
+    for times in TIMES {
+        let mut scene = uniform(scene, times, scene.method.degree);
+        scene.method.multiplier = Multiplier::Biorthogonal;
+        let progress = Progress::<BoundaryElements>::first(&scene);
+        let dofs = progress.next.dofs();
+        if times > 1 && dofs > scene.method.max_dofs() || watch.stopped() {
+            break;
+        }
+        watch.tell("contact solvers", &format!("{dofs} dofs"));
+        let mut condensed = None;
+        let run = run(&scene, progress, watch.interrupts, &mut |_, event| {
+            if let Event::Stage(Stage::Contact(problem, _)) = event {
+                condensed = Some(problem.clone());
+            }
+            Ok(())
+        });
+        let elements = match run {
+            Err(SolveError::Interrupted) => break,
+            run => run?.last.mesh.len(),
+        };
+        let Some(problem) = condensed.filter(|problem| times == 1 || multipliers(problem) <= MULTIPLIERS) else {
+            break;
+        };
+        call(OnMesh { elements, dofs, problem }, watch);
+    }
+    Ok(())
+}
+
+fn multipliers(problem: &Problem) -> usize {
+    2 * problem.nodes.iter().map(|n| n.conditions.len()).sum::<usize>()
+}
+
+/// Solves the condensed contact problems on uniform meshes; none without contact.
 ///
 /// # Errors
 /// Those of assembling the meshes. Solvers that fail are told in their places.
-pub fn solvers(scene: &Scene, random: &Random, watch: &mut Watch<'_>) -> Result<Option<Solvers>, SolveError> {
+pub fn solvers(scene: &Scene, watch: &mut Watch<'_>) -> Result<Option<Solvers>, SolveError> {
     if contact_sides(scene).is_empty() {
         return Ok(None);
     }
     let mut solvers = Solvers::default();
-    for times in TIMES {
-        let scene = uniform(scene, times, scene.method.degree);
-        let progress = Progress::first(&scene);
-        if times > 1 && progress.next.dofs() > scene.method.max_dofs() || watch.stopped() {
-            break;
-        }
-        let dofs = progress.next.dofs();
-        watch.tell("contact solvers", &format!("{dofs} dofs"));
-        let mut run = match run(&scene, progress, watch.interrupts, &mut |_, _| Ok(())) {
-            Err(SolveError::Interrupted) => break,
-            run => run?,
-        };
-        let body = run.matrices(&scene)?;
-        let elements = body.mesh.len();
-        let outcomes = Outcomes::new(&scene, random, body)?;
-        let (outcome, _, given) = outcomes.given(&random.nominal())?;
-        let (_, factors) = outcomes.solved(&outcome, given, &mut None)?;
-        let Some(contact) = factors.contact else { break };
-        let multipliers = 2 * contact.problem.nodes.iter().map(|n| n.conditions.len()).sum::<usize>();
-        if times > 1 && multipliers > MULTIPLIERS {
-            break;
-        }
-        for solver in 0..SOLVERS.len() {
-            if !watch.stopped() {
-                let method = Method::new(solver, &contact.problem);
-                solvers.methods.push(Method { elements, dofs, multipliers, ..method });
-            }
+    problems(scene, watch, &mut |on_mesh, watch| solvers.add(&on_mesh, watch))?;
+    Ok(Some(solvers))
+}
+
+impl Solvers {
+    /// What each solver does on a mesh.
+    pub(crate) fn add(&mut self, OnMesh { elements, dofs, problem }: &OnMesh, watch: &Watch<'_>) {
+        for solver in (0..SOLVERS.len()).take_while(|_| !watch.stopped()) {
+            let method = Method::new(solver, problem);
+            self.methods.push(Method { elements: *elements, dofs: *dofs, multipliers: multipliers(problem), ..method });
         }
     }
-    Ok(Some(solvers))
 }
 
 impl Method {
