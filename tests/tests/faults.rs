@@ -52,7 +52,7 @@ enum End {
 fn summary_of<M: Model + Keep>(scene: &Scene, first: Progress<M>) -> Result<Summary, SolveError> {
     let never = AtomicUsize::new(0);
     let mut run: Run<M> = run(scene, first, &never, &mut |_, _| Ok(()))?;
-    let outcomes = M::outcomes(scene, &mut run, &never, &|_, _| {})?;
+    let outcomes = M::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))?;
     if let Some(error) = run.error {
         return Err(error);
     }

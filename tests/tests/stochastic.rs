@@ -40,7 +40,7 @@ fn solved(scene: &Scene) -> (Run<BoundaryElements>, StochasticResult) {
 /// All outcomes on the last mesh of a run.
 fn on(scene: &Scene, run: &Run<BoundaryElements>) -> StochasticResult {
     let random = scene.random.as_ref().expect("random input");
-    solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &|_, _| {}, &|| false)
+    solve_stochastic(scene, random, run.matrices.as_ref().expect("matrices"), &|_, _| {}, &|| false, &mut |_| Ok(()))
         .unwrap_or_else(|e| panic!("{e}"))
 }
 

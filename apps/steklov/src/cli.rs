@@ -23,12 +23,13 @@ use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::{Event, Reason, Step, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::run::expect::check_expect;
+use steklov_model::stochastic::OutcomeStage;
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
 use steklov_plan::{Plan, largest_mesh, plan, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
-use steklov_result::stages::{SAVED, Saved, copy_saved, save_stage};
+use steklov_result::stages::{SAVED, Saved, SavedOutcomes, copy_outcomes, copy_saved, save_stage};
 use steklov_result::store;
 
 use self::bar::Bar;
@@ -116,6 +117,8 @@ enum Save {
     Stabilisation,
     /// Multiscale bases of grids, coarse and fine cells, the prolongation and the fine stiffness matrix
     Basis,
+    /// Every outcome of random input, stochastic bases and mass matrices, eigenpairs of random fields
+    Stochastic,
     /// All of these
     All,
 }
@@ -127,6 +130,7 @@ impl Save {
             Self::Contact => &[Saved::Contact],
             Self::Stabilisation => &[Saved::Stabilisation],
             Self::Basis => &[Saved::Basis],
+            Self::Stochastic => &[Saved::Stochastic],
             Self::All => &SAVED,
         }
     }
@@ -324,13 +328,23 @@ fn solve_by<M: Keep>(
                 Ok(())
             })?;
             plan.left_out.extend(M::lack(scene, &run).map(without_memory));
-            let outcomes = M::outcomes(scene, &mut run, interrupts, &|done, count| bar.outcomes(done, count))?;
+            let mut all = SavedOutcomes::new(file);
+            let wanted = saved.contains(&Saved::Stochastic);
+            let mut keep = |stage: OutcomeStage<'_>| match wanted {
+                true => all.take(&stage).map_err(store::observed),
+                false => Ok(()),
+            };
+            let progress = |done, count| bar.outcomes(done, count);
+            let outcomes = M::outcomes(scene, &mut run, interrupts, &progress, &mut keep)?;
             Ok::<_, store::Unsolved>(Record::new(scene, plan, &run, outcomes, out, reading))
         })?;
         queue.finish()?;
         let (mut record, writing) = (record, Instant::now());
         record.summary.peak_memory_bytes = peak_memory_bytes();
         store::write(file, &record, source)?;
+        if let Some(old) = old {
+            copy_outcomes(old, file)?;
+        }
         record.summary.seconds.write += writing.elapsed().as_secs_f64();
         Ok(record)
     });

@@ -131,7 +131,10 @@ fn h5py_rebuilds_coarse_stiffness_from_multiscale_bases() {
 #[test]
 fn all_that_is_saved_stays_when_a_run_goes_on() {
     let stabilised = ["matrices", "contact_problem", "stabilisation"];
-    let scenes: [(&str, &[&str], &[&str]); 2] = [
+    let rough = ["--set", "random.rough.modes=2", "--set", "method.tolerance=1e-3"];
+    let outcomes = ["stochastic/outcomes", "stochastic/cells", "stochastic/eigenpairs"];
+    let scenes: [(&str, &[&str], &[&str]); 3] = [
+        ("30-rough-obstacle", &rough, &[&["matrices", "contact_problem"][..], &outcomes].concat()),
         ("17-wedge-gap", &["--set", "method.multiplier=\"stabilised\""], &stabilised),
         ("38-l-shape-of-random-cells", &["--set", "grid.fine=[4, 4]"], &["matrices", "basis"]),
     ];
@@ -140,12 +143,41 @@ fn all_that_is_saved_stays_when_a_run_goes_on() {
         let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         let solve = |out: &str, steps: usize, more: &[&str]| {
             let steps = format!("method.max_steps={steps}");
-            let settings = ["--quiet", "--save", "all", "--out", out, "--set", &steps];
+            let settings = ["--quiet", "--out", out, "--set", &steps];
             place.run([&["solve", &scene], &settings[..], sets, more].concat());
         };
-        solve("whole.vtkhdf", 4, &[]);
-        solve("parts.vtkhdf", 2, &[]);
+        solve("whole.vtkhdf", 4, &["--save", "all"]);
+        solve("parts.vtkhdf", 2, &["--save", "all"]);
+        solve("parts.vtkhdf", 4, &["--save", "all", "--resume"]);
+        python("same_saved.py", &place, &[&["whole.vtkhdf", "parts.vtkhdf"], expected].concat());
+        // the same steps once more: what is not asked for again is kept
         solve("parts.vtkhdf", 4, &["--resume"]);
         python("same_saved.py", &place, &[&["whole.vtkhdf", "parts.vtkhdf"], expected].concat());
+    }
+}
+
+#[test]
+fn h5py_rebuilds_stochastic_masses_and_moments_from_outcomes() {
+    let cells = ["outcomes", "cells"];
+    let modulus = ["outcomes", "cells", "modulus"];
+    let scenes: [(&str, &[&str], &[&str]); 6] = [
+        ("29-random-modulus", &[], &modulus),
+        ("29-random-modulus", &["stochastic.method=\"collocation\"", "stochastic.elements=2"], &modulus),
+        ("30-rough-obstacle", &["random.rough.modes=3"], &[&cells[..], &["eigenpairs"]].concat()),
+        (
+            "30-rough-obstacle",
+            &["random.rough.modes=2", "stochastic.method=\"monte-carlo\"", "stochastic.samples=1500"],
+            &["outcomes", "eigenpairs"],
+        ),
+        ("31-random-load-and-modulus", &[], &modulus),
+        ("31-random-load-and-modulus", &["stochastic.method=\"sparse\"", "stochastic.level=2"], &["outcomes"]),
+    ];
+    for (name, sets, expected) in scenes {
+        let place = Place::new();
+        let scene = format!("{}/../../scenes/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let sets = sets.iter().flat_map(|set| ["--set", set]);
+        let save = ["--quiet", "--save", "stochastic", "--out", "it.vtkhdf", "--set", "method.tolerance=5e-2"];
+        place.run(["solve", &scene].into_iter().chain(save).chain(sets));
+        python("read_outcomes.py", &place, &[&["it.vtkhdf"], expected].concat());
     }
 }

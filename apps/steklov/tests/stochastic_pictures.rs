@@ -201,7 +201,9 @@ fn what_is_stored_is_read_with_the_same_bits() {
         let scene = steklov_document::read(&place.path("rough.toml"), &[]).unwrap();
         let run = run(&scene, Progress::first(&scene), &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
         let random = scene.random.as_ref().unwrap();
-        let result = solve_stochastic(&scene, random, run.matrices.as_ref().unwrap(), &|_, _| (), &|| false).unwrap();
+        let result =
+            solve_stochastic(&scene, random, run.matrices.as_ref().unwrap(), &|_, _| (), &|| false, &mut |_| Ok(()))
+                .unwrap();
         // the text of a number is that of no other number
         let again = format!("{:?}", there_and_back(&place, &result));
         assert_eq!(again, format!("{result:?}"), "{method}");

@@ -46,7 +46,7 @@ pub fn solve(scene: &Scene) -> Result<Answer, SolveError> {
 fn solve_from<M: Model>(scene: &Scene, first: Progress<M>) -> Result<Answer, SolveError> {
     let never = AtomicUsize::new(0);
     let mut run = run(scene, first, &never, &mut |_, _| Ok(()))?;
-    let outcomes = M::outcomes(scene, &mut run, &never, &|_, _| {})?;
+    let outcomes = M::outcomes(scene, &mut run, &never, &|_, _| {}, &mut |_| Ok(()))?;
     let report = M::report(scene, &run);
     let contact = report.contact.map_or(Vec::new(), |contact| contact_rows(report.trace, contact));
     Ok(Answer { summary: answer(scene, &run, report, &contact, outcomes.as_ref()), contact, outcomes })

@@ -1,6 +1,7 @@
 //! Stages of a step, stored while they exist: matrices, contact problems, stabilised multipliers, multiscale bases.
 
 mod basis;
+mod saved_outcomes;
 mod stabilisation;
 
 use steklov_io::{
@@ -8,6 +9,8 @@ use steklov_io::{
 };
 use steklov_model::stage::Stage;
 
+pub(crate) use self::saved_outcomes::stochastic;
+pub use self::saved_outcomes::{SavedOutcomes, copy_outcomes};
 use crate::steps;
 
 /// `/steps/NNN`, made when it is not there.
@@ -22,6 +25,11 @@ fn matrices(step: &Group) -> Result<Group, IoError> {
     if step.link_exists("matrices") { open_group(step, "matrices") } else { create_group(step, "matrices") }
 }
 
+/// Groups of a step.
+const CONTACT: &str = "contact_problem";
+const STABILISATION: &str = "stabilisation";
+const BASIS: &str = "basis";
+
 /// What is stored of every step besides its result.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Saved {
@@ -33,20 +41,29 @@ pub enum Saved {
     Stabilisation,
     /// The multiscale basis of a grid, as `/steps/NNN/basis`.
     Basis,
+    /// All outcomes of random input, the bases and masses of stochastic cells and eigenpairs of random fields, in `/stochastic`: of
+    /// the run, not of a step.
+    Stochastic,
 }
 
 /// All of it.
-pub const SAVED: [Saved; 4] = [Saved::Matrices, Saved::Contact, Saved::Stabilisation, Saved::Basis];
+pub const SAVED: [Saved; 5] = [Saved::Matrices, Saved::Contact, Saved::Stabilisation, Saved::Basis, Saved::Stochastic];
+
+/// The groups of a step that have it.
+pub(crate) fn groups() -> impl Iterator<Item = &'static str> {
+    SAVED.into_iter().filter_map(Saved::group)
+}
 
 impl Saved {
-    /// The group of a step that it is stored in.
-    pub(crate) fn group(self) -> &'static str {
-        match self {
+    /// The group of a step that it is stored in; none of what belongs to the run.
+    pub(crate) fn group(self) -> Option<&'static str> {
+        Some(match self {
+            Self::Stochastic => return None,
             Self::Matrices => "matrices",
-            Self::Contact => "contact_problem",
-            Self::Stabilisation => "stabilisation",
-            Self::Basis => "basis",
-        }
+            Self::Contact => CONTACT,
+            Self::Stabilisation => STABILISATION,
+            Self::Basis => BASIS,
+        })
     }
 
     /// Whether it is of this stage; none is of progress.
@@ -102,13 +119,13 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]
             save_dense(&matrices(&step)?, name, matrix.as_ref(), &meaning)
         }
         Stage::Contact(problem, solution) => {
-            let at = create_group(&step, Saved::Contact.group())?;
+            let at = create_group(&step, CONTACT)?;
             save(&at, "problem", *problem)?;
             save(&at, "solution", *solution)
         }
         Stage::Basis(problem) => basis::save_basis(&step, problem),
         Stage::Stabilised(system) => stabilisation::save_system(&step, system),
-        Stage::Again => saved.iter().try_for_each(|saved| unlink(&step, saved.group())),
+        Stage::Again => saved.iter().filter_map(|saved| saved.group()).try_for_each(|name| unlink(&step, name)),
         Stage::Progress(..) => Ok(()),
     }
 }
@@ -126,7 +143,7 @@ pub fn copy_saved(from: &File, file: &File, number: usize) -> Result<(), IoError
     let steps = open_group(from, "steps")?;
     for k in 0..number {
         let step = open_group(&steps, &steps::name(k))?;
-        for name in SAVED.map(Saved::group).into_iter().filter(|name| step.link_exists(name)) {
+        for name in groups().filter(|name| step.link_exists(name)) {
             copy(&step, name, &step_group(file, k)?)?;
         }
     }

@@ -25,7 +25,7 @@ use crate::keep::Keep;
 use crate::medium;
 use crate::outcomes;
 use crate::record::Record;
-use crate::stages::{SAVED, Saved, step_group, unlink};
+use crate::stages::{groups, step_group, stochastic, unlink};
 use crate::steps;
 
 /// Why a run that is stored has no result.
@@ -121,12 +121,14 @@ pub fn write(file: &File, record: &Record, source: &Source) -> Result<(), IoErro
     if let Some((around, window)) = &record.around {
         medium::store::write(file, around, window)?;
     }
-    if let Some(result) = &record.stochastic {
-        outcomes::write(&create_group(file, "stochastic")?, result)?;
+    match &record.stochastic {
+        Some(result) => outcomes::write(&stochastic(file)?, result)?,
+        // what is saved of outcomes that were stopped
+        None => unlink(file, "stochastic")?,
     }
     // the matrices of a step that was stopped
     unlink(file, &format!("/steps/{}", steps::name(count)))?;
-    for name in SAVED.map(Saved::group).into_iter().filter(|name| file.link_exists(&format!("{last}/{name}"))) {
+    for name in groups().filter(|name| file.link_exists(&format!("{last}/{name}"))) {
         let of_step = format!("{last}/{name}");
         file.link_hard(&of_step, &format!("/{name}")).map_err(|e| invalid(file, name, e.to_string()))?;
     }

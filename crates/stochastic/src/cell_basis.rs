@@ -134,14 +134,32 @@ impl CellBasis {
         }
     }
 
+    /// Points of integration of [`Self::mass`] in each direction, weights sum to 1.
+    fn mass_rules(&self) -> Result<Vec<Rule>, StochasticError> {
+        self.axes.iter().map(|axis| axis.recurrence.gauss(axis.recurrence.alpha.len())).collect()
+    }
+
+    /// Of each direction points and weights of integration of [`Self::mass`], which sum to the probability of the cell in it, and the
+    /// Lagrange polynomials there: points × nodes of the direction. θ_j is the product of theirs.
+    ///
+    /// # Errors
+    /// [`StochasticError`] of a rule that cannot be had.
+    pub fn mass_axes(&self) -> Result<Vec<(Rule, Mat<f64>)>, StochasticError> {
+        let of = |(axis, mut rule): (&Axis, Rule)| {
+            rule.weights.iter_mut().for_each(|w| *w *= axis.recurrence.probability);
+            let values: Vec<Vec<f64>> = rule.points.iter().map(|&x| axis.lagrange(x)).collect();
+            let values = Mat::from_fn(rule.len(), axis.rule.len(), |i, j| values[i][j]);
+            (rule, values)
+        };
+        Ok(self.axes.iter().zip(self.mass_rules()?).map(of).collect())
+    }
+
     /// (M_E)_jk = ∫ E θ_j θ_k ρ for a function E of the germs, symmetric; exact for polynomials E to degree 13 in each
     /// germ.
     ///
     /// Cost: the square of the number of nodes times Π_d (q_d + 7) points of integration.
     pub fn mass(&self, coefficient: &dyn Fn(&[f64]) -> f64) -> Result<Mat<f64>, StochasticError> {
-        let rules: Result<Vec<_>, _> =
-            self.axes.iter().map(|axis| axis.recurrence.gauss(axis.recurrence.alpha.len())).collect();
-        let rules = rules?;
+        let rules = self.mass_rules()?;
         let count = rules.iter().map(|rule| rule.len() as f64).product::<f64>();
         if count > 100.0 * MOST as f64 {
             return Err(StochasticError::Number {

@@ -18,7 +18,7 @@ use crate::run::memory::Lack;
 use crate::run::report::Report;
 use crate::solve::solution::Seconds;
 use crate::stage::Stage;
-use crate::stochastic::StochasticResult;
+use crate::stochastic::{OutcomeStage, StochasticResult};
 
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -99,12 +99,13 @@ pub trait Model: Debug + Clone + PartialEq {
     /// The outcomes of random input on the last step of a run that went well; the run says why there are none or not all.
     ///
     /// # Errors
-    /// Data of an outcome that are impossible.
+    /// Data of an outcome that are impossible; an observer that fails.
     fn outcomes(
         _: &Scene,
         _: &mut Run<Self>,
         _: &AtomicUsize,
         _: &(dyn Fn(usize, usize) + Sync),
+        _: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
     ) -> Result<Option<StochasticResult>, SolveError> {
         Ok(None)
     }

@@ -15,6 +15,7 @@ use super::outcomes::Outcomes;
 use super::result::{FieldModes, StochasticResult, Watch, of_grid};
 use super::samples::of_samples;
 use super::spread::{judge, of_one_scale};
+use super::stage::OutcomeStage;
 use super::unseen::{beside_grid, beside_samples};
 use crate::error::SolveError;
 use crate::estimate::error_estimate::has_residuals;
@@ -24,19 +25,22 @@ use crate::solve::body::Body;
 const LINE: usize = 200;
 const GRID: usize = 32;
 
-/// Solves a scene for all outcomes of its random input, on the mesh of a body.
+/// Solves a scene for all outcomes of its random input, on the mesh of a body; `observe` is handed the answers.
 ///
 /// # Errors
-/// An outcome that is impossible, a quantity that is not a number of the result, [`SolveError::Interrupted`].
+/// An outcome that is impossible, a quantity that is not a number of the result, an observer that fails,
+/// [`SolveError::Interrupted`].
 pub fn solve_stochastic(
     scene: &Scene,
     random: &Random,
     body: &Body,
     progress: &(dyn Fn(usize, usize) + Sync),
     stopped: &(dyn Fn() -> bool + Sync),
+    observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let clock = Instant::now();
     let watch = Watch { progress, stopped };
+    observe(OutcomeStage::Begin(random))?;
     let settings = &random.stochastic;
     let outcomes = Outcomes::new(scene, random, body)?;
     let nominal = outcomes.outcome(&random.nominal(), &mut None)?.figures;
@@ -51,7 +55,7 @@ pub fn solve_stochastic(
         Sampling::Galerkin | Sampling::Collocation => {
             let coupled = is_coupled(scene, random)?;
             let surrogate = solve_nodes(scene, random, &outcomes, coupled, &watch)?;
-            of_surrogate(scene, random, &surrogate, &outcomes, &watch)?
+            of_surrogate(scene, random, &surrogate, &outcomes, &watch, observe)?
         }
         Sampling::Sparse => {
             let grid = smolyak(&variables, settings.level)?;
@@ -60,12 +64,13 @@ pub fn solve_stochastic(
                 watch.tell(i + 1, grid.points.len());
                 outcomes.answer(&grid.points[i], warm)
             })?;
+            observe(OutcomeStage::Answers { first: 0, count: answers.len(), answers: &answers })?;
             let mut result = of_grid(grid.points.clone(), grid.weights.clone(), &answers, &outcomes.numbers)?;
             beside_grid(&mut result, (&grid, &answers), &outcomes, random, &watch)?;
             result
         }
         Sampling::MonteCarlo => {
-            let mut result = of_samples(&outcomes, &variables, random, &watch)?;
+            let mut result = of_samples(&outcomes, &variables, random, &watch, observe)?;
             beside_samples(&mut result, &outcomes, random, &watch)?;
             result
         }

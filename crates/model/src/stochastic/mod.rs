@@ -8,6 +8,7 @@
 
 mod number;
 mod outcomes;
+mod stage;
 mod result;
 mod coupled;
 mod events;
@@ -30,6 +31,7 @@ pub(crate) use estimate::mean_estimate;
 pub use json::{json, method};
 pub use jumps::intervals;
 pub use nodes::is_coupled;
-pub use outcomes::Outcomes;
 pub(crate) use outcomes::paths_of;
+pub use outcomes::{Answer, Outcomes};
 pub use result::{Cells, End, FieldModes, Quantity, StochasticResult};
+pub use stage::{Modulus, OutcomeStage};

@@ -2,13 +2,14 @@
 
 use rayon::prelude::*;
 use steklov_problem::{Random, Scene};
-use steklov_stochastic::{density, quantiles, sample};
+use steklov_stochastic::{CellBasis, density, quantiles, sample};
 
 use super::effects::{exact_effects, sampled_effect};
 use super::events::events;
 use super::number::Number;
 use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Cells, OVERLOOKED, Quantity, StochasticResult, UNDECIDED, Watch, bounds, of_grid};
+use super::stage::{Modulus, OutcomeStage};
 use super::surrogate::{Cell, Surrogate};
 use crate::error::SolveError;
 
@@ -65,18 +66,25 @@ impl<'a> View<'a> {
 /// Statistics of a surrogate.
 ///
 /// # Errors
-/// [`SolveError::Interrupted`]; quantities that are not finite.
+/// [`SolveError::Interrupted`]; quantities that are not finite; an observer that fails.
 pub(super) fn of_surrogate(
     scene: &Scene,
     random: &Random,
     surrogate: &Surrogate,
     outcomes: &Outcomes<'_>,
     watch: &Watch<'_>,
+    observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let cells = &surrogate.cells;
     let points = cells.iter().flat_map(|c| c.basis.points.clone()).collect();
     let weights = cells.iter().flat_map(|c| c.basis.weights.clone()).collect();
     let answers: Vec<Answer> = cells.iter().flat_map(|c| c.answers.clone()).collect();
+    observe(OutcomeStage::Answers { first: 0, count: answers.len(), answers: &answers })?;
+    let nominal = scene.body().material().young;
+    let modulus = |germs: &[f64]| Ok(scene.outcome(germs)?.body().material().young / nominal);
+    let bases: Vec<&CellBasis> = cells.iter().map(|c| &c.basis).collect();
+    let modulus: &Modulus<'_> = &modulus;
+    observe(OutcomeStage::Cells { bases: &bases, modulus: scene.uses(random).young.then_some(modulus) })?;
     let mut result = of_grid(points, weights, &answers, &outcomes.numbers)?;
     let settings = &random.stochastic;
     let count = settings.samples;

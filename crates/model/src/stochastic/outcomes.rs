@@ -40,25 +40,30 @@ pub struct Outcomes<'a> {
 
 /// What is kept of the answer to one outcome.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Answer {
+pub struct Answer {
     /// E/E₀.
     pub modulus: f64,
     /// Nodal displacement.
     pub displacement: Vec<f64>,
     /// The displacement of the nominal modulus that has the stress of the outcome.
     pub stressed: Vec<f64>,
-    /// F - |λ_t| of each condition with friction (0 without), and |u_t|.
+    /// F - |λ_t| of each condition with friction (0 without).
     pub reserve: Vec<f64>,
+    /// |u_t|.
     pub slip: Vec<f64>,
-    /// λ_n, λ_t and g - u_n of each condition.
+    /// λ_n of each condition.
     pub pressure: Vec<f64>,
+    /// λ_t.
     pub shear: Vec<f64>,
+    /// g - u_n.
     pub opening: Vec<f64>,
     /// The quantities that are asked for.
     pub quantities: Vec<f64>,
     /// Half the elastic energy norm squared.
     pub strain: f64,
+    /// Iterations of the contact solver.
     pub iterations: usize,
+    /// Whether it reached its criterion, and the forces balance.
     pub converged: bool,
 }
 

@@ -6,6 +6,7 @@ use steklov_stochastic::{Accumulator, Variable, density, quantiles, sample, solv
 
 use super::outcomes::{Answer, Outcomes};
 use super::result::{BINS, BLOCK, Quantity, StochasticResult, Watch, touches};
+use super::stage::OutcomeStage;
 use crate::error::SolveError;
 
 /// What is kept of the outcomes that have gone by.
@@ -40,12 +41,13 @@ impl Passed {
 /// Statistics of seeded samples.
 ///
 /// # Errors
-/// An outcome that is impossible; [`SolveError::Interrupted`].
+/// An outcome that is impossible; an observer that fails; [`SolveError::Interrupted`].
 pub(super) fn of_samples(
     outcomes: &Outcomes<'_>,
     variables: &[Variable],
     random: &Random,
     watch: &Watch<'_>,
+    observe: &mut dyn FnMut(OutcomeStage<'_>) -> Result<(), SolveError>,
 ) -> Result<StochasticResult, SolveError> {
     let settings = &random.stochastic;
     let count = settings.samples;
@@ -66,8 +68,10 @@ pub(super) fn of_samples(
             Ok::<_, SolveError>((germs, answer))
         })?;
         watch.tell(first + block, count);
-        for (germs, answer) in answers {
-            passed.push(germs, &answer)?;
+        let (germs, answers): (Vec<Vec<f64>>, Vec<Answer>) = answers.into_iter().unzip();
+        observe(OutcomeStage::Answers { first, count, answers: &answers })?;
+        for (germs, answer) in germs.into_iter().zip(&answers) {
+            passed.push(germs, answer)?;
         }
     }
     let [displacement, stressed, pressure, shear, touching, both] = passed.sums;

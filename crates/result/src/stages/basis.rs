@@ -7,7 +7,7 @@ use steklov_io::{
 };
 use steklov_msfem::{MsfemError, Multiscale};
 
-use super::Saved;
+use super::BASIS;
 
 const LOCAL: &str = "local unknown: 2 corner + component";
 const CELL: &str = "coarse cell";
@@ -16,7 +16,7 @@ const COARSE: &str = "coarse unknown: 2 coarse vertex that does not hang + compo
 
 /// Bases, cells, C, P and K; the meaning of `P` has the formula of the coarse stiffness.
 pub(super) fn save_basis(step: &Group, problem: &Multiscale<'_>) -> Result<(), IoError> {
-    let at = create_group(step, Saved::Basis.group())?;
+    let at = create_group(step, BASIS)?;
     let failed = |name: &str, e: MsfemError| invalid(&at, name, e.to_string());
     save_text(&at, "kind", problem.basis.word(), "kind of the basis, as in the scene")?;
     save_patterns(&at, problem)?;

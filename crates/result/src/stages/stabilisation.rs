@@ -6,7 +6,7 @@ use steklov_io::{
 };
 use steklov_model::solve::stabilised::StabilisedSystem;
 
-use super::Saved;
+use super::STABILISATION;
 
 const DISPLACEMENT: &str = "displacement unknown: nodes in the order of /solution/points, component fastest";
 const NODE: &str = "multiplier node";
@@ -15,7 +15,7 @@ const POINT: &str = "quadrature point";
 /// The equations, their data and their solution; the meaning of `S` and `multipliers` has the formulas.
 pub(super) fn save_system(step: &Group, system: &StabilisedSystem<'_>) -> Result<(), IoError> {
     let StabilisedSystem { forms, stiffness, load, held, particular, contact } = system;
-    let at = create_group(step, Saved::Stabilisation.group())?;
+    let at = create_group(step, STABILISATION)?;
     save(&at, "space", &contact.space)?;
     save(&at, "forms", *forms)?;
     save_number(

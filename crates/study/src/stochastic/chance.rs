@@ -161,7 +161,8 @@ pub fn chance(
     let interrupts = watch.interrupts;
     let solve = |settings: &Stochastic| {
         let random = with(random, settings.clone());
-        solve_stochastic(scene, &random, body, &|_, _| {}, &|| interrupts.load(Ordering::Relaxed) > 0)
+        let stopped = || interrupts.load(Ordering::Relaxed) > 0;
+        solve_stochastic(scene, &random, body, &|_, _| {}, &stopped, &mut |_| Ok(()))
     };
     match judge(scene, random, &solve, &mut chance, watch) {
         Err(SolveError::Interrupted) => return Ok(chance),

@@ -194,7 +194,7 @@ fn point(
     let quantities = Some(PATHS.map(String::from).to_vec());
     let random = with(random, Stochastic { quantities, ..settings.clone() });
     let stopped = || interrupts.load(Ordering::Relaxed) > 0;
-    let result = solve_stochastic(scene, &random, run.matrices(scene)?, &|_, _| {}, &stopped)?;
+    let result = solve_stochastic(scene, &random, run.matrices(scene)?, &|_, _| {}, &stopped, &mut |_| Ok(()))?;
     let step = run.step();
     Ok(Point {
         curve,
