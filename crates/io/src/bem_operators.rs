@@ -23,15 +23,23 @@ fn index<'a>(meaning: &'a str, axes: &'a [&'a str]) -> Label<'a> {
 
 impl Persist for Polygon {
     const KIND: &'static str = "polygon";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3;
     const OLDEST: u32 = 1;
 
-    /// 1 with straight edges only.
+    /// 1 of one bounded body with straight edges only, 2 of one with curved edges.
     fn version(&self) -> u32 {
-        if self.edges().iter().all(Edge::is_line) { 1 } else { 2 }
+        match self.bodies().len() {
+            1 if self.is_bounded() && !self.is_curved() => 1,
+            1 if self.is_bounded() => 2,
+            _ => 3,
+        }
     }
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
+        // pieces between cracks are not valid outlines by themselves
+        if rebuilt(self).as_ref() != Ok(self) {
+            return Err(invalid(at, "", "a body that cracks cut is not stored: store the body and its cracks"));
+        }
         let corners: Vec<[f64; 2]> = self.edges().iter().map(|edge| edge.listed()[0]).collect();
         let sides: Vec<usize> = self.edges().iter().map(|edge| edge.side).collect();
         let loops: Vec<[usize; 2]> = self.loops().iter().map(|edges| [edges.start, edges.end]).collect();
@@ -39,13 +47,20 @@ impl Persist for Polygon {
         save_points(at, "corners", &corners, &label)?;
         save_integers(at, "side", &sides, &index("side of the edge that starts at each corner", &["corner"]))?;
         save_pairs(at, "loops", &loops, &index("corners of each loop, the outer one first", &["loop", "first, end"]))?;
-        if self.version() == 2 {
+        if self.is_curved() {
             let (kinds, numbers): (Vec<usize>, Vec<[f64; 5]>) =
                 self.edges().iter().map(|e| path_numbers(e.path)).unzip();
             let meaning = "how the edge from each corner runs: 0 line, 1 circular arc, 2 elliptic arc, 3 cubic";
             save_integers(at, "path", &kinds, &index(meaning, &["corner"]))?;
             let meaning = "opening; half axes, angle, start, opening; control points: five for each corner";
             save_vector(at, "path_numbers", numbers.as_flattened(), &index(meaning, &["corner and number"]))?;
+        }
+        if self.version() == 3 {
+            let bodies: Vec<[usize; 2]> = self.bodies().iter().map(|loops| [loops.start, loops.end]).collect();
+            let bounded: Vec<usize> = (0..bodies.len()).map(|b| usize::from(self.is_body_bounded(b))).collect();
+            save_pairs(at, "bodies", &bodies, &index("loops of each body", &["body", "first, end"]))?;
+            let meaning = "1: inside of its first loop; 0: the plane outside of its loops";
+            save_integers(at, "bounded", &bounded, &index(meaning, &["body"]))?;
         }
         save_texts(at, "side_names", self.side_names(), "names of the sides", "side")
     }
@@ -71,9 +86,49 @@ impl Persist for Polygon {
         if loops.is_empty() {
             return Err(invalid(at, "loops", "there is none"));
         }
-        let outer = loops.remove(0);
-        Polygon::new(outer, loops).map_err(|e| invalid(at, "corners", e))
+        let bodies = match at.link_exists("bodies") {
+            true => {
+                let (bodies, bounded) = (load_pairs(at, "bodies")?, load_integers(at, "bounded")?);
+                check_length(at, "bounded", bounded.len(), bodies.len())?;
+                bodies.into_iter().zip(bounded.iter().map(|b| *b == 1)).collect()
+            }
+            false => vec![([0, loops.len()], true)],
+        };
+        outline(&loops, &bodies).map_err(|why| invalid(at, "corners", why))
     }
+}
+
+/// The polygon of bodies, each with its first loop and the one behind its last, and whether it is bounded.
+fn outline(loops: &[Loop], bodies: &[([usize; 2], bool)]) -> Result<Polygon, String> {
+    let mut all = Vec::new();
+    for &([first, end], bounded) in bodies {
+        let own = loops.get(first..end).ok_or_else(|| format!("no loops {first} to {end} of {}", loops.len()))?;
+        let body = match (own.split_first(), bounded) {
+            (Some((outer, holes)), true) => Polygon::new(outer.clone(), holes.to_vec()),
+            (Some(_), false) => Polygon::outside(own.to_vec()),
+            (None, _) => return Err("a body without a loop".into()),
+        };
+        all.push(body.map_err(|e| e.to_string())?);
+    }
+    if all.is_empty() { Err("there is no body".into()) } else { Ok(Polygon::assembly(all)) }
+}
+
+/// The polygon made anew from what is stored of it.
+fn rebuilt(polygon: &Polygon) -> Result<Polygon, String> {
+    let of_loop = |edges: &std::ops::Range<usize>| {
+        let edges = &polygon.edges()[edges.clone()];
+        Loop {
+            corners: edges.iter().map(|edge| edge.listed()[0]).collect(),
+            sides: edges.iter().map(|edge| polygon.side_names()[edge.side].clone()).collect(),
+            paths: edges.iter().map(|edge| edge.path).collect(),
+        }
+    };
+    let loops: Vec<Loop> = polygon.loops().iter().map(of_loop).collect();
+    let bodies: Vec<_> = polygon.bodies().iter().map(|loops| [loops.start, loops.end]).collect();
+    outline(
+        &loops,
+        &bodies.into_iter().enumerate().map(|(b, loops)| (loops, polygon.is_body_bounded(b))).collect::<Vec<_>>(),
+    )
 }
 
 impl Persist for Mesh {

@@ -15,7 +15,7 @@ pub trait Persist: Sized {
     const KIND: &'static str;
     /// Version of its layout.
     const VERSION: u32;
-    /// The oldest version that is read, the one before it at most.
+    /// The oldest version that is read; all from there on are.
     const OLDEST: u32 = Self::VERSION;
 
     /// The version of this value: the oldest that can say it, so that older programs read what they can.
@@ -57,7 +57,8 @@ pub fn load<T: Persist>(parent: &Group, name: &str) -> Result<T, IoError> {
     if kind != T::KIND {
         return Err(mismatch(parent, name, format!("kind {}", T::KIND), format!("kind {kind}")));
     }
-    if T::OLDEST == T::VERSION || read_integer_attribute(&group, "version")? != [i64::from(T::OLDEST)] {
+    let known = i64::from(T::OLDEST)..=i64::from(T::VERSION);
+    if !matches!(read_integer_attribute(&group, "version")?[..], [found] if known.contains(&found)) {
         check_version(&group, "version", T::VERSION)?;
     }
     T::read(&group)

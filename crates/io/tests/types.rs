@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{check_round_trip, spoiled, written};
+use common::{check_round_trip, place, spoiled, written};
 use faer::Mat;
 use proptest::prelude::*;
-use steklov_bem_operators::{Loop, Mesh, Operators, Polygon, Space};
+use steklov_bem_operators::{Cut, Loop, Mesh, Operators, Polygon, Space};
 use steklov_contact::proptest::{Friction, mixed};
 use steklov_contact::{Condition, ContactNode, Outcome, Problem, Solution, Status, active_set, kkt};
 use steklov_elastic::{Material, Plane};
@@ -33,6 +33,41 @@ fn mesh() -> Mesh {
     let mesh = Mesh::uniform(&polygon(1.0, false), 9, 2);
     let marked: Vec<bool> = (0..mesh.len()).map(|e| e % 3 == 0).collect();
     mesh.raised(&marked)
+}
+
+/// Holes in the plane, several bodies and a medium among them come back as what they are; pieces between cracks are refused.
+#[test]
+fn polygons_of_media_and_of_several_bodies() {
+    let square = |x: f64, y: f64, size: f64, name: &str| {
+        let corners = vec![[x, y], [x + size, y], [x + size, y + size], [x, y + size]];
+        Loop::straight(corners, ["a", "b", "a", name].map(str::to_owned).to_vec())
+    };
+    let one = || Polygon::new(square(0.0, 0.0, 1.0, "c"), vec![square(0.25, 0.25, 0.5, "b")]).unwrap();
+    let plane =
+        || Polygon::outside(vec![Loop::circle([5.0, 0.5], 0.7, 4, "rim"), square(-3.0, 0.0, 1.0, "d")]).unwrap();
+    let disc = Polygon::new(Loop::circle([5.0, 0.5], 0.7, 3, "rim"), vec![]).unwrap();
+    for (polygon, version) in [
+        (one(), 1),
+        (disc.clone(), 2),
+        (plane(), 3),
+        (Polygon::assembly(vec![one(), disc.with_body_name("disc")]), 3),
+        (Polygon::assembly(vec![one().with_body_name("left"), plane()]), 3),
+    ] {
+        assert_eq!(Persist::version(&polygon), version);
+        let back = check_round_trip(&polygon);
+        assert_eq!(back, polygon);
+        assert_eq!(back.is_bounded(), polygon.is_bounded());
+    }
+    let of_nothing = |at: &steklov_io::Group| {
+        steklov_io::save_pairs(at, "bodies", &[[0, 3]], &steklov_io::label("1", "loops", &["body", "first, end"]))
+    };
+    assert!(spoiled(&plane(), "bodies", of_nothing).contains("no loops 0 to 3 of 2"));
+    let body = Polygon::new(square(0.0, 0.0, 1.0, "c"), vec![]).unwrap();
+    let cut =
+        body.cut(&[Cut { ends: [[0.0, 0.5], [1.0, 0.5]], sides: ["lower", "upper"].map(str::to_owned) }]).unwrap();
+    let (_folder, path) = place();
+    let refused = steklov_io::create_atomically(&path, false, |file| save(file, "pieces", &cut)).unwrap_err();
+    assert!(refused.to_string().contains("store the body and its cracks"), "{refused}");
 }
 
 /// Two nodes: an ordinary one, and a corner with two conditions.
