@@ -157,7 +157,8 @@ fn the_mean_over_outcomes_is_that_of_the_outcomes_as_scenes() {
         assert!((found - wanted).abs() < 1e-9 * largest, "{name}: {found} {wanted}");
     }
     let truncation = found.parts[TRUNCATION];
-    assert!(truncation > 0.0 && truncation.is_finite());
+    let relative = solved(&scene).outcomes.and_then(|all| all.truncation).expect("polynomials leave something out");
+    assert!(relative > 0.0 && (truncation / (relative * (2.0 * strain).sqrt()) - 1.0).abs() < 1e-9, "{truncation}");
     adds_up(&found, strain);
     // what is random counts: the mean input alone has another sum
     let nominal = estimators(&scene).contact.expect("it is told");
@@ -291,4 +292,50 @@ fn the_estimator_of_a_body_in_a_medium_follows_the_error() {
         println!("{value:e} over {:e}: {ratio:.2}, rate {rate:.2}", (2.0 * (energy - limit).abs()).sqrt());
         assert!(2.0 < ratio && ratio < 8.0, "{ratio}");
     }
+}
+
+/// u = x² on the top of a square, of which linear elements of length h leave w = (x - a)(x - b): ‖w‖ ‖dw/ds‖ = h⁴/90^½ on each.
+#[test]
+fn what_nodes_leave_of_held_displacements_is_in_closed_form() {
+    let text = |degree: usize, elements: usize| {
+        format!(
+            "body.corners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nbody.sides = [\"a\", \"b\", \"c\", \"d\"]\n\
+             material = {{ young = 50.0, poisson = 0.3 }}\n[sides]\na.displacement = [\"0\", \"0\"]\n\
+             c.displacement = [\"free\", \"0.01*x^2\"]\n\
+             [method]\nrefine = \"none\"\nestimators = true\nelements = {elements}\ndegree = {degree}\n"
+        )
+    };
+    let held = |degree: usize, elements: usize| {
+        let one = parse(&text(degree, elements), &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        let found = estimators(&one).contact.expect("it is told");
+        (found.parts["held"], found.value)
+    };
+    for elements in [16, 32] {
+        let count = elements as f64 / 4.0;
+        let squared = 50.0 / (2.0 * (1.0 - 0.09)) * count * 1e-4 * count.powi(-4) / 90f64.sqrt();
+        let (found, value) = held(1, elements);
+        assert!((found / squared.sqrt() - 1.0).abs() < 1e-6, "{found} {}", squared.sqrt());
+        assert!(found < value);
+    }
+    // elements of degree 2 have it
+    assert!(held(2, 16).0 < 1e-9 * held(1, 16).0);
+}
+
+/// A jump x² along the top of a body in a medium: elements of length h leave w as above, so that the energy falls like h³; they have
+/// linear jumps.
+#[test]
+fn what_nodes_leave_of_jumps_falls_with_the_elements() {
+    let part = |jump: &str, cells: usize| {
+        let text = format!(
+            "body.corners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nbody.sides = [\"a\", \"b\", \"c\", \"d\"]\n\
+             material = {{ poisson = 0.3, young = 5.0 }}\n\
+             [exterior]\nyoung = 2.0\npoisson = 0.2\ndisplacement_jump = [\"{jump}\", \"0\"]\n\
+             [grid]\ncoarse = [{cells}, {cells}]\nfine = [1, 1]\n[method]\nmodel = \"fem-bem\"\nrefine = \"none\"\nestimators = true\n"
+        );
+        let one = parse(&text, &[]).unwrap_or_else(|e| panic!("{}", e.render()));
+        estimators(&one).coupling.expect("it is told").parts["interface_oscillation"]
+    };
+    let [coarse, fine] = [8, 16].map(|cells| part("0.01*x*(1-x)", cells));
+    assert!((coarse / fine / 8f64.sqrt() - 1.0).abs() < 1e-6, "{coarse} {fine}");
+    assert!(part("0.01*x - 0.02*y", 8) < 1e-9 * coarse);
 }
