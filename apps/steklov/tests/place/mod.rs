@@ -29,6 +29,9 @@ refine = "none"
 elements = 8
 "#;
 
+/// The script that checks a result file by itself.
+pub const CHECK_RESULT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/check_result.py");
+
 /// A new folder with the scene `block.toml`; it goes when this is dropped.
 pub struct Place(tempfile::TempDir);
 
@@ -71,6 +74,17 @@ impl Place {
 
     pub fn run<S: AsRef<OsStr>>(&self, arguments: impl IntoIterator<Item = S>) -> Ran {
         Ran::new(self.command().args(arguments).output().unwrap())
+    }
+
+    /// Runs a script in the private Python environment, which must be there.
+    pub fn python(&self, script: &str, arguments: &[&str]) -> Ran {
+        let of_workspace = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../../target/python/bin/python");
+        let python = std::env::var_os("STEKLOV_PYTHON").map_or_else(of_workspace, PathBuf::from);
+        let remedy = "`scripts/python-env target/python numpy h5py vtk` makes the environment";
+        let run = Command::new(&python).arg(script).args(arguments).current_dir(self.path("")).output();
+        let ran = Ran::new(run.unwrap_or_else(|e| panic!("no Python at {}: {e}; {remedy}", python.display())));
+        assert!(!ran.err.contains("ModuleNotFoundError"), "{remedy}\n{}", ran.err);
+        ran
     }
 
     /// Runs `solve --json` with more arguments, demands a status, and gives the object.
