@@ -3,6 +3,7 @@
 use hdf5::Group;
 
 use crate::dataset::{Label, read_numbers, write_numbers};
+use crate::deflated::Storage::{Deflated, Plain};
 use crate::error::{IoError, invalid, mismatch, write_error};
 
 /// Writes n numbers, shape (n). NaN and infinities are kept, bit by bit.
@@ -10,7 +11,7 @@ use crate::error::{IoError, invalid, mismatch, write_error};
 /// # Errors
 /// [`IoError::Write`], as for all `save_` functions.
 pub fn save_vector(at: &Group, name: &str, data: &[f64], label: &Label<'_>) -> Result<(), IoError> {
-    write_numbers(at, name, &[data.len()], data, label)
+    write_numbers(at, name, &[data.len()], data, label, Plain)
 }
 
 /// Reads what [`save_vector`] wrote, the same bits.
@@ -46,7 +47,7 @@ pub fn load_number(at: &Group, name: &str) -> Result<f64, IoError> {
 /// # Errors
 /// [`IoError::Write`].
 pub fn save_points(at: &Group, name: &str, data: &[[f64; 2]], label: &Label<'_>) -> Result<(), IoError> {
-    write_numbers(at, name, &[data.len(), 2], data.as_flattened(), label)
+    write_numbers(at, name, &[data.len(), 2], data.as_flattened(), label, Plain)
 }
 
 /// Reads what [`save_points`] wrote.
@@ -63,7 +64,7 @@ pub fn load_points(at: &Group, name: &str) -> Result<Vec<[f64; 2]>, IoError> {
 /// # Errors
 /// [`IoError::Write`], also for a number above 2⁶³-1.
 pub fn save_integers(at: &Group, name: &str, data: &[usize], label: &Label<'_>) -> Result<(), IoError> {
-    write_numbers(at, name, &[data.len()], &signed(at, name, data)?, label)
+    write_numbers(at, name, &[data.len()], &signed(at, name, data)?, label, Deflated)
 }
 
 /// Reads what [`save_integers`] wrote.
@@ -79,7 +80,7 @@ pub fn load_integers(at: &Group, name: &str) -> Result<Vec<usize>, IoError> {
 /// # Errors
 /// [`IoError::Write`].
 pub fn save_pairs(at: &Group, name: &str, data: &[[usize; 2]], label: &Label<'_>) -> Result<(), IoError> {
-    write_numbers(at, name, &[data.len(), 2], &signed(at, name, data.as_flattened())?, label)
+    write_numbers(at, name, &[data.len(), 2], &signed(at, name, data.as_flattened())?, label, Deflated)
 }
 
 /// Reads what [`save_pairs`] wrote.

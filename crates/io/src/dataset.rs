@@ -1,10 +1,12 @@
 //! Arrays of numbers: typed, labelled, under a checksum.
 
+use hdf5::filters::Filter::{Deflate, Fletcher32, Shuffle};
 use hdf5::types::{H5Type, TypeDescriptor};
 use hdf5::{Dataset, Group};
 use ndarray::{ArrayView2, s};
 
 use crate::attribute::{read_names_attribute, read_text_attribute, write_names_attribute, write_text_attribute};
+use crate::deflated::{self, Storage};
 use crate::error::{IoError, damaged, invalid, mismatch, missing, write_error};
 use crate::raw::byte_sizes;
 
@@ -36,16 +38,24 @@ pub struct StoredLabel {
 }
 
 /// Values in a chunk, at most: 1 MiB of f64. Each chunk has a Fletcher-32 checksum.
-const CHUNK: usize = 1 << 17;
+pub(crate) const CHUNK: usize = 1 << 17;
 
-/// Makes a dataset of any type: chunked under a checksum, or without storage if it is empty (the checksum of the object
-/// header covers the extents).
+/// Rows of a chunk: as many as it may hold, but alike in all chunks, as the last one takes the room of a whole one.
+fn chunk_rows(shape: &[usize]) -> usize {
+    let columns = shape[1..].iter().product::<usize>().max(1);
+    let chunks = shape[0].div_ceil((CHUNK / columns).max(1)).max(1);
+    shape[0].div_ceil(chunks).max(1)
+}
+
+/// Makes a dataset of any type: chunked under a checksum, or without room in the file if it is empty (the checksum of the
+/// object header covers the extents).
 pub(crate) fn create(
     at: &Group,
     name: &str,
     kind: TypeDescriptor,
     shape: &[usize],
     label: &Label<'_>,
+    storage: Storage,
 ) -> Result<Dataset, IoError> {
     if label.axes.len() != shape.len() {
         return Err(write_error(at, name, format!("it has {} axes and {} names", shape.len(), label.axes.len())));
@@ -54,9 +64,9 @@ pub(crate) fn create(
     let builder = if shape.is_empty() || shape.contains(&0) {
         builder.no_chunk()
     } else {
-        let columns: usize = shape[1..].iter().product();
+        let builder = if storage.deflates(shape) { builder.shuffle().deflate(deflated::LEVEL) } else { builder };
         let mut chunk = shape.to_vec();
-        chunk[0] = (CHUNK / columns).clamp(1, shape[0]);
+        chunk[0] = chunk_rows(shape);
         if let Some(last) = chunk[1..].last_mut() {
             *last = (*last).min(CHUNK);
         }
@@ -85,10 +95,14 @@ pub(crate) fn open(at: &Group, name: &str) -> Result<Dataset, IoError> {
     let (_, wanted) = byte_sizes(&dataset).map_err(|e| damaged(at, name, e))?;
     let stored = dataset.storage_size();
     let filters = dataset.dcpl().and_then(|d| d.get_filters()).map_err(|e| damaged(at, name, e))?;
-    let compressed = filters.iter().any(|f| !matches!(f, hdf5::filters::Filter::Fletcher32));
     let file = at.file().map_err(|e| damaged(at, name, e))?.size();
-    if compressed {
-        return Err(mismatch(at, name, "plain data", "compressed or filtered data"));
+    match filters[..] {
+        [] | [Fletcher32] => {}
+        [Shuffle, Deflate(_), Fletcher32] => {
+            deflated::check(at, name, &dataset)?;
+            return Ok(dataset);
+        }
+        _ => return Err(mismatch(at, name, "plain or deflated data", "data of other filters")),
     }
     if stored > file || (wanted as u64) > stored {
         return Err(damaged(at, name, format!("{wanted} bytes are wanted, {stored} stored, the file has {file}")));
@@ -103,8 +117,9 @@ pub(crate) fn write_numbers<T: H5Type>(
     shape: &[usize],
     data: &[T],
     label: &Label<'_>,
+    storage: Storage,
 ) -> Result<(), IoError> {
-    let dataset = create(at, name, T::type_descriptor(), shape, label)?;
+    let dataset = create(at, name, T::type_descriptor(), shape, label, storage)?;
     if data.is_empty() {
         return Ok(());
     }
@@ -161,8 +176,8 @@ pub struct Rows {
 impl Rows {
     /// Makes the dataset.
     pub(crate) fn new(at: &Group, name: &str, [n, m]: [usize; 2], label: &Label<'_>) -> Result<Self, IoError> {
-        let dataset = create(at, name, f64::type_descriptor(), &[n, m], label)?;
-        let block = (CHUNK / m.max(1)).clamp(1, n.max(1));
+        let dataset = create(at, name, f64::type_descriptor(), &[n, m], label, Storage::Plain)?;
+        let block = chunk_rows(&[n, m]);
         let (at, name) = (at.clone(), name.to_owned());
         Ok(Self { at, name, dataset, shape: [n, m], block, written: 0, waiting: Vec::new() })
     }
@@ -222,7 +237,7 @@ pub(crate) fn read_rows<A>(
     let (n, m) = (shape[0], shape[1]);
     let mut all = start(n, m);
     if n > 0 && m > 0 {
-        let step = (CHUNK / m).clamp(1, n);
+        let step = chunk_rows(&shape);
         for first in (0..n).step_by(step) {
             let end = (first + step).min(n);
             let block = dataset.read_slice_2d::<f64, _>(s![first..end, ..]).map_err(|e| damaged(at, name, e))?;

@@ -92,6 +92,16 @@ pub enum IoError {
         /// What was found.
         found: String,
     },
+    /// Deflated data, which this HDF5 library cannot read.
+    #[error(
+        "{object} of {file} is deflated, but the HDF5 library of this program is built without zlib: use one with it (feature hdf5-static), or write the data plain by h5repack -f NONE on another machine"
+    )]
+    NoDeflate {
+        /// The file.
+        file: String,
+        /// Path of the object inside the file.
+        object: String,
+    },
     /// Data that cannot be read: a checksum that fails, or a part that is missing.
     #[error("{object} of {file} is damaged: {why}")]
     Damaged {
@@ -143,6 +153,11 @@ pub(crate) fn mismatch(at: &Location, name: &str, expected: impl ToString, found
 pub(crate) fn damaged(at: &Location, name: &str, why: impl ToString) -> IoError {
     let (file, object) = place(at, name);
     IoError::Damaged { file, object, why: why.to_string() }
+}
+
+pub(crate) fn no_deflate(at: &Location, name: &str) -> IoError {
+    let (file, object) = place(at, name);
+    IoError::NoDeflate { file, object }
 }
 
 /// For [`Persist`](crate::Persist) implementations: the content of `name` in `at` makes no sense.

@@ -4,8 +4,9 @@ use faer::{Mat, MatRef};
 use hdf5::Group;
 use sprs::CsMat;
 
-use crate::array::{load_integers, load_vector, save_integers, save_vector};
-use crate::dataset::{Label, Rows, read_rows, write_rows};
+use crate::array::{load_integers, load_vector, save_integers};
+use crate::dataset::{Label, Rows, read_rows, write_numbers, write_rows};
+use crate::deflated::Storage;
 use crate::error::{IoError, invalid, mismatch};
 use crate::persist::{create_group, open_group};
 
@@ -42,6 +43,8 @@ pub fn load_dense(at: &Group, name: &str) -> Result<Mat<f64>, IoError> {
 /// Writes a sparse matrix as scipy's CSR: a group of `indptr` (rows+1), `indices`, `data` (nonzeros) and `shape` (2),
 /// read by `csr_matrix((data, indices, indptr), shape)`. A CSC matrix is converted.
 ///
+/// Many indices, and many values if they recur, are deflated.
+///
 /// `label.axes` names rows and columns and becomes the label of `shape`.
 ///
 /// # Errors
@@ -55,7 +58,8 @@ pub fn save_sparse(at: &Group, name: &str, a: &CsMat<f64>, label: &Label<'_>) ->
     save_integers(&group, "shape", &[a.rows(), a.cols()], &index(&rows_and_columns, axes))?;
     save_integers(&group, "indptr", &indptr, &index("start of each row in indices and data", &["row"]))?;
     save_integers(&group, "indices", a.indices(), &index("column of each nonzero, rising in a row", &["nonzero"]))?;
-    save_vector(&group, "data", a.data(), &Label { axes: &["nonzero"], ..*label })
+    let label = Label { axes: &["nonzero"], ..*label };
+    write_numbers(&group, "data", &[a.nnz()], a.data(), &label, Storage::of(a.data()))
 }
 
 /// Reads what [`save_sparse`] or scipy wrote (in scipy `sort_indices` and `sum_duplicates` first).

@@ -5,6 +5,7 @@ use hdf5::{Dataset, Group};
 
 use crate::attribute::{pack, read_integer_attribute, unpack, write_integer_attribute};
 use crate::dataset::{Label, create, open};
+use crate::deflated::Storage;
 use crate::error::{IoError, damaged, invalid, mismatch, write_error};
 use crate::raw;
 
@@ -22,7 +23,7 @@ fn fnv1a(bytes: &[u8]) -> i64 {
 pub fn save_text(at: &Group, name: &str, text: &str, meaning: &str) -> Result<(), IoError> {
     let (size, bytes) = pack(&[text]).map_err(|why| write_error(at, name, why))?;
     let label = Label { unit: "text", meaning, axes: &[] };
-    let dataset = create(at, name, TypeDescriptor::FixedUnicode(size), &[], &label)?;
+    let dataset = create(at, name, TypeDescriptor::FixedUnicode(size), &[], &label, Storage::Plain)?;
     write_integer_attribute(&dataset, "fnv1a", &[fnv1a(&bytes)])?;
     raw::write_dataset(&dataset, &bytes).map_err(|e| write_error(at, name, e))
 }
@@ -51,7 +52,7 @@ pub fn save_texts(at: &Group, name: &str, texts: &[String], meaning: &str, axis:
     let texts: Vec<&str> = texts.iter().map(String::as_str).collect();
     let (size, bytes) = pack(&texts).map_err(|why| write_error(at, name, why))?;
     let label = Label { unit: "text", meaning, axes: &[axis] };
-    let dataset = create(at, name, TypeDescriptor::FixedUnicode(size), &[texts.len()], &label)?;
+    let dataset = create(at, name, TypeDescriptor::FixedUnicode(size), &[texts.len()], &label, Storage::Plain)?;
     if texts.is_empty() {
         return Ok(());
     }

@@ -4,13 +4,14 @@
 //! quadrilateral). Points get z = 0. Every file has the cell array `part`: 0 for a line of the boundary, 1 for a cell of
 //! the body.
 //!
-//! A quadrilateral takes 49 bytes of the file (four points, offset, type, part), a point 24 and each value of a field 8;
-//! nothing is compressed.
+//! A point takes 24 bytes of the file and each value of a field 8. The integers of a cell (its points, offset, type, part) are
+//! deflated where there are many; plain, a quadrilateral takes 49.
 
 use hdf5::{File, Group};
 
 use crate::attribute::{read_integer_attribute, read_text_attribute, write_ascii_attribute, write_integer_attribute};
 use crate::dataset::{Label, label, load_label, read_numbers, write_numbers};
+use crate::deflated::Storage::{Deflated, Plain};
 use crate::error::{IoError, damaged, invalid, mismatch, write_error};
 use crate::persist::{create_group, open_group};
 
@@ -69,14 +70,21 @@ pub fn write(file: &File, grid: &Grid) -> Result<(), IoError> {
     for (name, count) in
         [("NumberOfPoints", grid.points.len()), ("NumberOfCells", cells), ("NumberOfConnectivityIds", entries)]
     {
-        write_numbers(&group, name, &[1], &[count as i64], &label("1", "count", &["piece"]))?;
+        write_numbers(&group, name, &[1], &[count as i64], &label("1", "count", &["piece"]), Plain)?;
     }
     // Only one array lives beside the grid at a time.
     let points: Vec<f64> = grid.points.iter().flat_map(|&[x, y]| [x, y, 0.0]).collect();
-    write_numbers(&group, "Points", &[grid.points.len(), 3], &points, &label("length", "points", &["point", "xyz"]))?;
+    write_numbers(
+        &group,
+        "Points",
+        &[grid.points.len(), 3],
+        &points,
+        &label("length", "points", &["point", "xyz"]),
+        Plain,
+    )?;
     drop(points);
     let connectivity: Vec<i64> = ids().map(|&i| i as i64).collect();
-    write_numbers(&group, "Connectivity", &[entries], &connectivity, &label("1", "points", &["entry"]))?;
+    write_numbers(&group, "Connectivity", &[entries], &connectivity, &label("1", "points", &["entry"]), Deflated)?;
     drop(connectivity);
     let each = |of: [i64; 3]| of.into_iter().zip(counts).flat_map(|(value, count)| std::iter::repeat_n(value, count));
     let starts = each([2, 3, 4]).scan(0, |end, corners| {
@@ -84,10 +92,10 @@ pub fn write(file: &File, grid: &Grid) -> Result<(), IoError> {
         Some(*end)
     });
     let offsets: Vec<i64> = std::iter::once(0).chain(starts).collect();
-    write_numbers(&group, "Offsets", &[cells + 1], &offsets, &label("1", "start of each cell", &["cell"]))?;
+    write_numbers(&group, "Offsets", &[cells + 1], &offsets, &label("1", "start of each cell", &["cell"]), Deflated)?;
     drop(offsets);
     let types = [vec![LINE; counts[0]], vec![TRIANGLE; counts[1]], vec![QUAD; counts[2]]].concat();
-    write_numbers(&group, "Types", &[cells], &types, &label("1", "cell type of VTK", &["cell"]))?;
+    write_numbers(&group, "Types", &[cells], &types, &label("1", "cell type of VTK", &["cell"]), Deflated)?;
 
     let data = create_group(&group, "PointData")?;
     for field in &grid.point_data {
@@ -95,7 +103,7 @@ pub fn write(file: &File, grid: &Grid) -> Result<(), IoError> {
     }
     let data = create_group(&group, "CellData")?;
     let part: Vec<i64> = each([0, 1, 1]).collect();
-    write_numbers(&data, PART, &[cells], &part, &label("1", "0 boundary, 1 body", &["cell"]))?;
+    write_numbers(&data, PART, &[cells], &part, &label("1", "0 boundary, 1 body", &["cell"]), Deflated)?;
     for field in &grid.cell_data {
         write_field(&data, field, cells, "cell")?;
     }
@@ -115,7 +123,7 @@ fn write_field(at: &Group, field: &Field, entities: usize, axis: &str) -> Result
         1 => (vec![entities], vec![axis]),
         _ => (vec![entities, *components], vec![axis, "component"]),
     };
-    write_numbers(at, name, &shape, values, &Label { unit, meaning: name, axes: &axes })
+    write_numbers(at, name, &shape, values, &Label { unit, meaning: name, axes: &axes }, Plain)
 }
 
 /// Reads `/VTKHDF` back.

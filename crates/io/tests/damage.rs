@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::io::Write as _;
 use std::path::Path;
 
 use common::{bits, dense_bits, place, sparse};
@@ -217,4 +218,139 @@ fn absurd_extents_are_refused() {
     let f = open(&path).unwrap();
     assert!(matches!(load_vector(&f, "v"), Err(IoError::Damaged { .. })));
     assert!(matches!(load_dense(&f, "a"), Err(IoError::Damaged { .. })));
+}
+
+/// A full matrix of few different numbers.
+fn recurring() -> sprs::CsMat<f64> {
+    let mut entries = sprs::TriMat::new((100, 110));
+    (0..100 * 110).for_each(|k| entries.add_triplet(k / 110, k % 110, 0.5 + (k % 13) as f64));
+    entries.to_csr()
+}
+
+/// Writes deflated arrays: integers over several chunks of few and of all bits, and a sparse matrix.
+fn write_deflated(path: &Path) {
+    let list = Label { unit: "1", meaning: "a list", axes: &["entry"] };
+    let table = Label { unit: "stress", meaning: "a table", axes: &["row", "column"] };
+    let rising: Vec<usize> = (0..300_000).map(|i| i / 7).collect();
+    let mut state = 5;
+    let any: Vec<usize> = (0..9000).map(|_| (random(&mut state) >> 1) as usize).collect();
+    create_atomically(path, true, |f| {
+        save_integers(f, "rising", &rising, &list)?;
+        save_integers(f, "any", &any, &list)?;
+        save_sparse(f, "sparse", &recurring(), &table)
+    })
+    .unwrap();
+}
+
+/// What `write_deflated` has written.
+fn read_deflated(path: &Path) -> Result<(Vec<usize>, Vec<usize>, sprs::CsMat<f64>), IoError> {
+    let f = open(path)?;
+    Ok((load_integers(&f, "rising")?, load_integers(&f, "any")?, load_sparse(&f, "sparse")?))
+}
+
+#[test]
+fn every_byte_of_deflated_data_counts() {
+    let (folder, path) = place();
+    write_deflated(&path);
+    let whole = std::fs::read(&path).unwrap();
+    let content = read_deflated(&path).unwrap();
+    assert!(content.0.iter().enumerate().all(|(i, &k)| k == i / 7) && content.2 == recurring());
+    let other = folder.path().join("other.vtkhdf");
+    write_deflated(&other);
+    assert!(std::fs::read(other).unwrap() == whole, "equal content, other bytes");
+
+    let f = open(&path).unwrap();
+    let mut chunks = Vec::new();
+    for name in ["rising", "any", "sparse/indices", "sparse/data"] {
+        let set = f.dataset(name).unwrap();
+        assert_eq!(set.filters().len(), 3, "{name} is plain");
+        chunks.extend((0..set.num_chunks().unwrap()).map(|k| (name, set.chunk_info(k).unwrap())));
+    }
+    assert!(chunks.iter().filter(|(name, _)| *name == "rising").count() == 3);
+    let stored: u64 = chunks.iter().map(|(_, info)| info.size).sum();
+    assert!(stored < 8 * (300_000 + 9000) / 5, "{stored} bytes");
+    f.close().unwrap();
+    let mut state = 2;
+    for (name, info) in chunks {
+        // the first bytes and the last, where the checksum is, one by one
+        let (start, end) = (info.addr as usize, (info.addr + info.size) as usize);
+        let sparsely = (start..end).step_by(((end - start) / 100).max(1));
+        for at in (start..start + 12).chain(end - 12..end).chain(sparsely) {
+            let mut bytes = whole.clone();
+            bytes[at] ^= 1 + (random(&mut state) % 255) as u8;
+            std::fs::write(&path, &bytes).unwrap();
+            let read = read_deflated(&path);
+            assert!(matches!(read, Err(IoError::Damaged { .. })), "{name}: byte {} unseen", at - start);
+        }
+    }
+}
+
+/// HDF5's checksum of a chunk.
+fn fletcher32(bytes: &[u8]) -> [u8; 4] {
+    let (mut one, mut two) = (0_u64, 0_u64);
+    for word in bytes.chunks(2) {
+        one = (one + (u64::from(word[0]) << 8 | word.get(1).map_or(0, |&b| u64::from(b)))) % 65535;
+        two = (two + one) % 65535;
+    }
+    ((two << 16 | one) as u32).to_le_bytes()
+}
+
+/// A chunk that inflates to more or less than its shape, under a checksum that holds.
+#[test]
+fn chunks_of_another_size_are_refused() {
+    let (_folder, path) = place();
+    write_deflated(&path);
+    let info = open(&path).unwrap().dataset("any").unwrap().chunk_info(0).unwrap();
+    let (start, end) = (info.addr as usize, (info.addr + info.size) as usize - 4);
+    let whole = std::fs::read(&path).unwrap();
+    let altered = |values: u64| {
+        let mut deflate = flate2::write::ZlibEncoder::new(Vec::new(), flate2::Compression::best());
+        for _ in 0..values {
+            deflate.write_all(&[0; 8]).unwrap();
+        }
+        let mut stream = deflate.finish().unwrap();
+        assert!(stream.len() <= end - start, "{} bytes", stream.len());
+        stream.resize(end - start, 0);
+        let mut bytes = whole.clone();
+        bytes[start..end].copy_from_slice(&stream);
+        bytes[end..end + 4].copy_from_slice(&fletcher32(&stream));
+        std::fs::write(&path, bytes).unwrap();
+        load_integers(&open(&path).unwrap(), "any")
+    };
+    // as many as there should be: nothing is wrong but the numbers
+    assert_eq!(altered(9000).unwrap(), [0; 9000]);
+    for values in [0, 1, 8999, 9001, 8_000_000] {
+        let error = altered(values).unwrap_err();
+        assert!(error.to_string().contains("the 72000 bytes of its shape"), "{values}: {error}");
+    }
+}
+
+/// Deflated datasets that promise what is not there, in chunks too large, or under other filters.
+#[test]
+fn other_deflated_datasets_are_refused() {
+    let (_folder, path) = place();
+    let f = hdf5::File::create(&path).unwrap();
+    write_text_attribute(&f, "format", FORMAT).unwrap();
+    write_integer_attribute(&f, "format_version", &[i64::from(FORMAT_VERSION)]).unwrap();
+    let new = |chunk: usize| f.new_dataset::<f64>().chunk([chunk]).shuffle().deflate(1).fletcher32();
+    new(1 << 17).shape([1_usize << 40]).create("absent").unwrap();
+    new(1000).shape([3000]).create("part").unwrap().write_slice(&[1.0; 1000], 0..1000).unwrap();
+    new(1 << 18).shape([1 << 18]).create("large").unwrap().write_raw(&vec![1.0; 1 << 18]).unwrap();
+    let plain = || f.new_dataset::<f64>().chunk([1000]).shape([1000]);
+    plain().deflate(1).create("unchecked").unwrap().write_raw(&[1.0; 1000]).unwrap();
+    plain().shuffle().fletcher32().create("shuffled").unwrap().write_raw(&[1.0; 1000]).unwrap();
+    new(1000).shape([1500]).create("whole").unwrap().write_raw(&[1.5; 1500]).unwrap();
+    f.close().unwrap();
+    let f = open(&path).unwrap();
+    assert_eq!(load_vector(&f, "whole").unwrap(), [1.5; 1500]);
+    for (name, wanted) in [
+        ("absent", "8388608 chunks are wanted"),
+        ("part", "3 chunks are wanted, at most 65536, and 1 stored"),
+        ("large", "at most 1048576 bytes"),
+        ("unchecked", "other filters"),
+        ("shuffled", "other filters"),
+    ] {
+        let error = load_vector(&f, name).unwrap_err();
+        assert!(error.to_string().contains(wanted) && error.to_string().contains(name), "{error}");
+    }
 }
