@@ -48,6 +48,9 @@ fn sorted<'a>(names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     names
 }
 
+/// A scene, what is set in it, which kinds it is told, and the parts of the first of them.
+type Case<'a> = (&'a str, &'a [&'a str], [bool; 5], Vec<&'a str>);
+
 #[test]
 fn each_kind_of_scene_has_its_own_estimator_with_its_parts() {
     let on_boundary = |left_out: &[&str]| {
@@ -59,7 +62,7 @@ fn each_kind_of_scene_has_its_own_estimator_with_its_parts() {
     let without = ["contact", "stabilisation", "complementarity", "tension", "penetration", "bound", "friction"];
     let stabilised = ["method.multiplier=\"stabilised\"", "method.tolerance=1e-2"];
     let loose = ["method.tolerance=1e-2"];
-    let cases: [(&str, &[&str], [bool; 5], Vec<&str>); 7] = [
+    let cases: [Case<'_>; 7] = [
         ("block-on-floor", &loose, [true, false, false, false, false], contact.clone()),
         ("wedge-gap", &stabilised, [false, true, false, false, false], on_boundary(&[])),
         ("cantilever", &loose, [true, false, false, false, false], on_boundary(&without)),

@@ -3,7 +3,7 @@
 //! The space of a stored mesh is numbered anew from it with the same bits; a space alone is stored by its numbers and points.
 
 use hdf5::Group;
-use steklov_bem_operators::{Edge, Loop, Mesh, Operators, Path, Polygon, Shape, Space, edge_tangents};
+use steklov_bem_operators::{Loop, Mesh, Operators, Path, Polygon, Shape, Space, edge_tangents};
 
 use crate::array::{
     load_integers, load_number, load_pairs, load_points, load_vector, save_integers, save_number, save_pairs,

@@ -242,8 +242,11 @@ fn write_deflated(path: &Path) {
     .unwrap();
 }
 
+/// Two lists of integers and a sparse matrix.
+type Deflated = (Vec<usize>, Vec<usize>, sprs::CsMat<f64>);
+
 /// What `write_deflated` has written.
-fn read_deflated(path: &Path) -> Result<(Vec<usize>, Vec<usize>, sprs::CsMat<f64>), IoError> {
+fn read_deflated(path: &Path) -> Result<Deflated, IoError> {
     let f = open(path)?;
     Ok((load_integers(&f, "rising")?, load_integers(&f, "any")?, load_sparse(&f, "sparse")?))
 }
