@@ -93,3 +93,13 @@ fn a_grid_that_does_not_fit_is_refused() {
         assert!(error.contains(wanted), "{error}");
     }
 }
+
+/// Other programs read a dense matrix by slices of rows and need the memory of a slice.
+#[test]
+fn h5py_reads_slices_of_a_matrix_in_little_memory() {
+    let (_folder, path) = place();
+    let table = Label { unit: "1", meaning: "1000 row + column", axes: &["row", "column"] };
+    let a = Mat::from_fn(1100, 1000, |i, j| (1000 * i + j) as f64);
+    create_atomically(&path, false, |f| save_dense(f, "a", a.as_ref(), &table)).unwrap();
+    python("read_slices.py", &path);
+}
