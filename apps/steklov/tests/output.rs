@@ -60,23 +60,60 @@ fn outputs_that_cannot_be_written_are_named_before_anything_is_solved() {
     assert_eq!(place.read("block.toml"), place::BLOCK.as_bytes());
 }
 
-/// A disk that fills up, played by a limit on the size of files.
+/// Solves where no file may be larger than so many blocks of 512 bytes, which plays a disk that fills up: the error names the
+/// file and what helps, and nothing but it is left.
+#[cfg(unix)]
+fn on_a_full_disk(place: &Place, blocks: u32, arguments: &[&str]) {
+    let before = place.names();
+    let mut shell = Command::new("sh");
+    shell.args(["-c", "trap '' XFSZ; ulimit -f $0; exec \"$@\"", &blocks.to_string(), env!("CARGO_BIN_EXE_steklov")]);
+    shell.args(["solve", "block.toml"]).args(arguments).current_dir(place.path(""));
+    let ran = Ran::new(shell.output().unwrap()).demand(1);
+    for part in ["error: cannot write /", "block.vtkhdf: ", "raise the limit of file sizes, or write to another place"]
+    {
+        assert!(ran.err.contains(part), "{blocks} blocks, {arguments:?}: no {part:?} in {}", ran.err);
+    }
+    assert!(!ran.err.contains(".part") && ran.err.lines().count() == 1, "{}", ran.err);
+    assert_eq!(place.names(), before);
+}
+
 #[cfg(unix)]
 #[test]
 fn a_full_disk_leaves_nothing() {
     let place = Place::new();
-    for old in [false, true] {
-        if old {
-            place.write("block.vtkhdf", "old");
-        }
-        let mut shell = Command::new("sh");
-        shell.args(["-c", "trap '' XFSZ; ulimit -f 40; exec \"$0\" \"$@\"", env!("CARGO_BIN_EXE_steklov")]);
-        shell.args(["solve", "block.toml", "--force"]).current_dir(place.path(""));
-        let ran = Ran::new(shell.output().unwrap()).demand(1);
-        assert!(ran.err.contains("cannot write") && ran.err.contains("block.vtkhdf"), "{}", ran.err);
-        assert_eq!(place.names().len(), 1 + usize::from(old), "{:?}", place.names());
-    }
+    on_a_full_disk(&place, 40, &[]);
+    place.write("block.vtkhdf", "old");
+    on_a_full_disk(&place, 40, &["--force"]);
     assert_eq!(place.read("block.vtkhdf"), b"old");
+}
+
+/// The disk fills up within a stage, while the run goes on, at the beginning or when most is written; an older file that is gone on
+/// from keeps its steps.
+#[cfg(unix)]
+#[test]
+fn a_disk_that_fills_up_while_stages_are_saved_leaves_the_older_file() {
+    let place = Place::new();
+    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-4\n"));
+    let save = ["--save", "all", "--json", "--quiet"];
+    place.run(["solve", "block.toml", "--out", "whole.vtkhdf"].iter().chain(&save)).demand(0);
+    let whole = fs::metadata(place.path("whole.vtkhdf")).unwrap().len() as u32 / 512;
+    let blocks = [2, whole / 4, whole - 100];
+    for blocks in blocks {
+        on_a_full_disk(&place, blocks, &save);
+    }
+    place.run(["solve", "block.toml", "--set", "method.max_steps=2"].iter().chain(&save)).demand(3);
+    let old = place.read("block.vtkhdf");
+    for blocks in blocks {
+        on_a_full_disk(&place, blocks, &[&save[..], &["--resume"]].concat());
+        on_a_full_disk(&place, blocks, &[&save[..], &["--force"]].concat());
+    }
+    // without leave to replace it, nothing is solved
+    place.run(["solve", "block.toml"].iter().chain(&save)).demand(1);
+    assert!(place.read("block.vtkhdf") == old);
+    // its steps are those that a run with room goes on from
+    let told = place.run(["solve", "block.toml", "--resume"].iter().chain(&save)).demand(0).json();
+    let shown = place.run(["show", "whole.vtkhdf", "--json"]).demand(0).json();
+    assert_eq!((&told["energy"], &told["steps"]), (&shown["energy"], &shown["steps"]));
 }
 
 /// A run of many steps that has some of them on disk.

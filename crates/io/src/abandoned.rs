@@ -4,8 +4,8 @@ use std::fs::{self, File};
 use std::os::unix::fs::MetadataExt;
 use std::path::Path;
 
-/// Suffix of half-written files.
-pub(crate) const SUFFIX: &str = ".part";
+use crate::file::SUFFIX;
+
 /// Letters and digits between prefix and suffix.
 pub(crate) const RANDOM: usize = 6;
 

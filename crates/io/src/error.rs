@@ -137,7 +137,28 @@ fn place(at: &Location, name: &str) -> (String, String) {
 
 pub(crate) fn write_error(at: &Location, name: &str, why: impl ToString) -> IoError {
     let (file, object) = place(at, name);
-    IoError::Write { file, object, why: why.to_string() }
+    IoError::Write { file: crate::file::final_name(&file), object, why: reason(&why.to_string()) }
+}
+
+/// The system's reason, and what helps, where the library tells at length that there is no room.
+pub(crate) fn reason(why: &str) -> String {
+    let number = why.split_once("errno = ").and_then(|(_, rest)| rest.split(',').next()?.trim().parse().ok());
+    let full = number.map(std::io::Error::from_raw_os_error).filter(|error| remedy(error).is_some());
+    full.map_or_else(|| why.to_owned(), |error| system_reason(&error))
+}
+
+/// The system's reason, and what helps where there is no room.
+pub(crate) fn system_reason(error: &std::io::Error) -> String {
+    remedy(error).map_or_else(|| error.to_string(), |remedy| format!("{error}; {remedy}, or write to another place"))
+}
+
+fn remedy(error: &std::io::Error) -> Option<&'static str> {
+    use std::io::ErrorKind::{FileTooLarge, QuotaExceeded, StorageFull};
+    match error.kind() {
+        StorageFull | QuotaExceeded => Some("make room there"),
+        FileTooLarge => Some("raise the limit of file sizes"),
+        _ => None,
+    }
 }
 
 pub(crate) fn missing(at: &Location, name: &str) -> IoError {

@@ -11,13 +11,16 @@ use tempfile::NamedTempFile;
 #[cfg(unix)]
 use crate::abandoned;
 use crate::attribute::{read_text_attribute, write_integer_attribute, write_text_attribute};
-use crate::error::IoError;
+use crate::error::{IoError, reason};
 use crate::persist::check_version;
 
 /// Value of the root attribute `format`.
 pub const FORMAT: &str = "steklov";
 /// Value of the root attribute `format_version`.
 pub const FORMAT_VERSION: u32 = 1;
+
+/// Suffix of half-written files.
+pub(crate) const SUFFIX: &str = ".part";
 
 /// HDF5 of version 1.10, whatever the library: all of its structures carry checksums, and every reader knows it. Closing
 /// the file closes whatever the caller left open in it.
@@ -63,7 +66,7 @@ pub fn create_atomically<T, E: From<IoError>>(
     let library = |e: hdf5::Error| IoError::Write {
         file: path.display().to_string(),
         object: "/".to_owned(),
-        why: e.to_string(),
+        why: reason(&e.to_string()),
     };
 
     if !overwrite && path.symlink_metadata().is_ok() {
@@ -100,11 +103,19 @@ pub fn create_atomically<T, E: From<IoError>>(
     Ok(filled)
 }
 
+/// The path that a file has when it is complete: a half-written one is beside it, as `.NAME.RANDOM.part`.
+pub(crate) fn final_name(path: &str) -> String {
+    let path = Path::new(path);
+    let name =
+        path.file_name().and_then(|name| name.to_str()?.strip_prefix('.')?.strip_suffix(SUFFIX)?.rsplit_once('.'));
+    name.map_or(path.to_owned(), |(name, _)| path.with_file_name(name)).display().to_string()
+}
+
 /// A new file to write in, which this program holds; those that killed programs have left are removed.
 #[cfg(unix)]
 fn beside(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
     let mut builder = tempfile::Builder::new();
-    builder.prefix(prefix).suffix(abandoned::SUFFIX).rand_bytes(abandoned::RANDOM);
+    builder.prefix(prefix).suffix(SUFFIX).rand_bytes(abandoned::RANDOM);
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     loop {
         let temporary = builder.tempfile_in(folder)?;
@@ -118,7 +129,7 @@ fn beside(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
 /// A new file to write in.
 #[cfg(not(unix))]
 fn beside(folder: &Path, prefix: &str) -> std::io::Result<NamedTempFile> {
-    tempfile::Builder::new().prefix(prefix).suffix(".part").tempfile_in(folder)
+    tempfile::Builder::new().prefix(prefix).suffix(SUFFIX).tempfile_in(folder)
 }
 
 /// Opens a result file for reading and checks that it is one.

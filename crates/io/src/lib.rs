@@ -61,6 +61,7 @@ mod text;
 #[cfg(unix)]
 mod abandoned;
 mod file;
+mod room;
 mod foreign;
 pub mod vtkhdf;
 #[cfg(feature = "quadrature")]

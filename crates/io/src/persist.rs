@@ -3,8 +3,8 @@
 use hdf5::{Group, LocationType};
 
 use crate::attribute::{read_integer_attribute, read_text_attribute, write_integer_attribute, write_text_attribute};
-use crate::error::{IoError, damaged, mismatch, missing, write_error};
-use crate::raw;
+use crate::error::{IoError, damaged, mismatch, missing, system_reason, write_error};
+use crate::{raw, room};
 
 /// A type that can be stored in a group and read back, the same bits.
 ///
@@ -101,10 +101,12 @@ pub fn open_group(parent: &Group, name: &str) -> Result<Group, IoError> {
 /// name: the same bytes, under the same checksums.
 ///
 /// # Errors
-/// [`IoError::Missing`]; [`IoError::Write`], also when `to` has such an object.
+/// [`IoError::Missing`]; [`IoError::Write`], also when `to` has such an object or the disk no room; [`IoError::Damaged`].
 pub fn copy(from: &Group, name: &str, to: &Group) -> Result<(), IoError> {
     if !from.link_exists(name) {
         return Err(missing(from, name));
     }
+    let bytes = room::size(from, name).map_err(|e| damaged(from, name, e))?;
+    room::check(to, bytes).map_err(|e| write_error(to, name, system_reason(&e)))?;
     raw::copy(from, name, to).map_err(|e| write_error(to, name, e))
 }

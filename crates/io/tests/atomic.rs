@@ -175,6 +175,9 @@ fn a_full_disk_leaves_nothing() {
                 }
                 let error = save(&path, overwrite, &vec![1.0; size]).unwrap_err();
                 assert!(matches!(error, IoError::Write { .. }), "{error:?}");
+                let told = error.to_string();
+                let parts = ["/a result.vtkhdf: ", "raise the limit of file sizes, or write to another place"];
+                assert!(parts.iter().all(|part| told.contains(part)) && !told.contains(".part"), "{told}");
                 assert_eq!(names(Path::new(&folder)).len(), usize::from(overwrite));
                 if overwrite {
                     assert_eq!(fs::read(&path).unwrap(), b"old");
