@@ -1,0 +1,120 @@
+//! Result files of all kinds of scenes, checked from the file alone by `docs/check_result.py`.
+
+mod place;
+
+use place::{CHECK_RESULT, Place};
+
+/// A scene of the gallery, solved with `--save all`.
+struct Kind {
+    name: &'static str,
+    scene: &'static str,
+    settings: &'static [&'static str],
+    /// First words of lines that the script must print.
+    wanted: &'static [&'static str],
+}
+
+const fn kind(
+    name: &'static str,
+    scene: &'static str,
+    settings: &'static [&'static str],
+    wanted: &'static [&'static str],
+) -> Kind {
+    Kind { name, scene, settings, wanted }
+}
+
+const MATRICES: &[&str] = &["V ", "W ", "S ", "(M/2 + K)", "strain energy"];
+const CONTACT: &[&str] = &["S ", "contact problem", "contact  ", "strain energy"];
+const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "strain energy"];
+const FEW: &str = "method.max_steps=3";
+
+const KINDS: [Kind; 15] = [
+    kind("contact", "15-block-on-floor", &[], CONTACT),
+    kind(
+        "stabilised",
+        "17-wedge-gap",
+        &["method.multiplier=\"stabilised\"", "method.estimators=true", FEW],
+        &["stabilisation", "stabilised contact"],
+    ),
+    kind("coulomb", "25-coulomb-wedge", &[], CONTACT),
+    kind("two-bodies", "60-two-cylinders", &[], CONTACT),
+    kind("tied", "59-tied-blocks", &[], MATRICES),
+    kind("crack", "66-crack-that-closes", &[FEW], CONTACT),
+    kind("curved", "50-lame-tube", &["method.indicator=\"residual\""], MATRICES),
+    kind("random-modulus", "29-random-modulus", &[], &["outcomes", "stochastic cells     M_E"]),
+    kind(
+        "random-gap",
+        "30-rough-obstacle",
+        &["random.rough.modes=2", "stochastic.degree=2"],
+        &["outcomes", "stochastic cells", "eigenpairs"],
+    ),
+    kind("fem", "39-weight-that-varies", &[], &["K ", "equilibrium", "strain energy"]),
+    kind("msfem", "38-l-shape-of-random-cells", &["grid.fine=[4, 4]", FEW], &["K_H ", "basis", "strain energy"]),
+    kind("msfem-contact", "37-block-of-random-cells", &["method.estimators=true"], &["basis", "contact problem"]),
+    kind("fem-bem", "40-transmission", &[], MEDIUM),
+    kind("msfem-bem", "42-stiff-inclusion-of-random-cells", &["grid.fine=[4, 4]", "method.max_steps=2"], MEDIUM),
+    kind("medium", "65-lining-with-friction", &["method.max_steps=2"], &["V ", "S ", "contact problem"]),
+];
+
+/// Datasets of which one entry is changed, and the kind of scene.
+const CHANGED: [(&str, &str); 18] = [
+    ("contact", "matrices/V"),
+    ("contact", "matrices/K"),
+    ("contact", "matrices/W"),
+    ("contact", "matrices/M/data"),
+    ("contact", "contact_problem/problem/stiffness"),
+    ("random-gap", "contact_problem/problem/load"),
+    ("coulomb", "contact_problem/solution/multipliers"),
+    ("two-bodies", "matrices/body_1/S"),
+    ("stabilised", "stabilisation/forms/B_gamma"),
+    ("stabilised", "stabilisation/multipliers"),
+    ("random-modulus", "stochastic/cells/00000/M_E"),
+    ("random-gap", "stochastic/outcomes/pressure"),
+    ("random-gap", "stochastic/eigenpairs/0/modes"),
+    ("fem", "matrices/K/data"),
+    ("msfem", "basis/P/data"),
+    ("msfem", "basis/R"),
+    ("msfem", "matrices/K_H/data"),
+    ("fem-bem", "matrices/A_interface"),
+];
+
+fn solve(place: &Place, kind: &Kind) -> String {
+    let file = format!("{}.vtkhdf", kind.name);
+    let scene = format!("{}/../../scenes/{}.toml", env!("CARGO_MANIFEST_DIR"), kind.scene);
+    let save = ["--quiet", "--save", "all", "--out", &file, "--set", "method.tolerance=1e-2"];
+    let settings = kind.settings.iter().flat_map(|setting| ["--set", setting]);
+    let ran = place.run(["solve", &scene].into_iter().chain(save).chain(settings));
+    assert!(ran.status == 0 || ran.status == 3, "{}: {}", kind.name, ran.err);
+    file
+}
+
+fn script(name: &str) -> String {
+    format!("{}/tests/python/{name}", env!("CARGO_MANIFEST_DIR"))
+}
+
+#[test]
+fn results_of_all_kinds_hold_and_wrong_entries_are_noticed() {
+    let place = Place::new();
+    for kind in &KINDS {
+        let file = solve(&place, kind);
+        let said = place.python(CHECK_RESULT, &[&file]).demand(0).out;
+        for what in kind.wanted {
+            assert!(said.lines().any(|line| line.starts_with(what)), "{}: {what} is not checked:\n{said}", kind.name);
+        }
+        println!("{}: {}", kind.name, said.lines().last().unwrap());
+    }
+    for (kind, dataset) in CHANGED {
+        let file = format!("{kind}.vtkhdf");
+        place.python(&script("change_one_entry.py"), &[&file, dataset, "wrong.vtkhdf"]).demand(0);
+        let ran = place.python(CHECK_RESULT, &["wrong.vtkhdf"]);
+        assert!(ran.status == 1 && ran.out.contains("DOES NOT HOLD"), "{kind}: {dataset} is not noticed:\n{}", ran.out);
+        println!("{kind} with a wrong {dataset}: {}", ran.out.lines().last().unwrap());
+    }
+}
+
+#[test]
+fn a_result_that_saved_nothing_says_how_to_save() {
+    let place = Place::new();
+    place.run(["solve", "block.toml", "--quiet"]).demand(0);
+    let ran = place.python(CHECK_RESULT, &["block.vtkhdf"]);
+    assert!(ran.status == 2 && ran.out.contains("solve with --save all"), "{}{}", ran.out, ran.err);
+}
