@@ -65,7 +65,7 @@ pub use karhunen_loeve::{IntervalParts, KarhunenLoeve, ModeParts, Truncation};
 pub use moments::{Accumulator, Moments, moments};
 pub use orthogonal::Recurrence;
 pub use rectangle::RectangleKarhunenLoeve;
-pub use sampling::{sample, uniform};
+pub use sampling::{latin_hypercube, sample, uniform};
 pub use smolyak::{Points, SparsePolynomials, smolyak};
 pub use statistics::{Histogram, density, quantiles};
 pub use stochastic_mesh::{StochasticCell, StochasticMesh};

@@ -19,9 +19,50 @@ pub fn sample(variables: &[Variable], seed: u64, index: u64) -> Vec<f64> {
     variables.iter().zip(0..).map(|(variable, d)| variable.quantile(uniform(seed, index, d))).collect()
 }
 
+/// Germs of `count` samples, of which each variable has one in every `count`-th part of its probability: a Latin hypercube. Means
+/// of sums of functions of one variable have an error like count^-3/2.
+///
+/// # Source
+/// McKay, Beckman and Conover, Technometrics 21 (1979).
+pub fn latin_hypercube(variables: &[Variable], count: usize, seed: u64) -> Vec<Vec<f64>> {
+    let mut points = vec![Vec::with_capacity(variables.len()); count];
+    for (variable, d) in variables.iter().zip(0..) {
+        // a permutation of the parts, and a place in each
+        let key = |i: &usize| uniform(seed, *i as u64, 2 * d);
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by(|a, b| key(a).total_cmp(&key(b)));
+        for (part, sample) in order.into_iter().enumerate() {
+            let place = uniform(seed, sample as u64, 2 * d + 1);
+            points[sample].push(variable.quantile((part as f64 + place) / count as f64));
+        }
+    }
+    points
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Each part of each variable has one sample, other seeds have others, and the mean of a function of one variable is much better
+    /// than that of independent samples, 1/(12 n)^½.
+    #[test]
+    fn latin_hypercubes_have_a_sample_in_every_part() {
+        let unit = Variable::uniform(0.0, 1.0).unwrap();
+        let variables = [unit.clone(), unit, Variable::normal(1.0, 2.0).unwrap()];
+        for (count, seed) in [(1, 5), (8, 1), (50, 7)] {
+            let points = latin_hypercube(&variables, count, seed);
+            assert_eq!(points, latin_hypercube(&variables, count, seed));
+            for d in 0..2 {
+                let mut parts: Vec<usize> = points.iter().map(|x| (x[d] * count as f64) as usize).collect();
+                let mean = points.iter().map(|x| x[d]).sum::<f64>() / count as f64;
+                assert!((mean - 0.5).abs() < 2.0 * (count as f64).powf(-1.5), "{count}, {d}: {mean}");
+                parts.sort_unstable();
+                assert_eq!(parts, (0..count).collect::<Vec<_>>(), "{count}, {d}");
+            }
+            assert!(points.iter().all(|x| x[2].is_finite() && x[0] != x[1]));
+            assert_ne!(points, latin_hypercube(&variables, count, seed + 1));
+        }
+    }
 
     #[test]
     fn samples_have_the_moments_of_their_variables_and_do_not_correlate() {

@@ -166,7 +166,7 @@ impl Model for BoundaryElements {
             && one.relative <= scene.method.tolerance()
         {
             // the mean outcome is solved well enough: what of the others?
-            *one = mean_estimate(scene, random, &body, enriched, one.clone())?;
+            *one = mean_estimate(scene, random, &body, enriched, one)?;
             (layout, _) = next(Some(one))?;
         }
         let contact = solved.contact.as_ref();

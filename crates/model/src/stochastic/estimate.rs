@@ -2,7 +2,7 @@
 
 use steklov_contact::{Solution, unlocated};
 use steklov_problem::{Random, Scene};
-use steklov_stochastic::{CellBasis, Nodes, StochasticMesh, Variable, sample};
+use steklov_stochastic::{CellBasis, Nodes, StochasticMesh, Variable, latin_hypercube, sample};
 
 use super::jumps::split_at_cuts;
 use super::outcomes::Outcomes;
@@ -17,50 +17,54 @@ use crate::solve::solution::Solved;
 /// Most germs of which all combinations of two values are taken, and samples beyond.
 const FEW: usize = 4;
 const SAMPLES: u64 = 16;
+/// Samples of a Latin hypercube beside the values of few germs: data may vanish at these.
+const BESIDE: usize = 8;
+/// Mean square errors of these samples that count in place of those of the values, over them: less is their own spread.
+const OVERLOOKED: f64 = 2.25;
 /// Seed of these samples: not the scene's, which must not move the mesh that they refine.
 const SEED: u64 = 1;
 
 /// The estimate of an answer of the nominal outcome with its indicators, errors and scale replaced by their means in square over
-/// outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples. Doubts are those of any.
+/// outcomes, see [`mean_over`]. Doubts are those of any.
 pub(crate) fn mean_estimate(
     scene: &Scene,
     random: &Random,
     body: &Body,
     enriched: &EnrichedBody,
-    nominal: Estimate,
+    nominal: &Estimate,
 ) -> Result<Estimate, SolveError> {
     let outcomes = Outcomes::new(scene, random, body)?;
-    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
-    let (points, weights) = outcomes_of(scene, random, variables)?;
-    let mut mean = nominal;
-    let (mut error, mut scale) = (0.0, 0.0);
-    mean.indicators.fill(Bubble::default());
-    let mut warm: Option<Solution> = None;
-    for (germs, weight) in points.iter().zip(weights) {
-        let (outcome, modulus, given) = outcomes.given(germs)?;
-        let (solved, factors) = outcomes.solved(&outcome, given, &mut warm)?;
-        let one = one(&outcome, &solved, body, enriched, &factors)?;
-        let weight = weight * modulus;
-        error += weight * one.error * one.error;
-        scale += weight * one.scale * one.scale;
-        for (sum, b) in mean.indicators.iter_mut().zip(&one.indicators) {
-            sum.displacement += weight * b.displacement;
-            sum.traction += weight * b.traction;
-            sum.oscillation += weight * b.oscillation;
-        }
-        for doubt in one.doubts {
-            if !mean.doubts.contains(&doubt) {
-                mean.doubts.push(doubt);
+    mean_over(scene, random, |points, weights| {
+        let mut mean = nominal.clone();
+        let (mut error, mut scale) = (0.0, 0.0);
+        mean.indicators.fill(Bubble::default());
+        let mut warm: Option<Solution> = None;
+        for (germs, weight) in points.iter().zip(weights) {
+            let (outcome, modulus, given) = outcomes.given(germs)?;
+            let (solved, factors) = outcomes.solved(&outcome, given, &mut warm)?;
+            let one = one(&outcome, &solved, body, enriched, &factors)?;
+            let weight = weight * modulus;
+            error += weight * one.error * one.error;
+            scale += weight * one.scale * one.scale;
+            for (sum, b) in mean.indicators.iter_mut().zip(&one.indicators) {
+                sum.displacement += weight * b.displacement;
+                sum.traction += weight * b.traction;
+                sum.oscillation += weight * b.oscillation;
+            }
+            for doubt in one.doubts {
+                if !mean.doubts.contains(&doubt) {
+                    mean.doubts.push(doubt);
+                }
             }
         }
-    }
-    (mean.error, mean.scale) = (error.sqrt(), scale.sqrt());
-    mean.relative = if mean.error == 0.0 { 0.0 } else { mean.error / mean.scale };
-    Ok(mean)
+        (mean.error, mean.scale) = (error.sqrt(), scale.sqrt());
+        mean.relative = if mean.error == 0.0 { 0.0 } else { mean.error / mean.scale };
+        Ok((error, mean))
+    })
 }
 
-/// The residual estimator in the mean over outcomes, the same as in [`mean_estimate`]: each term in mean square, and with `truncation`
-/// (energy norm) what polynomials of the germs leave out.
+/// The residual estimator in the mean over outcomes, see [`mean_over`]: each term in mean square, and with `truncation` (energy
+/// norm) what polynomials of the germs leave out.
 pub(super) fn mean_estimator(
     scene: &Scene,
     random: &Random,
@@ -68,37 +72,41 @@ pub(super) fn mean_estimator(
     truncation: Option<f64>,
 ) -> Result<Estimator, SolveError> {
     let body = outcomes.body;
-    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
-    let (points, weights) = outcomes_of(scene, random, variables)?;
-    let (mut sums, mut scale) = ([0.0; ON_BOUNDARY.len()], 0.0);
-    let mut warm: Option<Solution> = None;
-    for (germs, weight) in points.iter().zip(weights) {
-        let (outcome, modulus, given) = outcomes.given(germs)?;
-        let (solved, _) = outcomes.solved(&outcome, given, &mut warm)?;
-        let data = OnMesh { scene: &outcome, mesh: &body.mesh, space: &body.space };
-        let weight = weight * modulus;
-        for residual in data.all_residuals(&solved, modulus)? {
-            sums.iter_mut().zip(residual.terms()).for_each(|(sum, term)| *sum += weight * term);
+    mean_over(scene, random, |points, weights| {
+        let (mut sums, mut scale) = ([0.0; ON_BOUNDARY.len()], 0.0);
+        let mut warm: Option<Solution> = None;
+        for (germs, weight) in points.iter().zip(weights) {
+            let (outcome, modulus, given) = outcomes.given(germs)?;
+            let (solved, _) = outcomes.solved(&outcome, given, &mut warm)?;
+            let data = OnMesh { scene: &outcome, mesh: &body.mesh, space: &body.space };
+            let weight = weight * modulus;
+            for residual in data.all_residuals(&solved, modulus)? {
+                sums.iter_mut().zip(residual.terms()).for_each(|(sum, term)| *sum += weight * term);
+            }
+            scale += weight * 2.0 * solved.energies.strain;
         }
-        scale += weight * 2.0 * solved.energies.strain;
-    }
-    let scale = scale.sqrt();
-    let truncation = truncation.map(|relative| (TRUNCATION, (relative * scale).powi(2)));
-    Ok(Estimator::new(ON_BOUNDARY.into_iter().map(|(name, _)| name).zip(sums).chain(truncation), scale))
+        let scale = scale.sqrt();
+        let truncation = truncation.map(|relative| (TRUNCATION, (relative * scale).powi(2)));
+        let parts = ON_BOUNDARY.into_iter().map(|(name, _)| name).zip(sums).chain(truncation);
+        Ok((sums.iter().sum(), Estimator::new(parts, scale)))
+    })
 }
 
-/// Outcomes over which errors are averaged, and their weights.
-fn outcomes_of(
+/// A mean over outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples. Where data vanish at the points of
+/// the rules, q² - 1/3 of a uniform q, these see nothing: the mean of 8 samples of a Latin hypercube is taken where its squared error is
+/// much larger. `mean` of points and weights tells the mean square error too.
+fn mean_over<T>(
     scene: &Scene,
     random: &Random,
-    variables: Vec<Variable>,
-) -> Result<(Vec<Vec<f64>>, Vec<f64>), SolveError> {
+    mut mean: impl FnMut(&[Vec<f64>], &[f64]) -> Result<(f64, T), SolveError>,
+) -> Result<T, SolveError> {
+    let variables: Vec<Variable> = random.germs.iter().map(|g| g.variable.clone()).collect();
     let germs = variables.len();
     if germs > FEW {
-        let points = (0..SAMPLES).map(|i| sample(&variables, SEED, i)).collect();
-        return Ok((points, vec![1.0 / SAMPLES as f64; SAMPLES as usize]));
+        let points: Vec<Vec<f64>> = (0..SAMPLES).map(|i| sample(&variables, SEED, i)).collect();
+        return Ok(mean(&points, &[1.0 / SAMPLES as f64; SAMPLES as usize])?.1);
     }
-    let mut mesh = StochasticMesh::uniform(variables, &vec![1; germs], &vec![1; germs])?;
+    let mut mesh = StochasticMesh::uniform(variables.clone(), &vec![1; germs], &vec![1; germs])?;
     split_at_cuts(&mut mesh, scene.cuts(random))?;
     let (mut points, mut weights) = (Vec::new(), Vec::new());
     for cell in 0..mesh.cells.len() {
@@ -106,7 +114,9 @@ fn outcomes_of(
         points.extend(basis.points);
         weights.extend(basis.weights);
     }
-    Ok((points, weights))
+    let (squared, of_rule) = mean(&points, &weights)?;
+    let (beside, of_samples) = mean(&latin_hypercube(&variables, BESIDE, SEED), &[1.0 / BESIDE as f64; BESIDE])?;
+    Ok(if beside > OVERLOOKED * squared { of_samples } else { of_rule })
 }
 
 /// The estimate of one outcome, with its transitions inside elements.
