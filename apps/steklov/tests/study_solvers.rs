@@ -60,6 +60,35 @@ fn newtons_method_converges_superlinearly() {
     }
 }
 
+/// A disc that Coulomb's friction and its weight hold: the line search stalls, and active sets find the answer.
+const DISC: &str = r#"
+body = { circle = { centre = [0, 0], radius = 1 }, side = "rim" }
+material = { young = 1000, poisson = 0.3 }
+sides.rim.contact = { gap = "1 + y", friction = { coulomb = "0.2" } }
+body_force = { value = ["0", "-1"] }
+"#;
+
+/// Where Newton's method gives way its iterations are not those of another method.
+#[test]
+fn a_method_that_gives_way_is_told() {
+    let place = Place::new();
+    place.write("disc.toml", DISC);
+    let arguments = ["study", "disc.toml", "--what", "solvers", "--json", "--quiet", "--set", "method.max_dofs=150"];
+    let o: Value = serde_json::from_str(&place.run(arguments).demand(0).out).unwrap();
+    let newton = o["solvers"].as_array().unwrap().iter().find(|s| s["name"] == "semi-smooth Newton").unwrap();
+    let told = o["newton_failures"].as_array().unwrap();
+    let gave_way: Vec<f64> = told.iter().map(|f| f["elements"].as_f64().unwrap()).collect();
+    assert!(!gave_way.is_empty() && told.iter().all(|f| f["message"].as_str().unwrap().contains("active sets")), "{o}");
+    assert_eq!(&newton["failures"], &o["newton_failures"]);
+    for point in newton["points"].as_array().unwrap() {
+        let elements = point["elements"].as_f64().unwrap();
+        assert_eq!(point["iterations"].is_null(), gave_way.contains(&elements), "{point}");
+        let iterates = o["newton"].as_array().unwrap().iter().filter(|i| i["elements"] == elements);
+        let last = iterates.filter_map(|i| i["error"].as_f64()).last().unwrap();
+        assert!((last > 1e-6) == gave_way.contains(&elements), "{elements}: {last}");
+    }
+}
+
 #[test]
 fn scenes_without_contact_or_on_a_grid_are_refused() {
     let place = Place::new();

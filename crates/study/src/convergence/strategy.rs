@@ -201,7 +201,7 @@ pub fn strategy(
     scene.method.refine = refine;
     let truth = for_truth(&scene);
     let what = |k: usize| format!("{name}, run {k} of {}", repeat.max(1));
-    let first = Round::new(&scene, &what(1), watch);
+    let first = Round::new(&scene, &what(1), true, watch);
     let run = match &first.run {
         Ok(run) => run,
         Err(error) => {
@@ -214,7 +214,7 @@ pub fn strategy(
     };
     let mut ends = vec![first.ends];
     while ends.len() < repeat && !watch.stopped() {
-        ends.push(Round::new(&scene, &what(ends.len() + 1), watch).ends);
+        ends.push(Round::new(&scene, &what(ends.len() + 1), false, watch).ends);
     }
     let steps = &run.progress.steps;
     let dofs: Vec<usize> = steps.iter().map(|s| s.dofs).collect();
@@ -244,7 +244,8 @@ struct Round {
 }
 
 impl Round {
-    fn new(scene: &Scene, what: &str, watch: &mut Watch<'_>) -> Self {
+    /// `first`: whether it is looked at what steps leave; later runs are for the seconds alone.
+    fn new(scene: &Scene, what: &str, first: bool, watch: &mut Watch<'_>) -> Self {
         let (mut left, mut ends) = (Vec::new(), Vec::new());
         // the run does not need what is looked at here
         let mut looking = 0.0;
@@ -252,6 +253,9 @@ impl Round {
             watch.tell_step(what, "", step, &event);
             if let Event::Done { solved, step, seconds } = event {
                 ends.push(seconds - looking);
+                if !first {
+                    return Ok(());
+                }
                 let clock = Instant::now();
                 // one that cannot be computed is not known
                 left.push((solved.displacement.clone(), residual(scene, solved, step).ok().flatten()));

@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use steklov_contact::{ContactError, Problem, Solution, active_set, interior_point, kkt, newton, uzawa};
+use steklov_contact::{Problem, Solution, active_set, interior_point, kkt, newton_watched, uzawa};
 use steklov_model::error::SolveError;
 use steklov_model::run::adaptive_loop::{Event, Progress, run};
 use steklov_model::run::boundary_elements::BoundaryElements;
@@ -13,15 +13,28 @@ use crate::supported::{contact_sides, uniform};
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// What a solver is called.
-type Solver = fn(&Problem) -> Result<Solution, ContactError>;
+/// A solver; why it has no answer in words.
+type Solver = fn(&Problem) -> Result<Solution, String>;
 /// Solvers and their names.
 pub const SOLVERS: [(&str, Solver); 4] = [
-    ("Uzawa", |p| uzawa(p, None, None)),
-    ("active set", |p| active_set(p, None)),
-    ("interior point", interior_point),
-    ("semi-smooth Newton", |p| newton(p, None)),
+    ("Uzawa", |p| uzawa(p, None, None).map_err(|e| e.to_string())),
+    ("active set", |p| active_set(p, None).map_err(|e| e.to_string())),
+    ("interior point", |p| interior_point(p).map_err(|e| e.to_string())),
+    ("semi-smooth Newton", newton_alone),
 ];
+
+/// The semi-smooth Newton method where it needs no other one.
+fn newton_alone(problem: &Problem) -> Result<Solution, String> {
+    let mut steps = 0;
+    let solution = newton_watched(problem, None, &mut |_| steps += 1).map_err(|e| e.to_string())?;
+    gave_way(steps, &solution).map_or(Ok(solution), Err)
+}
+
+/// That the method had not converged after so many iterates, if so: the history of its answer goes on with that of active sets.
+pub(super) fn gave_way(iterates: usize, solution: &Solution) -> Option<String> {
+    let last = iterates.saturating_sub(1);
+    (iterates < solution.history.len()).then(|| format!("it gave way to active sets after {last} steps"))
+}
 
 /// Where iterations are counted: the solver's own relative measure.
 pub const TOLERANCE: f64 = 1e-10;
@@ -171,7 +184,7 @@ impl Method {
             failure: None,
         };
         match solution {
-            Err(error) => Self { failure: Some(error.to_string()), ..nothing },
+            Err(why) => Self { failure: Some(why), ..nothing },
             Ok(solution) => {
                 let kkt = kkt(problem, &solution).worst();
                 Self { iterations: iterations(&solution.history), kkt, history: solution.history, ..nothing }

@@ -4,7 +4,7 @@ use faer::Mat;
 use steklov_algebra::dot;
 use steklov_contact::newton_watched;
 
-use super::compare::OnMesh;
+use super::compare::{OnMesh, gave_way};
 use crate::table::Column;
 
 /// Relative errors below this are rounding.
@@ -30,7 +30,7 @@ pub struct Newton {
     pub elements: usize,
     /// The iterates; none where the method gave way to the active set method at once.
     pub iterates: Vec<Iterate>,
-    /// Why there is no solution.
+    /// Why they have no end: there is no solution, or active sets found it.
     pub failure: Option<String>,
 }
 
@@ -47,11 +47,14 @@ impl Newton {
     pub(super) fn new(OnMesh { elements, problem, .. }: &OnMesh) -> Self {
         let mut unknowns: Vec<Vec<f64>> = Vec::new();
         let solved = newton_watched(problem, None, &mut |v| unknowns.push(v.to_vec()));
-        let solution = match solved {
+        let (solution, failure) = match solved {
             Err(error) => {
                 return Self { elements: *elements, iterates: Vec::new(), failure: Some(error.to_string()) };
             }
-            Ok(solution) => solution.displacement,
+            Ok(solution) => {
+                let failure = gave_way(unknowns.len(), &solution);
+                (solution.displacement, failure)
+            }
         };
         let norm = energy(&problem.stiffness, &solution).sqrt();
         let error = |v: &Vec<f64>| {
@@ -65,7 +68,7 @@ impl Newton {
             let ratio = next.map_or(f64::NAN, |next| next / errors[k]);
             Iterate { elements: *elements, number: k, error: errors[k], ratio }
         };
-        Self { elements: *elements, iterates: (0..errors.len()).map(iterate).collect(), failure: None }
+        Self { elements: *elements, iterates: (0..errors.len()).map(iterate).collect(), failure }
     }
 }
 

@@ -32,10 +32,15 @@ pub fn report<'a>(study: &'a ContactSolvers<'_>) -> Report<'a> {
         parts: vec![
             list("solvers", (0..SOLVERS.len()).map(|k| parts(&study.solvers, k)).collect()),
             rows("newton", iterates()),
+            told("newton_failures", study.newton.iter().filter_map(failure).collect::<Value>()),
         ],
         tables: vec![("solvers.csv", methods.csv()), ("newton.csv", iterates().csv())],
         body: body(study),
     }
+}
+
+fn failure(newton: &Newton) -> Option<Value> {
+    Some(json!({ "elements": newton.elements, "message": newton.failure.as_ref()? }))
 }
 
 /// A solver: its numbers mesh by mesh, what failed, its measure by iteration.
@@ -63,14 +68,10 @@ fn body(study: &ContactSolvers<'_>) -> String {
         let cells = |value: fn(&Iterate) -> f64| -> String {
             iterates.iter().map(|i| format!(" {:>8}", cell(value(i)))).collect()
         };
-        match failure {
-            Some(why) => {
-                let _ = writeln!(text, "{elements:>8}  no solution: {why}");
-            }
-            None => {
-                let _ = writeln!(text, "{elements:>8} {}", cells(|i| i.error));
-                let _ = writeln!(text, "{:>8} {:>8}{}", "", "", cells(|i| i.ratio).trim_end());
-            }
+        let _ = writeln!(text, "{elements:>8} {}", cells(|i| i.error));
+        let _ = writeln!(text, "{:>8} {:>8}{}", "", "", cells(|i| i.ratio).trim_end());
+        if let Some(why) = failure {
+            let _ = writeln!(text, "{:>8}  not to the end: {why}", "");
         }
     }
     text
