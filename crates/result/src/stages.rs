@@ -94,7 +94,11 @@ pub fn save_stage(file: &File, number: usize, stage: &Stage<'_>, saved: &[Saved]
         // bodies behind the first one in groups of their own
         Stage::Operators(body, operators) => save(&matrices(&step)?, &format!("body_{body}"), *operators),
         Stage::Steklov(body, s) => {
-            let meaning = label("stress", "Steklov-Poincare operator <S u, v>", &[DISPLACEMENT, DISPLACEMENT]);
+            let meaning = label(
+                "stress",
+                "Steklov-Poincare operator <S u, v>, without springs: S = W + (M/2 + K)^T V^-1 (M/2 + K); of a medium bounded at infinity S_B = S - S 1 (1^T S 1)^-1 1^T S, 1 the translations; with a medium tied on the same mesh that of the medium in it",
+                &[DISPLACEMENT, DISPLACEMENT],
+            );
             let of_step = matrices(&step)?;
             let at = if *body == 0 { of_step } else { open_group(&of_step, &format!("body_{body}"))? };
             save_dense(&at, "S", s.as_ref(), &meaning)

@@ -17,6 +17,8 @@ const CELLS: &str = "cells";
 const EIGENPAIRS: &str = "eigenpairs";
 /// Operations for which a mass matrix with the modulus is made.
 const WORK: f64 = 2e9;
+/// Values of the modes of a field at points of integration that are stored, at most: 160 MB.
+const MODES: usize = 20_000_000;
 
 /// Outcomes on their way into `/stochastic`, block by block.
 pub struct SavedOutcomes<'a> {
@@ -113,6 +115,11 @@ fn save_eigenpairs(at: &Group, name: &str, field: &Field) -> Result<(), IoError>
     }
     let (points, weights): (Vec<Vec<f64>>, Vec<f64>) = points.into_iter().unzip();
     save_text(at, "name", name, "name of the random field")?;
+    let meaning = "lambda_m of the covariance, falling";
+    save_vector(at, "eigenvalues", &field.eigenvalues(), &label("length^d", meaning, &["mode"]))?;
+    if points.len() * field.len() > MODES {
+        return save_text(at, "left_out", "modes: too many at too many points", "what is not stored, and why");
+    }
     let table = Mat::from_fn(points.len(), sides.len(), |i, j| points[i][j]);
     let meaning = "points of integration: arc length along the side, or places in the rectangle around the body";
     save_dense(at, "points", table.as_ref(), &label("length", meaning, &["point", "component"]))?;
@@ -121,9 +128,7 @@ fn save_eigenpairs(at: &Group, name: &str, field: &Field) -> Result<(), IoError>
     let table = Mat::from_fn(points.len(), field.len(), |i, j| modes[i][j]);
     let meaning = "phi_m = lambda_m^(1/2) b_m: sum over the points of w phi_m phi_n = lambda_m delta_mn; the field is \
                    sum of phi_m germ_m";
-    save_dense(at, "modes", table.as_ref(), &label("1", meaning, &["point", "mode"]))?;
-    let meaning = "lambda_m of the covariance, falling";
-    save_vector(at, "eigenvalues", &field.eigenvalues(), &label("length^d", meaning, &["mode"]))
+    save_dense(at, "modes", table.as_ref(), &label("1", meaning, &["point", "mode"]))
 }
 
 /// The basis of a cell, its masses and the integration that makes them.

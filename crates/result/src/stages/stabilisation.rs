@@ -29,7 +29,7 @@ pub(super) fn save_system(step: &Group, system: &StabilisedSystem<'_>) -> Result
         "the largest gamma_0 for which S - gamma_0 B is not negative on the unknowns that are not held, within 1 %";
     save_number(&at, "critical_gamma", contact.critical, "1/stress", meaning)?;
 
-    let meaning = "S, that of springs in it: (S - gamma B) u + E_n^T lambda_n + E_t^T lambda_t = f + gamma (T_n^T tau_n + T_t^T tau_t) \
+    let meaning = "S, that of springs and what holds rigid motions that nothing resists in it: (S - gamma B) u + E_n^T lambda_n + E_t^T lambda_t = f + gamma (T_n^T tau_n + T_t^T tau_t) \
                    on unknowns that are not held, with gamma = gamma_0, E = pairing - gamma C";
     save_dense(&at, "S", stiffness.as_ref(), &label("stress", meaning, &[DISPLACEMENT, DISPLACEMENT]))?;
     save_vector(&at, "f", load, &label("force/thickness", "f, without contact", &[DISPLACEMENT]))?;
