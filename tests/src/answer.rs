@@ -91,16 +91,22 @@ pub fn document(name: &str, overrides: &[&str]) -> Document {
 /// # Panics
 /// If one is wrong.
 pub fn gallery() -> Vec<(String, Scene)> {
+    scenes(&[]).into_iter().filter(|(_, scene)| scene.model() == Model::Bem).collect()
+}
+
+/// All scenes of the gallery and their names, with keys that are set in them.
+pub fn scenes(overrides: &[&str]) -> Vec<(String, Scene)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../scenes");
     let files = std::fs::read_dir(&folder).expect("the folder of scenes");
     let mut paths: Vec<_> = files.map(|f| f.expect("an entry of the folder").path()).collect();
     paths.retain(|path| path.extension().is_some_and(|e| e == "toml") && !path.is_symlink());
     paths.sort();
+    let overrides: Vec<String> = overrides.iter().map(|&set| set.to_owned()).collect();
     let named = paths.iter().map(|path| {
         let name = path.file_stem().expect("a file name").to_string_lossy().into_owned();
-        (name, steklov_document::read(path, &[]).unwrap_or_else(|e| panic!("{}", e.render())))
+        (name, steklov_document::read(path, &overrides).unwrap_or_else(|e| panic!("{}", e.render())))
     });
-    named.filter(|(_, scene)| scene.model() == Model::Bem).collect()
+    named.collect()
 }
 
 /// Solves a scene as its method says, mesh by mesh.

@@ -8,7 +8,7 @@ mod adaptive;
 
 pub use adaptive::{Judged, finer, judged, line, solved_in_steps, step_below};
 pub use answer::{
-    Answer, adapt, answer, answer_on, attempt, attempt_grid, document, gallery, on_grid, parse, scene, summary,
+    Answer, adapt, answer, answer_on, attempt, attempt_grid, document, gallery, on_grid, parse, scene, scenes, summary,
 };
 pub use balance::{unbalanced_forces, unbalanced_nodes};
 pub use case::{Case, On, View, point_of, rotated};

@@ -5,7 +5,9 @@ use std::path::Path;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 use steklov_io::{IoError, load_foreign_axes, load_foreign_table};
-use steklov_problem::{BasisInput, CellModuli, Cells, DataErrorKind, GridInput, MOST_CELLS, TableOrder, modulus_cells};
+use steklov_problem::{
+    BASES, BasisInput, CellModuli, Cells, DataErrorKind, GridInput, MOST_CELLS, TableOrder, modulus_cells,
+};
 
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
@@ -21,28 +23,13 @@ pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, ReadError> {
         Ok([x.whole(1, MOST_CELLS)?, y.whole(1, MOST_CELLS)?])
     };
     let (coarse, fine) = (counts("coarse")?, counts("fine")?);
-    let count = |counts: [usize; 2]| counts[0] as f64 * counts[1] as f64;
-    let total = count(coarse) * count(fine);
-    if total > MOST_CELLS as f64 {
-        let name = if count(coarse) > MOST_CELLS as f64 { "coarse" } else { "fine" };
-        let message = format!(
-            "the grid has {} by {} coarse cells of {} by {} fine ones, {total} in all",
-            coarse[0], coarse[1], fine[0], fine[1]
-        );
-        let field = fields.require(name, "the numbers of cells")?;
-        return Err(field.problem(message, format!("take fewer cells: {MOST_CELLS} at most")));
-    }
-    let words = [
-        ("linear", BasisInput::Linear),
-        ("coupled", BasisInput::Coupled),
-        ("oscillatory", BasisInput::Oscillatory),
-        ("oversampled", BasisInput::Oversampled),
-        ("periodic", BasisInput::Periodic),
-        ("q1", BasisInput::Q1),
-    ];
-    let basis = fields.get("basis").map_or(Ok(BasisInput::Coupled), |basis| basis.choice(&words))?;
+    let basis = fields.get("basis").map_or(Ok(BasisInput::Coupled), |basis| basis.choice(&BASES))?;
     let oversample = fields.get("oversample").map(|cells| cells.whole(0, MOST_CELLS)).transpose()?;
-    Ok(GridInput { coarse, fine, basis, oversample })
+    let grid = GridInput { coarse, fine, basis, oversample };
+    if let Err((key, message, help)) = grid.check() {
+        return Err(fields.require(key, "the numbers of cells")?.problem(message, help));
+    }
+    Ok(grid)
 }
 
 /// Reads `[material.cells]`; the material is that of modulus 1.

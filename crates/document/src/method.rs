@@ -2,7 +2,8 @@
 
 use steklov_contact::MultiplierDegree;
 use steklov_problem::{
-    DataErrorKind, Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Multiplier, Refine, Solver,
+    DataErrorKind, Expectation, INDICATORS, MODELS, MULTIPLIER_MESHES, MULTIPLIERS, Method, Multiplier, REFINES,
+    SOLVERS,
 };
 
 use super::error::ReadError;
@@ -25,18 +26,13 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
             "degree" => method.degree = field.whole(1, 64)?,
             "max_dofs" => method.max_dofs = Some(field.whole(1, 100_000_000)?),
             "max_steps" => method.max_steps = field.whole(1, 1_000_000)?,
-            "indicator" => {
-                method.indicator = field.choice(&[("bubble", Indicator::Bubble), ("residual", Indicator::Residual)])?;
-            }
+            "indicator" => method.indicator = field.choice(&INDICATORS)?,
             "estimators" => method.estimators = field.flag()?,
             "marking" => {
                 method.marking = auto(&field, |v| v > 0.0 && v <= 1.0, "\"auto\", or a number above 0 and at most 1")?
             }
             "smoothness" => method.smoothness = field.number_where(|v| v > 0.0 && v <= 1.0, "above 0 and at most 1")?,
-            "multiplier" => {
-                let words = [("biorthogonal", Multiplier::Biorthogonal), ("stabilised", Multiplier::Stabilised)];
-                method.multiplier = field.choice(&words)?;
-            }
+            "multiplier" => method.multiplier = field.choice(&MULTIPLIERS)?,
             "gamma" => method.gamma = auto(&field, |v| v > 0.0 && v.is_finite(), "\"auto\", or a number above 0")?,
             "multiplier_mesh" => method.multiplier_mesh = field.choice(&MULTIPLIER_MESHES)?,
             "multiplier_degree" => {
@@ -68,17 +64,6 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
         _ => Ok(method),
     }
 }
-
-const REFINES: [(&str, Refine); 6] = [
-    ("hp", Refine::Hp),
-    ("hp-decay", Refine::HpDecay),
-    ("h", Refine::H),
-    ("uniform-h", Refine::UniformH),
-    ("uniform-p", Refine::UniformP),
-    ("none", Refine::None),
-];
-const SOLVERS: [(&str, Solver); 4] =
-    [("auto", Solver::Auto), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
 
 /// A number, or `None` for the word "auto".
 fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, ReadError> {

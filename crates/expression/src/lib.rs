@@ -165,6 +165,11 @@ impl Expression {
         &self.code.read.names
     }
 
+    /// The values of these names, in the same order.
+    pub fn values(&self) -> &[Value] {
+        &self.code.values
+    }
+
     /// The value, if the expression depends on none of x, y, s.
     pub fn constant(&self) -> Option<f64> {
         match self.code.ops[..] {

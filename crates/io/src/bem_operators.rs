@@ -69,7 +69,7 @@ impl Persist for Polygon {
         let (corners, sides, names) =
             (load_points(at, "corners")?, load_integers(at, "side")?, load_texts(at, "side_names")?);
         check_length(at, "side", sides.len(), corners.len())?;
-        let paths = match at.link_exists("path") {
+        let paths = match at.link_exists("path") || at.link_exists("path_numbers") {
             true => paths(at, corners.len())?,
             false => vec![Path::Line; corners.len()],
         };
@@ -86,7 +86,7 @@ impl Persist for Polygon {
         if loops.is_empty() {
             return Err(invalid(at, "loops", "there is none"));
         }
-        let bodies = match at.link_exists("bodies") {
+        let bodies = match at.link_exists("bodies") || at.link_exists("bounded") {
             true => {
                 let (bodies, bounded) = (load_pairs(at, "bodies")?, load_integers(at, "bounded")?);
                 check_length(at, "bounded", bounded.len(), bodies.len())?;

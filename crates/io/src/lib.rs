@@ -21,6 +21,8 @@
 //! | `MultiplierSpace` | `edge` `side` `degree` `span` `nodes`; `node_edge` `node_side` `parameter` `weight` `points` `normal` `tangent` `curved` `resultant` |
 //! | `StabilisedForms` | `elements` `coordinates` `weights` `damping`; `trace_` `values_` `pairing_` `C_gamma_` `D_gamma_` of `n` and `t`; `B_gamma` |
 //! | `InfSup` | `beta` |
+//! | `Problem` | `outline` `expressions`; `condition` `displacement` `traction` `springs` `stiffness` by side; `bodies/K` `interfaces/K` |
+//! | `Method` | a word or a number by the name of the key, none where it is left to the program |
 //!
 //! The matrices of these satisfy the formulas in their attribute `meaning`; reading demands it.
 //!
@@ -86,6 +88,14 @@ mod tensor_problem;
 mod msfem;
 #[cfg(feature = "coupling")]
 mod coupling;
+#[cfg(feature = "problem")]
+mod expressions;
+#[cfg(feature = "problem")]
+mod method;
+#[cfg(feature = "problem")]
+mod problem;
+#[cfg(feature = "problem")]
+mod words;
 
 // the crates of whose types the interface is made
 pub use {faer, sprs};

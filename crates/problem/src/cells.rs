@@ -27,6 +27,16 @@ pub enum BasisInput {
     Q1,
 }
 
+/// Every basis and its word.
+pub const BASES: [(&str, BasisInput); 6] = [
+    ("linear", BasisInput::Linear),
+    ("coupled", BasisInput::Coupled),
+    ("oscillatory", BasisInput::Oscillatory),
+    ("oversampled", BasisInput::Oversampled),
+    ("periodic", BasisInput::Periodic),
+    ("q1", BasisInput::Q1),
+];
+
 /// `[grid]`: rectangles over the bounding box of the body.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct GridInput {
@@ -44,6 +54,28 @@ impl GridInput {
     /// Fine cells along x and y; 2²⁶ of them at most.
     pub fn cells(&self) -> [usize; 2] {
         [0, 1].map(|k| self.coarse[k] * self.fine[k])
+    }
+
+    /// Whether there are cells, 2²⁶ at most.
+    ///
+    /// # Errors
+    /// The number that is wrong by its key, what is wrong, and what to do.
+    pub fn check(&self) -> Result<(), (&'static str, String, String)> {
+        let count = |counts: [usize; 2]| counts[0] as f64 * counts[1] as f64;
+        let total = count(self.coarse) * count(self.fine);
+        let ([m, n], [k, l]) = (self.coarse, self.fine);
+        if !(1.0..=MOST_CELLS as f64).contains(&total) {
+            let key = if (1.0..=MOST_CELLS as f64).contains(&count(self.coarse)) { "fine" } else { "coarse" };
+            let message = format!("the grid has {m} by {n} coarse cells of {k} by {l} fine ones, {total} in all");
+            return Err((key, message, format!("take fewer cells: {MOST_CELLS} at most")));
+        }
+        match self.oversample {
+            Some(cells) if cells > MOST_CELLS => {
+                let message = format!("a coarse cell is to be enlarged by {cells} fine cells on each side");
+                Err(("oversample", message, format!("take fewer cells: {MOST_CELLS} at most")))
+            }
+            _ => Ok(()),
+        }
     }
 }
 

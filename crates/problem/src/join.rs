@@ -73,6 +73,33 @@ impl Problem {
         Ok(&mut self.interfaces[last])
     }
 
+    /// An interface as another problem has it, the last one then. [`Problem::check_bodies`] judges all of them.
+    ///
+    /// # Errors
+    /// Sides that are not there; with a medium others than all of the outer loop; between bodies as [`Problem::join`], the place that
+    /// the interface names carrying.
+    pub fn join_as(&mut self, interface: Interface) -> Result<(), DataError> {
+        if let Other::Sides(facing) = &interface.other {
+            let places = match interface.place {
+                Place::First => [&interface.sides, facing],
+                Place::Second => [facing, &interface.sides],
+            };
+            let joined = self.join(places[0], places[1], interface.law, Some(interface.place))?;
+            joined.name = interface.name;
+            return Ok(());
+        }
+        if interface.other == Other::Medium && interface.sides != self.outer_sides() {
+            let message = "a medium meets some sides of the outer loop only, or others".to_owned();
+            let help = "surround the body: a medium is tied to all of its outer loop";
+            return Err(DataError::at(Kind::Value, &[vec!["exterior"]], message, help));
+        }
+        if interface.other == Other::Obstacle {
+            self.check_once(interface.sides.iter())?;
+        }
+        self.interfaces.push(interface);
+        Ok(())
+    }
+
     /// That no side of an interface between bodies, or with an obstacle, is in another one or has a condition besides.
     pub(super) fn check_conditions(&self) -> Result<(), DataError> {
         let met = self.interfaces.iter().filter(|interface| interface.other != Other::Medium);

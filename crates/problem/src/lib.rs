@@ -60,7 +60,7 @@ use std::collections::BTreeMap;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 
-pub use cells::{BasisInput, CellModuli, Cells, GridInput, MOST_CELLS, TableOrder, bounding_box};
+pub use cells::{BASES, BasisInput, CellModuli, Cells, GridInput, MOST_CELLS, TableOrder, bounding_box};
 pub use check::STIFFNESS;
 pub use cracks::{Crack, CrackError, cut_by_cracks};
 pub use error::{About, DataError, DataErrorKind};
@@ -69,7 +69,10 @@ pub use facing::Seen;
 pub use far_field::FarField;
 pub use grid_fit::{check_body, grid_of};
 pub use medium::Surroundings;
-pub use method::{Expectation, Indicator, MODELS, MULTIPLIER_MESHES, Method, Model, Multiplier, Refine, Solver};
+pub use method::{
+    Expectation, INDICATORS, Indicator, MODELS, MULTIPLIER_MESHES, MULTIPLIERS, Method, Model, Multiplier, REFINES,
+    Refine, SOLVERS, Solver,
+};
 pub use moduli::{check_modulus_cells, moduli, modulus_cells};
 pub use problem::{Body, Faces, Interface, Law, Other, Place, Problem, Substance};
 pub use random::{Germ, Random, RandomConstants, RandomName, Sampling, Stochastic};

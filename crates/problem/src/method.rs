@@ -189,3 +189,24 @@ pub const MULTIPLIER_MESHES: [(&str, MultiplierMesh); 4] = [
     ("finer", MultiplierMesh::Finer(2)),
     ("shifted", MultiplierMesh::Shifted),
 ];
+
+/// Every refinement and its word.
+pub const REFINES: [(&str, Refine); 6] = [
+    ("hp", Refine::Hp),
+    ("hp-decay", Refine::HpDecay),
+    ("h", Refine::H),
+    ("uniform-h", Refine::UniformH),
+    ("uniform-p", Refine::UniformP),
+    ("none", Refine::None),
+];
+
+/// Every solver of contact and its word.
+pub const SOLVERS: [(&str, Solver); 4] =
+    [("auto", Solver::Auto), ("newton", Solver::Newton), ("active-set", Solver::ActiveSet), ("uzawa", Solver::Uzawa)];
+
+/// Every indicator and its word.
+pub const INDICATORS: [(&str, Indicator); 2] = [("bubble", Indicator::Bubble), ("residual", Indicator::Residual)];
+
+/// Every space of multipliers and its word.
+pub const MULTIPLIERS: [(&str, Multiplier); 2] =
+    [("biorthogonal", Multiplier::Biorthogonal), ("stabilised", Multiplier::Stabilised)];

@@ -64,7 +64,11 @@ impl Scene {
         self.check_exterior()?;
         match (self.is_on_grid(), &self.body().grid) {
             (false, _) => self.check_uniform(),
-            (true, Some(grid)) => self.check_grid(grid),
+            (true, Some(grid)) => {
+                let wrong = |(key, message, help)| DataError::at(Kind::Value, &[vec!["grid", key]], message, help);
+                grid.check().map_err(wrong)?;
+                self.check_grid(grid)
+            }
             (true, None) => Err(self.grid_error()),
         }
     }

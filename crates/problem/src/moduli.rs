@@ -36,7 +36,8 @@ pub fn modulus_cells(polygon: &Polygon, size: f64) -> Option<[usize; 2]> {
 /// cells along both axes.
 ///
 /// # Errors
-/// A size that does not divide the sides of the bounding box, or that the fine cells do not divide.
+/// A size that does not divide the sides of the bounding box, or that the fine cells do not divide; a table that does not have
+/// NX × NY numbers.
 pub fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Result<[usize; 2], DataError> {
     let (_, box_size) = bounding_box(&scene.problem.outline);
     let refuse = |message, help: &str| Err(DataError::at(Kind::Value, &[SIZE.to_vec()], message, help));
@@ -56,6 +57,12 @@ pub fn check_modulus_cells(scene: &Scene, cells: &Cells, fine: [usize; 2]) -> Re
         };
         return refuse(message, &help);
     };
+    if let CellModuli::Table { values, source, .. } = &cells.young
+        && values.len() != nx * ny
+    {
+        let message = format!("{source} has {} moduli of {nx} by {ny} cells", values.len());
+        return Err(DataError::at(Kind::Value, &[YOUNG.to_vec()], message, "give one modulus for each cell"));
+    }
     if fine[0].is_multiple_of(nx) && fine[1].is_multiple_of(ny) {
         return Ok([nx, ny]);
     }

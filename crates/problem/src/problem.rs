@@ -198,9 +198,7 @@ impl Problem {
         let (corners, names) = edges.iter().map(|e| (e.listed()[0], self.sides[e.side].name.clone())).unzip();
         let hole = Loop { paths: edges.iter().map(|e| e.path).collect(), ..Loop::straight(corners, names) };
         Polygon::outside(vec![hole])?;
-        let mut sides: Vec<usize> = edges.iter().map(|e| e.side).collect();
-        sides.sort_unstable();
-        sides.dedup();
+        let sides = self.outer_sides();
         self.bodies.truncate(1);
         self.bodies.push(Body { far: Some(far), ..Body::new("medium", Substance::Homogeneous(material)) });
         self.interfaces.push(Interface {
@@ -212,6 +210,15 @@ impl Problem {
             faces: Faces::Own,
         });
         Ok(())
+    }
+
+    /// The sides of the outer loop of the first body, rising.
+    pub(super) fn outer_sides(&self) -> Vec<usize> {
+        let edges = &self.outline.edges()[self.outline.loops()[0].clone()];
+        let mut sides: Vec<usize> = edges.iter().map(|e| e.side).collect();
+        sides.sort_unstable();
+        sides.dedup();
+        sides
     }
 
     /// The contact whose multipliers a side carries.
@@ -256,8 +263,12 @@ impl Problem {
         })
     }
 
-    /// Whether the bodies are those that can be solved: bounded ones, one medium, or one body and the medium around it.
-    pub(super) fn check_bodies(&self) -> Result<(), DataError> {
+    /// Whether the bodies are those that can be solved: bounded ones, one medium, or one body and the medium around it; that they
+    /// do not overlap, and that no side is in two interfaces or in one and has a condition besides.
+    ///
+    /// # Errors
+    /// The first thing that is wrong.
+    pub fn check_bodies(&self) -> Result<(), DataError> {
         let refuse =
             |message: String, help: &str| Err(DataError::at(Kind::Unsupported, &[vec!["body"]], message, help));
         let bounded = self.bodies.iter().filter(|body| body.far.is_none()).count();

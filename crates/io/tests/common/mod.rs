@@ -172,17 +172,19 @@ fn damage(group: &Group, name: &str, damage: Damage) -> bool {
 }
 
 /// Stores `value` and changes each of its datasets in turn, in each way: reading has to refuse the file by an error that names it
-/// and the group. `free` are the datasets of which an entry may have any finite value. Gives the number of damaged files.
+/// and the group. `free` are the datasets of which an entry may have any finite value, or
+/// that may be any text. Gives the number of damaged files.
 pub fn check_damage_is_refused<T: Persist>(value: &T, free: &[&str]) -> usize {
     let (_folder, file) = written(|f| save(f, "value", value));
     let paths = datasets(&file.group("value").unwrap());
     let mut count = 0;
     for path in &paths {
         for kind in [Damage::Missing, Damage::Longer, Damage::NoNumber, Damage::Larger] {
-            if kind == Damage::Larger && free.contains(&path.as_str()) {
+            let (parent, name) = path.rsplit_once('/').unwrap_or(("", path));
+            let is_text = || file.group("value").unwrap().dataset(path).unwrap().ndim() == 0;
+            if free.contains(&path.as_str()) && (kind == Damage::Larger || kind == Damage::Longer && is_text()) {
                 continue;
             }
-            let (parent, name) = path.rsplit_once('/').unwrap_or(("", path));
             let mut changed = false;
             let (_folder, file) = written(|f| {
                 save(f, "value", value)?;
