@@ -18,8 +18,8 @@ fn doubts(s: &Summary) -> bool {
 }
 
 /// Inclusions inside of coarse cells: the error stays at 27 % whatever the contrast, and the estimate at about 2.5 times it.
-/// Across edges it goes to 100 %; from a contrast of 10³ on the estimate is in doubt. Never is a wrong answer given as a good one:
-/// either the estimate is more than half of the error, or there is a doubt.
+/// Across edges it goes to 100 %; from a contrast of 10² on the estimate is in doubt. Never is a wrong answer given as a good one:
+/// either the estimate is more than two thirds of the error, or there is a doubt.
 #[test]
 fn inclusions_that_cross_coarse_edges() {
     for (shift, crossing) in [(0.0, false), (0.125, true)] {
@@ -37,8 +37,8 @@ fn inclusions_that_cross_coarse_edges() {
                     estimate / error,
                     doubts(&s)
                 );
-                assert_eq!(doubts(&s), crossing && k >= 3, "1e{k} {basis}: {:?}", s.estimate_doubts);
-                assert!(doubts(&s) || estimate > 0.5 * error, "1e{k} {basis}: {estimate} of {error}");
+                assert_eq!(doubts(&s), crossing && k >= 2, "1e{k} {basis}: {:?}", s.estimate_doubts);
+                assert!(doubts(&s) || estimate > 0.67 * error, "1e{k} {basis}: {estimate} of {error}");
                 assert!(crossing || (1.0..4.0).contains(&(estimate / error)), "1e{k} {basis}: {estimate} of {error}");
                 match (crossing, basis) {
                     (false, "coupled") => assert!((0.2..0.3).contains(&relative), "1e{k}: {relative}"),
@@ -51,6 +51,38 @@ fn inclusions_that_cross_coarse_edges() {
                     "1e{k} {basis}"
                 );
             }
+        }
+    }
+}
+
+/// Layers that coarse cells do not know the place of: the estimate falls against the error as their contrast rises, and is in doubt
+/// before it is much less.
+#[test]
+fn layers_across_coarse_edges() {
+    let base = "body.corners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nbody.sides = [\"floor\", \"right\", \"top\", \"left\"]\n\
+                material = { poisson = 0.3, cells = { size = 0.03125, young = \"YOUNG\" } }\n\
+                sides.floor.displacement = [\"0\", \"0\"]\nsides.top.traction = [\"1\", \"-2 + sin(5*x)\"]\n\
+                grid = { coarse = [8, 8], fine = [4, 4], basis = \"BASIS\" }\n[method]\nrefine = \"none\"\n";
+    for layers in ["sin(50*y)", "sin(30*(x + y))", "sin(40*x)*sin(40*y) - 0.3"] {
+        for basis in ["q1", "linear", "coupled", "oscillatory"] {
+            let effectivity = [3, 20, 50, 100, 300].map(|contrast| {
+                let text = base.replace("YOUNG", &format!("if({layers} > 0, 1, {contrast})")).replace("BASIS", basis);
+                let [s, fine] = ["auto", "fem"].map(|model| {
+                    let set = [format!("method.model=\"{model}\""), "method.max_dofs=100000".into()];
+                    on_grid(
+                        &parse(&text, &set.each_ref().map(String::as_str)).unwrap_or_else(|e| panic!("{}", e.render())),
+                    )
+                });
+                let estimate = s.grid.as_ref().and_then(|g| g.estimate_multiscale).expect("it conforms");
+                assert_eq!(doubts(&s), contrast >= 100, "{layers} {basis} {contrast}");
+                estimate / (2.0 * (s.energy - fine.energy)).sqrt()
+            });
+            println!("{layers} {basis}: {effectivity:.2?}");
+            assert!(
+                effectivity[0] > 1.7 && effectivity[..3].iter().all(|e| *e > 0.75),
+                "{layers} {basis}: {effectivity:?}"
+            );
+            assert!(effectivity.iter().all(|e| *e < 3.0), "{layers} {basis}: {effectivity:?}");
         }
     }
 }

@@ -1,6 +1,6 @@
 //! What is told of scenes on grids.
 
-use steklov_model::grid::{BLIND, FAILING};
+use steklov_model::grid::FAILING;
 use steklov_model::summary::GridSummary;
 
 /// What is told of the grid of finite elements.
@@ -37,9 +37,8 @@ pub(super) fn crossing_warning(grid: &GridSummary) -> Option<String> {
     (contrast >= FAILING).then(|| {
         format!(
             "moduli differ by {contrast:.1e} along a coarse edge at ({x}, {y}), and by 100 or more on {:.0} % of them: \
-             multiscale elements fail there{}; align the coarse cells with the inclusions, or use model = \"{fem}\" with method.max_dofs = {} or more",
+             multiscale elements fail there, and their estimate is too small; align the coarse cells with the inclusions, or use model = \"{fem}\" with method.max_dofs = {} or more",
             100.0 * share,
-            if contrast >= BLIND { ", and their estimate is too small" } else { "" },
             grid.fine_dofs
         )
     })

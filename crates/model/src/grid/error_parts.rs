@@ -7,14 +7,9 @@ use steklov_problem::Indicator;
 use crate::doubt::Doubt;
 use crate::estimators::{Estimator, Estimators, IN_CELLS, IN_COARSE_CELLS, ON_INTERFACE};
 
-/// Contrast along coarse edges from which linear traces fail.
+/// Contrast from which the estimate is less than the error: along coarse edges, whose traces fail; inside coarse cells whose
+/// functions do not know the moduli; between pairs of opposite cells at a node, for that of the fine grid.
 pub const FAILING: f64 = 1e2;
-
-/// Ratio of moduli along a coarse edge from which no residual sees the error.
-pub const BLIND: f64 = 1e3;
-
-/// Ratio between pairs of opposite cells from which the fine grid's own estimate is too small.
-const CROSSED: f64 = 1e2;
 
 /// The estimated error: that of the coarse cells against bilinear elements on all fine ones, and that of these against the
 /// exact solution.
@@ -79,9 +74,8 @@ impl GridEstimate {
 
     /// Why it is not to be trusted.
     pub fn doubts(&self) -> Vec<Doubt> {
-        let blind =
-            self.crossed >= CROSSED || self.inside >= BLIND || self.crossing.is_some_and(|c| c.largest >= BLIND);
-        if blind { vec![Doubt::Contrast] } else { Vec::new() }
+        let along_edges = self.crossing.map_or(1.0, |c| c.largest);
+        if self.crossed.max(self.inside).max(along_edges) >= FAILING { vec![Doubt::Contrast] } else { Vec::new() }
     }
 }
 

@@ -27,7 +27,7 @@ mod solve;
 mod system;
 mod trace;
 
-pub use error_parts::{BLIND, FAILING, GridEstimate};
+pub use error_parts::{FAILING, GridEstimate};
 pub use layout::GridLayout;
 pub use run::{MARKING, OnGrid};
 pub use solution::{CoarseSolved, GridSolved};
