@@ -2,6 +2,7 @@
 
 mod bar;
 mod failure;
+mod gallery;
 mod grid;
 mod output;
 mod study;
@@ -61,6 +62,8 @@ enum Command {
     Plan(PlanArgs),
     /// Study a scene: strategies of refinement compared by true errors, or where such methods could fail
     Study(study::StudyArgs),
+    /// Make the figures of the source again, each judged, as one page
+    Gallery(gallery::GalleryArgs),
     /// Show a stored result: summary, pictures, tables
     Show(ShowArgs),
     /// Print a commented scene to start from
@@ -170,6 +173,7 @@ impl Cli {
             Command::Solve(args) => on_threads(args.threads, args.quiet, || solve_scene(&args)),
             Command::Plan(args) => show_plan(&args),
             Command::Study(args) => on_threads(args.threads, args.quiet, || study::study(&args)),
+            Command::Gallery(args) => on_threads(args.threads, args.quiet, || gallery::gallery(&args)),
             Command::Show(args) => show(&args),
             Command::New => {
                 say(TEMPLATE.trim_end());

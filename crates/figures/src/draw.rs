@@ -19,19 +19,31 @@ use crate::stochastic;
 /// When a picture cannot be drawn or written.
 pub fn pictures(stored: &Record, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
     let mut files = Vec::new();
-    files.extend(write(folder, &format!("{name}-body"), &body_picture(stored)?)?);
-    if let Some(picture) = grid::medium(stored)? {
-        files.extend(write(folder, &format!("{name}-medium"), &picture)?);
-    }
-    let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
-    files.extend(contact_pictures(title, sides, &stored.contact, folder, &format!("{name}-contact"))?);
-    for (part, picture) in grid::pictures(stored)?.into_iter().chain(stochastic::pictures(stored)?) {
+    for (part, picture) in drawn(stored)? {
         files.extend(write(folder, &format!("{name}-{part}"), &picture)?);
     }
     Ok(files)
 }
 
+/// The same pictures with the parts of their names: `body`, `medium`, `contact-SIDE`, those of a grid, those of random input.
+///
+/// # Errors
+/// When one cannot be drawn.
+pub fn drawn(stored: &Record) -> Result<Vec<(String, Picture)>, PictureError> {
+    let mut all = vec![("body".to_owned(), body_picture(stored)?)];
+    all.extend(grid::medium(stored)?.map(|picture| ("medium".to_owned(), picture)));
+    let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
+    let of_sides = contact_drawn(title, sides, &stored.contact)?;
+    all.extend(of_sides.into_iter().map(|(side, picture)| (format!("contact-{side}"), picture)));
+    let others = grid::pictures(stored)?.into_iter().chain(stochastic::pictures(stored)?);
+    all.extend(others);
+    Ok(all)
+}
+
 /// Draws each contact side, into files that begin with `name`.
+///
+/// # Errors
+/// When a picture cannot be drawn or written.
 pub fn contact_pictures(
     title: &str,
     side_names: &[String],
@@ -40,14 +52,26 @@ pub fn contact_pictures(
     name: &str,
 ) -> Result<Vec<PathBuf>, PictureError> {
     let mut files = Vec::new();
+    for (side, picture) in contact_drawn(title, side_names, rows)? {
+        files.extend(write(folder, &format!("{name}-{side}"), &picture)?);
+    }
+    Ok(files)
+}
+
+/// Pictures of contact sides by their names in files.
+fn contact_drawn(
+    title: &str,
+    side_names: &[String],
+    rows: &[ContactRow],
+) -> Result<Vec<(String, Picture)>, PictureError> {
+    let mut all = Vec::new();
     for (side, side_name) in side_names.iter().enumerate() {
         let rows: Vec<&ContactRow> = rows.iter().filter(|r| r.side == side).collect();
         if !rows.is_empty() {
-            let picture = contact_picture(title, side_name, &rows)?;
-            files.extend(write(folder, &format!("{name}-{}", side_file(side_names, side)), &picture)?);
+            all.push((side_file(side_names, side), contact_picture(title, side_name, &rows)?));
         }
     }
-    Ok(files)
+    Ok(all)
 }
 
 /// The name of a side as a part of a file name that no other side has.

@@ -40,4 +40,4 @@ mod draw;
 mod grid;
 pub mod stochastic;
 
-pub use draw::{contact_pictures, pictures, positions, side_file, tables};
+pub use draw::{contact_pictures, drawn, pictures, positions, side_file, tables};

@@ -35,6 +35,7 @@ mod error;
 pub mod reference;
 mod supported;
 mod settings;
+mod kind;
 mod fit;
 mod watch;
 mod table;
@@ -50,6 +51,7 @@ pub mod multiscale;
 pub mod coupling;
 
 pub use error::StudyError;
+pub use kind::StudyKind;
 pub use report::Report;
 pub use settings::{Setting, settings};
 pub use supported::contact_sides;

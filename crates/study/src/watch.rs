@@ -20,12 +20,18 @@ impl<'a> Watch<'a> {
         Self { interrupts, tell }
     }
 
+    /// Counts wishes to stop.
+    pub fn interrupts(&self) -> &'a AtomicUsize {
+        self.interrupts
+    }
+
     /// Whether there was a wish to stop.
-    pub(crate) fn stopped(&self) -> bool {
+    pub fn stopped(&self) -> bool {
         self.interrupts.load(Ordering::Relaxed) > 0
     }
 
-    pub(crate) fn tell(&mut self, part: &str, detail: &str) {
+    /// Tells what is being done.
+    pub fn tell(&mut self, part: &str, detail: &str) {
         (self.tell)(part, detail);
     }
 

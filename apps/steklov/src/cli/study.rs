@@ -12,9 +12,9 @@ use steklov_document::Document;
 use steklov_io::{IoError, create_atomically};
 use steklov_picture::{self as picture, PictureError};
 use steklov_plan::plan;
-use steklov_problem::{DataError, Method, Multiplier, Refine, Scene};
+use steklov_problem::{DataError, Multiplier, Refine, Scene};
 use steklov_study::convergence::{MULTIPLIERS, NAMES};
-use steklov_study::{Report, Setting, StudyError, Watch, contact_sides, settings};
+use steklov_study::{Report, StudyError, StudyKind, Watch, contact_sides};
 use steklov_study::{convergence, coupling, inf_sup, multiscale, solvers, stability, stochastic};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
@@ -84,16 +84,15 @@ enum What {
 }
 
 impl What {
-    /// The name of its files, and what it sets in a scene of such a method where the user sets nothing else.
-    fn name_and_settings(self) -> (&'static str, fn(&Method) -> Vec<Setting>) {
+    fn kind(self) -> StudyKind {
         match self {
-            Self::Convergence => ("study", settings),
-            Self::InfSup => ("inf-sup", |_| inf_sup::SETTINGS.to_vec()),
-            Self::Stability => ("stability", stability::settings),
-            Self::Solvers => ("solvers", settings),
-            Self::Stochastic => ("stochastic", settings),
-            Self::Multiscale => ("multiscale", |_| Vec::new()),
-            Self::Coupling => ("coupling", coupling::settings),
+            Self::Convergence => StudyKind::Convergence,
+            Self::InfSup => StudyKind::InfSup,
+            Self::Stability => StudyKind::Stability,
+            Self::Solvers => StudyKind::Solvers,
+            Self::Stochastic => StudyKind::Stochastic,
+            Self::Multiscale => StudyKind::Multiscale,
+            Self::Coupling => StudyKind::Coupling,
         }
     }
 }
@@ -167,15 +166,7 @@ fn check_options(args: &StudyArgs) -> Result<(), Failure> {
 /// are told at their places.
 fn document(args: &StudyArgs) -> Result<Document, Failure> {
     let mut document = read_scene(&args.scene, &args.overrides)?;
-    let (_, settings) = args.what.name_and_settings();
-    for setting in settings(&document.scene.method) {
-        let text = setting.to_string();
-        if !document.overrides(&text) {
-            setting.apply(&mut document.scene.method);
-            document.source.settings.push(text);
-        }
-    }
-    document.scene.check().map_err(|error| Failure(document.error(error).render()))?;
+    args.what.kind().prepare(&mut document).map_err(|error| Failure(document.error(error).render()))?;
     Ok(document)
 }
 
@@ -231,7 +222,7 @@ fn carry_out<S>(
     let report = report(&study);
     let failed = |e: std::io::Error| not_written(&out, &e);
     std::fs::create_dir_all(&out).map_err(failed)?;
-    let mut files = vec![out.join(format!("{}.h5", args.what.name_and_settings().0))];
+    let mut files = vec![out.join(format!("{}.h5", args.what.kind().file_name()))];
     create_atomically(&files[0], true, |file| report.write(file))?;
     for (table, content) in &report.tables {
         let path = out.join(table);
@@ -253,7 +244,7 @@ fn carry_out<S>(
 
 /// The folder of the files, which is checked, and the size of the first mesh, before anything is solved.
 fn folder(args: &StudyArgs, document: &Document) -> Result<PathBuf, Failure> {
-    let name = || PathBuf::from(format!("{}-{}", stem(&args.scene), args.what.name_and_settings().0));
+    let name = || PathBuf::from(format!("{}-{}", stem(&args.scene), args.what.kind().file_name()));
     let out = args.out.clone().unwrap_or_else(name);
     check_folder(&out, args.force)?;
     match too_many_dofs(&document.scene, plan(&document.scene).cost.dofs) {
@@ -263,7 +254,7 @@ fn folder(args: &StudyArgs, document: &Document) -> Result<PathBuf, Failure> {
 }
 
 /// A folder that cannot take the files is said.
-fn check_folder(out: &Path, force: bool) -> Result<(), Failure> {
+pub(super) fn check_folder(out: &Path, force: bool) -> Result<(), Failure> {
     let here = Path::new(".");
     let existing = out.ancestors().find(|a| a.symlink_metadata().is_ok()).unwrap_or(here);
     if existing == out && !out.is_dir() {
@@ -278,11 +269,11 @@ fn check_folder(out: &Path, force: bool) -> Result<(), Failure> {
 }
 
 fn not_written(out: &Path, why: &std::io::Error) -> Failure {
-    Failure(format!("error: the study cannot be written into {}: {why}", out.display()))
+    Failure(format!("error: nothing can be written into {}: {why}", out.display()))
 }
 
 /// A bar on a terminal; elsewhere a line for each run; nothing when quiet.
-struct Bar {
+pub(super) struct Bar {
     bar: Option<ProgressBar>,
     start: Instant,
     quiet: bool,
@@ -292,7 +283,7 @@ struct Bar {
 
 impl Bar {
     /// For so many runs and measurements.
-    fn new(quiet: bool, number: usize) -> Self {
+    pub(super) fn new(quiet: bool, number: usize) -> Self {
         let bar = (!quiet && std::io::stderr().is_terminal()).then(|| {
             let bar = ProgressBar::with_draw_target(Some(number as u64), ProgressDrawTarget::stderr());
             let style = ProgressStyle::with_template("{elapsed:>4} {bar:20} {msg}");
@@ -302,7 +293,7 @@ impl Bar {
         Self { bar, start: Instant::now(), quiet, last: Cell::default() }
     }
 
-    fn show(&self, what: &str, detail: &str) {
+    pub(super) fn show(&self, what: &str, detail: &str) {
         let last = self.last.take();
         let new = last != what;
         if let Some(bar) = &self.bar {
@@ -316,7 +307,7 @@ impl Bar {
         self.last.set(what.to_owned());
     }
 
-    fn finish(&self) {
+    pub(super) fn finish(&self) {
         if let Some(bar) = &self.bar {
             bar.finish_and_clear();
         }

@@ -1,0 +1,173 @@
+//! A figure of the page: what it shows, its numbers, and what they are compared with.
+
+use steklov_picture::Picture;
+
+use crate::runs::{Made, Run};
+
+/// How a figure compares with the source's description.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Verdict {
+    /// All that the source says is seen.
+    Same,
+    /// The same with choices where the source leaves something open.
+    Chosen,
+    /// The source is wrong, or differs: the figure says how.
+    Differs,
+    /// A chart of the project, which the source does not have.
+    Own,
+}
+
+impl Verdict {
+    pub(crate) fn word(self) -> &'static str {
+        match self {
+            Self::Same => "same",
+            Self::Chosen => "chosen",
+            Self::Differs => "differs",
+            Self::Own => "own",
+        }
+    }
+}
+
+/// What is known of a figure before anything is run.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Entry {
+    /// Its name: that of its files, and what `--only` takes.
+    pub name: &'static str,
+    /// Number and section in the source; of an own one the statement that it is about.
+    pub number: &'static str,
+    pub title: &'static str,
+    pub verdict: Verdict,
+    /// Body, supports, load, material, friction, meshes.
+    pub set_up: &'static str,
+    /// What is to be seen.
+    pub seen: &'static str,
+    /// What the source does not say, and what was chosen; empty if nothing.
+    pub left_open: &'static str,
+    /// Where the source is wrong; empty if nowhere.
+    pub differs: &'static [&'static str],
+    /// The runs that it needs.
+    pub runs: &'static [&'static str],
+    /// Adds pictures and numbers; why that is not possible in words.
+    pub draw: fn(&Runs<'_>, &mut Figure) -> Result<(), String>,
+}
+
+/// What a number is compared with.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Expected {
+    /// This, up to so much of it.
+    About(f64, f64),
+    /// This, up to so much.
+    Near(f64, f64),
+    /// From the first to the second.
+    Between(f64, f64),
+    /// Nothing: it is told.
+    Told,
+}
+
+/// A number of a figure.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Row {
+    pub what: String,
+    pub computed: f64,
+    pub expected: Expected,
+    /// What the source has; empty if nothing.
+    pub source: &'static str,
+}
+
+impl Row {
+    /// Whether it is as expected; None if nothing is.
+    pub(crate) fn holds(&self) -> Option<bool> {
+        let off = |value: f64| (self.computed - value).abs();
+        match self.expected {
+            Expected::About(value, part) => Some(off(value) <= part * value.abs()),
+            Expected::Near(value, distance) => Some(off(value) <= distance),
+            Expected::Between(low, high) => Some((low..=high).contains(&self.computed)),
+            Expected::Told => None,
+        }
+    }
+}
+
+/// A picture on the page.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct Shown {
+    pub picture: Picture,
+    /// What it shows, for those who do not see it.
+    pub alternative: String,
+    /// Whether it is a field, whose vectors take megabytes.
+    pub is_field: bool,
+}
+
+/// What was made of a figure.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct Figure {
+    pub pictures: Vec<Shown>,
+    pub rows: Vec<Row>,
+}
+
+impl Figure {
+    /// Adds a chart.
+    pub(crate) fn chart(&mut self, picture: Picture, alternative: &str) {
+        self.pictures.push(Shown { picture, alternative: alternative.to_owned(), is_field: false });
+    }
+
+    /// Adds a picture of a field.
+    pub(crate) fn field(&mut self, picture: Picture, alternative: &str) {
+        self.pictures.push(Shown { picture, alternative: alternative.to_owned(), is_field: true });
+    }
+
+    /// Adds a number.
+    pub(crate) fn row(&mut self, what: impl Into<String>, computed: f64, expected: Expected) {
+        self.rows.push(Row { what: what.into(), computed, expected, source: "" });
+    }
+
+    /// Adds a number that the source has too.
+    pub(crate) fn row_of_source(&mut self, what: &str, computed: f64, expected: Expected, source: &'static str) {
+        self.rows.push(Row { what: what.to_owned(), computed, expected, source });
+    }
+}
+
+/// The runs of a page by name, each with what it found or why it failed.
+pub(crate) struct Runs<'a> {
+    pub made: &'a [(&'static Run, Result<Made, String>)],
+}
+
+impl Runs<'_> {
+    /// What a run found.
+    pub(crate) fn get(&self, name: &str) -> Result<&Made, String> {
+        match self.made.iter().find(|(run, _)| run.name == name) {
+            Some((_, Ok(made))) => Ok(made),
+            Some((run, Err(why))) => Err(format!("the run \"{}\" failed: {why}", run.what)),
+            None => Err(format!("the run \"{name}\" was not made: the gallery was stopped before")),
+        }
+    }
+}
+
+impl Made {
+    /// A number of the JSON object by its path.
+    pub(crate) fn number(&self, pointer: &str) -> Result<f64, String> {
+        let value = self.json.pointer(pointer).and_then(serde_json::Value::as_f64);
+        value.ok_or_else(|| format!("the result has no number at {pointer}"))
+    }
+
+    /// A picture by the name of its file.
+    pub(crate) fn picture(&self, name: &str) -> Result<Picture, String> {
+        self.pictures.get(name).cloned().ok_or_else(|| format!("the run has drawn no {name}"))
+    }
+
+    /// The objects of a list.
+    pub(crate) fn list(&self, pointer: &str) -> Result<&[serde_json::Value], String> {
+        let list = self.json.pointer(pointer).and_then(serde_json::Value::as_array);
+        list.map(Vec::as_slice).ok_or_else(|| format!("the result has no list at {pointer}"))
+    }
+
+    /// The object of a list whose entry `key` is `name`.
+    pub(crate) fn named(&self, pointer: &str, key: &str, name: &str) -> Result<&serde_json::Value, String> {
+        let found = self.list(pointer)?.iter().find(|item| item[key] == name);
+        found.ok_or_else(|| format!("{pointer} has no {name}"))
+    }
+}
+
+/// Number of an object; NaN where it is not known.
+pub(crate) fn number(object: &serde_json::Value, key: &str) -> f64 {
+    object[key].as_f64().unwrap_or(f64::NAN)
+}
