@@ -44,10 +44,11 @@ fn one_figure_is_a_page_that_loads_nothing() {
 fn the_commands_by_hand_give_the_same_numbers() {
     let place = Place::new();
     let (_, object) = gallery(&place, &["fig-2-3", "fig-3-1", "fig-5-10"], 0);
-    for (name, what, pointer) in [
-        ("fig-2-3", "largest pressure at a node", "/contact/max_pressure"),
-        ("fig-3-1", "J", "/energy"),
-        ("fig-5-10", "u_y at the end of the axis", "/probe/0/displacement/1"),
+    // on another grid than the scene's own its [expect] does not hold
+    for (name, what, pointer, status) in [
+        ("fig-2-3", "largest pressure at a node", "/contact/max_pressure", 0),
+        ("fig-3-1", "J", "/energy", 0),
+        ("fig-5-10", "u_y at the end of the axis", "/probe/0/displacement/1", 3),
     ] {
         let figure = figures(&object).iter().find(|f| f["name"] == name).unwrap();
         let [command] = figure["commands"].as_array().unwrap().as_slice() else { panic!("{figure}") };
@@ -55,7 +56,8 @@ fn the_commands_by_hand_give_the_same_numbers() {
         let words: Vec<&str> = command.split_whitespace().skip(1).collect();
         let scene = format!("{}/../../{}", env!("CARGO_MANIFEST_DIR"), words[1]);
         let arguments = ["solve", &scene, "--json", "--quiet", "--force"].into_iter().chain(words[2..].iter().copied());
-        let by_hand: Value = serde_json::from_str(&place.run(arguments.collect::<Vec<_>>()).demand(0).out).unwrap();
+        let by_hand: Value =
+            serde_json::from_str(&place.run(arguments.collect::<Vec<_>>()).demand(status).out).unwrap();
         let number = figure["numbers"].as_array().unwrap().iter().find(|n| n["what"] == what).unwrap();
         assert_eq!(&number["computed"], by_hand.pointer(pointer).unwrap(), "{name}: {what}");
     }
