@@ -1,6 +1,7 @@
 //! The list of shapes of a picture: thin words over kuva's scene, which both the SVG and the PNG are made from.
 
 use super::raster::Raster;
+use super::upright::upright;
 use super::{Picture, PictureError};
 use kuva::backend::raster::RasterBackend;
 use kuva::backend::svg::SvgBackend;
@@ -153,8 +154,17 @@ impl Canvas {
     }
 
     pub fn finish(mut self) -> Result<Picture, PictureError> {
+        // the PNG gets texts that are read upwards as pixels, the SVG as text
+        let mut texts = Vec::new();
+        for (place, element) in self.scene.elements.iter_mut().enumerate() {
+            if let Primitive::Text { x, y, content, size, rotate: Some(_), .. } = element {
+                let pixels = upright([*x, *y], content, *size)?;
+                texts.push((place, std::mem::replace(element, pixels)));
+            }
+        }
         let png =
             RasterBackend::new().with_scale(PIXELS as f32).render_scene(&self.scene).map_err(PictureError::Raster)?;
+        texts.into_iter().for_each(|(place, text)| self.scene.elements[place] = text);
         for (k, (place, _)) in self.images.iter().enumerate().rev() {
             let extra_attrs = Some(format!("id=\"raster-{k}\""));
             let group = Primitive::GroupStart { transform: None, title: None, extra_attrs };

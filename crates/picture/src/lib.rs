@@ -46,6 +46,7 @@ mod scale;
 mod spread;
 mod strips;
 mod tiles;
+mod upright;
 
 pub use bars::{BarGroup, bars};
 pub use basis::{BasisFunction, basis};
