@@ -1,10 +1,10 @@
 //! Curves of several strategies over their cost: convergence (logarithmic) and effectivity (linear, with a band).
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
-use super::canvas::{BLACK, Canvas, Rect, Title, WIDTH, clip, text_width, wrap};
+use super::canvas::{BLACK, Canvas, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::graph::{Graph, Scale};
 use super::guides::{Slope, place};
-use super::markers::{colour, mark, pen};
+use super::markers::{around, colour, mark, pen};
 use super::{Picture, PictureError};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
@@ -20,6 +20,10 @@ const SAMPLE: f64 = 40.0;
 
 /// A linear axis with a band ends at this many times the upper end of the band.
 const VIEW: f64 = 4.0;
+
+/// Points closer to each other than this are drawn as one, and the dashes on a curve beneath repeat after this length.
+const ONE: f64 = 3.0;
+const PERIOD: f64 = 16.0;
 
 /// What an axis shows and how.
 #[derive(Debug, Clone, Copy)]
@@ -91,6 +95,7 @@ pub struct Chart<'a> {
 
 /// Draws the curves, with the key right of the frame.
 ///
+/// A curve whose points are all those of earlier curves has dashes on top of them, and larger markers around theirs.
 /// A linear y axis contains zero; if there is a band too, it ends at four times the band's upper end, and a note below
 /// says how many points lie above. Notes also tell how many points had no place on the scales, and which slopes found
 /// no room.
@@ -149,11 +154,16 @@ pub fn chart(c: &Chart<'_>) -> Result<Picture, PictureError> {
     for s in &slopes {
         s.draw(&mut canvas);
     }
-    for ((k, (j, curve)), line) in curves().zip(&lines) {
-        canvas.lines(&clip(line, frame), &pen(colour(k), j));
+    for (c, ((k, (j, curve)), line)) in curves().zip(&lines).enumerate() {
+        let beneath = lines[..c].iter().filter(|earlier| is_on(line, earlier)).count();
+        let pen = if beneath == 0 { pen(colour(k), j) } else { on_top(colour(k), beneath) };
+        canvas.lines(&clip(line, frame), &pen);
         for (i, &p) in line.iter().enumerate().filter(|(_, p)| shown(p) && p[1] >= frame.top) {
             let open = curve.flagged.get(i).copied().unwrap_or(false);
-            mark(&mut canvas, k, p, radius(j), colour(k), open);
+            match beneath {
+                0 => mark(&mut canvas, k, p, radius(j), colour(k), open),
+                _ => around(&mut canvas, k, p, (1.0 + 0.7 * beneath as f64) * radius(j), colour(k)),
+            }
         }
     }
     let mut y = frame.top + 12.0;
@@ -172,6 +182,19 @@ const BAND: Color = Color::Rgb(205, 218, 205);
 
 fn radius(quantity: usize) -> f64 {
     if quantity == 0 { 4.2 } else { 2.9 }
+}
+
+/// Whether each point that is shown of a line is one of another line.
+fn is_on(line: &[[f64; 2]], other: &[[f64; 2]]) -> bool {
+    let near = |p: &[f64; 2], q: &[f64; 2]| (p[0] - q[0]).hypot(p[1] - q[1]) < ONE;
+    let mut shown = line.iter().filter(|p| p.iter().all(|v| v.is_finite())).peekable();
+    shown.peek().is_some() && shown.all(|p| other.iter().any(|q| near(p, q)))
+}
+
+/// Dashes that leave visible what so many curves beneath them have.
+fn on_top(colour: Color, beneath: usize) -> Pen {
+    let dash = PERIOD * 0.5f64.powi(beneath.min(3) as i32);
+    Pen::dashed(colour, 2.0, dash, PERIOD - dash)
 }
 
 fn axis_title(axis: &Axis<'_>) -> String {
@@ -276,4 +299,37 @@ fn key(c: &Chart<'_>) -> Vec<Entry> {
         add(Sample::Band, band.label);
     }
     entries
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_curve_on_another_one_leaves_it_visible() {
+        let points = [[10.0, 1.0], [100.0, 0.1], [1000.0, 0.01]];
+        let off = points.map(|[x, y]| [x, 0.3 * y]);
+        let strokes = |second: &[[f64; 2]]| {
+            let curves = [&points[..], second].map(|points| [Curve { points, flagged: &[] }]);
+            let series = [Series { name: "a", curves: &curves[0] }, Series { name: "b", curves: &curves[1] }];
+            let axis = Axis { label: "", scale: Scale::Log };
+            let bare = Chart {
+                title: "",
+                x: axis,
+                y: axis,
+                quantities: &["error"],
+                series: &series,
+                flag: "",
+                guides: &[],
+                band: None,
+            };
+            let svg = chart(&bare).unwrap().svg;
+            let widest = |path: &&str| path.contains("#cc5500") && path.contains('M');
+            svg.split("<path").filter(widest).map(|path| path.matches('M').count()).max().unwrap()
+        };
+        // one stroke, or many dashes
+        assert_eq!(strokes(&off), 1);
+        assert!(strokes(&points) > 10);
+        assert!(strokes(&points[..2]) > 5, "part of it");
+    }
 }

@@ -92,6 +92,13 @@ pub(super) fn mark(canvas: &mut Canvas, k: usize, centre: [f64; 2], r: f64, colo
     }
 }
 
+/// Draws the outline of marker k around one that stands there already.
+pub(super) fn around(canvas: &mut Canvas, k: usize, centre: [f64; 2], r: f64, colour: Color) {
+    let corners = outline(k, centre, r);
+    let closed = [&corners[..], &corners[..2]].concat();
+    canvas.lines(&[closed], &Pen::solid(colour, 1.4));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
