@@ -81,6 +81,16 @@ fn body_with_a_hole_in_millimetres() {
 }
 
 #[test]
+fn stresses_beyond_the_colours_are_told_with_their_place() {
+    let t = triangulate(&loops(&[&rectangle([-0.5, -0.5], [0.5, 0.5])]), 600).unwrap();
+    let tip = |top: f64| move |[x, y]: [f64; 2]| if [x, y] == [0.5, -0.5] { top } else { 2.0 + y };
+    let svg = show("tip", "Tip", &t, &pressed, &tip(123.4), &[]);
+    assert!(svg.contains(">colours end below the largest stress that is drawn, 123 at (0.5, −0.5)<"), "{svg}");
+    let svg = show("no-tip", "No tip", &t, &pressed, &tip(2.1), &[]);
+    assert!(!svg.contains("colours end below"));
+}
+
+#[test]
 fn flat_and_tall_bodies() {
     let flat = triangulate(&loops(&[&rectangle([0.0, 0.0], [10.0, 0.1])]), 600).unwrap();
     let foot = [[0.0, 0.0], [10.0, 0.0]];

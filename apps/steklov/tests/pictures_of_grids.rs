@@ -46,6 +46,22 @@ fn modulus_and_stress_of_a_bar() {
 }
 
 #[test]
+fn lines_of_more_than_thirty_coarse_cells_along_an_axis_are_not_drawn() {
+    let (size, cells) = ([6.0, 1.0], [192, 32]);
+    let stress = values(cells, |x, y| x + y);
+    let corners = |coarse: [usize; 2]| {
+        let coarse = rectangles(coarse, size);
+        let picture =
+            cell_fields("", &[CellField { coarse: &coarse, ..field("", size, cells, &stress) }], false).unwrap();
+        let white =
+            picture.svg.split("<path").filter(|path| path.contains("#ffffff")).map(|path| path.matches('M').count());
+        white.sum::<usize>()
+    };
+    assert_eq!(corners([30, 5]), 150);
+    assert_eq!(corners([32, 5]), 0);
+}
+
+#[test]
 fn runs_that_share_their_colours() {
     for count in [2, 3, 6] {
         let (size, cells) = ([6.0, 1.0], [96, 16]);

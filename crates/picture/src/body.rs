@@ -3,7 +3,7 @@
 use super::axes::{Axes, BELOW, LABEL_TEXT, TICK_TEXT};
 use super::bands::{BANDS, bands, colour, interval};
 use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width};
-use super::scale::{Ticks, exaggeration, short, ticks};
+use super::scale::{Ticks, bar_ticks, exaggeration, short};
 use super::{Picture, PictureError};
 use kuva::render::render::TextAnchor;
 
@@ -13,6 +13,9 @@ pub(super) const SUBTITLE_TEXT: u32 = 14;
 const WIDEST: f64 = 640.0;
 const TALLEST: f64 = 620.0;
 const SMALLEST: f64 = 210.0;
+
+/// Height of the arrow at the end of the colours.
+const ARROW: f64 = 14.0;
 
 /// Distance of the hatch lines of an obstacle.
 const HATCH: f64 = 9.0;
@@ -53,7 +56,8 @@ pub struct Body<'a> {
 /// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch
 /// in truth: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
 /// 1, 2, 5 times a power of ten that brings it to at most 0.1. The subtitle states k. An obstacle further away than a
-/// quarter of the body is cut off at the frame.
+/// quarter of the body is cut off at the frame. Where a few stresses are far beyond the others, the colours end in an
+/// arrow, and the largest stress is told with its place before the deformation.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -70,19 +74,23 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     let walls = walls(b.obstacles, factor);
 
     let title = Title::new(b.title);
-    let top = 26.0 + title.height() + 22.0;
+    let colours = interval(b.von_mises);
+    let beyond = beyond(b, colours[1]);
+    let top = 26.0 + title.height() + if beyond.is_some() { 42.0 } else { 22.0 };
     let axes = place(&view(bounds, &deformed, &walls), top);
     let f = axes.frame;
     let mut canvas = Canvas::new(f.bottom() + BELOW + 46.0);
     canvas.title(&title, 34.0);
     canvas.text(
-        [WIDTH / 2.0, top - 18.0],
+        [WIDTH / 2.0, 30.0 + title.height()],
         &subtitle(factor, largest, !walls.is_empty()),
         SUBTITLE_TEXT,
         TextAnchor::Middle,
     );
+    if let Some(text) = &beyond {
+        canvas.text([WIDTH / 2.0, top - 18.0], text, SUBTITLE_TEXT, TextAnchor::Middle);
+    }
 
-    let colours = interval(b.von_mises);
     for (k, band) in bands(&deformed, b.triangles, b.von_mises, colours).iter().enumerate() {
         let placed: Vec<Vec<_>> = band.iter().map(|p| p.iter().map(|&q| axes.at(q)).collect()).collect();
         canvas.fill(&placed, colour(k));
@@ -97,11 +105,20 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     canvas.lines(&through(b.points), &undeformed_pen());
     draw_walls(&mut canvas, &axes, &walls);
     axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
-    let more = b.von_mises.iter().any(|v| v.is_finite() && *v > colours[1]);
-    let label = if more { "von Mises stress (last colour: and more)" } else { "von Mises stress" };
-    colour_bar(&mut canvas, f, colours, label);
+    colour_bar(&mut canvas, f, colours, "von Mises stress", beyond.is_some());
     key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
     canvas.finish()
+}
+
+/// What is told where stresses are beyond the upper end of the colours: the largest one and its place.
+fn beyond(b: &Body<'_>, high: f64) -> Option<String> {
+    let all = b.points.iter().zip(b.von_mises).filter(|(_, v)| !v.is_nan());
+    let ([x, y], v) = all.max_by(|a, b| a.1.total_cmp(b.1)).filter(|(_, v)| **v > high)?;
+    let place = format!("at ({}, {})", short(*x, 4), short(*y, 4));
+    Some(match v.is_finite() {
+        true => format!("colours end below the largest stress that is drawn, {} {place}", short(*v, 3)),
+        false => format!("the stress is infinite {place}"),
+    })
 }
 
 pub(super) fn moved(p: [f64; 2], u: [f64; 2], factor: f64) -> [f64; 2] {
@@ -224,12 +241,18 @@ pub(super) fn hatched(canvas: &mut Canvas, pieces: &[Vec<[f64; 2]>], frame: Rect
     canvas.lines(pieces, &Pen::solid(BLACK, 2.0));
 }
 
-/// The colours with their values, right of the frame.
-pub(super) fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2], title: &str) {
+/// The colours with their values, right of the frame; with `more` an arrow says that there are larger values.
+pub(super) fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2], title: &str, more: bool) {
     let height = frame.height.min(400.0);
     let bar = Rect { left: frame.right() + 26.0, top: frame.top + (frame.height - height) / 2.0, width: 18.0, height };
-    let marks = ticks(low, high, (height / 40.0) as usize);
+    let marks = bar_ticks(low, high, (height / 40.0) as usize);
     let right = colours(canvas, bar, [low, high], &marks);
+    if more {
+        let tip = [bar.left + bar.width / 2.0, bar.top - ARROW];
+        let (left, right) = ([bar.left, bar.top], [bar.right(), bar.top]);
+        canvas.fill(&[vec![left, right, tip]], colour(BANDS - 1));
+        canvas.lines(&[vec![left, tip, right]], &Pen::solid(BLACK, 1.0));
+    }
     canvas.text_upwards([right + 20.0, bar.top + height / 2.0], &marks.title(title), LABEL_TEXT);
 }
 

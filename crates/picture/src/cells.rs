@@ -21,7 +21,7 @@ pub struct CellField<'a> {
     /// Values (nx·ny), that of cell (ix, iy) at ix·ny + iy; NaN where there is no cell.
     pub values: &'a [f64],
     /// Rectangles drawn over the cells as thin lines, for instance the coarse cells: lower left and upper right corners.
-    /// One with a side below three units of the picture is left out.
+    /// One with a side below three units of the picture or a thirtieth of the body is left out.
     pub coarse: &'a [[[f64; 2]; 2]],
 }
 

@@ -5,7 +5,7 @@ use super::bands::interval;
 use super::body::{Bounds, SUBTITLE_TEXT, colours};
 use super::canvas::{BLACK, Canvas, PIXELS, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::raster::Raster;
-use super::scale::{Ticks, ticks};
+use super::scale::{Ticks, bar_ticks};
 use super::{Picture, PictureError};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
@@ -26,8 +26,9 @@ const RIGHT: f64 = 22.0;
 const LINE: f64 = 17.0;
 const BETWEEN: f64 = 20.0;
 
-/// Overlaid rectangles are left out where a side is shorter than this.
+/// Overlaid rectangles are left out where a side is shorter than this, or than the body over so many of them.
 const SHORTEST: f64 = 3.0;
+const MOST_ALONG: f64 = 30.0;
 
 /// A body thinner than this has no outline, which would hide it.
 const THIN: f64 = 5.0;
@@ -82,7 +83,7 @@ pub(super) fn field_panels(
     if shared && let Some(panel) = panels.first() {
         let bar = Rect { left: WIDTH - 92.0, top: first, width: 18.0, height: (last - first).min(400.0) };
         let bar = Rect { top: first + (last - first - bar.height) / 2.0, ..bar };
-        let marks = ticks(common[0], common[1], marks_of(bar.height));
+        let marks = bar_ticks(common[0], common[1], marks_of(bar.height));
         colours(&mut canvas, bar, common, &marks);
         let named = with_power(&format!("colours: {}", panel.label), &marks, SUBTITLE_TEXT, WIDTH - 40.0, 1).concat();
         canvas.text([WIDTH / 2.0, first - head - 8.0], &named, SUBTITLE_TEXT, TextAnchor::Middle);
@@ -100,7 +101,7 @@ pub(super) fn field_panels(
         }
         if !shared {
             let bar = Rect { left: f.right() + 20.0, width: 18.0, ..f };
-            colours(&mut canvas, bar, colour_ends, &ticks(colour_ends[0], colour_ends[1], marks_of(f.height)));
+            colours(&mut canvas, bar, colour_ends, &bar_ticks(colour_ends[0], colour_ends[1], marks_of(f.height)));
         }
     }
     canvas.finish()
@@ -139,7 +140,9 @@ fn paint(
         canvas.lines(&raster.outline(corner), &Pen::solid(BLACK, 1.0));
     }
     let mut lines = Vec::new();
-    for [a, b] in panel.overlay {
+    let is_large =
+        |[a, b]: &&[[f64; 2]; 2]| (0..2).all(|i| MOST_ALONG * (b[i] - a[i]) >= (1.0 - 1e-9) * (high[i] - low[i]));
+    for [a, b] in panel.overlay.iter().filter(is_large) {
         let ([l, b], [r, t]) = (axes.at(*a), axes.at(*b));
         if r - l >= SHORTEST && b - t >= SHORTEST {
             lines.extend(clip(&[[l, b], [r, b], [r, t], [l, t], [l, b]], axes.frame));
@@ -196,7 +199,7 @@ impl Plan {
             return wrap(caption, TICK_TEXT, room, 3);
         }
         let text = if caption.is_empty() { (*label).to_owned() } else { format!("{caption}: {label}") };
-        with_power(&text, &ticks(ends[0], ends[1], marks_of(self.frame[1])), TICK_TEXT, room, 3)
+        with_power(&text, &bar_ticks(ends[0], ends[1], marks_of(self.frame[1])), TICK_TEXT, room, 3)
     }
 
     /// Frame and intervals of panel k, so that the corners of the part of the plane lie on pixels of the picture.

@@ -47,6 +47,14 @@ pub(super) fn ticks(low: f64, high: f64, at_most: usize) -> Ticks {
     result
 }
 
+/// Ticks of a colour bar: at most `at_most`, or more where there would be less than three.
+pub(super) fn bar_ticks(low: f64, high: f64, at_most: usize) -> Ticks {
+    // a step is less than 2.5 times what was asked for: eight lead to less than a third of the interval
+    let most = at_most.max(8);
+    let mut choices = (at_most..=most).map(|n| ticks(low, high, n));
+    choices.find(|t| t.values.len() >= 3).unwrap_or_else(|| ticks(low, high, most))
+}
+
 fn scaled(value: f64, exponent: i32) -> f64 {
     if exponent < 0 { value * 10f64.powi(-exponent) } else { value / 10f64.powi(exponent) }
 }
@@ -168,6 +176,12 @@ mod tests {
                 prop_assert!((said * 10f64.powi(t.exponent) - v).abs() <= 1e-12 * v.abs() + slack);
             }
             prop_assert!(t.labels.windows(2).all(|w| w[0] != w[1]));
+        }
+
+        #[test]
+        fn colour_bars_have_at_least_three_ticks(low in -1e3f64..1e3, width in 1e-6f64..1e3, n in 1usize..12) {
+            let t = bar_ticks(low, low + width, n);
+            prop_assert!((3..=n.max(8) + 1).contains(&t.values.len()), "{:?}", t.values);
         }
 
         #[test]
