@@ -3,7 +3,7 @@
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 
-use steklov_elastic::plane::{cross, distance, minus, norm};
+use steklov_elastic::plane::{cross, distance, dot, minus, norm};
 use steklov_io::vtkhdf::Field;
 use steklov_model::solve::contact_rows::ContactRow;
 use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
@@ -182,8 +182,38 @@ pub fn positions(side: &str, rows: &[&ContactRow]) -> (String, Vec<f64>) {
     }
 }
 
+/// Of a closed side that touches where its arc length begins, the part behind the middle of the longest open stretch gets negative
+/// arc lengths, so that the contact is in one piece.
+fn unroll(rows: &[&ContactRow], position: &mut [f64]) {
+    let n = rows.len();
+    let steps = rows.windows(2).map(|w| distance(w[0].point, w[1].point));
+    let closing = distance(rows[n - 1].point, rows[0].point);
+    let touches = |i: usize| rows[i % n].pressure > 0.0;
+    // the ends meet, and normals turn around
+    let turns = rows.iter().any(|r| dot(r.normal, rows[0].normal) < 0.0);
+    let is_closed = turns && closing <= 2.0 * steps.fold(0.0, f64::max);
+    if !is_closed || !(touches(0) || touches(n - 1)) {
+        return;
+    }
+    // no open stretch goes over the end
+    let mut longest = (0, 0);
+    let mut start = 0;
+    for i in 0..n {
+        if touches(i) {
+            start = i + 1;
+        } else if i + 1 - start > longest.1 {
+            longest = (start, i + 1 - start);
+        }
+    }
+    let total = position[n - 1] + closing;
+    if longest.1 > 0 {
+        position[longest.0 + longest.1 / 2..].iter_mut().for_each(|s| *s -= total);
+    }
+}
+
 fn contact_picture(title: &str, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
-    let (label, position) = positions(side, rows);
+    let (label, mut position) = positions(side, rows);
+    unroll(rows, &mut position);
     let collect = |f: fn(&ContactRow) -> f64| rows.iter().map(|r| f(r)).collect::<Vec<f64>>();
     let bound = if rows.iter().any(|r| r.bound > 0.0) { collect(|r| r.bound) } else { Vec::new() };
     contact(&ContactSide {
@@ -245,4 +275,48 @@ fn pairs(head: &str, points: &[[f64; 2]], values: &[[f64; 2]]) -> String {
         let _ = writeln!(text, "{:?},{:?},{:?},{:?}", x[0], x[1], u[0], u[1]);
     }
     text
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Nodes of a circle with the radius 1 from the angle 0 on, which touch where `touches` says so of their angles.
+    fn circle(touches: impl Fn(f64) -> bool) -> Vec<ContactRow> {
+        let angles = (0..72).map(|k| f64::from(k) * std::f64::consts::TAU / 72.0);
+        let row = |angle: f64| ContactRow {
+            point: [angle.cos(), angle.sin()],
+            normal: [angle.cos(), angle.sin()],
+            gap: 0.0,
+            normal_displacement: 0.0,
+            tangential_displacement: 0.0,
+            pressure: if touches(angle) { 1.0 } else { 0.0 },
+            shear: 0.0,
+            bound: 0.0,
+            weight: 0.0,
+            status: 0,
+            side: 0,
+        };
+        angles.map(row).collect()
+    }
+
+    /// Length of the shortest interval of positions with all nodes that touch.
+    fn extent(rows: &[ContactRow]) -> f64 {
+        let rows: Vec<&ContactRow> = rows.iter().collect();
+        let (_, mut position) = positions("rim", &rows);
+        unroll(&rows, &mut position);
+        let touching = || position.iter().zip(&rows).filter(|(_, r)| r.pressure > 0.0).map(|(s, _)| *s);
+        touching().fold(f64::NEG_INFINITY, f64::max) - touching().fold(f64::INFINITY, f64::min)
+    }
+
+    #[test]
+    fn a_contact_over_the_begin_of_a_closed_side_is_in_one_piece() {
+        let over = extent(&circle(|angle| !(0.51..5.8).contains(&angle)));
+        assert!((over - 0.95).abs() < 0.1, "{over}");
+        let away = extent(&circle(|angle| (1.0..2.0).contains(&angle)));
+        assert!((away - 0.95).abs() < 0.1, "{away}");
+        // a half circle is not closed
+        let half: Vec<ContactRow> = circle(|angle| !(0.5..2.6).contains(&angle)).into_iter().take(37).collect();
+        assert!(extent(&half) > 3.0);
+    }
 }

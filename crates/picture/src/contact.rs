@@ -19,6 +19,13 @@ const MARKERS: usize = 80;
 /// A bound higher than this many times the largest shear leaves the panel, so that the shear can be read.
 const FAR_BOUND: f64 = 5.0;
 
+/// A contact that takes less than this part of its side is drawn with this part of its length on both sides.
+const SMALL: f64 = 0.5;
+const BESIDE: f64 = 0.5;
+
+/// Tractions below this part of the largest are nothing.
+const NOTHING: f64 = 1e-9;
+
 /// Contact tractions at N points of one contact side, in the units of the scene. A value that is not finite is left
 /// out and breaks its curve.
 #[derive(Debug, Clone, Copy)]
@@ -39,6 +46,7 @@ pub struct ContactSide<'a> {
 
 /// Draws the pressure above; shear and, dashed, ±F below. Both panels contain zero.
 ///
+/// Of a side that touches along less than half of its length only the contact and half of its length on both sides are shown.
 /// Where F is everywhere more than five times the largest shear it is cut off at the frame, and the key says so.
 ///
 /// # Errors
@@ -50,7 +58,8 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
     let n = side.position.len();
     assert!(side.pressure.len() == n && side.shear.len() == n, "one pressure and one shear a position");
     assert!(side.bound.is_empty() || side.bound.len() == n, "one bound a position, or none");
-    let mut order: Vec<usize> = (0..n).filter(|&i| side.position[i].is_finite()).collect();
+    let [from, to] = window(side);
+    let mut order: Vec<usize> = (0..n).filter(|&i| (from..=to).contains(&side.position[i])).collect();
     order.sort_by(|&i, &j| side.position[i].total_cmp(&side.position[j]));
     let curve = |values: &[f64], sign: f64| order.iter().map(|&i| [side.position[i], sign * values[i]]).collect();
     let pressure: Vec<[f64; 2]> = curve(side.pressure, 1.0);
@@ -101,6 +110,26 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
     }
     key.entry("shear λₜ of the body on the obstacle, in the unit of E", &shear_pen(), Some(Marker::Square));
     canvas.finish()
+}
+
+/// The positions to show: those of the contact and its neighbourhood, or all.
+fn window(side: &ContactSide<'_>) -> [f64; 2] {
+    let span = |among: &dyn Fn(usize) -> bool| {
+        let start = [f64::INFINITY, f64::NEG_INFINITY];
+        let shown = (0..side.position.len()).filter(|&i| side.position[i].is_finite() && among(i));
+        shown.map(|i| side.position[i]).fold(start, |[l, h], x| [l.min(x), h.max(x)])
+    };
+    let size = |i: usize| side.pressure[i].abs().max(side.shear[i].abs());
+    let largest = (0..side.position.len()).map(size).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    let [low, high] = span(&|_| true);
+    let [first, last] = span(&|i| size(i) > NOTHING * largest);
+    let length = last - first;
+    // a single node has no length
+    if length > 0.0 && length < SMALL * (high - low) {
+        [low.max(first - BESIDE * length), high.min(last + BESIDE * length)]
+    } else {
+        [low, high]
+    }
 }
 
 fn pressure_pen() -> Pen {
@@ -185,5 +214,26 @@ impl Key<'_> {
         }
         self.canvas.text([start, self.y], name, TICK_TEXT, TextAnchor::Start);
         self.right = start - 70.0;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_small_contact_is_shown_with_its_neighbourhood() {
+        let position: Vec<f64> = (0..=100).map(f64::from).collect();
+        let ends = |from: f64, to: f64| {
+            let pressure: Vec<f64> = position.iter().map(|x| if (from..=to).contains(x) { 2.0 } else { 0.0 }).collect();
+            let shear = vec![0.0; pressure.len()];
+            let (title, x_label) = ("", "");
+            window(&ContactSide { title, x_label, position: &position, pressure: &pressure, shear: &shear, bound: &[] })
+        };
+        assert_eq!(ends(40.0, 60.0), [30.0, 70.0]);
+        assert_eq!(ends(0.0, 20.0), [0.0, 30.0]);
+        assert_eq!(ends(20.0, 80.0), [0.0, 100.0]);
+        assert_eq!(ends(50.0, 50.0), [0.0, 100.0]);
+        assert_eq!(ends(50.5, 50.6), [0.0, 100.0], "no contact");
     }
 }
