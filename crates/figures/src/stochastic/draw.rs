@@ -10,7 +10,7 @@ use steklov_picture::{
 use steklov_result::record::Record;
 
 use super::draw_fields;
-use super::tables::percent;
+use super::tables::{is_constant, percent};
 use crate::draw::{positions, walls};
 
 /// Panels in one picture at most.
@@ -38,7 +38,8 @@ pub fn pictures(stored: &Record) -> Result<Vec<(String, Picture)>, PictureError>
     let (probability, pressure) = contact(stored, result);
     add("probability", "probability of contact", &probability)?;
     add("pressure", "pressure of all outcomes", &pressure)?;
-    let densities: Vec<Panel> = result.quantities.iter().filter_map(|q| density(q, &result.probabilities)).collect();
+    let densities: Vec<Panel> =
+        result.quantities.iter().filter_map(|q| density(stored, q, &result.probabilities)).collect();
     add("density", "densities of the quantities", &densities)?;
     let cells = result.cells.as_ref().zip(result.quantities.first());
     if let Some((cells, first)) = cells.filter(|_| result.labels.len() == 1) {
@@ -144,8 +145,13 @@ fn contact(stored: &Record, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel
     (probability, pressure)
 }
 
-/// Density of a quantity with its mean and its quantiles; none where it has none.
-fn density(quantity: &Quantity, probabilities: &[f64]) -> Option<Panel> {
+/// Density of a quantity with its mean and its quantiles, or its value where its spread is rounding; none of a sparse grid.
+fn density(stored: &Record, quantity: &Quantity, probabilities: &[f64]) -> Option<Panel> {
+    if is_constant(stored, quantity) {
+        let name = format!("constant {}", short(quantity.mean, 4));
+        let layers = vec![Layer { name, shape: Shape::Across(vec![quantity.mean], 0) }];
+        return Some(Panel { x: quantity.name.clone(), y: "density".to_owned(), ends: Ends::Zero, layers });
+    }
     let density = quantity.density.as_ref()?;
     let bars = density.edges.windows(2).zip(&density.density).map(|(e, d)| [e[0], e[1], *d]).collect();
     let mut layers = vec![

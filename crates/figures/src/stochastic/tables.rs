@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use steklov_model::stochastic::{End, StochasticResult};
+use steklov_model::stochastic::{End, Quantity, StochasticResult};
 use steklov_result::record::Record;
 
 /// Text of a CSV field.
@@ -110,6 +110,7 @@ pub fn lines(stored: &Record) -> Vec<String> {
             let _ = write!(line, " NOT RESOLVED: out of {low} to {high}, which it cannot leave, by this rule");
         }
         line += &match q.variance {
+            _ if is_constant(stored, q) => ", constant but for rounding".to_owned(),
             v if v.is_nan() => ", variance NOT RESOLVED: negative by this rule".to_owned(),
             v => format!(" ± {:.2e}", v.max(0.0).sqrt()),
         };
@@ -130,6 +131,11 @@ pub fn lines(stored: &Record) -> Vec<String> {
         lines.push(format!("            probability of contact NOT RESOLVED at {nodes}: out of [0, 1] by this rule"));
     }
     lines
+}
+
+/// Whether the spread of a quantity is rounding: then its quantiles are taken away, which a sparse grid has none of.
+pub(crate) fn is_constant(stored: &Record, quantity: &Quantity) -> bool {
+    quantity.quantiles.is_none() && method(stored) != "sparse"
 }
 
 /// What is told where the truncation is not down at the tolerance.
