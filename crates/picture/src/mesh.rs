@@ -69,7 +69,7 @@ pub struct MeshFigure<'a> {
 ///
 /// Sides that have an element shorter than 2 % of them in one of the meshes (at most eight of them, the most refined
 /// ones) are drawn beside each body once more, with elements of equal width: the degrees as bars upwards, the lengths
-/// as bars downwards on a logarithmic axis. Meshes without such sides stand in rows of up to three.
+/// as bars downwards on a logarithmic axis; of linear elements the lengths alone. Meshes without such sides stand in rows of up to three.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -92,7 +92,10 @@ pub fn meshes(figure: &MeshFigure<'_>) -> Result<Picture, PictureError> {
     let below = cells.iter().map(|c| c.bottom() + BELOW).fold(top, f64::max);
     let per_row = ((WIDTH - 2.0 * EDGE - 80.0) / BOX[0]) as usize;
     let key_height = 40.0 * degrees.len().div_ceil(per_row) as f64;
-    let notes: Vec<String> = notes(&graded, hidden).iter().flat_map(|n| wrap(n, TICK_TEXT, WIDTH - 60.0, 3)).collect();
+    let notes: Vec<String> = notes(&graded, hidden, degrees.last() > Some(&1))
+        .iter()
+        .flat_map(|n| wrap(n, TICK_TEXT, WIDTH - 60.0, 3))
+        .collect();
     let mut canvas = Canvas::new((below + key_height + 18.0 * notes.len() as f64 + 16.0).max(200.0));
     canvas.title(&title, 34.0);
     let strips = Strips::new(figure.panels, &graded, figure.side_names);
@@ -117,11 +120,11 @@ pub fn meshes(figure: &MeshFigure<'_>) -> Result<Picture, PictureError> {
     canvas.finish()
 }
 
-fn notes(graded: &[Side], hidden: usize) -> Vec<String> {
+fn notes(graded: &[Side], hidden: usize, degrees: bool) -> Vec<String> {
     let mut notes = Vec::new();
     if !graded.is_empty() {
-        let order = "Bars: the elements of a side in order, with the body on the left; degrees above, lengths below.";
-        notes.push(order.to_owned());
+        let what = if degrees { "degrees above, lengths below" } else { "their lengths" };
+        notes.push(format!("Bars: the elements of a side in order, with the body on the left; {what}."));
     }
     if hidden > 0 {
         notes.push(format!("{hidden} more sides with elements under 2 % of their length are not drawn as bars."));

@@ -1,4 +1,5 @@
-//! Strongly refined sides once more, each element as wide as the next: degree upwards, length downwards.
+//! Strongly refined sides once more, each element as wide as the next: degree upwards, length downwards; of linear elements the
+//! length alone.
 
 use super::canvas::{BLACK, Canvas, LIGHT, Pen, Rect, text_width, wrap};
 use super::mesh::{MeshPanel, Shades, finite};
@@ -61,6 +62,9 @@ pub(super) struct Strips<'a> {
     names: &'a [String],
     /// Highest degree.
     degree: usize,
+    /// Heights of degrees, with the space below them, and of lengths.
+    degrees: f64,
+    lengths: f64,
     /// The length axis ends at ten to minus this.
     decades: i32,
 }
@@ -70,7 +74,8 @@ impl<'a> Strips<'a> {
         let degree = panels.iter().flat_map(|p| p.degree).max().map_or(1, |&p| p.max(1));
         let every = || panels.iter().flat_map(|p| sides.iter().flat_map(|&s| shares(p, s)));
         let least = every().map(|e| e.1).filter(|&l| l > 0.0).fold(1.0, f64::min);
-        Self { sides, names, degree, decades: (-least.log10()).ceil().clamp(1.0, 20.0) as i32 }
+        let [degrees, lengths] = if degree == 1 { [0.0, STRIP] } else { [DEGREES + SPACE, LENGTHS] };
+        Self { sides, names, degree, degrees, lengths, decades: (-least.log10()).ceil().clamp(1.0, 20.0) as i32 }
     }
 
     /// Draws the sides of one mesh between two x, names above `top`.
@@ -80,7 +85,7 @@ impl<'a> Strips<'a> {
         self.axes(canvas, left, top);
         for (i, &side) in self.sides.iter().enumerate() {
             let above = Rect { left: place(i), top, width: slot, height: DEGREES };
-            let below = Rect { top: top + DEGREES + SPACE, height: LENGTHS, ..above };
+            let below = Rect { top: top + self.degrees, height: self.lengths, ..above };
             self.grid(canvas, above, below);
             let name = wrap(&self.names[side], NAME_TEXT, slot + BETWEEN, 2);
             for (k, line) in name.iter().enumerate() {
@@ -88,7 +93,9 @@ impl<'a> Strips<'a> {
                 canvas.text([above.left + slot / 2.0, y], line, NAME_TEXT, TextAnchor::Middle);
             }
             self.bars(canvas, above, below, &shares(panel, side), panel.degree, shades);
-            canvas.line([above.left, above.bottom()], [above.right(), above.bottom()], &Pen::solid(BLACK, 1.0));
+            if self.has_degrees() {
+                canvas.line([above.left, above.bottom()], [above.right(), above.bottom()], &Pen::solid(BLACK, 1.0));
+            }
             canvas.line([below.left, below.top], [below.right(), below.top], &Pen::solid(BLACK, 1.0));
         }
     }
@@ -108,6 +115,11 @@ impl<'a> Strips<'a> {
         let inset = if width >= 4.0 { 1.0 } else { 0.0 };
         for (k, &(element, share)) in shares.iter().enumerate() {
             let (l, r) = (start + k as f64 * width + inset, start + (k + 1) as f64 * width - inset);
+            let down = below.top + self.down(share);
+            canvas.fill(&[vec![[l, below.top], [r, below.top], [r, down], [l, down]]], BAR);
+            if !self.has_degrees() {
+                continue;
+            }
             let (degree, bottom) = (degrees[element], above.bottom());
             let t = bottom - self.up(degree);
             canvas.fill(&[vec![[l, bottom], [r, bottom], [r, t], [l, t]]], shades.colour(degree));
@@ -118,9 +130,12 @@ impl<'a> Strips<'a> {
             if 0.9 * text_width(&number, NUMBER_TEXT) < width {
                 canvas.text([(l + r) / 2.0, t - 3.0], &number, NUMBER_TEXT, TextAnchor::Middle);
             }
-            let down = below.top + self.down(share);
-            canvas.fill(&[vec![[l, below.top], [r, below.top], [r, down], [l, down]]], BAR);
         }
+    }
+
+    /// Whether degrees are drawn.
+    fn has_degrees(&self) -> bool {
+        self.degrees > 0.0
     }
 
     /// Height of the bar of a degree.
@@ -130,13 +145,13 @@ impl<'a> Strips<'a> {
 
     /// Height of the bar of a length over the length of the side.
     fn down(&self, share: f64) -> f64 {
-        LENGTHS * (-share.log10() / f64::from(self.decades)).clamp(0.0, 1.0)
+        self.lengths * (-share.log10() / f64::from(self.decades)).clamp(0.0, 1.0)
     }
 
     /// Degrees and powers of ten that have a tick.
     fn ticks(&self) -> (Vec<usize>, Vec<i32>) {
         let step = |n: usize| [1, 2, 5, 10, 20, 50].into_iter().find(|s| n / s <= 5).unwrap_or(n);
-        let degrees = (0..=self.degree).step_by(step(self.degree)).collect();
+        let degrees = (0..=self.degree).step_by(step(self.degree)).filter(|_| self.has_degrees()).collect();
         let decades = self.decades as usize;
         (degrees, (0..=self.decades).step_by(step(decades)).collect())
     }
@@ -152,7 +167,7 @@ impl<'a> Strips<'a> {
     /// Labels and titles left of the first side.
     fn axes(&self, canvas: &mut Canvas, left: f64, top: f64) {
         let (degrees, decades) = self.ticks();
-        let (bottom, hanging) = (top + DEGREES, top + DEGREES + SPACE);
+        let (bottom, hanging) = (top + DEGREES, top + self.degrees);
         for p in degrees {
             // The lengths start close below.
             if p > 0 {
@@ -163,8 +178,10 @@ impl<'a> Strips<'a> {
             let label = if k == 0 { "1".to_owned() } else { power(-k) };
             canvas.text([left - 6.0, hanging + self.down(10f64.powi(-k)) + 4.0], &label, 11, TextAnchor::End);
         }
-        canvas.text_upwards([left - 40.0, top + HEAD + (DEGREES - HEAD) / 2.0], "degree", 12);
-        canvas.text_upwards([left - 40.0, hanging + LENGTHS / 2.0], "length / side", 12);
+        if self.has_degrees() {
+            canvas.text_upwards([left - 40.0, top + HEAD + (DEGREES - HEAD) / 2.0], "degree", 12);
+        }
+        canvas.text_upwards([left - 40.0, hanging + self.lengths / 2.0], "length / side", 12);
     }
 }
 
@@ -218,6 +235,10 @@ mod tests {
         assert_eq!((strips.degree, strips.decades), (4, 7));
         assert_eq!((strips.down(1.0), strips.up(0)), (0.0, 0.0));
         assert!((strips.down(1e-7) - LENGTHS).abs() < 1e-9 && strips.up(4) == DEGREES - HEAD);
+        // linear elements have lengths alone
+        let panel = MeshPanel { caption: "", elements: &elements, degree: &[1; 4], side: &side };
+        let strips = Strips::new(&[panel], &[0], &names);
+        assert!((strips.down(1e-7) - STRIP).abs() < 1e-9 && strips.ticks().0.is_empty());
     }
 
     proptest! {
