@@ -12,10 +12,12 @@ use steklov_study::multiscale::{
     Contrast, Laminates, MultiscaleStudy, coarse_cells, contrast, convergence, fine_grid, laminates, pictures, report,
 };
 
-const FILES: &str = "contrast-effectivity.png contrast-effectivity.svg contrast-error.png contrast-error.svg contrast.csv \
-                     convergence.csv effectivity.png effectivity.svg error-dofs.png error-dofs.svg error-seconds.png \
-                     error-seconds.svg fine-grid.csv laminates.csv multiscale.h5 resonance-cells-effectivity.png \
-                     resonance-cells-effectivity.svg resonance-cells.png resonance-cells.svg \
+const FILES: &str = "contrast-effectivity.png contrast-effectivity.svg contrast-error.png contrast-error.svg \
+                     contrast.csv convergence.csv effectivity.png effectivity.svg error-dofs.png error-dofs.svg \
+                     error-seconds.png error-seconds.svg error-size.png error-size.svg fine-grid.csv laminates.csv \
+                     multiscale.h5 rates.csv resonance-cells-displacement.png resonance-cells-displacement.svg \
+                     resonance-cells-effectivity.png resonance-cells-effectivity.svg resonance-cells.png \
+                     resonance-cells.svg resonance-period-displacement.png resonance-period-displacement.svg \
                      resonance-period-effectivity.png resonance-period-effectivity.svg resonance-period.png \
                      resonance-period.svg";
 
@@ -103,6 +105,9 @@ fn the_bar_has_the_published_errors_and_the_fine_grid_its_own() {
             let what = format!("{name} {mesh}");
             assert_eq!(format!("{}x{}", p["coarse_x"], p["coarse_y"]), mesh);
             close(&what, number(&p["error"]), number(&wanted["energy_err"]), tolerance);
+            // the file has the root of the sum over nodes: the integral of such fields is within two percent of it
+            let ratio = number(&p["displacement_error"]) / number(&wanted["l2_err"]);
+            assert!((0.98..1.02).contains(&ratio), "{what}: L2 over nodal {ratio}");
             assert_eq!((&p["patterns"], &p["dofs"]), (&wanted["n_local_solves"], &wanted["n_coarse"]), "{what}");
             if name == "oversampled" {
                 assert_eq!((&p["estimate"], &p["effectivity"]), (&Value::Null, &Value::Null));
@@ -115,6 +120,26 @@ fn the_bar_has_the_published_errors_and_the_fine_grid_its_own() {
     }
     for part in ["A bar of random cells", "192x32", "96x16", "0.0594", "oversampled", "extrapolated"] {
         assert!(out.contains(part), "no {part} in\n{out}");
+    }
+}
+
+/// Cells below the scale of moduli that do not vary: q1 has the order of bilinear elements, one in the energy norm and two in the L²
+/// norm but for the corners of the held side, whose exponent is about 0.71; no fitted basis is of a lower one.
+#[test]
+fn a_homogeneous_bar_has_the_orders_of_bilinear_elements() {
+    let (o, out) = of_scene(&BAR.replace("{ uniform = [2000, 3000], seed = 2014 }", "2000"), &[]);
+    let rates: Vec<&Value> = o["rates"].as_array().unwrap().iter().filter(|r| r["over"] == 0).collect();
+    assert_eq!(rates.len(), 5);
+    for rate in rates {
+        let [energy, displacement] = ["rate", "displacement_rate"].map(|name| number(&rate[name]));
+        println!("{rate}");
+        assert!((0.8..1.1).contains(&energy), "{rate}");
+        assert!((1.5..2.1).contains(&displacement) && displacement > energy + 0.5, "{rate}");
+        assert!(number(&rate["r_squared"]) > 0.99 && number(&rate["displacement_r_squared"]) > 0.99, "{rate}");
+        assert!(
+            out.contains(&format!("error ~ H^{energy:.2} (R²"))
+                && out.contains(&format!("L2 error ~ H^{displacement:.2}"))
+        );
     }
 }
 
@@ -180,14 +205,17 @@ fn files_agree() {
         ],
     );
     close("fine grid", column(levels, "energy")[0], number(&solved["energy"]), 1e-12);
-    for (group, name, rows) in
-        [("laminates", "laminates.csv", &o["laminates"]), ("contrast", "contrast.csv", &o["contrast"])]
-    {
+    for (group, name, rows) in [
+        ("laminates", "laminates.csv", &o["laminates"]),
+        ("contrast", "contrast.csv", &o["contrast"]),
+        ("rates", "rates.csv", &o["rates"]),
+    ] {
         check(&file.group(group).unwrap(), rows);
         assert_eq!(csv(name).lines().count(), 1 + rows.as_array().unwrap().len());
     }
-    assert!(out.contains("23 in out"), "{out}");
+    assert!(out.contains("30 in out"), "{out}");
     laminates_resonate(&o["laminates"]);
+    layers_vanish(&o["rates"]);
     stiff_parts_mislead(&o["contrast"]);
 }
 
@@ -203,6 +231,20 @@ fn laminates_resonate(rows: &Value) {
         close(&key, number(&row["error"]), number(&data["data"][&key]), number(&data["tol_rel"]));
         assert_eq!(row["estimate"].is_null(), word == "d");
         assert!(word == "d" || (1.0..6.0).contains(&number(&row["effectivity"])), "{row}");
+        let displacement = number(&row["displacement_error"]);
+        assert!(displacement > 0.0 && displacement < number(&row["error"]), "{row}");
+    }
+}
+
+/// On coarse cells of one size the errors fall as layers become thin, in the L² norm faster; what C₁ H leaves keeps the rates below
+/// those of (ε/H)^½ and ε/H. One grid of the scene has no rate over H.
+fn layers_vanish(rates: &Value) {
+    let rates = rates.as_array().unwrap();
+    assert_eq!(rates.len(), 2 * 3);
+    for rate in rates {
+        let [energy, displacement] = ["rate", "displacement_rate"].map(|name| number(&rate[name]));
+        println!("{rate}");
+        assert!(rate["over"] != 0 && (0.05..0.5).contains(&energy) && (energy..1.0).contains(&displacement), "{rate}");
     }
 }
 

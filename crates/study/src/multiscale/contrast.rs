@@ -97,7 +97,7 @@ fn one(part: usize, contrast: f64, interrupts: &AtomicUsize, points: &mut Vec<St
     let truth = on_all_cells(&scene, 1, interrupts)?;
     for (basis, (_, input)) in FITTED.iter().enumerate() {
         let solved = on_coarse_cells(&scene, [FINE; 2], *input, Some(FINE / 2), interrupts)?;
-        let error = error(&truth, &solved)?;
+        let [error, _] = error(&truth, &solved)?;
         let Some(coarse) = &solved.coarse else { unreachable!("coarse cells were asked for") };
         let crossing = crossing_contrast(&solved.body, &coarse.mesh, FAILING).largest;
         let nodal = estimate(&truth, &solved) / error;

@@ -24,7 +24,9 @@ pub struct Point {
     pub patterns: usize,
     /// Relative error in the energy norm against bilinear elements on the same fine cells.
     pub error: f64,
-    /// Its estimate; NaN of bases that do not conform.
+    /// Relative error of the displacement in the L² norm against the same.
+    pub displacement: f64,
+    /// The estimate of the first; NaN of bases that do not conform.
     pub estimate: f64,
     /// Relative error against the exact solution, that of the fine grid included; NaN if that is not known.
     pub total: f64,
@@ -40,7 +42,7 @@ impl Point {
 }
 
 /// Columns of the points.
-pub(super) const POINTS: [Column<Point>; 11] = [
+pub(super) const POINTS: [Column<Point>; 12] = [
     ("coarse_x", "1", "coarse cells along x", |p| p.coarse[0] as f64),
     ("coarse_y", "1", "coarse cells along y", |p| p.coarse[1] as f64),
     ("fine_x", "1", "fine cells of a coarse cell along x", |p| p.fine[0] as f64),
@@ -51,6 +53,9 @@ pub(super) const POINTS: [Column<Point>; 11] = [
     ("estimate", "1", "its estimate; NaN of bases that do not conform", |p| p.estimate),
     ("effectivity", "1", "estimate over error", Point::effectivity),
     ("total_error", "1", "relative error, energy norm, with that of the fine grid", |p| p.total),
+    ("displacement_error", "1", "relative error of the displacement, L2 norm, against the fine cells", |p| {
+        p.displacement
+    }),
     ("seconds", "seconds", "set-up, bases, assembly, factorisation, fine displacements", |p| p.seconds),
 ];
 
@@ -129,7 +134,7 @@ pub fn convergence(
             watch.tell(name, &at);
             let solved = timed(repeat, || on_coarse_cells(scene, fine, input, None, watch.interrupts));
             let point = solved.and_then(|(solved, seconds)| {
-                let error = error(&fine_grid.truth, &solved)?;
+                let [error, displacement] = error(&fine_grid.truth, &solved)?;
                 Ok(solved.converged().then_some(Point {
                     basis,
                     coarse,
@@ -137,6 +142,7 @@ pub fn convergence(
                     dofs: solved.dofs,
                     patterns: solved.coarse.as_ref().map_or(0, |c| c.patterns),
                     error,
+                    displacement,
                     estimate: estimate(&fine_grid.truth, &solved),
                     // both are at right angles where the coarse functions are fine ones
                     total: error.hypot(fine_grid.error()),

@@ -2,13 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use steklov_picture::{Band, PictureError};
+use steklov_picture::{Band, Guide, PictureError};
 
 use super::MultiscaleStudy;
 use super::contrast::{PARTS, Stiff};
 use super::convergence::Point;
 use super::laminates::{LAMINATES, Layers};
 use super::measure::{BASES, FITTED};
+use super::rates::Rate;
 use crate::chart::{Dots, Drawing, Line, Pictures, known, linear, log};
 use crate::show::runs;
 
@@ -25,6 +26,7 @@ pub fn pictures(study: &MultiscaleStudy<'_>, folder: &Path) -> Result<Vec<PathBu
     let mut all = Pictures::new(folder);
     if !study.convergence.points.is_empty() {
         errors(study, &mut all)?;
+        sizes(study, &mut all)?;
         effectivities(study, &mut all)?;
     }
     if study.fine_grid.error().is_finite() {
@@ -59,6 +61,28 @@ fn errors(study: &MultiscaleStudy<'_>, all: &mut Pictures<'_>) -> Result<(), Pic
         ..Drawing::default()
     };
     all.draw("error-dofs", &drawing)
+}
+
+/// Errors in both norms over the size of the coarse cells, with the fitted powers in the key.
+fn sizes(study: &MultiscaleStudy<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
+    let spacing = study.fine_grid.truth.body.grid.spacing;
+    let size = |p: &Point| [0, 1].map(|k| spacing[k] * p.fine[k] as f64).into_iter().fold(0.0, f64::max);
+    let rates = study.rates();
+    let line = |(basis, (name, _)): (usize, &(&str, _))| {
+        let curve = |value: fn(&Point) -> f64| known(study.convergence.of(basis).map(|p| [size(p), value(p)]));
+        let fitted = |r: &&Rate| r.over == 0 && r.basis == basis && r.rates.iter().all(|r| r.is_finite());
+        let fitted = rates.iter().find(fitted).map(|r| format!(": H^{:.2}, H^{:.2}", r.rates[0], r.rates[1]));
+        Line::new(format!("{name}{}", fitted.unwrap_or_default()), [curve(|p| p.error), curve(|p| p.displacement)])
+    };
+    let drawing = Drawing {
+        title: &format!("{}: energy and L² norm of the error against the fine grid", study.scene.title),
+        axes: [log("size H of the coarse cells"), log("relative error")],
+        quantities: &["energy norm", "displacement, L² norm"],
+        lines: BASES.iter().enumerate().map(line).filter(Line::is_drawn).collect(),
+        guides: &[Guide { label: "H", slope: 1.0 }, Guide { label: "H²", slope: 2.0 }],
+        ..Drawing::default()
+    };
+    all.draw("error-size", &drawing)
 }
 
 fn effectivities(study: &MultiscaleStudy<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
@@ -118,8 +142,13 @@ fn resonance(study: &MultiscaleStudy<'_>, pictures: &mut Pictures<'_>) -> Result
         let names: Vec<String> = (0..LAMINATES.len()).map(|k| format!("{}, {}", LAMINATES[k].0, fixed(k))).collect();
         let quantities: &[&str] = &names.iter().map(|n| &n[..]).collect::<Vec<_>>();
         let title = "Layers 1:10 on the unit square, 256 × 256 cells";
-        let (axes, lines_of) = ([log(x), log(ERROR)], lines(|l| l.error));
-        pictures.draw(name, &Drawing { title, axes, quantities, lines: lines_of, ..Drawing::default() })?;
+        let displacement = "relative error of the displacement, L² norm";
+        let values: [fn(&Layers) -> f64; 2] = [|l| l.error, |l| l.displacement];
+        for (value, (end, label)) in values.into_iter().zip([("", ERROR), ("-displacement", displacement)]) {
+            let (axes, lines) = ([log(x), log(label)], lines(value));
+            pictures
+                .draw(&format!("{name}{end}"), &Drawing { title, axes, quantities, lines, ..Drawing::default() })?;
+        }
         let (axes, lines, band) = ([log(x), linear(RATIO)], lines(|l| l.estimate / l.error), Some(WITHIN));
         let drawing = Drawing { title, axes, quantities, lines, band, ..Drawing::default() };
         pictures.draw(&format!("{name}-effectivity"), &drawing)?;

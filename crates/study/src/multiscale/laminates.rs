@@ -37,12 +37,14 @@ pub struct Layers {
     pub coarse: usize,
     /// Relative error in the energy norm against bilinear elements on the same fine cells.
     pub error: f64,
-    /// Its estimate; NaN of bases that do not conform.
+    /// Relative error of the displacement in the L² norm against the same.
+    pub displacement: f64,
+    /// The estimate of the first; NaN of bases that do not conform.
     pub estimate: f64,
 }
 
 /// Columns of the laminates.
-pub(super) const LAYERS: [Column<Layers>; 7] = [
+pub(super) const LAYERS: [Column<Layers>; 8] = [
     ("laminate", "1", "0 straight layers, 1 diagonal ones", |l| l.laminate as f64),
     ("basis", "1", "0 coupled, 1 oscillatory, 2 oversampled by half a coarse cell", |l| l.basis as f64),
     ("periods", "1", "periods of layers along a side of the square: 1/eps", |l| l.periods as f64),
@@ -50,6 +52,9 @@ pub(super) const LAYERS: [Column<Layers>; 7] = [
     ("error", "1", "relative error, energy norm, against bilinear elements on 256 x 256 cells", |l| l.error),
     ("estimate", "1", "its estimate; NaN of bases that do not conform", |l| l.estimate),
     ("effectivity", "1", "estimate over error", |l| l.estimate / l.error),
+    ("displacement_error", "1", "relative error of the displacement, L2 norm, against the same cells", |l| {
+        l.displacement
+    }),
 ];
 
 /// Errors on laminates, by laminate, periods, coarse cells and basis.
@@ -104,8 +109,8 @@ fn one(laminate: usize, periods: usize, interrupts: &AtomicUsize, points: &mut V
         for (basis, (_, input)) in FITTED.iter().enumerate() {
             let fine = FINE / coarse;
             let solved = on_coarse_cells(&scene, [fine; 2], *input, Some(fine / 2), interrupts)?;
-            let (error, estimate) = (error(&truth, &solved)?, estimate(&truth, &solved));
-            points.push(Layers { laminate, basis, periods, coarse, error, estimate });
+            let ([error, displacement], estimate) = (error(&truth, &solved)?, estimate(&truth, &solved));
+            points.push(Layers { laminate, basis, periods, coarse, error, displacement, estimate });
         }
     }
     Ok(())

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use steklov_model::error::SolveError;
 use steklov_model::grid::{CoarseSolved, GridLayout, GridSolved, solve_grid};
 use steklov_model::stage::Stage;
-use steklov_msfem::{CoarseMesh, Extra, Loads, MsfemError, Multiscale};
+use steklov_msfem::{CoarseMesh, Extra, HeterogeneousBody, Loads, MsfemError, Multiscale};
 use steklov_problem::{BasisInput, GridInput, Scene, grid_of};
 
 use crate::median;
@@ -76,22 +76,39 @@ pub(super) fn norm(solved: &GridSolved) -> f64 {
     (2.0 * solved.energies.strain).sqrt()
 }
 
-/// Σ_T a_T(u_h - u_H, u_h - u_H)^½ over a(u_h, u_h)^½: u_h on all cells, u_H on coarse ones, T the coarse cells, in each of which
-/// a basis that does not conform has a field of its own.
-pub(super) fn error(truth: &GridSolved, solved: &GridSolved) -> Result<f64, SolveError> {
-    let squared = match &solved.coarse {
+/// The relative error in the energy norm and that of the displacement in the L² norm: Σ_T a_T(u_h - u_H, u_h - u_H)^½ over
+/// a(u_h, u_h)^½, and ‖u_h - u_H‖ over ‖u_h‖. u_h is on all cells, u_H on coarse ones, T are the coarse cells, in each of which a
+/// basis that does not conform has a field of its own. Both are exact for bilinear fields on the fine cells.
+pub(super) fn error(truth: &GridSolved, solved: &GridSolved) -> Result<[f64; 2], SolveError> {
+    let body = &truth.body;
+    let [energy, square] = match &solved.coarse {
         Some(coarse) if !coarse.basis.is_conforming() => broken(truth, coarse)?,
         _ => {
             let difference: Vec<f64> =
                 truth.displacement.iter().zip(&solved.displacement).map(|(a, b)| a - b).collect();
-            truth.body.energy(&difference, &difference)
+            [body.energy(&difference, &difference), square(body, &difference)]
         }
     };
-    Ok(squared.max(0.0).sqrt() / norm(truth))
+    Ok([energy.max(0.0).sqrt() / norm(truth), (square / self::square(body, &truth.displacement)).sqrt()])
 }
 
-/// The squared error, cell by cell.
-fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<f64, MsfemError> {
+/// ∫ u·u over the body of a field by its values at the fine nodes (length⁴).
+fn square(body: &HeterogeneousBody, u: &[f64]) -> f64 {
+    let spacing = body.grid.spacing;
+    body.grid.body_cells().map(|cell| cell_square(spacing, &body.cell_values(u, cell))).sum()
+}
+
+/// ∫ u·u over a rectangle of a bilinear field by its values at the corners, counter-clockwise, in closed form.
+fn cell_square([hx, hy]: [f64; 2], u: &[f64; 8]) -> f64 {
+    // hx hy / 36 times 4 for a corner with itself, 1 with the opposite one, 2 with those beside it
+    let weight = |a: usize, b: usize| [4.0, 2.0, 1.0, 2.0][(4 + a - b) % 4];
+    let row =
+        |a: usize| (0..4).map(|b| weight(a, b) * (u[2 * a] * u[2 * b] + u[2 * a + 1] * u[2 * b + 1])).sum::<f64>();
+    hx * hy / 36.0 * (0..4).map(row).sum::<f64>()
+}
+
+/// The squared errors, cell by cell: energy and ∫ |e|².
+fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<[f64; 2], MsfemError> {
     let body = &truth.body;
     let mut problem = Multiscale::new(body, coarse.mesh.clone(), coarse.basis)?;
     // the bases once more, those of equal cells once
@@ -102,12 +119,14 @@ fn broken(truth: &GridSolved, coarse: &CoarseSolved) -> Result<f64, MsfemError> 
             values[*unknown..*unknown + 2].copy_from_slice(u);
         }
     }
-    let mut squared = 0.0;
+    let mut squared = [0.0; 2];
     let extra = Extra { lift: coarse.lift.clone(), ..Extra::default() };
     problem.downscale_cells(&values, &Loads::default(), &extra, &mut |_| true, |cell, field| {
         for (fine, u) in problem.fine_values(cell, field) {
             let exact = body.cell_values(&truth.displacement, fine);
-            squared += body.cell_energy(fine, &std::array::from_fn(|a| u[a] - exact[a]));
+            let difference = std::array::from_fn(|a| u[a] - exact[a]);
+            squared[0] += body.cell_energy(fine, &difference);
+            squared[1] += cell_square(body.grid.spacing, &difference);
         }
     })?;
     Ok(squared)
@@ -120,6 +139,9 @@ pub(super) fn estimate(truth: &GridSolved, solved: &GridSolved) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use steklov_elastic::Plane;
+    use steklov_msfem::{Elasticity, Grid};
+
     use super::*;
 
     /// An L with displacements that are no polynomials of degree one on its sides.
@@ -149,16 +171,41 @@ fine = [4, 4]
         let truth = on_all_cells(&scene, 1, run).unwrap();
         let error = |basis, oversample| {
             let solved = on_coarse_cells(&scene, [4, 4], basis, oversample, run).unwrap();
-            (error(&truth, &solved).unwrap(), estimate(&truth, &solved))
+            let [energy, displacement] = error(&truth, &solved).unwrap();
+            (energy, displacement, estimate(&truth, &solved))
         };
-        let (whole, estimated) = error(BasisInput::Coupled, None);
-        let (by_cells, unknown) = error(BasisInput::Oversampled, Some(0));
+        let (whole, displaced, estimated) = error(BasisInput::Coupled, None);
+        let (by_cells, displaced_by_cells, unknown) = error(BasisInput::Oversampled, Some(0));
         assert!((by_cells - whole).abs() < 1e-9 * whole, "{by_cells} {whole}");
+        assert!((displaced_by_cells - displaced).abs() < 1e-9 * displaced, "{displaced_by_cells} {displaced}");
         assert!(whole > 0.01 && estimated > whole && unknown.is_nan(), "{whole} {estimated}");
         let enlarged = error(BasisInput::Oversampled, None).0;
+        assert!(displaced > 1e-3 && displaced < whole, "{displaced} {whole}");
         assert!((enlarged - whole).abs() > 0.01 * whole, "{enlarged} {whole}");
         let at_once = on_all_cells(&scene, 1, &AtomicUsize::new(1));
         assert!(matches!(at_once, Err(SolveError::Interrupted)));
+    }
+
+    /// u = (a + b x + c y + d x y, x y) over the rectangle (0, 3) × (0, 2), cell by cell on any grid.
+    #[test]
+    fn the_square_of_a_bilinear_field_is_its_integral() {
+        let [a, b, c, d] = [0.7, -1.3, 0.4, 2.1];
+        // ∫ xⁱ yʲ = 3^(i+1)/(i+1) 2^(j+1)/(j+1)
+        let moment = |i: i32, j: i32| 3f64.powi(i + 1) / f64::from(i + 1) * 2f64.powi(j + 1) / f64::from(j + 1);
+        let squares = a * a * moment(0, 0) + b * b * moment(2, 0) + c * c * moment(0, 2) + (d * d + 1.0) * moment(2, 2);
+        let mixed = a * b * moment(1, 0) + a * c * moment(0, 1) + (a * d + b * c) * moment(1, 1);
+        let exact = squares + 2.0 * (mixed + b * d * moment(2, 1) + c * d * moment(1, 2));
+        for cells in [[1, 1], [2, 5], [7, 3]] {
+            let grid = Grid::rectangle([3.0, 2.0], cells).unwrap();
+            let u: Vec<f64> = (0..grid.nodes())
+                .map(|node| grid.point(node))
+                .flat_map(|[x, y]| [a + b * x + c * y + d * x * y, x * y])
+                .collect();
+            let elasticity = Elasticity::new(0.3, Plane::Strain).unwrap();
+            let body = HeterogeneousBody::new(grid, vec![1.0; cells[0] * cells[1]], elasticity).unwrap();
+            let found = square(&body, &u);
+            assert!((found - exact).abs() < 1e-12 * exact, "{cells:?}: {found} {exact}");
+        }
     }
 
     #[test]

@@ -13,6 +13,7 @@ mod fine_grid;
 mod convergence;
 mod laminates;
 mod contrast;
+mod rates;
 mod report;
 mod draw;
 
@@ -28,6 +29,7 @@ pub use draw::pictures;
 pub use fine_grid::{FineGrid, Level, MOST_DOFS, fine_grid};
 pub use laminates::{LAMINATES, Laminates, Layers, laminates};
 pub use measure::{BASES, FITTED};
+pub use rates::{Rate, rates};
 pub use report::report;
 
 /// A finished study.
@@ -73,6 +75,11 @@ impl MultiscaleStudy<'_> {
     /// Whether nobody stopped it and everything was solved.
     pub fn complete(&self) -> bool {
         !self.interrupted && self.failures().next().is_none()
+    }
+
+    /// How the errors on the scene and on the laminates fall.
+    pub fn rates(&self) -> Vec<Rate> {
+        rates(&self.convergence, &self.laminates)
     }
 
     /// What failed, and why.

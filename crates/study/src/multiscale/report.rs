@@ -3,6 +3,7 @@
 //! ```text
 //! /fine_grid      `source`, `limit`, `rate` (if known); columns with an entry a grid
 //! /bases/NNN      `name`; columns with an entry a coarse grid
+//! /rates          columns with an entry a basis on the scene or on a laminate
 //! /laminates      `text` of the scene; columns with an entry a basis on a coarse grid
 //! /contrast       `text` of the scene; columns with an entry a basis at a contrast
 //! ```
@@ -17,8 +18,9 @@ use super::fine_grid::{LEVELS, Level};
 use super::laminates::{LAMINATES, LAYERS, Layers};
 use super::measure::{BASES, FITTED};
 use super::plate::{PLATE, SQUARE};
+use super::rates::{RATES, Rate};
 use super::{FineGrid, MultiscaleStudy};
-use crate::report::{Part, Report, columns, failures, named, number, part, text, told};
+use crate::report::{Part, Report, columns, failures, named, number, part, rows, text, told};
 use crate::show::{self, Shown, cells, heads, line};
 use crate::table::Table;
 
@@ -28,11 +30,13 @@ pub fn report<'a>(study: &'a MultiscaleStudy<'_>) -> Report<'a> {
     let points = &study.convergence.points;
     let bases = Table::new("coarse grid", points, &POINTS).key("basis", points.iter().map(|p| BASES[p.basis].0.into()));
     let levels = Table::new("grid", &study.fine_grid.levels, &LEVELS);
+    let rates = Table::new("basis over a size", &study.rates(), &RATES);
     let laminates = Table::new("basis on a coarse grid", &study.laminates.points, &LAYERS);
     let contrast = Table::new("basis at a contrast", &study.contrast.points, &STIFF);
     let tables = vec![
         ("fine-grid.csv", levels.csv()),
         ("convergence.csv", bases.csv()),
+        ("rates.csv", rates.csv()),
         ("laminates.csv", laminates.csv()),
         ("contrast.csv", contrast.csv()),
     ];
@@ -45,6 +49,7 @@ pub fn report<'a>(study: &'a MultiscaleStudy<'_>) -> Report<'a> {
         failures(study.failures()),
         part("fine_grid", fine_grid_parts(&study.fine_grid, levels)),
         named("bases", BASES.iter().map(|b| b.0), "the basis, as scenes name it", basis),
+        rows("rates", rates),
         told("laminates", laminates.json()),
         part("laminates", vec![layers, columns("", laminates)]).only_kept(),
         told("contrast", contrast.json()),
@@ -118,22 +123,33 @@ fn fine_grid(text: &mut String, study: &MultiscaleStudy<'_>) {
 }
 
 fn convergence(text: &mut String, study: &MultiscaleStudy<'_>) {
-    let shown: [Shown<Point>; 9] = [
+    let shown: [Shown<Point>; 10] = [
         ("cells", 10, |p| cells(p.coarse)),
         ("fine", 8, |p| cells(p.fine)),
         ("dofs", 9, |p| p.dofs.to_string()),
         ("error", 9, |p| cell(p.error, 4)),
+        ("L2 error", 9, |p| cell(p.displacement, 4)),
         ("estimate", 9, |p| cell(p.estimate, 4)),
         ("est./err.", 9, |p| cell(p.effectivity(), 2)),
         ("to limit", 9, |p| cell(p.total, 4)),
         ("patterns", 9, |p| p.patterns.to_string()),
         ("seconds", 9, |p| cell(p.seconds, 4)),
     ];
-    *text += "\nmultiscale elements, relative errors in the energy norm against the fine grid, their estimates, and errors against the limit\n";
+    *text += "\nmultiscale elements against the fine grid: relative errors in the energy norm and of the displacement (L2), estimates of the first, and errors against the limit\n";
     heads(text, ("basis", 12), &shown);
     for (basis, (name, _)) in BASES.iter().enumerate() {
         show::rows(text, (name, 12), &shown, study.convergence.of(basis));
     }
+    for rate in study.rates().iter().filter(|r| r.over == 0) {
+        let _ = writeln!(text, "{:<12} {}", BASES[rate.basis].0, powers(rate, "H"));
+    }
+}
+
+/// The fitted powers of a width.
+fn powers(rate: &Rate, width: &str) -> String {
+    let power = |k: usize| show::number(rate.rates[k], |r| format!("{width}^{r:.2}"));
+    let fit = |k: usize| show::number(rate.r_squared[k], |r| format!("{r:.3}"));
+    format!("error ~ {} (R² = {}), L2 error ~ {} (R² = {})", power(0), fit(0), power(1), fit(1))
 }
 
 /// Width of the names in front of lines.
@@ -148,12 +164,12 @@ fn values<T>(text: &mut String, name: &str, points: &[&T], value: fn(&T) -> f64,
 
 fn laminates(text: &mut String, study: &MultiscaleStudy<'_>) {
     let all = &study.laminates;
-    *text +=
-        "\nlayers 1:10 on the unit square of 256x256 cells: relative errors, and the estimate over the error (est.)\n";
+    *text += "\nlayers 1:10 on the unit square of 256x256 cells: relative errors (L2: of the displacement), and the estimate over the error (est.)\n";
     let mut block = |head: String, points: Vec<Vec<&Layers>>, varied: fn(&Layers) -> f64| {
         values(text, &head, &points[0], varied, 0);
         for (points, (name, _)) in points.iter().zip(&FITTED) {
             values(text, &format!("  {name}"), points, |l| l.error, 4);
+            values(text, &format!("  {name}, L2"), points, |l| l.displacement, 4);
             values(text, &format!("  {name}, est."), points, |l| l.estimate / l.error, 2);
         }
     };
@@ -167,6 +183,10 @@ fn laminates(text: &mut String, study: &MultiscaleStudy<'_>) {
         if let Some(first) = cells[0].first() {
             block(format!("{name}, eps = 1/{}: 1/H", first.periods), cells, |l| l.coarse as f64);
         }
+    }
+    for rate in study.rates().iter().filter(|r| r.over > 0) {
+        let name = format!("{}, {}", LAMINATES[rate.over - 1].0, BASES[rate.basis].0);
+        let _ = writeln!(text, "{name:<NAME$} {}", powers(rate, "eps"));
     }
 }
 
