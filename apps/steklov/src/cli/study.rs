@@ -140,7 +140,7 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
         }
         What::Coupling => {
             let (pairs, grids) = (coupling::pairs(scene).map_err(refused)?, coupling::grids(scene).map_err(refused)?);
-            let stages = pairs.len() + 5;
+            let stages = pairs.len() + 6;
             let study = |watch: &mut Watch<'_>| Ok(coupling::study(scene, source, pairs, &grids, repeat, watch));
             carry_out(args, &document, stages, study, coupling::report, coupling::pictures)
         }

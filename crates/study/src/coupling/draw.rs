@@ -8,6 +8,7 @@ use super::CouplingStudy;
 use super::convergence::{FORMS, Point};
 use super::cost::{Cost, WAYS};
 use super::effectivity::{Indicated, TERMS};
+use super::own_loads::{ELEMENTS, Own};
 use super::wrong::SYSTEMS;
 use crate::chart::{Drawing, Line, Pictures, known, log};
 use crate::show::runs;
@@ -31,6 +32,7 @@ pub fn pictures(study: &CouplingStudy<'_>, folder: &Path) -> Result<Vec<PathBuf>
     effectivities(study, &mut all)?;
     costs(study, &mut all)?;
     conditions(study, &mut all)?;
+    own_loads(study, &mut all)?;
     Ok(all.files)
 }
 
@@ -142,6 +144,49 @@ fn conditions(study: &CouplingStudy<'_>, all: &mut Pictures<'_>) -> Result<(), P
     let guides = &[rate("n^-1", -1.0)];
     let title = &format!("what must not be done, {}", study.pairs[0].name);
     draw(study, all, "wrong-signs", [title, CELLS, ERROR], Drawing { lines, guides, ..Drawing::default() })
+}
+
+/// Errors with the scene's own loads over H and h, their parts, and effectivities of the residual estimator.
+fn own_loads(study: &CouplingStudy<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
+    const H: &str = "size H of the coarse cells";
+    const OWN: &str = "relative error of body and medium";
+    let curve =
+        |over, elements, value: fn(&Own) -> f64| known(study.own_loads.of(over, elements).map(|p| [p.width, value(p)]));
+    let lines = |over, values: &[fn(&Own) -> f64]| -> Vec<Line> {
+        let line = |(k, (name, _)): (usize, &(&str, _))| Line::new(*name, values.iter().map(|v| curve(over, k, *v)));
+        ELEMENTS.iter().enumerate().map(line).filter(Line::is_drawn).collect()
+    };
+    let quantities = &["error", "residual estimator"];
+    let labels = ["own loads, multiscale against bilinear elements", H, OWN];
+    let over_h = lines(0, &[Own::error, |p| p.residual]);
+    let guides = &[rate("H", 1.0)];
+    draw(study, all, "own-error-coarse", labels, Drawing { quantities, lines: over_h, guides, ..Drawing::default() })?;
+    let labels = ["own loads, error against the limit of fine grids", "size h of the fine cells", OWN];
+    let over_fine = lines(
+        1,
+        &[
+            |p| if p.elements == 0 { p.error() } else { p.total },
+            |p| if p.elements == 0 { p.residual } else { f64::NAN },
+        ],
+    );
+    let guides = &[rate("h", 1.0)];
+    draw(study, all, "own-error-fine", labels, Drawing { quantities, lines: over_fine, guides, ..Drawing::default() })?;
+    let parts: [fn(&Own) -> f64; 3] = [|p| p.errors[0], |p| p.errors[1], |p| p.errors[2]];
+    let part = |over, k: usize, name: &str| Line::new(name, parts.iter().map(|v| curve(over, k, *v)));
+    let lines_of =
+        vec![part(0, 3, "coupled, over H"), part(0, 4, "oscillatory, over H"), part(1, 0, "bilinear, over h")];
+    let quantities = &["body, energy norm", "displacement, norm of W", "traction, norm of V"];
+    let labels = ["own loads, errors of body and medium", "size of the cells, H or h", OWN];
+    draw(study, all, "own-parts", labels, Drawing { quantities, lines: lines_of, ..Drawing::default() })?;
+    let residual = |over, k: usize, name: &str| Line::new(name, [curve(over, k, Own::effectivity)]);
+    let lines = vec![
+        residual(0, 3, "coupled, over H"),
+        residual(0, 4, "oscillatory, over H"),
+        residual(1, 0, "bilinear, over h"),
+    ];
+    let labels =
+        ["own loads, residual estimator over error", "size of the cells, H or h", "residual estimator / error"];
+    draw(study, all, "own-effectivity", labels, Drawing { lines, ..Drawing::default() })
 }
 
 /// Lines of the two-field and of the three-field form.

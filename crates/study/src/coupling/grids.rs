@@ -9,7 +9,7 @@ use super::manufactured::Pair;
 use crate::settings::Setting;
 
 /// Fewer cells than this along the shorter side of the body are no grid of the study.
-const FEWEST: usize = 4;
+pub(super) const FEWEST: usize = 4;
 
 /// Most unknowns of a body, where the scene sets no other number.
 const MOST_DOFS: usize = 100_000;

@@ -10,6 +10,7 @@ use steklov_elastic::plane::{distance, dot, minus};
 use steklov_msfem::{Elasticity, Grid, HeterogeneousBody, Loads};
 use steklov_quadrature::gauss_legendre;
 
+use super::distance::quadratic;
 use super::grids::sides;
 
 /// Where the deepest point of a body is looked for: so many steps along each side of its bounding box.
@@ -226,8 +227,6 @@ impl<'a> Manufactured<'a> {
                 (0..2).for_each(|i| error[2 * e + i] -= 0.5 * w * exact[i]);
             }
         }
-        let product = |column: faer::ColRef<'_, f64>| column.iter().zip(&error).map(|(v, e)| v * e).sum::<f64>();
-        let squared: f64 = exterior.operators.v.col_iter().zip(&error).map(|(c, e)| e * product(c)).sum();
-        squared.max(0.0).sqrt()
+        quadratic(&exterior.operators.v, &error).max(0.0).sqrt()
     }
 }

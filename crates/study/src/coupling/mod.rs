@@ -5,9 +5,12 @@
 //!                                              │
 //!      ┌────────────┬──────────────┬────────┴──────┬──────────────┐
 //! Convergence   Effectivity       Costs       Conditioning       Wrongs     ─► CouplingStudy ─► report, draw
+//!
+//! The scene's own moduli and loads: OwnLoads (multiscale and bilinear elements over H and h) ─► CouplingStudy
 //! ```
 //! Each part is a file: what it computes, and the columns of its table.
 
+mod distance;
 mod manufactured;
 mod grids;
 mod convergence;
@@ -16,6 +19,7 @@ mod cost;
 mod systems;
 mod conditioning;
 mod wrong;
+mod own_loads;
 mod report;
 mod draw;
 
@@ -31,6 +35,7 @@ pub use draw::pictures;
 pub use effectivity::{Effectivity, INDICATED, Indicated, TERMS, effectivity};
 pub use grids::{Level, coarsest, grids, largest, levels, pairs, settings};
 pub use manufactured::{Manufactured, Pair, Problem};
+pub use own_loads::{ELEMENTS, Own, OwnLoads, own_loads};
 pub use report::report;
 pub use wrong::{SYSTEMS, Wrong, Wrongs, wrongs};
 
@@ -52,6 +57,8 @@ pub struct CouplingStudy<'a> {
     pub conditioning: Conditioning,
     /// Errors with wrong signs and factors.
     pub wrongs: Wrongs,
+    /// Multiscale and bilinear elements with the scene's own loads.
+    pub own_loads: OwnLoads,
     /// Runs of which seconds are medians.
     pub repeat: usize,
     /// Whether the user stopped it.
@@ -76,6 +83,7 @@ pub fn study<'a>(
         costs: costs(polygon, &pairs[pairs.len() - 1], all, repeat, watch),
         conditioning: conditioning(polygon, &pairs, middle, watch),
         wrongs: wrongs(polygon, &pairs[0], middle, watch),
+        own_loads: own_loads(scene, fine, watch),
         interrupted: watch.stopped(),
         pairs,
         repeat,
@@ -91,6 +99,10 @@ impl CouplingStudy<'_> {
     /// What failed, and why.
     fn failures(&self) -> impl Iterator<Item = &(String, String)> {
         let errors = self.convergence.failures.iter().chain(&self.effectivity.failures);
-        errors.chain(&self.costs.failures).chain(&self.conditioning.failures).chain(&self.wrongs.failures)
+        errors
+            .chain(&self.costs.failures)
+            .chain(&self.conditioning.failures)
+            .chain(&self.wrongs.failures)
+            .chain(&self.own_loads.failures)
     }
 }

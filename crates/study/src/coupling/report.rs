@@ -8,6 +8,7 @@
 //! /cost           columns with an entry a grid
 //! /conditioning   columns with an entry a grid of a pair
 //! /wrong_signs    columns with an entry a system on a grid
+//! /own_loads      `norm`; columns with an entry a kind of elements on a grid
 //! ```
 
 use std::fmt::Write as _;
@@ -19,9 +20,10 @@ use super::conditioning::CONDITIONS;
 use super::convergence::{FORMS, POINTS, Point};
 use super::cost::{COSTS, Cost, WAYS};
 use super::effectivity::{INDICATED, INDICATORS, Indicated, TERMS};
+use super::own_loads::{ELEMENTS, NORM, OWN, Own};
 use super::wrong::{SYSTEMS, WRONG};
 use super::{CouplingStudy, Pair};
-use crate::report::{Report, failures, named, rows, told};
+use crate::report::{Report, columns, failures, named, number as told_number, part, rows, told};
 use crate::show::{self, Shown, cells, heads, line, number};
 use crate::table::{Column, Table};
 
@@ -52,6 +54,8 @@ pub fn report<'a>(study: &'a CouplingStudy<'_>) -> Report<'a> {
     let files = ["effectivity.csv", "contrast.csv", "cost.csv", "conditioning.csv", "wrong-signs.csv"];
     let mut tables = vec![("convergence.csv", forms.csv())];
     tables.extend(files.into_iter().zip(&all).map(|(file, (_, table))| (file, table.csv())));
+    let own = Table::new("elements on a grid", &study.own_loads.points, &OWN);
+    tables.push(("own-loads.csv", own.csv()));
     let mut parts = vec![
         told("repeat", study.repeat),
         failures(study.failures()),
@@ -60,6 +64,8 @@ pub fn report<'a>(study: &'a CouplingStudy<'_>) -> Report<'a> {
         named("forms", FORMS.iter().map(|f| f.0), "the form of the equations", form),
     ];
     parts.extend(all.into_iter().map(|(name, table)| rows(name, table)));
+    let norm = told_number("norm", study.own_loads.norm, NORM.0, NORM.1);
+    parts.push(part("own_loads", vec![norm, columns("points", own)]));
     Report {
         content: "study: coupling",
         overrides: "settings of the study and the user, KEY=VALUE",
@@ -92,6 +98,7 @@ fn body(study: &CouplingStudy<'_>) -> String {
     costs(&mut text, study);
     conditioning(&mut text, study);
     wrongs(&mut text, study);
+    own_loads(&mut text, study);
     show::failures(&mut text, study.failures());
     text
 }
@@ -189,5 +196,38 @@ fn wrongs(text: &mut String, study: &CouplingStudy<'_>) {
     line(text, ("", NAME), study.wrongs.of(0).map(|w| cells(w.cells)));
     for (system, name) in SYSTEMS.iter().enumerate() {
         line(text, (&format!("  {name}"), NAME), study.wrongs.of(system).map(|w| cell(w.error, 9, 4)));
+    }
+}
+
+fn own_loads(text: &mut String, study: &CouplingStudy<'_>) {
+    let shown: [Shown<Own>; 12] = [
+        ("coarse", 9, |p| cells(p.coarse)),
+        ("fine", 9, |p| cells(p.cells)),
+        ("dofs", 8, |p| p.dofs.to_string()),
+        ("body", 8, |p| cell(p.errors[0], 8, 4)),
+        ("displ.", 8, |p| cell(p.errors[1], 8, 4)),
+        ("traction", 8, |p| cell(p.errors[2], 8, 4)),
+        ("error", 8, |p| cell(p.error(), 8, 4)),
+        ("rate", 6, |p| cell(p.rate, 6, 2)),
+        ("to limit", 8, |p| cell(p.total, 8, 4)),
+        ("residual", 8, |p| cell(p.residual, 8, 4)),
+        ("res./err.", 9, |p| cell(p.effectivity(), 9, 2)),
+        ("seconds", 9, |p| cell(p.seconds, 9, 4)),
+    ];
+    let own = &study.own_loads;
+    if own.points.is_empty() {
+        return;
+    }
+    *text += "\nthe scene's own moduli and loads, relative errors: body in the energy norm, displacement and traction of the medium in those of W and V, all three, and residual estimators\n";
+    let parts = [
+        (0, "over H, against bilinear elements on the same fine cells"),
+        (1, "over h; bilinear elements against the limit of fine grids"),
+    ];
+    for (over, what) in parts {
+        let _ = writeln!(text, "{what}");
+        heads(text, ("  elements", 14), &shown);
+        for (elements, (name, _)) in ELEMENTS.iter().enumerate() {
+            show::rows(text, (&format!("  {name}"), 14), &shown, own.of(over, elements));
+        }
     }
 }

@@ -23,7 +23,7 @@ pub const BASES: [(&str, BasisInput); 5] = [
 pub const FITTED: [(&str, BasisInput); 3] = [BASES[2], BASES[3], BASES[4]];
 
 /// What is said of a solution that is none.
-pub(super) const NOT_CONVERGED: &str = "the contact solver did not reach its criterion";
+pub(crate) const NOT_CONVERGED: &str = "the contact solver did not reach its criterion";
 
 /// After a wish to stop nothing more is solved.
 fn stopped(interrupts: &AtomicUsize) -> impl FnMut(Stage<'_>) -> Result<(), SolveError> + '_ {
@@ -31,12 +31,12 @@ fn stopped(interrupts: &AtomicUsize) -> impl FnMut(Stage<'_>) -> Result<(), Solv
 }
 
 /// Bilinear elements on all cells, each cut into `parts` × `parts`.
-pub(super) fn on_all_cells(scene: &Scene, parts: usize, interrupts: &AtomicUsize) -> Result<GridSolved, SolveError> {
+pub(crate) fn on_all_cells(scene: &Scene, parts: usize, interrupts: &AtomicUsize) -> Result<GridSolved, SolveError> {
     solve_grid(scene, &GridLayout { parts, coarse: None, around: None }, &mut stopped(interrupts))
 }
 
 /// Multiscale elements on coarse cells of `fine` cells each. `oversample` as in [`GridInput`].
-pub(super) fn on_coarse_cells(
+pub(crate) fn on_coarse_cells(
     scene: &Scene,
     fine: [usize; 2],
     basis: BasisInput,
