@@ -160,9 +160,12 @@ pub fn chart(c: &Chart<'_>) -> Result<Picture, PictureError> {
         canvas.lines(&clip(line, frame), &pen);
         for (i, &p) in line.iter().enumerate().filter(|(_, p)| shown(p) && p[1] >= frame.top) {
             let open = curve.flagged.get(i).copied().unwrap_or(false);
-            match beneath {
-                0 => mark(&mut canvas, k, p, radius(j), colour(k), open),
-                _ => around(&mut canvas, k, p, (1.0 + 0.7 * beneath as f64) * radius(j), colour(k)),
+            // an outline around the marker beneath; one in doubt is open there too
+            if beneath == 0 || open {
+                mark(&mut canvas, k, p, radius(j), colour(k), open);
+            }
+            if beneath > 0 {
+                around(&mut canvas, k, p, (1.0 + 0.7 * beneath as f64) * radius(j), colour(k));
             }
         }
     }
