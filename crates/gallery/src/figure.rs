@@ -60,8 +60,6 @@ pub(crate) enum Expected {
     Near(f64, f64),
     /// From the first to the second.
     Between(f64, f64),
-    /// Nothing: it is told.
-    Told,
 }
 
 /// A number of a figure.
@@ -75,14 +73,13 @@ pub(crate) struct Row {
 }
 
 impl Row {
-    /// Whether it is as expected; None if nothing is.
-    pub(crate) fn holds(&self) -> Option<bool> {
+    /// Whether it is as expected.
+    pub(crate) fn holds(&self) -> bool {
         let off = |value: f64| (self.computed - value).abs();
         match self.expected {
-            Expected::About(value, part) => Some(off(value) <= part * value.abs()),
-            Expected::Near(value, distance) => Some(off(value) <= distance),
-            Expected::Between(low, high) => Some((low..=high).contains(&self.computed)),
-            Expected::Told => None,
+            Expected::About(value, part) => off(value) <= part * value.abs(),
+            Expected::Near(value, distance) => off(value) <= distance,
+            Expected::Between(low, high) => (low..=high).contains(&self.computed),
         }
     }
 }

@@ -62,6 +62,8 @@ pub enum GalleryError {
 /// Figures and what was made of them.
 pub struct Gallery {
     shown: Vec<Drawn>,
+    /// Wall seconds of all runs.
+    seconds: f64,
 }
 
 /// A figure, what was made of it, and what is missing.
@@ -143,13 +145,14 @@ pub fn make(only: &[String], watch: &mut Watch<'_>) -> Result<Gallery, GalleryEr
         let seconds = entry.runs.iter().filter_map(|run| runs.get(run).ok()).map(|made| made.seconds).sum();
         Drawn { entry, figure, seconds, missing }
     };
-    Ok(Gallery { shown: chosen.into_iter().map(drawn).collect() })
+    let seconds = made.iter().filter_map(|(_, found)| found.as_ref().ok()).map(|made| made.seconds).sum();
+    Ok(Gallery { shown: chosen.into_iter().map(drawn).collect(), seconds })
 }
 
 impl Drawn {
     /// Whether nothing is missing and every number is as expected.
     fn holds(&self) -> bool {
-        self.missing.is_none() && self.figure.rows.iter().all(|row| row.holds() != Some(false))
+        self.missing.is_none() && self.figure.rows.iter().all(Row::holds)
     }
 
     fn commands(&self) -> Vec<String> {
@@ -171,7 +174,6 @@ fn of_row(row: &Row) -> Value {
         Expected::About(value, part) => json!({ "value": value, "tol": part * value.abs() }),
         Expected::Near(value, tol) => json!({ "value": value, "tol": tol }),
         Expected::Between(low, high) => json!({ "low": low, "high": high }),
-        Expected::Told => Value::Null,
     };
     json!({ "what": row.what, "computed": row.computed, "expected": expected, "source": row.source, "holds": row.holds() })
 }
@@ -187,7 +189,7 @@ impl Gallery {
         let why = |drawn: &Drawn| match &drawn.missing {
             Some(missing) => missing.clone(),
             None => {
-                let off = drawn.figure.rows.iter().filter(|row| row.holds() == Some(false));
+                let off = drawn.figure.rows.iter().filter(|row| !row.holds());
                 off.map(|row| format!("{} is {}", row.what, page::shown(row.computed))).collect::<Vec<_>>().join("; ")
             }
         };
@@ -204,7 +206,7 @@ impl Gallery {
     /// # Errors
     /// [`GalleryError::Page`].
     pub fn page(&self) -> Result<String, GalleryError> {
-        page::page(&self.shown).map_err(|e| GalleryError::Page(format!("{e:#}")))
+        page::page(&self.shown, self.seconds).map_err(|e| GalleryError::Page(format!("{e:#}")))
     }
 
     /// Writes `index.html`, `gallery.json` and the pictures, `NAME.svg` and `NAME.png` or `NAME-K`, into a folder; returns the files.

@@ -21,7 +21,7 @@ const fn own(
 const COUPLING: &str = "T* u_c = -S u_c; the equation with W needs W, not 2W; three rigid motions have to be taken out, not two translations (reciprocal condition 10⁻¹⁷ against 10⁻⁴); \
     the d/ds term of the estimate has both signs reversed.";
 
-pub(crate) const FIGURES: [Entry; 11] = [
+pub(crate) const FIGURES: [Entry; 12] = [
     own(
         "own-effectivity",
         "Theorems 2.7, 3.5, 3.6, 4.2",
@@ -146,6 +146,17 @@ pub(crate) const FIGURES: [Entry; 11] = [
             coupling,
         )
     },
+    own(
+        "own-multiscale-medium",
+        "Theorems 5.5, 5.6",
+        "Multiscale elements beside a medium",
+        [
+            "The stiff inclusion of random cells under its own load, the tension far away: multiscale elements of coarse cells of the size H against the coupling on the same fine grid, and the coupling on finer and finer grids against its limit.",
+            "The error falls like H^0.9, and that of fine grids like h^0.8; the residual estimator of Theorem 5.6 is 1.6 to 1.9 times the first and 2.5 to 2.7 times the second.",
+        ],
+        &["coupling"],
+        multiscale_medium,
+    ),
 ];
 
 fn effectivity(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
@@ -328,7 +339,8 @@ fn bases(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let made = runs.get("bases")?;
     for (name, what) in [
         ("error-dofs", "Energy errors of five bases over unknowns, the oscillatory basis lowest"),
-        ("error-seconds", "The same over seconds"),
+        ("error-size", "Errors in energy and L² norms over the size of coarse cells"),
+        ("error-seconds", "The energy errors over seconds"),
         ("effectivity", "Estimate over error, between 1.9 and 2.9"),
     ] {
         figure.chart(made.picture(name)?, what);
@@ -427,5 +439,37 @@ fn coupling(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     figure.row("residual estimate over error, body 1000 times softer", soft, Expected::Between(55.0, 75.0));
     let stiff = made.list("/effectivity")?.last().map_or(f64::NAN, |c| number(c, "effectivity"));
     figure.row("residual estimate over error, the scene's materials", stiff, Expected::About(4.08, 0.02));
+    Ok(())
+}
+
+fn multiscale_medium(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
+    let made = runs.get("coupling")?;
+    for (name, what) in [
+        ("own-error-coarse", "Errors over the size of coarse cells: the basis coupled below linear and bilinear ones"),
+        ("own-error-fine", "Errors of the coupling over the size of fine cells"),
+        ("own-effectivity", "Residual estimator over error, level"),
+    ] {
+        figure.chart(made.picture(name)?, what);
+    }
+    // over H by the basis coupled on the trace of the coarse cells, and over h by bilinear elements
+    let all = made.list("/own_loads/points")?;
+    let of = |over: f64, elements: f64| -> Vec<&Value> {
+        all.iter().filter(|p| number(p, "over") == over && number(p, "elements") == elements).collect()
+    };
+    let (coarse, fine) = (of(0.0, 3.0), of(1.0, 0.0));
+    let last = |points: &[&Value], key: &str| points.last().map_or(f64::NAN, |p| number(p, key));
+    figure.row(
+        "error, coupled, H = 1/4 of the side",
+        coarse.first().map_or(f64::NAN, |p| number(p, "error")),
+        Expected::About(0.179, 0.02),
+    );
+    figure.row("error, coupled, H = 1/32", last(&coarse, "error"), Expected::About(0.038, 0.02));
+    figure.row("rate of the error over H", last(&coarse, "rate"), Expected::Near(0.95, 0.05));
+    figure.row("rate of the error over h", last(&fine, "rate"), Expected::Near(0.79, 0.05));
+    for (points, what, [low, high]) in [(&coarse, "over H", [1.5, 2.0]), (&fine, "over h", [2.4, 2.8])] {
+        let [least, largest] = range(points.iter().map(|p| number(p, "effectivity")));
+        figure.row(format!("smallest estimator over error, {what}"), least, Expected::Between(low, high));
+        figure.row(format!("largest estimator over error, {what}"), largest, Expected::Between(low, high));
+    }
     Ok(())
 }

@@ -46,18 +46,17 @@ struct Line<'a> {
     verdict: &'a str,
 }
 
-/// The page of these figures.
-pub(crate) fn page(all: &[Drawn]) -> Result<String, minijinja::Error> {
+/// The page of these figures, whose runs took so many seconds in all.
+pub(crate) fn page(all: &[Drawn], total: f64) -> Result<String, minijinja::Error> {
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     let cards: Vec<Card<'_>> = all.iter().map(card).collect();
     let failing = cards.iter().any(|card| card.failing);
-    let seconds: f64 = all.iter().map(|drawn| drawn.seconds).sum();
     environment.render_named_str(
         "page.html",
         TEMPLATE,
         context! {
-            title => TITLE, cards => Serde(&cards), failing, seconds => shown(seconds),
+            title => TITLE, cards => Serde(&cards), failing, seconds => seconds(total),
             program => concat!("steklov ", env!("CARGO_PKG_VERSION")),
         },
     )
@@ -82,7 +81,7 @@ fn card(drawn: &Drawn) -> Card<'_> {
         rows: rows.iter().map(line).collect(),
         has_source: rows.iter().any(|row| !row.source.is_empty()),
         commands: drawn.commands(),
-        seconds: shown(drawn.seconds),
+        seconds: seconds(drawn.seconds),
     }
 }
 
@@ -110,13 +109,8 @@ fn line(row: &Row) -> Line<'_> {
         Expected::Near(value, 0.0) => shown(value),
         Expected::Near(value, distance) => format!("{} ± {}", shown(value), shown(distance)),
         Expected::Between(low, high) => format!("{} to {}", shown(low), shown(high)),
-        Expected::Told => String::new(),
     };
-    let verdict = match row.holds() {
-        Some(true) => "holds",
-        Some(false) => "is off",
-        None => "",
-    };
+    let verdict = if row.holds() { "holds" } else { "is off" };
     Line { what: &row.what, computed: shown(row.computed), expected, source: row.source, verdict }
 }
 
@@ -126,11 +120,28 @@ pub(crate) fn shown(value: f64) -> String {
         return "unknown".into();
     }
     if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) {
-        return format!("{value:.3e}").replace("e-", "·10^-").replace('e', "·10^");
+        let text = format!("{value:.3e}");
+        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
+        return format!("{}·10{}", trimmed(mantissa), exponent.chars().map(raised).collect::<String>());
     }
     let digits = (7 - value.abs().max(1e-4).log10().floor() as i32).clamp(0, 9) as usize;
-    let text = format!("{value:.digits$}");
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+    trimmed(&format!("{value:.digits$}")).to_owned()
+}
+
+/// Without zeros at the end of its decimals.
+fn trimmed(text: &str) -> &str {
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
+}
+
+/// A digit or sign of an exponent.
+fn raised(sign: char) -> char {
+    let digit = sign.to_digit(10).and_then(|digit| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize));
+    digit.unwrap_or('⁻')
+}
+
+/// Seconds to a tenth.
+fn seconds(value: f64) -> String {
+    format!("{value:.1}")
 }
 
 #[cfg(test)]
@@ -145,8 +156,8 @@ mod tests {
             (40.0 / 3.0, "13.333333"),
             (100.0, "100"),
             (0.05, "0.05"),
-            (2e-5, "2.000·10^-5"),
-            (1.2e9, "1.200·10^9"),
+            (2e-5, "2·10⁻⁵"),
+            (-1.25e12, "-1.25·10¹²"),
             (f64::NAN, "unknown"),
         ] {
             assert_eq!(shown(value), text);

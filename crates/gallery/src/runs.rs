@@ -11,6 +11,7 @@ use steklov_figures::drawn;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::run;
 use steklov_model::run::boundary_elements::BoundaryElements;
+use steklov_model::summary::available_memory_bytes;
 use steklov_picture::Picture;
 use steklov_plan::plan;
 use steklov_problem::Scene;
@@ -247,10 +248,15 @@ impl Run {
 
 fn solve<M: Keep>(scene: &Scene, interrupts: &AtomicUsize) -> Result<Made, String> {
     let told = |e: steklov_model::error::SolveError| e.to_string();
+    let plan = plan(scene);
+    if let Some(left) = available_memory_bytes().filter(|left| plan.cost.memory_bytes > *left) {
+        let [needed, left] = [plan.cost.memory_bytes, left].map(|bytes| bytes as f64 / f64::from(1 << 30));
+        return Err(format!("it needs about {needed:.1} GiB of memory, and {left:.1} GiB are left"));
+    }
     let first = M::resume(scene, Vec::new()).map_err(told)?;
     let mut run = run(scene, first, interrupts, &mut |_, _| Ok(())).map_err(told)?;
     let outcomes = M::outcomes(scene, &mut run, interrupts, &|_, _| {}, &mut |_| Ok(())).map_err(told)?;
-    let record = Record::new(scene, plan(scene), &run, outcomes, Path::new(""), 0.0);
+    let record = Record::new(scene, plan, &run, outcomes, Path::new(""), 0.0);
     let mut json = serde_json::to_value(&record.summary).map_err(|e| e.to_string())?;
     let steps = run.progress.steps.iter().map(|step| json!({ "dofs": step.dofs, "history": step.history }));
     json["histories"] = steps.collect();
