@@ -322,6 +322,7 @@ fn chance(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let made = runs.get("chance")?;
     figure.chart(made.picture("mean-energy")?, "Error of the mean of J over solves");
     figure.chart(made.picture("variance-energy")?, "Error of the variance of J over solves");
+    figure.chart(made.picture("mean-energy-seconds")?, "Error of the mean of J over seconds");
     let energy = made.named("/chance/quantities", "name", "energy")?;
     let rules = energy["rules"].as_array().map_or(&[][..], Vec::as_slice);
     let rule = |name: &str| rules.iter().find(|rule| rule["name"] == name).and_then(|rule| rule["points"].as_array());

@@ -7,11 +7,12 @@ use steklov_picture::PictureError;
 use super::Stochastic;
 use super::chance::Measured;
 use super::rules::FAMILIES;
-use super::space::CURVES;
+use super::space::{CURVES, Point};
 use crate::chart::{Drawing, Line, Pictures, known, log};
 use crate::solvers;
 
 const DOFS: &str = "degrees of freedom N";
+const SECONDS: &str = "seconds";
 
 /// Draws errors in chance, errors in space and the solvers into a folder; returns the files.
 ///
@@ -20,12 +21,16 @@ const DOFS: &str = "degrees of freedom N";
 pub fn pictures(study: &Stochastic<'_>, folder: &Path) -> Result<Vec<PathBuf>, PictureError> {
     let mut all = Pictures::new(folder);
     for quantity in study.chance.shown() {
-        in_chance(study, quantity, 0, "mean", &mut all)?;
-        in_chance(study, quantity, 1, "variance", &mut all)?;
+        for (which, what) in [(0, "mean"), (1, "variance")] {
+            in_chance(study, quantity, (which, what), ("", "outcomes solved", |m| m.solves as f64), &mut all)?;
+            in_chance(study, quantity, (which, what), ("-seconds", SECONDS, |m| m.seconds), &mut all)?;
+        }
     }
     if study.space.reference.is_some() {
-        in_space(study, 0, ["space-energy", "E[J]"], &mut all)?;
-        in_space(study, 1, ["space-norm", "E[<u, Su>]"], &mut all)?;
+        for (which, names) in [(0, ["space-energy", "E[J]"]), (1, ["space-norm", "E[<u, Su>]"])] {
+            in_space(study, which, names, ("", DOFS, |p| p.dofs as f64), &mut all)?;
+            in_space(study, which, names, ("-seconds", SECONDS, |p| p.deterministic + p.seconds), &mut all)?;
+        }
     }
     if let Some(solvers) = study.solvers.as_ref().filter(|s| !s.methods.is_empty()) {
         let title = |on: &str| format!("{}: contact solvers{on}, nominal outcome", study.scene.title);
@@ -35,17 +40,20 @@ pub fn pictures(study: &Stochastic<'_>, folder: &Path) -> Result<Vec<PathBuf>, P
     Ok(all.files)
 }
 
+/// What errors are drawn over: the end of the file's name, the label, and the value.
+type Cost<T> = (&'static str, &'static str, fn(&T) -> f64);
+
 /// Errors of mean (0) or variance (1) by all rules; standard errors where there are any.
 fn in_chance(
     study: &Stochastic<'_>,
     quantity: usize,
-    which: usize,
-    what: &str,
+    (which, what): (usize, &str),
+    (end, label, cost): Cost<Measured>,
     all: &mut Pictures<'_>,
 ) -> Result<(), PictureError> {
     let chance = &study.chance;
     let of = |family: usize, value: &dyn Fn(&Measured) -> f64| {
-        known(chance.of(family, quantity).map(|m| [m.solves as f64, value(m)]))
+        known(chance.of(family, quantity).map(|m| [cost(m), value(m)]))
     };
     let line = |(k, (family, _)): (usize, &(&str, &str))| {
         Line::new(*family, [of(k, &|m| m.errors[which]), of(k, &|m| m.standard_errors[which])])
@@ -58,12 +66,12 @@ fn in_chance(
     let error = format!("relative error of the {what} of {name}");
     let drawing = Drawing {
         title: &format!("{}: {what} of {name} by rules in chance", study.scene.title),
-        axes: [log("outcomes solved"), log(&error)],
+        axes: [log(label), log(&error)],
         quantities,
         lines,
         ..Drawing::default()
     };
-    all.draw(&format!("{what}-{}", name.replace('.', "-")), &drawing)
+    all.draw(&format!("{what}-{}{end}", name.replace('.', "-")), &drawing)
 }
 
 /// Errors of the mean of J (0) or of ⟨u, Su⟩ (1) by all strategies.
@@ -71,22 +79,23 @@ fn in_space(
     study: &Stochastic<'_>,
     which: usize,
     [file, symbol]: [&str; 2],
+    (end, label, cost): Cost<Point>,
     all: &mut Pictures<'_>,
 ) -> Result<(), PictureError> {
     let space = &study.space;
     let line = |(k, (curve, ..)): (usize, &(&str, _, _, _))| {
-        let name = match space.law(k, which) {
+        let name = match space.law(k, which).filter(|_| end.is_empty()) {
             Some(fit) => format!("{curve}: {}", fit.law.with_rate(fit.rate)),
             None => (*curve).to_owned(),
         };
-        Line::new(name, [known(space.of(k).map(|p| [p.dofs as f64, p.errors[which]]))])
+        Line::new(name, [known(space.of(k).map(|p| [cost(p), p.errors[which]]))])
     };
     let error = format!("relative error of {symbol}");
     let drawing = Drawing {
         title: &format!("{}: {symbol} by strategies in space", study.scene.title),
-        axes: [log(DOFS), log(&error)],
+        axes: [log(label), log(&error)],
         lines: CURVES.iter().enumerate().map(line).filter(Line::is_drawn).collect(),
         ..Drawing::default()
     };
-    all.draw(file, &drawing)
+    all.draw(&format!("{file}{end}"), &drawing)
 }
