@@ -1,7 +1,7 @@
-# make build, demo, test, bench, peers, curves, locking, doc. Each gets what is missing by scripts/setup, which says what it does.
+# make build, demo, gallery, test, bench, peers, curves, locking, doc. Each gets what is missing by scripts/setup, which says what it does.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build demo test bench peers curves locking doc
+.PHONY: build demo gallery test bench peers curves locking doc
 
 setup = scripts/setup && source target/setup.env
 
@@ -13,6 +13,10 @@ demo: build
 	mkdir -p out
 	target/release/steklov solve scenes/block-on-floor.toml --out out/block-on-floor.vtkhdf --plots out --force
 	@echo "the result and its pictures are in out:" && ls -l out
+
+# the figures of the source as one page, three minutes
+gallery: build
+	target/release/steklov gallery --out out/gallery --force
 
 test:
 	$(setup) && scripts/test "$${STEKLOV_FEATURES[@]}"
