@@ -36,6 +36,7 @@ poisson = 0.3
 young = 1.0
 poisson = 0.25
 displacement_jump = [0.01, 0]
+remote_stress = [0.1, 0, 0]
 [grid]
 coarse = [4, 4]
 fine = [2, 2]
@@ -201,6 +202,14 @@ fn own(scene: &Scene, most_dofs: usize) -> OwnLoads {
     found
 }
 
+/// A jump that is a constant moves the body and strains nothing.
+#[test]
+fn a_body_at_rest_has_no_errors_of_its_own() {
+    let scene = parsed(&SQUARE.replace("remote_stress = [0.1, 0, 0]\n", ""));
+    assert!(own(&scene, 700).points.is_empty());
+    assert!(!own(&parsed(SQUARE), 700).points.is_empty());
+}
+
 /// Random cells under a jump of tractions: the errors of the body against the fine coupling are those of an independent code.
 #[test]
 fn multiscale_errors_in_the_medium_are_those_of_the_reference_file() {
@@ -239,8 +248,10 @@ fn bilinear_errors_are_those_against_the_known_solution() {
     let points: Vec<_> = found.of(1, 0).collect();
     assert_eq!(points.iter().map(|p| p.cells[0]).collect::<Vec<_>>(), [4, 8, 16, 32]);
     for (p, exact) in points.iter().zip(known.of(0, 0)) {
-        close("body", p.errors[0] * found.norm, exact.error, 0.01);
-        assert!((2.0..6.0).contains(&p.effectivity()) && p.total == p.error(), "{p:?}");
+        // that of the finest grid is extrapolated alone
+        let tolerance = if p.cells[0] == 32 { 0.03 } else { 0.01 };
+        close("body", p.errors[0] * found.norm, exact.error, tolerance);
+        assert!((2.0..6.0).contains(&p.effectivity()) && (p.total / p.error() - 1.0).abs() < 1e-12, "{p:?}");
         assert!(p.rate.is_nan() || (1.0..1.5).contains(&p.rate), "{p:?}");
     }
     let fall = |k: usize| points[1].errors[k] / points[2].errors[k];
@@ -372,8 +383,10 @@ fn what_cannot_be_studied_is_refused() {
     std::fs::create_dir(place.path("full")).unwrap();
     place.write("full/old", "old");
     place.write("scene.toml", SQUARE);
-    let whole = SQUARE
-        .replace("[exterior]\nyoung = 1.0\npoisson = 0.25\ndisplacement_jump = [0.01, 0]", "[sides.top]\npressure = 1");
+    let whole = SQUARE.replace(
+        "[exterior]\nyoung = 1.0\npoisson = 0.25\ndisplacement_jump = [0.01, 0]\nremote_stress = [0.1, 0, 0]",
+        "[sides.top]\npressure = 1",
+    );
     place.write("alone.toml", whole.replace("fem-bem", "fem"));
     let before = place.names();
     for (scene, arguments, parts) in [

@@ -13,7 +13,7 @@ use steklov_problem::{BasisInput, GridInput, Scene, check_body, grid_of};
 use super::convergence::ENERGY;
 use super::distance::{Truth, around};
 use super::grids::{FEWEST, Level};
-use crate::multiscale::{BASES, NOT_CONVERGED, on_all_cells, on_coarse_cells};
+use crate::multiscale::{BASES, on_all_cells, on_coarse_cells};
 use crate::table::Column;
 use crate::watch::Watch;
 
@@ -25,6 +25,8 @@ pub const ELEMENTS: [(&str, Option<BasisInput>); 5] = [
     (BASES[2].0, Some(BASES[2].1)),
     (BASES[3].0, Some(BASES[3].1)),
 ];
+/// Strain energy over E u² that rounding may leave of a rigid motion u.
+const ROUNDED: f64 = 1e-12;
 /// The one that is solved on all fine grids.
 const COUPLED: usize = 3;
 
@@ -129,7 +131,7 @@ fn on_cells(scene: &Scene, cells: [usize; 2]) -> Scene {
 }
 
 /// Solves bilinear elements on all grids that the moduli fit, the coupled basis on the scene's coarse cells of each, and all bases on
-/// coarse cells of the scene's own fine grid, or of the finest one. After a wish to stop nothing more is solved.
+/// coarse cells of the scene's own fine grid, or of the finest one. Nothing where the loads strain nothing. After a wish to stop nothing more is solved.
 pub fn own_loads(scene: &Scene, levels: &[Level], watch: &mut Watch<'_>) -> OwnLoads {
     let mut all = OwnLoads::default();
     let fits = |level: &&Level| on_cells(scene, level.grid.cells).check().is_ok();
@@ -160,7 +162,11 @@ fn measured(scene: &Scene, grids: &[[usize; 2]], watch: &mut Watch<'_>, all: &mu
         _ => sizes.last().map(|m| own.map(|n| n / m)),
     };
     watch.tell("own loads", "the finest grid");
-    let finest = Truth::new(converged(on_all_cells(&on_cells(scene, last), 1, watch.interrupts)?)?)?;
+    let solved = on_all_cells(&on_cells(scene, last), 1, watch.interrupts)?;
+    if is_at_rest(&solved) {
+        return Ok(());
+    }
+    let finest = Truth::new(converged(solved)?)?;
     all.norm = finest.norm();
     let mut found: Vec<Found> = Vec::new();
     for &cells in grids {
@@ -213,8 +219,19 @@ fn sizes(scene: &Scene, cells: [usize; 2]) -> Vec<usize> {
     (1..12).map(|k| 1 << k).take_while(fits).collect()
 }
 
+/// Whether nothing is strained but by rounding, as by a jump that is a constant: errors are relative to the strain energy.
+fn is_at_rest(solved: &GridSolved) -> bool {
+    let largest = |values: &[f64]| values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
+    let young = largest(&solved.body.young).max(around(solved).material.young);
+    solved.energies.strain <= ROUNDED * young * largest(&solved.displacement).powi(2)
+}
+
 fn converged(solved: GridSolved) -> Result<GridSolved, SolveError> {
-    if solved.converged() { Ok(solved) } else { Err(SolveError::Observer(NOT_CONVERGED.into())) }
+    if solved.converged() {
+        Ok(solved)
+    } else {
+        Err(SolveError::Observer("the forces of body and medium do not balance".into()))
+    }
 }
 
 /// What is known of a solution before its error is.

@@ -23,7 +23,7 @@ pub const BASES: [(&str, BasisInput); 5] = [
 pub const FITTED: [(&str, BasisInput); 3] = [BASES[2], BASES[3], BASES[4]];
 
 /// What is said of a solution that is none.
-pub(crate) const NOT_CONVERGED: &str = "the contact solver did not reach its criterion";
+pub(super) const NOT_CONVERGED: &str = "the contact solver did not reach its criterion";
 
 /// After a wish to stop nothing more is solved.
 fn stopped(interrupts: &AtomicUsize) -> impl FnMut(Stage<'_>) -> Result<(), SolveError> + '_ {

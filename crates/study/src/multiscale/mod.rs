@@ -29,7 +29,7 @@ pub use draw::pictures;
 pub use fine_grid::{FineGrid, Level, MOST_DOFS, fine_grid};
 pub use laminates::{LAMINATES, Laminates, Layers, laminates};
 pub use measure::{BASES, FITTED};
-pub(crate) use measure::{NOT_CONVERGED, on_all_cells, on_coarse_cells};
+pub(crate) use measure::{on_all_cells, on_coarse_cells};
 pub use rates::{Rate, rates};
 pub use report::report;
 
