@@ -7,6 +7,7 @@ mod grid;
 mod output;
 mod study;
 mod told;
+mod view;
 
 use std::num::NonZero;
 use std::path::{Path, PathBuf};
@@ -17,7 +18,7 @@ use std::time::Instant;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_algebra::PARTS;
 use steklov_document::{Document, HDF5, TEMPLATE, foreign};
-use steklov_figures::stochastic;
+use steklov_figures::{View, stochastic};
 use steklov_io::{File, IoError, create_atomically, open};
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
@@ -38,6 +39,7 @@ use self::failure::{Failure, say};
 use self::grid::crossing_warning;
 use self::output::{appeared, check_folder, check_output};
 use self::told::{advice, cautions, expectation, print_summary};
+use self::view::ViewArgs;
 use crate::explain::{explain, too_large_basis, too_many_dofs, too_many_points, too_much_memory};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
@@ -86,6 +88,8 @@ struct SolveArgs {
     /// Draw pictures into this folder
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
     /// Number of threads, at most four a processor; default: one a processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -158,6 +162,8 @@ struct ShowArgs {
     /// Draw pictures into this folder
     #[arg(long, value_name = "DIR")]
     plots: Option<PathBuf>,
+    #[command(flatten)]
+    view: ViewArgs,
     /// Write tables as CSV into this folder
     #[arg(long, value_name = "DIR")]
     csv: Option<PathBuf>,
@@ -229,6 +235,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     });
     check_output(&out, &args.scene, args.force || args.resume)?;
     check_folder("--plots", args.plots.as_deref())?;
+    let view = args.view.view(args.plots.is_some())?;
     check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
     let plan = plan(scene);
     let refused = too_many_dofs(scene, plan.cost.dofs)
@@ -259,7 +266,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         (Err(error), _) => return Err(appeared(&out, &error).unwrap_or_else(|| explained(&document, error))),
     };
     let files = match &args.plots {
-        Some(folder) => pictures(&stored, folder, &out)?,
+        Some(folder) => pictures(&stored, &view, folder, &out)?,
         None => Vec::new(),
     };
     let Record { summary, plan, .. } = &stored;
@@ -443,13 +450,14 @@ fn no_scene(path: &Path) -> Result<(), Failure> {
 
 fn show(args: &ShowArgs) -> Result<u8, Failure> {
     check_folder("--plots", args.plots.as_deref())?;
+    let view = args.view.view(args.plots.is_some())?;
     check_folder("--csv", args.csv.as_deref())?;
     no_scene(&args.file)?;
     let mut stored = store::read(&open(&args.file)?)?;
     stored.summary.file = args.file.display().to_string();
     let mut files = Vec::new();
     if let Some(folder) = &args.plots {
-        files.extend(pictures(&stored, folder, &args.file)?);
+        files.extend(pictures(&stored, &view, folder, &args.file)?);
     }
     if let Some(folder) = &args.csv {
         files.extend(
@@ -471,6 +479,6 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "result".into(), |s| s.to_string_lossy().into_owned())
 }
 
-fn pictures(stored: &Record, folder: &Path, file: &Path) -> Result<Vec<PathBuf>, Failure> {
-    Ok(steklov_figures::pictures(stored, folder, &stem(file))?)
+fn pictures(stored: &Record, view: &View, folder: &Path, file: &Path) -> Result<Vec<PathBuf>, Failure> {
+    Ok(steklov_figures::pictures(stored, view, folder, &stem(file))?)
 }

@@ -4,8 +4,8 @@ mod frame;
 
 use frame::{check, check_up_to, loops, rectangle};
 use steklov_picture::{
-    Axis, Band, Body, Chart, ContactSide, Curve, Guide, MeshFigure, MeshPanel, Obstacle, Scale, Series, body, chart,
-    contact, meshes,
+    Axis, Band, Body, Chart, Colours, ContactSide, Curve, Guide, MeshFigure, MeshPanel, Obstacle, Scale, Series, body,
+    chart, contact, meshes,
 };
 use steklov_result::triangulate::{Triangulation, triangulate};
 
@@ -26,6 +26,7 @@ fn show(
         largest: 0.0,
         triangles: &t.triangles,
         von_mises: &t.points.iter().map(|&p| stress(p)).collect::<Vec<_>>(),
+        colours: Colours::Automatic,
         outline: &t.outline,
         obstacles: walls,
     })
@@ -88,6 +89,45 @@ fn stresses_beyond_the_colours_are_told_with_their_place() {
     assert!(svg.contains(">colours end below the largest stress that is drawn, 123 at (0.5, −0.5)<"), "{svg}");
     let svg = show("no-tip", "No tip", &t, &pressed, &tip(2.1), &[]);
     assert!(!svg.contains("colours end below"));
+}
+
+#[test]
+fn asked_for_colours_have_arrows_where_stresses_are_beyond_them() {
+    let t = triangulate(&loops(&[&rectangle([-0.5, -0.5], [0.5, 0.5])]), 600).unwrap();
+    let zeros = vec![[0.0; 2]; t.points.len()];
+    let stress: Vec<f64> = t.points.iter().map(|p| 10.0 * p[0]).collect();
+    let of = |name: &str, ends: [f64; 2]| {
+        let (points, triangles, outline) = (t.points.as_slice(), t.triangles.as_slice(), t.outline.as_slice());
+        let colours = Colours::Range(ends);
+        let picture = body(&Body {
+            title: name,
+            points,
+            displacement: &zeros,
+            largest: 0.0,
+            triangles,
+            von_mises: &stress,
+            colours,
+            outline,
+            obstacles: &[],
+        });
+        let picture = picture.unwrap();
+        check(name, &picture);
+        picture.svg
+    };
+    let told =
+        |svg: &str| [">colours end below the largest", ">colours end above the smallest"].map(|t| svg.contains(t));
+    assert_eq!(told(&of("inside", [-5.0, 5.0])), [false, false]);
+    assert_eq!(told(&of("above", [-6.0, 3.0])), [true, false]);
+    assert_eq!(told(&of("below", [-3.0, 6.0])), [false, true]);
+    let svg = of("both", [-1.0, 2.0]);
+    assert!(svg.contains("above the smallest stress that is drawn, −5 at (−0.5, "), "{svg}");
+    assert!(svg.contains(", and below the largest,"), "{svg}");
+    // an arrow is the only line with one corner
+    let arrows = |svg: &str| {
+        let count = |line: &str, letter: char| line.split(" d=\"").nth(1).map_or(0, |d| d.matches(letter).count());
+        svg.lines().filter(|line| ['M', 'L', 'Z'].map(|letter| count(line, letter)) == [1, 2, 0]).count()
+    };
+    assert_eq!([arrows(&svg), arrows(&of("above", [-6.0, 2.0])), arrows(&of("inside", [-5.0, 5.0]))], [2, 1, 0]);
 }
 
 #[test]

@@ -3,7 +3,7 @@
 mod frame;
 
 use frame::{check, check_up_to};
-use steklov_picture::{BasisFunction, Body, CellField, basis, body, cell_fields, lattice_triangles};
+use steklov_picture::{BasisFunction, Body, CellField, Colours, basis, body, cell_fields, lattice_triangles};
 
 /// Values of cells (ix, iy) at ix·ny + iy from a function of their centres in the unit square.
 fn values([nx, ny]: [usize; 2], f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
@@ -24,7 +24,7 @@ fn rectangles([nx, ny]: [usize; 2], size: [f64; 2]) -> Vec<[[f64; 2]; 2]> {
 /// A field on [0, width] × [0, height].
 fn field<'a>(label: &'a str, size: [f64; 2], cells: [usize; 2], values: &'a [f64]) -> CellField<'a> {
     let spacing = [size[0] / cells[0] as f64, size[1] / cells[1] as f64];
-    CellField { caption: "", label, origin: [0.0; 2], spacing, cells, values, coarse: &[] }
+    CellField { caption: "", label, origin: [0.0; 2], spacing, cells, values, colours: Colours::Automatic, coarse: &[] }
 }
 
 #[test]
@@ -152,6 +152,7 @@ fn deformed_grids_of_many_cells() {
             largest: 0.0,
             triangles: &lattice.triangles,
             von_mises: &stress,
+            colours: Colours::Automatic,
             outline: &lattice.outline,
             obstacles: &[],
         })

@@ -12,14 +12,15 @@ use steklov_result::record::Record;
 
 use crate::grid;
 use crate::stochastic;
+use crate::view::View;
 
 /// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
 ///
 /// # Errors
 /// When a picture cannot be drawn or written.
-pub fn pictures(stored: &Record, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
+pub fn pictures(stored: &Record, view: &View, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
     let mut files = Vec::new();
-    for (part, picture) in drawn(stored)? {
+    for (part, picture) in drawn(stored, view)? {
         files.extend(write(folder, &format!("{name}-{part}"), &picture)?);
     }
     Ok(files)
@@ -29,13 +30,13 @@ pub fn pictures(stored: &Record, folder: &Path, name: &str) -> Result<Vec<PathBu
 ///
 /// # Errors
 /// When one cannot be drawn.
-pub fn drawn(stored: &Record) -> Result<Vec<(String, Picture)>, PictureError> {
-    let mut all = vec![("body".to_owned(), body_picture(stored)?)];
-    all.extend(grid::medium(stored)?.map(|picture| ("medium".to_owned(), picture)));
+pub fn drawn(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, PictureError> {
+    let mut all = vec![("body".to_owned(), body_picture(stored, view)?)];
+    all.extend(grid::medium(stored, view)?.map(|picture| ("medium".to_owned(), picture)));
     let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
     let of_sides = contact_drawn(title, sides, &stored.contact)?;
     all.extend(of_sides.into_iter().map(|(side, picture)| (format!("contact-{side}"), picture)));
-    let others = grid::pictures(stored)?.into_iter().chain(stochastic::pictures(stored)?);
+    let others = grid::pictures(stored, view)?.into_iter().chain(stochastic::pictures(stored)?);
     all.extend(others);
     Ok(all)
 }
@@ -85,7 +86,7 @@ pub(crate) fn file_name(side: &str) -> String {
     side.chars().map(|c| if c.is_alphanumeric() || c == '-' { c } else { '_' }).collect()
 }
 
-fn body_picture(stored: &Record) -> Result<Picture, PictureError> {
+fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
     let fields = &stored.grid;
     let values = |name: &str| fields.point_data.iter().find(|f| f.name == name);
     let planar = |f: &Field| -> Vec<[f64; 2]> { f.values.chunks(f.components.max(1)).map(|v| [v[0], v[1]]).collect() };
@@ -108,6 +109,7 @@ fn body_picture(stored: &Record) -> Result<Picture, PictureError> {
             largest,
             triangles: &deformed.triangles,
             von_mises: &deformed.von_mises,
+            colours: view.colours(),
             outline: &deformed.outline,
             obstacles,
         });
@@ -121,6 +123,7 @@ fn body_picture(stored: &Record) -> Result<Picture, PictureError> {
         largest,
         triangles,
         von_mises: &von_mises[..count],
+        colours: view.colours(),
         outline: &fields.lines,
         obstacles,
     })

@@ -39,5 +39,7 @@ pub use {steklov_picture, steklov_result};
 mod draw;
 mod grid;
 pub mod stochastic;
+mod view;
 
 pub use draw::{contact_pictures, drawn, pictures, positions, side_file, tables};
+pub use view::View;

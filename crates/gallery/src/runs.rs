@@ -7,7 +7,7 @@ use std::time::Instant;
 
 use serde_json::{Value, json};
 use steklov_document::Document;
-use steklov_figures::drawn;
+use steklov_figures::{View, drawn};
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::run;
 use steklov_model::run::boundary_elements::BoundaryElements;
@@ -260,7 +260,7 @@ fn solve<M: Keep>(scene: &Scene, interrupts: &AtomicUsize) -> Result<Made, Strin
     let mut json = serde_json::to_value(&record.summary).map_err(|e| e.to_string())?;
     let steps = run.progress.steps.iter().map(|step| json!({ "dofs": step.dofs, "history": step.history }));
     json["histories"] = steps.collect();
-    let pictures = drawn(&record).map_err(|e| e.to_string())?.into_iter().collect();
+    let pictures = drawn(&record, &View::default()).map_err(|e| e.to_string())?.into_iter().collect();
     Ok(Made { json, record: Some(record), strategies: Vec::new(), pictures, seconds: 0.0 })
 }
 

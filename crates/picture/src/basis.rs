@@ -46,6 +46,7 @@ fn components<'a>(function: &'a BasisFunction<'a>) -> [FieldPanel<'a>; 2] {
         label,
         bounds: Bounds { low: [0.0; 2], high: size },
         ends: if largest(values) > rounding { ends(values.iter().copied()) } else { [0.0, 1.0] },
+        beyond: [false; 2],
         pixels: Box::new(move |pixels, ends| {
             Raster::new(pixels, ends, |i, j| bilinear([m, n], values, pixels, [i, j]))
         }),

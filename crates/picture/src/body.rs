@@ -2,7 +2,8 @@
 
 use super::axes::{Axes, BELOW, LABEL_TEXT, TICK_TEXT};
 use super::bands::{BANDS, bands, colour, interval};
-use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width};
+use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
+use super::colours::{Colours, beyond};
 use super::scale::{Ticks, bar_ticks, exaggeration, short};
 use super::{Picture, PictureError};
 use kuva::render::render::TextAnchor;
@@ -14,8 +15,8 @@ const WIDEST: f64 = 640.0;
 const TALLEST: f64 = 620.0;
 const SMALLEST: f64 = 210.0;
 
-/// Height of the arrow at the end of the colours.
-const ARROW: f64 = 14.0;
+/// Height of an arrow at an end of the colours.
+pub(super) const ARROW: f64 = 14.0;
 
 /// Distance of the hatch lines of an obstacle.
 const HATCH: f64 = 9.0;
@@ -45,6 +46,8 @@ pub struct Body<'a> {
     /// Von Mises stress at the points (P). A triangle with a NaN stays white; an infinite value has the colour of the
     /// largest finite one.
     pub von_mises: &'a [f64],
+    /// Stresses of the outer colours.
+    pub colours: Colours,
     /// Boundary segments, each loop in traversal order.
     pub outline: &'a [[usize; 2]],
     /// The obstacles, one for each stretch of contact side.
@@ -56,8 +59,8 @@ pub struct Body<'a> {
 /// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch
 /// in truth: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
 /// 1, 2, 5 times a power of ten that brings it to at most 0.1. The subtitle states k. An obstacle further away than a
-/// quarter of the body is cut off at the frame. Where a few stresses are far beyond the others, the colours end in an
-/// arrow, and the largest stress is told with its place before the deformation.
+/// quarter of the body is cut off at the frame. Where a few stresses are far beyond the others, or beyond the colours that
+/// are asked for, the colours end in an arrow, and the outermost stress is told with its place before the deformation.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -74,9 +77,11 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     let walls = walls(b.obstacles, factor);
 
     let title = Title::new(b.title);
-    let colours = interval(b.von_mises);
-    let beyond = beyond(b, colours[1]);
-    let top = 26.0 + title.height() + if beyond.is_some() { 42.0 } else { 22.0 };
+    let colours = b.colours.ends(|| interval(b.von_mises));
+    let arrows = beyond(b.von_mises.iter().copied(), colours);
+    let told = outermost(b, arrows);
+    let told = told.map_or(Vec::new(), |text| wrap(&text, SUBTITLE_TEXT, WIDTH - 60.0, 2));
+    let top = 48.0 + title.height() + 20.0 * told.len() as f64;
     let axes = place(&view(bounds, &deformed, &walls), top);
     let f = axes.frame;
     let mut canvas = Canvas::new(f.bottom() + BELOW + 46.0);
@@ -87,8 +92,8 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
         SUBTITLE_TEXT,
         TextAnchor::Middle,
     );
-    if let Some(text) = &beyond {
-        canvas.text([WIDTH / 2.0, top - 18.0], text, SUBTITLE_TEXT, TextAnchor::Middle);
+    for (text, below) in told.iter().zip((0..told.len()).rev()) {
+        canvas.text([WIDTH / 2.0, top - 18.0 - 20.0 * below as f64], text, SUBTITLE_TEXT, TextAnchor::Middle);
     }
 
     for (k, band) in bands(&deformed, b.triangles, b.von_mises, colours).iter().enumerate() {
@@ -105,20 +110,29 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     canvas.lines(&through(b.points), &undeformed_pen());
     draw_walls(&mut canvas, &axes, &walls);
     axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
-    colour_bar(&mut canvas, f, colours, "von Mises stress", beyond.is_some());
+    colour_bar(&mut canvas, f, colours, "von Mises stress", arrows);
     key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
     canvas.finish()
 }
 
-/// What is told where stresses are beyond the upper end of the colours: the largest one and its place.
-fn beyond(b: &Body<'_>, high: f64) -> Option<String> {
-    let all = b.points.iter().zip(b.von_mises).filter(|(_, v)| !v.is_nan());
-    let ([x, y], v) = all.max_by(|a, b| a.1.total_cmp(b.1)).filter(|(_, v)| **v > high)?;
-    let place = format!("at ({}, {})", short(*x, 4), short(*y, 4));
-    Some(match v.is_finite() {
-        true => format!("colours end below the largest stress that is drawn, {} {place}", short(*v, 3)),
-        false => format!("the stress is infinite {place}"),
-    })
+/// What is told where stresses are beyond an end of the colours: the outermost ones and their places.
+fn outermost(b: &Body<'_>, [below, above]: [bool; 2]) -> Option<String> {
+    let all = || b.points.iter().zip(b.von_mises).filter(|(_, v)| !v.is_nan());
+    let smallest = all().min_by(|a, b| a.1.total_cmp(b.1)).filter(|_| below);
+    let largest = all().max_by(|a, b| a.1.total_cmp(b.1)).filter(|_| above);
+    let place = |[x, y]: &[f64; 2]| format!("at ({}, {})", short(*x, 4), short(*y, 4));
+    if let Some((x, _)) = [smallest, largest].into_iter().flatten().find(|(_, v)| v.is_infinite()) {
+        return Some(format!("the stress is infinite {}", place(x)));
+    }
+    let end = |(x, v): (&[f64; 2], &f64)| format!("{} {}", short(*v, 3), place(x));
+    match [smallest, largest].map(|found| found.map(end)) {
+        [None, None] => None,
+        [None, Some(largest)] => Some(format!("colours end below the largest stress that is drawn, {largest}")),
+        [Some(smallest), None] => Some(format!("colours end above the smallest stress that is drawn, {smallest}")),
+        [Some(smallest), Some(largest)] => Some(format!(
+            "colours end above the smallest stress that is drawn, {smallest}, and below the largest, {largest}"
+        )),
+    }
 }
 
 pub(super) fn moved(p: [f64; 2], u: [f64; 2], factor: f64) -> [f64; 2] {
@@ -241,19 +255,24 @@ pub(super) fn hatched(canvas: &mut Canvas, pieces: &[Vec<[f64; 2]>], frame: Rect
     canvas.lines(pieces, &Pen::solid(BLACK, 2.0));
 }
 
-/// The colours with their values, right of the frame; with `more` an arrow says that there are larger values.
-pub(super) fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2], title: &str, more: bool) {
+/// The colours with their values, right of the frame, and arrows where there are smaller or larger values.
+pub(super) fn colour_bar(canvas: &mut Canvas, frame: Rect, [low, high]: [f64; 2], title: &str, more: [bool; 2]) {
     let height = frame.height.min(400.0);
     let bar = Rect { left: frame.right() + 26.0, top: frame.top + (frame.height - height) / 2.0, width: 18.0, height };
     let marks = bar_ticks(low, high, (height / 40.0) as usize);
     let right = colours(canvas, bar, [low, high], &marks);
-    if more {
-        let tip = [bar.left + bar.width / 2.0, bar.top - ARROW];
-        let (left, right) = ([bar.left, bar.top], [bar.right(), bar.top]);
-        canvas.fill(&[vec![left, right, tip]], colour(BANDS - 1));
+    arrows(canvas, bar, more);
+    canvas.text_upwards([right + 20.0, bar.top + height / 2.0], &marks.title(title), LABEL_TEXT);
+}
+
+/// Arrows below and above the colours in a box.
+pub(super) fn arrows(canvas: &mut Canvas, bar: Rect, [below, above]: [bool; 2]) {
+    let ends = [(below, bar.bottom(), ARROW, 0), (above, bar.top, -ARROW, BANDS - 1)];
+    for (_, y, height, band) in ends.into_iter().filter(|end| end.0) {
+        let (left, tip, right) = ([bar.left, y], [bar.left + bar.width / 2.0, y + height], [bar.right(), y]);
+        canvas.fill(&[vec![left, right, tip]], colour(band));
         canvas.lines(&[vec![left, tip, right]], &Pen::solid(BLACK, 1.0));
     }
-    canvas.text_upwards([right + 20.0, bar.top + height / 2.0], &marks.title(title), LABEL_TEXT);
 }
 
 /// The colours from the bottom to the top of a box, and ticks at its right; gives where their labels end.

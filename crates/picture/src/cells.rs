@@ -1,6 +1,7 @@
 //! Fields on the cells of a grid of rectangles: moduli, stresses, error indicators.
 
 use super::body::Bounds;
+use super::colours::{Colours, beyond};
 use super::fields::{FieldPanel, ends, field_panels};
 use super::raster::{Raster, shown};
 use super::{Picture, PictureError};
@@ -20,6 +21,8 @@ pub struct CellField<'a> {
     pub cells: [usize; 2],
     /// Values (nx·ny), that of cell (ix, iy) at ix·ny + iy; NaN where there is no cell.
     pub values: &'a [f64],
+    /// Values of the outer colours.
+    pub colours: Colours,
     /// Rectangles drawn over the cells as thin lines, for instance the coarse cells: lower left and upper right corners.
     /// One with a side below three units of the picture or a thirtieth of the body is left out.
     pub coarse: &'a [[[f64; 2]; 2]],
@@ -30,7 +33,7 @@ pub struct CellField<'a> {
 ///
 /// All panels show the part of the plane that contains every grid. Where cells are smaller than a pixel, a pixel has the mean
 /// of its cells (and none if most of them are NaN). The colours run from 0 to the largest value, from the smallest one if
-/// the values vary by less than half of the largest, or from the smallest one if it is negative. A body flatter than
+/// the values vary by less than half of the largest, or from the smallest one if it is negative, unless they are given. A body flatter than
 /// 1:1200 is drawn one pixel high.
 ///
 /// A million cells take about a tenth of a second, and up to a second where no pixel is like the next.
@@ -46,16 +49,18 @@ pub fn cell_fields(title: &str, fields: &[CellField<'_>], shared: bool) -> Resul
 }
 
 fn panel<'a>(field: &'a CellField<'a>) -> FieldPanel<'a> {
-    let &CellField { caption, label, origin, spacing, cells, values, coarse } = field;
+    let &CellField { caption, label, origin, spacing, cells, values, colours, coarse } = field;
     assert!(cells[0] > 0 && cells[1] > 0 && values.len() == cells[0] * cells[1], "a value for each of some cells");
     assert!(spacing[0] > 0.0 && spacing[1] > 0.0, "positive sides");
     let high = [0, 1].map(|i| origin[i] + spacing[i] * cells[i] as f64);
     let pixels = move |size, ends| Raster::new(size, ends, |i, j| mean(field, size, [i, j]));
+    let ends = colours.ends(|| ends(values.iter().copied()));
     FieldPanel {
         caption,
         label,
         bounds: Bounds { low: origin, high },
-        ends: ends(values.iter().copied()),
+        ends,
+        beyond: beyond(values.iter().copied(), ends),
         pixels: Box::new(pixels),
         overlay: coarse,
     }
@@ -81,7 +86,8 @@ mod tests {
     use proptest::prelude::*;
 
     fn field<'a>(cells: [usize; 2], values: &'a [f64]) -> CellField<'a> {
-        CellField { caption: "", label: "", origin: [0.0; 2], spacing: [1.0; 2], cells, values, coarse: &[] }
+        let colours = Colours::Automatic;
+        CellField { caption: "", label: "", origin: [0.0; 2], spacing: [1.0; 2], cells, values, colours, coarse: &[] }
     }
 
     #[test]

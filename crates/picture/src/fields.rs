@@ -2,7 +2,7 @@
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
 use super::bands::interval;
-use super::body::{Bounds, SUBTITLE_TEXT, colours};
+use super::body::{ARROW, Bounds, SUBTITLE_TEXT, arrows, colours};
 use super::canvas::{BLACK, Canvas, PIXELS, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::raster::Raster;
 use super::scale::{Ticks, bar_ticks};
@@ -45,6 +45,8 @@ pub(super) struct FieldPanel<'a> {
     pub bounds: Bounds,
     /// Values of the outer colours.
     pub ends: [f64; 2],
+    /// Whether there are values below and above them.
+    pub beyond: [bool; 2],
     /// Its pixels for a number of them along x and y and the values of the outer colours.
     pub pixels: Box<dyn Fn([usize; 2], [f64; 2]) -> Raster + 'a>,
     /// Rectangles over it: lower left and upper right corners.
@@ -100,7 +102,10 @@ pub(super) fn field_panels(
             canvas.text([f.left, y], line, TICK_TEXT, TextAnchor::Start);
         }
         if !shared {
-            let bar = Rect { left: f.right() + 20.0, width: 18.0, ..f };
+            let [below, above] = panel.beyond.map(|more| if more { ARROW } else { 0.0 });
+            let (left, top, height) = (f.right() + 20.0, f.top + above, f.height - above - below);
+            let bar = Rect { left, top, width: 18.0, height };
+            arrows(&mut canvas, bar, panel.beyond);
             colours(&mut canvas, bar, colour_ends, &bar_ticks(colour_ends[0], colour_ends[1], marks_of(f.height)));
         }
     }

@@ -79,7 +79,7 @@ pub fn tiles(
         canvas.text([frame.left, frame.top - 7.0], &field.caption, TICK_TEXT, TextAnchor::Start);
     }
     let bar = Rect { height: all.height.max(120.0), ..all };
-    colour_bar(&mut canvas, bar, ends, label, false);
+    colour_bar(&mut canvas, bar, ends, label, [false; 2]);
     canvas.finish()
 }
 

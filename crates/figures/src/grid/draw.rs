@@ -4,12 +4,14 @@ use std::cmp::Reverse;
 
 use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, HeterogeneousBody, Multiscale};
 use steklov_picture::{
-    Axis, BasisFunction, CellField, Chart, Curve, Picture, PictureError, Scale, Series, basis, cell_fields, chart,
-    lattice_triangles,
+    Axis, BasisFunction, CellField, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, cell_fields,
+    chart, lattice_triangles,
 };
 use steklov_result::grid::GridRecord;
 use steklov_result::grid::of_quads;
 use steklov_result::record::Record;
+
+use crate::view::View;
 
 /// Points of the deformed body at most, about.
 const POINTS: usize = 20_000;
@@ -78,14 +80,15 @@ fn on_cells(stored: &Record, record: &GridRecord) -> Vec<f64> {
 ///
 /// # Errors
 /// A picture that cannot be drawn.
-pub(crate) fn pictures(stored: &Record) -> Result<Vec<(String, Picture)>, PictureError> {
+pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, PictureError> {
     let Some(record) = &stored.on_grid else { return Ok(Vec::new()) };
     let (body, title) = (&record.body, &stored.summary.title);
     let grid = &body.grid;
     let coarse = rectangles(record);
-    let field = |label: &str, values: &[f64]| {
+    let field = |label: &str, values: &[f64], colours: Colours| {
         let [origin, spacing] = [grid.origin, grid.spacing];
-        let field = CellField { caption: "", label, origin, spacing, cells: grid.cells, values, coarse: &coarse };
+        let field =
+            CellField { caption: "", label, origin, spacing, cells: grid.cells, values, colours, coarse: &coarse };
         cell_fields(title, &[field], false)
     };
     let mut pictures = Vec::new();
@@ -99,11 +102,14 @@ pub(crate) fn pictures(stored: &Record) -> Result<Vec<(String, Picture)>, Pictur
         let values = values.into_iter().enumerate();
         let [_, ny] = grid.cells;
         let values: Vec<f64> = values.map(|(c, v)| if grid.inside(c / ny, c % ny) { v } else { f64::NAN }).collect();
-        pictures.push(("moduli".to_owned(), field(label, &values)?));
+        pictures.push(("moduli".to_owned(), field(label, &values, Colours::Automatic)?));
     }
-    pictures.push(("stress".to_owned(), field("von Mises stress", &on_cells(stored, record))?));
+    pictures.push(("stress".to_owned(), field("von Mises stress", &on_cells(stored, record), view.colours())?));
     if let Some(values) = indicators(record) {
-        pictures.push(("estimate".to_owned(), field("log10 of the indicator over the largest", &values)?));
+        pictures.push((
+            "estimate".to_owned(),
+            field("log10 of the indicator over the largest", &values, Colours::Automatic)?,
+        ));
     }
     pictures.extend(steps(title, record)?.map(|picture| ("steps".to_owned(), picture)));
     if let Some(mesh) = &record.coarse {

@@ -5,12 +5,13 @@ use steklov_result::record::Record;
 
 use super::draw::deformed;
 use crate::draw::largest_displacement;
+use crate::view::View;
 
 /// Body and medium, deformed alike, by their von Mises stress; none of other results.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
-pub(crate) fn medium(stored: &Record) -> Result<Option<Picture>, PictureError> {
+pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, PictureError> {
     let fields = &stored.grid;
     let Some(record) = stored.on_grid.as_ref().filter(|_| !fields.triangles.is_empty()) else { return Ok(None) };
     let stress = fields.cell_data.iter().find(|f| f.name == "von_mises" && f.components == 1);
@@ -40,6 +41,7 @@ pub(crate) fn medium(stored: &Record) -> Result<Option<Picture>, PictureError> {
         largest: largest_displacement(stored),
         triangles: &all.triangles,
         von_mises: &all.von_mises,
+        colours: view.colours(),
         outline,
         obstacles: &[],
     })
