@@ -69,6 +69,82 @@ fn a_range_clips_the_colours_of_body_and_cells() {
 }
 
 #[test]
+fn a_field_colours_body_and_cells() {
+    let place = solved();
+    for (result, part) in [("block", "body"), ("strip", "body"), ("strip", "stress")] {
+        let von_mises = shown(&place, result, part, &[]);
+        assert!(von_mises == shown(&place, result, part, &["--field", "von-mises"]));
+        let mut seen = vec![von_mises];
+        for (name, label) in [
+            ("xx", "stress σxx"),
+            ("yy", "stress σyy"),
+            ("xy", "stress σxy"),
+            ("principal-1", "larger principal stress σ₁"),
+            ("principal-2", "smaller principal stress σ₂"),
+            ("u-x", "displacement ux"),
+            ("u-y", "displacement uy"),
+            ("displacement", "displacement |u|"),
+        ] {
+            let part = if part == "stress" && label.starts_with("displacement") { "displacement" } else { part };
+            let svg = shown(&place, result, part, &["--field", name]);
+            assert!(svg.contains(&format!(">{label}")), "{result} {part} {name}");
+            assert!(!seen.contains(&svg), "{result} {part} {name}");
+            if name != "displacement" {
+                // the bar has a tick at zero
+                assert!(texts(&svg).iter().any(|text| text.parse() == Ok(0.0)), "{result} {part} {name}");
+            }
+            seen.push(svg);
+        }
+    }
+    let svg = shown(&place, "block", "body", &["--field", "yy", "--range", "-2:0"]);
+    for tick in ["−2.0", "−1.0", "0.0"] {
+        assert!(texts(&svg).contains(&tick), "{tick}");
+    }
+}
+
+/// A square that a uniform stress of 3 along x and -1 along y acts on: what is known is what is told beyond the colours.
+#[test]
+fn fields_have_the_values_of_a_uniform_stress() {
+    let place = Place::new();
+    let square = r#"title = "Uniform"
+[body]
+corners = [[0, 0], [1, 0], [1, 1], [0, 1]]
+sides = ["below", "right", "above", "left"]
+[material]
+young = 100
+poisson = 0.25
+plane = "stress"
+[sides.below]
+displacement = ["free", 0]
+[sides.left]
+displacement = [0, "free"]
+[sides.right]
+traction = [3, 0]
+[sides.above]
+traction = [0, -1]
+"#;
+    place.write("square.toml", square);
+    for set in [
+        &["--set", "method.model=\"bem\""][..],
+        &["--set", "method.model=\"fem\"", "--set", "grid={ coarse = [2, 2], fine = [2, 2] }"],
+    ] {
+        place.run(["solve", "square.toml", "--quiet", "--force"].iter().chain(set));
+        // ux = (3 + 1/4)/100 x, uy = -(1 + 3/4)/100 y
+        let known = [("xx", "3"), ("yy", "−1"), ("principal-1", "3"), ("principal-2", "−1"), ("von-mises", "3.61")];
+        let of_displacement = [("u-x", "0.0325"), ("u-y", "−0.0175"), ("displacement", "0.0369")];
+        for (name, value) in known.into_iter().chain(of_displacement) {
+            let (range, told) = match value.starts_with('−') {
+                true => ("1e-9:1", "colours end above the smallest"),
+                false => ("-2:-1e-9", "colours end below the largest"),
+            };
+            let svg = shown(&place, "square", "body", &["--field", name, "--range", range]);
+            let line = texts(&svg).into_iter().find(|text| text.starts_with(told)).unwrap().to_owned();
+            assert!(line.contains(&format!(" that is drawn, {value} at (")), "{name}: {line}");
+        }
+    }
+}
+
+#[test]
 fn views_that_make_no_sense_are_refused_with_a_remedy() {
     let place = solved();
     let refused = |options: &[&str], told: &str| {
@@ -82,7 +158,9 @@ fn views_that_make_no_sense_are_refused_with_a_remedy() {
     refused(&["--range", "one:2"], "\"one\" is no number");
     refused(&["--range", "0:inf"], "\"inf\" is no number");
     refused(&["--range", "-3"], "two numbers with a colon between them");
-    for options in [["--range", "-2:1"]] {
+    refused(&["--field", "von-misses"], "von-mises");
+    refused(&["--field", "pressure"], "principal-1");
+    for options in [["--range", "-2:1"], ["--field", "xx"]] {
         for command in [&["solve", "block.toml", "--force"][..], &["show", "block.vtkhdf"]] {
             let ran = place.run(command.iter().chain(&options)).demand(1);
             assert!(ran.err.contains(options[0]) && ran.err.contains("add --plots DIR"), "{}", ran.err);

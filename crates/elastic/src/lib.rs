@@ -24,6 +24,6 @@ pub mod plane;
 mod rigid;
 mod wedge;
 
-pub use material::{Material, MaterialError, Plane, von_mises};
+pub use material::{Material, MaterialError, Plane, principal, von_mises};
 pub use rigid::{RigidMotion, free_motions};
 pub use wedge::{Face, Joint, Sector, Wedge};

@@ -93,6 +93,12 @@ impl Material {
     }
 }
 
+/// Principal stresses in the plane of `[σ_xx, σ_yy, σ_xy]`, the larger one first.
+pub fn principal([xx, yy, xy]: [f64; 3]) -> [f64; 2] {
+    let (mean, radius) = ((xx + yy) / 2.0, ((xx - yy) / 2.0).hypot(xy));
+    [mean + radius, mean - radius]
+}
+
 /// Von Mises stress of `[σ_xx, σ_yy, σ_xy]`, with σ_zz = ν(σ_xx+σ_yy) in plane strain and 0 in plane stress.
 pub fn von_mises([xx, yy, xy]: [f64; 3], poisson: f64, plane: Plane) -> f64 {
     let zz = match plane {

@@ -88,10 +88,10 @@ pub(crate) fn file_name(side: &str) -> String {
 
 fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
     let fields = &stored.grid;
-    let values = |name: &str| fields.point_data.iter().find(|f| f.name == name);
+    let field = |name: &str| fields.point_data.iter().find(|f| f.name == name);
     let planar = |f: &Field| -> Vec<[f64; 2]> { f.values.chunks(f.components.max(1)).map(|v| [v[0], v[1]]).collect() };
     let n = fields.points.len();
-    let displacement = values("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
+    let displacement = field("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
     // another body is drawn itself
     let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
     let is_wall = |row: &&ContactRow| !joined.contains(&&stored.mesh.side_names[row.side]);
@@ -100,29 +100,38 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
     let largest = largest_displacement(stored);
+    let (label, noun) = (view.scalar.label(), view.scalar.noun());
     if let Some(record) = &stored.on_grid {
-        let deformed = grid::deformed(stored, record, &displacement);
+        let deformed = grid::deformed(stored, record, &displacement, view.scalar);
         return body(&Body {
             title,
             points: &deformed.points,
             displacement: &deformed.displacement,
             largest,
             triangles: &deformed.triangles,
-            von_mises: &deformed.von_mises,
+            values: &deformed.values,
+            label,
+            noun,
             colours: view.colours(),
             outline: &deformed.outline,
             obstacles,
         });
     }
-    let von_mises = values("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
+    let stress = field("stress").filter(|f| f.components == 3);
+    let stress = stress.map_or(vec![[f64::NAN; 3]; n], |f| f.values.as_chunks().0.to_vec());
+    let von_mises = field("von_mises").map_or(vec![f64::NAN; n], |f| f.values.clone());
     let (count, triangles) = body_part(fields);
+    let value = |i: usize| view.scalar.of(displacement[i], stress[i], von_mises[i]);
+    let values: Vec<f64> = (0..count).map(value).collect();
     body(&Body {
         title,
         points: &fields.points[..count],
         displacement: &displacement[..count],
         largest,
         triangles,
-        von_mises: &von_mises[..count],
+        values: &values,
+        label,
+        noun,
         colours: view.colours(),
         outline: &fields.lines,
         obstacles,

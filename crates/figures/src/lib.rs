@@ -42,4 +42,4 @@ pub mod stochastic;
 mod view;
 
 pub use draw::{contact_pictures, drawn, pictures, positions, side_file, tables};
-pub use view::View;
+pub use view::{Scalar, Unit, View};

@@ -1,10 +1,14 @@
 //! What of a result the pictures show.
 
+use steklov_elastic::plane::norm;
+use steklov_elastic::principal;
 use steklov_picture::Colours;
 
 /// What the pictures of fields show; the default is all of the body by its von Mises stress.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct View {
+    /// What the body is coloured by.
+    pub scalar: Scalar,
     /// Values of the outer colours, the smaller one first, in the unit of the field; those beyond have the colour of their
     /// end. None: those that the field takes.
     pub range: Option<[f64; 2]>,
@@ -13,6 +17,121 @@ pub struct View {
 impl View {
     /// The colours of the field of the body.
     pub(crate) fn colours(&self) -> Colours {
-        self.range.map_or(Colours::Automatic, Colours::Range)
+        match self.range {
+            Some(ends) => Colours::Range(ends),
+            None if self.scalar.is_signed() => Colours::WithZero,
+            None => Colours::Automatic,
+        }
+    }
+}
+
+/// A number of displacement u and stress σ at a point.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Scalar {
+    /// Von Mises stress.
+    #[default]
+    VonMises,
+    /// σ_xx, positive in tension.
+    Xx,
+    /// σ_yy.
+    Yy,
+    /// σ_xy.
+    Xy,
+    /// The larger principal stress in the plane, σ_1.
+    Principal1,
+    /// The smaller one, σ_2.
+    Principal2,
+    /// u_x.
+    DisplacementX,
+    /// u_y.
+    DisplacementY,
+    /// |u|.
+    Displacement,
+}
+
+/// The unit of a number.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Unit {
+    /// That of E.
+    Stress,
+    /// That of coordinates.
+    Length,
+}
+
+impl Scalar {
+    /// All of them.
+    pub const ALL: [Self; 9] = [
+        Self::VonMises,
+        Self::Xx,
+        Self::Yy,
+        Self::Xy,
+        Self::Principal1,
+        Self::Principal2,
+        Self::DisplacementX,
+        Self::DisplacementY,
+        Self::Displacement,
+    ];
+
+    /// Its word on the command line, what it is called in pictures, its unit, and whether it may have either sign.
+    const fn facts(self) -> (&'static str, &'static str, Unit, bool) {
+        match self {
+            Self::VonMises => ("von-mises", "von Mises stress", Unit::Stress, false),
+            Self::Xx => ("xx", "stress σxx", Unit::Stress, true),
+            Self::Yy => ("yy", "stress σyy", Unit::Stress, true),
+            Self::Xy => ("xy", "stress σxy", Unit::Stress, true),
+            Self::Principal1 => ("principal-1", "larger principal stress σ₁", Unit::Stress, true),
+            Self::Principal2 => ("principal-2", "smaller principal stress σ₂", Unit::Stress, true),
+            Self::DisplacementX => ("u-x", "displacement ux", Unit::Length, true),
+            Self::DisplacementY => ("u-y", "displacement uy", Unit::Length, true),
+            Self::Displacement => ("displacement", "displacement |u|", Unit::Length, false),
+        }
+    }
+
+    /// Its word on the command line.
+    pub const fn name(self) -> &'static str {
+        self.facts().0
+    }
+
+    /// The scalar of a word.
+    pub fn of_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|scalar| scalar.name() == name)
+    }
+
+    /// What it is called in pictures, with its symbol.
+    pub const fn label(self) -> &'static str {
+        self.facts().1
+    }
+
+    /// Its unit.
+    pub const fn unit(self) -> Unit {
+        self.facts().2
+    }
+
+    /// Whether it may have either sign.
+    pub const fn is_signed(self) -> bool {
+        self.facts().3
+    }
+
+    /// What it is a number of.
+    pub(crate) const fn noun(self) -> &'static str {
+        match self.unit() {
+            Unit::Stress => "stress",
+            Unit::Length => "displacement",
+        }
+    }
+
+    /// Its value for u, `[σ_xx, σ_yy, σ_xy]` and the von Mises stress of these, which depends on the material.
+    pub fn of(self, u: [f64; 2], stress: [f64; 3], von_mises: f64) -> f64 {
+        match self {
+            Self::VonMises => von_mises,
+            Self::Xx => stress[0],
+            Self::Yy => stress[1],
+            Self::Xy => stress[2],
+            Self::Principal1 => principal(stress)[0],
+            Self::Principal2 => principal(stress)[1],
+            Self::DisplacementX => u[0],
+            Self::DisplacementY => u[1],
+            Self::Displacement => norm(u),
+        }
     }
 }

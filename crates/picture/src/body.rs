@@ -1,4 +1,4 @@
-//! The deformed body, coloured by von Mises stress, over its undeformed outline and the obstacle.
+//! The deformed body, coloured by a field, over its undeformed outline and the obstacle.
 
 use super::axes::{Axes, BELOW, LABEL_TEXT, TICK_TEXT};
 use super::bands::{BANDS, bands, colour, interval};
@@ -43,10 +43,14 @@ pub struct Body<'a> {
     pub largest: f64,
     /// Triangles (T).
     pub triangles: &'a [[usize; 3]],
-    /// Von Mises stress at the points (P). A triangle with a NaN stays white; an infinite value has the colour of the
+    /// What colours the body at the points (P). A triangle with a NaN stays white; an infinite value has the colour of the
     /// largest finite one.
-    pub von_mises: &'a [f64],
-    /// Stresses of the outer colours.
+    pub values: &'a [f64],
+    /// What they are: "von Mises stress".
+    pub label: &'a str,
+    /// What they are numbers of: "stress".
+    pub noun: &'a str,
+    /// Values of the outer colours.
     pub colours: Colours,
     /// Boundary segments, each loop in traversal order.
     pub outline: &'a [[usize; 2]],
@@ -59,8 +63,8 @@ pub struct Body<'a> {
 /// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch
 /// in truth: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
 /// 1, 2, 5 times a power of ten that brings it to at most 0.1. The subtitle states k. An obstacle further away than a
-/// quarter of the body is cut off at the frame. Where a few stresses are far beyond the others, or beyond the colours that
-/// are asked for, the colours end in an arrow, and the outermost stress is told with its place before the deformation.
+/// quarter of the body is cut off at the frame. Where a few values are far beyond the others, or beyond the colours that
+/// are asked for, the colours end in an arrow, and the outermost value is told with its place before the deformation.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
@@ -69,7 +73,7 @@ pub struct Body<'a> {
 /// If the lengths do not fit or a number of a point is out of range.
 pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     assert_eq!(b.points.len(), b.displacement.len(), "one displacement a point");
-    assert_eq!(b.points.len(), b.von_mises.len(), "one stress a point");
+    assert_eq!(b.points.len(), b.values.len(), "one value a point");
     let bounds = Bounds::of(b.points.iter());
     let largest = b.displacement.iter().map(|u| u[0].hypot(u[1])).filter(|u| u.is_finite()).fold(b.largest, f64::max);
     let factor = exaggeration(largest / bounds.size());
@@ -77,8 +81,8 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     let walls = walls(b.obstacles, factor);
 
     let title = Title::new(b.title);
-    let colours = b.colours.ends(|| interval(b.von_mises));
-    let arrows = beyond(b.von_mises.iter().copied(), colours);
+    let colours = b.colours.ends(b.values, interval);
+    let arrows = beyond(b.values.iter().copied(), colours);
     let told = outermost(b, arrows);
     let told = told.map_or(Vec::new(), |text| wrap(&text, SUBTITLE_TEXT, WIDTH - 60.0, 2));
     let top = 48.0 + title.height() + 20.0 * told.len() as f64;
@@ -96,7 +100,7 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
         canvas.text([WIDTH / 2.0, top - 18.0 - 20.0 * below as f64], text, SUBTITLE_TEXT, TextAnchor::Middle);
     }
 
-    for (k, band) in bands(&deformed, b.triangles, b.von_mises, colours).iter().enumerate() {
+    for (k, band) in bands(&deformed, b.triangles, b.values, colours).iter().enumerate() {
         let placed: Vec<Vec<_>> = band.iter().map(|p| p.iter().map(|&q| axes.at(q)).collect()).collect();
         canvas.fill(&placed, colour(k));
     }
@@ -110,27 +114,28 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     canvas.lines(&through(b.points), &undeformed_pen());
     draw_walls(&mut canvas, &axes, &walls);
     axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
-    colour_bar(&mut canvas, f, colours, "von Mises stress", arrows);
+    colour_bar(&mut canvas, f, colours, b.label, arrows);
     key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
     canvas.finish()
 }
 
-/// What is told where stresses are beyond an end of the colours: the outermost ones and their places.
+/// What is told where values are beyond an end of the colours: the outermost ones and their places.
 fn outermost(b: &Body<'_>, [below, above]: [bool; 2]) -> Option<String> {
-    let all = || b.points.iter().zip(b.von_mises).filter(|(_, v)| !v.is_nan());
+    let all = || b.points.iter().zip(b.values).filter(|(_, v)| !v.is_nan());
     let smallest = all().min_by(|a, b| a.1.total_cmp(b.1)).filter(|_| below);
     let largest = all().max_by(|a, b| a.1.total_cmp(b.1)).filter(|_| above);
     let place = |[x, y]: &[f64; 2]| format!("at ({}, {})", short(*x, 4), short(*y, 4));
+    let noun = b.noun;
     if let Some((x, _)) = [smallest, largest].into_iter().flatten().find(|(_, v)| v.is_infinite()) {
-        return Some(format!("the stress is infinite {}", place(x)));
+        return Some(format!("the {noun} is infinite {}", place(x)));
     }
     let end = |(x, v): (&[f64; 2], &f64)| format!("{} {}", short(*v, 3), place(x));
     match [smallest, largest].map(|found| found.map(end)) {
         [None, None] => None,
-        [None, Some(largest)] => Some(format!("colours end below the largest stress that is drawn, {largest}")),
-        [Some(smallest), None] => Some(format!("colours end above the smallest stress that is drawn, {smallest}")),
+        [None, Some(largest)] => Some(format!("colours end below the largest {noun} that is drawn, {largest}")),
+        [Some(smallest), None] => Some(format!("colours end above the smallest {noun} that is drawn, {smallest}")),
         [Some(smallest), Some(largest)] => Some(format!(
-            "colours end above the smallest stress that is drawn, {smallest}, and below the largest, {largest}"
+            "colours end above the smallest {noun} that is drawn, {smallest}, and below the largest, {largest}"
         )),
     }
 }

@@ -1,26 +1,60 @@
 //! Which values have the outer colours of a field.
 
+use super::bands::interval;
+
 /// The values of the outer colours.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Colours {
     /// As the values need them; the picture says how.
     #[default]
     Automatic,
+    /// From the smallest value or zero to the largest or zero, whichever are farther apart; where a few values are far beyond
+    /// the others of their sign, to twice these.
+    WithZero,
     /// These, the smaller one first. Values beyond them have the colour of their end, where the bar has an arrow.
     Range([f64; 2]),
 }
 
 impl Colours {
-    /// The ends, `automatic` of the values unless they are given.
-    pub(super) fn ends(self, automatic: impl FnOnce() -> [f64; 2]) -> [f64; 2] {
+    /// The ends, `automatic` of the values where nothing is said about them.
+    pub(super) fn ends(self, values: &[f64], automatic: impl FnOnce(&[f64]) -> [f64; 2]) -> [f64; 2] {
         match self {
-            Self::Automatic => automatic(),
+            Self::Automatic => automatic(values),
+            Self::WithZero => with_zero(values),
             Self::Range(ends) => ends,
         }
     }
 }
 
+/// The ends of colours between which zero lies.
+fn with_zero(values: &[f64]) -> [f64; 2] {
+    let end = |sign: f64| {
+        let of_sign: Vec<f64> = values.iter().map(|v| sign * v).filter(|v| *v > 0.0 && v.is_finite()).collect();
+        if of_sign.is_empty() { 0.0 } else { interval(&of_sign)[1] }
+    };
+    let [low, high] = [-end(-1.0), end(1.0)];
+    if low < high { [low, high] } else { [0.0, 1.0] }
+}
+
 /// Whether there are values below the lower end, and above the upper one.
 pub(super) fn beyond(values: impl Iterator<Item = f64>, [low, high]: [f64; 2]) -> [bool; 2] {
     values.fold([false; 2], |[below, above], v| [below || v < low, above || v > high])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn zero_lies_between_the_ends_and_few_values_beyond_them() {
+        assert_eq!(with_zero(&[-3.0, -2.0, f64::NAN]), [-3.0, 0.0]);
+        assert_eq!(with_zero(&[8.0, 9.0, f64::INFINITY]), [0.0, 9.0]);
+        assert_eq!(with_zero(&[-3.0, 0.0, 2.0]), [-3.0, 2.0]);
+        assert_eq!((with_zero(&[0.0]), with_zero(&[])), ([0.0, 1.0], [0.0, 1.0]));
+        let tip: Vec<f64> = (0..100).map(|k| if k == 50 { -500.0 } else { f64::from(k) - 49.5 }).collect();
+        let [low, high] = with_zero(&tip);
+        assert_eq!(high, 49.5);
+        assert!(low > -500.0 && low < -49.0, "{low}");
+        assert_eq!(beyond(tip.iter().copied(), [low, high]), [true, false]);
+    }
 }

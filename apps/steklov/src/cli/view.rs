@@ -3,7 +3,8 @@
 use std::cmp::Ordering;
 
 use clap::Args;
-use steklov_figures::View;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use steklov_figures::{Scalar, View};
 
 use super::failure::Failure;
 
@@ -12,6 +13,9 @@ pub(super) struct ViewArgs {
     /// Colours of the pictures of the body's field from LOW to HIGH; values beyond have the colour of their end
     #[arg(long, value_name = "LOW:HIGH", value_parser = interval, allow_hyphen_values = true)]
     range: Option<[f64; 2]>,
+    /// What the pictures colour the body by; default: von-mises
+    #[arg(long, value_name = "NAME", value_parser = scalars())]
+    field: Option<Scalar>,
 }
 
 impl ViewArgs {
@@ -20,14 +24,19 @@ impl ViewArgs {
     /// # Errors
     /// An option where no pictures are wanted.
     pub(super) fn view(&self, drawn: bool) -> Result<View, Failure> {
-        let given = [("--range", self.range.is_some())];
+        let given = [("--range", self.range.is_some()), ("--field", self.field.is_some())];
         match given.into_iter().find(|(_, is_given)| *is_given && !drawn) {
             Some((option, _)) => {
                 Err(Failure(format!("error: {option} says what pictures show, and none are drawn: add --plots DIR")))
             }
-            None => Ok(View { range: self.range }),
+            None => Ok(View { scalar: self.field.unwrap_or_default(), range: self.range }),
         }
     }
+}
+
+/// The names of fields.
+fn scalars() -> impl TypedValueParser<Value = Scalar> {
+    PossibleValuesParser::new(Scalar::ALL.map(Scalar::name)).map(|name| Scalar::of_name(&name).unwrap_or_default())
 }
 
 /// A finite number.

@@ -11,7 +11,7 @@ use steklov_result::grid::GridRecord;
 use steklov_result::grid::of_quads;
 use steklov_result::record::Record;
 
-use crate::view::View;
+use crate::view::{Scalar, Unit, View};
 
 /// Points of the deformed body at most, about.
 const POINTS: usize = 20_000;
@@ -36,46 +36,65 @@ pub(crate) struct DeformedBody {
     /// Triangles and boundary segments between them.
     pub triangles: Vec<[usize; 3]>,
     pub outline: Vec<[usize; 2]>,
-    /// Mean of the von Mises stresses around each point.
-    pub von_mises: Vec<f64>,
+    /// What colours each point; of stresses the mean around it.
+    pub values: Vec<f64>,
 }
 
 /// The deformed body by few triangles; `displacement` is that of the nodes.
-pub(crate) fn deformed(stored: &Record, record: &GridRecord, displacement: &[[f64; 2]]) -> DeformedBody {
+pub(crate) fn deformed(
+    stored: &Record,
+    record: &GridRecord,
+    displacement: &[[f64; 2]],
+    scalar: Scalar,
+) -> DeformedBody {
     let grid = &record.body.grid;
     let lattice = lattice_triangles(grid.spacing, grid.cells, |ix, iy| grid.inside(ix, iy), POINTS);
-    let stress = on_cells(stored, record);
+    let of_cells = on_cells(stored, record, scalar);
     let [nx, ny] = grid.cells;
     let around = |&[i, j]: &[usize; 2]| {
         let near = |k: usize, n: usize| k.saturating_sub(1)..(k + 1).min(n);
         let cells = near(i, nx).flat_map(|ix| near(j, ny).map(move |iy| ix * ny + iy));
-        let values = cells.map(|cell| stress[cell]).filter(|v| !v.is_nan());
+        let values = cells.map(|cell| of_cells[cell]).filter(|v| !v.is_nan());
         let (sum, count) = values.fold((0.0, 0.0), |(sum, count), v| (sum + v, count + 1.0));
         sum / count
     };
     // each point is the corner of a cell of the body
     let node = |&[i, j]: &[usize; 2]| grid.node(i, j).map_or([0.0; 2], |node| displacement[node]);
+    let at_node = |p: &[usize; 2]| match scalar.unit() {
+        Unit::Stress => around(p),
+        Unit::Length => scalar.of(node(p), [f64::NAN; 3], f64::NAN),
+    };
     DeformedBody {
         points: lattice.points.iter().map(|&p| grid.lattice_point(p)).collect(),
         displacement: lattice.points.iter().map(node).collect(),
-        von_mises: lattice.points.iter().map(around).collect(),
+        values: lattice.points.iter().map(at_node).collect(),
         triangles: lattice.triangles,
         outline: lattice.outline,
     }
 }
 
-/// Von Mises stress of all cells of the bounding box; NaN outside of the body.
-fn on_cells(stored: &Record, record: &GridRecord) -> Vec<f64> {
+/// Values in all cells of the bounding box, of displacements those of the mean of the corners; NaN outside of the body.
+fn on_cells(stored: &Record, record: &GridRecord, scalar: Scalar) -> Vec<f64> {
     let grid = &record.body.grid;
     let mut all = vec![f64::NAN; grid.cells[0] * grid.cells[1]];
-    let values = of_quads(&stored.grid, "von_mises", 1).unwrap_or_default();
-    grid.body_cells().zip(values).for_each(|(cell, value)| all[cell] = *value);
+    let stress = of_quads(&stored.grid, "stress", 3).unwrap_or_default().as_chunks().0;
+    let von_mises = of_quads(&stored.grid, "von_mises", 1).unwrap_or_default();
+    let displacement = stored.grid.point_data.iter().find(|f| f.name == "displacement" && f.components == 3);
+    let displacement: &[[f64; 3]] = displacement.map_or(&[], |f| f.values.as_chunks().0);
+    let mean = |cell: usize, i: usize| grid.cell_nodes(cell).map(|n| displacement[n][i]).iter().sum::<f64>() / 4.0;
+    for ((cell, stress), von_mises) in grid.body_cells().zip(stress).zip(von_mises) {
+        let u = match scalar.unit() {
+            Unit::Stress => [f64::NAN; 2],
+            Unit::Length => [0, 1].map(|i| mean(cell, i)),
+        };
+        all[cell] = scalar.of(u, *stress, *von_mises);
+    }
     all
 }
 
 /// The pictures of a stored result on a grid besides that of the deformed body, each with its name; none of others.
 ///
-/// `moduli` and `stress` on the cells of the undeformed body, `estimate` with the indicators of the last coarse cells, `steps`
+/// `moduli` and `stress` (or `displacement`, if that is what is shown) on the cells of the undeformed body, `estimate` with the indicators of the last coarse cells, `steps`
 /// with the estimates of several steps, `basis` with multiscale basis functions of one coarse cell.
 ///
 /// # Errors
@@ -104,7 +123,8 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
         let values: Vec<f64> = values.map(|(c, v)| if grid.inside(c / ny, c % ny) { v } else { f64::NAN }).collect();
         pictures.push(("moduli".to_owned(), field(label, &values, Colours::Automatic)?));
     }
-    pictures.push(("stress".to_owned(), field("von Mises stress", &on_cells(stored, record), view.colours())?));
+    let of_cells = on_cells(stored, record, view.scalar);
+    pictures.push((view.scalar.noun().to_owned(), field(view.scalar.label(), &of_cells, view.colours())?));
     if let Some(values) = indicators(record) {
         pictures.push((
             "estimate".to_owned(),
