@@ -17,6 +17,7 @@ use std::time::Instant;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_algebra::PARTS;
+use steklov_bem_operators::Edge;
 use steklov_document::{Document, HDF5, TEMPLATE, foreign};
 use steklov_figures::{View, stochastic};
 use steklov_io::{File, IoError, create_atomically, open};
@@ -39,7 +40,7 @@ use self::failure::{Failure, say};
 use self::grid::crossing_warning;
 use self::output::{appeared, check_folder, check_output};
 use self::told::{advice, cautions, expectation, print_summary};
-use self::view::ViewArgs;
+use self::view::{ViewArgs, check_window};
 use crate::explain::{explain, too_large_basis, too_many_dofs, too_many_points, too_much_memory};
 
 /// Exit status: the scene or a file is wrong, or the problem has no solution.
@@ -236,6 +237,10 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     check_output(&out, &args.scene, args.force || args.resume)?;
     check_folder("--plots", args.plots.as_deref())?;
     let view = args.view.view(args.plots.is_some())?;
+    // a medium has no end
+    if scene.problem.bodies.iter().all(|body| body.far.is_none()) {
+        check_window(&view, scene.problem.outline.edges().iter().flat_map(Edge::extent))?;
+    }
     check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
     let plan = plan(scene);
     let refused = too_many_dofs(scene, plan.cost.dofs)
@@ -454,6 +459,7 @@ fn show(args: &ShowArgs) -> Result<u8, Failure> {
     check_folder("--csv", args.csv.as_deref())?;
     no_scene(&args.file)?;
     let mut stored = store::read(&open(&args.file)?)?;
+    check_window(&view, stored.grid.points.iter().copied())?;
     stored.summary.file = args.file.display().to_string();
     let mut files = Vec::new();
     if let Some(folder) = &args.plots {

@@ -31,6 +31,8 @@ fn show(
         colours: Colours::Automatic,
         outline: &t.outline,
         obstacles: walls,
+        window: None,
+        enlarge: None,
     })
     .unwrap();
     check(name, &picture);
@@ -113,6 +115,8 @@ fn asked_for_colours_have_arrows_where_stresses_are_beyond_them() {
             colours,
             outline,
             obstacles: &[],
+            window: None,
+            enlarge: None,
         });
         let picture = picture.unwrap();
         check(name, &picture);

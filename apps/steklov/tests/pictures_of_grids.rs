@@ -157,6 +157,8 @@ fn deformed_grids_of_many_cells() {
             colours: Colours::Automatic,
             outline: &lattice.outline,
             obstacles: &[],
+            window: None,
+            enlarge: None,
         })
         .unwrap();
         check(name, &picture);

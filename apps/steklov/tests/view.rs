@@ -47,15 +47,24 @@ fn texts(svg: &str) -> Vec<&str> {
     svg.split("</text>").filter_map(|part| Some(part.rsplit_once('>')?.1)).collect()
 }
 
+/// The ticks whose labels are anchored so: "start" those of the colours, "middle" of x, "end" of y.
+fn ticks(svg: &str, anchor: &str) -> Vec<f64> {
+    let anchored = svg.lines().filter(|line| line.contains("<text") && line.contains(&format!("\"{anchor}\"")));
+    let texts = anchored.filter_map(|line| line.split('>').nth(1)?.split('<').next());
+    texts.filter_map(|text| text.replace('−', "-").parse().ok()).collect()
+}
+
 #[test]
 fn a_range_clips_the_colours_of_body_and_cells() {
     let place = solved();
     for (result, part) in [("block", "body"), ("strip", "body"), ("strip", "stress")] {
         let free = shown(&place, result, part, &[]);
         let svg = shown(&place, result, part, &["--range", "0.3:0.4"]);
-        for tick in ["0.30", "0.40"] {
-            assert!(texts(&svg).contains(&tick) && !texts(&free).contains(&tick), "{result} {part} {tick}");
+        for tick in [0.3, 0.4] {
+            assert!(ticks(&svg, "start").contains(&tick), "{result} {part} {tick}");
         }
+        assert!(ticks(&free, "start").iter().any(|tick| !(0.3..=0.4).contains(tick)), "{result} {part}");
+        assert!(ticks(&svg, "start").iter().all(|tick| (0.3..=0.4).contains(tick)), "{result} {part}");
     }
     let body = shown(&place, "block", "body", &["--range", "0.3:0.4"]);
     assert!(body.contains(">colours end below the largest stress that is drawn, "), "{body}");
@@ -90,16 +99,15 @@ fn a_field_colours_body_and_cells() {
             assert!(svg.contains(&format!(">{label}")), "{result} {part} {name}");
             assert!(!seen.contains(&svg), "{result} {part} {name}");
             if name != "displacement" {
-                // the bar has a tick at zero
-                assert!(texts(&svg).iter().any(|text| text.parse() == Ok(0.0)), "{result} {part} {name}");
+                assert!(ticks(&svg, "start").contains(&0.0), "{result} {part} {name}");
             }
             seen.push(svg);
         }
     }
     let svg = shown(&place, "block", "body", &["--field", "yy", "--range", "-2:0"]);
-    for tick in ["−2.0", "−1.0", "0.0"] {
-        assert!(texts(&svg).contains(&tick), "{tick}");
-    }
+    let bar = ticks(&svg, "start");
+    assert!([-2.0, -1.0, 0.0].iter().all(|tick| bar.contains(tick)), "{bar:?}");
+    assert!(bar.iter().all(|tick| (-2.0..=0.0).contains(tick)), "{bar:?}");
 }
 
 /// A square that a uniform stress of 3 along x and -1 along y acts on: what is known is what is told beyond the colours.
@@ -145,6 +153,46 @@ traction = [0, -1]
 }
 
 #[test]
+fn a_window_shows_a_part_of_the_undeformed_body() {
+    let place = solved();
+    for (result, part) in [("block", "body"), ("strip", "body"), ("strip", "stress")] {
+        let all = shown(&place, result, part, &["--enlarge", "1"]);
+        let svg = shown(&place, result, part, &["--enlarge", "1", "--window", "0.5:1.5,0:0.75"]);
+        // a frame has a margin of 6 % of the longer side, and displacements are at most 0.2
+        for (anchor, low, high) in [("middle", 0.5, 1.5), ("end", 0.0, 0.75)] {
+            let (ticks, of_all) = (ticks(&svg, anchor), ticks(&all, anchor));
+            assert!(ticks.len() > 1 && ticks.iter().all(|t| (low - 0.3..high + 0.3).contains(t)), "{result} {ticks:?}");
+            assert!(of_all.iter().any(|t| *t > high + 0.2), "{result} {of_all:?}");
+        }
+    }
+    let body = shown(&place, "block", "body", &["--window", "0.5:1.5,0:0.75"]);
+    assert!(body.contains("; the largest displacement of this part is "), "{body}");
+    // what lies outside of the window does not decide the colours
+    let stressed =
+        |options: &[&str]| ticks(&shown(&place, "strip", "body", options), "start").into_iter().fold(0.0, f64::max);
+    assert!(stressed(&["--window", "3:4,0.5:1.5"]) < stressed(&[]));
+    let chart = place.read("default/block-contact-floor.svg");
+    assert!(shown(&place, "block", "contact-floor", &["--window", "0.5:1.5,0:0.75"]).as_bytes() == chart);
+    for command in [&["solve", "block.toml", "--force"][..], &["show", "block.vtkhdf"]] {
+        let options = ["--plots", "refused", "--window", "2.5:3,-1:1"];
+        let ran = place.run(command.iter().chain(&options)).demand(1);
+        assert!(ran.err.contains("--window 2.5:3,-1:1 shows nothing: the body lies in 0:2,0:1"), "{}", ran.err);
+    }
+    assert!(!place.path("refused").exists());
+}
+
+#[test]
+fn displacements_are_enlarged_as_is_asked_for() {
+    let place = solved();
+    for result in ["block", "strip"] {
+        let scale = shown(&place, result, "body", &["--enlarge", "1"]);
+        assert!(scale.contains(">drawn to scale; "), "{scale}");
+        let large = shown(&place, result, "body", &["--enlarge", "12.5"]);
+        assert!(large.contains(" drawn 12.5 times as large; ") && large != scale, "{large}");
+    }
+}
+
+#[test]
 fn views_that_make_no_sense_are_refused_with_a_remedy() {
     let place = solved();
     let refused = |options: &[&str], told: &str| {
@@ -160,7 +208,14 @@ fn views_that_make_no_sense_are_refused_with_a_remedy() {
     refused(&["--range", "-3"], "two numbers with a colon between them");
     refused(&["--field", "von-misses"], "von-mises");
     refused(&["--field", "pressure"], "principal-1");
-    for options in [["--range", "-2:1"], ["--field", "xx"]] {
+    refused(&["--window", "0:1"], "an interval of x and one of y");
+    refused(&["--window", "0:1,3:2"], "the smaller number stands first: 2:3");
+    refused(&["--window", "0:1,2:2"], "nothing between two equal numbers");
+    refused(&["--enlarge", "0"], "it must be positive; 1 draws to scale");
+    refused(&["--enlarge", "-2"], "it must be positive");
+    refused(&["--enlarge", "much"], "\"much\" is no number");
+    let whole = "0:1,0:1";
+    for options in [["--range", "-2:1"], ["--field", "xx"], ["--window", whole], ["--enlarge", "1"]] {
         for command in [&["solve", "block.toml", "--force"][..], &["show", "block.vtkhdf"]] {
             let ran = place.run(command.iter().chain(&options)).demand(1);
             assert!(ran.err.contains(options[0]) && ran.err.contains("add --plots DIR"), "{}", ran.err);

@@ -115,6 +115,8 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
             colours: view.colours(),
             outline: &deformed.outline,
             obstacles,
+            window: view.window,
+            enlarge: view.enlarge,
         });
     }
     let stress = field("stress").filter(|f| f.components == 3);
@@ -135,6 +137,8 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
         colours: view.colours(),
         outline: &fields.lines,
         obstacles,
+        window: view.window,
+        enlarge: view.enlarge,
     })
 }
 

@@ -12,6 +12,11 @@ pub struct View {
     /// Values of the outer colours, the smaller one first, in the unit of the field; those beyond have the colour of their
     /// end. None: those that the field takes.
     pub range: Option<[f64; 2]>,
+    /// Lower left and upper right corner of the part of the undeformed body that is shown; of cells those that it meets. None:
+    /// all.
+    pub window: Option<[[f64; 2]; 2]>,
+    /// Factor > 0 at which displacements are drawn, 1 to scale. None: one that makes them visible.
+    pub enlarge: Option<f64>,
 }
 
 impl View {

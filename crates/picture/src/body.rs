@@ -5,6 +5,7 @@ use super::bands::{BANDS, bands, colour, interval};
 use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::colours::{Colours, beyond};
 use super::scale::{Ticks, bar_ticks, exaggeration, short};
+use super::window::part;
 use super::{Picture, PictureError};
 use kuva::render::render::TextAnchor;
 
@@ -56,12 +57,16 @@ pub struct Body<'a> {
     pub outline: &'a [[usize; 2]],
     /// The obstacles, one for each stretch of contact side.
     pub obstacles: &'a [Obstacle<'a>],
+    /// Lower left and upper right corner of the part of the undeformed body that is drawn; None for all of it.
+    pub window: Option<[[f64; 2]; 2]>,
+    /// Factor k > 0 of displacements and gaps; None for one that makes them visible.
+    pub enlarge: Option<f64>,
 }
 
 /// Draws the body with equal scales in x and y.
 ///
 /// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch
-/// in truth: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
+/// in truth, unless it is given: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
 /// 1, 2, 5 times a power of ten that brings it to at most 0.1. The subtitle states k. An obstacle further away than a
 /// quarter of the body is cut off at the frame. Where a few values are far beyond the others, or beyond the colours that
 /// are asked for, the colours end in an arrow, and the outermost value is told with its place before the deformation.
@@ -72,11 +77,28 @@ pub struct Body<'a> {
 /// # Panics
 /// If the lengths do not fit or a number of a point is out of range.
 pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
+    let Some(window) = b.window else { return draw(b, Bounds::of(b.points.iter())) };
+    let part = part(b, window);
+    let obstacles: Vec<Obstacle<'_>> = part.obstacles.iter().map(|[points, gap]| Obstacle { points, gap }).collect();
+    let body = Body {
+        points: &part.points,
+        displacement: &part.displacement,
+        largest: 0.0,
+        triangles: &part.triangles,
+        values: &part.values,
+        outline: &part.outline,
+        obstacles: &obstacles,
+        ..*b
+    };
+    draw(&body, Bounds { low: window[0], high: window[1] })
+}
+
+/// Draws all of a body; the undeformed one is shown within bounds.
+fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
     assert_eq!(b.points.len(), b.displacement.len(), "one displacement a point");
     assert_eq!(b.points.len(), b.values.len(), "one value a point");
-    let bounds = Bounds::of(b.points.iter());
     let largest = b.displacement.iter().map(|u| u[0].hypot(u[1])).filter(|u| u.is_finite()).fold(b.largest, f64::max);
-    let factor = exaggeration(largest / bounds.size());
+    let factor = b.enlarge.unwrap_or_else(|| exaggeration(largest / bounds.size()));
     let deformed: Vec<_> = b.points.iter().zip(b.displacement).map(|(&p, &u)| moved(p, u, factor)).collect();
     let walls = walls(b.obstacles, factor);
 
@@ -92,7 +114,7 @@ pub fn body(b: &Body<'_>) -> Result<Picture, PictureError> {
     canvas.title(&title, 34.0);
     canvas.text(
         [WIDTH / 2.0, 30.0 + title.height()],
-        &subtitle(factor, largest, !walls.is_empty()),
+        &subtitle(factor, largest, !walls.is_empty(), b.window.is_some()),
         SUBTITLE_TEXT,
         TextAnchor::Middle,
     );
@@ -160,8 +182,9 @@ pub(super) fn undeformed_pen() -> Pen {
     Pen::dashed(GREY, 1.1, 6.0, 4.0)
 }
 
-fn subtitle(factor: f64, largest: f64, obstacle: bool) -> String {
-    let largest = format!("the largest displacement is {}", short(largest, 3));
+fn subtitle(factor: f64, largest: f64, obstacle: bool, part: bool) -> String {
+    let of = if part { " of this part" } else { "" };
+    let largest = format!("the largest displacement{of} is {}", short(largest, 3));
     if factor == 1.0 {
         return format!("drawn to scale; {largest}");
     }

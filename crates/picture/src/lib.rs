@@ -48,6 +48,7 @@ mod spread;
 mod strips;
 mod tiles;
 mod upright;
+mod window;
 
 pub use bars::{BarGroup, bars};
 pub use basis::{BasisFunction, basis};

@@ -4,13 +4,13 @@ use std::cmp::Reverse;
 
 use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, HeterogeneousBody, Multiscale};
 use steklov_picture::{
-    Axis, BasisFunction, CellField, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, cell_fields,
-    chart, lattice_triangles,
+    Axis, BasisFunction, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, chart, lattice_triangles,
 };
 use steklov_result::grid::GridRecord;
 use steklov_result::grid::of_quads;
 use steklov_result::record::Record;
 
+use super::shown_cells;
 use crate::view::{Scalar, Unit, View};
 
 /// Points of the deformed body at most, about.
@@ -94,8 +94,8 @@ fn on_cells(stored: &Record, record: &GridRecord, scalar: Scalar) -> Vec<f64> {
 
 /// The pictures of a stored result on a grid besides that of the deformed body, each with its name; none of others.
 ///
-/// `moduli` and `stress` (or `displacement`, if that is what is shown) on the cells of the undeformed body, `estimate` with the indicators of the last coarse cells, `steps`
-/// with the estimates of several steps, `basis` with multiscale basis functions of one coarse cell.
+/// `moduli` and `stress` (or `displacement`, if that is what is shown) on the cells of the undeformed body, `estimate` with the
+/// indicators of the last coarse cells, `steps` with the estimates of several steps, `basis` with multiscale basis functions of one coarse cell.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
@@ -104,13 +104,12 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
     let (body, title) = (&record.body, &stored.summary.title);
     let grid = &body.grid;
     let coarse = rectangles(record);
-    let field = |label: &str, values: &[f64], colours: Colours| {
-        let [origin, spacing] = [grid.origin, grid.spacing];
-        let field =
-            CellField { caption: "", label, origin, spacing, cells: grid.cells, values, colours, coarse: &coarse };
-        cell_fields(title, &[field], false)
-    };
     let mut pictures = Vec::new();
+    let mut add = |name: &str, label: &str, values: &[f64], colours: Colours| -> Result<(), PictureError> {
+        let picture = shown_cells::picture((title, label), grid, (values, colours), &coarse, view.window)?;
+        pictures.extend(picture.map(|picture| (name.to_owned(), picture)));
+        Ok(())
+    };
     let inside = || grid.body_cells().map(|cell| body.young[cell]);
     let (low, high) = inside().fold((f64::INFINITY, 0.0_f64), |(low, high), e| (low.min(e), high.max(e)));
     if high > low {
@@ -121,15 +120,12 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
         let values = values.into_iter().enumerate();
         let [_, ny] = grid.cells;
         let values: Vec<f64> = values.map(|(c, v)| if grid.inside(c / ny, c % ny) { v } else { f64::NAN }).collect();
-        pictures.push(("moduli".to_owned(), field(label, &values, Colours::Automatic)?));
+        add("moduli", label, &values, Colours::Automatic)?;
     }
     let of_cells = on_cells(stored, record, view.scalar);
-    pictures.push((view.scalar.noun().to_owned(), field(view.scalar.label(), &of_cells, view.colours())?));
+    add(view.scalar.noun(), view.scalar.label(), &of_cells, view.colours())?;
     if let Some(values) = indicators(record) {
-        pictures.push((
-            "estimate".to_owned(),
-            field("log10 of the indicator over the largest", &values, Colours::Automatic)?,
-        ));
+        add("estimate", "log10 of the indicator over the largest", &values, Colours::Automatic)?;
     }
     pictures.extend(steps(title, record)?.map(|picture| ("steps".to_owned(), picture)));
     if let Some(mesh) = &record.coarse {

@@ -53,6 +53,8 @@ pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, Pi
         colours: view.colours(),
         outline,
         obstacles: &[],
+        window: view.window,
+        enlarge: view.enlarge,
     })
     .map(Some)
 }

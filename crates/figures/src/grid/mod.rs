@@ -3,6 +3,7 @@
 mod tables;
 mod draw;
 mod draw_medium;
+mod shown_cells;
 
 pub(crate) use draw::{deformed, pictures};
 pub(crate) use draw_medium::medium;
