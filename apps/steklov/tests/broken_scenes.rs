@@ -7,7 +7,9 @@ use std::path::Path;
 use broken::{SOUND, cases};
 use proptest::prelude::*;
 use steklov_document::{Document, SceneErrorKind, TEMPLATE};
-use steklov_problem::{Condition, Contact, DataErrorKind, Expectation, Friction, Method, Model, Refine, Scene, Solver};
+use steklov_problem::{
+    Condition, Contact, DataErrorKind, Expectation, Friction, Method, Model, Refine, Scene, Solver, Units,
+};
 
 fn parse(text: &str, overrides: &[&str]) -> Result<Scene, steklov_document::SceneError> {
     let overrides: Vec<String> = overrides.iter().map(|&s| s.to_owned()).collect();
@@ -73,6 +75,8 @@ fn the_sound_scene_and_the_template_are_read() {
         })
         .collect();
     let all = sound(&all, &[]);
+    let named = Units { length: Some("mm".into()), stress: Some("N/mm²".into()) };
+    assert_eq!((&all.units, template.units), (&named, Units::default()));
     assert_eq!((all.expect.len(), all.probe.len(), all.problem.outline.loops().len()), (1, 1, 2));
     let default = Method::default();
     let [tolerance, elements, max_dofs] = [default.tolerance(), default.elements() as f64, default.max_dofs() as f64];

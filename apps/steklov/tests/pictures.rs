@@ -33,6 +33,7 @@ fn show(
         obstacles: walls,
         window: None,
         enlarge: None,
+        units: [None; 2],
     })
     .unwrap();
     check(name, &picture);
@@ -117,6 +118,7 @@ fn asked_for_colours_have_arrows_where_stresses_are_beyond_them() {
             obstacles: &[],
             window: None,
             enlarge: None,
+            units: [None; 2],
         });
         let picture = picture.unwrap();
         check(name, &picture);
@@ -184,6 +186,7 @@ fn contact_with_tresca_friction() {
     let side = ContactSide {
         title: "Block on a rigid floor: side floor",
         x_label: "x",
+        stress: None,
         position: &x,
         pressure: &pressure,
         shear: &shear,
@@ -208,6 +211,7 @@ fn contact_with_coulomb_friction_at_extreme_scales() {
         let side = ContactSide {
             title: name,
             x_label: "arc length along floor",
+            stress: None,
             position: &x,
             pressure: &pressure,
             shear: &shear,
@@ -219,7 +223,8 @@ fn contact_with_coulomb_friction_at_extreme_scales() {
 
 #[test]
 fn contact_without_points_or_values() {
-    let empty = ContactSide { title: "", x_label: "x", position: &[], pressure: &[], shear: &[], bound: &[] };
+    let empty =
+        ContactSide { title: "", x_label: "x", stress: None, position: &[], pressure: &[], shear: &[], bound: &[] };
     check("contact-empty", &contact(&empty).unwrap());
     let one = ContactSide { position: &[2.0], pressure: &[3.0], shear: &[-1.0], bound: &[4.0], ..empty };
     check("contact-one", &contact(&one).unwrap());

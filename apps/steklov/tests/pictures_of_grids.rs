@@ -24,7 +24,17 @@ fn rectangles([nx, ny]: [usize; 2], size: [f64; 2]) -> Vec<[[f64; 2]; 2]> {
 /// A field on [0, width] × [0, height].
 fn field<'a>(label: &'a str, size: [f64; 2], cells: [usize; 2], values: &'a [f64]) -> CellField<'a> {
     let spacing = [size[0] / cells[0] as f64, size[1] / cells[1] as f64];
-    CellField { caption: "", label, origin: [0.0; 2], spacing, cells, values, colours: Colours::Automatic, coarse: &[] }
+    CellField {
+        caption: "",
+        label,
+        length: None,
+        origin: [0.0; 2],
+        spacing,
+        cells,
+        values,
+        colours: Colours::Automatic,
+        coarse: &[],
+    }
 }
 
 #[test]
@@ -159,6 +169,7 @@ fn deformed_grids_of_many_cells() {
             obstacles: &[],
             window: None,
             enlarge: None,
+            units: [None; 2],
         })
         .unwrap();
         check(name, &picture);

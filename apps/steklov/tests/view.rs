@@ -223,3 +223,46 @@ fn views_that_make_no_sense_are_refused_with_a_remedy() {
     }
     assert!(!place.path("refused").exists());
 }
+
+#[test]
+fn units_are_named_in_pictures_and_summary_and_change_no_number() {
+    let place = solved();
+    let named = format!("{}[units]\nlength = \"mm\"\nstress = \"MPa\"\n", place::BLOCK);
+    place.write("named.toml", named);
+    let without = place.json(0, &["block.toml"]);
+    let with = place.json(0, &["named.toml", "--plots", "named"]);
+    assert_eq!(with["units"], serde_json::json!({ "length": "mm", "stress": "MPa" }));
+    assert!(without.get("units").is_none());
+    assert_eq!(with["energy"], without["energy"]);
+    let picture = |folder: &str, name: &str| String::from_utf8(place.read(&format!("{folder}/{name}.svg"))).unwrap();
+    let body = picture("named", "named-body");
+    for text in [">x in mm<", ">y in mm<", ">von Mises stress in MPa<"] {
+        assert!(body.contains(text), "{text} {body}");
+    }
+    assert!(texts(&body).iter().any(|text| text.contains("the largest displacement is ") && text.ends_with(" mm")));
+    let chart = picture("named", "named-contact-floor");
+    for text in [">x in mm<", ">pressure in MPa<", ">shear in MPa<", ">pressure λₙ, in MPa<", ", in MPa<"] {
+        assert!(chart.contains(text), "{text} {chart}");
+    }
+    // a stored result names them too
+    let summary = place.run(["show", "named.vtkhdf", "--plots", "shown", "--field", "u-y"]).demand(0);
+    assert!(summary.out.contains("units       length mm, stress MPa"), "{}", summary.out);
+    assert!(picture("shown", "named-body").contains(">displacement uy in mm<"));
+    assert!(picture("shown", "named-contact-floor") == chart);
+    let summary = place.run(["show", "block.vtkhdf"]).demand(0);
+    assert!(!summary.out.contains("\nunits "), "{}", summary.out);
+    let set = ["solve", "strip.toml", "--quiet", "--force", "--plots", "cells", "--set", "units={ length = \"m\" }"];
+    place.run(set);
+    let cells = picture("cells", "strip-stress");
+    assert!(cells.contains(">x in m<") && cells.contains(">von Mises stress"), "{cells}");
+    // what is no name is refused at its place
+    for (table, told) in [
+        ("length = \"\"", "units.length is empty"),
+        ("length = 1", "units.length is a"),
+        ("lenght = \"mm\"", "did you mean length?"),
+    ] {
+        place.write("wrong.toml", format!("{}[units]\n{table}\n", place::BLOCK));
+        let ran = place.run(["solve", "wrong.toml"]).demand(1);
+        assert!(ran.err.contains(told) && ran.err.contains("wrong.toml:"), "{}", ran.err);
+    }
+}

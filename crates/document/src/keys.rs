@@ -6,8 +6,9 @@ use steklov_problem::Scene;
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::tree::{Entry, Item, Value, suggestion};
 
-pub(super) const SCENE: [&str; 14] = [
+pub(super) const SCENE: [&str; 15] = [
     "title",
+    "units",
     "body",
     "material",
     "parameters",
@@ -57,6 +58,7 @@ pub(super) const SPRINGS: [&str; 2] = ["normal", "tangential"];
 pub(super) const CONTACT: [&str; 2] = ["gap", "friction"];
 pub(super) const FRICTION: [&str; 2] = ["tresca", "coulomb"];
 pub(super) const BODY_FORCE: [&str; 1] = ["value"];
+pub(super) const UNITS: [&str; 2] = ["length", "stress"];
 pub(super) const PROBE: [&str; 1] = ["points"];
 pub(super) const METHOD: [&str; 16] = [
     "model",

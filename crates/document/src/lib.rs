@@ -33,6 +33,7 @@ mod method;
 mod random;
 mod grid;
 mod exterior;
+mod units;
 mod foreign;
 mod source;
 
@@ -43,7 +44,7 @@ use steklov_bem_operators::{Polygon, PolygonError};
 use steklov_elastic::Material;
 use steklov_expression::Expression;
 use steklov_problem::{
-    Body, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, Scene, Stochastic, Substance, Tie,
+    Body, DataError, DataErrorKind, FarField, GridInput, Law, Problem, Random, Scene, Stochastic, Substance, Tie, Units,
 };
 
 use error::{ReadError, SceneErrorKind as Kind, located};
@@ -159,6 +160,7 @@ fn checked(source: &Source) -> Result<Scene, ReadError> {
 fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     let fields = Fields::new(&Field { name: String::new(), item: root }, &keys::SCENE)?;
     let title = fields.get("title").map_or(Ok(source.name.as_str()), |t| t.text())?.to_owned();
+    let units = fields.get("units").map_or_else(|| Ok(Units::default()), |f| units::units(&f))?;
     let Parameters { values: parameters, uses: parameter_uses } =
         fields.get("parameters").map_or_else(|| Ok(Parameters::default()), |p| body::parameters(&p, source))?;
     let of_body = fields.require("body", "a table [body] with corners and sides")?;
@@ -195,7 +197,7 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     let (names, germs) = random::used(declared, stochastic.method, &used)?;
     let random = Random { names, germs, stochastic, constants };
     let random = (!random.names.is_empty()).then_some(random);
-    Ok(Scene { title, problem, parameters, probe, method, expect, random, unused })
+    Ok(Scene { title, units, problem, parameters, probe, method, expect, random, unused })
 }
 
 /// What is random in a scene: its names and what they are.

@@ -6,13 +6,14 @@ use std::path::{Path, PathBuf};
 use steklov_elastic::plane::{cross, distance, dot, minus, norm};
 use steklov_io::vtkhdf::Field;
 use steklov_model::solve::contact_rows::ContactRow;
-use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, replace, write};
+use steklov_picture::{Body, ContactSide, Obstacle, Picture, PictureError, body, contact, in_unit, replace, write};
+use steklov_problem::Units;
 use steklov_result::medium::body_part;
 use steklov_result::record::Record;
 
 use crate::grid;
 use crate::stochastic;
-use crate::view::View;
+use crate::view::{Scalar, Unit, View};
 
 /// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
 ///
@@ -34,7 +35,7 @@ pub fn drawn(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, Pic
     let mut all = vec![("body".to_owned(), body_picture(stored, view)?)];
     all.extend(grid::medium(stored, view)?.map(|picture| ("medium".to_owned(), picture)));
     let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
-    let of_sides = contact_drawn(title, sides, &stored.contact)?;
+    let of_sides = contact_drawn(title, &stored.summary.units, sides, &stored.contact)?;
     all.extend(of_sides.into_iter().map(|(side, picture)| (format!("contact-{side}"), picture)));
     let others = grid::pictures(stored, view)?.into_iter().chain(stochastic::pictures(stored)?);
     all.extend(others);
@@ -47,13 +48,14 @@ pub fn drawn(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, Pic
 /// When a picture cannot be drawn or written.
 pub fn contact_pictures(
     title: &str,
+    units: &Units,
     side_names: &[String],
     rows: &[ContactRow],
     folder: &Path,
     name: &str,
 ) -> Result<Vec<PathBuf>, PictureError> {
     let mut files = Vec::new();
-    for (side, picture) in contact_drawn(title, side_names, rows)? {
+    for (side, picture) in contact_drawn(title, units, side_names, rows)? {
         files.extend(write(folder, &format!("{name}-{side}"), &picture)?);
     }
     Ok(files)
@@ -62,6 +64,7 @@ pub fn contact_pictures(
 /// Pictures of contact sides by their names in files.
 fn contact_drawn(
     title: &str,
+    units: &Units,
     side_names: &[String],
     rows: &[ContactRow],
 ) -> Result<Vec<(String, Picture)>, PictureError> {
@@ -69,7 +72,7 @@ fn contact_drawn(
     for (side, side_name) in side_names.iter().enumerate() {
         let rows: Vec<&ContactRow> = rows.iter().filter(|r| r.side == side).collect();
         if !rows.is_empty() {
-            all.push((side_file(side_names, side), contact_picture(title, side_name, &rows)?));
+            all.push((side_file(side_names, side), contact_picture(title, units, side_name, &rows)?));
         }
     }
     Ok(all)
@@ -101,6 +104,7 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
     let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
     let largest = largest_displacement(stored);
     let (label, noun) = (view.scalar.label(), view.scalar.noun());
+    let units = units(stored, view.scalar);
     if let Some(record) = &stored.on_grid {
         let deformed = grid::deformed(stored, record, &displacement, view.scalar);
         return body(&Body {
@@ -117,6 +121,7 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
             obstacles,
             window: view.window,
             enlarge: view.enlarge,
+            units,
         });
     }
     let stress = field("stress").filter(|f| f.components == 3);
@@ -139,7 +144,18 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
         obstacles,
         window: view.window,
         enlarge: view.enlarge,
+        units,
     })
+}
+
+/// The names of the units of lengths and of a scalar.
+pub(crate) fn units(stored: &Record, scalar: Scalar) -> [Option<&str>; 2] {
+    let Units { length, stress } = &stored.summary.units;
+    let of_scalar = match scalar.unit() {
+        Unit::Length => length,
+        Unit::Stress => stress,
+    };
+    [length, of_scalar].map(|name| name.as_deref())
 }
 
 /// The largest displacement of the nodes, which are closer where it matters than the points that are drawn.
@@ -227,14 +243,15 @@ fn unroll(rows: &[&ContactRow], position: &mut [f64]) {
     }
 }
 
-fn contact_picture(title: &str, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
+fn contact_picture(title: &str, units: &Units, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
     let (label, mut position) = positions(side, rows);
     unroll(rows, &mut position);
     let collect = |f: fn(&ContactRow) -> f64| rows.iter().map(|r| f(r)).collect::<Vec<f64>>();
     let bound = if rows.iter().any(|r| r.bound > 0.0) { collect(|r| r.bound) } else { Vec::new() };
     contact(&ContactSide {
         title: &format!("{title}: contact on {side}"),
-        x_label: &label,
+        x_label: &in_unit(&label, units.length.as_deref()),
+        stress: units.stress.as_deref(),
         position: &position,
         pressure: &collect(|r| r.pressure),
         shear: &collect(|r| r.shear),

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
+use steklov_problem::Units;
 
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
@@ -12,6 +13,9 @@ use crate::estimators::Estimators;
 pub struct Summary {
     /// Title of the scene.
     pub title: String,
+    /// Names of the units of the scene; left out if they have none.
+    #[serde(default, skip_serializing_if = "Units::are_unknown")]
+    pub units: Units,
     /// Discretisation: "bem", "fem", "msfem", "fem-bem" or "msfem-bem".
     pub model: String,
     /// The result file.

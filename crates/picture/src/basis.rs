@@ -44,6 +44,7 @@ fn components<'a>(function: &'a BasisFunction<'a>) -> [FieldPanel<'a>; 2] {
     [("component x", x), ("component y", y)].map(|(label, values)| FieldPanel {
         caption: name,
         label,
+        length: None,
         bounds: Bounds { low: [0.0; 2], high: size },
         ends: if largest(values) > rounding { ends(values.iter().copied()) } else { [0.0, 1.0] },
         beyond: [false; 2],

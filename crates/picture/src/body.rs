@@ -6,7 +6,7 @@ use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_wid
 use super::colours::{Colours, beyond};
 use super::scale::{Ticks, bar_ticks, exaggeration, short};
 use super::window::part;
-use super::{Picture, PictureError};
+use super::{Picture, PictureError, in_unit};
 use kuva::render::render::TextAnchor;
 
 pub(super) const SUBTITLE_TEXT: u32 = 14;
@@ -61,6 +61,8 @@ pub struct Body<'a> {
     pub window: Option<[[f64; 2]; 2]>,
     /// Factor k > 0 of displacements and gaps; None for one that makes them visible.
     pub enlarge: Option<f64>,
+    /// Names of the units of lengths, and of the values.
+    pub units: [Option<&'a str>; 2],
 }
 
 /// Draws the body with equal scales in x and y.
@@ -112,12 +114,7 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
     let f = axes.frame;
     let mut canvas = Canvas::new(f.bottom() + BELOW + 46.0);
     canvas.title(&title, 34.0);
-    canvas.text(
-        [WIDTH / 2.0, 30.0 + title.height()],
-        &subtitle(factor, largest, !walls.is_empty(), b.window.is_some()),
-        SUBTITLE_TEXT,
-        TextAnchor::Middle,
-    );
+    canvas.text([WIDTH / 2.0, 30.0 + title.height()], &subtitle(b, factor, largest), SUBTITLE_TEXT, TextAnchor::Middle);
     for (text, below) in told.iter().zip((0..told.len()).rev()) {
         canvas.text([WIDTH / 2.0, top - 18.0 - 20.0 * below as f64], text, SUBTITLE_TEXT, TextAnchor::Middle);
     }
@@ -135,8 +132,9 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
     canvas.lines(&through(&deformed), &Pen::solid(BLACK, 1.4));
     canvas.lines(&through(b.points), &undeformed_pen());
     draw_walls(&mut canvas, &axes, &walls);
-    axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
-    colour_bar(&mut canvas, f, colours, b.label, arrows);
+    let [x, y] = ["x", "y"].map(|name| in_unit(name, b.units[0]));
+    axes.draw(&mut canvas, Some(&x), &y, axes.left_margin(), false);
+    colour_bar(&mut canvas, f, colours, &in_unit(b.label, b.units[1]), arrows);
     key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
     canvas.finish()
 }
@@ -151,7 +149,7 @@ fn outermost(b: &Body<'_>, [below, above]: [bool; 2]) -> Option<String> {
     if let Some((x, _)) = [smallest, largest].into_iter().flatten().find(|(_, v)| v.is_infinite()) {
         return Some(format!("the {noun} is infinite {}", place(x)));
     }
-    let end = |(x, v): (&[f64; 2], &f64)| format!("{} {}", short(*v, 3), place(x));
+    let end = |(x, v): (&[f64; 2], &f64)| format!("{} {}", with_unit(*v, b.units[1]), place(x));
     match [smallest, largest].map(|found| found.map(end)) {
         [None, None] => None,
         [None, Some(largest)] => Some(format!("colours end below the largest {noun} that is drawn, {largest}")),
@@ -160,6 +158,12 @@ fn outermost(b: &Body<'_>, [below, above]: [bool; 2]) -> Option<String> {
             "colours end above the smallest {noun} that is drawn, {smallest}, and below the largest, {largest}"
         )),
     }
+}
+
+/// A value with three digits and the name of its unit.
+fn with_unit(value: f64, unit: Option<&str>) -> String {
+    let value = short(value, 3);
+    unit.map_or(value.clone(), |unit| format!("{value} {unit}"))
 }
 
 pub(super) fn moved(p: [f64; 2], u: [f64; 2], factor: f64) -> [f64; 2] {
@@ -182,13 +186,13 @@ pub(super) fn undeformed_pen() -> Pen {
     Pen::dashed(GREY, 1.1, 6.0, 4.0)
 }
 
-fn subtitle(factor: f64, largest: f64, obstacle: bool, part: bool) -> String {
-    let of = if part { " of this part" } else { "" };
-    let largest = format!("the largest displacement{of} is {}", short(largest, 3));
+fn subtitle(b: &Body<'_>, factor: f64, largest: f64) -> String {
+    let of = if b.window.is_some() { " of this part" } else { "" };
+    let largest = format!("the largest displacement{of} is {}", with_unit(largest, b.units[0]));
     if factor == 1.0 {
         return format!("drawn to scale; {largest}");
     }
-    let what = if obstacle { "displacements and gaps" } else { "displacements" };
+    let what = if !b.obstacles.is_empty() { "displacements and gaps" } else { "displacements" };
     format!("{what} drawn {} times as large; {largest}", short(factor, 3))
 }
 

@@ -13,6 +13,8 @@ pub struct CellField<'a> {
     pub caption: &'a str,
     /// What the values are, with their unit.
     pub label: &'a str,
+    /// Name of the unit of lengths.
+    pub length: Option<&'a str>,
     /// Lower left corner.
     pub origin: [f64; 2],
     /// Sides of a cell.
@@ -49,7 +51,7 @@ pub fn cell_fields(title: &str, fields: &[CellField<'_>], shared: bool) -> Resul
 }
 
 fn panel<'a>(field: &'a CellField<'a>) -> FieldPanel<'a> {
-    let &CellField { caption, label, origin, spacing, cells, values, colours, coarse } = field;
+    let &CellField { caption, label, length, origin, spacing, cells, values, colours, coarse } = field;
     assert!(cells[0] > 0 && cells[1] > 0 && values.len() == cells[0] * cells[1], "a value for each of some cells");
     assert!(spacing[0] > 0.0 && spacing[1] > 0.0, "positive sides");
     let high = [0, 1].map(|i| origin[i] + spacing[i] * cells[i] as f64);
@@ -58,6 +60,7 @@ fn panel<'a>(field: &'a CellField<'a>) -> FieldPanel<'a> {
     FieldPanel {
         caption,
         label,
+        length,
         bounds: Bounds { low: origin, high },
         ends,
         beyond: beyond(values.iter().copied(), ends),
@@ -87,7 +90,17 @@ mod tests {
 
     fn field<'a>(cells: [usize; 2], values: &'a [f64]) -> CellField<'a> {
         let colours = Colours::Automatic;
-        CellField { caption: "", label: "", origin: [0.0; 2], spacing: [1.0; 2], cells, values, colours, coarse: &[] }
+        CellField {
+            caption: "",
+            label: "",
+            length: None,
+            origin: [0.0; 2],
+            spacing: [1.0; 2],
+            cells,
+            values,
+            colours,
+            coarse: &[],
+        }
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
 use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width};
-use super::{Picture, PictureError};
+use super::{Picture, PictureError, in_unit};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 
@@ -34,6 +34,8 @@ pub struct ContactSide<'a> {
     pub title: &'a str,
     /// What `position` is, for instance "x" or "arc length along floor".
     pub x_label: &'a str,
+    /// Name of the unit of tractions.
+    pub stress: Option<&'a str>,
     /// Positions (N), in any order.
     pub position: &'a [f64],
     /// Pressure λ_n ≥ 0 (N).
@@ -89,8 +91,8 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
 
     let mut canvas = Canvas::new(panels[1].frame.bottom() + BELOW + 10.0);
     canvas.title(&title, 32.0);
-    panels[0].draw(&mut canvas, None, "pressure", left, true);
-    panels[1].draw(&mut canvas, Some(side.x_label), "shear", left, true);
+    panels[0].draw(&mut canvas, None, &in_unit("pressure", side.stress), left, true);
+    panels[1].draw(&mut canvas, Some(side.x_label), &in_unit("shear", side.stress), left, true);
     zero(&mut canvas, &panels[0]);
     zero(&mut canvas, &panels[1]);
 
@@ -101,14 +103,15 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
     draw(&mut canvas, &panels[1], &shear, &shear_pen(), Some(Marker::Square));
 
     let mut key = Key { canvas: &mut canvas, right: WIDTH - RIGHT, y: panels[0].frame.top - 10.0 };
-    key.entry("pressure λₙ, in the unit of E", &pressure_pen(), Some(Marker::Disc));
+    let unit = side.stress.unwrap_or("the unit of E");
+    key.entry(&format!("pressure λₙ, in {unit}"), &pressure_pen(), Some(Marker::Disc));
     key.y = panels[1].frame.top - 10.0;
     key.right = WIDTH - RIGHT;
     if !bounds.is_empty() {
         let beyond = if far { " (beyond this panel)" } else { "" };
         key.entry(&format!("friction bound ±F{beyond}"), &bound_pen(), None);
     }
-    key.entry("shear λₜ of the body on the obstacle, in the unit of E", &shear_pen(), Some(Marker::Square));
+    key.entry(&format!("shear λₜ of the body on the obstacle, in {unit}"), &shear_pen(), Some(Marker::Square));
     canvas.finish()
 }
 
@@ -227,8 +230,16 @@ mod tests {
         let ends = |from: f64, to: f64| {
             let pressure: Vec<f64> = position.iter().map(|x| if (from..=to).contains(x) { 2.0 } else { 0.0 }).collect();
             let shear = vec![0.0; pressure.len()];
-            let (title, x_label) = ("", "");
-            window(&ContactSide { title, x_label, position: &position, pressure: &pressure, shear: &shear, bound: &[] })
+            let (title, x_label, stress) = ("", "", None);
+            window(&ContactSide {
+                title,
+                x_label,
+                stress,
+                position: &position,
+                pressure: &pressure,
+                shear: &shear,
+                bound: &[],
+            })
         };
         assert_eq!(ends(40.0, 60.0), [30.0, 70.0]);
         assert_eq!(ends(0.0, 20.0), [0.0, 30.0]);

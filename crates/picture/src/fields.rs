@@ -6,7 +6,7 @@ use super::body::{ARROW, Bounds, SUBTITLE_TEXT, arrows, colours};
 use super::canvas::{BLACK, Canvas, PIXELS, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::raster::Raster;
 use super::scale::{Ticks, bar_ticks};
-use super::{Picture, PictureError};
+use super::{Picture, PictureError, in_unit};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 use std::ops::RangeInclusive;
@@ -41,6 +41,8 @@ pub(super) struct FieldPanel<'a> {
     pub caption: &'a str,
     /// What the colours mean.
     pub label: &'a str,
+    /// Name of the unit of lengths.
+    pub length: Option<&'a str>,
     /// The rectangle.
     pub bounds: Bounds,
     /// Values of the outer colours.
@@ -95,8 +97,9 @@ pub(super) fn field_panels(
         let f = axes.frame;
         let colour_ends = if shared { common } else { panel.ends };
         paint(&mut canvas, &axes, panel, &plan, colour_ends)?;
-        let x_title = (k + plan.columns >= panels.len()).then_some("x");
-        axes.draw(&mut canvas, x_title, "y", axes.left_margin(), false);
+        let [x, y] = ["x", "y"].map(|name| in_unit(name, panel.length));
+        let x_title = (k + plan.columns >= panels.len()).then_some(x.as_str());
+        axes.draw(&mut canvas, x_title, &y, axes.left_margin(), false);
         for (i, line) in caption.iter().enumerate() {
             let y = f.top - 8.0 - LINE * (caption.len() - 1 - i) as f64;
             canvas.text([f.left, y], line, TICK_TEXT, TextAnchor::Start);

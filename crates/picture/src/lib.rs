@@ -68,6 +68,11 @@ pub use tiles::{DegreeBox, Tile, boxes, tiles};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
+/// A name with its unit, if that has a name.
+pub fn in_unit(name: &str, unit: Option<&str>) -> String {
+    unit.map_or_else(|| name.to_owned(), |unit| format!("{name} in {unit}"))
+}
+
 /// One drawing in both formats.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Picture {

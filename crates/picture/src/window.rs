@@ -153,6 +153,7 @@ mod tests {
             obstacles: &obstacles,
             window: None,
             enlarge: None,
+            units: [None; 2],
         })
     }
 

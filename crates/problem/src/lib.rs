@@ -48,6 +48,7 @@ mod sides;
 mod signals;
 mod spans;
 mod springs;
+mod units;
 
 // the crates of whose types the interface is made
 pub use {
@@ -80,12 +81,15 @@ pub use random_check::Uses;
 pub use sides::{Condition, Contact, Friction, Side, Springs, Tie};
 pub use signals::Signal;
 pub use spans::Span;
+pub use units::Units;
 
 /// A problem that has passed all checks. Any consistent units; everything is per unit thickness.
 #[derive(Debug, Clone)]
 pub struct Scene {
     /// Title.
     pub title: String,
+    /// Names of its units.
+    pub units: Units,
     /// Bodies and what acts between them.
     pub problem: Problem,
     /// Names in expressions that have one value.
@@ -128,6 +132,7 @@ impl Scene {
     pub fn of(problem: Problem) -> Self {
         Self {
             title: String::new(),
+            units: Units::default(),
             problem,
             parameters: BTreeMap::new(),
             probe: Vec::new(),

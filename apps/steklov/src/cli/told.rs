@@ -134,6 +134,11 @@ fn of_several(s: &Summary) -> Vec<String> {
 pub(super) fn print_summary(stored: &Record) {
     let Record { summary: s, plan, .. } = stored;
     say(&s.title);
+    let named = [("length", &s.units.length), ("stress", &s.units.stress)];
+    let named: Vec<String> = named.iter().filter_map(|(of, name)| Some(format!("{of} {}", name.as_ref()?))).collect();
+    if !named.is_empty() {
+        say(&format!("units       {}", named.join(", ")));
+    }
     say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
     if !s.converged {
         say(&format!("reason      {}", s.reason));

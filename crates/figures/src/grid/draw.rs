@@ -4,13 +4,15 @@ use std::cmp::Reverse;
 
 use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, HeterogeneousBody, Multiscale};
 use steklov_picture::{
-    Axis, BasisFunction, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, chart, lattice_triangles,
+    Axis, BasisFunction, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, chart, in_unit,
+    lattice_triangles,
 };
 use steklov_result::grid::GridRecord;
 use steklov_result::grid::of_quads;
 use steklov_result::record::Record;
 
 use super::shown_cells;
+use crate::draw::units;
 use crate::view::{Scalar, Unit, View};
 
 /// Points of the deformed body at most, about.
@@ -104,9 +106,10 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
     let (body, title) = (&record.body, &stored.summary.title);
     let grid = &body.grid;
     let coarse = rectangles(record);
+    let [length, unit] = units(stored, view.scalar);
     let mut pictures = Vec::new();
     let mut add = |name: &str, label: &str, values: &[f64], colours: Colours| -> Result<(), PictureError> {
-        let picture = shown_cells::picture((title, label), grid, (values, colours), &coarse, view.window)?;
+        let picture = shown_cells::picture((title, label, length), grid, (values, colours), &coarse, view.window)?;
         pictures.extend(picture.map(|picture| (name.to_owned(), picture)));
         Ok(())
     };
@@ -115,15 +118,16 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
     if high > low {
         let logarithmic = high >= CONTRAST * low;
         let label = if logarithmic { "log10 of Young's modulus" } else { "Young's modulus" };
+        let label = in_unit(label, stored.summary.units.stress.as_deref());
         let values: Vec<f64> = body.young.iter().map(|e| if logarithmic { e.log10() } else { *e }).collect();
         // the moduli of a scene have values outside of the body too
         let values = values.into_iter().enumerate();
         let [_, ny] = grid.cells;
         let values: Vec<f64> = values.map(|(c, v)| if grid.inside(c / ny, c % ny) { v } else { f64::NAN }).collect();
-        add("moduli", label, &values, Colours::Automatic)?;
+        add("moduli", &label, &values, Colours::Automatic)?;
     }
     let of_cells = on_cells(stored, record, view.scalar);
-    add(view.scalar.noun(), view.scalar.label(), &of_cells, view.colours())?;
+    add(view.scalar.noun(), &in_unit(view.scalar.label(), unit), &of_cells, view.colours())?;
     if let Some(values) = indicators(record) {
         add("estimate", "log10 of the indicator over the largest", &values, Colours::Automatic)?;
     }

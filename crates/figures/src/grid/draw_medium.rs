@@ -4,7 +4,7 @@ use steklov_picture::{Body, Picture, PictureError, body};
 use steklov_result::record::Record;
 
 use super::draw::deformed;
-use crate::draw::largest_displacement;
+use crate::draw::{largest_displacement, units};
 use crate::view::View;
 
 /// Body and medium, deformed alike, by a field; none of other results.
@@ -55,6 +55,7 @@ pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, Pi
         obstacles: &[],
         window: view.window,
         enlarge: view.enlarge,
+        units: units(stored, view.scalar),
     })
     .map(Some)
 }

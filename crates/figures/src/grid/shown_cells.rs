@@ -21,7 +21,7 @@ fn met(grid: &Grid, window: Option<Rectangle>) -> [Range<usize>; 2] {
 
 /// Draws a number for each cell of the bounding box under the coarse cells; nothing of a window without cells.
 pub(super) fn picture(
-    (title, label): (&str, &str),
+    (title, label, length): (&str, &str, Option<&str>),
     grid: &Grid,
     (values, colours): (&[f64], Colours),
     coarse: &[Rectangle],
@@ -37,8 +37,17 @@ pub(super) fn picture(
     let part = |[a, b]: &Rectangle| [[0, 1].map(|i| a[i].max(low[i])), [0, 1].map(|i| b[i].min(high[i]))];
     let coarse: Vec<Rectangle> = coarse.iter().map(part).filter(|[a, b]| a[0] < b[0] && a[1] < b[1]).collect();
     let (spacing, cells) = (grid.spacing, [columns.len(), rows.len()]);
-    let field =
-        CellField { caption: "", label, origin: low, spacing, cells, values: &values, colours, coarse: &coarse };
+    let field = CellField {
+        caption: "",
+        label,
+        length,
+        origin: low,
+        spacing,
+        cells,
+        values: &values,
+        colours,
+        coarse: &coarse,
+    };
     cell_fields(title, &[field], false).map(Some)
 }
 

@@ -40,6 +40,7 @@ pub fn answer<M: Model>(
     }
     let mut summary = Summary {
         title: scene.title.clone(),
+        units: scene.units.clone(),
         model: scene.model().word().into(),
         file: String::new(),
         converged: run.converged(),

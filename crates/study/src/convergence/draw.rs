@@ -64,7 +64,7 @@ pub fn pictures(study: &Study<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictur
         let title =
             format!("{}, {} step {}", study.scene.title, strategy.name, strategy.points.len().saturating_sub(1));
         let names = study.scene.problem.outline.side_names();
-        all.files.extend(contact_pictures(&title, names, &strategy.contact, folder, "contact")?);
+        all.files.extend(contact_pictures(&title, &study.scene.units, names, &strategy.contact, folder, "contact")?);
     }
     Ok(all.files)
 }
