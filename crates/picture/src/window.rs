@@ -38,7 +38,8 @@ pub(super) fn part(b: &Body<'_>, window: [[f64; 2]; 2]) -> Part {
     for triangle in b.triangles.iter().filter(|t| t.iter().all(|&i| !b.values[i].is_nan())) {
         let corners = triangle.map(corner);
         if corners.iter().all(|p| is_inside(p, window)) {
-            part.triangles.push([0, 1, 2].map(|k| number(&mut part, triangle[k], corners[k])));
+            let inside = [0, 1, 2].map(|k| number(&mut part, triangle[k], corners[k]));
+            part.triangles.push(inside);
             continue;
         }
         let polygon: Vec<usize> = inside(corners.to_vec(), window).into_iter().map(|p| part.push(p)).collect();
@@ -46,7 +47,8 @@ pub(super) fn part(b: &Body<'_>, window: [[f64; 2]; 2]) -> Part {
     }
     for &[i, j] in b.outline {
         if let Some([p, q]) = segment([corner(i), corner(j)], window) {
-            part.outline.push([number(&mut part, i, p), number(&mut part, j, q)]);
+            let ends = [number(&mut part, i, p), number(&mut part, j, q)];
+            part.outline.push(ends);
         }
     }
     for obstacle in b.obstacles {
