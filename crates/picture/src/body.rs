@@ -163,7 +163,10 @@ fn outermost(b: &Body<'_>, [below, above]: [bool; 2]) -> Option<String> {
 /// A value with three digits and the name of its unit.
 fn with_unit(value: f64, unit: Option<&str>) -> String {
     let value = short(value, 3);
-    unit.map_or(value.clone(), |unit| format!("{value} {unit}"))
+    match unit {
+        Some(unit) => format!("{value} {unit}"),
+        None => value,
+    }
 }
 
 pub(super) fn moved(p: [f64; 2], u: [f64; 2], factor: f64) -> [f64; 2] {

@@ -38,8 +38,8 @@ pub(super) fn part(b: &Body<'_>, window: [[f64; 2]; 2]) -> Part {
     for triangle in b.triangles.iter().filter(|t| t.iter().all(|&i| !b.values[i].is_nan())) {
         let corners = triangle.map(corner);
         if corners.iter().all(|p| is_inside(p, window)) {
-            let inside = [0, 1, 2].map(|k| number(&mut part, triangle[k], corners[k]));
-            part.triangles.push(inside);
+            let numbers = [0, 1, 2].map(|k| number(&mut part, triangle[k], corners[k]));
+            part.triangles.push(numbers);
             continue;
         }
         let polygon: Vec<usize> = inside(corners.to_vec(), window).into_iter().map(|p| part.push(p)).collect();
@@ -82,7 +82,7 @@ fn is_inside<const N: usize>(p: &[f64; N], window: [[f64; 2]; 2]) -> bool {
 fn crossing<const N: usize>(p: [f64; N], q: [f64; N], side: usize, window: [[f64; 2]; 2]) -> [f64; N] {
     let (a, b) = (depths(&p, window)[side], depths(&q, window)[side]);
     let s = a / (a - b);
-    let mut at: [f64; N] = std::array::from_fn(|i| p[i] * (1.0 - s) + q[i] * s);
+    let mut at: [f64; N] = std::array::from_fn(|i| p[i] + (q[i] - p[i]) * s);
     at[side / 2] = window[side % 2][side / 2];
     at
 }

@@ -130,15 +130,18 @@ fn of_several(s: &Summary) -> Vec<String> {
     lines
 }
 
+/// The names of the units, if there are any.
+fn units(s: &Summary) -> Option<String> {
+    let named = [("length", &s.units.length), ("stress", &s.units.stress)];
+    let named: Vec<String> = named.iter().filter_map(|(of, name)| Some(format!("{of} {}", name.as_ref()?))).collect();
+    (!named.is_empty()).then(|| format!("units       {}", named.join(", ")))
+}
+
 /// Prints the summary of a result.
 pub(super) fn print_summary(stored: &Record) {
     let Record { summary: s, plan, .. } = stored;
     say(&s.title);
-    let named = [("length", &s.units.length), ("stress", &s.units.stress)];
-    let named: Vec<String> = named.iter().filter_map(|(of, name)| Some(format!("{of} {}", name.as_ref()?))).collect();
-    if !named.is_empty() {
-        say(&format!("units       {}", named.join(", ")));
-    }
+    units(s).iter().for_each(|line| say(line));
     say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
     if !s.converged {
         say(&format!("reason      {}", s.reason));
