@@ -5,6 +5,7 @@ mod failure;
 mod gallery;
 mod grid;
 mod output;
+mod report;
 mod study;
 mod told;
 mod view;
@@ -30,6 +31,7 @@ use steklov_model::stochastic::OutcomeStage;
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
 use steklov_plan::{Plan, largest_mesh, plan, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
+use steklov_report::told::{advice, crossing_warning};
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
 use steklov_result::stages::{SAVED, Saved, SavedOutcomes, copy_outcomes, copy_saved, save_stage};
@@ -37,9 +39,8 @@ use steklov_result::store;
 
 use self::bar::Bar;
 use self::failure::{Failure, say};
-use self::grid::crossing_warning;
 use self::output::{appeared, check_folder, check_output};
-use self::told::{advice, cautions, expectation, print_summary};
+use self::told::{cautions, expectation, print_summary};
 use self::view::{ViewArgs, check_window};
 use crate::explain::{explain, too_large_basis, too_many_dofs, too_many_points, too_much_memory};
 
@@ -69,6 +70,8 @@ enum Command {
     Gallery(gallery::GalleryArgs),
     /// Show a stored result: summary, pictures, tables
     Show(ShowArgs),
+    /// Make one page of a stored result: numbers with their errors, doubts, pictures, the body to look into
+    Report(report::ReportArgs),
     /// Print a commented scene to start from
     New,
 }
@@ -91,6 +94,9 @@ struct SolveArgs {
     plots: Option<PathBuf>,
     #[command(flatten)]
     view: ViewArgs,
+    /// Write a page of the result into this folder, index.html
+    #[arg(long, value_name = "DIR")]
+    report: Option<PathBuf>,
     /// Number of threads, at most four a processor; default: one a processor
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -182,6 +188,7 @@ impl Cli {
             Command::Study(args) => on_threads(args.threads, args.quiet, || study::study(&args)),
             Command::Gallery(args) => on_threads(args.threads, args.quiet, || gallery::gallery(&args)),
             Command::Show(args) => show(&args),
+            Command::Report(args) => report::report(&args),
             Command::New => {
                 say(TEMPLATE.trim_end());
                 Ok(0)
@@ -241,6 +248,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     if scene.problem.bodies.iter().all(|body| body.far.is_none()) {
         check_window(&view, scene.problem.outline.edges().iter().flat_map(Edge::extent))?;
     }
+    if let Some(folder) = &args.report {
+        report::check_place("--report", folder, args.force || args.resume)?;
+    }
     check_expect(scene).map_err(|e| Failure(document.error(e).render()))?;
     let plan = plan(scene);
     let refused = too_many_dofs(scene, plan.cost.dofs)
@@ -274,6 +284,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         Some(folder) => pictures(&stored, &view, folder, &out)?,
         None => Vec::new(),
     };
+    let page = args.report.as_deref().map(|folder| report::written(&out, folder)).transpose()?;
     let Record { summary, plan, .. } = &stored;
     if args.json {
         if let Some(advice) = advice(summary, plan).filter(|_| !args.quiet) {
@@ -293,6 +304,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     } else {
         print_summary(&stored);
         files.iter().for_each(|f| say(&format!("picture {}", f.display())));
+        page.iter().for_each(|f| say(&format!("page        {}", f.display())));
     }
     let holds = summary.expect.iter().all(|e| e.holds);
     Ok(if summary.converged && holds { 0 } else { NOT_REACHED })
@@ -434,15 +446,15 @@ fn on_threads(
     rayon::scope(|_| work())
 }
 
-/// A scene, or a file of another kind, that is to be shown.
-fn no_scene(path: &Path) -> Result<(), Failure> {
+/// A scene, or a file of another kind, that a command is to show or report.
+fn no_scene(path: &Path, command: &str) -> Result<(), Failure> {
     let name = path.display();
     if let Ok(text) = std::fs::read_to_string(path)
         && (path.extension().is_some_and(|ending| ending == "toml") || Document::parse(&text, "", &[]).is_ok())
     {
         let result = format!("{}.vtkhdf", stem(path));
         return Err(Failure(format!(
-            "error: {name} is a scene and no result: steklov solve {name} makes {result}, which steklov show {result} shows"
+            "error: {name} is a scene and no result: steklov solve {name} makes {result}, which steklov {command} {result} {command}s"
         )));
     }
     match std::fs::read(path).ok().and_then(|bytes| foreign(&bytes)) {
@@ -457,7 +469,7 @@ fn show(args: &ShowArgs) -> Result<u8, Failure> {
     check_folder("--plots", args.plots.as_deref())?;
     let view = args.view.view(args.plots.is_some())?;
     check_folder("--csv", args.csv.as_deref())?;
-    no_scene(&args.file)?;
+    no_scene(&args.file, "show")?;
     let mut stored = store::read(&open(&args.file)?)?;
     check_window(&view, stored.grid.points.iter().copied())?;
     stored.summary.file = args.file.display().to_string();

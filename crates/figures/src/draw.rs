@@ -95,11 +95,7 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
     let planar = |f: &Field| -> Vec<[f64; 2]> { f.values.chunks(f.components.max(1)).map(|v| [v[0], v[1]]).collect() };
     let n = fields.points.len();
     let displacement = field("displacement").filter(|f| f.components == 3).map_or(vec![[0.0; 2]; n], planar);
-    // another body is drawn itself
-    let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
-    let is_wall = |row: &&ContactRow| !joined.contains(&&stored.mesh.side_names[row.side]);
-    let of_walls: Vec<ContactRow> = stored.contact.iter().filter(is_wall).copied().collect();
-    let [lines, gaps] = walls(&of_walls);
+    let [lines, gaps] = obstacles(stored);
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
     let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
     let largest = largest_displacement(stored);
@@ -156,6 +152,15 @@ pub(crate) fn units(stored: &Record, scalar: Scalar) -> [Option<&str>; 2] {
         Unit::Stress => stress,
     };
     [length, of_scalar].map(|name| name.as_deref())
+}
+
+/// Points of contact sides and gap vectors g n there, one list of each for each stretch: a rigid obstacle is the line through the sums.
+/// Other bodies are no obstacles.
+pub fn obstacles(stored: &Record) -> [Lines; 2] {
+    let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
+    let is_wall = |row: &&ContactRow| !joined.contains(&&stored.mesh.side_names[row.side]);
+    let of_walls: Vec<ContactRow> = stored.contact.iter().filter(is_wall).copied().collect();
+    walls(&of_walls)
 }
 
 /// The largest displacement of the nodes, which are closer where it matters than the points that are drawn.

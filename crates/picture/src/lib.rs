@@ -61,7 +61,7 @@ pub use graph::Scale;
 pub use lattice::{LatticeTriangles, lattice_triangles};
 pub use mesh::{MeshFigure, MeshPanel, meshes};
 pub use panels::{Ends, Layer, Panel, Shape, panels};
-pub use scale::short;
+pub use scale::{exaggeration, short};
 pub use spread::{SpreadLoop, spread};
 pub use tiles::{DegreeBox, Tile, boxes, tiles};
 

@@ -81,7 +81,7 @@ fn nice_below(x: f64) -> f64 {
 ///
 /// 1 for 0.05 ≤ r ≤ 0.5 and for r = 0; else the largest of 1, 2, 5 times a power of ten that brings r to at most
 /// 0.1 (so r times factor lies in (0.04, 0.1]).
-pub(super) fn exaggeration(ratio: f64) -> f64 {
+pub fn exaggeration(ratio: f64) -> f64 {
     let visible = (0.05..=0.5).contains(&ratio);
     if visible || !(1e-200..1e200).contains(&ratio) { 1.0 } else { nice_below(0.1 / ratio) }
 }

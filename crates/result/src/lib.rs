@@ -43,6 +43,7 @@ pub use {steklov_document, steklov_io, steklov_model, steklov_plan, steklov_prob
 
 mod body_grid;
 pub mod grid;
+pub mod history;
 pub mod keep;
 pub mod medium;
 pub mod outcomes;

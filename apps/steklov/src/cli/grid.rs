@@ -1,7 +1,7 @@
 //! What is told of scenes on grids.
 
-use steklov_model::grid::FAILING;
 use steklov_model::summary::GridSummary;
+use steklov_report::told::crossing_warning;
 
 /// What is told of the grid of finite elements.
 pub(super) fn grid_lines(grid: &GridSummary) -> Vec<String> {
@@ -28,18 +28,4 @@ pub(super) fn grid_lines(grid: &GridSummary) -> Vec<String> {
     lines.push(format!("            contrast of the moduli {:.4}", grid.contrast));
     lines.extend(crossing_warning(grid).map(|warning| format!("warning     {warning}")));
     lines
-}
-
-/// Where multiscale bases fail.
-pub(super) fn crossing_warning(grid: &GridSummary) -> Option<String> {
-    let (contrast, [x, y], share) = (grid.crossing_contrast?, grid.crossing_at?, grid.crossing_share?);
-    let fem = if grid.boundary_elements.is_some() { "fem-bem" } else { "fem" };
-    (contrast >= FAILING).then(|| {
-        format!(
-            "moduli differ by {contrast:.1e} along a coarse edge at ({x}, {y}), and by 100 or more on {:.0} % of them: \
-             multiscale elements fail there, and their estimate is too small; align the coarse cells with the inclusions, or use model = \"{fem}\" with method.max_dofs = {} or more",
-            100.0 * share,
-            grid.fine_dofs
-        )
-    })
 }

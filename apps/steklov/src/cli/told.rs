@@ -5,27 +5,15 @@ use steklov_figures::stochastic;
 use steklov_model::doubt::Doubt;
 use steklov_model::estimators::Estimators;
 use steklov_model::run::adaptive_loop::Reason;
-use steklov_model::solve::contact_rows::TOUCHING;
 use steklov_model::summary::Expected;
 use steklov_model::summary::{MediumSummary, Summary};
-use steklov_plan::{MODULI, NEXT_MESH, Plan};
+use steklov_plan::MODULI;
 use steklov_problem::{Law, Scene};
+use steklov_report::told::{advice, untouched};
 use steklov_result::record::Record;
 
 use super::failure::say;
 use super::grid::grid_lines;
-
-/// What to do about a run whose contact solver did not reach its criterion, or that memory ended.
-pub(super) fn advice(summary: &Summary, plan: &Plan) -> Option<String> {
-    if summary.reason == Reason::Interrupted.word() {
-        return Some("the same command with --resume goes on from the last step".to_owned());
-    }
-    if summary.reason == Reason::MaxDofs.word() {
-        let next = plan.left_out.iter().find(|d| d.what == NEXT_MESH)?;
-        return Some(format!("{}: {}", next.what, next.why));
-    }
-    summary.failure.clone().filter(|_| summary.reason == Reason::Solver.word())
-}
 
 /// Coefficient of friction beyond those of all known materials.
 const ROUGHEST: f64 = 5.0;
@@ -89,15 +77,6 @@ pub(super) fn expectation(entry: &Expected) -> String {
         ),
         None => format!("expected    {path} = {expected} ± {tol:e}: this result has no such number: {word}"),
     }
-}
-
-/// Names of the contact sides without any pressure.
-fn untouched(stored: &Record) -> Vec<&str> {
-    let Record { contact, mesh, .. } = stored;
-    let largest = contact.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
-    let has = |side: usize, least: f64| contact.iter().any(|r| r.side == side && r.pressure > least);
-    let sides = (0..mesh.side_names.len()).filter(|&k| has(k, f64::NEG_INFINITY) && !has(k, TOUCHING * largest));
-    sides.map(|k| mesh.side_names[k].as_str()).collect()
 }
 
 /// The interfaces between several bodies, the places where these lie in each other, and the bodies.
