@@ -22,7 +22,7 @@ fn medium(missing: u16, origin: f64, spacing: [f64; 2], strain: bool) -> Heterog
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(24))]
+    #![proptest_config(ProptestConfig::with_cases(8))]
 
     #[test]
     fn bodies_meshes_and_loads(
