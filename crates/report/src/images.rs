@@ -1,9 +1,7 @@
 //! Pictures inside of the page.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use serde::Serialize;
-use steklov_picture::{Picture, PictureError};
+use steklov_picture::{Picture, PictureError, data_uri};
 
 /// Vectors with more bytes than this become pixels.
 const LARGE: usize = 100_000;
@@ -18,8 +16,8 @@ pub(crate) struct Image {
 /// A picture by the part of its name in files.
 pub(crate) fn image(name: &str, picture: &Picture) -> Result<Image, PictureError> {
     let source = match picture.svg.len() <= LARGE {
-        true => format!("data:image/svg+xml;base64,{}", STANDARD.encode(&picture.svg)),
-        false => format!("data:image/png;base64,{}", STANDARD.encode(halved(&picture.png)?)),
+        true => data_uri("svg+xml", &picture.svg),
+        false => data_uri("png", halved(&picture.png)?),
     };
     Ok(Image { source, alternative: alternative(name) })
 }

@@ -8,6 +8,7 @@ use steklov_io::{File, load_text, load_texts};
 use steklov_model::doubt::Doubt;
 use steklov_model::run::adaptive_loop::Reason;
 use steklov_model::summary::{Probe, Summary};
+use steklov_picture::STYLE;
 use steklov_plan::Decision;
 use steklov_result::history::{StepNumbers, history};
 use steklov_result::record::Record;
@@ -88,6 +89,7 @@ struct Page<'a> {
     nodes: Vec<Node>,
     more_nodes: usize,
     interactive: Option<Interactive>,
+    style: &'static str,
     script: &'static str,
     body: Option<Image>,
     charts: Vec<Image>,
@@ -144,6 +146,7 @@ pub fn page(file: &File, name: &str) -> Result<String, ReportError> {
         nodes,
         more_nodes,
         interactive,
+        style: STYLE,
         script: SCRIPT,
         body: None,
         charts: Vec::new(),
