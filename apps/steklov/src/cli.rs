@@ -6,6 +6,7 @@ mod gallery;
 mod grid;
 mod output;
 mod report;
+mod show;
 mod study;
 mod told;
 mod view;
@@ -19,7 +20,7 @@ use std::time::Instant;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_algebra::PARTS;
 use steklov_bem_operators::Edge;
-use steklov_document::{Document, HDF5, TEMPLATE, foreign};
+use steklov_document::{Document, TEMPLATE};
 use steklov_figures::{View, stochastic};
 use steklov_io::{File, IoError, create_atomically, open};
 use steklov_model::error::SolveError;
@@ -69,7 +70,7 @@ enum Command {
     /// Make the figures of the source again, each judged, as one page
     Gallery(gallery::GalleryArgs),
     /// Show a stored result: summary, pictures, tables
-    Show(ShowArgs),
+    Show(show::ShowArgs),
     /// Make one page of a stored result: numbers with their errors, doubts, pictures, the body to look into
     Report(report::ReportArgs),
     /// Print a commented scene to start from
@@ -162,23 +163,6 @@ struct PlanArgs {
     json: bool,
 }
 
-#[derive(Args)]
-struct ShowArgs {
-    /// Result file
-    file: PathBuf,
-    /// Draw pictures into this folder
-    #[arg(long, value_name = "DIR")]
-    plots: Option<PathBuf>,
-    #[command(flatten)]
-    view: ViewArgs,
-    /// Write tables as CSV into this folder
-    #[arg(long, value_name = "DIR")]
-    csv: Option<PathBuf>,
-    /// Print one JSON object instead of a summary
-    #[arg(long)]
-    json: bool,
-}
-
 impl Cli {
     /// Runs the command and returns its exit status.
     pub fn run(self) -> u8 {
@@ -187,7 +171,7 @@ impl Cli {
             Command::Plan(args) => show_plan(&args),
             Command::Study(args) => on_threads(args.threads, args.quiet, || study::study(&args)),
             Command::Gallery(args) => on_threads(args.threads, args.quiet, || gallery::gallery(&args)),
-            Command::Show(args) => show(&args),
+            Command::Show(args) => show::show(&args),
             Command::Report(args) => report::report(&args),
             Command::New => {
                 say(TEMPLATE.trim_end());
@@ -444,53 +428,6 @@ fn on_threads(
     faer::set_global_parallelism(faer::Par::rayon(PARTS));
     rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK).build_global()?;
     rayon::scope(|_| work())
-}
-
-/// A scene, or a file of another kind, that a command is to show or report.
-fn no_scene(path: &Path, command: &str) -> Result<(), Failure> {
-    let name = path.display();
-    if let Ok(text) = std::fs::read_to_string(path)
-        && (path.extension().is_some_and(|ending| ending == "toml") || Document::parse(&text, "", &[]).is_ok())
-    {
-        let result = format!("{}.vtkhdf", stem(path));
-        return Err(Failure(format!(
-            "error: {name} is a scene and no result: steklov solve {name} makes {result}, which steklov {command} {result} {command}s"
-        )));
-    }
-    match std::fs::read(path).ok().and_then(|bytes| foreign(&bytes)) {
-        Some((what, _)) if what != HDF5 => {
-            Err(Failure(format!("error: {name} is {what} and no result of steklov solve")))
-        }
-        _ => Ok(()),
-    }
-}
-
-fn show(args: &ShowArgs) -> Result<u8, Failure> {
-    check_folder("--plots", args.plots.as_deref())?;
-    let view = args.view.view(args.plots.is_some())?;
-    check_folder("--csv", args.csv.as_deref())?;
-    no_scene(&args.file, "show")?;
-    let mut stored = store::read(&open(&args.file)?)?;
-    check_window(&view, stored.grid.points.iter().copied())?;
-    stored.summary.file = args.file.display().to_string();
-    let mut files = Vec::new();
-    if let Some(folder) = &args.plots {
-        files.extend(pictures(&stored, &view, folder, &args.file)?);
-    }
-    if let Some(folder) = &args.csv {
-        files.extend(
-            steklov_figures::tables(&stored, folder, &stem(&args.file))
-                .map_err(|e| Failure(format!("error: the tables cannot be written into {}: {e}", folder.display())))?,
-        );
-    }
-    if args.json {
-        say(&serde_json::to_string_pretty(&stored.summary)?);
-    } else {
-        say(&format!("{}", stored.plan));
-        print_summary(&stored);
-        files.iter().for_each(|f| say(&format!("wrote {}", f.display())));
-    }
-    Ok(0)
 }
 
 fn stem(path: &Path) -> String {

@@ -1,7 +1,7 @@
 //! Figures of section 2.7: a block on a rigid floor with friction of Tresca's kind.
 
-use steklov_picture::{MeshFigure, MeshPanel, Picture, Scale, meshes};
-use steklov_study::convergence::Strategy;
+use steklov_picture::Scale;
+use steklov_study::convergence::mesh_picture;
 
 use crate::charts::{Drawing, Line, at, points, range};
 use crate::figure::{Entry, Expected, Figure, Runs, Verdict, number};
@@ -23,6 +23,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: OPEN,
         differs: &[],
         runs: &["block"],
+        range: Some([0.0, 48.0]),
         draw: deformed,
     },
     Entry {
@@ -37,6 +38,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "Which indicator the figure shows (both are drawn), and its norm (the relative energy norm here). The a priori bound (2.82) promises h^¼ only.",
         differs: &[],
         runs: &["block-strategies", "block-residual"],
+        range: None,
         draw: errors,
     },
     Entry {
@@ -50,6 +52,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "",
         differs: &[],
         runs: &["block"],
+        range: None,
         draw: multiplier,
     },
     Entry {
@@ -62,6 +65,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "Whether the source counts the first mesh as step 0 or 1; its counts of elements are in its pictures only.",
         differs: &[],
         runs: &["block-strategies"],
+        range: None,
         draw: two_level_meshes,
     },
     Entry {
@@ -74,6 +78,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "As in Figure 2.4.",
         differs: &[],
         runs: &["block-residual"],
+        range: None,
         draw: residual_meshes,
     },
 ];
@@ -81,7 +86,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
 fn deformed(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let block = runs.get("block")?;
     figure.field(
-        block.picture("body")?,
+        runs.drawn("block", "body")?,
         "The deformed block with its von Mises stress, wider at its foot than at its waist",
     );
     figure.row("J", block.number("/energy")?, Expected::About(-2.993_329_193_070_8, 1e-6));
@@ -94,7 +99,7 @@ fn deformed(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
 fn multiplier(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let block = runs.get("block")?;
     figure.chart(
-        block.picture("contact-floor")?,
+        runs.drawn("block", "contact-floor")?,
         "Pressure along the floor with two humps; shear at its bound, positive on the left and negative on the right",
     );
     figure.row("largest pressure at a node", block.number("/contact/max_pressure")?, Expected::Near(18.847, 0.1));
@@ -189,20 +194,10 @@ fn mesh(
         made.strategies.iter().find(|s| s.name == name).ok_or_else(|| format!("there is no strategy {name}"))?;
     let point = strategy.points.get(step).ok_or_else(|| format!("{name} has no step {step}"))?;
     figure.chart(
-        mesh_picture(strategy, step)?,
+        mesh_picture("Block", strategy, &[step]).map_err(|e| e.to_string())?,
         &format!("Elements along the four sides after {step} steps of {name}, shorter where the solution is singular"),
     );
     figure.row(format!("elements, {name}, step {step}"), point.mesh.len() as f64, Expected::Near(elements, 0.0));
     figure.row(format!("unknowns, {name}, step {step}"), point.dofs as f64, Expected::Near(dofs, 0.0));
     Ok(())
-}
-
-fn mesh_picture(strategy: &Strategy, step: usize) -> Result<Picture, String> {
-    let point = &strategy.points[step];
-    let mesh = &point.mesh;
-    let elements: Vec<[[f64; 2]; 2]> = (0..mesh.len()).map(|e| mesh.ends(e)).collect();
-    let caption = format!("step {step}: {} elements, {} unknowns", mesh.len(), point.dofs);
-    let panel = MeshPanel { caption: &caption, elements: &elements, degree: &mesh.degree, side: &mesh.side };
-    let title = format!("Mesh of {}", strategy.name);
-    meshes(&MeshFigure { title: &title, side_names: &mesh.side_names, panels: &[panel] }).map_err(|e| e.to_string())
 }

@@ -23,6 +23,7 @@ pub(crate) const FIGURES: [Entry; 2] = [
         left_open: "Γ_D. It must exist: without it the body rises by 0.05 and nothing is stressed. The top is the only side that keeps Γ_N on both sides of Γ_C.",
         differs: &[],
         runs: &["wedge"],
+        range: Some([0.0, 120.0]),
         draw: deformed,
     },
     Entry {
@@ -35,6 +36,7 @@ pub(crate) const FIGURES: [Entry; 2] = [
         left_open: "The meshes, and whether h is the length of an element or half of it.",
         differs: &[GAMMA],
         runs: &["wedge-multipliers", "wedge-gamma"],
+        range: None,
         draw: convergence,
     },
 ];
@@ -42,11 +44,11 @@ pub(crate) const FIGURES: [Entry; 2] = [
 fn deformed(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let wedge = runs.get("wedge")?;
     figure.field(
-        wedge.picture("body")?,
+        runs.drawn("wedge", "body")?,
         "The block pressed down onto a ridge that dents the middle of its floor; von Mises stress is largest there",
     );
     figure.chart(
-        wedge.picture("contact-floor")?,
+        runs.drawn("wedge", "contact-floor")?,
         "Pressure on the floor with a peak over the ridge, and shear at its bound",
     );
     figure.row("J", wedge.number("/energy")?, Expected::About(0.647_194_015_987, 1e-6));

@@ -24,6 +24,7 @@ pub(crate) const FIGURES: [Entry; 2] = [
         left_open: "Γ_D (the top), and where t acts (on the left and on the right).",
         differs: &[PRESSED, KERNEL],
         runs: &["pressed", "pressed-uzawa"],
+        range: Some([0.0, 800.0]),
         draw: deformed,
     },
     Entry {
@@ -36,13 +37,14 @@ pub(crate) const FIGURES: [Entry; 2] = [
         left_open: "",
         differs: &[VALUES],
         runs: &["chance"],
+        range: None,
         draw: convergence,
     },
 ];
 
 fn deformed(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let (pressed, uzawa) = (runs.get("pressed")?, runs.get("pressed-uzawa")?);
-    figure.field(pressed.picture("body")?, "The block pressed flat by its floor, its sides bulging outwards");
+    figure.field(runs.drawn("pressed", "body")?, "The block pressed flat by its floor, its sides bulging outwards");
     let force = "/stochastic/contact/force/y";
     figure.row("mean force of the floor", pressed.number(&format!("{force}/mean"))?, Expected::About(451.45, 1e-4));
     let variance = pressed.number(&format!("{force}/variance"))?;

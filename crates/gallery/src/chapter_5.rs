@@ -23,6 +23,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "",
         differs: &[],
         runs: &["bar-12", "cells-12"],
+        range: None,
         draw: bases,
     },
     Entry {
@@ -35,6 +36,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "Supports and load: the left side held, a shear traction on the right. E = 2000.",
         differs: &[EXAMPLE],
         runs: &["bar-12", "bar-24", "bar-48", "bar-96", "bar-fem"],
+        range: Some([0.0, 34.0]),
         draw: homogeneous,
     },
     Entry {
@@ -47,6 +49,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "The random numbers (seed 2014 here).",
         differs: &[],
         runs: &["cells-96"],
+        range: None,
         draw: moduli,
     },
     Entry {
@@ -59,6 +62,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "Supports and load, as before.",
         differs: &[EXAMPLE],
         runs: &["cells-96"],
+        range: None,
         draw: bent,
     },
     Entry {
@@ -71,6 +75,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         left_open: "Supports and load, as before.",
         differs: &[ACCURACY, EXAMPLE],
         runs: &["cells-12", "cells-24", "cells-48", "cells-96", "cells-fem", "cells-fine"],
+        range: Some([0.0, 38.0]),
         draw: heterogeneous,
     },
 ];
@@ -83,7 +88,7 @@ fn compliance(made: &Made) -> Result<f64, String> {
 fn bases(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     for (name, what) in [("bar-12", "a homogeneous cell"), ("cells-12", "a cell of random moduli")] {
         figure.field(
-            runs.get(name)?.picture("basis")?,
+            runs.drawn(name, "basis")?,
             &format!("Components of basis functions of {what}, as fields on the cell"),
         );
     }
@@ -94,11 +99,11 @@ fn homogeneous(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let names = ["bar-12", "bar-24", "bar-48", "bar-96", "bar-fem"];
     let made: Vec<&Made> = names.iter().map(|name| runs.get(name)).collect::<Result<_, _>>()?;
     let fine = compliance(made[4])?;
+    for (grid, name) in GRIDS.iter().zip(names) {
+        let what = format!("Von Mises stress of the bar, {grid}: bending, largest at the held end");
+        figure.field(runs.drawn(name, "stress")?, &what);
+    }
     for ((grid, made), expected) in GRIDS.iter().zip(&made).zip([0.38225, 0.39459, 0.39831, 0.39945, 0.39986]) {
-        figure.field(
-            made.picture("stress")?,
-            &format!("Von Mises stress of the bar, {grid}: bending, largest at the held end"),
-        );
         figure.row(format!("compliance, {grid}"), compliance(made)?, Expected::Near(expected, 1e-5));
     }
     for ((grid, made), expected) in GRIDS.iter().zip(&made).zip([0.2099, 0.1149, 0.0623, 0.0321]) {
@@ -113,7 +118,7 @@ fn homogeneous(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
 
 fn moduli(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let made = runs.get("cells-96")?;
-    figure.field(made.picture("moduli")?, "Young's modulus of 192 by 32 cells, without a pattern");
+    figure.field(runs.drawn("cells-96", "moduli")?, "Young's modulus of 192 by 32 cells, without a pattern");
     let young = made.record.as_ref().and_then(|record| record.on_grid.as_ref()).map(|grid| &grid.body.young);
     let young = young.ok_or("the run has no grid")?;
     let [low, high] = range(young.iter().copied());
@@ -125,7 +130,7 @@ fn moduli(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
 
 fn bent(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let made = runs.get("cells-96")?;
-    figure.field(made.picture("body")?, "The bar bent downwards, with its von Mises stress");
+    figure.field(runs.drawn("cells-96", "body")?, "The bar bent downwards, with its von Mises stress");
     figure.row("u_y at the end of the axis", made.number("/probe/0/displacement/1")?, Expected::Near(-0.31934, 1e-5));
     Ok(())
 }
@@ -134,8 +139,11 @@ fn heterogeneous(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     let names = ["cells-12", "cells-24", "cells-48", "cells-96", "cells-fem"];
     let made: Vec<&Made> = names.iter().map(|name| runs.get(name)).collect::<Result<_, _>>()?;
     let fine = runs.get("cells-fine")?;
-    figure.field(made[3].picture("stress")?, "Von Mises stress by 96 by 16 coarse cells: bending, with grains");
-    figure.field(fine.picture("stress")?, "Von Mises stress by finite elements eight times finer: the same, sharper");
+    figure.field(runs.drawn("cells-96", "stress")?, "Von Mises stress by 96 by 16 coarse cells: bending, with grains");
+    figure.field(
+        runs.drawn("cells-fine", "stress")?,
+        "Von Mises stress by finite elements eight times finer: the same, sharper",
+    );
     figure.row("compliance, 96 by 16", compliance(made[3])?, Expected::Near(0.319_413, 2e-6));
     figure.row("compliance, finite elements on 1/32", compliance(made[4])?, Expected::Near(0.320_543, 2e-6));
     figure.row("compliance, finite elements on 1/256", compliance(fine)?, Expected::Near(0.321_642, 2e-6));

@@ -1,5 +1,6 @@
 //! A figure of the page: what it shows, its numbers, and what they are compared with.
 
+use steklov_figures::{View, drawn};
 use steklov_picture::Picture;
 
 use crate::runs::{Made, Run};
@@ -47,6 +48,8 @@ pub(crate) struct Entry {
     pub differs: &'static [&'static str],
     /// The runs that it needs.
     pub runs: &'static [&'static str],
+    /// Ends of the colours of its fields; None: those of each field.
+    pub range: Option<[f64; 2]>,
     /// Adds pictures and numbers; why that is not possible in words.
     pub draw: fn(&Runs<'_>, &mut Figure) -> Result<(), String>,
 }
@@ -126,6 +129,8 @@ impl Figure {
 /// The runs of a page by name, each with what it found or why it failed.
 pub(crate) struct Runs<'a> {
     pub made: &'a [(&'static Run, Result<Made, String>)],
+    /// What the figure that is drawn shows of a solve.
+    pub view: View,
 }
 
 impl Runs<'_> {
@@ -137,6 +142,14 @@ impl Runs<'_> {
             None => Err(format!("the run \"{name}\" was not made: the gallery was stopped before")),
         }
     }
+
+    /// A picture of a solve by its part of the name of the file.
+    pub(crate) fn drawn(&self, name: &str, picture: &str) -> Result<Picture, String> {
+        let record = self.get(name)?.record.as_ref().ok_or("the run has no record")?;
+        let all = drawn(record, &self.view).map_err(|e| e.to_string())?;
+        let found = all.into_iter().find(|(part, _)| part == picture);
+        found.map(|(_, picture)| picture).ok_or_else(|| format!("the run has no picture {picture}"))
+    }
 }
 
 impl Made {
@@ -146,7 +159,7 @@ impl Made {
         value.ok_or_else(|| format!("the result has no number at {pointer}"))
     }
 
-    /// A picture by the name of its file.
+    /// A picture of a study by the name of its file.
     pub(crate) fn picture(&self, name: &str) -> Result<Picture, String> {
         self.pictures.get(name).cloned().ok_or_else(|| format!("the run has drawn no {name}"))
     }

@@ -31,6 +31,7 @@ mod page;
 use std::path::{Path, PathBuf};
 
 use serde_json::{Value, json};
+use steklov_figures::View;
 use steklov_picture::{PictureError, replace, write};
 use steklov_study::Watch;
 
@@ -138,8 +139,8 @@ pub fn make(only: &[String], watch: &mut Watch<'_>) -> Result<Gallery, GalleryEr
         let found = run.make(&mut Watch::new(interrupts, tell));
         made.push((run, found));
     }
-    let runs = Runs { made: &made };
     let drawn = |entry: &'static Entry| {
+        let runs = Runs { made: &made, view: View { range: entry.range, ..View::default() } };
         let mut figure = Figure::default();
         let missing = (entry.draw)(&runs, &mut figure).err();
         let seconds = entry.runs.iter().filter_map(|run| runs.get(run).ok()).map(|made| made.seconds).sum();
@@ -156,7 +157,7 @@ impl Drawn {
     }
 
     fn commands(&self) -> Vec<String> {
-        self.entry.runs.iter().filter_map(|name| Run::named(name)).map(Run::command).collect()
+        self.entry.runs.iter().filter_map(|name| Run::named(name)).map(|run| run.command(self.entry.range)).collect()
     }
 
     fn json(&self) -> Value {

@@ -15,7 +15,19 @@ const fn own(
     runs: &'static [&'static str],
     draw: fn(&Runs<'_>, &mut Figure) -> Result<(), String>,
 ) -> Entry {
-    Entry { name, number, title, verdict: Verdict::Own, set_up, seen, left_open: "", differs: &[], runs, draw }
+    Entry {
+        name,
+        number,
+        title,
+        verdict: Verdict::Own,
+        set_up,
+        seen,
+        left_open: "",
+        differs: &[],
+        runs,
+        range: None,
+        draw,
+    }
 }
 
 const COUPLING: &str = "T* u_c = -S u_c; the equation with W needs W, not 2W; three rigid motions have to be taken out, not two translations (reciprocal condition 10⁻¹⁷ against 10⁻⁴); \
@@ -409,9 +421,8 @@ fn contrast(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
 }
 
 fn coupling(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
-    let inclusion = runs.get("inclusion")?;
     figure.field(
-        inclusion.picture("medium")?,
+        runs.drawn("inclusion", "medium")?,
         "A stiff inclusion of random cells and the medium around it, von Mises stress",
     );
     let made = runs.get("coupling")?;

@@ -1,10 +1,9 @@
 //! The page: one file that loads nothing.
 
-use base64::Engine;
-use base64::engine::general_purpose::STANDARD;
 use minijinja::value::Serde;
 use minijinja::{AutoEscape, Environment, context};
 use serde::Serialize;
+use steklov_picture::{STYLE, data_uri, short};
 
 use crate::figure::{Expected, Row, Shown, Verdict};
 use crate::{Drawn, TITLE};
@@ -56,7 +55,7 @@ pub(crate) fn page(all: &[Drawn], total: f64) -> Result<String, minijinja::Error
         "page.html",
         TEMPLATE,
         context! {
-            title => TITLE, cards => Serde(&cards), failing, seconds => seconds(total),
+            title => TITLE, style => STYLE, cards => Serde(&cards), failing, seconds => seconds(total),
             program => concat!("steklov ", env!("CARGO_PKG_VERSION")),
         },
     )
@@ -96,11 +95,11 @@ fn meaning(verdict: Verdict) -> &'static str {
 
 /// A picture inside of the page: vectors of charts, pixels of fields.
 fn image(shown: &Shown) -> Image<'_> {
-    let (kind, bytes) = match shown.is_field {
-        true => ("png", shown.picture.png.as_slice()),
-        false => ("svg+xml", shown.picture.svg.as_bytes()),
+    let source = match shown.is_field {
+        true => data_uri("png", &shown.picture.png),
+        false => data_uri("svg+xml", &shown.picture.svg),
     };
-    Image { source: format!("data:image/{kind};base64,{}", STANDARD.encode(bytes)), alternative: &shown.alternative }
+    Image { source, alternative: &shown.alternative }
 }
 
 fn line(row: &Row) -> Line<'_> {
@@ -116,51 +115,10 @@ fn line(row: &Row) -> Line<'_> {
 
 /// A number with eight digits at most.
 pub(crate) fn shown(value: f64) -> String {
-    if !value.is_finite() {
-        return "unknown".into();
-    }
-    if value != 0.0 && !(1e-4..1e7).contains(&value.abs()) {
-        let text = format!("{value:.3e}");
-        let (mantissa, exponent) = text.split_once('e').unwrap_or((&text, "0"));
-        return format!("{}·10{}", trimmed(mantissa), exponent.chars().map(raised).collect::<String>());
-    }
-    let digits = (7 - value.abs().max(1e-4).log10().floor() as i32).clamp(0, 9) as usize;
-    trimmed(&format!("{value:.digits$}")).to_owned()
-}
-
-/// Without zeros at the end of its decimals.
-fn trimmed(text: &str) -> &str {
-    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.') } else { text }
-}
-
-/// A digit or sign of an exponent.
-fn raised(sign: char) -> char {
-    let digit = sign.to_digit(10).and_then(|digit| "⁰¹²³⁴⁵⁶⁷⁸⁹".chars().nth(digit as usize));
-    digit.unwrap_or('⁻')
+    if value.is_finite() { short(value, 8) } else { "unknown".into() }
 }
 
 /// Seconds to a tenth.
 fn seconds(value: f64) -> String {
     format!("{value:.1}")
-}
-
-#[cfg(test)]
-mod tests {
-    use super::shown;
-
-    #[test]
-    fn numbers_are_short() {
-        for (value, text) in [
-            (0.0, "0"),
-            (-2.993_329_193_070_8, "-2.9933292"),
-            (40.0 / 3.0, "13.333333"),
-            (100.0, "100"),
-            (0.05, "0.05"),
-            (2e-5, "2·10⁻⁵"),
-            (-1.25e12, "-1.25·10¹²"),
-            (f64::NAN, "unknown"),
-        ] {
-            assert_eq!(shown(value), text);
-        }
-    }
 }

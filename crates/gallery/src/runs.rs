@@ -1,13 +1,13 @@
 //! The runs of the command from which figures are made, each made once.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicUsize;
 use std::time::Instant;
 
 use serde_json::{Value, json};
 use steklov_document::Document;
-use steklov_figures::{View, drawn};
+use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
 use steklov_model::run::adaptive_loop::run;
 use steklov_model::run::boundary_elements::BoundaryElements;
@@ -17,8 +17,8 @@ use steklov_plan::plan;
 use steklov_problem::Scene;
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
-use steklov_study::convergence::{self, MULTIPLIERS, NAMES, Strategy};
-use steklov_study::{Report, StudyKind, Watch, coupling, inf_sup, multiscale, solvers, stability, stochastic};
+use steklov_study::convergence::{self, Strategy};
+use steklov_study::{Draw, Options, Report, StudyKind, Watch};
 
 /// The scenes that are used, by name.
 const SCENES: [(&str, &str); 6] = [
@@ -54,6 +54,7 @@ pub(crate) struct Run {
 }
 
 /// What a run found.
+#[derive(Default)]
 pub(crate) struct Made {
     /// The JSON object of the command.
     pub json: Value,
@@ -61,7 +62,7 @@ pub(crate) struct Made {
     pub record: Option<Record>,
     /// The strategies of a comparison.
     pub strategies: Vec<Strategy>,
-    /// Its pictures by the names of their files.
+    /// The pictures of a study by the names of their files.
     pub pictures: BTreeMap<String, Picture>,
     /// Wall seconds.
     pub seconds: f64,
@@ -203,15 +204,18 @@ impl Run {
         RUNS.iter().find(|run| run.name == name)
     }
 
-    /// The command that does the same by hand, in a folder with the scenes.
-    pub(crate) fn command(&self) -> String {
+    /// The command that does the same by hand, in a folder with the scenes, with these ends of the colours.
+    pub(crate) fn command(&self, range: Option<[f64; 2]>) -> String {
         let scene = format!("scenes/{}.toml", self.scene);
         let list = |key: &str, names: &[&str]| match names.is_empty() {
             true => String::new(),
             false => format!(" {key} {}", names.join(",")),
         };
         let mut command = match self.task {
-            Task::Solve => format!("steklov solve {scene} --plots ."),
+            Task::Solve => {
+                let range = range.map_or(String::new(), |[low, high]| format!(" --range {low}:{high}"));
+                format!("steklov solve {scene} --plots .{range}")
+            }
             Task::Compare(strategies, multipliers) => {
                 let what = format!("{}{}", list("--strategies", strategies), list("--multipliers", multipliers));
                 format!("steklov study {scene}{what} --repeat 1")
@@ -247,7 +251,7 @@ impl Run {
 }
 
 fn solve<M: Keep>(scene: &Scene, interrupts: &AtomicUsize) -> Result<Made, String> {
-    let told = |e: steklov_model::error::SolveError| e.to_string();
+    let told = |e: SolveError| e.to_string();
     let plan = plan(scene);
     if let Some(left) = available_memory_bytes().filter(|left| plan.cost.memory_bytes > *left) {
         let [needed, left] = [plan.cost.memory_bytes, left].map(|bytes| bytes as f64 / f64::from(1 << 30));
@@ -260,8 +264,7 @@ fn solve<M: Keep>(scene: &Scene, interrupts: &AtomicUsize) -> Result<Made, Strin
     let mut json = serde_json::to_value(&record.summary).map_err(|e| e.to_string())?;
     let steps = run.progress.steps.iter().map(|step| json!({ "dofs": step.dofs, "history": step.history }));
     json["histories"] = steps.collect();
-    let pictures = drawn(&record, &View::default()).map_err(|e| e.to_string())?.into_iter().collect();
-    Ok(Made { json, record: Some(record), strategies: Vec::new(), pictures, seconds: 0.0 })
+    Ok(Made { json, record: Some(record), ..Made::default() })
 }
 
 fn compare(
@@ -271,75 +274,37 @@ fn compare(
     watch: &mut Watch<'_>,
 ) -> Result<Made, String> {
     let Document { scene, source } = document;
-    let mut all = Vec::new();
-    for (name, refine) in NAMES.into_iter().filter(|(name, _)| strategies.contains(name)) {
-        if multipliers.is_empty() {
-            all.push((name.to_owned(), refine, scene.method.multiplier));
-        }
-        let chosen = MULTIPLIERS.into_iter().filter(|(word, _)| multipliers.contains(word));
-        all.extend(chosen.map(|(word, multiplier)| (format!("{name}, {word}"), refine, multiplier)));
-    }
+    let all = convergence::strategies(scene, strategies, multipliers);
     let study = convergence::study(scene, source, &all, 1, watch).map_err(|e| e.to_string())?;
-    let made = studied(&convergence::report(&study), |folder| convergence::pictures(&study, folder))?;
-    Ok(Made { strategies: study.strategies, ..made })
+    let json = finished(&convergence::report(&study))?;
+    Ok(Made { json, strategies: study.strategies, ..Made::default() })
 }
 
 fn study(document: &Document, kind: StudyKind, watch: &mut Watch<'_>) -> Result<Made, String> {
-    let Document { scene, source } = document;
-    let told = |e: steklov_study::StudyError| e.to_string();
-    let refused = |e: steklov_problem::DataError| e.message;
-    match kind {
-        StudyKind::Convergence => Err("strategies are compared with names".into()),
-        StudyKind::InfSup => {
-            let study = inf_sup::study(scene, source, watch).map_err(told)?;
-            studied(&inf_sup::report(&study), |folder| inf_sup::pictures(&study, folder))
-        }
-        StudyKind::Stability => {
-            let study = stability::study(scene, source, Vec::new(), watch).map_err(told)?;
-            studied(&stability::report(&study), |folder| stability::pictures(&study, folder))
-        }
-        StudyKind::Solvers => {
-            let study = solvers::study(scene, source, watch).map_err(told)?;
-            studied(&solvers::report(&study), |folder| solvers::pictures(&study, folder))
-        }
-        StudyKind::Stochastic => {
-            let random = stochastic::random(scene).map_err(refused)?;
-            let study = stochastic::study(scene, source, random, watch).map_err(told)?;
-            studied(&stochastic::report(&study), |folder| stochastic::pictures(&study, folder))
-        }
-        StudyKind::Multiscale => {
-            let sizes = multiscale::coarse_cells(scene).map_err(refused)?;
-            let study = multiscale::study(scene, source, &sizes, 1, watch).map_err(told)?;
-            studied(&multiscale::report(&study), |folder| multiscale::pictures(&study, folder))
-        }
-        StudyKind::Coupling => {
-            let pairs = coupling::pairs(scene).map_err(refused)?;
-            let grids = coupling::grids(scene).map_err(refused)?;
-            let study = coupling::study(scene, source, pairs, &grids, 1, watch);
-            studied(&coupling::report(&study), |folder| coupling::pictures(&study, folder))
-        }
-    }
+    let options = Options { repeat: 1, ..Options::default() };
+    let told = |report: &Report<'_>, pictures: Draw<'_>| {
+        let json = finished(report)?;
+        let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
+        let files = pictures(folder.path()).map_err(|e| e.to_string())?;
+        Ok(Made { json, pictures: read(&files)?, ..Made::default() })
+    };
+    kind.carry_out(document, options, watch, told).map_err(|e| e.to_string())?
 }
 
-/// The JSON object of a study and its pictures.
-fn studied(
-    report: &Report<'_>,
-    pictures: impl FnOnce(&Path) -> Result<Vec<std::path::PathBuf>, steklov_picture::PictureError>,
-) -> Result<Made, String> {
-    if !report.complete {
-        return Err("it was interrupted, or a part of it failed".into());
-    }
-    let folder = tempfile::tempdir().map_err(|e| e.to_string())?;
-    let files = pictures(folder.path()).map_err(|e| e.to_string())?;
-    let mut all = BTreeMap::new();
-    for svg in files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "svg")) {
+/// The JSON object of a study that nobody stopped.
+fn finished(report: &Report<'_>) -> Result<Value, String> {
+    if report.complete { Ok(report.json()) } else { Err("it was interrupted, or a part of it failed".into()) }
+}
+
+/// Pictures by the names of their files.
+fn read(files: &[PathBuf]) -> Result<BTreeMap<String, Picture>, String> {
+    let bytes = |file: &Path| std::fs::read(file).map_err(|e| e.to_string());
+    let picture = |svg: &PathBuf| {
         let name = svg.file_stem().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-        let read = |file: &Path| std::fs::read(file).map_err(|e| e.to_string());
-        let picture =
-            Picture { svg: String::from_utf8_lossy(&read(svg)?).into_owned(), png: read(&svg.with_extension("png"))? };
-        all.insert(name, picture);
-    }
-    Ok(Made { json: report.json(), record: None, strategies: Vec::new(), pictures: all, seconds: 0.0 })
+        let text = String::from_utf8_lossy(&bytes(svg)?).into_owned();
+        Ok((name, Picture { svg: text, png: bytes(&svg.with_extension("png"))? }))
+    };
+    files.iter().filter(|file| file.extension().is_some_and(|ending| ending == "svg")).map(picture).collect()
 }
 
 #[cfg(test)]
@@ -361,10 +326,10 @@ mod tests {
             let (_, text) = SCENES.iter().find(|(name, _)| *name == run.scene).unwrap();
             let set: Vec<String> = run.set.iter().map(|&set| set.to_owned()).collect();
             Document::parse(text, run.scene, &set).unwrap_or_else(|e| panic!("{}: {}", run.name, e.render()));
-            assert!(run.command().contains(run.scene), "{}", run.command());
+            assert!(run.command(None).contains(run.scene), "{}", run.command(None));
         }
         assert_eq!(
-            Run::named("block-residual").unwrap().command(),
+            Run::named("block-residual").unwrap().command(Some([0.0, 1.0])),
             "steklov study scenes/15-block-on-floor.toml --strategies uniform-h,h,hp-decay --repeat 1 \
              --set 'method.indicator=\"residual\"' --set 'method.max_dofs=600'"
         );

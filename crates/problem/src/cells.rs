@@ -64,15 +64,17 @@ impl GridInput {
         let count = |counts: [usize; 2]| counts[0] as f64 * counts[1] as f64;
         let total = count(self.coarse) * count(self.fine);
         let ([m, n], [k, l]) = (self.coarse, self.fine);
+        let fewer = format!("take fewer cells: {MOST_CELLS} at most");
         if !(1.0..=MOST_CELLS as f64).contains(&total) {
             let key = if (1.0..=MOST_CELLS as f64).contains(&count(self.coarse)) { "fine" } else { "coarse" };
             let message = format!("the grid has {m} by {n} coarse cells of {k} by {l} fine ones, {total} in all");
-            return Err((key, message, format!("take fewer cells: {MOST_CELLS} at most")));
+            let help = if total < 1.0 { "give each number as 1 or more".into() } else { fewer };
+            return Err((key, message, help));
         }
         match self.oversample {
             Some(cells) if cells > MOST_CELLS => {
                 let message = format!("a coarse cell is to be enlarged by {cells} fine cells on each side");
-                Err(("oversample", message, format!("take fewer cells: {MOST_CELLS} at most")))
+                Err(("oversample", message, fewer))
             }
             _ => Ok(()),
         }

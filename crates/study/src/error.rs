@@ -2,10 +2,14 @@
 
 use steklov_bem_operators::BemError;
 use steklov_model::error::SolveError;
+use steklov_problem::DataError;
 
 /// Why a study has no results.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
+    /// A scene that cannot be studied so.
+    #[error(transparent)]
+    Data(#[from] DataError),
     /// What the rest is measured against cannot be solved.
     #[error(transparent)]
     Solve(#[from] SolveError),

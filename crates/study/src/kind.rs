@@ -1,10 +1,16 @@
-//! Which studies there are, and what each sets in a scene.
+//! Which studies there are, what each sets in a scene, and how it is carried out.
+
+use std::path::{Path, PathBuf};
 
 use steklov_document::Document;
-use steklov_problem::{DataError, Method};
+use steklov_picture::PictureError;
+use steklov_problem::{DataError, Method, Scene};
 
+use crate::convergence::Chosen;
 use crate::settings::{Setting, settings};
-use crate::{coupling, inf_sup, stability};
+use crate::stability::Beside;
+use crate::{Report, StudyError, Watch};
+use crate::{convergence, coupling, inf_sup, multiscale, solvers, stability, stochastic};
 
 /// A study.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -25,18 +31,60 @@ pub enum StudyKind {
     Coupling,
 }
 
+/// What a study is told besides its scene.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// The strategies to compare, of [`StudyKind::Convergence`].
+    pub strategies: Vec<Chosen>,
+    /// Results of other methods, of [`StudyKind::Stability`].
+    pub beside: Vec<Beside>,
+    /// Runs of which the seconds are medians, where they are measured so.
+    pub repeat: usize,
+}
+
+/// Draws the pictures of a study into a folder; returns the files.
+pub type Draw<'d> = &'d dyn Fn(&Path) -> Result<Vec<PathBuf>, PictureError>;
+
 impl StudyKind {
+    /// All of them, each with the word of the command and what it is.
+    pub const ALL: [(Self, &'static str, &'static str); 7] = [
+        (Self::Convergence, "convergence", "Errors of strategies of refinement over unknowns and seconds"),
+        (Self::InfSup, "inf-sup", "Inf-sup constants of contact multipliers, with and without stabilisation"),
+        (
+            Self::Stability,
+            "stability",
+            "Errors as the material becomes incompressible; the single layer at degenerate sizes of the body",
+        ),
+        (
+            Self::Solvers,
+            "solvers",
+            "Iterations and seconds of contact solvers, and how fast the semi-smooth Newton method converges",
+        ),
+        (
+            Self::Stochastic,
+            "stochastic",
+            "Errors of means and variances of a scene with random input, in chance and in space; iterations of contact solvers",
+        ),
+        (
+            Self::Multiscale,
+            "multiscale",
+            "Errors of multiscale bases on a scene with a grid, of resonance and of high contrast, beside the fine grid's own",
+        ),
+        (
+            Self::Coupling,
+            "coupling",
+            "Errors, seconds and conditions of a body on a grid coupled with the unbounded medium around it",
+        ),
+    ];
+
     /// The word of the command.
     pub fn word(self) -> &'static str {
-        match self {
-            Self::Convergence => "convergence",
-            Self::InfSup => "inf-sup",
-            Self::Stability => "stability",
-            Self::Solvers => "solvers",
-            Self::Stochastic => "stochastic",
-            Self::Multiscale => "multiscale",
-            Self::Coupling => "coupling",
-        }
+        Self::ALL.iter().find(|(kind, ..)| *kind == self).map_or("", |(_, word, _)| word)
+    }
+
+    /// The study of a word.
+    pub fn of_word(word: &str) -> Option<Self> {
+        Self::ALL.iter().find(|(_, known, _)| *known == word).map(|(kind, ..)| *kind)
     }
 
     /// The name of its files.
@@ -68,5 +116,72 @@ impl StudyKind {
             }
         }
         document.scene.check()
+    }
+
+    /// How many parts it tells of a scene.
+    ///
+    /// # Errors
+    /// A scene that cannot be studied so.
+    pub fn parts(self, scene: &Scene, options: &Options) -> Result<usize, DataError> {
+        Ok(match self {
+            Self::Convergence => 1 + options.strategies.len() * (options.repeat + 1),
+            Self::InfSup => inf_sup::check(scene).map(|()| 3)?,
+            Self::Stability => stability::POISSON.len() + 3,
+            Self::Solvers => solvers::check(scene).map(|()| 1)?,
+            Self::Stochastic => stochastic::random(scene).map(|_| stochastic::FAMILIES.len() + 8)?,
+            Self::Multiscale => multiscale::coarse_cells(scene).map(|_| multiscale::BASES.len() + 4)?,
+            Self::Coupling => {
+                let pairs = coupling::pairs(scene)?;
+                coupling::grids(scene)?;
+                pairs.len() + 6
+            }
+        })
+    }
+
+    /// Carries it out, and hands its report and its pictures to `told`.
+    ///
+    /// # Errors
+    /// A scene that cannot be studied so; what the rest is measured against cannot be solved.
+    pub fn carry_out<T>(
+        self,
+        document: &Document,
+        options: Options,
+        watch: &mut Watch<'_>,
+        told: impl FnOnce(&Report<'_>, Draw<'_>) -> T,
+    ) -> Result<T, StudyError> {
+        let Document { scene, source } = document;
+        let Options { strategies, beside, repeat } = options;
+        Ok(match self {
+            Self::Convergence => {
+                let study = convergence::study(scene, source, &strategies, repeat, watch)?;
+                told(&convergence::report(&study), &|folder| convergence::pictures(&study, folder))
+            }
+            Self::InfSup => {
+                let study = inf_sup::study(scene, source, watch)?;
+                told(&inf_sup::report(&study), &|folder| inf_sup::pictures(&study, folder))
+            }
+            Self::Stability => {
+                let study = stability::study(scene, source, beside, watch)?;
+                told(&stability::report(&study), &|folder| stability::pictures(&study, folder))
+            }
+            Self::Solvers => {
+                let study = solvers::study(scene, source, watch)?;
+                told(&solvers::report(&study), &|folder| solvers::pictures(&study, folder))
+            }
+            Self::Stochastic => {
+                let study = stochastic::study(scene, source, stochastic::random(scene)?, watch)?;
+                told(&stochastic::report(&study), &|folder| stochastic::pictures(&study, folder))
+            }
+            Self::Multiscale => {
+                let sizes = multiscale::coarse_cells(scene)?;
+                let study = multiscale::study(scene, source, &sizes, repeat, watch)?;
+                told(&multiscale::report(&study), &|folder| multiscale::pictures(&study, folder))
+            }
+            Self::Coupling => {
+                let (pairs, grids) = (coupling::pairs(scene)?, coupling::grids(scene)?);
+                let study = coupling::study(scene, source, pairs, &grids, repeat, watch);
+                told(&coupling::report(&study), &|folder| coupling::pictures(&study, folder))
+            }
+        })
     }
 }

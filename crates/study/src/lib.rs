@@ -51,7 +51,7 @@ pub mod multiscale;
 pub mod coupling;
 
 pub use error::StudyError;
-pub use kind::StudyKind;
+pub use kind::{Draw, Options, StudyKind};
 pub use report::Report;
 pub use settings::{Setting, settings};
 pub use supported::contact_sides;
@@ -60,6 +60,11 @@ pub use watch::{Found, Watch};
 /// These numbers, each once, rising.
 fn distinct(numbers: impl Iterator<Item = usize>) -> Vec<usize> {
     numbers.collect::<std::collections::BTreeSet<_>>().into_iter().collect()
+}
+
+/// ⟨A v, v⟩ of a symmetric matrix.
+fn quadratic(matrix: &faer::Mat<f64>, v: &[f64]) -> f64 {
+    (0..v.len()).map(|j| v[j] * steklov_algebra::dot(matrix.col_as_slice(j), v)).sum()
 }
 
 /// The median; of an even number the mean of the two in the middle; NaN of none.

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::Args;
 use steklov_io::open;
 
-use super::{Failure, no_scene, say};
+use super::show::no_scene;
+use super::{Failure, say};
 
 #[derive(Args)]
 pub(super) struct ReportArgs {

@@ -5,17 +5,16 @@ use std::io::IsTerminal;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-use clap::builder::PossibleValuesParser;
-use clap::{Args, ValueEnum};
+use clap::Args;
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_document::Document;
 use steklov_io::{IoError, create_atomically};
-use steklov_picture::{self as picture, PictureError};
+use steklov_picture as picture;
 use steklov_plan::plan;
-use steklov_problem::{DataError, Multiplier, Refine, Scene};
-use steklov_study::convergence::{MULTIPLIERS, NAMES};
-use steklov_study::{Report, StudyError, StudyKind, Watch, contact_sides};
-use steklov_study::{convergence, coupling, inf_sup, multiscale, solvers, stability, stochastic};
+use steklov_problem::{DataError, Scene};
+use steklov_study::convergence::{self, Chosen, MULTIPLIERS, NAMES};
+use steklov_study::{Draw, Options, Report, StudyError, StudyKind, Watch, contact_sides, stability};
 
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
@@ -31,8 +30,8 @@ pub(super) struct StudyArgs {
     #[arg(long, value_name = "NAMES", value_parser = one_of(&MULTIPLIERS), value_delimiter = ',')]
     multipliers: Vec<String>,
     /// What to study
-    #[arg(long, value_enum, default_value = "convergence")]
-    what: What,
+    #[arg(long, value_parser = kind(), default_value = "convergence")]
+    what: StudyKind,
     /// With --what stability: results of other methods for the same scene, drawn beside; JSON, a list of
     /// {"name", "poisson", "energy"}
     #[arg(long, value_name = "FILE")]
@@ -65,93 +64,36 @@ fn one_of<T>(all: &[(&'static str, T)]) -> PossibleValuesParser {
     all.iter().map(|(name, _)| *name).into()
 }
 
-#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
-enum What {
-    /// Errors of strategies of refinement over unknowns and seconds
-    Convergence,
-    /// Inf-sup constants of contact multipliers, with and without stabilisation
-    InfSup,
-    /// Errors as the material becomes incompressible; the single layer at degenerate sizes of the body
-    Stability,
-    /// Iterations and seconds of contact solvers, and how fast the semi-smooth Newton method converges
-    Solvers,
-    /// Errors of means and variances of a scene with random input, in chance and in space; iterations of contact solvers
-    Stochastic,
-    /// Errors of multiscale bases on a scene with a grid, of resonance and of high contrast, beside the fine grid's own
-    Multiscale,
-    /// Errors, seconds and conditions of a body on a grid coupled with the unbounded medium around it
-    Coupling,
-}
-
-impl What {
-    fn kind(self) -> StudyKind {
-        match self {
-            Self::Convergence => StudyKind::Convergence,
-            Self::InfSup => StudyKind::InfSup,
-            Self::Stability => StudyKind::Stability,
-            Self::Solvers => StudyKind::Solvers,
-            Self::Stochastic => StudyKind::Stochastic,
-            Self::Multiscale => StudyKind::Multiscale,
-            Self::Coupling => StudyKind::Coupling,
-        }
-    }
+/// Takes the word of a study.
+fn kind() -> impl TypedValueParser<Value = StudyKind> {
+    let values = StudyKind::ALL.map(|(_, word, about)| PossibleValue::new(word).help(about));
+    PossibleValuesParser::new(values).try_map(|word| StudyKind::of_word(&word).ok_or("there is no such study"))
 }
 
 /// Studies a scene and stores what comes out.
 pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     check_options(args)?;
     let document = document(args)?;
-    let Document { scene, source } = &document;
-    let repeat = usize::from(args.repeat);
-    let refused = |error: DataError| Failure(document.error(error).render());
-    match args.what {
-        What::Convergence => {
-            boundary_only(scene)?;
-            let all = strategies(args, scene)?;
-            let stages = 1 + all.len() * (repeat + 1);
-            let study = |watch: &mut Watch<'_>| convergence::study(scene, source, &all, repeat, watch);
-            carry_out(args, &document, stages, study, convergence::report, convergence::pictures)
-        }
-        What::InfSup => {
-            inf_sup::check(scene).map_err(refused)?;
-            let study = |watch: &mut Watch<'_>| inf_sup::study(scene, source, watch);
-            carry_out(args, &document, 3, study, inf_sup::report, inf_sup::pictures)
-        }
-        What::Stability => {
-            boundary_only(scene)?;
-            let beside = args.beside.as_deref().map_or(Ok(Vec::new()), stability::read_beside)?;
-            let study = |watch: &mut Watch<'_>| stability::study(scene, source, beside, watch);
-            carry_out(args, &document, stability::POISSON.len() + 3, study, stability::report, stability::pictures)
-        }
-        What::Solvers => {
-            solvers::check(scene).map_err(refused)?;
-            let study = |watch: &mut Watch<'_>| solvers::study(scene, source, watch);
-            carry_out(args, &document, 1, study, solvers::report, solvers::pictures)
-        }
-        What::Stochastic => {
-            let random = stochastic::random(scene).map_err(refused)?;
-            let study = |watch: &mut Watch<'_>| stochastic::study(scene, source, random, watch);
-            carry_out(args, &document, stochastic::FAMILIES.len() + 8, study, stochastic::report, stochastic::pictures)
-        }
-        What::Multiscale => {
-            let sizes = multiscale::coarse_cells(scene).map_err(refused)?;
-            let study = |watch: &mut Watch<'_>| multiscale::study(scene, source, &sizes, repeat, watch);
-            carry_out(args, &document, multiscale::BASES.len() + 4, study, multiscale::report, multiscale::pictures)
-        }
-        What::Coupling => {
-            let (pairs, grids) = (coupling::pairs(scene).map_err(refused)?, coupling::grids(scene).map_err(refused)?);
-            let stages = pairs.len() + 6;
-            let study = |watch: &mut Watch<'_>| Ok(coupling::study(scene, source, pairs, &grids, repeat, watch));
-            carry_out(args, &document, stages, study, coupling::report, coupling::pictures)
-        }
+    let scene = &document.scene;
+    let mut options = Options { repeat: usize::from(args.repeat), ..Options::default() };
+    if matches!(args.what, StudyKind::Convergence | StudyKind::Stability) {
+        boundary_only(scene)?;
     }
+    match args.what {
+        StudyKind::Convergence => options.strategies = strategies(args, scene)?,
+        StudyKind::Stability => {
+            options.beside = args.beside.as_deref().map_or(Ok(Vec::new()), stability::read_beside)?
+        }
+        _ => {}
+    }
+    carry_out(args, &document, options)
 }
 
 /// Options that belong to one study only.
 fn check_options(args: &StudyArgs) -> Result<(), Failure> {
-    let is_other = args.what != What::Convergence;
+    let is_other = args.what != StudyKind::Convergence;
     let misplaced = [
-        (args.beside.is_some() && args.what != What::Stability, "--beside belongs to --what stability"),
+        (args.beside.is_some() && args.what != StudyKind::Stability, "--beside belongs to --what stability"),
         (is_other && !args.multipliers.is_empty(), "--multipliers belongs to --what convergence"),
         (
             is_other && !args.strategies.is_empty(),
@@ -166,7 +108,7 @@ fn check_options(args: &StudyArgs) -> Result<(), Failure> {
 /// are told at their places.
 fn document(args: &StudyArgs) -> Result<Document, Failure> {
     let mut document = read_scene(&args.scene, &args.overrides)?;
-    args.what.kind().prepare(&mut document).map_err(|error| Failure(document.error(error).render()))?;
+    args.what.prepare(&mut document).map_err(|error| Failure(document.error(error).render()))?;
     Ok(document)
 }
 
@@ -184,54 +126,55 @@ fn boundary_only(scene: &Scene) -> Result<(), Failure> {
     Err(Failure(message))
 }
 
-/// The strategies to compare, each with every multiplier: name, refinement, multiplier.
-fn strategies(args: &StudyArgs, scene: &Scene) -> Result<Vec<(String, Refine, Multiplier)>, Failure> {
+/// The strategies to compare, each with every multiplier.
+fn strategies(args: &StudyArgs, scene: &Scene) -> Result<Vec<Chosen>, Failure> {
     if !args.multipliers.is_empty() && contact_sides(scene).is_empty() {
         return Err(Failure("error: --multipliers compares multipliers of contact, and no side of the scene is in contact: leave it out".into()));
     }
-    let is_in = |list: &[String], name: &str| list.iter().any(|wanted| wanted == name);
-    let mut all = Vec::new();
-    for (name, refine) in NAMES.into_iter().filter(|n| args.strategies.is_empty() || is_in(&args.strategies, n.0)) {
-        if args.multipliers.is_empty() {
-            all.push((name.to_owned(), refine, scene.method.multiplier));
-        }
-        let multipliers = MULTIPLIERS.into_iter().filter(|m| is_in(&args.multipliers, m.0));
-        all.extend(multipliers.map(|(word, multiplier)| (format!("{name}, {word}"), refine, multiplier)));
-    }
-    Ok(all)
+    Ok(convergence::strategies(scene, &args.strategies, &args.multipliers))
 }
 
-/// Studies with so many stages on a bar, stores and tells the report, and draws the pictures.
-fn carry_out<S>(
-    args: &StudyArgs,
-    document: &Document,
-    stages: usize,
-    study: impl FnOnce(&mut Watch<'_>) -> Result<S, StudyError>,
-    report: fn(&S) -> Report<'_>,
-    pictures: fn(&S, &Path) -> Result<Vec<PathBuf>, PictureError>,
-) -> Result<u8, Failure> {
+/// Studies, stores and tells the report, and draws the pictures.
+fn carry_out(args: &StudyArgs, document: &Document, options: Options) -> Result<u8, Failure> {
+    let refused = |error: DataError| Failure(document.error(error).render());
+    let parts = args.what.parts(&document.scene, &options).map_err(refused)?;
     let out = folder(args, document)?;
     let stop = interrupts(args.quiet)?;
-    let bar = Bar::new(args.quiet, stages);
+    let bar = Bar::new(args.quiet, parts);
     let tell = &mut |what: &str, detail: &str| bar.show(what, detail);
-    let study = study(&mut Watch::new(&stop, tell)).map_err(|error| match error {
+    let told = |report: &Report<'_>, pictures: Draw<'_>| {
+        bar.show("files", "");
+        let files = store(&out, args.what.file_name(), report, pictures)?;
+        bar.finish();
+        say_report(args.json, report, &files, &out)?;
+        Ok(if report.complete { 0 } else { NOT_REACHED })
+    };
+    let studied = args.what.carry_out(document, options, &mut Watch::new(&stop, tell), told);
+    studied.map_err(|error| match error {
+        StudyError::Data(error) => refused(error),
         StudyError::Solve(error) => explained(document, error),
         error => error.into(),
-    })?;
-    bar.show("files", "");
-    let report = report(&study);
-    let failed = |e: std::io::Error| not_written(&out, &e);
-    std::fs::create_dir_all(&out).map_err(failed)?;
-    let mut files = vec![out.join(format!("{}.h5", args.what.kind().file_name()))];
+    })?
+}
+
+/// Writes the HDF5 file, the tables and the pictures of a study into a folder; returns the files.
+fn store(out: &Path, name: &str, report: &Report<'_>, pictures: Draw<'_>) -> Result<Vec<PathBuf>, Failure> {
+    let failed = |e: std::io::Error| not_written(out, &e);
+    std::fs::create_dir_all(out).map_err(failed)?;
+    let mut files = vec![out.join(format!("{name}.h5"))];
     create_atomically(&files[0], true, |file| report.write(file))?;
     for (table, content) in &report.tables {
         let path = out.join(table);
-        picture::replace(&out, &path, content.as_bytes()).map_err(failed)?;
+        picture::replace(out, &path, content.as_bytes()).map_err(failed)?;
         files.push(path);
     }
-    files.extend(pictures(&study, &out)?);
-    bar.finish();
-    if args.json {
+    files.extend(pictures(out)?);
+    Ok(files)
+}
+
+/// Prints a report, as one JSON object if wanted.
+fn say_report(json: bool, report: &Report<'_>, files: &[PathBuf], out: &Path) -> Result<(), Failure> {
+    if json {
         let mut object = report.json();
         object["files"] = files.iter().map(|f| f.display().to_string()).collect();
         say(&serde_json::to_string_pretty(&object)?);
@@ -239,12 +182,12 @@ fn carry_out<S>(
         say(report.text().trim_end());
         say(&format!("files       {} in {}", files.len(), out.display()));
     }
-    Ok(if report.complete { 0 } else { NOT_REACHED })
+    Ok(())
 }
 
 /// The folder of the files, which is checked, and the size of the first mesh, before anything is solved.
 fn folder(args: &StudyArgs, document: &Document) -> Result<PathBuf, Failure> {
-    let name = || PathBuf::from(format!("{}-{}", stem(&args.scene), args.what.kind().file_name()));
+    let name = || PathBuf::from(format!("{}-{}", stem(&args.scene), args.what.file_name()));
     let out = args.out.clone().unwrap_or_else(name);
     check_folder(&out, args.force)?;
     match too_many_dofs(&document.scene, plan(&document.scene).cost.dofs) {

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use steklov_figures::contact_pictures;
-use steklov_picture::{Axis, Band, MeshFigure, MeshPanel, PictureError, Scale, meshes, write};
+use steklov_picture::{Axis, Band, MeshFigure, MeshPanel, Picture, PictureError, Scale, meshes, write};
 
 use super::Study;
 use super::strategy::{Point, Strategy};
@@ -58,7 +58,8 @@ pub fn pictures(study: &Study<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictur
     let band = Some(Band { label: "within 25 %", y: [0.8, 1.25] });
     all.draw("effectivity", &Drawing { axes, lines, band, quantities: &names, ..drawing(study) })?;
     for strategy in study.strategies.iter().filter(|s| !s.points.is_empty()) {
-        all.files.extend(mesh_pictures(study, strategy, folder)?);
+        let picture = mesh_picture(&study.scene.title, strategy, &strategy.some(PANELS))?;
+        all.files.extend(write(folder, &format!("meshes-{}", strategy.file_name()), &picture)?);
     }
     if let Some(strategy) = study.strategies.iter().rev().find(|s| !s.contact.is_empty()) {
         let title =
@@ -99,27 +100,29 @@ fn name(strategy: &Strategy, law: Option<Law>) -> String {
     }
 }
 
-fn mesh_pictures(study: &Study<'_>, strategy: &Strategy, folder: &Path) -> Result<[PathBuf; 2], PictureError> {
-    let steps = strategy.some(PANELS);
-    let elements: Vec<Vec<[[f64; 2]; 2]>> = steps
-        .iter()
-        .map(|&k| &strategy.points[k].mesh)
-        .map(|mesh| (0..mesh.len()).map(|e| mesh.ends(e)).collect())
-        .collect();
-    let captions: Vec<String> = steps
-        .iter()
-        .map(|&k| (k, &strategy.points[k]))
-        .map(|(k, p)| format!("step {k}: {} elements, {} dofs", p.mesh.len(), p.dofs))
-        .collect();
-    let panels: Vec<MeshPanel<'_>> = steps
-        .iter()
+/// Draws the meshes of some steps of a strategy.
+///
+/// # Errors
+/// When the picture cannot be drawn.
+///
+/// # Panics
+/// If there is no such step.
+pub fn mesh_picture(title: &str, strategy: &Strategy, steps: &[usize]) -> Result<Picture, PictureError> {
+    let points = steps.iter().map(|&k| (k, &strategy.points[k]));
+    let elements: Vec<Vec<[[f64; 2]; 2]>> =
+        points.clone().map(|(_, p)| (0..p.mesh.len()).map(|e| p.mesh.ends(e)).collect()).collect();
+    let captions: Vec<String> =
+        points.clone().map(|(k, p)| format!("step {k}: {} elements, {} dofs", p.mesh.len(), p.dofs)).collect();
+    let panels: Vec<MeshPanel<'_>> = points
+        .clone()
         .zip(elements.iter().zip(&captions))
-        .map(|(&k, (elements, caption))| {
-            let mesh = &strategy.points[k].mesh;
-            MeshPanel { caption, elements, degree: &mesh.degree, side: &mesh.side }
+        .map(|((_, p), (elements, caption))| MeshPanel {
+            caption,
+            elements,
+            degree: &p.mesh.degree,
+            side: &p.mesh.side,
         })
         .collect();
-    let title = format!("{}: meshes of {}", study.scene.title, strategy.name);
-    let figure = MeshFigure { title: &title, side_names: study.scene.problem.outline.side_names(), panels: &panels };
-    write(folder, &format!("meshes-{}", strategy.file_name()), &meshes(&figure)?)
+    let side_names = points.clone().next().map_or(&[][..], |(_, p)| p.mesh.side_names.as_slice());
+    meshes(&MeshFigure { title: &format!("{title}: meshes of {}", strategy.name), side_names, panels: &panels })
 }

@@ -15,7 +15,7 @@ use crate::error::StudyError;
 use crate::reference::{EnergySource, Reference};
 use crate::watch::Watch;
 
-pub use draw::pictures;
+pub use draw::{mesh_picture, pictures};
 pub use report::report;
 pub use strategy::{Constants, End, MULTIPLIERS, NAMES, Point, Strategy, strategy};
 
@@ -41,6 +41,23 @@ pub struct Study<'a> {
     pub interrupted: bool,
 }
 
+/// A strategy to run: its name, refinement and multiplier.
+pub type Chosen = (String, Refine, Multiplier);
+
+/// The strategies of these names, all if there are none, each with every multiplier of these names, or with that of the scene.
+pub fn strategies<S: AsRef<str>>(scene: &Scene, names: &[S], multipliers: &[S]) -> Vec<Chosen> {
+    let is_in = |list: &[S], name: &str| list.iter().any(|wanted| wanted.as_ref() == name);
+    let mut all = Vec::new();
+    for (name, refine) in NAMES.into_iter().filter(|(name, _)| names.is_empty() || is_in(names, name)) {
+        if multipliers.is_empty() {
+            all.push((name.to_owned(), refine, scene.method.multiplier));
+        }
+        let chosen = MULTIPLIERS.into_iter().filter(|(word, _)| is_in(multipliers, word));
+        all.extend(chosen.map(|(word, multiplier)| (format!("{name}, {word}"), refine, multiplier)));
+    }
+    all
+}
+
 /// Runs strategies, each a name, a refinement and a multiplier, `repeat` times. After a wish to stop no more of them are run.
 ///
 /// # Errors
@@ -48,7 +65,7 @@ pub struct Study<'a> {
 pub fn study<'a>(
     scene: &'a Scene,
     source: &'a Source,
-    chosen: &[(String, Refine, Multiplier)],
+    chosen: &[Chosen],
     repeat: usize,
     watch: &mut Watch<'_>,
 ) -> Result<Study<'a>, StudyError> {

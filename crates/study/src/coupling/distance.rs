@@ -1,11 +1,12 @@
 //! How far one solution of body and medium is from another, in the norms of body, displacement and traction.
 
-use faer::{ColRef, Mat};
 use steklov_coupling::Medium;
 use steklov_elastic::plane::{cross, dot, minus};
 use steklov_model::error::SolveError;
 use steklov_model::grid::GridSolved;
 use steklov_model::solve::medium::Around;
+
+use crate::quadratic;
 
 /// A solution on a grid against which others are measured: those on coarse cells of the grid, and on grids that are nested in it.
 pub(super) struct Truth {
@@ -15,12 +16,6 @@ pub(super) struct Truth {
 
 /// Largest distance of a point from the element that it is on, over the length of the element.
 const SAME_PLACE: f64 = 1e-6;
-
-/// ⟨A v, v⟩.
-pub(super) fn quadratic(matrix: &Mat<f64>, v: &[f64]) -> f64 {
-    let product = |column: ColRef<'_, f64>| column.iter().zip(v).map(|(a, v)| a * v).sum::<f64>();
-    matrix.col_iter().zip(v).map(|(column, v)| v * product(column)).sum()
-}
 
 /// The medium of a solution.
 pub(super) fn around(solved: &GridSolved) -> &Around {

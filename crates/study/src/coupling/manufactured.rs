@@ -10,8 +10,8 @@ use steklov_elastic::plane::{distance, dot, minus};
 use steklov_msfem::{Elasticity, Grid, HeterogeneousBody, Loads};
 use steklov_quadrature::gauss_legendre;
 
-use super::distance::quadratic;
 use super::grids::sides;
+use crate::quadratic;
 
 /// Where the deepest point of a body is looked for: so many steps along each side of its bounding box.
 const STEPS: usize = 128;

@@ -1,10 +1,9 @@
 //! The superlinear convergence of the semi-smooth Newton method: ‖e_{k+1}‖/‖e_k‖ tends to 0.
 
-use faer::Mat;
-use steklov_algebra::dot;
 use steklov_contact::newton_watched;
 
 use super::compare::{OnMesh, gave_way};
+use crate::quadratic;
 use crate::table::Column;
 
 /// Relative errors below this are rounding.
@@ -56,10 +55,10 @@ impl Newton {
                 (solution.displacement, failure)
             }
         };
-        let norm = energy(&problem.stiffness, &solution).sqrt();
+        let norm = quadratic(&problem.stiffness, &solution).sqrt();
         let error = |v: &Vec<f64>| {
             let e: Vec<f64> = v.iter().zip(&solution).map(|(a, b)| a - b).collect();
-            let error = energy(&problem.stiffness, &e).max(0.0).sqrt();
+            let error = quadratic(&problem.stiffness, &e).max(0.0).sqrt();
             if norm > 0.0 { error / norm } else { error }
         };
         let errors: Vec<f64> = unknowns.iter().map(error).collect();
@@ -70,9 +69,4 @@ impl Newton {
         };
         Self { elements: *elements, iterates: (0..errors.len()).map(iterate).collect(), failure }
     }
-}
-
-/// ⟨S v, v⟩.
-fn energy(stiffness: &Mat<f64>, v: &[f64]) -> f64 {
-    (0..v.len()).map(|j| v[j] * dot(stiffness.col_as_slice(j), v)).sum()
 }
