@@ -1,10 +1,12 @@
 //! A field given at the corners of triangles, cut into bands of equal steps, and the colours of the bands.
 
+use std::collections::{HashMap, HashSet};
+
 use kuva::plot::ColorMap;
 use kuva::render::color::Color;
 
 /// Number of bands: fine enough to look smooth.
-pub(super) const BANDS: usize = 32;
+pub const BANDS: usize = 32;
 
 /// Colour of band k: viridis, whose lightness rises with k.
 pub(super) fn colour(k: usize) -> Color {
@@ -16,16 +18,39 @@ const FAR_BEYOND: f64 = 4.0;
 /// The part of the values that are not few.
 const MOST: f64 = 0.98;
 
-/// Interval [low, high] of the colours: from 0 to the largest value, or from the smallest one if the values vary by
-/// more than 1e-3 but less than half of the largest. [0, 1] if there is no positive value. Where a few values are far beyond all
-/// others, as at the tip of a crack, it ends at twice the others.
-pub(super) fn interval(values: &[f64]) -> [f64; 2] {
-    let finite = || values.iter().copied().filter(|v| v.is_finite());
-    let low = finite().fold(f64::INFINITY, f64::min);
-    let mut high = finite().fold(0.0, f64::max);
-    let mut sorted: Vec<f64> = finite().collect();
-    sorted.sort_by(f64::total_cmp);
-    let most = sorted.get((MOST * sorted.len() as f64) as usize).copied().unwrap_or(high);
+/// Interval of the colours of a field over triangles, given by its values at the P points.
+///
+/// Where values of 2 % of the area or less are far beyond all others, as at the tip of a crack, it ends at twice the others.
+pub fn colour_interval(points: &[[f64; 2]], triangles: &[[usize; 3]], values: &[f64]) -> [f64; 2] {
+    interval(&weighted(points, triangles, values))
+}
+
+/// Each of the values at P points with twice the area of the triangles around the point.
+pub(super) fn weighted(points: &[[f64; 2]], triangles: &[[usize; 3]], values: &[f64]) -> Vec<(f64, f64)> {
+    let mut weighted: Vec<(f64, f64)> = values.iter().map(|&v| (v, 0.0)).collect();
+    for t in triangles {
+        let [a, b, c] = t.map(|i| points[i]);
+        let area = ((b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])).abs();
+        t.iter().for_each(|&i| weighted[i].1 += area);
+    }
+    weighted
+}
+
+/// Interval [low, high] of the colours of values with their weights: from 0 to the largest value, or from the smallest one if
+/// the values vary by more than 1e-3 but less than half of the largest. [0, 1] if there is no positive value. Where values of 2 % of the weight
+/// are far beyond all others, it ends at twice the others.
+pub(super) fn interval(values: &[(f64, f64)]) -> [f64; 2] {
+    let mut values: Vec<(f64, f64)> = values.iter().copied().filter(|(v, _)| v.is_finite()).collect();
+    values.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let low = values.first().map_or(f64::INFINITY, |v| v.0);
+    let mut high = values.last().map_or(0.0, |v| v.0.max(0.0));
+    let all: f64 = values.iter().map(|v| v.1).sum();
+    let mut sum = 0.0;
+    let beyond = values.iter().find(|v| {
+        sum += v.1;
+        sum > MOST * all
+    });
+    let most = beyond.map_or(high, |v| v.0);
     if most > 0.0 && high > FAR_BEYOND * most {
         high = 2.0 * most;
     }
@@ -38,9 +63,15 @@ pub(super) fn interval(values: &[f64]) -> [f64; 2] {
     }
 }
 
-/// The convex polygons in which the linear interpolant of `values` lies in band k of `interval`, for each k.
+/// A value as it is interpolated: no farther from the interval than its length, so that infinite values do no harm.
+pub fn limited(value: f64, [low, high]: [f64; 2]) -> f64 {
+    value.clamp(2.0 * low - high, 2.0 * high - low)
+}
+
+/// The closed lines around where the linear interpolant of the [`limited`] `values` lies in band k of `interval`, for each k:
+/// counter-clockwise, around holes clockwise.
 ///
-/// Values outside the interval count as its ends; a triangle with a NaN is left out.
+/// What lies outside the interval belongs to the bands at its ends; a triangle with a NaN is left out.
 pub(super) fn bands(
     points: &[[f64; 2]],
     triangles: &[[usize; 3]],
@@ -50,21 +81,54 @@ pub(super) fn bands(
     let mut result = vec![Vec::new(); BANDS];
     for t in triangles.iter().filter(|t| t.iter().all(|&i| !values[i].is_nan())) {
         // In units of a band: band k is [k, k+1].
-        let level = |i: usize| (values[i] - low) / (high - low) * BANDS as f64;
-        let corner = t.map(|i| (points[i], level(i).clamp(0.0, BANDS as f64)));
+        let level = |i: usize| (limited(values[i], [low, high]) - low) / (high - low) * BANDS as f64;
+        let corner = t.map(|i| (points[i], level(i)));
         let least = corner.iter().map(|c| c.1).fold(f64::INFINITY, f64::min);
         let most = corner.iter().map(|c| c.1).fold(0.0, f64::max);
-        let first = (least as usize).min(BANDS - 1);
+        let first = (least.max(0.0) as usize).min(BANDS - 1);
         let last = (most.ceil() as usize).clamp(first + 1, BANDS);
         for k in first..last {
-            let above = cut(&corner, k as f64, 1.0);
-            let piece = cut(&above, (k + 1) as f64, -1.0);
+            let mut piece = corner.to_vec();
+            if k > 0 {
+                piece = cut(&piece, k as f64, 1.0);
+            }
+            if k + 1 < BANDS {
+                piece = cut(&piece, (k + 1) as f64, -1.0);
+            }
             if piece.len() >= 3 {
                 result[k].push(piece.into_iter().map(|c| c.0).collect());
             }
         }
     }
-    result
+    result.iter().map(|polygons| around(polygons)).collect()
+}
+
+/// The closed lines around polygons; those that share sides are one.
+fn around(polygons: &[Vec<[f64; 2]>]) -> Vec<Vec<[f64; 2]>> {
+    let bits = |p: [f64; 2]| p.map(f64::to_bits);
+    let sides = polygons.iter().flat_map(|p| (0..p.len()).map(move |i| [p[i], p[(i + 1) % p.len()]]));
+    let sides: Vec<_> = sides.filter(|[a, b]| a != b).collect();
+    let all: HashSet<_> = sides.iter().map(|side| side.map(bits)).collect();
+    let outer: Vec<_> = sides.into_iter().filter(|[a, b]| !all.contains(&[bits(*b), bits(*a)])).collect();
+    let mut from: HashMap<[u64; 2], Vec<usize>> = HashMap::new();
+    outer.iter().enumerate().rev().for_each(|(i, [a, _])| from.entry(bits(*a)).or_default().push(i));
+    let mut next = |a: [f64; 2]| from.get_mut(&bits(a)).and_then(Vec::pop);
+    let mut lines = Vec::new();
+    for [start, _] in &outer {
+        let mut line = Vec::new();
+        let mut at = *start;
+        while let Some(i) = next(at) {
+            line.push(at);
+            at = outer[i][1];
+            if at == *start {
+                break;
+            }
+        }
+        if line.len() >= 3 {
+            lines.push(line);
+        }
+    }
+    lines
 }
 
 /// Part of a convex polygon where sign·(value - level) ≥ 0.
@@ -77,7 +141,8 @@ fn cut(polygon: &[([f64; 2], f64)], level: f64, sign: f64) -> Vec<([f64; 2], f64
             part.push((p, v));
         }
         if a * b < 0.0 {
-            let s = a / (a - b);
+            // from the lower end, so that the triangles beside a side have the same bits
+            let ([p, q], s) = if v < w { ([p, q], (level - v) / (w - v)) } else { ([q, p], (level - w) / (v - w)) };
             part.push(([p[0] + s * (q[0] - p[0]), p[1] + s * (q[1] - p[1])], level));
         }
     }
@@ -101,11 +166,13 @@ mod tests {
         for band in b {
             let total: f64 = band.iter().map(|p| area(p)).sum();
             assert!((total - 1.0 / BANDS as f64).abs() < 1e-14);
+            assert_eq!(band.len(), 1);
         }
     }
 
     #[test]
     fn constants_zero_and_infinities() {
+        let interval = |values: &[f64]| interval(&values.iter().map(|&v| (v, 1.0)).collect::<Vec<_>>());
         assert_eq!(interval(&[0.0, 0.0]), [0.0, 1.0]);
         assert_eq!(interval(&[2.0, 2.0 + 1e-13]), [0.0, 2.0 + 1e-13]);
         assert_eq!(interval(&[8.0, 9.0, f64::NAN, f64::INFINITY]), [8.0, 9.0]);
@@ -123,6 +190,23 @@ mod tests {
     }
 
     #[test]
+    fn a_ring_of_triangles_has_a_line_around_and_one_within() {
+        let at = |r: f64, k: usize| {
+            let angle = k as f64 * std::f64::consts::FRAC_PI_3;
+            [r * angle.cos(), r * angle.sin()]
+        };
+        let points: Vec<_> = (0..12).map(|i| at(if i < 6 { 2.0 } else { 1.0 }, i % 6)).collect();
+        let triangles: Vec<_> =
+            (0..6).flat_map(|k| [[k, (k + 1) % 6, 6 + k], [6 + k, (k + 1) % 6, 6 + (k + 1) % 6]]).collect();
+        let b = bands(&points, &triangles, &[0.5; 12], [0.0, 1.0]);
+        let lines = &b[BANDS / 2];
+        assert_eq!(lines.len(), 2);
+        let areas: Vec<f64> = lines.iter().map(|line| area(line)).collect();
+        let hexagon = 1.5 * 3f64.sqrt();
+        assert!((areas[0] - 4.0 * hexagon).abs() < 1e-12 && (areas[1] + hexagon).abs() < 1e-12, "{areas:?}");
+    }
+
+    #[test]
     fn lightness_rises_from_dark_to_bright() {
         let lightness: Vec<f64> = (0..BANDS)
             .map(|k| match colour(k) {
@@ -132,6 +216,27 @@ mod tests {
             .collect();
         assert!(lightness.windows(2).all(|w| w[1] > w[0]));
         assert!(lightness[0] < 50.0 && lightness[BANDS - 1] > 200.0);
+    }
+
+    #[test]
+    fn values_beyond_the_interval_move_no_level_line() {
+        // values 3x over the interval [1, 2]: its ends are at x = 1/3 and x = 2/3
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]];
+        let b = bands(&points, &[[0, 1, 2], [0, 2, 3]], &[0.0, 3.0, 3.0, 0.0], [1.0, 2.0]);
+        let of = |k: usize| b[k].iter().map(|p| area(p)).sum::<f64>();
+        let step = 1.0 / 3.0 / BANDS as f64;
+        assert!((of(0) - 1.0 / 3.0 - step).abs() < 1e-14 && (of(BANDS - 1) - 1.0 / 3.0 - step).abs() < 1e-14);
+        assert!((of(1) - step).abs() < 1e-14);
+    }
+
+    #[test]
+    fn values_are_few_by_their_area() {
+        // a square of two triangles, and a thousandth of it with the other values
+        let points = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [1.001, 0.0], [1.001, 1.0]];
+        let triangles = [[0, 1, 2], [0, 2, 3], [1, 4, 5]];
+        let values = [1.0, 1.0, 1.0, 1.0, 100.0, 100.0];
+        assert_eq!(colour_interval(&points, &triangles, &values), [0.0, 2.0]);
+        assert_eq!(interval(&values.map(|v| (v, 1.0))), [0.0, 100.0]);
     }
 
     proptest! {

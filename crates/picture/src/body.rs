@@ -1,7 +1,7 @@
 //! The deformed body, coloured by a field, over its undeformed outline and the obstacle.
 
 use super::axes::{Axes, BELOW, LABEL_TEXT, TICK_TEXT};
-use super::bands::{BANDS, bands, colour, interval};
+use super::bands::{BANDS, bands, colour, interval, weighted};
 use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::colours::{Colours, beyond};
 use super::scale::{Ticks, bar_ticks, exaggeration, short};
@@ -105,7 +105,7 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
     let walls = walls(b.obstacles, factor);
 
     let title = Title::new(b.title);
-    let colours = b.colours.ends(b.values, interval);
+    let colours = b.colours.ends(&weighted(b.points, b.triangles, b.values), interval);
     let arrows = beyond(b.values.iter().copied(), colours);
     let told = outermost(b, arrows);
     let told = told.map_or(Vec::new(), |text| wrap(&text, SUBTITLE_TEXT, WIDTH - 60.0, 2));

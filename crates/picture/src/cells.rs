@@ -56,7 +56,8 @@ fn panel<'a>(field: &'a CellField<'a>) -> FieldPanel<'a> {
     assert!(spacing[0] > 0.0 && spacing[1] > 0.0, "positive sides");
     let high = [0, 1].map(|i| origin[i] + spacing[i] * cells[i] as f64);
     let pixels = move |size, ends| Raster::new(size, ends, |i, j| mean(field, size, [i, j]));
-    let ends = colours.ends(values, |values| ends(values.iter().copied()));
+    let alike: Vec<(f64, f64)> = values.iter().map(|&v| (v, 1.0)).collect();
+    let ends = colours.ends(&alike, |values| ends(values.iter().map(|v| v.0)));
     FieldPanel {
         caption,
         label,

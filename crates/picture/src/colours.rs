@@ -16,8 +16,8 @@ pub enum Colours {
 }
 
 impl Colours {
-    /// The ends, `automatic` of the values where nothing is said about them.
-    pub(super) fn ends(self, values: &[f64], automatic: impl FnOnce(&[f64]) -> [f64; 2]) -> [f64; 2] {
+    /// The ends for values with their weights, `automatic` where nothing is said about them.
+    pub(super) fn ends(self, values: &[(f64, f64)], automatic: impl FnOnce(&[(f64, f64)]) -> [f64; 2]) -> [f64; 2] {
         match self {
             Self::Automatic => automatic(values),
             Self::WithZero => with_zero(values),
@@ -27,9 +27,10 @@ impl Colours {
 }
 
 /// The ends of colours between which zero lies.
-fn with_zero(values: &[f64]) -> [f64; 2] {
+fn with_zero(values: &[(f64, f64)]) -> [f64; 2] {
     let end = |sign: f64| {
-        let of_sign: Vec<f64> = values.iter().map(|v| sign * v).filter(|v| *v > 0.0 && v.is_finite()).collect();
+        let all = values.iter().map(|(v, weight)| (sign * v, *weight));
+        let of_sign: Vec<(f64, f64)> = all.filter(|(v, _)| *v > 0.0 && v.is_finite()).collect();
         if of_sign.is_empty() { 0.0 } else { interval(&of_sign)[1] }
     };
     let [low, high] = [-end(-1.0), end(1.0)];
@@ -47,6 +48,7 @@ mod tests {
 
     #[test]
     fn zero_lies_between_the_ends_and_few_values_beyond_them() {
+        let with_zero = |values: &[f64]| with_zero(&values.iter().map(|&v| (v, 1.0)).collect::<Vec<_>>());
         assert_eq!(with_zero(&[-3.0, -2.0, f64::NAN]), [-3.0, 0.0]);
         assert_eq!(with_zero(&[8.0, 9.0, f64::INFINITY]), [0.0, 9.0]);
         assert_eq!(with_zero(&[-3.0, 0.0, 2.0]), [-3.0, 2.0]);

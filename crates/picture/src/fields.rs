@@ -61,7 +61,7 @@ pub(super) fn ends(values: impl Iterator<Item = f64>) -> [f64; 2] {
     for v in values.filter(|v| v.is_finite()) {
         (low, high) = (low.min(v), high.max(v));
     }
-    if low < 0.0 { [low, high.max(0.0)] } else { interval(&[low, high]) }
+    if low < 0.0 { [low, high.max(0.0)] } else { interval(&[(low, 1.0), (high, 1.0)]) }
 }
 
 /// Draws panels of one part of the plane row by row, in as many of the given columns as draw them largest. With `shared` all

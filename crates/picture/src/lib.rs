@@ -51,6 +51,7 @@ mod tiles;
 mod upright;
 mod window;
 
+pub use bands::{BANDS, colour_interval, limited};
 pub use bars::{BarGroup, bars};
 pub use basis::{BasisFunction, basis};
 pub use body::{Body, Obstacle, body};

@@ -10,12 +10,13 @@ use steklov_model::solve::solution::Solved;
 use steklov_model::stochastic::StochasticResult;
 use steklov_problem::Scene;
 
+use crate::follow::{Filling, Segment, Value, follow};
 use crate::triangulate::{Triangulation, triangulate};
 
-/// Points of the triangulated body, about.
-const BODY_POINTS: usize = 800;
-/// Points of the triangulated window around the holes of an unbounded body, about.
-const WINDOW_POINTS: usize = 2500;
+/// Points of all bodies before triangles follow the solution, about.
+const BODY_POINTS: usize = 400;
+/// Points of the triangulated window around the holes of an unbounded body before its triangles follow the solution, about.
+const WINDOW_POINTS: usize = 800;
 
 /// The edges of a window around the holes of an unbounded body, whose edges are given, counter-clockwise: their bounding box and one and a half
 /// diameters on each side.
@@ -61,15 +62,9 @@ pub(crate) fn chords(polygon: &Polygon, edge: usize) -> Vec<Chord> {
     (0..count).map(|i| Chord { edge, ends: [point(i), point(i + 1)], span: [s(i), s(i + 1)] }).collect()
 }
 
-/// Points and triangles of a body, of an unbounded one a window; without triangles where its outline cannot be triangulated.
-struct Filled {
-    body: usize,
-    triangulation: Triangulation,
-    /// Edge and edge parameter of each point on the boundary.
-    places: Vec<Option<(usize, f64)>>,
-}
-
-fn filled(polygon: &Polygon, body: usize) -> Filled {
+/// Adds the points and triangles of a body, of an unbounded one those of a window; without triangles where its outline cannot be
+/// triangulated.
+fn fill(filling: &mut Filling, polygon: &Polygon, body: usize) {
     let loops = polygon.bodies()[body].clone();
     let order: Vec<usize> = loops.clone().flat_map(|l| polygon.traversal(l)).collect();
     let bodies = polygon.bodies().len();
@@ -83,76 +78,81 @@ fn filled(polygon: &Polygon, body: usize) -> Filled {
     let of_loops =
         chords.iter().map(|c| (c.ends[0], c.ends[1], polygon.edges()[c.edge].loop_index - loops.start + sides));
     let edges: Vec<_> = frame.into_iter().chain(of_loops).collect();
-    let mut filled = triangulate(&edges, count).unwrap_or_else(|_| Triangulation {
+    let filled = triangulate(&edges, count).unwrap_or_else(|_| Triangulation {
         points: edges.iter().map(|e| e.0).collect(),
         triangles: Vec::new(),
         boundary: (0..edges.len()).map(|k| Some((k, 0.0))).collect(),
         outline: Vec::new(),
     });
-    filled.boundary.iter_mut().for_each(|at| *at = at.and_then(|(k, s)| Some((k.checked_sub(sides)?, s))));
-    filled.outline.retain(|line| line.iter().all(|&i| filled.boundary[i].is_some()));
-    let place = |(k, s): (usize, f64)| {
-        let Chord { edge, span: [a, b], .. } = chords[k];
-        (edge, a + (b - a) * s)
+    let place = |at: &Option<(usize, f64)>| {
+        let (k, s) = (*at)?;
+        let Chord { edge, span: [a, b], .. } = chords[k.checked_sub(sides)?];
+        Some((edge, a + (b - a) * s))
     };
-    let places: Vec<Option<(usize, f64)>> = filled.boundary.iter().map(|at| at.map(place)).collect();
-    for (x, at) in filled.points.iter_mut().zip(&places) {
-        if let Some((edge, s)) = at.filter(|at| !polygon.edges()[at.0].is_line()) {
-            *x = polygon.edges()[edge].point(s);
-        }
+    let places: Vec<Option<(usize, f64)>> = filled.boundary.iter().map(place).collect();
+    let first = filling.points.len();
+    for (point, place) in filled.points.iter().zip(&places) {
+        let curved = place.filter(|at| !polygon.edges()[at.0].is_line());
+        filling.points.push(curved.map_or(*point, |(edge, s)| polygon.edges()[edge].point(s)));
     }
-    Filled { body, triangulation: filled, places }
+    for [i, j] in filled.outline {
+        let (Some((edge, a)), Some((other, b))) = (places[i], places[j]) else { continue };
+        // the end of an edge is the start of the next one
+        let last = if polygon.edges()[edge].reversed { 0.0 } else { 1.0 };
+        let end = if edge == other && (b - a) * (last - a) > 0.0 { b } else { last };
+        filling.outline.push(Segment { ends: [first + i, first + j], edge, span: [a, end] });
+    }
+    filling.triangles.extend(filled.triangles.iter().map(|t| t.map(|i| first + i)));
+    filling.bodies.extend(places.iter().map(|_| body));
+    filling.places.extend(places);
 }
 
 /// The bodies with their fields.
 pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&StochasticResult, &Body)>) -> Grid {
     let polygon = &scene.problem.outline;
-    let all: Vec<Filled> = (0..polygon.bodies().len()).map(|body| filled(polygon, body)).collect();
-    let at_points = |elastic: ElasticField<'_>| -> Vec<([f64; 2], [f64; 3])> {
-        let of = |filled: &Filled| {
-            let at = |i: usize| match filled.places[i] {
-                Some((edge, s)) => elastic.on_edge(edge, s),
-                None => elastic.inside(filled.body, filled.triangulation.points[i]),
-            };
-            (0..filled.places.len()).into_par_iter().map(at).collect::<Vec<_>>()
-        };
-        all.iter().flat_map(of).collect()
+    let mut filling = Filling::default();
+    (0..polygon.bodies().len()).for_each(|body| fill(&mut filling, polygon, body));
+    let at = |elastic: ElasticField<'_>, body: usize, x: [f64; 2], place: Option<(usize, f64)>| match place {
+        Some((edge, s)) => elastic.on_edge(edge, s),
+        None => elastic.inside(body, x),
     };
-    let of_body: Vec<usize> = all.iter().flat_map(|f| vec![f.body; f.places.len()]).collect();
-    let values = at_points(solved.elastic_field());
+    let von_mises = |body: usize, stress: [f64; 3]| scene.problem.bodies[body].material().von_mises(stress);
+    let elastic = solved.elastic_field();
+    let values = follow(&mut filling, polygon, &|body, x, place| {
+        let (displacement, stress) = at(elastic, body, x, place);
+        Value { displacement, stress, von_mises: von_mises(body, stress) }
+    });
     let field = |name: &str, unit: &str, components: usize, values: Vec<f64>| Field {
         name: name.into(),
         unit: unit.into(),
         components,
         values,
     };
-    let displacements = |values: &[([f64; 2], [f64; 3])]| values.iter().flat_map(|(u, _)| [u[0], u[1], 0.0]).collect();
-    let stresses = |values: &[([f64; 2], [f64; 3])]| values.iter().flat_map(|(_, s)| *s).collect();
-    let von_mises =
-        values.iter().zip(&of_body).map(|((_, s), &body)| scene.problem.bodies[body].material().von_mises(*s));
     let mut point_data = vec![
-        field("displacement", "length", 3, displacements(&values)),
-        field("stress", "stress", 3, stresses(&values)),
-        field("von_mises", "stress", 1, von_mises.collect()),
+        field("displacement", "length", 3, values.iter().flat_map(|v| in_space(v.displacement)).collect()),
+        field("stress", "stress", 3, values.iter().flat_map(|v| v.stress).collect()),
+        field("von_mises", "stress", 1, values.iter().map(|v| v.von_mises).collect()),
     ];
-    if all.len() > 1 {
-        point_data.push(field("body", "1", 1, of_body.iter().map(|&body| body as f64).collect()));
+    if polygon.bodies().len() > 1 {
+        point_data.push(field("body", "1", 1, filling.bodies.iter().map(|&body| body as f64).collect()));
     }
     // the particular solution depends on the outcome: without its mean there are no mean fields
     if let Some((result, matrices)) = outcomes.filter(|_| solved.particular.is_empty()) {
-        let mean = |displacement: &[f64]| {
+        let mean = |displacement: &[f64]| -> Vec<([f64; 2], [f64; 3])> {
             let field = matrices.field(displacement);
-            at_points(ElasticField { mesh: &matrices.mesh, field: &field, particular: &Particulars::default() })
+            let elastic = ElasticField { mesh: &matrices.mesh, field: &field, particular: &Particulars::default() };
+            let value = |i: usize| at(elastic, filling.bodies[i], filling.points[i], filling.places[i]);
+            (0..filling.points.len()).into_par_iter().map(value).collect()
         };
-        point_data.push(field("mean_displacement", "length", 3, displacements(&mean(&result.displacement.mean))));
-        point_data.push(field("mean_stress", "stress", 3, stresses(&mean(&result.stress_displacement))));
+        let displacement = mean(&result.displacement.mean).iter().flat_map(|(u, _)| in_space(*u)).collect();
+        let stress = mean(&result.stress_displacement).iter().flat_map(|(_, s)| *s).collect();
+        point_data.push(field("mean_displacement", "length", 3, displacement));
+        point_data.push(field("mean_stress", "stress", 3, stress));
     }
-    let (mut points, mut lines, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
-    for Filled { triangulation, .. } in all {
-        let first = points.len();
-        points.extend(triangulation.points);
-        lines.extend(triangulation.outline.into_iter().map(|line| line.map(|i| first + i)));
-        triangles.extend(triangulation.triangles.into_iter().map(|triangle| triangle.map(|i| first + i)));
-    }
-    Grid { point_data, points, lines, triangles, ..Grid::default() }
+    let lines = filling.outline.iter().map(|line| line.ends).collect();
+    Grid { point_data, points: filling.points, lines, triangles: filling.triangles, ..Grid::default() }
+}
+
+fn in_space(u: [f64; 2]) -> [f64; 3] {
+    [u[0], u[1], 0.0]
 }

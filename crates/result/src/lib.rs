@@ -42,6 +42,7 @@
 pub use {steklov_document, steklov_io, steklov_model, steklov_plan, steklov_problem};
 
 mod body_grid;
+mod follow;
 pub mod grid;
 pub mod history;
 pub mod keep;

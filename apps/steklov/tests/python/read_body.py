@@ -53,5 +53,7 @@ lame, shear = E * nu / ((1 + nu) * (1 - 2 * nu)), E / (2 * (1 + nu))
 trace = dx(0) + dy(1)
 made = np.column_stack([lame * trace + 2 * shear * dx(0), lame * trace + 2 * shear * dy(1), shear * (dy(0) + dx(1))])
 mean = stress[triangles].mean(axis=1)
-error = np.abs(made - mean)[inside].max()
-assert inside.sum() > 100 and error < 0.1 * np.abs(stress).max(), error
+error = np.abs(made - mean)[inside].max(axis=1)
+# stresses of a load on a side of length 1 vary over lengths of that order
+longest = np.max([np.hypot(*(p - q)[:, :2].T) for p, q in ((a, b), (b, c), (c, a))], axis=0)[inside]
+assert inside.sum() > 100 and np.all(error < 3 * longest * np.abs(stress).max()), (error / longest).max()
