@@ -29,6 +29,7 @@ fn show(
         outline: &t.outline,
         obstacles: walls,
         window: None,
+        most: f64::INFINITY,
         enlarge: None,
         units: [None; 2],
     })
@@ -114,6 +115,7 @@ fn asked_for_colours_have_arrows_where_stresses_are_beyond_them() {
             outline,
             obstacles: &[],
             window: None,
+            most: f64::INFINITY,
             enlarge: None,
             units: [None; 2],
         });

@@ -168,6 +168,7 @@ fn deformed_grids_of_many_cells() {
             outline: &lattice.outline,
             obstacles: &[],
             window: None,
+            most: f64::INFINITY,
             enlarge: None,
             units: [None; 2],
         })

@@ -41,5 +41,5 @@ mod grid;
 pub mod stochastic;
 mod view;
 
-pub use draw::{contact_pictures, drawn, obstacles, pictures, positions, side_file, tables};
+pub use draw::{contact_pictures, drawn, largest_factor, obstacles, pictures, positions, side_file, tables};
 pub use view::{Scalar, Unit, View};

@@ -59,6 +59,8 @@ pub struct Body<'a> {
     pub obstacles: &'a [Obstacle<'a>],
     /// Lower left and upper right corner of the part of the undeformed body that is drawn; None for all of it.
     pub window: Option<[[f64; 2]; 2]>,
+    /// The largest factor k at which bodies that touch neither overlap nor part.
+    pub most: f64,
     /// Factor k > 0 of displacements and gaps; None for one that makes them visible.
     pub enlarge: Option<f64>,
     /// Names of the units of lengths, and of the values.
@@ -69,7 +71,7 @@ pub struct Body<'a> {
 ///
 /// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch
 /// in truth, unless it is given: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
-/// 1, 2, 5 times a power of ten that brings it to at most 0.1. The subtitle states k. An obstacle further away than a
+/// 1, 2, 5 times a power of ten that brings it to at most 0.1; less where bodies that touch would overlap or part. The subtitle states k. An obstacle further away than a
 /// quarter of the body is cut off at the frame. Where a few values are far beyond the others, or beyond the colours that
 /// are asked for, the colours end in an arrow, and the outermost value is told with its place before the deformation.
 ///
@@ -100,7 +102,8 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
     assert_eq!(b.points.len(), b.displacement.len(), "one displacement a point");
     assert_eq!(b.points.len(), b.values.len(), "one value a point");
     let largest = b.displacement.iter().map(|u| u[0].hypot(u[1])).filter(|u| u.is_finite()).fold(b.largest, f64::max);
-    let factor = b.enlarge.unwrap_or_else(|| exaggeration(largest / bounds.size()));
+    let factor = b.enlarge.unwrap_or_else(|| exaggeration(largest / bounds.size(), b.most));
+    let is_less = b.enlarge.is_none() && factor < exaggeration(largest / bounds.size(), f64::INFINITY);
     let deformed: Vec<_> = b.points.iter().zip(b.displacement).map(|(&p, &u)| moved(p, u, factor)).collect();
     let walls = walls(b.obstacles, factor);
 
@@ -114,7 +117,12 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
     let f = axes.frame;
     let mut canvas = Canvas::new(f.bottom() + BELOW + 46.0);
     canvas.title(&title, 34.0);
-    canvas.text([WIDTH / 2.0, 30.0 + title.height()], &subtitle(b, factor, largest), SUBTITLE_TEXT, TextAnchor::Middle);
+    canvas.text(
+        [WIDTH / 2.0, 30.0 + title.height()],
+        &subtitle(b, factor, is_less, largest),
+        SUBTITLE_TEXT,
+        TextAnchor::Middle,
+    );
     for (text, below) in told.iter().zip((0..told.len()).rev()) {
         canvas.text([WIDTH / 2.0, top - 18.0 - 20.0 * below as f64], text, SUBTITLE_TEXT, TextAnchor::Middle);
     }
@@ -189,14 +197,16 @@ pub(super) fn undeformed_pen() -> Pen {
     Pen::dashed(GREY, 1.1, 6.0, 4.0)
 }
 
-fn subtitle(b: &Body<'_>, factor: f64, largest: f64) -> String {
+/// What is said of the factor, which may be less than wanted, and of the largest displacement.
+fn subtitle(b: &Body<'_>, factor: f64, is_less: bool, largest: f64) -> String {
     let of = if b.window.is_some() { " of this part" } else { "" };
     let largest = format!("the largest displacement{of} is {}", with_unit(largest, b.units[0]));
+    let why = if is_less { ", as the bodies would overlap or part at more" } else { "" };
     if factor == 1.0 {
-        return format!("drawn to scale; {largest}");
+        return format!("drawn to scale{why}; {largest}");
     }
     let what = if !b.obstacles.is_empty() { "displacements and gaps" } else { "displacements" };
-    format!("{what} drawn {} times as large; {largest}", short(factor, 3))
+    format!("{what} drawn {} times as large{why}; {largest}", short(factor, 3))
 }
 
 /// Smallest box around points.

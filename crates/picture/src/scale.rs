@@ -80,10 +80,11 @@ fn nice_below(x: f64) -> f64 {
 /// Factor at which displacements are drawn, from the ratio r of the largest one to the size of the body.
 ///
 /// 1 for 0.05 ≤ r ≤ 0.5 and for r = 0; else the largest of 1, 2, 5 times a power of ten that brings r to at most
-/// 0.1 (so r times factor lies in (0.04, 0.1]).
-pub fn exaggeration(ratio: f64) -> f64 {
+/// 0.1 (so r times factor lies in (0.04, 0.1]). Of factors above 1 the largest such number that is not above `most`, or 1.
+pub fn exaggeration(ratio: f64, most: f64) -> f64 {
     let visible = (0.05..=0.5).contains(&ratio);
-    if visible || !(1e-200..1e200).contains(&ratio) { 1.0 } else { nice_below(0.1 / ratio) }
+    let factor = if visible || !(1e-200..1e200).contains(&ratio) { 1.0 } else { nice_below(0.1 / ratio) };
+    if factor <= most.max(1.0) { factor } else { nice_below(most.max(1.0)) }
 }
 
 /// 10 to a power, with raised digits.
@@ -141,9 +142,14 @@ mod tests {
         for (ratio, factor) in
             [(0.0, 1.0), (0.05, 1.0), (0.2, 1.0), (0.049, 2.0), (1e-3, 100.0), (1.1e-3, 50.0), (3e-9, 2e7), (4.0, 0.02)]
         {
-            assert_eq!(exaggeration(ratio), factor, "{ratio}");
+            assert_eq!(exaggeration(ratio, f64::INFINITY), factor, "{ratio}");
         }
-        assert_eq!(exaggeration(f64::NAN), 1.0);
+        assert_eq!(exaggeration(f64::NAN, f64::INFINITY), 1.0);
+        for (ratio, most, factor) in
+            [(1e-3, 99.0, 50.0), (1e-3, 100.0, 100.0), (1e-3, 1.9, 1.0), (1e-3, 0.0, 1.0), (4.0, 0.0, 0.02)]
+        {
+            assert_eq!(exaggeration(ratio, most), factor, "{ratio} {most}");
+        }
     }
 
     #[test]
@@ -187,7 +193,7 @@ mod tests {
         #[test]
         fn drawn_displacements_are_visible_and_not_absurd(log in -15.0f64..2.0) {
             let ratio = 10f64.powf(log);
-            let drawn = ratio * exaggeration(ratio);
+            let drawn = ratio * exaggeration(ratio, f64::INFINITY);
             let most = if ratio >= 0.05 { 0.5 } else { 0.1 + 1e-9 };
             prop_assert!(drawn > 0.0399 && drawn <= most, "{ratio} is drawn as {drawn}");
         }

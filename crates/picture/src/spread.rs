@@ -49,7 +49,7 @@ pub fn spread(title: &str, loops: &[SpreadLoop], obstacles: &[Obstacle<'_>]) -> 
         both = both.max(largest(&mut l.mean.iter().zip(&l.covariance).map(sum)));
     }
     let bounds = Bounds::of(loops.iter().flat_map(|l| &l.points));
-    let factor = exaggeration(both / bounds.size());
+    let factor = exaggeration(both / bounds.size(), f64::INFINITY);
     let deformed: Vec<Vec<_>> =
         loops.iter().map(|l| l.points.iter().zip(&l.mean).map(|(&p, &u)| moved(p, u, factor)).collect()).collect();
     let bands: Vec<Vec<[[f64; 2]; 2]>> =

@@ -154,6 +154,7 @@ mod tests {
             outline: &outline,
             obstacles: &obstacles,
             window: None,
+            most: f64::INFINITY,
             enlarge: None,
             units: [None; 2],
         })

@@ -55,6 +55,13 @@ impl Problem {
         self.joints().find(|interface| interface.sides.contains(&side))
     }
 
+    /// Whether a side is a cut through a body that is whole there, as beyond the tip of a crack.
+    pub fn is_whole_across(&self, side: usize) -> bool {
+        let is_tied_cut = |joint: &&Interface| joint.faces == Faces::Cut && matches!(joint.law, Law::Tied(_));
+        let mut cuts = self.joints().filter(is_tied_cut);
+        cuts.any(|cut| cut.sides.contains(&side) || self.facing_sides(cut).contains(&side))
+    }
+
     /// The edges on both sides of cuts: the same line in both directions.
     pub fn cut_edges(&self) -> Vec<[usize; 2]> {
         let edges = self.outline.edges();

@@ -149,7 +149,8 @@ pub(crate) fn body_grid(scene: &Scene, solved: &Solved, outcomes: Option<(&Stoch
         point_data.push(field("mean_displacement", "length", 3, displacement));
         point_data.push(field("mean_stress", "stress", 3, stress));
     }
-    let lines = filling.outline.iter().map(|line| line.ends).collect();
+    let is_boundary = |line: &&Segment| !scene.problem.is_whole_across(polygon.edges()[line.edge].side);
+    let lines = filling.outline.iter().filter(is_boundary).map(|line| line.ends).collect();
     Grid { point_data, points: filling.points, lines, triangles: filling.triangles, ..Grid::default() }
 }
 

@@ -179,7 +179,7 @@ impl Scale {
             stress: STEPS * (colours[1] - colours[0]) / BANDS as f64,
             displacement: STEPS * largest / BANDS as f64,
             pixel: size / PIXELS,
-            factor: exaggeration(largest / size),
+            factor: exaggeration(largest / size, f64::INFINITY),
         }
     }
 

@@ -54,6 +54,7 @@ pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, Pi
         outline,
         obstacles: &[],
         window: view.window,
+        most: f64::INFINITY,
         enlarge: view.enlarge,
         units: units(stored, view.scalar),
     })
