@@ -26,6 +26,10 @@ pub(crate) struct Side {
 }
 
 impl<'a> Body<'a> {
+    /// The body with its outer boundary and the fine displacements `fine` of all nodes (length).
+    ///
+    /// # Errors
+    /// As [`Outline::new`]: a body of several parts, or one that touches itself in a point.
     pub fn new(body: &'a HeterogeneousBody, fine: &'a [f64]) -> Result<Self, CouplingError> {
         let outline = Outline::new(&body.grid)?;
         let trace = Trace::fine(&body.grid, &outline);
@@ -33,6 +37,10 @@ impl<'a> Body<'a> {
     }
 
     /// The sides of cells on an element.
+    ///
+    /// # Errors
+    /// [`CouplingError::Boundary`] for an element that sides of cells do not cover: make the mesh from the outline of the
+    /// grid.
     pub fn overlaps(&self, mesh: &Mesh, e: usize) -> Result<Vec<Overlap>, CouplingError> {
         overlaps(&self.trace, mesh, e)
     }

@@ -207,6 +207,10 @@ pub(crate) struct Structures {
 }
 
 impl Structures {
+    /// The local problem of this size and freedom, analysed at its first use.
+    ///
+    /// # Errors
+    /// As [`LocalProblem::new`].
     pub fn get(&self, size: [usize; 2], freedom: Freedom) -> Result<Arc<LocalProblem>, MsfemError> {
         let mut known = self.known.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(problem) = known.get(&(size, freedom)) {

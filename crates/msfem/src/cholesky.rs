@@ -59,6 +59,9 @@ fn available() -> Option<u64> {
 
 impl Structure {
     /// Of a pattern whose unknowns are eliminated in this order.
+    ///
+    /// # Errors
+    /// [`MsfemError::Memory`] if the structure of the factor does not fit into memory: take a coarser grid.
     pub fn new(pattern: Lower, order: &[usize]) -> Result<Self, MsfemError> {
         let size = pattern.size();
         let mut inverse = vec![0; size];
@@ -74,6 +77,9 @@ impl Structure {
     }
 
     /// Factorises the matrix with these entries, and checks that the factor solves a system of it.
+    ///
+    /// # Errors
+    /// As [`Self::factorise`], and [`MsfemError::Fault`] if the factor does not solve a system to rounding.
     pub fn factorise_checked(&self, entries: &[f64], par: Par) -> Result<Cholesky, MsfemError> {
         let Lower { start, rows } = &*self.pattern;
         let mut factor = self.factorise(entries, par)?;
@@ -87,6 +93,10 @@ impl Structure {
     }
 
     /// Factorises the matrix with these entries.
+    ///
+    /// # Errors
+    /// [`MsfemError::Memory`] for a factor that does not fit into memory: take a coarser grid. [`MsfemError::Singular`] for a
+    /// matrix that is not positive definite: hold the body, or lower the contrast of the moduli.
     pub fn factorise(&self, entries: &[f64], par: Par) -> Result<Cholesky, MsfemError> {
         let size = self.pattern.size();
         let memory = |_| MsfemError::Memory { size };

@@ -49,6 +49,10 @@ pub(crate) fn cell_dofs([m, _]: [usize; 2], i: usize, j: usize) -> [usize; 8] {
 }
 
 impl LocalProblem {
+    /// The problem of a rectangle of `size` cells with these free displacements: numbers them and analyses the structure of Pᵀ K P.
+    ///
+    /// # Errors
+    /// [`MsfemError::Memory`] if the structure of the factor does not fit into memory: take a coarser grid.
     pub fn new(size: [usize; 2], freedom: Freedom) -> Result<Self, MsfemError> {
         let [m, n] = size;
         let boundary = |i: usize, j: usize| i == 0 || j == 0 || i == m || j == n;
@@ -125,6 +129,9 @@ impl LocalProblem {
     }
 
     /// The factor of Pᵀ K P; None without free displacements. `young` has the moduli of the cells, (i, j) at i·n + j.
+    ///
+    /// # Errors
+    /// As [`Structure::factorise`].
     pub fn factorise(&self, young: &[f64], unit: &[[f64; 8]; 8]) -> Result<Option<Cholesky>, MsfemError> {
         let Some(structure) = &self.structure else { return Ok(None) };
         let mut entries = vec![0.0; structure.pattern.rows.len()];

@@ -158,6 +158,10 @@ impl CellBasis {
     /// germ.
     ///
     /// Cost: the square of the number of nodes times Π_d (q_d + 7) points of integration.
+    ///
+    /// # Errors
+    /// [`StochasticError::Number`] for more than 1e8 points of integration: use fewer directions. [`StochasticError`] if a
+    /// germ has no quadrature rule of the degree needed.
     pub fn mass(&self, coefficient: &dyn Fn(&[f64]) -> f64) -> Result<Mat<f64>, StochasticError> {
         let rules = self.mass_rules()?;
         let count = rules.iter().map(|rule| rule.len() as f64).product::<f64>();

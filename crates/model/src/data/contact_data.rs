@@ -92,6 +92,11 @@ impl OnMesh<'_> {
     }
 
     /// Contact nodes, weights and conditions; none without a contact side.
+    ///
+    /// # Errors
+    /// [`SolveError::Data`] for a gap, friction bound or coefficient without a finite value or with a negative friction, and
+    /// for a held end of a contact side inside the obstacle: correct the expression, or the displacement that holds the end.
+    /// [`SolveError::Contact`] if the contact side has no usable conditions.
     pub fn contact(&self, held: &[Held], joints: &[Joint]) -> Result<Option<ContactBoundary>, SolveError> {
         let sides = self.contact_sides();
         if sides.is_empty() {

@@ -70,6 +70,11 @@ impl OnMesh<'_> {
     }
 
     /// Prescribed displacement of every node.
+    ///
+    /// # Errors
+    /// [`SolveError::Data`] for a displacement without a finite value or with a pole on its side,
+    /// [`SolveError::Incompatible`] if two sides hold a common point at different displacements: make them equal there, or
+    /// free one of them.
     pub fn held(&self) -> Result<Vec<Held>, SolveError> {
         let (mesh, space) = (self.mesh, self.space);
         let mut held = vec![Held::default(); space.nodes()];
@@ -117,6 +122,10 @@ impl OnMesh<'_> {
 
     /// The tractions and pressures, and where a medium is around the body the jump of the traction, that of the remote stress
     /// included.
+    ///
+    /// # Errors
+    /// [`SolveError::Data`] for a traction, a pressure or a jump that is not finite or cannot be integrated: correct its
+    /// expression.
     pub fn load(&self) -> Result<Loads, SolveError> {
         let mut unresolved = vec![0.0; self.mesh.len()];
         let (mut load, mut extra) = (vec![0.0; self.space.dofs()], vec![0.0; 2 * self.mesh.len()]);
@@ -164,6 +173,10 @@ impl OnMesh<'_> {
     }
 
     /// Adds what elements that may slip do not follow of their friction bounds, under Coulomb's law those of the largest pressure.
+    ///
+    /// # Errors
+    /// [`SolveError::Data`] for a friction bound or coefficient that is not finite or cannot be integrated: correct its
+    /// expression.
     pub fn add_unresolved_bounds(
         &self,
         unresolved: &mut [f64],
@@ -188,6 +201,9 @@ impl OnMesh<'_> {
 
     /// Moments of tractions, pressures and jumps of the traction on each element of degree 1, elements of several data several
     /// times; without the remote stress.
+    ///
+    /// # Errors
+    /// As [`Self::load`].
     pub fn side_loads(&self) -> Result<Vec<SideLoad>, SolveError> {
         let mut loads = Vec::new();
         self.each_traction(&mut |index, name, expression, _, direction| {
@@ -231,6 +247,9 @@ impl OnMesh<'_> {
 
     /// Calls with the side, name, expression and direction on each element of every traction, pressure and jump of the
     /// traction.
+    ///
+    /// # Errors
+    /// The first error of `call`, which ends the calls; none of its own.
     pub fn each_traction(&self, call: &mut OfTraction<'_>) -> Result<(), SolveError> {
         for (index, side) in self.scene.problem.sides.iter().enumerate() {
             match &side.condition {
@@ -299,6 +318,9 @@ impl OnMesh<'_> {
     }
 
     /// ‖w‖ ‖dw/ds‖ of the held displacements less their interpolants, summed over the components: (element, length²).
+    ///
+    /// # Errors
+    /// [`SolveError`] for a displacement that is not finite or cannot be integrated along an element: correct its expression.
     pub fn held_oscillation(&self, particular: &Particulars) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
         for (index, side) in self.scene.problem.sides.iter().enumerate() {

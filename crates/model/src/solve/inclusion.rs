@@ -127,6 +127,10 @@ impl Outside {
 
 impl OnMesh<'_> {
     /// The jump u0 of the displacement from the medium to the body at every node, that of the remote stress included; interleaved.
+    ///
+    /// # Errors
+    /// [`SolveError::Data`] for a jump of the displacement that is not finite or has a pole between two nodes: correct its
+    /// expression.
     pub fn jump(&self) -> Result<Vec<f64>, SolveError> {
         let (scene, mesh, space) = (self.scene, self.mesh, self.space);
         let jumps = displacement_jump(scene);

@@ -28,6 +28,9 @@ const PLACES: usize = 12;
 
 /// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
 /// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
+///
+/// # Errors
+/// [`DataError`] if the scene has no outcome at one of the germs looked at: correct the expression of the random modulus.
 pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let galerkin = random.stochastic.method == Sampling::Galerkin && scene.uses(random).young;
     let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());

@@ -97,6 +97,11 @@ impl<'a> Outcomes<'a> {
     }
 
     /// The outcome as a scene, its modulus over the nominal one, and what acts on the body of the nominal modulus.
+    ///
+    /// # Errors
+    /// [`SolveError::Data`] for data that the outcome makes impossible: correct their expressions or the range of the germs.
+    /// [`SolveError::Bem`] or [`SolveError::Contact`] for loads that drive a motion which nothing resists, or if the outcome
+    /// leaves other motions free than the mean input does: hold the body.
     pub fn given(&self, germs: &[f64]) -> Result<(Scene, f64, Loading), SolveError> {
         let (mesh, space): (&Mesh, &Space) = (&self.body.mesh, &self.body.space);
         let mut scene = self.scene.outcome(germs)?;
@@ -136,6 +141,10 @@ impl<'a> Outcomes<'a> {
     }
 
     /// The answer to an outcome, of the nominal modulus; `warm` is that of a similar one.
+    ///
+    /// # Errors
+    /// [`SolveError::Contact`] if the contact problem cannot be solved: take another solver. [`SolveError::NotFinite`] for
+    /// numbers beyond the range of floating point: check the units.
     pub fn solved(
         &self,
         scene: &Scene,

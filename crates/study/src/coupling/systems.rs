@@ -43,6 +43,11 @@ fn solve(matrix: &Mat<f64>, right: &Mat<f64>) -> Vec<f64> {
 }
 
 impl Reduced {
+    /// The matrices of body and medium on one level, the interior displacements eliminated.
+    ///
+    /// # Errors
+    /// [`CouplingError`] if the grid has no outer boundary that is one curve, if the medium has no operators on it, or if the
+    /// stiffness of the body cannot be factorised.
     pub fn new(exact: &Manufactured<'_>, level: &Level) -> Result<Self, CouplingError> {
         let problem = exact.problem(&level.grid)?;
         let interior = Interior::fine(&problem.body, &problem.loads)?;
