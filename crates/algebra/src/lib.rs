@@ -3,6 +3,8 @@
 //! What the parallel kernels of the library below return is applied to a seeded vector, and so is what it was made of: that takes
 //! n² operations where the kernels take n³, and what both differ by is rounding or a [`Fault`].
 //!
+//! Source: Freivalds (1977) for products, with rounding in them.
+//!
 //! What a result makes of the vector, its [`Image`], goes on to the checks of what is made of that result, which need not read it again.
 //! Sparse factors (`steklov-msfem`), solutions of dense systems (`steklov-contact`, `steklov-coupling`) and spectra are checked by the
 //! same vector. Not checked, as nothing of it runs on several threads of the library: local problems of multiscale bases, matrices of

@@ -48,8 +48,9 @@ impl Operators {
     /// Cost: N²/(8p²) pairs of 0.1 to 1 µs for N unknowns of degree p; memory 3 N² doubles and a small buffer.
     /// # Errors
     /// [`BemError::Mesh`] when elements are not closed loops or have no length.
-    /// # Source
-    /// Hsiao, Wendland, *Boundary Integral Equations*, 2008, chapter 2 (kernels); integration by parts after Maue 1949 and Günter.
+    ///
+    /// Source: Hsiao, Wendland, *Boundary Integral Equations*, 2008, chapter 2 (kernels); integration by parts after Maue
+    /// 1949 and Günter; Steinbach (2004) for the sizes at which V is positive definite.
     pub fn assemble(mesh: &Mesh, space: &Space, material: &Material, length: Option<f64>) -> Result<Self, BemError> {
         let mut operators = Self::empty(mesh, space, length)?;
         let pass = Pass::new(mesh, space, material, operators.length, Purpose::Plain);

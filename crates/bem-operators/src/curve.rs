@@ -226,6 +226,8 @@ impl Curve {
 
     /// z - 1 and z + 1 of the point z with γ(z) = x that is nearest to [-1, 1], from x - v₀ and x - v₁. On a polynomial curve
     /// none if it lies outside of the Bernstein ellipse of parameter 3.
+    ///
+    /// Source: Helsing and Ojala (2008); af Klinteberg and Barnett (2021).
     pub fn preimage(&self, [x0, x1]: [Complex64; 2]) -> Option<[Complex64; 2]> {
         match self {
             Curve::Line(ends) => {
@@ -248,6 +250,8 @@ impl Curve {
 
     /// Whether the rules of this crate hold on it: an arc of at most 180°; a polynomial curve that is injective on the ellipse
     /// of parameter 3, where γ' keeps to a half plane (Noshiro and Warschawski).
+    ///
+    /// Source: Noshiro (1934) and Warschawski (1935) for the half plane.
     pub fn is_admissible(&self) -> bool {
         match self {
             Curve::Line(_) => true,

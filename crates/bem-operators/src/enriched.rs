@@ -16,6 +16,8 @@ use crate::{BemError, Bubbles, Enrichment, Mesh, PairCache, Space, TractionMap};
 /// ```
 /// and for a displacement u of the base with traction ψ = V⁻¹Hu the Galerkin residuals of the extra functions are
 /// ⟨(K+½)u - Vψ, P_p⟩ = L_xx X_xb u and ⟨Wu + (K'+½)ψ, b⟩ = Cᵀu.
+///
+/// Source: Heuer, Mellado and Stephan (2001), two-level hp boundary elements.
 #[derive(Debug, Clone)]
 pub struct EnrichedSteklov {
     /// L_xx, n×n.

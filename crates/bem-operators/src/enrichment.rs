@@ -14,6 +14,8 @@ use crate::{BemError, Mesh, Space};
 ///
 /// Extra unknown 2e+i belongs to element e, component i, and stands behind the N unknowns of the space: nodal functions
 /// and bubbles span degree p+1, tractions degree p. With n = 2·elements:
+///
+/// Source: Heuer, Mellado and Stephan (2001), two-level hp boundary elements.
 #[derive(Debug, Clone)]
 pub struct Enrichment {
     /// Columns of V for the top tractions against the tractions of the space, N×n.

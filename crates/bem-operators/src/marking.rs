@@ -8,8 +8,9 @@ const TIE: f64 = 1e-6;
 /// Marks the smallest set of elements with Σ η² ≥ θ times the whole, and those whose η² equals that of the last of them. A
 /// marked element gets its η over the smallest marked one.
 ///
-/// # Source
-/// Dörfler, *A convergent adaptive algorithm for Poisson's equation*, SIAM J. Numer. Anal. 33 (1996), with η² for η.
+/// Source: Dörfler, *A convergent adaptive algorithm for Poisson's equation*, SIAM J. Numer. Anal. 33 (1996), with η² for
+/// η.
+///
 /// # Panics
 /// If an indicator is NaN.
 pub fn doerfler(squared: &[f64], theta: f64) -> Vec<Option<f64>> {
@@ -32,8 +33,8 @@ pub fn doerfler(squared: &[f64], theta: f64) -> Vec<Option<f64>> {
 /// roundoff of the displacement (always for p = 1).
 ///
 /// a_0, a translation, does not count, and the fit does not depend on units or directions.
-/// # Source
-/// Mavriplis, *Adaptive mesh strategies for the spectral element method*, 1994; Houston and Süli, 2005.
+///
+/// Source: Mavriplis, *Adaptive mesh strategies for the spectral element method*, 1994; Houston and Süli, 2005.
 pub fn legendre_decay(mesh: &Mesh, space: &Space, e: usize, displacement: &[f64]) -> Option<f64> {
     let basis = space.basis(e);
     let (n, t) = (mesh.normal(e, 0.0), mesh.tangent(e, 0.0));

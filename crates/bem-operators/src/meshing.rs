@@ -90,6 +90,8 @@ impl Mesh {
     /// # Errors
     /// [`BemError::Mesh`] when an edge or s is out of range, `ratio` is not in (0, 1), a degree is 0, or the smallest
     /// element, ratio^layers of its piece, has no length in floating point.
+    ///
+    /// Source: Gui and Babuška (1986), part II, for geometric meshes with linear degrees.
     pub fn graded(
         polygon: &Polygon,
         towards: &[(usize, f64)],

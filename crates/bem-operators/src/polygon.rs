@@ -296,6 +296,8 @@ impl Polygon {
 
     /// Where x lies: on the boundary if an edge is within [`Polygon::tolerance`], else by the winding number, whose
     /// orientation tests are exact. A point that is not finite is outside.
+    ///
+    /// Source: Shewchuk (1997) for the orientation tests.
     pub fn contains(&self, x: [f64; 2]) -> Location {
         let (mut nearest, mut on) = (self.tolerance, None);
         for (k, edge) in self.edges.iter().enumerate() {

@@ -22,6 +22,8 @@ use crate::near::MAX_ORDER;
 use crate::{Mesh, Space};
 
 /// The elastic field of a displacement and a traction on the boundary: u = a + V t - K u inside the body.
+///
+/// Source: Hsiao and Wendland (2008), section 2.2, for the representation formula.
 #[derive(Debug, Clone)]
 pub struct BoundaryField {
     material: Material,
@@ -214,6 +216,8 @@ impl BoundaryField {
     /// Pointwise Steklov-Poincaré trace σ^h = W u + K'ψ + ψ/2 at the reference coordinate -1 < t < 1 of element e.
     ///
     /// ∫ σ^h·φ = (S u)_φ; σ^h has logarithmic singularities at all element ends, so it wants rules graded to them.
+    ///
+    /// Source: Issaoui (2014), equation (3.7).
     pub fn steklov_trace(&self, e: usize, t: f64) -> [f64; 2] {
         self.boundary_derivatives(e, t, 0..self.elements.len()).0
     }

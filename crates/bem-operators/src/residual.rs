@@ -49,8 +49,9 @@ impl BoundaryResidual {
 ///
 /// # Errors
 /// [`BemError::DataNotFinite`] where a prescribed traction is not finite.
-/// # Source
-/// Carstensen and Stephan, *A posteriori error estimates for boundary element methods*, Math. Comp. 64 (1995).
+///
+/// Source: Carstensen and Stephan, *A posteriori error estimates for boundary element methods*, Math. Comp. 64 (1995);
+/// Issaoui (2014), theorem 2.6, the terms of η_hp.
 pub fn boundary_residuals(
     mesh: &Mesh,
     field: &BoundaryField,

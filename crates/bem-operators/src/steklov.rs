@@ -9,6 +9,8 @@ use steklov_algebra::{Image, add_to_lower, check_cholesky, cholesky, parts, solv
 use crate::{BemError, Operators};
 
 /// On which side of the boundary the elastic body lies, and what its displacement does at infinity.
+///
+/// Source: Hsiao and Wendland (2008), section 2.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Domain {
     /// The body is to the left of the boundary, n points out of it: V t = (½ + K) u. Of an unbounded body
@@ -46,6 +48,8 @@ impl Domain {
 /// ```text
 /// S_B u = S (u - a) = S u - S 1 (1ᵀ S 1)⁻¹ 1ᵀ S u,     1ᵀ S_B = 0,     V_B⁻¹ = V⁻¹ on tractions without resultant
 /// ```
+///
+/// Source: Issaoui (2014), equations (2.33) for the body and (5.95) for the medium around it.
 #[derive(Debug, Clone)]
 pub struct Steklov {
     /// S, full storage.
@@ -123,8 +127,9 @@ impl Steklov {
     /// Cost: N³/3 for V, N³ for L⁻¹H, N³ for (L⁻¹H)ᵀ(L⁻¹H) (one triangle), N unknowns.
     /// # Errors
     /// [`BemError::SingleLayerIndefinite`] when V has no Cholesky factor (L too small), [`BemError::Fault`].
-    /// # Source
-    /// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987 (the symmetric form).
+    ///
+    /// Source: Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987 (the symmetric
+    /// form).
     pub fn new(operators: Operators, domain: Domain) -> Result<Self, BemError> {
         let Operators { v: mut factor, k: mut solved, w: mut matrix, mass, length, diameter } = operators;
         if domain.is_exterior() {

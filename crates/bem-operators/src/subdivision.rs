@@ -183,6 +183,8 @@ impl Subdivision {
     /// part at the point keeping the degree, the other one having one more; with singular points at both ends it is
     /// halved. So the degrees become linear in the layer. Elsewhere the degree rises, but a rough piece, and one of
     /// the highest degree, is halved. Where the indicator is far above the smallest marked one, two cuts are made at once.
+    ///
+    /// Source: Gui and Babuška (1986), part II, for geometric meshes with linear degrees.
     pub fn refined(&self, singular: &[Vec<f64>], grading: &Grading) -> Self {
         let Grading { sigma, tip_degree, max_degree, shortest } = *grading;
         let mut edges = Vec::with_capacity(self.edges.len());

@@ -26,6 +26,8 @@ use crate::{BemError, Mesh, Space, TractionMap};
 ///
 /// # Errors
 /// [`BemError::Fault`].
+///
+/// Source: Issaoui (2014), equation (3.7).
 pub fn steklov_trace_rows(
     mesh: &Mesh,
     space: &Space,

@@ -6,6 +6,8 @@ use crate::CouplingError;
 const TOLERANCE: f64 = 1e-6;
 
 /// What the displacement does at infinity.
+///
+/// Source: Issaoui (2014), equation (5.90); Hsiao and Wendland (2008), section 2.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Radiation {
     /// u_c = G_L F + O(1/r) with F the resultant of the loads, so that u_c → 0 without one. With a resultant u_c grows as

@@ -12,9 +12,8 @@ use steklov_quadrature::gauss_legendre;
 ///
 /// Cost: 9 points a cell and 3 on each side. Parallel over cells, the same bits for any number of threads.
 ///
-/// # Source
-/// Verfürth, *A posteriori error estimation techniques for finite element methods*, 2013, with moduli as weights; the factor of
-/// interpolation is left out.
+/// Source: Verfürth, *A posteriori error estimation techniques for finite element methods*, 2013, with moduli as weights;
+/// the factor of interpolation is left out.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CellIndicators {
     /// h²/E ‖f + div σ(u)‖², h the larger side of the cell.

@@ -7,6 +7,9 @@ const CONTRAST: f64 = 1e10;
 
 /// Which fields are unknowns. v are the unknowns of the trace, Π v the trace in the displacement space of the boundary elements;
 /// A_c and f_c are the body's stiffness and load, reduced to v; n points out of the body.
+///
+/// Source: Costabel (1987) for two fields; Carstensen and Funken (1999) and Issaoui (2014), equation (5.99), for three;
+/// Issaoui (2014), equation (5.97), for the displacement alone.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Form {
     /// Displacement v and traction φ of the medium; symmetric, indefinite:

@@ -16,6 +16,8 @@ use crate::{Coupled, CouplingError};
 /// V φ = (K - ½) ξ + a,        W ξ + (K' + ½) φ = 0
 /// ```
 /// with a the displacement at infinity.
+///
+/// Source: Hsiao and Wendland (2008), section 2.2.
 #[derive(Debug, Clone)]
 pub struct Medium {
     /// Elements on the outer boundary of the body, with the body to the left.

@@ -12,8 +12,8 @@
 //! each non-mortar element. Between straight elements π is affine and the integrals are exact; on curves π is a root, and Gauss rules
 //! have enough points for 1e-12.
 //!
-//! # Source
-//! Wohlmuth, *A mortar finite element method using dual spaces for the Lagrange multiplier*, SIAM J. Numer. Anal. 38 (2000).
+//! Source: Wohlmuth, *A mortar finite element method using dual spaces for the Lagrange multiplier*, SIAM J. Numer. Anal.
+//! 38 (2000).
 
 use steklov_bem_operators::{Mesh, Space};
 use steklov_elastic::plane::{cross, distance, dot, minus, norm, unit};
@@ -128,6 +128,8 @@ fn paired(side: Facing<'_>, e: usize, x: [f64; 2], pull: [f64; 2]) -> Option<f64
 }
 
 /// The root in [-1, 1] of a function that rises from the first of these values to the second, by the Illinois method.
+///
+/// Source: Dowell and Jarratt (1971).
 fn root(f: &dyn Fn(f64) -> f64, [mut at_low, mut at_high]: [f64; 2]) -> f64 {
     let ([mut low, mut high], mut kept, mut last) = ([-1.0, 1.0], 0, f64::INFINITY);
     for _ in 0..100 {

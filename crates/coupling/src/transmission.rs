@@ -19,8 +19,7 @@ use crate::{Coupled, CouplingError, Interior, Medium, Transfer};
 /// N unknowns, and the dense solution: n³/3 + 2.3 N³ by [`Form::Schur`](crate::Form::Schur), (n+N)³/3 by [`Form::TwoField`](crate::Form::TwoField), (n+2N)³/3 by
 /// [`Form::ThreeField`](crate::Form::ThreeField).
 ///
-/// # Source
-/// Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987; Gatica and Hsiao,
+/// Source: Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987; Gatica and Hsiao,
 /// *Boundary-field equation methods for a class of nonlinear problems*, 1995 (net forces and the behaviour at infinity).
 #[derive(Debug)]
 pub struct Transmission<'a> {

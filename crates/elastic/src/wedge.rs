@@ -5,7 +5,8 @@
 //! D(λ) = det(conditions on faces and interfaces) = 0    stress ~ r^(λ-1): infinite where 0 < Re λ < 1
 //! ```
 //! The zeros of D, an entire function, are counted by the change of its argument around a strip.
-//! Source: M. L. Williams, J. Appl. Mech. 19 (1952) 526-528.
+//!
+//! Source: Williams, J. Appl. Mech. 19 (1952); Dempsey and Sinclair (1979) for several sectors.
 
 use std::f64::consts::PI;
 

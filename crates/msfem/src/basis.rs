@@ -13,6 +13,10 @@ use crate::MsfemError;
 use crate::local::{Columns, Freedom, LocalProblem, cell_dofs, nodes};
 
 /// What the basis functions are on the boundary of a coarse cell; inside of it they satisfy div σ = 0 on the fine cells.
+///
+/// Source: Zhang, Wu, Lü and Fu (2010) for linear functions; Zhang, Wu and Fu, Comput. Mech. 45 (2010), for coupled ones;
+/// Issaoui (2014), section 5.3.1, for both; Hou and Wu (1997) for oscillatory traces and oversampling; Sanchez-Palencia
+/// (1980) for periodic cells.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Basis {
     /// hat_p e_k everywhere: coarse bilinear elements, the moduli integrated on the fine cells.
@@ -51,6 +55,8 @@ impl Basis {
 }
 
 /// R_T and R_Tᵀ K_T R_T of a coarse cell.
+///
+/// Source: Issaoui (2014), equations (5.24) and (5.28).
 #[derive(Debug, Clone)]
 pub struct CellBasis {
     /// Fine cells m, n.
@@ -66,10 +72,9 @@ impl CellBasis {
     /// these sides: the homogenised tensor of a periodic body for [`Basis::Periodic`], an upper bound of it (uniform strain
     /// on the boundary) for [`Basis::Coupled`].
     ///
-    /// # Source
-    /// Zhang, Fu and Wu, *Extended multiscale finite element method for mechanical analysis of periodic lattice truss
-    /// materials*, Int. J. Multiscale Comput. Eng. 8 (2010); periodic cells: Sanchez-Palencia, *Non-homogeneous media and
-    /// vibration theory*, 1980.
+    /// Source: Zhang, Fu and Wu, *Extended multiscale finite element method for mechanical analysis of periodic lattice
+    /// truss materials*, Int. J. Multiscale Comput. Eng. 8 (2010); periodic cells: Sanchez-Palencia, *Non-homogeneous media
+    /// and vibration theory*, 1980.
     pub fn tensor(&self, spacing: [f64; 2]) -> [[f64; 3]; 3] {
         let [lx, ly] = [0, 1].map(|k| self.size[k] as f64 * spacing[k]);
         let corners = [[0.0, 0.0], [lx, 0.0], [lx, ly], [0.0, ly]];

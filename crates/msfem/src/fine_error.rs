@@ -31,9 +31,8 @@ const BUBBLES: usize = 5;
 /// of contrast 10² that meet at their corners.
 /// Cost: about 500 operations a cell.
 ///
-/// # Source
-/// Bank and Weiser, *Some a posteriori error estimators for elliptic partial differential equations*, Math. Comp. 44 (1985),
-/// with tractions weighted by the moduli.
+/// Source: Bank and Weiser, *Some a posteriori error estimators for elliptic partial differential equations*, Math. Comp.
+/// 44 (1985), with tractions weighted by the moduli.
 pub fn bubble_indicators(
     body: &HeterogeneousBody,
     body_force: &[[f64; 8]],

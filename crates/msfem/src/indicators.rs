@@ -17,9 +17,8 @@ use crate::{CoarseMesh, Grid, HeterogeneousBody};
 ///
 /// Cost: two stresses at each fine side on a coarse edge.
 ///
-/// # Source
-/// Verfürth, *A posteriori error estimation techniques for finite element methods*, 2013, with energy weights; the factor of
-/// interpolation is left out.
+/// Source: Verfürth, *A posteriori error estimation techniques for finite element methods*, 2013, with energy weights; the
+/// factor of interpolation is left out; Issaoui (2014), theorem 5.3, for the means and what oscillates about them.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Indicators {
     /// H_T² ∫_T w |f̄|².

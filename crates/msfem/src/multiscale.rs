@@ -21,6 +21,8 @@ pub(crate) const BATCH: usize = 1024;
 type Combination = Vec<(usize, f64)>;
 
 /// A coarse mesh with one kind of basis on a body.
+///
+/// Source: Issaoui (2014), equations (5.22) to (5.31).
 #[derive(Debug)]
 pub struct Multiscale<'a> {
     /// The body.

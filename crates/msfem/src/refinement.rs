@@ -8,8 +8,8 @@ const TIE: f64 = 1e-6;
 /// The smallest set of coarse cells with Σ η² ≥ θ times the whole, and those whose η² equals that of the last of them.
 /// Indicators that are 0 or NaN are not marked.
 ///
-/// # Source
-/// Dörfler, *A convergent adaptive algorithm for Poisson's equation*, SIAM J. Numer. Anal. 33 (1996), with η² for η.
+/// Source: Dörfler, *A convergent adaptive algorithm for Poisson's equation*, SIAM J. Numer. Anal. 33 (1996), with η² for
+/// η.
 pub fn mark(squared: &[f64], theta: f64) -> Vec<bool> {
     let mut order: Vec<f64> = squared.iter().copied().filter(|e| *e > 0.0).collect();
     order.sort_unstable_by(|a, b| b.total_cmp(a));

@@ -7,6 +7,8 @@ use faer::Mat;
 ///
 /// ψ_i = Σ_j c_ij φ_j with c = diag(w) M̂⁻¹, M̂_ij = ∫ φ_i φ_j. As the Lobatto rule misses M̂ in the single mode P_p only,
 /// c_ij = δ_ij + P_p(x_j)/(p P_p(x_i)): no inversion. Σ_i ψ_i = 1. The ψ_i change sign and do not vanish at element ends.
+///
+/// Source: Wohlmuth (2000) for dual bases; Issaoui (2014), equation (2.20), at Gauss-Lobatto points.
 #[derive(Debug, Clone)]
 pub struct BiorthogonalBasis {
     /// Degree p ≥ 1.

@@ -11,6 +11,8 @@ use std::num::NonZeroUsize;
 ///
 /// # Panics
 /// If n = 0.
+///
+/// Source: Bogaert (2014).
 pub fn gauss_legendre(n: usize) -> Rule {
     let n = NonZeroUsize::new(n).expect("a Gauss rule needs at least one point");
     let (points, weights) = GaussLegendre::new(n).into_iter().unzip();
@@ -25,8 +27,7 @@ pub fn gauss_legendre(n: usize) -> Rule {
 /// # Panics
 /// If n = 0, or if alpha or beta is not a finite number above -1.
 ///
-/// # Source
-/// Golub and Welsch (1969); Gautschi, *Orthogonal Polynomials* (2004), table 1.1.
+/// Source: Golub and Welsch (1969); Gautschi, *Orthogonal Polynomials* (2004), table 1.1.
 pub fn gauss_jacobi(n: usize, alpha: f64, beta: f64) -> Rule {
     assert!(n > 0, "a Gauss rule needs at least one point");
     let (diagonal, off) = jacobi_recurrence(n, alpha, beta);
@@ -53,6 +54,8 @@ pub fn gauss_jacobi(n: usize, alpha: f64, beta: f64) -> Rule {
 ///
 /// # Panics
 /// If n < 2.
+///
+/// Source: Abramowitz and Stegun (1964), 25.4.32.
 pub fn gauss_lobatto(n: usize) -> Rule {
     assert!(n >= 2, "a Gauss-Lobatto rule needs its two ends, got n = {n}");
     let mut points = vec![-1.0];

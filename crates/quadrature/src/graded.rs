@@ -28,6 +28,8 @@ const LAST_INSIDE: f64 = 1.0 - 0.5 * f64::EPSILON;
 ///
 /// # Panics
 /// If ratio is not in (0,1).
+///
+/// Source: Schwab (1994), with one rule on all panels.
 pub fn graded(base: &Rule, layers: usize, ratio: f64, end: End) -> Rule {
     let unit = graded_unit(base, layers, ratio);
     let length = if end == End::Both { 1.0 } else { 2.0 };

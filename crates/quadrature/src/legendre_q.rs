@@ -18,8 +18,7 @@ use num_complex::Complex64;
 /// are infinite and the result is not finite. Values below 1e-304 become 0 (far away |Q_n| ~ |2z|^-(n+1)); |z| may be up
 /// to 1e50.
 ///
-/// # Source
-/// NIST DLMF 14.10.3; Gautschi, SIAM Review 9 (1967), for the downward recurrence.
+/// Source: NIST DLMF 14.10.3; Gautschi, SIAM Review 9 (1967), for the downward recurrence.
 pub fn legendre_q(zm1: Complex64, zp1: Complex64, out: &mut [Complex64]) {
     if zm1.re + zp1.re < 0.0 {
         // Q_n(z) = (-1)^(n+1) Q_n(-z)
@@ -118,6 +117,8 @@ pub fn legendre_dq(zm1: Complex64, zp1: Complex64, q: &[Complex64], out: &mut [C
 /// Parameter ϱ ≥ 1 of the Bernstein ellipse through z: |z-1| + |z+1| = ϱ + 1/ϱ, ϱ = |z + √(z-1) √(z+1)|.
 ///
 /// n-point Gauss-Legendre quadrature of a function analytic inside this ellipse has an error of about ϱ^(-2n).
+///
+/// Source: Trefethen (2013), theorem 19.3, for the error.
 pub fn bernstein(z: Complex64) -> f64 {
     log_bernstein(z - 1.0, z + 1.0).exp()
 }

@@ -58,6 +58,8 @@ impl LobattoBasis {
     ///
     /// # Panics
     /// If `out.len()` is not p+1.
+    ///
+    /// Source: Berrut and Trefethen (2004), the second barycentric formula.
     pub fn evaluate(&self, t: f64, out: &mut [f64]) {
         let p = self.degree;
         assert_eq!(out.len(), p + 1, "a Lobatto basis of degree {p} has {} values", p + 1);

@@ -24,6 +24,8 @@ pub enum Nodes {
 /// direction run fastest.
 ///
 /// ∫ .. ρ is over the cell with the density of the germs, so that ∫ρ is the cell's probability.
+///
+/// Source: Issaoui (2014), section 4.2.
 #[derive(Debug, Clone)]
 pub struct CellBasis {
     /// Nodes (germs).
@@ -275,6 +277,8 @@ impl Axis {
 
     /// Lagrange polynomials at a germ, by the first barycentric formula: the second one loses digits beyond the outermost
     /// nodes, where points of integration are.
+    ///
+    /// Source: Webb, Trefethen and Gonnet (2012).
     fn lagrange(&self, x: f64) -> Vec<f64> {
         let nodes = &self.rule.points;
         if let Some(at) = nodes.iter().position(|&node| node == x) {

@@ -3,6 +3,8 @@
 use crate::StochasticError;
 
 /// Family of covariance functions of a distance r, at correlation length ℓ.
+///
+/// Source: Rasmussen and Williams (2006), section 4.2.1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kernel {
     /// exp(-r/ℓ): continuous, nowhere differentiable paths. On rectangles exp(-|Δx|/ℓ_1 - |Δy|/ℓ_2).

@@ -11,6 +11,8 @@ const SAMPLES: usize = 12;
 /// and variance 1 that are not correlated.
 ///
 /// Points are [x, y] in the rectangle, or [s, anything] on an interval with the arc length s.
+///
+/// Source: Issaoui (2014), equation (4.6).
 #[derive(Debug, Clone)]
 pub struct Field {
     expansion: Expansion,

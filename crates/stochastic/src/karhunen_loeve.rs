@@ -162,6 +162,8 @@ impl KarhunenLoeve {
     /// # Errors
     /// As [`new`](Self::new), and [`StochasticError::Number`] if C(0) ≠ 1, C is not positive semi-definite, or the unknowns
     /// are more than 4096.
+    ///
+    /// Source: Betz, Papaioannou and Straub (2014); Duffy (1982) for the triangles.
     pub fn galerkin(
         kernel: impl Fn(f64) -> f64 + Sync,
         length: f64,

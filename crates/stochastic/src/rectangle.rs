@@ -26,6 +26,8 @@ const QUARTER: usize = 1600;
 ///
 /// *Fails when*: correlation lengths are short or modes many under the Matérn covariance (typed errors). *Cost*: products:
 /// milliseconds; Matérn: eigenpairs of four matrices of size N/4 for N points, at most 6400.
+///
+/// Source: Ghanem and Spanos (1991), section 2.3, for products; Betz, Papaioannou and Straub (2014) for Nyström's method.
 #[derive(Debug, Clone)]
 pub struct RectangleKarhunenLoeve {
     sides: [f64; 2],

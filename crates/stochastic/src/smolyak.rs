@@ -108,6 +108,8 @@ impl Points {
     ///
     /// # Errors
     /// [`StochasticError::Number`] for a level above 60.
+    ///
+    /// Source: Xiu (2007).
     pub fn polynomials(&self, variables: &[Variable], level: usize) -> Result<SparsePolynomials, StochasticError> {
         let recurrences: Result<Vec<_>, _> =
             variables.iter().map(|v| Recurrence::new(v, v.germ_support(), level + 1)).collect();

@@ -8,6 +8,8 @@ pub(crate) const MOST: usize = 1_000_000;
 
 /// The germs of independent variables divided into boxes, on each of which answers are polynomials; they jump between
 /// boxes.
+///
+/// Source: Babuška, Tempone and Zouraris (2004); Issaoui (2014), section 4.2.
 #[derive(Debug, Clone, PartialEq)]
 pub struct StochasticMesh {
     /// One for each direction.

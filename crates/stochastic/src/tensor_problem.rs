@@ -25,6 +25,8 @@ const COLUMNS: usize = 16;
 /// ```
 ///
 /// S is m×m (stress over the modulus' unit), M_E is J×J, F m×J. The matrix M_E ⊗ S is never formed.
+///
+/// Source: Issaoui (2014), equation (4.44).
 pub struct TensorProblem<'a> {
     /// S, condensed to the unknowns of the contact nodes, positive definite.
     pub stiffness: &'a Mat<f64>,

@@ -42,7 +42,8 @@ const REGULAR: f64 = 1e-10;
 /// [`StochasticError::NotCoercive`], [`StochasticError::Inconsistent`], [`StochasticError::Number`];
 /// [`StochasticError::Contact`] from [`steklov_contact::Problem::check`] of a stochastic node.
 ///
-/// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); O'Donoghue and Candès, Found. Comput. Math. 15 (2015).
+/// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); O'Donoghue and Candès, Found. Comput. Math. 15 (2015);
+/// Nesterov (1983).
 pub fn tensor_active_set(problem: &TensorProblem<'_>) -> Result<TensorSolution, StochasticError> {
     let dual = Dual::new(problem)?;
     let mut gradient = Gradient::new(&dual)?;

@@ -54,6 +54,8 @@ pub struct BoundaryNode {
 /// - A node that is held has no multiplier in the directions in which it cannot move. Its ψ is then added to that of
 ///   the nearest node of the same element, ψ̃_next = ψ_next + ψ_end, so that Σ ψ̃_i = 1 still; the condition there is
 ///   D_next u_n,next + D_end u_n,end ≤ ∫ g ψ̃_next, and the held u_t,end appears as `slip_offset`.
+///
+/// Source: Issaoui (2014), equations (2.20) and (2.30); Hüeber (2008) for degree 1.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactBoundary {
     /// Where the nodes are.

@@ -47,6 +47,8 @@ pub fn dual_form(
 ///
 /// # Errors
 /// [`ContactError::Decomposition`] when the reference is not positive: the finer space is not fine enough.
+///
+/// Source: Chapelle and Bathe (1993), with the dual norm in place of that of L².
 pub fn inf_sup(discrete: &Mat<f64>, reference: &Mat<f64>) -> Result<InfSup, ContactError> {
     let failed = ContactError::Decomposition { size: reference.nrows() };
     let factor = llt(reference).map_err(|none| none.or(|_| failed.clone()))?;

@@ -71,6 +71,8 @@ pub struct MultiplierNode {
 }
 
 /// A space of multipliers.
+///
+/// Source: Issaoui (2014), section 3.2.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MultiplierSpace {
     /// T_H, edge by edge, edge parameters rising.

@@ -105,8 +105,9 @@ pub struct ContactSolution<'a> {
 ///
 /// # Errors
 /// [`ContactError::Data`] where a gap or bound is not finite.
-/// # Source
-/// Banz, Gimperlein, Issaoui and Stephan, Numer. Math. 135 (2017), with products in place of the lesser energies.
+///
+/// Source: Banz, Gimperlein, Issaoui and Stephan, Numer. Math. 135 (2017), with products in place of the lesser energies;
+/// Issaoui (2014), theorems 2.6 (biorthogonal) and 3.5 (stabilised).
 pub fn contact_residuals(
     solution: &ContactSolution<'_>,
     sides: &[SideData<'_>],

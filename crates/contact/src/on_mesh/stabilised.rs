@@ -39,6 +39,9 @@ use crate::{Condition, ContactError, ContactNode, MultiplierSpace, Problem, Side
 
 /// The forms of the stabilisation with γ₀ = 1. All integrals of γ share one rule, graded to the ends of the elements of T_h, so that
 /// ∫ γ |λ + σ^h|² is a sum of squares whatever its points.
+///
+/// Source: Banz, Gimperlein, Issaoui and Stephan (2017); Issaoui (2014), equation (3.8); after Barbosa and Hughes (1991)
+/// and Hild and Renard (2010).
 pub struct StabilisedForms {
     parts: StabilisedParts,
     /// Q of normal stresses.

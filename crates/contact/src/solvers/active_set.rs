@@ -29,7 +29,8 @@ use crate::{ContactError, Problem, Solution, Start};
 /// [`ContactError::Inconsistent`] from [`Problem::check`] or a start of wrong size; [`ContactError::NotHeld`] if
 /// nothing ever stops that motion.
 ///
-/// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); Murty, Opsearch 11 (1974).
+/// Source: Hintermüller, Ito and Kunisch, SIAM J. Optim. 13 (2003); Murty, Opsearch 11 (1974); Rockafellar, SIAM J. Control
+/// Optim. 14 (1976), for proximal points.
 pub fn active_set(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
     if !problem.is_coulomb() {

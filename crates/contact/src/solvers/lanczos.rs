@@ -9,6 +9,8 @@ const STEPS: usize = 120;
 
 /// The largest eigenvalue of a symmetric matrix without negative ones, by Lanczos' method with all vectors kept orthogonal;
 /// where that takes too many steps by a full decomposition.
+///
+/// Source: Lanczos (1950).
 pub(crate) fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
     let n = a.nrows();
     // a start without symmetries

@@ -9,6 +9,8 @@
 //! low = -D F, high = D F. With the diagonal metric C = diag(c) > 0 this is v = prox(v + C⁻¹R), where
 //! prox(z) minimises φ(w) + ½ (w-z)ᵀC(w-z). The map is piecewise affine: on each [`Piece`] every kink is below, on or
 //! above its line. For an ordinary node it is the minimum with the gap and a soft threshold.
+//!
+//! Source: Moreau (1965) for proximal maps; Alart and Curnier (1991) for the law as a projection.
 
 use steklov_elastic::plane::{cross, dot, minus, norm, solve2, turned, unit};
 

@@ -45,7 +45,7 @@ const SHORTEST: f64 = 1e-2;
 /// As [`crate::active_set`].
 ///
 /// Source: Chen, Chen and Kanzow, Math. Program. 88 (2000) (penalised function); Christensen, Klarbring, Pang and
-/// Strömberg, Int. J. Numer. Methods Eng. 42 (1998).
+/// Strömberg, Int. J. Numer. Methods Eng. 42 (1998); Issaoui (2014), equation (2.53) and algorithm 2.1.
 pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     newton_watched(problem, start, &mut |_| ())
 }

@@ -16,6 +16,8 @@ use crate::solvers::linear::product;
 /// F = bound + coefficient λ_n
 /// nodal force on v:  - D_n λ_n normal - D_t λ_t tangent
 /// ```
+///
+/// Source: Issaoui (2014), equations (2.50) and (2.51).
 #[derive(Debug, Clone, PartialEq)]
 pub struct Condition {
     /// Coefficients of the normal displacement in the node's unknowns.

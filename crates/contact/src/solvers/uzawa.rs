@@ -34,7 +34,8 @@ const GROWTH: f64 = 1e6;
 /// [`ContactError::NotCoercive`] if S is singular; [`ContactError::Inconsistent`] from [`Problem::check`], a start of
 /// wrong size or a step that is not positive and finite.
 ///
-/// Source: Glowinski, Lions and Trémolières, Numerical Analysis of Variational Inequalities (1981), chapter 2.
+/// Source: Glowinski, Lions and Trémolières, Numerical Analysis of Variational Inequalities (1981), chapter 2; Issaoui
+/// (2014), algorithm 4.1.
 pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> Result<Solution, ContactError> {
     problem.check()?;
     let rows = multiplier_rows(&problem.nodes);

@@ -4,6 +4,8 @@ use steklov_quadrature::Series;
 
 /// Coefficients Σ b_i C(p,i) ((1-t)/2)^(p-i) ((1+t)/2)^i of a Legendre series of degree p: those of P_k are
 /// (-1)^(k+i) C(k,i) in degree k, then raised to p.
+///
+/// Source: Farouki (2000).
 pub(crate) fn bernstein(series: &Series) -> Vec<f64> {
     let p = series.coefficients.len() - 1;
     let mut sum = vec![0.0; p + 1];

@@ -10,6 +10,8 @@
 //! displacement that S₊ of the enriched spaces adds with the contact sets, and the bounds of Coulomb friction, as they are, both,
 //! with strategies that keep the degree, with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
 //! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
+//!
+//! Source: Heuer, Mellado and Stephan (2001), two-level hp boundary elements, for the indicators.
 
 use steklov_bem_operators::{Enriched, Mesh, Polygon, SAME_PLACE};
 use steklov_contact::{ContactBubble, Frozen};

@@ -245,6 +245,8 @@ impl Layout {
     ///
     /// # Errors
     /// A decomposition that fails.
+    ///
+    /// Source: Issaoui (2014), algorithm 2.2; Houston and Süli (2005) for the choice between degree and length.
     pub fn next(
         &self,
         scene: &Scene,

@@ -7,6 +7,8 @@
 //! J(u) = ½ ⟨S_i u, u⟩ + ½ ⟨S_e (u - u0), u - u0⟩ - ⟨t0, u⟩,      (S_i + S_e) u = t0 + S_e u0,      σ(u_c)n = -S_e ξ
 //! ```
 //! u0 and t0 are the jumps of displacement and traction, those of the remote stress included; u0 by its nodal values.
+//!
+//! Source: Issaoui (2014), equation (5.97), with boundary elements inside too.
 
 use std::collections::BTreeSet;
 

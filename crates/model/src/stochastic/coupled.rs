@@ -5,6 +5,8 @@
 //! with f̃_j = Σ_k (M_E⁻¹)_jk D_k f_k and λ̃_j likewise:  S u_j + Bᵀ W λ̃_j = f̃_j
 //! ```
 //! so that a node's displacement is the answer of the body of the nominal modulus to f̃_j and λ̃_j.
+//!
+//! Source: Issaoui (2014), equation (4.44).
 
 use faer::Mat;
 use faer::prelude::*;

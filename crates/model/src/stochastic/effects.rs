@@ -3,6 +3,8 @@
 use steklov_stochastic::CellBasis;
 
 /// Total effects Σ_(α_d > 0) c_α²/Σ_(α ≠ 0) c_α² of the germs from the coefficients of a polynomial, the last index fastest.
+///
+/// Source: Sudret (2008).
 pub(super) fn exact_effects(basis: &CellBasis, values: &[f64]) -> Vec<f64> {
     let squares: Vec<f64> = basis.coefficients(values).iter().map(|c| c * c).collect();
     let variance: f64 = squares[1..].iter().sum();
@@ -16,6 +18,8 @@ pub(super) fn exact_effects(basis: &CellBasis, values: &[f64]) -> Vec<f64> {
 }
 
 /// Jansen's formula ½ E[(f - f')²]/Var f, with the variance of the pairs.
+///
+/// Source: Jansen (1999).
 pub(super) fn sampled_effect(pairs: &[[f64; 2]]) -> f64 {
     let mean = pairs.iter().map(|[a, b]| 0.5 * (a + b)).sum::<f64>() / pairs.len() as f64;
     let variance: f64 = pairs.iter().map(|[a, b]| 0.5 * ((a - mean).powi(2) + (b - mean).powi(2))).sum();

@@ -46,6 +46,8 @@ pub struct Quantity {
     pub density: Option<Histogram>,
     /// For each germ the share of the variance that is left when all others are known: Sobol's total effect. None without
     /// a surrogate or a variance.
+    ///
+    /// Source: Homma and Saltelli (1996).
     pub effects: Option<Vec<f64>>,
 }
 

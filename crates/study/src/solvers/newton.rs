@@ -1,4 +1,6 @@
 //! The superlinear convergence of the semi-smooth Newton method: ‖e_{k+1}‖/‖e_k‖ tends to 0.
+//!
+//! Source: Issaoui (2014), theorem 2.4.
 
 use steklov_contact::newton_watched;
 

@@ -8,6 +8,8 @@
 //!
 //! Eigenvalues are those of V with rows and columns over the square roots of the diagonal of V_d: numbers without a unit,
 //! of the same signs, that do not become small with the elements.
+//!
+//! Source: Steinbach (2004).
 
 use faer::linalg::solvers::{LltError, Solve as _};
 use faer::{Mat, Side};
