@@ -22,21 +22,21 @@ use crate::spoil::spoil;
 /// their sums are taken depends on this number. More threads than parts do not help.
 pub const PARTS: usize = 16;
 
-/// Multiplications up to which one thread is as fast as two: about a quarter of a millisecond.
+/// Number of multiplications up to which one thread is as fast as two: about a quarter of a millisecond.
 const SMALL: usize = 3_000_000;
 
-/// Unknowns from which the library's own parallelism is the better one: it shares what it packs.
+/// Number of unknowns from which the library's own parallelism is better: its threads share packed data.
 const LARGE: usize = 1024;
 
-/// Columns of a group, about: enough of them for the fastest kernels, few enough to keep all threads busy.
+/// Approximate number of columns in a group: enough of them for the fastest kernels, few enough to keep all threads busy.
 const GROUP: usize = 48;
 
-/// Columns of each group but the last one, which has not many less: single columns are summed in another order.
+/// Number of columns in each group; the last group has slightly fewer. Single columns would be summed in another order.
 fn group(columns: usize) -> usize {
     columns.div_ceil((columns / GROUP).max(1))
 }
 
-/// How so many multiplications with matrices of such a size are done.
+/// How a product is computed, by its number of multiplications and the size of its matrices.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Way {
     OneThread,
@@ -52,21 +52,22 @@ fn way(multiplications: usize, size: usize) -> Way {
     }
 }
 
-/// The library's parallelism for matrices of so many unknowns.
+/// The library's parallelism for matrices with this many unknowns.
 pub fn parts(unknowns: usize) -> Par {
     if unknowns < LARGE { Par::Seq } else { threads(Par::rayon(PARTS)) }
 }
 
-/// What a matrix, as it stands, makes of the probe vector: the check of what is done with it next need not read it for that.
+/// The product of a matrix, as it stands, with the probe vector. The check of the next operation on the matrix need not read
+/// it again.
 #[derive(Debug, Clone)]
 pub struct Image(Vec<f64>);
 
-/// The image that is known, or that of a matrix.
+/// The known image, or else that of the matrix.
 fn image(known: Option<&Image>, a: Operand<'_>, probe: &[f64]) -> Vec<f64> {
     known.map_or_else(|| a.times(probe), |image| image.0.clone())
 }
 
-/// B := L⁻¹ B, L lower triangular. `of_b` is the image of B where it is known; that of the result is returned.
+/// B := L⁻¹ B, L lower triangular. `of_b` is the image of B, if it is known; returns the image of the result.
 ///
 /// # Errors
 /// A fault: L times the result is not B.
@@ -83,7 +84,7 @@ pub fn solve_lower_transposed(l: MatRef<'_, f64>, b: MatMut<'_, f64>, of_b: Opti
     solve(lower_transposed(l), b, of_b, upper)
 }
 
-/// What is solved times the result has to be B.
+/// Solves, and checks that the matrix times the result is B.
 fn solve(
     a: Operand<'_>,
     mut b: MatMut<'_, f64>,
@@ -101,10 +102,10 @@ fn solve(
     Ok(Image(inner))
 }
 
-/// C := C + α A B. `of_b` is the image of B where it is known; that of C is returned.
+/// C := C + α A B. `of_b` is the image of B, if it is known; returns the image of C.
 ///
 /// # Errors
-/// A fault: C changes by something else.
+/// A fault: C does not change by α A B.
 pub fn add_product(
     c: MatMut<'_, f64>,
     a: MatRef<'_, f64>,
@@ -118,7 +119,7 @@ pub fn add_product(
 /// The lower triangle of C := C + α A B of a symmetric product, with images as those of [`add_product`].
 ///
 /// # Errors
-/// A fault: C changes by something else.
+/// A fault: C does not change by α A B.
 pub fn add_to_lower(
     c: MatMut<'_, f64>,
     a: MatRef<'_, f64>,
@@ -129,7 +130,7 @@ pub fn add_to_lower(
     gain(c, (symmetric, "a symmetric product"), (a, b, alpha), of_b, |c| lower_product(c, a, b, alpha))
 }
 
-/// C has to gain α A B, in what is read of it.
+/// Checks that C gains α A B in the part of it that is read.
 fn gain(
     mut c: MatMut<'_, f64>,
     (read, what): (for<'a> fn(MatRef<'a, f64>) -> Operand<'a>, &'static str),

@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use faer::Par;
 
-/// A factor, a product or a solution that is not what it was made of.
+/// A factor, a product or a solution that does not agree with its input.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error(
     "{what} of {size} unknowns is wrong by {error:.1e} of its terms, which rounding does not explain, and on one thread too: \
@@ -16,11 +16,11 @@ pub struct Fault {
     pub what: &'static str,
     /// Number of its rows.
     pub size: usize,
-    /// The largest difference over the sum of the absolute values of its terms; NaN of what is no number.
+    /// The largest difference over the sum of the absolute values of its terms; NaN if an entry is not a number.
     pub error: f64,
 }
 
-/// Attempts without threads that go on.
+/// Number of attempts that now run without threads.
 static ALONE: AtomicUsize = AtomicUsize::new(0);
 
 /// As parallel as `usual`, but on one thread while an attempt is repeated.
@@ -33,7 +33,7 @@ pub fn is_fault(error: &(dyn Error + 'static)) -> bool {
     error.is::<Fault>() || error.source().is_some_and(is_fault)
 }
 
-/// The work, and where it ends with a fault the work once more, with the linear algebra of the process on one thread.
+/// Does the work; if it ends with a fault, does it once more with the linear algebra of the process on one thread.
 ///
 /// # Errors
 /// Those of the last attempt.

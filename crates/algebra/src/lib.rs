@@ -1,16 +1,17 @@
 //! Dense algebra that is checked: products, triangular solves and Cholesky factors, in place and on many threads.
 //!
-//! What the parallel kernels of the library below return is applied to a seeded vector, and so is what it was made of: that takes
-//! n² operations where the kernels take n³, and what both differ by is rounding or a [`Fault`].
+//! Each result of the library's parallel kernels is applied to a seeded vector, and so are the inputs of that result. This
+//! takes n² operations where the kernels take n³; the two vectors differ by rounding, or there is a [`Fault`].
 //!
 //! Source: Freivalds (1977) for products, with rounding in them.
 //!
-//! What a result makes of the vector, its [`Image`], goes on to the checks of what is made of that result, which need not read it again.
-//! Sparse factors (`steklov-msfem`), solutions of dense systems (`steklov-contact`, `steklov-coupling`) and spectra are checked by the
-//! same vector. Not checked, as nothing of it runs on several threads of the library: local problems of multiscale bases, matrices of
-//! ten rows or fewer, Newton matrices of the interior point method, whose residuals are taken from S itself, products column by column
-//! of stochastic nodes, eigenpairs of random fields and of Gauss rules. Not checked either: solves with one right side, after which the
-//! equations of the answer are looked at, and systems that only studies set up, which are references themselves.
+//! The product of a result with the vector, its [`Image`], is passed to the checks of later results computed from it, which
+//! need not read it again. Sparse factors (`steklov-msfem`), solutions of dense systems (`steklov-contact`,
+//! `steklov-coupling`) and spectra are checked by the same vector. Not checked, since none of it runs on several threads of
+//! the library: local problems of multiscale bases, matrices of ten rows or fewer, Newton matrices of the interior point
+//! method, whose residuals are taken from S itself, products column by column of stochastic nodes, eigenpairs of random fields
+//! and of Gauss rules. Not checked either: solves with one right-hand side, whose residual is checked afterwards, and systems
+//! that only studies set up, which are references themselves.
 //!
 //! ```
 //! use steklov_algebra::faer::Mat;
@@ -38,7 +39,7 @@ mod operand;
 mod probe;
 mod spoil;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use faer;
 
 pub use cholesky::{NoFactor, cholesky, llt};

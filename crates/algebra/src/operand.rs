@@ -10,7 +10,7 @@ use pulp::{Simd, WithSimd};
 /// Columns that are read together.
 const PANEL: usize = 4;
 
-/// Part of a matrix that counts, and how.
+/// Which part of a matrix is used, and how.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Part {
     Whole,
@@ -24,7 +24,7 @@ pub(crate) struct Operand<'a> {
     columns: MatRef<'a, f64>,
     part: Part,
     transposed: bool,
-    /// The diagonal, where it is not that of the matrix.
+    /// The diagonal, if it differs from that of the matrix.
     diagonal: Option<&'a [f64]>,
 }
 
@@ -70,7 +70,7 @@ impl<'a> Operand<'a> {
         sum
     }
 
-    /// What the columns give, from x to sum, and what they take, of x along them.
+    /// Adds the columns times entries of x to the sum (GIVE), and the products of the columns with x (TAKE).
     #[inline(always)]
     fn add_panels<S: Simd, const GIVE: bool, const TAKE: bool>(&self, simd: S, x: &[f64], sum: &mut [f64]) {
         let (n, whole) = (self.columns.ncols(), self.part == Part::Whole);
@@ -97,7 +97,7 @@ impl<'a> Operand<'a> {
         }
     }
 
-    /// The entries of a triangle between these columns and the same rows, whose x and sum these are.
+    /// The entries of a triangle in these columns and the same rows, with their parts of x and of the sum.
     #[inline(always)]
     fn corner<const GIVE: bool, const TAKE: bool>(&self, at: Range<usize>, x: &[f64], sum: &mut [f64]) {
         for j in 0..x.len() {

@@ -1,7 +1,8 @@
 //! Vectors by which factors and products are checked.
 //!
-//! What two ways to the same vector may differ by is a multiple of rounding of the sum of the absolute values of its terms, row by
-//! row, however the rows of a matrix differ in size. An entry is no more than that sum, so that most rows need the entry alone.
+//! Two ways of computing the same vector may differ, row by row, by a multiple of the rounding of the sum of the absolute
+//! values of the terms, however much the rows of a matrix differ in size. An entry is no larger than that sum, so most rows
+//! need the entry alone.
 
 use faer::MatRef;
 use steklov_quadrature::unit_uniform;
@@ -9,7 +10,7 @@ use steklov_quadrature::unit_uniform;
 use crate::Fault;
 use crate::operand::{Operand, lower, lower_transposed, symmetric, whole};
 
-/// Differences that rounding may make, over the sum of the terms.
+/// Largest difference that rounding makes, over the sum of the terms.
 const ROUNDING: f64 = 1e-12;
 /// Seed of the probes.
 const SEED: u64 = 20_261_124;
@@ -30,7 +31,7 @@ pub fn scaled_probe(diagonal: impl ExactSizeIterator<Item = f64>) -> Vec<f64> {
     probe
 }
 
-/// Whether a difference is one of rounding; never where a number is not finite. What is below all numbers has no digits.
+/// Whether rounding explains a difference; never if a number is not finite. Numbers below the normal range have no digits.
 fn is_rounding(difference: f64, terms: f64) -> bool {
     difference <= ROUNDING * terms + f64::MIN_POSITIVE && difference.is_finite() && terms.is_finite()
 }
@@ -46,7 +47,7 @@ pub(crate) struct Last<'a, T, R> {
 }
 
 impl<T: FnOnce() -> Vec<f64>, R: Fn(usize, &[f64]) -> f64> Last<'_, T, R> {
-    /// That two ways lead to the same vector, entry by entry.
+    /// Checks that two ways lead to the same vector, entry by entry.
     ///
     /// Terms are summed where values are too small to tell: first from the values before, then from their terms.
     ///
@@ -69,7 +70,7 @@ impl<T: FnOnce() -> Vec<f64>, R: Fn(usize, &[f64]) -> f64> Last<'_, T, R> {
     }
 }
 
-/// That L Lᵀ = A, of the lower triangles of both.
+/// Checks that L Lᵀ = A, from the lower triangles of both.
 ///
 /// # Errors
 /// [`Fault`] where rounding does not explain the difference.
@@ -78,7 +79,7 @@ pub fn check_cholesky(a: MatRef<'_, f64>, l: MatRef<'_, f64>) -> Result<(), Faul
     same_as_factor(&probe, symmetric(a), l)
 }
 
-/// That L Lᵀ p is A p.
+/// Checks that L Lᵀ p = A p.
 pub(crate) fn same_as_factor(probe: &[f64], a: Operand<'_>, l: MatRef<'_, f64>) -> Result<(), Fault> {
     let (first, last) = (lower_transposed(l), lower(l));
     let inner = first.times(probe);
@@ -86,7 +87,7 @@ pub(crate) fn same_as_factor(probe: &[f64], a: Operand<'_>, l: MatRef<'_, f64>) 
     check.same("a Cholesky factor", &last.times(&inner), &a.times(probe))
 }
 
-/// That A x = b for a square A, relative to the largest rows: the backward error of a solution.
+/// Checks that A x = b for a square A, relative to the largest rows: the backward error of a solution.
 ///
 /// # Errors
 /// [`Fault`] where rounding does not explain the difference.
@@ -104,7 +105,7 @@ pub fn check_solution(a: MatRef<'_, f64>, x: &[f64], b: &[f64]) -> Result<(), Fa
     Err(Fault { what: "the solution of a system", size: b.len(), error: difference / scale })
 }
 
-/// That A V = U Σ of vectors of length 1, relative to the largest value.
+/// Checks that A V = U Σ for vectors of length 1, relative to the largest value.
 ///
 /// # Errors
 /// [`Fault`] where rounding does not explain the difference.
@@ -125,7 +126,7 @@ pub fn check_spectrum(
     check.same("a spectrum", &last.times(&inner), &whole(left).times(&scaled))
 }
 
-/// That A X = 1 of a factor A = L Lᵀ.
+/// Checks that A X = 1 for a factor A = L Lᵀ.
 ///
 /// # Errors
 /// [`Fault`] where rounding does not explain the difference.
@@ -150,7 +151,7 @@ pub struct Sparse<'a> {
 }
 
 impl Sparse<'_> {
-    /// Calls for each entry of the whole matrix, row and column.
+    /// Calls `of` with row, column and value of each entry of the whole matrix.
     fn each(&self, mut of: impl FnMut(usize, usize, f64)) {
         for (j, range) in self.start.windows(2).enumerate() {
             for k in range[0]..range[1] {
@@ -170,7 +171,7 @@ impl Sparse<'_> {
         sum
     }
 
-    /// That A x = b, row by row.
+    /// Checks that A x = b, row by row.
     ///
     /// # Errors
     /// [`Fault`] where rounding does not explain the difference.

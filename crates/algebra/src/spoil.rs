@@ -1,6 +1,6 @@
 //! Faults made on purpose, for tests: without the feature `faults` nothing is done.
 
-/// What tests make of a result, before it is checked; `lower`: the upper triangle is not part of it.
+/// Lets tests spoil a result before it is checked; `lower`: the upper triangle is not part of it.
 #[cfg(not(feature = "faults"))]
 #[inline(always)]
 pub fn spoil(_: faer::MatMut<'_, f64>, _lower: bool) {}
@@ -18,7 +18,7 @@ mod armed {
     /// A fault that is to come.
     #[derive(Debug, Clone, Copy)]
     pub struct Spoiler {
-        /// Results that stay as they are before it.
+        /// Number of results that stay intact before it.
         pub after: usize,
         /// The bit of a number that is flipped, from 0 to 62; 63 makes it NaN, 64 makes a column 0 from there on.
         pub kind: u32,

@@ -58,8 +58,8 @@ impl Operators {
         Ok(operators)
     }
 
-    /// As [`Self::assemble`] for a space that an [`crate::Enrichment`] is to join: both are of the same moments, which are left
-    /// in `cache` unless they are too many. Those of pairs that it has seen with the same end points are taken from it.
+    /// As [`Self::assemble`], for a space that gets an [`crate::Enrichment`]: both use the same moments, which stay in `cache`
+    /// unless they are too many. The moments of pairs with unchanged end points are taken from the cache.
     ///
     /// # Errors
     /// As [`Self::assemble`].
@@ -112,7 +112,7 @@ impl Pass<'_> {
     }
 }
 
-/// What [`Pass::add`] is called with: a closure of this size would not be compiled for the instructions at hand.
+/// The argument of [`Pass::add`]: a closure of this size would not be compiled for the instructions at hand.
 struct Addition<'a, 'c> {
     pass: &'a Pass<'a>,
     columns: &'a mut Columns<'c>,

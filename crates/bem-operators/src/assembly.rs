@@ -1,5 +1,4 @@
-//! Bodies that are condensed one by one and joined: the stiffness of several bodies as the displacements of one against another
-//! see it.
+//! Bodies that are condensed one by one and then joined: the stiffness of several bodies for their relative displacements.
 //!
 //! Each body k has S_k and f_k on its own nodes. With w = d·u_i - Σ_j c_j·u_j for the nodes i and directions d that carry
 //! multipliers, and U = T Z, Z the same unknowns with w in the place of d·u_i,
@@ -7,9 +6,9 @@
 //! ```text
 //! S_z = Tᵀ (⊕ S_k) T      f_z = Tᵀ (⊕ f_k)
 //! ```
-//! w is kept where there is contact and held where bodies are tied; all else is eliminated. It is done on two levels: of each body
-//! all nodes but those of interfaces, then the skeleton of what is left, m unknowns. What is kept then obeys the laws of contact
-//! with an obstacle, with w for u. One body alone has no skeleton.
+//! w is kept where there is contact and held where bodies are tied; all else is eliminated. Elimination has two levels: first
+//! all nodes of each body except those of interfaces, then the remaining skeleton of m unknowns. The kept unknowns obey the
+//! laws of contact with an obstacle, with w for u. A single body has no skeleton.
 //!
 //! Cost: Σ n_k³/3 + m³/3; 8 Σ n_k² + 8 m² bytes.
 
@@ -57,7 +56,7 @@ pub struct Assembly {
     skeleton: Option<Skeleton>,
     /// Where held values go, in the order in which they are given.
     held: Vec<Holder>,
-    /// What holds the rotations of bodies that only touch along arcs about one centre.
+    /// Springs that hold the rotations of bodies which touch only along arcs about one centre.
     springs: Vec<(usize, Springs)>,
 }
 
@@ -67,7 +66,7 @@ enum Holder {
     Skeleton,
 }
 
-/// What is left of several bodies.
+/// The unknowns of several bodies that remain when each body is condensed.
 #[derive(Debug, Clone)]
 struct Skeleton {
     condensation: Condensation,
@@ -87,12 +86,12 @@ pub struct AssembledLoad {
 }
 
 impl Assembly {
-    /// Joins bodies, whose nodes follow one another, each given by its S_k. `partition` and `motions` are those of all nodes, the
-    /// former of Z: what it keeps or holds of a node with rows is w. `rotations` are nodal vectors of single bodies that rows need
+    /// Joins bodies, whose nodes follow one another, each given by its S_k. `partition` and `motions` refer to all nodes, the
+    /// partition to Z: for a node with rows it keeps or holds w. `rotations` are nodal vectors of single bodies that rows need
     /// not leave free: springs hold them as couples, [`Assembly::spring_forces`].
     ///
     /// # Errors
-    /// [`BemError::StiffnessSingular`] when bodies can move although what is kept does not; [`BemError::Cycle`].
+    /// [`BemError::StiffnessSingular`] when bodies can move although the kept unknowns do not; [`BemError::Cycle`].
     pub fn new(
         mut matrices: Vec<Mat<f64>>,
         partition: &Partition,
@@ -174,7 +173,7 @@ impl Assembly {
         Ok(Self { bodies, skeleton: Some(Skeleton { condensation, nodes, rows }), held, springs })
     }
 
-    /// S_c of what is kept, full storage.
+    /// S_c of the kept unknowns, full storage.
     ///
     /// # Errors
     /// [`BemError::Fault`].
@@ -210,12 +209,13 @@ impl Assembly {
         AssembledLoad { kept: load.kept.clone(), bodies, skeleton: Some(load) }
     }
 
-    /// Reduces a nodal load with the held values at 0: that of a correction.
+    /// Reduces the nodal load of a correction: all held values are 0.
     pub fn load_of_correction(&self, load: &[f64]) -> AssembledLoad {
         self.load_held(load, &vec![0.0; self.held.len()])
     }
 
-    /// Nodal displacement (interleaved x, y, all nodes) of the kept values, in equilibrium with the load at what is eliminated.
+    /// Nodal displacement (interleaved x, y, all nodes) from the kept values, in equilibrium with the load at the eliminated
+    /// unknowns.
     pub fn expand(&self, load: &AssembledLoad, kept: &[f64]) -> Vec<f64> {
         let Some((skeleton, of_skeleton)) = self.skeleton.as_ref().zip(load.skeleton.as_ref()) else {
             return self.bodies[0].1.expand(&load.bodies[0], kept);
@@ -234,7 +234,7 @@ impl Assembly {
         self.bodies.iter().zip(&load.bodies).flat_map(part).collect()
     }
 
-    /// The nodes of interfaces; none of one body.
+    /// The nodes of interfaces; empty for a single body.
     pub fn interface_nodes(&self) -> &[usize] {
         self.skeleton.as_ref().map_or(&[], |skeleton| &skeleton.nodes)
     }
@@ -244,7 +244,7 @@ impl Assembly {
         self.bodies.iter().fold(0.0, |m: f64, (_, body)| m.max(body.largest_diagonal()))
     }
 
-    /// S_k u of every body, of a nodal displacement of all (both interleaved x, y).
+    /// S_k u of every body from a nodal displacement of all bodies (both interleaved x, y).
     pub fn multiply(&self, displacement: &[f64]) -> Vec<f64> {
         let part =
             |(first, body): &(usize, Condensation)| body.multiply(&displacement[2 * first..2 * first + body.size()]);
@@ -255,7 +255,7 @@ impl Assembly {
         forces
     }
 
-    /// The nodal forces of the springs that hold rotations: couples, as large as what rows do on the rotations.
+    /// The nodal forces of the springs that hold rotations: couples, as large as the work of the rows on the rotations.
     pub fn spring_forces(&self, displacement: &[f64]) -> Vec<f64> {
         let mut forces = vec![0.0; displacement.len()];
         for (first, springs) in &self.springs {
@@ -266,7 +266,7 @@ impl Assembly {
     }
 }
 
-/// A nodal vector of which no resultant is left.
+/// A nodal vector without its resultant.
 fn without_mean(nodal: &[f64]) -> Vec<f64> {
     let nodes = (nodal.len() / 2) as f64;
     let mean = [0, 1].map(|i| nodal.iter().skip(i).step_by(2).sum::<f64>() / nodes);

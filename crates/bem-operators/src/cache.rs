@@ -5,8 +5,8 @@ use std::collections::HashMap;
 use crate::curve::Curve;
 use crate::pass::{Pass, Places, Purpose};
 
-/// Doubles that a cache holds at most, 32 MiB; those of a mesh and of the one before are there at once. Moments take about as
-/// much as half of a matrix, and beyond 2000 unknowns hundreds of times less work than the factorisations.
+/// Largest number of doubles in a cache, 32 MiB; it holds the moments of a mesh and of the mesh before at once. Moments take
+/// about as much as half of a matrix, and beyond 2000 unknowns hundreds of times less work than the factorisations.
 const CAPACITY: usize = 1 << 22;
 /// The same where there are curves, 128 MiB: their moments take up to ten times the work.
 const CAPACITY_OF_CURVES: usize = 1 << 24;
@@ -51,8 +51,8 @@ impl PairCache {
         self.reused
     }
 
-    /// The moments of all pairs of the mesh of `pass`, row by row, which replaces the last one; None if they would not fit, or
-    /// are not those of an enrichment.
+    /// The moments of all pairs of the mesh of `pass`, row by row; this mesh replaces the last one. None if the moments would
+    /// not fit, or if no enrichment is assembled.
     pub(crate) fn moments(&mut self, pass: &Pass<'_>) -> Option<&[f64]> {
         if !self.holds(pass) {
             *self = Self::default();

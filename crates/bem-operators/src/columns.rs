@@ -1,4 +1,4 @@
-//! What the pairs of elements contribute to the columns of V, K and W.
+//! The contributions of the pairs of elements to the columns of V, K and W.
 
 use std::ops::Range;
 
@@ -16,8 +16,8 @@ pub(crate) struct Targets<'m> {
     pub(crate) bubbles: Option<&'m mut Bubbles>,
 }
 
-/// The columns that belong to a group of consecutive elements: of V, K and W those of their traction coefficients, and of
-/// their nodes but the last one of each; of the enrichment two for each element. Empty where they are not wanted.
+/// The columns of a group of consecutive elements: in V, K and W those of their traction coefficients and of their nodes
+/// except the last node of each; in the enrichment two for each element. Empty if they are not wanted.
 pub(crate) struct Columns<'a> {
     elements: Range<usize>,
     v: Vec<&'a mut [f64]>,
@@ -42,7 +42,7 @@ pub(crate) struct Scratch {
     w: [Vec<f64>; 3],
 }
 
-/// Columns that one task owns, at least; neighbours in a group share their tables.
+/// Smallest number of columns that one task owns; neighbours in a group share their tables.
 const TASK_COLUMNS: usize = 24;
 
 impl Pass<'_> {
@@ -86,8 +86,8 @@ impl Pass<'_> {
         groups
     }
 
-    /// Adds to the columns of a group what the pairs of a block contribute: its elements as trial elements, and of the
-    /// elements before them the end node, which is a first node of the group.
+    /// Adds the contributions of the pairs of a block to the columns of a group: the group's elements as trial elements, and
+    /// the end node of the elements before them, which is a first node of the group.
     #[inline(always)]
     pub(crate) fn add(&self, columns: &mut Columns<'_>, block: &Block<'_>, scratch: &mut Scratch) {
         let group = columns.elements.clone();
@@ -292,7 +292,7 @@ fn column_slices(a: &mut Mat<f64>) -> impl Iterator<Item = &mut [f64]> {
     a.col_iter_mut().filter_map(|column| column.try_as_col_major_mut()).map(|column| column.as_slice_mut())
 }
 
-/// The next columns of a matrix; none of one that is not wanted.
+/// The next columns of a matrix; none if the matrix is not wanted.
 fn next_columns<'m>(columns: &mut Option<impl Iterator<Item = &'m mut [f64]>>, count: usize) -> Vec<&'m mut [f64]> {
     columns.iter_mut().flat_map(|columns| columns.take(count)).collect()
 }

@@ -8,7 +8,7 @@ use steklov_algebra::{Image, add_to_lower, check_cholesky, cholesky, scaled_prob
 use crate::steklov::{is_finite, of_factor};
 use crate::{BemError, Dof};
 
-/// What becomes of the unknowns: each displacement unknown is eliminated, kept, or held at a value.
+/// The treatment of the unknowns: each displacement unknown is eliminated, kept, or held at a value.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Partition {
     /// Unknowns that stay, in the order of the condensed system (the contact unknowns).
@@ -27,11 +27,11 @@ pub struct Partition {
 #[derive(Debug, Clone)]
 pub struct Condensation {
     parts: CondensationParts,
-    /// The image of L⁻¹ S_RK, unless that was read.
+    /// The image of L⁻¹ S_RK; none if the parts were read.
     of_coupling: Option<Image>,
 }
 
-/// What a [`Condensation`] consists of.
+/// The parts of a [`Condensation`].
 #[derive(Debug, Clone)]
 pub struct CondensationParts {
     /// Strict upper triangle: S in the order of the positions; lower triangle: L of S_RR, and S_KR L⁻ᵀ below it. The rest
@@ -110,12 +110,12 @@ impl Condensation {
         Ok(Self { parts, of_coupling: Some(of_coupling) })
     }
 
-    /// What it consists of.
+    /// Its parts.
     pub fn parts(&self) -> &CondensationParts {
         &self.parts
     }
 
-    /// The condensation of these parts. That L Lᵀ = S_RR and C Lᵀ = S_KR is seen on a vector, in n² operations.
+    /// The condensation of these parts. A vector shows in n² operations that L Lᵀ = S_RR and C Lᵀ = S_KR.
     ///
     /// # Errors
     /// [`BemError::Part`] for a part that does not fit.
@@ -167,12 +167,12 @@ impl Condensation {
         }
     }
 
-    /// Reduces a nodal load with the held values at 0: that of a correction.
+    /// Reduces the nodal load of a correction: all held values are 0.
     pub fn load_of_correction(&self, load: &[f64]) -> CondensedLoad {
         self.load_held(load, &vec![0.0; self.parts.held.len()])
     }
 
-    /// Nodal displacement (interleaved x, y) of the kept values, in equilibrium with the load at the eliminated unknowns.
+    /// Nodal displacement (interleaved x, y) from the kept values, in equilibrium with the load at the eliminated unknowns.
     pub fn expand(&self, load: &CondensedLoad, kept: &[f64]) -> Vec<f64> {
         let v = Col::from_fn(self.parts.kept, |i| kept[i]);
         let mut u = Col::from_fn(self.parts.eliminated, |i| load.eliminated[i]);

@@ -28,14 +28,14 @@ pub enum Shape {
     Polynomial(Arc<Polynomial>),
 }
 
-/// A polynomial t + b_2 t² + b_3 t³ + … and what follows from it.
+/// A polynomial t + b_2 t² + b_3 t³ + … with data derived from it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polynomial {
     /// 0, 1, b_2, b_3, …
     pub(crate) middle: Vec<Complex64>,
     /// Taylor coefficients about t = -1 and t = 1, the first of them 0.
     at_ends: [Vec<Complex64>; 2],
-    /// Its value at 1 less that at -1.
+    /// Its value at 1 minus that at -1.
     whole: Complex64,
     /// ½ ∫|γ'| dt.
     half: f64,
@@ -128,7 +128,7 @@ pub struct PolynomialCurve {
     pub(crate) ends: Segment,
     /// γ'(0).
     pub(crate) slope: Complex64,
-    /// γ less γ(0) over γ'(0).
+    /// (γ - γ(0))/γ'(0).
     pub(crate) of: Arc<Polynomial>,
 }
 
@@ -224,8 +224,8 @@ impl Curve {
         }
     }
 
-    /// z - 1 and z + 1 of the point z with γ(z) = x that is nearest to [-1, 1], from x - v₀ and x - v₁. On a polynomial curve
-    /// none if it lies outside of the Bernstein ellipse of parameter 3.
+    /// z - 1 and z + 1 for the point z with γ(z) = x that is nearest to [-1, 1], from x - v₀ and x - v₁. None if the curve is
+    /// a polynomial and z lies outside the Bernstein ellipse of parameter 3.
     ///
     /// Source: Helsing and Ojala (2008); af Klinteberg and Barnett (2021).
     pub fn preimage(&self, [x0, x1]: [Complex64; 2]) -> Option<[Complex64; 2]> {
@@ -239,7 +239,7 @@ impl Curve {
         }
     }
 
-    /// Distance of a point that lies next to the curve, and the parameter of the nearest point of it.
+    /// Distance of a nearby point from the curve, and the parameter of the nearest point of the curve.
     pub fn nearest(&self, [x, y]: [f64; 2]) -> (f64, f64) {
         let (x, ends) = (Complex64::new(x, y), self.ends());
         let preimage = self.preimage([x - ends.start, x - ends.end]);
@@ -249,7 +249,7 @@ impl Curve {
     }
 
     /// Whether the rules of this crate hold on it: an arc of at most 180°; a polynomial curve that is injective on the ellipse
-    /// of parameter 3, where γ' keeps to a half plane (Noshiro and Warschawski).
+    /// of parameter 3, where γ' stays in a half plane.
     ///
     /// Source: Noshiro (1934) and Warschawski (1935) for the half plane.
     pub fn is_admissible(&self) -> bool {

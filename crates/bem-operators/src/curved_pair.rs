@@ -1,4 +1,4 @@
-//! Moments of pairs of elements of which one is curved at least, and of a curved element with itself.
+//! Moments of pairs of elements at least one of which is curved, and of a curved element with itself.
 //!
 //! They are the five tables of [`PARTS`], first element × second element, since no single one of Legendre functions holds
 //! them all. The inner integrals are those of [`Inner`], exact up to roundoff at any distance; the outer element is the
@@ -22,7 +22,7 @@ pub(crate) fn storage(rows: usize, cols: usize) -> usize {
 }
 
 /// Distance of the far end of the inner element, as a Bernstein parameter of the outer one, from which the substitution τ⁵
-/// reaches roundoff at a shared vertex, and τ⁷.
+/// reaches roundoff at a shared vertex; then the same for τ⁷.
 const FIFTH: f64 = 2.2;
 const SEVENTH: f64 = 1.5;
 
@@ -45,8 +45,8 @@ pub(crate) fn moments(first: &Curve, second: &Curve, rows: usize, cols: usize, o
     }
 }
 
-/// The shorter element is the outer one. Of two about as long that share a vertex it is that on which the far end of the other
-/// is farther away, since the rules there depend on it.
+/// The shorter element is the outer one. If two elements that share a vertex are about equally long, the outer one is that
+/// from which the far end of the other is farther away, since its rules depend on that distance.
 fn first_is_outer(first: &Curve, second: &Curve) -> bool {
     let (a, b) = (first.half_length(), second.half_length());
     if (a - b).abs() > 0.1 * a.max(b) {
@@ -84,7 +84,7 @@ impl Shared {
     }
 }
 
-/// The parameter of a point on the outer element, ±1 at its ends; of one without a preimage any on the ellipse.
+/// The parameter of a point on the outer element, ±1 at its ends; for a point without a preimage any parameter on the ellipse.
 fn singular_point(outer: &Curve, y: Complex64) -> Complex64 {
     let ends = outer.ends();
     if y == ends.end {

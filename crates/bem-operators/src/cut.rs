@@ -1,8 +1,8 @@
 //! A body cut into several along lines.
 //!
-//! Boundary and lines are split where they meet. The parts of lines that lie inside are traversed in both directions, the boundary
-//! with the body to the left; at each point a piece goes on along what turns most to the left. So its boundary is closed, its
-//! outer loop counter-clockwise; loops that are clockwise are holes of the piece around them.
+//! Boundary and lines are split where they meet. The parts of lines that lie inside are traversed in both directions, the
+//! boundary with the body to the left; at each point a piece continues along the part that turns most to the left. So its
+//! boundary is closed, its outer loop counter-clockwise; loops that are clockwise are holes of the piece around them.
 
 use std::f64::consts::TAU;
 
@@ -51,11 +51,11 @@ struct Half {
     from: usize,
     to: usize,
     edge: Edge,
-    /// The cut that it is of, and its number among the parts of cuts: both directions have the same.
+    /// Its cut, and its number among the parts of cuts; both directions have the same number.
     cut: Option<usize>,
 }
 
-/// Points, those that are one told as one.
+/// Points; those that count as one appear once.
 struct Points {
     all: Vec<[f64; 2]>,
     near: f64,
@@ -72,8 +72,8 @@ impl Points {
 }
 
 impl Polygon {
-    /// The pieces of a body along cuts, which may cross each other, as several bodies whose edges keep their sides; those of cuts
-    /// are new ones.
+    /// Cuts a body along lines, which may cross each other, into several bodies. Edges keep their sides; the sides of cuts are
+    /// new.
     ///
     /// # Errors
     /// [`CutError`].
@@ -202,7 +202,7 @@ impl Polygon {
     }
 }
 
-/// The closed chains of directed parts, of each the one that turns most to the left after it.
+/// The closed chains of directed parts: each part is followed by the one that turns most to the left.
 fn traced(halves: &[Half], points: &Points) -> Result<Vec<Vec<usize>>, CutError> {
     let after = |h: usize| -> Option<usize> {
         let [x, y] = halves[h].edge.tangent(1.0);

@@ -64,7 +64,7 @@ pub struct Edge {
     pub loop_index: usize,
     /// Whether the corners were listed against the traversal: a hole listed counter-clockwise.
     pub reversed: bool,
-    /// The part that it is of an edge as it was drawn: fractions of the length of that one at s = 0 and 1.
+    /// Its part of the edge as drawn: fractions of the drawn edge's length at s = 0 and 1.
     pub drawn: [f64; 2],
 }
 
@@ -123,7 +123,7 @@ impl Edge {
         }
     }
 
-    /// Of an ellipse γ = c + p exp(iΔ) + q exp(-iΔ) about the parameter s, Δ = θ(s') - θ(s): p and q.
+    /// p and q of an ellipse γ = c + p exp(iΔ) + q exp(-iΔ) about the parameter s, Δ = θ(s') - θ(s).
     fn foci_arms(&self, s: f64) -> [Complex64; 2] {
         let Path::Ellipse { radii: [a, b], angle, start, opening } = self.path else {
             return [Complex64::ZERO; 2];
@@ -186,7 +186,7 @@ impl Edge {
         [x / r, y / r]
     }
 
-    /// |γ''| at most on an interval of s.
+    /// Upper bound of |γ''| on an interval of s.
     fn bend_on(&self, interval: RangeInclusive<f64>) -> f64 {
         match self.path {
             Path::Line => 0.0,
@@ -203,7 +203,7 @@ impl Edge {
         }
     }
 
-    /// |γ''| at most.
+    /// Upper bound of |γ''|.
     pub fn bend(&self) -> f64 {
         self.bend_on(0.0..=1.0)
     }
@@ -213,7 +213,7 @@ impl Edge {
         matches!(self.path, Path::Line | Path::Arc { .. })
     }
 
-    /// Bits of its corners and of what else makes it, in the order of listing.
+    /// Bits of its corners and of its other data, in the order of listing.
     pub fn listed_bits(&self) -> Vec<u64> {
         let mut numbers: Vec<f64> = self.listed().into_iter().flatten().collect();
         match self.path {
@@ -227,7 +227,7 @@ impl Edge {
         numbers.into_iter().map(f64::to_bits).collect()
     }
 
-    /// Distance at most of the points between two parameters from the chord.
+    /// Upper bound of the distance from the chord to the points between two parameters.
     pub(crate) fn deviation(&self, low: f64, high: f64) -> f64 {
         (high - low) * (high - low) / 8.0 * self.bend_on(low..=high)
     }
@@ -269,8 +269,8 @@ impl Edge {
         }
     }
 
-    /// Parameters between two others at which an element between these has to be cut, by halves, until its parts are admissible;
-    /// no part is halved below `shortest`.
+    /// Parameters at which the element between two parameters is cut by repeated halving until its parts are admissible; no
+    /// part is halved below `shortest`.
     pub fn needed_cuts(&self, [low, high]: [f64; 2], shortest: f64) -> Vec<f64> {
         let (mut stack, mut cuts) = (vec![[low, high]], Vec::new());
         while let Some([a, b]) = stack.pop() {
@@ -313,7 +313,7 @@ impl Edge {
         }
     }
 
-    /// Fraction of the length of the edge as it was drawn up to the parameter s.
+    /// Fraction of the drawn edge's length up to the parameter s.
     pub fn drawn_fraction(&self, s: f64) -> f64 {
         let ([a, b], fraction) = (self.drawn, self.arc_fraction(s));
         if [a, b] == [0.0, 1.0] { fraction } else { a + (b - a) * fraction }
@@ -373,7 +373,7 @@ impl Edge {
         [y, -x]
     }
 
-    /// Points that span it: its corners, and of a curve enough others that no point is far from all.
+    /// Points that span the edge: its corners and, on a curve, enough other points that no point is far from all of them.
     pub fn extent(&self) -> Vec<[f64; 2]> {
         let count = if self.is_line() { 1 } else { 32 };
         (0..=count).map(|k| self.point(k as f64 / count as f64)).collect()

@@ -5,9 +5,9 @@ use steklov_elastic::plane::distance;
 use crate::edge::{Edge, Path, angle};
 use crate::predicates::{nearest_on_segment, orientation};
 
-/// Pairs of pieces that are looked at before two edges count as too close to tell apart.
+/// Number of pairs of pieces examined before two edges count as too close to tell apart.
 const MOST_PAIRS: usize = 400_000;
-/// Interior angles at corners between curves, at least and at most this far from 0 and 360°: 0.1°.
+/// Smallest distance of an interior angle between curves from 0 and from 360°: 0.1°.
 pub(crate) const LEAST_ANGLE: f64 = 0.1 * std::f64::consts::PI / 180.0;
 
 /// A piece of an edge between two parameters.
@@ -33,7 +33,7 @@ impl<'a> Piece<'a> {
         [half([low, middle], [self.points[0], m]), half([middle, high], [m, self.points[1]])]
     }
 
-    /// Angle at most between two tangents of the piece; infinite where it has a point without a tangent.
+    /// Upper bound of the angle between two tangents of the piece; infinite if a point has no tangent.
     fn turning(&self) -> f64 {
         let [low, high] = self.ends;
         // 8 deviation/Δs² bounds |γ''|
@@ -97,7 +97,7 @@ fn meeting_of(first: Piece<'_>, second: Piece<'_>, shared: &[[f64; 2]], toleranc
     stack.pop().map(|(a, b)| shorter(&a, &b).points[0])
 }
 
-/// The shorter one of two pieces, which tells better where they meet.
+/// The shorter of two pieces, which locates their meeting point better.
 fn shorter<'p, 'e>(a: &'p Piece<'e>, b: &'p Piece<'e>) -> &'p Piece<'e> {
     let length = |p: &Piece<'_>| distance(p.points[0], p.points[1]);
     if length(a) <= length(b) { a } else { b }

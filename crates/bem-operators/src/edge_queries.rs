@@ -74,7 +74,7 @@ impl Edge {
         roots.into_iter().map(|s| (s, from(s)[0] * n[0] + from(s)[1] * n[1])).collect()
     }
 
-    /// The same of an arc about c: |x + d n - c| = R.
+    /// The same for an arc about c: |x + d n - c| = R.
     fn arc_met_by(&self, opening: f64, x: [f64; 2], n: [f64; 2]) -> Vec<(f64, f64)> {
         let (centre, arm) = self.arc_from_centre(opening);
         let (r, n, radius) = (complex(x) - centre, complex(n), arm.norm());
@@ -98,9 +98,9 @@ impl Edge {
         (a - arm, arm)
     }
 
-    /// Parameters of the points y for which y - x is along `pull` - `push` n(y): for pull = E₁n₁(x), push = E₂ the points that a
-    /// point x of another body meets when both surfaces give way as their moduli say. With push = 0 those on the line through x
-    /// along `pull`.
+    /// Parameters of the points y for which y - x is along `pull` - `push` n(y): for pull = E₁n₁(x) and push = E₂ the points
+    /// that a point x of another body meets when both surfaces give way according to their moduli, for push = 0 the points on
+    /// the line through x along `pull`.
     pub fn paired(&self, x: [f64; 2], pull: [f64; 2], push: f64) -> Vec<f64> {
         if let Path::Arc { opening } = self.path {
             return self.arc_paired(opening, x, pull, push);
@@ -113,7 +113,7 @@ impl Edge {
         })
     }
 
-    /// The same of an arc: with r = c - x, y = c + R e and n = ±e, (r × pull) + e × (± push r + R pull) = 0.
+    /// The same for an arc: with r = c - x, y = c + R e and n = ±e, (r × pull) + e × (± push r + R pull) = 0.
     fn arc_paired(&self, opening: f64, x: [f64; 2], pull: [f64; 2], push: f64) -> Vec<f64> {
         let (centre, arm) = self.arc_from_centre(opening);
         let outward = if (opening > 0.0) == self.reversed { -1.0 } else { 1.0 };

@@ -44,9 +44,9 @@ pub struct Enriched {
 }
 
 impl EnrichedSteklov {
-    /// What S₊ needs besides S, of a space with operators by [`crate::Operators::to_enrich`] of the same `material`, `length` and
-    /// `cache`, which have become `traction`. Bounded at infinity the extra tractions, which have no resultant, are made
-    /// V-orthogonal to the base tractions without one.
+    /// The blocks that S₊ needs besides S. The space has operators by [`crate::Operators::to_enrich`] with the same
+    /// `material`, `length` and `cache`, which have become `traction`. If the displacement is bounded at infinity, the extra
+    /// tractions, which have no resultant, are made V-orthogonal to the base tractions without resultant.
     ///
     /// Cost: 6 N²n multiplications and additions for N unknowns and n extra ones; 4 Nn + 3 n² doubles.
     /// # Errors
@@ -69,7 +69,7 @@ impl EnrichedSteklov {
     }
 }
 
-/// The part of [`EnrichedSteklov`] that V₊ and H₊ give.
+/// The part of [`EnrichedSteklov`] that follows from V₊ and H₊.
 struct Layers {
     factor: Mat<f64>,
     top: Mat<f64>,
@@ -120,7 +120,7 @@ impl Layers {
         Ok(Self { factor, top, corner, x_bubble, of_bubble, blocks })
     }
 
-    /// In the storage of what W gains.
+    /// Works in the storage of the blocks of W.
     fn with(self, bubbles: Bubbles, traction: &TractionMap) -> Result<EnrichedSteklov, BemError> {
         let Self { factor, top, corner, x_bubble, of_bubble, blocks } = self;
         let Bubbles { w: mut coupling, w_corner: mut bubble } = bubbles;

@@ -9,8 +9,8 @@ use crate::columns::Targets;
 use crate::pass::{Pass, Purpose};
 use crate::{BemError, Mesh, Space};
 
-/// What V, K and M gain from two functions (times x, y) for each element: the displacement bubble
-/// b = ∫P_p = (P_(p+1) - P_(p-1))/(2p+1) and the traction mode P_p. What W gains is [`Bubbles`].
+/// The blocks that two more functions (times x, y) on each element add to V, K and M: the displacement bubble b = ∫P_p =
+/// (P_(p+1) - P_(p-1))/(2p+1) and the traction mode P_p. [`Bubbles`] has the blocks of W.
 ///
 /// Extra unknown 2e+i belongs to element e, component i, and stands behind the N unknowns of the space: nodal functions
 /// and bubbles span degree p+1, tractions degree p. With n = 2·elements:
@@ -34,7 +34,7 @@ pub struct Enrichment {
     pub mass_top: CsMat<f64>,
 }
 
-/// What W gains from the bubbles of an [`Enrichment`].
+/// The blocks that the bubbles of an [`Enrichment`] add to W.
 #[derive(Debug, Clone)]
 pub struct Bubbles {
     /// W of the bubbles against the nodal functions, N×n.
@@ -44,8 +44,8 @@ pub struct Bubbles {
 }
 
 impl Enrichment {
-    /// Assembles the enrichment of a space whose operators are those of [`crate::Operators::to_enrich`] with the same `length` and
-    /// `cache`; with the bubbles of W where that takes little memory: it saves a pass.
+    /// Assembles the enrichment of a space whose operators are those of [`crate::Operators::to_enrich`] with the same `length`
+    /// and `cache`; with the bubbles of W if that takes little memory, since it saves a pass.
     ///
     /// Cost: as [`crate::Operators::assemble`] at degree p+1; memory 2(N+n)n + nN doubles.
     /// # Errors
@@ -81,7 +81,7 @@ impl Enrichment {
 }
 
 impl Bubbles {
-    /// Assembles what W gains from the bubbles; as [`Enrichment::assemble`].
+    /// Assembles the blocks that the bubbles add to W; as [`Enrichment::assemble`].
     ///
     /// # Errors
     /// As [`Enrichment::assemble`].

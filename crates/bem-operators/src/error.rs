@@ -6,7 +6,7 @@ use steklov_elastic::RigidMotion;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BemError {
-    /// Constants that are no material's.
+    /// Elastic constants that no material has.
     #[error(transparent)]
     Material(#[from] steklov_elastic::MaterialError),
     /// Linear algebra that went wrong.

@@ -1,8 +1,8 @@
-//! Tables of well separated pairs of which one is curved at least: Gauss-Legendre in both parameters.
+//! Tables of well separated pairs at least one element of which is curved: Gauss-Legendre in both parameters.
 //!
-//! The kernels are analytic in the parameter of one element as long as that is within a Bernstein ellipse whose image does not
-//! meet the other element. Such an image lies where the distances to both end points add up to less than its largest such sum
-//! on the ellipse; the distances of the other element from these end points tell the rule.
+//! The kernels are analytic in the parameter of one element within a Bernstein ellipse whose image does not meet the other
+//! element. All points of such an image have a sum of distances to both end points below the largest such sum on the ellipse;
+//! the distances of the other element from these end points therefore determine the rule.
 
 use std::sync::OnceLock;
 
@@ -16,11 +16,11 @@ use crate::near::{MAX_ORDER, gauss_points};
 
 /// Numbers of Gauss points that are used: the needed one is rounded up to the next of these.
 const RULES: [usize; 16] = [6, 8, 10, 12, 14, 16, 18, 20, 24, 28, 32, 36, 40, 48, 56, 64];
-/// Points on an ellipse at which the sum of distances is taken, and what may lie between them.
+/// Number of points on an ellipse at which the sum of distances is taken, and a factor for the points between them.
 const ELLIPSE_POINTS: usize = 32;
 const BETWEEN: f64 = 1.02;
 
-/// An element with what the rules for far pairs ask of it.
+/// An element with the data that the rules for far pairs need.
 pub(crate) struct Reach {
     curve: Curve,
     /// Start, middle, end.
@@ -51,7 +51,7 @@ impl Reach {
         Self { curve, points, half_length, sums, nodes: Default::default() }
     }
 
-    /// The rule that reaches roundoff here, as far as another element is away.
+    /// The rule that reaches roundoff on this element at the distance of another one.
     fn rule(&self, other: &Self) -> Option<usize> {
         let [start, _, end] = self.points;
         let distance = |a: Complex64, b: Complex64| (a - b).norm_sqr().sqrt();

@@ -75,7 +75,7 @@ mod residual;
 #[cfg(feature = "proptest")]
 pub mod proptest;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {faer, num_complex, sprs, steklov_elastic, steklov_quadrature};
 
 pub use assemble::Operators;

@@ -7,7 +7,7 @@ use steklov_quadrature::{Rule, legendre_p};
 use crate::near::panel_rule;
 use crate::{BemError, Mesh, Space};
 
-/// A point of the boundary at which a datum is asked for.
+/// A point of the boundary at which a datum is evaluated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Site {
     /// Element on which the point lies.
@@ -34,10 +34,10 @@ pub struct Datum<'a> {
     pub name: &'a str,
     /// Its value.
     pub value: &'a (dyn Fn(&Site) -> f64 + Sync),
-    /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps. One that is not named is
+    /// Reference coordinates in (-1, 1) of an element where the value or a derivative jumps. A kink that is not listed is
     /// found by halving, at a cost.
     pub kinks: &'a (dyn Fn(usize) -> Vec<f64> + Sync),
-    /// What of the value may be rounding, where that is more than its size tells: the value is what is left of larger terms.
+    /// Rounding error of the value, if it is larger than the value's size implies, as in a difference of larger terms.
     pub rounding: Option<&'a (dyn Fn(&Site) -> f64 + Sync)>,
 }
 
@@ -65,9 +65,11 @@ const AGREEMENT: f64 = 1e-12;
 const DEEPEST: usize = 48;
 /// Pieces of an element after which it is given up.
 const MOST_PIECES: usize = 400;
-/// What all given-up pieces may be uncertain by, as part of the integral of |f|: the noise of data with cancellation passes.
+/// Largest total uncertainty of the pieces that were given up, as part of the integral of |f|: the noise of data with
+/// cancellation passes.
 const GIVEN_UP: f64 = 1e-5;
-/// Points on a side at least, whatever its number of elements: what is narrower than a few of their distances is not seen.
+/// Smallest number of points on a side, whatever its number of elements: features narrower than a few of their distances are
+/// not seen.
 const SIDE_POINTS: usize = 512;
 
 /// An element and p+1 moments against its nodal basis.
@@ -75,12 +77,11 @@ pub type ElementMoments = (usize, Vec<f64>);
 
 /// Moments ∫ f φ_j ds (f times length) of every element of a side against its own nodal basis: (element, p+1 values).
 ///
-/// Each element is cut at the datum's kinks; on each piece the number of Gauss points is doubled from 16 until two rules
-/// agree to 1e-12 of the integral of |f| over the side, or to that of its rounding; pieces that do not come to that with 128
-/// points are halved.
+/// Each element is cut at the datum's kinks; on each piece the number of Gauss points is doubled from 16 until two rules agree
+/// to 1e-12 of the integral of |f| over the side, or to its rounding error; pieces that do not reach this with 128 points are
+/// halved.
 /// # Errors
-/// [`BemError::DataNotFinite`] when f is not finite at a quadrature point; [`BemError::DataRough`] when the rules do not
-/// come to agree.
+/// [`BemError::DataNotFinite`] when f is not finite at a quadrature point; [`BemError::DataRough`] when the rules do not agree.
 pub fn side_moments(
     mesh: &Mesh,
     space: &Space,
@@ -90,8 +91,8 @@ pub fn side_moments(
     side_moments_and_squares(mesh, space, side, datum).map(|(moments, _)| moments)
 }
 
-/// [`side_moments`] and ∫ f² v ds of each of these elements, v being |γ'| over half of its length, 1 on lines and arcs, by the rules that the moments are taken with: the square of the
-/// part of f v that is orthogonal to the nodal basis is the difference, up to roundoff of it.
+/// [`side_moments`], and ∫ f² v ds on each of these elements by the same rules; v is |γ'| over half of the element's length, 1
+/// on lines and arcs. The square of the part of f v orthogonal to the nodal basis follows as a difference, up to its roundoff.
 ///
 /// # Errors
 /// As [`side_moments`].
@@ -139,7 +140,7 @@ pub fn side_moments_and_squares(
     }
 }
 
-/// Moments and square of each element, and what the pieces that did not come to agree are uncertain by.
+/// Moments and square of each element, and the uncertainty of the pieces whose rules did not agree.
 fn at_tolerance(
     mesh: &Mesh,
     space: &Space,
@@ -187,8 +188,8 @@ pub fn add_load(load: &mut [f64], space: &Space, moments: &[ElementMoments], dir
     }
 }
 
-/// Moments and square of one piece by doubling, and what the moments are uncertain by: the largest difference of the last two rules, or what
-/// a kink between the last point and an end of the piece would hide.
+/// Moments and square of one piece by doubling, and the uncertainty of the moments: the largest difference of the last two
+/// rules, or the part that a kink between the last point and an end of the piece would hide.
 fn agreed(
     mesh: &Mesh,
     space: &Space,
@@ -234,8 +235,8 @@ fn agreed(
     }
 }
 
-/// Next to both ends, the value less that of the polynomial through the Gauss points, times the distance to the last of
-/// them: what the integral over t misses if the datum bends there.
+/// Next to both ends, the value minus that of the polynomial through the Gauss points, times the distance to the last of them:
+/// the error of the integral over t if the datum bends there.
 fn hidden_at_ends(mesh: &Mesh, e: usize, datum: &Datum<'_>, a: f64, b: f64, values: &[f64]) -> Result<f64, BemError> {
     let &(near, ref weights) = next_to_end(values.len());
     let end: f64 = weights.iter().zip(values).map(|(w, f)| w * f).sum();

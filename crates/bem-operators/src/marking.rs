@@ -27,10 +27,10 @@ pub fn doerfler(squared: &[f64], theta: f64) -> Vec<Option<f64>> {
     squared.iter().map(|&e| (e >= last * (1.0 - TIE) && e > 0.0).then(|| (e / last).sqrt().max(1.0))).collect()
 }
 
-/// exp(-m) of a displacement on element e: the rate at which its Legendre coefficients fall,
-/// |a_i| ~ exp(-(m i + b)), fitted over i = 1..=p to each of the components along n and t; the larger of the two, but for a
-/// component whose coefficients are below a thousandth of the other's. None with fewer than two coefficients above the
-/// roundoff of the displacement (always for p = 1).
+/// exp(-m) of a displacement on element e: the rate at which its Legendre coefficients fall, |a_i| ~ exp(-(m i + b)), fitted
+/// over i = 1..=p to each of the components along n and t; the larger of the two, except a component whose coefficients are
+/// below a thousandth of the other's. None with fewer than two coefficients above the roundoff of the displacement (always for
+/// p = 1).
 ///
 /// a_0, a translation, does not count, and the fit does not depend on units or directions.
 ///

@@ -26,7 +26,7 @@ pub struct Mesh {
     pub edge: Vec<usize>,
     /// How each element runs from its start to its end.
     pub shape: Vec<Shape>,
-    /// Unit tangent in the middle of each element in the direction of traversal: of a straight one that of its edge, see
+    /// Unit tangent in the middle of each element in the direction of traversal; for a straight element that of its edge, see
     /// [`edge_tangents`].
     pub heading: Vec<[f64; 2]>,
     /// Side (an index into [`Mesh::side_names`]) to which that edge belongs.
@@ -34,8 +34,7 @@ pub struct Mesh {
     /// Edge parameter `[s_start, s_end]` of each element, in the direction in which the corners were listed:
     /// rising in traversal order, or falling on a hole that was listed the other way round.
     pub span: Vec<[f64; 2]>,
-    /// Fractions of the length of its edge as it was drawn up to the ends of each element: the span on whole lines and circular
-    /// arcs.
+    /// Fractions of the drawn edge's length at the ends of each element: the span on whole lines and circular arcs.
     pub arc: Vec<[f64; 2]>,
     /// Names of the sides.
     pub side_names: Vec<String>,
@@ -101,7 +100,7 @@ impl Mesh {
         2.0 * norm(self.half_chord(e))
     }
 
-    /// |dy/dt| at the reference point t of element e: half of its length, but on polynomial curves.
+    /// |dy/dt| at the reference point t of element e: half of its length, except on polynomial curves.
     pub fn speed(&self, e: usize, t: f64) -> f64 {
         match self.shape[e] {
             Shape::Polynomial(_) => self.curve(e).derivative(t).norm(),
@@ -109,7 +108,7 @@ impl Mesh {
         }
     }
 
-    /// Distance on the reference element of e below which points are one, up to the rounding of their coordinates.
+    /// Distance on the reference element of e below which points are one: the rounding of their coordinates.
     pub fn resolution(&self, e: usize) -> f64 {
         let [x, y] = self.vertices[e];
         (4e-15 * (x.abs() + y.abs()) / self.length(e)).clamp(1e-12, 1e-3)
@@ -152,7 +151,7 @@ impl Mesh {
         if t <= 0.0 { a + (b - a) * (1.0 + t) / 2.0 } else { b - (b - a) * (1.0 - t) / 2.0 }
     }
 
-    /// Fraction of the length of its edge as it was drawn up to the reference point t of element e.
+    /// Fraction of the drawn edge's length up to the reference point t of element e.
     pub fn arc_fraction(&self, e: usize, t: f64) -> f64 {
         let [a, b] = self.arc[e];
         let Shape::Polynomial(_) = self.shape[e] else {
@@ -181,7 +180,7 @@ impl Mesh {
         previous
     }
 
-    /// Largest distance of two vertices, which are corners, or of points of curves: the default length in log(L/r).
+    /// Largest distance between two vertices, which are corners, or points of curves: the default length in log(L/r).
     pub fn diameter(&self) -> f64 {
         let ends = self.next.iter().enumerate().filter(|&(e, &next)| self.edge[e] != self.edge[next]);
         let mut corners: Vec<[f64; 2]> = ends.map(|(_, &next)| self.vertices[next]).collect();

@@ -6,12 +6,12 @@ use crate::{BemError, Edge, Mesh, Polygon, Shape, edge_tangents};
 const TIE: f64 = 1e-12;
 
 impl Mesh {
-    /// Mesh of `elements` elements of one degree, the elements of an edge equal, but where a curve turns too far for one: there it is
-    /// halved.
+    /// Mesh of `elements` elements of one degree. The elements of an edge are equal, except where a curve turns too far for
+    /// one element: there it is halved.
     ///
-    /// Each edge gets one element; then, while fewer than `elements` are placed, one more goes to the edge whose
-    /// elements are longest (ties: the lowest edge number). Fewer than the number of edges is raised to it. An edge is
-    /// not cut below [`Polygon::tolerance`].
+    /// Each edge gets one element; then, while fewer than `elements` are placed, one more goes to the edge whose elements are
+    /// longest (ties: the lowest edge number). A number below that of the edges is raised to it. An edge is not cut below
+    /// [`Polygon::tolerance`].
     ///
     /// # Panics
     /// If `degree` is 0.
@@ -210,7 +210,7 @@ impl Mesh {
     }
 }
 
-/// Breaks of an edge, and those that its elements need as they turn too far.
+/// Breaks of an edge, with those that its elements need because they turn too far.
 fn with_needed_cuts(edge: &Edge, breaks: Vec<f64>) -> Vec<f64> {
     if edge.is_line() {
         return breaks;
@@ -222,7 +222,7 @@ fn with_needed_cuts(edge: &Edge, breaks: Vec<f64>) -> Vec<f64> {
     all
 }
 
-/// Parts of an edge below which none is cut.
+/// No part of an edge below this fraction is cut.
 const SHORTEST: f64 = 1e-7;
 
 /// Corner at s = 1 of edge k, named after the edge that has it at s = 0.

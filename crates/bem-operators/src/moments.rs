@@ -73,7 +73,7 @@ impl PairMoments {
     }
 }
 
-/// Whether of an unordered pair the first element is the outer one: the shorter, the first if they are equally long.
+/// Whether the first element of an unordered pair is the outer one: the shorter one is, or the first if both are equally long.
 pub(crate) fn first_is_outer(a: Segment, b: Segment) -> bool {
     a.half().norm_sqr() <= b.half().norm_sqr()
 }

@@ -15,8 +15,8 @@ const CURVE_POINTS: usize = 24;
 /// ```text
 /// u_p(x) = ε_∞ (x - x_0) - (ξ²/2) b/(λ+2μ),    ξ = b·(x - x_0)/|b|,    σ(ε_∞ x) = σ_∞
 /// ```
-/// The strain of the second part is uniaxial along b, so the solution turns with the scene, and it stays bounded as ν → ½.
-/// The first part is what is left of a stressed unbounded body far away from its holes.
+/// The strain of the second part is uniaxial along b, so the solution turns with the scene, and it stays bounded as ν → ½. The
+/// first part is the field of a stressed unbounded body far away from its holes.
 #[derive(Debug, Clone, Copy)]
 pub struct ParticularSolution {
     force: [f64; 2],
@@ -27,12 +27,12 @@ pub struct ParticularSolution {
 }
 
 impl ParticularSolution {
-    /// Of a force per area; `centre` is the point x_0 at which the particular solution and its stress vanish.
+    /// The solution for a force per area; `centre` is the point x_0 at which the particular solution and its stress vanish.
     pub fn of_body_force(force: [f64; 2], centre: [f64; 2], material: &Material) -> Self {
         Self { force, strain: [0.0; 3], centre, material: *material }
     }
 
-    /// Of a uniform stress xx, yy, xy; `centre` is the point x_0 that it does not move.
+    /// The field of a uniform stress xx, yy, xy; `centre` is the point x_0 that does not move.
     pub fn of_uniform_stress([xx, yy, xy]: [f64; 3], centre: [f64; 2], material: &Material) -> Self {
         let (nu, mu) = (material.nu(), material.mu());
         let along = |a: f64, b: f64| ((1.0 - nu) * a - nu * b) / (2.0 * mu);
@@ -81,7 +81,7 @@ impl ParticularSolution {
         self.traction_load_of(mesh, space, |_, _| true)
     }
 
-    /// The same of those elements and components for which `of` holds.
+    /// The same for those elements and components for which `of` holds.
     pub fn traction_load_of(&self, mesh: &Mesh, space: &Space, of: impl Fn(usize, usize) -> bool) -> Vec<f64> {
         let mut load = vec![0.0; space.dofs()];
         for e in 0..mesh.len() {

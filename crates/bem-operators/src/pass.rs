@@ -1,4 +1,4 @@
-//! All pairs of elements in blocks of rows: which there are, and their moments.
+//! All pairs of elements in blocks of rows, and their moments.
 
 use rayon::prelude::*;
 use steklov_elastic::Material;
@@ -13,7 +13,7 @@ use crate::moments::{LANES, Segment, first_is_outer, same, storage};
 use crate::near;
 use crate::{Mesh, Space};
 
-/// Doubles that the moments of one block of pairs may take: 8 MiB.
+/// Largest number of doubles for the moments of one block of pairs: 8 MiB.
 const BLOCK_STORAGE: usize = 1 << 20;
 /// Pairs that one task computes, so that batches fill up.
 const TASK_PAIRS: usize = 1024;
@@ -41,7 +41,7 @@ pub(crate) struct Pass<'a> {
     pub(crate) space: &'a Space,
     pub(crate) segments: Vec<Segment>,
     pub(crate) curves: Vec<Curve>,
-    /// How near other elements may come to each; of straight elements alone nothing.
+    /// How near other elements may come to each; empty if all elements are straight.
     reach: Vec<Reach>,
     /// Half of the length of each element.
     pub(crate) half: Vec<f64>,

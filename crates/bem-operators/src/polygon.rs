@@ -12,11 +12,11 @@ use crate::predicates::orientation;
 /// A closed chain of corners as the user lists it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Loop {
-    /// Corner points (length), at least three, or two of which one edge is curved.
+    /// Corner points (length), at least three, or two if one edge is curved.
     pub corners: Vec<[f64; 2]>,
     /// `sides[k]` names the edge from corner k to the next; edges of one name are one side, on any loop.
     pub sides: Vec<String>,
-    /// `paths[k]`: how the edge from corner k to the next runs; without any all are straight.
+    /// `paths[k]`: how the edge from corner k to the next runs; if empty, all edges are straight.
     pub paths: Vec<Path>,
 }
 
@@ -83,8 +83,8 @@ pub enum Location {
 /// counter-clockwise; holes may be listed in either order and are traversed clockwise, so that the body is always to the
 /// left and n points out of it: of an unbounded body into the holes.
 ///
-/// Several polygons that are one by [`Polygon::assembly`] are several bodies, each with its loops; what is said of "the body" is
-/// then said of all of them together.
+/// A polygon that [`Polygon::assembly`] makes from several is several bodies, each with its loops; "the body" then means all
+/// of them together.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Polygon {
     edges: Vec<Edge>,
@@ -115,8 +115,8 @@ impl Polygon {
 
     /// The unbounded body that is the plane without the holes: checks them and takes them over.
     ///
-    /// The boundary equations of a body to the left of its boundary are its own for fields that decay at infinity, or grow
-    /// like a logarithm with a net force: [`crate::Domain::Interior`].
+    /// The boundary equations of a body to the left of its boundary hold for it too, for fields that decay at infinity, or
+    /// grow like a logarithm with a net force: [`crate::Domain::Interior`].
     /// # Errors
     /// [`PolygonError`] as [`Polygon::new`]; holes that meet, or lie in one another. Holes count from 1 in it.
     pub fn outside(holes: Vec<Loop>) -> Result<Polygon, PolygonError> {
@@ -143,14 +143,14 @@ impl Polygon {
             }
             loops.push(first..edges.len());
         }
-        // of holes alone both are negative moments of a negative area: the centroid is that of the holes
+        // for holes alone both area and moments are negative: the centroid is that of the holes
         let (area, centroid) = area_and_centroid(&edges);
         let area = if bounded { area } else { f64::INFINITY };
         let bodies = std::iter::once(0..loops.len()).collect();
         Polygon { edges, loops, bodies, bounded: vec![bounded], side_names, area, diameter, centroid, tolerance }
     }
 
-    /// The loops of each piece into which the body is cut, its outer one first, in the place of its own.
+    /// Replaces the body by the pieces into which it is cut, each with its loops, the outer one first.
     pub(crate) fn in_pieces(&self, pieces: Vec<Vec<Vec<Edge>>>, side_names: Vec<String>) -> Polygon {
         let bounded = vec![true; pieces.len()];
         let (mut edges, mut loops, mut bodies) = (Vec::new(), Vec::new(), Vec::new());
@@ -172,8 +172,8 @@ impl Polygon {
         self
     }
 
-    /// Bodies as one polygon: their loops, edges and sides one body after the other, sides of equal names kept apart.
-    /// Whether they overlap is not asked: bodies that are pressed together do.
+    /// Joins bodies to one polygon: loops, edges and sides one body after the other, sides of equal names kept apart. Overlaps
+    /// are not checked: bodies that are pressed together overlap.
     ///
     /// # Panics
     /// Without a body.
@@ -217,12 +217,12 @@ impl Polygon {
         !self.edges.iter().all(Edge::is_line)
     }
 
-    /// Whether the body has an outer loop; else it is the plane without its holes. Of several bodies whether all have one.
+    /// Whether the body has an outer loop; else it is the plane without its holes. For several bodies, whether all have one.
     pub fn is_bounded(&self) -> bool {
         self.bounded.iter().all(|bounded| *bounded)
     }
 
-    /// The same of one of several bodies.
+    /// The same for one of several bodies.
     pub fn is_body_bounded(&self, body: usize) -> bool {
         self.bounded[body]
     }
@@ -232,7 +232,7 @@ impl Polygon {
         &self.loops
     }
 
-    /// The loops of each body, its outer one first: one body but for [`Polygon::assembly`].
+    /// The loops of each body, its outer one first: one body, unless [`Polygon::assembly`] joined several.
     pub fn bodies(&self) -> &[Range<usize>] {
         &self.bodies
     }
@@ -270,18 +270,18 @@ impl Polygon {
         self.area
     }
 
-    /// Largest distance of two points of the boundary; of a bounded body also that of two of its points.
+    /// Largest distance between two points of the boundary, which for a bounded body is also that between two of its points.
     pub fn diameter(&self) -> f64 {
         self.diameter
     }
 
-    /// Centre of mass of the body, which with holes or notches may lie outside of it; of an unbounded body that of all its
-    /// holes together.
+    /// Centre of mass of the body, which may lie outside of it if there are holes or notches; for an unbounded body that of
+    /// all its holes together.
     pub fn centroid(&self) -> [f64; 2] {
         self.centroid
     }
 
-    /// The same of one of several bodies.
+    /// The same for one of several bodies.
     pub fn centroid_of_body(&self, body: usize) -> [f64; 2] {
         let loops = &self.bodies[body];
         let edges = self.loops[loops.start].start..self.loops[loops.end - 1].end;

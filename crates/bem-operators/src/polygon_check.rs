@@ -33,8 +33,8 @@ fn name(loop_index: &usize) -> String {
     }
 }
 
-/// What is wrong with a list of corners. Corners and edges count from 0, holes from 1, of an unbounded body too; loop 0 is
-/// the outer one.
+/// What is wrong with a list of corners. Corners and edges count from 0, holes from 1, also those of an unbounded body; loop 0
+/// is the outer one.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum PolygonError {
@@ -204,7 +204,7 @@ pub(crate) fn tolerance(loops: &[Loop]) -> (f64, f64) {
 /// Diameters from the origin at which a body still has six digits of its shape, and beyond which it is refused.
 const FARTHEST: f64 = 1e10;
 
-/// Loops, and what they are: the number of the first one in errors is 0 for an outer loop and 1 where all are holes.
+/// Loops with the number of the first one in errors: 0 for an outer loop, 1 if all are holes.
 struct Listed<'a> {
     loops: &'a [Loop],
     first: usize,
@@ -397,7 +397,7 @@ fn check_curve(s: &ListedEdge, tolerance: f64, listed: &Listed<'_>) -> Result<()
     }
 }
 
-/// Elements that the turns of an edge may take, and the shortest of them, in parts of the edge.
+/// Largest number of elements that the turns of an edge may need, and the shortest of them as a part of the edge.
 const MOST_PIECES: usize = 1 << 8;
 const SHORTEST_PIECE: f64 = 1e-7;
 

@@ -227,9 +227,9 @@ impl BoundaryField {
     /// ```text
     /// w' = -K'_Δ u' + d/ds (2μV - V_Δ) J u' + ½ u' - d/ds Vψ,    K'_Δ u'(x) = -(1/2π) ∫ n_x·(x-y)/r² u' ds
     /// ```
-    /// w is the displacement less the limit of [`Self::inside`]. It vanishes if u and ψ belong to one elastic field of the
-    /// body, and with ψ = V⁻¹(K+½)u its moments against the traction space do. w' has logarithmic singularities at all
-    /// element ends.
+    /// w is the displacement minus the limit of [`Self::inside`]. It vanishes if u and ψ belong to one elastic field of the
+    /// body, and with ψ = V⁻¹(K+½)u its moments against the traction space do. w' has logarithmic singularities at all element
+    /// ends.
     pub fn equation_slope(&self, e: usize, t: f64) -> [f64; 2] {
         self.boundary_derivatives(e, t, 0..self.elements.len()).1
     }
@@ -239,8 +239,8 @@ impl BoundaryField {
         &self.material
     }
 
-    /// [`Self::steklov_trace`] and [`Self::equation_slope`] at once, as far as they come from the elements `of`: they share the
-    /// Legendre functions, which cost most. What comes from elements at a distance is smooth on e.
+    /// [`Self::steklov_trace`] and [`Self::equation_slope`] at once, from the elements `of` alone: they share the Legendre
+    /// functions, which cost most. The contribution of distant elements is smooth on e.
     pub fn boundary_derivatives(&self, e: usize, t: f64, of: impl Iterator<Item = usize>) -> ([f64; 2], [f64; 2]) {
         let own = &self.elements[e];
         let k = &self.constants;
@@ -430,7 +430,7 @@ impl AtPoint {
         }
     }
 
-    /// What a derivative du/dt = P_n of the displacement adds to that of the double layer along a direction, less its sign.
+    /// Contribution of du/dt = P_n to the derivative of the double layer along a direction, without its sign.
     fn double_slope(&self, n: usize, along: Complex64) -> f64 {
         match &self.curved {
             Some(inner) => 0.5 * (along * inner.f[n]).im / std::f64::consts::PI,

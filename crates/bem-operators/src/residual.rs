@@ -1,4 +1,4 @@
-//! What a discrete solution leaves of the boundary equations, element by element: a residual error indicator.
+//! Residuals of a discrete solution in the boundary equations, element by element: a residual error indicator.
 //!
 //! With ψ = V⁻¹(K+½)u in the traction space, σ^h = S_hp u taken pointwise, E Young's modulus, h and p length and degree
 //! of an element I:
@@ -7,10 +7,10 @@
 //! neumann(I)  = h/(pE) ‖t - σ^h‖²_I             where t is prescribed
 //! equation(I) = hE/p ‖d/ds [(K+½)u - Vψ]‖²_I    on all elements, held ones too
 //! ```
-//! Both are energies (force per thickness times length). The root of their sum follows the energy norm of the error: on
-//! smooth solutions it is 1.9 to 3.2 times the error for p = 1 to 8 and ν from -½ to ½ (with h in place of h/p in the second
-//! term that factor grows like √p: the residual of the equation has no moments against the tractions, which gains
-//! the power of p). Not seen: how well held displacements are met by their nodal values, and what contact adds.
+//! Both are energies (force per thickness times length). The root of their sum follows the energy norm of the error: on smooth
+//! solutions it is 1.9 to 3.2 times the error for p = 1 to 8 and ν from -½ to ½ (with h in place of h/p in the second term
+//! that factor grows like √p: the residual of the equation has no moments against the tractions, which gains the power of p).
+//! They do not see how well nodal values meet held displacements, nor the residuals of contact.
 
 use std::ops::Range;
 
@@ -38,14 +38,13 @@ impl BoundaryResidual {
 
 /// Residuals of all elements, in the order of the mesh.
 ///
-/// `traction` tells the prescribed traction at a point (stress), component by component in x and y; `None` where the
-/// displacement is held or contact decides. Of a body force, `field` is the part without the particular solution u_p,
-/// and the traction that is left for it is t - σ(u_p)n.
+/// `traction` gives the prescribed traction at a point (stress), component by component in x and y; `None` where the
+/// displacement is held or contact decides. With a body force, `field` is the part without the particular solution u_p, and
+/// its prescribed traction is t - σ(u_p)n.
 ///
-/// *Use when* an indicator is wanted that needs no unknowns of higher degree. *Fails when* the traction is rough on the
-/// scale of an element: a jump that is no mesh vertex is integrated to 10 % of the element.
-/// *Cost*: points × elements; 80 elements take one core 50 ms (p = 2) to 110 ms (p = 10). Parallel over elements, the same
-/// bits for any number of threads.
+/// *Use when* an indicator is wanted that needs no unknowns of higher degree. *Fails when* the traction is rough on the scale
+/// of an element: a jump that is not at a mesh vertex is integrated to 10 % of the element. *Cost*: points × elements; 80
+/// elements take one core 50 ms (p = 2) to 110 ms (p = 10). Parallel over elements, the same bits for any number of threads.
 ///
 /// # Errors
 /// [`BemError::DataNotFinite`] where a prescribed traction is not finite.
@@ -60,7 +59,7 @@ pub fn boundary_residuals(
     boundary_residuals_of(mesh, field, traction, 0..mesh.len(), Look::Close)
 }
 
-/// [`boundary_residuals`] of some elements, taken as closely as asked for.
+/// [`boundary_residuals`] of some elements, with the accuracy of `look`.
 ///
 /// # Errors
 /// As [`boundary_residuals`].
@@ -108,12 +107,13 @@ fn element_residual(
     Ok(BoundaryResidual { neumann, equation })
 }
 
-/// How closely residuals are looked at.
+/// How accurately residuals are integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
     /// By [`residual_panels`]: to 1 % of their norm.
     Close,
-    /// At 8 to 8 + 2p points of an element of degree p, to a factor of two or so: whether there is anything of a size that counts.
+    /// At 8 to 8 + 2p points of an element of degree p, to a factor of about two: enough to see whether they are large enough
+    /// to count.
     Quick,
 }
 
@@ -136,13 +136,13 @@ const POINTS: usize = 5;
 /// Rules for squared residuals on an element of degree p: panels of [-1, 1] that get smaller towards both ends, where
 /// σ^h and w' have logarithmic singularities, cut at the given kinks of the data too.
 ///
-/// Three layers of ratio 0.15 with 5 points, and 5 + p/2 on each half of what is left, miss about 1 % of the norm.
+/// Three layers of ratio 0.15 with 5 points, and 5 + p/2 points on each half of the rest, miss about 1 % of the norm.
 pub fn residual_panels(degree: usize, kinks: &[f64]) -> Vec<Rule> {
     graded_panels(LAYERS, POINTS, degree, kinks)
 }
 
-/// Rules on panels of [-1, 1] that get smaller towards both ends by layers of ratio 0.15, cut at the given points: so many
-/// points on a layer, and p/2 more on each half of what is left.
+/// Rules on panels of [-1, 1] that get smaller towards both ends by layers of ratio 0.15, cut at the given points: `points` on
+/// a layer, and p/2 more on each half of the rest.
 pub fn graded_panels(layers: usize, points: usize, degree: usize, cuts: &[f64]) -> Vec<Rule> {
     let layer = |k: usize| RATIO.powi(k as i32);
     let mut breaks: Vec<f64> = (1..=layers).flat_map(|k| [layer(k) - 1.0, 1.0 - layer(k)]).collect();

@@ -8,7 +8,7 @@ use steklov_algebra::{Image, add_to_lower, check_cholesky, cholesky, parts, solv
 
 use crate::{BemError, Operators};
 
-/// On which side of the boundary the elastic body lies, and what its displacement does at infinity.
+/// On which side of the boundary the elastic body lies, and how its displacement behaves at infinity.
 ///
 /// Source: Hsiao and Wendland (2008), section 2.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -32,7 +32,7 @@ impl Domain {
         matches!(self, Self::Exterior | Self::ExteriorBoundedAtInfinity)
     }
 
-    /// Whether the displacement tends to a constant at infinity that is not given.
+    /// Whether the displacement tends to an unknown constant at infinity.
     pub(crate) fn is_bounded_at_infinity(self) -> bool {
         matches!(self, Self::BoundedAtInfinity | Self::ExteriorBoundedAtInfinity)
     }
@@ -62,11 +62,11 @@ pub struct Steklov {
 #[derive(Debug, Clone)]
 pub struct TractionMap {
     parts: TractionParts,
-    /// The image of L⁻¹ H, unless a part has been taken out of it or it was read.
+    /// The image of L⁻¹ H; none if a part was removed from it or if it was read.
     image: Option<Image>,
 }
 
-/// What a [`TractionMap`] consists of.
+/// The parts of a [`TractionMap`].
 #[derive(Debug, Clone)]
 pub struct TractionParts {
     /// On which side of the boundary the body lies.
@@ -75,16 +75,16 @@ pub struct TractionParts {
     pub factor: Mat<f64>,
     /// L⁻¹ H, traction × displacement; bounded at infinity, without its part along L⁻¹ H 1.
     pub solved: Mat<f64>,
-    /// What has been taken out, bounded at infinity.
+    /// The part that was removed, if the displacement is bounded at infinity.
     pub translations: Option<Translations>,
 }
 
-/// What is taken out of L⁻¹ H where the displacement is bounded at infinity: L⁻¹ H 1 = Q R, QᵀQ = 1.
+/// The part that is removed from L⁻¹ H if the displacement is bounded at infinity: L⁻¹ H 1 = Q R, QᵀQ = 1.
 #[derive(Debug, Clone)]
 pub struct Translations {
     /// Q, traction × 2.
     pub basis: Mat<f64>,
-    /// The constant at infinity, a = R⁻¹ Qᵀ L⁻¹ H u: 2 × displacement; that of a translation is itself.
+    /// The constant at infinity, a = R⁻¹ Qᵀ L⁻¹ H u: 2 × displacement; a translation has itself as its constant.
     pub constant: Mat<f64>,
 }
 
@@ -157,9 +157,9 @@ impl Steklov {
 
     /// S with a traction map of these parts.
     ///
-    /// What is checked beside extents and signs takes N² operations: L Lᵀ is V on a vector, S is symmetric, and W, which is S less
-    /// (L⁻¹H)ᵀ(L⁻¹H), takes translations to 0; bounded at infinity QᵀQ = 1, QᵀL⁻¹H = 0, and translations have themselves at
-    /// infinity.
+    /// Besides extents and signs, N² operations check that L Lᵀ is V on a vector, that S is symmetric, and that W = S -
+    /// (L⁻¹H)ᵀ(L⁻¹H) takes translations to 0; if bounded at infinity, also that QᵀQ = 1, that QᵀL⁻¹H = 0, and that
+    /// translations have themselves as constants.
     ///
     /// # Errors
     /// [`BemError::Part`] for a part that does not fit.
@@ -197,7 +197,7 @@ impl Steklov {
     }
 }
 
-/// What rounding may make of identities of stored parts, relative to their terms.
+/// Largest rounding error in identities of stored parts, relative to their terms.
 const SAME: f64 = 1e-9;
 
 impl TractionParts {
@@ -278,7 +278,7 @@ pub(crate) fn of_factor(factor: MatRef<'_, f64>) -> Mat<f64> {
 }
 
 impl TractionMap {
-    /// What it consists of.
+    /// Its parts.
     pub fn parts(&self) -> &TractionParts {
         &self.parts
     }
@@ -293,8 +293,8 @@ impl TractionMap {
         self.parts.domain
     }
 
-    /// Takes out of L⁻¹ times a matrix of tractions, and its image, what the displacement at infinity takes; nothing unless it is
-    /// bounded there.
+    /// Removes the part of the displacement at infinity from L⁻¹ times a matrix of tractions, and from its image; does nothing
+    /// unless the displacement is bounded there.
     pub(crate) fn balance(&self, a: MatMut<'_, f64>, image: &mut Option<Image>) {
         if let Some(translations) = &self.parts.translations {
             translations.remove(a);
@@ -302,8 +302,8 @@ impl TractionMap {
         }
     }
 
-    /// The constant a to which the displacement tends at infinity, of a nodal displacement on the boundary; 0 unless that is
-    /// what the domain asks for.
+    /// The constant a to which the displacement tends at infinity, from a nodal displacement on the boundary; 0 unless the
+    /// domain asks for a constant.
     pub fn at_infinity(&self, displacement: &[f64]) -> [f64; 2] {
         self.parts.translations.as_ref().map_or([0.0; 2], |t| {
             let a = &t.constant * Col::from_fn(displacement.len(), |i| displacement[i]);

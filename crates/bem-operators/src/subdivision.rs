@@ -2,7 +2,7 @@
 
 use crate::{BemError, Edge, Mesh, Polygon};
 
-/// What is to become of an element.
+/// What refinement does with an element.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Mark {
     /// It stays.
@@ -35,7 +35,7 @@ pub struct Piece {
     pub end: f64,
     /// Polynomial degree.
     pub degree: usize,
-    /// What is to become of it.
+    /// What refinement does with it.
     pub mark: Mark,
 }
 
@@ -127,8 +127,8 @@ impl Subdivision {
         2 * self.edges.iter().flatten().map(|p| p.degree).sum::<usize>()
     }
 
-    /// Makes a vertex at s: a vertex closer than `snap` times its piece that is none of `fixed` (rising) is moved there,
-    /// otherwise the piece is cut, its parts keep degree and mark. Nothing happens where there is a vertex already.
+    /// Makes a vertex at s: moves a vertex there that is closer than `snap` times its piece and not one of `fixed` (rising),
+    /// otherwise cuts the piece, whose parts keep degree and mark. Does nothing if there is a vertex already.
     pub fn insert(&mut self, edge: usize, s: f64, fixed: &[f64], snap: f64) {
         let pieces = &mut self.edges[edge];
         let Some(i) = pieces.iter().position(|p| p.start <= s && s < p.end) else { return };
@@ -251,7 +251,8 @@ fn admissible(edge: &Edge, piece: Piece) -> Vec<Piece> {
     ends.windows(2).map(|s| Piece { start: s[0], end: s[1], ..piece }).collect()
 }
 
-/// Joins pieces too short for their ends to be told apart with a neighbour: vertices go, but not `kept` and those of `fixed`.
+/// Joins pieces that are too short for their ends to be told apart with a neighbour; never removes `kept` or a vertex of
+/// `fixed`.
 fn join_short(pieces: &mut Vec<Piece>, kept: f64, fixed: &[f64]) {
     let goes = |v: f64| v != kept && fixed.iter().all(|f| (f - v).abs() >= SAME_PLACE);
     let mut i = 1;

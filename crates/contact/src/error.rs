@@ -82,7 +82,7 @@ pub enum ContactError {
     },
 }
 
-/// What friction does against a motion, where it does anything.
+/// The resistance of friction against a motion in words, if there is any.
 fn resisting(resistance: f64) -> String {
     if resistance > 0.0 { format!(" and friction resists with {resistance:.3e}") } else { String::new() }
 }

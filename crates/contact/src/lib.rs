@@ -9,12 +9,11 @@
 //!                                        condensed stiffness and load ──────────────┴─► Problem
 //! ```
 //! Multipliers are biorthogonal to the displacement's trace ([`contact_boundary`]) or stabilised, on a mesh of their own
-//! ([`StabilisedForms`], also of almost incompressible bodies: the constant pressure, which would let γ fall with 1-2ν, is damped);
-//! [`inf_sup`] tells of a pair of spaces without stabilisation whether it is stable.
-//! Solvers see a [`Problem`] only: a symmetric matrix, a load, and for each contact node the conditions on its two
-//! (or one) unknowns. They never see a mesh.
+//! ([`StabilisedForms`], also of almost incompressible bodies: the constant pressure, which would let γ fall with 1-2ν, is
+//! damped); [`inf_sup`] tells whether a pair of spaces is stable without stabilisation. Solvers see a [`Problem`] only: a
+//! symmetric matrix, a load, and for each contact node the conditions on its two (or one) unknowns. They never see a mesh.
 //!
-//! Friction is Tresca's (bound F), Coulomb's (bound μ λ_n) or their sum. Tresca problems have one solution but for rigid
+//! Friction is Tresca's (bound F), Coulomb's (bound μ λ_n) or their sum. Tresca problems have one solution up to rigid
 //! motions. Under Coulomb's law there may be several or none: [`contraction`] and [`other_solution`] tell how safe one is.
 //!
 //! Signs: λ := -σ(u)n is the multiplier, λ_n ≥ 0 in compression; the tangent is the normal turned by +90°;
@@ -55,7 +54,7 @@ pub mod proptest;
 #[cfg(test)]
 mod tests;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {faer, steklov_bem_operators};
 
 pub use error::ContactError;

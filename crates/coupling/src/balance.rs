@@ -2,10 +2,11 @@
 
 use crate::CouplingError;
 
-/// Resultant of a load over the sum of its absolute values that counts as none: quadrature of body forces leaves some.
+/// Resultant of a load over the sum of its absolute values up to which it counts as zero: quadrature of body forces leaves a
+/// small one.
 const TOLERANCE: f64 = 1e-6;
 
-/// What the displacement does at infinity.
+/// How the displacement behaves at infinity.
 ///
 /// Source: Issaoui (2014), equation (5.90); Hsiao and Wendland (2008), section 2.2.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -45,7 +45,7 @@ impl<'a> Body<'a> {
         overlaps(&self.trace, mesh, e)
     }
 
-    /// The body at the point t of an element, of which these sides of cells are parts.
+    /// The body at the point t of an element that these sides of cells cover.
     pub fn at(&self, t: f64, overlaps: &[Overlap]) -> Side {
         let Self { body, fine, outline, .. } = self;
         let Some(overlap) = overlaps.iter().find(|o| t <= o.span[1] + SAME) else {

@@ -1,4 +1,4 @@
-//! What the displacement of the grid leaves of the equations in the body, cell by cell.
+//! Residuals of the grid's displacement in the equations of the body, cell by cell.
 
 use rayon::prelude::*;
 use steklov_msfem::{HeterogeneousBody, SideTraction};
@@ -7,8 +7,8 @@ use steklov_quadrature::gauss_legendre;
 /// Residuals of bilinear elements in each cell of the bounding box of a grid, 0 in dropped ones, as squares of energies (force
 /// times length per thickness).
 ///
-/// The error against the exact solution is in them; for that of multiscale elements against the grid there is
-/// [`steklov_msfem::Indicators`].
+/// They measure the error against the exact solution; [`steklov_msfem::Indicators`] measure the error of multiscale elements
+/// against the grid.
 ///
 /// Cost: 9 points a cell and 3 on each side. Parallel over cells, the same bits for any number of threads.
 ///
@@ -78,7 +78,7 @@ fn volume(body: &HeterogeneousBody, u: &[f64], force: &(dyn Fn([f64; 2]) -> [f64
     hx.max(hy).powi(2) / young * sum
 }
 
-/// Jumps to the neighbours, and what is left of given tractions.
+/// Jumps to the neighbours, and the residuals of given tractions.
 fn sides(body: &HeterogeneousBody, u: &[f64], traction: &SideTraction<'_>, cell: usize) -> [f64; 2] {
     let grid = &body.grid;
     let [ix, iy] = grid.cell(cell);

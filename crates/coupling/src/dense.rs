@@ -59,10 +59,10 @@ fn parts() -> Par {
     threads(Par::rayon(PARTS))
 }
 
-/// Solves a symmetric system in place, of which the lower triangle is read; None where the solution is not finite.
+/// Solves a symmetric system in place, reading its lower triangle; None if the solution is not finite.
 ///
 /// # Errors
-/// What is no solution.
+/// A result that does not solve the system.
 pub(crate) fn solve_indefinite(mut matrix: Mat<f64>, mut right: Vec<f64>) -> Result<Option<Vec<f64>>, Fault> {
     let (n, par) = (right.len(), parts());
     let (whole, load) = (mirrored(&matrix), right.clone());
@@ -97,10 +97,10 @@ fn mirrored(a: &Mat<f64>) -> Mat<f64> {
     Mat::from_fn(a.nrows(), a.ncols(), |i, j| a[(i.max(j), i.min(j))])
 }
 
-/// Solves a positive definite system in place, of which the lower triangle is read; None where it is not definite.
+/// Solves a positive definite system in place, reading its lower triangle; None if it is not definite.
 ///
 /// # Errors
-/// A factor that is none.
+/// A wrong factor.
 pub(crate) fn solve_definite(mut matrix: Mat<f64>, mut right: Mat<f64>) -> Result<Option<Mat<f64>>, Fault> {
     let (n, par) = (matrix.nrows(), parts());
     let whole = mirrored(&matrix);

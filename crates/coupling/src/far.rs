@@ -1,20 +1,20 @@
-//! What all elements do on one of them: those at a distance smoothly, so that few points tell it.
+//! The contributions of all elements on one of them: distant elements contribute smoothly, so that few points suffice.
 
 use steklov_bem_operators::{BoundaryField, Mesh, distance_to_segment};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
 use crate::subdivided::Subdivided;
 
-/// Points that tell what elements at a distance do.
+/// Number of points that represent the contribution of distant elements.
 const POINTS: usize = 8;
-/// That distance from the middle of the element, in its lengths: logarithms there are told by 8 points to some 1e-7.
+/// Distance of such elements from the middle of the element, in its lengths: 8 points represent logarithms there to about 1e-7.
 const DISTANCE: f64 = 2.0;
 
 /// W ξ + (K' + ½) φ and the slope of (K + ½) ξ - V φ on one element.
 pub(crate) struct Split {
     /// Parts of elements that are near.
     near: Vec<usize>,
-    /// Legendre coefficients of what the others do: both components of both traces.
+    /// Legendre coefficients of the contribution of the others: both components of both traces.
     far: [[f64; 4]; POINTS],
 }
 

@@ -2,7 +2,7 @@
 
 use crate::{Coupled, CouplingError, Medium, Radiation, Transmission, dense, schur, three_field, two_field};
 
-/// Stiffness of the body over that of the medium from which too few digits are left.
+/// Stiffness of the body over that of the medium from which on too few digits are left.
 const CONTRAST: f64 = 1e10;
 
 /// Which fields are unknowns. v are the unknowns of the trace, Π v the trace in the displacement space of the boundary elements;
@@ -26,8 +26,8 @@ pub enum Form {
     /// -B v   - V φ + (K + ½M) ξ            = -M u0
     ///          (K + ½M)ᵀ φ + (W + Z Zᵀ) ξ  = 0
     /// ```
-    /// The displacements are equal against the tractions only (B = ∫ ψ·v), so that its solution is another one than that of
-    /// the two other forms, of the same order.
+    /// The displacements are equal only when tested with tractions (B = ∫ ψ·v), so that its solution differs from that of the
+    /// two other forms, but has the same order.
     ThreeField,
     /// Displacement v; S = W + (K - ½M)ᵀ V⁻¹ (K - ½M), positive definite: (A_c + Πᵀ S Π) v = f_c + Πᵀ S u0. The solution
     /// of the two-field form, with the traction eliminated; the cheapest.

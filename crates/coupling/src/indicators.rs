@@ -1,4 +1,4 @@
-//! What a solution leaves of the equations on the interface, boundary element by boundary element.
+//! Residuals of a solution in the equations on the interface, boundary element by boundary element.
 
 use rayon::prelude::*;
 use steklov_bem_operators::BoundaryField;
@@ -18,8 +18,8 @@ pub struct Jumps<'a> {
     pub displacement: &'a (dyn Fn([f64; 2]) -> [f64; 2] + Sync),
     /// t0(x, n) (stress), n out of the body.
     pub traction: &'a (dyn Fn([f64; 2], [f64; 2]) -> [f64; 2] + Sync),
-    /// How often an element is halved before u0 is interpolated on it: 0 takes u0 for what [`crate::Transmission::solve`] is
-    /// given at the nodes; 2 sees what that interpolation loses; 5 at most.
+    /// How often an element is halved before u0 is interpolated on it: 0 takes the nodal values that
+    /// [`crate::Transmission::solve`] is given for u0; 2 sees the error of that interpolation; 5 at most.
     pub halvings: usize,
 }
 
@@ -36,12 +36,13 @@ pub struct Jumps<'a> {
 /// on 4p equal parts of the element, or on twice as many parts as it has sides of cells, if that is more.
 ///
 /// The root of the sum with [`crate::CellIndicators`] was measured as 3.9 to 4.4 times the error where the body is as stiff as
-/// the medium or stiffer. For a body 50 times softer it was 5.6 to 9.3 times with two halvings: what interpolation loses of u0
+/// the medium or stiffer. For a body 50 times softer it was 5.6 to 9.3 times with two halvings: the interpolation error of u0
 /// is of higher order, but E₂ multiplies it.
 ///
-/// *Use when* the body conforms on its grid. *Fails when* it is much softer than the medium: 1/E₁ then overestimates tractions.
-/// *Cost*: 26 points an element (p = 1); no matrix. What elements at a distance do is told by 8 points, so that one core takes 0.1 s for 256 elements,
-/// and 11 times as long with two halvings. Parallel over elements, the same bits for any number of threads.
+/// *Use when* the body conforms on its grid. *Fails when* it is much softer than the medium: 1/E₁ then overestimates
+/// tractions. *Cost*: 26 points an element (p = 1); no matrix. 8 points represent the contribution of distant elements, so
+/// that one core takes 0.1 s for 256 elements, and 11 times as long with two halvings. Parallel over elements, the same bits
+/// for any number of threads.
 ///
 /// Source: Carstensen, *A posteriori error estimate for the symmetric coupling of finite elements and boundary elements*,
 /// 1996, with moduli as weights; Issaoui (2014), theorem 5.6, for three fields.
@@ -53,10 +54,10 @@ pub struct InterfaceIndicators {
     pub displacement: Vec<f64>,
     /// Second equation of the medium; None where it is part of the balance of tractions.
     pub hypersingular: Option<Vec<f64>>,
-    /// Σ ⟨w, P_m⟩²/⟨V P_m, P_m⟩ over m = p, p + 1, w = u0 - u + (K + ½) ξ - V φ, P_m the Legendre polynomials of the two lowest
-    /// degrees that φ lacks: the gain of energy by two degrees more, on each element for itself. It follows ‖φ - V⁻¹(K - ½)ξ‖²
-    /// in the norm of V, the error of φ for this ξ, without a constant: the root of its sum was measured as 0.86 to 1.08
-    /// times that for p = 1 to 4. No part of the sum of residuals.
+    /// Σ ⟨w, P_m⟩²/⟨V P_m, P_m⟩ over m = p, p + 1, w = u0 - u + (K + ½) ξ - V φ, P_m the Legendre polynomials of the two
+    /// lowest degrees that φ lacks: the gain of energy by two degrees more, on each element by itself. It follows ‖φ - V⁻¹(K -
+    /// ½)ξ‖² in the norm of V, the error of φ for this ξ, without a constant: the root of its sum was measured as 0.86 to 1.08
+    /// times that for p = 1 to 4. It is not part of the sum of residuals.
     pub traction_error: Vec<f64>,
 }
 
@@ -115,7 +116,7 @@ impl InterfaceIndicators {
     }
 }
 
-/// The fields of a solution, of the size of the boundary elements and finite, and not too many halvings.
+/// Checks that the fields of a solution fit the boundary elements and are finite, and that the halvings are not too many.
 fn check(medium: &Medium, solved: &Coupled, jumps: &Jumps<'_>) -> Result<(), CouplingError> {
     let needed = medium.space.dofs();
     check_field("displacement on the interface", &solved.trace, needed)?;
@@ -151,7 +152,7 @@ const POWER: u32 = 4;
 /// Breaks closer than this on the reference element are one.
 const SAME: f64 = 1e-9;
 
-/// Everything that tells the residuals at a point.
+/// The data that the residuals at a point need.
 struct Residual<'a> {
     medium: &'a Medium,
     body: Body<'a>,

@@ -5,7 +5,7 @@ use steklov_msfem::{Extra, HeterogeneousBody, Loads, Multiscale};
 
 use crate::{CouplingError, Outline, Trace};
 
-/// The linear system of a body that nothing holds, by whatever elements.
+/// The linear system of an unsupported body, for any kind of elements.
 #[derive(Debug, Clone)]
 pub struct Interior {
     /// Stiffness matrix A of all unknowns, two a node (stress).
@@ -34,7 +34,7 @@ impl Interior {
     }
 
     /// Multiscale elements with a conforming basis; [`Multiscale::downscale`] brings the unknowns back to the fine nodes.
-    /// `go_on` is asked for as by [`Multiscale::assemble`].
+    /// `go_on` is called as by [`Multiscale::assemble`].
     ///
     /// # Errors
     /// As [`Outline::new`], [`Trace::coarse`] and [`Multiscale::assemble`].

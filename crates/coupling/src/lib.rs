@@ -77,7 +77,7 @@ mod mortar;
 mod indicators;
 mod cell_indicators;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {faer, sprs, steklov_bem_operators, steklov_elastic, steklov_msfem};
 
 pub use balance::{Balance, Radiation};

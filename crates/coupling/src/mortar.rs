@@ -1,16 +1,16 @@
-//! What faces the dual functions of one side: the rows P of a mortar method.
+//! The rows P of a mortar method: the displacement that the dual functions of one side see on the side they face.
 //!
-//! The non-mortar side carries the multipliers, with the dual functions ψ_i of its nodes, D_i = ∫ φ_i ds. A point x of it, with
-//! normal n₁, meets π(x) of the mortar side, with n₂, in the direction of contact, that of a surface which takes more of the shape of
-//! the stiffer body:
+//! The non-mortar side carries the multipliers, with the dual functions ψ_i of its nodes, D_i = ∫ φ_i ds. A point x of it,
+//! with normal n₁, meets π(x) of the mortar side, with n₂, in the direction of contact, the normal of a surface that is closer
+//! in shape to the stiffer body:
 //!
 //! ```text
 //! π(x) - x = d(x) (E₁n₁ - E₂n₂)/|E₁n₁ - E₂n₂|,  E = E/(1-ν²)
 //! P_ij = (1/D_i) ∫ ψ_i φ_j∘π ds      d_i = (1/D_i) ∫ ψ_i d ds      w_i = u_i - Σ_j P_ij u_m,j
 //! ```
-//! Σ_j P_ij = 1, so that forces balance: λ acts on the mortar side as Σ_i D_i P_ij λ_i. P reproduces what is of degree p on
-//! each non-mortar element. Between straight elements π is affine and the integrals are exact; on curves π is a root, and Gauss rules
-//! have enough points for 1e-12.
+//! Σ_j P_ij = 1, so that forces balance: λ acts on the mortar side as Σ_i D_i P_ij λ_i. P reproduces polynomials of degree p
+//! on each non-mortar element. Between straight elements π is affine and the integrals are exact; on curves π is a root, and
+//! Gauss rules have enough points for 1e-12.
 //!
 //! Source: Wohlmuth, *A mortar finite element method using dual spaces for the Lagrange multiplier*, SIAM J. Numer. Anal.
 //! 38 (2000).
@@ -23,7 +23,7 @@ use steklov_quadrature::{BiorthogonalBasis, LobattoBasis, gauss_legendre};
 const FACING: f64 = -0.2;
 /// Ends of cells closer to an end of their element than this (parameter on [-1, 1]) are there.
 const SNAP: f64 = 1e-11;
-/// The same at most of small elements far from the origin, whose ends are rounded.
+/// Upper limit of the same for small elements far from the origin, whose ends are rounded.
 const NEAR: f64 = 1e-4;
 /// A root on a curve is taken as found when it moves by less (parameter).
 const ROUNDED: f64 = 1e-14;
@@ -54,7 +54,7 @@ pub struct MortarRow {
     pub other: Vec<(usize, f64)>,
     /// d_i (length), the distance along the normal, negative where the sides overlap.
     pub distance: f64,
-    /// (1/D_i) ∫ ψ_i ds over what is faced: 1 where the elements of the node are faced wholly.
+    /// (1/D_i) ∫ ψ_i ds over the covered part: 1 if the elements of the node are covered completely.
     pub covered: f64,
 }
 
@@ -78,7 +78,7 @@ impl Facing<'_> {
     }
 }
 
-/// What a point meets on an element.
+/// The point of an element that a point meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Met {
     /// The parameter, on a curve clamped to [-1, 1].
@@ -89,7 +89,7 @@ pub struct Met {
     pub direction: [f64; 2],
 }
 
-/// What a point of a non-mortar element meets on a mortar one; `None` where that is seen from its edge.
+/// The point of a mortar element that a point of a non-mortar element meets; `None` if the mortar element is seen edge-on.
 pub fn meet(own: Facing<'_>, (e, t): (usize, f64), other: Facing<'_>, m: usize) -> Option<Met> {
     let (x, pull) = (own.mesh.point(e, t), own.pull(e, t));
     let t = paired(other, m, x, pull)?;
@@ -99,8 +99,8 @@ pub fn meet(own: Facing<'_>, (e, t): (usize, f64), other: Facing<'_>, m: usize) 
     Some(Met { t, distance: dot(minus(y, x), direction), direction })
 }
 
-/// The parameter of the point y of an element for which y - x is along `pull` - E n(y): on a line not bounded to [-1, 1], on a curve
-/// beyond that if it is not there; `None` where the element is seen from its edge.
+/// The parameter of the point y of an element for which y - x is along `pull` - E n(y): on a line not restricted to [-1, 1],
+/// on a curve outside of it if there is none inside; `None` if the element is seen edge-on.
 fn paired(side: Facing<'_>, e: usize, x: [f64; 2], pull: [f64; 2]) -> Option<f64> {
     let mesh = side.mesh;
     // of the sign of (y - x)·τ
@@ -158,9 +158,9 @@ fn root(f: &dyn Fn(f64) -> f64, [mut at_low, mut at_high]: [f64; 2]) -> f64 {
 /// A cell that is not cut yet, and the distance in its middle.
 type Draft = (Cell, f64);
 
-/// The common refinement: the parts of the non-mortar elements that mortar elements face, at distances in the given range. Where
-/// several face one, the nearest does. What is left between cells, beside a corner of the mortar side, and up to the length `near` also at
-/// their ends, faces the end of the element beside it.
+/// The common refinement: the parts of the non-mortar elements that mortar elements face, at distances in the given range.
+/// Where several face one, the nearest counts. Gaps between cells, as beside a corner of the mortar side, and gaps up to the
+/// length `near` at the ends of cells face the end of the adjacent mortar element.
 pub fn cells(own: Facing<'_>, other: Facing<'_>, [low, high]: [f64; 2], near: f64) -> Vec<Cell> {
     let mut cells = Vec::new();
     for &e in own.elements {
@@ -192,7 +192,7 @@ pub fn cells(own: Facing<'_>, other: Facing<'_>, [low, high]: [f64; 2], near: f6
     cells
 }
 
-/// Parts of cells on which no other one is nearer, in their order.
+/// The parts of cells on which no other cell is nearer, in their order.
 fn nearest(mut drafts: Vec<Draft>, shortest: f64) -> Vec<Cell> {
     drafts.sort_by(|a, b| a.1.total_cmp(&b.1));
     let mut cells: Vec<Cell> = Vec::new();
@@ -208,7 +208,7 @@ fn nearest(mut drafts: Vec<Draft>, shortest: f64) -> Vec<Cell> {
     cells
 }
 
-/// The mortar element with the end that a non-mortar element, beyond the end of that side, passes by no more than `near`.
+/// The mortar element whose end, the end of its side, a non-mortar element passes by no more than `near`.
 fn beside(own: Facing<'_>, e: usize, other: Facing<'_>, [low, high]: [f64; 2], near: f64) -> Option<usize> {
     let (x, pull) = (own.mesh.point(e, 0.0), own.pull(e, 0.0));
     let end = |m: usize, t: f64| {
@@ -222,7 +222,7 @@ fn beside(own: Facing<'_>, e: usize, other: Facing<'_>, [low, high]: [f64; 2], n
     ends.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(m, _)| m)
 }
 
-/// Lengthens the cells of an element over what is left between neighbours, and over no more than `near` elsewhere.
+/// Lengthens the cells of an element over the gaps between neighbours, and over no more than `near` elsewhere.
 fn close(cells: &mut [Cell], near: f64, mesh: &Mesh) {
     for k in 1..cells.len() {
         let [a, b] = [cells[k - 1].other, cells[k].other];

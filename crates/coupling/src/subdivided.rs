@@ -3,7 +3,7 @@
 use steklov_bem_operators::{Mesh, Space};
 use steklov_quadrature::{gauss_legendre, legendre_p};
 
-/// Each element of a mesh halved some times, of the same degree.
+/// Each element of a mesh, halved several times; the parts keep its degree.
 pub(crate) struct Subdivided {
     pub mesh: Mesh,
     pub space: Space,
@@ -78,7 +78,7 @@ impl Subdivided {
         fine
     }
 
-    /// Calls with each part: its element, and its reference coordinates there.
+    /// Calls `at` with each part: its element, and its reference coordinates there.
     fn each_part(&self, mut at: impl FnMut(usize, [f64; 2])) {
         for e in 0..self.first.len() - 1 {
             let parts = self.parts(e);

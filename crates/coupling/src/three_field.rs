@@ -62,7 +62,7 @@ pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Result<Option<U
     Ok(Some(Unknowns { interface, traction, medium: Some(medium) }))
 }
 
-/// ξ plus the rigid motion that it lacks of another field, by least squares at the nodes.
+/// ξ plus the rigid motion that brings it closest to another field, by least squares at the nodes.
 pub(crate) fn with_rigid_motion_of(field: &[f64], mut xi: Vec<f64>, medium: &Medium) -> Vec<f64> {
     let z = rigid_motions(medium);
     let difference = Mat::from_fn(xi.len(), 1, |i, _| field[i] - xi[i]);

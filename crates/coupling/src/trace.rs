@@ -85,10 +85,10 @@ impl Trace {
         Ok(Mesh::from_breaks(&self.polygon, &breaks, &degrees)?)
     }
 
-    /// Boundary elements between the points of this trace and the vertices of a mesh of the same curve, which they keep; their
-    /// degrees are those of the mesh at the place.
+    /// Boundary elements whose vertices are the points of this trace and the vertices of a mesh of the same curve; their
+    /// degrees are those of the mesh there.
     ///
-    /// So a refined mesh stays one, and nested in the trace, where the trace gets more points or other ones.
+    /// So a refined mesh stays refined, and nested in the trace, if the trace gets more or other points.
     ///
     /// # Errors
     /// [`CouplingError::Boundary`] unless mesh and trace are the same curve in the same direction, and as [`Trace::mesh`].

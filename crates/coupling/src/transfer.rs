@@ -10,7 +10,7 @@ use steklov_quadrature::{gauss_legendre, legendre_p};
 use crate::dense::solve_definite;
 use crate::{CouplingError, Trace};
 
-/// Part of an element's length within which points are one.
+/// Points within this part of an element's length are one.
 const SAME: f64 = 1e-9;
 
 /// The trace in the displacement space of the boundary elements, and its moments against their tractions.
@@ -118,7 +118,7 @@ fn interpolation(overlaps: &[Vec<Overlap>], space: &Space, count: usize) -> CsMa
     values.to_csr()
 }
 
-/// Calls with each element, its part, reference coordinate and weight (length) of a rule that is exact for degree p + 1.
+/// Calls back with each element, its part, reference coordinate and weight (length) of a rule that is exact for degree p + 1.
 fn integrate(overlaps: &[Vec<Overlap>], mesh: &Mesh, space: &Space, mut at: impl FnMut(usize, &Overlap, f64, f64)) {
     for (e, parts) in overlaps.iter().enumerate() {
         let rule = gauss_legendre(space.degree(e) / 2 + 2);

@@ -12,12 +12,12 @@ use crate::{Coupled, CouplingError, Interior, Medium, Transfer};
 /// ```text
 /// -div σ(u) = f  in the body,        u - u_c = u0,   σ(u)n = σ(u_c)n + t0  on the interface
 /// ```
-/// *Use when* the medium around the body is homogeneous and goes on far beyond it: no mesh of it is needed and no boundary at a
-/// distance. *Fails when* the body is far stiffer than the medium: its rigid motion loses as many digits as it is stiffer by
-/// magnitudes, and by ten of them it is refused; the three-field form loses digits the other way, too. *Cost*: the sparse Cholesky
-/// factorisation of the body's stiffness down to n unknowns of the trace, three dense matrices of the boundary elements with
-/// N unknowns, and the dense solution: n³/3 + 2.3 N³ by [`Form::Schur`](crate::Form::Schur), (n+N)³/3 by [`Form::TwoField`](crate::Form::TwoField), (n+2N)³/3 by
-/// [`Form::ThreeField`](crate::Form::ThreeField).
+/// *Use when* the medium around the body is homogeneous and goes on far beyond it: no mesh of it is needed and no boundary at
+/// a distance. *Fails when* the body is far stiffer than the medium: its rigid motion loses one digit for each order of
+/// magnitude, and ten of them are refused; the three-field form also loses digits for a far stiffer medium. *Cost*: the sparse
+/// Cholesky factorisation of the body's stiffness down to n unknowns of the trace, three dense matrices of the boundary
+/// elements with N unknowns, and the dense solution: n³/3 + 2.3 N³ by [`Form::Schur`](crate::Form::Schur), (n+N)³/3 by
+/// [`Form::TwoField`](crate::Form::TwoField), (n+2N)³/3 by [`Form::ThreeField`](crate::Form::ThreeField).
 ///
 /// Source: Costabel, *Symmetric methods for the coupling of finite elements and boundary elements*, 1987; Gatica and Hsiao,
 /// *Boundary-field equation methods for a class of nonlinear problems*, 1995 (net forces and the behaviour at infinity).
@@ -37,7 +37,7 @@ pub struct Transmission<'a> {
     pub(crate) inside: Inside,
 }
 
-/// A grid whose unknowns are eliminated but for those of its trace.
+/// A grid with all unknowns eliminated except those of its trace.
 #[derive(Debug)]
 pub(crate) struct Inside {
     pub(crate) elimination: Elimination,

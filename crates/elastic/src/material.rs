@@ -1,6 +1,6 @@
 //! Isotropic linear elasticity in the plane.
 
-/// Constants that are no material's.
+/// Elastic constants that no material has.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum MaterialError {
     /// Young's modulus must be positive and finite.

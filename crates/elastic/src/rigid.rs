@@ -28,7 +28,7 @@ impl RigidMotion {
         Self { translation: [0.0; 2], rotation, centre }
     }
 
-    /// One motion after another, about the origin; none of none.
+    /// One motion after another, about the origin; none if there is neither.
     pub fn sum(a: Option<Self>, b: Option<Self>) -> Option<Self> {
         let (Some(a), Some(b)) = (&a, &b) else { return a.or(b) };
         let ([x, y], [u, v]) = (a.at([0.0; 2]), b.at([0.0; 2]));
@@ -57,7 +57,7 @@ impl RigidMotion {
     }
 }
 
-/// Distance of a fixed point from which a rotation is told as a translation.
+/// Distance of a fixed point from which a rotation is named as a translation.
 const FAR: f64 = 1e11;
 
 /// "translation along (1, 0)" or "rotation about (0.5, 0)": a motion that turns has one fixed point, c + J a / ω.

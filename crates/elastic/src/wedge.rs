@@ -12,7 +12,7 @@ use std::f64::consts::PI;
 
 use faer::{Mat, c64};
 
-/// What holds on a face; components are along the ray out of the vertex and turned from it by +90 degrees.
+/// The condition on a face; components are along the ray out of the vertex and turned from it by +90 degrees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Face {
     /// No traction.
@@ -37,7 +37,7 @@ pub struct Sector {
     pub kappa: f64,
 }
 
-/// What holds between two sectors.
+/// The condition between two sectors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Joint {
     /// Displacements and tractions are the same.
@@ -57,7 +57,7 @@ pub struct Wedge {
     pub faces: Option<[Face; 2]>,
 }
 
-/// Exponents nearer to 0 or 1 than this are not told from translations and from uniform stress.
+/// Exponents nearer to 0 or 1 than this are not distinguished from translations and from uniform stress.
 pub const MARGIN: f64 = 1e-3;
 /// Zeros with a larger imaginary part, over one over the angle, have a real part above 1: e^24 outweighs λ² there.
 const REACH: f64 = 12.0;
@@ -87,7 +87,7 @@ fn functions(l: c64, sector: &Sector, theta: f64) -> [([c64; 2], [c64; 2]); 4] {
 }
 
 impl Wedge {
-    /// Whether stresses are infinite at the vertex, for data that excite what they can.
+    /// Whether stresses are infinite at the vertex, for data that excite all exponents.
     pub fn is_singular(&self) -> bool {
         self.exponents_below(1.0 - MARGIN) > 0
     }

@@ -24,7 +24,7 @@ mod survey;
 mod along;
 mod field;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {steklov_bem_operators, steklov_stochastic};
 
 use std::collections::BTreeMap;

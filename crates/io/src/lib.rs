@@ -97,7 +97,7 @@ mod problem;
 #[cfg(feature = "problem")]
 mod words;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {faer, sprs};
 
 pub use array::{

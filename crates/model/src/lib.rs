@@ -57,7 +57,7 @@ pub mod prelude {
     pub use crate::solve_scene::{Answer, solve};
 }
 
-// the crates of whose types the input of a run is made
+// the crates whose types appear in the input of a run
 pub use {
     steklov_bem_operators, steklov_coupling, steklov_elastic, steklov_expression, steklov_problem, steklov_stochastic,
 };

@@ -12,7 +12,7 @@ use faer::linalg::solvers::DenseSolveCore;
 use crate::MsfemError;
 use crate::local::{Columns, Freedom, LocalProblem, cell_dofs, nodes};
 
-/// What the basis functions are on the boundary of a coarse cell; inside of it they satisfy div σ = 0 on the fine cells.
+/// The boundary values of the basis functions of a coarse cell; inside they satisfy div σ = 0 on the fine cells.
 ///
 /// Source: Zhang, Wu, Lü and Fu (2010) for linear functions; Zhang, Wu and Fu, Comput. Mech. 45 (2010), for coupled ones;
 /// Issaoui (2014), section 5.3.1, for both; Hou and Wu (1997) for oscillatory traces and oversampling; Sanchez-Palencia
@@ -27,9 +27,9 @@ pub enum Basis {
     Coupled,
     /// As coupled, but along each edge the tangential component solves (E φ')' = 0.
     Oscillatory,
-    /// Coupled on T enlarged by so many fine cells a side, restricted to T and made nodal. Not conforming: a cell whose patch
-    /// the boundary cuts off has other traces than its neighbour, so that even affine fields of a homogeneous body have an
-    /// error there.
+    /// Coupled on T enlarged by this many fine cells on each side, restricted to T and made nodal. Not conforming: a cell
+    /// whose patch the boundary cuts off has other traces than its neighbour, so that even affine fields of a homogeneous body
+    /// have an error there.
     Oversampled(usize),
     /// hat_p e_k and a periodic field that vanishes at the corners. Not conforming.
     Periodic,
@@ -89,7 +89,7 @@ impl CellBasis {
     }
 }
 
-/// What a basis depends on: the moduli of a patch of cells around a coarse cell.
+/// The data on which a basis depends: the moduli of a patch of cells around a coarse cell.
 #[derive(Debug, Clone)]
 pub(crate) struct Patch {
     /// Cells of the patch.
@@ -165,7 +165,7 @@ fn boundary_data(size: [usize; 2], edges: Option<&[Vec<f64>; 4]>) -> Columns {
     columns
 }
 
-/// The columns that five solutions leave: translations and the rotation are combinations of the basis functions.
+/// The columns that follow from five solutions: translations and the rotation are combinations of the basis functions.
 fn complete(values: &mut Columns, [m, n]: [usize; 2], [hx, hy]: [f64; 2]) {
     let (lx, ly) = (m as f64 * hx, n as f64 * hy);
     for (dof, row) in values.iter_mut().enumerate() {

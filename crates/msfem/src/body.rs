@@ -1,4 +1,4 @@
-//! A heterogeneous body: a grid, Young's modulus in each cell, and what bilinear elements make of them.
+//! A heterogeneous body: a grid, Young's modulus in each cell, and the bilinear elements on it.
 
 use rayon::prelude::*;
 use sprs::CsMat;

@@ -47,10 +47,10 @@ pub(crate) struct Cholesky {
     values: Vec<f64>,
 }
 
-/// Entries of a factor from which it is asked whether there is memory for them.
+/// From this number of entries of a factor on, the available memory is checked.
 const LARGE: usize = 1 << 26;
 
-/// Bytes that the system can give; None where it does not tell.
+/// Available memory in bytes; None if the system does not report it.
 fn available() -> Option<u64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find(|line| line.starts_with("MemAvailable:"))?;
@@ -58,7 +58,7 @@ fn available() -> Option<u64> {
 }
 
 impl Structure {
-    /// Of a pattern whose unknowns are eliminated in this order.
+    /// The structure for a pattern whose unknowns are eliminated in this order.
     ///
     /// # Errors
     /// [`MsfemError::Memory`] if the structure of the factor does not fit into memory: take a coarser grid.
@@ -145,7 +145,8 @@ impl Cholesky {
         );
     }
 
-    /// The last `count` rows and columns of L, full storage: L₂₂ L₂₂ᵀ is what elimination of all other unknowns leaves of A.
+    /// The last `count` rows and columns of L, full storage: L₂₂ L₂₂ᵀ is the Schur complement of A after elimination of all
+    /// other unknowns.
     pub fn last_block(&self, count: usize) -> Mat<f64> {
         let SymbolicCholeskyRaw::Supernodal(symbolic) = self.symbolic.raw() else {
             unreachable!("all factors are supernodal")

@@ -18,9 +18,9 @@ pub struct CrossingContrast {
 
 /// The contrast of the moduli along the sides of the coarse cells, sides on the boundary of the body included.
 ///
-/// The modulus at a fine side is that of the stiffer of both fine cells, which rules the displacement there: an inclusion
-/// inside of a cell does not count, nor a soft one that touches a side from within or a material that changes just across a
-/// side; a stiff one that touches a part of a side does, and so does all that crosses it.
+/// The modulus at a fine side is that of the stiffer of both fine cells, which governs the displacement there. Inclusions
+/// inside a cell do not count, nor soft ones that touch a side from within, nor a material that changes exactly at a side;
+/// stiff inclusions that touch a part of a side count, and so does everything that crosses it.
 ///
 /// *Use when* a multiscale basis is chosen. With contrast κ on a side and linear traces, the error in the energy norm is about
 /// 0.6 for κ = 10 and 0.9 for κ = 100, and from κ = 10³ on no residual estimate sees it whole. Remedy: coarse cells whose

@@ -2,7 +2,7 @@
 
 use crate::MsfemError;
 
-/// What [`Grid::node`] gives where no cell of the body touches a lattice point.
+/// The entry of a lattice point that no cell of the body touches.
 pub(crate) const NONE: u32 = u32::MAX;
 
 /// nx × ny equal rectangles over the bounding box of a body; those outside of the body are dropped.

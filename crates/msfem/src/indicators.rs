@@ -1,7 +1,8 @@
 //! Residual indicators of the multiscale error, coarse cell by coarse cell.
 //!
-//! All terms are squares of energies (force times length per thickness). They judge u_h - u_H, u_h the solution of the
-//! bilinear fine elements and u_H the multiscale field on the same grid; the error of the fine grid itself is not in them.
+//! All terms are squares of energies (force times length per thickness). They measure u_h - u_H, u_h the solution of the
+//! bilinear fine elements and u_H the multiscale field on the same grid; they do not contain the error of the fine grid
+//! itself.
 
 use rayon::prelude::*;
 
@@ -154,8 +155,8 @@ fn volume(body: &HeterogeneousBody, mesh: &CoarseMesh, cell: usize, body_force: 
     samples.parts().map(|part| mesh.extent(&body.grid, cell).powi(2) * part)
 }
 
-/// What a force gave to each Gauss point, from its moments against the four bilinear functions: the inverse of the rule that
-/// made them.
+/// The force at each Gauss point, from its moments against the four bilinear functions: the inverse of the rule that made the
+/// moments.
 pub(crate) fn gauss_values(moments: &[f64; 8]) -> [[f64; 2]; 4] {
     // along a line the moments are ((1-g) f₀ + g f₁, g f₀ + (1-g) f₁)
     let g = GAUSS[0];

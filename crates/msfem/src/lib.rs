@@ -88,7 +88,7 @@ mod fine_error;
 mod refinement;
 mod contrast;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {faer, sprs, steklov_elastic};
 
 pub use basis::{Basis, CellBasis};

@@ -1,4 +1,4 @@
-//! Loads, cell by cell: what a coarse cell carries of them must not depend on its neighbours.
+//! Loads, cell by cell: the part that a coarse cell carries must not depend on its neighbours.
 
 use std::collections::BTreeMap;
 
@@ -12,7 +12,7 @@ use crate::{HeterogeneousBody, MsfemError};
 /// Two rules must agree to this part of the integral of |f|.
 const AGREEMENT: f64 = 1e-12;
 
-/// What all pieces on which they do not may be uncertain by, as part of that integral.
+/// Largest total uncertainty of the pieces on which they do not agree, as part of that integral.
 const ROUGH: f64 = 1e-4;
 
 /// Integrals of a force on a rectangle.

@@ -27,12 +27,12 @@ pub(crate) enum Freedom {
 pub(crate) struct LocalProblem {
     /// Cells m, n.
     pub size: [usize; 2],
-    /// The free displacement that each displacement is, NONE if it is given.
+    /// The number of each displacement among the free ones, NONE if it is given.
     unknown: Vec<u32>,
     /// Number of free displacements.
     count: usize,
     structure: Option<Structure>,
-    /// Where the 64 entries of each cell go, NONE for those above the diagonal or of given displacements.
+    /// The places of the 64 entries of each cell, NONE for those above the diagonal or of given displacements.
     slots: Vec<[u32; 64]>,
 }
 

@@ -11,10 +11,10 @@ use crate::local::{Freedom, cell_dofs, nodes};
 use crate::ordering::Incidence;
 use crate::{HeterogeneousBody, Loads, MsfemError};
 
-/// Most bytes of bases that are kept for the way back; others are computed again.
+/// Largest size in bytes of the bases that are kept for the way back; others are computed again.
 const KEPT: usize = 128 << 20;
 
-/// Coarse cells that are brought back to the fine grid at a time.
+/// Number of coarse cells that are brought back to the fine grid at a time.
 pub(crate) const BATCH: usize = 1024;
 
 /// Displacement unknowns of a coarse vertex: combinations of those of vertices that do not hang.
@@ -31,7 +31,7 @@ pub struct Multiscale<'a> {
     pub mesh: CoarseMesh,
     /// The kind of basis.
     pub basis: Basis,
-    /// Number of the first unknown of each vertex: its x component, then y; None of vertices that hang.
+    /// Number of the first unknown of each vertex: its x component, then y; None for vertices that hang.
     pub unknown: Vec<Option<usize>>,
     /// Both components of every vertex, as combinations of unknowns.
     pub(crate) combinations: Vec<[Combination; 2]>,
@@ -50,7 +50,7 @@ pub struct CoarseSystem {
     pub load: Vec<f64>,
 }
 
-/// What is added to R U on the fine cells.
+/// Fields that are added to R U on the fine cells.
 #[derive(Debug, Clone, Default)]
 pub struct Extra {
     /// Whether the response of each cell's inside to the load inside is added: K_II⁻¹ f_I.
@@ -173,7 +173,8 @@ impl<'a> Multiscale<'a> {
         cell_basis(self.basis, &self.patch(cell), self.body.grid.spacing, &self.body.unit, &self.structures)
     }
 
-    /// The coarse problem of some loads. `go_on` is told the share of the patterns that are done, and stops the work by false.
+    /// The coarse problem of some loads. `go_on` gets the share of the patterns that are done, and stops the work by returning
+    /// false.
     ///
     /// Cost: one local factorisation a pattern, of about 8 m⁴ operations for m × m fine cells.
     ///
@@ -321,8 +322,8 @@ impl<'a> Multiscale<'a> {
         Ok(field)
     }
 
-    /// Calls with the displacement of the fine nodes of each coarse cell, cell by cell; nothing is averaged. It is asked before
-    /// each batch of cells, with the share that is done, whether to go on.
+    /// Calls `each` with the displacement of the fine nodes of each coarse cell, cell by cell; nothing is averaged. Before
+    /// each batch of cells `go_on` gets the share that is done and says whether to go on.
     ///
     /// # Errors
     /// As [`Self::cell_basis`]; [`MsfemError::Stopped`].
@@ -350,7 +351,7 @@ impl<'a> Multiscale<'a> {
         Ok(())
     }
 
-    /// The fine cells of a coarse one and their eight displacements, of a field that [`Self::downscale_cells`] tells.
+    /// The fine cells of a coarse one and their eight displacements, from a field that [`Self::downscale_cells`] gives.
     pub fn fine_values<'f>(&'f self, cell: usize, field: &'f [f64]) -> impl Iterator<Item = (usize, [f64; 8])> + 'f {
         let coarse = &self.mesh.cells[cell];
         let n = coarse.size[1];
@@ -401,7 +402,7 @@ impl<'a> Multiscale<'a> {
     }
 }
 
-/// What one cell adds to the coarse problem.
+/// The contribution of one cell to the coarse problem.
 struct CellSystem {
     cell: usize,
     stiffness: [[f64; 8]; 8],

@@ -1,4 +1,4 @@
-//! Which coarse cells share a basis: those whose moduli, and the moduli around them that their basis looks at, have one
+//! Which coarse cells share a basis: those whose moduli, and the moduli around them on which their basis depends, have one
 //! pattern.
 
 use std::collections::HashMap;
@@ -65,7 +65,7 @@ impl Multiscale<'_> {
         }
     }
 
-    /// What two cells with equal bases have in common: sizes and moduli up to a factor.
+    /// The common key of cells with equal bases: sizes, and moduli up to a factor.
     fn key(&self, cell: usize) -> Vec<u64> {
         let patch = self.patch(cell);
         let reference = self.reference(cell);

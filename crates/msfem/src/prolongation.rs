@@ -1,4 +1,4 @@
-//! What takes coarse unknowns to fine ones, as matrices.
+//! The maps from coarse unknowns to fine ones, as matrices.
 
 use std::borrow::Cow;
 
@@ -33,12 +33,12 @@ impl Multiscale<'_> {
         }
     }
 
-    /// The moduli of a coarse cell over those of the first one of its pattern: K_T^H is that many times that of the pattern.
+    /// The moduli of a coarse cell over those of the first one of its pattern: K_T^H is the pattern's times this factor.
     pub fn modulus_factor(&self, cell: usize, pattern: usize) -> f64 {
         self.reference(cell) / self.reference(self.patterns[pattern][0])
     }
 
-    /// C: displacement 2·vertex + component of all vertices, those that hang included, of the unknowns.
+    /// C: from the unknowns to the displacements 2·vertex + component of all vertices, those that hang included.
     pub fn vertex_matrix(&self) -> CsMat<f64> {
         let mut entries = TriMat::new((2 * self.mesh.vertices.len(), self.dofs()));
         for (row, combination) in self.combinations.iter().flatten().enumerate() {
@@ -47,8 +47,8 @@ impl Multiscale<'_> {
         entries.to_csr()
     }
 
-    /// P: displacement of the fine nodes of the unknowns, where cells meet the mean of theirs. With a conforming basis they agree,
-    /// and Pᵀ K P is the coarse stiffness, K being that of the fine grid.
+    /// P: from the unknowns to the displacement of the fine nodes; where cells meet, the mean of their values. With a
+    /// conforming basis they agree, and Pᵀ K P is the coarse stiffness, K being that of the fine grid.
     ///
     /// # Errors
     /// As [`Self::cell_basis`].

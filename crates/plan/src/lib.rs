@@ -25,7 +25,7 @@ mod grid;
 mod random;
 mod supports;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {steklov_model, steklov_problem};
 
 use serde::{Deserialize, Serialize};

@@ -50,7 +50,7 @@ mod spans;
 mod springs;
 mod units;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {
     steklov_bem_operators, steklov_contact, steklov_coupling, steklov_elastic, steklov_expression, steklov_msfem,
     steklov_stochastic,

@@ -40,7 +40,7 @@ mod splitmix64;
 #[cfg(any(test, feature = "proptest"))]
 pub mod proptest;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {faer, num_complex};
 
 pub use biorthogonal::BiorthogonalBasis;

@@ -1,8 +1,9 @@
 //! Points and weights of a quadrature rule.
 
-/// Quadrature rule ∫ f ω dx ≈ Σ_i `weights[i]` f(`points[i]`), on [-1,1] with ω = 1 unless its maker says otherwise.
+/// Quadrature rule ∫ f ω dx ≈ Σ_i `weights[i]` f(`points[i]`), on [-1,1] with ω = 1 unless the function that makes it says
+/// otherwise.
 ///
-/// Points ascend; all makers of this crate give positive weights.
+/// Points ascend; all rules of this crate have positive weights.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rule {
     /// Points x_i, ascending.

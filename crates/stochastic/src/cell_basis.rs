@@ -7,7 +7,7 @@ use steklov_quadrature::Rule;
 
 /// Gauss points of [`CellBasis::mass`] beyond the q+1 of the basis, in each direction.
 const EXTRA: usize = 6;
-/// What rounding may make of products of orthonormal polynomials.
+/// Largest rounding error of products of orthonormal polynomials.
 const ORTHONORMAL: f64 = 1e-8;
 
 /// Where the nodes of a cell's basis are.
@@ -141,11 +141,12 @@ impl CellBasis {
         self.axes.iter().map(|axis| axis.recurrence.gauss(axis.recurrence.alpha.len())).collect()
     }
 
-    /// Of each direction points and weights of integration of [`Self::mass`], which sum to the probability of the cell in it, and the
-    /// Lagrange polynomials there: points × nodes of the direction. θ_j is the product of theirs.
+    /// For each direction the points and weights of integration of [`Self::mass`] (the weights sum to the probability of the
+    /// cell in this direction), and the Lagrange polynomials at the points: points × nodes of the direction. θ_j is their
+    /// product over the directions.
     ///
     /// # Errors
-    /// [`StochasticError`] of a rule that cannot be had.
+    /// [`StochasticError`] if a rule cannot be computed.
     pub fn mass_axes(&self) -> Result<Vec<(Rule, Mat<f64>)>, StochasticError> {
         let of = |(axis, mut rule): (&Axis, Rule)| {
             rule.weights.iter_mut().for_each(|w| *w *= axis.recurrence.probability);
@@ -235,8 +236,8 @@ impl CellBasis {
         result
     }
 
-    /// The orthonormal polynomial of degree q_d + 1 of a direction at a germ: what an error of the next degree is there over its
-    /// root mean square in the cell.
+    /// The orthonormal polynomial of degree q_d + 1 of a direction at a germ: the value of an error of the next degree there
+    /// over its root mean square in the cell.
     ///
     /// # Panics
     /// If the direction is not there.
@@ -289,7 +290,8 @@ impl Axis {
     }
 }
 
-/// Whether a rule is a Gauss or Lobatto rule of a recurrence, by the products of its orthonormal polynomials; what is wrong.
+/// Checks by the products of its orthonormal polynomials that a rule is a Gauss or Lobatto rule of a recurrence; else says
+/// what is wrong.
 fn check_rule(recurrence: &Recurrence, rule: &Rule) -> Result<(), String> {
     let n = rule.len();
     if n == 0 || rule.weights.len() != n || recurrence.alpha.len() != n + EXTRA {

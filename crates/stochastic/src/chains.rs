@@ -38,7 +38,7 @@ pub fn scale_bounds(nodes: &mut [ContactNode], factor: f64) {
     nodes.iter_mut().flat_map(|n| &mut n.conditions).for_each(|c| c.bound *= factor);
 }
 
-/// The active set from a warm start, without one or where that fails the interior point method.
+/// The active set method from a warm start; without one, or if that fails, the interior point method.
 ///
 /// *Fails when*: the solution is not unique (a body that can still move, or under Coulomb's law): then it may depend on the start.
 ///

@@ -56,7 +56,7 @@ impl Covariance {
     }
 }
 
-/// Refuses what is not a positive, finite length.
+/// Refuses a value that is not a positive, finite length.
 pub(crate) fn check_length(what: &str, value: f64) -> Result<(), StochasticError> {
     if value > 0.0 && value.is_finite() {
         return Ok(());

@@ -4,11 +4,11 @@ use steklov_quadrature::{Rule, gauss_jacobi, gauss_legendre};
 
 /// Densities below this logarithm, relative to the largest of the interval, are left out.
 const NEGLIGIBLE: f64 = -720.0;
-/// Most change of the logarithm of a density within a panel.
+/// Largest change of the logarithm of a density within a panel.
 const CHANGE: f64 = 16.0;
 /// Points of a panel beyond those that a polynomial needs.
 const EXTRA: usize = 16;
-/// Powers to this one at an end of the interval are left to a Gauss-Jacobi rule.
+/// A Gauss-Jacobi rule treats powers up to this one at an end of the interval.
 const POWER: f64 = 10.0;
 
 /// ∫_a^b f g dt ≈ exp(`log_scale`) Σ `weights` f(`middle` + `half` `points`), for a density g that need not be normalised.

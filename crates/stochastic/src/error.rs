@@ -52,7 +52,7 @@ pub enum StochasticError {
         /// Largest eigenvalue.
         largest: f64,
     },
-    /// More modes than can be had.
+    /// More modes than are available.
     #[error("{wanted} modes are wanted, but only {available} can be had: take {available} or fewer")]
     Modes {
         /// Number of modes asked for.
@@ -60,7 +60,7 @@ pub enum StochasticError {
         /// Number of modes whose eigenvalues are resolved and above roundoff.
         available: usize,
     },
-    /// A share of the variance that too many modes would have to carry.
+    /// A share of the variance that needs too many modes.
     #[error(
         "{modes} modes, the most that can be had, capture {captured} of the variance, not the {wanted} wanted: take a \
          smaller share, a longer correlation length or a smoother covariance"

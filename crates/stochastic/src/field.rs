@@ -18,7 +18,7 @@ pub struct Field {
     expansion: Expansion,
     /// √λ_m.
     roots: Vec<f64>,
-    /// [`Field::steepness`], once it was asked for.
+    /// [`Field::steepness`], once it was computed.
     steepness: OnceLock<Vec<f64>>,
 }
 
@@ -86,7 +86,7 @@ impl Field {
         }
     }
 
-    /// Share of the variance that is kept, the mean of that of the truncated field over the domain.
+    /// Share of the variance that is kept: the mean variance of the truncated field over the domain.
     pub fn captured(&self) -> f64 {
         match &self.expansion {
             Expansion::Interval(kl) => kl.captured(),

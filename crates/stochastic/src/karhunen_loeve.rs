@@ -51,7 +51,7 @@ pub struct KarhunenLoeve {
     modes: Modes,
 }
 
-/// What a [`KarhunenLoeve`] is made of.
+/// The parts of a [`KarhunenLoeve`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct IntervalParts {
     /// L.
@@ -100,7 +100,7 @@ impl KarhunenLoeve {
     ///
     /// # Errors
     /// [`StochasticError::Number`] if a length is not positive or the truncation senseless; [`StochasticError::Modes`] and
-    /// [`StochasticError::Captured`] if so many modes cannot be had; [`StochasticError::Unresolved`] if ℓ < L/256.
+    /// [`StochasticError::Captured`] if there are not enough modes; [`StochasticError::Unresolved`] if ℓ < L/256.
     ///
     /// Source: Ghanem and Spanos, Stochastic Finite Elements (1991), section 2.3; Betz, Papaioannou and Straub, Comput.
     /// Methods Appl. Mech. Engrg. 271 (2014).
@@ -134,7 +134,7 @@ impl KarhunenLoeve {
         }
     }
 
-    /// Every mode that can be had of the exponential or the Gaussian covariance.
+    /// Every available mode of the exponential or the Gaussian covariance.
     pub(crate) fn all(kernel: Kernel, correlation: f64, length: f64) -> Result<Self, StochasticError> {
         check_length("the length of the interval", length)?;
         if kernel == Kernel::Exponential {
@@ -203,7 +203,7 @@ impl KarhunenLoeve {
         self
     }
 
-    /// What the expansion is made of, to store it.
+    /// The parts of the expansion, to store it.
     pub fn parts(&self) -> IntervalParts {
         let modes = match &self.modes {
             Modes::Exponential(e) => ModeParts::Exponential { q: e.q, roots: e.roots.clone() },
@@ -284,7 +284,7 @@ impl KarhunenLoeve {
     }
 }
 
-/// Σ λ_m/|D|, but not 1 and a rounding error.
+/// Σ λ_m/|D|, at most 1 in spite of rounding.
 pub(crate) fn captured(shares: &[f64]) -> f64 {
     shares.iter().sum::<f64>().min(1.0)
 }

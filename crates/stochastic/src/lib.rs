@@ -53,7 +53,7 @@ mod tensor_solvers;
 mod statistics;
 mod moments;
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {faer, steklov_contact, steklov_quadrature};
 
 pub use cell_basis::{CellBasis, Nodes};

@@ -118,11 +118,11 @@ impl Accumulator {
         Moments { mean: self.mean.clone(), variance }
     }
 
-    /// Standard errors of mean and variance as estimates from independent samples, in a `Moments`' places.
+    /// Standard errors of mean and variance, estimated from independent samples, in the fields of a `Moments`.
     ///
-    /// √(s²/n) and √((m_4 - (n-3)/(n-1) s⁴)/n), s² = n/(n-1) of the variance, m_4 the fourth central moment,
-    /// n = (Σw)²/Σw², the number of samples if all weigh the same. Infinite for less than two. For answers at the nodes of
-    /// a rule they mean nothing.
+    /// √(s²/n) and √((m_4 - (n-3)/(n-1) s⁴)/n), s² = n/(n-1) of the variance, m_4 the fourth central moment, n = (Σw)²/Σw²,
+    /// the number of samples if all weigh the same. Infinite for less than two. They are meaningless for answers at the nodes
+    /// of a rule.
     pub fn standard_errors(&self) -> Moments {
         let n = self.weight * self.weight / self.squared;
         // rounded weights: two samples are two

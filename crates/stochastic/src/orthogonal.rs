@@ -12,8 +12,8 @@ const MOST: usize = 256;
 ///
 /// π_{k+1}(t) = (t - α_k) π_k(t) - β_k π_{k-1}(t), π_0 = 1, π_{-1} = 0.
 ///
-/// The conditioned density has the mass 1, so that β_0 = 1 and the weights of all rules sum to 1; what the interval itself
-/// weighs is in `probability`.
+/// The conditioned density has the mass 1, so that β_0 = 1 and the weights of all rules sum to 1; the probability of the
+/// interval itself is in `probability`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Recurrence {
     /// Ends of the interval (germs; infinite where it is not bounded).
@@ -94,7 +94,7 @@ impl Recurrence {
         Ok(made(shift, unit * cut.half * deviation, alpha, beta))
     }
 
-    /// Whether it can be one of a density on its interval.
+    /// Checks that it can be the recurrence of a density on its interval.
     ///
     /// # Errors
     /// [`StochasticError::Inconsistent`] unless there are from 1 to 256 pairs α_k, β_k, all finite, β_0 = 1 and β_k > 0, a

@@ -19,8 +19,8 @@ pub fn sample(variables: &[Variable], seed: u64, index: u64) -> Vec<f64> {
     variables.iter().zip(0..).map(|(variable, d)| variable.quantile(uniform(seed, index, d))).collect()
 }
 
-/// Germs of `count` samples, of which each variable has one in every `count`-th part of its probability: a Latin hypercube. Means
-/// of sums of functions of one variable have an error like count^-3/2.
+/// Germs of `count` samples of a Latin hypercube: each variable has one sample in every `count`-th part of its probability.
+/// Means of sums of functions of one variable have an error like count^-3/2.
 ///
 /// Source: McKay, Beckman and Conover, Technometrics 21 (1979).
 pub fn latin_hypercube(variables: &[Variable], count: usize, seed: u64) -> Vec<Vec<f64>> {

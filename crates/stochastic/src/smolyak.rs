@@ -91,7 +91,8 @@ pub fn smolyak(variables: &[Variable], level: usize) -> Result<Points, Stochasti
     Ok(result)
 }
 
-/// Polynomials of total degree L through the answers at the points of a sparse grid of level L, in the mean square that its rule sees.
+/// Polynomials of total degree L fitted to the answers at the points of a sparse grid of level L, in the mean square of its
+/// rule.
 #[derive(Debug, Clone)]
 pub struct SparsePolynomials {
     recurrences: Vec<Recurrence>,

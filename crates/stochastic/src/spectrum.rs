@@ -15,9 +15,9 @@ pub(crate) struct Spectrum {
 
 /// Eigenpairs of a symmetric matrix A that commutes with the mirror images of a group of 1, 2 or 4 elements.
 ///
-/// `images[k][g]` are the place and the sign of what element g makes of unknown k, for one k of every orbit; element 0 is
-/// the identity, element 3 is 1 and 2 together. The matrix splits into one small matrix for each character
-/// χ_c(g) = (-1)^|c ∧ g|, so that every vector is exactly even or odd and the modes of a square are not mixed.
+/// `images[k][g]` are the place and the sign to which element g takes unknown k, for one k of every orbit; element 0 is the
+/// identity, element 3 is 1 and 2 together. The matrix splits into one small matrix for each character χ_c(g) = (-1)^|c ∧ g|,
+/// so that every vector is exactly even or odd and the modes of a square are not mixed.
 pub(crate) fn folded_spectrum(
     images: &[Vec<(usize, f64)>],
     entry: impl Fn(usize, usize) -> f64 + Sync,

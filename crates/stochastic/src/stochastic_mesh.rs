@@ -119,7 +119,8 @@ impl StochasticMesh {
         self.variables.iter().zip(bounds).map(|(v, &interval)| v.probability(interval)).product()
     }
 
-    /// Ends of a cell in each direction; where it has none the germ beyond which is the part `rare` of its probability.
+    /// Ends of a cell in each direction; in place of an infinite end the germ beyond which the part `rare` of its probability
+    /// lies.
     ///
     /// # Panics
     /// If the cell is not there.

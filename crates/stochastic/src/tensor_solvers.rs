@@ -15,7 +15,8 @@ const STEPS: usize = 100;
 const PATIENCE: usize = 8;
 /// Steps of the gradient before the second trial; before each other one twice as many.
 const FIRST: usize = 100;
-/// Violation, relative, below which a condition keeps its state; what is accepted where rounding keeps some from settling.
+/// Violation, relative, below which a condition keeps its state; the violation that is accepted where rounding keeps some from
+/// settling.
 const SETTLED: f64 = 1e-12;
 const ACCEPTED: f64 = 1e-10;
 /// Relative residual of the linear systems, and most conjugate gradient steps.
@@ -35,8 +36,8 @@ const REGULAR: f64 = 1e-10;
 /// the step before. The history is the violation of each active set step, over the largest stress or displacement.
 ///
 /// *Use when*: the exact Galerkin system does not decouple. *Fails when*: S is singular; the friction coefficient is large;
-/// 200 000 steps of the gradient do not do (then its last iterate is returned, marked so). *Cost*: 5 to 10 steps, each a Cholesky factor of H for every set of free multipliers
-/// that stochastic nodes have, and 5 to 20 products with H and K.
+/// 200 000 steps of the gradient are not enough (then its last iterate is returned, marked so). *Cost*: 5 to 10 steps, each a
+/// Cholesky factor of H for every set of free multipliers that stochastic nodes have, and 5 to 20 products with H and K.
 ///
 /// # Errors
 /// [`StochasticError::NotCoercive`], [`StochasticError::Inconsistent`], [`StochasticError::Number`];

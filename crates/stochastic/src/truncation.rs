@@ -1,4 +1,4 @@
-//! What the truncation of polynomials in the germs leaves out, cell by cell and direction by direction, and how to refine.
+//! The truncation error of polynomials in the germs, cell by cell and direction by direction, and how to refine.
 
 use rayon::prelude::*;
 
@@ -10,7 +10,7 @@ use crate::{CellBasis, StochasticError, StochasticMesh};
 const ROUGH: f64 = 1.0 / 3.0;
 /// Degree from which a direction is split whatever its coefficients do.
 const HIGH: usize = 15;
-/// Most nodes that a root is found from.
+/// Largest number of nodes from which a root is found.
 const SIDE: usize = 8;
 /// A cell is not cut closer to its ends than this part of its probability.
 const EDGE: f64 = 1e-3;
@@ -25,7 +25,7 @@ pub struct DirectionError {
 }
 
 impl DirectionError {
-    /// Whether splitting does more than a higher degree.
+    /// Whether splitting gains more than a higher degree.
     pub fn is_rough(&self, degree: usize) -> bool {
         self.decay > ROUGH || degree >= HIGH
     }
@@ -43,10 +43,11 @@ impl DirectionError {
 /// q  = 3   r = max(a_3/a_1, (a_2/a_1)²)
 /// q  = 2   r = max((a_2/a_1)², (a_1/a_0)²)
 /// ```
-/// which is exact for a_k = C r^(k/2). The coefficients of a kink fall like k^-4 where it is seen and leave up to (q+1)/3: that is the
-/// rest of directions that are `kinked`, conditions changing between nodes (and for q = 2 no more than a_2 stands for a_1). The mean a_0 tells how much a germ does and
-/// not how coefficients fall: where only it could be compared with, for q = 1, and for q = 2 or 3 if a_2 is above a_1, the rest is
-/// taken as 1 or more. Degree 0 tells nothing of itself: its error is infinite.
+/// which is exact for a_k = C r^(k/2). The coefficients of a kink fall like k^-4 where it is seen and leave up to (q+1)/3:
+/// that is the rest of directions that are `kinked`, conditions changing between nodes (and for q = 2 no more than a_2 stands
+/// for a_1). The mean a_0 tells how much a germ does and not how coefficients fall: where it alone could be compared with, for
+/// q = 1, and for q = 2 or 3 if a_2 is above a_1, the rest is taken as 1 or more. Degree 0 shows nothing: its error is
+/// infinite.
 ///
 /// `energy` is the square of the norm of an answer. *Fails when*: the answer is even about
 /// the middle of a cell of degree 1, or odd but for a large mean with degree 2; all nodes lie on one side of a kink next to an end
@@ -85,7 +86,7 @@ pub fn truncation(
     degrees.into_iter().zip(kinked).map(direction).collect()
 }
 
-/// What follows a_0 .. a_q.
+/// The continuation of a_0 .. a_q.
 fn extrapolate(a: &[f64], kinked: bool) -> DirectionError {
     let q = a.len() - 1;
     let last = if q > 1 { a[q] + a[q - 1] } else { a[q] };
@@ -172,10 +173,10 @@ fn root(line: &[[f64; 2]], k: usize) -> f64 {
     }
 }
 
-/// Refines the directions of cells that have together the part `share` of the squared error, the largest first: raises the
+/// Refines the directions of cells that together have the part `share` of the squared error, the largest first: raises the
 /// degree where answers are smooth, splits the others at `at(cell, direction)`, or in halves of equal probability.
 ///
-/// Gives back the cells that are to be solved again, the new ones included, rising.
+/// Returns the cells to be solved again, the new ones included, rising.
 ///
 /// # Errors
 /// Those of [`StochasticMesh::split`].

@@ -42,8 +42,8 @@ pub enum Distribution {
     },
 }
 
-/// A distribution conditioned on [low, high]: its density is divided by the probability of the interval, neither mean
-/// nor variance are set right afterwards ([`Variable::mean`] gives what comes of it).
+/// A distribution conditioned on [low, high]: its density is divided by the probability of the interval, mean and variance are
+/// not corrected afterwards ([`Variable::mean`] gives the resulting mean).
 ///
 /// All numerics are in the *germ*: the logarithm of a lognormal variable, which is normal; the variable itself otherwise.
 #[derive(Debug, Clone, PartialEq)]

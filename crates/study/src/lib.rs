@@ -28,7 +28,7 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 
-// the crates of whose types the interface is made
+// the crates whose types appear in the interface
 pub use {steklov_document, steklov_figures, steklov_model, steklov_problem};
 
 mod error;

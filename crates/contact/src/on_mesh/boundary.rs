@@ -4,7 +4,7 @@ use steklov_bem_operators::{Dof, Relative, relative_displacement};
 
 use crate::{ContactNode, Status};
 
-/// What a condition's multipliers add to the force on one side: λ_n `normal` n + λ_t `tangent` t.
+/// The contribution of a condition's multipliers to the force on one side: λ_n `normal` n + λ_t `tangent` t.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Share {
     /// Side of the mesh.
@@ -60,13 +60,13 @@ pub struct BoundaryNode {
 pub struct ContactBoundary {
     /// Where the nodes are.
     pub nodes: Vec<BoundaryNode>,
-    /// What a [`Problem`](crate::Problem) needs to know of them.
+    /// The data of the nodes for a [`Problem`](crate::Problem).
     pub contact: Vec<ContactNode>,
-    /// What ends without multipliers carry of those of their neighbours.
+    /// The ends without multipliers whose dual functions went to neighbours.
     pub transfers: Vec<Transfer>,
     /// The contact elements, rising.
     pub elements: Vec<usize>,
-    /// What nodes face on other bodies: with them displacements are relative ones.
+    /// The relative displacements of nodes that face other bodies.
     pub rows: Vec<Row>,
 }
 
@@ -135,7 +135,7 @@ impl ContactBoundary {
         of.map_or(0.0, |c| if functional == 0 { c.normal_weight } else { c.tangent_weight })
     }
 
-    /// A nodal displacement with relative ones at the nodes that face other bodies.
+    /// A nodal displacement, relative at the nodes that face other bodies.
     pub fn relative(&self, displacement: &[f64]) -> Vec<f64> {
         relative_displacement(self.rows.iter().map(|row| &row.relative), displacement)
     }
@@ -158,8 +158,8 @@ impl ContactBoundary {
         self.nodes.iter().filter_map(|n| Some((n.node, n.frame?))).collect()
     }
 
-    /// The same without the tangential unknowns of nodes with one normal whose sides are all without friction: nothing of them
-    /// is in any condition, and they are eliminated with those that are not on the contact boundary.
+    /// The same without the tangential unknowns of nodes with one normal whose sides are all frictionless: no condition
+    /// contains them, and they are eliminated with the unknowns off the contact boundary.
     pub fn without_tangents(mut self, frictionless: &dyn Fn(usize) -> bool) -> Self {
         let mut first = 0;
         for (node, contact) in self.nodes.iter_mut().zip(&mut self.contact) {
@@ -175,7 +175,7 @@ impl ContactBoundary {
         self
     }
 
-    /// Gives closed nodes without a tangential unknown the direction in which they slip under a displacement of all nodes.
+    /// Sets the direction in which closed nodes without a tangential unknown slip under a displacement of all nodes.
     pub fn tell_slip(&self, displacement: &[f64], status: &mut [Status]) {
         let nodes = self.nodes.iter().zip(&self.contact);
         let conditions = nodes.flat_map(|(node, contact)| contact.conditions.iter().map(move |c| (node, c)));

@@ -1,4 +1,5 @@
-//! Contact on the displacement bubbles: what the state of an element leaves of them, and what its data leave out.
+//! Contact on the displacement bubbles: the directions that the state of an element leaves free, and the part of its data that
+//! the nodes miss.
 
 use std::sync::OnceLock;
 
@@ -15,8 +16,8 @@ pub struct ContactBubble {
     pub element: usize,
     /// Whether the solution may move along n and along t: not where all nodes are closed, not where all stick.
     pub free: [bool; 2],
-    /// Contact forces -∫λ b along n and t (force/thickness): the bound's where all nodes inside the element slip one way
-    /// (of degree 1: its ends, or the one that does not stick), else 0.
+    /// Contact forces -∫λ b along n and t (force/thickness): those of the bound if all nodes inside the element slip one way
+    /// (for degree 1: its ends, or the end that does not stick), else 0.
     pub load: [f64; 2],
     /// ±μ in the middle of an element that is closed and slips so under Coulomb's law: ∫λ_t b is that times ∫λ_n b, which
     /// the bubble's own equilibrium along n gives. Else 0.
@@ -25,7 +26,7 @@ pub struct ContactBubble {
     pub oscillation: f64,
 }
 
-/// What contact does at a node of an element.
+/// The state of contact at a node of an element.
 #[derive(Clone, Copy)]
 struct State {
     closed: bool,
@@ -50,11 +51,11 @@ impl State {
 /// Gauss points on an element.
 const POINTS: usize = 40;
 
-/// The bubbles of all contact elements. `gap(side)`, `bound(side)` and `coefficient(side)` are the data of a side of the mesh, the
-/// latter none without Tresca's and without Coulomb's friction.
+/// The bubbles of all contact elements. `gap(side)`, `bound(side)` and `coefficient(side)` are the data of a side of the mesh;
+/// bound and coefficient are none without Tresca's and without Coulomb's friction.
 ///
-/// An element is closed when all its nodes are, open when none inside it is and at most one at its ends; an element of
-/// neither kind keeps all its bubbles, without load. A node that is held takes no part along the directions in which it is.
+/// An element is closed when all its nodes are, open when none inside it is and at most one at its ends; any other element
+/// keeps all its bubbles, without load. A held node does not count along the directions in which it is held.
 /// # Errors
 /// [`ContactError::Data`] where a datum is not finite.
 pub fn contact_bubbles<'d>(

@@ -14,12 +14,12 @@ const BENT: f64 = 0.5;
 /// Normals of two curves that meet and differ by less are one.
 const SMOOTH: f64 = 1e-8;
 
-/// Contact conditions of the given sides. `held(node)` tells the prescribed values of u_x and u_y at a node.
+/// Contact conditions of the given sides. `held(node)` gives the prescribed values of u_x and u_y at a node.
 ///
 /// # Errors
-/// [`ContactError::Data`] when a gap or bound is not finite or cannot be integrated; [`ContactError::Inconsistent`] for
-/// a negative bound, a side given twice, a held node inside the contact boundary, and an element that is left without a
-/// node for its multiplier: of degree 1 between two held ends.
+/// [`ContactError::Data`] when a gap or bound is not finite or cannot be integrated; [`ContactError::Inconsistent`] for a
+/// negative bound, a side given twice, a held node inside the contact boundary, and an element without a node for its
+/// multiplier: one of degree 1 between two held ends.
 pub fn contact_boundary(
     mesh: &Mesh,
     space: &Space,
@@ -70,7 +70,7 @@ pub fn contact_boundary(
     Ok(boundary)
 }
 
-/// A draft and one of its conditions that receive the dual function of an end, and what it is.
+/// The draft and the condition that receive the dual function of an end, and that end.
 type Received = (usize, usize, Transfer);
 
 /// Takes the multipliers of nodes that carry none, and gives their dual functions to the next ones.
@@ -165,7 +165,7 @@ enum Functional {
     Tangent,
 }
 
-/// What one functional of a condition has gathered.
+/// The sums gathered for one functional of a condition.
 #[derive(Clone, Default)]
 struct Part {
     /// D.
@@ -246,7 +246,7 @@ impl Draft {
         (!movable).then(|| (0..2).map(|i| d[i] * self.held[i].unwrap_or(0.0)).sum())
     }
 
-    /// Index of the condition on element e, if the functional is not itself one in which the node cannot move.
+    /// Index of the condition on element e, unless the node cannot move along this functional either.
     fn receiver(&self, e: usize, functional: Functional) -> Option<usize> {
         if self.held != [None, None] && self.immovable(functional).is_some() {
             return None;

@@ -1,7 +1,7 @@
-//! Which transitions stand for a change of the solution, and which are between zones that press and open by nothing that counts.
+//! Which transitions mark a change of the solution, and which separate zones whose pressure and opening are negligible.
 //!
-//! Where gap and pressure are both 0 the states of nodes are those of rounding. A zone of one state, from transition to
-//! transition and on over the ends of edges, has the other state at no more than
+//! Where gap and pressure are both 0, rounding decides the states of nodes. A zone of one state extends from transition to
+//! transition, also over the ends of edges. To give it the other state costs no more than
 //!
 //! ```text
 //! closed   ∫ λ_n ds / √E*        open   max (g - u_n) √E*
@@ -20,7 +20,7 @@ pub struct Least {
     pub gap: f64,
 }
 
-/// What the states of the nodes decide.
+/// The transitions and lengths that the states of the nodes decide.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Decided {
     /// The transitions of each line, rising, without those of undecided zones.
@@ -40,7 +40,7 @@ struct Zone {
     share: f64,
     length: f64,
     undecided: bool,
-    /// The zone that it belongs to: itself, or another one that does.
+    /// The zone that it was merged into, or itself.
     part_of: usize,
 }
 
@@ -49,11 +49,12 @@ struct Zones {
     all: Vec<Zone>,
     /// The zone of each point of each line.
     of_point: Vec<Vec<usize>>,
-    /// Pairs that a transition is between.
+    /// Pairs of zones with a transition between them.
     neighbours: Vec<[usize; 2]>,
 }
 
-/// The transitions along lines without those of undecided zones, the smallest ones left out first. `least(edge)`: what decides.
+/// The transitions along lines without those of undecided zones; the smallest zones are left out first. `least(edge)`: the
+/// limits that decide.
 pub fn decided(
     lines: &[ContactLine],
     problem: &Problem,
@@ -161,8 +162,8 @@ impl Zones {
         }
     }
 
-    /// Gives the smallest undecided zone beside others the state of its neighbours; first of all those between such alone.
-    /// Whether there was one.
+    /// Gives the smallest undecided zone beside another undecided one the state of its neighbours; zones without a decided
+    /// neighbour come first. Returns whether there was one.
     fn merge_smallest(&mut self) -> bool {
         let pairs = self.neighbours.iter().map(|pair| pair.map(|zone| self.root(zone)));
         let pairs: Vec<[usize; 2]> = pairs.filter(|[a, b]| a != b).collect();

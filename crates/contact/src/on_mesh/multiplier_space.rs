@@ -17,9 +17,9 @@ use crate::ContactError;
 pub enum MultiplierMesh {
     /// T_H = T_h.
     Same,
-    /// So many neighbours of an edge make one element.
+    /// This many neighbours on an edge make one element.
     Coarser(usize),
-    /// Every element in so many parts.
+    /// Every element is divided into this many parts.
     Finer(usize),
     /// Elements begin and end in the middle of those of T_h, or at the ends of an edge.
     Shifted,
@@ -94,7 +94,7 @@ pub struct MultiplierCell {
 
 /// Ends closer than this part of an edge are one.
 const SAME: f64 = 1e-12;
-/// What rounding makes of a frame.
+/// Rounding error of a frame.
 const FRAME: f64 = 1e-9;
 
 impl MultiplierSpace {

@@ -1,4 +1,4 @@
-//! What gap, bound and coefficient say at the nodes of stabilised multipliers.
+//! Gap, bound and coefficient at the nodes of stabilised multipliers.
 
 use steklov_bem_operators::{Datum, Mesh, Site};
 use steklov_quadrature::gauss_legendre;
@@ -10,7 +10,7 @@ const DATA_POINTS: usize = 24;
 /// Limits of data at a node are taken at this part of its element from it.
 const INWARDS: f64 = 1e-9;
 
-/// What data say at a node.
+/// The data at a node.
 #[derive(Clone, Copy, Default)]
 pub(crate) struct NodeData {
     /// ∫ g μ / ∫ μ.

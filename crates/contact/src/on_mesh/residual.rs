@@ -1,4 +1,4 @@
-//! What a discrete solution leaves of the contact conditions, element by element: the contact part of a residual error
+//! Residuals of a discrete solution in the contact conditions, element by element: the contact part of a residual error
 //! indicator.
 //!
 //! With λ^hp the multiplier as a function ([`multiplier_trace`]), σ^h = S_hp u taken pointwise, h and p length and degree
@@ -19,10 +19,10 @@
 //! ‖w‖²_½ ≤ ‖w‖ ‖w'‖ ≤ ½ ((p/h) ‖w‖² + (h/p) ‖w'‖²); the sum, unlike the product, sees a constant w, and the two parts
 //! are of one size for a w that lives between the nodes of an element.
 //!
-//! Where either of two numbers must vanish, the lesser energy of making one of them vanish counts. It is at most the
-//! product of the two, λ_n⁺ (g - u_n)⁺ say, which is the geometric mean of these energies and bounds the error too, but
-//! falls like h^(p+1) (normal) and h^p (tangential) only, not h^(2p+1), where gap or bound are no polynomials, and has
-//! no digits under a bound beyond all shears.
+//! Where one of two numbers must vanish, the smaller of the energies of making either vanish counts. It is at most the product
+//! of the two, λ_n⁺ (g - u_n)⁺ say, which is the geometric mean of these energies and bounds the error too, but falls like
+//! h^(p+1) (normal) and h^p (tangential) only, not h^(2p+1), where gap or bound are no polynomials, and it has no digits if
+//! the bound exceeds all shears.
 
 use std::ops::Range;
 
@@ -115,7 +115,7 @@ pub fn contact_residuals(
     contact_residuals_of(solution, sides, 0..solution.mesh.len(), Look::Close)
 }
 
-/// [`contact_residuals`] of some elements, taken as closely as asked for.
+/// [`contact_residuals`] of some elements, with the accuracy of `look`.
 ///
 /// # Errors
 /// As [`contact_residuals`].
@@ -170,7 +170,8 @@ impl ContactResidual {
     }
 }
 
-/// u_n, u_t, λ_n, λ_t at the nodes of an element; of a curved one the vectors u and λ, since normals differ from node to node.
+/// u_n, u_t, λ_n, λ_t at the nodes of an element; for a curved element the vectors u and λ, since normals differ from node to
+/// node.
 fn nodal_traces(solution: &ContactSolution<'_>, e: usize, lambda: &[[f64; 2]]) -> Vec<[f64; 4]> {
     let ContactSolution { mesh, space, displacement, .. } = *solution;
     let nodes = space.element_nodes(e).map(|i| [displacement[2 * i], displacement[2 * i + 1]]);

@@ -33,7 +33,7 @@ pub struct Beyond<'a> {
 pub(crate) struct ContactElement {
     pub element: usize,
     pub side: usize,
-    /// The normals at its nodes; of one that faces another body the directions of contact.
+    /// The normals at its nodes; for an element that faces another body the directions of contact.
     pub normals: Vec<[f64; 2]>,
     /// Whether it faces another body.
     pub joined: bool,
@@ -126,7 +126,7 @@ pub(crate) fn contact_elements(
     Ok(ordered)
 }
 
-/// |γ'| over half of the length of the elements: 1 but on polynomial curves.
+/// |γ'| over half of the length of the elements: 1 except on polynomial curves.
 struct RelativeSpeed {
     curves: Vec<Option<(Curve, f64)>>,
 }
@@ -189,8 +189,8 @@ fn nodal_values(mesh: &Mesh, space: &Space, side: usize, bound: &Datum<'_>) -> R
     Ok(values)
 }
 
-/// Nodal values whose sum Σ D_j F_j is far from ∫ F become ∫ F φ_j / D_j, what is negative of them left out: an element does not
-/// follow F, but its whole is that of F.
+/// Replaces nodal values whose sum Σ D_j F_j is far from ∫ F by ∫ F φ_j / D_j without its negative part: the element does not
+/// resolve F, but has its integral.
 fn keep_integral(weights: &[f64], moments: &[f64], values: &mut [f64]) {
     let whole: f64 = moments.iter().sum();
     let nodal: f64 = weights.iter().zip(values.iter()).map(|(w, f)| w * f).sum();

@@ -54,7 +54,8 @@ pub struct Stabilised {
     pub problem: Problem,
     /// γ₀ (1/stress).
     pub gamma: f64,
-    /// g = ∫ g μ / ∫ μ of each node (length); the problem's is less what held displacements and a body force make of it.
+    /// g = ∫ g μ / ∫ μ of each node (length); the gap of the problem has the contributions of held displacements and a body
+    /// force subtracted.
     pub gaps: Vec<f64>,
     /// Displacement unknowns that are not held.
     free: Vec<Dof>,
@@ -67,11 +68,11 @@ pub struct Stabilised {
     held: Vec<f64>,
 }
 
-/// What a displacement is subject to besides contact.
+/// Stiffness, loads and supports of a displacement besides contact.
 pub struct Loading<'a> {
     /// S, full storage.
     pub stiffness: &'a Mat<f64>,
-    /// f, nodal, without contact; of a body force with S u_p - t_p, so that S u = f.
+    /// f, nodal, without contact; for a body force with S u_p - t_p, so that S u = f.
     pub load: &'a [f64],
     /// Unknowns with a prescribed value.
     pub held: &'a [(Dof, f64)],
@@ -81,7 +82,7 @@ pub struct Loading<'a> {
     pub particular: Option<(&'a ParticularSolution, &'a [f64])>,
 }
 
-/// γ₀ over its critical value, at least: the condensed problem is as ill-conditioned as that is small.
+/// Smallest γ₀ over its critical value: the condensed problem is as ill-conditioned as that is small.
 pub const LEAST_GAMMA: f64 = 1e-6;
 /// Layers towards the ends of an element, and Gauss points on each: 5e-4 of ∫ |σ^h|².
 const LAYERS: usize = 3;
@@ -93,7 +94,7 @@ impl StabilisedForms {
     /// *Cost*: m ≈ 40 + p points an element of these and n unknowns: 6 m n² operations, 16 m n bytes.
     ///
     /// # Errors
-    /// [`ContactError::Data`] of linear algebra that went wrong.
+    /// [`ContactError::Data`] for linear algebra that went wrong.
     pub fn new(
         mesh: &Mesh,
         space: &Space,
@@ -143,7 +144,7 @@ impl StabilisedForms {
         Ok(Self { parts: StabilisedParts { points, weights, damping, trace, values, pairing }, uniform })
     }
 
-    /// What they consist of.
+    /// Their parts.
     pub fn parts(&self) -> &StabilisedParts {
         &self.parts
     }
@@ -330,8 +331,8 @@ impl StabilisedForms {
         Ok(Stabilised { problem, gamma, gaps, free, factor, coupling, load, held })
     }
 
-    /// Bᵀλ - ∫ γ (λ + σ^h(u) + τ)·σ^h(φ) of every displacement unknown: what contact and its stabilisation add to S u
-    /// (force per thickness). `values`: λ at the nodes; `particular` as in [`Loading`].
+    /// Bᵀλ - ∫ γ (λ + σ^h(u) + τ)·σ^h(φ) of every displacement unknown: the contribution of contact and its stabilisation to S
+    /// u (force per thickness). `values`: λ at the nodes; `particular` as in [`Loading`].
     pub fn nodal_forces(
         &self,
         mesh: &Mesh,
@@ -352,8 +353,8 @@ impl StabilisedForms {
         column_of(&forces)
     }
 
-    /// (w h/p²)^½ of n·τ, times Q, and t·τ at the points, less what σ^h makes of the particular solution's nodal values;
-    /// `particular` as in [`Loading`].
+    /// (w h/p²)^½ of n·τ, times Q, and t·τ at the points, less σ^h of the particular solution's nodal values; `particular` as
+    /// in [`Loading`].
     pub fn particular(&self, mesh: &Mesh, particular: Option<(&ParticularSolution, &[f64])>) -> [Vec<f64>; 2] {
         let at = |(&(e, t), w): (&(usize, f64), &f64)| -> [f64; 2] {
             let (Some((b, _)), [normal, tangent]) = (particular, frame(mesh, e, t)) else { return [0.0; 2] };

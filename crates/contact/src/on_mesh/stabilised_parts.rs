@@ -1,10 +1,10 @@
-//! What the forms of the stabilisation consist of, and whether it fits together.
+//! The parts of the stabilisation's forms, and whether they fit together.
 
 use faer::Mat;
 
 use crate::on_mesh::uniform_pressure::UniformPressure;
 
-/// What [`StabilisedForms`](crate::StabilisedForms) consist of.
+/// The parts of [`StabilisedForms`](crate::StabilisedForms).
 #[derive(Debug, Clone)]
 pub struct StabilisedParts {
     /// Quadrature points: element of T_h, reference coordinate.
@@ -21,7 +21,7 @@ pub struct StabilisedParts {
     pub pairing: [Mat<f64>; 2],
 }
 
-/// What rounding may make of sums of basis functions, and of Q, over the weight of a point.
+/// Largest rounding error of sums of basis functions, and of Q, over the weight of a point.
 const SAME: f64 = 1e-9;
 
 impl StabilisedParts {

@@ -36,7 +36,7 @@ pub struct Located {
 }
 
 impl Located {
-    /// A transition that has no vertex: half of its bracket is what it may be off.
+    /// A transition without a vertex: it may be off by half of its bracket.
     fn unlocated(edge: usize, transition: &Transition, s: f64) -> Self {
         let [low, high] = transition.bracket;
         Self { edge, s, kind: transition.kind, off: (high - low) / 2.0, curvature: None, at_vertex: false }
@@ -49,7 +49,7 @@ const REACH: f64 = 0.25;
 const NEAR: f64 = 0.2;
 /// A vertex closer than this part of its piece is moved to a new tip.
 const SNAP: f64 = 0.2;
-/// Widths of its bracket by which a tip may leave it in one step.
+/// Number of bracket widths by which a tip may leave its bracket in one step.
 const TRUST: f64 = 1.0;
 /// Part of the distance to the neighbouring singular point that a tip may go in one step.
 const FARTHEST: f64 = 0.45;
@@ -80,7 +80,7 @@ pub struct Obstacle {
     pub peaks: Vec<f64>,
 }
 
-/// A transition that is told of, and the vertex that follows it.
+/// A transition, and the vertex that follows it.
 struct Followed<'a> {
     line: &'a ContactLine,
     tip: Tip,
@@ -94,9 +94,9 @@ struct Followed<'a> {
 /// along it.
 ///
 /// A tip takes the nearest transition of its kind and direction. Contact and stick ends are fitted ([`tip_fits`]) and move at
-/// most to the bracket of their transition and its width on both sides; a reversal of slip keeps its vertex.
-/// Returns where the transitions are believed to be, but for those at a singular point and nodes that differ from their
-/// neighbours on both sides by themselves.
+/// most to the bracket of their transition and its width on both sides; a reversal of slip keeps its vertex. Returns the
+/// believed positions of the transitions, except those at a singular point and those of single nodes that differ from their
+/// neighbours on both sides.
 ///
 /// # Errors
 /// [`ContactError::Decomposition`].
@@ -196,8 +196,8 @@ fn follow_all<'a>(
     (followed, uncut)
 }
 
-/// Where followed transitions are believed to be: ends by fits, up to four factorisations for those that have a vertex
-/// and as many for the new ones; others by nodal values.
+/// The believed positions of followed transitions: ends by fits, with up to four factorisations for those that have a vertex
+/// and up to four for new ones; others by nodal values.
 fn located(
     followed: &[Followed<'_>],
     solved: Solved<'_>,
@@ -206,7 +206,7 @@ fn located(
 ) -> Result<Vec<Located>, ContactError> {
     let Solved { problem, solution, sets, .. } = solved;
     let mut fits = vec![None; followed.len()];
-    // neighbours of one kind move each other: of these every other one is fitted at a time
+    // neighbours of one kind move each other: every other one is fitted at a time
     let group = |i: usize| {
         let Tip { edge, s, kind, .. } = followed[i].tip;
         let before = followed.iter().filter(|f| f.tip.edge == edge && f.tip.kind == kind && f.tip.s < s).count();
@@ -250,7 +250,7 @@ fn located(
     Ok(followed.iter().zip(&fits).map(place).collect())
 }
 
-/// The transitions of a mesh that has no vertices for them: each with half of its bracket as what it may be off.
+/// The transitions of a mesh that has no vertices for them: each may be off by half of its bracket.
 pub fn unlocated(solved: Solved<'_>) -> Vec<Located> {
     let Solved { problem, solution, lines, transitions, .. } = solved;
     let place = |line: &ContactLine, transition: &Transition| {
@@ -262,9 +262,9 @@ pub fn unlocated(solved: Solved<'_>) -> Vec<Located> {
     lines.iter().zip(transitions).flat_map(of_line).collect()
 }
 
-/// Nodes of a run at most that may be flicker.
+/// Largest number of nodes in a run that may be flicker.
 const FLICKER_NODES: usize = 3;
-/// Length of such a run at most, as part of those beside it.
+/// Largest length of such a run, as part of those beside it.
 const FLICKER_LENGTH: f64 = 0.25;
 
 /// Leaves out pairs of transitions at a tip that enclose a run of few nodes, short beside its neighbours: next to the
@@ -299,8 +299,8 @@ fn without_flicker(mut found: Vec<Transition>, tips: &[Tip]) -> Vec<Transition> 
     found
 }
 
-/// Vertices at all asperities and valleys of the element in which a transition lies, if there are several: where contact ends at
-/// one of them cannot be told before each has elements of its own. Whether there were.
+/// Makes vertices at all asperities and valleys of the element in which a transition lies, if there are several: the end of
+/// contact at one of them cannot be located before each has its own elements. Returns whether it did.
 fn cut_at_turns(subdivision: &mut Subdivision, edge: usize, transition: &Transition, obstacle: &Obstacle) -> bool {
     let middle = (transition.bracket[0] + transition.bracket[1]) / 2.0;
     let Some(piece) = subdivision.edges[edge].iter().find(|p| p.start <= middle && middle < p.end) else {
@@ -338,8 +338,8 @@ fn one_zone_an_asperity(mut found: Vec<Transition>, obstacle: &Obstacle) -> Vec<
     }
 }
 
-/// The transition that a tip takes; none if there is none for it on its side of all valleys, with a bracket that reaches to its
-/// side of all singular points.
+/// The transition that a tip takes: it is on the tip's side of all valleys, and its bracket reaches the tip's side of all
+/// singular points; none if there is no such transition.
 fn follow(
     tip: Tip,
     line: &ContactLine,
@@ -374,7 +374,7 @@ fn follow(
     Some(j)
 }
 
-/// Where a tip goes that wants to go to s.
+/// The next position of a tip that should go to s.
 fn step(tip: Tip, transition: &Transition, s: f64, others: &[f64]) -> f64 {
     let [low, high] = transition.bracket;
     let width = TRUST * (high - low);

@@ -80,7 +80,7 @@ pub fn first_guess(line: &ContactLine, transition: &Transition, problem: &Proble
     nodal_guess(line, transition, problem, solution).unwrap_or((low + high) / 2.0)
 }
 
-/// [`first_guess`], none where the nodal values tell nothing.
+/// [`first_guess`], none if the nodal values do not locate it.
 pub(crate) fn nodal_guess(
     line: &ContactLine,
     transition: &Transition,

@@ -20,10 +20,9 @@ use crate::{ContactError, Problem, Solution, Start};
 /// symmetric, and pieces are chosen with the bounds μ (λ_n + c(u_n - g))₊. No rule makes sure that this ends: where it does
 /// not, the fixed point of Tresca problems takes over, as in [`crate::interior_point`].
 ///
-/// *Use when*: always a good choice; 2 to 7 steps are usual. *Fails when*: it cycles beyond the iteration limit (then
-/// the best iterate is returned, marked so). Of the solutions of a singular system (a floating body) the one nearest to
-/// the start is taken; a load on its free motion moves the body along it until the first condition stops it. *Cost*:
-/// one dense factorisation a step.
+/// *Use when*: always a good choice; 2 to 7 steps are usual. *Fails when*: it cycles beyond the iteration limit (then the best
+/// iterate is returned, marked so). A singular system (a floating body) gives the solution nearest to the start; a load on its
+/// free motion moves the body along it until the first condition stops it. *Cost*: one dense factorisation a step.
 ///
 /// # Errors
 /// [`ContactError::Inconsistent`] from [`Problem::check`] or a start of wrong size; [`ContactError::NotHeld`] if

@@ -23,7 +23,7 @@ use crate::solvers::linear::{largest, product};
 /// Added to the diagonal of the Newton matrix, relative to its largest entry in S: without it a motion that neither
 /// stiffness nor barrier holds would have no step. More of it where that does not make the matrix definite.
 const PROXIMAL: [f64; 3] = [1e-10, 1e-8, 1e-6];
-/// Part of the way to the nearest bound that a step goes.
+/// Fraction of the way to the nearest bound that a step takes.
 const TO_BOUNDARY: f64 = 0.995;
 /// Products s z tend to zero in proportion to D to this power: 0 is a barrier that is an integral over the contact
 /// boundary, -1 a sum over the nodes. The first lets short elements become clear too early, the second too late.
@@ -32,7 +32,7 @@ const SHARE: f64 = -0.25;
 const CORRECTIONS: usize = 3;
 const REACH: f64 = 0.1;
 const SPREAD: f64 = 10.0;
-/// A direction of which less than this part is free is no direction.
+/// A direction whose free part is smaller than this counts as none.
 const FREE: f64 = 1e-12;
 
 /// A kink in the free unknowns of its node, `first .. first + unknowns`.
@@ -80,7 +80,7 @@ pub(crate) struct Point {
     pairs: Vec<Pair>,
 }
 
-/// What a point leaves of the equations.
+/// The residuals of a point in the equations.
 pub(crate) struct Residual {
     /// Eᵀ (f - S v) - Σ D λ d.
     force: Vec<f64>,
@@ -115,8 +115,8 @@ pub(crate) struct Barrier {
 }
 
 impl Barrier {
-    /// The problem's barrier and a first point: the body on springs towards its lines, moved away from all bounds by
-    /// the size of what results. No point where nothing moves the body.
+    /// The problem's barrier and a first point: the body on springs towards its lines, moved away from all bounds by the size
+    /// of the result. No point if nothing moves the body.
     pub fn new(problem: &Problem, laws: &[Law]) -> (Self, Option<Point>) {
         let hard: Vec<Piece> = laws.iter().map(hard_lines).collect();
         let free = Free::new(problem, laws, &hard);
@@ -176,7 +176,7 @@ impl Barrier {
         Some(Point { y, pairs })
     }
 
-    /// What `point` leaves of the equations.
+    /// The residuals of `point` in the equations.
     pub fn residual(&self, point: &Point) -> Residual {
         let elastic = product(&self.stiffness, &point.y);
         let mut force: Vec<f64> = self.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();
@@ -251,7 +251,7 @@ impl Barrier {
         pairs.iter().all(|p| inside(p.slack) && inside(p.force)).then_some(Point { y, pairs })
     }
 
-    /// Direction that makes up for the residual and brings each product s z by `wanted` nearer to its target.
+    /// Direction that removes the residual and brings each product s z by `wanted` nearer to its target.
     fn direction(&self, point: &Point, residual: &Residual, theta: &[f64], wanted: &[f64]) -> Direction {
         let mut ahead = residual.length.clone();
         let e: Vec<f64> = point.pairs.iter().zip(wanted).map(|(p, w)| w / p.force).collect();
@@ -329,7 +329,7 @@ impl Barrier {
     }
 }
 
-/// All lines: the kinks but those of infinite friction and those that these leave no direction.
+/// All lines: the kinks except those of infinite friction and those to which these leave no direction.
 fn lines(problem: &Problem, laws: &[Law], free: &Free, stiffness: &Mat<f64>, largest: f64) -> Vec<Line> {
     let mut lines = Vec::new();
     let mut first = 0;

@@ -10,9 +10,9 @@ use crate::{ContactError, Outcome, Problem, Solution, Start, interior_point};
 const TOLERANCE: f64 = 1e-11;
 /// Tresca problems at most.
 const LIMIT: usize = 100;
-/// Of these with an active set trial under Coulomb's law.
+/// How many of these have an active set trial under Coulomb's law.
 const TRIALS: usize = 30;
-/// Problems with a share of the coefficients at most, the first share, and a step too short to go on with.
+/// Largest number of problems with a share of the coefficients, the first share, and a step too short to go on.
 const CONTINUED: usize = 100;
 const FIRST_SHARE: f64 = 1.0 / 64.0;
 const LEAST_SHARE: f64 = 1e-6;
@@ -26,10 +26,10 @@ const RETREATS: usize = 12;
 /// ```text
 /// F⁰ = bound + μ p,   p = Σ|f| / Σ D_n, or the pressures of the start;   F^k = bound + μ (λ_n^(k-1))⁺
 /// ```
-/// Each problem has one answer (but for what friction that is used up leaves free), from the interior point method or, with
-/// the sets of the one before, from the active set method. Where a body has no rest under some F^k, the mean with the
-/// bounds before is tried. It ends when the pressures change by less than 1e-11 of the largest. The history is that of
-/// these changes: the ratio of successive ones is the contraction. A problem without Coulomb friction takes two steps.
+/// Each problem has one answer (up to motions that exhausted friction leaves free), from the interior point method or, with
+/// the sets of the one before, from the active set method. Where a body has no rest under some F^k, the mean with the bounds
+/// before is tried. It ends when the pressures change by less than 1e-11 of the largest. The history is that of these changes:
+/// the ratio of successive ones is the contraction. A problem without Coulomb friction takes two steps.
 ///
 /// *Use when*: as a reference, and to see the contraction: linear convergence with a factor that grows with the
 /// coefficients ([`crate::contraction`]). *Fails when*: that factor is 1 or more; then the 100 problems do not settle
@@ -93,7 +93,7 @@ pub(crate) fn coulomb(problem: &Problem) -> Result<Solution, ContactError> {
     Ok(finished(history, rest))
 }
 
-/// By way of problems with a rising share of the coefficients, each from the solution of the one before.
+/// Solves problems with a rising share of the coefficients, each from the solution of the one before.
 fn continued(problem: &Problem, history: &mut Vec<f64>) -> Option<Solution> {
     let (mut share, mut step) = (0.0, FIRST_SHARE);
     let mut last: Option<Solution> = None;
@@ -118,8 +118,8 @@ fn continued(problem: &Problem, history: &mut Vec<f64>) -> Option<Solution> {
     None
 }
 
-/// The solution to which a few active set steps settle, if they do. An error is one of the sets that were tried, not of the
-/// problem, and is none.
+/// The solution to which a few active set steps settle, if they do. An error is due to the sets that were tried, not to the
+/// problem, and gives none.
 pub(crate) fn settled(
     problem: &Problem,
     laws: &[Law],

@@ -1,4 +1,4 @@
-//! What given pieces leave free: v = fixed + E x, with orthonormal directions node by node.
+//! The displacements that given pieces leave free: v = fixed + E x, with orthonormal directions node by node.
 
 use faer::Mat;
 

@@ -88,8 +88,8 @@ impl Sets {
 
 /// The linear problem of given sets: u_n = g where closed, u_t = 0 where sticking, λ_t = ±F where slipping.
 ///
-/// F is a number, under Coulomb's law that of the solution that the sets are of: what a change of the pressure does to it is
-/// left out, so that the problem stays symmetric.
+/// F is a number, under Coulomb's law that of the solution to which the sets belong: its change with the pressure is left out,
+/// so that the problem stays symmetric.
 pub struct Frozen<'a> {
     problem: &'a Problem,
     free: Free,
@@ -99,7 +99,7 @@ pub struct Frozen<'a> {
 }
 
 impl<'a> Frozen<'a> {
-    /// Factorises the stiffness of what the sets leave free.
+    /// Factorises the stiffness of the displacements that the sets leave free.
     ///
     /// # Errors
     /// [`ContactError::Decomposition`].

@@ -99,16 +99,17 @@ pub fn interior_point(problem: &Problem) -> Result<Solution, ContactError> {
     Ok(Solution { iterations: history.len(), history, ..rest })
 }
 
-/// What the active set method makes of the sets, if it settles: with a motion that they leave free 0, else as in v.
+/// The solution to which the active set method settles from the sets, if it does: a motion that they leave free is 0, or else
+/// as in v.
 fn polished(problem: &Problem, laws: &[Law], pieces: &[Piece], v: &[f64], history: &mut Vec<f64>) -> Option<Settled> {
     [&vec![0.0; v.len()], v].into_iter().find_map(|near| {
-        // an error is one of these sets, not of the problem
+        // an error is due to these sets, not to the problem
         let settled = settle(problem, laws, pieces.to_vec(), near, POLISHING, history).ok();
         settled.filter(|settled| settled.measure <= ACCEPTED)
     })
 }
 
-/// The piece of each node for the branches of its kinks, of which more may be on than a piece has.
+/// The piece of each node for the branches of its kinks; more kinks may be on than a piece has.
 fn pieces_of(problem: &Problem, laws: &[Law], branches: &[Piece], v: &[f64]) -> Vec<Piece> {
     let elastic = product(&problem.stiffness, v);
     let force: Vec<f64> = problem.load.iter().zip(&elastic).map(|(f, s)| f - s).collect();

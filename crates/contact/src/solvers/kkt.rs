@@ -36,8 +36,8 @@ pub fn kkt(problem: &Problem, solution: &Solution) -> Kkt {
     kkt_in_body(problem, solution, 0.0)
 }
 
-/// As [`kkt`], of a body whose displacement is `body_displacement` somewhere: max |u| is at least that. Where a body sticks
-/// at zero gap its contact displacements are roundoff and no scale of their own.
+/// As [`kkt`], of a body whose displacement is `body_displacement` somewhere: max |u| is at least that. Where a body sticks at
+/// zero gap its contact displacements are roundoff and give no scale.
 ///
 /// # Panics
 /// If the sizes of the solution are not those of the problem.
@@ -83,7 +83,7 @@ fn length(problem: &Problem, v: &[f64], body_displacement: f64) -> f64 {
         + largest(conditions.filter(|c| c.normal_weight > 0.0).map(|c| c.gap))
 }
 
-/// [`Kkt::friction`], less what rounding makes of it where the force on a node is `known` up to that only.
+/// [`Kkt::friction`], less its rounding error, if the force on a node is known only up to `known`.
 pub(crate) fn friction(
     problem: &Problem,
     solution: &Solution,

@@ -2,8 +2,8 @@
 
 use faer::{Col, Mat, Scale, Side};
 
-/// Relative residual at which the largest eigenvalue is known well enough, and Lanczos steps at most. Of many equal elements the
-/// largest eigenvalues lie close together: then the vector is any of theirs, the value is found long before.
+/// Relative residual at which the largest eigenvalue is known well enough, and Lanczos steps at most. With many equal elements
+/// the largest eigenvalues lie close together: the vector is then any of theirs, and the value is found long before.
 const ACCURACY: f64 = 1e-3;
 const STEPS: usize = 120;
 

@@ -143,7 +143,8 @@ impl Law {
         r
     }
 
-    /// What `piece` leaves free: a point on its lines (0 in the free directions) and the free unit directions.
+    /// The displacements that `piece` leaves free: a point on its lines (0 in the free directions) and the free unit
+    /// directions.
     pub fn free(&self, piece: &[Branch]) -> ([f64; 2], Vec<[f64; 2]>) {
         match self.on(piece).as_slice() {
             [] if self.unknowns == 1 => ([0.0; 2], vec![[1.0, 0.0]]),
@@ -216,7 +217,7 @@ impl Law {
         self.unknowns == 2 && cross(a, b).abs() > 1e-12 * norm(a) * norm(b)
     }
 
-    /// Those of the lines, in their order, on which a piece may be: all but those that depend on earlier ones.
+    /// The lines, in their order, on which a piece may be: all except those that depend on earlier ones.
     pub fn basis(&self, lines: impl Iterator<Item = usize>) -> Vec<usize> {
         let mut basis: Vec<usize> = Vec::new();
         for i in lines {
@@ -229,7 +230,8 @@ impl Law {
         basis
     }
 
-    /// `target`, but on the line between where a kink would pass from one side to the other, if that is a piece.
+    /// `target`, except that a kink which would pass from one side of its line to the other stays on the line, if that is a
+    /// piece.
     pub fn towards(&self, piece: &[Branch], target: &Piece) -> Piece {
         let passes = |(a, b): (&Branch, &Branch)| if *a != *b && *a != On && *b != On { On } else { *b };
         let halfway: Piece = piece.iter().zip(target).map(passes).collect();

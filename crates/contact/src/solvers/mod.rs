@@ -1,4 +1,4 @@
-//! Contact problems of nodes with their conditions, and what solves and judges them: no file here knows a mesh.
+//! Contact problems of nodes with their conditions, their solvers and their judge: no file here knows a mesh.
 
 pub(crate) mod active_set;
 pub(crate) mod barrier;

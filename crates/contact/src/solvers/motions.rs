@@ -21,7 +21,8 @@ pub struct ContactEdge {
 
 /// What counts as zero, relative to the scale of the quantity.
 const ZERO: f64 = 1e-9;
-/// Rows from which it is asked first whether a few of them leave any motion: the pairs of all are a thousand times as many.
+/// From this number of rows on, a few rows are first tested for leaving any motion: the pairs of all are a thousand times as
+/// many.
 const MANY: usize = 64;
 
 /// The motions among the span of `candidates` that nothing resists and no load drives; each of them needs a spring.

@@ -13,9 +13,9 @@ const PRESSURE: f64 = 1e-12;
 
 /// `[λ_n, λ_t]` of all conditions for the displacement v with nodal forces R = f - S v, on the given pieces.
 ///
-/// Where more lines meet in v than the node has unknowns (a corner in contact, say) the multipliers are not unique:
-/// of those that obey the bounds and add up to R the ones with the least Σλ_t² are returned, so that the shears are 0
-/// when the pressures alone can carry R.
+/// Where more lines meet in v than the node has unknowns (a corner in contact, say) the multipliers are not unique: among
+/// those that obey the bounds and add up to R, the ones with the smallest Σλ_t² are returned, so that the shears are 0 when
+/// the pressures alone can carry R.
 pub(crate) fn multipliers(
     problem: &Problem,
     laws: &[Law],

@@ -50,7 +50,7 @@ pub fn newton(problem: &Problem, start: Option<Start<'_>>) -> Result<Solution, C
     newton_watched(problem, start, &mut |_| ())
 }
 
-/// [`newton`], telling the unknowns before its first step and after each: none where the active set method does all.
+/// [`newton`], which also reports the unknowns before its first step and after each; none if the active set method does all.
 ///
 /// # Errors
 /// As [`newton`].
@@ -198,7 +198,7 @@ fn expected_pressure(node: &ContactNode, law: &Law, w: [f64; 2], r: [f64; 2]) ->
     Some(Pressure { value, by_force, by_displacement: n.map(|x| stiffness * x) })
 }
 
-/// Where a node slips under pressure: what its friction force gains for each unit of pressure, and the pressure.
+/// For a node that slips under pressure: the gain of its friction force per unit of pressure, and the pressure.
 fn coupling(node: &ContactNode, law: &Law, piece: &Piece, w: [f64; 2], r: [f64; 2]) -> Option<([f64; 2], Pressure)> {
     let pressure = expected_pressure(node, law, w, r)?;
     let kink = law.source.iter().position(|s| s.1)?;

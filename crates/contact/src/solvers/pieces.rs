@@ -38,6 +38,7 @@ pub(crate) struct Linear {
     pub displacement: Vec<f64>,
     /// R = f - S v.
     pub force: Vec<f64>,
-    /// What the free directions leave of R, as a vector of all unknowns: 0 but for a singular system.
+    /// The part of R that is not balanced along the free directions, as a vector of all unknowns: 0 unless the system is
+    /// singular.
     pub unbalanced: Vec<f64>,
 }

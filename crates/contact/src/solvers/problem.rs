@@ -30,7 +30,7 @@ pub struct Condition {
     pub tangent_weight: f64,
     /// Weighted gap g_i (length).
     pub gap: f64,
-    /// What a held neighbour adds to the weighted tangential displacement (length).
+    /// Contribution of a held neighbour to the weighted tangential displacement (length).
     pub slip_offset: f64,
     /// The friction bound without pressure, at least 0 (stress): Tresca's law. Infinity is full stick.
     pub bound: f64,
@@ -41,9 +41,9 @@ pub struct Condition {
 
 /// A contact node: its unknowns `first .. first + unknowns` of the problem and the conditions on them.
 ///
-/// An ordinary node has the unknowns (u_n, u_t) and one condition with `normal = [1, 0]`, `tangent = [0, 1]`. A corner
-/// inside the contact boundary has the unknowns (u_x, u_y) and two conditions. A node of which one component is held
-/// has one unknown; the second entry of `normal` and `tangent` is then 0.
+/// An ordinary node has the unknowns (u_n, u_t) and one condition with `normal = [1, 0]`, `tangent = [0, 1]`. A corner inside
+/// the contact boundary has the unknowns (u_x, u_y) and two conditions. A node with one held component has one unknown; the
+/// second entry of `normal` and `tangent` is then 0.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactNode {
     /// Index of the node's first unknown.
@@ -129,7 +129,7 @@ impl Condition {
         self.gap - self.normal_displacement(w)
     }
 
-    /// F = bound + coefficient λ_n under the pressure λ_n (stress), of which a negative one counts as none.
+    /// F = bound + coefficient λ_n under the pressure λ_n (stress), where a negative pressure counts as none.
     pub fn limit(&self, pressure: f64) -> f64 {
         let pressed = self.normal_weight > 0.0 && self.bound.is_finite();
         if pressed { self.bound + self.coefficient * pressure.max(0.0) } else { self.bound }
@@ -254,7 +254,7 @@ impl Problem {
 }
 
 impl Condition {
-    /// What is wrong with the numbers of a condition on a node with so many unknowns.
+    /// The fault in the numbers of a condition on a node with this many unknowns, if there is one.
     fn fault(&self, unknowns: usize) -> Option<String> {
         let numbers = [self.normal[0], self.normal[1], self.tangent[0], self.tangent[1], self.gap, self.slip_offset];
         if let Some(x) = numbers.iter().find(|x| !x.is_finite()) {

@@ -1,4 +1,4 @@
-//! The multipliers of a problem as rows: what each acts on, and its bounds.
+//! The multipliers of a problem as rows: the displacement on which each acts, and its bounds.
 
 use crate::ContactNode;
 

@@ -15,7 +15,7 @@ use crate::{ContactError, ContactNode, Outcome, Problem, Solution};
 
 /// A node keeps its piece while it violates it by less than this, relative.
 const TOLERANCE: f64 = 1e-12;
-/// What is accepted when roundoff keeps some node from settling.
+/// The violation that is accepted when roundoff keeps some node from settling.
 pub(crate) const ACCEPTED: f64 = 1e-10;
 /// Violation of the friction law beyond which a solution under Coulomb's law is none.
 const JUDGED: f64 = 1e-9;
@@ -129,8 +129,8 @@ pub(crate) struct Settled {
     pub linear: Linear,
 }
 
-/// Changes pieces until none is violated or `limit` steps are done, at least one; the best iterate. Motions that pieces
-/// leave free are as in `near`.
+/// Changes pieces until none is violated or `limit` steps are done, at least one; returns the best iterate. Motions that
+/// pieces leave free are as in `near`.
 pub(crate) fn settle(
     problem: &Problem,
     laws: &[Law],

@@ -4,13 +4,13 @@ use nalgebra::Vector3;
 
 type Vector = Vector3<f64>;
 
-/// Rows that are tried at most.
+/// Largest number of rows that are tried.
 const MOST: usize = 24;
 
 /// Whether max_i n_i·r > `least` for all unit vectors r, with the rows n_i of three entries; false where a few of the rows do not
 /// show it.
 ///
-/// Of a subset of the rows {v: n_i·v ≤ 1 for all i} is a polytope if all rays in which two of the planes n_i·v = 0 meet are
+/// For a subset of the rows, {v: n_i·v ≤ 1 for all i} is a polytope if all rays in which two of the planes n_i·v = 0 meet are
 /// stopped. With R the distance of its farthest vertex from 0, n_i·r ≥ 1/R for some i. A ray that nothing in the subset stops
 /// adds the row that stops it most.
 pub(crate) fn every_way(rows: &[Vec<f64>], least: f64) -> bool {
