@@ -1,4 +1,4 @@
-//! What is known of an expression along an edge, found once.
+//! The kinks and values of an expression along an edge, found once.
 
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -24,7 +24,7 @@ pub struct Along {
 pub(super) type Known = Mutex<BTreeMap<Vec<u64>, Arc<Along>>>;
 
 impl Expression {
-    /// What is known along an edge: found when it is asked for, and kept.
+    /// The kinks and values along an edge, found on demand and kept.
     pub fn along(&self, edge: &Edge) -> Arc<Along> {
         let key = edge.listed_bits();
         let mut known = self.code.known.lock().unwrap_or_else(PoisonError::into_inner);
@@ -45,7 +45,7 @@ impl Expression {
     }
 }
 
-/// Stretches at most that are halved to find values that are not possible.
+/// Largest number of stretches that are halved to find impossible values.
 const MOST_STRETCHES: usize = 2000;
 
 impl Expression {

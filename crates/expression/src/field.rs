@@ -105,7 +105,7 @@ impl Support {
         matches!(self, Self::Side { edges, .. } if !edges.iter().all(Edge::is_line))
     }
 
-    /// Coordinates of a point; of a point beside the side, of the nearest one on it.
+    /// Coordinates of a point; for a point beside the side those of the nearest one on it.
     pub fn coordinates(&self, point: [f64; 2]) -> [f64; 2] {
         match self {
             Self::Body { corner, .. } => minus(point, *corner),

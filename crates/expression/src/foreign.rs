@@ -2,7 +2,7 @@
 
 use super::ExpressionError;
 
-/// Spellings, what is wrong with them, what to write: the text with another spelling in their place, or an example.
+/// Spellings, their fault, and what to write: the text with another spelling in their place, or an example.
 type Spelling = (&'static [&'static str], &'static str, Instead);
 
 enum Instead {

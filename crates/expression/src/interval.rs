@@ -42,7 +42,7 @@ impl Interval {
         Self { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
 
-    /// What both hold; the first where rounding leaves nothing.
+    /// The intersection of both; the first if rounding leaves nothing.
     #[must_use]
     pub fn within(self, other: Self) -> Self {
         let (low, high) = (self.low.max(other.low), self.high.min(other.high));
@@ -290,7 +290,7 @@ impl Neg for Interval {
 }
 
 impl Two {
-    /// What a comparison says of all members, if it says one thing.
+    /// The result of a comparison for all members, if it is the same for all.
     fn between(self, a: Interval, b: Interval) -> Option<bool> {
         let apart = a.high < b.low || b.high < a.low;
         let same = a.single().is_some() && a == b;

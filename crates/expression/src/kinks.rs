@@ -104,8 +104,8 @@ impl Expression {
         kinks.extend(touches);
     }
 
-    /// What rounding of x, y, s to a few units in the last place of the path's ends does to the switch at a point:
-    /// Σ |∂f/∂x| max|x| 8ε.
+    /// The effect on the switch at a point of rounding x, y, s to a few units in the last place of the path's ends: Σ |∂f/∂x|
+    /// max|x| 8ε.
     fn rounding(&self, switch: &Switch, (x, y, s): (f64, f64, f64), ends: [(f64, f64, f64); 2]) -> f64 {
         const STEP: f64 = 1e-6;
         let [a, b] = ends;

@@ -46,7 +46,7 @@ use tape::Op;
 pub struct ExpressionError {
     /// What is wrong.
     pub message: String,
-    /// The bytes of the text that are meant.
+    /// The bytes of the text to which it refers.
     pub span: Range<usize>,
     /// What to change.
     pub help: String,
@@ -78,7 +78,7 @@ pub struct Expression {
     pub place: Place,
 }
 
-/// What an expression was read into: its tape with all names open.
+/// The parsed text of an expression: its tape with all names open.
 #[derive(Debug)]
 struct Read {
     text: String,
@@ -128,7 +128,7 @@ impl Expression {
         Self { code: Arc::new(Code { read, values, ops, height, switches, fields, known }), place }
     }
 
-    /// The expression with these values of names, of the others with its own: what it would be if its text were read with them.
+    /// The expression with these values of names, and with its own values of the others, as if its text were read with them.
     pub fn with_values(&self, values: &BTreeMap<String, Value>) -> Self {
         if !self.names().iter().any(|name| values.contains_key(name)) {
             return self.clone();

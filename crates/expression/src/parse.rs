@@ -27,7 +27,7 @@ pub(super) const VARIABLES: [&str; 4] = ["x", "y", "s", "pi"];
 pub(super) const FUNCTIONS: [&str; 12] =
     ["abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "atan2", "min", "max", "if"];
 
-/// What the parser leaves behind.
+/// The result of the parser.
 #[derive(Default)]
 pub(super) struct Parsed {
     /// The tape, in which all names are open.

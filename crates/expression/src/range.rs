@@ -21,7 +21,7 @@ pub struct Range {
     pub slope: Interval,
 }
 
-/// What an expression is evaluated for: a box, and the direction of the path in it.
+/// The arguments of an evaluation: a box, and the direction of the path in it.
 #[derive(Debug, Clone, Copy)]
 pub struct Leaves<'a> {
     /// x.
@@ -97,7 +97,7 @@ impl Range {
         Self::told(value, slope)
     }
 
-    /// Where nothing is known of the values, nothing is of the slope: between two poles tan rises, and falls across each.
+    /// Where nothing is known of the values, nothing is known of the slope: between two poles tan rises, and falls across each.
     fn told(value: Interval, slope: Interval) -> Self {
         Self { value, slope: if value == Interval::ANY { Interval::ANY } else { slope } }
     }
@@ -215,7 +215,7 @@ impl Expression {
     }
 }
 
-/// What is known of a function on a stretch of a path.
+/// The enclosures of a function on a stretch of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Enclosed {
     /// Holds all of its values.
@@ -243,8 +243,8 @@ impl<F: Fn(f64) -> (f64, f64, f64)> Track for F {
     }
 }
 
-/// The leaves on the stretch from a to b of a path: what a curve leaves its chord by is at most (b-a)²/8 times its second
-/// derivative, and its slope that of the chord by (b-a)/2 times it.
+/// The leaves on the stretch from a to b of a path: a curve leaves its chord by at most (b-a)²/8 times its second derivative,
+/// and its slope differs from that of the chord by at most (b-a)/2 times it.
 pub fn leaves(path: &dyn Track, a: f64, b: f64) -> Leaves<'static> {
     let ((x0, y0, s0), (x1, y1, s1)) = (path.at(a), path.at(b));
     let leaf = |u: f64, v: f64, bend: f64| {
@@ -262,7 +262,7 @@ pub fn leaves(path: &dyn Track, a: f64, b: f64) -> Leaves<'static> {
     Leaves { x: leaf(x0, x1, point), y: leaf(y0, y1, point), s: leaf(s0, s1, arc), names: &[] }
 }
 
-/// Encloses the values on [a, b] of a function of which `over(p, q)` encloses values and slopes on [p, q].
+/// Encloses the values of a function on [a, b]; `over(p, q)` encloses its values and slopes on [p, q].
 pub fn enclose([a, b]: [f64; 2], over: &dyn Fn(f64, f64) -> Range) -> Enclosed {
     let Range { value, slope } = over(a, b);
     if slope.low >= 0.0 || slope.high <= 0.0 {

@@ -1,4 +1,4 @@
-//! All values of an expression along a path, known within bounds: what no point has looked at is enclosed.
+//! All values of an expression along a path, known within bounds: enclosures cover the values between the points.
 
 use super::Expression;
 use super::interval::Interval;
@@ -30,13 +30,13 @@ pub struct Survey {
     pub samples: Vec<(f64, f64)>,
 }
 
-/// Values that rules may be off by where they are looked at, as part of the largest one that was met.
+/// Largest error of the values that are sampled, as part of the largest value that was met.
 const SMALL: f64 = 1e-3;
-/// Widths of what is sampled that an enclosure may have.
+/// Largest width of an enclosure over that of the samples.
 const WIDER: f64 = 2.0;
-/// Values may change so many times as steeply as the samples of a piece do over its length.
+/// Values may change this many times as steeply as the samples of a piece do over its length.
 const STEEPER: f64 = 16.0;
-/// Pieces of a path at most.
+/// Largest number of pieces of a path.
 const MOST_PIECES: usize = 20_000;
 /// Pieces of one peak differ by less than this factor in length.
 const ALIKE: f64 = 4.0;
@@ -123,8 +123,9 @@ impl Survey {
         self.pieces.iter().all(|p| p.known)
     }
 
-    /// Where values change by more than `part` of the largest within pieces shorter than `shortest`, kinks apart: rising. Those with
-    /// less between them than the longer of two is long are one, unless their pieces are of another scale: a peak on a slope.
+    /// The stretches, rising, where values change by more than `part` of the largest within pieces shorter than `shortest`,
+    /// kinks apart. Two stretches with a gap shorter than the longer of them are one, unless their pieces are of another
+    /// scale: a peak on a slope.
     pub fn stretches(&self, shortest: f64, part: f64) -> Vec<[f64; 2]> {
         let least = part * self.sampled.magnitude();
         let narrow = |p: &&Piece| p.ends[1] - p.ends[0] < shortest && !p.kink && p.change > least;

@@ -49,7 +49,7 @@ pub(crate) fn save_nodes(at: &Group, nodes: &[ContactNode], except: &[&str]) -> 
     Ok(())
 }
 
-/// What [`save_nodes`] wrote, with 0 for the numbers `except`.
+/// Reads what [`save_nodes`] wrote, with 0 for the numbers `except`.
 pub(crate) fn load_nodes(at: &Group, except: &[&str]) -> Result<Vec<ContactNode>, IoError> {
     let (first, unknowns, counts) =
         (load_integers(at, "first")?, load_integers(at, "unknowns")?, load_integers(at, "conditions")?);

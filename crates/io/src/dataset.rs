@@ -10,12 +10,12 @@ use crate::deflated::{self, Storage};
 use crate::error::{IoError, damaged, invalid, mismatch, missing, write_error};
 use crate::raw::byte_sizes;
 
-/// What the numbers of a dataset are; stored in its attributes `unit`, `meaning` and `axes`.
+/// The description of a dataset's numbers, stored in its attributes `unit`, `meaning` and `axes`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Label<'a> {
     /// Unit in terms of the scene's own (`length`, `stress`, `force/length`), `1` for pure numbers.
     pub unit: &'a str,
-    /// What it is, with its sign convention.
+    /// Its meaning, with the sign convention.
     pub meaning: &'a str,
     /// A name for each axis.
     pub axes: &'a [&'a str],
@@ -47,7 +47,7 @@ fn chunk_rows(shape: &[usize]) -> usize {
     shape[0].div_ceil(chunks).max(1)
 }
 
-/// Makes a dataset of any type: chunked under a checksum, or without room in the file if it is empty (the checksum of the
+/// Makes a dataset of any type: chunked under a checksum, or without space in the file if it is empty (the checksum of the
 /// object header covers the extents).
 pub(crate) fn create(
     at: &Group,
@@ -225,7 +225,7 @@ impl Rows {
     }
 }
 
-/// Reads an n×m array in blocks of rows: `start(n, m)` makes what `row(i, values)` fills.
+/// Reads an n×m array in blocks of rows: `start(n, m)` makes the result that `row(i, values)` fills.
 pub(crate) fn read_rows<A>(
     at: &Group,
     name: &str,

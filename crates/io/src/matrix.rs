@@ -20,7 +20,8 @@ pub fn save_dense(at: &Group, name: &str, a: MatRef<'_, f64>, label: &Label<'_>)
     })
 }
 
-/// Begins an n×m array as [`save_dense`] writes it, whose rows come one after the other: [`Rows::push`], at last [`Rows::finish`].
+/// Begins an n×m array as [`save_dense`] writes it, whose rows come one after the other by [`Rows::push`], then
+/// [`Rows::finish`].
 ///
 /// # Errors
 /// [`IoError::Write`].

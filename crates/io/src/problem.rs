@@ -73,7 +73,7 @@ impl Persist for Problem {
     }
 }
 
-/// That tables have a modulus for each cell.
+/// Checks that tables have a modulus for each cell.
 fn check_tables(at: &Group, outline: &Polygon, bodies: &[Body]) -> Result<(), IoError> {
     for (k, body) in bodies.iter().enumerate() {
         let Some(Cells { size, young: CellModuli::Table { values, .. }, .. }) = body.cells() else { continue };
@@ -140,7 +140,7 @@ fn save_sides<'a>(at: &Group, sides: &'a [Side], expressions: &mut Numbering<'a>
     save_pairs(at, "stiffness", &stiffness, &numbers(&meaning, &["side", "direction"]))
 }
 
-/// What [`save_sides`] wrote of sides of these names.
+/// Reads what [`save_sides`] wrote for sides of these names.
 fn load_sides(at: &Group, free: &[Side], expressions: &Numbered) -> Result<Vec<Side>, IoError> {
     let names = load_texts(at, "side_names")?;
     if !names.iter().eq(free.iter().map(|side| &side.name)) {

@@ -1,4 +1,4 @@
-//! [`Persist`] for the Steklov-Poincaré matrix with its traction map, and for what is condensed of it.
+//! [`Persist`] for the Steklov-Poincaré matrix with its traction map, and for its condensation.
 //!
 //! Both are kept as they are, factors too, and read by the checked constructors of `steklov-bem-operators`: nothing is factorised
 //! anew, and answers have the same bits.
@@ -24,7 +24,7 @@ pub(crate) fn misfit(at: &Group, error: BemError) -> IoError {
     }
 }
 
-/// What rounding may make of the entries of a form, over the roots of the diagonals.
+/// Largest rounding error of the entries of a form, over the roots of the diagonals.
 const SAME: f64 = 1e-10;
 
 /// Demands that a stored matrix is the one that its parts make, up to rounding of `scale(i, j)`.

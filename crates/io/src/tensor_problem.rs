@@ -13,7 +13,7 @@ use crate::matrix::{load_dense, save_dense};
 use crate::persist::{Persist, create_group, open_group};
 use crate::quadrature::{check_length, load_sized};
 
-/// What a [`TensorProblem`] borrows, owned: that is what is read.
+/// The data that a [`TensorProblem`] borrows, owned: the form in which it is read.
 #[derive(Debug, Clone)]
 pub struct StoredTensorProblem {
     /// S.
@@ -51,7 +51,7 @@ impl StoredTensorProblem {
 /// A number of a condition.
 type Number = fn(&mut Condition) -> &mut f64;
 
-/// What differs between stochastic nodes: name, unit, meaning, place.
+/// The numbers that differ between stochastic nodes: name, unit, meaning, place.
 const VARYING: [(&str, &str, &str, Number); 3] = [
     ("gap", "length", "weighted gap g_j: B_n v_j <= g_j", |c| &mut c.gap),
     ("slip_offset", "length", "what a held neighbour adds to the tangential displacement", |c| &mut c.slip_offset),
@@ -66,7 +66,7 @@ impl Persist for StoredTensorProblem {
     const VERSION: u32 = 1;
 
     fn write(&self, at: &Group) -> Result<(), IoError> {
-        // what is alike is written once
+        // equal numbers are written once
         self.problem().check().map_err(|e| write_error(at, "", e))?;
         let equation = "sum_k (M_E)_jk S v_k + D_j B^T W lambda_j = F_j";
         let matrix = |name, a: &Mat<f64>, unit, meaning: String, axes: &[&str]| {

@@ -5,7 +5,7 @@ use hdf5::Group;
 use crate::error::{IoError, invalid, mismatch};
 use crate::text::{load_text, save_text};
 
-/// Writes the word of a value; [`invalid`] of one that has none.
+/// Writes the word of a value; [`invalid`] for a value that has none.
 pub(crate) fn save_word<T: PartialEq>(
     at: &Group,
     name: &str,

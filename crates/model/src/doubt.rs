@@ -11,7 +11,7 @@ macro_rules! doubts {
         }
 
         impl Doubt {
-            /// All that can be told.
+            /// All doubts.
             pub const ALL: &[Self] = &[$(Self::$name),+];
 
             /// The word of the JSON object.
@@ -37,8 +37,8 @@ doubts! {
     Transition: "transition",
         "an end of contact or of stick lies inside an element, which hides its error",
         "`refine = \"hp\"` puts a vertex there, or a smaller tolerance";
-    /// The contact sets are still changing from mesh to mesh, or zones press by nothing beside the error: whether these are closed
-    /// rounding decides.
+    /// The contact sets are still changing from mesh to mesh, or zones press by no more than the error: rounding decides
+    /// whether these are closed.
     Sets: "sets",
         "which nodes touch, stick or slip is not settled: it changed since the step before, there is no such step, sides overlap \
          between nodes, or they press by no more than the error",
@@ -50,7 +50,7 @@ doubts! {
         "at a corner or a jump of the data elements are too long or of too high a degree to show their error, or they are longer \
          than the body is thick",
         "a smaller tolerance, or more `method.elements`";
-    /// The loads vary within elements more than their degree follows: no bubble sees what they do.
+    /// The loads vary within elements more than their degree resolves: no bubble sees their effect.
     Data: "data",
         "loads, gaps, friction bounds or prescribed displacements vary within elements more than their degrees follow",
         "a smaller tolerance, or more `method.elements`";
@@ -89,14 +89,14 @@ doubts! {
     Normals: "normals",
         "the normals of two sides in contact differ so much that J is uncertain by more than the tolerance",
         "draw the bodies nearer to where they meet";
-    /// Bodies lie in each other where no interface is.
+    /// Bodies lie in each other where there is no interface.
     Reach: "reach",
         "two bodies lie in each other at a place that no interface names",
         "name the sides that meet there in an `[[interface]]`; a crack by `on`, with `contact` in place of loads on its faces";
 }
 
 impl Doubt {
-    /// The doubt of a word of the JSON object; None of words that are none.
+    /// The doubt of a word of the JSON object; None if the word stands for none.
     pub fn of_word(word: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|doubt| doubt.word() == word)
     }

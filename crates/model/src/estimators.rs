@@ -32,7 +32,7 @@ pub const ON_BOUNDARY: [Part; 10] = [
 /// The part of stabilised multipliers.
 pub const STABILISATION: &str = "stabilisation";
 
-/// Of random input: what polynomials of the germs leave out of the displacement.
+/// Of random input: the truncation error of polynomials of the germs in the displacement.
 pub const TRUNCATION: &str = "truncation";
 
 /// Of a coarse cell of extent H.
@@ -50,7 +50,7 @@ pub const IN_CELLS: [&str; 3] = ["volume", "jump", "neumann"];
 /// Of a boundary element between body and medium.
 pub const ON_INTERFACE: [&str; 3] = ["interface_traction", "interface_displacement", "interface_oscillation"];
 
-/// Residual estimators of the last solution by what they are of, each null where it does not apply.
+/// Residual estimators of the last solution by kind, each null if it does not apply.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimators {
     /// Boundary elements with biorthogonal multipliers, or without contact; of random input for its mean.

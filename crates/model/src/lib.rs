@@ -43,7 +43,7 @@ pub mod summary;
 
 pub use solve_scene::{Answer, solve};
 
-/// What a program needs that makes a scene and solves it.
+/// The items that a program needs to make a scene and solve it.
 pub mod prelude {
     pub use steklov_bem_operators::{Loop, Polygon};
     pub use steklov_elastic::{Material, Plane};

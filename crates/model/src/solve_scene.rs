@@ -1,4 +1,4 @@
-//! The one door for programs: a scene in, its numbers out.
+//! The entry point for programs: a scene in, its numbers out.
 
 use std::sync::atomic::AtomicUsize;
 
@@ -24,8 +24,9 @@ pub struct Answer {
     pub outcomes: Option<StochasticResult>,
 }
 
-/// Solves a scene as its method says: checks it, refines until the tolerance or a limit is reached, and solves for all outcomes of
-/// its random input. Why it ended is [`Summary::reason`], how much the numbers are to be trusted the estimate and its doubts.
+/// Solves a scene as its method says: checks it, refines until the tolerance or a limit is reached, and solves for all
+/// outcomes of its random input. Why it ended is [`Summary::reason`], how far the numbers can be trusted the estimate and its
+/// doubts.
 ///
 /// *Use when* numbers of one scene are wanted; to watch or stop a run, or for its matrices and fields, take
 /// [`run`](crate::run::adaptive_loop::run). *Fails when* the data are impossible, a body can move freely under its loads, or the first

@@ -8,7 +8,7 @@ use steklov_problem::Units;
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
 
-/// What a result is, in numbers. Lengths, stresses and forces per thickness in the units of the scene.
+/// A result in numbers. Lengths, stresses and forces per thickness in the units of the scene.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Summary {
     /// Title of the scene.
@@ -35,7 +35,7 @@ pub struct Summary {
     /// J = strain energy + spring energy - load work + friction work; around a hole under remote stress that of what the hole adds, as all
     /// energies.
     pub energy: f64,
-    /// J of the spaces of one degree more, and of the data themselves in place of what the nodes know of them.
+    /// J of the spaces of one degree more, with the data themselves in place of their nodal values.
     pub energy_extrapolated: Option<f64>,
     /// How far the exact J may be from that.
     #[serde(default)]
@@ -144,19 +144,19 @@ pub struct InterfaceSummary {
     pub sides: [Vec<String>; 2],
     /// Length in contact, or tied.
     pub length: f64,
-    /// Part of it that sticks; null of ties.
+    /// Part of it that sticks; null for ties.
     pub stick: Option<f64>,
-    /// The rest; null of ties.
+    /// The rest; null for ties.
     pub slip: Option<f64>,
-    /// Largest nodal pressure; null of ties.
+    /// Largest nodal pressure; null for ties.
     pub max_pressure: Option<f64>,
     /// Force on the body that is named first.
     pub force: [f64; 2],
     /// Ends of contact, where adaptivity has located them.
     pub ends: Option<Vec<[f64; 2]>>,
-    /// How well the conditions of contact hold; null of ties.
+    /// How well the conditions of contact hold; null for ties.
     pub audit: Option<Audit>,
-    /// What the direction of contact decides; null of ties.
+    /// The influence of the direction of contact; null for ties.
     #[serde(default)]
     pub normals: Option<NormalsSummary>,
 }
@@ -196,7 +196,7 @@ pub struct Stabilisation {
 pub struct MediumSummary {
     /// "decaying" or "bounded".
     pub radiation: String,
-    /// Resultant of what acts on the medium, the remote stress apart (force per thickness).
+    /// Resultant of the forces on the medium, the remote stress apart (force per thickness).
     pub resultant: [f64; 2],
     /// Whether it is below 1e-6 of the sum of absolute values. If not, the displacement grows as log(L/r).
     pub balanced: bool,
@@ -221,15 +221,15 @@ pub struct GridSummary {
     pub cells: [usize; 2],
     /// Displacement unknowns of all fine nodes.
     pub fine_dofs: usize,
-    /// Multiscale basis; null of bilinear elements on all fine cells.
+    /// Multiscale basis; null for bilinear elements on all fine cells.
     pub basis: Option<String>,
     /// Coarse cells.
     pub coarse_cells: Option<usize>,
-    /// Different patterns of moduli: so many local problems were solved.
+    /// Number of different patterns of moduli, each with one local problem.
     pub patterns: Option<usize>,
-    /// Part of the estimate that coarse cells add to the fine grid's: energy norm of u_fine - u_multiscale. With a medium around
-    /// the body also the body's share of what is left of the balance of tractions where both meet: two to three times the error
-    /// inside of the body.
+    /// Part of the estimate that coarse cells add to the fine grid's: energy norm of u_fine - u_multiscale. With a medium
+    /// around the body also the body's share of the residual of the traction balance where both meet: two to three times the
+    /// error inside of the body.
     pub estimate_multiscale: Option<f64>,
     /// Part of the estimate that the fine grid has itself: energy norm of u - u_fine.
     pub estimate_fine_grid: Option<f64>,

@@ -11,7 +11,7 @@ use super::{Cost, Decision, MODULI, Plan, contact, decision, far_away, plane};
 /// Bytes that the moduli, the fields and the result of a fine cell take.
 const BYTES_OF_CELL: f64 = 200.0;
 
-/// What is modelled of a scene on a grid, with or without a medium around the body, and what it costs.
+/// The plan of a scene on a grid, with or without a medium around the body, and its cost.
 pub(crate) fn plan(scene: &Scene) -> Plan {
     let (mut modelled, mut left_out) = (Vec::new(), Vec::new());
     let multiscale = scene.is_multiscale();
@@ -169,7 +169,7 @@ fn estimate(multiscale: bool, conforming: bool) -> Decision {
     decision("error estimate", choice, why)
 }
 
-/// Told where another refinement is asked for than there is.
+/// The note if another refinement is asked for than there is.
 fn asked(refine: Refine, known: Refine) -> &'static str {
     if refine == known { "" } else { "the degree is one; " }
 }

@@ -53,13 +53,13 @@ pub struct Plan {
     pub cost: Cost,
 }
 
-/// What is decided about where the plan names the solver of contact.
+/// The subject of the decision about the solver of contact.
 const CONTACT_SOLVER: &str = "contact solver";
 
 /// One choice.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Decision {
-    /// What is decided about.
+    /// The subject of the decision.
     pub what: String,
     /// What was chosen.
     pub choice: String,
@@ -95,10 +95,10 @@ pub fn plan(scene: &Scene) -> Plan {
     plan
 }
 
-/// What is told where memory ends the refinement.
+/// The subject of the decision where memory ends the refinement.
 pub const NEXT_MESH: &str = "next mesh";
 
-/// What the decision about the moduli of a body on a grid is called.
+/// The subject of the decision about the moduli of a body on a grid.
 pub const MODULI: &str = "Young's modulus";
 
 /// The mesh that memory leaves out, and why.
@@ -240,7 +240,7 @@ fn refinement(method: &Method) -> Decision {
     decision("refinement", choice, why)
 }
 
-/// What an interface covers, and who carries its multipliers.
+/// The parts that an interface covers, and the side that carries its multipliers.
 fn joint(scene: &Scene, interface: &Interface) -> Decision {
     let problem = &scene.problem;
     let names = |sides: &[usize]| sides.iter().map(|&s| problem.sides[s].name.as_str()).collect::<Vec<_>>().join(", ");
@@ -310,7 +310,7 @@ fn cost(scene: &Scene, mesh: &Mesh, dofs: usize, estimated: bool) -> Cost {
     Cost { elements: mesh.len(), dofs, memory_bytes: memory_bytes(scene, mesh.len(), dofs), operations }
 }
 
-/// What an unbounded medium does far away.
+/// The far field of an unbounded medium.
 pub(crate) fn far_away(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let (Some(far), Some(radiation)) = (scene.far(), scene.problem.radiation_of_medium()) else { return };
     let (choice, why) = match radiation {
@@ -426,7 +426,7 @@ pub(crate) fn contact(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mu
     modelled.push(Decision { what: CONTACT_SOLVER.into(), choice: choice.into(), why: why.into() });
 }
 
-/// What the scene asks of contact that it has not.
+/// Settings of contact in a scene without contact.
 fn idle(method: &Method, left_out: &mut Vec<Decision>) {
     let asked = [
         ("multipliers", "stabilised", method.multiplier == Multiplier::Stabilised),

@@ -1,4 +1,4 @@
-//! What random input costs, and which of it moves the data.
+//! The cost of random input, and which of it moves the data.
 
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_model::stochastic::{intervals, is_coupled, method};
@@ -36,7 +36,7 @@ fn sparse(random: &Random) -> Option<f64> {
     smolyak(&variables, random.stochastic.level).ok().map(|grid| grid.points.len() as f64)
 }
 
-/// Adds what is modelled of random input, or that there is none.
+/// Adds the model of random input, or that there is none.
 pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut Vec<Decision>) {
     let decision = |what: &str, choice: String, why: String| Decision { what: what.into(), choice, why };
     let Some(random) = &scene.random else {

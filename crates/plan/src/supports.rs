@@ -7,7 +7,7 @@ use steklov_problem::{Scene, Springs};
 
 use crate::{Decision, decision};
 
-/// What is decided about them.
+/// The decisions about them.
 pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>) {
     modelled.push(supports(scene));
     springs(scene, modelled);

@@ -10,7 +10,7 @@ use steklov_expression::Expression;
 /// Most cells of a grid, over the whole bounding box.
 pub const MOST_CELLS: usize = 1 << 26;
 
-/// What the multiscale basis of a coarse cell does on its boundary.
+/// The multiscale basis of a coarse cell on its boundary.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum BasisInput {
     /// One component linear, the other one free and then dropped.
@@ -107,7 +107,7 @@ impl TableOrder {
         }
     }
 
-    /// What the indices are.
+    /// The meaning of the indices.
     pub fn words(self) -> &'static str {
         match self {
             Self::Xy => "first index along x, second one along y upwards",

@@ -12,7 +12,7 @@ const JUMPING: f64 = 0.99;
 /// Largest gap, in diameters of the body: beyond it the displacements are lost in the rounding errors of the gap.
 const GAP: f64 = 1e12;
 
-/// What the stiffness of springs is called.
+/// The name of the stiffness of springs.
 pub const STIFFNESS: &str = "stiffness of springs";
 
 /// What to do about values that are not finite.

@@ -6,11 +6,11 @@
 //!   ┄┄┄┄────────┄┄┄│      ┄┄┄┄    prolonged to the outer boundary, `NAME.beyond.left` and `.right`: tied
 //!        right     │
 //! ```
-//! Left and right are those of somebody who walks along the points of the crack. What is tied has the same material on both sides,
-//! so that where the prolongation runs changes nothing but the meshes: it leaves the tip straight on, and turns farther out by as
-//! little as keeps it away from corners, other cracks and grazing hits. About the tip the pieces are then mirror images, and so is
-//! what their meshes leave of the singular shears there: between unequal pieces it would be a pressure on the faces, and grow with
-//! the layers of the mesh.
+//! Left and right are those of somebody who walks along the points of the crack. Tied parts have the same material on both
+//! sides, so that the course of the prolongation changes nothing but the meshes: it leaves the tip straight on, and farther
+//! out turns just enough to stay away from corners, other cracks and grazing hits. About the tip the pieces are then mirror
+//! images, and so are the errors of their meshes in the singular shears there: between unequal pieces these errors would be a
+//! pressure on the faces, and grow with the layers of the mesh.
 
 use steklov_bem_operators::{Cut, CutError, Polygon, distance_to_segment};
 use steklov_elastic::plane::{cross, distance, minus, norm, unit};
@@ -80,7 +80,7 @@ impl Problem {
                 });
             }
         }
-        // the faces before what is beyond
+        // the faces before the parts beyond them
         joined.sort_by_key(|interface| matches!(interface.law, Law::Tied(_)));
         self.interfaces.extend(joined);
     }
@@ -201,7 +201,7 @@ fn apart([a, b]: [[f64; 2]; 2], [p, q]: [[f64; 2]; 2]) -> f64 {
     ends.into_iter().map(|(x, of)| distance_to_segment(x, of)).fold(f64::INFINITY, f64::min)
 }
 
-/// The point that two segments have in common; of those that only come near each other the end that is nearest.
+/// The point that two segments have in common; for segments that only come near each other the nearest end.
 fn common(own: [[f64; 2]; 2], other: [[f64; 2]; 2]) -> [f64; 2] {
     let [d, e] = [own, other].map(|[a, b]| minus(b, a));
     let to = minus(other[0], own[0]);

@@ -22,7 +22,7 @@ pub enum DataErrorKind {
     Unsupported,
 }
 
-/// What an error is about.
+/// The subject of an error.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum About {
     /// A part of a text from which an expression or a value was read.
@@ -41,7 +41,7 @@ pub struct DataError {
     pub message: String,
     /// What to change.
     pub help: String,
-    /// What it is about.
+    /// Its subject.
     pub about: About,
 }
 

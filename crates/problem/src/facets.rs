@@ -12,7 +12,7 @@ pub struct Facets {
     pub edges: usize,
     /// Mean angle between successive ones (radian), always positive.
     pub turn: f64,
-    /// What they stand for.
+    /// The curve that they stand for.
     pub curve: Drawn,
 }
 

@@ -4,10 +4,10 @@
 //! x, with normal n₁, of a carrying side and y, with n₂, of another one are a pair where y - x = g d,
 //! d = (E₁n₁ - E₂n₂)/|E₁n₁ - E₂n₂|,  E = E/(1-ν²)
 //! ```
-//! Surfaces that touch take a shape between their own, nearer to that of the stiffer body: with E₂ = ∞ the normal is that of the
-//! partner, with equal bodies the mean of both. Pairs, d and g are the same whichever side carries. g is negative where the bodies
-//! overlap as they are drawn; of several pairs of a point the nearest counts. Beside a corner of the partner points see the corner,
-//! whose normal is any one between those of its edges.
+//! Surfaces that touch take a shape between their own, nearer to that of the stiffer body: with E₂ = ∞ the normal is that of
+//! the partner, with equal bodies the mean of both. Pairs, d and g are the same whichever side carries. g is negative where
+//! the bodies overlap as they are drawn; if a point has several pairs, the nearest counts. Beside a corner of the partner
+//! points see the corner, whose normal is any one between those of its edges.
 
 use steklov_bem_operators::Edge;
 use steklov_elastic::plane::{cross, dot, minus, norm, unit};
@@ -21,12 +21,12 @@ const FACING: f64 = -0.2;
 const COINCIDE: f64 = 1e-6;
 /// A point closer to an end of an edge is there (edge parameter).
 const NEAR_END: f64 = 1e-9;
-/// Parts of an edge between which it is asked what is seen.
+/// Number of parts of an edge between which visibility is tested.
 const PARTS: usize = 64;
 /// Edge parameters closer than this are one.
 pub(super) const SAME: f64 = 1e-11;
 
-/// What a point of one side sees on another.
+/// The point of another side that a point of one side sees.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Seen {
     /// The edge.
@@ -40,7 +40,7 @@ pub struct Seen {
 }
 
 impl Problem {
-    /// The sides that an interface meets; none of an obstacle or a medium.
+    /// The sides that an interface meets; none for an obstacle or a medium.
     pub fn facing_sides<'a>(&self, interface: &'a Interface) -> &'a [usize] {
         if let Other::Sides(sides) = &interface.other { sides } else { &[] }
     }
@@ -110,9 +110,8 @@ impl Problem {
         }
     }
 
-    /// Points of edges that belong together across interfaces are added to both: those of one side where the other one sees
-    /// them, and the ends of what is seen. What is close to a point that is there already, or to a corner,
-    /// is that.
+    /// Adds points of edges that belong together across interfaces to both: those of one side where the other one sees them,
+    /// and the ends of the visible parts. A point close to one that is there already, or to a corner, counts as that one.
     pub fn share_points(&self, points: &mut [Vec<f64>]) {
         for interface in self.joints() {
             let add = |points: &mut [Vec<f64>], edge: usize, s: f64| {
@@ -190,7 +189,7 @@ impl Problem {
         edge.normal(s).map(|n| modulus * n)
     }
 
-    /// What a point of a carrying edge of an interface sees; nothing where no side is before it.
+    /// The point that a point of a carrying edge of an interface sees; none if no side is before it.
     pub fn seen(&self, interface: &Interface, edge: usize, s: f64) -> Option<Seen> {
         let own = &self.outline.edges()[edge];
         let (x, normal, pull) = (own.point(s), own.normal(s), self.pull(own, s));
@@ -238,7 +237,7 @@ impl Problem {
         self.known_spans.get_or(self.seen_by(interface), || self.find_spans(interface))
     }
 
-    /// The bits of all that the spans of an interface depend on: sides, law, edges and moduli.
+    /// The bits of all data on which the spans of an interface depend: sides, law, edges and moduli.
     fn seen_by(&self, interface: &Interface) -> Vec<u64> {
         let sides = [&interface.sides, self.facing_sides(interface)].map(|sides| {
             let count = sides.len() as u64;

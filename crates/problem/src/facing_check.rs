@@ -8,17 +8,17 @@ use super::{Interface, Law, Other, Place, Problem};
 
 /// Bodies whose moduli are not farther apart than this factor are about as stiff.
 const ALIKE: f64 = 2.0;
-/// How far inside of its boundary a body is looked at, in parts of its extent.
+/// Distance inside its boundary at which a body is tested, in parts of its extent.
 const INSET: f64 = 1e-4;
 /// Part of the diameter of a body by which bodies may overlap as they are drawn.
 const OVERLAP: f64 = 1e-6;
-/// Points of an edge at which it is asked whether it lies in another body.
+/// Number of points of an edge that are tested for lying in another body.
 const LOOKS: usize = 128;
 
 impl Problem {
-    /// Whether the carrying sides of the first of two mirrored interfaces carry the multipliers rather than those of the second:
-    /// those of the softer body, whose mesh resolves what happens; of bodies about as stiff those that are wholly covered, else
-    /// the first. On the coarse mesh of a stiff body multipliers would be too few to hold a soft one.
+    /// Whether the carrying sides of the first of two mirrored interfaces carry the multipliers rather than those of the
+    /// second: those of the softer body, whose mesh resolves what happens; for bodies about equally stiff those that are
+    /// wholly covered, else the first. On the coarse mesh of a stiff body multipliers would be too few to hold a soft one.
     pub(super) fn carries_rather(&self, first: &Interface, second: &Interface) -> bool {
         let covered = |interface: &Interface| self.unseen(interface).is_empty();
         let modulus =
@@ -166,7 +166,7 @@ impl Problem {
         edge.length() * (edge.arc_fraction(span.s[1]) - edge.arc_fraction(span.s[0]))
     }
 
-    /// Points of parts of edges.
+    /// The tested points of parts of edges.
     fn looks(&self, spans: &[Span]) -> Vec<[f64; 2]> {
         let at = |span: &Span, k: usize| span.s[0] + (span.s[1] - span.s[0]) * k as f64 / LOOKS as f64;
         let of =

@@ -1,13 +1,13 @@
-//! What an unbounded body does far away.
+//! The far field of an unbounded body.
 
 use steklov_coupling::Radiation;
 
-/// What a medium does far away.
+/// The far field of a medium.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FarField {
     /// Stress xx, yy, xy far away.
     pub remote_stress: [f64; 3],
-    /// What the displacement does far away, that of the remote stress apart; `None`: what fits the supports.
+    /// How the displacement behaves far away, that of the remote stress apart; `None`: as fits the supports.
     pub at_infinity: Option<Radiation>,
     /// Whether the remote stress has names in it: with random ones it may vanish in an outcome.
     pub named: bool,

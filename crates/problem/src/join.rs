@@ -1,4 +1,4 @@
-//! What acts between sides of two bodies: which of them carries the multipliers, and whose its data are.
+//! Interfaces between sides of two bodies: which of them carries the multipliers, and to which the data belong.
 //!
 //! Displacements and tractions of both places are one another's mirror image, and so is the mesh that carries the multipliers a
 //! choice of the discretisation. Data are not: jumps have a sign, s runs along one side, and where the sides are drawn apart what is
@@ -7,7 +7,7 @@
 use super::spans::Span;
 use super::{DataError, DataErrorKind as Kind, Faces, Friction, Interface, Law, Other, Place, Problem, Side};
 
-/// Parts of what a side sees at whose ends it is asked how far away the other side is.
+/// Number of parts of a visible stretch at whose ends the distance of the other side is tested.
 const PARTS: usize = 16;
 /// Sine of the angle below which edges are parallel: lengths on both are the same to rounding then.
 const PARALLEL: f64 = 1e-8;
@@ -100,14 +100,14 @@ impl Problem {
         Ok(())
     }
 
-    /// That no side of an interface between bodies, or with an obstacle, is in another one or has a condition besides.
+    /// Checks that no side of an interface between bodies, or with an obstacle, is in another one or has a condition besides.
     pub(super) fn check_conditions(&self) -> Result<(), DataError> {
         let met = self.interfaces.iter().filter(|interface| interface.other != Other::Medium);
         let sides = met.flat_map(|interface| interface.sides.iter().chain(self.facing_sides(interface)));
         self.check_once(sides)
     }
 
-    /// That sides are there, are free, and each is named once.
+    /// Checks that sides exist, are free, and are each named once.
     fn check_once<'a>(&self, sides: impl Iterator<Item = &'a usize>) -> Result<(), DataError> {
         let mut found = Vec::new();
         for &side in sides {
@@ -133,7 +133,7 @@ impl Problem {
         Ok(())
     }
 
-    /// Sides of two bodies that are free and in no other interface.
+    /// Checks that both places are sides of two bodies, free and in no other interface.
     fn check_places(&self, places: [&[usize]; 2]) -> Result<(), DataError> {
         let known = self.interfaces.iter().flat_map(|i| i.sides.iter().chain(self.facing_sides(i)));
         self.check_once(known.chain(places.into_iter().flatten()))?;

@@ -107,8 +107,8 @@ pub struct Scene {
 }
 
 impl Scene {
-    /// Elements of the first mesh at least. On curves the degrees that follow do more than elements: with refinement by degrees,
-    /// an outline with curves has as few as it can.
+    /// Smallest number of elements of the first mesh. On curves the degrees that follow do more than elements: with refinement
+    /// by degrees, an outline with curves has as few as it can.
     pub fn first_elements(&self) -> usize {
         let outline = &self.problem.outline;
         if self.has_few_first_elements() {
@@ -185,7 +185,7 @@ impl Scene {
         self.check_outcomes()
     }
 
-    /// What several bodies cannot be solved with.
+    /// Refuses what cannot be solved with several bodies.
     fn check_joints(&self) -> Result<(), DataError> {
         if !self.problem.has_several_bodies() {
             return Ok(());
@@ -214,7 +214,7 @@ impl Scene {
         Ok(())
     }
 
-    /// The refusal of a path that is no number of the result.
+    /// The error of a path that leads to no number of the result.
     pub fn quantity_error(&self, path: &str) -> DataError {
         let message = format!("the quantity {path:?} is not a number of the result");
         let help = "take paths of the JSON object: energy, contact.force.y, contact.max_pressure, reactions.SIDE.x, probe.0.displacement.y";

@@ -16,9 +16,9 @@ use super::{
 pub struct Surroundings<'a> {
     /// Material of the medium.
     pub material: Material,
-    /// What it does far away.
+    /// Its far field.
     pub far: &'a FarField,
-    /// What the displacement does there.
+    /// How the displacement behaves there.
     pub radiation: Radiation,
     /// The jumps between body and medium.
     pub tie: &'a Tie,
@@ -71,9 +71,9 @@ impl Tie {
 type Direction = fn([f64; 2]) -> [f64; 2];
 
 impl Problem {
-    /// What the displacement of a medium does far away; `None` of a bounded body. Unless it is stated, a medium that supports or
-    /// obstacles hold is bounded there: they leave no net force, for with one their forces would depend on the length in its
-    /// logarithm.
+    /// How the displacement of a medium behaves far away; `None` for a bounded body. Unless it is stated, a medium that
+    /// supports or obstacles hold is bounded there: they leave no net force, because with one their forces would depend on the
+    /// length in its logarithm.
     pub fn radiation(&self, body: usize) -> Option<Radiation> {
         let far = self.bodies[body].far.as_ref()?;
         let touches = |side: usize| {
@@ -88,7 +88,7 @@ impl Problem {
         Some(far.at_infinity.unwrap_or(if held { Radiation::Bounded } else { Radiation::Decaying }))
     }
 
-    /// The same of the medium among the bodies.
+    /// The same for the medium among the bodies.
     pub fn radiation_of_medium(&self) -> Option<Radiation> {
         (0..self.bodies.len()).find_map(|body| self.radiation(body))
     }
@@ -113,13 +113,13 @@ impl Scene {
         }
     }
 
-    /// What the medium does far away; none without one.
+    /// The far field of the medium; none without one.
     pub fn far(&self) -> Option<&FarField> {
         self.problem.bodies.iter().find_map(|body| body.far.as_ref())
     }
 
-    /// Those of the rigid motions that supports leave a body free which the medium that it is, or that is around it, does not resist
-    /// either: none if its displacement decays, translations if it is bounded at infinity.
+    /// Those of the rigid motions `free`, which the supports of a body leave free, that no medium resists either, the body
+    /// itself or one around it: none if its displacement decays, translations if it is bounded at infinity.
     pub fn unresisted(&self, body: usize, free: Vec<RigidMotion>) -> Vec<RigidMotion> {
         let around = || self.problem.radiation_of_medium().filter(|_| !self.problem.has_several_bodies());
         match self.problem.radiation(body).or_else(around) {
@@ -147,7 +147,7 @@ impl Scene {
         Some(self.surroundings().filter(|around| around.far.remote_stress != [0.0; 3])?.remote())
     }
 
-    /// The medium around the body; none of a body without one, or that is a medium itself.
+    /// The medium around the body; none if there is none, or if the body is a medium itself.
     pub fn surroundings(&self) -> Option<Surroundings<'_>> {
         let (medium, tie) = (self.problem.medium()?, self.problem.tie()?);
         let far = medium.far.as_ref()?;
@@ -246,7 +246,7 @@ impl Scene {
         Ok(())
     }
 
-    /// What a scene with a medium around it cannot have.
+    /// Refuses what a scene with a medium around the body cannot have.
     pub(super) fn check_exterior(&self) -> Result<(), DataError> {
         let refuse =
             |kind, key: &[&str], message: &str, help: &str| Err(DataError::at(kind, &[key.to_vec()], message, help));

@@ -1,4 +1,4 @@
-//! Bodies and what acts between them.
+//! Bodies and the interfaces between them.
 //!
 //! ```text
 //! a part held and loaded         one body
@@ -14,7 +14,7 @@ use steklov_expression::Expression;
 use super::spans::KnownSpans;
 use super::{Cells, Contact, DataError, DataErrorKind as Kind, FarField, GridInput, Side, Tie};
 
-/// Bodies and what acts between them.
+/// Bodies and the interfaces between them.
 #[derive(Debug, Clone)]
 pub struct Problem {
     /// The boundary of all bodies that have one, body after body: loops, edges and sides are numbered through all of them.
@@ -24,29 +24,29 @@ pub struct Problem {
     /// The bodies in the order of [`Polygon::bodies`]. Behind the first one there may be the medium around it, which has no
     /// boundary of its own.
     pub bodies: Vec<Body>,
-    /// What acts between them, and between them and rigid obstacles.
+    /// The interfaces between them, and between them and rigid obstacles.
     pub(super) interfaces: Vec<Interface>,
-    /// Where their sides see one another, once that is asked.
+    /// Where their sides see one another, once it is computed.
     pub(crate) known_spans: KnownSpans,
 }
 
-/// A body: what it is made of and what loads all of it. What it occupies, the inside of its loops or the plane outside of them, is
-/// in the outline of its problem.
+/// A body: its substance and the load on all of it. The region that it occupies, the inside of its loops or the plane outside
+/// of them, is in the outline of its problem.
 #[derive(Debug, Clone)]
 pub struct Body {
     /// Its name.
     pub name: String,
-    /// What it is made of.
+    /// Its substance.
     pub substance: Substance,
     /// The grid over it, of finite elements.
     pub grid: Option<GridInput>,
     /// Force per area; constant with boundary elements.
     pub force: Option<[Expression; 2]>,
-    /// What a medium does far away; `None` of a bounded body.
+    /// The far field of a medium; `None` for a bounded body.
     pub far: Option<FarField>,
 }
 
-/// What a body is made of.
+/// The substance of a body.
 #[derive(Debug, Clone)]
 pub enum Substance {
     /// One material.
@@ -62,13 +62,13 @@ pub struct Interface {
     pub name: String,
     /// The sides of one body.
     pub sides: Vec<usize>,
-    /// What they meet.
+    /// The other side of the interface.
     pub other: Other,
     /// The law that holds there.
     pub law: Law,
-    /// Where they are named; forces are told of the first place.
+    /// Where they are named; forces are reported for the first place.
     pub place: Place,
-    /// What both sides are.
+    /// The kind of both sides.
     pub faces: Faces,
 }
 
@@ -81,7 +81,7 @@ pub enum Place {
     Second,
 }
 
-/// What both sides of an interface are.
+/// The kind of both sides of an interface.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Faces {
     /// Sides of two outlines, each with a mesh of its own.
@@ -90,7 +90,7 @@ pub enum Faces {
     Cut,
 }
 
-/// What sides of a body meet.
+/// The other side of an interface of a body.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum Other {
     /// A rigid obstacle.
@@ -116,7 +116,7 @@ impl Body {
         Self { name: name.to_owned(), substance, grid: None, force: None, far: None }
     }
 
-    /// Its material; of cells with moduli of their own that of the modulus 1.
+    /// Its material; for cells with moduli of their own that of the modulus 1.
     pub fn material(&self) -> Material {
         match &self.substance {
             Substance::Homogeneous(material) => *material,
@@ -154,7 +154,7 @@ impl Problem {
         }
     }
 
-    /// What acts between bodies, and between them and rigid obstacles.
+    /// The interfaces between bodies, and between them and rigid obstacles.
     pub fn interfaces(&self) -> &[Interface] {
         &self.interfaces
     }
@@ -174,7 +174,7 @@ impl Problem {
         self.sides.iter_mut().find(|side| side.name == name)
     }
 
-    /// Contact of a side with a rigid obstacle, in the place of what was there.
+    /// Puts a side in contact with a rigid obstacle, in place of its former interface.
     pub fn touch(&mut self, side: usize, contact: Contact) {
         self.interfaces.retain(|i| i.sides != [side]);
         self.sides[side] = Side::free(&self.sides[side].name);
@@ -255,7 +255,7 @@ impl Problem {
         self.bodies.iter().find(|body| body.far.is_some()).filter(|_| !self.has_several_bodies())
     }
 
-    /// What ties the first body to a medium around it.
+    /// The tie of the first body to a medium around it.
     pub fn tie(&self) -> Option<&Tie> {
         self.interfaces.iter().find_map(|interface| match (&interface.law, &interface.other) {
             (Law::Tied(tie), Other::Medium) => Some(tie),
@@ -263,8 +263,8 @@ impl Problem {
         })
     }
 
-    /// Whether the bodies are those that can be solved: bounded ones, one medium, or one body and the medium around it; that they
-    /// do not overlap, and that no side is in two interfaces or in one and has a condition besides.
+    /// Whether the bodies are those that can be solved: bounded ones, one medium, or one body and the medium around it;
+    /// whether they do not overlap, and no side is in two interfaces or has a condition besides its interface.
     ///
     /// # Errors
     /// The first thing that is wrong.

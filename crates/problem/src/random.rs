@@ -6,7 +6,7 @@ use std::sync::Arc;
 use steklov_expression::{Expression, FieldValue, RandomField, Value};
 use steklov_stochastic::{Distribution, Variable};
 
-/// Random input that a scene uses, and how it is treated. Which data it moves is what their expressions say
+/// Random input that a scene uses, and how it is treated. The expressions of the data say which data it moves
 /// ([`Scene::uses`](super::Scene::uses), [`Scene::cuts`](super::Scene::cuts)): there is nothing to fill in.
 ///
 /// ```compile_fail,E0560
@@ -90,7 +90,7 @@ pub struct Stochastic {
     pub level: usize,
     /// Whether the stochastic mesh is refined until `tolerance`.
     pub refine: bool,
-    /// What the truncation in the germs may add to the relative error in the energy norm.
+    /// Largest contribution of the truncation in the germs to the relative error in the energy norm.
     pub tolerance: f64,
     /// Most stochastic nodes.
     pub max_nodes: usize,

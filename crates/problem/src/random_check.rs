@@ -1,4 +1,4 @@
-//! What the expressions of a scene say of its random input.
+//! How the expressions of a scene use its random input.
 
 use steklov_expression::Expression;
 

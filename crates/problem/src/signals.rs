@@ -14,7 +14,7 @@ const CUTS: usize = 16;
 /// Probability on either side of a cut that is worth one.
 const RARE: f64 = 1e-12;
 
-/// What tells of the data for an outcome: the values of an expression, or of one of its switches.
+/// A function that describes the data of an outcome: the values of an expression, or of one of its switches.
 #[derive(Debug, Clone)]
 pub struct Signal {
     expression: Expression,

@@ -1,4 +1,4 @@
-//! What springs on sides cannot stand beside, and how stiff they may be.
+//! The conditions beside which sides cannot have springs, and how stiff these may be.
 
 use super::{Condition, DataError, DataErrorKind as Kind, Scene, Springs};
 
@@ -8,7 +8,7 @@ const STIFFEST: f64 = 1e15;
 const STIFFEST_TURNED: f64 = 1e9;
 
 impl Scene {
-    /// Whether springs can be solved with what is beside them.
+    /// Whether springs can be solved together with the other conditions.
     pub(super) fn check_beside_springs(&self) -> Result<(), DataError> {
         // problems without a body are refused as such
         let sides = if self.problem.bodies.is_empty() { &[] } else { self.problem.sides.as_slice() };

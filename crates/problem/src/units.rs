@@ -1,4 +1,4 @@
-//! What the units of a scene are called.
+//! The names of the units of a scene.
 
 use serde::{Deserialize, Serialize};
 

@@ -24,7 +24,7 @@ pub(crate) struct Line {
 }
 
 impl Line {
-    /// A line of which no point is in doubt.
+    /// A line without a point in doubt.
     pub(crate) fn new(name: impl Into<String>, curves: impl IntoIterator<Item = Vec<[f64; 2]>>) -> Self {
         let curves = curves.into_iter().map(|points| Dots { points, flagged: Vec::new() });
         Self { name: name.into(), curves: curves.collect() }
@@ -51,7 +51,7 @@ pub(crate) const fn linear(label: &str) -> Axis<'_> {
     Axis { label, scale: Scale::Linear }
 }
 
-/// What a chart shows.
+/// The content of a chart.
 pub(crate) struct Drawing<'a> {
     pub(crate) title: &'a str,
     pub(crate) axes: [Axis<'a>; 2],

@@ -10,10 +10,10 @@ pub enum StudyError {
     /// A scene that cannot be studied so.
     #[error(transparent)]
     Data(#[from] DataError),
-    /// What the rest is measured against cannot be solved.
+    /// The reference for the rest cannot be solved.
     #[error(transparent)]
     Solve(#[from] SolveError),
-    /// The single layer matrix of the study's own mesh cannot be had.
+    /// The single layer matrix of the study's own mesh cannot be computed.
     #[error(transparent)]
     SingleLayer(#[from] BemError),
     /// No mesh of the fine run can be trusted.

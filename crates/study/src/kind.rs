@@ -31,14 +31,14 @@ pub enum StudyKind {
     Coupling,
 }
 
-/// What a study is told besides its scene.
+/// The options of a study besides its scene.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// The strategies to compare, of [`StudyKind::Convergence`].
     pub strategies: Vec<Chosen>,
     /// Results of other methods, of [`StudyKind::Stability`].
     pub beside: Vec<Beside>,
-    /// Runs of which the seconds are medians, where they are measured so.
+    /// Number of runs whose median gives the seconds, where they are measured so.
     pub repeat: usize,
 }
 
@@ -92,7 +92,7 @@ impl StudyKind {
         if self == Self::Convergence { "study" } else { self.word() }
     }
 
-    /// What it sets in a scene of such a method where the user sets nothing else.
+    /// The settings for a scene with this method, where the user sets nothing else.
     fn settings(self, method: &Method) -> Vec<Setting> {
         match self {
             Self::Convergence | Self::Solvers | Self::Stochastic => settings(method),
@@ -118,10 +118,10 @@ impl StudyKind {
         document.scene.check()
     }
 
-    /// How many parts it tells of a scene.
+    /// Number of parts that it reports for a scene.
     ///
     /// # Errors
-    /// A scene that cannot be studied so.
+    /// A scene that this study cannot treat.
     pub fn parts(self, scene: &Scene, options: &Options) -> Result<usize, DataError> {
         Ok(match self {
             Self::Convergence => 1 + options.strategies.len() * (options.repeat + 1),
@@ -138,10 +138,10 @@ impl StudyKind {
         })
     }
 
-    /// Carries it out, and hands its report and its pictures to `told`.
+    /// Carries it out, and passes its report and its pictures to `told`.
     ///
     /// # Errors
-    /// A scene that cannot be studied so; what the rest is measured against cannot be solved.
+    /// A scene that cannot be studied so; a reference that cannot be solved.
     pub fn carry_out<T>(
         self,
         document: &Document,

@@ -21,10 +21,10 @@ use steklov_quadrature::legendre_p;
 
 use crate::error::StudyError;
 
-/// What errors are measured against.
+/// The solutions against which errors are measured.
 #[derive(Debug, Clone)]
 pub struct Reference {
-    /// J that energy errors are taken from.
+    /// J to which energy errors refer.
     pub energy: f64,
     /// Where that J comes from.
     pub source: EnergySource,
@@ -32,7 +32,7 @@ pub struct Reference {
     pub own_energy: f64,
     /// How far the exact J may be from that.
     pub uncertainty: f64,
-    /// (2 strain energy)^½ of the finest level: what errors are relative to.
+    /// (2 strain energy)^½ of the finest level: the norm to which errors are relative.
     pub norm: f64,
     /// Fine meshes with falling errors; at least one.
     pub levels: Vec<Level>,
@@ -70,13 +70,13 @@ pub struct Level {
 /// after it where rounding would be in the way.
 const SHARPER: f64 = 0.02;
 const TOLERANCE: f64 = 3e-8;
-/// Unknowns of the reference at most: this many, or half as many again as the strategies may have.
+/// Largest number of unknowns of the reference: this many, or 1.5 times as many as the strategies may have.
 const DOFS: usize = 1650;
 /// A level whose error is below this part of a mesh's measures that mesh's error to a few per cent.
 const FINE: f64 = 0.05;
 /// Above this part the finest level measures nothing.
 const TOO_COARSE: f64 = 1.0 / 3.0;
-/// Unknowns of a common refinement at most.
+/// Largest number of unknowns of a common refinement.
 const COMMON_DOFS: usize = 5000;
 /// Relative error of J that rounding leaves.
 const ROUNDING: f64 = 1e-12;
@@ -178,7 +178,7 @@ impl Level {
     }
 }
 
-/// Takes the rigid motions out that nothing resists: they are no error.
+/// Removes the rigid motions that nothing resists: they are no error.
 fn remove_motions(difference: &mut [f64], exact: &Solved) {
     let mut motions: Vec<Vec<f64>> = Vec::new();
     for motion in &exact.free_motions {
@@ -196,7 +196,7 @@ fn remove_motions(difference: &mut [f64], exact: &Solved) {
 pub struct TrueError {
     /// ⟨S e, e⟩^½ of e = u_h - u, with u and S of the common refinement; with a medium around the body the root of the sum of both.
     pub error: f64,
-    /// (2 strain energy)^½ of u: what errors are relative to.
+    /// (2 strain energy)^½ of u: the norm to which errors are relative.
     pub norm: f64,
     /// Whether u meets the criterion of the contact solver.
     pub converged: bool,
@@ -246,7 +246,7 @@ fn distance(
     let squared = match &body.outside {
         None => dot(&difference, &stiff),
         Some(outside) => {
-            // the jumps of the two meshes differ by what the nodes of one leave of it
+            // the jumps of the two meshes differ by the part that the nodes of one miss
             let space = Space::new(mesh);
             let jump = OnMesh { scene, mesh, space: &space }.jump()?;
             let xi: Vec<f64> = displacement.iter().zip(&jump).map(|(u, jump)| u - jump).collect();

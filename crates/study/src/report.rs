@@ -1,4 +1,4 @@
-//! What a study found as plain data, from which its JSON object, its HDF5 file, its CSV tables and its printed text come.
+//! The results of a study as plain data, from which its JSON object, its HDF5 file, its CSV tables and its printed text come.
 
 use serde_json::{Map, Value, json};
 use steklov_bem_operators::Mesh;
@@ -12,9 +12,9 @@ use steklov_problem::Scene;
 use crate::show;
 use crate::table::Table;
 
-/// What a study found.
+/// The results of a study.
 pub struct Report<'a> {
-    /// What the file says of its content.
+    /// The file's description of its content.
     pub(crate) content: &'static str,
     /// Whose settings are stored.
     pub(crate) overrides: &'static str,
@@ -26,22 +26,22 @@ pub struct Report<'a> {
     pub complete: bool,
     /// Whether the user stopped it.
     pub(crate) interrupted: bool,
-    /// What JSON object and HDF5 file have beside these.
+    /// The further parts of the JSON object and the HDF5 file.
     pub(crate) parts: Vec<Part>,
     /// Names and contents of the CSV tables.
     pub tables: Vec<(&'static str, String)>,
-    /// What is printed between the title and the word of an interruption.
+    /// The text printed between the title and the word of an interruption.
     pub(crate) body: String,
 }
 
-/// A part of a report: its name, its value in the JSON object, what the HDF5 file has of it.
+/// A part of a report: its name, its value in the JSON object, its content in the HDF5 file.
 pub(crate) struct Part {
     name: String,
     told: Option<Value>,
     kept: Option<Stored>,
 }
 
-/// What a file has of a part.
+/// The content of a part in a file.
 enum Stored {
     Text(String, &'static str),
     Texts(Vec<String>, &'static str, &'static str),
@@ -70,7 +70,7 @@ pub(crate) fn number(name: &str, value: f64, unit: &'static str, meaning: &'stat
     Part::new(name, Some(value.into()), Some(Stored::Number(value, unit, meaning)))
 }
 
-/// Texts of the file only, with their meaning and what each is of.
+/// Texts of the file only, with their meaning and the subject of each.
 pub(crate) fn texts(name: &str, texts: Vec<String>, meaning: &'static str, axis: &'static str) -> Part {
     Part::new(name, None, Some(Stored::Texts(texts, meaning, axis)))
 }
@@ -197,7 +197,7 @@ impl Report<'_> {
         keep(file, &self.parts)
     }
 
-    /// What is printed.
+    /// The printed text.
     pub fn text(&self) -> String {
         let stopped = if self.interrupted { "interrupted: what was finished is here\n" } else { "" };
         format!("{}\n{}{stopped}", self.scene.title, self.body)

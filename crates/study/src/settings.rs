@@ -1,4 +1,4 @@
-//! What a study sets in `[method]` of a scene.
+//! The settings of a study in `[method]` of a scene.
 
 use std::fmt;
 

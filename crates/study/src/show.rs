@@ -15,7 +15,7 @@ pub(crate) fn line(text: &mut String, (name, width): (&str, usize), cells: impl 
     let _ = writeln!(text, "{name:<width$}{cells}");
 }
 
-/// What the study and the user set, `KEY=VALUE`.
+/// The settings of the study and of the user, `KEY=VALUE`.
 pub(crate) fn settings(source: &Source) -> Vec<String> {
     [&source.settings[..], &source.overrides].concat()
 }

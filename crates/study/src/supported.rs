@@ -11,7 +11,7 @@ use steklov_model::mesh::first_mesh::first_mesh;
 use steklov_problem::{Refine, Scene};
 use steklov_quadrature::gauss_legendre;
 
-/// S of a mesh and what is held of it.
+/// S of a mesh and its held unknowns.
 pub(super) struct Supported {
     /// The mesh.
     pub(super) mesh: Mesh,
@@ -77,7 +77,7 @@ pub fn contact_sides(scene: &Scene) -> Vec<usize> {
     scene.contacts().map(|(side, _)| side).collect()
 }
 
-/// The scene on one mesh with so many times its elements.
+/// The scene on one mesh with `times` its number of elements.
 pub(super) fn uniform(scene: &Scene, times: usize, degree: usize) -> Scene {
     let mut scene = scene.clone();
     scene.method.refine = Refine::None;
@@ -90,7 +90,7 @@ pub(super) fn uniform_mesh(scene: &Scene, times: usize, degree: usize) -> Mesh {
     first_mesh(&uniform(scene, times, degree))
 }
 
-/// Meshes that are given by how many times the elements of the scene they have, degree by degree.
+/// Meshes given by multiples of the scene's number of elements, degree by degree.
 pub(super) fn each(meshes: &'static [(&'static [usize], usize)]) -> impl Iterator<Item = (usize, usize)> {
     meshes.iter().flat_map(|(times, degree)| times.iter().map(|t| (*t, *degree)))
 }

@@ -3,13 +3,13 @@
 use serde_json::{Map, Value};
 use steklov_io::{Group, IoError, Label, save_integers, save_texts, save_vector};
 
-/// A column of numbers: name, unit, meaning, how it is read from a row. What is not known is NaN.
+/// A column of numbers: name, unit, meaning, how it is read from a row. Unknown numbers are NaN.
 pub(crate) type Column<T> = (&'static str, &'static str, &'static str, fn(&T) -> f64);
 
 /// The entries of a column.
 #[derive(Clone)]
 enum Entries {
-    /// Names of what the rows belong to, as CSV shows them: JSON and HDF5 have a group each instead.
+    /// Names of the objects to which the rows belong, as CSV shows them: JSON and HDF5 have a group each instead.
     Keys(Vec<String>),
     /// Numbers; whole ones are shown without a decimal point.
     Numbers(Vec<f64>),
@@ -56,25 +56,25 @@ impl Table {
         Self { axis, rows: rows.len(), columns: columns.collect() }
     }
 
-    /// A column more in front: counts.
+    /// One more column in front: counts.
     pub(crate) fn counts(mut self, name: &'static str, meaning: &'static str, counts: Vec<usize>) -> Self {
         self.columns.insert(0, (name, "1", meaning, Entries::Counts(counts)));
         self
     }
 
-    /// A column more of words.
+    /// One more column of words.
     pub(crate) fn words(mut self, name: &'static str, meaning: &'static str, words: Vec<Vec<&'static str>>) -> Self {
         self.columns.push((name, "text", meaning, Entries::Words(words)));
         self
     }
 
-    /// A column more in front: what the rows belong to.
+    /// One more column in front: the objects to which the rows belong.
     pub(crate) fn key(mut self, name: &'static str, keys: impl Iterator<Item = String>) -> Self {
         self.columns.insert(0, (name, "text", "", Entries::Keys(keys.collect())));
         self
     }
 
-    /// A line of names, and a line a row; what is not known is left empty.
+    /// A line of names, and a line for each row; unknown numbers are left empty.
     pub(crate) fn csv(&self) -> String {
         let names: Vec<&str> = self.columns.iter().map(|c| c.0).collect();
         let lines = (0..self.rows).map(|row| {
@@ -84,7 +84,7 @@ impl Table {
         names.join(",") + "\n" + &lines.collect::<String>()
     }
 
-    /// An object a row; what is not known is null.
+    /// An object for each row; unknown numbers are null.
     pub(crate) fn json(&self) -> Value {
         let object = |row: usize| -> Map<String, Value> {
             let values = self.columns.iter().map(|(name, .., entries)| (*name, value(entries, row)));
@@ -93,7 +93,7 @@ impl Table {
         (0..self.rows).map(object).collect()
     }
 
-    /// A dataset a column.
+    /// A dataset for each column.
     pub(crate) fn save(&self, at: &Group) -> Result<(), IoError> {
         self.columns.iter().try_for_each(|(name, unit, meaning, entries)| {
             let label = Label { unit, meaning, axes: &[self.axis] };

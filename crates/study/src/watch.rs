@@ -1,4 +1,4 @@
-//! Who hears what a study does, and may stop it; what is found until then.
+//! The observer of a study, which may stop it; the results found until then.
 
 use std::fmt::Display;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -7,7 +7,7 @@ use steklov_model::run::adaptive_loop::Event;
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_model::stage::Stage;
 
-/// Hears what is being done, and may stop it.
+/// Observes the progress of a study, and may stop it.
 pub struct Watch<'a> {
     /// Wishes to stop.
     pub(crate) interrupts: &'a AtomicUsize,
@@ -15,7 +15,7 @@ pub struct Watch<'a> {
 }
 
 impl<'a> Watch<'a> {
-    /// `tell` hears the name of a part and where in it the study is; `interrupts` counts wishes to stop.
+    /// `tell` receives the name of a part and the place of the study in it; `interrupts` counts wishes to stop.
     pub fn new(interrupts: &'a AtomicUsize, tell: &'a mut dyn FnMut(&str, &str)) -> Self {
         Self { interrupts, tell }
     }
@@ -30,12 +30,12 @@ impl<'a> Watch<'a> {
         self.interrupts.load(Ordering::Relaxed) > 0
     }
 
-    /// Tells what is being done.
+    /// Reports the progress.
     pub fn tell(&mut self, part: &str, detail: &str) {
         (self.tell)(part, detail);
     }
 
-    /// Tells where in a step an adaptive run is; `prefix` stands before the number of the step.
+    /// Reports where in a step an adaptive run is; `prefix` stands before the number of the step.
     pub(crate) fn tell_step(&mut self, part: &str, prefix: &str, step: usize, event: &Event<'_, BoundaryElements>) {
         if let Event::Stage(Stage::Progress(what, _)) = event {
             self.tell(part, &format!("{prefix}step {}, {what}", step + 1));
@@ -43,10 +43,10 @@ impl<'a> Watch<'a> {
     }
 }
 
-/// What a part of a study found.
+/// The results of a part of a study.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Found<T> {
-    /// In the order in which it was found.
+    /// The results in the order in which they were found.
     pub points: Vec<T>,
     /// What failed, and why.
     pub failures: Vec<(String, String)>,

@@ -28,8 +28,8 @@ struct Corner {
     beyond: Option<usize>,
 }
 
-/// Whether the exact pressure between bodies is infinite at an end or at a corner of an interface, where that is closed. At the tip
-/// of a closed crack the shear ahead is, but no pressure; and where a third body goes on nothing is told.
+/// Whether the exact pressure between bodies is infinite at an end or at a corner of an interface, where that is closed. At
+/// the tip of a closed crack the shear ahead is infinite, but no pressure; where a third body goes on nothing is decided.
 pub(crate) fn is_unbounded_between_bodies(scene: &Scene, rows: &[ContactRow]) -> bool {
     scene.problem.joints().any(|interface| {
         let Law::Contact(contact) = &interface.law else { return false };
@@ -84,7 +84,7 @@ impl Place<'_> {
                 (Some(joint), Some(second)) if behind => {
                     Some(Wedge { sectors: vec![there.sector, here.sector], joints: vec![joint, second], faces: None })
                 }
-                // of an open side both faces are free
+                // if the side is open, both faces are free
                 (Some(joint), None) => Some(ordered(joint, [Face::Free; 2])),
                 _ => None,
             };
@@ -113,7 +113,7 @@ impl Place<'_> {
         Some(Corner { sector: sector(angle), beyond: Some(next) })
     }
 
-    /// What holds on the side of a body beyond the corner; none where it meets another body there.
+    /// The condition on the side of a body beyond the corner; none if it meets another body there.
     fn beyond(&self, corner: &Corner, behind: bool, x: [f64; 2]) -> Option<Face> {
         let Some(next) = corner.beyond else { return Some(Face::Free) };
         let problem = &self.scene.problem;
@@ -126,7 +126,7 @@ impl Place<'_> {
         Some(face(self.scene, self.rows, edge, x, ray))
     }
 
-    /// Where the interface goes on along the next edge: that and the edge parameter.
+    /// The next edge along which the interface continues, and the edge parameter.
     fn goes_on(&self, next: usize, x: [f64; 2]) -> Option<(usize, f64)> {
         let edge = &self.scene.problem.outline.edges()[next];
         let near = NEAR * edge.length();
@@ -138,7 +138,7 @@ impl Place<'_> {
         ends.filter(at).map(|s| (next, s)).next()
     }
 
-    /// What the node next to a point of a carrying edge does; none of an open one.
+    /// The state of the node next to a point of a carrying edge; none if it is open.
     fn joint(&self, edge: usize, s: f64, x: [f64; 2]) -> Option<Joint> {
         let edge = &self.scene.problem.outline.edges()[edge];
         let sign = if edge.reversed { -1.0 } else { 1.0 };

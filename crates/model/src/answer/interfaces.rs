@@ -1,4 +1,4 @@
-//! What is told of each interface between bodies.
+//! The reported numbers of each interface between bodies.
 
 use steklov_problem::{Interface, Law, Place, Scene};
 
@@ -49,7 +49,7 @@ pub(crate) fn reach(scene: &Scene, solved: &Solved, joints: &[Joint], error: f64
     data.entered(&solved.displacement, joints, error).into_iter().map(told).collect()
 }
 
-/// What is in doubt of several bodies.
+/// The doubts about a solution with several bodies.
 pub(crate) fn doubts(
     scene: &Scene,
     solved: &Solved,

@@ -1,4 +1,4 @@
-//! What is told of a solved mesh: contact in numbers, interfaces, singular points, and how far the model holds.
+//! The reported results of a solved mesh: contact in numbers, interfaces, singular points, and how far the model holds.
 
 pub(crate) mod bernstein;
 pub(crate) mod corners;

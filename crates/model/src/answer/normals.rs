@@ -6,10 +6,10 @@
 //! ```text
 //! J' - J = ∫ λ_n (d'·(u(x) - u(y')) - g' - d·(u(x) - u(y)) + g) + λ_t (t'·(u(x) - u(y')) - t·(u(x) - u(y))) ds
 //! ```
-//! to first order, g the distance along the direction. Where bodies move far before they touch, x + u(x) arrives aside of y + u(y), by
-//! s, where the side of y, with normal n₂ and curvature κ, is -s (t·n₂)/(d·n₂) + ½ κ s² farther: that changes J by ∫ λ_n times that. And
-//! friction takes for slip what the motion along d and not along the normals is, the distance of the points that x meets along
-//! both: ∫ |λ_t| times that.
+//! to first order, g the distance along the direction. Where bodies move far before they touch, x + u(x) arrives at the
+//! distance s beside y + u(y), where the side of y, with normal n₂ and curvature κ, is -s (t·n₂)/(d·n₂) + ½ κ s² farther away:
+//! this changes J by ∫ λ_n times that. And friction counts as slip the difference between the motion along d and along the
+//! normals, the distance of the points that x meets along both: this changes J by ∫ |λ_t| times that distance.
 //!
 //! Data of the scene are those at x, per length of the side of x. Those at y, per length there, change J by ∫ λ_n times the
 //! difference of the gaps, and by ∫ |w_t| times that of the friction bounds, F(x) - F(y) |dy/dx| or λ_n (μ(x) - μ(y)), w_t the slip.
@@ -32,13 +32,14 @@ const BESIDE: f64 = 1e-4;
 /// Where the pressure is below this part of the largest one, normals do not count.
 const PRESSED: f64 = 1e-3;
 
-/// What a choice of the direction of contact decides on an interface.
+/// The influence of the direction of contact on an interface.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Normals {
     /// Largest angle between the normal of one side and that against the other where they press each other (radian).
     pub angle: f64,
-    /// By how much J is uncertain for that (energy per thickness): |J' - J''| of contact along the normals of the one side and of the
-    /// other, 0 of mirror images, which have no choice, and what pairs that moved apart and data of the other side change.
+    /// The uncertainty of J due to this (energy per thickness): |J' - J''| of contact along the normals of the one side and of
+    /// the other (0 for mirror images, which leave no choice), and the changes by pairs that moved apart and by data of the
+    /// other side.
     pub change: f64,
 }
 
@@ -53,14 +54,14 @@ struct Point {
     ds: f64,
     /// Its displacement.
     displacement: [f64; 2],
-    /// What it meets.
+    /// The point that it meets.
     met: Met,
-    /// Length there for one here.
+    /// Length on the other side per length on this one.
     stretch: f64,
 }
 
 impl OnMesh<'_> {
-    /// What the direction decides on an interface of contact.
+    /// The influence of the direction on an interface of contact.
     pub(crate) fn normals(&self, joint: &Joint, field: ElasticField<'_>) -> Normals {
         // the normals of one side are those of contact with a partner that gives way to it
         let alone = |sides: &[usize]| -> Vec<f64> {
@@ -122,13 +123,13 @@ impl OnMesh<'_> {
         rule.points.iter().zip(&rule.weights).filter_map(at).collect()
     }
 
-    /// The values of a datum at a point and at what it meets.
+    /// The values of a datum at a point and at the point that it meets.
     fn on_both(&self, datum: &Expression, point: &Point) -> [f64; 2] {
         [point.at, (point.other, point.met.t.clamp(-1.0, 1.0))]
             .map(|(e, t)| self.value(datum, &Site::new(self.mesh, e, t)))
     }
 
-    /// What friction bounds of the other side change of the work that slip does.
+    /// The change in the work of slip by the friction bounds of the other side.
     fn rubbed(&self, friction: &Friction, point: &Point, field: ElasticField<'_>) -> f64 {
         let bound = match friction {
             Friction::None => return 0.0,
@@ -146,7 +147,7 @@ impl OnMesh<'_> {
         bound * cross(point.met.direction, apart).abs()
     }
 
-    /// The density of J' - J of another direction.
+    /// The density of J' - J for another direction.
     fn turned(&self, point: &Point, other: Met, field: ElasticField<'_>) -> f64 {
         let along = |met: Met| {
             let beyond = field.on_boundary(point.other, met.t.clamp(-1.0, 1.0)).0;
@@ -157,8 +158,8 @@ impl OnMesh<'_> {
         point.pressure * (n - normal) + point.shear * (t - tangential)
     }
 
-    /// What is left between a moved point and the side that it presses, as that is drawn, moved with the point that it met: it has
-    /// moved aside, where the side is oblique to the direction or bends.
+    /// The distance left between a moved point and the side that it presses, which keeps its drawn shape and moves with the
+    /// point that it met: the point has moved aside, where the side is oblique to the direction or bends.
     fn left_after_motion(&self, point: &Point, field: ElasticField<'_>) -> f64 {
         let (m, Met { t, direction: d, .. }) = (point.other, point.met);
         let t = t.clamp(-1.0, 1.0);

@@ -1,10 +1,11 @@
 //! Whether bodies lie in each other, after they have moved, where no contact was looked for.
 //!
-//! Interfaces hold apart what sees each other on their sides. Every other pair of boundary elements of two bodies is proved to be
-//! apart: x + u is a polynomial on an element (of a curve to rounding), within the hull of its Bernstein coefficients; both curves are
-//! moved into their bodies by the depth that is allowed, and halved until a line separates them. What cannot be separated is
-//! looked at: it touches end to end, or a point of it, ends among them, lies deeper than that. Within twice the depth of vertices at which both bodies touch as they are drawn nothing is asked.
-//! A gap of the scene that is added to the distance is depth that is allowed.
+//! Interfaces keep apart the parts of their sides that see each other. Every other pair of boundary elements of two bodies is
+//! proved to be apart: x + u is a polynomial on an element (of a curve to rounding), within the hull of its Bernstein
+//! coefficients; both curves are moved into their bodies by the depth that is allowed, and halved until a line separates them.
+//! Pairs that cannot be separated are examined: they touch end to end, or one of their points, ends included, lies deeper than
+//! that. Nothing is checked within twice the depth of vertices at which both bodies touch as they are drawn. A gap that the
+//! scene adds to the distance counts as allowed depth.
 
 use std::collections::HashMap;
 
@@ -26,7 +27,7 @@ const DEEP: f64 = 2.0;
 const BESIDE: f64 = 0.05;
 /// Pieces of a pair of elements at most.
 const MOST: usize = 20_000;
-/// Parts of an element between which it is asked how far it has passed through another one.
+/// Number of parts of an element at whose ends its passage through another one is measured.
 const PASSES: usize = 8;
 /// Points of an element at which the depth of what is found is measured.
 const LOOKS: usize = 64;
@@ -100,8 +101,8 @@ impl OnMesh<'_> {
         found
     }
 
-    /// Where an element has passed farthest through one on the same line, as those of both faces of a crack, which do not cross
-    /// for that; and how far.
+    /// Where an element has passed farthest through one on the same line, and how far; elements on both faces of a crack do
+    /// this without crossing.
     fn passed(&self, displacement: &[f64], [own, other]: [usize; 2], near: f64) -> Option<([f64; 2], f64)> {
         if !self.mesh.is_line(own) || !self.mesh.is_line(other) {
             return None;
@@ -171,7 +172,7 @@ impl OnMesh<'_> {
         common
     }
 
-    /// The part of an element that is farther away from points than this; none where it is all nearer.
+    /// The part of an element that is farther away from points than this; none if all of it is nearer.
     fn away_from(&self, points: &[[f64; 2]], e: usize, least: f64) -> Option<[f64; 2]> {
         let near = |t: f64| {
             let x = self.mesh.point(e, t);
@@ -191,7 +192,7 @@ impl OnMesh<'_> {
         Some([outermost(-1.0), outermost(1.0)])
     }
 
-    /// A part of an element after it has moved, and by so much into its body.
+    /// A part of an element after the motion, moved into its body by this distance.
     fn moved(&self, e: usize, displacement: &[f64], inward: f64, [t0, t1]: [f64; 2]) -> Piece {
         let basis = self.space.basis(e);
         let degree = if self.mesh.is_line(e) { basis.degree } else { basis.degree + MORE };
@@ -239,12 +240,12 @@ fn keep_deepest(found: &mut Vec<Entered>, new: Entered) {
     }
 }
 
-/// Which elements an interface holds apart.
+/// Which elements an interface keeps apart.
 struct HeldApart {
     /// Interfaces on which elements see others, or are seen.
     seeing: Vec<Vec<usize>>,
     seen: Vec<Vec<usize>>,
-    /// Interfaces of whose sides they are.
+    /// Interfaces to whose sides they belong.
     sides: Vec<Vec<usize>>,
     /// Interfaces between sides of their body.
     bodies: Vec<Vec<usize>>,

@@ -61,7 +61,7 @@ pub(crate) fn summary_of_sides(
     }
     let point = |(edge, s): (usize, f64)| scene.problem.outline.edges()[edge].point(s);
     ContactSummary {
-        // of what is no solution it means nothing
+        // it is meaningless unless the solver converged
         contraction: contact.coulomb.filter(|_| contact.converged()).map(|c| c.contraction),
         length,
         stick,
@@ -139,12 +139,12 @@ fn with_singular(
     transitions
 }
 
-/// Part of the weight of the nodes between two transitions up to which they may differ from the others: those next to a
-/// transition alternate.
+/// Largest part of the weight of the nodes between two transitions that may differ from the others: nodes next to a transition
+/// alternate.
 const FEW: f64 = 0.1;
 
 /// Length of the parts of contact edges between transitions that are closed, or that stick, by the states of biorthogonal
-/// multipliers, which the transitions are those of. None where the nodes of a part do not agree, or there are none inside.
+/// multipliers, to which the transitions belong. None if the nodes of a part do not agree, or if there are none inside.
 fn length_between(
     scene: &Scene,
     trace: Trace<'_>,

@@ -44,8 +44,8 @@ pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -
 /// Exponents below that of a crack: of a vertex between a held and a free side that is re-entrant.
 const STRONG: f64 = 0.45;
 
-/// The exponents at the vertices, contact apart, whose stresses grow faster than at the tip of a crack: the edges before and behind,
-/// and the smallest one.
+/// The vertices, those in contact apart, whose stresses grow faster than at the tip of a crack: the edges before and behind,
+/// and the smallest exponent.
 pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
     let outline = &scene.problem.outline;
     let edges = outline.edges();
@@ -111,7 +111,7 @@ pub(crate) fn face(scene: &Scene, rows: &[ContactRow], edge: &Edge, vertex: [f64
     }
 }
 
-/// Contact: that of the nearest node of the side.
+/// Contact: the state of the nearest node of the side.
 fn contact_face(rows: &[ContactRow], side: usize, friction: &Friction, vertex: [f64; 2]) -> Face {
     let distance = |r: &ContactRow| distance(r.point, vertex);
     let nearest = rows.iter().filter(|r| r.side == side).min_by(|a, b| distance(a).total_cmp(&distance(b)));
@@ -122,7 +122,7 @@ fn contact_face(rows: &[ContactRow], side: usize, friction: &Friction, vertex: [
     }
 }
 
-/// What a node in contact does; none where it is open. The shear of Tresca's law is bounded: it holds nothing.
+/// The state of a node in contact; none if it is open. The shear of Tresca's law is bounded: it holds nothing.
 pub(crate) fn state(row: &ContactRow, largest: f64, friction: &Friction) -> Option<Joint> {
     if row.pressure <= TOUCHING * largest {
         return None;

@@ -15,10 +15,10 @@ const NEAR: f64 = 1e-6;
 /// Slopes that differ by less than this part of the largest are no kink, and jumps below this part of the range no step.
 const SMOOTH: f64 = 1e-4;
 
-/// True where contact lies on a convex kink or at a step of the gap (a ridge or an edge of the obstacle); where it reaches
-/// an end of the contact boundary at which the body goes on under more than a right angle, or more than 60° where it
-/// sticks, a plane of symmetry excepted; and at a re-entrant corner inside the contact boundary. A smooth end at a right angle is
-/// bounded. Of bodies that meet, exponents decide.
+/// True where contact lies on a convex kink or at a step of the gap (a ridge or an edge of the obstacle); where it reaches an
+/// end of the contact boundary at which the body goes on under more than a right angle, or more than 60° where it sticks, a
+/// plane of symmetry excepted; and at a re-entrant corner inside the contact boundary. A smooth end at a right angle is
+/// bounded. For bodies that meet, exponents decide.
 pub(crate) fn is_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> bool {
     let largest = rows.iter().fold(0.0, |m: f64, r| m.max(r.pressure));
     let pressed = |r: &&ContactRow| r.pressure > TOUCHING * largest;

@@ -11,8 +11,8 @@ const LARGEST: f64 = 0.15;
 /// Whether gaps or prescribed displacements, which unlike loads cannot be scaled, turn the boundary by more than 0.15 or
 /// deform it by more than 0.15 of its diameter.
 ///
-/// The motion c + ω (-y, x) about the mean of the nodes is that of the least squares, ω = Σ x × u / Σ |x|²; deformation is what it
-/// leaves.
+/// The motion c + ω (-y, x) about the mean of the nodes is the least-squares fit, ω = Σ x × u / Σ |x|²; the deformation is the
+/// rest.
 pub fn is_large(scene: &Scene, trace: Trace<'_>) -> bool {
     let moved = scene.problem.sides.iter().any(|side| match &side.condition {
         Condition::Displacement { values, .. } => values.iter().flatten().any(|v| v.constant() != Some(0.0)),

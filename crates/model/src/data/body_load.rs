@@ -11,10 +11,10 @@ use steklov_quadrature::gauss_legendre;
 use crate::data::parts::{Assembled, Piece};
 use crate::energies::Energies;
 
-/// The particular solutions of bodies; none of those without a force or a stress far away.
+/// The particular solutions of bodies; bodies without a force or a stress far away have none.
 #[derive(Debug, Clone, Default)]
 pub struct Particulars {
-    /// The elements of each body that has one, and it.
+    /// The elements of each body with a particular solution, and that solution.
     bodies: Vec<(Range<usize>, ParticularSolution)>,
 }
 
@@ -31,7 +31,7 @@ impl Particulars {
         self.bodies.is_empty()
     }
 
-    /// That of the body of an element.
+    /// The particular solution of an element's body.
     pub fn of(&self, e: usize) -> Option<&ParticularSolution> {
         self.bodies.iter().find(|(elements, _)| elements.contains(&e)).map(|(_, solution)| solution)
     }
@@ -63,7 +63,7 @@ pub(crate) struct Particular {
 }
 
 impl Particular {
-    /// Of a body of the scene, times a factor; `stiffness` is the product with its S.
+    /// The particular solution of a body of the scene, times a factor; `stiffness` is the product with its S.
     pub(crate) fn of_body(
         scene: &Scene,
         body: usize,

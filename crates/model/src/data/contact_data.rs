@@ -62,7 +62,7 @@ impl OnMesh<'_> {
         sides.iter().map(|s| (s.index, of(s))).collect()
     }
 
-    /// Calls with gap, bound and coefficient of every contact side, and the elements that face other bodies.
+    /// Calls `call` with gap, bound and coefficient of every contact side, and the elements that face other bodies.
     pub(crate) fn with_contact_data<T>(&self, joints: &[Joint], call: impl FnOnce(&[SideData<'_>]) -> T) -> T {
         let sides = self.contact_sides();
         let functions = self.contact_functions(&sides);
@@ -78,14 +78,14 @@ impl OnMesh<'_> {
         call(&sides)
     }
 
-    /// [`Self::contact`] with the unknowns only that its conditions need.
+    /// [`Self::contact`] with only those unknowns that its conditions need.
     pub(crate) fn condensed_contact(
         &self,
         held: &[Held],
         joints: &[Joint],
     ) -> Result<Option<ContactBoundary>, SolveError> {
         let frictionless = |side: usize| self.scene.contact(side).is_some_and(|c| matches!(c.friction, Friction::None));
-        // of as few unknowns as rigid motions there may be no stiffness left
+        // with as few unknowns as rigid motions there may be no stiffness left
         let enough = |boundary: &ContactBoundary| boundary.kept().len() > 3 && boundary.rows.is_empty();
         let boundary = self.contact(held, joints)?;
         Ok(boundary.map(|whole| Some(whole.clone().without_tangents(&frictionless)).filter(enough).unwrap_or(whole)))
@@ -153,7 +153,7 @@ impl OnMesh<'_> {
         Ok(())
     }
 
-    /// The gap, friction bound or coefficient that an error is about.
+    /// The gap, friction bound or coefficient to which an error refers.
     fn contact_expression(&self, error: &BemError) -> Option<&Expression> {
         let (BemError::DataNotFinite { name, side, .. } | BemError::DataRough { name, side, .. }) = error else {
             return None;

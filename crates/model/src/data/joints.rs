@@ -1,4 +1,5 @@
-//! Interfaces between bodies on a mesh: what carries their multipliers, what that faces, and the rows that join both.
+//! Interfaces between bodies on a mesh: the elements that carry their multipliers, the elements that these face, and the rows
+//! that join both.
 //!
 //! ```text
 //! contact   w = u_s - P u_m in the frames (n, t) of the contact nodes, kept; the gap is the distance and the scene's gap
@@ -27,7 +28,7 @@ pub struct Joint {
     pub own: Vec<usize>,
     /// Elements that may be faced.
     pub other: Vec<usize>,
-    /// Which of them are.
+    /// The parts that are faced.
     pub cells: Vec<Cell>,
 }
 
@@ -40,7 +41,7 @@ pub(crate) struct TiedNode {
     pub(crate) dof: usize,
     /// D (length).
     pub(crate) weight: f64,
-    /// With the weights of nodes that gave it their dual functions, on which its multiplier acts as well.
+    /// D with the weights of the nodes that gave it their dual functions, on which its multiplier acts as well.
     pub(crate) whole: f64,
     /// The jump that w is held at (length).
     pub(crate) jump: f64,
@@ -48,7 +49,7 @@ pub(crate) struct TiedNode {
     pub interface: usize,
 }
 
-/// Distances of bodies below this part of the diameter are none.
+/// Distances of bodies below this part of the diameter are zero.
 const NO_DISTANCE: f64 = 1e-13;
 /// Part of the coordinates that rounding leaves in a distance.
 const COORDINATES: f64 = 4e-15;
@@ -122,13 +123,13 @@ impl OnMesh<'_> {
         self.rows_of(&[e], &cells).into_iter().find(|row| row.node == node)
     }
 
-    /// The element of some with two nodes.
+    /// The one of these elements that has two given nodes.
     fn element_with(&self, elements: &[usize], a: usize, b: usize) -> Option<usize> {
         let has = |e: usize, node: usize| self.space.element_nodes(e).any(|n| n == node);
         elements.iter().copied().find(|&e| has(e, a) && has(e, b))
     }
 
-    /// Refuses a held end of a contact side that is held inside of what it faces, held as well.
+    /// Refuses an end of a contact side that is held inside the body it faces, if that is held as well.
     fn check_held_end(&self, row: &MortarRow, held: &[Held], n: [f64; 2]) -> Result<(), SolveError> {
         let along = |node: usize| -> Option<f64> {
             (0..2).map(|i| if n[i].abs() < 1e-12 { Some(0.0) } else { Some(n[i] * held[node].components[i]?.0) }).sum()
@@ -311,7 +312,7 @@ impl OnMesh<'_> {
         })
     }
 
-    /// Refuses values of supports on both sides of an interface that no gap and no jump leaves room for.
+    /// Refuses values of supports on both sides of an interface for which no gap and no jump leaves room.
     fn check_held_rows(&self, row: &MortarRow, held: &[Held], i: usize, jump: f64) -> Result<(), SolveError> {
         let Some((value, side)) = held[row.node].components[i] else { return Ok(()) };
         let counts = row.other.iter().filter(|(_, p)| p.abs() > 1e-9);
@@ -333,7 +334,7 @@ impl OnMesh<'_> {
         Ok(())
     }
 
-    /// E*/2 ‖w‖ ‖dw/ds‖ of what the nodes leave of the jumps of ties: (element, energy).
+    /// E*/2 ‖w‖ ‖dw/ds‖ of the part w of the jumps of ties that the nodes miss: (element, energy).
     pub(crate) fn tie_oscillation(&self, joints: &[Joint]) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
         for joint in joints {
@@ -349,7 +350,7 @@ impl OnMesh<'_> {
         Ok(found)
     }
 
-    /// The gap of a side: that of the scene, against other bodies from the distance on.
+    /// The gap of a side: that of the scene, added to the distance from other bodies.
     pub(crate) fn gap<'e>(&'e self, side: usize, gap: &'e Expression) -> Function<'e> {
         let plain = self.function(gap);
         if self.scene.problem.joint(side).is_none() {
@@ -363,7 +364,7 @@ impl OnMesh<'_> {
             let distance = distance(site);
             (plain.value)(site) + if distance.abs() < rounding { 0.0 } else { distance }
         };
-        // both may cancel, and then leave what rounding of the coordinates leaves
+        // both may cancel, and then leave the rounding of the coordinates
         let left = move |site: &Site| {
             let [x, y] = site.point;
             distance(site).abs().min(COORDINATES * (x.hypot(y) + diameter))
@@ -371,7 +372,7 @@ impl OnMesh<'_> {
         Function { value: Box::new(value), kinks: plain.kinks, rounding: Some(Box::new(left)) }
     }
 
-    /// What a point of a side in contact with other bodies faces; none elsewhere.
+    /// The point that a point of a side in contact with other bodies faces; none elsewhere.
     pub(crate) fn seen(&self, e: usize, t: f64) -> Option<Seen> {
         let interface = self.scene.problem.joint(self.mesh.side[e])?;
         self.scene.problem.seen(interface, self.mesh.edge[e], self.mesh.edge_parameter(e, t))
@@ -386,7 +387,7 @@ impl OnMesh<'_> {
     /// The direction in which contact acts at a point of a side: that of its pair on another body, the normal against an obstacle.
     pub(crate) fn direction(&self, e: usize, t: f64) -> [f64; 2] {
         let n = self.mesh.normal(e, t);
-        // what rounding makes of opposite normals is none
+        // a difference of opposite normals by rounding is none
         self.seen(e, t).map(|seen| seen.direction).filter(|d| cross(*d, n).abs() > ALIGNED).unwrap_or(n)
     }
 }

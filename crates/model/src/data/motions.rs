@@ -7,12 +7,12 @@ use steklov_elastic::plane::{distance, dot, minus};
 
 use crate::error::SolveError;
 
-/// L(r) of a load and the scale Σ |f||r| over the nodes at these points.
+/// The work L(r) of a load and its scale Σ |f||r| over the nodes at these points.
 pub(crate) fn work(points: &[[f64; 2]], load: &[f64], motion: &RigidMotion) -> (f64, f64) {
     nodal_work(load, &motion.nodal(points))
 }
 
-/// The same of the nodal values of a motion.
+/// The same for the nodal values of a motion.
 pub(crate) fn nodal_work(load: &[f64], motion: &[f64]) -> (f64, f64) {
     load.chunks_exact(2).zip(motion.chunks_exact(2)).fold((0.0, 0.0), |(sum, scale), (f, r)| {
         (sum + f[0] * r[0] + f[1] * r[1], scale + f[0].hypot(f[1]) * r[0].hypot(r[1]))
@@ -46,11 +46,11 @@ fn balanced(points: &[[f64; 2]], load: &[f64], candidates: &[RigidMotion]) -> Re
     }
 }
 
-/// Part of the scale of the loads' work from which contact forces do work on a motion that no load drives.
+/// From this part of the scale of the loads' work on, contact forces count as doing work on a motion that no load drives.
 const PRESSED: f64 = 1e-6;
 
 /// No contact force at the nodes at these points may do work on the motions that springs hold: else the springs carry a part
-/// of the load, whose work and its scale `driven` tells. `floor`: a force below which all are roundoff.
+/// of the load, whose work and scale `driven` gives. `floor`: a force below which all are roundoff.
 pub(crate) fn unpressed(
     points: &[[f64; 2]],
     driven: &dyn Fn(&RigidMotion) -> (f64, f64),

@@ -31,8 +31,8 @@ pub struct Loads {
     pub nodal: Vec<f64>,
     /// ∫ t·b of the bubbles, two for each element.
     pub bubbles: Vec<f64>,
-    /// h/(p+2) ‖t - Π_(p+1) t‖² of each element (force²): over E* the energy of what its degree, raised by one, does not
-    /// follow.
+    /// h/(p+2) ‖t - Π_(p+1) t‖² of each element (force²): divided by E* the energy of the part that its degree, raised by one,
+    /// does not resolve.
     pub unresolved: Vec<f64>,
 }
 
@@ -44,19 +44,19 @@ impl Loads {
     }
 }
 
-/// What an expression is multiplied by at a point.
+/// The factor of an expression at a point.
 pub type Factor<'a> = &'a (dyn Fn(&Site) -> f64 + Sync);
 
-/// What is done with each traction: side, name, expression, its factor, direction on an element.
+/// The callback for each traction: side, name, expression, its factor, direction on an element.
 pub type OfTraction<'a> =
     dyn FnMut(usize, &str, &Expression, Factor<'_>, &dyn Fn(usize) -> [f64; 2]) -> Result<(), SolveError> + 'a;
 
-/// What changes within less than these parts of an edge and of an element is integrated by itself.
+/// Data that change within less than these parts of an edge and of an element are integrated separately.
 const NARROW: f64 = 1.0 / 128.0;
 const NARROW_IN_ELEMENT: f64 = 1.0 / 8.0;
-/// Changes below this part of the largest value do not.
+/// Changes below this part of the largest value do not count.
 const SMALL: f64 = 1e-3;
-/// Part of ∫ t² that rounding leaves of what is followed.
+/// Rounding error of the resolved part, relative to ∫ t².
 const ROUNDING: f64 = 1e-14;
 
 /// An element of degree 1 and the moments of its traction against the functions of its ends.
@@ -120,8 +120,8 @@ impl OnMesh<'_> {
         Ok(held)
     }
 
-    /// The tractions and pressures, and where a medium is around the body the jump of the traction, that of the remote stress
-    /// included.
+    /// The tractions and pressures, and, if a medium is around the body, the jump of the traction with that of the remote
+    /// stress.
     ///
     /// # Errors
     /// [`SolveError::Data`] for a traction, a pressure or a jump that is not finite or cannot be integrated: correct its
@@ -149,7 +149,7 @@ impl OnMesh<'_> {
         Ok(Loads { nodal: load, bubbles: extra, unresolved })
     }
 
-    /// What the elements of a side follow of a datum, `raised` having their degrees and one more.
+    /// The part of a datum that the elements of a side resolve; `raised` has their degrees plus one.
     pub(crate) fn followed(
         &self,
         raised: &Space,
@@ -172,7 +172,8 @@ impl OnMesh<'_> {
         Ok(moments.into_iter().zip(squares).map(of).collect())
     }
 
-    /// Adds what elements that may slip do not follow of their friction bounds, under Coulomb's law those of the largest pressure.
+    /// Adds the part of the friction bounds that elements which may slip do not resolve, under Coulomb's law for the largest
+    /// pressure.
     ///
     /// # Errors
     /// [`SolveError::Data`] for a friction bound or coefficient that is not finite or cannot be integrated: correct its
@@ -199,8 +200,8 @@ impl OnMesh<'_> {
         Ok(())
     }
 
-    /// Moments of tractions, pressures and jumps of the traction on each element of degree 1, elements of several data several
-    /// times; without the remote stress.
+    /// Moments of tractions, pressures and jumps of the traction on each element of degree 1, without the remote stress; an
+    /// element with several data appears several times.
     ///
     /// # Errors
     /// As [`Self::load`].
@@ -218,8 +219,8 @@ impl OnMesh<'_> {
         Ok(loads)
     }
 
-    /// The components of the traction (stress) at the reference coordinate t of element e that the condition of its side gives, with
-    /// that of springs at the displacement u; none of held components and where sides meet something.
+    /// The components of the traction (stress) that the condition of its side gives at the reference coordinate t of element
+    /// e, with that of springs at the displacement u; none for held components and where sides meet something.
     pub fn given_traction(&self, e: usize, t: f64, u: [f64; 2]) -> [Option<f64>; 2] {
         let (problem, side, site) = (&self.scene.problem, self.mesh.side[e], Site::new(self.mesh, e, t));
         let meets =
@@ -245,7 +246,7 @@ impl OnMesh<'_> {
         [0, 1].map(|i| given[i].map(|t| t - pull[i]))
     }
 
-    /// Calls with the side, name, expression and direction on each element of every traction, pressure and jump of the
+    /// Calls `call` with the side, name, expression and direction on each element of every traction, pressure and jump of the
     /// traction.
     ///
     /// # Errors
@@ -291,7 +292,8 @@ impl OnMesh<'_> {
         Ok(())
     }
 
-    /// Calls with a datum times a direction that follows from the normal: on straight elements in one, on curved ones for x and y.
+    /// Calls `call` with a datum times a direction that follows from the normal: once for straight elements, for x and for y
+    /// on curved ones.
     fn along_normals(
         &self,
         side: usize,
@@ -389,8 +391,8 @@ impl OnMesh<'_> {
         unknown || !along.survey.narrow([low, high], NARROW_IN_ELEMENT * (high - low), SMALL).is_empty()
     }
 
-    /// Reference coordinates inside of an element at which an expression has kinks, and those that part what is too narrow
-    /// there for rules over the whole element to see.
+    /// Reference coordinates inside of an element at which an expression has kinks, and those that separate features too
+    /// narrow for rules over the whole element.
     fn breaks(&self, expression: &Expression, e: usize) -> Vec<f64> {
         if expression.constant().is_some() {
             return Vec::new();
@@ -406,7 +408,7 @@ impl OnMesh<'_> {
         breaks
     }
 
-    /// An error of the numerics about an expression, told with its place in the scene.
+    /// An error of the numerics about an expression, with the place of the expression in the scene.
     pub fn located(&self, error: BemError, expression: &Expression) -> SolveError {
         match &error {
             BemError::DataNotFinite { name, side, point, .. } => {
@@ -425,9 +427,9 @@ impl OnMesh<'_> {
     }
 }
 
-/// Moments against the nodal functions of degree p+1 become those against the nodal functions of degree p; returns that
-/// against the bubble (P_(p+1) - P_(p-1))/(2p+1), and Σ (2k+1) m_k² of those against P_0, .., P_(p+1): the length of the
-/// element times the square of the part of the datum that degree p+1 follows.
+/// Turns moments against the nodal functions of degree p+1 into those against the nodal functions of degree p; returns the
+/// moment against the bubble (P_(p+1) - P_(p-1))/(2p+1), and Σ (2k+1) m_k² of those against P_0, .., P_(p+1): the length of
+/// the element times the square of the part of the datum that degree p+1 resolves.
 fn to_hierarchical(basis: &LobattoBasis, raised: &LobattoBasis, moments: &mut Vec<f64>) -> (f64, f64) {
     let p = basis.degree;
     let (mut phi, mut legendre) = (vec![0.0; p + 1], vec![0.0; p + 2]);
@@ -443,7 +445,7 @@ fn to_hierarchical(basis: &LobattoBasis, raised: &LobattoBasis, moments: &mut Ve
     ((against[p + 1] - against[p - 1]) / (2 * p + 1) as f64, followed)
 }
 
-/// What an element follows of a datum.
+/// The part of a datum that an element resolves.
 pub(crate) struct Followed {
     pub(crate) element: usize,
     /// Against its nodal functions.

@@ -1,4 +1,4 @@
-//! The bodies of a mesh one by one: what each of them is of the nodes and elements of all.
+//! The bodies of a mesh one by one: the nodes and elements of each.
 
 use std::ops::Range;
 
@@ -27,12 +27,12 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// The part of a vector of all nodes or traction coefficients, interleaved, that is its own.
+    /// Its own part of a vector of all nodes or traction coefficients, interleaved.
     pub fn own<'v>(&self, nodal: &'v [f64]) -> &'v [f64] {
         &nodal[2 * self.nodes.start..2 * self.nodes.end]
     }
 
-    /// The same to be changed.
+    /// The same, mutable.
     pub fn own_mut<'v>(&self, nodal: &'v mut [f64]) -> &'v mut [f64] {
         &mut nodal[2 * self.nodes.start..2 * self.nodes.end]
     }
@@ -63,7 +63,7 @@ pub fn pieces(problem: &Problem, mesh: &Mesh, space: &Space) -> Vec<Piece> {
     pieces
 }
 
-/// A body with what assembly leaves.
+/// A body with the results of its assembly.
 pub struct Assembled {
     /// The body.
     pub piece: Piece,
@@ -71,16 +71,16 @@ pub struct Assembled {
     pub length: f64,
     /// From displacements to tractions.
     pub traction_map: TractionMap,
-    /// Of one of several bodies with curves the motions that its supports leave free: what nodal values miss of them does not
-    /// resist them, and is no part of its displacement.
+    /// For one of several bodies with curves the motions that its supports leave free: the part of them that nodal values miss
+    /// does not resist them, and is no part of its displacement.
     pub(crate) turning: Vec<RigidMotion>,
-    /// Of a body on springs what they carry.
+    /// For a body on springs the motions that these carry.
     pub(crate) carried: Option<Carried>,
 }
 
-/// Motions that the supports of a body leave free and its nodal values follow: on soft springs they may be much larger than what
-/// strains it. That of a displacement u is the r with the least |u - r|² in the norm of σ + M, M that of springs: stiff ones pull at
-/// little of u - r then, whatever it is elsewhere.
+/// Motions that the supports of a body leave free and its nodal values represent: on soft springs they may be much larger than
+/// the displacements that strain it. The motion of a displacement u is the r with the smallest |u - r|² in the norm of σ + M,
+/// M that of springs: stiff springs then pull at little of u - r, whatever it is elsewhere.
 pub(crate) struct Carried {
     motions: Vec<RigidMotion>,
     /// (σ + M) r of their nodal values, over the square root of the energy of each.
@@ -115,7 +115,7 @@ impl Carried {
     }
 }
 
-/// Σ of motions times their parts.
+/// The sum of motions times their parts.
 fn sum_of(motions: &[RigidMotion], parts: &[f64]) -> RigidMotion {
     let mut sum = RigidMotion::along([0.0; 2]);
     for (motion, part) in motions.iter().zip(parts) {
@@ -128,14 +128,14 @@ fn sum_of(motions: &[RigidMotion], parts: &[f64]) -> RigidMotion {
 }
 
 impl Assembled {
-    /// Takes the motion that springs carry off a nodal displacement of the body, and returns it.
+    /// Removes the motion that springs carry from a nodal displacement of the body, and returns it.
     pub(crate) fn settle(&self, own: &mut [f64]) -> Option<RigidMotion> {
         let motion = self.carried.as_ref()?.of(own);
         own.iter_mut().zip(motion.nodal(&self.piece.space.points)).for_each(|(u, r)| *u -= r);
         Some(motion)
     }
 
-    /// The part of a nodal displacement of the body that is a motion which nodal values miss, least squares.
+    /// The motion that nodal values miss in a nodal displacement of the body, by least squares.
     pub(crate) fn motion(&self, own: &[f64]) -> Option<RigidMotion> {
         let points = &self.piece.space.points;
         let motions: Vec<Vec<f64>> = self.turning.iter().map(|motion| motion.nodal(points)).collect();

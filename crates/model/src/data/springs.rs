@@ -1,13 +1,13 @@
-//! Springs of sides on a mesh: what they add to stiffness, forces and energies.
+//! Springs of sides on a mesh: their contributions to stiffness, forces and energies.
 //!
-//! Of an element with functions f_a, its nodal ones and the bubble, and u = Σ u_a f_a
+//! For an element with functions f_a, its nodal ones and the bubble, and u = Σ u_a f_a
 //!
 //! ```text
 //! M_ab = ∫ Σ_i k_i (d_i·f_a)(d_i·f_b)      force on f_a  -∫ Σ_i k_i (d_i·u)(d_i·f_a)      energy ½ ∫ Σ_i k_i (d_i·u)²
 //! ```
-//! are sums over Lobatto points t_j with the moments ∫ k_i ℓ_j of the Lagrange functions as weights: exact for the polynomials of
-//! straight elements, however k varies within them. What nodes leave of particular solutions does not pull at springs: it counts
-//! in J, to first order.
+//! are sums over Lobatto points t_j with the moments ∫ k_i ℓ_j of the Lagrange functions as weights: exact for the polynomials
+//! of straight elements, however k varies within them. The part of particular solutions that nodes miss does not pull at
+//! springs: it counts in J, to first order.
 
 use std::collections::BTreeMap;
 
@@ -36,7 +36,7 @@ struct Point {
     springs: [(f64, [f64; 2]); 2],
 }
 
-/// What is done with a point, and with the weight, the direction d and d·u of a spring there.
+/// The callback for a point, with the weight, the direction d and d·u of a spring there.
 type OfSpring<'a> = dyn FnMut(&Point, f64, [f64; 2], f64) + 'a;
 
 /// The springs of an element.
@@ -50,12 +50,13 @@ struct OfElement {
 #[derive(Debug, Clone, Default)]
 pub struct Springs {
     elements: Vec<OfElement>,
-    /// What they resist, each of an element.
+    /// The directions that they resist, each with its element.
     resisted: Vec<(usize, Resisted)>,
 }
 
 impl OnMesh<'_> {
-    /// h/(p+2) ‖K u - Π K u‖² of each element, u a nodal displacement: what its degree, raised by one, does not follow.
+    /// h/(p+2) ‖K u - Π K u‖² of each element, u a nodal displacement: the part that its degree, raised by one, does not
+    /// resolve.
     pub(crate) fn unresolved_springs(&self, displacement: &[f64]) -> Result<Vec<f64>, SolveError> {
         let mut unresolved = vec![0.0; self.mesh.len()];
         if !self.scene.problem.has_springs() {
@@ -79,8 +80,8 @@ impl OnMesh<'_> {
         Ok(unresolved)
     }
 
-    /// ‖w‖ ‖dw/ds‖ of what nodes leave of particular solutions on springs, w = u_p - I_p u_p, as that of held displacements:
-    /// (element, length²).
+    /// ‖w‖ ‖dw/ds‖ of the part w = u_p - I_p u_p of particular solutions on springs that nodes miss, as for held
+    /// displacements: (element, length²).
     pub(crate) fn oscillation_on_springs(&self, particular: &Particulars) -> Result<Vec<(usize, f64)>, SolveError> {
         let (mut found, none) = (Vec::new(), Expression::number(0.0));
         for (side, _) in self.scene.problem.sides.iter().enumerate().filter(|(_, side)| side.springs.is_some()) {
@@ -162,7 +163,7 @@ impl OfElement {
         nodes.chain([space.dofs() + 2 * self.element]).collect()
     }
 
-    /// Calls with each point and spring, of a displacement of all nodes, or of all bubbles behind them too.
+    /// Calls `call` with each point and spring, for a displacement of all nodes, or of all nodes and the bubbles behind them.
     fn each(&self, unknowns: &[usize], displacement: &[f64], call: &mut OfSpring<'_>) {
         for point in &self.points {
             let mut u = [0.0; 2];
@@ -180,7 +181,7 @@ impl Springs {
         self.elements.is_empty()
     }
 
-    /// What they resist on the elements for which `of` holds.
+    /// The directions that they resist on the elements for which `of` holds.
     pub fn resisted(&self, of: impl Fn(usize) -> bool) -> Vec<Resisted> {
         self.resisted.iter().filter(|(e, _)| of(*e)).map(|(_, resisted)| *resisted).collect()
     }
@@ -202,7 +203,7 @@ impl Springs {
         }
     }
 
-    /// M u on all nodes and bubbles, of a displacement without bubbles, or with all of them.
+    /// M u on all nodes and bubbles, for a displacement without bubbles or with all of them.
     pub(crate) fn pull(&self, space: &Space, elements: usize, u: &[f64]) -> Enriched {
         let mut pull = vec![0.0; space.dofs() + 2 * elements];
         for own in &self.elements {
@@ -240,7 +241,7 @@ impl Springs {
         forces.into_iter().collect()
     }
 
-    /// What J gains, to first order, by what the nodes leave of particular solutions: ∫ K u·(u_p - I_p u_p).
+    /// The first-order gain of J from the part of particular solutions that the nodes miss: ∫ K u·(u_p - I_p u_p).
     pub(crate) fn work_on_rest(&self, data: &OnMesh<'_>, displacement: &[f64], particular: &Particulars) -> f64 {
         let (space, mut work) = (data.space, 0.0);
         for own in &self.elements {

@@ -1,4 +1,4 @@
-//! Held displacements: what they leave free, and the forces that they carry.
+//! Held displacements: the motions that they leave free, and the forces that they carry.
 
 use steklov_bem_operators::{Edge, Mesh, Space};
 use steklov_elastic::{RigidMotion, free_motions};
@@ -18,7 +18,7 @@ pub struct Held {
 pub struct Supports<'a> {
     /// The nodes.
     pub space: &'a Space,
-    /// What is held of each.
+    /// The held components of each.
     pub held: &'a [Held],
 }
 
@@ -35,7 +35,7 @@ impl Supports<'_> {
         self.dofs().into_iter().map(|(_, value)| value).collect()
     }
 
-    /// Rigid motions that the supports and what springs resist leave free.
+    /// Rigid motions left free by the supports and by the directions that springs resist.
     pub fn free_motions(&self, resisted: Vec<Resisted>) -> Vec<RigidMotion> {
         let mut constraints = resisted;
         for (node, held) in self.held.iter().enumerate() {
@@ -53,8 +53,8 @@ impl Supports<'_> {
         self.held[dof / 2].components[dof % 2].is_some()
     }
 
-    /// Force of the supports on the body, side by side: the residuals at held unknowns. Where two sides hold a component
-    /// of a common node, each takes the moment of the traction on its own elements (`traction(e, j)`) and half of what is left.
+    /// Force of the supports on the body, side by side: the residuals at held unknowns. Where two sides hold a component of a
+    /// common node, each takes the moment of the traction on its own elements (`traction(e, j)`) and half of the rest.
     pub fn reactions(
         &self,
         residual: &[f64],
@@ -97,7 +97,7 @@ pub fn free_of_supports(scene: &Scene) -> Vec<RigidMotion> {
     free_of_supports_of(scene, None)
 }
 
-/// The same of one of several bodies.
+/// The same for one of several bodies.
 pub fn free_of_supports_of(scene: &Scene, body: Option<usize>) -> Vec<RigidMotion> {
     let mut constraints = Vec::new();
     let outline = &scene.problem.outline;

@@ -1,13 +1,13 @@
-//! What J gains, to first order, by what the nodes of a mesh leave of its data.
+//! The first-order gain of J from the part of the data that the nodes of a mesh miss.
 //!
 //! ```text
 //! held displacements    ∫ t·w,  w = u_D - I_p u_D              t: traction of the solution
 //! Tresca's bounds       ∫ F r u_t - Σ D_i F_i |u_t,i|          λ_t = F r, |r| ≤ 1
 //! ```
-//! J is the least over u of the largest value over r of ½⟨S u, u⟩ - l(u) + ∫ F r u_t, so that its derivative by data is that of
-//! this form at the saddle point. What is left is of second order: for held displacements from 0 to ½⟨S w, w⟩, as J is convex
-//! in them, and the error of t against w. Loads and gaps need nothing: their integrals against displacements and
-//! multipliers are exact.
+//! J is the minimum over u of the maximum over r of ½⟨S u, u⟩ - l(u) + ∫ F r u_t, so that its derivative by data is that of
+//! this form at the saddle point. The rest is of second order: for held displacements from 0 to ½⟨S w, w⟩, as J is convex in
+//! them, and the error of t against w. Loads and gaps need nothing: their integrals against displacements and multipliers are
+//! exact.
 
 use steklov_bem_operators::{Datum, Site, side_moments};
 use steklov_contact::{LinePoint, Solution};

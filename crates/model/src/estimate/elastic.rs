@@ -6,8 +6,8 @@
 //! ```text
 //! ρ_u = t0(b) - ⟨W u + (K'+½)ψ_i, b⟩ - ⟨W ξ + (K'-½)ψ_e, b⟩        ρ_ψ = (⟨(K+½)u - Vψ_i, P_p⟩, ⟨(½-K)ξ - Vψ_e, P_p⟩)
 //! ```
-//! What the nodes leave of u0 is no part of that: its solution, which has no jump of tractions, is orthogonal in the energy of
-//! body and medium to all that has no jump of displacements.
+//! The part of u0 that the nodes miss is not included: its solution, which has no jump of tractions, is orthogonal in the
+//! energy of body and medium to all that has no jump of displacements.
 
 use std::ops::Range;
 
@@ -17,7 +17,7 @@ use steklov_elastic::plane::{dot, solve2};
 use crate::data::parts::Assembled;
 use crate::solve::body::{Body, Factors};
 
-/// What S₊ of the enriched spaces needs besides S, of bodies and of the medium around one.
+/// The blocks that S₊ of the enriched spaces needs besides S, for bodies and for the medium around one.
 pub struct EnrichedBody {
     /// Each body, its elements and its nodes.
     bodies: Vec<(EnrichedSteklov, Range<usize>, Range<usize>)>,
@@ -25,7 +25,7 @@ pub struct EnrichedBody {
 }
 
 impl EnrichedBody {
-    /// Of bodies whose operators are of the moments in `cache`: solved as ones that are to be estimated.
+    /// For bodies whose operators come from the moments in `cache`: those solved with an estimate to follow.
     ///
     /// # Errors
     /// Those of [`EnrichedSteklov::new`].
@@ -98,8 +98,8 @@ impl<'a> Elastic<'a> {
         self.weighted_tractions(elements, [1.0; 2])
     }
 
-    /// The part of them for which the displacement is as good as held, by a medium or a body that is much stiffer: no correction of
-    /// displacements has the energy of this.
+    /// The part of them where a much stiffer medium or body practically holds the displacement: no correction of displacements
+    /// has this energy.
     pub(crate) fn held_tractions(&self, elements: usize, moduli: Option<[f64; 2]>) -> f64 {
         let Some([body, medium]) = moduli else { return 0.0 };
         let weight = |own: f64, other: f64| (other / (own + other)).powi(4);

@@ -1,4 +1,5 @@
-//! The correction that enriched spaces add to a solution: S₊e = r on what the supports and the contact sets leave free.
+//! The correction that enriched spaces add to a solution: S₊e = r on the displacements that the supports and the contact sets
+//! leave free.
 
 use steklov_bem_operators::{Assembly, Enriched, Space};
 use steklov_contact::{ContactBubble, Frozen};
@@ -10,7 +11,7 @@ use crate::data::springs::Springs;
 use crate::estimate::elastic::Elastic;
 use crate::estimate::interface_residual::FacingLoad;
 
-/// Reduction of the squared energy of the rest at which the correction is good enough.
+/// Reduction of the squared energy of the residual at which the correction is good enough.
 const ENOUGH: f64 = 1e-4;
 /// Steps of conjugate gradients at most.
 const STEPS: usize = 40;
@@ -44,7 +45,8 @@ impl Frame {
     }
 }
 
-/// What is free of every bubble: all, less what is held, less what the contact state prescribes. Another body gives way.
+/// The free directions of every bubble: all except those that are held and those that the contact state prescribes. Another
+/// body gives way.
 pub(crate) fn frames(data: &OnMesh<'_>, bubbles: &[ContactBubble], facing: &[FacingLoad]) -> Vec<Frame> {
     let mesh = data.mesh;
     let mut frames: Vec<Frame> = (0..mesh.len())
@@ -65,13 +67,13 @@ pub(crate) fn frames(data: &OnMesh<'_>, bubbles: &[ContactBubble], facing: &[Fac
     frames
 }
 
-/// S₊ on what the supports and the contact sets leave free, and S with single bubbles as its preconditioner.
+/// S₊ on the displacements that the supports and the contact sets leave free, and S with single bubbles as its preconditioner.
 pub(crate) struct System<'a> {
     pub(crate) condensation: &'a Assembly,
     pub(crate) elastic: &'a Elastic<'a>,
     pub(crate) frozen: Option<&'a Frozen<'a>>,
     pub(crate) frames: &'a [Frame],
-    /// What of S₊ is that of springs, S having theirs on the nodes.
+    /// The springs, whose part in S₊ is added here; S has their part on the nodes.
     pub(crate) springs: &'a Springs,
     pub(crate) space: &'a Space,
     /// ⟨S₊ b, b⟩ of each bubble.
@@ -84,7 +86,7 @@ impl System<'_> {
         if !self.springs.is_empty() {
             let both: Vec<f64> = v.base.iter().chain(&v.extra).copied().collect();
             all.add(1.0, &self.springs.pull(self.space, self.frames.len(), &both));
-            // that of the nodes on the nodes is in S
+            // S has the part of the nodes on the nodes
             let of_nodes = self.springs.pull(self.space, self.frames.len(), &v.base).base;
             all.base.iter_mut().zip(of_nodes).for_each(|(f, pull)| *f -= pull);
         }

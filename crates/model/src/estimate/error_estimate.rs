@@ -7,9 +7,10 @@
 //! overlap           δ = max (u_n - g) between the nodes        η_g² = E*/2 δ², where it is more than all of the others
 //! ```
 //! The indicators steer the refinement. The estimate is the geometric mean of their sum and of the energy of e₊, the
-//! displacement that S₊ of the enriched spaces adds with the contact sets, and the bounds of Coulomb friction, as they are, both,
-//! with strategies that keep the degree, with what tractions do not see of linear elements; that and the energy in which stabilised multipliers differ from biorthogonal ones. Where both components are held the error is
-//! that of the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
+//! displacement that S₊ of the enriched spaces adds while the contact sets and the bounds of Coulomb friction stay fixed. For
+//! strategies that keep the degree both contain the energy that tractions do not see on linear elements. The energy of the
+//! difference between stabilised and biorthogonal multipliers is added. Where both components are held the error is that of
+//! the traction alone, which e₊ does not see: the estimate is at least Σ η_ψ² of such elements.
 //!
 //! Source: Heuer, Mellado and Stephan (2001), two-level hp boundary elements, for the indicators.
 
@@ -60,7 +61,7 @@ impl Bubble {
 pub struct Estimate {
     /// Indicators of the elements.
     pub indicators: Vec<Bubble>,
-    /// Residuals, where these are asked for and known; else empty.
+    /// Residuals, if they are requested and known; else empty.
     pub residuals: Vec<Residual>,
     /// ⟨S₊e₊, e₊⟩ of the correction e₊ that the enriched spaces add.
     pub correction: f64,
@@ -85,16 +86,16 @@ pub struct Estimate {
 const SATURATION: f64 = 1.03;
 /// Loads vary within an element if what its degree leaves of them is more than this part of its indicators.
 const UNFOLLOWED: f64 = 1e-3;
-/// What held displacements less their interpolants add to J beyond the first order, over their η_g²: from 0 to ½.
+/// Second-order contribution of held displacements less their interpolants to J, over their η_g²: from 0 to ½.
 const HELD_REST: f64 = 0.25;
-/// How far J extrapolated may be off, over the squared error: an error told as 0.58 of what it is, and as 0.47 with contact. In 1,100
-/// scenes with narrow data up to 0.8 and 1.7 were measured; 4 of them need more than half of that.
+/// How far the extrapolated J may be off, over the squared error: for an error estimated as 0.58 of its size, and as 0.47 with
+/// contact. In 1,100 scenes with narrow data up to 0.8 and 1.7 were measured; 4 of them need more than half of that.
 pub(crate) const OF_SQUARE: f64 = 1.0;
 const OF_SQUARE_WITH_CONTACT: f64 = 1.75;
 /// How far J may be off under Coulomb's law, over the error times (2 friction work)^½: up to 0.025 was measured. J is not
 /// stationary there, as the bounds of friction are those of the approximate pressure.
 const NOT_STATIONARY: f64 = 0.06;
-/// Part of the squared estimate that loads may have between the points that the elements' degrees follow.
+/// Largest part of the squared estimate for the loads that the elements' degrees do not resolve.
 pub const UNRESOLVED: f64 = 0.25;
 /// Next to a singular point e_p falls like p^-2λ: beyond this degree a bubble shows less than half of the error.
 const SLOW: usize = 8;
@@ -109,12 +110,13 @@ pub const ROUNDOFF: f64 = 1e-7;
 /// memory of the solution.
 const LARGEST_SINGLE: usize = 4000;
 
-/// Overlaps of a depth δ with (E*/2)^½ δ below this part of the tolerance, or of what indicators have found, do not count.
+/// Overlaps of a depth δ with (E*/2)^½ δ below this part of the tolerance, or of the error that the indicators show, do not
+/// count.
 const LEAST_OVERLAP: f64 = 0.025;
 /// Those below this part of displacements and gaps are roundoff.
 const ROUNDED_OVERLAP: f64 = 1e-12;
-/// What rounding does to J, in parts of twice the strain energy, up to 9e-13 was seen between meshes that are graded to corners, and
-/// in parts of the largest stiffness of a node times its displacement squared; of several bodies 2.3e-12 and 4e-15.
+/// Rounding error of J, as a part of twice the strain energy (up to 9e-13 was seen between meshes graded to corners), and as a
+/// part of the largest stiffness of a node times its displacement squared; for several bodies 2.3e-12 and 4e-15 were seen.
 const ROUNDED: [f64; 2] = [1e-12, 1e-15];
 const ROUNDED_OF_SEVERAL: [f64; 2] = [3e-12, 5e-15];
 
@@ -128,8 +130,7 @@ pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
     scene.method.refine != Refine::None || dofs <= LARGEST_SINGLE
 }
 
-/// Estimates the error of a solved mesh, transitions of contact and stick left out, and tells what its nodes do not
-/// show.
+/// Estimates the error of a solved mesh, transitions of contact and stick left out, and returns what its nodes do not show.
 ///
 /// # Errors
 /// Data that are not finite.
@@ -199,7 +200,7 @@ pub fn estimate(
     Ok((estimate, Unseen { overlaps, unresolved }))
 }
 
-/// What J of the nodes gains by S₊, and the squared energy and the correction of the enriched problem: r = f₊ - S₊(u, 0).
+/// The gain of J of the nodes by S₊, and the squared energy and the correction of the enriched problem: r = f₊ - S₊(u, 0).
 fn correction(
     body: &Body,
     elastic: &Elastic<'_>,
@@ -227,7 +228,7 @@ fn correction(
     Ok((gained, squared, correction))
 }
 
-/// ρ_u, with what contact and other bodies do on the bubbles.
+/// ρ_u, with the forces of contact and other bodies on the bubbles.
 fn bubble_residual(
     data: &OnMesh<'_>,
     factors: &Factors,
@@ -238,7 +239,7 @@ fn bubble_residual(
     let mut residual: Vec<f64> = factors.extra_load.iter().zip(elastic.bubble_force()).map(|(f, s)| f - s).collect();
     for bubble in bubbles {
         let (e, [n, t]) = (bubble.element, data.contact_frame(bubble.element));
-        // a closed bubble's residual along n is ∫λ_n b; against another body it is what that pushes back with
+        // a closed bubble's residual along n is ∫λ_n b; against another body it is the force with which that pushes back
         let pressure = match facing.iter().find(|of| of.element == e) {
             Some(of) => -dot(of.load, n),
             None => residual[2 * e] * n[0] + residual[2 * e + 1] * n[1],
@@ -298,7 +299,7 @@ fn indicators(
     Ok((indicators, held))
 }
 
-/// Σ η_ψ² of the elements whose components are both held, or as good as held by springs, at least what the medium makes of it.
+/// Σ η_ψ² of the elements whose components are both held, or practically held by springs; at least the value of the medium.
 fn held_tractions(
     scene: &Scene,
     solved: &Solved,
@@ -319,8 +320,8 @@ fn held_tractions(
     held.max(elastic.held_tractions(solved.mesh.len(), moduli))
 }
 
-/// What is not seen next to vertices whose stresses grow fast; and what tractions do not see of the displacement, with the
-/// strategies that keep the degree, where loads do not vary within elements.
+/// The energy that is not seen next to vertices whose stresses grow fast; and, for strategies that keep the degree, the energy
+/// that tractions do not see, where loads do not vary within elements.
 fn unseen_of(scene: &Scene, solved: &Solved, factors: &Factors, indicators: &[Bubble], correction: &Enriched) -> f64 {
     let seen = |e: usize| indicators[e].displacement + indicators[e].traction;
     let at_vertices = unseen_at_vertices(&solved.mesh, &strong_vertices(scene), &seen);
@@ -334,8 +335,8 @@ fn unseen_of(scene: &Scene, solved: &Solved, factors: &Factors, indicators: &[Bu
     at_vertices + unseen_by_tractions(&solved.mesh, correction, &materials, &varies)
 }
 
-/// The error: the geometric mean of the correction and of η without oscillation, at least that of the `held`, with what the
-/// oscillations and the `difference` of multipliers add.
+/// The error: the geometric mean of the correction and of η without oscillation, at least that of the `held`, plus the
+/// oscillations and the `difference` of multipliers.
 fn combined_error(indicators: &[Bubble], correction: f64, unseen: f64, held: f64, difference: f64) -> f64 {
     let oscillation: f64 = indicators.iter().map(|i| i.oscillation).sum();
     let two_level: f64 = indicators.iter().map(|i| i.displacement + i.traction).sum();
@@ -344,7 +345,7 @@ fn combined_error(indicators: &[Bubble], correction: f64, unseen: f64, held: f64
     (SATURATION.powi(2) * mean.max(held) + oscillation + difference).sqrt()
 }
 
-/// What loads and bounds have between the points that the elements' degrees follow, of each element.
+/// The part of loads and bounds that the degree does not resolve, for each element.
 fn unresolved(
     data: &OnMesh<'_>,
     solved: &Solved,
@@ -361,7 +362,7 @@ fn unresolved(
     Ok(unresolved)
 }
 
-/// What is in doubt of the data, of overlaps and of Coulomb's law.
+/// The doubts about the data, about overlaps and about Coulomb's law.
 fn doubts(scene: &Scene, solved: &Solved, (unresolved, overlaps): (&[f64], &[Overlap]), error: f64) -> Vec<Doubt> {
     let part: f64 = unresolved.iter().sum();
     let of_data = part > scene.body().material().plane_modulus() * UNRESOLVED * error * error;
@@ -374,8 +375,8 @@ fn doubts(scene: &Scene, solved: &Solved, (unresolved, overlaps): (&[f64], &[Ove
     found.into_iter().filter(|(_, is)| *is).map(|(doubt, _)| doubt).collect()
 }
 
-/// Adds the energies of overlaps that are more than the indicators of their elements, and returns these overlaps. What a gap does
-/// between the nodes of closed elements is their oscillation.
+/// Adds the energies of overlaps that are more than the indicators of their elements, and returns these overlaps. The
+/// variation of a gap between the nodes of closed elements counts as their oscillation.
 fn hidden_overlaps(
     data: &OnMesh<'_>,
     (solved, joints): (&Solved, &[Joint]),
@@ -430,7 +431,7 @@ impl Estimate {
         !coarse_elements(mesh, singular).is_empty() || (0..mesh.len()).any(slow) || slender > SLENDER * total
     }
 
-    /// Says whether rounding errors are in the way: of an error down at theirs, or of forces that do not balance.
+    /// Adds a doubt if rounding errors dominate: if the error is down at their size, or if forces do not balance.
     pub(crate) fn add_roundoff(&mut self, solved: &Solved) {
         let unbalanced = solved.contact.as_ref().is_some_and(|c| c.converged() && c.audit.equilibrium > UNBALANCED);
         if self.relative < ROUNDOFF || unbalanced {
@@ -447,7 +448,7 @@ pub(crate) fn ratio(error: f64, scale: f64) -> f64 {
     if error == 0.0 { 0.0 } else { error / scale }
 }
 
-/// What rounding does to J: to the energy itself, and to the forces S u of displacements that mostly cancel.
+/// Rounding error of J: of the energy itself, and of the forces S u of displacements that mostly cancel.
 fn rounding_of_energy(solved: &Solved, body: &Body, scale: f64) -> f64 {
     let largest = body.settled(&solved.displacement).iter().fold(0.0, |m: f64, u| m.max(u.abs()));
     let [energy, forces] = if body.pieces.len() > 1 { ROUNDED_OF_SEVERAL } else { ROUNDED };

@@ -1,8 +1,8 @@
-//! What the body that an element faces does to its bubble.
+//! The effect of the facing body on the bubble of an element.
 //!
-//! On an element of an interface that is closed, or tied, the body beyond it pulls with -t∘π, t its traction, where an obstacle
-//! would only prescribe a displacement. A bubble whose counterpart gives way too may claim no more than the share
-//! c/(c + c') of what is left, c = E/(1-ν²): where both sides have the same bubble, both shares together are its energy.
+//! On an element of an interface that is closed, or tied, the body beyond it pulls with -t∘π, t its traction, where an
+//! obstacle would only prescribe a displacement. A bubble whose counterpart gives way too may claim no more than the share
+//! c/(c + c') of the residual, c = E/(1-ν²): where both sides have the same bubble, both shares together are its energy.
 
 use steklov_bem_operators::Site;
 use steklov_contact::ContactBubble;
@@ -15,23 +15,23 @@ use crate::data::joints::Joint;
 use crate::data::on_mesh::OnMesh;
 use crate::solve::fields::ElasticField;
 
-/// What is left apart below this part of the displacements is none.
+/// Distances below this part of the displacements are zero.
 const ROUNDED: f64 = 1e-13;
 /// Gauss points on a cell.
 const POINTS: usize = 24;
 
-/// What acts on the bubble of an element from beyond an interface.
+/// The load on the bubble of an element from beyond an interface.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct FacingLoad {
     /// The element.
     pub(crate) element: usize,
     /// -∫ t∘π b ds (force per thickness).
     pub(crate) load: [f64; 2],
-    /// The part of what is left along n and t that its bubble may claim; none of a component whose force is that of friction.
+    /// The share of the residual along n and t that its bubble may claim; none for a component whose force is friction.
     pub(crate) share: [Option<f64>; 2],
 }
 
-/// What displacements that are together in the mean only leave of being together.
+/// The nonconformity of displacements that agree in the mean only.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Nonconformity {
     /// ∫ λ·w (energy).
@@ -88,9 +88,10 @@ impl OnMesh<'_> {
         loads
     }
 
-    /// What displacements that are together in the mean only leave of w = [u] - g n, or [u] - j, where it is closed, stuck or tied:
-    /// ∫ λ·w, by which J is off to first order, as it is stationary with -λ·w beside it, λ the mean of the tractions of both
-    /// sides; and for each carrying element E*/2 ‖w‖ ‖dw/ds‖ of its cells, the energy of w as a displacement of the boundary.
+    /// The nonconformity w = [u] - g n, or [u] - j, of displacements that agree in the mean only, where the interface is
+    /// closed, stuck or tied: ∫ λ·w, the first-order error of J, which is stationary together with -λ·w, λ the mean of the
+    /// tractions of both sides; and for each carrying element E*/2 ‖w‖ ‖dw/ds‖ of its cells, the energy of w as a displacement
+    /// of the boundary.
     pub(crate) fn nonconformity(
         &self,
         joints: &[Joint],
@@ -115,7 +116,7 @@ impl OnMesh<'_> {
         found
     }
 
-    /// Work and energy of what one cell leaves.
+    /// Work and energy of the nonconformity on one cell.
     fn left_of_cell(&self, law: &Law, cell: &Cell, field: ElasticField<'_>, closed: [bool; 2]) -> [f64; 2] {
         let Cell { element: e, span, other: m } = *cell;
         let half = (span[1] - span[0]) / 2.0;
@@ -153,7 +154,7 @@ impl OnMesh<'_> {
         [work, energy]
     }
 
-    /// What a law leaves between two points that are together: the gap along n, the jump of a tie.
+    /// The distance between two points that a law joins: the gap along n, the jump of a tie.
     fn left_apart(&self, law: &Law, site: &Site, n: [f64; 2]) -> [f64; 2] {
         match law {
             Law::Contact(contact) => {

@@ -1,4 +1,5 @@
-//! The error of a solved mesh: bubbles, residuals, what the nodes do not see, and what data, rotations and rounding change of J.
+//! The error of a solved mesh: bubbles, residuals, what the nodes do not see, and the changes of J by data, rotations and
+//! rounding.
 
 pub(crate) mod data_work;
 pub(crate) mod elastic;

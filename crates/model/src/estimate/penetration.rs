@@ -29,7 +29,7 @@ pub struct Overlap {
     pub known: bool,
 }
 
-/// What the nodes of a mesh do not show.
+/// The overlaps and loads that the nodes of a mesh do not show.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Unseen {
     /// Overlaps with obstacles between them.
@@ -38,7 +38,7 @@ pub struct Unseen {
     pub unresolved: Vec<f64>,
 }
 
-/// Stretches of an element at most.
+/// Largest number of stretches of an element.
 const MOST_STRETCHES: usize = 4000;
 /// An element is not divided below this part of itself.
 const SHORTEST: f64 = 1e-9;
@@ -46,8 +46,8 @@ const SHORTEST: f64 = 1e-9;
 const PRECISE: f64 = 0.2;
 
 impl OnMesh<'_> {
-    /// The overlaps deeper than `least` of an element, of a nodal displacement, in the order of the elements, but for those of
-    /// `closed`. Against other bodies displacements are relative ones.
+    /// The overlaps of a nodal displacement that are deeper than `least` of their element, in the order of the elements,
+    /// except those of `closed`. Against other bodies displacements are relative.
     pub(crate) fn overlaps(
         &self,
         boundary: &ContactBoundary,
@@ -134,8 +134,8 @@ impl OnMesh<'_> {
         overlaps
     }
 
-    /// u_n on an element, less the distance from another body that it faces; where the normal or the direction of contact turns, its
-    /// polynomial of eight more degrees.
+    /// u_n on an element minus the distance from another body that it faces; where the normal or the direction of contact
+    /// turns, as a polynomial of eight more degrees.
     fn normal_displacement(&self, e: usize, displacement: &[f64]) -> Series {
         let basis = self.space.basis(e);
         let n = self.mesh.normal(e, 0.0);

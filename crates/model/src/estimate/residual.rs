@@ -14,11 +14,11 @@ use crate::solve::solution::Solved;
 /// The residual indicator of one element.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Residual {
-    /// What is left of the boundary equations.
+    /// The residuals of the boundary equations.
     pub boundary: BoundaryResidual,
-    /// What is left of the contact conditions.
+    /// The residuals of the contact conditions.
     pub contact: ContactResidual,
-    /// E*/2 ‖w‖ ‖dw/ds‖ of what the nodes leave of a held displacement, w = u_D - I_p u_D.
+    /// E*/2 ‖w‖ ‖dw/ds‖ of the part w = u_D - I_p u_D of a held displacement that the nodes miss.
     pub held: f64,
 }
 
@@ -28,7 +28,7 @@ impl Residual {
         self.boundary.total() + self.contact.total() + self.held
     }
 
-    /// From what [`Self::terms`] gives of an element.
+    /// The residual of an element with the terms that [`Self::terms`] gives.
     pub fn of_terms(element: usize, terms: [f64; ON_BOUNDARY.len()]) -> Self {
         let [neumann, equation, contact, stabilisation, complementarity, tension, penetration, bound, friction, held] =
             terms;
@@ -69,7 +69,7 @@ impl Residual {
 /// Terms of contact, stabilised or not.
 const OF_CONTACT: Range<usize> = 2..9;
 
-/// Whether the boundary elements of a scene have residuals: these know no medium around a body, and no other body.
+/// Whether the boundary elements of a scene have residuals: residuals do not cover a medium around a body, nor other bodies.
 pub fn knows_residuals(scene: &Scene) -> bool {
     !scene.is_inclusion() && !scene.problem.has_several_bodies()
 }
@@ -86,8 +86,9 @@ pub fn estimator(residuals: &[Residual], solved: &Solved) -> Estimator {
 }
 
 impl OnMesh<'_> {
-    /// Residuals of all elements, with what the nodes leave of held displacements. Of random input `solved` is the answer of the
-    /// nominal modulus to an outcome whose modulus is so many times that; elsewhere this is 1.
+    /// Residuals of all elements, with the part of held displacements that the nodes miss. For random input `solved` is the
+    /// answer with the nominal modulus to an outcome, and `modulus` is the modulus of the outcome over the nominal one;
+    /// elsewhere it is 1.
     ///
     /// # Errors
     /// Data that are not finite.

@@ -1,4 +1,4 @@
-//! What rotations of bodies with curves change of J.
+//! The change of J by rotations of bodies with curves.
 //!
 //! The polynomials of curved elements have no rotations among them, so that a body that turns has the displacement I_p(u - r) + r,
 //! r its motion. Loads act on I_p u in the equations: the rest δ = r - I_p r does the work ∫ (t - t_p)·δ that J does not have, t_p
@@ -15,7 +15,7 @@ use crate::solve::solution::Solved;
 const MORE: usize = 16;
 
 impl OnMesh<'_> {
-    /// What J gains by δ, to first order, `homogeneous` the nodal displacement without particular solutions.
+    /// The first-order gain of J by δ; `homogeneous` is the nodal displacement without particular solutions.
     pub(crate) fn turning_work(&self, solved: &Solved, body: &Body, homogeneous: &[f64]) -> f64 {
         let of_joint =
             |e: usize| body.joints.iter().any(|joint: &Joint| joint.own.contains(&e) || joint.other.contains(&e));

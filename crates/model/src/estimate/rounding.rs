@@ -12,12 +12,12 @@ use crate::solve::equilibrium::UNBALANCED;
 use crate::solve::solution::Solved;
 
 impl Estimate {
-    /// Takes back the doubts about an answer that is exact: what it leaves of the equations at all points, not only against
-    /// bubbles, is down at rounding errors as well. That Coulomb's law has several solutions stays.
+    /// Withdraws the doubts about an exact answer: its residuals at all points, not only against bubbles, are down at rounding
+    /// errors as well. The doubt that Coulomb's law has several solutions stays.
     pub(crate) fn settle_exact(&mut self, scene: &Scene, solved: &Solved) -> Result<(), SolveError> {
         let unbalanced = solved.contact.as_ref().is_some_and(|c| c.audit.equilibrium > UNBALANCED);
         let judged = self.relative < ROUNDOFF;
-        // residuals know no medium around a body, and no other body
+        // residuals do not cover a medium around a body, nor other bodies
         let alone = solved.around.is_none() && !scene.problem.has_several_bodies();
         if !judged || unbalanced || !alone || self.doubts.contains(&Doubt::Data) {
             return Ok(());
@@ -29,11 +29,11 @@ impl Estimate {
     }
 }
 
-/// Elements that are looked at before it is asked whether the others matter.
+/// Number of elements that are examined before it is decided whether the others matter.
 const GROUP: usize = 64;
 
-/// Whether residuals at a few points of every element add up to no more than an error (energy norm); to nothing where the answer is 0. What is more than rounding
-/// errors anywhere mostly shows in the first group: residuals of polynomials reach everywhere.
+/// Whether residuals at a few points of every element add up to no more than an error (energy norm); to nothing if the answer
+/// is 0. A residual above rounding errors anywhere mostly shows in the first group: residuals of polynomials reach everywhere.
 fn leaves_less(scene: &Scene, solved: &Solved, error: f64) -> Result<bool, SolveError> {
     let Solved { mesh, space, .. } = solved;
     let data = OnMesh { scene, mesh, space };

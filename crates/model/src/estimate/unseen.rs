@@ -8,8 +8,9 @@
 //! S = a |k|,  a = 4μ(1-ν)/(3-4ν)        W = w |k|,  w = μ/(2(1-ν))        along each component
 //! v = Σ_n 2(-1)ⁿ/(n²π²) cos nπt         ⟨|k| v, v⟩ = Σ_n nπ (2/(n²π²))² = 4ζ(3)/π³ on each element
 //! ```
-//! what they do not see is (a - w) 4ζ(3)/π³ |c|², where c varies slowly from element to element. From degree 2 on they see most.
-//! Where loads vary within an element more than its degree follows, c is theirs and varies as they do: it does not count.
+//! the part that they do not see is (a - w) 4ζ(3)/π³ |c|², where c varies slowly from element to element. From degree 2 on
+//! they see most. Where loads vary within an element more than its degree follows, c is theirs and varies as they do: it does
+//! not count.
 
 use std::f64::consts::PI;
 
@@ -35,8 +36,9 @@ pub(crate) fn unseen_by_tractions(
     linear.map(|e| (root * correction.extra[2 * e]).powi(2) + (root * correction.extra[2 * e + 1]).powi(2)).sum()
 }
 
-/// Energy that one degree more does not see on the elements at vertices of the exponents λ, of the energies that it sees there:
-/// the error of r^λ falls as e_p² ~ p^(-4λ), so that of it 1 - (p/(p+1))^(4λ) is seen. `vertices`: the edges before and behind, and λ.
+/// Energy that one degree more does not see on the elements at vertices of the exponents λ, of the energies that it sees
+/// there: the error of r^λ falls as e_p² ~ p^(-4λ), so that the part 1 - (p/(p+1))^(4λ) of it is seen. `vertices`: the edges
+/// before and behind, and λ.
 pub(crate) fn unseen_at_vertices(mesh: &Mesh, vertices: &[([usize; 2], f64)], seen: &dyn Fn(usize) -> f64) -> f64 {
     let mut unseen = 0.0;
     for &([a, b], exponent) in vertices {

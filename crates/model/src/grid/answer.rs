@@ -20,7 +20,7 @@ impl GridSolved {
     }
 }
 
-/// What finite elements tell.
+/// The report of finite elements.
 pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
     let estimate = solved.estimate.as_ref();
     // J(u_h) - J(u) = ½ ‖u - u_h‖² for data that the elements have; where they lock, half of the squared estimate is more than
@@ -29,7 +29,7 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         Condition::Displacement { values, .. } => values.iter().flatten().all(|v| v.constant().is_some()),
         _ => true,
     };
-    // prescribed displacements that vary are interpolated, and reactions do work on what that leaves
+    // prescribed displacements that vary are interpolated, and reactions do work on the interpolation error
     let applies = solved.coarse.is_none() && solved.around.is_none() && scene.problem.sides.iter().all(constant);
     let correction = estimate.filter(|e| applies && e.doubts().is_empty()).map(|e| e.fine_grid / 2.0);
     let probe = |&point: &[f64; 2]| {

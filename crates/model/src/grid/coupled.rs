@@ -157,7 +157,7 @@ fn on_interface(scene: &Scene, x: [f64; 2]) -> (usize, f64) {
     nearest.map_or((0, 0.0), |(_, k, s)| (k, s))
 }
 
-/// The solution of body and medium, their energies and what is left of the equations between them.
+/// The solution of body and medium, their energies and the residuals of the equations between them.
 fn solved(
     scene: &Scene,
     medium: Surroundings<'_>,
@@ -205,7 +205,8 @@ fn solved(
     })
 }
 
-/// What the nodes of each boundary element leave of the jump of the displacement, as an energy: both sides give way to it.
+/// The part of the jump of the displacement that the nodes of each boundary element miss, as an energy: both sides give way to
+/// it.
 fn jump_oscillation(
     scene: &Scene,
     medium: Surroundings<'_>,

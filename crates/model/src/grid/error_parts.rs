@@ -17,19 +17,19 @@ pub const FAILING: f64 = 1e2;
 pub struct GridEstimate {
     /// η² of each coarse cell (force times length per thickness); empty without coarse cells.
     pub indicators: Vec<f64>,
-    /// Residuals of coarse cells, of the edges between them and of tractions, where these are asked for and known: the indicators are
-    /// their sums, or nodal residuals.
+    /// Residuals of coarse cells, of the edges between them and of tractions, if they are requested and known: the indicators
+    /// are their sums, or nodal residuals.
     pub residual: Option<Indicators>,
-    /// Sums of the residuals of the fine cells of a body in a medium without coarse cells, against the exact solution: volume, jumps,
-    /// tractions; None where they are not asked for.
+    /// Sums of the residuals of the fine cells of a body in a medium without coarse cells, against the exact solution: volume,
+    /// jumps, tractions; None if they are not requested.
     pub in_cells: Option<[f64; 3]>,
     /// Their sum: the squared multiscale error.
     pub multiscale: f64,
     /// The squared error of the fine grid.
     pub fine_grid: f64,
-    /// What is left of the equations where body and medium meet, boundary element by boundary element; None without a medium.
+    /// The residuals of the equations where body and medium meet, boundary element by boundary element; None without a medium.
     pub interface: Option<InterfaceIndicators>,
-    /// Energy of what the nodes of each boundary element leave of the jump of the displacement.
+    /// Energy of the part of the jump of the displacement that the nodes of each boundary element miss.
     pub jump: Vec<f64>,
     /// The squared error of the medium: the sum of [`Self::of_elements`].
     pub medium: f64,

@@ -130,7 +130,7 @@ fn given(tractions: &Tractions) -> impl Fn(usize, usize) -> [Option<f64>; 2] + S
     |cell, side| tractions.get(&(cell, side)).copied().unwrap_or([Some(0.0); 2])
 }
 
-/// What is left of the equations in coarse cells whose bases solve them inside, or in fine cells next to a medium, whose terms are
+/// The residuals in coarse cells whose bases solve the equations inside, or in fine cells next to a medium, whose terms are
 /// summed: volume, jumps, tractions.
 fn residuals(
     scene: &Scene,
@@ -155,8 +155,8 @@ fn residuals(
     }
 }
 
-/// What is left of the balance of tractions acts on body and medium alike: of the energy r²/k₁ that it would have in a cell
-/// alone the part k₁/(k₁ + k₂) remains, k₁ and k₂ as their moduli.
+/// The residual of the traction balance acts on body and medium alike: of the energy r²/k₁ that it would have in a cell alone,
+/// the part k₁/(k₁ + k₂) remains, with k₁ and k₂ in the ratio of the moduli.
 fn share(solved: &GridSolved, around: &Around, cell: usize) -> f64 {
     share_of_moduli(solved.body.young[cell], around.material.young)
 }
@@ -184,7 +184,7 @@ fn beside_medium(
     })
 }
 
-/// The same of the nodal forces on the interface.
+/// The same for the nodal forces on the interface.
 fn share_with_medium(solved: &GridSolved, around: &Around, sides: &[MediumTraction], load: &mut [f64]) {
     let forces = solved.body.forces(&solved.displacement);
     // the mean over both sides at a node

@@ -13,7 +13,7 @@ pub struct GridLayout {
     pub parts: usize,
     /// Coarse cells; None of bilinear elements on all fine cells.
     pub coarse: Option<Vec<CoarseCell>>,
-    /// Boundary elements of the medium around the body, where they are not those between the points of its trace.
+    /// Boundary elements of the medium around the body, if they are not those between the points of its trace.
     pub around: Option<Mesh>,
 }
 

@@ -1,4 +1,4 @@
-//! What the cells of a grid do not resolve of the loads: no function of theirs feels it.
+//! The part of the loads that the cells of a grid do not resolve: none of their functions feels it.
 
 use std::f64::consts::PI;
 
@@ -12,7 +12,7 @@ use super::trace::GridTrace;
 use crate::data::on_mesh::OnMesh;
 use crate::error::SolveError;
 
-/// Part of a square that rounding leaves of what is resolved.
+/// Rounding error of the resolved part of a square, relative to the square.
 const ROUNDING: f64 = 1e-12;
 /// Gauss points of a cell along an axis.
 const POINTS: usize = 6;
@@ -89,7 +89,7 @@ fn of_tractions(scene: &Scene, body: &HeterogeneousBody, fine: &GridTrace) -> Re
     Ok(sum)
 }
 
-/// The square of what is not resolved.
+/// The square of the unresolved part.
 fn rest(square: f64, resolved: f64) -> f64 {
     let rest = square - resolved;
     if rest > ROUNDING * square { rest } else { 0.0 }

@@ -7,8 +7,8 @@ use super::layout::GridLayout;
 use super::solution::GridSolved;
 use crate::error::SolveError;
 
-/// What is solved after a layout: all fine cells halved, or the marked coarse cells split, and the marked boundary elements of
-/// the medium around the body halved; None where nothing can be refined.
+/// The layout after this one: all fine cells halved, or the marked coarse cells split, and the marked boundary elements of the
+/// medium around the body halved; None where nothing can be refined.
 ///
 /// # Errors
 /// Those of a coarse mesh.
@@ -33,7 +33,7 @@ pub(super) fn next_layout(
     Ok((refined || split).then_some(GridLayout { parts: layout.parts, coarse: Some(cells), around }))
 }
 
-/// What is refined.
+/// The parts that are refined.
 struct Marked {
     /// Coarse cells; one entry for all cells of a grid without.
     cells: Vec<bool>,

@@ -24,7 +24,7 @@ const OUTWEIGHED: f64 = 0.1;
 pub enum OnGrid {}
 
 impl Progress<OnGrid> {
-    /// The beginning of a run; of steps that are done already, the last one is solved again.
+    /// The beginning of a run; if steps are done already, the last one is solved again.
     ///
     /// # Errors
     /// Those of the first grid.

@@ -44,9 +44,9 @@ pub struct GridSolved {
     pub estimate_seconds: f64,
     /// The unbounded medium around the body.
     pub around: Option<Around>,
-    /// What is left of the equations where both meet.
+    /// The residuals of the equations where both meet.
     pub(crate) interface: Option<InterfaceIndicators>,
-    /// What its nodes leave of the jump of the displacement, an energy for each boundary element.
+    /// The part of the jump of the displacement that its nodes miss, an energy for each boundary element.
     pub(crate) jump_oscillation: Vec<f64>,
 }
 
@@ -60,7 +60,7 @@ pub struct CoarseSolved {
     pub displacement: Vec<[f64; 2]>,
     /// Whether the response to the load inside of each cell is added.
     pub bubbles: bool,
-    /// Different patterns of moduli: so many local problems were solved.
+    /// Number of different patterns of moduli, each with one local problem.
     pub patterns: usize,
     /// Displacement of fine nodes on the boundary less that of the basis functions, as [`steklov_msfem::Extra::lift`] has it.
     pub lift: Vec<f64>,

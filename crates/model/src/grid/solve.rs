@@ -237,8 +237,8 @@ fn unknown_points(problem: &Multiscale<'_>) -> Vec<[f64; 2]> {
     points
 }
 
-/// Takes the rigid motions that nothing resists out of the fine displacement, as out of that of bilinear elements, and the same out
-/// of that of the coarse vertices and of the boundary.
+/// Removes the rigid motions that nothing resists from the fine displacement, as for bilinear elements, and the same motions
+/// from the displacements of the coarse vertices and of the boundary.
 fn without_free_motions(
     grid: &Grid,
     fine: &mut [f64],

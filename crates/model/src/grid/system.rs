@@ -34,7 +34,8 @@ pub(crate) struct System {
     pub at_boundary: Vec<usize>,
 }
 
-/// Of displacements, the number e of an element and its end j: about the moment of the traction on e against the function of j.
+/// From displacements, the number e of an element and its end j: approximately the moment of the traction on e against the
+/// function of j.
 pub(crate) type CornerMoment<'a> = dyn Fn(&[f64], usize, usize) -> [f64; 2] + 'a;
 
 /// The answer of a [`System`].
@@ -53,7 +54,7 @@ pub(crate) struct Answer {
 /// Part of all nodal forces that a translation may meet as resistance.
 const RESISTING: f64 = 1e-6;
 
-/// Unknowns that hold rigid motions which nothing resists, as far from each other in their effect as can be.
+/// Unknowns that hold rigid motions which nothing resists, chosen as different in their effect as possible.
 fn pins(points: &[[f64; 2]], motions: &[RigidMotion], taken: &[bool]) -> Vec<usize> {
     let mut rows: Vec<Vec<f64>> = motions.iter().map(|r| r.nodal(points)).collect();
     let mut pins = Vec::new();

@@ -4,7 +4,7 @@ use steklov_bem_operators::{BemError, Mesh, Space};
 use steklov_msfem::Grid;
 use steklov_problem::Scene;
 
-/// Boundary elements between grid points: what loads, supports and contact of a grid are set up on.
+/// Boundary elements between grid points, on which loads, supports and contact of a grid are set up.
 pub(crate) struct GridTrace {
     /// The elements, all of degree 1.
     pub mesh: Mesh,
@@ -15,7 +15,7 @@ pub(crate) struct GridTrace {
 }
 
 impl GridTrace {
-    /// The boundary with a node at each of its lattice points that `is_node` tells, and at all corners.
+    /// The boundary with a node at each of its lattice points for which `is_node` holds, and at all corners.
     ///
     /// # Errors
     /// Elements without a length in floating point.

@@ -13,7 +13,8 @@ pub(crate) const SMOOTH: f64 = 1e-6;
 const STRAIGHT: f64 = 1e-9;
 /// A vertex closer to a kink of the data than this part of its element is moved there.
 const SNAP: f64 = 0.2;
-/// Data that vary within less than an element of the first mesh get vertices there, at so many places of an edge at most.
+/// Data that vary within less than an element of the first mesh get vertices there, at no more than this many places of an
+/// edge.
 const MOST_PLACES: usize = 64;
 /// A vertex within this part of its distance from such a place is as good as another one there.
 const NEAR: f64 = 0.4;
@@ -98,12 +99,12 @@ fn halve_long(subdivision: &mut Subdivision, polygon: &Polygon) {
     }
 }
 
-/// Elements of a first mesh are at most so many times as long as their distance from another loop.
+/// Largest length of an element of a first mesh over its distance from another loop.
 const LONG: f64 = 4.0;
-/// No part of an edge shorter than this is halved for that.
+/// No part of an edge shorter than this is halved for this reason.
 const SHORTEST: f64 = 1e-2;
 
-/// Singular points of every edge that are known before anything is solved, rising: its corners, but those where the
+/// Singular points of every edge that are known before anything is solved, rising: its corners, except those where the
 /// boundary goes on straight on the same side; with `kinks` also where a datum has a kink or jumps.
 pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
     let edges = scene.problem.outline.edges();
@@ -197,14 +198,13 @@ fn is_mirror_corner(scene: &Scene, edges: [usize; 2], turn: f64) -> bool {
     square && turn > 0.0 && (held(a) && even(b) || even(a) && held(b)) && scene.body().force.is_none()
 }
 
-/// The elements between two of these points. The error of one may have the parity that the one bubble of an estimate has
-/// not.
+/// The elements between two of these points. The error of one may have the parity that the single bubble of an estimate lacks.
 pub fn coarse_elements(mesh: &Mesh, singular: &[Vec<f64>]) -> Vec<usize> {
     let at = |e: usize, s: f64| singular[mesh.edge[e]].iter().any(|p| (p - s).abs() < SAME_PLACE);
     (0..mesh.len()).filter(|&e| mesh.span[e].iter().all(|&s| at(e, s))).collect()
 }
 
-/// Vertices at three places of an edge, but where there is one already.
+/// Makes vertices at three places of an edge, except where there is one already.
 pub(crate) fn insert_apart(subdivision: &mut Subdivision, edge: usize, places: [f64; 3]) {
     let apart = 0.1 * (places[2] - places[0]).abs();
     for s in places {

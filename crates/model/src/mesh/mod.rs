@@ -1,4 +1,4 @@
-//! Meshes of a problem: the first one, and what a mesh is made of.
+//! Meshes of a problem: the first mesh, and the parts of a mesh.
 
 pub mod first_mesh;
 pub mod layout;

@@ -23,13 +23,13 @@ const TELLING: usize = 4;
 /// Degree from which an element whose data are not resolved is halved.
 const RESOLVING: usize = 3;
 
-/// The elements with more than a small part of what their degrees do not follow of the loads.
+/// The elements with more than a small part of the loads that degrees do not resolve.
 fn unresolved_loads(unresolved: &[f64]) -> Vec<usize> {
     let total: f64 = unresolved.iter().sum();
     (0..unresolved.len()).filter(|&e| unresolved[e] > 0.01 * total).collect()
 }
 
-/// What a solved mesh tells of its elements.
+/// The data of a solved mesh for marking its elements.
 struct Marking<'a> {
     scene: &'a Scene,
     solved: &'a Solved,
@@ -102,9 +102,10 @@ impl<'a> Marking<'a> {
         self.solved.mesh.shape.iter().any(|s| *s != Shape::Line)
     }
 
-    /// Degrees that a smooth element lacks until its squared error is its share of half of what is tolerated, from the decay of its
-    /// coefficients; at least one and at most half of its degree. Of meshes with curves, which degrees alone resolve: beside
-    /// corners of straight sides layers do, and the error of the next element changes with each of them.
+    /// Number of degrees that a smooth element lacks until its squared error is its share of half of the tolerated one, from
+    /// the decay of its coefficients; at least one and at most half of its degree. Only for meshes with curves, which degrees
+    /// alone resolve: beside corners of straight sides layers do this, and the error of the next element changes with each of
+    /// them.
     fn lacking_degrees(&self, e: usize) -> Option<usize> {
         let mesh = &self.solved.mesh;
         let decay = self.decay(e).filter(|&decay| decay < 1.0)?;
@@ -117,7 +118,7 @@ impl<'a> Marking<'a> {
         Some((lacking as usize).clamp(1, mesh.degree[e] / 2))
     }
 
-    /// The squared error that is tolerated, in parts of the estimated one.
+    /// The tolerated squared error over the estimated one.
     fn tolerated(&self) -> Option<f64> {
         Some((self.scene.method.tolerance() / self.estimate?.relative).powi(2))
     }
@@ -138,10 +139,10 @@ impl<'a> Marking<'a> {
         (0..mesh.len()).find(inside).is_some_and(|e| self.oscillates(e))
     }
 
-    /// The marks of the hp strategy: all of the error but a small part, and whatever is too coarse to tell its own.
+    /// The marks of the hp strategy: all of the error except a small part, and all elements too coarse to show their own.
     fn of_hp(&self, tips: &[Tip], singular: &[Vec<f64>], turns: &[Vec<Turn>]) -> Result<Vec<Mark>, SolveError> {
         let mesh = &self.solved.mesh;
-        // on curves what is left alone has at most half of the squared error that is tolerated
+        // on curves the elements left alone have at most half of the tolerated squared error
         let tolerated = self.tolerated().filter(|&part| part < 1.0 && self.is_curved());
         let mut part = tolerated.map_or(MARKED, |part| MARKED.min(1.0 - 0.5 * part));
         if let (Some(state), true) = (self.state, turns.iter().flatten().any(|t| t.maximum)) {
@@ -201,15 +202,15 @@ fn lopsided_elements(mesh: &Mesh, singular: &[Vec<f64>], ratio: f64) -> Vec<usiz
     points.into_iter().flat_map(long).collect()
 }
 
-/// Ratio of the lengths of two elements that meet at a singular point beyond which the longer one is cut: of a body with curves, and
-/// of several bodies.
+/// Ratio of the lengths of two elements that meet at a singular point beyond which the longer one is cut: for a body with
+/// curves, and for several bodies.
 const LOPSIDED: f64 = 100.0;
 const LOPSIDED_BODIES: f64 = 10.0;
 
 /// A vertex closer than this part of its piece is moved to a tip.
 const SNAP: f64 = 0.2;
 
-/// Gives what faces a transition on another body a vertex too, one that moves with it: both meshes are graded to it.
+/// Gives the point that faces a transition on another body a vertex too, which moves with it: both meshes are graded to it.
 fn follow_beyond(
     scene: &Scene,
     before: &[Tip],

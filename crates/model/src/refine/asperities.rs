@@ -12,7 +12,7 @@ use crate::mesh::first_mesh::insert_apart;
 /// vertices.
 pub(crate) const MARKED: f64 = 0.95;
 const FIRST_MARKED: f64 = 0.7;
-/// What is narrower than this in the reference coordinate of its element gets vertices of its own.
+/// Overlaps narrower than this in the reference coordinate of their element get vertices of their own.
 const NARROW: f64 = 0.5;
 
 /// Where the gap of each edge turns: asperities of the obstacle, and valleys between them.
@@ -25,8 +25,8 @@ pub(crate) fn gap_turns(scene: &Scene) -> Vec<Vec<Turn>> {
 }
 
 /// The part of the indicators whose elements are refined among asperities. Transitions that get vertices count with their
-/// energy, and as marked: while that is most of the estimate nothing else is refined; nor is much while many have none, nor more
-/// than half of the tolerance asks for, which is `goal` of the estimate.
+/// energy, and as marked: while that is most of the estimate nothing else is refined. Little is refined while many transitions
+/// have no vertices, and never more than half of the tolerance requires; the tolerance is `goal` times the estimate.
 pub(crate) fn part_to_mark(squared: &[f64], located: &[Located], energy: f64, goal: f64) -> f64 {
     let new = located.iter().filter(|tip| !tip.at_vertex).count();
     let part = if 4 * new > located.len() { FIRST_MARKED } else { MARKED };

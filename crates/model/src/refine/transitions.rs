@@ -22,10 +22,9 @@ const TIP: f64 = 3.0 * std::f64::consts::PI / 32.0;
 /// the contact sets are not those of the solution yet.
 const FAR: f64 = 0.006;
 const FAR_IN_ZONE: f64 = 0.025;
-/// Energy norm that vertices off their transitions may cost by themselves, over the estimated error, beyond which that is in
-/// doubt.
+/// Largest error (energy norm) by vertices off their transitions alone, over the estimated error; beyond it there is a doubt.
 const UNDONE: f64 = 10.0;
-/// Part of the squared estimate from which on energies of transitions that are not where they were believed to be count.
+/// From this part of the squared estimate on, energies of transitions away from their believed places count.
 const MATTERS: f64 = 0.05;
 
 impl Estimate {
@@ -38,7 +37,7 @@ impl Estimate {
         self.relative = ratio(self.error, self.scale);
     }
 
-    /// Adds what the mesh's vertices miss of the transitions, and says what is in doubt. `before`: the transitions of the step
+    /// Adds the energy of the transitions that the mesh's vertices miss, and the doubts. `before`: the transitions of the step
     /// before, if there was one.
     pub(crate) fn add_transitions(
         &mut self,
@@ -78,7 +77,7 @@ impl Estimate {
         }
     }
 
-    /// Says whether zones that press by nothing that counts are more than a small part of the length of contact, or all of it.
+    /// Adds a doubt if zones with negligible pressure are more than a small part of the length of contact, or all of it.
     pub(crate) fn add_undecided(&mut self, decided: &Decided) {
         let Decided { closed, undecided, length, .. } = *decided;
         if undecided > (FAR_IN_ZONE * closed).min(FAR * length) && !self.doubts.contains(&Doubt::Sets) {
@@ -131,8 +130,8 @@ fn with_curvatures(located: &[Located]) -> Vec<Located> {
     located.iter().map(of).collect()
 }
 
-/// What the zones had or have that only one of two steps knows: of each kind of transition on each edge, the smallest as many as
-/// there are more of; infinite where one was not fitted.
+/// The energy of zones that only one of two steps knows: for each kind of transition on each edge the smallest ones, as many
+/// as one step has more than the other; infinite if one was not fitted.
 fn changed_energy(modulus: &dyn Fn(&Located) -> f64, before: &[Located], after: &[Located]) -> f64 {
     let mut groups: Vec<(usize, TipKind)> = before.iter().chain(after).map(|tip| (tip.edge, tip.kind)).collect();
     groups.sort_by_key(|&(edge, kind)| (edge, kind as usize));

@@ -63,20 +63,20 @@ impl Reason {
     }
 }
 
-/// What is solved again and again, each time with another layout:
-/// [`crate::run::boundary_elements::BoundaryElements`] or [`crate::grid::OnGrid`].
+/// A model that is solved again and again, each time with another layout: [`crate::run::boundary_elements::BoundaryElements`]
+/// or [`crate::grid::OnGrid`].
 pub trait Model: Debug + Clone + PartialEq {
-    /// What is to be solved: a subdivision of the boundary, a grid.
+    /// The input of a step: a subdivision of the boundary, a grid.
     type Layout: Debug + Clone + PartialEq + Send;
-    /// What a step keeps of it.
+    /// The part of it that a step keeps.
     type Kept: Debug + Clone + PartialEq + Send;
     /// The estimate of a step.
     type Estimate: Debug + Clone + PartialEq + Send;
     /// A solved layout.
     type Solved: Send;
-    /// What its matrices leave.
+    /// The factored matrices.
     type Matrices: Send;
-    /// What one step leaves to the next, besides its layout.
+    /// Data that one step passes to the next, besides its layout.
     type Cache: Default;
 
     /// Solves and estimates a layout, after the steps that are done.
@@ -90,10 +90,10 @@ pub trait Model: Debug + Clone + PartialEq {
         observe: &mut dyn FnMut(Stage<'_>) -> Result<(), SolveError>,
     ) -> Result<Advanced<Self>, SolveError>;
 
-    /// Why the run ends after the last of the steps, if it does; `next` is what would be solved, if anything is refined.
+    /// Why the run ends after the last of the steps, if it does; `next` is the next layout, if anything is refined.
     fn end(scene: &Scene, steps: &[Step<Self>], solved: &Self::Solved, next: Option<&Self::Layout>) -> Option<Reason>;
 
-    /// What is told of the last solution.
+    /// The report of the last solution.
     fn report<'a>(scene: &Scene, run: &'a Run<Self>) -> Report<'a>;
 
     /// The outcomes of random input on the last step of a run that went well; the run says why there are none or not all.
@@ -110,43 +110,43 @@ pub trait Model: Debug + Clone + PartialEq {
         Ok(None)
     }
 
-    /// What the step that would have come next lacks of memory, where that ended the run.
+    /// The memory that the next step would have lacked, if that ended the run.
     fn lack(_: &Scene, _: &Run<Self>) -> Option<Lack> {
         None
     }
 }
 
-/// What a run hands to its observer.
+/// The events that a run passes to its observer.
 pub enum Event<'a, M: Model> {
-    /// Something of the step that runs.
+    /// A stage of the running step.
     Stage(Stage<'a>),
     /// A step is solved and estimated.
     Done {
         /// The solution.
         solved: &'a M::Solved,
-        /// What is kept of it.
+        /// The kept data of the step.
         step: &'a Step<M>,
         /// Wall seconds since the run began.
         seconds: f64,
     },
 }
 
-/// Who is told the events of every step, by its number.
+/// Receives the events of every step, with the step's number.
 pub type Observer<'a, M> = dyn FnMut(usize, Event<'_, M>) -> Result<(), SolveError> + 'a;
 
-/// A step that is done, and what it leads to.
+/// A finished step, and the layout that follows.
 pub struct Advanced<M: Model> {
     /// The solution.
     pub solved: M::Solved,
-    /// What its matrices leave.
+    /// The factored matrices.
     pub matrices: M::Matrices,
-    /// What is kept of it.
+    /// The kept data of the step.
     pub step: Step<M>,
-    /// What would be solved next; none where nothing is refined.
+    /// The next layout; none if nothing is refined.
     pub next: Option<M::Layout>,
 }
 
-/// What is kept of every step.
+/// The kept data of a step.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Step<M: Model> {
     /// Its mesh, or its grid.
@@ -172,12 +172,12 @@ pub(crate) fn seconds_of(s: &Seconds, estimate: f64) -> [f64; 5] {
     [s.set_up, s.assemble, s.factorise, s.solve, estimate]
 }
 
-/// Steps that are done, and the layout that they lead to.
+/// Finished steps, and the layout that follows.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Progress<M: Model> {
     /// All steps.
     pub steps: Vec<Step<M>>,
-    /// What is to be solved next.
+    /// The next layout.
     pub next: M::Layout,
 }
 
@@ -185,7 +185,7 @@ pub struct Progress<M: Model> {
 pub struct Run<M: Model> {
     /// The last step.
     pub last: M::Solved,
-    /// What its matrices leave; None where a later step was begun, for which they were given up.
+    /// Its factored matrices; None if a later step was begun, for which they were released.
     pub matrices: Option<M::Matrices>,
     /// The steps and what comes next.
     pub progress: Progress<M>,
@@ -198,7 +198,7 @@ pub struct Run<M: Model> {
 }
 
 impl<M: Model> Run<M> {
-    /// Whether everything that was asked for is reached.
+    /// Whether the run reached everything that was asked for.
     pub fn converged(&self) -> bool {
         matches!(self.reason, Reason::Solved | Reason::Tolerance)
     }
@@ -218,8 +218,8 @@ impl<M: Model> Run<M> {
 /// after two the run ends at once with the steps before it.
 ///
 /// # Errors
-/// As [`Model::advance`], of the first step that it solves: an error of a later one ends the run with the steps before it. Those of
-/// the observer always. [`SolveError::Interrupted`] if there is nothing to keep.
+/// As [`Model::advance`] for the first step that it solves; an error of a later step ends the run with the steps before it.
+/// Errors of the observer always. [`SolveError::Interrupted`] if there is nothing to keep.
 pub fn run<M: Model>(
     scene: &Scene,
     mut progress: Progress<M>,

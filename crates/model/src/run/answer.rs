@@ -67,7 +67,7 @@ pub fn answer<M: Model>(
         iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact.map(|c| {
             let told = contact_summary(scene, report.trace, c, rows, report.located);
-            // of several interfaces nothing says which end is whose
+            // with several interfaces nothing says which end belongs to which
             let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
             ContactSummary { ends: told.ends.filter(|_| !several), ..told }
         }),
@@ -115,7 +115,7 @@ fn unsolved(scene: &Scene, contact: Option<&ContactResult>, outcomes: usize) -> 
     )
 }
 
-/// The judge's measures as they are told.
+/// The judge's measures as they are reported.
 pub(crate) fn audit_summary(audit: &Kkt) -> Audit {
     Audit {
         equilibrium: audit.equilibrium,

@@ -28,14 +28,14 @@ use crate::stochastic::{End, OutcomeStage, StochasticResult, mean_estimate, solv
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BoundaryElements {}
 
-/// What a step keeps of its mesh.
+/// The data that a step keeps of its mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RefinedMesh {
     /// The mesh.
     pub mesh: Mesh,
     /// The vertices of the mesh that follow transitions of contact and stick.
     pub tips: Vec<Tip>,
-    /// Where the transitions are believed to be.
+    /// The believed positions of the transitions.
     pub located: Vec<Located>,
 }
 
@@ -55,13 +55,13 @@ impl Progress<BoundaryElements> {
         Self { steps: Vec::new(), next: Layout::first(scene) }
     }
 
-    /// What the next mesh lacks if the matrices that it needs do not fit into the memory that the method may take.
+    /// The memory that the next mesh lacks if its matrices do not fit into the memory that the method may take.
     pub fn lack(&self, scene: &Scene) -> Option<Lack> {
         lack_of(scene, &self.next)
     }
 
-    /// The state before the last of these steps was solved; None of no steps. Solving it again gives the same bits, and
-    /// what they lead to.
+    /// The state before the last of these steps was solved; None without steps. Solving it again gives the same bits and the
+    /// same next layout.
     pub fn before_last(mut steps: Vec<Step<BoundaryElements>>) -> Option<Self> {
         let RefinedMesh { mesh, tips, .. } = steps.pop()?.layout;
         let subdivision = Subdivision::new(&mesh, &vec![Mark::Keep; mesh.len()]);
@@ -88,7 +88,7 @@ impl Run<BoundaryElements> {
     }
 }
 
-/// Solves a scene of boundary elements from its first mesh to its last: [`run`] that nobody watches or stops.
+/// Solves a scene of boundary elements from its first mesh to its last: [`run`] without an observer or interrupts.
 ///
 /// # Errors
 /// As [`run`].
@@ -96,8 +96,8 @@ pub fn unobserved(scene: &Scene) -> Result<Run<BoundaryElements>, SolveError> {
     run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(()))
 }
 
-/// Whether the error of a step is down where rounding may decide. Of loads that the mesh does not follow an estimate of nothing
-/// tells nothing.
+/// Whether the error of a step is down where rounding may decide. If the mesh does not resolve the loads, an estimate of 0
+/// says nothing.
 fn is_exact(step: &Step<BoundaryElements>) -> bool {
     step.estimate.as_ref().is_some_and(|e| e.relative < ROUNDOFF && !e.doubts.contains(&Doubt::Data))
 }
@@ -165,7 +165,7 @@ impl Model for BoundaryElements {
         if let (Some(random), Some(enriched), Some(one)) = (&scene.random, &enriched, &mut estimate)
             && one.relative <= scene.method.tolerance()
         {
-            // the mean outcome is solved well enough: what of the others?
+            // the mean outcome is solved well enough: are the others?
             *one = mean_estimate(scene, random, &body, enriched, one)?;
             (layout, _) = next(Some(one))?;
         }

@@ -1,4 +1,4 @@
-//! What boundary elements tell of a solution.
+//! The report of boundary elements on a solution.
 
 use steklov_contact::Located;
 use steklov_coupling::Radiation;
@@ -20,7 +20,7 @@ use crate::summary::{BodySummary, MediumSummary};
 /// Part of the forces on the boundary below which their resultant counts as none.
 const BALANCED: f64 = 1e-6;
 
-/// What boundary elements tell.
+/// The report of boundary elements.
 pub(crate) fn report<'a>(
     scene: &Scene,
     solved: &'a Solved,
@@ -94,7 +94,7 @@ fn bodies(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Vec<Bo
     solved.strain_of_bodies.iter().enumerate().map(of).collect()
 }
 
-/// What an unbounded medium with a boundary of its own does far away; none without one.
+/// The behaviour of an unbounded medium with a boundary of its own far away; none without one.
 fn exterior_summary(scene: &Scene, solved: &Solved) -> Option<MediumSummary> {
     let parts = scene.problem.outline.bodies().len();
     let (body, radiation) = (0..parts).find_map(|body| Some((body, scene.problem.radiation(body)?)))?;

@@ -53,7 +53,7 @@ pub fn check_expect(scene: &Scene) -> Result<(), DataError> {
     Ok(())
 }
 
-/// Whether there is a number at the end of these keys; lists have any length, but that of the probe points.
+/// Whether there is a number at the end of these keys; lists have any length, except that of the probe points.
 fn is_number(value: &Value, keys: &[&str], probes: usize) -> bool {
     let Some((key, rest)) = keys.split_first() else { return value.is_number() || value.is_boolean() };
     match value {
@@ -76,7 +76,7 @@ fn is_number(value: &Value, keys: &[&str], probes: usize) -> bool {
     }
 }
 
-/// The paths of all numbers, of lists those of the first entry.
+/// The paths of all numbers; for lists those of the first entry.
 fn collect(value: &Value, path: String, paths: &mut Vec<String>) {
     let join = |key: &str| if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
     match value {

@@ -23,7 +23,7 @@ pub struct Lack {
     pub left: u64,
 }
 
-/// What a mesh lacks; none if it fits.
+/// The memory that a mesh lacks; none if it fits.
 pub(crate) fn lack(scene: &Scene, elements: usize, dofs: usize) -> Option<Lack> {
     let (needed, left) = (memory_bytes(scene, elements, dofs), scene.method.memory?);
     (needed > left).then_some(Lack { dofs, needed, left })

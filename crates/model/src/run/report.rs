@@ -1,4 +1,4 @@
-//! What a model tells of its last solution.
+//! The report of a model on its last solution.
 
 use steklov_contact::Located;
 
@@ -10,7 +10,7 @@ use crate::solve::contact_rows::Trace;
 use crate::solve::medium::Around;
 use crate::summary::{BodySummary, GridSummary, InterfaceSummary, MediumSummary, Probe, ReachSummary};
 
-/// What a model tells of its last solution.
+/// The report of a model on its last solution.
 pub struct Report<'a> {
     /// Energies.
     pub energies: Energies,
@@ -38,7 +38,7 @@ pub struct Report<'a> {
     pub grid: Option<GridSummary>,
     /// The medium around the body, solved.
     pub around: Option<&'a Around>,
-    /// What is told of an unbounded medium.
+    /// The reported numbers of an unbounded medium.
     pub exterior: Option<MediumSummary>,
     /// Several bodies.
     pub bodies: Vec<BodySummary>,

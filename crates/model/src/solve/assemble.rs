@@ -3,7 +3,7 @@
 use steklov_bem_operators::{BemError, Mesh, Operators, PairCache, Space};
 use steklov_elastic::Material;
 
-/// V, K, W of a mesh; `estimated`: what an estimate needs besides is kept in `cache`.
+/// V, K, W of a mesh; `estimated`: keeps in `cache` the data that an estimate needs besides.
 pub(crate) fn operators(
     mesh: &Mesh,
     space: &Space,

@@ -22,7 +22,7 @@ use crate::solve::inclusion::Outside;
 use crate::solve::solution::{Seconds, Solved, TieRow};
 use crate::solve::stabilised::StabilisedContact;
 
-/// What assembly and factorisation leave: enough to answer any loads, gaps, bounds and held values on the same supports.
+/// The results of assembly and factorisation: enough to answer any loads, gaps, bounds and held values on the same supports.
 pub struct Body {
     /// The mesh.
     pub mesh: Mesh,
@@ -43,7 +43,7 @@ pub struct Body {
     pub(crate) tied: Vec<TiedNode>,
     /// Prescribed components of the nodes.
     pub(crate) held: Vec<Held>,
-    /// Springs on sides; S is with theirs.
+    /// Springs on sides; S contains them.
     pub springs: Springs,
     /// Largest entry of the diagonal of S without them.
     pub(crate) largest_diagonal: f64,
@@ -51,7 +51,7 @@ pub struct Body {
     pub free: Vec<RigidMotion>,
 }
 
-/// What acts on a body.
+/// The loads and supports that act on a body.
 pub struct Loading {
     pub(crate) loads: Loads,
     /// By the bodies.
@@ -59,7 +59,7 @@ pub struct Loading {
     pub(crate) boundary: Option<ContactBoundary>,
     /// Values of the held unknowns, in the order of the nodes.
     pub(crate) held: Vec<f64>,
-    /// Whether it is asked how safe a solution under Coulomb's law is.
+    /// Whether the safety of a solution under Coulomb's law is judged.
     pub(crate) judged: bool,
     /// Whether contact may be solved again where the obstacle pushes the body off.
     pub(crate) liftable: bool,
@@ -90,10 +90,11 @@ impl Loading {
     }
 }
 
-/// Corrections of a body on springs: soft ones leave the sum of both stiffnesses few digits of theirs, and forces have all.
+/// Corrections of a body on springs: with soft springs the sum of both stiffnesses has few digits of theirs, while forces have
+/// all.
 const CORRECTIONS: usize = 2;
 
-/// What is left of a solution, besides the matrices of its [`Body`], for its estimate and the next mesh.
+/// The data of a solution that its estimate and the next mesh need besides the matrices of its [`Body`].
 pub struct Factors {
     /// Nodal displacement without the particular solution and the motions that springs carry, of biorthogonal multipliers.
     pub homogeneous: Vec<f64>,
@@ -103,9 +104,10 @@ pub struct Factors {
     pub energy: f64,
     /// ‖u - u_b‖², energy norm, of the displacements of stabilised and biorthogonal multipliers; 0 if they are one.
     pub difference: f64,
-    /// Load of the bubbles, less that of the particular solution and what springs pull at them.
+    /// Load of the bubbles, less that of the particular solution and the pull of springs.
     pub extra_load: Vec<f64>,
-    /// What the polynomials of each element leave of its prescribed tractions and of those of springs, h/(p+2) ‖t - Π t‖² (stress² length²).
+    /// The part of each element's prescribed tractions and of those of springs that its polynomials do not resolve, h/(p+2) ‖t
+    /// - Π t‖² (stress² length²).
     pub unresolved: Vec<f64>,
     /// The condensed contact problem.
     pub contact: Option<ContactFactors>,
@@ -149,7 +151,7 @@ impl Body {
         settled
     }
 
-    /// What springs pull at the nodes.
+    /// The forces of springs at the nodes.
     fn pull(&self, displacement: &[f64]) -> Vec<f64> {
         self.springs.pull(&self.space, self.mesh.len(), displacement).base
     }
@@ -168,7 +170,7 @@ impl Body {
         self.pieces.iter().flat_map(|a| a.traction_map.apply(a.piece.own(displacement))).collect()
     }
 
-    /// The answer to what acts on the body; `solve` solves the condensed contact problem. No seconds are taken.
+    /// The answer to the loads on the body; `solve` solves the condensed contact problem. No times are measured.
     ///
     /// # Errors
     /// Those of the contact solver; results that leave the range of floating point.
@@ -182,7 +184,7 @@ impl Body {
         let (companion, contact) = self.displacement(&mut given, solve)?;
         let (contact, contact_factors) = contact.unzip();
         let companion_friction = contact.as_ref().map_or(0.0, |c| c.friction_work);
-        // what adaptivity and the estimate rest on is the companion: of biorthogonal multipliers
+        // adaptivity and the estimate rest on the companion, the solution with biorthogonal multipliers
         let (mut displacement, contact) = match (contact, given.stabilised.take()) {
             (Some(contact), Some(s)) => (s.displacement.clone(), Some(contact.with_stabilised(s))),
             (contact, _) => (companion.clone(), contact),
@@ -253,7 +255,7 @@ impl Body {
         Ok((solved, factors))
     }
 
-    /// What is left of the equations of a displacement.
+    /// The residual of a displacement in the equations.
     fn residual(
         &self,
         forces: &[f64],
@@ -269,7 +271,7 @@ impl Body {
         equations.residual(|dof| dof, |dof| supports.is_held(dof))
     }
 
-    /// The tractions of ties, of what is left of the equations.
+    /// The tractions of ties, from the residual of the equations.
     fn tie_rows(&self, scene: &Scene, residual: &[f64]) -> Vec<TieRow> {
         let (mut rows, mut nodes): (Vec<TieRow>, Vec<[usize; 2]>) = (Vec::new(), Vec::new());
         for tied in &self.tied {
@@ -286,7 +288,7 @@ impl Body {
         rows
     }
 
-    /// The nodal displacement under what acts on the body, and its contact, whose boundary is taken.
+    /// The nodal displacement under the loads on the body, and its contact, whose boundary is taken out of `given`.
     fn displacement(
         &self,
         given: &mut Loading,
@@ -358,10 +360,10 @@ impl Body {
     }
 }
 
-/// Contact, and what is left of it for the estimate and the next mesh.
+/// Contact, and its data for the estimate and the next mesh.
 type Contacted = (ContactResult, ContactFactors);
 
-/// What a nodal displacement gives.
+/// The fields and energies of a nodal displacement.
 struct Fields {
     /// It without the particular solution.
     homogeneous: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Contact on one mesh: the condensed problem, its solution, and what is told of it.
+//! Contact on one mesh: the condensed problem, its solution, and its reported numbers.
 
 use faer::Mat;
 use steklov_bem_operators::{Mesh, Space};
@@ -26,7 +26,7 @@ pub struct ContactResult {
     pub friction_work: f64,
     /// The answer with stabilised multipliers, if they are asked for: the one that is reported.
     pub stabilised: Option<StabilisedContact>,
-    /// What Coulomb's law adds, where it holds.
+    /// The data of Coulomb's law, where it holds.
     pub coulomb: Option<Coulomb>,
     /// How far the obstacle pushes the body off, beyond the displacement of `solution`, whose gaps are larger by that.
     pub lift: Option<RigidMotion>,
@@ -95,12 +95,12 @@ pub struct ContactFactors {
     pub lines: Vec<ContactLine>,
 }
 
-/// Part of the estimated error that a zone of contact or of a gap has at least, if it is not one of rounding or of the error itself:
-/// where gap and pressure are both 0 up to 0.004 was measured.
+/// Smallest part of the estimated error that a zone of contact or of a gap has, unless rounding or the error itself makes the
+/// zone: where gap and pressure are both 0 up to 0.004 was measured.
 const DECIDED: f64 = 0.1;
 
 impl ContactFactors {
-    /// The transitions that are more than an error (energy norm) may make.
+    /// The transitions that an error (energy norm) does not explain.
     pub(crate) fn decided(&self, scene: &Scene, solution: &Solution, error: f64) -> Decided {
         let least = |edge: usize| {
             let root = scene.problem.contact_modulus(edge).sqrt();
@@ -117,28 +117,28 @@ impl ContactFactors {
     }
 }
 
-/// A body whose other unknowns are eliminated.
+/// A body with all unknowns eliminated except those of contact.
 pub(crate) struct CondensedBody<'a> {
     /// The boundary and its nodes.
     pub(crate) mesh: &'a Mesh,
     pub(crate) space: &'a Space,
-    /// S_c, and what elimination leaves of the load.
+    /// S_c, and the reduced load.
     pub(crate) stiffness: &'a Mat<f64>,
     pub(crate) load: &'a [f64],
-    /// All displacements, of those of the contact nodes.
+    /// All displacements from those of the contact nodes.
     pub(crate) expand: &'a dyn Fn(&[f64]) -> Vec<f64>,
-    /// Of the whole stiffness matrix.
+    /// Largest diagonal entry of the whole stiffness matrix.
     pub(crate) largest_diagonal: f64,
     /// Rigid motions that nothing resists and no load drives, and the work of the load on a motion with its scale.
     pub(crate) free: &'a [RigidMotion],
     pub(crate) driven: &'a dyn Fn(&RigidMotion) -> (f64, f64),
-    /// Whether it is asked how safe a solution under Coulomb's law is.
+    /// Whether the safety of a solution under Coulomb's law is judged.
     pub(crate) judged: bool,
     /// Whether the problem may be solved again with other gaps.
     pub(crate) liftable: bool,
 }
 
-/// Solves contact with biorthogonal multipliers: all displacements, and what is told and kept of it.
+/// Solves contact with biorthogonal multipliers: all displacements, and its reported and kept data.
 pub(crate) fn solve_contact(
     body: &CondensedBody<'_>,
     boundary: ContactBoundary,

@@ -1,4 +1,4 @@
-//! What is left of the equations of a solution, S u = f + forces of supports and obstacles, whatever S is made of.
+//! The residual of a solution in the equations S u = f + forces of supports and obstacles, for any kind of S.
 
 use steklov_bem_operators::Mesh;
 use steklov_problem::Scene;
@@ -26,14 +26,14 @@ pub(crate) struct Equations<'a> {
     pub tied: &'a [TiedNode],
 }
 
-/// What is left of them.
+/// The residual of the equations.
 pub(crate) struct Residual {
     /// S u - f with the forces of obstacles and of other bodies: at held unknowns the forces of supports, at tied ones those of ties.
     pub values: Vec<f64>,
     /// Largest one at an unknown that is not held, over max |S u| + max |f|.
     pub relative: f64,
-    /// Whether that is as small as rounding allows. Without a load a body may move as a whole or not at all: forces of roundoff
-    /// are no scale of their own, those of moving by as much as it moves are.
+    /// Whether that is as small as rounding allows. Without a load a body may move as a whole or not at all: forces of
+    /// roundoff give no scale, the forces of moving by as much as it moves do.
     pub balanced: bool,
 }
 
@@ -47,7 +47,7 @@ impl Equations<'_> {
         largest(self.load) == 0.0
     }
 
-    /// What is left; `unknown` is that of an unknown of the boundary.
+    /// The residual; `unknown` gives the unknown of an unknown of the boundary.
     pub fn residual(&self, unknown: impl Fn(usize) -> usize, is_held: impl Fn(usize) -> bool) -> Residual {
         let mut values: Vec<f64> = self.forces.iter().zip(self.load).map(|(s, f)| s - f).collect();
         match self.contact.map(|c| (c, &c.stabilised)) {

@@ -50,7 +50,7 @@ pub struct ElasticField<'a> {
     pub mesh: &'a Mesh,
     /// Their displacement and traction.
     pub field: &'a Field,
-    /// What is added to it.
+    /// The particular solutions that are added to it.
     pub particular: &'a Particulars,
 }
 

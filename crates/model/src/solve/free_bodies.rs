@@ -1,9 +1,9 @@
 //! Motions of several bodies that neither supports nor interfaces resist.
 //!
-//! Contact resists a motion r of a body by what it changes of the distance, d·r. A body whose sides in contact are arcs about one
-//! centre has a rotation that maps these sides onto themselves, n·r = 0 with its own normals n: it changes no distance, although
-//! d·r, of the normals of both bodies, may be small instead of nothing. Loads must not drive it either; a couple holds it, as large
-//! as what pressures along d and not along n do on it.
+//! Contact resists a motion r of a body by the change of the distance, d·r. A body whose sides in contact are arcs about one
+//! centre has a rotation that maps these sides onto themselves, n·r = 0 with its own normals n: it changes no distance,
+//! although d·r, of the normals of both bodies, may be small instead of nothing. Loads must not drive it either; a couple
+//! holds it, as large as the work of pressures along d instead of n on it.
 
 use std::ops::Range;
 
@@ -137,7 +137,7 @@ impl OnMesh<'_> {
         motions
     }
 
-    /// What supports, ties and contact ask of motions.
+    /// The constraints of supports, ties and contact on motions.
     fn constraints(
         &self,
         bodies: &[Assembled],
@@ -237,7 +237,7 @@ fn kernel(constraints: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, f64) {
     (free.into_iter().map(|k| (0..count).map(|i| eigen.U()[(i, k)]).collect()).collect(), rounding)
 }
 
-/// The length of what orthonormal vectors leave of a vector.
+/// The length of the part of a vector outside the span of orthonormal vectors.
 fn beyond(others: &[Vec<f64>], vector: &[f64]) -> f64 {
     let mut left = vector.to_vec();
     for other in others {

@@ -67,7 +67,7 @@ impl Outside {
         Ok(Some(Self { material, length, stiffness, traction_map, jump, load }))
     }
 
-    /// What S₊ of the enriched spaces needs besides.
+    /// The blocks that S₊ of the enriched spaces needs besides.
     pub(crate) fn enriched(
         &self,
         mesh: &Mesh,
@@ -155,8 +155,8 @@ impl OnMesh<'_> {
         Ok(jump)
     }
 
-    /// Where body and medium meet, E*/2 ‖w‖ ‖dw/ds‖ of what the nodes leave of the jump of the displacement, for each of its components:
-    /// (element, energy). Both sides give way to w: 1/E* is the sum of both.
+    /// E*/2 ‖w‖ ‖dw/ds‖ of the part w of the jump of the displacement between body and medium that the nodes miss, for each of
+    /// its components: (element, energy). Both sides give way to w: 1/E* is the sum of both.
     pub(crate) fn jump_oscillation(&self) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
         let Some(around) = self.scene.surroundings() else { return Ok(found) };
@@ -169,7 +169,7 @@ impl OnMesh<'_> {
                 found.push((e, oscillation / (2.0 * compliance)));
             }
         }
-        // a linear displacement is one of the nodes but on curves
+        // nodes represent a linear displacement except on curves
         let remote = around.remote();
         for e in (0..self.mesh.len()).filter(|&e| !self.mesh.is_line(e)) {
             for i in 0..2 {
@@ -182,7 +182,7 @@ impl OnMesh<'_> {
         Ok(found)
     }
 
-    /// ∮ φ·(u0 - I_p u0): what J gains, to first order, by what the nodes leave of the jump.
+    /// ∮ φ·(u0 - I_p u0): the first-order gain of J from the part of the jump that the nodes miss.
     pub(crate) fn jump_work(&self, around: &Around) -> Result<f64, SolveError> {
         let space = self.space;
         let mut work = 0.0;

@@ -27,7 +27,7 @@ pub struct Around {
     pub constant: [f64; 2],
     /// Resultant of the loads.
     pub balance: Balance,
-    /// What was asked for at infinity.
+    /// The requested behaviour at infinity.
     pub radiation: Radiation,
     /// Stress far away.
     pub remote_stress: [f64; 3],
@@ -98,7 +98,7 @@ impl Around {
         ([0, 1].map(|i| u[i] + remote[i]), [0, 1, 2].map(|k| stress[k] + self.remote_stress[k]))
     }
 
-    /// What is told of it.
+    /// Its reported numbers.
     pub(crate) fn summary(&self) -> MediumSummary {
         let radiation = match self.radiation {
             Radiation::Decaying => "decaying",

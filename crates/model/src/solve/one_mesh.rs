@@ -40,7 +40,7 @@ fn nodal(motions: &[RigidMotion], space: &Space) -> Vec<Vec<f64>> {
     motions.iter().map(|r| r.nodal(&space.points)).collect()
 }
 
-/// What is kept and held of the nodes, ties behind supports, and what nodes face on other bodies.
+/// The kept and held unknowns of the nodes, ties behind supports, and the rows of nodes that face other bodies.
 fn partition(
     boundary: Option<&ContactBoundary>,
     supports: &Supports<'_>,
@@ -70,7 +70,7 @@ fn free_motions(
     }
 }
 
-/// S of every body, and what else its assembly leaves.
+/// S of every body, and the other results of its assembly.
 fn assemble(
     data: &OnMesh<'_>,
     estimated: bool,
@@ -100,8 +100,8 @@ fn assemble(
     Ok((matrices, bodies))
 }
 
-/// The motions that neither supports nor interfaces resist, as such of one body and as nodal vectors; what nodal values of rotations
-/// miss on curves is taken out of the matrices, that it does not resist them.
+/// The motions that neither supports nor interfaces resist, as rigid motions of a single body and as nodal vectors. The part
+/// of rotations that nodal values miss on curves is taken out of the matrices, so that it does not resist them.
 fn unresisted_motions(
     data: &OnMesh<'_>,
     bodies: &mut [Assembled],
@@ -167,8 +167,8 @@ fn stabilise(
     solve_stabilised(data, &of_stabilised, observe)
 }
 
-/// Adds springs to the matrices; the largest entry of the diagonal without them, if there are any. What rounding leaves of the
-/// resistance of bodies to the motions that springs alone hold is taken out first: springs may be softer.
+/// Adds springs to the matrices; the largest entry of the diagonal without them, if there are any. The rounding error in the
+/// resistance of bodies to motions that springs alone hold is taken out first: springs may be softer.
 fn add_springs(
     data: &OnMesh<'_>,
     springs: &Springs,

@@ -63,13 +63,13 @@ pub(crate) fn rigid_load(
     Ok(Some((space, load)))
 }
 
-/// What of a rotation may be missed.
+/// Largest part of a rotation that may be missed.
 const NOTHING_MISSED: f64 = 1e-12;
 /// Degree that follows rotations on an arc of 180°.
 const ROTATIONS: usize = 18;
 
-/// PᵀSP, P = I - QQᵀ the projection off the span Q of the motions: what the nodal values of a rotation miss on curves must not
-/// resist it. It is S - QRᵀ - RQᵀ with R = SQ - ½ Q(QᵀSQ).
+/// PᵀSP, P = I - QQᵀ the projection off the span Q of the motions: the part of a rotation that nodal values miss on curves
+/// must not resist it. It is S - QRᵀ - RQᵀ with R = SQ - ½ Q(QᵀSQ).
 pub(crate) fn project_off(matrix: &mut Mat<f64>, motions: &[Vec<f64>]) {
     let basis = orthonormal(motions);
     let column = |j: usize| matrix.col(j).try_as_col_major().map_or(&[][..], |column| column.as_slice());
@@ -89,7 +89,7 @@ pub(crate) fn project_off(matrix: &mut Mat<f64>, motions: &[Vec<f64>]) {
     });
 }
 
-/// Takes the parts of a load off that work on the motions.
+/// Removes the parts of a load that do work on the motions.
 pub(crate) fn project_load_off(load: &mut [f64], motions: &[Vec<f64>]) {
     for q in orthonormal(motions) {
         let part: f64 = dot(load, &q);

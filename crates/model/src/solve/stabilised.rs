@@ -30,7 +30,7 @@ pub struct StabilisedContact {
     pub gamma: f64,
     /// The largest γ₀ of a coercive form on this mesh.
     pub critical: f64,
-    /// What contact and its stabilisation add to S u, for every displacement unknown.
+    /// The contribution of contact and its stabilisation to S u, for every displacement unknown.
     pub forces: Vec<f64>,
     /// Nodal displacement.
     pub displacement: Vec<f64>,
@@ -44,7 +44,7 @@ pub struct StabilisedContact {
 pub struct StabilisedSystem<'a> {
     /// B_γ, C_γ, D_γ of γ₀ = 1.
     pub forms: &'a StabilisedForms,
-    /// S, that of springs in it.
+    /// S with that of springs.
     pub stiffness: &'a Mat<f64>,
     /// f of S u.
     pub load: &'a [f64],
@@ -59,7 +59,7 @@ pub struct StabilisedSystem<'a> {
 /// γ₀ over its critical value, unless the scene gives γ₀.
 pub const SAFE: f64 = 0.5;
 
-/// What the stabilised form needs of a mesh besides its data.
+/// The matrices of a mesh that the stabilised form needs besides its data.
 pub(crate) struct Body<'a> {
     pub(crate) traction: &'a TractionMap,
     /// S.

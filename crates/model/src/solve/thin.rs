@@ -12,8 +12,8 @@ const MANY: f64 = 10.0;
 /// Digits of a number.
 const ALL: f64 = 16.0;
 
-/// The error of a stiffness that has no factor. All motions of a body as a whole are known to be held: it is of rounding, and of a
-/// thin body is told as such.
+/// The error of a stiffness that has no factor. All motions of a body as a whole are known to be held: rounding causes it, and
+/// for a thin body the error says so.
 pub(crate) fn without_digits(error: BemError, problem: &Problem, bodies: &[Assembled]) -> SolveError {
     let BemError::StiffnessSingular { .. } = error else { return error.into() };
     let bounded = bodies.iter().filter(|body| problem.bodies[body.piece.body].far.is_none());

@@ -11,18 +11,18 @@ use super::result::Watch;
 use super::surrogate::Cell;
 use crate::error::SolveError;
 
-/// Samples of which polynomials say whether contact or stick change there as at no node.
+/// Number of samples at which polynomials say whether contact or stick differ from all nodes.
 const SCREENED: usize = 2000;
-/// Outcomes that are solved of those where they do.
+/// Number of outcomes that are solved among those where they do.
 const CHANGED: usize = 16;
-/// Fewest and most of the others, and that over the tolerance.
+/// Smallest and largest number of the others, and their number times the tolerance.
 const FEWEST: usize = 8;
 const MOST: usize = 1000;
 const PER_TOLERANCE: f64 = 0.1;
 /// These samples are not those of quantiles.
 pub(super) const STREAM: u64 = 0x636865636b;
 
-/// What fresh outcomes show.
+/// The errors that fresh outcomes show.
 pub(super) struct Check {
     /// Outcomes that were solved.
     pub(super) outcomes: usize,
@@ -36,7 +36,8 @@ pub(super) struct Check {
     worst: Vec<Option<(Vec<f64>, f64)>>,
 }
 
-/// Outcomes that are drawn where no change is foreseen: half as many as there are nodes, within what the tolerance needs.
+/// Number of outcomes that are drawn where no change is foreseen: half the number of nodes, but no more than the tolerance
+/// needs.
 pub(super) fn wanted(settings: &Stochastic, nodes: usize) -> usize {
     let needed = ((PER_TOLERANCE / settings.tolerance).ceil() as usize).clamp(FEWEST, MOST);
     (nodes / 2).clamp(FEWEST, needed)
@@ -93,8 +94,9 @@ pub(super) fn check(
 }
 
 impl Check {
-    /// What the cells miss that have together the part `share` of the squared error: in the direction in which the worst outcome of the
-    /// cell alone differs most from the nearest node. Gives them with their cells, and the number of outcomes solved for it.
+    /// The misses of the cells that together have the part `share` of the squared error: in the direction which, changed
+    /// alone, makes the worst outcome of the cell differ most from the nearest node. Returns them with their cells, and the
+    /// number of outcomes solved for this.
     pub(super) fn misses(
         &self,
         outcomes: &Outcomes<'_>,

@@ -19,7 +19,8 @@ const FEW: usize = 4;
 const SAMPLES: u64 = 16;
 /// Samples of a Latin hypercube beside the values of few germs: data may vanish at these.
 const BESIDE: usize = 8;
-/// Mean square errors of these samples that count in place of those of the values, over them: less is their own spread.
+/// Ratio of the mean square error of these samples to that of the values from which on the samples count: smaller ratios are
+/// their own spread.
 const OVERLOOKED: f64 = 2.25;
 /// Seed of these samples: not the scene's, which must not move the mesh that they refine.
 const SEED: u64 = 1;
@@ -92,9 +93,9 @@ pub(super) fn mean_estimator(
     })
 }
 
-/// A mean over outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples. Where data vanish at the points of
-/// the rules, q² - 1/3 of a uniform q, these see nothing: the mean of 8 samples of a Latin hypercube is taken where its squared error is
-/// much larger. `mean` of points and weights tells the mean square error too.
+/// A mean over outcomes: those of the two-point Gauss rules of up to 4 germs, else 16 samples. Where data vanish at the points
+/// of the rules, q² - 1/3 of a uniform q, these see nothing: the mean of 8 samples of a Latin hypercube is taken where its
+/// squared error is much larger. `mean` of points and weights also gives the mean square error.
 fn mean_over<T>(
     scene: &Scene,
     random: &Random,

@@ -70,8 +70,8 @@ impl<'a> Unanimous<'a> {
         theta.iter().zip(values).map(|(t, v)| t * v).sum()
     }
 
-    /// How far beyond its change the event is that the polynomials put farthest beyond it at a germ, relative to its size; 0 where
-    /// none changes.
+    /// The largest distance of an event beyond its change by the polynomials at a germ, relative to the size of the event; 0
+    /// if none changes.
     pub(super) fn beyond(&self, germ: &[f64]) -> f64 {
         let mut theta = vec![0.0; self.basis.points.len()];
         self.basis.evaluate(germ, &mut theta);
@@ -83,8 +83,8 @@ impl<'a> Unanimous<'a> {
         changed.fold(0.0, f64::max)
     }
 
-    /// Where on the way from a germ inside of the nodes to a place, from 0 to 1, the first of the events changes that the place has
-    /// changed; none if it has changed none. `outermost` is the last part of the way that nodes see.
+    /// The fraction from 0 to 1 of the way from a germ inside of the nodes to a place at which the first of the events changes
+    /// that are changed at the place; none if the place has changed none. `outermost` is the last fraction that nodes see.
     pub(super) fn change(&self, place: usize, from: &[f64], to: &[f64], outermost: f64) -> Option<f64> {
         let mut theta = vec![0.0; self.basis.points.len()];
         let mut value = |nodes: &[f64], t: f64| {

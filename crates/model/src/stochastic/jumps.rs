@@ -27,17 +27,17 @@ pub(crate) struct InGerms<'a> {
     signals: Vec<Signal>,
 }
 
-/// Data that are elsewhere in a cell as at none of its points.
+/// Data that differ somewhere in a cell from those at all of its points.
 pub(super) struct Overlooked {
     /// An outcome with them.
     pub(super) germ: Vec<f64>,
     /// Their part of the probability of the cell, about.
     pub(super) share: f64,
-    /// Where to split to part with most of the rest: direction and germ.
+    /// Where to split to separate them from most of the rest: direction and germ.
     pub(super) cut: Option<(usize, f64)>,
 }
 
-/// What the points of a cell leave open.
+/// The data that the points of a cell leave open.
 #[derive(Default)]
 pub(super) struct Open {
     pub(super) found: Vec<Overlooked>,
@@ -57,7 +57,7 @@ impl<'a> InGerms<'a> {
         Self { random, signals: scene.signals(random) }
     }
 
-    /// What each signal may be where it is as at the points; none where they say nothing.
+    /// The range of each signal where it is as at the points; none if they say nothing.
     pub(super) fn seen(&self, points: &[Vec<f64>]) -> Vec<Option<Interval>> {
         let step = points.len().div_ceil(POINTS).max(1);
         let of = |signal: &Signal| {
@@ -98,7 +98,7 @@ impl<'a> InGerms<'a> {
         all.unwrap_or(Interval::ANY)
     }
 
-    /// Whether data at a germ are not as at the points, of whose signals `seen` tells.
+    /// Whether data at a germ differ from those at the points, whose signals are in `seen`.
     pub(super) fn differ(&self, seen: &[Option<Interval>], germ: &[f64]) -> bool {
         self.signals.iter().zip(seen).any(|(signal, seen)| {
             seen.is_some_and(|seen| {
@@ -108,7 +108,7 @@ impl<'a> InGerms<'a> {
         })
     }
 
-    /// Looks for data in a box that are not as at the points.
+    /// Looks for data in a box that differ from those at the points.
     pub(super) fn open(&self, seen: &[Option<Interval>], ends: &[[f64; 2]], variables: &[Variable]) -> Open {
         let mut open = Open::default();
         for (signal, seen) in self.signals.iter().zip(seen) {
@@ -217,7 +217,7 @@ pub(super) fn split_at_cuts(
     Ok(())
 }
 
-/// Number of intervals of a germ with so many elements, after the cuts.
+/// Number of intervals of a germ with this many elements, after the cuts.
 pub fn intervals(variable: &Variable, cuts: &[f64], elements: usize) -> usize {
     let is_end = |cut: f64| (1..elements).any(|k| variable.quantile(k as f64 / elements as f64) == cut);
     elements + cuts.iter().filter(|&&cut| !is_end(cut)).count()

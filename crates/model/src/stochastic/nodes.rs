@@ -23,7 +23,7 @@ const SHARE: f64 = 0.7;
 const ROUNDS: usize = 60;
 /// Largest deviation of the modulus from an affine function of its germs, relative, that rounding explains.
 const AFFINE: f64 = 1e-12;
-/// Places between the ends of a germ at which that is looked at.
+/// Number of places between the ends of a germ at which this is checked.
 const PLACES: usize = 12;
 
 /// Whether the exact Galerkin equations couple the nodes of a cell and can be solved so: E is not affine in its germs, supports
@@ -38,7 +38,7 @@ pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     Ok(galerkin && simple && scene.unresisted(0, free_of_supports(scene)).is_empty() && !is_affine(scene, random)?)
 }
 
-/// Whether E is affine in each germ where the others are kept: then the Galerkin equations of the nodes decouple.
+/// Whether E is affine in each germ while the others are fixed: then the Galerkin equations of the nodes decouple.
 fn is_affine(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let quantile = |d: usize, p: f64| random.germs[d].variable.quantile(p);
     for (k, others) in [0.5, 0.2, 0.9, 0.35].into_iter().enumerate() {
@@ -114,7 +114,7 @@ pub(crate) fn solve_nodes(
             };
             let quantities = (0..outcomes.numbers.len()).map(quantity).collect();
             let measured = Size { squared: sample.residual.squared, ..with }.relative();
-            // what 95 % of such samples would have seen
+            // 95 % of such samples would have seen more
             let undecided = all.iter().map(|c| c.undecided).sum::<f64>().min(3.0 / sample.outcomes as f64);
             let cells = cells.into_iter().flatten().collect();
             let told = Told { by_nodes, relative, measured, quantities, checks, undecided };

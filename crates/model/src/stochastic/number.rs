@@ -2,7 +2,7 @@
 
 use crate::summary::{ContactSummary, Probe, Summary};
 
-/// What finds a number in a summary.
+/// A function that finds a number in a summary.
 type Reader = dyn Fn(&Summary) -> Option<f64> + Send + Sync;
 
 /// A number that each outcome has.

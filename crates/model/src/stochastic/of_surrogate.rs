@@ -18,12 +18,12 @@ const EFFECTS: usize = 20_000;
 /// Relative to the mean square, variances below this are rounding.
 const NO_VARIANCE: f64 = 1e-20;
 
-/// A surrogate with what is needed to look at it anywhere.
+/// A surrogate with the data for evaluating it anywhere.
 struct View<'a> {
     surrogate: &'a Surrogate,
     /// Values that the quantities cannot leave.
     limits: Vec<[f64; 2]>,
-    /// Of each cell the change of contact of each condition at its nodes.
+    /// For each cell the change of contact of each condition at its nodes.
     changes: Vec<Vec<Vec<f64>>>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> View<'a> {
         (quantities, (0..conditions).map(touches).collect())
     }
 
-    /// For Jansen's formula: of each sample the quantities with germ d alone taken from its partner.
+    /// For Jansen's formula: for each sample the quantities with germ d alone taken from its partner.
     fn partners(&self, count: usize, germ: &(impl Fn(usize) -> Vec<f64> + Sync)) -> Vec<Vec<Vec<f64>>> {
         let few = if self.surrogate.cells.len() > 1 { count.min(EFFECTS) } else { 0 };
         let of = |i: usize| {
@@ -126,7 +126,7 @@ fn effects(quantity: &Quantity, cells: &[Cell], pairs: impl Fn(usize) -> Vec<[f6
     })
 }
 
-/// What the surrogate's polynomials leave out, its cells, and why it was not made finer.
+/// Adds the truncation error of the surrogate's polynomials, its cells, and why it was not made finer.
 fn add_truncation(result: &mut StochasticResult, surrogate: &Surrogate, answers: &[Answer], tolerance: f64) {
     let Surrogate { mesh, cells, coupled, told, end, solved } = surrogate;
     let energy: f64 = result.weights.iter().zip(answers).map(|(w, a)| w * 2.0 * a.strain).sum();

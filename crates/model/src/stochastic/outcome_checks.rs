@@ -24,7 +24,7 @@ pub(super) struct Residual {
     pub(super) quantities: Vec<f64>,
 }
 
-/// What polynomials miss in one direction of a cell.
+/// The error of polynomials in one direction of a cell.
 pub(super) struct Miss {
     pub(super) direction: usize,
     /// Germ at which to split.
@@ -91,9 +91,9 @@ pub(super) struct Looked<'a> {
     pub(super) nodes: &'a [Answer],
 }
 
-/// What looking at cells gives.
+/// The result of looking at cells.
 pub(super) struct Look {
-    /// What each cell misses.
+    /// The misses of each cell.
     pub(super) misses: Vec<Vec<Miss>>,
     /// Part of the probability of each in which kinks and jumps of data are neither found nor excluded.
     pub(super) undecided: Vec<f64>,
@@ -104,8 +104,8 @@ pub(super) struct Look {
 /// Solves outcomes at both ends of each direction of cells, the other germs in their middle, at the corner where polynomials put
 /// an event that no node sees, and where data are as at no node.
 ///
-/// A residual R at an end counts as R²/p_(q+1)², as for an error of the next degree; where contact or stick change on the way there, as
-/// a kink at the place of the change: half of R² in what is beyond.
+/// A residual R at an end counts as R²/p_(q+1)², as for an error of the next degree; where contact or stick change on the way
+/// there, as a kink at the place of the change: half of R² in the part beyond.
 pub(super) fn look(
     outcomes: &Outcomes<'_>,
     mesh: &StochasticMesh,
@@ -212,7 +212,7 @@ fn outermost(basis: &CellBasis, middle: &[f64], place: &Place) -> f64 {
     basis.points.iter().map(|p| (p[d] - middle) / (place.germ[d] - middle)).fold(0.0, f64::max)
 }
 
-/// Part of the probability of a cell between a germ and an end of one direction, and what is beyond that.
+/// Part of the probability of a cell between a germ and an end of one direction, and the part beyond it.
 fn beyond(mesh: &StochasticMesh, cell: usize, direction: usize, from: f64, end: f64) -> f64 {
     let variable = &mesh.variables[direction];
     let [a, b] = mesh.cells[cell].bounds[direction];

@@ -38,7 +38,7 @@ pub struct Outcomes<'a> {
     boundary: Option<ContactBoundary>,
 }
 
-/// What is kept of the answer to one outcome.
+/// The kept data of the answer to one outcome.
 #[derive(Debug, Clone, Default)]
 pub struct Answer {
     /// E/E₀.
@@ -67,7 +67,7 @@ pub struct Answer {
     pub converged: bool,
 }
 
-/// The answer to an outcome, of the nominal modulus, and what is told of it with its own.
+/// The answer to an outcome with the nominal modulus, and its reported numbers with its own modulus.
 pub(super) struct Outcome {
     solved: Solved,
     modulus: f64,
@@ -76,7 +76,7 @@ pub(super) struct Outcome {
 }
 
 impl<'a> Outcomes<'a> {
-    /// Of the random input of a scene on a body.
+    /// The outcomes of a scene's random input on a body.
     ///
     /// # Errors
     /// Data that cannot be used, a quantity that is no number of an outcome.
@@ -96,7 +96,7 @@ impl<'a> Outcomes<'a> {
         })
     }
 
-    /// The outcome as a scene, its modulus over the nominal one, and what acts on the body of the nominal modulus.
+    /// The outcome as a scene, its modulus over the nominal one, and the loads on the body with the nominal modulus.
     ///
     /// # Errors
     /// [`SolveError::Data`] for data that the outcome makes impossible: correct their expressions or the range of the germs.
@@ -140,7 +140,7 @@ impl<'a> Outcomes<'a> {
         Ok((scene, modulus, given))
     }
 
-    /// The answer to an outcome, of the nominal modulus; `warm` is that of a similar one.
+    /// The answer to an outcome with the nominal modulus; `warm` is the solution of a similar one.
     ///
     /// # Errors
     /// [`SolveError::Contact`] if the contact problem cannot be solved: take another solver. [`SolveError::NotFinite`] for
@@ -158,7 +158,7 @@ impl<'a> Outcomes<'a> {
         })
     }
 
-    /// Solves an outcome and keeps what statistics need.
+    /// Solves an outcome and keeps the data that statistics need.
     pub(crate) fn answer(&self, germs: &[f64], warm: &mut Option<Solution>) -> Result<Answer, SolveError> {
         let Outcome { solved, modulus, rows, figures } = self.outcome(germs, warm)?;
         Ok(self.kept(&solved, modulus, &rows, &figures))
@@ -208,7 +208,7 @@ impl<'a> Outcomes<'a> {
         self.body.condensation.multiply(u).iter().zip(u).map(|(s, u)| s * u).sum()
     }
 
-    /// What statistics need of an outcome.
+    /// The data of an outcome that statistics need.
     pub(crate) fn kept(&self, solved: &Solved, modulus: f64, rows: &[ContactRow], figures: &Summary) -> Answer {
         let contact = solved.contact.as_ref();
         Answer {

@@ -1,4 +1,4 @@
-//! What is known of all outcomes of a scene, and the statistics of the answers at points with weights.
+//! The results of all outcomes of a scene, and the statistics of the answers at points with weights.
 
 use steklov_problem::Scene;
 use steklov_stochastic::{Histogram, Moments, moments};
@@ -13,9 +13,10 @@ use crate::solve::contact_rows::TOUCHING;
 pub(super) const BLOCK: usize = 1024;
 /// Bins of densities.
 pub(super) const BINS: usize = 40;
-/// Of sums with weights of both signs, relative.
+/// Relative rounding error of sums with weights of both signs.
 const ROUNDING: f64 = 1e-10;
-/// Errors that many times those which the points show, and the tolerance, are of something that they do not see.
+/// Errors this many times larger than those that the points show, and than the tolerance, come from something that the points
+/// do not see.
 pub(super) const OVERLOOKED: f64 = 2.0;
 /// Probability of outcomes with data that are neither known nor excluded below which they do not count.
 pub(super) const UNDECIDED: f64 = 1e-4;
@@ -35,17 +36,18 @@ pub struct Quantity {
     pub variance: f64,
     /// Standard error of the mean; Monte Carlo only.
     pub standard_error: Option<f64>,
-    /// Root mean square of what polynomials leave out, which is more than the error of the mean; infinite of degree 0. Of samples what
-    /// outcomes that they have not seen may add to the mean.
+    /// Root mean square of the truncation error of polynomials, which is more than the error of the mean; infinite for degree
+    /// 0. For samples the largest change of the mean by outcomes that they have not seen.
     pub truncation: Option<f64>,
-    /// At the probabilities of the scene; none of a sparse grid, whose answers are not a surrogate, and of a spread that is rounding.
+    /// At the probabilities of the scene; none for a sparse grid, whose answers are not a surrogate, and for a spread that is
+    /// rounding.
     pub quantiles: Option<Vec<f64>>,
     /// Values that the quantity cannot leave, where the mean does: a rule with negative weights.
     pub bounds_left: Option<[f64; 2]>,
-    /// Of samples.
+    /// The density of samples.
     pub density: Option<Histogram>,
-    /// For each germ the share of the variance that is left when all others are known: Sobol's total effect. None without
-    /// a surrogate or a variance.
+    /// For each germ the share of the variance that remains when all others are known: Sobol's total effect. None without a
+    /// surrogate or a variance.
     ///
     /// Source: Homma and Saltelli (1996).
     pub effects: Option<Vec<f64>>,
@@ -140,7 +142,7 @@ pub struct StochasticResult {
     /// Error of the truncation over the energy norm, both in mean square: estimated, or measured if that is more; none without a
     /// stochastic mesh.
     pub truncation: Option<f64>,
-    /// That which fresh outcomes show.
+    /// The error that fresh outcomes show.
     pub truncation_measured: Option<f64>,
     /// Whether outcomes have shown what the points do not, beyond the tolerance.
     pub overlooked: bool,
@@ -166,7 +168,7 @@ pub struct StochasticResult {
     pub seconds: f64,
 }
 
-/// How a long solve is watched: told how many points of how many are done; says when the user wants it to end.
+/// Watches a long solve: receives how many points of how many are done; says when the user wants it to end.
 pub(crate) struct Watch<'a> {
     pub(crate) progress: &'a (dyn Fn(usize, usize) + Sync),
     pub(crate) stopped: &'a (dyn Fn() -> bool + Sync),

@@ -9,13 +9,13 @@ use super::result::{BINS, BLOCK, Quantity, StochasticResult, Watch, touches};
 use super::stage::OutcomeStage;
 use crate::error::SolveError;
 
-/// What is kept of the outcomes that have gone by.
+/// The kept data of the outcomes that have gone by.
 struct Passed {
     /// Displacement, stress displacement, pressure, shear, touching, quantities.
     sums: [Accumulator; 6],
     points: Vec<Vec<f64>>,
     young: Vec<f64>,
-    /// Of each quantity its values.
+    /// The values of each quantity.
     values: Vec<Vec<f64>>,
     iterations: usize,
     unconverged: usize,

@@ -7,7 +7,7 @@ use super::outcome_checks::Miss;
 use super::outcomes::Answer;
 use super::result::End;
 
-/// Squared errors that many times those which coefficients show are of something that no node sees.
+/// Squared errors this many times larger than those that coefficients show come from something that no node sees.
 const UNSEEN: f64 = 16.0;
 
 /// A stochastic mesh and the answers at its nodes.
@@ -16,7 +16,7 @@ pub(crate) struct Surrogate {
     pub(crate) cells: Vec<Cell>,
     /// Whether the nodes of a cell are coupled.
     pub(crate) coupled: bool,
-    /// What is told of its errors.
+    /// Its errors.
     pub(crate) told: Told,
     pub(crate) end: End,
     /// Points that were solved, those of cells that were refined later included.
@@ -25,8 +25,8 @@ pub(crate) struct Surrogate {
 
 /// Errors of a surrogate.
 pub(crate) struct Told {
-    /// (Σ of the squared errors)^½ over the mean energy norm: as the coefficients tell it, with what the ends of cells and fresh
-    /// outcomes show, and these alone.
+    /// (Σ of the squared errors)^½ over the mean energy norm: from the coefficients, with the errors at the ends of cells and
+    /// of fresh outcomes, and from these alone.
     pub(crate) by_nodes: f64,
     pub(crate) relative: f64,
     pub(crate) measured: f64,
@@ -42,7 +42,7 @@ pub(crate) struct Told {
 pub(crate) struct Cell {
     pub(crate) basis: CellBasis,
     pub(crate) answers: Vec<Answer>,
-    /// As the coefficients tell it.
+    /// The errors that the coefficients show.
     pub(super) errors: Vec<DirectionError>,
     /// Σ over the directions, for each quantity.
     pub(super) quantities: Vec<f64>,
@@ -52,7 +52,7 @@ pub(crate) struct Cell {
 }
 
 impl Cell {
-    /// Errors with what nodes do not see.
+    /// Errors including those that nodes do not see.
     pub(crate) fn errors(&self) -> Vec<DirectionError> {
         let of = |(d, &seen): (usize, &DirectionError)| {
             let misses = self.misses.iter().filter(|m| m.direction == d);

@@ -1,5 +1,5 @@
-//! What samples and the points of sparse grids may not have seen: outcomes at the ends of the germs, those with other data, and for
-//! sparse grids fresh ones beside polynomials.
+//! Outcomes that samples and the points of sparse grids may not have seen: those at the ends of the germs, those with other
+//! data, and for sparse grids fresh ones beside polynomials.
 
 use steklov_contact::Solution;
 use steklov_problem::Random;
@@ -10,7 +10,7 @@ use super::outcomes::{Answer, Outcomes};
 use super::result::{OVERLOOKED, StochasticResult, UNDECIDED, Watch, touches};
 use crate::error::SolveError;
 
-/// Events of that number over the count of samples have been seen with a probability of 95 %.
+/// Samples see an event whose probability is this number over their count with a probability of 95 %.
 const LIKELY: f64 = 3.0;
 /// Most germs that are taken to their ends one by one, and all together.
 const SINGLE: usize = 24;
@@ -70,9 +70,9 @@ fn unseen(
     Ok(Unseen { answers, undecided: open.undecided.min(likely) })
 }
 
-/// Tells what samples may not have seen: outcomes beyond the range of their values may move the mean by their distance from it times
-/// the probability that they may have, which is the `truncation` of the quantity. Where that is more than two standard errors, they are
-/// in doubt.
+/// Reports what samples may not have seen: outcomes beyond the range of their values may move the mean by their distance from
+/// it times the probability that they may have, which is the `truncation` of the quantity. Where that is more than two
+/// standard errors, they are in doubt.
 pub(super) fn beside_samples(
     result: &mut StochasticResult,
     outcomes: &Outcomes<'_>,

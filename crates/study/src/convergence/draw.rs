@@ -11,7 +11,7 @@ use crate::chart::{Dots, Drawing, Line, Pictures, linear, log};
 use crate::fit::Law;
 use crate::show::runs;
 
-/// Meshes of a strategy in one figure at most.
+/// Largest number of meshes of a strategy in one figure.
 const PANELS: usize = 6;
 
 /// A quantity of a chart: its name and its value at a step.
@@ -74,7 +74,7 @@ fn drawing<'a>(study: &Study<'a>) -> Drawing<'a> {
     Drawing { title: &study.scene.title, flag: "estimate not reliable", ..Drawing::default() }
 }
 
-/// A line a strategy.
+/// One line for each strategy.
 fn lines(study: &Study<'_>, cost: fn(&Point) -> f64, quantities: &[Quantity], law: Option<Law>) -> Vec<Line> {
     let line = |s: &Strategy| {
         let curves = quantities.iter().map(|quantity| curve(s, cost, quantity));

@@ -21,7 +21,7 @@ pub use strategy::{Constants, End, MULTIPLIERS, NAMES, Point, Strategy, strategy
 
 pub(crate) use strategy::for_truth;
 
-/// Steps of a strategy whose true errors are measured, and which are printed, at most.
+/// Largest number of steps of a strategy whose true errors are measured, and which are printed.
 const MEASURED: usize = 10;
 
 /// A finished comparison.
@@ -31,11 +31,11 @@ pub struct Study<'a> {
     pub scene: &'a Scene,
     /// The texts from which it was read.
     pub source: &'a Source,
-    /// What the errors are measured against.
+    /// The reference against which errors are measured.
     pub reference: Reference,
     /// The strategies in the order in which they were asked for.
     pub strategies: Vec<Strategy>,
-    /// Runs of each strategy of which the seconds are medians.
+    /// Number of runs of each strategy; its seconds are their medians.
     pub repeat: usize,
     /// Whether the user stopped it.
     pub interrupted: bool,
@@ -90,7 +90,7 @@ impl Study<'_> {
         !self.interrupted && self.strategies.iter().all(Strategy::complete)
     }
 
-    /// The J that energy errors are taken from, in words.
+    /// The J that energy errors refer to, in words.
     fn energy_source(&self) -> String {
         match &self.reference.source {
             EnergySource::Own => "the study's own finest solution".into(),

@@ -1,4 +1,4 @@
-//! What is stored and printed of the study.
+//! The stored and printed results of the study.
 //!
 //! ```text
 //! /reference             J, its uncertainty, dofs and estimates of the fine meshes
@@ -75,7 +75,7 @@ const CONTACT: [Column<ContactRow>; 4] = [
     ("weight", "length", "length that the node stands for", |r| r.weight),
 ];
 
-/// What the study found.
+/// The results of the study.
 pub fn report<'a>(study: &'a Study<'_>) -> Report<'a> {
     let names: Vec<String> = study.strategies.iter().map(|s| s.name.clone()).collect();
     let told_strategies = study.strategies.iter().map(told_strategy).collect::<Value>();
@@ -223,7 +223,7 @@ fn body(study: &Study<'_>) -> String {
     text
 }
 
-/// What is printed of a step.
+/// The printed numbers of a step.
 const SHOWN: [Shown<Point>; 9] = [
     ("elements", 8, |p| p.mesh.len().to_string()),
     ("degree", 6, |p| p.max_degree().to_string()),

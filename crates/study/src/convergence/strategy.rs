@@ -178,7 +178,7 @@ impl Strategy {
         (!ratios.is_empty()).then_some(Constants { reliability, efficiency, steps: ratios.len() })
     }
 
-    /// Laws fitted to its true errors: one of powers, for hp strategies those of exponentials.
+    /// Laws fitted to its true errors: a power law, for hp strategies exponential laws.
     pub fn fits(&self) -> Vec<Fit> {
         let laws = if self.name.starts_with("hp") { &[Law::SquareRoot, Law::CubeRoot][..] } else { &[Law::Algebraic] };
         let errors: Vec<(usize, f64)> = self.points.iter().map(|p| (p.dofs, p.error)).collect();
@@ -234,7 +234,7 @@ pub fn strategy(
     Strategy { name: name.into(), points, end, contact }
 }
 
-/// One run, and what its steps leave.
+/// One run, and the results of its steps.
 struct Round {
     run: Result<Run<BoundaryElements>, SolveError>,
     /// Nodal displacement and residual estimator of each step.
@@ -244,10 +244,10 @@ struct Round {
 }
 
 impl Round {
-    /// `first`: whether it is looked at what steps leave; later runs are for the seconds alone.
+    /// `first`: whether the results of steps are evaluated; later runs are for the seconds alone.
     fn new(scene: &Scene, what: &str, first: bool, watch: &mut Watch<'_>) -> Self {
         let (mut left, mut ends) = (Vec::new(), Vec::new());
-        // the run does not need what is looked at here
+        // the run does not need what is evaluated here
         let mut looking = 0.0;
         let run = run(scene, Progress::first(scene), watch.interrupts, &mut |step, event| {
             watch.tell_step(what, "", step, &event);

@@ -24,7 +24,7 @@ use crate::watch::{Found, Watch};
 /// The ways and their names.
 pub const WAYS: [&str; 3] = ["elimination to the interface", "S inserted, boundary last", "S inserted, AMD ordering"];
 
-/// Largest difference of two solutions over the largest displacement that counts as rounding.
+/// Largest difference of two solutions, over the largest displacement, that counts as rounding.
 const SAME: f64 = 1e-10;
 
 /// One grid, solved in three ways.

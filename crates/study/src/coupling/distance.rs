@@ -41,9 +41,9 @@ impl Truth {
 
     /// a(e, e), ⟨W e, e⟩ and ⟨V e, e⟩ of the differences e of u in the body and of ξ and φ on the interface.
     ///
-    /// All fields of `other` are ones of this grid and its boundary elements, so that nothing is interpolated. Where both have the
-    /// same boundary elements, ξ is u less the jump on them and the body of `other` is of a part of the functions, the sum is
-    /// 2 (J_other - J).
+    /// All fields of `other` are fields of this grid and its boundary elements, so that nothing is interpolated. If both have
+    /// the same boundary elements, ξ is u less the jump on them, and the body of `other` uses a part of the functions, the sum
+    /// is 2 (J_other - J).
     pub fn squared(&self, other: &GridSolved) -> [f64; 3] {
         let (body, u) = (&self.solved.body, &self.solved.displacement);
         let is_same = body.grid.cells == other.body.grid.cells;

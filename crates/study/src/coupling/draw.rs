@@ -16,7 +16,7 @@ use crate::show::runs;
 const DOFS: &str = "displacement unknowns N of the body";
 const ERROR: &str = "error, energy norm, (force length/thickness)^½";
 const RATIO: &str = "indicators / error";
-/// What no digit can be told of.
+/// Values without a significant digit.
 const ROUNDING: [f64; 2] = [1e-18, f64::EPSILON];
 const CELLS: &str = "cells n along the shorter side of the body";
 const BOTH: [&str; 2] = ["two-field, Schur", "three-field"];
@@ -124,7 +124,7 @@ fn costs(study: &CouplingStudy<'_>, all: &mut Pictures<'_>) -> Result<(), Pictur
     draw(study, all, "cost-entries", [title, DOFS, entries], drawing)
 }
 
-/// The condition of the three-field form, and what does not converge.
+/// The condition of the three-field form, and the systems that do not converge.
 fn conditions(study: &CouplingStudy<'_>, all: &mut Pictures<'_>) -> Result<(), PictureError> {
     let condition = |pair| {
         let points = || study.conditioning.of(pair);
@@ -203,12 +203,12 @@ fn across(cells: [usize; 2]) -> f64 {
     cells[0].min(cells[1]) as f64
 }
 
-/// A line a pair.
+/// One line for each pair.
 fn named(study: &CouplingStudy<'_>, curves: impl Fn(usize) -> Vec<Vec<[f64; 2]>>) -> Vec<Line> {
     study.pairs.iter().enumerate().map(|(k, pair)| Line::new(&pair.name, curves(k))).collect()
 }
 
-/// A line a pair: the two-field form, of which the Schur form has the errors, and the three-field form.
+/// One line for each pair: the two-field form, which has the same errors as the Schur form, and the three-field form.
 fn by_pair(study: &CouplingStudy<'_>, value: fn(&Point) -> [f64; 2]) -> Vec<Line> {
     named(study, |pair| [0, 2].map(|form| study.convergence.of(pair, form).map(value).collect()).to_vec())
 }

@@ -24,7 +24,7 @@ const GIVEN: [(&str, [f64; 2], [f64; 2]); 3] = [
     ("soft (1, 0.35 | 50, 0.2)", [1.0, 0.35], [50.0, 0.2]),
 ];
 
-/// Three given pairs and the scene's own, the last one; the modulus of a body that has many is their mean.
+/// Three given pairs and the scene's own, the last one; a body with many moduli has their mean.
 ///
 /// # Errors
 /// A scene without a grid or without a body in a medium; moduli that cannot be read.
@@ -97,8 +97,8 @@ pub fn settings(method: &Method) -> Vec<Setting> {
     if method.max_dofs.is_some() { Vec::new() } else { vec![Setting::MaxDofs(MOST_DOFS)] }
 }
 
-/// The grids for errors, for eigenvalues, for indicators: [`levels`] with no more unknowns than the scene allows, and few on the
-/// boundary; then those for costs, with as many on the boundary as there are, and the [`largest`] one.
+/// The grids for errors, for eigenvalues, for indicators: [`levels`] with no more unknowns than the scene allows, and few on
+/// the boundary; then those for costs, with any number on the boundary, and the [`largest`] one.
 ///
 /// # Errors
 /// As [`levels`].

@@ -21,7 +21,7 @@ const POLES: [[f64; 2]; 2] = [[0.12, 0.07], [-0.1, -0.05]];
 /// A homogeneous body and the medium around it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pair {
-    /// What both are called.
+    /// Their common name.
     pub name: String,
     /// The body.
     pub body: Material,
@@ -55,8 +55,8 @@ pub struct Problem {
     pub loads: Loads,
 }
 
-/// Distance of a point from a segment.
-/// The point that is deepest in a polygon, of those that are equally deep the one in the middle, and its depth.
+/// Distance of a point from a segment. The point that is deepest in a polygon, or the middle one of those that are equally
+/// deep, and its depth.
 fn deepest(polygon: &Polygon, low: [f64; 2], size: [f64; 2]) -> ([f64; 2], f64) {
     let mut best = ([f64::NAN; 2], 0.0, f64::NEG_INFINITY);
     for (i, j) in (0..=STEPS).flat_map(|i| (0..=STEPS).map(move |j| (i, j))) {

@@ -1,4 +1,4 @@
-//! What the coupling of a body on a grid with an unbounded medium is worth.
+//! The accuracy and cost of coupling a body on a grid with an unbounded medium.
 //!
 //! ```text
 //! grids: Pair (materials), Level (grid) ─► Manufactured (a known solution on the scene's body)
@@ -59,13 +59,13 @@ pub struct CouplingStudy<'a> {
     pub wrongs: Wrongs,
     /// Multiscale and bilinear elements with the scene's own loads.
     pub own_loads: OwnLoads,
-    /// Runs of which seconds are medians.
+    /// Number of runs; seconds are their medians.
     pub repeat: usize,
     /// Whether the user stopped it.
     pub interrupted: bool,
 }
 
-/// All parts of the study, with [`pairs`] and [`grids`]; `repeat` runs of which seconds are medians.
+/// All parts of the study, with [`pairs`] and [`grids`]; seconds are medians of `repeat` runs.
 pub fn study<'a>(
     scene: &'a Scene,
     source: &'a Source,

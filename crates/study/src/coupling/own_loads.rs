@@ -53,7 +53,7 @@ pub struct Own {
     pub total: f64,
     /// r of error ~ width^r from the grid before; NaN of the first.
     pub rate: f64,
-    /// What [`GridSolved::estimate`] tells of the error, over the same norm.
+    /// The error that [`GridSolved::estimate`] estimates, over the same norm.
     pub estimate: f64,
     /// The residual estimator; NaN of bases that do not solve the equations inside of coarse cells.
     pub residual: f64,
@@ -101,7 +101,7 @@ pub(super) const OWN: [Column<Own>; 19] = [
     ("seconds", "seconds", "one run without the estimate", |p| p.seconds),
 ];
 
-/// What [`OwnLoads::norm`] is.
+/// Unit and meaning of [`OwnLoads::norm`].
 pub(super) const NORM: (&str, &str) = (ENERGY, "(2 strain energy of body and medium)^(1/2) of the finest grid");
 
 /// Errors with the scene's own loads.
@@ -234,7 +234,7 @@ fn converged(solved: GridSolved) -> Result<GridSolved, SolveError> {
     }
 }
 
-/// What is known of a solution before its error is.
+/// The numbers of a solution that are known before its error.
 fn point(solved: &GridSolved, (over, elements): (usize, usize), coarse: [usize; 2], norm: f64) -> Own {
     let (grid, estimate) = (&solved.body.grid, solved.estimate.as_ref());
     let cells = if over == 0 { coarse } else { grid.cells };
@@ -276,7 +276,7 @@ fn relative(found: &[Found], norm: f64) -> Vec<Own> {
         let total = if beyond[0].is_some() { root(to_limit.iter().sum()) } else { f64::NAN };
         Own { errors: errors.map(root), total, ..f.point }
     };
-    // of the finest grid nothing is known but that
+    // this alone is known of the finest grid
     let is_known = |f: &&Found| f.point.elements > 0 || f.to_finest != [0.0; 3] || beyond.iter().any(Option::is_some);
     found.iter().filter(is_known).map(one).collect()
 }

@@ -1,4 +1,4 @@
-//! What is stored and printed of the study.
+//! The stored and printed results of the study.
 //!
 //! ```text
 //! /pairs          columns with an entry a pair of materials
@@ -35,7 +35,7 @@ const PAIRS: [Column<Pair>; 4] = [
     ("medium_poisson", "1", "Poisson's ratio of the medium", |p| p.medium.poisson),
 ];
 
-/// What the study found.
+/// The results of the study.
 pub fn report<'a>(study: &'a CouplingStudy<'_>) -> Report<'a> {
     let of_form = |form: usize| study.convergence.points.iter().filter(move |p| p.form == form);
     let form = |k| Table::new("grid of a pair", of_form(k), &POINTS);

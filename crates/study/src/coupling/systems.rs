@@ -1,4 +1,4 @@
-//! The systems on the interface as dense matrices, with what may be changed in them.
+//! The systems on the interface as dense matrices, with the parts that may be changed.
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Scale};

@@ -1,4 +1,4 @@
-//! What must not be done: signs and factors of the literature that do not converge, beside those that do.
+//! Signs and factors from the literature that do not converge, beside those that do.
 
 use faer::Scale;
 use steklov_bem_operators::Polygon;

@@ -70,7 +70,7 @@ impl InfSup<'_> {
         !self.interrupted && self.points.iter().all(|p| p.failure.is_none())
     }
 
-    /// What a reader of the results must know.
+    /// A note that a reader of the results needs.
     pub fn note(&self) -> Option<&'static str> {
         (!self.interrupted && self.points.is_empty()).then_some(
             "the body has too many edges: reference spaces on its coarsest mesh would have more than 3200 unknowns, or \

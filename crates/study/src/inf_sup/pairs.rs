@@ -64,12 +64,12 @@ pub const PAIRS: [Pair; 7] = [
     Pair { name: "P_p, shifted elements", mesh: MultiplierMesh::Shifted, degree: SAME, part: Part::All },
 ];
 
-/// Meshes: so many times the elements of the scene, and degrees.
+/// Meshes: multiples of the scene's number of elements, and degrees.
 const MESHES: [(&[usize], usize); 6] =
     [(&[1, 2, 4, 8], 1), (&[1, 2, 4, 8], 2), (&[1, 2, 4, 8], 3), (&[1], 4), (&[1], 5), (&[1], 6)];
-/// Unknowns of a reference space at most.
+/// Largest number of unknowns of a reference space.
 const REFERENCE_DOFS: usize = 3200;
-/// Parts of an element in that space are 2 to this power, its degrees so many higher.
+/// The number of parts of an element in that space is 2 to this power; its degrees are this much higher.
 const HALVINGS: usize = 2;
 const RAISED: usize = 3;
 

@@ -1,4 +1,4 @@
-//! The pressure of an unstable pair, with stabilisation and with next to none: λ is then not determined but up to what no
+//! The pressure of an unstable pair, with stabilisation and with next to none: λ is then determined only up to parts that no
 //! displacement sees, and oscillates.
 
 use steklov_bem_operators::PairCache;
@@ -12,10 +12,10 @@ use crate::supported::uniform_mesh;
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// The mesh: so many times the elements of the scene, the first that it allows, and its degree.
+/// The mesh: the first of these multiples of the scene's number of elements that the scene allows, and its degree.
 const TIMES: [usize; 3] = [4, 2, 1];
 const DEGREE: usize = 2;
-/// Its unknowns at most.
+/// Largest number of its unknowns.
 const DOFS: usize = 400;
 /// γ₀ over its critical value where there should be none.
 const NONE: f64 = 1e-5;
@@ -42,7 +42,7 @@ pub struct Pressures {
     pub elements: usize,
     /// Their degree.
     pub degree: usize,
-    /// That of the scene's γ, then that of next to none; fewer after a wish to stop.
+    /// The solution with the scene's γ, then that with next to none; fewer after a wish to stop.
     pub solutions: Vec<Pressure>,
 }
 
@@ -73,7 +73,7 @@ pub(super) const ROWS: [Column<ContactRow>; 6] = [
 /// unknowns for that. Coulomb friction is left out. After a wish to stop nothing more is solved.
 ///
 /// # Errors
-/// As [`solve`] with the scene's own γ; what fails with next to none or for want of Coulomb friction is told in its place.
+/// As [`solve`] with the scene's own γ; failures with next to none or for want of Coulomb friction are reported in their place.
 pub fn pressures(scene: &Scene, watch: &mut Watch<'_>) -> Result<Pressures, SolveError> {
     let dofs = |times: &usize| 2 * DEGREE * uniform_mesh(scene, *times, DEGREE).len();
     let fitting = TIMES.into_iter().find(|t| dofs(t) <= scene.method.max_dofs().min(DOFS));

@@ -1,4 +1,4 @@
-//! What is stored and printed of the study.
+//! The stored and printed results of the study.
 //!
 //! ```text
 //! /pairs/NNN      `name`, and columns with an entry a mesh
@@ -16,7 +16,7 @@ use crate::report::{Part, Report, columns, list, named, number, part, told};
 use crate::show;
 use crate::table::Table;
 
-/// What the study found.
+/// The results of the study.
 pub fn report<'a>(study: &'a InfSup<'_>) -> Report<'a> {
     let pair = |k| Table::new("mesh", study.of_pair(k), &POINTS);
     let failures = study.points.iter().filter_map(|p| {

@@ -29,8 +29,8 @@ pub(super) fn biorthogonal(body: &Supported, boundary: &ContactBoundary, full: &
     matrix(2 * full.nodes.len(), &columns)
 }
 
-/// Values of the φ_i of displacements on each straight edge at the nodes of W_hp, as in [`biorthogonal`].
-/// Those that the supports hold are left out: what is left is as many as the displacements there.
+/// Values of the φ_i of displacements on each straight edge at the nodes of W_hp, as in [`biorthogonal`]. Those that the
+/// supports hold are left out: as many remain as there are displacements.
 pub(super) fn continuous(body: &Supported, full: &MultiplierSpace) -> Mat<f64> {
     let Supported { mesh, space, held, .. } = body;
     let mut unknowns: Vec<((usize, usize, usize), Vec<f64>)> = Vec::new();

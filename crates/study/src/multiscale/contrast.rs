@@ -1,4 +1,4 @@
-//! High contrast: where multiscale bases fail, and whether anything tells.
+//! High contrast: where multiscale bases fail, and whether any estimate shows it.
 //!
 //! A plate of 2 × 1 with 8 × 4 coarse cells of 16 × 16 fine ones, its left side held, a traction on its right one. Stiff parts
 //! lie inside of the coarse cells, across their edges, or as channels along them.
@@ -45,7 +45,7 @@ pub struct Stiff {
 }
 
 impl Stiff {
-    /// Whether a solution of such a scene is told with a warning.
+    /// Whether a solution of such a scene is reported with a warning.
     pub fn warned(&self) -> bool {
         self.crossing >= FAILING
     }

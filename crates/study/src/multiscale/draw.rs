@@ -41,7 +41,7 @@ pub fn pictures(study: &MultiscaleStudy<'_>, folder: &Path) -> Result<Vec<PathBu
     Ok(all.files)
 }
 
-/// A line a basis, of those that have one of the values.
+/// One line for each basis that has one of the values.
 fn by_basis(study: &MultiscaleStudy<'_>, values: &[fn(&Point) -> [f64; 2]]) -> Vec<Line> {
     let curve = |basis: usize, value: &fn(&Point) -> [f64; 2]| known(study.convergence.of(basis).map(value));
     let line = |(k, (name, _)): (usize, &(&str, _))| Line::new(*name, values.iter().map(|v| curve(k, v)));

@@ -11,7 +11,7 @@ use crate::watch::Watch;
 
 /// Parts of the cells of finer and finer grids.
 const PARTS: [usize; 3] = [1, 2, 4];
-/// Finer grids have at most so many unknowns, or as many as the scene allows.
+/// Finer grids have at most this number of unknowns, or the number that the scene allows.
 pub const MOST_DOFS: usize = 1_000_000;
 
 /// Bilinear elements on all cells, or on parts of them.
@@ -41,7 +41,7 @@ pub(super) const LEVELS: [Column<Level>; 6] = [
     ("seconds", "seconds", "set-up, assembly, factorisation and solution", |l| l.seconds),
 ];
 
-/// What bilinear elements find on the fine grid and on finer ones.
+/// The results of bilinear elements on the fine grid and on finer ones.
 pub struct FineGrid {
     /// The solution on the fine grid.
     pub truth: GridSolved,

@@ -20,7 +20,7 @@ const FINE: usize = 256;
 /// Periods and coarse cells along a side.
 const PERIODS: [usize; 4] = [4, 8, 16, 32];
 const COARSE: [usize; 5] = [4, 8, 16, 32, 64];
-/// What is held: coarse cells while periods change; periods of each laminate while coarse cells change.
+/// The fixed numbers: coarse cells while periods change; periods of each laminate while coarse cells change.
 const FIXED_COARSE: usize = 4;
 const FIXED_PERIODS: [usize; 2] = [16, 32];
 
@@ -61,12 +61,12 @@ pub(super) const LAYERS: [Column<Layers>; 8] = [
 pub type Laminates = Found<Layers>;
 
 impl Laminates {
-    /// Points of a laminate and a basis with the coarse cells that are held while periods change.
+    /// Points of a laminate and a basis with the coarse cells that are fixed while periods change.
     pub fn over_periods(&self, laminate: usize, basis: usize) -> impl Iterator<Item = &Layers> {
         self.of(laminate, basis).filter(|l| l.coarse == FIXED_COARSE)
     }
 
-    /// Those with the periods that are held while coarse cells change.
+    /// Those with the periods that are fixed while coarse cells change.
     pub fn over_cells(&self, laminate: usize, basis: usize) -> impl Iterator<Item = &Layers> {
         self.of(laminate, basis).filter(move |l| l.periods == FIXED_PERIODS[laminate])
     }
@@ -76,7 +76,7 @@ impl Laminates {
     }
 }
 
-/// The square with so many periods of layers.
+/// The square with this number of periods of layers.
 fn square(laminate: usize, periods: usize) -> Result<Scene, SolveError> {
     let young = format!("5.5 + 4.5*sign({})", LAMINATES[laminate].1);
     let grid = [[FIXED_COARSE; 2], [FINE / FIXED_COARSE; 2]];

@@ -19,10 +19,10 @@ pub const BASES: [(&str, BasisInput); 5] = [
     ("oversampled", BasisInput::Oversampled),
 ];
 
-/// Those that are made of the material, which the examples have; the last is enlarged by half a coarse cell.
+/// The bases that follow the material, as used in the examples; the last is enlarged by half a coarse cell.
 pub const FITTED: [(&str, BasisInput); 3] = [BASES[2], BASES[3], BASES[4]];
 
-/// What is said of a solution that is none.
+/// The message for a solution that did not converge.
 pub(super) const NOT_CONVERGED: &str = "the contact solver did not reach its criterion";
 
 /// After a wish to stop nothing more is solved.
@@ -51,7 +51,7 @@ pub(crate) fn on_coarse_cells(
     solve_grid(&scene, &GridLayout { parts: 1, coarse, around: None }, &mut stopped(interrupts))
 }
 
-/// What [`timed`] gives: the solution, and the median of its seconds.
+/// The result of [`timed`]: the solution, and the median of its seconds.
 pub(super) type Timed = (GridSolved, f64);
 
 /// Solves `repeat` times, at least once; wall seconds without those of the estimate.

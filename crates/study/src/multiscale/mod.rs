@@ -1,4 +1,4 @@
-//! What multiscale elements are worth on a scene with a grid.
+//! The accuracy and cost of multiscale elements on a scene with a grid.
 //!
 //! ```text
 //! the scene: FineGrid (bilinear elements on the fine grid and finer ones)     ─┐
@@ -47,13 +47,13 @@ pub struct MultiscaleStudy<'a> {
     pub laminates: Laminates,
     /// Stiff parts inside of coarse cells and across their edges.
     pub contrast: Contrast,
-    /// Runs of which seconds are medians.
+    /// Number of runs; seconds are their medians.
     pub repeat: usize,
     /// Whether the user stopped it.
     pub interrupted: bool,
 }
 
-/// All parts of the study, the scene on coarse cells of these sizes; `repeat` runs of which seconds are medians.
+/// All parts of the study, the scene on coarse cells of these sizes; seconds are medians of `repeat` runs.
 ///
 /// # Errors
 /// Those of [`fine_grid`].

@@ -10,7 +10,7 @@ use steklov_problem::{
     BasisInput, CellModuli, Cells, Condition, DataError, DataErrorKind, GridInput, Scene, Substance,
 };
 
-/// The laminate as a scene, for who solves it again; LAYERS stands for the expression of a laminate.
+/// The laminate as a scene, for those who solve it again; LAYERS stands for the expression of a laminate.
 pub(super) const SQUARE: &str = r#"title = "Layers 1:10"
 [body]
 corners = [[0, 0], [1, 0], [1, 1], [0, 1]]

@@ -1,7 +1,7 @@
 //! Rates of the errors: over the size H of coarse cells on the scene, over the period ε of layers on coarse cells of one size.
 //!
-//! Theorems of the kind ‖u - u_H‖ ≤ C H and ≤ C H² for energy and L² norm are of H below the scale of the moduli; above it
-//! C₁ H + C₂ (ε/H)^½ and C₁ H² + C₂ ε/H bound both. What is fitted are the last three errors or more, so that a rate of fewer is not told.
+//! Theorems of the kind ‖u - u_H‖ ≤ C H and ≤ C H² for energy and L² norm are of H below the scale of the moduli; above it C₁
+//! H + C₂ (ε/H)^½ and C₁ H² + C₂ ε/H bound both. The last three errors or more are fitted, so that fewer give no rate.
 
 use super::laminates::LAMINATES;
 use super::measure::{BASES, FITTED};
@@ -48,7 +48,7 @@ pub fn rates(convergence: &Convergence, laminates: &Laminates) -> Vec<Rate> {
     on_scene.chain(on_layers).collect()
 }
 
-/// The rates of errors by how many cells or layers are along x; None if neither is known.
+/// The rates of errors over the number of cells or layers along x; None if neither is known.
 fn rate(over: usize, basis: usize, errors: Vec<(usize, [f64; 2])>) -> Option<Rate> {
     let of = |k: usize| fit(Law::Algebraic, &errors.iter().map(|&(n, e)| (n, e[k])).collect::<Vec<_>>());
     let fits = [of(0), of(1)];

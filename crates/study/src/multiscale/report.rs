@@ -1,4 +1,4 @@
-//! What is stored and printed of the study.
+//! The stored and printed results of the study.
 //!
 //! ```text
 //! /fine_grid      `source`, `limit`, `rate` (if known); columns with an entry a grid
@@ -24,7 +24,7 @@ use crate::report::{Part, Report, columns, failures, named, number, part, rows, 
 use crate::show::{self, Shown, cells, heads, line};
 use crate::table::Table;
 
-/// What the study found.
+/// The results of the study.
 pub fn report<'a>(study: &'a MultiscaleStudy<'_>) -> Report<'a> {
     let basis = |k| Table::new("coarse grid", study.convergence.of(k), &POINTS);
     let points = &study.convergence.points;

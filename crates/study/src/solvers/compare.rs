@@ -23,7 +23,7 @@ pub const SOLVERS: [(&str, Solver); 4] = [
     ("semi-smooth Newton", newton_alone),
 ];
 
-/// The semi-smooth Newton method where it needs no other one.
+/// The semi-smooth Newton method, as far as it needs no other method.
 fn newton_alone(problem: &Problem) -> Result<Solution, String> {
     let mut steps = 0;
     let solution = newton_watched(problem, None, &mut |_| steps += 1).map_err(|e| e.to_string())?;
@@ -36,11 +36,12 @@ pub(super) fn gave_way(iterates: usize, solution: &Solution) -> Option<String> {
     (iterates < solution.history.len()).then(|| format!("it gave way to active sets after {last} steps"))
 }
 
-/// Where iterations are counted: the solver's own relative measure.
+/// The value of the solver's own relative measure at which iterations are counted.
 pub const TOLERANCE: f64 = 1e-10;
-/// The meshes: so many times the elements of the scene.
+/// The meshes: multiples of the scene's number of elements.
 const TIMES: [usize; 5] = [1, 2, 4, 8, 16];
-/// Multipliers at most: Uzawa's iteration has a full matrix of them, and needs a number of steps that grows with the mesh.
+/// Largest number of multipliers: Uzawa's iteration has a full matrix of them, and needs a number of steps that grows with the
+/// mesh.
 const MULTIPLIERS: usize = 600;
 
 /// A solver on a mesh.
@@ -76,7 +77,7 @@ pub(crate) const METHODS: [Column<Method>; 6] = [
     ("seconds", "seconds", "wall time to the solver's own tolerance", |m| m.seconds),
 ];
 
-/// What solvers cost.
+/// The cost of solvers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Solvers {
     /// By mesh and solver.
@@ -147,7 +148,7 @@ fn multipliers(problem: &Problem) -> usize {
 /// Solves the condensed contact problems on uniform meshes; none without contact.
 ///
 /// # Errors
-/// Those of assembling the meshes. Solvers that fail are told in their places.
+/// Those of assembling the meshes. Solvers that fail are reported in their places.
 pub fn solvers(scene: &Scene, watch: &mut Watch<'_>) -> Result<Option<Solvers>, SolveError> {
     if contact_sides(scene).is_empty() {
         return Ok(None);
@@ -158,7 +159,7 @@ pub fn solvers(scene: &Scene, watch: &mut Watch<'_>) -> Result<Option<Solvers>, 
 }
 
 impl Solvers {
-    /// What each solver does on a mesh.
+    /// Adds the results of each solver on a mesh.
     pub(crate) fn add(&mut self, OnMesh { elements, dofs, problem }: &OnMesh, watch: &Watch<'_>) {
         for solver in (0..SOLVERS.len()).take_while(|_| !watch.stopped()) {
             let method = Method::new(solver, problem);

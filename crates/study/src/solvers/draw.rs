@@ -8,7 +8,7 @@ use super::compare::SOLVERS;
 use super::{ContactSolvers, Newton, Solvers};
 use crate::chart::{Drawing, Line, Pictures, known, linear, log};
 
-/// Iterations of a history that are drawn at most.
+/// Largest number of iterations of a history that are drawn.
 const DRAWN: usize = 40;
 /// A measure of 0 is drawn here.
 const FLOOR: f64 = 1e-17;
@@ -79,7 +79,7 @@ pub(crate) fn iterations(title: &str, solvers: &Solvers, all: &mut Pictures<'_>)
     all.draw("solver-iterations", &drawing)
 }
 
-/// Measures by iteration on the finest mesh; `title` is told what mesh that is.
+/// Measures by iteration on the finest mesh; `title` receives the description of that mesh.
 pub(crate) fn histories(
     title: &dyn Fn(&str) -> String,
     solvers: &Solvers,

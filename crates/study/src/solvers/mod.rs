@@ -32,7 +32,7 @@ pub struct ContactSolvers<'a> {
     pub scene: &'a Scene,
     /// The texts from which it was read.
     pub source: &'a Source,
-    /// What solvers cost.
+    /// The cost of solvers.
     pub solvers: Solvers,
     /// The iterates of the semi-smooth Newton method, mesh by mesh.
     pub newton: Vec<Newton>,
@@ -61,7 +61,7 @@ pub fn check(scene: &Scene) -> Result<(), DataError> {
 /// All solvers on uniform meshes.
 ///
 /// # Errors
-/// Those of assembling the meshes. Solvers that fail are told in their places.
+/// Those of assembling the meshes. Solvers that fail are reported in their places.
 pub fn study<'a>(
     scene: &'a Scene,
     source: &'a Source,

@@ -31,7 +31,7 @@ pub struct Newton {
     pub elements: usize,
     /// The iterates; none where the method gave way to the active set method at once.
     pub iterates: Vec<Iterate>,
-    /// Why they have no end: there is no solution, or active sets found it.
+    /// Why they do not end in the solution: there is none, or active sets found it.
     pub failure: Option<String>,
 }
 

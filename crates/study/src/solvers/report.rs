@@ -1,4 +1,4 @@
-//! What is stored and printed of the study.
+//! The stored and printed results of the study.
 //!
 //! ```text
 //! /solvers/NNN   `name`; columns with an entry a mesh; `history`: the measure by iteration on the finest mesh
@@ -17,7 +17,7 @@ use crate::report::{Part, Report, columns, list, rows, text, told, vector};
 use crate::show;
 use crate::table::Table;
 
-/// What the study found.
+/// The results of the study.
 pub fn report<'a>(study: &'a ContactSolvers<'_>) -> Report<'a> {
     let iterates = || Table::new("iterate", study.newton.iter().flat_map(|n| &n.iterates), &ITERATES);
     let names = study.solvers.methods.iter().map(|m| format!("\"{}\"", SOLVERS[m.solver].0));

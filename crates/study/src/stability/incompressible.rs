@@ -17,10 +17,10 @@ use crate::watch::Watch;
 /// Poisson's ratios of the study.
 pub const POISSON: [f64; 8] = [0.3, 0.4, 0.45, 0.49, 0.499, 0.4999, 0.49999, 0.4999999];
 
-/// Its meshes: so many times the elements of the scene, and degrees.
+/// Its meshes: multiples of the scene's number of elements, and degrees.
 const MESHES: [(usize, usize); 5] = [(1, 1), (4, 1), (1, 2), (4, 2), (1, 4)];
 
-/// What the errors at a ratio are measured against: an hp solution on a much finer mesh.
+/// The reference for the errors at a ratio: an hp solution on a much finer mesh.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Truth {
     /// Poisson's ratio.
@@ -119,7 +119,7 @@ impl Incompressible {
 /// After a wish to stop the ratio that runs is left out.
 ///
 /// # Errors
-/// As [`Reference::new`] at the first ratio; what fails later is told in its place.
+/// As [`Reference::new`] at the first ratio; later failures are reported in their place.
 pub fn incompressible(scene: &Scene, watch: &mut Watch<'_>) -> Result<Incompressible, StudyError> {
     let mut all = Incompressible::default();
     for poisson in POISSON {

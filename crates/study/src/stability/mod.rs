@@ -85,7 +85,7 @@ impl Stability<'_> {
             && self.stabilisation.as_ref().is_none_or(Stabilisation::complete)
     }
 
-    /// What a reader of the results must know.
+    /// A note that a reader of the results needs.
     pub fn note(&self) -> Option<&'static str> {
         (self.scene.body().material().plane == Plane::Stress).then_some(
             "plane stress: ν = 1/2 is the plane strain ratio ν/(1+ν) = 1/3, which constrains nothing; no method can lock here",

@@ -1,4 +1,4 @@
-//! What is stored and printed of the study.
+//! The stored and printed results of the study.
 //!
 //! ```text
 //! /incompressible/references, points   columns with an entry a ratio, or a mesh at a ratio
@@ -21,7 +21,7 @@ use crate::report::{Part, Report, columns, list, number, part, rows, text, told,
 use crate::show::{self, line};
 use crate::table::Table;
 
-/// What the study found.
+/// The results of the study.
 pub fn report<'a>(study: &'a Stability<'_>) -> Report<'a> {
     let points = Table::new("mesh at a ratio", &study.incompressible.points, &POINTS);
     let spectra = Table::new("size", &study.single_layer.points, &SPECTRA);
@@ -105,7 +105,7 @@ fn numbers(text: &mut String, name: &str, values: impl Iterator<Item = f64>) {
     line(text, (name, NAME), values.map(|v| show::number(v, |v| format!("{v:.2e}"))));
 }
 
-/// What is printed of the meshes: a name and a value.
+/// The printed quantities of the meshes: a name and a value.
 type Quantity<T> = (&'static str, fn(&T) -> f64);
 
 /// Two quantities of some meshes, a line each.

@@ -27,7 +27,7 @@ const RATIO: f64 = 0.15;
 /// Layers at most: degenerate sizes to eight digits.
 const LAYERS: usize = 8;
 
-/// Diameters: so many an octave, for so many octaves to either side of the first degenerate one.
+/// Diameters: this number in an octave, for this number of octaves on either side of the first degenerate one.
 const PER_OCTAVE: i32 = 6;
 const OCTAVES: i32 = 3;
 

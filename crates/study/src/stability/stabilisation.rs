@@ -18,7 +18,7 @@ use crate::supported::{Supported, contact_sides, each, uniform_mesh};
 use crate::table::Column;
 use crate::watch::Watch;
 
-/// Meshes of the critical γ₀: so many times the elements of the scene, and degrees.
+/// Meshes of the critical γ₀: multiples of the scene's number of elements, and degrees.
 const MESHES: [(&[usize], usize); 8] = [
     (&[1, 2, 4, 8], 1),
     (&[1, 2, 4, 8], 2),
@@ -36,7 +36,7 @@ const SHARP: f64 = 2e-4;
 /// γ₀ over its critical value.
 const RATIOS: [f64; 9] = [1e-4, 1e-3, 1e-2, 0.1, 0.3, 0.5, 0.7, 0.9, 0.99];
 
-/// What the part is called.
+/// The name of the part.
 const STABILISATION: &str = "stabilisation";
 
 /// The critical γ₀ of a mesh.

@@ -31,7 +31,7 @@ pub struct Quantity {
     pub variance: f64,
     /// How far mean and variance may be off, over the scales: the change from the rule before the reference.
     pub uncertainty: [f64; 2],
-    /// What errors are relative to: (mean² + variance)^½, and the variance; of the whole vector for a component.
+    /// The scales of the errors: (mean² + variance)^½, and the variance; of the whole vector for a component.
     pub scale: [f64; 2],
 }
 
@@ -91,7 +91,7 @@ pub(super) const QUANTITIES: [Column<Quantity>; 6] = [
     ("variance_scale", "square of the quantity", "what errors of variances are relative to", |q| q.scale[1]),
 ];
 
-/// What the outcomes by the scene's own rule cost beside one deterministic solve of the same mesh.
+/// The cost of the outcomes by the scene's own rule beside one deterministic solve of the same mesh.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cost {
     /// Outcomes that were solved.

@@ -1,4 +1,4 @@
-//! What is stored and printed of the study.
+//! The stored and printed results of the study.
 //!
 //! ```text
 //! /chance              `quantities` (names), `reference`; columns with an entry a quantity
@@ -20,7 +20,7 @@ use crate::show::{self, Shown, heads};
 use crate::solvers::{self, METHODS, SOLVERS};
 use crate::table::Table;
 
-/// What the study found.
+/// The results of the study.
 pub fn report<'a>(study: &'a Stochastic<'_>) -> Report<'a> {
     let quoted = |name: &str| format!("\"{name}\"");
     let (chance, space) = (&study.chance, &study.space);
@@ -63,7 +63,7 @@ pub fn report<'a>(study: &'a Stochastic<'_>) -> Report<'a> {
     }
 }
 
-/// What the JSON object and the file have of the errors in chance.
+/// The errors in chance in the JSON object and the file.
 fn chance_parts(chance: &Chance) -> [Vec<Part>; 2] {
     let rules = |family: usize, quantity: usize| Table::new("rule", chance.of(family, quantity), &RULES);
     let quantity = |(k, q): (usize, &Quantity)| {

@@ -17,13 +17,13 @@ pub(super) const MONTE_CARLO: usize = 5;
 /// That of adaptive meshes.
 pub(super) const ADAPTED: usize = 3;
 
-/// Solves of a rule at most.
+/// Largest number of solves of a rule.
 pub(super) const LIMIT: f64 = 2000.0;
 /// Germs beyond which Monte Carlo is limited so too.
 const FEW: usize = 3;
-/// Nodes of a stochastic element at most where they are coupled.
+/// Largest number of nodes of a stochastic element if they are coupled.
 const COUPLED: f64 = 32.0;
-/// Nodes of a reference at most; germs of an adaptive one, and the degree of one on one element.
+/// Largest number of nodes of a reference; of germs of an adaptive one, and the degree of one on one element.
 const REFERENCE: usize = 5000;
 const ADAPTIVE: usize = 2;
 const DEGREE: usize = 11;

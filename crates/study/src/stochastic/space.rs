@@ -26,13 +26,13 @@ pub const CURVES: [(&str, Refine, bool, Law); 4] = [
     ("hp", Refine::Hp, false, Law::SquareRoot),
 ];
 
-/// What is solved on every mesh: J and half of ⟨u, Su⟩.
+/// The quantities on every mesh: J and half of ⟨u, Su⟩.
 const PATHS: [&str; 2] = ["energy", "strain_energy"];
 /// The tolerance of the reference is this part of the scene's.
 const FINER: f64 = 0.01;
 /// Steps of the hp strategy are judged that have at most this part of the reference's unknowns.
 const COARSER: f64 = 0.7;
-/// A law is told if it fits so well (R²).
+/// A law is reported if it fits this well (R²).
 const FITS: f64 = 0.9;
 /// Highest degree of uniform-p.
 const MAX_DEGREE: usize = 10;
