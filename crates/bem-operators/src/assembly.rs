@@ -79,7 +79,7 @@ struct Skeleton {
 /// A load reduced to what is kept.
 #[derive(Debug, Clone)]
 pub struct AssembledLoad {
-    /// On the kept unknowns.
+    /// The load on the kept unknowns.
     pub kept: Vec<f64>,
     bodies: Vec<CondensedLoad>,
     skeleton: Option<CondensedLoad>,

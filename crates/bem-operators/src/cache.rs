@@ -27,7 +27,7 @@ pub struct PairCache {
     reused: usize,
 }
 
-/// Bits of the end points and of what else makes the curve, and the order.
+/// Bits of the end points and of the other parameters of the curve, and the order.
 type Key = (Vec<u64>, usize);
 
 fn key(curve: &Curve, order: usize) -> Key {

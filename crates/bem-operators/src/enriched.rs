@@ -83,7 +83,7 @@ struct Layers {
 }
 
 impl Layers {
-    /// In the storage of the enrichment.
+    /// Builds the layers in the storage of the enrichment.
     fn new(enrichment: Enrichment, traction: &TractionMap, [length, diameter]: [f64; 2]) -> Result<Self, BemError> {
         let (l, x, of_x) = traction.factors();
         let n = x.nrows();

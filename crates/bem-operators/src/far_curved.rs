@@ -38,7 +38,7 @@ struct Nodes {
 }
 
 impl Reach {
-    /// For test and trial functions of `rows` degrees.
+    /// The rules for test and trial functions of `rows` degrees.
     pub(crate) fn new(curve: Curve, rows: usize) -> Self {
         let base = gauss_points(rows, f64::INFINITY);
         let ends = curve.ends();

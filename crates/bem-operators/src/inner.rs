@@ -26,7 +26,7 @@ pub(crate) struct Inner {
     pub(crate) d: [Complex64; MAX_ORDER],
     pub(crate) f: [Complex64; MAX_ORDER],
     pub(crate) e: [Complex64; MAX_ORDER],
-    /// X_n, where it is asked for; of a point on the element itself it is what the derivative of E along the element needs.
+    /// X_n, if requested; at a point on the element itself the derivative of E along the element needs it.
     pub(crate) x: [Complex64; MAX_ORDER],
     /// log|x-v₀| + log|x-v₁|.
     log_ends: f64,
@@ -438,7 +438,7 @@ const ZETA: [f64; 12] = [
     5.960818905125948e-8,
 ];
 
-/// κ(w) = cot w - 1/w = -2 Σ ζ(2k) π^(-2k) w^(2k-1), and κ' where it is asked for.
+/// κ(w) = cot w - 1/w = -2 Σ ζ(2k) π^(-2k) w^(2k-1), and κ' if requested.
 pub(crate) fn cot_rest(w: Complex64, derivative: bool) -> (Complex64, Complex64) {
     if w.norm_sqr() < 0.36 {
         let square = w * w / (PI * PI);

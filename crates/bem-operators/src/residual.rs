@@ -110,10 +110,10 @@ fn element_residual(
 /// How accurately residuals are integrated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Look {
-    /// By [`residual_panels`]: to 1 % of their norm.
+    /// Integrated by [`residual_panels`]: to 1 % of their norm.
     Close,
-    /// At 8 to 8 + 2p points of an element of degree p, to a factor of about two: enough to see whether they are large enough
-    /// to count.
+    /// Sampled at 8 to 8 + 2p points of an element of degree p, to a factor of about two: enough to see whether they are large
+    /// enough to count.
     Quick,
 }
 

@@ -54,7 +54,7 @@ impl Domain {
 pub struct Steklov {
     /// S, full storage.
     pub matrix: Mat<f64>,
-    /// From displacement to traction.
+    /// The map from displacement to traction.
     pub traction: TractionMap,
 }
 

@@ -14,7 +14,7 @@ pub enum Mark {
         rough: bool,
         /// Its indicator over the smallest one that is marked, at least 1.
         excess: f64,
-        /// By how much its degree rises where it is not cut.
+        /// Increase of its degree where it is not cut.
         degrees: usize,
     },
 }

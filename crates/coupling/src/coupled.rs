@@ -20,7 +20,7 @@ pub struct Coupled {
     pub balance: Balance,
 }
 
-/// What a form of the equations is solved for.
+/// The unknowns of a form of the equations.
 pub(crate) struct Unknowns {
     /// Unknowns of the trace.
     pub interface: Vec<f64>,

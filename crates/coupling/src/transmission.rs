@@ -7,7 +7,7 @@ use crate::balance::Balance;
 use crate::dense;
 use crate::{Coupled, CouplingError, Interior, Medium, Transfer};
 
-/// A body and the medium around it; all unknowns of the body but those of its trace are eliminated.
+/// A body and the medium around it; all unknowns of the body except those of its trace are eliminated.
 ///
 /// ```text
 /// -div σ(u) = f  in the body,        u - u_c = u0,   σ(u)n = σ(u_c)n + t0  on the interface
@@ -25,7 +25,7 @@ use crate::{Coupled, CouplingError, Interior, Medium, Transfer};
 pub struct Transmission<'a> {
     /// The medium around the body.
     pub medium: &'a Medium,
-    /// From the unknowns of the trace to the boundary elements.
+    /// The map from the unknowns of the trace to the boundary elements.
     pub transfer: Transfer,
     /// The body's stiffness A_c, reduced to the unknowns of the trace (stress).
     pub stiffness: Mat<f64>,

@@ -120,7 +120,7 @@ impl Wedge {
                 turned += self.turn((from, self.determinant(from)), (to, self.determinant(to)), HALVINGS);
             }
         }
-        // D is real on the real axis but for the factors e^(2iλ angle) of the functions
+        // D is real on the real axis up to the factors e^(2iλ angle) of the functions
         let factors: f64 = self.sectors.iter().map(|s| 2.0 * s.angle * (MARGIN - limit)).sum();
         ((turned - factors) / PI).round().max(0.0) as usize
     }
@@ -226,7 +226,7 @@ mod tests {
         a
     }
 
-    /// Of a crack, ½ between free faces and ¼ where one is held; none below ½ of a half plane held in part.
+    /// A crack has ½ between free faces and ¼ where one is held; a half plane held in part has none below ½.
     #[test]
     fn the_least_exponent_of_a_crack_is_a_half_or_a_quarter() {
         let least = |angle: f64, faces: [Face; 2]| one(angle, faces, KAPPA).least_exponent_below(0.7);

@@ -20,7 +20,7 @@ pub struct Along {
     turns: OnceLock<Vec<Turn>>,
 }
 
-/// [`Along`] of the edges that were asked for, by the bits of their numbers.
+/// [`Along`] of the requested edges, by the bits of their numbers.
 pub(super) type Known = Mutex<BTreeMap<Vec<u64>, Arc<Along>>>;
 
 impl Expression {
@@ -49,7 +49,7 @@ impl Expression {
 const MOST_STRETCHES: usize = 2000;
 
 impl Expression {
-    /// An edge parameter at which the value is not finite, or below `least`, if one can be found between those that were looked at.
+    /// An edge parameter at which the value is not finite, or below `least`, if the search finds one.
     pub fn impossible(&self, edge: &Edge, least: f64) -> Option<f64> {
         let (along, path) = (self.along(edge), OnEdge::new(edge, self));
         let allowed = |value: Interval| value.low >= least && value.is_bounded();

@@ -55,7 +55,7 @@ pub struct ExpressionError {
 /// Bytes `start..end` of a source: 0 is the scene file, k the k-th override.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Place {
-    /// Of the source.
+    /// Number of the source.
     pub source: usize,
     /// First byte.
     pub start: usize,

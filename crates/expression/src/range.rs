@@ -15,9 +15,9 @@ use super::{Expression, Switch};
 /// Enclosures of the values of a function and of its derivative by the parameter of a path.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Range {
-    /// Of the values.
+    /// Enclosure of the values.
     pub value: Interval,
-    /// Of the derivative; [`Interval::ANY`] also where the function jumps.
+    /// Enclosure of the derivative; [`Interval::ANY`] also where the function jumps.
     pub slope: Interval,
 }
 

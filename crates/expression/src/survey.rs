@@ -22,7 +22,7 @@ pub struct Piece {
 /// The pieces of a path, one after the other.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Survey {
-    /// In the order of t.
+    /// Pieces in the order of t.
     pub pieces: Vec<Piece>,
     /// Holds the values at the ends and middles of all pieces.
     pub sampled: Interval,

@@ -16,8 +16,8 @@ pub(crate) fn hold(made: &File) -> bool {
     !matches!(made.try_lock(), Err(WouldBlock)) && made.metadata().map_or(true, |made| made.nlink() > 0)
 }
 
-/// Removes half-written files of this name that no program holds and that belong to the user of `own`; whatever cannot be
-/// looked at or removed stays.
+/// Removes half-written files of this name that no program holds and that belong to the user of `own`; files that cannot be
+/// examined or removed stay.
 pub(crate) fn remove(folder: &Path, prefix: &str, own: &File) {
     let (Ok(own), Ok(entries)) = (own.metadata(), fs::read_dir(folder)) else { return };
     for entry in entries.flatten() {

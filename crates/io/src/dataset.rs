@@ -197,7 +197,7 @@ impl Rows {
         self.write(whole)
     }
 
-    /// Writes so many of the rows that wait, block by block.
+    /// Writes `count` of the waiting rows, block by block.
     fn write(&mut self, count: usize) -> Result<(), IoError> {
         let (m, failed) = (self.shape[1], |e: &dyn std::fmt::Display| write_error(&self.at, &self.name, e));
         for block in self.waiting[..count * m].chunks((self.block * m).max(1)) {
@@ -211,7 +211,7 @@ impl Rows {
         Ok(())
     }
 
-    /// Writes what is left.
+    /// Writes the rest.
     ///
     /// # Errors
     /// [`IoError::Write`], also where rows are missing.

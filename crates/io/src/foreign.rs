@@ -15,8 +15,8 @@ use crate::error::{IoError, damaged, mismatch, missing};
 ///
 /// # Errors
 /// [`IoError::System`] when the file cannot be opened, [`IoError::NotHdf5`], [`IoError::Missing`] without such a dataset,
-/// [`IoError::Mismatch`] for another object, type or shape (both shapes are told, and whether the transposed one fits),
-/// [`IoError::Damaged`].
+/// [`IoError::Mismatch`] for another object, type or shape (the message names both shapes, and says whether the transposed one
+/// fits), [`IoError::Damaged`].
 pub fn load_foreign_table(path: impl AsRef<Path>, dataset: &str, shape: [usize; 2]) -> Result<Vec<f64>, IoError> {
     let (file, table) = open_dataset(path.as_ref(), dataset)?;
     let name = dataset.trim_start_matches('/');

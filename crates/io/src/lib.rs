@@ -40,10 +40,10 @@
 //! # Ok::<(), IoError>(())
 //! ```
 //!
-//! *Integrity*: arrays lie in chunks under Fletcher-32 checksums, texts under FNV-1a, all else (extents, types,
-//! attributes, links) under the checksums of HDF5 1.10's structures. Fletcher-32 sees every changed byte, but not a pair of
-//! zero bytes that becomes 0xffff at an even place, or the reverse. Files of other programs are read with the same
-//! care: sizes are compared with what the file holds before memory is asked for, and structure is checked before use.
+//! *Integrity*: arrays lie in chunks under Fletcher-32 checksums, texts under FNV-1a, all else (extents, types, attributes,
+//! links) under the checksums of HDF5 1.10's structures. Fletcher-32 sees every changed byte, but not a pair of zero bytes
+//! that becomes 0xffff at an even place, or the reverse. Files of other programs are read with the same care: sizes are
+//! compared with what the file holds before memory is requested, and structure is checked before use.
 //!
 //! *Size*: integers, and values of sparse matrices that recur, are shuffled and deflated from 2¹³ of them on, below their
 //! checksums; every HDF5 library that has zlib reads them, as h5py's. One without it writes them plain, and reading gives

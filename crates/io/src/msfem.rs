@@ -103,7 +103,7 @@ impl Persist for HeterogeneousBody {
     }
 }
 
-/// Rectangles between all lines through sides of coarse cells: so many may be checked, or four for each cell.
+/// Most rectangles between all lines through sides of coarse cells that may be checked; four for each cell are always allowed.
 const MOST: usize = 1 << 22;
 
 /// The lines through the sides of coarse cells, each once; those along y first.

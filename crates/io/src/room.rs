@@ -1,4 +1,4 @@
-//! Room on the disk, asked for before the library copies: where writing fails within a copy, it reads memory that is not its own.
+//! Requests room on the disk before the library copies: where writing fails within a copy, it reads memory that is not its own.
 
 use std::fs::OpenOptions;
 use std::io::{self, Seek as _, SeekFrom, Write as _};
@@ -20,7 +20,7 @@ pub(crate) fn size(at: &Group, name: &str) -> hdf5::Result<u64> {
     }
 }
 
-/// Writes so many zeros behind the file of a group and takes them away again.
+/// Writes `bytes` zeros behind the file of a group and removes them again.
 pub(crate) fn check(at: &Group, bytes: u64) -> io::Result<()> {
     let end = at.file().map_err(io::Error::other)?.size();
     let mut file = OpenOptions::new().write(true).open(at.filename())?;

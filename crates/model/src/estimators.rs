@@ -16,7 +16,8 @@ use serde::{Deserialize, Serialize};
 /// Name and meaning of a part.
 pub type Part = (&'static str, &'static str);
 
-/// Of a boundary element of length h and degree p, E Young's modulus; the terms of contact are in `steklov_contact::ContactResidual`.
+/// The parts of a boundary element of length h and degree p, E Young's modulus; the terms of contact are in
+/// `steklov_contact::ContactResidual`.
 pub const ON_BOUNDARY: [Part; 10] = [
     ("neumann", "h/(pE) |t - S u|^2 where t is prescribed"),
     ("equation", "hE/p |d/ds((K+1/2)u - V psi)|^2"),
@@ -32,10 +33,10 @@ pub const ON_BOUNDARY: [Part; 10] = [
 /// The part of stabilised multipliers.
 pub const STABILISATION: &str = "stabilisation";
 
-/// Of random input: the truncation error of polynomials of the germs in the displacement.
+/// The part of random input: the truncation error of polynomials of the germs in the displacement.
 pub const TRUNCATION: &str = "truncation";
 
-/// Of a coarse cell of extent H.
+/// The parts of a coarse cell of extent H.
 pub const IN_COARSE_CELLS: [Part; 5] = [
     ("volume_mean", "H^2/E of the mean body force"),
     ("volume_oscillation", "H^2/E of the rest of the body force"),
@@ -44,10 +45,10 @@ pub const IN_COARSE_CELLS: [Part; 5] = [
     ("neumann", "H/E of the given traction less that of the solution"),
 ];
 
-/// Of the cells of a grid, against the exact solution.
+/// The parts of the cells of a grid, against the exact solution.
 pub const IN_CELLS: [&str; 3] = ["volume", "jump", "neumann"];
 
-/// Of a boundary element between body and medium.
+/// The parts of a boundary element between body and medium.
 pub const ON_INTERFACE: [&str; 3] = ["interface_traction", "interface_displacement", "interface_oscillation"];
 
 /// Residual estimators of the last solution by kind, each null if it does not apply.
@@ -96,7 +97,7 @@ impl Estimator {
         Self { value: self.value / norm, relative: self.value / norm, parts }
     }
 
-    /// Of squared parts (energies) and (2 strain energy)^½.
+    /// The estimator with these squared parts (energies), relative to (2 strain energy)^½.
     pub fn new<'a>(squared: impl IntoIterator<Item = (&'a str, f64)>, scale: f64) -> Self {
         let (mut sum, mut parts) = (0.0, BTreeMap::new());
         for (name, part) in squared {

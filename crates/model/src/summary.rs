@@ -20,7 +20,7 @@ pub struct Summary {
     pub model: String,
     /// The result file.
     pub file: String,
-    /// Whether what was asked for is reached.
+    /// Whether the run reached its aim.
     pub converged: bool,
     /// solved, tolerance, max_dofs, max_steps, max_nodes, fine_grid, roundoff, solver, interrupted or failed.
     pub reason: String,
@@ -56,7 +56,7 @@ pub struct Summary {
     /// Why the estimate is not to be trusted, the words of [`Doubt`]; empty if it is.
     #[serde(default)]
     pub estimate_doubts: Vec<String>,
-    /// Residual estimators; left out unless they are asked for.
+    /// Residual estimators; left out unless requested.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub estimators: Option<Estimators>,
     /// Iterations of the contact solver in the last step; 0 without contact.

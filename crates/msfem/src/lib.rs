@@ -34,8 +34,8 @@
 //! where coarse cells are as large as the heterogeneities: the error grows as H comes down to their size, and falls below it.
 //! A multiscale field is one of the fine grid: it is never nearer to the exact solution than bilinear elements on that grid.
 //!
-//! Units: any consistent ones; everything is per unit thickness. Unknown 2·node + component is a displacement. The same
-//! bits for any number of threads, but for matrices so large that their factorisation uses several.
+//! Units: any consistent ones; everything is per unit thickness. Unknown 2·node + component is a displacement. The bits are
+//! the same for any number of threads, except for matrices so large that their factorisation uses several.
 //!
 //! ```
 //! use steklov_msfem::steklov_elastic::Plane;

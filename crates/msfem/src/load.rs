@@ -19,7 +19,7 @@ const ROUGH: f64 = 1e-4;
 struct Piece {
     /// Against the four bilinear functions of the rectangle itself.
     on_piece: [f64; 8],
-    /// Of |f_x| + |f_y|.
+    /// Integral of |f_x| + |f_y|.
     size: f64,
     /// A point at which the force is not finite.
     singular: Option<[f64; 2]>,

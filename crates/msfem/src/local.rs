@@ -18,7 +18,7 @@ pub(crate) enum Freedom {
     Interior,
     /// Those inside, and on the boundary all but component k; the other one is held at the upper right corner too.
     Component(usize),
-    /// All but the corners', equal on opposite sides.
+    /// All except those of the corners, equal on opposite sides.
     Periodic,
 }
 

@@ -17,7 +17,7 @@ const KEPT: usize = 128 << 20;
 /// Number of coarse cells that are brought back to the fine grid at a time.
 pub(crate) const BATCH: usize = 1024;
 
-/// Displacement unknowns of a coarse vertex: combinations of those of vertices that do not hang.
+/// Displacement unknowns of a coarse vertex as combinations of those of vertices that do not hang.
 type Combination = Vec<(usize, f64)>;
 
 /// A coarse mesh with one kind of basis on a body.

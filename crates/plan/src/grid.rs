@@ -169,7 +169,7 @@ fn estimate(multiscale: bool, conforming: bool) -> Decision {
     decision("error estimate", choice, why)
 }
 
-/// The note if another refinement is asked for than there is.
+/// The note if the requested refinement is not available.
 fn asked(refine: Refine, known: Refine) -> &'static str {
     if refine == known { "" } else { "the degree is one; " }
 }

@@ -104,14 +104,14 @@ pub(crate) fn decide(scene: &Scene, modelled: &mut Vec<Decision>, left_out: &mut
 
 /// How far one deviation of a germ to both sides moves the data.
 struct Moved {
-    /// Of E, relative.
+    /// Change of E, relative.
     young: f64,
-    /// Of the tractions, relative to their size, both in mean square along the boundary.
+    /// Change of the tractions, relative to their size, both in mean square along the boundary.
     loads: f64,
-    /// Of gap (length) and of friction (stress or 1), at most.
+    /// Largest changes of gap (length) and of friction (stress or 1).
     gap: f64,
     friction: f64,
-    /// Of prescribed displacements, at most (length).
+    /// Largest change of prescribed displacements (length).
     held: f64,
 }
 

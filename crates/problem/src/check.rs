@@ -1,11 +1,11 @@
-//! The data of every side, looked at along its edges before anything is solved.
+//! Checks the data of every side along its edges before anything is solved.
 
 use steklov_bem_operators::Edge;
 use steklov_expression::{Expression, OnEdge, Track};
 
 use super::{Condition, DataError, DataErrorKind as Kind, Problem, Scene, Side, Springs};
 
-/// Number of equal steps along an edge at which data are looked at.
+/// Number of equal steps along an edge at which data are examined.
 const STEPS: usize = 256;
 /// Differences across a jump are this part of those ten times as far away, or more; across (s - a)^p they are 10^-p of them.
 const JUMPING: f64 = 0.99;

@@ -59,7 +59,7 @@ pub fn cut_by_cracks(outline: &Polygon, cracks: &[Crack]) -> Result<Polygon, Cra
 }
 
 impl Problem {
-    /// The interfaces of cracks along which [`cut_by_cracks`] has cut bodies: the laws of their faces, none of those whose faces
+    /// The interfaces of cracks along which [`cut_by_cracks`] has cut bodies: the laws of their faces, none where the faces
     /// are loaded, and the ties beyond their tips.
     pub fn join_cracks(&mut self, cracks: Vec<(Crack, Option<Contact>)>) {
         let side = |problem: &Self, name: String| problem.side(&name);

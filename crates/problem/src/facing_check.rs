@@ -184,7 +184,7 @@ impl Problem {
     /// Whether bodies overlap as they are drawn.
     ///
     /// # Errors
-    /// What is wrong: the two bodies, the deepest of the points that are looked at, and how deep it lies.
+    /// What is wrong: the two bodies, the deepest of the examined points, and how deep it lies.
     pub(super) fn check_overlaps(&self) -> Result<(), (String, String)> {
         let bodies = self.outline.bodies().len();
         let pairs = (0..bodies).flat_map(|a| (0..bodies).filter(move |&b| b != a).map(move |b| (a, b)));
@@ -233,7 +233,7 @@ impl Problem {
     }
 }
 
-/// To four digits.
+/// Rounded to four digits.
 fn rounded(value: f64) -> f64 {
     format!("{value:.3e}").parse().unwrap_or(value)
 }

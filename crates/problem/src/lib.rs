@@ -90,7 +90,7 @@ pub struct Scene {
     pub title: String,
     /// Names of its units.
     pub units: Units,
-    /// Bodies and what acts between them.
+    /// Bodies and the laws between them.
     pub problem: Problem,
     /// Names in expressions that have one value.
     pub parameters: BTreeMap<String, f64>,

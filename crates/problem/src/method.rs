@@ -2,7 +2,7 @@
 
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 
-/// Discretisation that is asked for.
+/// Requested discretisation.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Model {
     /// The least one that the scene needs.
@@ -95,7 +95,7 @@ pub struct Method {
     pub max_steps: usize,
     /// Indicator of the error.
     pub indicator: Indicator,
-    /// Whether the residual estimators are told as numbers, whatever steers the refinement.
+    /// Whether the residual estimators are reported as numbers, whatever steers the refinement.
     pub estimators: bool,
     /// Dörfler's θ in (0, 1]; `None` is auto.
     pub marking: Option<f64>,
@@ -148,7 +148,7 @@ impl Method {
         self.elements.unwrap_or(16)
     }
 
-    /// Whether residuals are computed: where they steer the refinement they are told too.
+    /// Whether residuals are computed: where they steer the refinement they are reported too.
     pub fn has_residuals(&self) -> bool {
         self.estimators || self.indicator == Indicator::Residual
     }

@@ -4,7 +4,7 @@ use steklov_stochastic::{CellBasis, Nodes, StochasticCell, StochasticError, Vari
 
 use super::{DataError, Sampling, Scene, Stochastic};
 
-/// Outcomes beyond this probability at either end of a germ without bounds are not looked at.
+/// Outcomes beyond this probability at either end of a germ without bounds are not examined.
 const RARE: f64 = 1e-12;
 /// Most germs of which all combinations of ends are tried: with all data, and the modulus alone.
 const DATA: usize = 5;

@@ -55,7 +55,7 @@ pub enum Substance {
     Cells(Cells),
 }
 
-/// Sides and what they meet. They carry the multipliers of the law: pressures, shears, tractions.
+/// The sides of an interface and what lies opposite. They carry the multipliers of the law: pressures, shears, tractions.
 #[derive(Debug, Clone)]
 pub struct Interface {
     /// Its name.

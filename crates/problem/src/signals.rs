@@ -5,7 +5,7 @@ use steklov_expression::{Enclosure, Expression, Interval, Leaves, Switch, Value}
 
 use super::{Random, RandomName, Scene};
 
-/// Boxes of one germ that are looked at for the zeros of a switch.
+/// Most boxes of one germ that are examined for the zeros of a switch.
 const BOXES: usize = 10_000;
 /// Boxes about a curved edge.
 const CHORDS: usize = 64;

@@ -41,7 +41,7 @@ impl LobattoBasis {
             legendre_p(x[j], &mut value);
             (0..=p).for_each(|n| vandermonde[(j, n)] = value[n]);
         }
-        // Σ_j w_j P_m P_n = ∫ P_m P_n but for m = n = p, where the rule gives 2/p in place of 2/(2p+1).
+        // Σ_j w_j P_m P_n = ∫ P_m P_n except for m = n = p, where the rule gives 2/p in place of 2/(2p+1).
         let scale = |n: usize| if n < p { (2 * n + 1) as f64 / 2.0 } else { p as f64 / 2.0 };
         let to_legendre = Mat::from_fn(p + 1, p + 1, |n, j| scale(n) * w[j] * vandermonde[(j, n)]);
         let mut derivative_to_legendre = Mat::zeros(p, p + 1);

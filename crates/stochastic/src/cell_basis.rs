@@ -13,10 +13,10 @@ const ORTHONORMAL: f64 = 1e-8;
 /// Where the nodes of a cell's basis are.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Nodes {
-    /// At the Gauss points of the density in the cell: M_E is diagonal for E affine in each germ.
+    /// The Gauss points of the density in the cell: M_E is diagonal for E affine in each germ.
     Gauss,
-    /// At its Lobatto points, the ends of the cell among them; M_E is full. A direction of degree 0 has no Lobatto rule:
-    /// its node is the Gauss point, the mean.
+    /// Its Lobatto points, which include the ends of the cell; M_E is full. A direction of degree 0 has no Lobatto rule: its
+    /// node is the Gauss point, the mean.
     Lobatto,
 }
 
@@ -38,7 +38,7 @@ pub struct CellBasis {
 /// Basis in one direction.
 #[derive(Debug, Clone)]
 struct Axis {
-    /// To degree q + `EXTRA`, for over-integration.
+    /// Recurrence to degree q + `EXTRA`, for over-integration.
     recurrence: Recurrence,
     /// Nodes; weights sum to 1.
     rule: Rule,
@@ -141,7 +141,7 @@ impl CellBasis {
         self.axes.iter().map(|axis| axis.recurrence.gauss(axis.recurrence.alpha.len())).collect()
     }
 
-    /// For each direction the points and weights of integration of [`Self::mass`] (the weights sum to the probability of the
+    /// The points and weights of integration of [`Self::mass`] for each direction (the weights sum to the probability of the
     /// cell in this direction), and the Lagrange polynomials at the points: points × nodes of the direction. θ_j is their
     /// product over the directions.
     ///

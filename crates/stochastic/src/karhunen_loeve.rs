@@ -65,7 +65,7 @@ pub struct IntervalParts {
 /// Modes of the unit interval, in closed form or by polynomials.
 #[derive(Debug, Clone, PartialEq)]
 pub enum ModeParts {
-    /// Of the exponential covariance.
+    /// Modes of the exponential covariance.
     Exponential {
         /// q = L/(2ℓ).
         q: f64,

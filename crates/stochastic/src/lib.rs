@@ -11,9 +11,9 @@
 //! answers + weights ──► Moments, quantiles, densities, probabilities; indicator ──► cells to split, degrees to raise
 //! ```
 //!
-//! Every random input is a function of independent *germs* ξ_d, one for each direction of the stochastic mesh. The germ of
-//! a variable is the variable itself, but for a lognormal one, whose germ is its logarithm. Densities, rules and
-//! polynomials are those of germs.
+//! Every random input is a function of independent *germs* ξ_d, one for each direction of the stochastic mesh. The germ of a
+//! variable is the variable itself, except for a lognormal one, whose germ is its logarithm. Densities, rules and polynomials
+//! are those of germs.
 //!
 //! Same bits for any number of threads: random numbers are functions of seed, sample and direction, and sums are taken in
 //! a fixed order.

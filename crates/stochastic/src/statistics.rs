@@ -16,7 +16,7 @@ pub struct Histogram {
 
 /// Quantiles of weighted values: the smallest of them with Σ of the weights to it at least p of the total.
 ///
-/// *Use when*: values are samples, or the nodes of so many cells that they are as good as that. *Fails when*: weights are
+/// *Use when*: values are samples, or the nodes of so many cells that they are as good as samples. *Fails when*: weights are
 /// negative, or the nodes of a rule are few: quantiles jump from one to the next. *Cost*: a sort.
 ///
 /// # Errors
@@ -38,7 +38,7 @@ pub fn quantiles(values: &[f64], weights: &[f64], probabilities: &[f64]) -> Resu
         if !(0.0..=1.0).contains(&p) {
             return Err(number("the probability of a quantile", p, "between 0 and 1"));
         }
-        // sums of equal weights reach p total but for rounding
+        // sums of equal weights reach p total up to rounding
         let wanted = p * total * (1.0 - 4.0 * f64::EPSILON);
         let at = below.partition_point(|&s| s < wanted).min(order.len() - 1);
         Ok(values[order[at]])

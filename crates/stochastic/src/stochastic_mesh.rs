@@ -28,7 +28,8 @@ pub struct StochasticCell {
 }
 
 impl StochasticMesh {
-    /// In each direction `elements` intervals of equal probability (equal widths for uniform variables) and this degree.
+    /// The mesh with `elements` intervals of equal probability (equal widths for uniform variables) in each direction, and
+    /// this degree.
     ///
     /// The last direction runs fastest. No variable gives one cell, the point.
     ///

@@ -12,7 +12,7 @@ use crate::StochasticError;
 
 /// S or D^-½ M_E D^-½ counts as singular below this part of its largest eigenvalue.
 const COERCIVE: f64 = 1e-12;
-/// M_E is symmetric but for this part of (M_jj M_kk)^½.
+/// M_E is symmetric up to this part of (M_jj M_kk)^½.
 const SYMMETRIC: f64 = 1e-9;
 /// Columns of a product that are one task: fixed, so that its bits do not depend on the number of threads.
 const COLUMNS: usize = 16;

@@ -49,9 +49,9 @@ impl DirectionError {
 /// q = 1, and for q = 2 or 3 if a_2 is above a_1, the rest is taken as 1 or more. Degree 0 shows nothing: its error is
 /// infinite.
 ///
-/// `energy` is the square of the norm of an answer. *Fails when*: the answer is even about
-/// the middle of a cell of degree 1, or odd but for a large mean with degree 2; all nodes lie on one side of a kink next to an end
-/// of the cell. *Cost*: the square of the number of nodes a component.
+/// `energy` is the square of the norm of an answer. *Fails when*: the answer is even about the middle of a cell of degree 1,
+/// or odd except for a large mean with degree 2; all nodes lie on one side of a kink next to an end of the cell. *Cost*: the
+/// square of the number of nodes a component.
 ///
 /// # Panics
 /// If there is not an answer for each node and a `kinked` for each germ.

@@ -51,7 +51,7 @@ pub struct Variable {
     distribution: Distribution,
     low: f64,
     high: f64,
-    /// Of the germ.
+    /// Support of the germ.
     support: [f64; 2],
     /// Probability of the interval before the restriction.
     kept: f64,

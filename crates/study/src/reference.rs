@@ -45,7 +45,7 @@ pub enum EnergySource {
     Own,
     /// The scene's `[expect]`, which the finest level confirms.
     Expected {
-        /// What the scene says of it.
+        /// What the scene says about it.
         source: String,
     },
     /// The finest level: it contradicts the scene's `[expect]`.

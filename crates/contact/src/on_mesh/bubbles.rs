@@ -132,7 +132,7 @@ pub fn oscillation(mesh: &Mesh, space: &Space, e: usize, f: &Datum<'_>) -> Resul
     let mut ends: Vec<f64> = (f.kinks)(e).into_iter().filter(|t| t.abs() < 1.0 - mesh.resolution(e)).collect();
     ends.extend([-1.0, 1.0]);
     ends.sort_by(f64::total_cmp);
-    // two functions in one expression may have the same kink but for rounding
+    // two functions in one expression may have the same kink up to rounding
     ends.dedup_by(|b, a| *b - *a <= mesh.resolution(e));
     let mut phi = vec![0.0; basis.degree + 1];
     let rule = rule();

@@ -4,8 +4,8 @@
 //! W_Hq = { μ in L2(Γ_C) : μ of degree q_J on every J of T_H }     nodes: Lobatto points of J, the middle for q = 0
 //! P1    continuous on every straight edge, linear on every J      nodes: the ends of the J
 //! ```
-//! A multiplier is given by its values at the nodes, where its sign conditions are asked for too. λ_n and λ_t are of
-//! the same space.
+//! A multiplier is given by its values at the nodes, where its sign conditions are imposed too. λ_n and λ_t are of the same
+//! space.
 
 use steklov_bem_operators::Mesh;
 use steklov_quadrature::{LobattoBasis, gauss_legendre};

@@ -16,7 +16,7 @@ pub struct SideData<'a> {
     pub bound: Option<Datum<'a>>,
     /// Coulomb's coefficient of friction μ ≥ 0. Without both the side is frictionless; with both the bound is F + μ λ_n.
     pub coefficient: Option<Datum<'a>>,
-    /// The other body that the side faces; none of a rigid obstacle.
+    /// The other body that the side faces; none for a rigid obstacle.
     pub beyond: Option<Beyond<'a>>,
 }
 

@@ -445,7 +445,7 @@ pub(crate) fn add_springs(matrix: &mut Mat<f64>, free: &[Dof], motions: &[Vec<f6
     }
 }
 
-/// The nodes of the condensed problem: two unknowns each, and the `offset` of what is prescribed.
+/// The nodes of the condensed problem: two unknowns each, and the `offset` of the prescribed ones.
 fn contact_nodes(data: Vec<NodeData>, offset: &[Vec<f64>; 2], weight: &dyn Fn(usize) -> f64) -> Vec<ContactNode> {
     let node = |(k, NodeData { gap, bound, coefficient }): (usize, NodeData)| ContactNode {
         first: 2 * k,

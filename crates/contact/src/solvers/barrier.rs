@@ -76,7 +76,7 @@ struct Pair {
 /// A point strictly inside all bounds.
 pub(crate) struct Point {
     y: Vec<f64>,
-    /// In the order of the lines.
+    /// One pair for each line, in their order.
     pairs: Vec<Pair>,
 }
 

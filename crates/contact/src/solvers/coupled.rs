@@ -1,8 +1,8 @@
 //! Coulomb's law on given pieces: linear systems in which slip carries the coefficient times the pressure.
 //!
-//! Where a condition is closed and slips, the force of the node is x (n ± μ D_t/D_n t) plus Tresca's part, x ≥ 0 unknown.
-//! The displacement is free along the line n·v = g as ever, but equilibrium is asked for across that force: the trial
-//! direction is perpendicular to n, the test direction to n ± μ D_t/D_n t, and the system is not symmetric.
+//! Where a condition is closed and slips, the force of the node is x (n ± μ D_t/D_n t) plus Tresca's part, x ≥ 0 unknown. The
+//! displacement is free along the line n·v = g as ever, but equilibrium is required across that force: the trial direction is
+//! perpendicular to n, the test direction to n ± μ D_t/D_n t, and the system is not symmetric.
 
 use steklov_elastic::plane::{cross, dot, minus, turned, unit};
 

@@ -34,13 +34,13 @@ const WORK: f64 = 1e-7;
 /// ```text
 /// S v + Σ D λ d = f,   d·v - b = Σ ± s,   s z = μ D^-¼,   μ → 0
 /// ```
-/// by Mehrotra's predictor and corrector and up to three centrality corrections, which share a factorisation of
-/// S + Σ D (Σ s/z)⁻¹ d dᵀ: the barrier makes it definite also for a body that nothing else holds. The weights make all
-/// that an average over the contact boundary, so that short elements cost few steps. As soon as two points agree on the
-/// sets (z > c s, c the stiffness of the node) these are handed to the active set method. Where that settles in two
-/// steps its answer, exact but for rounding, is returned; else the interior point method goes on. A motion that the sets
-/// leave free is 0, or where that violates them (all nodes slip) as in the interior point. The history is that
-/// of both: the larger of gap and residuals before each interior point step, the violation before each active set step.
+/// by Mehrotra's predictor and corrector and up to three centrality corrections, which share a factorisation of S + Σ D (Σ
+/// s/z)⁻¹ d dᵀ: the barrier makes it definite also for a body that nothing else holds. The weights make all that an average
+/// over the contact boundary, so that short elements cost few steps. As soon as two points agree on the sets (z > c s, c the
+/// stiffness of the node) these are handed to the active set method. Where that settles in two steps its answer, exact up to
+/// rounding, is returned; else the interior point method goes on. A motion that the sets leave free is 0, or where that
+/// violates them (all nodes slip) as in the interior point. The history is that of both: the larger of gap and residuals
+/// before each interior point step, the violation before each active set step.
 ///
 /// Under Coulomb's law the active set method tries full stick, then the sets of the Tresca problems of
 /// [`crate::fixed_point`], which are solved in this way, one after the other: the first that settle are the answer.

@@ -178,10 +178,10 @@ impl Problem {
     /// Whether the parts fit together and all numbers are usable.
     ///
     /// # Errors
-    /// [`ContactError::Inconsistent`] for wrong sizes, a matrix that is not symmetric to 1e-9 or has a diagonal entry
-    /// that is negative, numbers that are not finite (but for infinite bounds), negative weights, bounds or coefficients,
-    /// unknowns that belong to no or to two nodes, more conditions than [`ContactNode`] allows, and conditions of a
-    /// node that no displacement satisfies (an overlap that full stick does not let go, say).
+    /// [`ContactError::Inconsistent`] for wrong sizes, a matrix that is not symmetric to 1e-9 or has a diagonal entry that is
+    /// negative, numbers that are not finite (except infinite bounds), negative weights, bounds or coefficients, unknowns that
+    /// belong to no or to two nodes, more conditions than [`ContactNode`] allows, and conditions of a node that no
+    /// displacement satisfies (an overlap that full stick does not let go, say).
     pub fn check(&self) -> Result<(), ContactError> {
         let refuse = |what: String| Err(ContactError::Inconsistent { what });
         let (m, s) = (self.load.len(), &self.stiffness);

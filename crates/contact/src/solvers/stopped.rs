@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     /// u_n of the motions x, y and a turn about 0 at both ends of the sides of a regular polygon on its circle of radius 1,
-    /// turned by an angle, but for the first `open` sides.
+    /// turned by an angle, without the first `open` sides.
     fn rows(sides: usize, open: usize, angle: f64) -> Vec<Vec<f64>> {
         let at = |k: f64| (angle + std::f64::consts::TAU * k / sides as f64).sin_cos();
         let side = |k: usize| {

@@ -176,7 +176,7 @@ fn data_that_are_not_finite_are_named() {
     assert!(error.to_string().contains("floor"), "{error}");
 }
 
-/// A kink that two functions of one expression have, but for rounding, is one kink.
+/// A kink that two functions of one expression share, up to rounding, is one kink.
 #[test]
 fn kinks_that_rounding_tells_apart_are_one() {
     let m = rectangle(1.0, &[2; 4]);

@@ -236,8 +236,8 @@ fn a_fixed_point_that_does_not_contract_says_so() {
     }
 }
 
-/// Of problems with corners and oblique nodes under a small coefficient nearly all have a solution that the interior point method
-/// finds, and whatever another method calls a solution of these is mostly the same one.
+/// Nearly all problems with corners and oblique nodes under a small coefficient have a solution that the interior point method
+/// finds; another method that converges mostly finds the same one.
 #[test]
 fn most_corners_are_solved() {
     let mut runner = TestRunner::deterministic();

@@ -8,7 +8,7 @@ use crate::proptest::{Friction, floating, mixed, ordinary};
 use crate::solvers::linear::{largest, product};
 use crate::{Condition, ContactError, ContactNode, Problem, Solution, Status, active_set, interior_point, kkt};
 
-/// The answer, which must pass the judge to 1e-10 but for the rounding of S v, which counts far from v = 0 only.
+/// The answer, which must pass the judge to 1e-10 except for the rounding of S v, which counts far from v = 0 only.
 fn solved(problem: &Problem) -> Solution {
     let answer = interior_point(problem).unwrap();
     let (v, s) = (&answer.displacement, &problem.stiffness);

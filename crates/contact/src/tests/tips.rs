@@ -187,7 +187,7 @@ proptest! {
     }
 }
 
-/// Contact up to 0.5 but for some nodes, which are open.
+/// Contact up to 0.5 except at some nodes, which are open.
 fn islands(open: &[f64]) -> (Row, Sets) {
     let s: Vec<f64> = (0..=100).map(|i| f64::from(i) / 100.0).collect();
     let row = Row::new(&s, 0.4, 0.0);

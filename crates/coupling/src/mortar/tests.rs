@@ -75,7 +75,7 @@ proptest! {
         (own_modulus, other_modulus) in (1e-3..1e3f64, 1e-3..1e3f64),
         (kind, t) in (0usize..3, -0.9..0.9f64),
     ) {
-        // the disc touches the other body at its lowest point, but for the gap
+        // the disc touches the other body at its lowest point, up to the gap
         let disc = Polygon::new(Loop::circle([0.0, 1.0 + gap], 1.0, 6, "rim"), vec![]).unwrap();
         let square = |x: f64| Loop::straight(vec![[-x, -x], [x, -x], [x, x], [-x, x]], ["a", "b", "c", "d"].map(String::from).to_vec());
         let other = match kind {
@@ -161,7 +161,7 @@ fn parts_that_nothing_faces_are_not_covered() {
     let found = cells(own, other, [-1.0, 1.0], 0.0);
     for row in mortar_rows(own, other, &found) {
         let [x, _] = own.space.points[row.node];
-        // of the node at the end of what is faced only the element before it is
+        // at the end of the faced part only the element before the node is faced
         let expected = if x < -1e-9 {
             1.0
         } else if x > 1e-9 {

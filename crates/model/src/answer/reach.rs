@@ -29,7 +29,7 @@ const BESIDE: f64 = 0.05;
 const MOST: usize = 20_000;
 /// Number of parts of an element at whose ends its passage through another one is measured.
 const PASSES: usize = 8;
-/// Points of an element at which the depth of what is found is measured.
+/// Points of an element at which the depth of a found overlap is measured.
 const LOOKS: usize = 64;
 
 /// A place where two bodies lie in each other after they have moved.

@@ -91,7 +91,7 @@ pub(crate) fn figures(scene: &Scene, solved: &Solved, rows: &[ContactRow]) -> Su
     }
 }
 
-/// The transitions of a step, of a mesh that has vertices for them; none of other strategies.
+/// The transitions of a step on a mesh that has vertices for them; none for other strategies.
 pub fn located<'a>(scene: &Scene, of_step: &'a [Located]) -> Option<&'a [Located]> {
     (scene.method.refine == Refine::Hp).then_some(of_step)
 }

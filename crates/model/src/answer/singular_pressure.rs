@@ -10,7 +10,7 @@ use steklov_problem::{Condition, Scene};
 use crate::answer::corners::is_unbounded_between_bodies;
 use crate::solve::contact_rows::{ContactRow, TOUCHING};
 
-/// Distance from a kink, as part of the edge, at which the gap is looked at.
+/// Distance from a kink, as part of the edge, at which the gap is examined.
 const NEAR: f64 = 1e-6;
 /// Slopes that differ by less than this part of the largest are no kink, and jumps below this part of the range no step.
 const SMOOTH: f64 = 1e-4;

@@ -250,7 +250,7 @@ impl OnMesh<'_> {
     /// traction.
     ///
     /// # Errors
-    /// The first error of `call`, which ends the calls; none of its own.
+    /// The first error of `call`, which ends the calls; it has none of its own.
     pub fn each_traction(&self, call: &mut OfTraction<'_>) -> Result<(), SolveError> {
         for (index, side) in self.scene.problem.sides.iter().enumerate() {
             match &side.condition {

@@ -69,12 +69,12 @@ pub struct Assembled {
     pub piece: Piece,
     /// Length in the logarithm of the kernel.
     pub length: f64,
-    /// From displacements to tractions.
+    /// The map from displacements to tractions.
     pub traction_map: TractionMap,
-    /// For one of several bodies with curves the motions that its supports leave free: the part of them that nodal values miss
-    /// does not resist them, and is no part of its displacement.
+    /// The motions that its supports leave free, for one of several bodies with curves: the part of them that nodal values
+    /// miss does not resist them, and is no part of its displacement.
     pub(crate) turning: Vec<RigidMotion>,
-    /// For a body on springs the motions that these carry.
+    /// The motions that the springs carry, for a body on springs.
     pub(crate) carried: Option<Carried>,
 }
 

@@ -10,7 +10,7 @@ pub type Resisted = ([f64; 2], [f64; 2]);
 /// Prescribed components of one node: value and the first side that holds it.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Held {
-    /// For x and y.
+    /// One for x and one for y.
     pub components: [Option<(f64, usize)>; 2],
 }
 

@@ -25,7 +25,8 @@ pub struct EnrichedBody {
 }
 
 impl EnrichedBody {
-    /// For bodies whose operators come from the moments in `cache`: those solved with an estimate to follow.
+    /// The enriched operators of a body whose operators come from the moments in `cache`: one solved with an estimate to
+    /// follow.
     ///
     /// # Errors
     /// Those of [`EnrichedSteklov::new`].

@@ -84,7 +84,7 @@ pub struct Estimate {
 /// Error over the geometric mean of η and of the correction, measured: the correction alone sees 0.6 to 0.95 of the error, η,
 /// which has the error of the traction in it, is 0.95 to 1.6 of it, and their mean 0.88 to 1.07.
 const SATURATION: f64 = 1.03;
-/// Loads vary within an element if what its degree leaves of them is more than this part of its indicators.
+/// Loads vary within an element if the part that its degree does not resolve is more than this part of its indicators.
 const UNFOLLOWED: f64 = 1e-3;
 /// Second-order contribution of held displacements less their interpolants to J, over their η_g²: from 0 to ½.
 const HELD_REST: f64 = 0.25;
@@ -125,7 +125,7 @@ pub(crate) fn has_residuals(scene: &Scene) -> bool {
     scene.method.has_residuals() && knows_residuals(scene)
 }
 
-/// Whether meshes of so many unknowns are estimated.
+/// Whether the error is estimated on meshes of `dofs` unknowns.
 pub fn is_estimated(scene: &Scene, dofs: usize) -> bool {
     scene.method.refine != Refine::None || dofs <= LARGEST_SINGLE
 }
@@ -470,7 +470,7 @@ mod tests {
 
     use super::*;
 
-    /// A channel: its legs and its web are of thickness 1, 2 and 0.5, and what is across the open part does not count.
+    /// A channel: its legs and its web are of thickness 1, 2 and 0.5, and the distance across the open part does not count.
     #[test]
     fn a_body_is_as_thick_as_it_is_across_its_inside() {
         let corners = [[0.0, 0.0], [6.0, 0.0], [6.0, 9.0], [4.0, 9.0], [4.0, 0.5], [3.8, 0.5], [3.8, 9.0], [2.8, 9.0]];

@@ -1,8 +1,8 @@
 //! Energy of a correction that tractions of one degree more do not see, on elements of degree 1.
 //!
-//! A smooth error of linear elements of length h is, but for terms of higher order, v = Σ c b of the bubbles b = (t²-1)/2 less
-//! its mean: even about the middle of each element, so that tractions of degrees 0 and 1 are orthogonal to it. Of
-//! ⟨Sv, v⟩ = ⟨Wv, v⟩ + ⟨V⁻¹(½+K)v, (½+K)v⟩ enriched spaces see the first term alone. With the symbols of a half plane,
+//! A smooth error of linear elements of length h is, up to terms of higher order, v = Σ c b of the bubbles b = (t²-1)/2 less
+//! its mean: even about the middle of each element, so that tractions of degrees 0 and 1 are orthogonal to it. Of ⟨Sv, v⟩ =
+//! ⟨Wv, v⟩ + ⟨V⁻¹(½+K)v, (½+K)v⟩ enriched spaces see the first term alone. With the symbols of a half plane,
 //!
 //! ```text
 //! S = a |k|,  a = 4μ(1-ν)/(3-4ν)        W = w |k|,  w = μ/(2(1-ν))        along each component

@@ -42,7 +42,7 @@ fn contrast_inside(body: &HeterogeneousBody, mesh: &CoarseMesh) -> f64 {
     mesh.cells.iter().map(ratio).fold(1.0, f64::max)
 }
 
-/// Estimates the error of a conforming solution; None of bases that do not conform, whose error no residual sees whole.
+/// Estimates the error of a conforming solution; `None` for nonconforming bases, whose error no residual sees whole.
 ///
 /// `tractions` are the means of the given ones on the fine sides (cell, side) of the boundary.
 pub(super) fn estimate(

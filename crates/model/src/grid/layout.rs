@@ -11,7 +11,7 @@ use crate::error::SolveError;
 pub struct GridLayout {
     /// Parts into which each fine cell of the scene is cut along x and y.
     pub parts: usize,
-    /// Coarse cells; None of bilinear elements on all fine cells.
+    /// Coarse cells; `None` for bilinear elements on all fine cells.
     pub coarse: Option<Vec<CoarseCell>>,
     /// Boundary elements of the medium around the body, if they are not those between the points of its trace.
     pub around: Option<Mesh>,

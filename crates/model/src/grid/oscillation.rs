@@ -100,7 +100,7 @@ mod tests {
     use super::*;
     use steklov_elastic::plane::dot;
 
-    /// Of a bilinear field the projection keeps all.
+    /// The projection keeps bilinear fields unchanged.
     #[test]
     fn bilinear_fields_are_resolved() {
         let (hx, hy, rule) = (0.5, 2.0, gauss_legendre(3).mapped(0.0, 1.0));

@@ -16,7 +16,7 @@ use crate::solve::solution::Seconds;
 pub struct GridSolved {
     /// Cells, moduli, Poisson's ratio.
     pub body: HeterogeneousBody,
-    /// The coarse cells and what belongs to them; None of bilinear elements on the fine grid.
+    /// The coarse cells and what belongs to them; `None` for bilinear elements on the fine grid.
     pub coarse: Option<CoarseSolved>,
     /// The boundary elements on which supports and contact are set up.
     pub(crate) trace: GridTrace,

@@ -7,7 +7,7 @@ use steklov_problem::{Condition, Law, Refine, Scene, Span, Springs};
 
 use crate::mesh::layout::Layout;
 
-/// Angles on curves, whose numbers are seldom written with so many digits, that differ by less are the same (radian).
+/// Angles on curves that differ by less are the same (radian): their numbers are seldom written with more digits.
 pub(crate) const SMOOTH: f64 = 1e-6;
 /// Straight corners are those whose sides turn by less than this (radian).
 const STRAIGHT: f64 = 1e-9;

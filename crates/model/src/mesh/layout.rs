@@ -22,8 +22,8 @@ impl Layout {
         self.subdivision.dofs()
     }
 
-    /// With the same elements on both sides of cuts: all vertices of both, and the higher degree. Both sides then have the
-    /// same error in a singular field, and shears at the tip of a crack make no pressures.
+    /// The layout with the same elements on both sides of cuts: all vertices of both, and the higher degree. Both sides then
+    /// have the same error in a singular field, and shears at the tip of a crack make no pressures.
     pub(crate) fn with_equal_cuts(mut self, problem: &Problem) -> Self {
         for [left, right] in problem.cut_edges() {
             let (own, other) = (&self.subdivision.edges[left], &self.subdivision.edges[right]);

@@ -23,7 +23,7 @@ use crate::stochastic::{OutcomeStage, StochasticResult};
 /// Why a run ended.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reason {
-    /// The one mesh that was asked for is solved.
+    /// The one requested mesh is solved.
     Solved,
     /// The estimated error is down at the tolerance.
     Tolerance,
@@ -161,7 +161,7 @@ pub struct Step<M: Model> {
     pub converged: bool,
     /// The contact solver's measure of the error, iteration by iteration; empty without contact.
     pub history: Vec<f64>,
-    /// Estimate of the error; none of a single mesh of thousands of unknowns.
+    /// Estimate of the error; none for a single mesh of thousands of unknowns.
     pub estimate: Option<M::Estimate>,
     /// Wall seconds: set-up, assembly, factorisation, solution, estimate.
     pub seconds: [f64; 5],
@@ -198,7 +198,7 @@ pub struct Run<M: Model> {
 }
 
 impl<M: Model> Run<M> {
-    /// Whether the run reached everything that was asked for.
+    /// Whether the run reached its aim: the tolerance, or the solution of the one requested mesh.
     pub fn converged(&self) -> bool {
         matches!(self.reason, Reason::Solved | Reason::Tolerance)
     }

@@ -60,7 +60,7 @@ pub(crate) fn report<'a>(
     }
 }
 
-/// The residual estimator of the solution, that of stabilised multipliers or the other one; none of a mesh without residuals.
+/// The residual estimator of the solution, that of stabilised multipliers or the other one; none for a mesh without residuals.
 fn estimators(scene: &Scene, solved: &Solved, estimate: Option<&Estimate>) -> Estimators {
     let known = estimate.filter(|estimate| !estimate.residuals.is_empty());
     let own = known.map(|estimate| estimator(&estimate.residuals, solved));

@@ -18,7 +18,7 @@ pub struct Report<'a> {
     pub energy: Option<[f64; 2]>,
     /// The estimated error (energy norm), and over the scale of the solution.
     pub error: Option<[f64; 2]>,
-    /// Residual estimators, where they are asked for.
+    /// Residual estimators, if requested.
     pub estimators: Option<Estimators>,
     /// What makes the estimate unreliable.
     pub doubts: Vec<Doubt>,

@@ -54,7 +54,7 @@ pub struct Body {
 /// The loads and supports that act on a body.
 pub struct Loading {
     pub(crate) loads: Loads,
-    /// By the bodies.
+    /// One entry for each body.
     pub(crate) particular: Vec<Option<Particular>>,
     pub(crate) boundary: Option<ContactBoundary>,
     /// Values of the held unknowns, in the order of the nodes.
@@ -106,7 +106,7 @@ pub struct Factors {
     pub difference: f64,
     /// Load of the bubbles, less that of the particular solution and the pull of springs.
     pub extra_load: Vec<f64>,
-    /// The part of each element's prescribed tractions and of those of springs that its polynomials do not resolve, h/(p+2) ‖t
+    /// The part of each element's prescribed and spring tractions that its polynomials do not resolve, h/(p+2) ‖t
     /// - Π t‖² (stress² length²).
     pub unresolved: Vec<f64>,
     /// The condensed contact problem.

@@ -24,7 +24,7 @@ pub struct ContactResult {
     pub audit: Kkt,
     /// Σ D_i F_i |u_t,i|, under Coulomb's law with F_i = μ λ_n,i.
     pub friction_work: f64,
-    /// The answer with stabilised multipliers, if they are asked for: the one that is reported.
+    /// The answer with stabilised multipliers, if requested: the one that is reported.
     pub stabilised: Option<StabilisedContact>,
     /// The data of Coulomb's law, where it holds.
     pub coulomb: Option<Coulomb>,

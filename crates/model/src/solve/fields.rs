@@ -15,7 +15,7 @@ pub struct Field {
 }
 
 impl Field {
-    /// Of bodies in the order of their elements.
+    /// The field of bodies in the order of their elements.
     pub(crate) fn new(bodies: Vec<(Range<usize>, BoundaryField)>) -> Self {
         Self { bodies }
     }

@@ -50,7 +50,7 @@ type Motion = (usize, RigidMotion);
 struct Constraints {
     /// Along the directions of contact between bodies.
     touching: Vec<Vec<f64>>,
-    /// Of supports, springs, ties, friction and obstacles.
+    /// Constraints of supports, springs, ties, friction and obstacles.
     firm: Vec<Vec<f64>>,
 }
 
@@ -225,7 +225,8 @@ impl OnMesh<'_> {
     }
 }
 
-/// Orthonormal vectors of so many numbers that meet all constraints, and what rounding leaves in them of others.
+/// Orthonormal vectors of `count` numbers that meet all constraints, and the part of other vectors that rounding leaves in
+/// them.
 fn kernel(constraints: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, f64) {
     let gram = Mat::from_fn(count, count, |i, j| constraints.iter().map(|c| c[i] * c[j]).sum::<f64>());
     let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return (Vec::new(), 0.0) };

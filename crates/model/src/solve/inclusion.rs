@@ -37,7 +37,7 @@ pub struct Outside {
     length: f64,
     /// S_e.
     stiffness: Mat<f64>,
-    /// From ξ to σ(u_c)n.
+    /// The map from ξ to σ(u_c)n.
     traction_map: TractionMap,
     /// u0 at the nodes, interleaved.
     jump: Vec<f64>,

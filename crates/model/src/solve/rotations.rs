@@ -11,7 +11,7 @@ use crate::data::parts::Assembled;
 use crate::error::SolveError;
 use crate::solve::body::Loading;
 
-/// Part of a rigid motion that its nodal values miss between the nodes: 0 but for a rotation of a body with curves, whose
+/// Part of a rigid motion that its nodal values miss between the nodes: 0 except for a rotation of a body with curves, whose
 /// points are no polynomials of low degree.
 pub(crate) fn missed(mesh: &Mesh, space: &Space, motions: &[RigidMotion]) -> f64 {
     if motions.iter().all(|motion| motion.rotation == 0.0) {

@@ -43,7 +43,7 @@ fn differences(
 /// The events of a cell that are the same at all of its nodes, as polynomials: what they say elsewhere.
 pub(super) struct Unanimous<'a> {
     basis: &'a CellBasis,
-    /// Values at the nodes of each such event, and at the places that were looked at.
+    /// Values at the nodes of each such event, and at the examined places.
     events: Vec<(Vec<f64>, Vec<f64>)>,
     /// Largest value of each at the nodes.
     size: Vec<f64>,

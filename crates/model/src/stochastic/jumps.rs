@@ -7,11 +7,11 @@ use steklov_expression::Interval;
 use steklov_problem::{Random, Scene, Signal};
 use steklov_stochastic::{StochasticMesh, Variable};
 
-/// Boxes that are looked at for a signal in a cell.
+/// Most boxes that are examined for a signal in a cell.
 const BOXES: usize = 3000;
 /// Part of the probability of a cell below which a box is left as it is.
 const SMALLEST: f64 = 1e-9;
-/// Parts of an edge in which points are looked at.
+/// Number of parts of an edge in which points are examined.
 const PARTS: usize = 32;
 /// Most points of a cell that are compared with.
 const POINTS: usize = 500;

@@ -30,7 +30,7 @@ const PLACES: usize = 12;
 /// hold the body, and there is neither a body force, a remote stress nor Coulomb friction. Others are solved node by node, which is collocation.
 ///
 /// # Errors
-/// [`DataError`] if the scene has no outcome at one of the germs looked at: correct the expression of the random modulus.
+/// [`DataError`] if the scene has no outcome at one of the examined germs: correct the expression of the random modulus.
 pub fn is_coupled(scene: &Scene, random: &Random) -> Result<bool, DataError> {
     let galerkin = random.stochastic.method == Sampling::Galerkin && scene.uses(random).young;
     let coulomb = scene.contacts().any(|(_, contact)| contact.friction.coefficient().is_some());
@@ -219,7 +219,7 @@ fn solve_cells(
     Ok(bases.iter().map(|b| answers.by_ref().take(b.points.len()).collect()).collect())
 }
 
-/// The truncation of displacements and of stresses, whichever is larger: in the energy norms of the mean modulus; and that of so many
+/// The larger of the truncations of displacements and of stresses, in the energy norms of the mean modulus, and those of the
 /// quantities, all directions together.
 fn errors(
     outcomes: &Outcomes<'_>,

@@ -23,7 +23,7 @@ struct View<'a> {
     surrogate: &'a Surrogate,
     /// Values that the quantities cannot leave.
     limits: Vec<[f64; 2]>,
-    /// For each cell the change of contact of each condition at its nodes.
+    /// The change of contact of each condition at the nodes of each cell.
     changes: Vec<Vec<Vec<f64>>>,
 }
 
@@ -47,7 +47,7 @@ impl<'a> View<'a> {
         (quantities, (0..conditions).map(touches).collect())
     }
 
-    /// For Jansen's formula: for each sample the quantities with germ d alone taken from its partner.
+    /// The quantities of each sample with germ d alone taken from its partner, for Jansen's formula.
     fn partners(&self, count: usize, germ: &(impl Fn(usize) -> Vec<f64> + Sync)) -> Vec<Vec<Vec<f64>>> {
         let few = if self.surrogate.cells.len() > 1 { count.min(EFFECTS) } else { 0 };
         let of = |i: usize| {

@@ -9,7 +9,7 @@ use super::outcomes::{Answer, Outcomes};
 use super::result::Watch;
 use crate::error::SolveError;
 
-/// Part of the probability of a cell beyond which a germ without bounds is not looked at.
+/// Part of the probability of a cell beyond which a germ without bounds is not examined.
 const RARE: f64 = 1e-4;
 /// Part of a cell by which the places are inside of its ends: data may jump there.
 const INSIDE: f64 = 1e-9;
@@ -20,7 +20,7 @@ const CORNERS: usize = 10;
 pub(super) struct Residual {
     /// Square of the norm: of displacements or of stresses, in the energy norms of the mean modulus, whichever is larger.
     pub(super) squared: f64,
-    /// Squares of those of the quantities.
+    /// Squares of the truncations of the quantities.
     pub(super) quantities: Vec<f64>,
 }
 
@@ -64,16 +64,16 @@ pub(super) fn mean_modulus(answers: &[Answer]) -> f64 {
     answers.iter().map(|a| a.modulus).sum::<f64>() / answers.len() as f64
 }
 
-/// A place at which a cell is looked at.
+/// A place at which a cell is examined.
 struct Place {
-    /// Index of the cell among those that are looked at.
+    /// Index of the cell among the examined ones.
     cell: usize,
     direction: usize,
     germ: Vec<f64>,
     kind: Kind,
 }
 
-/// Why a place is looked at.
+/// Why a place is examined.
 enum Kind {
     /// It is the end of the direction.
     End,
@@ -83,7 +83,7 @@ enum Kind {
     Data { share: f64, at: Option<f64> },
 }
 
-/// A cell that is looked at.
+/// An examined cell.
 pub(super) struct Looked<'a> {
     /// Its index in the mesh.
     pub(super) cell: usize,
@@ -160,7 +160,7 @@ pub(super) fn look(
     Ok(Look { misses, undecided, outcomes: places.len() })
 }
 
-/// Where cells are looked at, and the part of each in which data are neither found nor excluded.
+/// The places at which cells are examined, and the part of each in which data are neither found nor excluded.
 fn places(
     outcomes: &Outcomes<'_>,
     mesh: &StochasticMesh,

@@ -29,7 +29,7 @@ pub struct Outcomes<'a> {
     random: &'a Random,
     /// The body.
     pub body: &'a Body,
-    /// The numbers that are asked for.
+    /// The requested numbers.
     pub(super) numbers: Vec<Number>,
     /// The data in their germs.
     pub(super) data: InGerms<'a>,
@@ -57,7 +57,7 @@ pub struct Answer {
     pub shear: Vec<f64>,
     /// g - u_n.
     pub opening: Vec<f64>,
-    /// The quantities that are asked for.
+    /// The requested quantities.
     pub quantities: Vec<f64>,
     /// Half the elastic energy norm squared.
     pub strain: f64,

@@ -39,15 +39,15 @@ pub struct Quantity {
     /// Root mean square of the truncation error of polynomials, which is more than the error of the mean; infinite for degree
     /// 0. For samples the largest change of the mean by outcomes that they have not seen.
     pub truncation: Option<f64>,
-    /// At the probabilities of the scene; none for a sparse grid, whose answers are not a surrogate, and for a spread that is
-    /// rounding.
+    /// Quantiles at the probabilities of the scene; none for a sparse grid, whose answers are not a surrogate, and for a
+    /// spread that is rounding.
     pub quantiles: Option<Vec<f64>>,
     /// Values that the quantity cannot leave, where the mean does: a rule with negative weights.
     pub bounds_left: Option<[f64; 2]>,
     /// The density of samples.
     pub density: Option<Histogram>,
-    /// For each germ the share of the variance that remains when all others are known: Sobol's total effect. None without a
-    /// surrogate or a variance.
+    /// The share of the variance that remains when all other germs are known, for each germ: Sobol's total effect. None
+    /// without a surrogate or a variance.
     ///
     /// Source: Homma and Saltelli (1996).
     pub effects: Option<Vec<f64>>,
@@ -82,7 +82,7 @@ pub struct Cells {
 /// Why no more outcomes were solved.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum End {
-    /// Those that were asked for are solved.
+    /// The requested outcomes are solved.
     #[default]
     Solved,
     /// The estimated truncation is down at the tolerance.
@@ -152,7 +152,7 @@ pub struct StochasticResult {
     pub checks: usize,
     /// Why no more outcomes were solved.
     pub end: End,
-    /// The residual estimator in the mean over the outcomes, where it is asked for.
+    /// The residual estimator in the mean over the outcomes, if requested.
     pub estimator: Option<Estimator>,
     /// Square of it for each germ.
     pub truncation_by_germ: Vec<f64>,

@@ -23,7 +23,7 @@ pub enum OutcomeStage<'a> {
     },
     /// The bases of all stochastic cells.
     Cells {
-        /// Of each cell.
+        /// One for each cell.
         bases: &'a [&'a CellBasis],
         /// E over that of the mean input as a function of germs, if it is random.
         modulus: Option<&'a Modulus<'a>>,

@@ -22,13 +22,13 @@ const ROUNDING: f64 = 1e-9;
 
 /// Outcomes that no point has seen.
 struct Unseen {
-    /// With the probability that they may have.
+    /// Each with the probability that it may have.
     answers: Vec<(Answer, Vec<f64>, f64)>,
     undecided: f64,
 }
 
-/// Solves outcomes at the ends of the germs, where `rarest` is the probability beyond them, and those with data as at none of the
-/// points; `count` points have been looked at, as good as samples.
+/// Solves outcomes at the ends of the germs, where `rarest` is the probability beyond them, and those whose data occur at none
+/// of the points; `count` points have been examined, as good as samples.
 fn unseen(
     outcomes: &Outcomes<'_>,
     random: &Random,

@@ -33,7 +33,7 @@ pub struct Study<'a> {
     pub source: &'a Source,
     /// The reference against which errors are measured.
     pub reference: Reference,
-    /// The strategies in the order in which they were asked for.
+    /// The strategies in the requested order.
     pub strategies: Vec<Strategy>,
     /// Number of runs of each strategy; its seconds are their medians.
     pub repeat: usize,

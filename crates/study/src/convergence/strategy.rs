@@ -113,9 +113,9 @@ impl Point {
 /// The constants of a residual estimator η over the measured steps.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Constants {
-    /// The largest error over η: the error is at most so many times η.
+    /// The largest error over η: the error is at most this times η.
     pub reliability: f64,
-    /// The largest η over error: η is at most so many times the error.
+    /// The largest η over error: η is at most this times the error.
     pub efficiency: f64,
     /// Steps that were measured.
     pub steps: usize,
@@ -124,9 +124,9 @@ pub struct Constants {
 /// How a strategy ended.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub enum End {
-    /// As a run ends.
+    /// The reason for which the run ended.
     Run(Reason),
-    /// With an error; the steps before it are kept.
+    /// An error; the steps before it are kept.
     Failed(String),
 }
 
@@ -159,7 +159,7 @@ impl Strategy {
         self.name.replace(", ", "-")
     }
 
-    /// Some of the steps, at most so many: the first, the last and some between.
+    /// At most `most` of the steps: the first, the last and some between.
     pub(super) fn some(&self, most: usize) -> Vec<usize> {
         chosen(&self.points.iter().map(|p| p.dofs).collect::<Vec<_>>(), most)
     }

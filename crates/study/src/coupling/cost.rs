@@ -171,7 +171,7 @@ struct Matrix {
 }
 
 impl Matrix {
-    /// Of a matrix stored by rows, both triangles.
+    /// The matrix from one stored by rows, both triangles.
     fn new(full: &CsMat<f64>) -> Self {
         let mut this = Self { start: vec![0], rows: Vec::new(), values: Vec::new() };
         for (j, line) in full.outer_iterator().enumerate() {

@@ -67,9 +67,9 @@ pub(super) const INDICATORS: [Column<Indicated>; 12] = [
 /// Effectivities on finer grids, and over the contrast.
 #[derive(Debug, Clone, Default)]
 pub struct Effectivity {
-    /// By pair, grid and form.
+    /// Effectivities by pair, grid and form.
     pub grids: Vec<Indicated>,
-    /// By contrast and form.
+    /// Effectivities by contrast and form.
     pub contrasts: Vec<Indicated>,
     /// What failed, and why.
     pub failures: Vec<(String, String)>,

@@ -51,7 +51,7 @@ pub fn pairs(scene: &Scene) -> Result<Vec<Pair>, DataError> {
     });
     let name =
         format!("scene ({}, {} | {}, {})", rounded(body.young), body.poisson, rounded(medium.young), medium.poisson);
-    // strains of the size of those of the body
+    // strains as large as in the body
     let own = Pair { name, body, medium, force: [4.0 * medium.young, 2.5 * medium.young] };
     Ok(given.into_iter().chain([own]).collect())
 }
@@ -78,8 +78,8 @@ pub fn coarsest(scene: &Scene) -> Result<[usize; 2], DataError> {
     }
 }
 
-/// The largest whole multiple of the coarsest grid that has at most so many unknowns, even if its whole bounding box were body; none
-/// unless it has more than `dofs`.
+/// The largest whole multiple of the coarsest grid that has at most `most_dofs` unknowns, even if its whole bounding
+/// box were body; none unless it has more than `dofs`.
 ///
 /// # Errors
 /// As [`grid_of`].

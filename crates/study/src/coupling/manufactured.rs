@@ -13,7 +13,7 @@ use steklov_quadrature::gauss_legendre;
 use super::grids::sides;
 use crate::quadratic;
 
-/// Where the deepest point of a body is looked for: so many steps along each side of its bounding box.
+/// Number of steps along each side of the bounding box in the search for the deepest point of a body.
 const STEPS: usize = 128;
 /// The points where the forces act, from the deepest point, in units of twice its depth.
 const POLES: [[f64; 2]; 2] = [[0.12, 0.07], [-0.1, -0.05]];

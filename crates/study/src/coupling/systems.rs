@@ -37,7 +37,7 @@ fn column(values: &[f64]) -> Mat<f64> {
     Mat::from_fn(values.len(), 1, |i, _| values[i])
 }
 
-/// By LU, as a wrong matrix need not be definite.
+/// Solves by LU, as a wrong matrix need not be definite.
 fn solve(matrix: &Mat<f64>, right: &Mat<f64>) -> Vec<f64> {
     matrix.partial_piv_lu().solve(right).col_as_slice(0).to_vec()
 }

@@ -87,7 +87,7 @@ fn fine_grid_parts(fine: &FineGrid, levels: Table) -> Vec<Part> {
 
 /// A number with these decimals.
 fn cell(value: f64, decimals: usize) -> String {
-    // so that small errors are told from none
+    // so that small errors differ from none
     show::number(value, |v| if v != 0.0 && v.abs() < 1e-3 { format!("{v:.1e}") } else { format!("{v:.decimals$}") })
 }
 

@@ -30,7 +30,8 @@ fn newton_alone(problem: &Problem) -> Result<Solution, String> {
     gave_way(steps, &solution).map_or(Ok(solution), Err)
 }
 
-/// That the method had not converged after so many iterates, if so: the history of its answer goes on with that of active sets.
+/// The failure of the method to converge after this number of iterates, if so: the history of its answer goes on with that of
+/// active sets.
 pub(super) fn gave_way(iterates: usize, solution: &Solution) -> Option<String> {
     let last = iterates.saturating_sub(1);
     (iterates < solution.history.len()).then(|| format!("it gave way to active sets after {last} steps"))
@@ -80,7 +81,7 @@ pub(crate) const METHODS: [Column<Method>; 6] = [
 /// The cost of solvers.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Solvers {
-    /// By mesh and solver.
+    /// Methods by mesh and solver.
     pub methods: Vec<Method>,
 }
 

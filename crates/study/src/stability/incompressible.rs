@@ -162,7 +162,7 @@ fn points(scene: &Scene, reference: &Reference, what: &str, watch: &mut Watch<'_
         let scene = uniform(scene, times, degree);
         let mesh = first_mesh(&scene);
         let (elements, dofs) = (mesh.len(), 2 * mesh.degree.iter().sum::<usize>());
-        // many edges: more elements than asked for, and one mesh twice
+        // many edges: more elements than requested, and one mesh twice
         if dofs > scene.method.max_dofs() || points.iter().any(|p| (p.elements, p.degree) == (elements, degree)) {
             continue;
         }

@@ -66,7 +66,7 @@ pub(super) const SPECTRA: [Column<Spectrum>; 4] = [
 ];
 
 impl SingleLayer {
-    /// Range of the smallest eigenvalue for L = d over all sizes: two equal numbers but for rounding.
+    /// Range of the smallest eigenvalue for L = d over all sizes: two equal numbers up to rounding.
     pub fn own(&self) -> [f64; 2] {
         self.points.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], p| [a.min(p.own), b.max(p.own)])
     }

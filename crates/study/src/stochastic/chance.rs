@@ -57,7 +57,7 @@ pub struct Measured {
     pub moments: [f64; 2],
     /// Their errors over the scales.
     pub errors: [f64; 2],
-    /// Standard errors of both over the scales; NaN but for Monte Carlo.
+    /// Standard errors of both over the scales; NaN except for Monte Carlo.
     pub standard_errors: [f64; 2],
     /// Iterations of the contact solver.
     pub iterations: f64,
@@ -119,7 +119,7 @@ pub struct Chance {
     pub solves: usize,
     /// The quantities; empty after a wish to stop.
     pub quantities: Vec<Quantity>,
-    /// By family, rule and quantity.
+    /// Points by family, rule and quantity.
     pub points: Vec<Measured>,
     /// The scene's own rule.
     pub cost: Option<Cost>,

@@ -38,7 +38,7 @@ pub struct Stochastic<'a> {
     pub chance: Chance,
     /// Errors in space.
     pub space: Space,
-    /// What solvers cost; none without contact.
+    /// The cost of solvers; none without contact.
     pub solvers: Option<Solvers>,
     /// Whether the user stopped it.
     pub interrupted: bool,
@@ -90,7 +90,7 @@ impl Stochastic<'_> {
     }
 }
 
-/// |a - b|/scale, or NaN of what has no size.
+/// |a - b|/scale, or NaN without a scale.
 fn relative(a: f64, b: f64, scale: f64) -> f64 {
     if scale > 0.0 { (a - b).abs() / scale } else { f64::NAN }
 }

@@ -52,7 +52,7 @@ fn tensor(random: &Random, elements: usize, degree: usize) -> Stochastic {
         Sampling::Galerkin => Sampling::Galerkin,
         _ => Sampling::Collocation,
     };
-    // quantiles are not asked for: one sample of the surrogate
+    // no quantiles are needed: one sample of the surrogate
     Stochastic { method, elements, degree, refine: false, samples: 1, ..random.stochastic.clone() }
 }
 
@@ -170,7 +170,7 @@ mod tests {
     const SCENE: &str = "[body]\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"floor\", \"right\", \"top\", \"left\"]\n\
                          [material]\nyoung = 1\npoisson = 0.3\n[sides.floor]\ndisplacement = [\"0\", \"0\"]\n";
 
-    /// A scene with so many uniform loads, and its rules.
+    /// A scene with `germs` uniform loads, and its rules.
     fn studied(germs: usize, method: &str) -> (Finest, Vec<Rule>) {
         let load = (0..germs).map(|k| format!("a{k}")).collect::<Vec<_>>().join(" + ");
         let names = (0..germs).map(|k| format!("[random.a{k}]\ndistribution = \"uniform\"\nlow = 0.0\nhigh = 1.0\n"));

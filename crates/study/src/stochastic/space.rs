@@ -85,7 +85,7 @@ pub(super) const POINTS: [Column<Point>; 12] = [
 /// Errors in space.
 #[derive(Debug, Clone, Default)]
 pub struct Space {
-    /// By curve and mesh.
+    /// Points by curve and mesh.
     pub points: Vec<Point>,
     /// The last step of the hp strategy; none after a wish to stop.
     pub reference: Option<Point>,
