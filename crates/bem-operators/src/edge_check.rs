@@ -5,7 +5,7 @@ use steklov_elastic::plane::distance;
 use crate::edge::{Edge, Path, angle};
 use crate::predicates::{nearest_on_segment, orientation};
 
-/// Number of pairs of pieces examined before two edges count as too close to tell apart.
+/// Number of pairs of pieces examined before two edges count as too close to distinguish.
 const MOST_PAIRS: usize = 400_000;
 /// Smallest distance of an interior angle between curves from 0 and from 360°: 0.1°.
 pub(crate) const LEAST_ANGLE: f64 = 0.1 * std::f64::consts::PI / 180.0;

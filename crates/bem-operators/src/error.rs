@@ -2,7 +2,7 @@
 
 use steklov_elastic::RigidMotion;
 
-/// Errors of this crate; each carries the numbers that tell what to change.
+/// Errors of this crate; each carries the numbers that show what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum BemError {

@@ -121,7 +121,7 @@ impl pulp::NullaryFnOnce for FarCurved<'_> {
         let whole = second.points[2] - second.points[0];
         out[..PARTS * rows * cols].fill(0.0);
         let mut kernels = [[0.0; MAX_POINTS]; PARTS];
-        // of Re D one more than there are columns
+        // one moment of Re D more than there are columns
         let mut inner_moments = [[0.0; MAX_ORDER]; PARTS];
         for i in 0..outer_rule.rule.len() {
             let slope = [x.slopes[0][i], x.slopes[1][i]];

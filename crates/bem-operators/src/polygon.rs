@@ -143,7 +143,7 @@ impl Polygon {
             }
             loops.push(first..edges.len());
         }
-        // for holes alone both area and moments are negative: the centroid is that of the holes
+        // both area and moments are negative for holes alone: the centroid is that of the holes
         let (area, centroid) = area_and_centroid(&edges);
         let area = if bounded { area } else { f64::INFINITY };
         let bodies = std::iter::once(0..loops.len()).collect();

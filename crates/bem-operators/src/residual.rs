@@ -42,9 +42,9 @@ impl BoundaryResidual {
 /// displacement is held or contact decides. With a body force, `field` is the part without the particular solution u_p, and
 /// its prescribed traction is t - σ(u_p)n.
 ///
-/// *Use when* an indicator is wanted that needs no unknowns of higher degree. *Fails when* the traction is rough on the scale
-/// of an element: a jump that is not at a mesh vertex is integrated to 10 % of the element. *Cost*: points × elements; 80
-/// elements take one core 50 ms (p = 2) to 110 ms (p = 10). Parallel over elements, the same bits for any number of threads.
+/// *Use when* an indicator without unknowns of higher degree is needed. *Fails when* the traction is rough on the scale of an
+/// element: a jump that is not at a mesh vertex is integrated to 10 % of the element. *Cost*: points × elements; 80 elements
+/// take one core 50 ms (p = 2) to 110 ms (p = 10). Parallel over elements, the same bits for any number of threads.
 ///
 /// # Errors
 /// [`BemError::DataNotFinite`] where a prescribed traction is not finite.

@@ -150,8 +150,8 @@ impl Subdivision {
     }
 
     /// Moves the vertex `from` to `to`. A move by less than 0.3 of the piece there moves this vertex only; a larger one maps
-    /// all vertices between the neighbouring points of `fixed` (and the ends of the edge) piecewise linearly. Vertices that come
-    /// too close to others to be told apart are left out.
+    /// all vertices between the neighbouring points of `fixed` (and the ends of the edge) piecewise linearly. Vertices that
+    /// come too close to others to be distinguished are left out.
     pub fn shift(&mut self, edge: usize, from: f64, to: f64, fixed: &[f64]) {
         let pieces = &mut self.edges[edge];
         let there = |p: &Piece| (p.start - from).abs() < SAME_PLACE;
@@ -251,8 +251,7 @@ fn admissible(edge: &Edge, piece: Piece) -> Vec<Piece> {
     ends.windows(2).map(|s| Piece { start: s[0], end: s[1], ..piece }).collect()
 }
 
-/// Joins pieces that are too short for their ends to be told apart with a neighbour; never removes `kept` or a vertex of
-/// `fixed`.
+/// Joins pieces that are too short to distinguish their ends with a neighbour; never removes `kept` or a vertex of `fixed`.
 fn join_short(pieces: &mut Vec<Piece>, kept: f64, fixed: &[f64]) {
     let goes = |v: f64| v != kept && fixed.iter().all(|f| (f - v).abs() >= SAME_PLACE);
     let mut i = 1;

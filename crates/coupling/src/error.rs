@@ -3,7 +3,7 @@
 use steklov_bem_operators::{BemError, PolygonError};
 use steklov_msfem::MsfemError;
 
-/// Why a transmission problem cannot be set up or solved; each carries the numbers that tell what to change.
+/// Why a transmission problem cannot be set up or solved; each carries the numbers that show what to change.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 pub enum CouplingError {

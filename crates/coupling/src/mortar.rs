@@ -103,7 +103,7 @@ pub fn meet(own: Facing<'_>, (e, t): (usize, f64), other: Facing<'_>, m: usize) 
 /// on a curve outside of it if there is none inside; `None` if the element is seen edge-on.
 fn paired(side: Facing<'_>, e: usize, x: [f64; 2], pull: [f64; 2]) -> Option<f64> {
     let mesh = side.mesh;
-    // of the sign of (y - x)·τ
+    // has the sign of (y - x)·τ
     let along = |t: f64| {
         let (y, push) = (mesh.point(e, t), side.pull(e, t));
         cross(minus(y, x), minus(pull, push))

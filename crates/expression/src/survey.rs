@@ -13,7 +13,7 @@ pub struct Piece {
     pub value: Interval,
     /// Largest difference of the values at its ends and its middle.
     pub change: f64,
-    /// Whether the values at ends and middle tell them.
+    /// Whether the values at the ends and the middle determine all values.
     pub known: bool,
     /// Whether a kink or a jump lies in it, or at its ends.
     pub kink: bool,
@@ -46,17 +46,18 @@ pub(super) const SHORTEST: f64 = 1e-12;
 const SHORTEST_AT_KINK: f64 = 1e-6;
 
 impl Survey {
-    /// Halves [a, b] until the values at both ends and the middle of every piece tell what it does: nothing in it is 16 times
-    /// steeper than these, so that a peak on one of them shows how narrow it is (where slopes are not bounded: its values are
-    /// within twice those); or all of its values are within 1e-3 of the largest one that was met, or a kink lies in a piece of
-    /// 1e-6. `kinks` has these, rising.
+    /// Halves [a, b] until the values at both ends and the middle of every piece determine its behaviour: nothing in it is 16
+    /// times steeper than these, so that a peak on one of them shows how narrow it is (where slopes are not bounded: its
+    /// values are within twice those); or all of its values are within 1e-3 of the largest one that was met, or a kink lies in
+    /// a piece of 1e-6. `kinks` has these, rising.
     pub fn new(expression: &Expression, path: &dyn Track, [a, b]: [f64; 2], kinks: &[f64]) -> Self {
         // the largest value first: the tails of a peak are as steep as its flanks, for their own size
         let met = Self::halved(expression, path, [a, b], kinks, None).1;
         Self::halved(expression, path, [a, b], kinks, met).0
     }
 
-    /// Halves [a, b] until enclosures tell all values; where some values have been `met`, until samples tell their changes.
+    /// Halves [a, b] until enclosures determine all values; where some values have been `met`, until samples determine their
+    /// changes.
     fn halved(
         expression: &Expression,
         path: &dyn Track,

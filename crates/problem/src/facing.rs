@@ -100,7 +100,7 @@ impl Problem {
         sides.map(|&side| self.extent(self.body_of_side(side))).fold(f64::INFINITY, f64::min)
     }
 
-    /// E* of the body of an edge, E/(1-ν²); where it is in contact with another body both give way: 1/E* is the sum of both.
+    /// E* of the body of an edge, E/(1-ν²); in contact with another body both deform: 1/E* is the sum of both.
     pub fn contact_modulus(&self, edge: usize) -> f64 {
         let side = self.outline.edges()[edge].side;
         let of = |side: usize| self.bodies[self.body_of_side(side)].material().plane_modulus();

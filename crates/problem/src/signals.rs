@@ -128,7 +128,7 @@ impl Scene {
     }
 }
 
-/// Germs at which a switch of one germ is 0; none if they are too many to be told apart.
+/// Germs at which a switch of one germ is 0; none if they are too many to be distinguished.
 fn zeros(random: &Random, signal: &Signal, germ: usize) -> Vec<f64> {
     let variable = &random.germs[germ].variable;
     let mut all: Vec<[f64; 2]> = random.nominal().iter().map(|&xi| [xi, xi]).collect();

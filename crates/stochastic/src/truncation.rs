@@ -45,9 +45,9 @@ impl DirectionError {
 /// ```
 /// which is exact for a_k = C r^(k/2). The coefficients of a kink fall like k^-4 where it is seen and leave up to (q+1)/3:
 /// that is the rest of directions that are `kinked`, conditions changing between nodes (and for q = 2 no more than a_2 stands
-/// for a_1). The mean a_0 tells how much a germ does and not how coefficients fall: where it alone could be compared with, for
-/// q = 1, and for q = 2 or 3 if a_2 is above a_1, the rest is taken as 1 or more. Degree 0 shows nothing: its error is
-/// infinite.
+/// for a_1). The mean a_0 shows the effect of a germ and not the decay of the coefficients: where only it could be compared
+/// with, for q = 1, and for q = 2 or 3 if a_2 is above a_1, the rest is taken as 1 or more. Degree 0 shows nothing: its error
+/// is infinite.
 ///
 /// `energy` is the square of the norm of an answer. *Fails when*: the answer is even about the middle of a cell of degree 1,
 /// or odd except for a large mean with degree 2; all nodes lie on one side of a kink next to an end of the cell. *Cost*: the
@@ -109,7 +109,7 @@ fn extrapolate(a: &[f64], kinked: bool) -> DirectionError {
     };
     let most = ((q + 1) as f64 / 3.0).max(1.0);
     let rest = if kinked || r >= 1.0 { most } else { most.min(r / (1.0 - r)) };
-    // of a linear answer with a kink a_1 is not the kink
+    // a_1 of a linear answer with a kink does not come from the kink
     let last = if kinked && q == 2 { a[2] + a[1].min(a[2]) } else { last };
     DirectionError { error: last * rest, decay: seen.sqrt().sqrt() }
 }

@@ -138,7 +138,7 @@ impl StudyKind {
         })
     }
 
-    /// Carries it out, and passes its report and its pictures to `told`.
+    /// Runs the study, and passes its report and its pictures to `told`.
     ///
     /// # Errors
     /// A scene that cannot be studied so; a reference that cannot be solved.

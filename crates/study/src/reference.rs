@@ -228,7 +228,7 @@ fn distance(
     let mut difference = prolong(mesh, displacement, &exact);
     difference.iter_mut().zip(&exact.displacement).for_each(|(a, b)| *a -= b);
     if !exact.particular.is_empty() && scene.problem.outline.is_curved() {
-        // on curves its nodal values are not it: what counts is the field without it
+        // nodal values on curves are not the particular solution: the field without it counts
         let nodal = |mesh: &Mesh, space: &Space| {
             let mut nodal = vec![0.0; space.dofs()];
             for piece in pieces(&scene.problem, mesh, space) {

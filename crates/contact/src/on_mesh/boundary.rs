@@ -200,7 +200,7 @@ impl ContactBoundary {
                 }
             }
         }
-        // on curves the directions of a held end are not those of the neighbour that has its multiplier
+        // on curves the directions of a held end differ from those of the neighbour that has its multiplier
         let conditions: Vec<_> = self.nodes.iter().flat_map(|n| &n.conditions).collect();
         for transfer in &self.transfers {
             let c = conditions[transfer.condition];

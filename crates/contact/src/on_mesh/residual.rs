@@ -98,10 +98,10 @@ pub struct ContactSolution<'a> {
 ///
 /// To be added to [`steklov_bem_operators::boundary_residuals`] of the same elements (with no prescribed traction there).
 ///
-/// *Use when* an indicator is wanted that needs no unknowns of higher degree and names what is violated. *Fails when*
-/// data are rough on the scale of an element: kinks that a datum names are cut at, others are integrated to about 10 %.
-/// *Cost*: points × elements of the whole boundary, for each contact element. Parallel over elements, the same bits for
-/// any number of threads.
+/// *Use when* an indicator is needed that has no unknowns of higher degree and names the violated condition. *Fails when* data
+/// are rough on the scale of an element: kinks that a datum names are cut at, others are integrated to about 10 %. *Cost*:
+/// points × elements of the whole boundary, for each contact element. Parallel over elements, the same bits for any number of
+/// threads.
 ///
 /// # Errors
 /// [`ContactError::Data`] where a gap or bound is not finite.

@@ -121,7 +121,7 @@ pub fn relocate(
             let mut fixed = of_edge(next);
             fixed.extend(&obstacles[edge].valleys);
             let to = step(f.tip, &f.transition, place.s, &fixed);
-            // among asperities a vertex at an end of the bracket may be where it belongs: nothing tells where else it is to go
+            // among asperities a vertex at an end of the bracket may be where it belongs: nothing shows where else it should go
             let [low, high] = f.transition.bracket;
             let told = obstacles[edge].valleys.is_empty()
                 || place.curvature.is_some()

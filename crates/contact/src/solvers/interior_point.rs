@@ -135,7 +135,7 @@ fn meeting(law: &Law, branches: &[Branch], v: [f64; 2], r: [f64; 2]) -> Piece {
     law.prox(z).1.clone()
 }
 
-/// The error of a load that does work on a motion which needs no energy and which nothing stops.
+/// The error for a load that does work on a motion without energy that nothing stops.
 ///
 /// Points of a problem without solution run away along such a motion, so that it is known to a few digits only.
 fn unresisted(problem: &Problem, laws: &[Law], motion: &[f64]) -> Option<ContactError> {

@@ -69,7 +69,7 @@ pub fn resisted_motions(
 }
 
 /// A motion among the span of `free`, which [`resisted_motions`] found, that closes the obstacle nowhere, leaves it wherever
-/// one of them can, and meets no friction; of size 1 in their coefficients, None if there is none but 0.
+/// one of them can, and meets no friction; of size 1 in their coefficients; `None` if only 0 is such a motion.
 ///
 /// No pressure is possible where such a motion leaves the obstacle: it would do work that nothing balances.
 pub fn lifting_motion(free: &[RigidMotion], edges: &[ContactEdge]) -> Option<RigidMotion> {

@@ -6,10 +6,10 @@
 //! ```text
 //! det(I - T) = Π (1 - τ_i)   over the eigenvalues τ_i of T: negative where an odd number of real ones is above 1
 //! ```
-//! A body that is held has solutions for all coefficients, and they stay bounded as these fall to 0, where there is one. So the
-//! signs of det(I - T) at all solutions add up to 1 (the degree of p - Φ(p), if no det is 0): a negative one means two others at
-//! least, and one of several is always negative. A positive one says nothing of the others. Complex or negative τ_i, however
-//! large, say nothing but that the fixed point does not settle.
+//! A body that is held has solutions for all coefficients, and they stay bounded as these fall to 0, where there is one. So
+//! the signs of det(I - T) at all solutions add up to 1 (the degree of p - Φ(p), if no det is 0): a negative one means at
+//! least two other solutions, and one of several is always negative. A positive one says nothing about the others. Complex or
+//! negative τ_i, however large, show only that the fixed point does not settle.
 
 use faer::Mat;
 

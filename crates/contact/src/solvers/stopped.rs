@@ -1,4 +1,4 @@
-//! Whether obstacles all around leave a body any rigid motion, told by a few of their rows.
+//! Decides from a few of their rows whether obstacles all around leave a body any rigid motion.
 
 use nalgebra::Vector3;
 

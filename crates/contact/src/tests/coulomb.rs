@@ -93,7 +93,7 @@ proptest! {
 
     #[test]
     fn friction_under_pressure_holds_a_floating_body(mut problem in floating(8, Friction::Coulomb(0.5))) {
-        // with one coefficient the friction that there can be at most does not depend on where the body is pressed
+        // with one coefficient the largest possible friction does not depend on where the body is pressed
         let coefficients = || problem.nodes.iter().flat_map(|n| &n.conditions).map(|c| c.coefficient);
         let largest = coefficients().fold(0.0, f64::max);
         problem.nodes.iter_mut().flat_map(|n| &mut n.conditions).for_each(|c| c.coefficient = largest);
@@ -214,8 +214,8 @@ fn several_solutions_are_found_beyond_the_critical_coefficient() {
     }
 }
 
-/// With b < 0 slip presses: λ_n ↦ f_n + |b| (f_t - μ λ_n)/c. Beyond μ = c/|b| = 2 that goes back and forth for ever, while
-/// there is one solution, which the other methods find.
+/// With b < 0 slip presses: λ_n ↦ f_n + |b| (f_t - μ λ_n)/c. Beyond μ = c/|b| = 2 that alternates without end, while there is
+/// one solution, which the other methods find.
 #[test]
 fn a_fixed_point_that_does_not_contract_says_so() {
     let problem = |coefficient| one([2.0, -0.5, 1.0], [1.0, 4.0], coefficient);

@@ -1,4 +1,4 @@
-//! Bodies that nothing but contact and friction holds.
+//! Bodies that only contact and friction hold.
 
 use proptest::prelude::*;
 

@@ -1,4 +1,4 @@
-//! Corners at which bodies meet in contact: both of them together are a wedge, whose exponents tell whether the pressure is infinite.
+//! Corners at which bodies meet in contact: together they are a wedge, whose exponents decide whether the pressure is infinite.
 //!
 //! ```text
 //!       │ A │                    faces of the wedge: the sides of A and B that go on from the corner

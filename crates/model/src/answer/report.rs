@@ -172,7 +172,7 @@ fn length_between(
         knots.push(1.0);
         knots.sort_by(f64::total_cmp);
         knots.dedup_by(|b, a| *b - *a < SAME_PLACE);
-        // the states at transitions themselves tell nothing
+        // the states at transitions themselves show nothing
         let off = if knots.len() > 2 { SAME_PLACE } else { -SAME_PLACE };
         for part in knots.windows(2) {
             let (mut with, mut all) = (0.0, 0.0);

@@ -77,7 +77,7 @@ impl Particular {
         Some(Self::new(solution, unbounded, mesh, space, held, stiffness))
     }
 
-    /// `held` tells whether the side of an element holds a component; `unbounded`: the particular solution reaches to infinity.
+    /// `held` says whether the side of an element holds a component; `unbounded`: the particular solution extends to infinity.
     fn new(
         solution: ParticularSolution,
         unbounded: bool,

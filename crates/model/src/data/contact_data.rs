@@ -85,7 +85,7 @@ impl OnMesh<'_> {
         joints: &[Joint],
     ) -> Result<Option<ContactBoundary>, SolveError> {
         let frictionless = |side: usize| self.scene.contact(side).is_some_and(|c| matches!(c.friction, Friction::None));
-        // with as few unknowns as rigid motions there may be no stiffness left
+        // with no more unknowns than rigid motions there may be no stiffness left
         let enough = |boundary: &ContactBoundary| boundary.kept().len() > 3 && boundary.rows.is_empty();
         let boundary = self.contact(held, joints)?;
         Ok(boundary.map(|whole| Some(whole.clone().without_tangents(&frictionless)).filter(enough).unwrap_or(whole)))

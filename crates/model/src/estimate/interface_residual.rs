@@ -1,8 +1,8 @@
 //! The effect of the facing body on the bubble of an element.
 //!
 //! On an element of an interface that is closed, or tied, the body beyond it pulls with -t∘π, t its traction, where an
-//! obstacle would only prescribe a displacement. A bubble whose counterpart gives way too may claim no more than the share
-//! c/(c + c') of the residual, c = E/(1-ν²): where both sides have the same bubble, both shares together are its energy.
+//! obstacle would only prescribe a displacement. A bubble whose counterpart also deforms may claim no more than the share c/(c
+//! + c') of the residual, c = E/(1-ν²): where both sides have the same bubble, both shares together are its energy.
 
 use steklov_bem_operators::Site;
 use steklov_contact::ContactBubble;
@@ -147,7 +147,7 @@ impl OnMesh<'_> {
             }
             let mut values = lefts.iter().map(|left| left[i]);
             let series = legendre_project(|_| values.next().unwrap_or(0.0), POINTS - 1, &rule);
-            // in the norms of w and dw/ds lengths cancel
+            // lengths cancel in the norms of w and dw/ds
             modulus / 2.0 * series.norm() * series.derivative().norm()
         };
         let energy = of(0) + of(1);

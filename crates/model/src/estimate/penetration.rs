@@ -117,7 +117,7 @@ impl OnMesh<'_> {
             let deepest = samples.into_iter().fold((m, 0.0), |most, w| if w.1 > most.1 { w } else { most });
             let shortest = b - a < 2.0 * SHORTEST;
             let last = shortest || looked >= MOST_STRETCHES;
-            // of a root that has no slope within so little the points tell all
+            // where the root has no slope within this little, the points show all values
             let known = low.monotone
                 || low.value.low >= -(1.0 + PRECISE) * deepest.1.max(least)
                 || shortest && !low.value.is_bounded();

@@ -32,8 +32,8 @@ impl Estimate {
 /// Number of elements that are examined before it is decided whether the others matter.
 const GROUP: usize = 64;
 
-/// Whether residuals at a few points of every element add up to no more than an error (energy norm); to nothing if the answer
-/// is 0. A residual above rounding errors anywhere mostly shows in the first group: residuals of polynomials reach everywhere.
+/// Whether residuals at a few points of every element add up to no more than an error (energy norm); to zero if the answer is
+/// 0. A residual above rounding errors anywhere mostly shows in the first group: residuals of polynomials reach everywhere.
 fn leaves_less(scene: &Scene, solved: &Solved, error: f64) -> Result<bool, SolveError> {
     let Solved { mesh, space, .. } = solved;
     let data = OnMesh { scene, mesh, space };

@@ -25,15 +25,15 @@ use crate::stochastic::{OutcomeStage, StochasticResult};
 pub enum Reason {
     /// The one requested mesh is solved.
     Solved,
-    /// The estimated error is down at the tolerance.
+    /// The estimated error is within the tolerance.
     Tolerance,
     /// The next mesh would have more unknowns than allowed, or need more memory.
     MaxDofs,
-    /// As many steps as allowed are done.
+    /// The largest allowed number of steps is done.
     MaxSteps,
-    /// The stochastic mesh has as many nodes as allowed, and its truncation is not down at its tolerance.
+    /// The stochastic mesh has the largest allowed number of nodes, and its truncation is still above its tolerance.
     MaxNodes,
-    /// Coarse cells need not, or cannot, be split any more: what is left is the error of the fine grid.
+    /// Coarse cells need not, or cannot, be split any more: the remaining error is that of the fine grid.
     FineGrid,
     /// Rounding errors leave nothing to refine.
     Roundoff,
@@ -191,7 +191,7 @@ pub struct Run<M: Model> {
     pub progress: Progress<M>,
     /// Why it ended.
     pub reason: Reason,
-    /// The error of the step after the last one, where one ended the run.
+    /// The error of the step after the last one, if it ended the run.
     pub error: Option<SolveError>,
     /// Wall seconds so far.
     pub clock: Instant,

@@ -67,7 +67,7 @@ pub fn answer<M: Model>(
         iterations: contact.map_or(0, |c| c.reported().iterations),
         contact: contact.map(|c| {
             let told = contact_summary(scene, report.trace, c, rows, report.located);
-            // with several interfaces nothing says which end belongs to which
+            // nothing says which end belongs to which of several interfaces
             let several = scene.problem.interfaces().len() > 1 && scene.problem.has_several_bodies();
             ContactSummary { ends: told.ends.filter(|_| !several), ..told }
         }),

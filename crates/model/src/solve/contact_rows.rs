@@ -92,7 +92,7 @@ pub fn contact_rows(trace: Trace<'_>, contact: &ContactResult) -> Vec<ContactRow
 fn stabilised_rows(trace: Trace<'_>, contact: &StabilisedContact) -> Vec<ContactRow> {
     let Trace { mesh, space, displacement } = trace;
     let row = |(i, node): (usize, &MultiplierNode)| {
-        // of two elements that meet there the displacement is the same
+        // the displacement of two elements that meet there is the same
         let at =
             |e: &usize| mesh.edge[*e] == node.edge && (mesh.span[*e][0] - node.s) * (mesh.span[*e][1] - node.s) <= 0.0;
         let u = (0..mesh.len()).find(at).map_or([0.0; 2], |e| {

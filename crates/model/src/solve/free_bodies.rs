@@ -73,7 +73,7 @@ impl OnMesh<'_> {
         let all: Vec<Vec<f64>> = constraints.firm.iter().chain(&constraints.touching).cloned().collect();
         let (mut free, rounding) = kernel(&all, motions.len());
         let mut rotations = self.own_rotations(bodies, joints, &motions, &constraints.firm);
-        // of circles about one centre they are among the others
+        // for circles about one centre they are among the others
         rotations.retain(|(_, parts)| beyond(&free, parts) > EXACT);
         for (_, parts) in &rotations {
             // directions of contact between circles turn a body about another centre than its own

@@ -156,7 +156,7 @@ impl OnMesh<'_> {
     }
 
     /// E*/2 ‖w‖ ‖dw/ds‖ of the part w of the jump of the displacement between body and medium that the nodes miss, for each of
-    /// its components: (element, energy). Both sides give way to w: 1/E* is the sum of both.
+    /// its components: (element, energy). Both sides deform under w: 1/E* is the sum of both.
     pub(crate) fn jump_oscillation(&self) -> Result<Vec<(usize, f64)>, SolveError> {
         let mut found = Vec::new();
         let Some(around) = self.scene.surroundings() else { return Ok(found) };

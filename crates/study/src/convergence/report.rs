@@ -88,7 +88,7 @@ pub fn report<'a>(study: &'a Study<'_>) -> Report<'a> {
         part("strategies", kept_strategies).only_kept(),
     ];
     let all = || study.strategies.iter().flat_map(|s| s.points.iter().enumerate().map(move |(k, p)| (s, k, p)));
-    // in quotes where it has a comma
+    // quoted if it has a comma
     let quoted = |name: &str| if name.contains(',') { format!("\"{name}\"") } else { name.into() };
     let steps = steps(&all().map(|(_, _, p)| p).collect::<Vec<_>>());
     let steps = steps.key("strategy,step", all().map(|(s, k, _)| format!("{},{k}", quoted(&s.name))));

@@ -49,7 +49,7 @@ pub struct Own {
     pub trace: usize,
     /// Errors of the body (energy norm), of ξ (W) and of φ (V), relative to all three norms of the solution together.
     pub errors: [f64; 3],
-    /// All three against the limit of fine grids; NaN where fewer than three grids tell it.
+    /// All three against the limit of fine grids; NaN where fewer than three grids determine it.
     pub total: f64,
     /// r of error ~ width^r from the grid before; NaN of the first.
     pub rate: f64,
@@ -285,7 +285,7 @@ fn relative(found: &[Found], norm: f64) -> Vec<Own> {
 /// distance² = e² - (its own e²). None where distances do not fall.
 fn beyond(quarter: f64, half: f64) -> Option<f64> {
     let factor = quarter / half - 1.0;
-    // below that the widths do not tell a power
+    // below that the widths do not determine a power
     (factor > 1.1).then(|| half / (factor - 1.0))
 }
 

@@ -39,7 +39,7 @@ pub(super) struct Rule {
     pub(super) settings: Stochastic,
 }
 
-/// A reference: the rule, the one before it, which tells how far it can be trusted, and its name.
+/// A reference: the rule, the one before it, which shows how far it can be trusted, and its name.
 pub(super) struct Finest {
     pub(super) finest: Stochastic,
     pub(super) before: Stochastic,
