@@ -6,6 +6,18 @@ use frame::{check, check_up_to, loops, rectangle};
 use steklov_picture::{Body, Colours, ContactSide, MeshFigure, MeshPanel, Obstacle, body, contact, meshes};
 use steklov_result::triangulate::{Triangulation, triangulate};
 
+/// The areas of the closed lines of an SVG path.
+fn areas(line: &str) -> Vec<f64> {
+    let Some(path) = line.split(" d=\"").nth(1).and_then(|rest| rest.split('"').next()) else { return Vec::new() };
+    let of = |closed: &str| {
+        let numbers: Vec<f64> = closed.split(['M', 'L', ' ']).filter_map(|n| n.parse().ok()).collect();
+        let points: Vec<&[f64]> = numbers.chunks_exact(2).collect();
+        let turns = (0..points.len()).map(|i| (points[i], points[(i + 1) % points.len()]));
+        (turns.map(|(a, b)| a[0] * b[1] - a[1] * b[0]).sum::<f64>() / 2.0).abs()
+    };
+    path.split('Z').map(of).collect()
+}
+
 type Field = dyn Fn([f64; 2]) -> [f64; 2];
 
 fn show(
@@ -82,6 +94,15 @@ fn body_with_a_hole_in_millimetres() {
     };
     let svg = show("hole", "Plate with a hole", &t, &|[x, y]| [0.02 * x, -0.006 * (y - 50.0)], &stress, &[]);
     assert!(svg.contains("(×10¹²)"));
+    // the shades have the area of the plate before the deformation, and none is over the hole
+    let svg = show("hole-at-rest", "Plate with a hole", &t, &|_| [0.0; 2], &stress, &[]);
+    let shaded: f64 = svg.lines().filter(|line| line.contains("stroke-width=\"0.9\"")).flat_map(areas).sum();
+    // 640 units are 1.12 lengths of the plate; the colour bar is as high as the frame, 1.24 heights
+    let scale = 640.0 / (1.12 * 200.0);
+    let [plate, bar] = [200.0 * 100.0, 18.0 * 124.0 * scale];
+    let hole = 24.0 * 900.0 * (std::f64::consts::TAU / 48.0).sin();
+    let drawn = (shaded - bar) / (scale * scale);
+    assert!((drawn / (plate - hole) - 1.0).abs() < 2e-3, "{drawn} of {}", plate - hole);
 }
 
 #[test]
