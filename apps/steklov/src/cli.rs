@@ -287,7 +287,8 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         say(&serde_json::to_string_pretty(summary)?);
     } else {
         print_summary(&stored);
-        files.iter().for_each(|f| say(&format!("picture {}", f.display())));
+        let kind = |f: &Path| if f.extension().is_some_and(|e| e == "csv") { "table  " } else { "picture" };
+        files.iter().for_each(|f| say(&format!("{} {}", kind(f), f.display())));
         page.iter().for_each(|f| say(&format!("page        {}", f.display())));
     }
     let holds = summary.expect.iter().all(|e| e.holds);

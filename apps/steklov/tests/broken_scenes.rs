@@ -78,6 +78,7 @@ fn the_sound_scene_and_the_template_are_read() {
     let named = Units { length: Some("mm".into()), stress: Some("N/mm²".into()) };
     assert_eq!((&all.units, template.units), (&named, Units::default()));
     assert_eq!((all.expect.len(), all.probe.len(), all.problem.outline.loops().len()), (1, 1, 2));
+    assert_eq!((all.probe_lines.len(), all.probe_lines[0].points, all.probe_sides.len()), (1, 101, 1));
     let default = Method::default();
     let [tolerance, elements, max_dofs] = [default.tolerance(), default.elements() as f64, default.max_dofs() as f64];
     let given = |value: Option<usize>| value.map(|v| v as f64);

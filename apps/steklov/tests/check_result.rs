@@ -29,7 +29,7 @@ const MEDIUM: &[&str] = &["V ", "B ", "medium", "A_interface", "equilibrium", "s
 const FEW: &str = "method.max_steps=3";
 
 const KINDS: [Kind; 18] = [
-    kind("contact", "15-block-on-floor", &[], CONTACT),
+    kind("contact", "15-block-on-floor", &["probe.sides=[\"floor\"]"], CONTACT),
     kind(
         "stabilised",
         "17-wedge-gap",
@@ -37,7 +37,7 @@ const KINDS: [Kind; 18] = [
         &["stabilisation", "stabilised contact"],
     ),
     kind("coulomb", "25-coulomb-wedge", &[], CONTACT),
-    kind("two-bodies", "60-two-cylinders", &[], CONTACT),
+    kind("two-bodies", "60-two-cylinders", &["probe.lines=[{ from = [0, 0], to = [0, 1] }]"], CONTACT),
     kind("tied", "59-tied-blocks", &[], MATRICES),
     kind("crack", "66-crack-that-closes", &[FEW], CONTACT),
     kind("curved", "50-lame-tube", &["method.indicator=\"residual\""], MATRICES),

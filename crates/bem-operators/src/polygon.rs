@@ -299,19 +299,39 @@ impl Polygon {
     ///
     /// Source: Shewchuk (1997) for the orientation tests.
     pub fn contains(&self, x: [f64; 2]) -> Location {
+        match self.nearest_edge(0..self.edges.len(), x) {
+            Some((edge, s)) => Location::Boundary { edge, s },
+            None if self.body_at(x).is_some() => Location::Inside,
+            None => Location::Outside,
+        }
+    }
+
+    /// Where x lies with respect to one of the bodies alone.
+    pub fn location_in(&self, body: usize, x: [f64; 2]) -> Location {
+        let loops = &self.bodies[body];
+        match self.nearest_edge(self.loops[loops.start].start..self.loops[loops.end - 1].end, x) {
+            Some((edge, s)) => Location::Boundary { edge, s },
+            None if self.is_in_body(body, x) => Location::Inside,
+            None => Location::Outside,
+        }
+    }
+
+    /// Whether a point that is in no body lies around the first one, and not in one of its holes.
+    pub fn is_around(&self, x: [f64; 2]) -> bool {
+        x.iter().all(|c| c.is_finite()) && winding(self.edges[self.loops[0].clone()].iter(), x) == 0
+    }
+
+    /// The nearest of some edges within [`Polygon::tolerance`] and its parameter; of equally near ones the first.
+    fn nearest_edge(&self, edges: Range<usize>, x: [f64; 2]) -> Option<(usize, f64)> {
         let (mut nearest, mut on) = (self.tolerance, None);
-        for (k, edge) in self.edges.iter().enumerate() {
-            if let Some((gap, s)) = edge.nearest(x, nearest)
+        for k in edges {
+            if let Some((gap, s)) = self.edges[k].nearest(x, nearest)
                 && (gap < nearest || (gap == nearest && on.is_none()))
             {
                 (nearest, on) = (gap, Some((k, s)));
             }
         }
-        match on {
-            Some((edge, s)) => Location::Boundary { edge, s },
-            None if self.body_at(x).is_some() => Location::Inside,
-            None => Location::Outside,
-        }
+        on
     }
 
     /// The first body that a point lies in, not on its boundary.

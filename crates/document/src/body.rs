@@ -1,8 +1,8 @@
-//! `[body]`, `[material]`, `[parameters]`, `[probe]`, `[body_force]`.
+//! `[body]`, `[material]`, `[parameters]`, `[body_force]`.
 
 use std::collections::BTreeMap;
 
-use steklov_bem_operators::{Location, Loop, Polygon, PolygonError};
+use steklov_bem_operators::{Loop, Polygon, PolygonError};
 use steklov_elastic::{Material, MaterialError, Plane};
 use steklov_expression::{Expression, is_name, is_reserved};
 use steklov_problem::{About, DataErrorKind};
@@ -224,26 +224,4 @@ pub(super) fn force(value: &Field<'_>, context: &Context<'_>) -> Result<[Express
         }
     }
     Ok(expressions)
-}
-
-/// `[probe]`: points of the body or of its boundary; `around`: also of the plane around it.
-pub(super) fn probe(field: &Field<'_>, polygon: &Polygon, around: bool) -> Result<Vec<[f64; 2]>, ReadError> {
-    let points = Fields::new(field, &keys::PROBE)?.require("points", "points = [[x, y], ...]")?;
-    let mut list = Vec::new();
-    for field in points.list()? {
-        let [x, y] = field.point()?;
-        if polygon.contains([x, y]) == Location::Outside && !(around && is_around(polygon, [x, y])) {
-            let message =
-                format!("the probe point ({x}, {y}) is not in the body{}", if around { " or around it" } else { "" });
-            return Err(field.problem(message, "move it into the body or onto its boundary, or remove it"));
-        }
-        list.push([x, y]);
-    }
-    Ok(list)
-}
-
-/// Whether a point that is not in a body lies around it, and not in one of its holes.
-fn is_around(polygon: &Polygon, [x, y]: [f64; 2]) -> bool {
-    let outer = &polygon.edges()[polygon.loops()[0].clone()];
-    x.is_finite() && y.is_finite() && outer.iter().map(|edge| edge.crossings([x, y])).sum::<i32>() == 0
 }

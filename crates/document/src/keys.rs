@@ -59,7 +59,8 @@ pub(super) const CONTACT: [&str; 2] = ["gap", "friction"];
 pub(super) const FRICTION: [&str; 2] = ["tresca", "coulomb"];
 pub(super) const BODY_FORCE: [&str; 1] = ["value"];
 pub(super) const UNITS: [&str; 2] = ["length", "stress"];
-pub(super) const PROBE: [&str; 1] = ["points"];
+pub(super) const PROBE: [&str; 3] = ["points", "lines", "sides"];
+pub(super) const PROBE_LINE: [&str; 3] = ["from", "to", "points"];
 pub(super) const METHOD: [&str; 16] = [
     "model",
     "tolerance",
@@ -96,7 +97,7 @@ pub(super) const EXTERIOR: [&str; 8] =
     ["young", "poisson", "plane", "displacement_jump", "traction_jump", "stress_jump", "remote_stress", "at_infinity"];
 
 /// The keys of lists of tables.
-pub(super) const LISTS: [&str; 3] = ["interface", "holes", "cracks"];
+pub(super) const LISTS: [&str; 4] = ["interface", "holes", "cracks", "lines"];
 
 /// The tables whose keys are fixed, the likelier ones first.
 const TABLES: [(&str, &[&str]); 14] = [

@@ -30,6 +30,7 @@ mod cracks;
 mod curves;
 mod sides;
 mod method;
+mod probe;
 mod random;
 mod grid;
 mod exterior;
@@ -174,7 +175,8 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     };
     let in_sides = context.used.take();
     let around = problem.tie().is_some();
-    let probe = fields.get("probe").map_or_else(|| Ok(Vec::new()), |p| body::probe(&p, &problem.outline, around))?;
+    let probe::Probes { points: probe, lines: probe_lines, sides: probe_sides } =
+        fields.get("probe").map_or_else(|| Ok(Default::default()), |p| probe::probe(&p, &problem))?;
     let method = method::method(fields.get("method"))?;
     let mut expect = Vec::new();
     if let Some(field) = fields.get("expect") {
@@ -197,7 +199,7 @@ fn scene(root: &Item, source: &Source) -> Result<Scene, ReadError> {
     let (names, germs) = random::used(declared, stochastic.method, &used)?;
     let random = Random { names, germs, stochastic, constants };
     let random = (!random.names.is_empty()).then_some(random);
-    Ok(Scene { title, units, problem, parameters, probe, method, expect, random, unused })
+    Ok(Scene { title, units, problem, parameters, probe, probe_lines, probe_sides, method, expect, random, unused })
 }
 
 /// What is random in a scene: its names and what they are.

@@ -12,22 +12,36 @@ use steklov_result::medium::body_part;
 use steklov_result::record::Record;
 
 use crate::grid;
+use crate::probe;
 use crate::stochastic;
 use crate::view::{Scalar, Unit, View};
 
-/// Draws the deformed body, each contact side and what belongs to a grid or to random input into a folder; returns the files.
+/// Draws the deformed body, each contact side, what the scene asks for along lines and sides, and what belongs to a grid or to random
+/// input into a folder, beside the tables of lines and sides; returns the files.
 ///
 /// # Errors
-/// When a picture cannot be drawn or written.
+/// When a file cannot be drawn or written.
 pub fn pictures(stored: &Record, view: &View, folder: &Path, name: &str) -> Result<Vec<PathBuf>, PictureError> {
     let mut files = Vec::new();
     for (part, picture) in drawn(stored, view)? {
         files.extend(write(folder, &format!("{name}-{part}"), &picture)?);
     }
+    for (table, text) in probe::tables(stored) {
+        let saved = save_table(folder, &format!("{name}-{table}"), &text);
+        files.push(saved.map_err(|source| PictureError::Write { path: folder.to_owned(), source })?);
+    }
     Ok(files)
 }
 
-/// The same pictures with the parts of their names: `body`, `medium`, `contact-SIDE`, those of a grid, those of random input.
+/// Writes a table into a folder that is there.
+fn save_table(folder: &Path, name: &str, text: &str) -> std::io::Result<PathBuf> {
+    let path = folder.join(format!("{name}.csv"));
+    replace(folder, &path, text.as_bytes())?;
+    Ok(path)
+}
+
+/// The same pictures with the parts of their names: `body`, `medium`, `contact-SIDE`, `probe-line-K`, `probe-side-SIDE`, those of a
+/// grid, those of random input.
 ///
 /// # Errors
 /// When one cannot be drawn.
@@ -37,6 +51,7 @@ pub fn drawn(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, Pic
     let (title, sides) = (&stored.summary.title, &stored.mesh.side_names);
     let of_sides = contact_drawn(title, &stored.summary.units, sides, &stored.contact)?;
     all.extend(of_sides.into_iter().map(|(side, picture)| (format!("contact-{side}"), picture)));
+    all.extend(probe::pictures(stored)?);
     let others = grid::pictures(stored, view)?.into_iter().chain(stochastic::pictures(stored)?);
     all.extend(others);
     Ok(all)
@@ -79,9 +94,13 @@ fn contact_drawn(
 }
 
 /// The name of a side as a part of a file name that no other side has.
-pub fn side_file(side_names: &[String], side: usize) -> String {
-    let part = file_name(&side_names[side]);
-    if side_names[..side].iter().any(|other| file_name(other) == part) { format!("{part}-{side}") } else { part }
+pub fn side_file(side_names: &[impl AsRef<str>], side: usize) -> String {
+    let part = file_name(side_names[side].as_ref());
+    if side_names[..side].iter().any(|other| file_name(other.as_ref()) == part) {
+        format!("{part}-{side}")
+    } else {
+        part
+    }
 }
 
 /// A name as a part of a file name.
@@ -296,9 +315,7 @@ pub fn tables(stored: &Record, folder: &Path, name: &str) -> std::io::Result<Vec
     std::fs::create_dir_all(folder)?;
     let mut files = Vec::new();
     let mut save = |table: &str, text: String| -> std::io::Result<()> {
-        let path = folder.join(format!("{name}-{table}.csv"));
-        replace(folder, &path, text.as_bytes())?;
-        files.push(path);
+        files.push(save_table(folder, &format!("{name}-{table}"), &text)?);
         Ok(())
     };
     save("displacement", pairs("x,y,ux,uy", &stored.points, &stored.displacement))?;
@@ -317,6 +334,9 @@ pub fn tables(stored: &Record, folder: &Path, name: &str) -> std::io::Result<Vec
             let _ = writeln!(text, ",{}", r.status);
         }
         save("contact", text)?;
+    }
+    for (table, text) in probe::tables(stored) {
+        save(&table, text)?;
     }
     for (table, text) in grid::tables(stored).into_iter().chain(stochastic::tables(stored)) {
         save(table, text)?;

@@ -38,6 +38,7 @@ pub use {steklov_picture, steklov_result};
 
 mod draw;
 mod grid;
+mod probe;
 pub mod stochastic;
 mod view;
 

@@ -78,6 +78,12 @@ pub struct Summary {
     pub reactions: BTreeMap<String, [f64; 2]>,
     /// Results at the probe points.
     pub probe: Vec<Probe>,
+    /// Results along lines; left out without them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probe_lines: Vec<LineProbe>,
+    /// Results along sides; left out without them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub probe_sides: Vec<SideProbe>,
     /// The entries of the scene's `[expect]` beside the numbers of the result.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub expect: Vec<Expected>,
@@ -279,9 +285,100 @@ pub struct Probe {
     pub stress_unbounded: bool,
 }
 
-/// Three numbers, NaN where there is null.
-fn numbers_or_null<'de, D: serde::Deserializer<'de>>(from: D) -> Result<[f64; 3], D::Error> {
-    Ok(<[Option<f64>; 3]>::deserialize(from)?.map(|number| number.unwrap_or(f64::NAN)))
+/// Displacement and stress along a line.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LineProbe {
+    /// Where it begins.
+    pub from: [f64; 2],
+    /// Where it ends.
+    pub to: [f64; 2],
+    /// Its points in their order.
+    pub points: Vec<LinePoint>,
+}
+
+/// Displacement and stress at a point of a line; NaN, in JSON null, where no body is.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct LinePoint {
+    /// Distance from the beginning of the line.
+    pub s: f64,
+    /// The point.
+    pub point: [f64; 2],
+    /// The body in which it lies, of several, or the medium around the body; of bodies that meet there the one that the scene has
+    /// first. Left out where no body is, and for one body.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub body: Option<String>,
+    /// Displacement.
+    #[serde(deserialize_with = "numbers_or_null")]
+    pub displacement: [f64; 2],
+    /// σ_xx, σ_yy, σ_xy; NaN too where they are infinite.
+    #[serde(deserialize_with = "numbers_or_null")]
+    pub stress: [f64; 3],
+    /// Von Mises stress.
+    #[serde(deserialize_with = "number_or_null")]
+    pub von_mises: f64,
+    /// Whether the point is a vertex at which stresses grow without bound; left out if not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub stress_unbounded: bool,
+}
+
+/// Displacement, traction and stress along a side.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SideProbe {
+    /// Name of the side.
+    pub side: String,
+    /// Its points, the body to the left: piece after piece, if it is in several. With boundary elements 2p + 1 in each element of degree p,
+    /// both ends included, so that points between elements are there twice; on grids the middles of the sides of fine cells.
+    pub points: Vec<SidePoint>,
+}
+
+/// Displacement, traction and stress at a point of a side, n out of the body and t the normal turned by +90 degrees.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct SidePoint {
+    /// The piece of the side, from 0: pieces do not join each other.
+    pub piece: usize,
+    /// Length of the side, all pieces before included, up to the point.
+    pub s: f64,
+    /// The point.
+    pub point: [f64; 2],
+    /// n.
+    pub normal: [f64; 2],
+    /// Displacement u.
+    pub displacement: [f64; 2],
+    /// u·n.
+    pub normal_displacement: f64,
+    /// u·t.
+    pub tangential_displacement: f64,
+    /// n·σn, negative in compression; NaN, in JSON null, where stresses are infinite, as all that follow.
+    #[serde(deserialize_with = "number_or_null")]
+    pub normal_traction: f64,
+    /// t·σn.
+    #[serde(deserialize_with = "number_or_null")]
+    pub tangential_traction: f64,
+    /// t·σt, along the side; around a hole the hoop stress.
+    #[serde(deserialize_with = "number_or_null")]
+    pub hoop_stress: f64,
+    /// σ_xx, σ_yy, σ_xy.
+    #[serde(deserialize_with = "numbers_or_null")]
+    pub stress: [f64; 3],
+    /// Von Mises stress.
+    #[serde(deserialize_with = "number_or_null")]
+    pub von_mises: f64,
+    /// Whether the point is a vertex at which stresses grow without bound; left out if not.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub stress_unbounded: bool,
+}
+
+/// Some numbers, NaN where there is null.
+fn numbers_or_null<'de, D: serde::Deserializer<'de>, const N: usize>(from: D) -> Result<[f64; N], D::Error>
+where
+    [Option<f64>; N]: Deserialize<'de>,
+{
+    Ok(<[Option<f64>; N]>::deserialize(from)?.map(|number| number.unwrap_or(f64::NAN)))
+}
+
+/// A number, NaN where there is null.
+fn number_or_null<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
+    Ok(Option::<f64>::deserialize(from)?.unwrap_or(f64::NAN))
 }
 
 /// Wall seconds of the parts, summed over the steps.

@@ -84,6 +84,12 @@ impl Problem {
         joined.sort_by_key(|interface| matches!(interface.law, Law::Tied(_)));
         self.interfaces.extend(joined);
     }
+
+    /// The left and the right face of the crack beyond whose tips an interface ties a body; none of other interfaces.
+    pub fn crack_before(&self, beyond: &Interface) -> Option<[usize; 2]> {
+        let crack = beyond.name.strip_suffix(" beyond").filter(|_| beyond.faces == Faces::Cut)?;
+        Some([self.side(&format!("{crack}.left"))?, self.side(&format!("{crack}.right"))?])
+    }
 }
 
 /// The cuts along cracks and their prolongations.

@@ -41,6 +41,7 @@ mod model;
 mod moduli;
 mod outcome;
 mod outcomes;
+mod probe;
 mod problem;
 mod random;
 mod random_check;
@@ -75,6 +76,7 @@ pub use method::{
     Refine, SOLVERS, Solver,
 };
 pub use moduli::{check_modulus_cells, moduli, modulus_cells};
+pub use probe::{MOST_POINTS, ProbeLine, Spot};
 pub use problem::{Body, Faces, Interface, Law, Other, Place, Problem, Substance};
 pub use random::{Germ, Random, RandomConstants, RandomName, Sampling, Stochastic};
 pub use random_check::Uses;
@@ -96,6 +98,10 @@ pub struct Scene {
     pub parameters: BTreeMap<String, f64>,
     /// Points of the body, of its boundary or of the medium around it at which results are wanted.
     pub probe: Vec<[f64; 2]>,
+    /// Lines at whose points results are wanted.
+    pub probe_lines: Vec<ProbeLine>,
+    /// Sides along which results are wanted.
+    pub probe_sides: Vec<usize>,
     /// How to solve.
     pub method: Method,
     /// What the result must be.
@@ -136,6 +142,8 @@ impl Scene {
             problem,
             parameters: BTreeMap::new(),
             probe: Vec::new(),
+            probe_lines: Vec::new(),
+            probe_sides: Vec::new(),
             method: Method::default(),
             expect: Vec::new(),
             random: None,
@@ -173,6 +181,7 @@ impl Scene {
         self.problem.check_bodies()?;
         self.check_joints()?;
         self.check_random()?;
+        self.check_probes()?;
         self.check_data()?;
         self.check_jumps()?;
         self.check_stiffness()?;
@@ -183,6 +192,22 @@ impl Scene {
             return Err(DataError::at(DataErrorKind::Unsupported, &[vec!["method", "multiplier"]], message, help));
         }
         self.check_outcomes()
+    }
+
+    /// Lines and sides at which results are wanted.
+    fn check_probes(&self) -> Result<(), DataError> {
+        let refuse = |key: &str, (message, help): (String, String)| {
+            DataError::at(DataErrorKind::Value, &[vec!["probe", key]], message, help)
+        };
+        self.probe_lines.iter().try_for_each(|line| line.check(&self.problem).map_err(|e| refuse("lines", e)))?;
+        let count = self.problem.sides.len();
+        match self.probe_sides.iter().find(|&&side| side >= count) {
+            Some(side) => {
+                let message = format!("there is no side {side}: the problem has {count}");
+                Err(refuse("sides", (message, "sides are numbered from 0".to_owned())))
+            }
+            None => Ok(()),
+        }
     }
 
     /// Refuses what cannot be solved with several bodies.

@@ -48,6 +48,7 @@ pub mod history;
 pub mod keep;
 pub mod medium;
 pub mod outcomes;
+mod probes;
 pub mod record;
 pub mod stages;
 mod steps;

@@ -8,8 +8,8 @@ use steklov_bem_operators::{Mesh, Space};
 use steklov_document::Source;
 use steklov_io::{
     File, Group, IoError, create_group, invalid, label, load, load_integers, load_points, load_text, load_texts,
-    load_vector, open, open_group, save, save_dense, save_integers, save_number, save_points, save_text, save_texts,
-    save_vector, vtkhdf, write_integer_attribute, write_text_attribute,
+    load_vector, open, open_group, save, save_integers, save_number, save_points, save_text, save_texts, save_vector,
+    vtkhdf, write_integer_attribute, write_text_attribute,
 };
 use steklov_model::error::SolveError;
 use steklov_model::estimators::{Estimator, Estimators};
@@ -24,6 +24,7 @@ use crate::grid::store as grid;
 use crate::keep::Keep;
 use crate::medium;
 use crate::outcomes;
+use crate::probes;
 use crate::record::Record;
 use crate::stages::{groups, step_group, stochastic, unlink};
 use crate::steps;
@@ -153,30 +154,25 @@ fn save_solution(at: &Group, record: &Record) -> Result<(), IoError> {
     save_points(at, "traction_prescribed", &record.prescribed, &prescribed)?;
     let reactions = create_group(at, "reactions")?;
     for (side, force) in &record.summary.reactions {
-        // HDF5 takes a slash for a path and a point for the group itself
-        let mut name = if side == "." { "_".into() } else { side.replace('/', "_") };
-        while reactions.link_exists(&name) {
-            name.push('_');
-        }
         let meaning = format!("force on the body from side {side}");
-        save_vector(&reactions, &name, force, &label("force/thickness", &meaning, &["component"]))?;
-    }
-    let probes = &record.summary.probe;
-    if !probes.is_empty() {
-        let at = create_group(at, "probe")?;
-        let collect = |f: fn(&steklov_model::summary::Probe) -> [f64; 2]| probes.iter().map(f).collect::<Vec<_>>();
-        save_points(&at, "points", &collect(|p| p.point), &label("length", "probe points", point))?;
-        let displacement = label("length", "displacement", point);
-        save_points(&at, "displacement", &collect(|p| p.displacement), &displacement)?;
-        let stress = faer::Mat::from_fn(probes.len(), 3, |i, j| probes[i].stress[j]);
-        save_dense(
-            &at,
-            "stress",
-            stress.as_ref(),
-            &label("stress", "sigma_xx, sigma_yy, sigma_xy; NaN where they are infinite", point),
+        save_vector(
+            &reactions,
+            &unused_name(&reactions, side),
+            force,
+            &label("force/thickness", &meaning, &["component"]),
         )?;
     }
-    Ok(())
+    probes::save(at, &record.summary)
+}
+
+/// The name of a side as one of a group that has none like it.
+pub(crate) fn unused_name(at: &Group, side: &str) -> String {
+    // HDF5 takes a slash for a path and a point for the group itself
+    let mut name = if side == "." { "_".into() } else { side.replace('/', "_") };
+    while at.link_exists(&name) {
+        name.push('_');
+    }
+    name
 }
 
 /// `/bodies/NAME`: the part of mesh and solution of each of several bodies.

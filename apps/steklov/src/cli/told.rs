@@ -6,7 +6,7 @@ use steklov_model::doubt::Doubt;
 use steklov_model::estimators::Estimators;
 use steklov_model::run::adaptive_loop::Reason;
 use steklov_model::summary::Expected;
-use steklov_model::summary::{MediumSummary, Summary};
+use steklov_model::summary::{LineProbe, MediumSummary, SideProbe, Summary};
 use steklov_plan::MODULI;
 use steklov_problem::{Law, Scene};
 use steklov_report::told::{advice, untouched};
@@ -198,6 +198,7 @@ pub(super) fn print_summary(stored: &Record) {
         };
         say(&format!("probe       ({x}, {y}): u = ({u:.6e}, {v:.6e}), {stress}"));
     }
+    probed(s).iter().for_each(|line| say(line));
     stochastic::lines(stored).iter().for_each(|line| say(line));
     s.expect.iter().for_each(|entry| say(&expectation(entry)));
     say(&format!(
@@ -206,6 +207,27 @@ pub(super) fn print_summary(stored: &Record) {
         s.peak_memory_bytes as f64 / f64::from(1 << 20)
     ));
     say(&format!("result      {}", s.file));
+}
+
+/// The lines and sides of `[probe]`, each with the largest von Mises stress at its points.
+fn probed(s: &Summary) -> Vec<String> {
+    let largest = |of: &mut dyn Iterator<Item = (f64, [f64; 2])>| {
+        let finite = of.filter(|(value, _)| value.is_finite());
+        finite.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(String::new, |(value, [x, y])| {
+            format!(", von Mises stress up to {value:.6e} at ({x:.6}, {y:.6})")
+        })
+    };
+    let line = |(k, line): (usize, &LineProbe)| {
+        let ([x, y], [u, v], points) = (line.from, line.to, &line.points);
+        let inside = points.iter().filter(|p| !p.displacement[0].is_nan()).count();
+        let peak = largest(&mut points.iter().map(|p| (p.von_mises, p.point)));
+        format!("line {k:<6} ({x}, {y}) to ({u}, {v}): {inside} of {} points in a body{peak}", points.len())
+    };
+    let side = |side: &SideProbe| {
+        let peak = largest(&mut side.points.iter().map(|p| (p.von_mises, p.point)));
+        format!("side        {}: {} points{peak}", side.side, side.points.len())
+    };
+    (1..).zip(&s.probe_lines).map(line).chain(s.probe_sides.iter().map(side)).collect()
 }
 
 /// Parts of an estimator below this part of it are not told.

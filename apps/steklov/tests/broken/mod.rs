@@ -4,6 +4,7 @@ mod along_sides;
 mod bodies;
 mod cracks;
 mod curves;
+mod probes;
 
 /// A sound scene.
 pub const SOUND: &str = r#"title = "Sound"
@@ -81,7 +82,13 @@ const LOAD: &str = "[\"0\", \"-1\"]";
 
 /// All mistakes.
 pub fn cases() -> impl Iterator<Item = &'static Case> {
-    OF_FORM.iter().chain(along_sides::CASES).chain(curves::CASES).chain(bodies::CASES).chain(cracks::CASES)
+    OF_FORM
+        .iter()
+        .chain(along_sides::CASES)
+        .chain(curves::CASES)
+        .chain(bodies::CASES)
+        .chain(cracks::CASES)
+        .chain(probes::CASES)
 }
 
 /// Mistakes of form, values, geometry and conditions.

@@ -4,6 +4,7 @@ pub(crate) mod bernstein;
 pub(crate) mod corners;
 pub mod interfaces;
 pub mod normals;
+pub(crate) mod probes;
 pub mod reach;
 pub mod report;
 pub(crate) mod singular_points;

@@ -6,7 +6,7 @@ use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_elastic::Material;
 use steklov_elastic::plane::{angle, distance, minus, unit};
 use steklov_elastic::{Face, Joint, Sector, Wedge};
-use steklov_problem::{Condition, Friction, Scene};
+use steklov_problem::{Condition, Friction, Interface, Scene};
 
 use crate::mesh::first_mesh::SMOOTH;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, max_pressure};
@@ -34,11 +34,32 @@ pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -
             let a = order[(k + order.len() - 1) % order.len()];
             let vertex = if edges[b].reversed { edges[b].end } else { edges[b].start };
             if distance(vertex, x) <= near {
-                return wedge(scene, rows, &edges[a], &edges[b]).is_some_and(|wedge| wedge.is_singular());
+                let of_wedge = || wedge(scene, rows, &edges[a], &edges[b]).is_some_and(|wedge| wedge.is_singular());
+                return at_cut(scene, rows, [&edges[a], &edges[b]], vertex).unwrap_or_else(of_wedge);
             }
         }
     }
     false
+}
+
+/// Whether a vertex next to a cut beyond a crack is the tip of that crack, whose faces do not stick there; none at other vertices.
+fn at_cut(scene: &Scene, rows: &[ContactRow], edges: [&Edge; 2], vertex: [f64; 2]) -> Option<bool> {
+    let problem = &scene.problem;
+    let of = |edge: &Edge| {
+        let meets = |i: &&Interface| i.sides.contains(&edge.side) || problem.facing_sides(i).contains(&edge.side);
+        problem.joints().find(meets).and_then(|interface| problem.crack_before(interface))
+    };
+    let ([left, right], other) = match edges.map(of) {
+        [None, None] => return None,
+        [Some(_), Some(_)] => return Some(false),
+        [Some(crack), None] => (crack, edges[1]),
+        [None, Some(crack)] => (crack, edges[0]),
+    };
+    let sticks = || {
+        let contact = scene.contact(left);
+        contact.is_some_and(|c| matches!(contact_face(rows, left, &c.friction, vertex), Face::Held))
+    };
+    Some([left, right].contains(&other.side) && !sticks())
 }
 
 /// Exponents below that of a crack: of a vertex between a held and a free side that is re-entrant.

@@ -2,10 +2,11 @@
 
 use steklov_bem_operators::Location;
 use steklov_msfem::crossing_contrast;
-use steklov_problem::{Condition, Scene, Side};
+use steklov_problem::{Condition, Scene, Side, Spot};
 
 use super::error_parts::{FAILING, GridEstimate};
 use super::solution::GridSolved;
+use crate::answer::probes;
 use crate::run::report::Report;
 use crate::solve::medium::Around;
 use crate::summary::{GridSummary, Probe};
@@ -39,6 +40,20 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
         };
         Probe { point, displacement, stress, stress_unbounded: false }
     };
+    let at = |spot: Spot, x: [f64; 2]| match &solved.around {
+        Some(around) if spot.body > 0 => around.at(x),
+        _ => solved.at(x),
+    };
+    let trace = solved.trace();
+    let middles = |e: usize| {
+        let cells = solved.trace.points(e).len() - 1;
+        (0..cells).map(|k| (2 * k + 1) as f64 / cells as f64 - 1.0).collect()
+    };
+    let on_side = |e: usize, t: f64| {
+        let state @ (_, [xx, yy, xy]) = solved.at(trace.mesh.point(e, t));
+        let [nx, ny] = trace.mesh.normal(e, t);
+        (state, [xx * nx + xy * ny, xy * nx + yy * ny])
+    };
     Report {
         energies: solved.energies,
         energy: correction.map(|c| [solved.energies.total - c, c]),
@@ -49,11 +64,13 @@ pub(super) fn report<'a>(scene: &Scene, solved: &'a GridSolved) -> Report<'a> {
             .has_residuals()
             .then(|| estimate.map_or_else(Default::default, GridEstimate::estimators)),
         exact: false,
-        trace: solved.trace(),
+        trace,
         contact: solved.contact.as_ref(),
         located: None,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(probe).collect(),
+        lines: probes::lines(scene, at),
+        sides: probes::sides(scene, trace.mesh, middles, on_side),
         grid: Some(grid_summary(solved)),
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary),

@@ -3,8 +3,9 @@
 use steklov_contact::Kkt;
 use steklov_problem::{Scene, Solver, facets};
 
+use crate::answer::probes;
 use crate::answer::report::contact_summary;
-use crate::answer::singular_points::tell_unbounded;
+use crate::answer::singular_points::{is_unbounded_at, tell_unbounded};
 use crate::answer::small_strain::is_large;
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
@@ -25,8 +26,9 @@ pub fn answer<M: Model>(
     rows: &[ContactRow],
     outcomes: Option<&StochasticResult>,
 ) -> Summary {
-    let Report { energies, contact, mut probe, exterior, .. } = report;
-    tell_unbounded(scene, rows, &mut probe, report.exact);
+    let Report { energies, contact, mut probe, mut lines, mut sides, exterior, exact, .. } = report;
+    tell_unbounded(scene, rows, &mut probe, exact);
+    probes::tell_unbounded(&mut lines, &mut sides, |x| !exact && is_unbounded_at(scene, rows, x));
     let mut doubts = report.doubts;
     doubts.extend(exterior.iter().filter_map(MediumSummary::doubt));
     if outcomes.is_some_and(|result| result.is_doubtful()) {
@@ -77,6 +79,8 @@ pub fn answer<M: Model>(
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: report.reactions.iter().cloned().collect(),
         probe,
+        probe_lines: lines,
+        probe_sides: sides,
         stochastic: scene.random.as_ref().zip(outcomes).map(|(random, result)| stochastic::json(random, result)),
         grid: report.grid,
         exterior,

@@ -6,6 +6,7 @@ use steklov_elastic::plane::norm;
 use steklov_problem::{Multiplier, Scene};
 
 use crate::answer::interfaces;
+use crate::answer::probes;
 use crate::answer::report::located;
 use crate::data::on_mesh::OnMesh;
 use crate::estimate::error_estimate::{Estimate, ROUNDOFF};
@@ -51,6 +52,13 @@ pub(crate) fn report<'a>(
         located,
         reactions: &solved.reactions,
         probe: scene.probe.iter().map(|&x| solved.probe(scene, x)).collect(),
+        lines: probes::lines(scene, |spot, x| solved.at(spot, x)),
+        sides: probes::sides(
+            scene,
+            &solved.mesh,
+            |e| equally_spaced(2 * solved.space.degree(e)),
+            |e, t| (solved.on_boundary(e, t), solved.traction(e, t)),
+        ),
         grid: None,
         around: solved.around.as_ref(),
         exterior: solved.around.as_ref().map(Around::summary).or_else(|| exterior_summary(scene, solved)),
@@ -58,6 +66,11 @@ pub(crate) fn report<'a>(
         interfaces,
         reach,
     }
+}
+
+/// Reference coordinates of the ends of equal parts of an element.
+fn equally_spaced(parts: usize) -> Vec<f64> {
+    (0..=parts).map(|k| (2.0 * k as f64 - parts as f64) / parts as f64).collect()
 }
 
 /// The residual estimator of the solution, that of stabilised multipliers or the other one; none for a mesh without residuals.

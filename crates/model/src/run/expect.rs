@@ -7,8 +7,8 @@ use steklov_problem::{DataError, DataErrorKind as Kind, Law, Scene};
 use crate::estimators::{Estimator, Estimators, IN_CELLS, IN_COARSE_CELLS, ON_BOUNDARY, ON_INTERFACE, TRUNCATION};
 use crate::stochastic::paths_of;
 use crate::summary::{
-    Audit, BodySummary, ContactSummary, Expected, GridSummary, InterfaceSummary, MediumSummary, NormalsSummary, Probe,
-    ReachSummary, Stabilisation, Summary,
+    Audit, BodySummary, ContactSummary, Expected, GridSummary, InterfaceSummary, LinePoint, LineProbe, MediumSummary,
+    NormalsSummary, Probe, ReachSummary, SidePoint, SideProbe, Stabilisation, Summary,
 };
 
 /// The entries of `[expect]` beside the numbers of a result.
@@ -34,9 +34,14 @@ pub fn check_expect(scene: &Scene) -> Result<(), DataError> {
         return Ok(());
     }
     let shape = shape(scene);
+    let lists = [
+        ("probe", scene.probe.len()),
+        ("probe_lines", scene.probe_lines.len()),
+        ("probe_sides", scene.probe_sides.len()),
+    ];
     for entry in &scene.expect {
         let keys: Vec<&str> = entry.path.split('.').collect();
-        if is_number(&shape, &keys, scene.probe.len()) {
+        if is_number(&shape, &keys, &lists) {
             continue;
         }
         let mut paths = Vec::new();
@@ -53,25 +58,21 @@ pub fn check_expect(scene: &Scene) -> Result<(), DataError> {
     Ok(())
 }
 
-/// Whether there is a number at the end of these keys; lists have any length, except that of the probe points.
-fn is_number(value: &Value, keys: &[&str], probes: usize) -> bool {
+/// Whether there is a number at the end of these keys; lists have any length, except those whose lengths are given.
+fn is_number(value: &Value, keys: &[&str], lists: &[(&str, usize)]) -> bool {
     let Some((key, rest)) = keys.split_first() else { return value.is_number() || value.is_boolean() };
     match value {
         Value::Object(entries) => (1..=keys.len()).any(|n| {
             let name = keys[..n].join(".");
-            let list = if name == "probe" && keys.get(1).is_some_and(|k| k.parse().is_ok_and(|k: usize| k >= probes)) {
-                None
-            } else {
-                entries.get(&name)
-            };
-            list.is_some_and(|value| is_number(value, &keys[n..], probes))
+            let length = lists.iter().find(|(list, _)| *list == name).map(|(_, length)| *length);
+            let is_beyond = |key: &&str| key.parse().is_ok_and(|k: usize| length.is_some_and(|length| k >= length));
+            let value = entries.get(&name).filter(|_| !keys.get(n).is_some_and(is_beyond));
+            value.is_some_and(|value| is_number(value, &keys[n..], lists))
         }),
         Value::Array(items) if items.iter().all(Value::is_number) => {
             Summary::component(key).is_some_and(|k| k < items.len()) && rest.is_empty()
         }
-        Value::Array(items) => {
-            key.parse::<usize>().is_ok() && items.first().is_some_and(|v| is_number(v, rest, probes))
-        }
+        Value::Array(items) => key.parse::<usize>().is_ok() && items.first().is_some_and(|v| is_number(v, rest, lists)),
         _ => false,
     }
 }
@@ -127,6 +128,8 @@ fn shape(scene: &Scene) -> Value {
         reach: if several { vec![of_reach()] } else { Vec::new() },
         reactions: problem.sides.iter().map(|side| (side.name.clone(), [0.0; 2])).collect(),
         probe: if scene.probe.is_empty() { Vec::new() } else { vec![probe] },
+        probe_lines: if scene.probe_lines.is_empty() { Vec::new() } else { vec![of_line()] },
+        probe_sides: if scene.probe_sides.is_empty() { Vec::new() } else { vec![of_side()] },
         stochastic: scene
             .random
             .as_ref()
@@ -152,6 +155,38 @@ fn of_estimators() -> Estimators {
         multiscale: of(&in_coarse_cells),
         coupling: of(&[&in_coarse_cells[..], &IN_CELLS, &ON_INTERFACE].concat()),
     }
+}
+
+fn of_line() -> LineProbe {
+    let point = LinePoint {
+        s: 0.0,
+        point: [0.0; 2],
+        body: None,
+        displacement: [0.0; 2],
+        stress: [0.0; 3],
+        von_mises: 0.0,
+        stress_unbounded: true,
+    };
+    LineProbe { from: [0.0; 2], to: [0.0; 2], points: vec![point] }
+}
+
+fn of_side() -> SideProbe {
+    let point = SidePoint {
+        piece: 0,
+        s: 0.0,
+        point: [0.0; 2],
+        normal: [0.0; 2],
+        displacement: [0.0; 2],
+        normal_displacement: 0.0,
+        tangential_displacement: 0.0,
+        normal_traction: 0.0,
+        tangential_traction: 0.0,
+        hoop_stress: 0.0,
+        stress: [0.0; 3],
+        von_mises: 0.0,
+        stress_unbounded: true,
+    };
+    SideProbe { side: String::new(), points: vec![point] }
 }
 
 fn of_body() -> BodySummary {

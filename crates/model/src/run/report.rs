@@ -8,7 +8,9 @@ use crate::estimators::Estimators;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::Trace;
 use crate::solve::medium::Around;
-use crate::summary::{BodySummary, GridSummary, InterfaceSummary, MediumSummary, Probe, ReachSummary};
+use crate::summary::{
+    BodySummary, GridSummary, InterfaceSummary, LineProbe, MediumSummary, Probe, ReachSummary, SideProbe,
+};
 
 /// The report of a model on its last solution.
 pub struct Report<'a> {
@@ -34,6 +36,10 @@ pub struct Report<'a> {
     pub reactions: &'a [(String, [f64; 2])],
     /// Displacement and stress at the points of the scene.
     pub probe: Vec<Probe>,
+    /// The same along its lines.
+    pub lines: Vec<LineProbe>,
+    /// The same along its sides, with tractions.
+    pub sides: Vec<SideProbe>,
     /// The grid of finite elements.
     pub grid: Option<GridSummary>,
     /// The medium around the body, solved.

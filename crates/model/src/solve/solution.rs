@@ -2,7 +2,7 @@
 
 use steklov_bem_operators::{Location, Mesh, Space};
 use steklov_elastic::RigidMotion;
-use steklov_problem::Scene;
+use steklov_problem::{Scene, Spot};
 
 use crate::data::body_load::Particulars;
 use crate::energies::Energies;
@@ -96,6 +96,15 @@ impl Solved {
     /// stresses of the elements beside it differ, their mean.
     pub fn on_edge(&self, edge: usize, s: f64) -> ([f64; 2], [f64; 3]) {
         self.elastic_field().on_edge(edge, s)
+    }
+
+    /// Displacement and stress at a point where something lies.
+    pub fn at(&self, spot: Spot, x: [f64; 2]) -> ([f64; 2], [f64; 3]) {
+        match (spot.on, &self.around) {
+            (Some((edge, s)), _) => self.on_edge(edge, s),
+            (None, Some(around)) if spot.body > 0 => around.at(x),
+            _ => self.inside(spot.body, x),
+        }
     }
 
     /// Displacement and stress at a point: on the boundary those of the body.
