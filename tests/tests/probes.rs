@@ -368,3 +368,38 @@ fn lines_are_rows_of_points() {
         println!("{name}: {} points from {:?} to {:?}", along.len(), line.from, line.to);
     }
 }
+
+/// A side over the first corner of its loop is one piece; edges that do not join are pieces one after the other, on all loops.
+#[test]
+fn sides_are_told_piece_after_piece() {
+    let square = |sides: [&str; 4], hole: [&str; 4]| {
+        format!(
+            "[body]\ncorners = [[0, 0], [3, 0], [3, 3], [0, 3]]\nsides = {sides:?}\n\
+             [[body.holes]]\ncorners = [[1, 1], [2, 1], [2, 2], [1, 2]]\nsides = {hole:?}\n\
+             [material]\nyoung = 1\npoisson = 0.3\n[sides.held]\ndisplacement = [0, 0]\n[body_force]\nvalue = [0, -1]\n[probe]\nsides = [\"wall\"]\n\
+             [method]\nrefine = \"none\"\n"
+        )
+    };
+    let ends = |text: &str, model: &str| {
+        let told = solved(text, &[&format!("method.model={model:?}"), "grid={ coarse = [3, 3], fine = [2, 2] }"]);
+        let points = &told.probe_sides[0].points;
+        let pieces = points.last().unwrap().piece + 1;
+        let of = |piece: usize| points.iter().filter(move |p| p.piece == piece);
+        // along each piece s grows by the way from point to point, and t points that way
+        for pair in points.windows(2).filter(|pair| pair[0].piece == pair[1].piece) {
+            let way = [0, 1].map(|i| pair[1].point[i] - pair[0].point[i]);
+            let corner = pair[0].normal != pair[1].normal;
+            let [nx, ny] = pair[0].normal;
+            assert!(corner || off([-ny * way[0] + nx * way[1]], [pair[1].s - pair[0].s]) < 1e-12, "{pair:?}");
+        }
+        let of_piece = |piece: usize| (of(piece).next().unwrap().s, of(piece).next_back().unwrap().s);
+        (0..pieces).map(of_piece).collect::<Vec<_>>()
+    };
+    let (free, held) = ("free", "held");
+    let over_the_corner = square(["wall", held, "wall", "wall"], [free; 4]);
+    assert_eq!(ends(&over_the_corner, "bem"), [(0.0, 9.0)]);
+    assert_eq!(ends(&over_the_corner, "fem"), [(0.25, 8.75)]);
+    let apart = square(["wall", held, "wall", held], ["wall"; 4]);
+    assert_eq!(ends(&apart, "bem"), [(0.0, 3.0), (3.0, 6.0), (6.0, 10.0)]);
+    assert_eq!(ends(&apart, "msfem"), [(0.25, 2.75), (3.25, 5.75), (6.25, 9.75)]);
+}

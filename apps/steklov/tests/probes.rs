@@ -73,6 +73,23 @@ fn lines_and_sides_are_stored_told_and_drawn() {
     }
 }
 
+/// Words and charts tell of infinite stresses, and draw the others.
+#[test]
+fn infinite_stresses_are_told_and_not_drawn() {
+    let place = Place::new();
+    let corner = "[body]\ncorners = [[0, 0], [2, 0], [2, 1], [1, 1], [1, 2], [0, 2]]\n\
+                  sides = [\"bottom\", \"right\", \"notch\", \"notch\", \"top\", \"left\"]\n\
+                  [material]\nyoung = 100\npoisson = 0.3\n[sides.top]\ndisplacement = [\"0\", \"0\"]\n\
+                  [sides.right]\ntraction = [\"0\", \"-1\"]\n[probe]\nsides = [\"notch\", \"bottom\"]\n";
+    place.write("corner.toml", corner);
+    let words = place.run(["solve", "corner.toml", "--quiet", "--plots", "plots"]).demand(0).out;
+    let of = |side: &str| words.lines().find(|l| l.starts_with(&format!("side        {side}: "))).unwrap().to_owned();
+    assert!(of("notch").ends_with("stress unbounded at (1, 1)"), "{words}");
+    assert!(of("bottom").contains("von Mises stress up to "), "{words}");
+    let chart = |side: &str| String::from_utf8(place.read(&format!("plots/corner-probe-side-{side}.svg"))).unwrap();
+    assert!(chart("notch").contains("1 % of the length") && !chart("bottom").contains("1 %"));
+}
+
 /// A result without lines and sides has none of their keys; paths in `[expect]` beyond them are refused.
 #[test]
 fn nothing_is_told_of_what_was_not_asked_for() {

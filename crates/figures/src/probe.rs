@@ -12,6 +12,47 @@ use crate::draw::side_file;
 /// A curve: its name, and its value at a point.
 type Curve<T> = (&'static str, fn(&T) -> f64);
 
+/// Part of the length about a point of infinite stress on which no stress is drawn: all else would look like zero beside it.
+const NEAR: f64 = 0.01;
+
+/// A point of a line or side.
+trait Along {
+    /// Length up to it.
+    fn s(&self) -> f64;
+    /// Whether stresses are infinite there.
+    fn is_unbounded(&self) -> bool;
+    /// Whether curves go on from it to the next one.
+    fn joins(&self, next: &Self) -> bool;
+}
+
+impl Along for LinePoint {
+    fn s(&self) -> f64 {
+        self.s
+    }
+
+    fn is_unbounded(&self) -> bool {
+        self.stress_unbounded
+    }
+
+    fn joins(&self, next: &Self) -> bool {
+        self.body == next.body
+    }
+}
+
+impl Along for SidePoint {
+    fn s(&self) -> f64 {
+        self.s
+    }
+
+    fn is_unbounded(&self) -> bool {
+        self.stress_unbounded
+    }
+
+    fn joins(&self, next: &Self) -> bool {
+        self.piece == next.piece
+    }
+}
+
 const ALONG_LINE: [&[Curve<LinePoint>]; 2] = [
     &[("von Mises", |p| p.von_mises), ("σxx", |p| p.stress[0]), ("σyy", |p| p.stress[1]), ("σxy", |p| p.stress[2])],
     &[("ux", |p| p.displacement[0]), ("uy", |p| p.displacement[1])],
@@ -36,14 +77,13 @@ pub(crate) fn pictures(stored: &Record) -> Result<Vec<(String, Picture)>, Pictur
     for (k, line) in (1..).zip(&stored.summary.probe_lines) {
         let ([x, y], [u, v]) = (line.from, line.to);
         let x_label = format!("distance from ({x}, {y})");
-        let drawn = charts(&line.points, |p| p.s, |a, b| a.body == b.body, ALONG_LINE, &x_label, units);
         let title = format!("{title}: line {k} from ({x}, {y}) to ({u}, {v})");
-        all.push((format!("probe-line-{k}"), panels(&title, &drawn)?));
+        all.push((format!("probe-line-{k}"), chart(title, &line.points, ALONG_LINE, &x_label, units)?));
     }
     for (name, side) in of_sides(stored) {
         let x_label = format!("arc length along {}", side.side);
-        let drawn = charts(&side.points, |p| p.s, |a, b| a.piece == b.piece, ALONG_SIDE, &x_label, units);
-        all.push((name, panels(&format!("{title}: along {}", side.side), &drawn)?));
+        let title = format!("{title}: along {}", side.side);
+        all.push((name, chart(title, &side.points, ALONG_SIDE, &x_label, units)?));
     }
     Ok(all)
 }
@@ -56,38 +96,43 @@ fn of_sides(stored: &Record) -> impl Iterator<Item = (String, &SideProbe)> {
     sides.iter().enumerate().map(named)
 }
 
-/// A panel of stresses and one of displacements over s; `joins` tells whether a curve goes on from a point to the next.
-fn charts<T>(
+/// A panel of stresses and one of displacements over s.
+fn chart<T: Along>(
+    mut title: String,
     points: &[T],
-    s: impl Fn(&T) -> f64,
-    joins: impl Fn(&T, &T) -> bool,
-    curves: [&[Curve<T>]; 2],
+    [stresses, displacements]: [&[Curve<T>]; 2],
     x_label: &str,
     units: &Units,
-) -> Vec<Panel> {
-    let line = |value: fn(&T) -> f64| {
-        let mut line = Vec::new();
-        for (k, point) in points.iter().enumerate() {
-            if k > 0 && !joins(&points[k - 1], point) {
-                line.push([s(point), f64::NAN]);
+) -> Result<Picture, PictureError> {
+    let infinite: Vec<f64> = points.iter().filter(|p| p.is_unbounded()).map(Along::s).collect();
+    let near = NEAR * points.last().map_or(0.0, Along::s);
+    let is_near = |s: f64| infinite.iter().any(|at| (s - at).abs() < near);
+    if !infinite.is_empty() {
+        title += ", stresses without 1 % of the length about points where they are infinite";
+    }
+    let panel = |name: &str, unit: &Option<String>, curves: &[Curve<T>], is_left_out: &dyn Fn(f64) -> bool| {
+        let line = |value: fn(&T) -> f64| {
+            let mut line = Vec::new();
+            for (k, point) in points.iter().enumerate() {
+                if k > 0 && !points[k - 1].joins(point) {
+                    line.push([point.s(), f64::NAN]);
+                }
+                line.push([point.s(), if is_left_out(point.s()) { f64::NAN } else { value(point) }]);
             }
-            line.push([s(point), value(point)]);
-        }
-        line
-    };
-    let layers = |curves: &[Curve<T>]| {
-        let of = |(k, (name, value)): (usize, &Curve<T>)| Layer {
-            name: (*name).to_owned(),
-            shape: Shape::Curve(line(*value), k),
+            line
         };
-        curves.iter().enumerate().map(of).collect::<Vec<_>>()
+        let curves = curves.iter().enumerate();
+        Panel {
+            x: in_unit(x_label, units.length.as_deref()),
+            y: in_unit(name, unit.as_deref()),
+            ends: Ends::Zero,
+            layers: curves
+                .map(|(k, (name, value))| Layer { name: (*name).to_owned(), shape: Shape::Curve(line(*value), k) })
+                .collect(),
+        }
     };
-    let x = in_unit(x_label, units.length.as_deref());
-    let [stresses, displacements] = curves.map(layers);
-    [("stress", &units.stress, stresses), ("displacement", &units.length, displacements)]
-        .into_iter()
-        .map(|(name, unit, layers)| Panel { x: x.clone(), y: in_unit(name, unit.as_deref()), ends: Ends::Zero, layers })
-        .collect()
+    let of_stresses = panel("stress", &units.stress, stresses, &is_near);
+    panels(&title, &[of_stresses, panel("displacement", &units.length, displacements, &|_| false)])
 }
 
 /// A table of each line and side that the scene names, with the parts of their names as [`pictures`] has them; cells without a

@@ -209,23 +209,25 @@ pub(super) fn print_summary(stored: &Record) {
     say(&format!("result      {}", s.file));
 }
 
-/// The lines and sides of `[probe]`, each with the largest von Mises stress at its points.
+/// The lines and sides of `[probe]`, each with the largest von Mises stress at its points, or where stresses are infinite.
 fn probed(s: &Summary) -> Vec<String> {
-    let largest = |of: &mut dyn Iterator<Item = (f64, [f64; 2])>| {
-        let finite = of.filter(|(value, _)| value.is_finite());
-        finite.max_by(|a, b| a.0.total_cmp(&b.0)).map_or_else(String::new, |(value, [x, y])| {
-            format!(", von Mises stress up to {value:.6e} at ({x:.6}, {y:.6})")
-        })
+    let peak = |points: &[(bool, f64, [f64; 2])]| {
+        let largest = || points.iter().filter(|p| p.1.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
+        match (points.iter().find(|p| p.0), largest()) {
+            (Some((.., [x, y])), _) => format!(", stress unbounded at ({x}, {y})"),
+            (None, Some((_, value, [x, y]))) => format!(", von Mises stress up to {value:.6e} at ({x:.6}, {y:.6})"),
+            (None, None) => String::new(),
+        }
     };
     let line = |(k, line): (usize, &LineProbe)| {
         let ([x, y], [u, v], points) = (line.from, line.to, &line.points);
         let inside = points.iter().filter(|p| !p.displacement[0].is_nan()).count();
-        let peak = largest(&mut points.iter().map(|p| (p.von_mises, p.point)));
-        format!("line {k:<6} ({x}, {y}) to ({u}, {v}): {inside} of {} points in a body{peak}", points.len())
+        let all: Vec<_> = points.iter().map(|p| (p.stress_unbounded, p.von_mises, p.point)).collect();
+        format!("line {k:<6} ({x}, {y}) to ({u}, {v}): {inside} of {} points in a body{}", points.len(), peak(&all))
     };
     let side = |side: &SideProbe| {
-        let peak = largest(&mut side.points.iter().map(|p| (p.von_mises, p.point)));
-        format!("side        {}: {} points{peak}", side.side, side.points.len())
+        let all: Vec<_> = side.points.iter().map(|p| (p.stress_unbounded, p.von_mises, p.point)).collect();
+        format!("side        {}: {} points{}", side.side, side.points.len(), peak(&all))
     };
     (1..).zip(&s.probe_lines).map(line).chain(s.probe_sides.iter().map(side)).collect()
 }
