@@ -162,6 +162,7 @@ fn deformed_grids_of_many_cells() {
             largest: 0.0,
             triangles: &lattice.triangles,
             values: &stress,
+            infinite: &[],
             label: "von Mises stress",
             noun: "stress",
             colours: Colours::Automatic,

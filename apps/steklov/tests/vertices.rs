@@ -35,6 +35,61 @@ fn unbounded(o: &Value) -> Vec<bool> {
     o["probe"].as_array().unwrap().iter().map(told).collect()
 }
 
+/// A hole like an arrow head has three pointed corners, and one at which the body is; a hole like a D has two, at the ends of its arc.
+/// The order in which corners are listed changes nothing.
+#[test]
+fn corners_of_holes_are_told_where_they_are() {
+    let plate = |hole: &str, probe: &str| {
+        format!(
+            r#"title = "Holes"
+[body]
+corners = [[-4, -4], [4, -4], [4, 4], [-4, 4]]
+sides = ["bottom", "right", "top", "left"]
+[[body.holes]]
+{hole}
+[material]
+young = 100.0
+poisson = 0.3
+[sides.top]
+traction = ["0", "1"]
+[sides.bottom]
+traction = ["0", "-1"]
+[probe]
+points = {probe}
+[method]
+refine = "none"
+degree = 2
+"#
+        )
+    };
+    let place = Place::new();
+    let arrow = "[[1.0, 0.0], [0.0, 1.0], [-1.0, 0.0], [0.0, 0.5]]";
+    let d = "[[0.0, -1.0], [1.0, 0.0], [0.0, 1.0]]";
+    let sides = r#"sides = ["a", "b", "c", "d"]"#;
+    let arcs = "arcs = { a = { centre = [0, 0] }, b = { centre = [0, 0] } }";
+    for (name, hole, probe, expected) in [
+        ("left", format!("corners = {arrow}\n{sides}"), arrow, vec![true, true, true, false]),
+        (
+            "right",
+            format!("corners = [[1.0, 0.0], [0.0, 0.5], [-1.0, 0.0], [0.0, 1.0]]\n{sides}"),
+            arrow,
+            vec![true, true, true, false],
+        ),
+        ("d", format!("corners = {d}\nsides = [\"a\", \"b\", \"c\"]\n{arcs}"), d, vec![true, false, true]),
+    ] {
+        let file = format!("{name}.toml");
+        place.write(&file, plate(&hole, probe));
+        let o = place.json(0, &[&file]);
+        assert_eq!(unbounded(&o), expected, "{name}");
+        let points: Vec<[f64; 2]> = serde_json::from_value(o["infinite_stress"].clone()).unwrap();
+        let corners: Vec<[f64; 2]> = serde_json::from_str(probe).unwrap();
+        assert_eq!(points.len(), expected.iter().filter(|e| **e).count(), "{name}: {points:?}");
+        for (corner, expected) in corners.iter().zip(expected) {
+            assert_eq!(points.contains(corner), expected, "{name}: {corner:?} {points:?}");
+        }
+    }
+}
+
 /// A re-entrant corner and the two ends of a held side; not the other corners.
 #[test]
 fn infinite_stresses_are_no_numbers() {

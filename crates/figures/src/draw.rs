@@ -119,6 +119,7 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
     let (title, obstacles) = (stored.summary.title.as_str(), obstacles.as_slice());
     let largest = largest_displacement(stored);
     let most = largest_factor(stored);
+    let infinite = infinite(stored, view.scalar);
     let (label, noun) = (view.scalar.label(), view.scalar.noun());
     let units = units(stored, view.scalar);
     if let Some(record) = &stored.on_grid {
@@ -130,6 +131,7 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
             largest,
             triangles: &deformed.triangles,
             values: &deformed.values,
+            infinite,
             label,
             noun,
             colours: view.colours(),
@@ -154,6 +156,7 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
         largest,
         triangles,
         values: &values,
+        infinite,
         label,
         noun,
         colours: view.colours(),
@@ -164,6 +167,14 @@ fn body_picture(stored: &Record, view: &View) -> Result<Picture, PictureError> {
         enlarge: view.enlarge,
         units,
     })
+}
+
+/// The points at which a scalar is infinite.
+pub(crate) fn infinite(stored: &Record, scalar: Scalar) -> &[[f64; 2]] {
+    match scalar.unit() {
+        Unit::Length => &[],
+        Unit::Stress => &stored.summary.infinite_stress,
+    }
 }
 
 /// The names of the units of lengths and of a scalar.

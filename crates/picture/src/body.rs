@@ -47,6 +47,8 @@ pub struct Body<'a> {
     /// What colours the body at the points (P). A triangle with a NaN stays white; an infinite value has the colour of the
     /// largest finite one.
     pub values: &'a [f64],
+    /// Points at which they are infinite, whatever the values there.
+    pub infinite: &'a [[f64; 2]],
     /// What they are: "von Mises stress".
     pub label: &'a str,
     /// What they are numbers of: "stress".
@@ -109,8 +111,11 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
 
     let title = Title::new(b.title);
     let colours = b.colours.ends(&weighted(b.points, b.triangles, b.values), interval);
-    let arrows = beyond(b.values.iter().copied(), colours);
-    let told = outermost(b, arrows);
+    let mut arrows = beyond(b.values.iter().copied(), colours);
+    let is_shown = |x: &&[f64; 2]| (0..2).all(|i| (bounds.low[i]..=bounds.high[i]).contains(&x[i]));
+    let infinite: Vec<&[f64; 2]> = b.infinite.iter().filter(is_shown).collect();
+    arrows[1] |= !infinite.is_empty();
+    let told = outermost(b, arrows, &infinite);
     let told = told.map_or(Vec::new(), |text| wrap(&text, SUBTITLE_TEXT, WIDTH - 60.0, 2));
     let top = 48.0 + title.height() + 20.0 * told.len() as f64;
     let axes = place(&view(bounds, &deformed, &walls), top);
@@ -148,12 +153,20 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
 }
 
 /// What is told where values are beyond an end of the colours: the outermost ones and their places.
-fn outermost(b: &Body<'_>, [below, above]: [bool; 2]) -> Option<String> {
+fn outermost(b: &Body<'_>, [below, above]: [bool; 2], infinite: &[&[f64; 2]]) -> Option<String> {
     let all = || b.points.iter().zip(b.values).filter(|(_, v)| !v.is_nan());
     let smallest = all().min_by(|a, b| a.1.total_cmp(b.1)).filter(|_| below);
     let largest = all().max_by(|a, b| a.1.total_cmp(b.1)).filter(|_| above);
     let place = |[x, y]: &[f64; 2]| format!("at ({}, {})", short(*x, 4), short(*y, 4));
     let noun = b.noun;
+    match infinite {
+        [] => {}
+        [x] => return Some(format!("the {noun} is infinite {}", place(x))),
+        [x, y] => return Some(format!("the {noun} is infinite {} and {}", place(x), place(y))),
+        [x, more @ ..] => {
+            return Some(format!("the {noun} is infinite {} and at {} other points", place(x), more.len()));
+        }
+    }
     if let Some((x, _)) = [smallest, largest].into_iter().flatten().find(|(_, v)| v.is_infinite()) {
         return Some(format!("the {noun} is infinite {}", place(x)));
     }

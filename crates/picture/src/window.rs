@@ -148,6 +148,7 @@ mod tests {
             largest: 9.0,
             triangles: &triangles,
             values: &values,
+            infinite: &[],
             label: "",
             noun: "",
             colours: Colours::Automatic,

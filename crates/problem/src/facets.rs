@@ -12,6 +12,8 @@ pub struct Facets {
     pub edges: usize,
     /// Mean angle between successive ones (radian), always positive.
     pub turn: f64,
+    /// The corners between them.
+    pub corners: Vec<[f64; 2]>,
     /// The curve that they stand for.
     pub curve: Drawn,
 }
@@ -117,7 +119,7 @@ fn told(run: &[Corner<'_>], closed: bool) -> Facets {
         None => Drawn::Smooth,
     };
     let turn = run.iter().map(|corner| corner.turn.abs()).sum::<f64>() / run.len() as f64;
-    Facets { side: run[0].after.side, edges: run.len() + usize::from(!closed), turn, curve }
+    Facets { side: run[0].after.side, edges: run.len() + usize::from(!closed), turn, corners: points, curve }
 }
 
 /// Centre and radius of the circle that points lie on.

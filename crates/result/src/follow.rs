@@ -4,7 +4,7 @@
 //! evaluation is cheap, and those inside where the values around let an error expect. An edge is marked where
 //! the value differs from the mean of its ends by more than 0.3 steps: a step is a band of the colours for von Mises stress, and
 //! as large a part of the largest displacement; or where the middle of a segment of the outline is off by more than a quarter of a
-//! pixel, or its displacement by more than three hundredths, as drawn: the faces of a crack may be only some pixels apart. The longest
+//! pixel, or its displacement by more than a fiftieth, as drawn: the faces of a crack may be only some pixels apart. The longest
 //! edge of a triangle with a marked edge is marked too, and triangles are cut at the middles of their marked edges, through that of
 //! the longest one first, so that angles do not degenerate.
 
@@ -25,10 +25,10 @@ const PIXELS_AT_BOUNDARY: f64 = 8.0 * PIXELS;
 
 /// Distance of the outline from a segment that stands for it, in pixels, and that of their displacements as they are drawn.
 const OFF: f64 = 0.25;
-const MOVED_OFF: f64 = 0.03;
+const MOVED_OFF: f64 = 0.02;
 
 /// Points at most, of all bodies.
-const MOST_POINTS: usize = 2500;
+const MOST_POINTS: usize = 4000;
 
 /// An edge inside is tried where the values around it let an error of this part of the allowed one expect; slopes at the boundary,
 /// known from one side, say less.
@@ -111,8 +111,13 @@ pub(crate) fn follow(filling: &mut Filling, polygon: &Polygon, value: At<'_>) ->
             if on_boundary.contains(e) {
                 return length > size / PIXELS_AT_BOUNDARY;
             }
-            let doubt = if e.iter().any(|&i| filling.places[i].is_some()) { DOUBT_AT_BOUNDARY } else { DOUBT };
-            length > size / PIXELS && scale.expected(filling, &slopes, *e) > doubt
+            // across a ligament slopes at the ends may be alike
+            let doubt = match e.iter().filter(|&&i| filling.places[i].is_some()).count() {
+                0 => DOUBT,
+                1 => DOUBT_AT_BOUNDARY,
+                _ => 0.0,
+            };
+            length > size / PIXELS && scale.expected(filling, &slopes, *e) >= doubt
         });
         add_middles(filling, polygon, &tried, &mut middles, value);
         let folded = folded(filling, &middles);

@@ -4,7 +4,7 @@ use steklov_picture::{Body, Picture, PictureError, body};
 use steklov_result::record::Record;
 
 use super::draw::deformed;
-use crate::draw::{largest_displacement, units};
+use crate::draw::{infinite, largest_displacement, units};
 use crate::view::View;
 
 /// Body and medium, deformed alike, by a field; none of other results.
@@ -48,6 +48,7 @@ pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, Pi
         largest: largest_displacement(stored),
         triangles: &all.triangles,
         values: &all.values,
+        infinite: infinite(stored, view.scalar),
         label: view.scalar.label(),
         noun: view.scalar.noun(),
         colours: view.colours(),

@@ -141,8 +141,7 @@ impl Place<'_> {
     /// The state of the node next to a point of a carrying edge; none if it is open.
     fn joint(&self, edge: usize, s: f64, x: [f64; 2]) -> Option<Joint> {
         let edge = &self.scene.problem.outline.edges()[edge];
-        let sign = if edge.reversed { -1.0 } else { 1.0 };
-        let [tx, ty] = edge.tangent(s).map(|t| sign * t);
+        let [tx, ty] = edge.tangent(s);
         let distance = |r: &ContactRow| distance(r.point, x);
         let along = |r: &&ContactRow| r.side == edge.side && r.normal[0] * ty - r.normal[1] * tx > ALONG;
         let nearest = self.rows.iter().filter(along).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;

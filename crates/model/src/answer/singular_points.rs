@@ -6,7 +6,7 @@ use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_elastic::Material;
 use steklov_elastic::plane::{angle, distance, minus, unit};
 use steklov_elastic::{Face, Joint, Sector, Wedge};
-use steklov_problem::{Condition, Friction, Interface, Scene};
+use steklov_problem::{Condition, Faces, Friction, Interface, Scene, facets};
 
 use crate::mesh::first_mesh::SMOOTH;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, max_pressure};
@@ -26,20 +26,51 @@ pub fn tell_unbounded(scene: &Scene, rows: &[ContactRow], probe: &mut [Probe], e
 /// Whether a point is a vertex with infinite stresses. Cells of different moduli about it count as one material; on the interface
 /// of such a body with the medium around it no vertex is judged.
 pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -> bool {
-    let edges = scene.problem.outline.edges();
     let near = SAME_PLACE * scene.problem.outline.diameter();
-    for l in 0..scene.problem.outline.loops().len() {
-        let order = scene.problem.outline.traversal(l);
-        for (k, &b) in order.iter().enumerate() {
-            let a = order[(k + order.len() - 1) % order.len()];
-            let vertex = if edges[b].reversed { edges[b].end } else { edges[b].start };
-            if distance(vertex, x) <= near {
-                let of_wedge = || wedge(scene, rows, &edges[a], &edges[b]).is_some_and(|wedge| wedge.is_singular());
-                return at_cut(scene, rows, [&edges[a], &edges[b]], vertex).unwrap_or_else(of_wedge);
-            }
+    let mut at = vertices(scene).into_iter().filter(|(vertex, _)| distance(*vertex, x) <= near);
+    at.any(|(vertex, edges)| is_unbounded_between(scene, rows, edges, vertex))
+}
+
+/// The vertices with infinite stresses, each once, without corners between straight edges that stand for a curve. Ends of
+/// interfaces between bodies are not judged.
+pub fn unbounded_vertices(scene: &Scene, rows: &[ContactRow]) -> Vec<[f64; 2]> {
+    let near = SAME_PLACE * scene.problem.outline.diameter();
+    let between_bodies = |edge: &Edge| {
+        let of = |i: &Interface| i.sides.contains(&edge.side) || scene.problem.facing_sides(i).contains(&edge.side);
+        scene.problem.joints().any(|interface| interface.faces != Faces::Cut && of(interface))
+    };
+    let on_curves: Vec<[f64; 2]> = facets(&scene.problem.outline).into_iter().flat_map(|f| f.corners).collect();
+    let mut found: Vec<[f64; 2]> = Vec::new();
+    for (vertex, edges) in vertices(scene) {
+        if !on_curves.contains(&vertex)
+            && !edges.iter().any(|edge| between_bodies(edge))
+            && is_unbounded_between(scene, rows, edges, vertex)
+            && found.iter().all(|other| distance(*other, vertex) > near)
+        {
+            found.push(vertex);
         }
     }
-    false
+    found
+}
+
+/// The vertices of the outline, each with the edges before and behind it.
+fn vertices(scene: &Scene) -> Vec<([f64; 2], [&Edge; 2])> {
+    let outline = &scene.problem.outline;
+    let edges = outline.edges();
+    let of_loop = |l: usize| {
+        let order = outline.traversal(l);
+        let at = |k: usize| {
+            let (a, b) = (&edges[order[(k + order.len() - 1) % order.len()]], &edges[order[k]]);
+            (b.start, [a, b])
+        };
+        (0..order.len()).map(at).collect::<Vec<_>>()
+    };
+    (0..outline.loops().len()).flat_map(of_loop).collect()
+}
+
+fn is_unbounded_between(scene: &Scene, rows: &[ContactRow], edges: [&Edge; 2], vertex: [f64; 2]) -> bool {
+    let of_wedge = || wedge(scene, rows, edges[0], edges[1]).is_some_and(|wedge| wedge.is_singular());
+    at_cut(scene, rows, edges, vertex).unwrap_or_else(of_wedge)
 }
 
 /// Whether a vertex next to a cut beyond a crack is the tip of that crack, whose faces do not stick there; none at other vertices.
@@ -90,11 +121,10 @@ pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
 
 /// Direction of an edge as the boundary is traversed, the body to its left, where it begins or ends.
 pub(crate) fn direction(edge: &Edge, at_end: bool) -> [f64; 2] {
-    let tangent = match edge.is_line() {
+    match edge.is_line() {
         true => unit(minus(edge.end, edge.start)),
         false => edge.tangent(if at_end == edge.reversed { 0.0 } else { 1.0 }),
-    };
-    if edge.reversed { tangent.map(|t| -t) } else { tangent }
+    }
 }
 
 /// The wedge between the edge before a vertex and that behind it; none where the boundary goes on as before.
@@ -112,8 +142,7 @@ fn wedge(scene: &Scene, rows: &[ContactRow], before: &Edge, behind: &Edge) -> Op
     if straight && (before.side == behind.side || touch(before) && touch(behind)) {
         return None;
     }
-    let vertex = if behind.reversed { behind.end } else { behind.start };
-    let faces = [face(scene, rows, behind, vertex, b), face(scene, rows, before, vertex, a.map(|a| -a))];
+    let faces = [face(scene, rows, behind, behind.start, b), face(scene, rows, before, behind.start, a.map(|a| -a))];
     Some(Wedge { sectors: vec![sector(angle, &scene.body().material())], joints: Vec::new(), faces: Some(faces) })
 }
 

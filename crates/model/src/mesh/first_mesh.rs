@@ -1,7 +1,7 @@
 //! The first mesh: vertices at singular points and where the data are narrower than an element.
 
 use steklov_bem_operators::{Edge, Grading, Mark, Mesh, Piece, Polygon, SAME_PLACE, Subdivision};
-use steklov_elastic::plane::angle;
+use steklov_elastic::plane::{angle, minus};
 use steklov_expression::{Expression, OnEdge, Track};
 use steklov_problem::{Condition, Law, Refine, Scene, Span, Springs};
 
@@ -115,14 +115,9 @@ pub fn singular_points(scene: &Scene, kinks: bool) -> Vec<Vec<f64>> {
         for (i, &a) in order.iter().enumerate() {
             let b = order[(i + 1) % order.len()];
             let curved = !edges[a].is_line() || !edges[b].is_line();
-            let direction = |k: usize, at_end: bool| {
-                if !edges[k].is_line() {
-                    let sign = if edges[k].reversed { -1.0 } else { 1.0 };
-                    return edges[k].tangent(if at_end == edges[k].reversed { 0.0 } else { 1.0 }).map(|t| sign * t);
-                }
-                let (s, e) = (edges[k].start, edges[k].end);
-                let sign = if edges[k].reversed { -1.0 } else { 1.0 };
-                [sign * (e[0] - s[0]), sign * (e[1] - s[1])]
+            let direction = |k: usize, at_end: bool| match edges[k].is_line() {
+                true => minus(edges[k].end, edges[k].start),
+                false => edges[k].tangent(if at_end == edges[k].reversed { 0.0 } else { 1.0 }),
             };
             let (x, y) = (direction(a, true), direction(b, false));
             let turn = angle(x, y);

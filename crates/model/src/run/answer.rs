@@ -5,7 +5,7 @@ use steklov_problem::{Scene, Solver, facets};
 
 use crate::answer::probes;
 use crate::answer::report::contact_summary;
-use crate::answer::singular_points::{is_unbounded_at, tell_unbounded};
+use crate::answer::singular_points::{is_unbounded_at, tell_unbounded, unbounded_vertices};
 use crate::answer::small_strain::is_large;
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
@@ -79,6 +79,7 @@ pub fn answer<M: Model>(
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: report.reactions.iter().cloned().collect(),
         probe,
+        infinite_stress: if exact { Vec::new() } else { unbounded_vertices(scene, rows) },
         probe_lines: lines,
         probe_sides: sides,
         stochastic: scene.random.as_ref().zip(outcomes).map(|(random, result)| stochastic::json(random, result)),

@@ -128,6 +128,7 @@ fn shape(scene: &Scene) -> Value {
         reach: if several { vec![of_reach()] } else { Vec::new() },
         reactions: problem.sides.iter().map(|side| (side.name.clone(), [0.0; 2])).collect(),
         probe: if scene.probe.is_empty() { Vec::new() } else { vec![probe] },
+        infinite_stress: Vec::new(),
         probe_lines: if scene.probe_lines.is_empty() { Vec::new() } else { vec![of_line()] },
         probe_sides: if scene.probe_sides.is_empty() { Vec::new() } else { vec![of_side()] },
         stochastic: scene
