@@ -38,6 +38,19 @@ fn a_block_rests_on_a_foundation() {
     near(summary.reactions["floor"][1], 8.0);
 }
 
+/// A pressure on the side that rests on springs moves the body by p/k = 0.1 and strains it nowhere: J = -p²/(2k) times the length.
+#[test]
+fn a_body_that_springs_only_move_is_solved_on_its_first_mesh() {
+    let mut scene = block();
+    scene.problem.sides[2].condition = Condition::Free;
+    scene.problem.sides[0].springs = Some(Springs::both(Expression::number(40.0)));
+    scene.problem.sides[0].condition = Condition::Pressure(Expression::number(4.0));
+    let summary = solve(&scene).expect("a solution").summary;
+    assert!(summary.converged && summary.steps == 1, "{} steps: {}", summary.steps, summary.reason);
+    assert!((summary.energy + 0.5 * 16.0 / 40.0 * 2.0).abs() < 1e-12, "{}", summary.energy);
+    assert!(summary.estimate_doubts.is_empty(), "{:?}", summary.estimate_doubts);
+}
+
 type Change<'a> = &'a dyn Fn(&mut Scene);
 
 /// A program is refused what a scene file is refused.

@@ -12,7 +12,7 @@ use crate::solvers::linear::product;
 ///
 /// ```text
 /// u_n = normal·v ≤ gap,   λ_n ≥ 0,   λ_n (gap - u_n) = 0
-/// u_t = tangent·v + slip_offset,   |λ_t| ≤ F,   u_t = α λ_t with α ≥ 0,   α (|λ_t| - F) = 0
+/// u_t = tangent·v + slip_offset,   |λ_t| ≤ F,   λ_t u_t = F |u_t|
 /// F = bound + coefficient λ_n
 /// nodal force on v:  - D_n λ_n normal - D_t λ_t tangent
 /// ```

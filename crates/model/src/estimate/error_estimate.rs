@@ -24,6 +24,7 @@ use crate::answer::singular_points::strong_vertices;
 use crate::data::joints::Joint;
 use crate::data::on_mesh::OnMesh;
 use crate::doubt::Doubt;
+use crate::energies::Energies;
 use crate::error::SolveError;
 use crate::estimate::elastic::{Elastic, EnrichedBody};
 use crate::estimate::enriched_problem::{Frame, System, frames};
@@ -155,7 +156,7 @@ pub fn estimate(
     let of_springs = body.springs.bubble_blocks(mesh.len());
     let (mut indicators, held_oscillation) =
         indicators(&data, solved, &elastic, (&bubbles, &frames), (&residual, &of_springs))?;
-    let scale = scale(solved.energies.strain, body, factors);
+    let scale = scale(&solved.energies, body, factors);
     let nonconformity = data.nonconformity(&body.joints, solved.elastic_field(), &bubbles);
     for &(e, energy) in data.tie_oscillation(&body.joints)?.iter().chain(&nonconformity.energies) {
         indicators[e].oscillation += energy;
@@ -457,11 +458,14 @@ fn rounding_of_energy(solved: &Solved, body: &Body, scale: f64) -> f64 {
     stored.max(forces * body.largest_diagonal * largest * largest)
 }
 
+/// Strain energies below this part of that of springs are roundoff.
+const OF_SPRINGS: f64 = 1e-14;
+
 /// (2 strain energy)^½; where there is no strain, that of roundoff.
-fn scale(strain: f64, body: &Body, factors: &Factors) -> f64 {
+fn scale(energies: &Energies, body: &Body, factors: &Factors) -> f64 {
     let largest = factors.homogeneous.iter().fold(0.0, |m: f64, u| m.max(u.abs()));
-    let floor = 1e-20 * body.largest_diagonal * largest * largest;
-    (2.0 * strain).max(floor).sqrt()
+    let floor = (1e-20 * body.largest_diagonal * largest * largest).max(OF_SPRINGS * 2.0 * energies.springs);
+    (2.0 * energies.strain).max(floor).sqrt()
 }
 
 #[cfg(test)]
