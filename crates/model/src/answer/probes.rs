@@ -5,7 +5,7 @@ use steklov_bem_operators::Mesh;
 use steklov_elastic::plane::{dot, turned};
 use steklov_problem::{ProbeLine, Scene, Spot};
 
-use crate::summary::{LinePoint, LineProbe, SidePoint, SideProbe};
+use crate::summary::{LinePoint, LineProbe, Probe, SidePoint, SideProbe};
 
 /// Displacement and stress.
 type State = ([f64; 2], [f64; 3]);
@@ -107,8 +107,16 @@ fn pieces(mesh: &Mesh, side: usize) -> Vec<Vec<usize>> {
     all
 }
 
-/// Takes the stresses from points that have none, as [`super::singular_points::tell_unbounded`] does.
-pub(crate) fn tell_unbounded(lines: &mut [LineProbe], sides: &mut [SideProbe], infinite: impl Fn([f64; 2]) -> bool) {
+/// Takes the stresses from points where they are infinite.
+pub(crate) fn tell_unbounded(
+    points: &mut [Probe],
+    lines: &mut [LineProbe],
+    sides: &mut [SideProbe],
+    infinite: impl Fn([f64; 2]) -> bool,
+) {
+    for p in points.iter_mut().filter(|p| infinite(p.point)) {
+        (p.stress, p.stress_unbounded) = ([f64::NAN; 3], true);
+    }
     let in_a_body = |p: &&mut LinePoint| !p.displacement[0].is_nan();
     for p in lines.iter_mut().flat_map(|l| &mut l.points).filter(in_a_body).filter(|p| infinite(p.point)) {
         (p.stress, p.von_mises, p.stress_unbounded) = ([f64::NAN; 3], f64::NAN, true);

@@ -10,30 +10,25 @@ use steklov_problem::{Condition, Faces, Friction, Interface, Scene, facets};
 
 use crate::mesh::first_mesh::SMOOTH;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, max_pressure};
-use crate::summary::Probe;
 
 /// Angles that differ by less are the same (radian).
 const STRAIGHT: f64 = 1e-9;
 
-/// Replaces stresses at probe points that have none: at a corner, or where the condition of a straight side changes, whose
-/// exponents let stresses grow without bound. `exact`: the field is known to have no singular part.
-pub fn tell_unbounded(scene: &Scene, rows: &[ContactRow], probe: &mut [Probe], exact: bool) {
-    for probe in probe.iter_mut().filter(|p| !exact && is_unbounded_at(scene, rows, p.point)) {
-        (probe.stress, probe.stress_unbounded) = ([f64::NAN; 3], true);
-    }
-}
-
-/// Whether a point is a vertex with infinite stresses. Cells of different moduli about it count as one material; on the interface
+/// Tells of a point whether it is a vertex with infinite stresses: a corner, or where the condition of a straight side changes,
+/// whose exponents let stresses grow without bound. Cells of different moduli about it count as one material; on the interface
 /// of such a body with the medium around it no vertex is judged.
-pub(crate) fn is_unbounded_at(scene: &Scene, rows: &[ContactRow], x: [f64; 2]) -> bool {
+pub(crate) fn unbounded_at(scene: &Scene, rows: &[ContactRow]) -> impl Fn([f64; 2]) -> bool {
     let near = SAME_PLACE * scene.problem.outline.diameter();
-    let mut at = vertices(scene).into_iter().filter(|(vertex, _)| distance(*vertex, x) <= near);
-    at.any(|(vertex, edges)| is_unbounded_between(scene, rows, edges, vertex))
+    let vertices = vertices(scene);
+    move |x| {
+        let mut at = vertices.iter().filter(|(vertex, _)| distance(*vertex, x) <= near);
+        at.any(|(vertex, edges)| is_unbounded_between(scene, rows, *edges, *vertex))
+    }
 }
 
 /// The vertices with infinite stresses, each once, without corners between straight edges that stand for a curve. Ends of
 /// interfaces between bodies are not judged.
-pub fn unbounded_vertices(scene: &Scene, rows: &[ContactRow]) -> Vec<[f64; 2]> {
+pub(crate) fn unbounded_vertices(scene: &Scene, rows: &[ContactRow]) -> Vec<[f64; 2]> {
     let near = SAME_PLACE * scene.problem.outline.diameter();
     let between_bodies = |edge: &Edge| {
         let of = |i: &Interface| i.sides.contains(&edge.side) || scene.problem.facing_sides(i).contains(&edge.side);

@@ -5,7 +5,7 @@ use steklov_problem::{Scene, Solver, facets};
 
 use crate::answer::probes;
 use crate::answer::report::contact_summary;
-use crate::answer::singular_points::{is_unbounded_at, tell_unbounded, unbounded_vertices};
+use crate::answer::singular_points::{unbounded_at, unbounded_vertices};
 use crate::answer::small_strain::is_large;
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
@@ -27,8 +27,10 @@ pub fn answer<M: Model>(
     outcomes: Option<&StochasticResult>,
 ) -> Summary {
     let Report { energies, contact, mut probe, mut lines, mut sides, exterior, exact, .. } = report;
-    tell_unbounded(scene, rows, &mut probe, exact);
-    probes::tell_unbounded(&mut lines, &mut sides, |x| !exact && is_unbounded_at(scene, rows, x));
+    // an exact field has no singular part
+    if !exact {
+        probes::tell_unbounded(&mut probe, &mut lines, &mut sides, unbounded_at(scene, rows));
+    }
     let mut doubts = report.doubts;
     doubts.extend(exterior.iter().filter_map(MediumSummary::doubt));
     if outcomes.is_some_and(|result| result.is_doubtful()) {
