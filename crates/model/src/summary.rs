@@ -78,8 +78,8 @@ pub struct Summary {
     pub reactions: BTreeMap<String, [f64; 2]>,
     /// Results at the probe points.
     pub probe: Vec<Probe>,
-    /// Corners, tips of cracks and ends of conditions at which the stress is infinite; those where bodies meet are not judged. Left
-    /// out without any.
+    /// Corners, tips of cracks, ends of conditions and of joints, and jumps of data at which the stress is infinite. Left out
+    /// without any.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub infinite_stress: Vec<[f64; 2]>,
     /// Results along lines; left out without them.

@@ -4,7 +4,7 @@ use steklov_bem_operators::{Edge, SAME_PLACE};
 use steklov_contact::{Condition, Located, TipKind};
 use steklov_problem::{Place, Refine, Scene};
 
-use crate::answer::singular_pressure::is_unbounded;
+use crate::answer::singular_points::is_pressure_unbounded;
 use crate::mesh::first_mesh::singular_points;
 use crate::solve::contact::ContactResult;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, Trace, max_pressure};
@@ -67,7 +67,7 @@ pub(crate) fn summary_of_sides(
         stick,
         slip: length - stick,
         max_pressure: max_pressure(rows),
-        max_pressure_unbounded: is_unbounded(scene, trace.mesh, rows),
+        max_pressure_unbounded: is_pressure_unbounded(scene, trace.mesh, rows),
         force,
         stabilisation: contact
             .stabilised

@@ -5,7 +5,7 @@ use steklov_problem::{Scene, Solver, facets};
 
 use crate::answer::probes;
 use crate::answer::report::contact_summary;
-use crate::answer::singular_points::{unbounded_at, unbounded_vertices};
+use crate::answer::singular_points;
 use crate::answer::small_strain::is_large;
 use crate::doubt::Doubt;
 use crate::estimators::Estimators;
@@ -28,9 +28,8 @@ pub fn answer<M: Model>(
 ) -> Summary {
     let Report { energies, contact, mut probe, mut lines, mut sides, exterior, exact, .. } = report;
     // an exact field has no singular part
-    if !exact {
-        probes::tell_unbounded(&mut probe, &mut lines, &mut sides, unbounded_at(scene, rows));
-    }
+    let singular = if exact { Vec::new() } else { singular_points::singular_points(scene, report.trace.mesh, rows) };
+    probes::tell_unbounded(&mut probe, &mut lines, &mut sides, singular_points::is_among(scene, &singular));
     let mut doubts = report.doubts;
     doubts.extend(exterior.iter().filter_map(MediumSummary::doubt));
     if outcomes.is_some_and(|result| result.is_doubtful()) {
@@ -81,7 +80,7 @@ pub fn answer<M: Model>(
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: report.reactions.iter().cloned().collect(),
         probe,
-        infinite_stress: if exact { Vec::new() } else { unbounded_vertices(scene, rows) },
+        infinite_stress: singular_points::told(scene, &singular),
         probe_lines: lines,
         probe_sides: sides,
         stochastic: scene.random.as_ref().zip(outcomes).map(|(random, result)| stochastic::json(random, result)),
