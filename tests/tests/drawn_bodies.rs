@@ -75,7 +75,7 @@ fn bodies_that_touch_are_drawn_so() {
         let record = solved(name);
         let largest = record.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max);
         let ratio = largest / size(&record.grid);
-        let [wanted, drawn] = [f64::INFINITY, largest_factor(&record)].map(|most| exaggeration(ratio, most));
+        let [wanted, drawn] = [f64::INFINITY, largest_factor(&record).factor].map(|most| exaggeration(ratio, most));
         let [free, limited] = [wanted, drawn].map(|k| overlap_and_distance(&record.grid, medium, k));
         println!("{name}: {wanted} times {free:?}, {drawn} times {limited:?}");
         assert_eq!(drawn < wanted, is_limited, "{name}");
@@ -94,4 +94,23 @@ fn no_line_is_drawn_beyond_the_tips_of_a_crack() {
     };
     assert!((length(|y| y < 1e-12) - 1.6).abs() < 1e-12, "faces");
     assert!((length(|_| true) - 9.6).abs() < 1e-12, "all");
+}
+
+/// Corners of a tunnel, whose displacements have infinite slopes, are drawn without loops.
+#[test]
+fn no_line_crosses_itself_at_a_corner() {
+    let record = solved("45-tunnel");
+    let crossings = |k: f64| -> usize {
+        let lines = moved(&record.grid, k).concat();
+        let apart = |[a, b]: [[f64; 2]; 2], x: [f64; 2]| cross([b[0] - a[0], b[1] - a[1]], [x[0] - a[0], x[1] - a[1]]);
+        let meet = |l: [[f64; 2]; 2], m: [[f64; 2]; 2]| {
+            apart(l, m[0]) * apart(l, m[1]) < 0.0 && apart(m, l[0]) * apart(m, l[1]) < 0.0
+        };
+        (0..lines.len()).map(|i| (0..i).filter(|&j| meet(lines[i], lines[j])).count()).sum()
+    };
+    let largest = record.displacement.iter().map(|u| norm(*u)).fold(0.0, f64::max);
+    let ratio = largest / size(&record.grid);
+    let [wanted, drawn] = [f64::INFINITY, largest_factor(&record).factor].map(|most| exaggeration(ratio, most));
+    let found = [wanted, drawn].map(crossings);
+    assert!(found[0] > 0 && found[1] == 0 && drawn < wanted, "{wanted} times: {found:?} crossings, {drawn} times");
 }

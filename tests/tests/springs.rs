@@ -1,7 +1,5 @@
 //! Springs on sides: closed forms, identities, the estimate.
 
-mod on_springs;
-
 use std::sync::atomic::AtomicUsize;
 
 use steklov_model::run::adaptive_loop::{Reason, Run};
@@ -10,7 +8,7 @@ use steklov_model::summary::Summary;
 use steklov_study::reference::Reference;
 use steklov_tests::{Random, adapt, solved_in_steps};
 
-use on_springs::{block, close, force, scene, solved};
+use crate::on_springs::{block, close, force, scene, solved};
 
 fn summary(text: &str) -> Summary {
     steklov_model::solve(&scene(text)).unwrap_or_else(|e| panic!("{e}\n{text}")).summary

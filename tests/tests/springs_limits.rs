@@ -1,11 +1,9 @@
 //! Springs on sides that are much stiffer or softer than the body.
 
-mod on_springs;
-
 use steklov_model::doubt::Doubt;
 use steklov_model::run::adaptive_loop::Reason;
 
-use on_springs::{block, close, force, solved};
+use crate::on_springs::{block, close, force, solved};
 
 /// Stiff springs tend to a held side, J from below with 1/k; soft ones to a free side, J from above with k.
 #[test]

@@ -21,7 +21,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_algebra::PARTS;
 use steklov_bem_operators::Edge;
 use steklov_document::{Document, TEMPLATE};
-use steklov_figures::{View, stochastic};
+use steklov_figures::{StepMesh, View, stochastic};
 use steklov_io::{File, IoError, create_atomically, open};
 use steklov_model::error::SolveError;
 use steklov_model::grid::OnGrid;
@@ -265,7 +265,7 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         (Err(error), _) => return Err(appeared(&out, &error).unwrap_or_else(|| explained(&document, error))),
     };
     let files = match &args.plots {
-        Some(folder) => pictures(&stored, &view, folder, &out)?,
+        Some(folder) => pictures(&stored, &view, &args.view.steps, folder, &out)?,
         None => Vec::new(),
     };
     let page = args.report.as_deref().map(|folder| report::written(&out, folder)).transpose()?;
@@ -435,6 +435,30 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "result".into(), |s| s.to_string_lossy().into_owned())
 }
 
-fn pictures(stored: &Record, view: &View, folder: &Path, file: &Path) -> Result<Vec<PathBuf>, Failure> {
-    Ok(steklov_figures::pictures(stored, view, folder, &stem(file))?)
+/// Draws a result that is in a file, and the meshes of some of its steps, into a folder.
+fn pictures(
+    stored: &Record,
+    view: &View,
+    steps: &[usize],
+    folder: &Path,
+    file: &Path,
+) -> Result<Vec<PathBuf>, Failure> {
+    let mut files = steklov_figures::pictures(stored, view, folder, &stem(file))?;
+    if steps.is_empty() {
+        return Ok(files);
+    }
+    let meshes = steklov_result::steps::meshes(&open(file)?)?;
+    let Some(last) = meshes.len().checked_sub(1) else {
+        return Err(Failure(
+            "error: --steps draws meshes of boundary elements, and this result is on a grid: leave it out".into(),
+        ));
+    };
+    if let Some(step) = steps.iter().find(|step| **step > last) {
+        let file = file.display();
+        return Err(Failure(format!("error: {file} has steps 0 to {last}, and --steps asks for {step}")));
+    }
+    let of_step = |&step: &usize| StepMesh { step, dofs: meshes[step].0, mesh: &meshes[step].1 };
+    let chosen: Vec<StepMesh<'_>> = steps.iter().map(of_step).collect();
+    files.extend(steklov_figures::mesh_pictures(&stored.summary.title, &chosen, folder, &stem(file))?);
+    Ok(files)
 }

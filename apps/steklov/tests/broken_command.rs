@@ -1,11 +1,8 @@
 //! A scene that cannot be solved, through the command: status 1, nothing on stdout, file, line, text and remedy on
 //! stderr, and an existing result untouched.
 
-mod broken;
-mod place;
-
-use broken::cases;
-use place::{BLOCK, Place};
+use crate::broken::cases;
+use crate::place::{BLOCK, Place};
 
 /// Solves with --force onto an old result, which must stay as it is; gives stderr.
 fn refused(place: &Place, arguments: &[&str]) -> String {

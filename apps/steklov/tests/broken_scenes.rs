@@ -1,10 +1,8 @@
 //! Every mistake in a scene is answered with the file, the line, the text that is meant and a remedy.
 
-mod broken;
-
 use std::path::Path;
 
-use broken::{SOUND, cases};
+use crate::broken::{SOUND, cases};
 use proptest::prelude::*;
 use steklov_document::{Document, SceneErrorKind, TEMPLATE};
 use steklov_problem::{
@@ -269,6 +267,25 @@ fn a_value_at_a_quadrature_point_is_judged_like_the_samples() {
         (error.kind, error.line(), error.offending()),
         (SceneErrorKind::Data(DataErrorKind::Data), Some(13), "\"1/(x-0.3)\"")
     );
+}
+
+/// Of a line of any length a part is shown, with the column that it has in the file.
+#[test]
+fn long_lines_are_shown_in_part() {
+    for (points, outside) in [(3, 1), (60, 40), (40_000, 0), (40_000, 20_000), (40_000, 39_999)] {
+        let point = |k: usize| if k == outside { "[8.0, 0.5]" } else { "[0.25, 0.5]" };
+        let list = (0..points).map(point).collect::<Vec<_>>().join(", ");
+        let line = format!("points = [{list}] # ausführlich");
+        let text = format!("# {}\n{SOUND}\n[probe]\n{line}\n", "ü".repeat(200));
+        let Err(error) = parse(&text, &[]) else { panic!("a point outside") };
+        let rendered = error.render();
+        let longest = rendered.lines().map(|line| line.chars().count()).max().unwrap();
+        let column = line.find("[8.0").unwrap() + 1;
+        let of_line = text.lines().count();
+        assert!(longest < 200, "{points}: {longest}");
+        assert!(rendered.contains("(8, 0.5)") && rendered.contains("[8.0, 0.5]"), "{rendered}");
+        assert!(rendered.contains(&format!("[broken.toml:{of_line}:{column}]")), "{rendered}");
+    }
 }
 
 proptest! {

@@ -1,9 +1,7 @@
 //! Result files of all kinds of scenes: `docs/check_result.py` finds them right, or wrong where one entry is, and
 //! `docs/result-file.md` describes every array.
 
-mod place;
-
-use place::{CHECK_RESULT, Place};
+use crate::place::{CHECK_RESULT, Place};
 
 /// A scene of the gallery, solved with `--save all`.
 struct Kind {

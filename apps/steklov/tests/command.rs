@@ -1,8 +1,6 @@
 //! The command `steklov`: arguments, exit statuses, the JSON object, the output file.
 
-mod place;
-
-use place::{Place, Ran};
+use crate::place::{Place, Ran};
 use serde_json::{Map, Value, json};
 
 /// The names of an object's keys, sorted as the list is.
@@ -193,7 +191,7 @@ fn wrong_usage_is_status_2() {
 #[test]
 fn a_stored_run_goes_on_to_the_bits_of_an_uninterrupted_one() {
     let place = Place::new();
-    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-4\n"));
+    place.write("block.toml", crate::place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-4\n"));
     let whole = place.json(0, &["block.toml", "--resume"]); // there is nothing to go on from
     assert_eq!(whole["contact"]["ends"], json!([])); // the floor is in contact all along it
     for steps in [1, 3] {
@@ -259,7 +257,7 @@ fn wrong_overrides_are_status_1() {
 #[test]
 fn the_number_of_threads_changes_no_bit() {
     let place = Place::new();
-    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-5\n"));
+    place.write("block.toml", crate::place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-5\n"));
     let solve = |threads: &str, mesh: &[&str]| -> Map<String, Value> {
         let o = place.json(0, &[&["block.toml", "--threads", threads], mesh].concat());
         let keep = |key: &str| !["seconds", "peak_memory_bytes"].contains(&key);
@@ -347,7 +345,7 @@ fn uniform_strategies_end_at_their_limits() {
 #[test]
 fn a_scene_that_names_no_refinement_is_refined_to_its_tolerance() {
     let place = Place::new();
-    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-2\n"));
+    place.write("block.toml", crate::place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-2\n"));
     let o = place.json(0, &["block.toml"]);
     assert_eq!(o["reason"], json!("tolerance"));
     let relative = o["estimate_relative"].as_f64().unwrap();
@@ -408,13 +406,13 @@ fn every_text_encoding_of_a_scene_is_read_or_refused() {
     let place = Place::new();
     let energy = |o: Value| o["energy"].as_f64().unwrap();
     let wanted = energy(place.json(0, &["block.toml"]));
-    place.write("windows.toml", place::BLOCK.replace('\n', "\r\n"));
-    place.write("marked.toml", format!("\u{feff}{}", place::BLOCK));
+    place.write("windows.toml", crate::place::BLOCK.replace('\n', "\r\n"));
+    place.write("marked.toml", format!("\u{feff}{}", crate::place::BLOCK));
     for scene in ["windows.toml", "marked.toml"] {
         let o = energy(place.json(0, &[scene]));
         assert!((o - wanted).abs() <= 1e-13 * wanted.abs(), "{scene}: {o} is not {wanted}");
     }
-    place.write("wide.toml", place::BLOCK.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>());
+    place.write("wide.toml", crate::place::BLOCK.encode_utf16().flat_map(u16::to_le_bytes).collect::<Vec<u8>>());
     let ran = place.run(["solve", "wide.toml"]).demand(1);
     assert!(ran.err.contains("wide.toml"), "{}", ran.err);
     place.write("latin.toml", b"title = \"Gr\xf6\xdfe\"\n");

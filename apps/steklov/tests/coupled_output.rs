@@ -1,12 +1,10 @@
 //! Results of bodies in a medium: other programs read them, they are shown as they were told, an interrupted run goes on with
 //! the same bits, and what is damaged is refused.
 
-mod place;
-
 use std::path::PathBuf;
 use std::process::Command;
 
-use place::{Place, Ran};
+use crate::place::{Place, Ran};
 use serde_json::Value;
 use steklov_bem_operators::Mesh;
 use steklov_coupling::InterfaceIndicators;

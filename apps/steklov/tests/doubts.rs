@@ -1,7 +1,6 @@
 //! What makes an estimate unreliable: bare words in the JSON object, sentences with a remedy in the summary, a table in the README.
 
-mod place;
-use place::Place;
+use crate::place::Place;
 
 use serde_json::json;
 use steklov_model::doubt::Doubt;

@@ -1,7 +1,6 @@
 //! `[expect]`: what the result has beside what it is to have, in the JSON object, the summary and the status.
 
-mod place;
-use place::{BLOCK, Place};
+use crate::place::{BLOCK, Place};
 
 use serde_json::json;
 

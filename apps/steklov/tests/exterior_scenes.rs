@@ -1,8 +1,6 @@
 //! Holes in an unbounded medium, as a user asks for them: plan, what is told, stored and drawn, resumed, and refused.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 use serde_json::Value;
 use steklov_document::SceneErrorKind as Kind;
 use steklov_io::{open, vtkhdf};
@@ -97,7 +95,7 @@ fn results_are_the_same_bits_stored_resumed_and_with_more_threads() {
 fn a_window_of_the_medium_is_stored_and_drawn() {
     let place = place();
     place.run(["solve", "holes.toml", "--quiet", "--plots", "pictures"]).demand(0);
-    assert!(place::names(&place.path("pictures")).contains(&"holes-body.svg".to_owned()));
+    assert!(crate::place::names(&place.path("pictures")).contains(&"holes-body.svg".to_owned()));
     let grid = vtkhdf::read(&open(place.path("holes.vtkhdf")).unwrap()).unwrap();
     let length = |[a, b]: [usize; 2]| {
         let (a, b) = (grid.points[a], grid.points[b]);

@@ -1,8 +1,6 @@
 //! `steklov gallery`: a page of figures, their numbers, and the commands that make them by hand.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 use serde_json::Value;
 
 fn gallery(place: &Place, only: &[&str], status: i32) -> (String, Value) {

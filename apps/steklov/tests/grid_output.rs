@@ -1,12 +1,10 @@
 //! Results on grids: other programs read them, they are shown as they were told, an interrupted run goes on with the same bits,
 //! and what is damaged is refused.
 
-mod place;
-
 use std::path::PathBuf;
 use std::process::Command;
 
-use place::{Place, Ran};
+use crate::place::{Place, Ran};
 use serde_json::Value;
 use steklov_io::{
     File, Group, IoError, Label, copy, create_atomically, load_dense, load_points, load_vector, open, open_group,

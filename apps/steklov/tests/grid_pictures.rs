@@ -1,8 +1,6 @@
 //! Pictures and tables of results on grids: which there are, and that they tell what was solved.
 
-mod place;
-
-use place::{Place, names};
+use crate::place::{Place, names};
 
 /// A strip on rollers, pulled at its right end: the stress is (3, 0, 0) everywhere.
 const STRIP: &str = r#"title = "Strip"

@@ -1,9 +1,7 @@
 //! Heterogeneous bodies: what does not fit the grid is refused with its place, the model is the least that fits, and every fine
 //! cell has the modulus that the scene gives it.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 use proptest::prelude::*;
 use steklov_document::SceneErrorKind as Kind;
 use steklov_document::{Document, SceneError};

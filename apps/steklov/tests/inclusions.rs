@@ -1,8 +1,6 @@
 //! A body in an unbounded medium by boundary elements: what is told, stored, shown, drawn and resumed.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 use serde_json::Value;
 use steklov_io::{load_dense, load_points, load_vector, open, open_group, vtkhdf};
 

@@ -1,10 +1,8 @@
 //! How much memory a run takes, and what it does where that is not there.
 
-mod place;
-
 use std::sync::atomic::AtomicUsize;
 
-use place::{Place, Ran};
+use crate::place::{Place, Ran};
 use steklov_model::run::adaptive_loop::{Progress, Reason, run};
 use steklov_plan::NEXT_MESH;
 use steklov_problem::Scene;
@@ -29,10 +27,10 @@ fn two_steps(place: &Place, scene: &str, elements: usize) -> [f64; 2] {
 #[test]
 fn an_adaptive_run_takes_35_bytes_for_each_pair_of_unknowns() {
     let place = Place::new();
-    place.write("contact.toml", place::BLOCK);
-    let held = place::BLOCK
+    place.write("contact.toml", crate::place::BLOCK);
+    let held = crate::place::BLOCK
         .replace("contact = { gap = \"0\", friction = { tresca = \"F\" } }", "displacement = [\"0\", \"0\"]");
-    assert_ne!(held, place::BLOCK);
+    assert_ne!(held, crate::place::BLOCK);
     place.write("held.toml", held);
     for scene in ["contact.toml", "held.toml"] {
         let ([few, allowance], [n, peak]) = (two_steps(&place, scene, 100), two_steps(&place, scene, 400));
@@ -47,7 +45,7 @@ fn an_adaptive_run_takes_35_bytes_for_each_pair_of_unknowns() {
 /// Matrices of 3n² + 3nx + 3x² numbers, x of the bubbles: of degree 1 n = x.
 #[test]
 fn where_memory_ends_a_run_it_says_so() {
-    let text = place::BLOCK.replace("refine = \"none\"", "refine = \"uniform-h\"\ntolerance = 1e-9");
+    let text = crate::place::BLOCK.replace("refine = \"none\"", "refine = \"uniform-h\"\ntolerance = 1e-9");
     let mut scene = steklov_document::parse(&text, "scene", &[]).unwrap_or_else(|e| panic!("{}", e.render()));
     let ended = |scene: &Scene| {
         let run = run(scene, Progress::first(scene), &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();
@@ -71,7 +69,7 @@ fn where_memory_ends_a_run_it_says_so() {
 #[test]
 fn the_plan_tells_how_large_meshes_may_be() {
     let place = Place::new();
-    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", ""));
+    place.write("block.toml", crate::place::BLOCK.replace("refine = \"none\"\n", ""));
     let plan = place.run(["plan", "block.toml"]).demand(0).out;
     assert!(plan.contains("20000 dofs") && plan.contains("of memory that are left now"), "{plan}");
     let plan = place.run(["plan", "block.toml", "--set", "method.max_dofs=700"]).demand(0).out;

@@ -1,8 +1,6 @@
 //! Stabilised multipliers, Coulomb's law and rounding errors as the command tells of them.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 use serde_json::{Value, json};
 
 /// A block between a held top and a wedge under it, with Coulomb friction.

@@ -1,8 +1,6 @@
 //! Natural mistakes of users, each told with the remedy that is true.
 
-mod place;
-
-use place::{BLOCK, Place};
+use crate::place::{BLOCK, Place};
 use steklov_io::{Label, create_atomically, save_dense};
 
 /// A lining in rock, two bodies in contact.

@@ -1,12 +1,10 @@
 //! The result file of the command: it appears whole or not at all, harms no other file, and is shown again.
 
-mod place;
-
 use std::fs;
 use std::process::Command;
 use std::time::Duration;
 
-use place::{Place, Ran, Running, names};
+use crate::place::{Place, Ran, Running, names};
 use serde_json::json;
 
 #[test]
@@ -30,7 +28,7 @@ fn an_existing_file_is_refused_unless_forced() {
 fn the_result_is_written_into_the_current_folder() {
     let place = Place::new();
     fs::create_dir(place.path("scenes")).unwrap();
-    place.write("scenes/two.words.toml", place::BLOCK);
+    place.write("scenes/two.words.toml", crate::place::BLOCK);
     let o = place.json(0, &["scenes/two.words.toml"]);
     assert_eq!(o["file"], "two.words.vtkhdf");
     assert_eq!(place.names(), ["block.toml", "scenes", "two.words.vtkhdf"]);
@@ -57,7 +55,7 @@ fn outputs_that_cannot_be_written_are_named_before_anything_is_solved() {
         let ran = place.run(["solve", "block.toml", "--force", "--out", out]).demand(1);
         assert!(ran.err.contains("is the scene itself"), "{}", ran.err);
     }
-    assert_eq!(place.read("block.toml"), place::BLOCK.as_bytes());
+    assert_eq!(place.read("block.toml"), crate::place::BLOCK.as_bytes());
 }
 
 /// Solves where no file may be larger than so many blocks of 512 bytes, which plays a disk that fills up: the error names the
@@ -93,7 +91,7 @@ fn a_full_disk_leaves_nothing() {
 #[test]
 fn a_disk_that_fills_up_while_stages_are_saved_leaves_the_older_file() {
     let place = Place::new();
-    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-4\n"));
+    place.write("block.toml", crate::place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-4\n"));
     let save = ["--save", "all", "--json", "--quiet"];
     place.run(["solve", "block.toml", "--out", "whole.vtkhdf"].iter().chain(&save)).demand(0);
     let whole = fs::metadata(place.path("whole.vtkhdf")).unwrap().len() as u32 / 512;
@@ -289,7 +287,8 @@ fn pictures_and_tables_are_written() {
 #[test]
 fn names_of_sides_are_no_paths() {
     let place = Place::new();
-    let text = place::BLOCK.replace("\"floor\"", "\"../a/b c\"").replace("[sides.floor]", "[sides.\"../a/b c\"]");
+    let text =
+        crate::place::BLOCK.replace("\"floor\"", "\"../a/b c\"").replace("[sides.floor]", "[sides.\"../a/b c\"]");
     let text = text.replace("\"left\"", "\".\"").replace("\"right\"", "\".._a_b c\"");
     place.write(
         "odd.toml",

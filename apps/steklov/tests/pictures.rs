@@ -1,9 +1,7 @@
 //! Pictures of made-up fields, from plain to extreme. With `STEKLOV_PICTURES=DIR` the files stay in DIR to be looked at.
 
-mod frame;
-
-use frame::{check, check_up_to, loops, rectangle};
-use steklov_picture::{Body, Colours, ContactSide, MeshFigure, MeshPanel, Obstacle, body, contact, meshes};
+use crate::frame::{check, check_up_to, loops, rectangle};
+use steklov_picture::{Body, Colours, ContactSide, Largest, MeshFigure, MeshPanel, Obstacle, body, contact, meshes};
 use steklov_result::triangulate::{Triangulation, triangulate};
 
 /// The areas of the closed lines of an SVG path.
@@ -42,7 +40,7 @@ fn show(
         outline: &t.outline,
         obstacles: walls,
         window: None,
-        most: f64::INFINITY,
+        most: Largest::NONE,
         enlarge: None,
         units: [None; 2],
     })
@@ -138,7 +136,7 @@ fn asked_for_colours_have_arrows_where_stresses_are_beyond_them() {
             outline,
             obstacles: &[],
             window: None,
-            most: f64::INFINITY,
+            most: Largest::NONE,
             enlarge: None,
             units: [None; 2],
         });

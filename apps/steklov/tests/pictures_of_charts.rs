@@ -1,8 +1,6 @@
 //! Charts of made-up studies, from plain to extreme. With `STEKLOV_PICTURES=DIR` the files stay in DIR to be looked at.
 
-mod frame;
-
-use frame::{check, check_up_to};
+use crate::frame::{check, check_up_to};
 use steklov_picture::{Axis, Band, Chart, Curve, Guide, Scale, Series, chart};
 
 const DOFS: Axis<'_> = Axis { label: "degrees of freedom", scale: Scale::Log };

@@ -1,9 +1,7 @@
 //! Pictures of fields on grids of rectangles. With `STEKLOV_PICTURES=DIR` the files stay in DIR to be looked at.
 
-mod frame;
-
-use frame::{check, check_up_to};
-use steklov_picture::{BasisFunction, Body, CellField, Colours, basis, body, cell_fields, lattice_triangles};
+use crate::frame::{check, check_up_to};
+use steklov_picture::{BasisFunction, Body, CellField, Colours, Largest, basis, body, cell_fields, lattice_triangles};
 
 /// Values of cells (ix, iy) at ix·ny + iy from a function of their centres in the unit square.
 fn values([nx, ny]: [usize; 2], f: impl Fn(f64, f64) -> f64) -> Vec<f64> {
@@ -169,7 +167,7 @@ fn deformed_grids_of_many_cells() {
             outline: &lattice.outline,
             obstacles: &[],
             window: None,
-            most: f64::INFINITY,
+            most: Largest::NONE,
             enlarge: None,
             units: [None; 2],
         })

@@ -1,8 +1,6 @@
 //! Panels, spreads, tiles, boxes and bars of made-up values, from plain to extreme.
 
-mod frame;
-
-use frame::{check, check_up_to, loops, rectangle};
+use crate::frame::{check, check_up_to, loops, rectangle};
 use steklov_picture::{
     BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Shape, SpreadLoop, Tile, bars, boxes, panels, spread, tiles,
 };

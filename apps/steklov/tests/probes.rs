@@ -1,8 +1,6 @@
 //! Lines and sides of `[probe]` in file, JSON object, tables and charts.
 
-mod place;
-
-use place::{Place, names};
+use crate::place::{Place, names};
 use serde_json::json;
 
 const RING: &str = r#"title = "Ring"

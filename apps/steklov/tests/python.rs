@@ -1,8 +1,6 @@
 //! Other programs read the command's result: h5py every path of the file, VTK the body.
 
-mod place;
-
-use place::{CHECK_RESULT, Place};
+use crate::place::{CHECK_RESULT, Place};
 
 /// Runs a script of `tests/python`, which must succeed.
 fn python(script: &str, place: &Place, arguments: &[&str]) {
@@ -62,7 +60,7 @@ fn h5py_reads_the_outcomes_of_random_input() {
     let random = "[random.rough]\ncovariance = \"exponential\"\ncorrelation = 0.5\non = \"floor\"\nmodes = 2\n\
                   [random.p]\ndistribution = \"uniform\"\nlow = 0.8\nhigh = 1.2\n\
                   [stochastic]\ndegree = 2\nsamples = 400\n";
-    let scene = place::BLOCK.replace("gap = \"0\"", "gap = \"0.01*(x-1)^2 + 0.001*rough\"");
+    let scene = crate::place::BLOCK.replace("gap = \"0\"", "gap = \"0.01*(x-1)^2 + 0.001*rough\"");
     place.write("rough.toml", scene.replace("[\"0\", \"-1\"]", "[\"0\", \"-p\"]") + random);
     let told = place.run(["solve", "rough.toml", "--json", "--quiet"]).demand(0).out;
     place.write("told.json", told);

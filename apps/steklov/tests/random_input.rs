@@ -1,8 +1,6 @@
 //! Random input of scenes: what the plan says of it is what is solved, and what is impossible is refused before.
 
-mod place;
-
-use place::{BLOCK, Place};
+use crate::place::{BLOCK, Place};
 use steklov_document::SceneError;
 use steklov_plan::points;
 use steklov_problem::Scene;

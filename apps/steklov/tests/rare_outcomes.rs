@@ -1,9 +1,7 @@
 //! Contact that begins between the points of a stochastic mesh and the ends of the germs, against closed forms: the mean is right
 //! to what is told of it, or the result carries a doubt.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 use serde_json::Value;
 
 /// A column of length 1, E = 100 and Poisson's ratio 0 that hangs from its top. Its weight 20 stretches it by 0.1, so that a floor at

@@ -1,7 +1,6 @@
 //! What a message says to do can be done, and helps.
 
-mod place;
-use place::{BLOCK, Place};
+use crate::place::{BLOCK, Place};
 
 /// A pin in a hole of a plate; PIN stands for its radius, MEETS for the interface.
 const PIN: &str = r#"title = "Pin"

@@ -1,19 +1,17 @@
 //! `steklov report`: a page of a stored result.
 
-mod place;
-
 use std::collections::BTreeSet;
 use std::path::PathBuf;
 use std::process::Command;
 
-use place::{Place, Ran};
+use crate::place::{Place, Ran};
 use serde_json::Value;
 
 /// The scene of the gallery with this number.
 fn scene(number: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let named = |name: &String| name.starts_with(&format!("{number}-"));
-    let name = place::names(&folder).into_iter().find(named).unwrap();
+    let name = crate::place::names(&folder).into_iter().find(named).unwrap();
     folder.join(name)
 }
 
@@ -24,7 +22,7 @@ fn solved(place: &Place, scene: &str) -> (String, Value) {
 }
 
 fn page(place: &Place, folder: &str) -> String {
-    assert_eq!(place::names(&place.path(folder)), ["index.html"]);
+    assert_eq!(crate::place::names(&place.path(folder)), ["index.html"]);
     String::from_utf8(place.read(&format!("{folder}/index.html"))).unwrap()
 }
 
@@ -123,7 +121,7 @@ fn a_page_at_once_is_that_of_the_file() {
         let what = decision["what"].as_str().unwrap();
         assert!(shown(&at_once).contains(&format!("<dt>{what}: ")), "{decision}");
     }
-    assert!(shown(&at_once).contains(place::BLOCK), "the scene");
+    assert!(shown(&at_once).contains(crate::place::BLOCK), "the scene");
 }
 
 /// The sums of the contact nodes on the page are the force on the body.
@@ -131,7 +129,7 @@ fn a_page_at_once_is_that_of_the_file() {
 fn contact_sides_bear_the_force() {
     let place = Place::new();
     // pushed along the floor, which holds by friction
-    let text = place::BLOCK.replace("[\"0\", \"-1\"]", "[\"0.2\", \"-1\"]");
+    let text = crate::place::BLOCK.replace("[\"0\", \"-1\"]", "[\"0.2\", \"-1\"]");
     place.write("pushed.toml", text);
     let (page, object) = solved(&place, "pushed.toml");
     let side = between(between(&page, "<section id=\"contact\">", "</section>"), "<tr><td>floor</td>", "</tr>");
@@ -193,5 +191,5 @@ fn what_cannot_be_reported_is_refused() {
     assert!(!place.path("block.vtkhdf").exists());
     place.run(["solve", "block.toml", "--report", "page", "--force"]).demand(0);
     place.run(["report", "block.vtkhdf", "--out", "page", "--force"]).demand(0);
-    assert_eq!(place::names(&place.path("page")), ["index.html", "mine.txt"]);
+    assert_eq!(crate::place::names(&place.path("page")), ["index.html", "mine.txt"]);
 }

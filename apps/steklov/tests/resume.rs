@@ -1,10 +1,8 @@
 //! `--resume`: what was on disk stays, what does not belong to the scene is refused.
 
-mod place;
-
 use std::fs;
 
-use place::Place;
+use crate::place::Place;
 use serde_json::{Value, json};
 use steklov_bem_operators::Mesh;
 use steklov_io::{File, Group, IoError, Label, copy, create_atomically, load, load_dense, open, save, save_dense};
@@ -12,7 +10,7 @@ use steklov_io::{File, Group, IoError, Label, copy, create_atomically, load, loa
 /// The block, refined adaptively.
 fn adaptive() -> Place {
     let place = Place::new();
-    place.write("block.toml", place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-4\n"));
+    place.write("block.toml", crate::place::BLOCK.replace("refine = \"none\"\n", "tolerance = 1e-4\n"));
     place
 }
 
@@ -209,7 +207,7 @@ fn a_resumed_run_that_is_stopped_at_once_leaves_the_file() {
     for json in [true, false] {
         let mut command = place.command();
         command.args(["solve", "block.toml", "--resume"]).args(large).args(json.then_some("--json"));
-        let run = place::Running::start(command);
+        let run = crate::place::Running::start(command);
         run.wait_for_output(&place, 0);
         run.signal("INT");
         std::thread::sleep(std::time::Duration::from_millis(20)); // two equal signals at once are one

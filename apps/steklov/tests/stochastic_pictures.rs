@@ -1,10 +1,8 @@
 //! Pictures, tables, mean fields and stored arrays of results with random input.
 
-mod place;
-
 use std::sync::atomic::AtomicUsize;
 
-use place::{Place, names};
+use crate::place::{Place, names};
 use steklov_io::{File, IoError, create_atomically, create_group, open, open_group};
 use steklov_model::run::adaptive_loop::{Progress, run};
 use steklov_model::stochastic::{StochasticResult, solve_stochastic};
@@ -27,7 +25,7 @@ high = 1.2
 degree = 2
 samples = 400
 "#;
-    let text = place::BLOCK.replace("gap = \"0\"", "gap = \"0.01*(x-1)^2 + 0.001*rough\"");
+    let text = crate::place::BLOCK.replace("gap = \"0\"", "gap = \"0.01*(x-1)^2 + 0.001*rough\"");
     text.replace("[\"0\", \"-1\"]", "[\"0\", \"-p\"]") + random + more
 }
 
@@ -94,7 +92,7 @@ fn pictures_of_each_method_appear_and_are_whole() {
 fn stochastic_meshes_of_one_and_two_germs_and_modes_of_a_body_are_drawn() {
     let place = Place::new();
     let normal = "[random.p]\ndistribution = \"normal\"\nmean = 1\ndeviation = 0.1\n";
-    let text = place::BLOCK.replace("[\"0\", \"-1\"]", "[\"0\", \"-p\"]") + normal;
+    let text = crate::place::BLOCK.replace("[\"0\", \"-1\"]", "[\"0\", \"-p\"]") + normal;
     place.write("one.toml", &text);
     let uniform = "[random.q]\ndistribution = \"uniform\"\nlow = 0.9\nhigh = 1.1\n[stochastic]\nelements = 2\n";
     place.write("two.toml", text.replace("-p", "-p*q") + uniform);
@@ -249,7 +247,7 @@ fn arrays_that_do_not_fit_are_refused() {
 
 /// A block held on its left, E = 200 (1 + 0.3 ξ), ξ uniform on (-1, 1), `more` at the end.
 fn soft(more: &str) -> String {
-    let text = place::BLOCK.replace("young = 200.0", "young = \"200*(1+0.3*xi)\"");
+    let text = crate::place::BLOCK.replace("young = 200.0", "young = \"200*(1+0.3*xi)\"");
     let text = text.replace("[sides.floor]\ncontact = { gap = \"0\", friction = { tresca = \"F\" } }", "");
     let held = "[sides.left]\ndisplacement = [\"0\", \"0\"]\n";
     let random = "[random.xi]\ndistribution = \"uniform\"\nlow = -1\nhigh = 1\n";

@@ -1,8 +1,6 @@
 //! What statistics cannot give is told and not taken as a number.
 
-mod place;
-
-use place::{BLOCK, Place};
+use crate::place::{BLOCK, Place};
 
 /// The block with two germs, `a` and `b` on (-1, 1).
 fn block(gap: &str, traction: &str, stochastic: &str) -> String {

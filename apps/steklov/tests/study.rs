@@ -1,14 +1,12 @@
 //! The command `study`: files that agree with each other, refusals, failures, multipliers.
 
-mod place;
-
 use std::collections::BTreeMap;
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::process::{Command, Stdio};
 use std::sync::atomic::AtomicUsize;
 
-use place::{Place, Ran, names};
+use crate::place::{Place, Ran, names};
 use serde_json::{Value, json};
 use steklov_bem_operators::Mesh;
 use steklov_document::Source;
@@ -208,7 +206,7 @@ fn check_fits(name: &str, rows: &[BTreeMap<String, f64>], o: &Value) {
 fn strategies_that_fail_or_are_stopped_are_told() {
     let scene = |solver: &str| {
         let set = [format!("method.solver=\"{solver}\""), "method.tolerance=1e-2".into()];
-        steklov_document::parse(place::BLOCK, "block.toml", &set).unwrap()
+        steklov_document::parse(crate::place::BLOCK, "block.toml", &set).unwrap()
     };
     let (good, bad) = (scene("auto"), scene("uzawa"));
     let reference = Reference::new(&good, &AtomicUsize::new(0), &mut |_, _| Ok(())).unwrap();

@@ -1,10 +1,8 @@
 //! The command `study` on scenes with solutions in closed form: rates against theory, energies.
 
-mod place;
-
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
-use place::Place;
+use crate::place::Place;
 use serde_json::Value;
 use steklov_quadrature::gauss_legendre;
 

@@ -1,11 +1,9 @@
 //! The command `study --what coupling`: the errors of the reference file, bodies of any shape and unit, files that agree with
 //! each other, refusals.
 
-mod place;
-
 use std::sync::atomic::AtomicUsize;
 
-use place::{Place, names};
+use crate::place::{Place, names};
 use serde_json::{Value, json};
 use steklov_document::Source;
 use steklov_problem::{Method, Scene};

@@ -1,12 +1,10 @@
 //! The command `study --what inf-sup`: kernels that dimensions tell of, stable pairs, pressures that oscillate, files that
 //! agree with each other, refusals.
 
-mod place;
-
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicUsize;
 
-use place::{Place, names};
+use crate::place::{Place, names};
 use serde_json::{Value, json};
 use steklov_document::Source;
 use steklov_study::Watch;
@@ -178,7 +176,7 @@ fn check(group: &steklov_io::Group, table: &Table, object: &Value) {
 /// What failed is told with its mesh; after a wish to stop there is what there is, and it can be drawn.
 #[test]
 fn failures_and_interruptions_are_told() {
-    let scene = steklov_document::parse(place::BLOCK, "block.toml", &[]).unwrap();
+    let scene = steklov_document::parse(crate::place::BLOCK, "block.toml", &[]).unwrap();
     let stopped = AtomicUsize::new(1);
     let (none, nothing) = (
         pairs(&scene, &mut Watch::new(&stopped, &mut |_, _| {})).unwrap(),
@@ -217,9 +215,10 @@ fn what_cannot_be_studied_is_refused_before_anything_is_solved() {
     let place = Place::new();
     std::fs::create_dir(place.path("full")).unwrap();
     place.write("full/old", "old");
-    let free = place::BLOCK.replace("contact = { gap = \"0\", friction = { tresca = \"F\" } }", "pressure = \"1\"");
+    let free =
+        crate::place::BLOCK.replace("contact = { gap = \"0\", friction = { tresca = \"F\" } }", "pressure = \"1\"");
     place.write("free.toml", &free);
-    place.write("lifted.toml", place::BLOCK.replace("\"-1\"", "\"1\""));
+    place.write("lifted.toml", crate::place::BLOCK.replace("\"-1\"", "\"1\""));
     let before = place.names();
     for (scene, arguments, parts) in [
         ("free.toml", &[][..], &["free.toml", "no side is in contact", "give a side contact"][..]),

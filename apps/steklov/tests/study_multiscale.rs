@@ -1,10 +1,8 @@
 //! The command `study --what multiscale`: the errors of the reference file, files that agree with each other, refusals.
 
-mod place;
-
 use std::sync::atomic::AtomicUsize;
 
-use place::{Place, names};
+use crate::place::{Place, names};
 use serde_json::{Value, json};
 use steklov_document::Source;
 use steklov_study::Watch;

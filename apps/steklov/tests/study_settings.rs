@@ -1,8 +1,6 @@
 //! The command `study`: what a study sets in a scene, what the scene and the user set, and what is told and stored of it.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 use serde_json::{Value, json};
 use steklov_document::Document;
 use steklov_problem::{DataError, DataErrorKind};
@@ -35,7 +33,7 @@ fn overrides_win_over_settings_which_win_over_the_scene() {
         let (settings, step) = study(&place, overrides);
         assert_eq!(settings, [own, overrides].concat());
         assert_eq!([&step["elements"], &step["max_degree"]], first.map(|n| json!(n)).each_ref(), "{overrides:?}");
-        let read = steklov_document::parse(place::BLOCK, "block.toml", &settings).unwrap().method;
+        let read = steklov_document::parse(crate::place::BLOCK, "block.toml", &settings).unwrap().method;
         assert_eq!([read.elements(), read.degree], first);
     }
 }
@@ -43,7 +41,7 @@ fn overrides_win_over_settings_which_win_over_the_scene() {
 #[test]
 fn an_override_decides_its_key_and_what_is_in_it() {
     let overrides = ["method.elements=4".to_owned(), "sides.floor.\"contact\".gap = \"0\"".to_owned()];
-    let document = Document::parse(place::BLOCK, "block.toml", &overrides).unwrap();
+    let document = Document::parse(crate::place::BLOCK, "block.toml", &overrides).unwrap();
     for setting in ["method.elements=1", "'method' . elements=1", "sides.floor.contact.gap=1"] {
         assert!(document.overrides(setting), "{setting}");
     }
@@ -56,7 +54,7 @@ fn an_override_decides_its_key_and_what_is_in_it() {
 #[test]
 fn settings_and_overrides_keep_their_places() {
     let overrides = ["title=\"A\"".to_owned(), "sides.floor.contact.gap = \"x + 7\"".to_owned()];
-    let mut document = Document::parse(place::BLOCK, "block.toml", &overrides).unwrap();
+    let mut document = Document::parse(crate::place::BLOCK, "block.toml", &overrides).unwrap();
     document.source.settings = vec!["method.degree=1".to_owned(), "method.tolerance=1e-3".to_owned()];
     let (_, gap) = document.scene.problem.side_data(0)[0];
     let of_gap = document.error(DataError::new(DataErrorKind::Data, gap.place, "", ""));

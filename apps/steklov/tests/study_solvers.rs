@@ -1,8 +1,6 @@
 //! The command `study --what solvers`: contact solvers on the same problems, and the superlinear convergence of Newton's method.
 
-mod place;
-
-use place::{Place, names};
+use crate::place::{Place, names};
 use serde_json::Value;
 
 const FILES: &str = "newton-order.png newton-order.svg newton-ratio.png newton-ratio.svg newton.csv solver-history.png \

@@ -1,12 +1,10 @@
 //! The command `study --what stability`: energies of a closed form at every Poisson's ratio, signs of eigenvalues, files
 //! that agree with each other, refusals.
 
-mod place;
-
 use std::process::Stdio;
 use std::sync::atomic::AtomicUsize;
 
-use place::{Place, Ran, names};
+use crate::place::{Place, Ran, names};
 use serde_json::{Value, json};
 use steklov_document::Source;
 use steklov_study::Watch;
@@ -189,7 +187,7 @@ fn the_files_agree_and_eigenvalues_change_sign_at_degenerate_sizes() {
 /// A ratio without a reference or a mesh without a solution is told, and the study is not complete.
 #[test]
 fn failures_are_told_with_their_ratio() {
-    let scene = steklov_document::parse(place::BLOCK, "block.toml", &[]).unwrap();
+    let scene = steklov_document::parse(crate::place::BLOCK, "block.toml", &[]).unwrap();
     let truth = |poisson, failure: Option<&str>| {
         let energy = if failure.is_some() { f64::NAN } else { -1.0 };
         Truth { poisson, energy, estimate: 1e-5, dofs: 100, failure: failure.map(String::from) }
@@ -292,7 +290,7 @@ fn what_cannot_be_studied_is_refused_before_anything_is_solved() {
     place.write("text.json", "Q1 0.3 -1");
     place.write("key.json", r#"[{ "name": "Q1", "poison": 0.3, "energy": -1 }]"#);
     place.write("ratio.json", r#"[{ "name": "Q1", "poisson": 0.31, "energy": -1 }]"#);
-    place.write("lifted.toml", place::BLOCK.replace("\"-1\"", "\"1\""));
+    place.write("lifted.toml", crate::place::BLOCK.replace("\"-1\"", "\"1\""));
     let before = place.names();
     for (scene, arguments, status, parts) in [
         ("block.toml", &["--beside", "none.json"][..], 1, &["none.json cannot be read"][..]),

@@ -1,11 +1,9 @@
 //! The command `study --what stochastic`: rates that are known, statistics in closed form, files that agree with each other,
 //! refusals.
 
-mod place;
-
 use std::sync::atomic::AtomicUsize;
 
-use place::{Place, names};
+use crate::place::{Place, names};
 use serde_json::{Value, json};
 use steklov_document::Source;
 use steklov_model::run::adaptive_loop::{Progress, run};
@@ -31,15 +29,15 @@ fn random(block: &str) -> String {
 /// The block held at its floor: J and the displacements are those of E = 1 over E.
 fn linear() -> String {
     random(
-        &place::BLOCK
+        &crate::place::BLOCK
             .replace("contact = { gap = \"0\", friction = { tresca = \"F\" } }", "displacement = [\"0\", \"0\"]"),
     )
 }
 
 /// The block pressed on the floor by an overlap, its top held: full contact, so that the force is linear in E.
 fn pressed() -> String {
-    let held =
-        place::BLOCK.replace("[sides.top]\ntraction = [\"0\", \"-1\"]", "[sides.top]\ndisplacement = [\"0\", \"0\"]");
+    let held = crate::place::BLOCK
+        .replace("[sides.top]\ntraction = [\"0\", \"-1\"]", "[sides.top]\ndisplacement = [\"0\", \"0\"]");
     random(
         &held
             .replace("gap = \"0\"", "gap = \"-0.2\"")

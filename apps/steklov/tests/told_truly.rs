@@ -1,7 +1,6 @@
 //! What pictures, tables and summaries say is what the solution has.
 
-mod place;
-use place::Place;
+use crate::place::Place;
 
 /// A block with a short crack that a pressure opens.
 const CRACK: &str = r#"title = "Opened"

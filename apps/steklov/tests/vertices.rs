@@ -1,8 +1,6 @@
 //! Stresses at vertices: infinite ones are told as such, finite ones are numbers.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 use serde_json::{Value, json};
 
 const L: &str = r#"title = "An L"
@@ -178,7 +176,7 @@ fn exact_answers_are_not_doubted() {
     let scenes = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let place = Place::new();
     let numbers = ["01", "02", "03", "04", "05", "08", "09", "10", "11", "13"];
-    let mut names = place::names(&scenes);
+    let mut names = crate::place::names(&scenes);
     names.retain(|name| numbers.iter().any(|n| name.starts_with(n)));
     assert_eq!(names.len(), numbers.len());
     for name in names {

@@ -1,8 +1,6 @@
 //! What pictures show, as the command line asks.
 
-mod place;
-
-use place::Place;
+use crate::place::Place;
 
 /// A column of cells that is pulled to the right.
 const STRIP: &str = r#"title = "A strip"
@@ -227,7 +225,7 @@ fn views_that_make_no_sense_are_refused_with_a_remedy() {
 #[test]
 fn units_are_named_in_pictures_and_summary_and_change_no_number() {
     let place = solved();
-    let named = format!("{}[units]\nlength = \"mm\"\nstress = \"MPa\"\n", place::BLOCK);
+    let named = format!("{}[units]\nlength = \"mm\"\nstress = \"MPa\"\n", crate::place::BLOCK);
     place.write("named.toml", named);
     let without = place.json(0, &["block.toml"]);
     let with = place.json(0, &["named.toml", "--plots", "named"]);
@@ -261,8 +259,32 @@ fn units_are_named_in_pictures_and_summary_and_change_no_number() {
         ("length = 1", "units.length is a"),
         ("lenght = \"mm\"", "did you mean length?"),
     ] {
-        place.write("wrong.toml", format!("{}[units]\n{table}\n", place::BLOCK));
+        place.write("wrong.toml", format!("{}[units]\n{table}\n", crate::place::BLOCK));
         let ran = place.run(["solve", "wrong.toml"]).demand(1);
         assert!(ran.err.contains(told) && ran.err.contains("wrong.toml:"), "{}", ran.err);
+    }
+}
+
+#[test]
+fn meshes_of_chosen_steps_are_drawn() {
+    let place = solved();
+    let few = ["block.toml", "--set", "method.refine=\"uniform-h\"", "--set", "method.max_steps=3"];
+    let solved = ["--plots", "meshes", "--steps", "0,2", "--out", "uniform.vtkhdf", "--quiet"];
+    place.run(["solve"].iter().chain(&few).chain(&solved));
+    let svg = String::from_utf8(place.read("meshes/uniform-meshes.svg")).unwrap();
+    let captions: Vec<&str> = texts(&svg).into_iter().filter(|text| text.starts_with("step ")).collect();
+    assert!(
+        captions.len() == 2 && captions[0].starts_with("step 0: ") && captions[1].starts_with("step 2: "),
+        "{captions:?}"
+    );
+    // twice the elements in each step
+    let elements =
+        |text: &str| text.split([' ', ':']).find_map(|word| word.parse::<usize>().ok().filter(|n| *n > 2)).unwrap();
+    assert_eq!(elements(captions[1]), 4 * elements(captions[0]));
+    assert_eq!(svg, shown(&place, "uniform", "meshes", &["--steps", "0,2"]));
+    for (result, steps, says) in [("uniform", "3", "steps 0 to 2"), ("strip", "0", "on a grid")] {
+        let file = format!("{result}.vtkhdf");
+        let ran = place.run(["show", &file, "--plots", "other", "--steps", steps]).demand(1);
+        assert!(ran.err.contains(says), "{}", ran.err);
     }
 }

@@ -1,10 +1,8 @@
 //! Moments kept from mesh to mesh: the bits of a run without, whatever the cache has seen.
 
-mod common;
-
 use std::collections::HashSet;
 
-use common::{L_SHAPE, SQUARE, polygon};
+use crate::common::{L_SHAPE, SQUARE, polygon};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, polygon_and_mesh};

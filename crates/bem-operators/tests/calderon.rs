@@ -2,9 +2,7 @@
 //!
 //! The force stands where the body is not: outside of the outer loop, in a hole, or inside for the exterior problem.
 
-mod common;
-
-use common::{Field, dot, max_abs, polygon, product};
+use crate::common::{Field, dot, max_abs, polygon, product};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, polygon as bodies};
@@ -173,7 +171,7 @@ fn energies_converge_exponentially_in_the_degree() {
     // a force in the hole of a square: <S u,u> = ∫ t·u, the integral by Gauss points of the exact field
     let material = Material::new(2.5, 0.3, steklov_elastic::Plane::Strain).expect("material");
     let hole = [[-0.2, -0.1], [0.2, -0.15], [0.1, 0.2]];
-    let body = polygon(&common::SQUARE, &[&hole]);
+    let body = polygon(&crate::common::SQUARE, &[&hole]);
     let source = [0.03, -0.02];
     let force = PointForce::new(&material, source, 1.0);
     let energy = |p: usize| {

@@ -5,11 +5,9 @@
 //! symmetry V n is a multiple of n there, from which radial problems are exact and the plate nearly so. The rate is
 //! judged at p > 1.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::{dot, polygon, product};
+use crate::common::{dot, polygon, product};
 use faer::Side;
 use faer::prelude::*;
 use proptest::prelude::*;

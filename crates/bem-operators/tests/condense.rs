@@ -1,8 +1,6 @@
 //! Condensation against full solutions, bodies without supports, and the particular solution of a body force.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use faer::prelude::*;
 use faer::{Col, Mat, Side};
 use proptest::prelude::*;

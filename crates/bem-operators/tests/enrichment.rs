@@ -1,7 +1,5 @@
 //! The enriched matrices against those of the mesh whose degrees are one higher, and the cache against none.
 
-mod common;
-
 use faer::Mat;
 use steklov_bem_operators::{
     Bubbles, Domain, Enriched, EnrichedSteklov, Enrichment, Mesh, Operators, PairCache, Polygon, Space, Steklov,
@@ -10,7 +8,7 @@ use steklov_elastic::{Material, Plane};
 use steklov_quadrature::legendre_p;
 
 fn l_shape() -> Polygon {
-    common::polygon(&[[0.0, 0.0], [0.0, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5], [-0.5, 0.0]], &[])
+    crate::common::polygon(&[[0.0, 0.0], [0.0, -0.5], [0.5, -0.5], [0.5, 0.5], [-0.5, 0.5], [-0.5, 0.0]], &[])
 }
 
 fn mixed_mesh() -> Mesh {

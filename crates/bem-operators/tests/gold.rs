@@ -1,8 +1,6 @@
 //! Moments and blocks of element pairs against values computed with 45 digits (`data/bem-moments.json`).
 
-mod common;
-
-use common::{Gold, K_DEGREES, blocks_of};
+use crate::common::{Gold, K_DEGREES, blocks_of};
 use steklov_bem_operators::{PairMoments, Tables};
 
 /// Largest difference over the largest value of the block.

@@ -1,10 +1,8 @@
 //! Integration of given data against the nodal basis: smooth, kinked, singular and impossible ones.
 
-mod common;
-
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use common::{SQUARE, max_abs, polygon};
+use crate::common::{SQUARE, max_abs, polygon};
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::mesh;
 use steklov_bem_operators::{BemError, Datum, Mesh, Site, Space, add_load, side_moments, side_moments_and_squares};

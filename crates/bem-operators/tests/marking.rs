@@ -1,7 +1,5 @@
 //! Dörfler marking against all subsets, and the Legendre decay of displacements whose coefficients are known.
 
-mod common;
-
 use std::f64::consts::TAU;
 
 use proptest::collection::vec;
@@ -213,7 +211,7 @@ proptest! {
 
 #[test]
 fn the_fit_is_that_of_least_squares_over_what_is_there() {
-    let mesh = Mesh { degree: vec![3; 4], ..Mesh::uniform(&common::polygon(&common::SQUARE, &[]), 4, 1) };
+    let mesh = Mesh { degree: vec![3; 4], ..Mesh::uniform(&crate::common::polygon(&crate::common::SQUARE, &[]), 4, 1) };
     let space = Space::new(&mesh);
     let rate = |n: &[f64], t: &[f64]| legendre_decay(&mesh, &space, 2, &with_coefficients(&mesh, &space, 2, [n, t]));
     let close = |got: Option<f64>, want: f64| (got.expect("a rate") - want).abs() < 1e-9;

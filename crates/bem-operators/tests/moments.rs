@@ -1,10 +1,8 @@
 //! Moments of difficult pairs of elements against quadratures that use no Legendre function of the second kind.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::max_abs;
+use crate::common::max_abs;
 use num_complex::Complex64;
 use steklov_bem_operators::{PairMoments, Segment, Tables};
 use steklov_quadrature::{Rule, gauss_legendre, legendre_p, substituted};

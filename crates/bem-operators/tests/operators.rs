@@ -1,8 +1,6 @@
 //! Assembled operators judged by identities: reference assembly, rigid motions, linear patch, gold energies, threads.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, mesh};

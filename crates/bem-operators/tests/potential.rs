@@ -1,8 +1,6 @@
 //! Fields inside the body and on its boundary, against exact ones.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, polygon_and_mesh};
 use steklov_bem_operators::{BoundaryField, Domain, Location, Mesh, Operators, Space, Steklov};

@@ -1,8 +1,6 @@
 //! Residual indicators: zero, closed forms, units, rates.
 
-mod common;
-
-use common::*;
+use crate::common::*;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, mesh};
 use steklov_bem_operators::{

@@ -1,9 +1,7 @@
 //! Where boundary elements without contact may fail: degenerate scales, nearly incompressible material, slivers and
 //! slits, high degree, singular corners. Each case reaches its tolerance or returns its named error.
 
-mod common;
-
-use common::{Field, L_SHAPE, SQUARE, dot, max_abs, polygon, product};
+use crate::common::{Field, L_SHAPE, SQUARE, dot, max_abs, polygon, product};
 use faer::Mat;
 use faer::Side;
 use steklov_bem_operators::{BemError, Condensation, Domain, Mesh, Operators, Partition, Space, Steklov};

@@ -1,7 +1,5 @@
 //! Subdivisions: cuts and degrees where the rules put them, vertices that are never lost, the way to a mesh and back.
 
-mod common;
-
 use proptest::collection::vec;
 use proptest::prelude::*;
 use proptest::sample::{Index, subsequence};
@@ -352,7 +350,7 @@ proptest! {
 
 #[test]
 fn the_highest_degree_of_a_mesh_is_no_limit() {
-    let mesh = Mesh::uniform(&common::polygon(&common::SQUARE, &[]), 4, Mesh::MAX_DEGREE);
+    let mesh = Mesh::uniform(&crate::common::polygon(&crate::common::SQUARE, &[]), 4, Mesh::MAX_DEGREE);
     let marks = [true, false, true, false].map(|rough| Mark::refine(rough, 9.0));
     let after = Subdivision::new(&mesh, &marks).refined(&vec![vec![0.0]; 4], &Grading::default());
     assert!(after.edges.iter().flatten().all(|p| p.degree == Mesh::MAX_DEGREE));

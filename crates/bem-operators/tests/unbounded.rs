@@ -1,11 +1,9 @@
 //! The unbounded body around holes: its polygon, its matrices against those of the exterior domain, translations that are
 //! free at infinity, and fields against closed forms.
 
-mod common;
-
 use std::f64::consts::TAU;
 
-use common::{dot, max_abs, polygon, product};
+use crate::common::{dot, max_abs, polygon, product};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::proptest::{material, star};

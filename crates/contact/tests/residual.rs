@@ -1,9 +1,7 @@
 //! Residuals of contact conditions: zero for exact solutions, closed forms, units, rates.
 
-mod solved;
-
+use crate::solved::{Case, Field, square};
 use proptest::prelude::*;
-use solved::{Case, Field, square};
 use steklov_bem_operators::{BoundaryField, Datum, Loop, Mesh, ParticularSolution, Polygon, Site, Space};
 use steklov_contact::{
     ContactError, ContactResidual, ContactSolution, Multiplier, MultiplierDegree, MultiplierMesh, MultiplierSpace,

@@ -7,9 +7,7 @@ use steklov_contact::{
 };
 use steklov_elastic::{Material, Plane};
 
-mod clamped;
-
-use clamped::Clamped;
+use crate::clamped::Clamped;
 
 const J: f64 = 0.647_194_015_986_9;
 

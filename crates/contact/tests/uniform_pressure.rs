@@ -1,8 +1,6 @@
 //! Stabilised multipliers of nearly incompressible bodies: the constant pressure is damped, all else is as ever.
 
-mod clamped;
-
-use clamped::Clamped;
+use crate::clamped::Clamped;
 use steklov_bem_operators::{Datum, Loop, Mesh, Polygon, Site};
 use steklov_contact::{
     Loading, MultiplierDegree, MultiplierMesh, SideData, dual_form, inf_sup, interior_point, kkt, pairing,

@@ -1,8 +1,6 @@
 //! Boundary elements that follow indicators, and a trace that changes below them.
 
-mod common;
-
-use common::{dense, manufactured, material, traction};
+use crate::common::{dense, manufactured, material, traction};
 use proptest::prelude::*;
 use steklov_bem_operators::{Mesh, doerfler};
 use steklov_coupling::{

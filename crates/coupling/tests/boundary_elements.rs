@@ -1,8 +1,6 @@
 //! Boundary elements that are not those of the trace: finer ones, ones of higher degree, ones coarser than the grid.
 
-mod common;
-
-use common::{around, dense, difference, energy_error, manufactured, material, outer, problem};
+use crate::common::{around, dense, difference, energy_error, manufactured, material, outer, problem};
 use steklov_bem_operators::Mesh;
 use steklov_coupling::{Coupled, CouplingError, Form, Interior, Medium, Outline, Radiation, Transfer, Transmission};
 use steklov_msfem::{Grid, Loads, MsfemError};

@@ -1,8 +1,6 @@
 //! Energy of the medium and balance of forces, against matrices, closed forms and solutions that are none.
 
-mod common;
-
-use common::{PAIRS, around, close, double_layers, manufactured, outer, problem, traction};
+use crate::common::{PAIRS, around, close, double_layers, manufactured, outer, problem, traction};
 use faer::Mat;
 use steklov_coupling::{Coupled, Form, Interior, Medium, Radiation};
 use steklov_quadrature::gauss_legendre;

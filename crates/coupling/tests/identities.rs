@@ -1,8 +1,6 @@
 //! Solutions in closed form, and what must not change them.
 
-mod common;
-
-use common::{around, difference, manufactured, material, problem, traction};
+use crate::common::{around, difference, manufactured, material, problem, traction};
 use proptest::prelude::*;
 use steklov_coupling::{CouplingError, Form, Interior, Medium, Outline, Radiation, Transmission};
 use steklov_elastic::{Material, Plane};

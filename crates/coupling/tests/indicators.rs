@@ -1,8 +1,6 @@
 //! Residual indicators: the reference file, an independent way with matrices of finer elements, exact solutions.
 
-mod common;
-
-use common::{
+use crate::common::{
     PAIRS, around, body_force, close, double_layers, energy_error, jump, manufactured, material, number, problem,
     reference, traction, traction_error, with_jumps,
 };

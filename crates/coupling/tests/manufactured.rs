@@ -1,8 +1,6 @@
 //! The manufactured problem: errors of the reference file, rates, and which of the forms agree.
 
-mod common;
-
-use common::{
+use crate::common::{
     PAIRS, around, close, difference, energy_error, manufactured, number, outer, problem, reference, traction_error,
 };
 use steklov_coupling::{Form, Interior, Radiation};

@@ -1,8 +1,6 @@
 //! Multiscale elements in the body.
 
-mod common;
-
-use common::{around, close, difference, energy_error, manufactured, number, problem, reference};
+use crate::common::{around, close, difference, energy_error, manufactured, number, problem, reference};
 use steklov_coupling::{CouplingError, Form, Interior, Outline, Radiation, Trace, Transmission};
 use steklov_elastic::Plane;
 use steklov_msfem::{Basis, CoarseMesh, Elasticity, Extra, Grid, HeterogeneousBody, Loads, Multiscale};

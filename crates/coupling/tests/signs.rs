@@ -1,8 +1,6 @@
 //! What must not be: wrong signs and halves, a quotient by translations only. The full systems are built here from the matrices.
 
-mod common;
-
-use common::{PAIRS, around, dense, difference, double_layers, energy_error, lu, manufactured, problem};
+use crate::common::{PAIRS, around, dense, difference, double_layers, energy_error, lu, manufactured, problem};
 use faer::{Mat, MatMut, Scale};
 use steklov_coupling::{Form, Interior, Medium, Radiation};
 use steklov_msfem::HeterogeneousBody;
@@ -26,7 +24,7 @@ impl Full {
         let (medium, loads) = manufactured(n, body, outside);
         let interior = Interior::fine(&medium, &loads).unwrap();
         let exterior = around(&interior, 1, 1, outside);
-        let jump = exterior.space.interpolate(|x| common::jump(&exterior.material, x));
+        let jump = exterior.space.interpolate(|x| crate::common::jump(&exterior.material, x));
         let mass = dense(&exterior.operators.mass);
         let (load, boundary) = (interior.load, interior.trace.unknowns);
         Self { stiffness: dense(&interior.stiffness), medium, exterior, load, boundary, jump, mass }

@@ -1,8 +1,6 @@
 //! Indicators against errors that elements of higher degree tell.
 
-mod common;
-
-use common::{PAIRS, around, double_layers, lu, manufactured, outer, problem, traction, with_jumps};
+use crate::common::{PAIRS, around, double_layers, lu, manufactured, outer, problem, traction, with_jumps};
 use faer::Mat;
 use steklov_bem_operators::{Mesh, Space};
 use steklov_coupling::{Coupled, Form, InterfaceIndicators, Interior, Medium, Radiation};

@@ -9,6 +9,9 @@ use steklov_problem::{About, DataError, DataErrorKind};
 use super::source::Source;
 use super::tree;
 
+/// Bytes of a line that are shown, at most.
+const LONG: usize = 160;
+
 /// Sort of the error of a scene.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum SceneErrorKind {
@@ -101,14 +104,49 @@ impl SceneError {
         self.span.map_or("", |s| &text[s.offset()..s.offset() + s.len()])
     }
 
-    /// The whole message without colours: what is wrong, file and line, the text, the remedy.
+    /// The whole message without colours: what is wrong, file and line, the text, the remedy. Of long lines a part is shown.
     pub fn render(&self) -> String {
+        let shown = self.with_short_lines();
         let mut out = String::new();
         GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
             .with_wrap_lines(false)
-            .render_report(&mut out, self)
+            .render_report(&mut out, shown.as_ref().map_or(self, |(error, _)| error))
             .expect("writing to a string does not fail");
-        out
+        let Some((_, column)) = shown else { return out };
+        // the place in the line as it stands in the file
+        let place = format!("[{}:{}:", self.file(), self.line().unwrap_or(1));
+        match out.split_once(&place).and_then(|(before, behind)| Some((before, behind.split_once(']')?.1))) {
+            Some((before, behind)) => format!("{before}{place}{column}]{behind}"),
+            None => out,
+        }
+    }
+
+    /// The error with the parts of long lines that are shown, and the column that is meant, from 1; none if no line is long.
+    fn with_short_lines(&self) -> Option<(Self, usize)> {
+        let (text, span) = (self.source_code.inner(), self.span?);
+        if text.lines().all(|line| line.len() <= LONG) {
+            return None;
+        }
+        let begin = text[..span.offset()].rfind('\n').map_or(0, |end| end + 1);
+        let column = span.offset() - begin;
+        let (mut short, mut at, mut start) = (String::new(), span, 0);
+        for line in text.split_inclusive('\n') {
+            let end = line.trim_end().len();
+            if start == begin {
+                let from = boundary(line, column.saturating_sub(LONG / 2));
+                let to = boundary(line, end.min(from + LONG).max(column));
+                let cut = if from > 0 { "… " } else { "" };
+                let length = span.len().min(to - column);
+                at = (short.len() + cut.len() + column - from, length).into();
+                short.extend([cut, &line[from..to], if to < end { " …" } else { "" }, "\n"]);
+            } else {
+                let to = boundary(line, end.min(LONG));
+                short.extend([&line[..to], if to < end { " …" } else { "" }, "\n"]);
+            }
+            start += line.len();
+        }
+        let source_code = Arc::new(NamedSource::new(self.file(), short));
+        Some((Self { source_code, span: Some(at), ..self.clone() }, column + 1))
     }
 
     /// A file that cannot be read.
@@ -152,6 +190,11 @@ pub(super) fn located(source: &Source, error: impl Into<ReadError>) -> SceneErro
         span: Some((place.start.min(text.len()), length).into()),
         label: label(kind),
     }
+}
+
+/// The last place up to this one at which a text may be cut.
+fn boundary(text: &str, at: usize) -> usize {
+    (0..=at).rev().find(|&at| text.is_char_boundary(at)).unwrap_or(0)
 }
 
 /// What stands beside the text that is meant.

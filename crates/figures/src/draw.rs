@@ -11,6 +11,7 @@ use steklov_problem::Units;
 use steklov_result::medium::body_part;
 use steklov_result::record::Record;
 
+use crate::factor::largest_factor;
 use crate::grid;
 use crate::probe;
 use crate::stochastic;
@@ -185,27 +186,6 @@ pub(crate) fn units(stored: &Record, scalar: Scalar) -> [Option<&str>; 2] {
         Unit::Stress => stress,
     };
     [length, of_scalar].map(|name| name.as_deref())
-}
-
-/// Distances and overlaps of bodies below this part of their extent are hardly seen.
-const HARDLY_SEEN: f64 = 4e-3;
-
-/// The largest factor k of displacements at which bodies that touch are seen to touch, and others not to overlap: displacements
-/// close u_n of the gap g between them, which is drawn as g - k u_n.
-pub fn largest_factor(stored: &Record) -> f64 {
-    let extent = |i: usize| {
-        let along = || stored.points.iter().map(|x| x[i]);
-        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
-    };
-    let hardly_seen = HARDLY_SEEN * extent(0).max(extent(1));
-    let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
-    let between = |row: &&ContactRow| joined.contains(&&stored.mesh.side_names[row.side]);
-    let largest = |row: &ContactRow| match row.status {
-        0 if row.normal_displacement <= 0.0 => f64::INFINITY,
-        0 => (row.gap.max(0.0) + hardly_seen) / row.normal_displacement,
-        _ => 1.0 + hardly_seen / row.normal_displacement.abs(),
-    };
-    stored.contact.iter().filter(between).map(largest).fold(f64::INFINITY, f64::min)
 }
 
 /// Points of contact sides and gap vectors g n there, one list of each for each stretch: a rigid obstacle is the line through the sums.

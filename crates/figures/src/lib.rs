@@ -37,10 +37,15 @@
 pub use {steklov_picture, steklov_result};
 
 mod draw;
+mod factor;
+mod meshes;
 mod grid;
 mod probe;
 pub mod stochastic;
 mod view;
 
-pub use draw::{contact_pictures, drawn, largest_factor, obstacles, pictures, positions, side_file, tables};
+pub use draw::{contact_pictures, drawn, obstacles, pictures, positions, side_file, tables};
+pub use factor::largest_factor;
+pub use grid::{Difference, difference, difference_picture};
+pub use meshes::{StepMesh, mesh_picture, mesh_pictures};
 pub use view::{Scalar, Unit, View};

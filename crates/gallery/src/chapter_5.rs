@@ -1,5 +1,8 @@
 //! Figures of sections 5.3.1 and 5.7: multiscale basis functions and two bars.
 
+use steklov_figures::{difference, difference_picture};
+use steklov_msfem::{Basis, Multiscale};
+
 use crate::charts::range;
 use crate::figure::{Entry, Expected, Figure, Runs, Verdict};
 use crate::runs::Made;
@@ -18,7 +21,7 @@ pub(crate) const FIGURES: [Entry; 5] = [
         number: "Figures 5.1 and 5.2, section 5.3.1",
         title: "Multiscale basis functions",
         verdict: Verdict::Same,
-        set_up: "One coarse cell of 16 by 16 fine cells, ν = 0.3: homogeneous, and with random moduli. Both components are prescribed on its boundary (basis `coupled`). Figure 5.3 is a sketch of the method without a result and is left out.",
+        set_up: "One coarse cell of 16 by 16 fine cells, ν = 0.3: homogeneous, and with random moduli. For the basis `linear` one component is prescribed on its boundary and the other is dropped, for `coupled` both are prescribed. Figure 5.3 is a sketch of the method without a result and is left out.",
         seen: "The x component of the function of a corner falls from 1 there to 0 on the two far edges; its y component is a bubble that is 0 on the boundary, with the other sign at the neighbouring corner.",
         left_open: "",
         differs: &[],
@@ -91,7 +94,18 @@ fn bases(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
             runs.drawn(name, "basis")?,
             &format!("Components of basis functions of {what}, as fields on the cell"),
         );
+        figure.field(
+            runs.drawn(name, "basis-deformed")?,
+            &format!("The outline of {what}, dashed, and as the functions of all corners displace it"),
+        );
     }
+    let record = runs.get("bar-12")?.record.as_ref().and_then(|record| record.on_grid.as_ref());
+    let (body, mesh) = record.and_then(|r| Some((&r.body, r.coarse.clone()?))).ok_or("the run has no coarse cells")?;
+    let all = Multiscale::new(body, mesh, Basis::Coupled).map_err(|e| e.to_string())?;
+    let cell = all.cell_basis(0).map_err(|e| e.to_string())?;
+    let largest =
+        |column: usize| cell.values.iter().skip(1).step_by(2).map(|row| row[column].abs()).fold(0.0, f64::max);
+    figure.row("largest y component of an x function, homogeneous cell", largest(0), Expected::Near(0.0853, 5e-5));
     Ok(())
 }
 
@@ -144,6 +158,26 @@ fn heterogeneous(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
         runs.drawn("cells-fine", "stress")?,
         "Von Mises stress by finite elements eight times finer: the same, sharper",
     );
+    let record = |name: &str| runs.get(name)?.record.as_ref().ok_or_else(|| "the run has no record".to_owned());
+    let finest = record("cells-fine")?;
+    let stress = [1.30, 0.87, 0.70, 0.60, 0.37];
+    for ((grid, name), expected) in GRIDS.iter().zip(names).zip(stress) {
+        let difference = difference(record(name)?, finest).ok_or("the grids do not fit")?;
+        if *grid == "96 by 16" {
+            let title = "Stress by 96 by 16 coarse cells less that of the finest grid, means over cells of 1/32";
+            let picture = difference_picture(title, record(name)?, &difference, 4.0).map_err(|e| e.to_string())?;
+            figure.field(
+                picture.ok_or("the run has no grid")?,
+                "Difference of the stresses of both: largest near the held end, without a pattern elsewhere",
+            );
+            figure.row("root mean square of the stress", difference.of_stress, Expected::Near(10.8, 0.05));
+        }
+        figure.row(
+            format!("root mean square of the difference to the finest grid, {grid}"),
+            difference.root_mean_square,
+            Expected::Near(expected, 0.006),
+        );
+    }
     figure.row("compliance, 96 by 16", compliance(made[3])?, Expected::Near(0.319_413, 2e-6));
     figure.row("compliance, finite elements on 1/32", compliance(made[4])?, Expected::Near(0.320_543, 2e-6));
     figure.row("compliance, finite elements on 1/256", compliance(fine)?, Expected::Near(0.321_642, 2e-6));

@@ -1,8 +1,6 @@
 //! Arrays come back with the same bits, and what is no such array is refused with a message.
 
-mod common;
-
-use common::{bits, dense_bits, sparse, written};
+use crate::common::{bits, dense_bits, sparse, written};
 use faer::Mat;
 use proptest::prelude::*;
 use sprs::CsMat;
@@ -150,7 +148,7 @@ fn what_cannot_be_written_is_refused() {
     let cases: [(Fill<'_>, &str); 4] =
         [(&wrong_axes, "1 axes and 2 names"), (&too_large, "63 bits"), (&with_nul, "NUL"), (&twice, "/v")];
     for (fill, wanted) in cases {
-        let (folder, path) = common::place();
+        let (folder, path) = crate::common::place();
         let error = steklov_io::create_atomically(&path, false, fill).unwrap_err();
         assert!(matches!(error, IoError::Write { .. }) && error.to_string().contains(wanted), "{error}");
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "something stayed");
@@ -255,7 +253,7 @@ fn rows_that_do_not_fill_their_table_are_refused() {
     for (pushed, why) in
         [(&[1.0; 9][..], "9 numbers for 2 rows of 3"), (&[1.0; 4], "4 numbers"), (&[1.0; 3], "1 of 2 rows")]
     {
-        let (folder, path) = common::place();
+        let (folder, path) = crate::common::place();
         let written = steklov_io::create_atomically(&path, false, |f| {
             let mut rows = save_rows(f, "rows", [2, 3], &TWO)?;
             rows.push(pushed)?;

@@ -1,12 +1,10 @@
 //! A result file appears whole or not at all, and never harms another file.
 
-mod common;
-
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use common::place;
+use crate::common::place;
 use steklov_io::{IoError, Label, create_atomically, load_vector, open, save_vector};
 
 const LABEL: Label<'_> = Label { unit: "1", meaning: "numbers", axes: &["entry"] };
@@ -192,7 +190,7 @@ fn a_full_disk_leaves_nothing() {
     }
     let folder = tempfile::tempdir().unwrap();
     let run = Command::new("sh")
-        .args(["-c", "trap '' XFSZ; ulimit -f 200; exec \"$0\" --exact a_full_disk_leaves_nothing --nocapture"])
+        .args(["-c", "trap '' XFSZ; ulimit -f 200; exec \"$0\" --exact atomic::a_full_disk_leaves_nothing --nocapture"])
         .arg(std::env::current_exe().unwrap())
         .env(FOLDER, folder.path())
         .output()

@@ -1,8 +1,6 @@
 //! What couples a body with the medium around it comes back with the same bits; parts that do not fit are refused.
 
-mod common;
-
-use common::{check_round_trip, spoiled};
+use crate::common::{check_round_trip, spoiled};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::Space;
@@ -28,7 +26,7 @@ fn exterior(trace: &Trace, parts: usize, degree: usize) -> Medium {
 }
 
 fn bits(values: &[f64]) -> Vec<u64> {
-    common::bits(values)
+    crate::common::bits(values)
 }
 
 proptest! {
@@ -147,7 +145,7 @@ fn traces_and_transfers_that_do_not_fit_are_refused() {
     assert!(spoiled(&trace, "values", |g| save_sparse(g, "values", &values, &TWO)).contains("entry 3 is NaN"));
 
     let transfer = Transfer::new(&trace, &around.mesh, &around.space).unwrap();
-    let other = || common::sparse(16, 14);
+    let other = || crate::common::sparse(16, 14);
     assert!(spoiled(&transfer, "mass", |g| save_sparse(g, "mass", &other(), &TWO)).contains("(16, 14)"));
     assert!(spoiled(&transfer, "projection", |g| save_sparse(g, "projection", &other(), &TWO)).contains("(16, 16)"));
     let mut infinite = transfer.mass.to_csr();
@@ -170,7 +168,7 @@ fn inner<'a>(
 
 /// The error of reading `value` after a change of its group.
 fn altered<T: Persist>(value: &T, change: impl FnOnce(&Group) -> Result<(), IoError>) -> IoError {
-    let (_folder, file) = common::written(|f| {
+    let (_folder, file) = crate::common::written(|f| {
         save(f, "value", value)?;
         change(&f.group("value").unwrap())
     });

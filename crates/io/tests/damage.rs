@@ -1,11 +1,9 @@
 //! Truncated, altered and foreign files give an error or the identical content, never a panic or another number.
 
-mod common;
-
 use std::io::Write as _;
 use std::path::Path;
 
-use common::{bits, dense_bits, place, sparse};
+use crate::common::{bits, dense_bits, place, sparse};
 use faer::Mat;
 use hdf5::types::VarLenUnicode;
 use steklov_io::*;

@@ -1,8 +1,6 @@
 //! Tables of other programs: numbers of any type are read as f64, all else is refused in words.
 
-mod common;
-
-use common::{bits, place};
+use crate::common::{bits, place};
 use hdf5::File;
 use hdf5::types::VarLenUnicode;
 use ndarray::{Array2, Array3, arr0, arr1};

@@ -1,8 +1,6 @@
 //! Grids, bodies, coarse meshes, bases and loads come back with the same bits; parts that do not fit are refused.
 
-mod common;
-
-use common::{check_round_trip, spoiled};
+use crate::common::{check_round_trip, spoiled};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_elastic::Plane;
@@ -112,7 +110,7 @@ fn parts_that_do_not_fit_are_refused() {
     assert!(spoiled(&medium, "young", vector("young", vec![1.0; 191])).contains("191 moduli for 16 by 12"));
     let mut young = vec![1.0; 192];
     young[0] = f64::NAN;
-    common::written(|f| {
+    crate::common::written(|f| {
         save(f, "value", &medium)?;
         let group = f.group("value").unwrap();
         group.unlink("young").unwrap();
@@ -169,7 +167,8 @@ fn parts_that_do_not_fit_are_refused() {
     let system = CoarseSystem { load: vec![0.0; stiffness.rows()], stiffness };
     assert!(spoiled(&system, "load", vector("load", vec![0.0; 3])).contains("square matrix of 3 rows"));
     assert!(
-        spoiled(&system, "stiffness", |g| save_sparse(g, "stiffness", &common::sparse(3, 4), &TWO)).contains("(3, 4)")
+        spoiled(&system, "stiffness", |g| save_sparse(g, "stiffness", &crate::common::sparse(3, 4), &TWO))
+            .contains("(3, 4)")
     );
 
     let terms = vec![1.0, 2.0];
@@ -208,14 +207,14 @@ fn a_small_file_asks_for_little_memory() {
     };
     let fits = stairs(2047);
     assert_eq!(check_round_trip(&fits), fits);
-    let (folder, path) = common::place();
+    let (folder, path) = crate::common::place();
     let error = create_atomically(&path, false, |file| save(file, "value", &stairs(2048))).unwrap_err();
     assert!(matches!(error, IoError::Write { .. }) && error.to_string().contains("for 2048 coarse cells"), "{error}");
     drop(folder);
     // as many cells as rectangles are always read
     let grid = Grid::rectangle([1.0, 1.0], [2100, 2000]).unwrap();
     let all = CoarseMesh::uniform(&grid, [1, 1]).unwrap();
-    let (_folder, file) = common::written(|file| save(file, "value", &all));
+    let (_folder, file) = crate::common::written(|file| save(file, "value", &all));
     assert!(load::<CoarseMesh>(&file, "value").unwrap() == all);
     let (first, size): (Vec<[usize; 2]>, Vec<[usize; 2]>) = steps(2048).map(|c| (c.first, c.size)).unzip();
     let many = spoiled(&fits, "first", |g| {

@@ -1,9 +1,9 @@
 //! Spaces of multipliers and the forms of their stabilisation come back with the same bits, satisfy the formulas that the file
 //! tells, and are refused when damaged.
 
-mod common;
-
-use common::{check_damage_is_refused, check_round_trip, dense_bits, place, python, spoiled, stored_twice, written};
+use crate::common::{
+    check_damage_is_refused, check_round_trip, dense_bits, place, python, spoiled, stored_twice, written,
+};
 use faer::linalg::solvers::Solve;
 use faer::{Mat, Side};
 use proptest::prelude::*;

@@ -1,11 +1,9 @@
 //! Problems and methods come back with the same bits, mean what they meant, and are refused when damaged.
 
-mod common;
-
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
-use common::{check_damage_is_refused, check_round_trip, spoiled, stored_twice, written};
+use crate::common::{check_damage_is_refused, check_round_trip, spoiled, stored_twice, written};
 use steklov_bem_operators::{Loop, Path, Polygon};
 use steklov_contact::{MultiplierDegree, MultiplierMesh};
 use steklov_coupling::Radiation;
@@ -247,7 +245,7 @@ fn methods_come_back_and_damaged_ones_are_refused() {
 #[test]
 fn what_cannot_be_stored_is_refused_by_name() {
     let refused = |problem: &Problem| {
-        let (folder, path) = common::place();
+        let (folder, path) = crate::common::place();
         let error = create_atomically(&path, false, |file| save(file, "value", problem)).unwrap_err();
         assert!(!path.exists(), "{}", folder.path().display());
         error.to_string()

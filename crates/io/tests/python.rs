@@ -1,8 +1,6 @@
 //! Other programs read the file: h5py, scipy's layout of sparse matrices, VTK.
 
-mod common;
-
-use common::{place, python, sparse};
+use crate::common::{place, python, sparse};
 use faer::Mat;
 use steklov_io::{
     Label, create_atomically, create_group, save_dense, save_integers, save_points, save_sparse, save_text, save_texts,

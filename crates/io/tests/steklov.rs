@@ -1,9 +1,9 @@
 //! Spaces, Steklov-Poincaré matrices and condensations come back with the same bits, satisfy the formulas that the file tells, and
 //! are refused when damaged.
 
-mod common;
-
-use common::{bits, check_damage_is_refused, check_round_trip, dense_bits, place, python, stored_twice, written};
+use crate::common::{
+    bits, check_damage_is_refused, check_round_trip, dense_bits, place, python, stored_twice, written,
+};
 use faer::linalg::solvers::Solve;
 use faer::{Col, Mat, Scale, Side};
 use proptest::prelude::*;

@@ -1,8 +1,6 @@
 //! Types of random input come back with the same bits, and parts that do not fit are refused.
 
-mod common;
-
-use common::{bits, check_damage_is_refused, check_round_trip, dense_bits, spoiled, written};
+use crate::common::{bits, check_damage_is_refused, check_round_trip, dense_bits, spoiled, written};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_contact::proptest::{Friction, mixed};

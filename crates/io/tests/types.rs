@@ -1,8 +1,6 @@
 //! Every type of the numerics comes back with the same bits, and a file with parts that do not fit is refused.
 
-mod common;
-
-use common::{check_round_trip, place, spoiled, written};
+use crate::common::{check_round_trip, place, spoiled, written};
 use faer::Mat;
 use proptest::prelude::*;
 use steklov_bem_operators::{Cut, Loop, Mesh, Operators, Polygon, Space};
@@ -207,7 +205,7 @@ fn parts_that_do_not_fit_are_refused() {
     let operators = Operators::assemble(&mesh, &Space::new(&mesh), &material, None).unwrap();
     assert!(spoiled(&operators, "K", square("K", 3)).contains("/value/K"));
     assert!(spoiled(&operators, "V", |g| save_dense(g, "V", Mat::zeros(2, 3).as_ref(), &two)).contains("square"));
-    assert!(spoiled(&operators, "M", |g| save_sparse(g, "M", &common::sparse(3, 3), &two)).contains("/value/M"));
+    assert!(spoiled(&operators, "M", |g| save_sparse(g, "M", &crate::common::sparse(3, 3), &two)).contains("/value/M"));
 
     let problem = problem();
     check_round_trip(&problem);

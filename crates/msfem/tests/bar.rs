@@ -1,8 +1,6 @@
 //! The bar 6 × 1 of the reference file: fine and multiscale solutions, their errors and stresses.
 
-mod common;
-
-use common::{Cantilever, MESHES, bar, bar_moduli, close, kind, number, reference};
+use crate::common::{Cantilever, MESHES, bar, bar_moduli, close, kind, number, reference};
 use steklov_msfem::{Basis, CoarseCell, CoarseMesh};
 
 #[test]

@@ -1,8 +1,6 @@
 //! One coarse cell: rigid motions, partition of unity, closed forms, and the homogenised tensor of a laminate.
 
-mod common;
-
-use common::{kind, number, reference, strain};
+use crate::common::{kind, number, reference, strain};
 use proptest::prelude::*;
 use steklov_elastic::Plane;
 use steklov_msfem::{Basis, CellBasis, CoarseMesh, Elasticity, Grid, HeterogeneousBody, Multiscale};

@@ -1,8 +1,6 @@
 //! Laminates and inclusions of high contrast against the reference file.
 
-mod common;
-
-use common::{Cantilever, close, kind, number, plate, reference};
+use crate::common::{Cantilever, close, kind, number, plate, reference};
 use steklov_msfem::{Basis, CoarseMesh, crossing_contrast};
 
 #[test]

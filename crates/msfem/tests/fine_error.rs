@@ -1,10 +1,8 @@
 //! The estimate of the fine grid's own error against known limits, finer grids and a smooth field.
 
-mod common;
-
 use std::f64::consts::PI;
 
-use common::{Cantilever, bar, kind, strain, unless_held};
+use crate::common::{Cantilever, bar, kind, strain, unless_held};
 use proptest::prelude::*;
 use steklov_elastic::Plane;
 use steklov_msfem::{Elasticity, Elimination, Grid, HeterogeneousBody, Loads, bubble_indicators, nodal_indicators};

@@ -1,8 +1,6 @@
 //! Residual indicators: published effectivities, parts that add up, and what must vanish.
 
-mod common;
-
-use common::{Cantilever, MESHES, Solved, bar, bar_moduli, close, kind, number, plate, reference, unless_held};
+use crate::common::{Cantilever, MESHES, Solved, bar, bar_moduli, close, kind, number, plate, reference, unless_held};
 use proptest::prelude::*;
 use steklov_elastic::Plane;
 use steklov_msfem::{

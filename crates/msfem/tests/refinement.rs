@@ -1,8 +1,6 @@
 //! Marked cells, split cells, and what adaptive coarse meshes gain.
 
-mod common;
-
-use common::{Cantilever, close, strain};
+use crate::common::{Cantilever, close, strain};
 use proptest::prelude::*;
 use steklov_elastic::Plane;
 use steklov_msfem::{

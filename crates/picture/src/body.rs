@@ -61,19 +61,33 @@ pub struct Body<'a> {
     pub obstacles: &'a [Obstacle<'a>],
     /// Lower left and upper right corner of the part of the undeformed body that is drawn; None for all of it.
     pub window: Option<[[f64; 2]; 2]>,
-    /// The largest factor k at which bodies that touch neither overlap nor part.
-    pub most: f64,
+    /// The largest factor k.
+    pub most: Largest,
     /// Factor k > 0 of displacements and gaps; None for one that makes them visible.
     pub enlarge: Option<f64>,
     /// Names of the units of lengths, and of the values.
     pub units: [Option<&'a str>; 2],
 }
 
+/// The largest factor of displacements.
+#[derive(Debug, Clone, Copy)]
+pub struct Largest {
+    /// The factor.
+    pub factor: f64,
+    /// Why it is not larger, a sentence without its end.
+    pub why: &'static str,
+}
+
+impl Largest {
+    /// No limit.
+    pub const NONE: Self = Self { factor: f64::INFINITY, why: "" };
+}
+
 /// Draws the body with equal scales in x and y.
 ///
 /// Displacements and gaps are drawn at one factor k, so that body and obstacle touch in the picture where they touch
 /// in truth, unless it is given: 1 where the largest displacement is between 0.05 and 0.5 of the body's longer side, else the largest of
-/// 1, 2, 5 times a power of ten that brings it to at most 0.1; less where bodies that touch would overlap or part. The subtitle states k. An obstacle further away than a
+/// 1, 2, 5 times a power of ten that brings it to at most 0.1, or less as `most` says. The subtitle states k. An obstacle further away than a
 /// quarter of the body is cut off at the frame. Where a few values are far beyond the others, or beyond the colours that
 /// are asked for, the colours end in an arrow, and the outermost value is told with its place before the deformation.
 ///
@@ -104,7 +118,7 @@ fn draw(b: &Body<'_>, bounds: Bounds) -> Result<Picture, PictureError> {
     assert_eq!(b.points.len(), b.displacement.len(), "one displacement a point");
     assert_eq!(b.points.len(), b.values.len(), "one value a point");
     let largest = b.displacement.iter().map(|u| u[0].hypot(u[1])).filter(|u| u.is_finite()).fold(b.largest, f64::max);
-    let factor = b.enlarge.unwrap_or_else(|| exaggeration(largest / bounds.size(), b.most));
+    let factor = b.enlarge.unwrap_or_else(|| exaggeration(largest / bounds.size(), b.most.factor));
     let is_less = b.enlarge.is_none() && factor < exaggeration(largest / bounds.size(), f64::INFINITY);
     let deformed: Vec<_> = b.points.iter().zip(b.displacement).map(|(&p, &u)| moved(p, u, factor)).collect();
     let walls = walls(b.obstacles, factor);
@@ -214,7 +228,7 @@ pub(super) fn undeformed_pen() -> Pen {
 fn subtitle(b: &Body<'_>, factor: f64, is_less: bool, largest: f64) -> String {
     let of = if b.window.is_some() { " of this part" } else { "" };
     let largest = format!("the largest displacement{of} is {}", with_unit(largest, b.units[0]));
-    let why = if is_less { ", as the bodies would overlap or part at more" } else { "" };
+    let why = if is_less { format!(", as {}", b.most.why) } else { String::new() };
     if factor == 1.0 {
         return format!("drawn to scale{why}; {largest}");
     }

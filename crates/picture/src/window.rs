@@ -122,6 +122,7 @@ fn segment<const N: usize>([mut p, mut q]: [[f64; N]; 2], window: [[f64; 2]; 2])
 
 #[cfg(test)]
 mod tests {
+    use super::super::body::Largest;
     use super::super::colours::Colours;
     use super::*;
     use crate::Obstacle;
@@ -155,7 +156,7 @@ mod tests {
             outline: &outline,
             obstacles: &obstacles,
             window: None,
-            most: f64::INFINITY,
+            most: Largest::NONE,
             enlarge: None,
             units: [None; 2],
         })

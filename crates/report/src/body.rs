@@ -79,7 +79,7 @@ pub(crate) fn body(stored: &Record) -> Option<Body> {
     let size = extent[0].max(extent[1]);
     let displacements = stored.displacement.iter().chain(&body.displacement).map(|u| norm(*u));
     body.magnification =
-        exaggeration(displacements.filter(|u| u.is_finite()).fold(0.0, f64::max) / size, largest_factor(stored));
+        exaggeration(displacements.filter(|u| u.is_finite()).fold(0.0, f64::max) / size, largest_factor(stored).factor);
     body.walls = obstacles(stored);
     (!body.triangles.is_empty() && body.points.len() <= MOST_POINTS).then_some(body)
 }

@@ -51,6 +51,6 @@ pub mod outcomes;
 mod probes;
 pub mod record;
 pub mod stages;
-mod steps;
+pub mod steps;
 pub mod store;
 pub mod triangulate;

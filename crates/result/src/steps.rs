@@ -3,6 +3,7 @@
 mod check;
 
 use faer::Mat;
+use steklov_bem_operators::Mesh;
 use steklov_contact::{Located, Tip, TipKind};
 use steklov_io::{
     File, Group, IoError, create_group, invalid, label, load, load_dense, load_integers, load_number, load_texts,
@@ -150,13 +151,26 @@ pub(crate) fn groups(file: &File) -> Result<Vec<Group>, IoError> {
     names.iter().map(|name| open_group(&steps, name)).collect()
 }
 
+/// The unknown displacements and the mesh of each step; none on a grid.
+///
+/// # Errors
+/// A file without steps, or with others than 0, 1, 2, ...
+pub fn meshes(file: &File) -> Result<Vec<(usize, Mesh)>, IoError> {
+    let load = |at: &Group| {
+        let dofs = load_integers(at, "dofs")?;
+        let [dofs] = dofs.as_slice() else { return Err(invalid(at, "dofs", "one number belongs here")) };
+        Ok((*dofs, load(at, "mesh")?))
+    };
+    groups(file)?.iter().filter(|at| at.link_exists("mesh")).map(load).collect()
+}
+
 fn load_step(at: &Group) -> Result<Step<BoundaryElements>, IoError> {
     let seconds = load_vector(at, "seconds")?;
     let dofs = load_integers(at, "dofs")?;
     let ([dofs], Ok(seconds)) = (dofs.as_slice(), <[f64; 5]>::try_from(seconds.as_slice())) else {
         return Err(invalid(at, "seconds", "one number of dofs and five of seconds belong here"));
     };
-    let mesh: steklov_bem_operators::Mesh = load(at, "mesh")?;
+    let mesh: Mesh = load(at, "mesh")?;
     let estimate = if at.link_exists("estimate") { Some(load_estimate(at, mesh.len())?) } else { None };
     Ok(Step {
         dofs: *dofs,

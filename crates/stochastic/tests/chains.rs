@@ -1,9 +1,7 @@
 //! Chains of problems that differ in their random input.
 
-mod square;
-
+use crate::square::{Square, solve_outcome, square, weight};
 use proptest::prelude::*;
-use square::{Square, solve_outcome, square, weight};
 use steklov_contact::proptest::{Friction, mixed};
 use steklov_contact::{ContactError, Problem, Solution, kkt};
 use steklov_stochastic::{

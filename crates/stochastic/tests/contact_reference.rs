@@ -1,8 +1,6 @@
 //! Contact of a square with a random modulus against reference values, and scalings that hold exactly.
 
-mod square;
-
-use square::{Square, solve_outcome, square, weight};
+use crate::square::{Square, solve_outcome, square, weight};
 use steklov_contact::{Problem, Solution, Status};
 use steklov_quadrature::gauss_legendre;
 

@@ -1,11 +1,9 @@
 //! Contact coupled over stochastic nodes: against collocation where the nodes decouple, and against the full system.
 
-mod square;
-
+use crate::square::{ground, solve_outcome, square};
 use faer::Mat;
 use faer::prelude::Solve;
 use proptest::prelude::*;
-use square::{ground, solve_outcome, square};
 use steklov_contact::proptest::{Friction, mixed, ordinary};
 use steklov_contact::{ContactNode, Outcome, Problem, Solution, interior_point, kkt};
 use steklov_stochastic::{

@@ -38,6 +38,8 @@ pub struct Options {
     pub strategies: Vec<Chosen>,
     /// Results of other methods, of [`StudyKind::Stability`].
     pub beside: Vec<Beside>,
+    /// The steps whose meshes are drawn, of [`StudyKind::Convergence`]; some of each strategy if there are none.
+    pub steps: Vec<usize>,
     /// Number of runs whose median gives the seconds, where they are measured so.
     pub repeat: usize,
 }
@@ -150,11 +152,11 @@ impl StudyKind {
         told: impl FnOnce(&Report<'_>, Draw<'_>) -> T,
     ) -> Result<T, StudyError> {
         let Document { scene, source } = document;
-        let Options { strategies, beside, repeat } = options;
+        let Options { strategies, beside, steps, repeat } = options;
         Ok(match self {
             Self::Convergence => {
                 let study = convergence::study(scene, source, &strategies, repeat, watch)?;
-                told(&convergence::report(&study), &|folder| convergence::pictures(&study, folder))
+                told(&convergence::report(&study), &|folder| convergence::pictures(&study, &steps, folder))
             }
             Self::InfSup => {
                 let study = inf_sup::study(scene, source, watch)?;

@@ -1,7 +1,5 @@
 //! A block with springs on its sides, solved.
 
-#![allow(dead_code)] // each test file uses a part of it
-
 use steklov_model::run::adaptive_loop::Run;
 use steklov_model::run::boundary_elements::BoundaryElements;
 use steklov_problem::Scene;

@@ -59,7 +59,7 @@ pub(super) fn show(args: &ShowArgs) -> Result<u8, Failure> {
     stored.summary.file = args.file.display().to_string();
     let mut files = Vec::new();
     if let Some(folder) = &args.plots {
-        files.extend(pictures(&stored, &view, folder, &args.file)?);
+        files.extend(pictures(&stored, &view, &args.view.steps, folder, &args.file)?);
     }
     if let Some(folder) = &args.csv {
         files.extend(

@@ -36,6 +36,9 @@ pub(super) struct StudyArgs {
     /// {"name", "poisson", "energy"}
     #[arg(long, value_name = "FILE")]
     beside: Option<PathBuf>,
+    /// Steps whose meshes are drawn, separated by commas, 0 the first; default: some of each strategy
+    #[arg(long, value_name = "STEPS", value_delimiter = ',')]
+    steps: Vec<usize>,
     /// Runs of each strategy, of which the seconds are medians
     #[arg(long, value_name = "N", default_value = "3", value_parser = clap::value_parser!(u16).range(1..=1000))]
     repeat: u16,
@@ -75,7 +78,7 @@ pub(super) fn study(args: &StudyArgs) -> Result<u8, Failure> {
     check_options(args)?;
     let document = document(args)?;
     let scene = &document.scene;
-    let mut options = Options { repeat: usize::from(args.repeat), ..Options::default() };
+    let mut options = Options { repeat: usize::from(args.repeat), steps: args.steps.clone(), ..Options::default() };
     if matches!(args.what, StudyKind::Convergence | StudyKind::Stability) {
         boundary_only(scene)?;
     }
@@ -94,6 +97,7 @@ fn check_options(args: &StudyArgs) -> Result<(), Failure> {
     let is_other = args.what != StudyKind::Convergence;
     let misplaced = [
         (args.beside.is_some() && args.what != StudyKind::Stability, "--beside belongs to --what stability"),
+        (is_other && !args.steps.is_empty(), "--steps belongs to --what convergence"),
         (is_other && !args.multipliers.is_empty(), "--multipliers belongs to --what convergence"),
         (
             is_other && !args.strategies.is_empty(),

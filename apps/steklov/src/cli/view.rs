@@ -22,6 +22,9 @@ pub(super) struct ViewArgs {
     /// How many times as large as they are displacements are drawn, 1 to scale; default: so that they are visible
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_hyphen_values = true)]
     enlarge: Option<f64>,
+    /// Steps whose meshes are drawn too, separated by commas, 0 the first; of boundary elements
+    #[arg(long, value_name = "STEPS", value_delimiter = ',')]
+    pub(super) steps: Vec<usize>,
 }
 
 impl ViewArgs {
@@ -35,6 +38,7 @@ impl ViewArgs {
             ("--field", self.field.is_some()),
             ("--window", self.window.is_some()),
             ("--enlarge", self.enlarge.is_some()),
+            ("--steps", !self.steps.is_empty()),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given && !drawn) {
             Some((option, _)) => {

@@ -1,5 +1,4 @@
 //! What every picture has to keep to. With `STEKLOV_PICTURES=DIR` the files stay in DIR to be looked at.
-#![allow(dead_code)] // each test file uses a part of it
 
 use std::path::PathBuf;
 

@@ -1,5 +1,4 @@
 //! The command as a user runs it, in a folder of its own.
-#![allow(dead_code)] // each test file uses a part of it
 
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};

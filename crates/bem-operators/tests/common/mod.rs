@@ -1,5 +1,4 @@
 //! Gold values and small reference formulas shared by the tests of this crate.
-#![allow(dead_code, reason = "each test binary uses a part")]
 
 use num_complex::Complex64;
 use serde_json::Value;

@@ -1,5 +1,4 @@
 //! The manufactured transmission problem: a smooth field in the unit square, two opposite forces in the medium around it.
-#![allow(dead_code, reason = "each test binary uses a part")]
 
 use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};

@@ -4,8 +4,8 @@ use std::cmp::Reverse;
 
 use steklov_msfem::{Basis, CellBasis, CoarseCell, CoarseMesh, Grid, HeterogeneousBody, Multiscale};
 use steklov_picture::{
-    Axis, BasisFunction, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, chart, in_unit,
-    lattice_triangles,
+    Axis, BasisFunction, Chart, Colours, Curve, Picture, PictureError, Scale, Series, basis, chart, deformed_cells,
+    in_unit, lattice_triangles,
 };
 use steklov_result::grid::GridRecord;
 use steklov_result::grid::of_quads;
@@ -76,7 +76,7 @@ pub(crate) fn deformed(
 }
 
 /// Values in all cells of the bounding box, of displacements those of the mean of the corners; NaN outside of the body.
-fn on_cells(stored: &Record, record: &GridRecord, scalar: Scalar) -> Vec<f64> {
+pub(super) fn on_cells(stored: &Record, record: &GridRecord, scalar: Scalar) -> Vec<f64> {
     let grid = &record.body.grid;
     let mut all = vec![f64::NAN; grid.cells[0] * grid.cells[1]];
     let stress = of_quads(&stored.grid, "stress", 3).unwrap_or_default().as_chunks().0;
@@ -97,7 +97,8 @@ fn on_cells(stored: &Record, record: &GridRecord, scalar: Scalar) -> Vec<f64> {
 /// The pictures of a stored result on a grid besides that of the deformed body, each with its name; none of others.
 ///
 /// `moduli` and `stress` (or `displacement`, if that is what is shown) on the cells of the undeformed body, `estimate` with the
-/// indicators of the last coarse cells, `steps` with the estimates of several steps, `basis` with multiscale basis functions of one coarse cell.
+/// indicators of the last coarse cells, `steps` with the estimates of several steps, `basis` and `basis-deformed` with multiscale basis
+/// functions of one coarse cell.
 ///
 /// # Errors
 /// A picture that cannot be drawn.
@@ -134,6 +135,7 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
     pictures.extend(steps(title, record)?.map(|picture| ("steps".to_owned(), picture)));
     if let Some(mesh) = &record.coarse {
         pictures.extend(bases(title, body, mesh)?.map(|picture| ("basis".to_owned(), picture)));
+        pictures.extend(deformed_basis(title, body, mesh)?.map(|picture| ("basis-deformed".to_owned(), picture)));
     }
     Ok(pictures)
 }
@@ -223,6 +225,33 @@ fn bases(title: &str, body: &HeterogeneousBody, mesh: &CoarseMesh) -> Result<Opt
     let [x, y] = body.grid.lattice_point(cell.first);
     let title = format!("{title}: x function of the corner ({x},{y})");
     Ok(Some(basis(&title, &rows)?))
+}
+
+/// A coarse cell as the eight functions of the bases with linear and with coupled data displace it.
+fn deformed_basis(title: &str, body: &HeterogeneousBody, mesh: &CoarseMesh) -> Result<Option<Picture>, PictureError> {
+    let Some(cell) = example(body, mesh).filter(|cell| (2..=LARGEST_BASIS).contains(&(cell.size[0] * cell.size[1])))
+    else {
+        return Ok(None);
+    };
+    let kinds = [("linear", Basis::Linear), ("coupled", Basis::Coupled)];
+    let functions = kinds.into_iter().filter_map(|(kind, of)| Some((kind, basis_in(body, cell, of)?)));
+    let functions: Vec<(String, [Vec<f64>; 2])> = functions
+        .flat_map(|(kind, basis)| {
+            let of = move |column: usize| {
+                let component = |k: usize| basis.values.iter().skip(k).step_by(2).map(|row| row[column]).collect();
+                let name = format!("{kind}: corner {}, {}", column / 2 + 1, ["x", "y"][column % 2]);
+                (name, [component(0), component(1)])
+            };
+            (0..8).map(of).collect::<Vec<_>>()
+        })
+        .collect();
+    if functions.is_empty() {
+        return Ok(None);
+    }
+    let size = [0, 1].map(|k| cell.size[k] as f64 * body.grid.spacing[k]);
+    let functions: Vec<BasisFunction<'_>> =
+        functions.iter().map(|(name, [x, y])| BasisFunction { name, size, cells: cell.size, x, y }).collect();
+    deformed_cells(&format!("{title}: a coarse cell as its basis functions displace it"), &functions, 4).map(Some)
 }
 
 /// The coarse cell whose basis is drawn: one whose moduli vary if there is any, of these the largest, of these the one next

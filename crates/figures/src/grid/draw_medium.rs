@@ -5,6 +5,7 @@ use steklov_result::record::Record;
 
 use super::draw::deformed;
 use crate::draw::{infinite, largest_displacement, units};
+use crate::factor::largest_factor;
 use crate::view::View;
 
 /// Body and medium, deformed alike, by a field; none of other results.
@@ -55,7 +56,7 @@ pub(crate) fn medium(stored: &Record, view: &View) -> Result<Option<Picture>, Pi
         outline,
         obstacles: &[],
         window: view.window,
-        most: f64::INFINITY,
+        most: largest_factor(stored),
         enlarge: view.enlarge,
         units: units(stored, view.scalar),
     })

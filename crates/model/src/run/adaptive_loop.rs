@@ -18,6 +18,7 @@ use crate::run::memory::Lack;
 use crate::run::report::Report;
 use crate::solve::solution::Seconds;
 use crate::stage::Stage;
+use crate::stochastic::number::check_quantities;
 use crate::stochastic::{OutcomeStage, StochasticResult};
 
 /// Why a run ended.
@@ -227,6 +228,9 @@ pub fn run<M: Model>(
     observe: &mut Observer<'_, M>,
 ) -> Result<Run<M>, SolveError> {
     let clock = Instant::now();
+    if let Some(random) = &scene.random {
+        check_quantities(scene, random)?;
+    }
     let mut cache = M::Cache::default();
     let mut last: Option<M::Solved> = None;
     loop {

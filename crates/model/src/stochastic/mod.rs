@@ -6,7 +6,7 @@
 //! answers ─► StochasticResult: moments, quantiles, probability of contact, effect of each germ
 //! ```
 
-mod number;
+pub(crate) mod number;
 mod outcomes;
 mod stage;
 mod result;

@@ -1,5 +1,8 @@
 //! The numbers of an outcome of which statistics are made: their paths are read once.
 
+use steklov_problem::{DataError, Random, Scene};
+
+use crate::stochastic::outcomes::paths_of;
 use crate::summary::{ContactSummary, Probe, Summary};
 
 /// A function that finds a number in a summary.
@@ -21,6 +24,42 @@ impl Number {
     /// Its value; NaN where the outcome has none, or an infinite one.
     pub(super) fn of(&self, summary: &Summary) -> f64 {
         (self.of)(summary).filter(|value| value.is_finite()).unwrap_or(f64::NAN)
+    }
+}
+
+/// Whether every quantity that a scene asks for is a number of its outcomes: before anything is solved.
+///
+/// # Errors
+/// The first that is none.
+pub(crate) fn check_quantities(scene: &Scene, random: &Random) -> Result<(), DataError> {
+    let holds = |side: usize| {
+        let of_side = &scene.problem.sides[side];
+        of_side.springs.is_some() || of_side.holds(0) || of_side.holds(1) || scene.contact(side).is_some()
+    };
+    let zero = ContactSummary {
+        length: 0.0,
+        stick: 0.0,
+        slip: 0.0,
+        max_pressure: 0.0,
+        max_pressure_unbounded: false,
+        force: [0.0; 2],
+        ends: None,
+        contraction: Some(0.0),
+        stabilisation: None,
+    };
+    let at = |&point: &[f64; 2]| Probe { point, displacement: [0.0; 2], stress: [0.0; 3], stress_unbounded: true };
+    let sides = (0..scene.problem.sides.len()).filter(|&side| holds(side));
+    let has = Summary {
+        spring_energy: scene.problem.has_springs().then_some(0.0),
+        contact: scene.contacts().next().map(|_| zero),
+        reactions: sides.map(|side| (scene.problem.sides[side].name.clone(), [0.0; 2])).collect(),
+        probe: scene.probe.iter().map(at).collect(),
+        ..Summary::default()
+    };
+    let is_number = |path: &String| Number::new(path).is_some_and(|number| !number.of(&has).is_nan());
+    match paths_of(scene, random).iter().find(|path| !is_number(path)) {
+        Some(path) => Err(scene.quantity_error(path)),
+        None => Ok(()),
     }
 }
 

@@ -1,5 +1,4 @@
 //! Problems of the reference file, solved by the crate.
-#![allow(dead_code)] // each test uses its part
 
 use steklov_elastic::Plane;
 use steklov_msfem::{Basis, CoarseMesh, Elasticity, Elimination, Extra, Grid, HeterogeneousBody, Loads, Multiscale};

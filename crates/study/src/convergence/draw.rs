@@ -2,8 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
-use steklov_figures::contact_pictures;
-use steklov_picture::{Axis, Band, MeshFigure, MeshPanel, Picture, PictureError, Scale, meshes, write};
+use steklov_figures::{StepMesh, contact_pictures};
+use steklov_picture::{Axis, Band, Picture, PictureError, Scale, write};
 
 use super::Study;
 use super::strategy::{Point, Strategy};
@@ -23,12 +23,12 @@ const ENERGY_ERROR: Quantity = ("energy error", |p| p.energy_error);
 const EFFECTIVITY: Quantity = ("estimate / error", Point::effectivity);
 const RESIDUAL_EFFECTIVITY: Quantity = ("residual estimator / error", Point::residual_effectivity);
 
-/// Draws the charts, the meshes of each strategy and the contact sides of the last one that has any into a folder;
-/// returns the files.
+/// Draws the charts, the meshes of each strategy at these steps (some if there are none) and the contact sides of the last one that
+/// has any into a folder; returns the files.
 ///
 /// # Errors
 /// When a picture cannot be drawn or written.
-pub fn pictures(study: &Study<'_>, folder: &Path) -> Result<Vec<PathBuf>, PictureError> {
+pub fn pictures(study: &Study<'_>, steps: &[usize], folder: &Path) -> Result<Vec<PathBuf>, PictureError> {
     let mut all = Pictures::new(folder);
     let seconds = format!("seconds ({})", runs(study.repeat));
     let energy = log("energy error (|J - J_ref| / |J_ref|)^1/2");
@@ -58,7 +58,11 @@ pub fn pictures(study: &Study<'_>, folder: &Path) -> Result<Vec<PathBuf>, Pictur
     let band = Some(Band { label: "within 25 %", y: [0.8, 1.25] });
     all.draw("effectivity", &Drawing { axes, lines, band, quantities: &names, ..drawing(study) })?;
     for strategy in study.strategies.iter().filter(|s| !s.points.is_empty()) {
-        let picture = mesh_picture(&study.scene.title, strategy, &strategy.some(PANELS))?;
+        let mut steps: Vec<usize> = steps.iter().copied().filter(|&step| step < strategy.points.len()).collect();
+        if steps.is_empty() {
+            steps = strategy.some(PANELS);
+        }
+        let picture = mesh_picture(&study.scene.title, strategy, &steps)?;
         all.files.extend(write(folder, &format!("meshes-{}", strategy.file_name()), &picture)?);
     }
     if let Some(strategy) = study.strategies.iter().rev().find(|s| !s.contact.is_empty()) {
@@ -108,21 +112,10 @@ fn name(strategy: &Strategy, law: Option<Law>) -> String {
 /// # Panics
 /// If there is no such step.
 pub fn mesh_picture(title: &str, strategy: &Strategy, steps: &[usize]) -> Result<Picture, PictureError> {
-    let points = steps.iter().map(|&k| (k, &strategy.points[k]));
-    let elements: Vec<Vec<[[f64; 2]; 2]>> =
-        points.clone().map(|(_, p)| (0..p.mesh.len()).map(|e| p.mesh.ends(e)).collect()).collect();
-    let captions: Vec<String> =
-        points.clone().map(|(k, p)| format!("step {k}: {} elements, {} dofs", p.mesh.len(), p.dofs)).collect();
-    let panels: Vec<MeshPanel<'_>> = points
-        .clone()
-        .zip(elements.iter().zip(&captions))
-        .map(|((_, p), (elements, caption))| MeshPanel {
-            caption,
-            elements,
-            degree: &p.mesh.degree,
-            side: &p.mesh.side,
-        })
-        .collect();
-    let side_names = points.clone().next().map_or(&[][..], |(_, p)| p.mesh.side_names.as_slice());
-    meshes(&MeshFigure { title: &format!("{title}: meshes of {}", strategy.name), side_names, panels: &panels })
+    let of_step = |&step: &usize| {
+        let Point { dofs, mesh, .. } = &strategy.points[step];
+        StepMesh { step, dofs: *dofs, mesh }
+    };
+    let steps: Vec<StepMesh<'_>> = steps.iter().map(of_step).collect();
+    steklov_figures::mesh_picture(&format!("{title}: meshes of {}", strategy.name), &steps)
 }

@@ -1,0 +1,23 @@
+//! The tests of the crate, one program.
+
+mod cache;
+mod calderon;
+mod circle;
+mod common;
+mod condense;
+mod curves;
+mod cut;
+mod enrichment;
+mod gold;
+mod load;
+mod marking;
+mod meshing;
+mod moments;
+mod operators;
+mod polygon;
+mod potential;
+mod residual;
+mod stability;
+mod subdivision;
+mod trace_rows;
+mod unbounded;

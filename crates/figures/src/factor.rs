@@ -1,0 +1,113 @@
+//! How many times larger than they are displacements may be drawn.
+
+use steklov_elastic::plane::{cross, distance, minus};
+use steklov_model::solve::contact_rows::ContactRow;
+use steklov_picture::Largest;
+use steklov_result::medium::body_part;
+use steklov_result::record::Record;
+
+/// Distances and overlaps of bodies below this part of their extent are hardly seen.
+const HARDLY_SEEN: f64 = 4e-3;
+/// Folds as long as this part of the extent are hardly seen.
+const FOLD: f64 = 1e-3;
+/// Points closer than this part of the extent are one.
+const ONE: f64 = 1e-9;
+
+/// The largest factor k of displacements at which bodies that touch are seen to touch, others do not overlap, and no part of a body
+/// that is seen is folded over.
+pub fn largest_factor(stored: &Record) -> Largest {
+    let extent = |i: usize| {
+        let along = || stored.points.iter().map(|x| x[i]);
+        along().fold(f64::NEG_INFINITY, f64::max) - along().fold(f64::INFINITY, f64::min)
+    };
+    let extent = extent(0).max(extent(1));
+    let between_bodies = of_contact(stored, HARDLY_SEEN * extent).min(of_ties(stored, extent));
+    let unfolded = of_folds(stored, (FOLD * extent).powi(2));
+    match between_bodies <= unfolded {
+        true => Largest { factor: between_bodies, why: "the bodies would overlap or part at more" },
+        false => Largest { factor: unfolded, why: "the body would fold at its corners at more" },
+    }
+}
+
+/// Displacements close u_n of the gap g between bodies, which is drawn as g - k u_n.
+fn of_contact(stored: &Record, hardly_seen: f64) -> f64 {
+    let joined: Vec<&String> = stored.summary.interfaces.iter().flat_map(|i| &i.sides[0]).collect();
+    let between = |row: &&ContactRow| joined.contains(&&stored.mesh.side_names[row.side]);
+    let largest = |row: &ContactRow| match row.status {
+        0 if row.normal_displacement <= 0.0 => f64::INFINITY,
+        0 => (row.gap.max(0.0) + hardly_seen) / row.normal_displacement,
+        _ => 1.0 + hardly_seen / row.normal_displacement.abs(),
+    };
+    stored.contact.iter().filter(between).map(largest).fold(f64::INFINITY, f64::min)
+}
+
+/// Bodies that are tied with a jump w of the displacement are drawn k |w| apart.
+fn of_ties(stored: &Record, extent: f64) -> f64 {
+    let jump = |x: [f64; 2]| {
+        let mut at = (0..stored.points.len()).filter(|&i| distance(stored.points[i], x) <= ONE * extent);
+        match (at.next(), at.next(), at.next()) {
+            (Some(a), Some(b), None) => distance(stored.displacement[a], stored.displacement[b]),
+            _ => 0.0,
+        }
+    };
+    let largest = stored.ties.iter().map(|row| jump(row.point)).fold(0.0, f64::max);
+    if largest <= ONE * extent { f64::INFINITY } else { (HARDLY_SEEN * extent / largest).max(1.0) }
+}
+
+/// Triangles of which more than an area are turned over at a larger factor: with the gradient G of the displacement on a triangle
+/// det(I + k G) = 1 + k tr G + k² det G falls to 0.
+fn of_folds(stored: &Record, hardly_seen: f64) -> f64 {
+    let fields = &stored.grid;
+    let Some(displacement) = fields.point_data.iter().find(|f| f.name == "displacement" && f.components == 3) else {
+        return f64::INFINITY;
+    };
+    let at = |i: usize| [displacement.values[3 * i], displacement.values[3 * i + 1]];
+    let fold = |&[a, b, c]: &[usize; 3]| {
+        let [p, q] = [b, c].map(|i| minus(fields.points[i], fields.points[a]));
+        let [u, v] = [b, c].map(|i| minus(at(i), at(a)));
+        let area = cross(p, q);
+        let (trace, determinant) = ((cross(u, q) + cross(p, v)) / area, cross(u, v) / area);
+        (first_root(trace, determinant), area.abs() / 2.0)
+    };
+    let mut folds: Vec<(f64, f64)> = body_part(fields).1.iter().map(fold).filter(|(k, _)| k.is_finite()).collect();
+    folds.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut folded = 0.0;
+    let seen = folds.iter().find(|(_, area)| {
+        folded += area;
+        folded > hardly_seen
+    });
+    seen.map_or(f64::INFINITY, |(k, _)| *k)
+}
+
+/// The smallest k > 0 with 1 + b k + c k² = 0; infinite where there is none.
+fn first_root(b: f64, c: f64) -> f64 {
+    let discriminant = b * b - 4.0 * c;
+    if discriminant < 0.0 || b.is_nan() {
+        return f64::INFINITY;
+    }
+    // the roots are -2/(b ± √discriminant)
+    let roots = [1.0, -1.0].map(|sign| -2.0 / (b + sign * discriminant.sqrt()));
+    roots.into_iter().filter(|k| *k > 0.0).fold(f64::INFINITY, f64::min)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Of 1 + b k + c k²: simple shear (0, 0) and a rotation (0, 1) never fold, a compression by 1 % does at 100, one along both axes
+    /// by 1 % and 2 % at 50, and stretching one axis while the other shrinks by 1 % at 100.
+    #[test]
+    fn the_first_root_is_the_smallest_positive_one() {
+        for (b, c, root) in [
+            (0.0, 0.0, f64::INFINITY),
+            (0.0, 1e-4, f64::INFINITY),
+            (-0.01, 0.0, 100.0),
+            (-0.03, 2e-4, 50.0),
+            (0.02, -3e-4, 100.0),
+            (0.03, 2e-4, f64::INFINITY),
+        ] {
+            let found = first_root(b, c);
+            assert!(found == root || (found - root).abs() < 1e-9 * root, "{b} {c}: {found}, not {root}");
+        }
+    }
+}

@@ -1,0 +1,9 @@
+//! The tests of the crate, one program.
+
+mod bar;
+mod cell;
+mod common;
+mod contrast;
+mod fine_error;
+mod indicators;
+mod refinement;

@@ -1,0 +1,15 @@
+//! The tests of the crate, one program.
+
+mod chains;
+mod contact_reference;
+mod field;
+mod karhunen_loeve;
+mod orthogonal;
+mod rectangle;
+mod smolyak;
+mod square;
+mod statistics;
+mod stochastic_mesh;
+mod tensor;
+mod truncation;
+mod variable;
