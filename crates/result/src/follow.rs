@@ -19,20 +19,20 @@ use steklov_picture::{BANDS, colour_interval, exaggeration, limited};
 const STEPS: f64 = 0.3;
 
 /// Pixels of a picture along the longer side of the bodies: shorter edges inside are not split, on the boundary those shorter than
-/// an eighth of a pixel, as the faces of a crack open like a root.
+/// 1/128 of a pixel, as the faces of a crack open like a root.
 const PIXELS: f64 = 1200.0;
-const PIXELS_AT_BOUNDARY: f64 = 8.0 * PIXELS;
+const PIXELS_AT_BOUNDARY: f64 = 128.0 * PIXELS;
 
 /// Distance of the outline from a segment that stands for it, in pixels, and that of their displacements as they are drawn.
 const OFF: f64 = 0.25;
 const MOVED_OFF: f64 = 0.02;
 
 /// Points at most, of all bodies.
-const MOST_POINTS: usize = 4000;
+const MOST_POINTS: usize = 8000;
 
 /// An edge inside is tried where the values around it let an error of this part of the allowed one expect; slopes at the boundary,
 /// known from one side, say less.
-const DOUBT: f64 = 0.6;
+const DOUBT: f64 = 0.4;
 const DOUBT_AT_BOUNDARY: f64 = 0.3;
 
 /// Rounds at most: each halves the longest marked edges.
