@@ -147,3 +147,28 @@ fn data_that_jump_along_a_straight_side_are_infinite_by_their_kind() {
         assert_eq!(has(&found, [at, 2.0]), is_infinite, "{sides}: {found:?}");
     }
 }
+
+/// A quarter of a plate whose hole is a polygon: its ends at planes of symmetry, a little beyond a right angle, are those of a circle;
+/// where both sides are held they are singular.
+#[test]
+fn ends_of_a_polygon_that_stands_for_a_curve_are_judged_by_the_curve() {
+    let hole = (0..=16).rev().map(|k| std::f64::consts::FRAC_PI_2 * f64::from(k) / 16.0);
+    let corners: Vec<[f64; 2]> = hole.map(|t| [t.cos(), t.sin()]).collect();
+    // as they stand in tables: exactly on the axes
+    let corners = [vec![[0.0, 1.0]], corners[1..16].to_vec(), vec![[1.0, 0.0]]].concat();
+    let sides = [vec!["hole"; 16], vec!["bottom", "right", "top", "left"]].concat();
+    let corners = [corners, vec![[3.0, 0.0], [3.0, 3.0], [0.0, 3.0]]].concat();
+    let of = |bottom: &str, left: &str| {
+        let scene = format!(
+            "[body]\ncorners = {corners:?}\nsides = {sides:?}\n[material]\nyoung = 1000\npoisson = 0.3\n\
+             [sides]\nbottom = {{ displacement = {bottom} }}\nleft = {{ displacement = {left} }}\nright = {{ traction = [\"10\", \"0\"] }}\n"
+        );
+        infinite(&scene)
+    };
+    assert_eq!(of("[\"free\", \"0\"]", "[\"0\", \"free\"]"), Vec::<[f64; 2]>::new());
+    let held = of("[\"0\", \"0\"]", "[\"0\", \"0\"]");
+    assert!(
+        [[1.0, 0.0], [0.0, 1.0], [3.0, 0.0], [0.0, 3.0]].iter().all(|&x| has(&held, x)) && held.len() == 4,
+        "{held:?}"
+    );
+}

@@ -276,12 +276,14 @@ fn long_lines_are_shown_in_part() {
         let point = |k: usize| if k == outside { "[8.0, 0.5]" } else { "[0.25, 0.5]" };
         let list = (0..points).map(point).collect::<Vec<_>>().join(", ");
         let line = format!("points = [{list}] # ausführlich");
-        let text = format!("# {}\n{SOUND}\n[probe]\n{line}\n", "ü".repeat(200));
+        let (before, behind) = SOUND.split_once("[probe]\n").unwrap();
+        let behind = behind.split_once('\n').unwrap().1;
+        let text = format!("# {}\n{before}[probe]\n{line}\n{behind}", "ü".repeat(200));
         let Err(error) = parse(&text, &[]) else { panic!("a point outside") };
         let rendered = error.render();
         let longest = rendered.lines().map(|line| line.chars().count()).max().unwrap();
         let column = line.find("[8.0").unwrap() + 1;
-        let of_line = text.lines().count();
+        let of_line = 1 + text.lines().position(|other| other == line).unwrap();
         assert!(longest < 200, "{points}: {longest}");
         assert!(rendered.contains("(8, 0.5)") && rendered.contains("[8.0, 0.5]"), "{rendered}");
         assert!(rendered.contains(&format!("[broken.toml:{of_line}:{column}]")), "{rendered}");

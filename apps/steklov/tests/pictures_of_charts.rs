@@ -1,7 +1,7 @@
 //! Charts of made-up studies, from plain to extreme. With `STEKLOV_PICTURES=DIR` the files stay in DIR to be looked at.
 
 use crate::frame::{check, check_up_to};
-use steklov_picture::{Axis, Band, Chart, Curve, Guide, Scale, Series, chart};
+use steklov_picture::{Axis, Band, Chart, ContactSide, Curve, Guide, Scale, Series, chart, contact};
 
 const DOFS: Axis<'_> = Axis { label: "degrees of freedom", scale: Scale::Log };
 const ERROR: Axis<'_> = Axis { label: "relative error in the energy norm", scale: Scale::Log };
@@ -131,4 +131,25 @@ fn charts_of_extreme_values() {
     assert!(negative.contains(">N^-1<") != negative.contains("slope N^-1"), "a slope is drawn or excused");
     assert!(negative.contains("No room for the slope ∞."));
     check("chart-empty", &chart(&BARE).unwrap());
+}
+
+/// A pressure that is infinite at one place leaves the panel, and the key says how far; no line goes over a place without values.
+#[test]
+fn usual_pressures_can_be_read_beside_an_infinite_one() {
+    let position: Vec<f64> = (0..=200).map(|i| f64::from(i) / 200.0).collect();
+    let pressure: Vec<f64> = position.iter().map(|x| 10.0 + 1e5 * (-((x - 0.5) / 1e-4).powi(2)).exp()).collect();
+    let part = ContactSide {
+        title: "a ridge",
+        x_label: "x",
+        stress: None,
+        position: &position,
+        pressure: &pressure,
+        shear: &vec![0.0; position.len()],
+        bound: &[],
+    };
+    let picture = contact(&part).unwrap();
+    assert!(picture.svg.contains("(to 100010 beyond this panel)"), "the largest one is in the key");
+    assert!(picture.svg.contains(">20<") && !picture.svg.contains(">100000<"), "ticks are those of usual pressures");
+    let flat = contact(&ContactSide { pressure: &vec![10.0; position.len()], ..part }).unwrap();
+    assert!(!flat.svg.contains("beyond this panel"));
 }

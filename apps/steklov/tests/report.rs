@@ -193,3 +193,32 @@ fn what_cannot_be_reported_is_refused() {
     place.run(["report", "block.vtkhdf", "--out", "page", "--force"]).demand(0);
     assert_eq!(crate::place::names(&place.path("page")), ["index.html", "mine.txt"]);
 }
+
+/// A study is one page too: its tables with the numbers of the JSON object, and its pictures.
+#[test]
+fn a_study_has_a_page() {
+    let place = Place::new();
+    let options =
+        ["--strategies", "uniform-h", "--repeat", "1", "--set", "method.max_dofs=80", "--out", "of block", "--json"];
+    let told = place.run(["study", "block.toml"].iter().chain(&options)).demand(0).json();
+    place.run(["report", "of block/study.h5", "--out", "page"]).demand(0);
+    let page = String::from_utf8(place.read("page/index.html")).unwrap();
+    assert!(page.len() < steklov_report::LARGEST, "{}", page.len());
+    assert!(!page.contains("http:") && !page.contains("https:") && !page.contains("file:"));
+    assert!(page.contains("<h3>strategies, uniform-h, steps</h3>"));
+    let steps = told["strategies"][0]["steps"].as_array().unwrap();
+    assert!(steps.len() > 1);
+    for step in steps {
+        assert!(page.contains(&format!("<td>{}</td>", step["dofs"])), "{}", step["dofs"]);
+    }
+    for picture in ["error-dofs", "meshes-uniform-h"] {
+        let source = steklov_picture::data_uri("svg+xml", place.read(&format!("of block/{picture}.svg")));
+        assert!(page.contains(&source), "{picture}");
+        assert!(page.contains(&format!("alt=\"{}\"", picture.replace('-', " "))));
+    }
+    // without the pictures beside it, and of a file that is none
+    std::fs::create_dir(place.path("alone")).unwrap();
+    std::fs::copy(place.path("of block/study.h5"), place.path("alone/study.h5")).unwrap();
+    place.run(["report", "alone/study.h5", "--out", "bare"]).demand(0);
+    assert!(!String::from_utf8(place.read("bare/index.html")).unwrap().contains("<img"));
+}

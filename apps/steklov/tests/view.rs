@@ -213,7 +213,7 @@ fn views_that_make_no_sense_are_refused_with_a_remedy() {
     refused(&["--enlarge", "-2"], "it must be positive");
     refused(&["--enlarge", "much"], "\"much\" is no number");
     let whole = "0:1,0:1";
-    for options in [["--range", "-2:1"], ["--field", "xx"], ["--window", whole], ["--enlarge", "1"]] {
+    for options in [["--range", "-2:1"], ["--field", "xx"], ["--window", whole], ["--enlarge", "1"], ["--steps", "0"]] {
         for command in [&["solve", "block.toml", "--force"][..], &["show", "block.vtkhdf"]] {
             let ran = place.run(command.iter().chain(&options)).demand(1);
             assert!(ran.err.contains(options[0]) && ran.err.contains("add --plots DIR"), "{}", ran.err);

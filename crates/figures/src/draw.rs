@@ -285,7 +285,11 @@ fn unroll(rows: &[&ContactRow], position: &mut [f64]) {
 fn contact_picture(title: &str, units: &Units, side: &str, rows: &[&ContactRow]) -> Result<Picture, PictureError> {
     let (label, mut position) = positions(side, rows);
     unroll(rows, &mut position);
-    let collect = |f: fn(&ContactRow) -> f64| rows.iter().map(|r| f(r)).collect::<Vec<f64>>();
+    let breaks = breaks(rows, &position);
+    let collect = |f: fn(&ContactRow) -> f64| {
+        rows.iter().map(|r| f(r)).chain(breaks.iter().map(|_| f64::NAN)).collect::<Vec<f64>>()
+    };
+    position.extend(&breaks);
     let bound = if rows.iter().any(|r| r.bound > 0.0) { collect(|r| r.bound) } else { Vec::new() };
     contact(&ContactSide {
         title: &format!("{title}: contact on {side}"),
@@ -296,6 +300,21 @@ fn contact_picture(title: &str, units: &Units, side: &str, rows: &[&ContactRow])
         shear: &collect(|r| r.shear),
         bound: &bound,
     })
+}
+
+/// Neighbours whose distance is more than this part of the lengths that they stand for see different things.
+const APART: f64 = 3.0;
+
+/// Positions between stretches that see other bodies, where a side sees nothing.
+fn breaks(rows: &[&ContactRow], position: &[f64]) -> Vec<f64> {
+    let mut order: Vec<usize> = (0..rows.len()).collect();
+    order.sort_by(|&i, &j| position[i].total_cmp(&position[j]));
+    let between = |pair: &[usize]| {
+        let [a, b] = [pair[0], pair[1]];
+        let apart = position[b] - position[a] > APART * (rows[a].weight + rows[b].weight);
+        apart.then_some((position[a] + position[b]) / 2.0)
+    };
+    order.windows(2).filter_map(between).collect()
 }
 
 /// Writes the tables of a result as CSV files into a folder; returns them.

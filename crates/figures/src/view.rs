@@ -17,6 +17,8 @@ pub struct View {
     pub window: Option<[[f64; 2]; 2]>,
     /// Factor > 0 at which displacements are drawn, 1 to scale. None: one that makes them visible.
     pub enlarge: Option<f64>,
+    /// Whether fields on grids are drawn without the lines of coarse cells.
+    pub hides_cells: bool,
 }
 
 impl View {

@@ -164,6 +164,7 @@ fn errors(runs: &Runs<'_>, figure: &mut Figure) -> Result<(), String> {
     ] {
         for name in names {
             let [least, largest] = range(steps(made, name)?.iter().map(|step| number(step, key)));
+            let key = key.replace('_', " ");
             figure.row(format!("smallest {key}, {name}"), least, Expected::Between(low, high));
             figure.row(format!("largest {key}, {name}"), largest, Expected::Between(low, high));
         }

@@ -140,7 +140,7 @@ pub fn make(only: &[String], watch: &mut Watch<'_>) -> Result<Gallery, GalleryEr
         made.push((run, found));
     }
     let drawn = |entry: &'static Entry| {
-        let runs = Runs { made: &made, view: View { range: entry.range, ..View::default() } };
+        let runs = Runs { made: &made, view: View { range: entry.range, hides_cells: true, ..View::default() } };
         let mut figure = Figure::default();
         let missing = (entry.draw)(&runs, &mut figure).err();
         let seconds = entry.runs.iter().filter_map(|run| runs.get(run).ok()).map(|made| made.seconds).sum();

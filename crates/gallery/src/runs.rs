@@ -214,7 +214,8 @@ impl Run {
         let mut command = match self.task {
             Task::Solve => {
                 let range = range.map_or(String::new(), |[low, high]| format!(" --range {low}:{high}"));
-                format!("steklov solve {scene} --plots .{range}")
+                let cells = if [BAR, CELLS, MEDIUM].contains(&self.scene) { " --hide-cells" } else { "" };
+                format!("steklov solve {scene} --plots .{range}{cells}")
             }
             Task::Compare(strategies, multipliers) => {
                 let what = format!("{}{}", list("--strategies", strategies), list("--multipliers", multipliers));

@@ -1,7 +1,9 @@
 //! Pressure and shear along a contact side, in two panels over one axis.
 
 use super::axes::{Axes, BELOW, TICK_TEXT};
+use super::bands;
 use super::canvas::{BLACK, Canvas, GREY, Pen, Rect, Title, WIDTH, clip, text_width};
+use super::scale::short;
 use super::{Picture, PictureError, in_unit};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
@@ -49,6 +51,7 @@ pub struct ContactSide<'a> {
 /// Draws the pressure above; shear and, dashed, ±F below. Both panels contain zero.
 ///
 /// Of a side that touches along less than half of its length only the contact and half of its length on both sides are shown.
+/// Tractions on 2 % of the length that are far beyond the others leave their panel, and the key has the largest.
 /// Where F is everywhere more than five times the largest shear it is cut off at the frame, and the key says so.
 ///
 /// # Errors
@@ -76,13 +79,15 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
     let x = interval(pressure.iter().map(|p| p[0]), false);
     let far = hidden(side.shear, side.bound);
     let shown = bounds.iter().flatten().filter(|_| !far);
+    let limits = [usual(&pressure), usual(&shear)];
+    let within = |k: usize| move |v: f64| v.clamp(-limits[k], limits[k]);
     let panel = |k: usize, y: [f64; 2]| {
         let top = top + k as f64 * (PANEL + KEY + 12.0);
         Axes { frame: Rect { left: 0.0, top, width: WIDTH, height: PANEL }, x, y }
     };
     let mut panels = [
-        panel(0, interval(pressure.iter().map(|p| p[1]), true)),
-        panel(1, interval(shear.iter().chain(shown).map(|p| p[1]), true)),
+        panel(0, interval(pressure.iter().map(|p| p[1]).map(within(0)), true)),
+        panel(1, interval(shear.iter().chain(shown).map(|p| p[1]).map(within(1)), true)),
     ];
     let left = panels[0].left_margin().max(panels[1].left_margin());
     for p in &mut panels {
@@ -104,15 +109,38 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
 
     let mut key = Key { canvas: &mut canvas, right: WIDTH - RIGHT, y: panels[0].frame.top - 10.0 };
     let unit = side.stress.unwrap_or("the unit of E");
-    key.entry(&format!("pressure λₙ, in {unit}"), &pressure_pen(), Some(Marker::Disc));
+    let [highest, strongest] = [(&pressure, limits[0]), (&shear, limits[1])].map(|(curve, limit)| {
+        let largest = curve
+            .iter()
+            .map(|p| p[1])
+            .filter(|v| v.is_finite())
+            .fold(0.0, |m: f64, v| if v.abs() > m.abs() { v } else { m });
+        if largest.abs() > limit { format!(" (to {} beyond this panel)", short(largest, 3)) } else { String::new() }
+    });
+    key.entry(&format!("pressure λₙ, in {unit}{highest}"), &pressure_pen(), Some(Marker::Disc));
     key.y = panels[1].frame.top - 10.0;
     key.right = WIDTH - RIGHT;
     if !bounds.is_empty() {
         let beyond = if far { " (beyond this panel)" } else { "" };
         key.entry(&format!("friction bound ±F{beyond}"), &bound_pen(), None);
     }
-    key.entry(&format!("shear λₜ of the body on the obstacle, in {unit}"), &shear_pen(), Some(Marker::Square));
+    key.entry(
+        &format!("shear λₜ of the body on the obstacle, in {unit}{strongest}"),
+        &shear_pen(),
+        Some(Marker::Square),
+    );
     canvas.finish()
+}
+
+/// The largest size of a curve, or what all but 2 % of its length have twice where that is far beyond it.
+fn usual(curve: &[[f64; 2]]) -> f64 {
+    let length = |i: usize| {
+        let known = |k: usize| curve.get(k).filter(|p| p[1].is_finite()).map_or(curve[i][0], |p| p[0]);
+        known(i + 1) - known(i.saturating_sub(1))
+    };
+    let sizes: Vec<(f64, f64)> = (0..curve.len()).map(|i| (curve[i][1].abs(), length(i))).collect();
+    let largest = sizes.iter().map(|s| s.0).filter(|v| v.is_finite()).fold(0.0, f64::max);
+    if largest > 0.0 { bands::interval(&sizes)[1] } else { 0.0 }
 }
 
 /// The positions to show: those of the contact and its neighbourhood, or all.
@@ -185,7 +213,9 @@ fn draw(canvas: &mut Canvas, axes: &Axes, curve: &[[f64; 2]], pen: &Pen, marker:
     let placed: Vec<_> = curve.iter().map(|&p| axes.at(p)).collect();
     canvas.lines(&clip(&placed, axes.frame), pen);
     if let Some(marker) = marker.filter(|_| placed.len() <= MARKERS) {
-        placed.iter().filter(|p| p[1].is_finite()).for_each(|&p| mark(canvas, p, marker, pen));
+        let f = axes.frame;
+        let inside = |p: &&[f64; 2]| (f.top..=f.bottom()).contains(&p[1]);
+        placed.iter().filter(inside).for_each(|&p| mark(canvas, p, marker, pen));
     }
 }
 

@@ -14,6 +14,9 @@ pub struct Facets {
     pub turn: f64,
     /// The corners between them.
     pub corners: Vec<[f64; 2]>,
+    /// Both ends of a curve that is not closed, each with the angle of the body (radian) between the curve and what joins it there,
+    /// less that between the straight edge and this: half a turn, negative of curves that bulge into the body.
+    pub ends: Vec<([f64; 2], f64)>,
     /// The curve that they stand for.
     pub curve: Drawn,
 }
@@ -119,7 +122,10 @@ fn told(run: &[Corner<'_>], closed: bool) -> Facets {
         None => Drawn::Smooth,
     };
     let turn = run.iter().map(|corner| corner.turn.abs()).sum::<f64>() / run.len() as f64;
-    Facets { side: run[0].after.side, edges: run.len() + usize::from(!closed), turn, corners: points, curve }
+    let (first, last) = (&run[0], &run[run.len() - 1]);
+    let ends = vec![(first.before.start, first.turn / 2.0), (last.after.end, last.turn / 2.0)];
+    let ends = if closed { Vec::new() } else { ends };
+    Facets { side: run[0].after.side, edges: run.len() + usize::from(!closed), turn, corners: points, ends, curve }
 }
 
 /// Centre and radius of the circle that points lie on.
@@ -177,5 +183,10 @@ mod tests {
         let Drawn::Arc { centre } = one.curve else { panic!("{found:?}") };
         assert!((centre[0] - 0.7).abs() + (centre[1] - 0.7).abs() < 1e-12);
         assert_eq!(one.edges, 12);
+        // the body goes on behind both ends: 180° less the chord's half turn
+        let half = PI / 2.0 / 12.0 / 2.0;
+        for ((at, angle), x) in one.ends.iter().zip([[1.0, 0.7], [0.7, 1.0]]) {
+            assert!((at[0] - x[0]).abs() + (at[1] - x[1]).abs() + (angle - half).abs() < 1e-12, "{at:?} {angle}");
+        }
     }
 }

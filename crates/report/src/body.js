@@ -62,15 +62,30 @@ function interpolated(values, { corners, w }) {
   return corners.reduce((sum, corner, k) => sum + w[k] * values[corner], 0);
 }
 
+/** The area of the triangles around each of some points. */
+function areas({ x, y, triangles }) {
+  const all = new Float64Array(x.length);
+  for (let t = 0; t < triangles.length; t += 3) {
+    const [a, b, c] = triangles.subarray(t, t + 3);
+    const area = Math.abs((x[b] - x[a]) * (y[c] - y[a]) - (y[b] - y[a]) * (x[c] - x[a]));
+    for (const point of [a, b, c]) all[point] += area;
+  }
+  return all;
+}
+
 /**
- * The interval of the colours: that of all finite values, from 0 where they are positive and vary much. Where a few are far beyond
- * all others, as at the tip of a crack, it goes half of the others' spread beyond them.
+ * The interval of the colours: that of all finite values, from 0 where they are positive and vary much. Where those of 2 % of the
+ * weight are far beyond all others, as at the tip of a crack, it goes half of the others' spread beyond them.
  */
-function interval(values) {
-  const sorted = Array.from(values).filter(Number.isFinite).sort((a, b) => a - b);
+function interval(values, weights = values.map(() => 1)) {
+  const sorted = Array.from(values.keys()).filter((i) => Number.isFinite(values[i])).sort((i, j) => values[i] - values[j]);
   if (sorted.length === 0) return [0, 1];
-  const at = (part) => sorted[Math.floor(part * (sorted.length - 1))];
-  let [low, high] = [at(0), at(1)];
+  const whole = sorted.reduce((sum, i) => sum + weights[i], 0);
+  const at = (part) => {
+    let sum = 0;
+    return values[sorted.find((i) => (sum += weights[i]) >= part * whole) ?? sorted[sorted.length - 1]];
+  };
+  let [low, high] = [values[sorted[0]], values[sorted[sorted.length - 1]]];
   const spread = at(0.99) - at(0.01);
   if (high - low > 4 * spread && spread > 0) {
     low = Math.max(low, at(0.01) - spread / 2);
@@ -155,6 +170,7 @@ class Picture {
     this.canvas = canvas;
     this.context = canvas.getContext("2d");
     this.colours = palette();
+    this.weights = areas(body);
     /** The colours as pixels, null where they have to be painted again. */
     this.painted = null;
     /** The point that is looked at. */
@@ -215,7 +231,7 @@ class Picture {
   /** The colours are those of a field. */
   choose([name, value]) {
     this.values = this.body.x.map((_, i) => value(this.body, i));
-    this.range = interval(this.values);
+    this.range = interval(this.values, this.weights);
     const [low, high] = this.range, [least, most] = ends([low, high, ...this.values.filter(Number.isFinite)]);
     get("name").textContent = name;
     get("low").textContent = told(low) + (least < low ? ` (to ${told(least)})` : "");

@@ -45,7 +45,7 @@ fn in_sums(name: &str, rows: &[&ContactRow], largest: f64) -> Option<Side> {
     let touches = |row: &ContactRow| row.pressure > TOUCHING * largest;
     let sticks = |row: &ContactRow| row.status == 1;
     let length = |wanted: &dyn Fn(&ContactRow) -> bool| {
-        rows.iter().filter(|row| touches(row) && wanted(row)).map(|row| row.weight).sum::<f64>()
+        rows.iter().filter(|row| touches(row) && wanted(row)).map(|row| row.weight).fold(0.0, |a, b| a + b) // sum() of nothing is -0
     };
     let mut force = [0.0; 2];
     for row in rows {

@@ -1,4 +1,4 @@
-//! A stored result as one page that loads nothing.
+//! A stored result, or a study, as one page that loads nothing.
 //!
 //! ```text
 //! result file ─► Record, steps ─► numbers, doubts, steps, contact, pictures, body (triangles with their fields) ─► index.html
@@ -49,6 +49,7 @@ mod convergence;
 mod images;
 mod numbers;
 mod page;
+mod study;
 pub mod told;
 
 use std::path::{Path, PathBuf};
@@ -57,6 +58,7 @@ use steklov_io::{File, IoError};
 use steklov_picture::{PictureError, replace};
 
 pub use page::page;
+pub use study::{Drawn, is_study, pictures_beside, study_page};
 
 /// Bytes that a page has at most.
 pub const LARGEST: usize = 1_000_000;
@@ -76,12 +78,18 @@ pub enum ReportError {
     Page(String),
 }
 
-/// Writes `index.html` into a folder, which is made if it is missing; `name` is that of the result file.
+/// Writes `index.html` into a folder, which is made if it is missing; `path` is that of the file. Of a study it has the pictures
+/// beside its file.
 ///
 /// # Errors
 /// A file that is no result, and a folder that cannot be written into.
-pub fn write(file: &File, name: &str, folder: &Path) -> Result<PathBuf, ReportError> {
-    let (page, path) = (page(file, name)?, folder.join("index.html"));
+pub fn write(file: &File, path: &Path, folder: &Path) -> Result<PathBuf, ReportError> {
+    let name = path.file_name().map_or_else(|| "result".into(), |name| name.to_string_lossy());
+    let page = match is_study(file) {
+        true => study_page(file, &name, pictures_beside(path))?,
+        false => page(file, &name)?,
+    };
+    let path = folder.join("index.html");
     let written = std::fs::create_dir_all(folder).and_then(|()| replace(folder, &path, page.as_bytes()));
     written.map_err(|source| PictureError::Write { path: path.clone(), source })?;
     Ok(path)

@@ -10,7 +10,7 @@ use super::{Failure, say};
 
 #[derive(Args)]
 pub(super) struct ReportArgs {
-    /// Result file
+    /// Result file, or the HDF5 file of a study
     file: PathBuf,
     /// Folder for the page, index.html
     #[arg(long, value_name = "DIR")]
@@ -20,7 +20,7 @@ pub(super) struct ReportArgs {
     force: bool,
 }
 
-/// Writes the page of a stored result.
+/// Writes the page of a stored result or study.
 pub(super) fn report(args: &ReportArgs) -> Result<u8, Failure> {
     check_place("--out", &args.out, args.force)?;
     no_scene(&args.file, "report")?;
@@ -41,6 +41,5 @@ pub(super) fn check_place(option: &str, folder: &Path, force: bool) -> Result<()
 
 /// The page of a result file in a folder.
 pub(super) fn written(file: &Path, folder: &Path) -> Result<PathBuf, Failure> {
-    let name = file.file_name().map_or_else(|| "result".into(), |name| name.to_string_lossy().into_owned());
-    Ok(steklov_report::write(&open(file)?, &name, folder)?)
+    Ok(steklov_report::write(&open(file)?, file, folder)?)
 }

@@ -22,6 +22,9 @@ pub(super) struct ViewArgs {
     /// How many times as large as they are displacements are drawn, 1 to scale; default: so that they are visible
     #[arg(long, value_name = "FACTOR", value_parser = factor, allow_hyphen_values = true)]
     enlarge: Option<f64>,
+    /// Fields on grids without the lines of coarse cells
+    #[arg(long)]
+    hide_cells: bool,
     /// Steps whose meshes are drawn too, separated by commas, 0 the first; of boundary elements
     #[arg(long, value_name = "STEPS", value_delimiter = ',')]
     pub(super) steps: Vec<usize>,
@@ -38,6 +41,7 @@ impl ViewArgs {
             ("--field", self.field.is_some()),
             ("--window", self.window.is_some()),
             ("--enlarge", self.enlarge.is_some()),
+            ("--hide-cells", self.hide_cells),
             ("--steps", !self.steps.is_empty()),
         ];
         match given.into_iter().find(|(_, is_given)| *is_given && !drawn) {
@@ -45,8 +49,8 @@ impl ViewArgs {
                 Err(Failure(format!("error: {option} says what pictures show, and none are drawn: add --plots DIR")))
             }
             None => {
-                let Self { range, window, enlarge, .. } = *self;
-                Ok(View { scalar: self.field.unwrap_or_default(), range, window, enlarge })
+                let Self { range, window, enlarge, hide_cells: hides_cells, .. } = *self;
+                Ok(View { scalar: self.field.unwrap_or_default(), range, window, enlarge, hides_cells })
             }
         }
     }

@@ -5,7 +5,7 @@ const assert = require("node:assert");
 const page = require("node:fs").readFileSync(process.argv[2], "utf8");
 const data = JSON.parse(page.match(/<script type="application\/json" id="data">([^]*?)<\/script>/)[1]);
 const script = page.match(/<script>([^]*?)<\/script>/)[1];
-const names = "decoded, moved, weights, find, interpolated, interval, principal, palette, paint, words, FIELDS";
+const names = "decoded, moved, weights, find, interpolated, areas, interval, principal, palette, paint, words, FIELDS";
 const js = new Function(`${script}; return { ${names} };`)();
 const near = (a, b, tol) => assert.ok(Math.abs(a - b) <= tol, `${a} is not ${b}`);
 
@@ -35,6 +35,10 @@ assert.deepStrictEqual(js.interval([-1, 2]), [-1, 2]);
 const values = Array.from({ length: 1000 }, (_, k) => k / 999);
 const [, high] = js.interval([...values, 1e6]);
 assert.ok(high > 1 && high < 2, high);
+// as many points about a singular one as elsewhere, on little area
+const [, wide] = js.interval([...values, ...values.map((v) => 1e4 * v)], [...values.map(() => 1), ...values.map(() => 1e-6)]);
+assert.ok(wide > 1 && wide < 2, wide);
+assert.deepStrictEqual(Array.from(js.areas({ x: [0, 2, 2, 0], y: [0, 0, 1, 1], triangles: new Uint16Array([0, 1, 2, 0, 2, 3]) })), [4, 2, 4, 2]);
 const [low, top] = js.interval([5, 5, 5]);
 assert.ok(low < 5 && top > 5);
 

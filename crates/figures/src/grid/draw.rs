@@ -106,7 +106,7 @@ pub(crate) fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Pict
     let Some(record) = &stored.on_grid else { return Ok(Vec::new()) };
     let (body, title) = (&record.body, &stored.summary.title);
     let grid = &body.grid;
-    let coarse = rectangles(record);
+    let coarse = if view.hides_cells { Vec::new() } else { rectangles(record) };
     let [length, unit] = units(stored, view.scalar);
     let mut pictures = Vec::new();
     let mut add = |name: &str, label: &str, values: &[f64], colours: Colours| -> Result<(), PictureError> {

@@ -14,7 +14,12 @@ use crate::solve::contact_rows::ContactRow;
 /// data jump. Cells of different moduli about a point count as one material; on the interface of such a body with the medium
 /// around it no point is judged.
 pub(crate) fn singular_points(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> Vec<[f64; 2]> {
-    let singular = wedges(scene, rows).into_iter().filter(|vertex| vertex.wedge.is_singular());
+    singular_with(scene, mesh, rows, &[])
+}
+
+/// These points of bodies that have other angles there than as they are drawn.
+fn singular_with(scene: &Scene, mesh: &Mesh, rows: &[ContactRow], turns: &[([f64; 2], f64)]) -> Vec<[f64; 2]> {
+    let singular = wedges(scene, rows, turns).into_iter().filter(|vertex| vertex.wedge.is_singular());
     let of_data = data_jumps(scene, mesh, rows).into_iter().map(|jump| jump.point);
     singular.flat_map(|vertex| vertex.points).chain(of_data).collect()
 }
@@ -22,7 +27,7 @@ pub(crate) fn singular_points(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -
 /// Whether the pressure of contact is infinite at one of these points. At the tip of a closed crack the shear ahead is, but no
 /// pressure.
 pub(crate) fn is_pressure_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> bool {
-    let mut wedges = wedges(scene, rows).into_iter().filter(|vertex| vertex.is_pressed && !vertex.is_at_cut);
+    let mut wedges = wedges(scene, rows, &[]).into_iter().filter(|vertex| vertex.is_pressed && !vertex.is_at_cut);
     wedges.any(|vertex| vertex.wedge.is_singular()) || data_jumps(scene, mesh, rows).iter().any(|jump| jump.is_pressed)
 }
 
@@ -32,14 +37,17 @@ pub(crate) fn is_among(scene: &Scene, singular: &[[f64; 2]]) -> impl Fn([f64; 2]
     move |x| singular.iter().any(|other| distance(*other, x) <= near)
 }
 
-/// Each point of infinite stress once, without corners between straight edges that stand for a curve.
-pub(crate) fn told(scene: &Scene, singular: &[[f64; 2]]) -> Vec<[f64; 2]> {
+/// Each point of infinite stress once; of polygons that stand for curves those that the curves have too.
+pub(crate) fn told(scene: &Scene, mesh: &Mesh, rows: &[ContactRow], singular: Vec<[f64; 2]>) -> Vec<[f64; 2]> {
     let near = SAME_PLACE * scene.problem.outline.diameter();
-    let on_curves: Vec<[f64; 2]> = facets(&scene.problem.outline).into_iter().flat_map(|f| f.corners).collect();
+    let curves = facets(&scene.problem.outline);
+    let turns: Vec<([f64; 2], f64)> = curves.iter().flat_map(|curve| curve.ends.clone()).collect();
+    let singular = if turns.is_empty() { singular } else { singular_with(scene, mesh, rows, &turns) };
     let mut found: Vec<[f64; 2]> = Vec::new();
     for point in singular {
-        if !on_curves.contains(point) && found.iter().all(|other| distance(*other, *point) > near) {
-            found.push(*point);
+        let on_curve = curves.iter().any(|curve| curve.corners.contains(&point));
+        if !on_curve && found.iter().all(|other| distance(*other, point) > near) {
+            found.push(point);
         }
     }
     found

@@ -63,8 +63,14 @@ struct Link<'a> {
 
 /// The wedges of all bodies whose condition, angle or material changes at the point. Cells of different moduli about it count as
 /// one material; where such a body meets the medium around it there is none.
-pub(crate) fn wedges(scene: &Scene, rows: &[ContactRow]) -> Vec<Vertex> {
-    let at = Points::new(scene, rows);
+///
+/// `turns` are angles that bodies have more at points of their boundaries than as they are drawn.
+pub(crate) fn wedges(scene: &Scene, rows: &[ContactRow], turns: &[([f64; 2], f64)]) -> Vec<Vertex> {
+    let mut at = Points::new(scene, rows);
+    for part in &mut at.parts {
+        let of_part = turns.iter().filter(|(x, _)| *x == part.point);
+        part.angle += of_part.map(|(_, turn)| turn).sum::<f64>();
+    }
     let mut seen = vec![false; at.parts.len()];
     (0..at.parts.len()).filter_map(|k| at.wedge(k, &mut seen)).collect()
 }

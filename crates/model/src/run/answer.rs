@@ -30,6 +30,8 @@ pub fn answer<M: Model>(
     // an exact field has no singular part
     let singular = if exact { Vec::new() } else { singular_points::singular_points(scene, report.trace.mesh, rows) };
     probes::tell_unbounded(&mut probe, &mut lines, &mut sides, singular_points::is_among(scene, &singular));
+    let told = || singular_points::told(scene, report.trace.mesh, rows, singular);
+    let infinite_stress = if exact { Vec::new() } else { told() };
     let mut doubts = report.doubts;
     doubts.extend(exterior.iter().filter_map(MediumSummary::doubt));
     if outcomes.is_some_and(|result| result.is_doubtful()) {
@@ -80,7 +82,7 @@ pub fn answer<M: Model>(
         audit: contact.map(|c| audit_summary(&c.audit)),
         reactions: report.reactions.iter().cloned().collect(),
         probe,
-        infinite_stress: singular_points::told(scene, &singular),
+        infinite_stress,
         probe_lines: lines,
         probe_sides: sides,
         stochastic: scene.random.as_ref().zip(outcomes).map(|(random, result)| stochastic::json(random, result)),

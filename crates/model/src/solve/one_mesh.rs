@@ -137,6 +137,9 @@ fn unresisted_motions(
                 }
             }
             let loose = data.loose_motions(bodies, joints, (&supports, springs), given, tied)?;
+            if bodies.iter().any(|body| !body.turning.is_empty()) {
+                project_load_off(&mut given.load, &loose.motions);
+            }
             for (body, rotation) in &loose.rotations {
                 project_load_off(bodies[*body].piece.own_mut(&mut given.load), std::slice::from_ref(rotation));
             }
