@@ -172,3 +172,45 @@ fn ends_of_a_polygon_that_stands_for_a_curve_are_judged_by_the_curve() {
         "{held:?}"
     );
 }
+
+/// At corners and in joints constant data need a logarithm that no body by itself shows: a square too large for its hole in its own
+/// material (σ_xy grows by 2μδ/(1-ν) log(1/r)/2π), shear beside a roller or a floor, and jumps that bricks or a cut part.
+#[test]
+fn data_that_no_constant_stress_bears_are_infinite() {
+    let square = "[body]\ncorners = [[-1, 0], [0, 0], [0, 1], [-1, 1]]\nsides = [\"b\", \"r\", \"t\", \"l\"]\n\
+                  [material]\nyoung = 1000\npoisson = 0.3\n[sides.l]\ndisplacement = [\"0\", \"0\"]\n[sides.t]\ntraction = [\"0\", \"-3\"]\n";
+    for (beside, shear, is_infinite) in [
+        ("displacement = [\"free\", \"0\"]", "1", true),
+        ("displacement = [\"free\", \"0\"]", "y", false),
+        ("contact = { gap = \"0\" }", "-1", true),
+        ("contact = { gap = \"0\" }", "-y", false),
+        ("contact = { gap = \"0\", friction = { tresca = \"1\" } }", "-2", true),
+    ] {
+        let found = infinite(&format!("{square}[sides.b]\n{beside}\n[sides.r]\ntraction = [\"0\", \"{shear}\"]\n"));
+        assert_eq!(has(&found, [0.0, 0.0]), is_infinite, "{beside}, {shear}: {found:?}");
+    }
+    let misfit = |x: &str, y: &str| {
+        infinite(&format!(
+            "[body]\ncorners = [[-1, -1], [1, -1], [1, 1], [-1, 1]]\nsides = [\"s\", \"s\", \"s\", \"s\"]\n\
+             [material]\nyoung = 1000\npoisson = 0.3\n[exterior]\nyoung = 1000\npoisson = 0.3\ndisplacement_jump = [\"{x}\", \"{y}\"]\n"
+        ))
+    };
+    assert_eq!(misfit("-0.001*x", "-0.001*y").len(), 4);
+    assert_eq!(misfit("0.001*y", "-0.001*x").len(), 0, "turned in its hole");
+    let bricks = |side: &str, law: &str| {
+        infinite(&format!(
+            "[material]\nyoung = 1000\npoisson = 0.3\n\
+             [[body]]\nname = \"a\"\ncorners = [[-1, 0], [0, 0], [0, 1], [-1, 1]]\nsides = [\"b\", \"r\", \"t\", \"l\"]\n\
+             [[body]]\nname = \"q\"\ncorners = [[0, 0], [1, 0], [1, 1], [0, 1]]\nsides = [\"b\", \"r\", \"t\", \"l\"]\n\
+             [sides.a.b]\ndisplacement = [\"0\", \"0\"]\n{side}\n\
+             [[interface]]\nbetween = [\"a.r\", \"q.l\"]\ntied = {law}\n"
+        ))
+    };
+    assert!(has(&bricks("[sides.a.t]\ntraction = [\"1\", \"0\"]", "true"), [0.0, 1.0]), "a jump of the shear");
+    assert!(!has(&bricks("[sides.a.t]\ntraction = [\"0\", \"1\"]", "true"), [0.0, 1.0]), "a jump of the pressure");
+    let steps = |jump: &str| bricks("", &format!("{{ traction_jump = {jump} }}"));
+    assert!(has(&steps("[\"0\", \"if(y < 0.3, 1, 0)\"]"), [0.0, 0.3]), "a step of the traction in a joint");
+    assert!(!has(&steps("[\"0\", \"y\"]"), [0.0, 0.3]));
+    let kinks = |jump: &str| bricks("", &format!("{{ displacement_jump = [\"0\", \"{jump}\"] }}"));
+    assert!(has(&kinks("0.01*y*abs(y-0.3)"), [0.0, 0.3]) && !has(&kinks("0.01*y*(y-0.3)^2"), [0.0, 0.3]));
+}

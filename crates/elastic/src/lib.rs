@@ -26,4 +26,4 @@ mod wedge;
 
 pub use material::{Material, MaterialError, Plane, principal, von_mises};
 pub use rigid::{RigidMotion, free_motions};
-pub use wedge::{Face, Joint, Sector, Wedge};
+pub use wedge::{Datum, Face, Joint, Sector, Wedge};

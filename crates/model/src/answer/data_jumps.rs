@@ -72,9 +72,9 @@ pub(crate) fn data_jumps(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> Vec
 }
 
 /// The kinks of the data along an edge, its ends apart.
-fn kinks(scene: &Scene, edge: &Edge) -> Vec<f64> {
-    let data = scene.problem.side_data(edge.side);
-    let mut kinks: Vec<f64> = data.iter().flat_map(|(_, datum)| datum.along(edge).kinks.clone()).collect();
+pub(crate) fn kinks(scene: &Scene, edge: &Edge) -> Vec<f64> {
+    let data = scene.problem.side_data(edge.side).into_iter().map(|(_, datum)| datum).chain(scene.jumps_on(edge));
+    let mut kinks: Vec<f64> = data.flat_map(|datum| datum.along(edge).kinks.clone()).collect();
     kinks.retain(|s| (3.0 * NEAR..=1.0 - 3.0 * NEAR).contains(s));
     kinks.sort_by(f64::total_cmp);
     kinks.dedup();

@@ -1,6 +1,7 @@
 //! The reported results of a solved mesh: contact in numbers, interfaces, singular points, and how far the model holds.
 
 pub(crate) mod bernstein;
+pub(crate) mod borne;
 pub(crate) mod data_jumps;
 pub mod interfaces;
 pub mod normals;

@@ -7,7 +7,7 @@ use steklov_elastic::plane::distance;
 use steklov_problem::{Scene, facets};
 
 use crate::answer::data_jumps::data_jumps;
-use crate::answer::wedges::{wedges, wedges_of_single_bodies};
+use crate::answer::wedges::{Vertex, wedges, wedges_of_single_bodies};
 use crate::solve::contact_rows::ContactRow;
 
 /// The points of infinite stress: where the exponents of the bodies that meet there let stresses grow without bound, and where
@@ -19,16 +19,15 @@ pub(crate) fn singular_points(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -
 
 /// These points of bodies that have other angles there than as they are drawn.
 fn singular_with(scene: &Scene, mesh: &Mesh, rows: &[ContactRow], turns: &[([f64; 2], f64)]) -> Vec<[f64; 2]> {
-    let singular = wedges(scene, rows, turns).into_iter().filter(|vertex| vertex.wedge.is_singular());
+    let singular = wedges(scene, rows, turns).into_iter().filter(Vertex::is_singular);
     let of_data = data_jumps(scene, mesh, rows).into_iter().map(|jump| jump.point);
     singular.flat_map(|vertex| vertex.points).chain(of_data).collect()
 }
 
-/// Whether the pressure of contact is infinite at one of these points. At the tip of a closed crack the shear ahead is, but no
-/// pressure.
+/// Whether the pressure of contact is infinite at one of these points.
 pub(crate) fn is_pressure_unbounded(scene: &Scene, mesh: &Mesh, rows: &[ContactRow]) -> bool {
-    let mut wedges = wedges(scene, rows, &[]).into_iter().filter(|vertex| vertex.is_pressed && !vertex.is_at_cut);
-    wedges.any(|vertex| vertex.wedge.is_singular()) || data_jumps(scene, mesh, rows).iter().any(|jump| jump.is_pressed)
+    wedges(scene, rows, &[]).iter().any(Vertex::is_pressed_without_bound)
+        || data_jumps(scene, mesh, rows).iter().any(|jump| jump.is_pressed)
 }
 
 /// Tells of a point whether it is one of infinite stress.
@@ -61,7 +60,7 @@ const STRONG: f64 = 0.45;
 pub(crate) fn strong_vertices(scene: &Scene) -> Vec<([usize; 2], f64)> {
     let sides = |edge: usize| scene.problem.outline.edges()[edge].side;
     let held = |edge: usize| (0..2).any(|i| scene.problem.sides[sides(edge)].holds(i));
-    let strong = |vertex: crate::answer::wedges::Vertex| {
+    let strong = |vertex: Vertex| {
         let [behind, before] = vertex.edges;
         let is_open = [before, behind].iter().all(|&edge| scene.contact(sides(edge)).is_none());
         let is_judged = is_open && held(before) != held(behind) && vertex.wedge.sectors[0].angle > PI + 1e-9;

@@ -12,6 +12,8 @@ use steklov_elastic::plane::{angle, distance, minus, unit};
 use steklov_elastic::{Face, Joint, Material, Sector, Wedge};
 use steklov_problem::{Condition, Faces, Friction, Interface, Law, Scene};
 
+use crate::answer::borne::{AtVertex, Between};
+use crate::answer::data_jumps::kinks;
 use crate::mesh::first_mesh::SMOOTH;
 use crate::solve::contact_rows::{ContactRow, TOUCHING, max_pressure};
 
@@ -34,16 +36,34 @@ pub(crate) struct Vertex {
     pub is_pressed: bool,
     /// Whether it lies at a cut beyond the tip of a crack.
     pub is_at_cut: bool,
+    /// Whether angle, material and conditions go on: no exponent makes the stress infinite.
+    pub goes_on: bool,
+    /// Whether the data let the stress grow like log(1/r): None if not, else whether the pressure of contact grows so too.
+    pub logarithm: Option<bool>,
+}
+
+impl Vertex {
+    /// Whether the stress is infinite.
+    pub fn is_singular(&self) -> bool {
+        self.logarithm.is_some() || !self.goes_on && self.wedge.is_singular()
+    }
+
+    /// Whether the pressure of contact is infinite. At the tip of a closed crack the shear ahead is, but no pressure.
+    pub fn is_pressed_without_bound(&self) -> bool {
+        let of_exponents = || !self.goes_on && self.wedge.is_singular();
+        self.is_pressed && !self.is_at_cut && (self.logarithm == Some(true) || of_exponents())
+    }
 }
 
 /// A ray out of a point of the outline along an edge.
 #[derive(Debug, Clone, Copy)]
-struct Ray {
-    edge: usize,
+pub(crate) struct Ray {
+    /// The edge.
+    pub edge: usize,
     /// Edge parameter of the point.
-    s: f64,
+    pub s: f64,
     /// Whether the parameter rises along the ray.
-    rising: bool,
+    pub rising: bool,
 }
 
 /// A body at a point.
@@ -61,7 +81,7 @@ struct Link<'a> {
     interface: &'a Interface,
 }
 
-/// The wedges of all bodies whose condition, angle or material changes at the point. Cells of different moduli about it count as
+/// The wedges of all bodies at vertices, at the ends of interfaces and where data of ties have kinks. Cells of different moduli about it count as
 /// one material; where such a body meets the medium around it there is none.
 ///
 /// `turns` are angles that bodies have more at points of their boundaries than as they are drawn.
@@ -78,7 +98,7 @@ pub(crate) fn wedges(scene: &Scene, rows: &[ContactRow], turns: &[([f64; 2], f64
 /// The wedges that bodies form alone at vertices of their boundaries, nothing pressed.
 pub(crate) fn wedges_of_single_bodies(scene: &Scene) -> Vec<Vertex> {
     let at = Points { scene, rows: &[], parts: parts_at_vertices(scene), links: Vec::new() };
-    (0..at.parts.len()).filter_map(|k| at.of_chain(&[k], &[], false)).collect()
+    (0..at.parts.len()).filter_map(|k| at.of_chain(&[k], &[], false)).filter(|vertex| !vertex.goes_on).collect()
 }
 
 /// The points at which wedges are looked for.
@@ -93,11 +113,14 @@ impl<'a> Points<'a> {
     fn new(scene: &'a Scene, rows: &'a [ContactRow]) -> Self {
         let mut at = Self { scene, rows, parts: parts_at_vertices(scene), links: links(scene) };
         let inside = |ray: &Ray| ray.s > NEAR && ray.s < 1.0 - NEAR;
+        let medium = scene.surroundings().is_some();
+        let edges = scene.problem.outline.edges();
+        for (k, edge) in edges.iter().enumerate().filter(|(_, edge)| medium && edge.loop_index == 0) {
+            at.parts.extend(kinks(scene, edge).into_iter().map(|s| Part::inside(edges, k, s)));
+        }
         for ray in at.links.iter().flat_map(|link| link.rays).filter(inside) {
             if at.parts.iter().all(|part| part.rays.iter().all(|own| !own.is_at(ray))) {
-                let edge = &scene.problem.outline.edges()[ray.edge];
-                let rays = [!edge.reversed, edge.reversed].map(|rising| Ray { rising, ..ray });
-                at.parts.push(Part { point: edge.point(ray.s), rays, angle: PI, is_straight: true });
+                at.parts.push(Part::inside(edges, ray.edge, ray.s));
             }
         }
         at
@@ -151,12 +174,7 @@ impl<'a> Points<'a> {
     /// How an interface joins its sides next to a point; none if it is open there.
     fn joint(&self, link: &Link<'_>) -> Option<Joint> {
         let Law::Contact(contact) = &link.interface.law else { return Some(Joint::Bonded) };
-        let ray = link.rays[0];
-        let edge = &self.scene.problem.outline.edges()[ray.edge];
-        let (x, [tx, ty]) = (edge.point(ray.s), edge.tangent(ray.s));
-        let distance = |r: &ContactRow| distance(r.point, x);
-        let along = |r: &&ContactRow| r.side == edge.side && r.normal[0] * ty - r.normal[1] * tx > ALONG;
-        let nearest = self.rows.iter().filter(along).min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        let nearest = nearest_row(self.scene, self.rows, link.rays[0])?;
         state(nearest, max_pressure(self.rows), &contact.friction)
     }
 
@@ -167,39 +185,54 @@ impl<'a> Points<'a> {
         let (first, last) = (parts[0].rays[0], parts[parts.len() - 1].rays[1]);
         let sector = |part: &&Part| sector(part.angle, &scene.problem.body_of(&edges[part.rays[0].edge]).material());
         let mut sectors: Vec<Sector> = parts.iter().map(sector).collect();
-        let vertex = |wedge: Wedge, is_pressed: bool| Vertex {
+        let total: f64 = parts.iter().map(|part| part.angle).sum();
+        let (mut between, mut joints, mut faces, mut is_pressed) = (Vec::new(), joints.to_vec(), None, false);
+        let mut goes_on = self.goes_on(&parts);
+        if let Some(around) = scene.surroundings().filter(|_| edges[first.edge].loop_index == 0) {
+            if scene.body().cells().is_some() {
+                return None;
+            }
+            sectors.push(self::sector(2.0 * PI - parts[0].angle, &around.material));
+            joints = vec![Joint::Bonded; 2];
+            between.extend([(last, true), (first, false)].map(|(own, is_before)| Between {
+                own,
+                interface: None,
+                is_before,
+            }));
+            goes_on = parts[0].is_straight;
+        } else {
+            let of_contact =
+                |ray: Ray| self.link(ray).is_some_and(|(link, _)| matches!(link.interface.law, Law::Contact(_)));
+            is_pressed = !joints.is_empty() && parts.iter().any(|part| part.rays.into_iter().any(of_contact));
+            for part in &parts[..joints.len()] {
+                let (link, _) = self.link(part.rays[1])?;
+                let is_before = link.rays[0].is(part.rays[1]);
+                between.push(Between { own: link.rays[0], interface: Some(link.interface), is_before });
+            }
+            if is_closed {
+                // faces of contact may not meet at the point as they are drawn
+                (total - 2.0 * PI).abs().partial_cmp(&SMOOTH).filter(|order| order.is_lt())?;
+            } else {
+                faces = Some([first, last].map(|ray| {
+                    let (face, closed) = self.face(ray);
+                    is_pressed |= closed;
+                    face
+                }));
+            }
+        }
+        let wedge = Wedge { sectors, joints, faces };
+        // where the boundary is straight ridges of gaps are judged by themselves
+        let at = AtVertex { scene, rows: self.rows, has_gaps: (total - PI).abs() > SMOOTH && !goes_on };
+        let logarithm = at.logarithm(&wedge, faces.map(|_| [first, last]), &between);
+        Some(Vertex {
             points: parts.iter().map(|part| part.point).collect(),
             edges: [first.edge, last.edge],
             wedge,
             is_pressed,
             is_at_cut: parts.iter().flat_map(|part| part.rays).any(|ray| self.is_cut(ray)),
-        };
-        if let Some(around) = scene.surroundings().filter(|_| edges[first.edge].loop_index == 0) {
-            let is_judged = scene.body().cells().is_none() && !parts[0].is_straight;
-            sectors.push(self::sector(2.0 * PI - parts[0].angle, &around.material));
-            return is_judged.then(|| vertex(Wedge { sectors, joints: Vec::new(), faces: None }, false));
-        }
-        if self.goes_on(&parts) {
-            return None;
-        }
-        let is_contact = |part: &&Part| {
-            part.rays
-                .iter()
-                .any(|ray| matches!(self.link(*ray), Some((link, _)) if matches!(link.interface.law, Law::Contact(_))))
-        };
-        let mut is_pressed = !joints.is_empty() && parts.iter().any(is_contact);
-        let total: f64 = parts.iter().map(|part| part.angle).sum();
-        if is_closed {
-            // faces of contact that do not meet at the point as they are drawn
-            let is_full = (total - 2.0 * PI).abs() < SMOOTH;
-            return is_full.then(|| vertex(Wedge { sectors, joints: joints.to_vec(), faces: None }, is_pressed));
-        }
-        let faces = [first, last].map(|ray| {
-            let (face, closed) = self.face(ray);
-            is_pressed |= closed;
-            face
-        });
-        Some(vertex(Wedge { sectors, joints: joints.to_vec(), faces: Some(faces) }, is_pressed))
+            goes_on,
+            logarithm,
+        })
     }
 
     /// Whether nothing changes at the point: of a body alone the side, of several the law between them.
@@ -240,6 +273,14 @@ impl<'a> Points<'a> {
         let forward = ray.rising != edge.reversed;
         let direction = direction(edge, !forward).map(|d| if forward { d } else { -d });
         (face_of(&scene.problem.sides[edge.side].condition, direction), false)
+    }
+}
+
+impl Part {
+    /// A body at a point inside of an edge.
+    fn inside(edges: &[Edge], edge: usize, s: f64) -> Self {
+        let rays = [!edges[edge].reversed, edges[edge].reversed].map(|rising| Ray { edge, s, rising });
+        Self { point: edges[edge].point(s), rays, angle: PI, is_straight: true }
     }
 }
 
@@ -308,6 +349,16 @@ fn links(scene: &Scene) -> Vec<Link<'_>> {
                 }
             }
         }
+        for (k, edge) in edges.iter().enumerate().filter(|(_, edge)| interface.sides.contains(&edge.side)) {
+            for own in
+                kinks(scene, edge).into_iter().flat_map(|s| [false, true].map(|rising| Ray { edge: k, s, rising }))
+            {
+                let seen = |s: f64| problem.seen(interface, k, s).map(|seen| (seen.edge, seen.s)).into_iter().collect();
+                for other in limits(own, inset(k), seen) {
+                    add(own, other);
+                }
+            }
+        }
         let facing = (0..edges.len()).filter(|&k| problem.facing_sides(interface).contains(&edges[k].side));
         for other in facing.flat_map(|edge| [false, true].map(|rising| Ray::of_end(edge, rising))) {
             for own in limits(other, inset(other.edge), |s| problem.seen_from(interface, other.edge, s)) {
@@ -354,6 +405,15 @@ fn interior_angle(before: &Edge, behind: &Edge) -> f64 {
 pub(crate) fn is_straight(before: &Edge, behind: &Edge) -> bool {
     let turn = (interior_angle(before, behind) - PI).abs();
     turn < if before.is_line() && behind.is_line() { STRAIGHT } else { SMOOTH }
+}
+
+/// The contact node of the side of a ray, with about its normal, that is nearest to its beginning.
+pub(crate) fn nearest_row<'a>(scene: &Scene, rows: &'a [ContactRow], ray: Ray) -> Option<&'a ContactRow> {
+    let edge = &scene.problem.outline.edges()[ray.edge];
+    let (x, [tx, ty]) = (edge.point(ray.s), edge.tangent(ray.s));
+    let distance = |r: &ContactRow| distance(r.point, x);
+    let along = |r: &&ContactRow| r.side == edge.side && r.normal[0] * ty - r.normal[1] * tx > ALONG;
+    rows.iter().filter(along).min_by(|a, b| distance(a).total_cmp(&distance(b)))
 }
 
 /// Direction of an edge as the boundary is traversed, the body to its left, where it begins or ends.
