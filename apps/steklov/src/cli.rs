@@ -232,6 +232,9 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
     if scene.problem.bodies.iter().all(|body| body.far.is_none()) {
         check_window(&view, scene.problem.outline.edges().iter().flat_map(Edge::extent))?;
     }
+    if scene.is_on_grid() && !args.view.steps.is_empty() {
+        return Err(Failure(NO_MESHES.into()));
+    }
     if let Some(folder) = &args.report {
         report::check_place("--report", folder, args.force || args.resume)?;
     }
@@ -435,6 +438,8 @@ fn stem(path: &Path) -> String {
     path.file_stem().map_or_else(|| "result".into(), |s| s.to_string_lossy().into_owned())
 }
 
+const NO_MESHES: &str = "error: --steps draws meshes of boundary elements, and this is on a grid: leave it out";
+
 /// Draws a result that is in a file, and the meshes of some of its steps, into a folder.
 fn pictures(
     stored: &Record,
@@ -449,9 +454,7 @@ fn pictures(
     }
     let meshes = steklov_result::steps::meshes(&open(file)?)?;
     let Some(last) = meshes.len().checked_sub(1) else {
-        return Err(Failure(
-            "error: --steps draws meshes of boundary elements, and this result is on a grid: leave it out".into(),
-        ));
+        return Err(Failure(NO_MESHES.into()));
     };
     if let Some(step) = steps.iter().find(|step| **step > last) {
         let file = file.display();

@@ -290,6 +290,16 @@ fn long_lines_are_shown_in_part() {
     }
 }
 
+/// Columns count letters, not bytes.
+#[test]
+fn columns_are_those_of_an_editor() {
+    let line = "sides = [\"flöör\", \"right\", \"top\", 5]";
+    let text = SOUND.replace("sides = [\"floor\", \"right\", \"top\", \"left\"]", line);
+    let Err(error) = parse(&text, &[]) else { panic!("a side that is a number") };
+    let column = line.chars().position(|c| c == '5').unwrap() + 1;
+    assert!(error.render().contains(&format!(":{column}]")), "{}", error.render());
+}
+
 proptest! {
     #[test]
     fn damaged_scenes_never_panic(at in 0..SOUND.len(), length in 0..20_usize, put in "\\PC{0,6}") {

@@ -65,7 +65,8 @@ fn a_range_clips_the_colours_of_body_and_cells() {
         assert!(ticks(&svg, "start").iter().all(|tick| (0.3..=0.4).contains(tick)), "{result} {part}");
     }
     let body = shown(&place, "block", "body", &["--range", "0.3:0.4"]);
-    assert!(body.contains(">colours end below the largest stress that is drawn, "), "{body}");
+    // the shear of the floor does not go on around its corners
+    assert!(body.contains(">the stress is infinite at (0, 0) and at (2, 0)<"), "{body}");
     // solve draws what show draws, and without options what it drew before
     place.run(["solve", "block.toml", "--quiet", "--force", "--plots", "solved", "--range", "0.3:0.4"]).demand(0);
     assert!(place.read("solved/block-body.svg") == body.as_bytes());

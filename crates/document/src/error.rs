@@ -110,10 +110,12 @@ impl SceneError {
         let mut out = String::new();
         GraphicalReportHandler::new_themed(GraphicalTheme::unicode_nocolor())
             .with_wrap_lines(false)
-            .render_report(&mut out, shown.as_ref().map_or(self, |(error, _)| error))
+            .render_report(&mut out, shown.as_ref().unwrap_or(self))
             .expect("writing to a string does not fail");
-        let Some((_, column)) = shown else { return out };
-        // the place in the line as it stands in the file
+        let Some(span) = self.span else { return out };
+        let before = &self.source_code.inner()[..span.offset()];
+        let column = 1 + before[before.rfind('\n').map_or(0, |end| end + 1)..].chars().count();
+        // the place in the line as it stands in the file, in letters
         let place = format!("[{}:{}:", self.file(), self.line().unwrap_or(1));
         match out.split_once(&place).and_then(|(before, behind)| Some((before, behind.split_once(']')?.1))) {
             Some((before, behind)) => format!("{before}{place}{column}]{behind}"),
@@ -121,8 +123,8 @@ impl SceneError {
         }
     }
 
-    /// The error with the parts of long lines that are shown, and the column that is meant, from 1; none if no line is long.
-    fn with_short_lines(&self) -> Option<(Self, usize)> {
+    /// The error with the parts of long lines that are shown; none if no line is long.
+    fn with_short_lines(&self) -> Option<Self> {
         let (text, span) = (self.source_code.inner(), self.span?);
         if text.lines().all(|line| line.len() <= LONG) {
             return None;
@@ -146,7 +148,7 @@ impl SceneError {
             start += line.len();
         }
         let source_code = Arc::new(NamedSource::new(self.file(), short));
-        Some((Self { source_code, span: Some(at), ..self.clone() }, column + 1))
+        Some(Self { source_code, span: Some(at), ..self.clone() })
     }
 
     /// A file that cannot be read.

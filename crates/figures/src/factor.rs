@@ -1,6 +1,6 @@
 //! How many times larger than they are displacements may be drawn.
 
-use steklov_elastic::plane::{cross, distance, minus};
+use steklov_elastic::plane::{cross, distance, minus, norm};
 use steklov_model::solve::contact_rows::ContactRow;
 use steklov_picture::Largest;
 use steklov_result::medium::body_part;
@@ -22,7 +22,7 @@ pub fn largest_factor(stored: &Record) -> Largest {
     };
     let extent = extent(0).max(extent(1));
     let between_bodies = of_contact(stored, HARDLY_SEEN * extent).min(of_ties(stored, extent));
-    let unfolded = of_folds(stored, (FOLD * extent).powi(2));
+    let unfolded = of_folds(stored, FOLD * extent);
     match between_bodies <= unfolded {
         true => Largest { factor: between_bodies, why: "the bodies would overlap or part at more" },
         false => Largest { factor: unfolded, why: "the body would fold at its corners at more" },
@@ -54,7 +54,8 @@ fn of_ties(stored: &Record, extent: f64) -> f64 {
     if largest <= ONE * extent { f64::INFINITY } else { (HARDLY_SEEN * extent / largest).max(1.0) }
 }
 
-/// Triangles of which more than an area are turned over at a larger factor: with the gradient G of the displacement on a triangle
+/// Triangles of which more than the square of a length are turned over at a larger factor; flatter ones than one and a half of that are left out: of a
+/// coarse mesh displacements inside do not go on to those of the boundary. With the gradient G of the displacement on a triangle
 /// det(I + k G) = 1 + k tr G + k² det G falls to 0.
 fn of_folds(stored: &Record, hardly_seen: f64) -> f64 {
     let fields = &stored.grid;
@@ -67,14 +68,16 @@ fn of_folds(stored: &Record, hardly_seen: f64) -> f64 {
         let [u, v] = [b, c].map(|i| minus(at(i), at(a)));
         let area = cross(p, q);
         let (trace, determinant) = ((cross(u, q) + cross(p, v)) / area, cross(u, v) / area);
-        (first_root(trace, determinant), area.abs() / 2.0)
+        let longest = norm(p).max(norm(q)).max(norm(minus(q, p)));
+        let is_seen = area.abs() > 1.5 * hardly_seen * longest;
+        (if is_seen { first_root(trace, determinant) } else { f64::INFINITY }, area.abs() / 2.0)
     };
     let mut folds: Vec<(f64, f64)> = body_part(fields).1.iter().map(fold).filter(|(k, _)| k.is_finite()).collect();
     folds.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut folded = 0.0;
     let seen = folds.iter().find(|(_, area)| {
         folded += area;
-        folded > hardly_seen
+        folded > hardly_seen * hardly_seen
     });
     seen.map_or(f64::INFINITY, |(k, _)| *k)
 }

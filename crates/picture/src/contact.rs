@@ -124,11 +124,7 @@ pub fn contact(side: &ContactSide<'_>) -> Result<Picture, PictureError> {
         let beyond = if far { " (beyond this panel)" } else { "" };
         key.entry(&format!("friction bound ±F{beyond}"), &bound_pen(), None);
     }
-    key.entry(
-        &format!("shear λₜ of the body on the obstacle, in {unit}{strongest}"),
-        &shear_pen(),
-        Some(Marker::Square),
-    );
+    key.entry(&format!("shear λₜ on what it touches, in {unit}{strongest}"), &shear_pen(), Some(Marker::Square));
     canvas.finish()
 }
 

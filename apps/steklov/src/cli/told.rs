@@ -119,7 +119,8 @@ fn units(s: &Summary) -> Option<String> {
 /// Prints the summary of a result.
 pub(super) fn print_summary(stored: &Record) {
     let Record { summary: s, plan, .. } = stored;
-    say(&s.title);
+    // no control letter of a title reaches the terminal
+    say(&s.title.replace(char::is_control, " "));
     units(s).iter().for_each(|line| say(line));
     say(&format!("{} dofs, {} step(s): {}", s.dofs, s.steps, if s.converged { &s.reason } else { "NOT CONVERGED" }));
     if !s.converged {

@@ -21,6 +21,8 @@ use crate::solve::contact_rows::{ContactRow, TOUCHING, max_pressure};
 const NEAR: f64 = 1e-6;
 /// Angles between straight edges that differ by less are the same (radian).
 const STRAIGHT: f64 = 1e-9;
+/// Part of the friction bound that is rounding.
+const ROUNDING: f64 = 1e-9;
 /// Cosine of the angle between the normal of an edge and those of its nodes, at least.
 const ALONG: f64 = 0.9;
 
@@ -134,9 +136,12 @@ impl<'a> Points<'a> {
         seen[first] = true;
         let (mut chain, mut joints, mut is_closed) = (vec![first], Vec::new(), false);
         while let Some((next, joint)) = self.beyond(chain[chain.len() - 1], true) {
-            joints.push(joint);
             is_closed = next == first;
-            if is_closed || chain.contains(&next) {
+            if !is_closed && chain.contains(&next) {
+                break;
+            }
+            joints.push(joint);
+            if is_closed {
                 break;
             }
             seen[next] = true;
@@ -453,7 +458,8 @@ fn state(row: &ContactRow, largest: f64, friction: &Friction) -> Option<Joint> {
         return None;
     }
     Some(match friction {
-        Friction::Coulomb(_) if row.status == 1 => Joint::Bonded,
+        // at a node that slips rounding may say that it sticks
+        Friction::Coulomb(_) if row.status == 1 && row.shear.abs() < row.bound * (1.0 - ROUNDING) => Joint::Bonded,
         Friction::Coulomb(_) => Joint::Sliding(row.shear / row.pressure),
         Friction::None | Friction::Tresca(_) => Joint::Sliding(0.0),
     })
