@@ -19,11 +19,13 @@
 //! # Ok::<(), steklov_elastic::MaterialError>(())
 //! ```
 
+mod logarithm;
 mod material;
 pub mod plane;
 mod rigid;
 mod wedge;
 
+pub use logarithm::Datum;
 pub use material::{Material, MaterialError, Plane, principal, von_mises};
 pub use rigid::{RigidMotion, free_motions};
-pub use wedge::{Datum, Face, Joint, Sector, Wedge};
+pub use wedge::{Face, Joint, Sector, Wedge};

@@ -106,7 +106,7 @@ pub struct Summary {
 }
 
 /// Contact in numbers.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactSummary {
     /// Length in contact, Σ D_i over nodes with λ_n,i > 1e-12 of the largest.
     pub length: f64,

@@ -103,15 +103,10 @@ fn shape(scene: &Scene) -> Value {
     let several = problem.has_several_bodies();
     let audit = Audit { equilibrium: 0.0, penetration: 0.0, tension: 0.0, complementarity: 0.0, friction: 0.0 };
     let contact = ContactSummary {
-        length: 0.0,
-        stick: 0.0,
-        slip: 0.0,
-        max_pressure: 0.0,
-        max_pressure_unbounded: false,
-        force: [0.0; 2],
         ends: Some(vec![[0.0; 2]]),
         contraction: Some(0.0),
         stabilisation: Some(Stabilisation { gamma: 0.0, critical_gamma: 0.0 }),
+        ..ContactSummary::default()
     };
     let probe = Probe { point: [0.0; 2], displacement: [0.0; 2], stress: [0.0; 3], stress_unbounded: true };
     let summary = Summary {

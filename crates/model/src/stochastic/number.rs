@@ -36,17 +36,7 @@ pub(crate) fn check_quantities(scene: &Scene, random: &Random) -> Result<(), Dat
         let of_side = &scene.problem.sides[side];
         of_side.springs.is_some() || of_side.holds(0) || of_side.holds(1) || scene.contact(side).is_some()
     };
-    let zero = ContactSummary {
-        length: 0.0,
-        stick: 0.0,
-        slip: 0.0,
-        max_pressure: 0.0,
-        max_pressure_unbounded: false,
-        force: [0.0; 2],
-        ends: None,
-        contraction: Some(0.0),
-        stabilisation: None,
-    };
+    let zero = ContactSummary { contraction: Some(0.0), ..ContactSummary::default() };
     let at = |&point: &[f64; 2]| Probe { point, displacement: [0.0; 2], stress: [0.0; 3], stress_unbounded: true };
     let sides = (0..scene.problem.sides.len()).filter(|&side| holds(side));
     let has = Summary {
