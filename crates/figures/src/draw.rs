@@ -53,7 +53,7 @@ pub fn drawn(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, Pic
     let of_sides = contact_drawn(title, &stored.summary.units, sides, &stored.contact)?;
     all.extend(of_sides.into_iter().map(|(side, picture)| (format!("contact-{side}"), picture)));
     all.extend(probe::pictures(stored)?);
-    let others = grid::pictures(stored, view)?.into_iter().chain(stochastic::pictures(stored)?);
+    let others = grid::pictures(stored, view)?.into_iter().chain(stochastic::pictures(stored, view)?);
     all.extend(others);
     Ok(all)
 }

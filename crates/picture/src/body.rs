@@ -196,7 +196,7 @@ fn outermost(b: &Body<'_>, [below, above]: [bool; 2], infinite: &[&[f64; 2]]) ->
 }
 
 /// A value with three digits and the name of its unit.
-fn with_unit(value: f64, unit: Option<&str>) -> String {
+pub(super) fn with_unit(value: f64, unit: Option<&str>) -> String {
     let value = short(value, 3);
     match unit {
         Some(unit) => format!("{value} {unit}"),

@@ -67,7 +67,7 @@ pub use mesh::{MeshFigure, MeshPanel, meshes};
 pub use page::{STYLE, data_uri};
 pub use panels::{Ends, Layer, Panel, Shape, panels};
 pub use scale::{exaggeration, short};
-pub use spread::{SpreadLoop, spread};
+pub use spread::{Spread, SpreadLoop, spread};
 pub use tiles::{DegreeBox, Tile, boxes, tiles};
 
 use std::io::Write as _;

@@ -1,10 +1,13 @@
 //! The mean deformed body with the spread of its boundary.
 
 use super::axes::{BELOW, TICK_TEXT};
-use super::body::{Bounds, Obstacle, SUBTITLE_TEXT, draw_walls, hatched, moved, place, undeformed_pen, view, walls};
-use super::canvas::{BLACK, Canvas, Pen, Rect, Title, WIDTH, clip, text_width};
+use super::body::{
+    Bounds, Obstacle, SUBTITLE_TEXT, draw_walls, hatched, moved, place, undeformed_pen, view, walls, with_unit,
+};
+use super::canvas::{BLACK, Canvas, Pen, Rect, Title, WIDTH, clip, text_width, wrap};
 use super::scale::{exaggeration, short};
-use super::{Picture, PictureError};
+use super::window::stretches;
+use super::{Picture, PictureError, in_unit};
 use kuva::render::color::Color;
 use kuva::render::render::TextAnchor;
 
@@ -27,70 +30,124 @@ pub struct SpreadLoop {
     pub covariance: Vec<[f64; 3]>,
 }
 
+/// What is drawn of a body whose displacement is random.
+#[derive(Debug, Clone, Copy)]
+pub struct Spread<'a> {
+    /// Title, broken into at most three lines.
+    pub title: &'a str,
+    /// The boundary.
+    pub loops: &'a [SpreadLoop],
+    /// The obstacles of the mean input, one for each stretch of contact side.
+    pub obstacles: &'a [Obstacle<'a>],
+    /// Lower left and upper right corner of the part of the undeformed body that is drawn; None for all of it.
+    pub window: Option<[[f64; 2]; 2]>,
+    /// Factor > 0 of displacements, deviations and gaps; None for one that makes them visible.
+    pub enlarge: Option<f64>,
+    /// Name of the unit of lengths.
+    pub unit: Option<&'a str>,
+}
+
 /// Draws the undeformed and the mean deformed outline, with a band of two standard deviations of the normal displacement
 /// on both sides of the latter. Mean, deviations and gaps are drawn at one factor, by the rule of [`super::body()`]
-/// for the largest mean displacement with its two deviations.
+/// for the largest mean displacement with its two deviations, unless it is given.
 ///
 /// # Errors
 /// [`PictureError::Raster`] if the pixels cannot be made.
 ///
 /// # Panics
 /// If the numbers of points and values differ.
-pub fn spread(title: &str, loops: &[SpreadLoop], obstacles: &[Obstacle<'_>]) -> Result<Picture, PictureError> {
-    let norm = |u: [f64; 2]| u[0].hypot(u[1]);
-    let largest = |values: &mut dyn Iterator<Item = f64>| values.filter(|v| v.is_finite()).fold(0.0, f64::max);
-    let deviation = |c: &[f64; 3]| greatest_variance(*c).max(0.0).sqrt();
-    let (mut mean, mut off, mut both) = (0.0f64, 0.0f64, 0.0f64);
-    for l in loops {
+pub fn spread(s: &Spread<'_>) -> Result<Picture, PictureError> {
+    for l in s.loops {
         assert!(l.mean.len() == l.points.len() && l.covariance.len() == l.points.len(), "values for each point");
-        mean = mean.max(largest(&mut l.mean.iter().map(|u| norm(*u))));
-        off = off.max(largest(&mut l.covariance.iter().map(deviation)));
-        let sum = |(u, c): (&[f64; 2], &[f64; 3])| norm(*u) + DEVIATIONS * deviation(c);
-        both = both.max(largest(&mut l.mean.iter().zip(&l.covariance).map(sum)));
     }
-    let bounds = Bounds::of(loops.iter().flat_map(|l| &l.points));
-    let factor = exaggeration(both / bounds.size(), f64::INFINITY);
-    let deformed: Vec<Vec<_>> =
-        loops.iter().map(|l| l.points.iter().zip(&l.mean).map(|(&p, &u)| moved(p, u, factor)).collect()).collect();
-    let bands: Vec<Vec<[[f64; 2]; 2]>> =
-        deformed.iter().zip(loops).map(|(line, l)| band(line, &l.covariance, factor)).collect();
-    let walls = walls(obstacles, factor);
+    let window = s.window.unwrap_or([[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]]);
+    let [mean, off, both] = largest(s.loops, window);
+    let all = || Bounds::of(s.loops.iter().flat_map(|l| &l.points));
+    let bounds = s.window.map_or_else(all, |[low, high]| Bounds { low, high });
+    let factor = s.enlarge.unwrap_or_else(|| exaggeration(both / bounds.size(), f64::INFINITY));
+    let lines: Vec<_> = s.loops.iter().flat_map(|l| stretches(&outlines(l, factor), window)).collect();
+    let cut: Vec<_> = s.obstacles.iter().flat_map(|o| o.inside(window)).collect();
+    let obstacles: Vec<Obstacle<'_>> = cut.iter().map(|[points, gap]| Obstacle { points, gap }).collect();
+    let walls = walls(&obstacles, factor);
 
-    let title = Title::new(title);
-    let top = 26.0 + title.height() + 22.0;
-    let shown: Vec<_> = deformed.iter().flatten().copied().chain(bands.iter().flatten().flatten().copied()).collect();
+    let title = Title::new(s.title);
+    let told = wrap(&subtitle(s, factor, mean, off), SUBTITLE_TEXT, WIDTH - 60.0, 2);
+    let top = 28.0 + title.height() + 20.0 * told.len() as f64;
+    let shown: Vec<_> = lines.iter().flatten().flat_map(|o| [1, 2, 3].map(|k| line(o, k))).collect();
     let axes = place(&view(bounds, &shown, &walls), top);
     let f = axes.frame;
     let mut canvas = Canvas::new(f.bottom() + BELOW + 46.0);
     canvas.title(&title, 34.0);
+    for (text, below) in told.iter().zip((0..told.len()).rev()) {
+        canvas.text([WIDTH / 2.0, top - 18.0 - 20.0 * below as f64], text, SUBTITLE_TEXT, TextAnchor::Middle);
+    }
+
+    for outline in &lines {
+        let piece = |w: &[[f64; 8]]| {
+            [line(&w[0], 2), line(&w[1], 2), line(&w[1], 3), line(&w[0], 3)].map(|p| axes.at(p)).to_vec()
+        };
+        canvas.fill(&outline.windows(2).map(piece).collect::<Vec<_>>(), SHADE);
+    }
+    for outline in &lines {
+        for (k, pen) in [(2, edge_pen()), (3, edge_pen()), (0, undeformed_pen()), (1, mean_pen())] {
+            let through: Vec<_> = outline.iter().map(|o| axes.at(line(o, k))).collect();
+            canvas.lines(&clip(&through, f), &pen);
+        }
+    }
+    draw_walls(&mut canvas, &axes, &walls);
+    let [x, y] = ["x", "y"].map(|name| in_unit(name, s.unit));
+    axes.draw(&mut canvas, Some(&x), &y, axes.left_margin(), false);
+    key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
+    canvas.finish()
+}
+
+/// What is said of the factor and of the largest displacements.
+fn subtitle(s: &Spread<'_>, factor: f64, mean: f64, off: f64) -> String {
     let scale = match factor {
         1.0 => "drawn to scale".to_owned(),
         _ => format!("displacements drawn {} times as large", short(factor, 3)),
     };
-    let subtitle =
-        format!("{scale}; largest mean displacement {}, largest deviation {}", short(mean, 3), short(off, 3));
-    canvas.text([WIDTH / 2.0, top - 18.0], &subtitle, SUBTITLE_TEXT, TextAnchor::Middle);
+    let of = if s.window.is_some() { " of this part" } else { "" };
+    let [mean, off] = [mean, off].map(|v| with_unit(v, s.unit));
+    format!("{scale}; largest mean displacement{of} {mean}, largest deviation {off}")
+}
 
-    for band in &bands {
-        let next = |i: usize| band[(i + 1) % band.len()];
-        let piece = |i: usize| [band[i][0], next(i)[0], next(i)[1], band[i][1]].map(|p| axes.at(p)).to_vec();
-        canvas.fill(&(0..band.len()).map(piece).collect::<Vec<_>>(), SHADE);
-    }
-    let mut through = |line: &[[f64; 2]], pen: &Pen| {
-        let around: Vec<_> = line.iter().chain(line.first()).map(|&p| axes.at(p)).collect();
-        canvas.lines(&clip(&around, f), pen);
-    };
-    for ((l, line), band) in loops.iter().zip(&deformed).zip(&bands) {
-        for side in [0, 1] {
-            through(&band.iter().map(|b| b[side]).collect::<Vec<_>>(), &edge_pen());
+/// The largest mean displacement, deviation, and sum of the first and two of the second, of the boundary in a window.
+fn largest(loops: &[SpreadLoop], window: [[f64; 2]; 2]) -> [f64; 3] {
+    let mut largest = [0.0f64; 3];
+    for l in loops {
+        let at = |i: usize| {
+            let ([x, y], [u, v], [xx, yy, xy]) = (l.points[i], l.mean[i], l.covariance[i]);
+            [x, y, u, v, xx, yy, xy]
+        };
+        for [_, _, u, v, xx, yy, xy] in stretches(&closed(l.points.len(), at), window).into_iter().flatten() {
+            let (mean, off) = (u.hypot(v), greatest_variance([xx, yy, xy]).max(0.0).sqrt());
+            for (most, value) in largest.iter_mut().zip([mean, off, mean + DEVIATIONS * off]) {
+                *most = if value.is_finite() { most.max(value) } else { *most };
+            }
         }
-        through(&l.points, &undeformed_pen());
-        through(line, &mean_pen());
     }
-    draw_walls(&mut canvas, &axes, &walls);
-    axes.draw(&mut canvas, Some("x"), "y", axes.left_margin(), false);
-    key(&mut canvas, [f.left + f.width / 2.0, f.bottom() + BELOW + 26.0], !walls.is_empty());
-    canvas.finish()
+    largest
+}
+
+/// Values at the nodes of a closed line, the first one again at the end.
+fn closed<const N: usize>(nodes: usize, at: impl Fn(usize) -> [f64; N]) -> Vec<[f64; N]> {
+    (0..nodes).chain(if nodes > 0 { Some(0) } else { None }).map(at).collect()
+}
+
+/// The undeformed boundary, the mean deformed one, and both edges of the band: points (x, y) of the four lines in this order.
+fn outlines(l: &SpreadLoop, factor: f64) -> Vec<[f64; 8]> {
+    let deformed: Vec<_> = l.points.iter().zip(&l.mean).map(|(&p, &u)| moved(p, u, factor)).collect();
+    let band = band(&deformed, &l.covariance, factor);
+    closed(deformed.len(), |i| {
+        let ([x, y], [u, v], [[a, b], [c, d]]) = (l.points[i], deformed[i], band[i]);
+        [x, y, u, v, a, b, c, d]
+    })
+}
+
+/// Point of one of the four lines.
+fn line(outlines: &[f64; 8], k: usize) -> [f64; 2] {
+    [outlines[2 * k], outlines[2 * k + 1]]
 }
 
 /// The larger eigenvalue of a covariance.
@@ -185,6 +242,22 @@ mod tests {
                 assert!((b[0][i] + b[1][i] - 2.0 * p[i]).abs() < 1e-15, "the mean is in the middle");
             }
         }
+    }
+
+    #[test]
+    fn a_window_has_its_own_largest_values() {
+        let square = SpreadLoop {
+            points: vec![[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0]],
+            mean: vec![[0.0, 0.0], [0.0, 4.0], [0.0, 4.0], [0.0, 0.0]],
+            covariance: vec![[0.0; 3], [0.0, 9.0, 0.0], [0.0, 9.0, 0.0], [0.0; 3]],
+        };
+        let all = [[f64::NEG_INFINITY; 2], [f64::INFINITY; 2]];
+        assert_eq!(largest(std::slice::from_ref(&square), all), [4.0, 3.0, 10.0]);
+        // linear between nodes
+        let got = largest(std::slice::from_ref(&square), [[-1.0, -1.0], [0.25, 0.5]]);
+        assert_eq!(got[0], 1.0);
+        assert!((got[1] - 1.5).abs() < 1e-15, "{got:?}");
+        assert_eq!(largest(&[square], [[0.2, 0.2], [0.8, 0.8]]), [0.0; 3]);
     }
 
     proptest! {

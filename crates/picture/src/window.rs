@@ -1,6 +1,6 @@
 //! The part of a body in a window of the undeformed plane.
 
-use super::body::Body;
+use super::body::{Body, Obstacle};
 
 /// A part of a body with numbers of its own for points; obstacles by their points and gaps.
 #[derive(Debug, Default)]
@@ -51,22 +51,33 @@ pub(super) fn part(b: &Body<'_>, window: [[f64; 2]; 2]) -> Part {
             part.outline.push(ends);
         }
     }
-    for obstacle in b.obstacles {
-        let at = |k: usize| [obstacle.points[k][0], obstacle.points[k][1], obstacle.gap[k][0], obstacle.gap[k][1]];
-        let mut last = None;
-        for k in 1..obstacle.points.len() {
-            let Some([p, q]) = segment([at(k - 1), at(k)], window) else { continue };
-            if last != Some(p) {
-                part.obstacles.push([vec![[p[0], p[1]]], vec![[p[2], p[3]]]]);
-            }
-            if let Some([points, gaps]) = part.obstacles.last_mut() {
-                points.push([q[0], q[1]]);
-                gaps.push([q[2], q[3]]);
-            }
-            last = Some(q);
-        }
-    }
+    part.obstacles.extend(b.obstacles.iter().flat_map(|obstacle| obstacle.inside(window)));
     part
+}
+
+impl Obstacle<'_> {
+    /// Points and gaps of the stretches in a window.
+    pub(super) fn inside(&self, window: [[f64; 2]; 2]) -> Vec<[Vec<[f64; 2]>; 2]> {
+        let at = |(p, g): (&[f64; 2], &[f64; 2])| [p[0], p[1], g[0], g[1]];
+        let line: Vec<[f64; 4]> = self.points.iter().zip(self.gap).map(at).collect();
+        let split = |line: Vec<[f64; 4]>| line.into_iter().map(|[x, y, g, h]| ([x, y], [g, h])).unzip();
+        stretches(&line, window).into_iter().map(split).map(|(points, gaps)| [points, gaps]).collect()
+    }
+}
+
+/// The stretches of a line in a window, with values that are linear between its points.
+pub(super) fn stretches<const N: usize>(line: &[[f64; N]], window: [[f64; 2]; 2]) -> Vec<Vec<[f64; N]>> {
+    let mut stretches: Vec<Vec<[f64; N]>> = Vec::new();
+    let mut last = None;
+    for ends in line.windows(2) {
+        let Some([p, q]) = segment([ends[0], ends[1]], window) else { continue };
+        match stretches.last_mut() {
+            Some(stretch) if last == Some(p) => stretch.push(q),
+            _ => stretches.push(vec![p, q]),
+        }
+        last = Some(q);
+    }
+    stretches
 }
 
 /// How far a point is beyond each side of a window, inwards.
@@ -125,7 +136,6 @@ mod tests {
     use super::super::body::Largest;
     use super::super::colours::Colours;
     use super::*;
-    use crate::Obstacle;
     use proptest::prelude::*;
 
     const N: usize = 5;

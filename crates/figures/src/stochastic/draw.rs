@@ -4,14 +4,15 @@ use steklov_bem_operators::Space;
 use steklov_model::solve::contact_rows::ContactRow;
 use steklov_model::stochastic::{Quantity, StochasticResult};
 use steklov_picture::{
-    BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, SpreadLoop, bars, boxes, panels,
-    short, spread,
+    BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Picture, PictureError, Shape, Spread, SpreadLoop, bars, boxes,
+    in_unit, panels, short, spread,
 };
 use steklov_result::record::Record;
 
 use super::draw_fields;
 use super::tables::{is_constant, percent};
 use crate::draw::{positions, walls};
+use crate::view::View;
 
 /// Panels in one picture at most.
 const PANELS: usize = 6;
@@ -20,14 +21,15 @@ const GERMS: usize = 12;
 /// Cells and points of a drawn stochastic mesh at most.
 const CELLS: usize = 4_000;
 
-/// The pictures of a result with random input, with the parts that their names end on; none without random input.
+/// The pictures of a result with random input, with the parts that their names end on; none without random input. The spread of
+/// the body is drawn in the window and at the factor of the view.
 ///
 /// # Errors
 /// When a picture cannot be drawn.
-pub fn pictures(stored: &Record) -> Result<Vec<(String, Picture)>, PictureError> {
+pub fn pictures(stored: &Record, view: &View) -> Result<Vec<(String, Picture)>, PictureError> {
     let Some(result) = &stored.stochastic else { return Ok(Vec::new()) };
     let title = &stored.summary.title;
-    let mut pictures = vec![("band".to_owned(), band(stored, result)?)];
+    let mut pictures = vec![("band".to_owned(), band(stored, result, view)?)];
     let mut add = |part: &str, what: &str, all: &[Panel]| -> Result<(), PictureError> {
         for (k, some) in all.chunks(PANELS).enumerate() {
             let name = if k == 0 { part.to_owned() } else { format!("{part}-{}", k + 1) };
@@ -62,7 +64,7 @@ pub fn pictures(stored: &Record) -> Result<Vec<(String, Picture)>, PictureError>
     Ok(pictures)
 }
 
-fn band(stored: &Record, result: &StochasticResult) -> Result<Picture, PictureError> {
+fn band(stored: &Record, result: &StochasticResult, view: &View) -> Result<Picture, PictureError> {
     let space = Space::new(&stored.mesh);
     let (mean, variance) = (&result.displacement.mean, &result.displacement.variance);
     let mut seen = vec![false; stored.mesh.len()];
@@ -87,7 +89,14 @@ fn band(stored: &Record, result: &StochasticResult) -> Result<Picture, PictureEr
     }
     let [lines, gaps] = walls(&stored.contact);
     let obstacles: Vec<Obstacle<'_>> = lines.iter().zip(&gaps).map(|(points, gap)| Obstacle { points, gap }).collect();
-    spread(&format!("{}: mean and spread", stored.summary.title), &loops, &obstacles)
+    spread(&Spread {
+        title: &format!("{}: mean and spread", stored.summary.title),
+        loops: &loops,
+        obstacles: &obstacles,
+        window: view.window,
+        enlarge: view.enlarge,
+        unit: stored.summary.units.length.as_deref(),
+    })
 }
 
 /// Covariance of u_x and u_y of a node; taken as zero where the displacements of the points are not kept.
@@ -104,6 +113,7 @@ fn covariance(result: &StochasticResult, node: usize) -> f64 {
 /// Panels of each contact side: the probability of contact, and the pressure.
 fn contact(stored: &Record, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel>) {
     let (mut probability, mut pressure) = (Vec::new(), Vec::new());
+    let units = &stored.summary.units;
     for (side, name) in stored.mesh.side_names.iter().enumerate() {
         let rows: Vec<(usize, &ContactRow)> = stored.contact.iter().enumerate().filter(|r| r.1.side == side).collect();
         if rows.is_empty() {
@@ -114,6 +124,7 @@ fn contact(stored: &Record, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel
         order.sort_by(|a, b| a.0.total_cmp(&b.0));
         let curve = |value: &dyn Fn(usize) -> f64| order.iter().map(|&(x, i)| [x, value(i)]).collect::<Vec<_>>();
         let x = if label.starts_with("arc") { label } else { format!("{label} on {name}") };
+        let x = in_unit(&x, units.length.as_deref());
         let layer = |name: &str, shape: Shape| Layer { name: name.to_owned(), shape };
         let mut known = curve(&|i| result.probability[i]);
         known.retain(|p| p[1].is_finite());
@@ -133,7 +144,7 @@ fn contact(stored: &Record, result: &StochasticResult) -> (Vec<Panel>, Vec<Panel
         });
         pressure.push(Panel {
             x,
-            y: "pressure, unit of E".to_owned(),
+            y: in_unit("pressure", units.stress.as_deref()),
             ends: Ends::Zero,
             layers: vec![
                 layer("mean ± 2 deviations, cut at 0", Shape::Between(between.collect())),

@@ -2,7 +2,7 @@
 
 use steklov_elastic::plane::minus;
 use steklov_model::stochastic::{FieldModes, StochasticResult};
-use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, panels, tiles};
+use steklov_picture::{Ends, Layer, Panel, Picture, PictureError, Shape, Tile, in_unit, panels, tiles};
 use steklov_result::record::Record;
 
 use crate::draw::file_name;
@@ -20,7 +20,7 @@ pub(super) fn pictures(stored: &Record, result: &StochasticResult) -> Result<Vec
         let on_body = field.points.first().is_some_and(|p| p.len() == 2);
         let mut all = vec![spectrum(field)];
         if !on_body {
-            all.push(modes(field));
+            all.push(modes(field, stored.summary.units.length.as_deref()));
         }
         let title = format!("{}: random field {}", stored.summary.title, field.name);
         pictures.push((format!("field-{part}"), panels(&title, &all)?));
@@ -47,11 +47,11 @@ fn spectrum(field: &FieldModes) -> Panel {
     }
 }
 
-fn modes(field: &FieldModes) -> Panel {
+fn modes(field: &FieldModes, length: Option<&str>) -> Panel {
     let curve = |m: usize| field.points.iter().zip(&field.modes).map(|(s, b)| [s[0], b[m]]).collect();
     let shown = 0..field.eigenvalues.len().min(MODES);
     Panel {
-        x: "arc length along the side".to_owned(),
+        x: in_unit("arc length along the side", length),
         y: "√λ times mode".to_owned(),
         ends: Ends::Zero,
         layers: shown.map(|m| Layer { name: format!("mode {}", m + 1), shape: Shape::Curve(curve(m), m) }).collect(),
