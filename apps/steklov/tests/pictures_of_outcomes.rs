@@ -2,7 +2,8 @@
 
 use crate::frame::{check, check_up_to, loops, rectangle};
 use steklov_picture::{
-    BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Shape, SpreadLoop, Tile, bars, boxes, panels, spread, tiles,
+    BarGroup, DegreeBox, Ends, Layer, Obstacle, Panel, Shape, Spread, SpreadLoop, Tile, bars, boxes, panels, spread,
+    tiles,
 };
 use steklov_result::triangulate::triangulate;
 
@@ -56,7 +57,15 @@ fn spreads_of_a_body_with_a_hole() {
                 .collect(),
         };
         let loops = [of(&outside), of(&inside)];
-        let picture = spread(&format!("A {name} spread"), &loops, &[wall]).unwrap();
+        let title = format!("A {name} spread");
+        let obstacles = [wall];
+        let all =
+            Spread { title: &title, loops: &loops, obstacles: &obstacles, window: None, enlarge: None, unit: None };
+        let part = Spread { window: Some([[-0.2, -0.6], [0.7, 0.1]]), enlarge: Some(unit), unit: Some("mm"), ..all };
+        let picture = spread(&part).unwrap();
+        check(&format!("spread-{name}-part"), &picture);
+        assert!(picture.svg.contains(">x in mm<") && picture.svg.contains("of this part"));
+        let picture = spread(&all).unwrap();
         check(&format!("spread-{name}"), &picture);
         assert!(picture.svg.contains("largest deviation") && picture.svg.contains(">obstacle of the mean input<"));
     }
