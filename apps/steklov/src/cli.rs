@@ -4,8 +4,11 @@ mod bar;
 mod failure;
 mod gallery;
 mod grid;
+mod help;
+mod manual;
 mod output;
 mod report;
+mod scenes;
 mod show;
 mod study;
 mod told;
@@ -20,7 +23,7 @@ use std::time::Instant;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use steklov_algebra::PARTS;
 use steklov_bem_operators::Edge;
-use steklov_document::{Document, TEMPLATE};
+use steklov_document::Document;
 use steklov_figures::{StepMesh, View, stochastic};
 use steklov_io::{File, IoError, create_atomically, open};
 use steklov_model::error::SolveError;
@@ -53,7 +56,7 @@ const NOT_REACHED: u8 = 3;
 
 /// Frictional contact of 2D elastic bodies by boundary elements.
 #[derive(Parser)]
-#[command(name = "steklov", version, arg_required_else_help = true)]
+#[command(name = "steklov", version, arg_required_else_help = true, after_help = help::STEKLOV)]
 pub struct Cli {
     #[command(subcommand)]
     command: Command,
@@ -62,19 +65,35 @@ pub struct Cli {
 #[derive(Subcommand)]
 enum Command {
     /// Solve a scene and store the result
+    #[command(after_help = help::SOLVE)]
     Solve(SolveArgs),
     /// Say what would be modelled and why, what is left out, what it costs; solve nothing
+    #[command(after_help = help::PLAN)]
     Plan(PlanArgs),
     /// Study a scene: strategies of refinement compared by true errors, or where such methods could fail
+    #[command(after_help = help::STUDY)]
     Study(study::StudyArgs),
     /// Make the figures of the source again, each judged, as one page
+    #[command(after_help = help::GALLERY)]
     Gallery(gallery::GalleryArgs),
     /// Show a stored result: summary, pictures, tables
+    #[command(after_help = help::SHOW)]
     Show(show::ShowArgs),
     /// Make one page of a stored result: numbers with their errors, doubts, pictures, the body to look into
+    #[command(after_help = help::REPORT)]
     Report(report::ReportArgs),
     /// Print a commented scene to start from
-    New,
+    #[command(after_help = help::NEW)]
+    New(scenes::NewArgs),
+    /// List the scenes of the gallery, or print one
+    #[command(after_help = help::SCENES)]
+    Scenes(scenes::ScenesArgs),
+    /// Print completions of a shell
+    #[command(after_help = help::COMPLETIONS)]
+    Completions(manual::CompletionsArgs),
+    /// Print a man page
+    #[command(after_help = help::MAN)]
+    Man(manual::ManArgs),
 }
 
 #[derive(Args)]
@@ -173,10 +192,10 @@ impl Cli {
             Command::Gallery(args) => on_threads(args.threads, args.quiet, || gallery::gallery(&args)),
             Command::Show(args) => show::show(&args),
             Command::Report(args) => report::report(&args),
-            Command::New => {
-                say(TEMPLATE.trim_end());
-                Ok(0)
-            }
+            Command::New(args) => scenes::new(&args),
+            Command::Scenes(args) => scenes::scenes(&args),
+            Command::Completions(args) => manual::completions(&args),
+            Command::Man(args) => manual::man(&args),
         };
         status.unwrap_or_else(|Failure(message)| {
             eprintln!("{}", message.trim_end());

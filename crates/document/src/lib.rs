@@ -60,8 +60,18 @@ use fields::{Context, Field, Fields};
 use sides::Given;
 use tree::{Item, suggestion};
 
-/// The commented scene that `steklov new` prints.
-pub const TEMPLATE: &str = include_str!("template.toml");
+/// The commented scene with every key that `steklov new` prints.
+pub const TEMPLATE: &str = include_str!("templates/contact.toml");
+
+/// Commented scenes to start from, by the kind of problem.
+pub const TEMPLATES: [(&str, &str); 6] = [
+    ("contact", TEMPLATE),
+    ("bodies", include_str!("templates/bodies.toml")),
+    ("crack", include_str!("templates/crack.toml")),
+    ("random", include_str!("templates/random.toml")),
+    ("grid", include_str!("templates/grid.toml")),
+    ("medium", include_str!("templates/medium.toml")),
+];
 
 /// The table that has no effect without `[random]`, among the names that nothing uses.
 pub const STOCHASTIC: &str = "[stochastic]";

@@ -1,24 +1,24 @@
 //! Progress of a solve on stderr.
 
 use std::io::IsTerminal;
-use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Mutex, PoisonError};
 use std::time::Instant;
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use steklov_model::stage::Stage;
 
-/// Lines about the outcomes of random input where there is no terminal.
-const TOLD: usize = 10;
+/// Seconds after which the first line is told where there is no terminal, and most seconds until the next one, which is told when the
+/// run has taken twice as long as at the last.
+const FIRST: f64 = 2.0;
+const LONGEST: f64 = 60.0;
 
-/// A bar on a terminal, plain lines elsewhere, for what takes longer than a second; nothing when quiet.
+/// A bar on a terminal, a few lines elsewhere; nothing when quiet.
 pub(super) struct Bar {
     bar: Option<ProgressBar>,
     start: Instant,
     quiet: bool,
-    told: AtomicUsize,
-    /// Step, part and tenth of the last line where there is no terminal.
-    line: Mutex<(usize, &'static str, u8)>,
+    /// When the next line is due, in seconds from the start.
+    due: Mutex<f64>,
 }
 
 impl Bar {
@@ -29,7 +29,7 @@ impl Bar {
             bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
             bar
         });
-        Self { bar, start: Instant::now(), quiet, told: AtomicUsize::new(0), line: Mutex::default() }
+        Self { bar, start: Instant::now(), quiet, due: Mutex::new(FIRST) }
     }
 
     pub(super) fn show(&self, step: usize, stage: &Stage<'_>) {
@@ -38,25 +38,27 @@ impl Bar {
             bar.set_prefix((step + 1).to_string());
             bar.set_message(*what);
             bar.set_position((100.0 * share) as u64);
-        } else if !self.quiet && self.start.elapsed().as_secs_f64() > 1.0 {
-            let line = (step + 1, *what, (10.0 * share) as u8);
-            let last = std::mem::replace(&mut *self.line.lock().unwrap_or_else(PoisonError::into_inner), line);
-            if last != line {
-                eprintln!("{:6.1} s  step {}  {what}", self.start.elapsed().as_secs_f64(), step + 1);
-            }
+        } else {
+            self.tell(|| format!("step {}  {what}", step + 1));
         }
     }
 
     pub(super) fn outcomes(&self, done: usize, count: usize) {
-        let tenth = TOLD * done / count.max(1);
         if let Some(bar) = &self.bar {
             bar.set_message(format!("outcomes {done} of {count}"));
             bar.set_position((100 * done / count.max(1)) as u64);
-        } else if !self.quiet
-            && self.start.elapsed().as_secs_f64() > 1.0
-            && self.told.fetch_max(tenth, Ordering::Relaxed) < tenth
-        {
-            eprintln!("{:6.1} s  outcomes {done} of {count}", self.start.elapsed().as_secs_f64());
+        } else {
+            self.tell(|| format!("outcomes {done} of {count}"));
+        }
+    }
+
+    /// A line where there is no terminal, if one is due.
+    fn tell(&self, text: impl FnOnce() -> String) {
+        let seconds = self.start.elapsed().as_secs_f64();
+        let mut due = self.due.lock().unwrap_or_else(PoisonError::into_inner);
+        if !self.quiet && seconds > *due {
+            *due = seconds + seconds.min(LONGEST);
+            eprintln!("{seconds:6.1} s  {}", text());
         }
     }
 
