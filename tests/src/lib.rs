@@ -17,3 +17,7 @@ pub use random::{Random, random_case};
 #[cfg(doctest)]
 #[doc = include_str!("../../README.md")]
 struct Readme;
+
+#[cfg(doctest)]
+#[doc = include_str!("../../docs/crates.md")]
+struct Crates;

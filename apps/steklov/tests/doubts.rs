@@ -1,22 +1,22 @@
-//! What makes an estimate unreliable: bare words in the JSON object, sentences with a remedy in the summary, a table in the README.
+//! What makes an estimate unreliable: bare words in the JSON object, sentences with a remedy in the summary, a table in the guide.
 
 use crate::place::Place;
 
 use serde_json::json;
 use steklov_model::doubt::Doubt;
 
-const README: &str = include_str!("../../../README.md");
+const GUIDE: &str = include_str!("../../../docs/guide/when-methods-fail.md");
 
 #[test]
-fn every_doubt_is_in_the_table_of_the_readme() {
+fn every_doubt_is_in_the_table_of_the_guide() {
     for doubt in Doubt::ALL {
         let (word, meaning, remedy) = (doubt.word(), doubt.meaning(), doubt.remedy());
         let row = format!("\n| `{word}` | {meaning} | {remedy} |\n");
-        assert_eq!(README.matches(&row).count(), 1, "{row}");
+        assert_eq!(GUIDE.matches(&row).count(), 1, "{row}");
         assert!(meaning.len() > 20 && remedy.len() > 10, "{word}");
         assert_eq!(Doubt::of_word(word), Some(*doubt));
     }
-    let table = README.split("| doubt | what it means | what to do |\n|---|---|---|\n").nth(1).unwrap();
+    let table = GUIDE.split("| doubt | what it means | what to do |\n|---|---|---|\n").nth(1).unwrap();
     let rows = table.lines().take_while(|line| line.starts_with('|')).count();
     assert_eq!(rows, Doubt::ALL.len());
     assert_eq!(Doubt::of_word("set"), None);
