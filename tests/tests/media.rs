@@ -1,7 +1,7 @@
 //! Body forces and an unbounded medium among several bodies, against one body, one path of the other kind and closed forms.
 
 use faer::Mat;
-use faer::linalg::solvers::Solve;
+use steklov_algebra::solve_full_lu;
 use steklov_model::summary::Summary;
 use steklov_problem::Scene;
 use steklov_tests::summary;
@@ -120,7 +120,8 @@ fn a_lining_that_slips_is_michells() {
     let ([ra, rc], [la, lc]) = (even(&rock, 1.0), even(&lining, 1.0));
     let rows = [[1.0, -1.0, -2.0], [ra, -la, -lc], [0.0, 1.0 / (inner * inner), 2.0]];
     let right = [-mean, -rc * mean / 2.0, 0.0];
-    let e = Mat::from_fn(3, 3, |i, j| rows[i][j]).full_piv_lu().solve(&Mat::from_fn(3, 1, |i, _| right[i]));
+    let (a, b) = (Mat::from_fn(3, 3, |i, j| rows[i][j]), Mat::from_fn(3, 1, |i, _| right[i]));
+    let e = solve_full_lu(a.as_ref(), b.as_ref());
     // what goes with cos 2θ: C, D of the rock, A to D of the lining
     let (r, l, i) = (rock.terms(1.0), lining.terms(1.0), lining.terms(inner));
     let remote = |k: usize| -half / 2.0 * r[k][0];
@@ -138,7 +139,8 @@ fn a_lining_that_slips_is_michells() {
         row(None, Some(&i[1]), 1.0),
     ];
     let right = [-remote(0), -remote(1), 0.0, -remote(2), 0.0, 0.0];
-    let x = Mat::from_fn(6, 6, |i, j| rows[i][j]).full_piv_lu().solve(&Mat::from_fn(6, 1, |i, _| right[i]));
+    let (a, b) = (Mat::from_fn(6, 6, |i, j| rows[i][j]), Mat::from_fn(6, 1, |i, _| right[i]));
+    let x = solve_full_lu(a.as_ref(), b.as_ref());
     let pressure = |cos: f64| {
         let second: f64 = l[0].iter().enumerate().map(|(k, v)| v * x[(2 + k, 0)]).sum();
         -(e[(1, 0)] + 2.0 * e[(2, 0)]) - second * cos

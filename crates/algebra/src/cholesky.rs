@@ -1,12 +1,12 @@
 //! Cholesky factors in the storage of their matrix.
 
+use faer::Mat;
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::linalg::cholesky::llt::factor::{LltError, LltRegularization, cholesky_in_place, cholesky_in_place_scratch};
-use faer::linalg::solvers::Llt;
 use faer::prelude::*;
-use faer::{Mat, Side};
 
 use crate::Fault;
+use crate::decompositions::Cholesky;
 use crate::dense::{lower_product, lower_solve, parts};
 use crate::operand::symmetric_upper;
 use crate::probe::{check_cholesky, same_as_factor, scaled_probe};
@@ -54,9 +54,9 @@ pub fn cholesky(mut a: MatMut<'_, f64>) -> Result<(), NoFactor> {
 ///
 /// # Errors
 /// The failing pivot, or a fault.
-pub fn llt(a: &Mat<f64>) -> Result<Llt<f64>, NoFactor> {
-    let factor = a.llt(Side::Lower).map_err(|LltError::NonPositivePivot { index }| NoFactor::Pivot(index))?;
-    check_cholesky(a.as_ref(), factor.L()).map_err(NoFactor::Fault)?;
+pub fn llt(a: &Mat<f64>) -> Result<Cholesky, NoFactor> {
+    let factor = Cholesky::new(a.as_ref()).map_err(NoFactor::Pivot)?;
+    check_cholesky(a.as_ref(), factor.lower()).map_err(NoFactor::Fault)?;
     Ok(factor)
 }
 

@@ -13,6 +13,10 @@
 //! and of Gauss rules. Not checked either: solves with one right-hand side, whose residual is checked afterwards, and systems
 //! that only studies set up, which are references themselves.
 //!
+//! LU factors, spectra, singular values and least squares ([`Lu`], [`symmetric_eigen`], [`svd`], [`least_squares`] and the
+//! like) are here because the library is generic: what calls it compiles it again, half a minute for a decomposition, and
+//! what calls this crate does not. They have the bits of the library and are not checked.
+//!
 //! ```
 //! use steklov_algebra::faer::Mat;
 //! use steklov_algebra::{check_cholesky, check_solution, cholesky};
@@ -32,6 +36,7 @@
 //! ```
 
 mod cholesky;
+mod decompositions;
 mod dense;
 mod dot;
 mod fault;
@@ -43,6 +48,10 @@ mod spoil;
 pub use faer;
 
 pub use cholesky::{NoFactor, cholesky, llt};
+pub use decompositions::{
+    Cholesky, Lu, NoSpectrum, Svd, SymmetricEigen, eigenvalues, least_squares, singular_values, solve_full_lu, svd,
+    symmetric_eigen, symmetric_eigenvalues,
+};
 pub use dense::{Image, PARTS, add_product, add_to_lower, parts, solve_lower, solve_lower_transposed};
 pub use dot::dot;
 pub use fault::{Fault, is_fault, once_more, threads};

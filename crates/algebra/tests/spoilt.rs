@@ -1,9 +1,9 @@
 //! Factors, products and solutions with one wrong entry are told from those that are only rounded.
 
-use faer::{Mat, Side};
+use faer::Mat;
 use steklov_algebra::{
     Fault, add_product, add_to_lower, check_cholesky, check_inverse, check_solution, check_spectrum, cholesky,
-    is_fault, llt, once_more, scaled_probe, solve_lower, solve_lower_transposed, threads,
+    is_fault, llt, once_more, scaled_probe, solve_lower, solve_lower_transposed, symmetric_eigen, threads,
 };
 use steklov_quadrature::unit_uniform;
 
@@ -43,13 +43,13 @@ fn rounding_is_no_fault() {
         let mut whole = a.clone();
         cholesky(whole.as_mut()).expect("a factor");
         let mut b = a.clone();
-        solve_lower(factor.L(), b.as_mut(), None).expect("a solution");
-        solve_lower_transposed(factor.L(), b.as_mut(), None).expect("a solution");
+        solve_lower(factor.lower(), b.as_mut(), None).expect("a solution");
+        solve_lower_transposed(factor.lower(), b.as_mut(), None).expect("a solution");
         let mut c = a.clone();
         add_product(c.as_mut(), a.as_ref(), b.as_ref(), -2.0, None).expect("a product");
-        let eigen = a.self_adjoint_eigen(Side::Lower).expect("a spectrum");
-        let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
-        check_spectrum(a.as_ref(), eigen.U(), eigen.U(), &values).expect("a spectrum");
+        let eigen = symmetric_eigen(a.as_ref()).expect("a spectrum");
+        let values = &eigen.values;
+        check_spectrum(a.as_ref(), eigen.vectors.as_ref(), eigen.vectors.as_ref(), values).expect("a spectrum");
     }
 }
 
@@ -81,7 +81,7 @@ fn rows_that_the_probe_cancels_are_judged_by_their_terms() {
 fn diagonal_entries_of_factors_are_seen_however_small_their_rows() {
     for n in SIZES {
         let a = graded(n);
-        let l = llt(&a).expect("a factor").L().to_owned();
+        let l = llt(&a).expect("a factor").lower().to_owned();
         for i in (0..n).step_by(7) {
             for kind in KINDS {
                 let fault = check_cholesky(a.as_ref(), spoilt(&l, (i, i), kind).as_ref());
@@ -100,14 +100,14 @@ fn wrong_solutions_inverses_and_spectra_are_seen() {
         let factor = llt(&a).expect("a factor");
         let inverse = Mat::from_fn(n, n, |i, j| if i == j { 1.0 } else { 0.0 });
         let mut inverse = inverse;
-        solve_lower(factor.L(), inverse.as_mut(), None).expect("a solution");
-        solve_lower_transposed(factor.L(), inverse.as_mut(), None).expect("a solution");
-        check_inverse(factor.L(), inverse.as_ref()).expect("an inverse");
-        let eigen = a.self_adjoint_eigen(Side::Lower).expect("a spectrum");
-        let values: Vec<f64> = eigen.S().column_vector().iter().copied().collect();
+        solve_lower(factor.lower(), inverse.as_mut(), None).expect("a solution");
+        solve_lower_transposed(factor.lower(), inverse.as_mut(), None).expect("a solution");
+        check_inverse(factor.lower(), inverse.as_ref()).expect("an inverse");
+        let eigen = symmetric_eigen(a.as_ref()).expect("a spectrum");
+        let values = &eigen.values;
         for (seed, kind) in KINDS.into_iter().enumerate() {
             let (i, _) = entry(seed as u64, n);
-            assert!(check_inverse(factor.L(), spoilt(&inverse, (i, i), kind).as_ref()).is_err(), "{n} {kind}");
+            assert!(check_inverse(factor.lower(), spoilt(&inverse, (i, i), kind).as_ref()).is_err(), "{n} {kind}");
             let x = inverse.col_as_slice(i).to_vec();
             let b: Vec<f64> = (0..n).map(|k| f64::from(u8::from(k == i))).collect();
             check_solution(a.as_ref(), &x, &b).expect("a solution");
@@ -115,7 +115,7 @@ fn wrong_solutions_inverses_and_spectra_are_seen() {
             assert!(check_solution(a.as_ref(), &wrong, &b).is_err(), "{n} {kind}");
             let mut wrong = values.clone();
             wrong[i] = f64::from_bits(wrong[i].to_bits() ^ 1 << 48);
-            assert!(check_spectrum(a.as_ref(), eigen.U(), eigen.U(), &wrong).is_err());
+            assert!(check_spectrum(a.as_ref(), eigen.vectors.as_ref(), eigen.vectors.as_ref(), &wrong).is_err());
         }
     }
 }
@@ -125,7 +125,7 @@ fn wrong_solutions_inverses_and_spectra_are_seen() {
 fn what_changes_after_its_check_is_seen_by_the_next_one() {
     for n in SIZES {
         let a = Mat::from_fn(n, n, |i, j| if i == j { 3.0 } else { 1.0 / (1.0 + i.abs_diff(j) as f64).powi(2) });
-        let l = llt(&a).expect("a factor").L().to_owned();
+        let l = llt(&a).expect("a factor").lower().to_owned();
         let b = Mat::from_fn(n, n + 3, |i, j| unit_uniform(n as u64, (i + n * j) as u64) - 0.5);
         let mut x = b.clone();
         let of_x = solve_lower(l.as_ref(), x.as_mut(), None).expect("a solution");

@@ -8,9 +8,8 @@
 use std::f64::consts::TAU;
 
 use crate::common::{dot, polygon, product};
-use faer::Side;
-use faer::prelude::*;
 use proptest::prelude::*;
+use steklov_algebra::Cholesky;
 use steklov_bem_operators::proptest::{material, polygon_and_mesh};
 use steklov_bem_operators::{Condensation, Domain, Mesh, Operators, Partition, Polygon, Space, Steklov};
 use steklov_elastic::{Material, Plane, RigidMotion};
@@ -169,8 +168,9 @@ fn hole_in_the_plane(
     for (&value, (row, column)) in &mass {
         load[column] -= value * coefficients[row];
     }
-    let u = steklov.matrix.llt(Side::Lower).expect("positive definite").solve(&load);
-    let vertices = (0..mesh.len()).map(|e| space.node(e, 0)).map(|node| [u[2 * node], u[2 * node + 1]]).collect();
+    let u = Cholesky::new(steklov.matrix.as_ref()).expect("positive definite").solve(load.as_mat());
+    let vertices =
+        (0..mesh.len()).map(|e| space.node(e, 0)).map(|node| [u[(2 * node, 0)], u[(2 * node + 1, 0)]]).collect();
     (mesh, vertices)
 }
 

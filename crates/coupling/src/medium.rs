@@ -1,7 +1,6 @@
 //! The unbounded homogeneous medium around the body.
 
-use faer::Side;
-use faer::linalg::cholesky::llt::factor::LltError;
+use steklov_algebra::Cholesky;
 use steklov_bem_operators::{BemError, BoundaryField, Inside, Mesh, Operators, Space, Trace};
 use steklov_elastic::Material;
 
@@ -42,10 +41,10 @@ impl Medium {
         let operators = Operators::assemble(&mesh, &space, &material, length)?;
         // L not less than the diameter is enough
         if operators.length < operators.diameter
-            && let Err(LltError::NonPositivePivot { index }) = operators.v.llt(Side::Lower)
+            && let Err(pivot) = Cholesky::new(operators.v.as_ref())
         {
             let (size, length, diameter) = (space.dofs(), operators.length, operators.diameter);
-            return Err(BemError::SingleLayerIndefinite { pivot: index, size, length, diameter }.into());
+            return Err(BemError::SingleLayerIndefinite { pivot, size, length, diameter }.into());
         }
         Ok(Self { mesh, space, material, operators })
     }

@@ -1,7 +1,7 @@
 //! Unknown displacement of the body, traction and displacement of the medium.
 
 use faer::Mat;
-use faer::linalg::solvers::Solve;
+use steklov_algebra::Lu;
 
 use crate::coupled::Unknowns;
 use crate::dense::solve_indefinite;
@@ -66,7 +66,7 @@ pub(crate) fn solve(problem: &Transmission<'_>, jump: &[f64]) -> Result<Option<U
 pub(crate) fn with_rigid_motion_of(field: &[f64], mut xi: Vec<f64>, medium: &Medium) -> Vec<f64> {
     let z = rigid_motions(medium);
     let difference = Mat::from_fn(xi.len(), 1, |i, _| field[i] - xi[i]);
-    let coefficients = (z.transpose() * &z).partial_piv_lu().solve(z.transpose() * difference);
+    let coefficients = Lu::new((z.transpose() * &z).as_ref()).solve((z.transpose() * difference).as_ref());
     let motion = z * coefficients;
     xi.iter_mut().enumerate().for_each(|(i, x)| *x += motion[(i, 0)]);
     xi

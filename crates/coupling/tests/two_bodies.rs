@@ -2,6 +2,7 @@
 
 use faer::Mat;
 use faer::prelude::*;
+use steklov_algebra::Cholesky;
 use steklov_bem_operators::{Domain, Loop, Mesh, Operators, Polygon, Space, Steklov};
 use steklov_coupling::{Facing, cells, mortar_rows};
 use steklov_elastic::{Material, Plane};
@@ -103,8 +104,8 @@ fn tied_energy(own: (&Body, &str), other: (&Body, &str), [own_load, other_load]:
     s.submatrix_mut(n, n, m, m).copy_from(&other.0.stiffness);
     let load: Vec<f64> = own_load.into_iter().chain(other_load).collect();
     let f = t.transpose() * Col::from_fn(n + m, |i| load[i]);
-    let z = (t.transpose() * &s * &t).llt(faer::Side::Lower).unwrap().solve(&f);
-    -0.5 * (f.transpose() * &z)
+    let z = Cholesky::new((t.transpose() * &s * &t).as_ref()).unwrap().solve(f.as_mat());
+    -0.5 * (f.transpose() * z.col(0))
 }
 
 #[test]

@@ -4,9 +4,9 @@
 use crate::common::{
     check_damage_is_refused, check_round_trip, dense_bits, place, python, spoiled, stored_twice, written,
 };
-use faer::linalg::solvers::Solve;
-use faer::{Mat, Side};
+use faer::Mat;
 use proptest::prelude::*;
+use steklov_algebra::{Cholesky, eigenvalues};
 use steklov_bem_operators::{Domain, Loop, Mesh, Operators, Path, Polygon, Space, Steklov};
 use steklov_contact::{InfSup, MultiplierDegree, MultiplierMesh, MultiplierSpace, StabilisedForms, dual_form, inf_sup};
 use steklov_elastic::{Material, Plane};
@@ -127,7 +127,7 @@ fn the_forms_are_those_of_the_stored_parts() {
     let e = Mat::from_fn(2 * nodes, free.len(), |i, j| {
         pairing[i % 2][(i / 2, free[j])] - gamma * mixed[i % 2][(i / 2, free[j])]
     });
-    let mut by_hand = &e * rest.llt(Side::Lower).unwrap().solve(e.transpose());
+    let mut by_hand = &e * Cholesky::new(rest.as_ref()).unwrap().solve(e.transpose());
     for (i, j) in (0..2 * nodes).flat_map(|i| (0..2 * nodes).map(move |j| (i, j))).filter(|(i, j)| i % 2 == j % 2) {
         by_hand[(i, j)] += gamma * own[i % 2][(i / 2, j / 2)];
     }
@@ -163,10 +163,10 @@ fn the_constant_is_that_of_the_stored_matrices() {
     let free: Vec<usize> = (0..s.nrows()).filter(|i| coarse.held.iter().all(|h| h.0 != *i)).collect();
     let b = Mat::from_fn(2 * multipliers.nodes.len(), free.len(), |i, j| pairing[i % 2][(i / 2, free[j])]);
     let s = Mat::from_fn(free.len(), free.len(), |i, j| s[(free[i], free[j])]);
-    let discrete = &b * s.llt(Side::Lower).unwrap().solve(b.transpose());
+    let discrete = &b * Cholesky::new(s.as_ref()).unwrap().solve(b.transpose());
     let reference = of(&fine);
-    let pencil = reference.llt(Side::Lower).unwrap().solve(&discrete);
-    let least = pencil.eigenvalues().unwrap().iter().fold(f64::INFINITY, |m, v| m.min(v.re));
+    let pencil = Cholesky::new(reference.as_ref()).unwrap().solve(discrete.as_ref());
+    let least = eigenvalues(pencil.as_ref()).unwrap().iter().fold(f64::INFINITY, |m, v| m.min(v.re));
     let difference = (least.sqrt() / constant.beta - 1.0).abs();
     eprintln!("beta {}, apart {difference:.1e}", constant.beta);
     assert!(constant.beta > 0.0 && constant.beta < 1.0 && difference < 1e-9, "{least} {constant:?}");

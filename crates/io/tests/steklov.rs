@@ -4,9 +4,9 @@
 use crate::common::{
     bits, check_damage_is_refused, check_round_trip, dense_bits, place, python, stored_twice, written,
 };
-use faer::linalg::solvers::Solve;
-use faer::{Col, Mat, Scale, Side};
+use faer::{Col, Mat, Scale};
 use proptest::prelude::*;
+use steklov_algebra::Cholesky;
 use steklov_bem_operators::{Condensation, Domain, Loop, Mesh, Operators, Partition, Polygon, Space, Steklov};
 use steklov_elastic::{Material, Plane};
 use steklov_io::*;
@@ -55,14 +55,14 @@ fn by_hand(operators: &Operators, domain: Domain) -> Mat<f64> {
     let sign = if matches!(domain, Domain::Interior | Domain::BoundedAtInfinity) { 1.0 } else { -1.0 };
     let mut h = Mat::from_fn(operators.k.nrows(), operators.k.ncols(), |i, j| sign * operators.k[(i, j)]);
     operators.mass.iter().for_each(|(value, (i, j))| h[(i, j)] += 0.5 * value);
-    let s = &operators.w + h.transpose() * operators.v.llt(Side::Lower).unwrap().solve(&h);
+    let s = &operators.w + h.transpose() * Cholesky::new(operators.v.as_ref()).unwrap().solve(h.as_ref());
     if matches!(domain, Domain::Interior | Domain::Exterior) {
         return s;
     }
     let ones = Mat::from_fn(s.nrows(), 2, |i, j| if i % 2 == j { 1.0 } else { 0.0 });
     let moved = &s * &ones;
     let resistance = ones.transpose() * &moved;
-    &s - &moved * resistance.llt(Side::Lower).unwrap().solve(moved.transpose())
+    &s - &moved * Cholesky::new(resistance.as_ref()).unwrap().solve(moved.transpose())
 }
 
 /// Some unknowns kept, some held at values, two nodes turned.
@@ -161,8 +161,8 @@ fn what_is_condensed_is_the_schur_complement_of_the_stored_matrix() {
     let [r, k] = [lists[0].len(), lists[1].len()];
     let s_rr = block(&s, 0..r, 0..r);
     let s_rk = block(&s, 0..r, r..r + k);
-    let factor = s_rr.llt(Side::Lower).unwrap();
-    let by_hand = block(&s, r..r + k, r..r + k) - s_rk.transpose() * factor.solve(&s_rk);
+    let factor = Cholesky::new(s_rr.as_ref()).unwrap();
+    let by_hand = block(&s, r..r + k, r..r + k) - s_rk.transpose() * factor.solve(s_rk.as_ref());
     let schur = apart(&condensed, &by_hand);
 
     let (load, held) = (field(n, 4), load_vector(&group, "held_values").unwrap());
@@ -176,13 +176,13 @@ fn what_is_condensed_is_the_schur_complement_of_the_stored_matrix() {
     let u_h = Mat::from_fn(held.len(), 1, |i, _| held[i]);
     let of = |list: &[usize]| Mat::from_fn(list.len(), 1, |i, _| turned[list[i]]);
     let f_r = of(&lists[0]) - block(&s, 0..r, r + k..n) * &u_h;
-    let f_k = of(&lists[1]) - block(&s, r..r + k, r + k..n) * &u_h - s_rk.transpose() * factor.solve(&f_r);
+    let f_k = of(&lists[1]) - block(&s, r..r + k, r + k..n) * &u_h - s_rk.transpose() * factor.solve(f_r.as_ref());
     let read: Condensation = load_it(&file);
     let kept = read.load(&load).kept;
     let loads = apart(&Mat::from_fn(k, 1, |i, _| kept[i]), &f_k);
 
     // the displacement of a solution of the condensed system is in equilibrium: S u = f at eliminated and kept unknowns
-    let v = by_hand.llt(Side::Lower).unwrap().solve(&f_k);
+    let v = Cholesky::new(by_hand.as_ref()).unwrap().solve(f_k.as_ref());
     let u = read.expand(&read.load(&load), &(0..k).map(|i| v[(i, 0)]).collect::<Vec<_>>());
     let forces = read.multiply(&u);
     let free = |dof: &usize| !lists[2].contains(dof) && !nodes.contains(&(dof / 2));

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use faer::Mat;
-use faer::linalg::solvers::DenseSolveCore;
+use steklov_algebra::Lu;
 
 use crate::MsfemError;
 use crate::local::{Columns, Freedom, LocalProblem, cell_dofs, nodes};
@@ -290,7 +290,7 @@ fn restrict(values: &Columns, patch: &Patch) -> Columns {
     }
     let corner = [0, m, (n + 1) * (m + 1) - 1, n * (m + 1)];
     let at_corners = Mat::from_fn(8, 8, |a, c| rows[2 * corner[a / 2] + a % 2][c]);
-    let inverse = at_corners.partial_piv_lu().inverse();
+    let inverse = Lu::new(at_corners.as_ref()).inverse();
     for row in &mut rows {
         let old = *row;
         *row = std::array::from_fn(|c| (0..8).map(|k| old[k] * inverse[(k, c)]).sum());

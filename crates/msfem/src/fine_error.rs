@@ -1,8 +1,8 @@
 //! The error of the bilinear fine elements themselves, from the residual against quadratic bubbles.
 
 use faer::Mat;
-use faer::linalg::solvers::DenseSolveCore;
 use rayon::prelude::*;
+use steklov_algebra::Lu;
 use steklov_quadrature::gauss_legendre;
 
 use crate::HeterogeneousBody;
@@ -140,7 +140,7 @@ impl Unit {
             (false, _) => self.bubbles[a][b],
             (true, same) => f64::from(u8::from(same)),
         };
-        let inverse = Mat::from_fn(10, 10, entry).partial_piv_lu().inverse();
+        let inverse = Lu::new(Mat::from_fn(10, 10, entry).as_ref()).inverse();
         std::array::from_fn(|a| std::array::from_fn(|b| if held[a] || held[b] { 0.0 } else { inverse[(a, b)] }))
     }
 

@@ -2,7 +2,8 @@
 
 use crate::variable::EMPTY;
 use crate::{Distribution, StochasticError, Variable, discrete};
-use faer::{Mat, Side};
+use faer::Mat;
+use steklov_algebra::symmetric_eigenvalues;
 use steklov_quadrature::Rule;
 
 /// Most coefficients of a recurrence.
@@ -262,7 +263,7 @@ fn golub_welsch(alpha: &[f64], beta: &[f64]) -> Result<(Vec<f64>, Vec<f64>), Sto
         _ => 0.0,
     });
     let failed = |_| StochasticError::Decomposition { size: n };
-    let mut points = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
+    let mut points = symmetric_eigenvalues(matrix.as_ref()).map_err(failed)?;
     let mut weights = vec![0.0; n];
     for (x, w) in points.iter_mut().zip(&mut weights) {
         for _ in 0..2 {

@@ -1,11 +1,9 @@
 //! Contact coupled over the nodes of a stochastic cell: the exact Galerkin system where it does not decouple.
 
 use faer::linalg::matmul::matmul;
-use faer::linalg::solvers::DenseSolveCore;
-use faer::prelude::*;
-use faer::{Accum, Mat, Par, Side};
+use faer::{Accum, Mat, Par};
 use rayon::prelude::*;
-use steklov_algebra::{check_inverse, llt};
+use steklov_algebra::{Cholesky, check_inverse, llt, symmetric_eigenvalues};
 use steklov_contact::{ContactNode, MultiplierRow, Outcome, Problem, multiplier_rows};
 
 use crate::StochasticError;
@@ -100,11 +98,11 @@ impl Dual {
         let mass = Mat::from_fn(nodes, nodes, |j, k| problem.mass[(j, k)] / (chance(j) * chance(k)));
         let of_mass = coercive(&mass, "M_E")?;
         let inverse_mass = of_mass.inverse();
-        check_inverse(of_mass.L(), inverse_mass.as_ref())?;
+        check_inverse(of_mass.lower(), inverse_mass.as_ref())?;
         let factor = coercive(problem.stiffness, "the stiffness")?;
         let b = Mat::from_fn(n, m, |i, k| weight(i) * row(i, 0).entry(k));
         let response = factor.solve(b.transpose());
-        let loaded = factor.solve(Mat::from_fn(m, nodes, |i, j| problem.load[(i, j)] / chance(j)));
+        let loaded = factor.solve(Mat::from_fn(m, nodes, |i, j| problem.load[(i, j)] / chance(j)).as_ref());
         let moved = product(&product(&b, &loaded), &inverse_mass);
         let root = Mat::from_fn(n, nodes, |i, j| weight(i) * chance(j));
         let scaled = |bound: f64, i: usize, j: usize| if bound == 0.0 { 0.0 } else { bound * root[(i, j)] };
@@ -227,9 +225,9 @@ impl TensorProblem<'_> {
 }
 
 /// Cholesky factor, or the refusal of a matrix that is singular.
-fn coercive(matrix: &Mat<f64>, what: &str) -> Result<faer::linalg::solvers::Llt<f64>, StochasticError> {
+fn coercive(matrix: &Mat<f64>, what: &str) -> Result<Cholesky, StochasticError> {
     let size = matrix.nrows();
-    let spectrum = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(|_| StochasticError::Decomposition { size })?;
+    let spectrum = symmetric_eigenvalues(matrix.as_ref()).map_err(|_| StochasticError::Decomposition { size })?;
     let smallest = spectrum.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = spectrum.iter().copied().fold(0.0, f64::max);
     let refused = || StochasticError::NotCoercive { what: what.to_owned(), smallest, largest };

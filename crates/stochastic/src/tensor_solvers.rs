@@ -1,8 +1,9 @@
 //! The active set for contact coupled over stochastic nodes.
 
+use faer::Mat;
 use faer::prelude::*;
-use faer::{Mat, Side};
 use rayon::prelude::*;
+use steklov_algebra::{Cholesky, symmetric_eigenvalues};
 use steklov_contact::Outcome;
 
 use crate::StochasticError;
@@ -124,7 +125,7 @@ impl<'a> Gradient<'a> {
 /// Largest eigenvalue.
 fn top(matrix: &Mat<f64>) -> Result<f64, StochasticError> {
     let failed = |_| StochasticError::Decomposition { size: matrix.nrows() };
-    let spectrum = matrix.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
+    let spectrum = symmetric_eigenvalues(matrix.as_ref()).map_err(failed)?;
     Ok(spectrum.iter().copied().fold(0.0, f64::max))
 }
 
@@ -222,7 +223,7 @@ fn solve_free(dual: &Dual, free: &[Vec<bool>], x: &mut Mat<f64>) {
 struct Block {
     size: usize,
     free: Vec<usize>,
-    factor: Option<faer::linalg::solvers::Llt<f64>>,
+    factor: Option<Cholesky>,
     diagonal: f64,
 }
 
@@ -232,7 +233,7 @@ impl Block {
         let regular = |a: usize, b: usize| if a == b { 1.0 + REGULAR } else { 1.0 };
         let h = Mat::from_fn(free.len(), free.len(), |a, b| space[(free[a], free[b])] * regular(a, b));
         let diagonal = (0..free.len()).fold(0.0f64, |m, a| m.max(h[(a, a)]));
-        Self { size: set.len(), factor: h.llt(Side::Lower).ok(), free, diagonal }
+        Self { size: set.len(), factor: Cholesky::new(h.as_ref()).ok(), free, diagonal }
     }
 
     /// H⁻¹ r/k, about.
@@ -240,7 +241,7 @@ impl Block {
         let mut z = vec![0.0; self.size];
         let b = Mat::from_fn(self.free.len(), 1, |a, _| r[self.free[a]] / k);
         let solved = match &self.factor {
-            Some(factor) => factor.solve(b),
+            Some(factor) => factor.solve(b.as_ref()),
             None => b * Scale(1.0 / self.diagonal),
         };
         for (a, &i) in self.free.iter().enumerate() {

@@ -1,8 +1,8 @@
 //! Meshes of germs and the bases of their cells.
 
 use faer::Mat;
-use faer::linalg::solvers::Solve;
 use proptest::prelude::*;
+use steklov_algebra::Lu;
 use steklov_stochastic::{CellBasis, Distribution, Nodes, StochasticCell, StochasticError, StochasticMesh, Variable};
 
 fn standard(degree: usize, nodes: Nodes) -> CellBasis {
@@ -53,7 +53,7 @@ fn galerkin_with_lobatto_nodes_is_collocation_at_gauss_points_and_lumping_is_not
     let modulus = |y: &[f64]| 2000.0 + 200.0 * y[0];
     let (gauss, lobatto) = (standard(3, Nodes::Gauss), standard(3, Nodes::Lobatto));
     let load = Mat::from_fn(4, 1, |j, _| lobatto.weights[j]);
-    let galerkin = lobatto.mass(&modulus).unwrap().partial_piv_lu().solve(&load);
+    let galerkin = Lu::new(lobatto.mass(&modulus).unwrap().as_ref()).solve(load.as_ref());
     let mut theta = [0.0; 4];
     for point in &gauss.points {
         lobatto.evaluate(point, &mut theta);

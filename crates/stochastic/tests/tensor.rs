@@ -2,8 +2,8 @@
 
 use crate::square::{ground, solve_outcome, square};
 use faer::Mat;
-use faer::prelude::Solve;
 use proptest::prelude::*;
+use steklov_algebra::Lu;
 use steklov_contact::proptest::{Friction, mixed, ordinary};
 use steklov_contact::{ContactNode, Outcome, Problem, Solution, interior_point, kkt};
 use steklov_stochastic::{
@@ -221,7 +221,8 @@ fn nothing_moves_without_load_and_a_body_that_is_apart_is_free() {
         solution.displacement.norm_max() == 0.0 && solution.multipliers.concat().iter().flatten().all(|l| *l == 0.0)
     );
     let owned = of_square(&basis, &exponential, 1.0, 0.0);
-    let free = owned.mass.partial_piv_lu().solve(owned.stiffness.partial_piv_lu().solve(&owned.load).transpose());
+    let free =
+        Lu::new(owned.mass.as_ref()).solve(Lu::new(owned.stiffness.as_ref()).solve(owned.load.as_ref()).transpose());
     let solution = tensor_active_set(&owned.view()).unwrap();
     assert!((&solution.displacement - free.transpose()).norm_max() < 1e-13 * free.norm_max());
     assert!(solution.multipliers.concat().iter().flatten().all(|l| *l == 0.0));
@@ -278,7 +279,7 @@ fn a_hundred_multipliers_at_64_nodes_take_a_few_steps() {
     let distance = |i: usize, j: usize| (i / 2).abs_diff(j / 2) as f64 / 50.0;
     let compliance = Mat::from_fn(100, 100, |i, j| if i % 2 == j % 2 { (-distance(i, j) / 0.3).exp() } else { 0.0 });
     let identity = Mat::from_fn(100, 100, |i, j| if i == j { 1.0 } else { 0.0 });
-    let inverse = compliance.partial_piv_lu().solve(identity);
+    let inverse = Lu::new(compliance.as_ref()).solve(identity.as_ref());
     let stiffness = Mat::from_fn(100, 100, |i, j| 0.5 * (inverse[(i, j)] + inverse[(j, i)]));
     let push = |i: usize| [0.1, 0.01 - 0.03 * (i as f64 / 100.0)][i % 2];
     let load = Mat::from_fn(100, 64, |i, j| basis.weights[j] * push(i) * (1.0 + 0.1 * basis.points[j][2]));
@@ -302,7 +303,7 @@ fn agree(owned: &Owned) -> Result<(), TestCaseError> {
     let reference = interior_point(&full).unwrap();
     prop_assert!(reference.converged());
     let load = Mat::from_fn(full.load.len(), 1, |i, _| full.load[i]);
-    let free = full.stiffness.partial_piv_lu().solve(&load);
+    let free = Lu::new(full.stiffness.as_ref()).solve(load.as_ref());
     let gaps = full.nodes.iter().flat_map(|n| &n.conditions).fold(0.0f64, |m, c| m.max(c.gap.abs()));
     let size = largest(free.col_as_slice(0)) + gaps;
     let active = tensor_active_set(&owned.view()).unwrap();

@@ -6,8 +6,8 @@
 //! With b(μ, v) = μᵀB v, sup_v b(μ, v)²/‖v‖² = μᵀ B S⁻¹ Bᵀ μ: β² is the least eigenvalue of that form of the discrete space
 //! against the same form of a much finer one. β ≤ 1; where it tends to 0 with h or 1/p, pressures oscillate.
 
-use faer::{Mat, Side};
-use steklov_algebra::{add_product, llt, solve_lower};
+use faer::Mat;
+use steklov_algebra::{add_product, llt, solve_lower, symmetric_eigen};
 use steklov_bem_operators::Dof;
 
 use crate::ContactError;
@@ -37,7 +37,7 @@ pub fn dual_form(
     add_springs(&mut s, &free, rigid);
     let factor = llt(&s).map_err(|none| none.or(|_| ContactError::Decomposition { size: n }))?;
     let mut x = Mat::from_fn(n, 2 * pairing[0].nrows(), |i, j| pairing[j % 2][(j / 2, free[i])]);
-    let of_x = solve_lower(factor.L(), x.as_mut(), None)?;
+    let of_x = solve_lower(factor.lower(), x.as_mut(), None)?;
     let mut dual = Mat::zeros(x.ncols(), x.ncols());
     add_product(dual.as_mut(), x.transpose(), x.as_ref(), 1.0, Some(&of_x))?;
     Ok(dual)
@@ -53,9 +53,9 @@ pub fn inf_sup(discrete: &Mat<f64>, reference: &Mat<f64>) -> Result<InfSup, Cont
     let failed = ContactError::Decomposition { size: reference.nrows() };
     let factor = llt(reference).map_err(|none| none.or(|_| failed.clone()))?;
     let mut x = discrete.clone();
-    solve_lower(factor.L(), x.as_mut(), None)?;
+    solve_lower(factor.lower(), x.as_mut(), None)?;
     let mut x = x.transpose().to_owned();
-    solve_lower(factor.L(), x.as_mut(), None)?;
-    let eigen = x.self_adjoint_eigen(Side::Lower).map_err(|_| failed)?;
-    Ok(InfSup { beta: eigen.S()[0].max(0.0).sqrt() })
+    solve_lower(factor.lower(), x.as_mut(), None)?;
+    let eigen = symmetric_eigen(x.as_ref()).map_err(|_| failed)?;
+    Ok(InfSup { beta: eigen.values[0].max(0.0).sqrt() })
 }

@@ -20,10 +20,8 @@
 //! which with y = weight · displacement is a [`Problem`] with one node for each node of the multipliers: all its solvers
 //! apply, floating bodies included (Z is regular even if S is not).
 
-use faer::linalg::solvers::{DenseSolveCore, Llt};
-use faer::prelude::*;
 use faer::{Mat, Scale};
-use steklov_algebra::{add_product, check_inverse, llt, solve_lower, solve_lower_transposed};
+use steklov_algebra::{Cholesky, add_product, check_inverse, llt, solve_lower, solve_lower_transposed};
 use steklov_bem_operators::{Dof, Mesh, ParticularSolution, Space, TractionMap, graded_panels, steklov_trace_rows};
 use steklov_elastic::Material;
 use steklov_elastic::plane::dot;
@@ -60,7 +58,7 @@ pub struct Stabilised {
     /// Displacement unknowns that are not held.
     free: Vec<Dof>,
     /// Z.
-    factor: Llt<f64>,
+    factor: Cholesky,
     /// EᵀD⁻¹ weight: free displacements × unknowns of the problem.
     coupling: Mat<f64>,
     load: Vec<f64>,
@@ -212,9 +210,9 @@ impl StabilisedForms {
         // X = L⁻¹ Tᵀ: T S⁻¹ Tᵀ and X Xᵀ share their spectrum
         let form = self.trace_form()?;
         let mut x = Mat::from_fn(n, n, |i, j| form[(free[i], free[j])]);
-        solve_lower(factor.L(), x.as_mut(), None)?;
+        solve_lower(factor.lower(), x.as_mut(), None)?;
         let mut x = x.transpose().to_owned();
-        solve_lower(factor.L(), x.as_mut(), None)?;
+        solve_lower(factor.lower(), x.as_mut(), None)?;
         Ok(1.0 / largest_eigenvalue(&x).ok_or(failed)?)
     }
 
@@ -269,7 +267,7 @@ impl StabilisedForms {
         let tau = self.particular(mesh, loading.particular);
 
         // D and E
-        let factor_of = |values: &Mat<f64>| -> Result<Llt<f64>, ContactError> {
+        let factor_of = |values: &Mat<f64>| -> Result<Cholesky, ContactError> {
             let mut d = Mat::zeros(nodes, nodes);
             add_product(d.as_mut(), values.transpose(), values.as_ref(), gamma, None)?;
             llt(&d).map_err(|none| none.or(|_| ContactError::Decomposition { size: nodes }))
@@ -302,26 +300,26 @@ impl StabilisedForms {
         let mut coupling = Mat::zeros(n, 2 * nodes);
         for (k, e) in coupled.iter().enumerate() {
             let mut x = Mat::from_fn(nodes, n, |i, j| e[(i, free[j])]);
-            let of_x = solve_lower(d_factors[k].L(), x.as_mut(), None)?;
+            let of_x = solve_lower(d_factors[k].lower(), x.as_mut(), None)?;
             add_product(z.as_mut(), x.transpose(), x.as_ref(), 1.0, Some(&of_x))?;
-            solve_lower_transposed(d_factors[k].L(), x.as_mut(), Some(&of_x))?;
+            solve_lower_transposed(d_factors[k].lower(), x.as_mut(), Some(&of_x))?;
             for node in 0..nodes {
                 (0..n).for_each(|j| coupling[(j, 2 * node + k)] = weight(node) * x[(node, j)]);
             }
         }
         let factor = llt(&z).map_err(|none| none.or(|_| refused))?;
         let mut y = coupling.clone();
-        let of_y = solve_lower(factor.L(), y.as_mut(), None)?;
+        let of_y = solve_lower(factor.lower(), y.as_mut(), None)?;
         let inverse = [0, 1].map(|k| d_factors[k].inverse());
         for (factor, inverse) in d_factors.iter().zip(&inverse) {
-            check_inverse(factor.L(), inverse.as_ref())?;
+            check_inverse(factor.lower(), inverse.as_ref())?;
         }
         let mut stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| {
             if i % 2 == j % 2 { weight(i / 2) * weight(j / 2) * inverse[i % 2][(i / 2, j / 2)] } else { 0.0 }
         });
         add_product(stiffness.as_mut(), y.transpose(), y.as_ref(), -1.0, Some(&of_y))?;
         let stiffness = Mat::from_fn(2 * nodes, 2 * nodes, |i, j| 0.5 * (stiffness[(i, j)] + stiffness[(j, i)]));
-        let solved = factor.solve(column(&load));
+        let solved = factor.solve(column(&load).as_ref());
         let condensed = coupling.transpose() * &solved;
 
         let data = node_data(mesh, multipliers, sides)?;
@@ -389,7 +387,7 @@ impl Stabilised {
     pub fn displacement(&self, y: &[f64]) -> Vec<f64> {
         let mut right = &self.coupling * column(y);
         self.load.iter().enumerate().for_each(|(i, f)| right[(i, 0)] += f);
-        let u = self.factor.solve(right);
+        let u = self.factor.solve(right.as_ref());
         let mut displacement = self.held.clone();
         self.free.iter().enumerate().for_each(|(i, &dof)| displacement[dof] = u[(i, 0)]);
         displacement

@@ -1,7 +1,7 @@
 //! Where contact ends, where stick ends, where slip turns: read off the states of the nodes, then fitted.
 
 use faer::Mat;
-use faer::prelude::*;
+use steklov_algebra::least_squares;
 
 use crate::solvers::frozen::{Frozen, Sets};
 use crate::{Condition, ContactError, ContactLine, Problem, Solution};
@@ -261,6 +261,6 @@ fn square_root_fit(points: &[(f64, f64)]) -> [f64; 2] {
     let largest = points.iter().fold(0.0, |m: f64, p| m.max(p.0));
     let matrix = Mat::from_fn(points.len(), terms, |i, j| (points[i].0 / largest).powi(j as i32));
     let values = Mat::from_fn(points.len(), 1, |i, _| points[i].1 / points[i].0.sqrt());
-    let x = matrix.qr().solve_lstsq(values);
+    let x = least_squares(matrix.as_ref(), values.as_ref());
     [x[(0, 0)], x[(1, 0)] / largest]
 }

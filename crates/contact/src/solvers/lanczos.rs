@@ -1,6 +1,7 @@
 //! The largest eigenvalue of a dense symmetric matrix.
 
-use faer::{Col, Mat, Scale, Side};
+use faer::{Col, Mat, Scale};
+use steklov_algebra::{symmetric_eigen, symmetric_eigenvalues};
 
 /// Relative residual at which the largest eigenvalue is known well enough, and Lanczos steps at most. With many equal elements
 /// the largest eigenvalues lie close together: the vector is then any of theirs, and the value is found long before.
@@ -29,9 +30,9 @@ pub(crate) fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
             }
         }
         let rest = w.norm_l2();
-        let eigen = projected.submatrix(0, 0, k + 1, k + 1).self_adjoint_eigen(Side::Lower).ok()?;
-        let value = eigen.S()[k];
-        if rest * eigen.U()[(k, k)].abs() <= ACCURACY * value || k + 1 == n {
+        let eigen = symmetric_eigen(projected.submatrix(0, 0, k + 1, k + 1)).ok()?;
+        let value = eigen.values[k];
+        if rest * eigen.vectors[(k, k)].abs() <= ACCURACY * value || k + 1 == n {
             return Some(value);
         }
         if k + 1 < STEPS {
@@ -40,7 +41,7 @@ pub(crate) fn largest_eigenvalue(a: &Mat<f64>) -> Option<f64> {
         basis.push(w * Scale(1.0 / rest));
     }
     // a cluster at the end of the spectrum
-    a.self_adjoint_eigenvalues(Side::Lower).ok()?.last().copied()
+    symmetric_eigenvalues(a.as_ref()).ok()?.last().copied()
 }
 
 #[cfg(test)]

@@ -1,9 +1,7 @@
 //! Dense linear systems that may be singular.
 
-use faer::linalg::solvers::Llt;
-use faer::prelude::*;
-use faer::{ColMut, Mat, Side};
-use steklov_algebra::{NoFactor, check_solution, check_spectrum, llt, spoil};
+use faer::{ColMut, Mat};
+use steklov_algebra::{Cholesky, Lu, NoFactor, check_solution, check_spectrum, llt, spoil, svd, symmetric_eigen};
 
 use crate::ContactError;
 
@@ -16,7 +14,7 @@ const CUTOFF: f64 = 1e-13;
 /// A factorised symmetric, positive semi-definite matrix.
 pub(crate) enum Semidefinite {
     /// Regular: its Cholesky factor.
-    Regular(Llt<f64>),
+    Regular(Cholesky),
     /// Numerically singular: its spectrum, the negligible part zero.
     Singular { vectors: Mat<f64>, inverse: Vec<f64> },
 }
@@ -25,26 +23,25 @@ impl Semidefinite {
     pub(crate) fn new(k: &Mat<f64>) -> Result<Self, ContactError> {
         let n = k.nrows();
         match llt(k) {
-            Ok(factor) if (0..n).all(|i| factor.L()[(i, i)].powi(2) > PIVOT * k[(i, i)]) => {
+            Ok(factor) if (0..n).all(|i| factor.lower()[(i, i)].powi(2) > PIVOT * k[(i, i)]) => {
                 return Ok(Self::Regular(factor));
             }
             Err(NoFactor::Fault(fault)) => return Err(fault.into()),
             Ok(_) | Err(NoFactor::Pivot(_)) => {}
         }
-        let eigen = k.self_adjoint_eigen(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
-        let s = eigen.S();
-        let values: Vec<f64> = (0..n).map(|j| s[j]).collect();
-        check_spectrum(k.as_ref(), eigen.U(), eigen.U(), &values)?;
+        let eigen = symmetric_eigen(k.as_ref()).map_err(|_| ContactError::Decomposition { size: n })?;
+        let (s, vectors) = (eigen.values, eigen.vectors);
+        check_spectrum(k.as_ref(), vectors.as_ref(), vectors.as_ref(), &s)?;
         let largest = (0..n).fold(0.0f64, |m, j| m.max(s[j].abs()));
         let inverse = (0..n).map(|j| if s[j].abs() > CUTOFF * largest { 1.0 / s[j] } else { 0.0 }).collect();
-        Ok(Self::Singular { vectors: eigen.U().to_owned(), inverse })
+        Ok(Self::Singular { vectors, inverse })
     }
 
     /// If the matrix is singular, of the solutions (of least residual when b is outside the range) the one nearest to
     /// `near`.
     pub(crate) fn solve(&self, b: &[f64], near: &[f64]) -> Vec<f64> {
         match self {
-            Self::Regular(factor) => column(&factor.solve(to_matrix(b))),
+            Self::Regular(factor) => column(&factor.solve(to_matrix(b).as_ref())),
             Self::Singular { vectors, inverse } => {
                 let (mut coefficients, kept) =
                     (vectors.transpose() * to_matrix(b), vectors.transpose() * to_matrix(near));
@@ -74,24 +71,24 @@ pub(crate) fn solve_semidefinite(k: &Mat<f64>, b: &[f64], near: &[f64]) -> Resul
 /// Solves A x = b with A square; the least-squares solution of least norm if A is numerically singular.
 pub(crate) fn solve_general(a: &Mat<f64>, b: &[f64]) -> Result<Vec<f64>, ContactError> {
     let n = b.len();
-    let factor = a.partial_piv_lu();
-    let u = factor.U();
-    let largest = (0..n).fold(0.0f64, |m, i| m.max(u[(i, i)].abs()));
-    if (0..n).all(|i| u[(i, i)].abs() > PIVOT * largest) {
-        let mut x = factor.solve(to_matrix(b));
+    let factor = Lu::new(a.as_ref());
+    let pivots = factor.pivots();
+    let largest = pivots.iter().fold(0.0f64, |m, u| m.max(u.abs()));
+    if pivots.iter().all(|u| u.abs() > PIVOT * largest) {
+        let mut x = factor.solve(to_matrix(b).as_ref());
         spoil(x.as_mut(), false);
         let x = column(&x);
         check_solution(a.as_ref(), &x, b)?;
         return Ok(x);
     }
-    let svd = a.svd().map_err(|_| ContactError::Decomposition { size: n })?;
-    let (u, v, s) = (svd.U(), svd.V(), svd.S());
-    check_spectrum(a.as_ref(), v, u, &(0..n).map(|j| s[j]).collect::<Vec<_>>())?;
-    let mut coefficients = u.transpose() * to_matrix(b);
+    let svd = svd(a.as_ref()).map_err(|_| ContactError::Decomposition { size: n })?;
+    let s = &svd.values;
+    check_spectrum(a.as_ref(), svd.right.as_ref(), svd.left.as_ref(), s)?;
+    let mut coefficients = svd.left.transpose() * to_matrix(b);
     for j in 0..n {
         coefficients[(j, 0)] = if s[j] > CUTOFF * s[0] { coefficients[(j, 0)] / s[j] } else { 0.0 };
     }
-    Ok(column(&(v * coefficients)))
+    Ok(column(&(svd.right * coefficients)))
 }
 
 /// S v, with the sums in the order of the columns.

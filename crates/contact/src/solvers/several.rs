@@ -12,7 +12,7 @@
 //! negative τ_i, however large, show only that the fixed point does not settle.
 
 use faer::Mat;
-
+use steklov_algebra::eigenvalues;
 use steklov_elastic::plane::dot;
 
 use crate::solvers::fixed_point::{body_force, settled};
@@ -71,7 +71,7 @@ pub fn contraction(problem: &Problem, answer: &Solution) -> Result<Contraction, 
             derivative[(row, column)] = -dot(c.normal, force) / (square * c.normal_weight);
         }
     }
-    let values = derivative.eigenvalues().map_err(|_| ContactError::Decomposition { size: sliding.len() })?;
+    let values = eigenvalues(derivative.as_ref()).map_err(|_| ContactError::Decomposition { size: sliding.len() })?;
     let mut found = Contraction::default();
     for z in values {
         found.factor = found.factor.max(z.norm());

@@ -1,8 +1,7 @@
 //! Uzawa's iteration: projected gradient on the dual.
 
-use faer::linalg::solvers::DenseSolveCore;
-use faer::{Mat, Side};
-use steklov_algebra::{check_inverse, llt};
+use faer::Mat;
+use steklov_algebra::{check_inverse, llt, symmetric_eigenvalues};
 
 use crate::solvers::linear::{largest, product};
 use crate::solvers::multipliers::status;
@@ -65,7 +64,7 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
     let scaled = Mat::from_fn(n, n, |i, j| {
         if rows[j].weight == 0.0 { 0.0 } else { dual[(i, j)] * (rows[i].weight / rows[j].weight).sqrt() }
     });
-    let spectrum = scaled.self_adjoint_eigenvalues(Side::Lower).map_err(|_| ContactError::Decomposition { size: n })?;
+    let spectrum = symmetric_eigenvalues(scaled.as_ref()).map_err(|_| ContactError::Decomposition { size: n })?;
     let top = largest(spectrum);
     let safe = if top > 0.0 { 2.0 / top } else { 1.0 };
     let step = step.unwrap_or(0.95 * safe);
@@ -109,7 +108,7 @@ pub fn uzawa(problem: &Problem, step: Option<f64>, start: Option<Start<'_>>) -> 
 fn coercive_inverse(problem: &Problem) -> Result<Mat<f64>, ContactError> {
     let size = problem.load.len();
     let failed = |_| ContactError::Decomposition { size };
-    let s = problem.stiffness.self_adjoint_eigenvalues(Side::Lower).map_err(failed)?;
+    let s = symmetric_eigenvalues(problem.stiffness.as_ref()).map_err(failed)?;
     let smallest = s.iter().copied().fold(f64::INFINITY, f64::min);
     let largest = s.iter().copied().fold(0.0, f64::max);
     if smallest <= COERCIVE * largest {
@@ -118,6 +117,6 @@ fn coercive_inverse(problem: &Problem) -> Result<Mat<f64>, ContactError> {
     let factor =
         llt(&problem.stiffness).map_err(|none| none.or(|_| ContactError::NotCoercive { smallest, largest }))?;
     let inverse = factor.inverse();
-    check_inverse(factor.L(), inverse.as_ref())?;
+    check_inverse(factor.lower(), inverse.as_ref())?;
     Ok(inverse)
 }

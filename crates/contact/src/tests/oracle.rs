@@ -1,6 +1,7 @@
 //! Brute force over all active sets.
 
 use faer::prelude::*;
+use steklov_algebra::{singular_values, solve_full_lu};
 
 use crate::Problem;
 
@@ -60,11 +61,11 @@ pub fn brute_force(problem: &Problem) -> Vec<f64> {
                 }
             }
         }
-        let singular = a.singular_values().unwrap();
+        let singular = singular_values(a.as_ref()).unwrap();
         if singular[size - 1] < 1e-11 * singular[0] {
             continue; // dependent conditions: fewer of them carry the same forces
         }
-        let z = a.full_piv_lu().solve(&b);
+        let z = solve_full_lu(a.as_ref(), b.as_ref());
         let (mut wrong, stress) = (0.0f64, (0..m).fold(0.0f64, |s, i| s.max(problem.load[i].abs())));
         for (i, row) in rows.iter().enumerate() {
             let s = (0..row.1).map(|k| row.2[k] * z[(row.0 + k, 0)]).sum::<f64>() - row.3;
@@ -124,11 +125,11 @@ pub fn coulomb_solutions(problem: &Problem) -> Vec<(Vec<f64>, Vec<[f64; 2]>)> {
                 }
             }
         }
-        let singular = a.singular_values().unwrap();
+        let singular = singular_values(a.as_ref()).unwrap();
         if singular[2 * m - 1] < 1e-11 * singular[0] {
             continue;
         }
-        let z = a.full_piv_lu().solve(&b);
+        let z = solve_full_lu(a.as_ref(), b.as_ref());
         let right = problem.nodes.iter().enumerate().all(|(i, node)| {
             let (c, pressure, shear) = (&node.conditions[0], z[(m + 2 * i, 0)], z[(m + 2 * i + 1, 0)]);
             let slip = z[(2 * i + 1, 0)] + c.slip_offset;

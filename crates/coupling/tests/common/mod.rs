@@ -1,8 +1,8 @@
 //! The manufactured transmission problem: a smooth field in the unit square, two opposite forces in the medium around it.
 
-use faer::linalg::solvers::Solve;
 use faer::{Mat, MatRef};
 use sprs::CsMat;
+use steklov_algebra::Lu;
 use steklov_coupling::{Interior, Jumps, Medium, Outline, Transmission};
 use steklov_elastic::{Material, Plane};
 use steklov_msfem::{Elasticity, Grid, HeterogeneousBody, Loads};
@@ -174,7 +174,7 @@ pub fn dense(e: &CsMat<f64>) -> Mat<f64> {
 /// Solves by LU.
 pub fn lu(matrix: MatRef<'_, f64>, right: &[f64]) -> Vec<f64> {
     let b = Mat::from_fn(right.len(), 1, |i, _| right[i]);
-    matrix.partial_piv_lu().solve(&b).col_as_slice(0).to_vec()
+    Lu::new(matrix).solve(b.as_ref()).col_as_slice(0).to_vec()
 }
 
 /// K - ½M and K + ½M.

@@ -3,8 +3,7 @@
 use std::ops::Range;
 
 use faer::Mat;
-use faer::linalg::solvers::Solve;
-use steklov_algebra::dot;
+use steklov_algebra::{dot, solve_full_lu};
 use steklov_bem_operators::{Mesh, Space, TractionMap};
 use steklov_elastic::{Material, RigidMotion};
 use steklov_problem::Problem;
@@ -109,7 +108,7 @@ impl Carried {
     /// The motion of a nodal displacement.
     fn of(&self, own: &[f64]) -> RigidMotion {
         let right = Mat::from_fn(self.motions.len(), 1, |i, _| dot(&self.weighted[i], own));
-        let parts = self.gram.full_piv_lu().solve(right);
+        let parts = solve_full_lu(self.gram.as_ref(), right.as_ref());
         let parts: Vec<f64> = self.scale.iter().enumerate().map(|(k, scale)| parts[(k, 0)] * scale).collect();
         sum_of(&self.motions, &parts)
     }
@@ -144,7 +143,7 @@ impl Assembled {
         }
         let gram = Mat::from_fn(motions.len(), motions.len(), |i, j| dot(&motions[i], &motions[j]));
         let right = Mat::from_fn(motions.len(), 1, |i, _| dot(&motions[i], own));
-        let parts = gram.full_piv_lu().solve(right);
+        let parts = solve_full_lu(gram.as_ref(), right.as_ref());
         let parts: Vec<f64> = (0..motions.len()).map(|k| parts[(k, 0)]).collect();
         Some(sum_of(&self.turning, &parts))
     }

@@ -7,8 +7,8 @@
 
 use std::ops::Range;
 
-use faer::{Mat, Side};
-use steklov_algebra::dot;
+use faer::Mat;
+use steklov_algebra::{dot, symmetric_eigen};
 use steklov_bem_operators::Relative;
 use steklov_elastic::RigidMotion;
 
@@ -229,13 +229,13 @@ impl OnMesh<'_> {
 /// them.
 fn kernel(constraints: &[Vec<f64>], count: usize) -> (Vec<Vec<f64>>, f64) {
     let gram = Mat::from_fn(count, count, |i, j| constraints.iter().map(|c| c[i] * c[j]).sum::<f64>());
-    let Ok(eigen) = gram.self_adjoint_eigen(Side::Lower) else { return (Vec::new(), 0.0) };
-    let values = eigen.S().column_vector();
+    let Ok(eigen) = symmetric_eigen(gram.as_ref()) else { return (Vec::new(), 0.0) };
+    let values = &eigen.values;
     let largest = values.iter().fold(0.0, |m: f64, v| m.max(*v));
     let (free, met): (Vec<usize>, Vec<usize>) = (0..count).partition(|&k| values[k] <= RANK * largest);
     let smallest = met.iter().fold(largest, |m: f64, &k| m.min(values[k]));
     let rounding = if largest > 0.0 { count as f64 * f64::EPSILON * largest / smallest } else { 0.0 };
-    (free.into_iter().map(|k| (0..count).map(|i| eigen.U()[(i, k)]).collect()).collect(), rounding)
+    (free.into_iter().map(|k| (0..count).map(|i| eigen.vectors[(i, k)]).collect()).collect(), rounding)
 }
 
 /// The length of the part of a vector outside the span of orthonormal vectors.

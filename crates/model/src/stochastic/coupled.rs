@@ -9,7 +9,6 @@
 //! Source: Issaoui (2014), equation (4.44).
 
 use faer::Mat;
-use faer::prelude::*;
 use steklov_algebra::llt;
 use steklov_contact::{Outcome, Solution};
 use steklov_problem::Scene;
@@ -41,7 +40,8 @@ pub(crate) fn solve_cell(
     let mass = basis.mass(modulus)?;
     let size = mass.nrows();
     let factor = llt(&mass).map_err(|none| none.or(|_| StochasticError::Decomposition { size }))?;
-    let mixing = factor.solve(Mat::from_fn(size, size, |j, k| if j == k { basis.weights[j] } else { 0.0 })); // M_E⁻¹ D
+    let weights = Mat::from_fn(size, size, |j, k| if j == k { basis.weights[j] } else { 0.0 });
+    let mixing = factor.solve(weights.as_ref()); // M_E⁻¹ D
     let mut given: Vec<(Scene, f64, Loading)> = Vec::with_capacity(size);
     for point in &basis.points {
         watch.check()?;

@@ -1,8 +1,7 @@
 //! The unit square of bilinear elements, clamped at the top, loaded on both vertical sides, condensed to its bottom.
 
 use faer::Mat;
-use faer::Side;
-use faer::prelude::Solve;
+use steklov_algebra::Cholesky;
 use steklov_contact::{Condition, ContactError, ContactNode, Problem, Solution};
 use steklov_stochastic::{scale_bounds, solve_warm};
 
@@ -43,9 +42,9 @@ pub fn square(elements: usize, traction: [f64; 2]) -> Square {
     }
     // Schur complement on the bottom row, which comes first
     let m = 2 * (n + 1);
-    let inner = k.submatrix(m, m, unknowns - m, unknowns - m).to_owned().llt(Side::Lower).unwrap();
+    let inner = Cholesky::new(k.submatrix(m, m, unknowns - m, unknowns - m)).unwrap();
     let coupling = k.submatrix(m, 0, unknowns - m, m).to_owned();
-    let stiffness = k.submatrix(0, 0, m, m) - coupling.transpose() * inner.solve(&coupling);
+    let stiffness = k.submatrix(0, 0, m, m) - coupling.transpose() * inner.solve(coupling.as_ref());
     let load = f.submatrix(0, 0, m, 1) - coupling.transpose() * inner.solve(f.submatrix(m, 0, unknowns - m, 1));
     let stiffness = Mat::from_fn(m, m, |i, j| 0.5 * (stiffness[(i, j)] + stiffness[(j, i)]));
     Square { elements: n, stiffness, load: load.col_as_slice(0).to_vec() }

@@ -1,6 +1,7 @@
 //! The rigid motions that must leave the three-field form.
 
-use faer::{Mat, Side};
+use faer::Mat;
+use steklov_algebra::symmetric_eigenvalues;
 use steklov_bem_operators::Polygon;
 
 use super::grids::Level;
@@ -46,7 +47,7 @@ impl Conditioning {
 
 /// Smallest over largest magnitude of an eigenvalue of a symmetric matrix; NaN if they cannot be had.
 fn reciprocal(matrix: &Mat<f64>) -> f64 {
-    let Ok(values) = matrix.self_adjoint_eigenvalues(Side::Lower) else { return f64::NAN };
+    let Ok(values) = symmetric_eigenvalues(matrix.as_ref()) else { return f64::NAN };
     let largest = values.iter().fold(0.0f64, |m, v| m.max(v.abs()));
     values.iter().fold(f64::INFINITY, |m, v| m.min(v.abs())) / largest
 }

@@ -1,8 +1,8 @@
 //! The systems on the interface as dense matrices, with the parts that may be changed.
 
-use faer::linalg::solvers::Solve;
 use faer::{Mat, Scale};
 use sprs::CsMat;
+use steklov_algebra::Lu;
 use steklov_coupling::{CouplingError, Interior, Medium};
 use steklov_msfem::{Elimination, HeterogeneousBody, ReducedLoad};
 
@@ -39,7 +39,7 @@ fn column(values: &[f64]) -> Mat<f64> {
 
 /// Solves by LU, as a wrong matrix need not be definite.
 fn solve(matrix: &Mat<f64>, right: &Mat<f64>) -> Vec<f64> {
-    matrix.partial_piv_lu().solve(right).col_as_slice(0).to_vec()
+    Lu::new(matrix.as_ref()).solve(right.as_ref()).col_as_slice(0).to_vec()
 }
 
 impl Reduced {
@@ -64,7 +64,7 @@ impl Reduced {
     pub fn steklov(&self, half: f64) -> Mat<f64> {
         let operators = &self.exterior.operators;
         let h = &operators.k + Scale(half) * &self.mass;
-        &operators.w + h.transpose() * operators.v.partial_piv_lu().solve(&h)
+        &operators.w + h.transpose() * Lu::new(operators.v.as_ref()).solve(h.as_ref())
     }
 
     /// (A_c + S) v = f_c + S u0 with any S; the field of all nodes.

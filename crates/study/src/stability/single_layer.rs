@@ -11,8 +11,8 @@
 //!
 //! Source: Steinbach (2004).
 
-use faer::linalg::solvers::{LltError, Solve as _};
-use faer::{Mat, Side};
+use faer::Mat;
+use steklov_algebra::{Cholesky, symmetric_eigenvalues};
 use steklov_bem_operators::{BemError, Mesh, Operators, Polygon, Space};
 use steklov_elastic::Material;
 use steklov_problem::Scene;
@@ -135,7 +135,7 @@ fn smallest(mesh: &Mesh, material: &Material) -> Result<([f64; 2], f64), BemErro
     let values = |v: &Mat<f64>| {
         let scaled = Mat::from_fn(v.nrows(), v.ncols(), |i, j| v[(i, j)] / (own[(i, i)] * own[(j, j)]).sqrt());
         // a decomposition that fails leaves the size unknown
-        scaled.self_adjoint_eigenvalues(Side::Lower).map_or([f64::NAN; 2], |values| [values[0], values[1]])
+        symmetric_eigenvalues(scaled.as_ref()).map_or([f64::NAN; 2], |values| [values[0], values[1]])
     };
     Ok((values(&unit), values(&own)[0]))
 }
@@ -149,11 +149,11 @@ fn degenerate(mesh: &Mesh, space: &Space, material: &Material) -> Result<[f64; 2
             moments[(2 * space.offset[e] + i, i)] = mesh.length(e);
         }
     }
-    let factor = operators.v.llt(Side::Lower).map_err(|LltError::NonPositivePivot { index }| {
+    let factor = Cholesky::new(operators.v.as_ref()).map_err(|pivot| {
         let (size, length, diameter) = (space.dofs(), operators.length, operators.diameter);
-        BemError::SingleLayerIndefinite { pivot: index, size, length, diameter }
+        BemError::SingleLayerIndefinite { pivot, size, length, diameter }
     })?;
-    let c = moments.transpose() * factor.solve(&moments);
+    let c = moments.transpose() * factor.solve(moments.as_ref());
     let (mean, half) = ((c[(0, 0)] + c[(1, 1)]) / 2.0, (c[(0, 0)] - c[(1, 1)]) / 2.0);
     let radius = half.hypot((c[(0, 1)] + c[(1, 0)]) / 2.0);
     let c_v = 1.0 / (8.0 * std::f64::consts::PI * material.mu() * (1.0 - material.nu()));
