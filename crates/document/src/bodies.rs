@@ -21,7 +21,11 @@ pub(super) fn are_several(field: &Field<'_>) -> bool {
 
 /// The problem of several bodies: `[[body]]`, `[sides.BODY.SIDE]`, `[[interface]]`.
 pub(super) fn problem(fields: &Fields<'_>, context: &Context<'_>) -> Result<Problem, ReadError> {
-    let tables = fields.require("body", "[[body]] with name, corners and sides")?.list()?;
+    let list = fields.require("body", "[[body]] with name, corners and sides")?;
+    let tables = list.list()?;
+    if tables.is_empty() {
+        return Err(list.problem("body lists no body", "write a table [[body]] with name, corners and sides for each"));
+    }
     for key in ["exterior", "grid", "random"] {
         if let Some(field) = fields.get(key) {
             let message = format!("{} and several bodies cannot be solved together", field.name);

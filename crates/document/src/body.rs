@@ -13,6 +13,9 @@ use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::source::Source;
 
+/// Every plane assumption and its word.
+pub(super) const PLANES: [(&str, Plane); 2] = [("strain", Plane::Strain), ("stress", Plane::Stress)];
+
 /// `[parameters]`.
 #[derive(Default)]
 pub(super) struct Parameters {
@@ -195,7 +198,7 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> ReadErr
 pub(super) fn material(fields: &Fields<'_>, context: &Context<'_>, young: f64) -> Result<Material, ReadError> {
     let poisson = fields.require("poisson", "poisson = 0.3")?;
     let plane = match fields.get("plane") {
-        Some(plane) => plane.choice(&[("strain", Plane::Strain), ("stress", Plane::Stress)])?,
+        Some(plane) => plane.choice(&PLANES)?,
         None => Plane::Strain,
     };
     Material::new(young, poisson.constant(context)?, plane).map_err(|e| match e {

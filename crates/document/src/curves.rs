@@ -8,12 +8,10 @@ use steklov_problem::DataErrorKind;
 
 use super::error::ReadError;
 use super::fields::{Field, Fields};
+use super::form::Table;
+use super::keys;
 use super::tree::Value;
 
-pub(super) const ARC: [&str; 9] =
-    ["edge", "bulge", "centre", "radius", "large", "through", "radii", "angle", "control"];
-const CIRCLE: [&str; 2] = ["centre", "radius"];
-const ELLIPSE: [&str; 3] = ["centre", "radii", "angle"];
 /// Elements that a circle or an ellipse has at least.
 const QUARTERS: usize = 4;
 /// Corners lie on a circle or an ellipse up to this part of it.
@@ -40,7 +38,7 @@ pub(super) fn whole_loop(fields: &Fields<'_>) -> Result<Option<Loop>, ReadError>
         return Err(field.problem("a circle and an ellipse are given for one loop", "remove one of them"));
     }
     let side = fields.require("side", "side = \"name\", the name of the whole loop")?.text()?.to_owned();
-    let of = Fields::new(field, if circle.is_some() { &CIRCLE } else { &ELLIPSE })?;
+    let of = Fields::new(field, if circle.is_some() { &keys::CIRCLE } else { &keys::ELLIPSE })?;
     let centre = of.require("centre", "centre = [x, y]")?.point()?;
     if circle.is_some() {
         let radius = positive(&of.require("radius", "radius = 1.0")?)?;
@@ -52,11 +50,11 @@ pub(super) fn whole_loop(fields: &Fields<'_>) -> Result<Option<Loop>, ReadError>
 }
 
 fn finite(field: &Field<'_>) -> Result<f64, ReadError> {
-    field.number_where(f64::is_finite, "finite")
+    field.number_in(&keys::FINITE)
 }
 
 fn positive(field: &Field<'_>) -> Result<f64, ReadError> {
-    field.number_where(|v| v > 0.0 && v.is_finite(), "positive and finite")
+    field.number_in(&keys::POSITIVE)
 }
 
 fn half_axes(field: &Field<'_>) -> Result<[f64; 2], ReadError> {
@@ -78,8 +76,9 @@ pub(super) fn paths(fields: &Fields<'_>, listed: &Loop) -> Result<Vec<Path>, Rea
         (0..corners.len()).map(|k| (corners[k], corners[(k + 1) % corners.len()])).map(|(a, b)| cross(a, b)).sum();
     for key in ["arcs", "curves"] {
         let Some(field) = fields.get(key) else { continue };
-        for (edge, entry) in entries(&field, listed)? {
-            let of = Fields::new(&entry, &ARC)?;
+        let table = if key == "arcs" { &keys::ARC } else { &keys::CURVE };
+        for (edge, entry) in entries(&field, table, listed)? {
+            let of = Fields::new(&entry, table)?;
             if std::mem::replace(&mut given[edge], true) {
                 let message = format!("edge {edge} is given two curves");
                 return Err(entry.problem(message, "remove one of them"));
@@ -95,7 +94,7 @@ pub(super) fn paths(fields: &Fields<'_>, listed: &Loop) -> Result<Vec<Path>, Rea
 }
 
 /// Edges and their tables: by the name of a side or the number of an edge, or a list with `edge`.
-fn entries<'a>(field: &Field<'a>, listed: &Loop) -> Result<Vec<(usize, Field<'a>)>, ReadError> {
+fn entries<'a>(field: &Field<'a>, table: &'static Table, listed: &Loop) -> Result<Vec<(usize, Field<'a>)>, ReadError> {
     let count = listed.corners.len();
     let numbered = |number: usize, at: &Field<'_>| match number < count {
         true => Ok(number),
@@ -103,9 +102,9 @@ fn entries<'a>(field: &Field<'a>, listed: &Loop) -> Result<Vec<(usize, Field<'a>
     };
     if let Value::Array(_) = field.item.value {
         let entry = |entry: Field<'a>| {
-            let of = Fields::new(&entry, &ARC)?;
+            let of = Fields::new(&entry, table)?;
             let edge = of.require("edge", "edge = 0, the number of the edge")?;
-            Ok((numbered(edge.whole(0, usize::MAX >> 1)?, &edge)?, entry))
+            Ok((numbered(edge.whole(keys::NATURAL)?, &edge)?, entry))
         };
         return field.list()?.into_iter().map(entry).collect();
     }

@@ -9,6 +9,10 @@ use super::error::ReadError;
 use super::fields::{Context, Field, Fields};
 use super::keys;
 
+/// What the displacement does far away, and its word.
+pub(super) const RADIATIONS: [(&str, Radiation); 2] =
+    [("decaying", Radiation::Decaying), ("bounded", Radiation::Bounded)];
+
 /// Reads `[exterior]`, the medium and how a body is tied to it; `body`: the plane of the body's material, None of a hole in the medium.
 pub(super) fn exterior(
     field: &Field<'_>,
@@ -68,8 +72,7 @@ pub(super) fn far_field(fields: &Fields<'_>, context: &Context<'_>) -> Result<Fa
         }
         None => [0.0; 3],
     };
-    let words = [("decaying", Radiation::Decaying), ("bounded", Radiation::Bounded)];
-    let at_infinity = fields.get("at_infinity").map(|word| word.choice(&words)).transpose()?;
+    let at_infinity = fields.get("at_infinity").map(|word| word.choice(&RADIATIONS)).transpose()?;
     Ok(FarField { remote_stress, at_infinity, named })
 }
 

@@ -9,7 +9,8 @@ use steklov_expression::{Expression, Place};
 use steklov_problem::DataErrorKind;
 
 use super::error::{ReadError, SceneErrorKind as Kind};
-use super::keys;
+use super::form::{Range, Table, Whole};
+use super::help;
 use super::source::Source;
 use super::tree::{Entry, Item, Value, suggestion, type_name};
 
@@ -43,13 +44,13 @@ pub(super) struct Field<'a> {
 
 impl<'a> Fields<'a> {
     /// # Errors
-    /// The field is no table, or has a key that is not in `known`.
-    pub(super) fn new(field: &Field<'a>, known: &[&str]) -> Result<Self, ReadError> {
+    /// The field is no table, or has a key that `table` has not.
+    pub(super) fn new(field: &Field<'a>, table: &'static Table) -> Result<Self, ReadError> {
         let fields = Self::open(field)?;
-        match fields.entries.iter().find(|e| !known.contains(&e.key.as_str())) {
+        match fields.entries.iter().find(|e| !table.has(&e.key)) {
             Some(entry) => {
                 let message = format!("unknown key {}", fields.name(&entry.key));
-                let help = keys::help(&entry.key, known, fields.entries);
+                let help = help::help(&entry.key, table, fields.entries);
                 Err(ReadError::new(Kind::UnknownKey, entry.key_place, message, help))
             }
             None => Ok(fields),
@@ -129,8 +130,13 @@ impl<'a> Field<'a> {
         }
     }
 
+    /// A number in a range.
+    pub(super) fn number_in(&self, range: &Range) -> Result<f64, ReadError> {
+        self.number_where(|v| range.contains(v), range.wanted)
+    }
+
     /// A whole number between two bounds.
-    pub(super) fn whole(&self, least: usize, most: usize) -> Result<usize, ReadError> {
+    pub(super) fn whole(&self, Whole(least, most): Whole) -> Result<usize, ReadError> {
         let Value::Integer(value) = self.item.value else { return Err(self.wrong_type("a whole number")) };
         match usize::try_from(value) {
             Ok(n) if (least..=most).contains(&n) => Ok(n),
@@ -159,7 +165,7 @@ impl<'a> Field<'a> {
         let Value::Array(list) = &self.item.value else {
             let key = self.name.rsplit('.').next().unwrap_or_default();
             let wanted = match self.item.value {
-                Value::Table(_) if keys::LISTS.contains(&key) => {
+                Value::Table(_) if help::is_list_of_tables(key) => {
                     let header: String =
                         self.name.split('.').map(|k| k.split('[').next().unwrap_or(k)).collect::<Vec<_>>().join(".");
                     format!("a list of tables: write [[{header}]] with two pairs of brackets, one such table for each")

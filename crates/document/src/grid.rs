@@ -5,9 +5,7 @@ use std::path::Path;
 use steklov_bem_operators::Polygon;
 use steklov_elastic::Material;
 use steklov_io::{IoError, load_foreign_axes, load_foreign_table};
-use steklov_problem::{
-    BASES, BasisInput, CellModuli, Cells, DataErrorKind, GridInput, MOST_CELLS, TableOrder, modulus_cells,
-};
+use steklov_problem::{BASES, BasisInput, CellModuli, Cells, DataErrorKind, GridInput, TableOrder, modulus_cells};
 
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Context, Field, Fields};
@@ -16,15 +14,18 @@ use super::keys;
 use super::source::Source;
 use super::tree::Value;
 
+/// The orders that a scene may name, and their words.
+pub(super) const ORDERS: [(&str, TableOrder); 2] = [("xy", TableOrder::Xy), ("rows", TableOrder::Rows)];
+
 pub(super) fn grid(field: &Field<'_>) -> Result<GridInput, ReadError> {
     let fields = Fields::new(field, &keys::GRID)?;
     let counts = |key: &str| -> Result<[usize; 2], ReadError> {
         let [x, y] = fields.require(key, &format!("{key} = [cells along x, cells along y]"))?.components()?;
-        Ok([x.whole(1, MOST_CELLS)?, y.whole(1, MOST_CELLS)?])
+        Ok([x.whole(keys::CELL_COUNT)?, y.whole(keys::CELL_COUNT)?])
     };
     let (coarse, fine) = (counts("coarse")?, counts("fine")?);
     let basis = fields.get("basis").map_or(Ok(BasisInput::Coupled), |basis| basis.choice(&BASES))?;
-    let oversample = fields.get("oversample").map(|cells| cells.whole(0, MOST_CELLS)).transpose()?;
+    let oversample = fields.get("oversample").map(|cells| cells.whole(keys::OVERSAMPLE)).transpose()?;
     let grid = GridInput { coarse, fine, basis, oversample };
     if let Err((key, message, help)) = grid.check() {
         return Err(fields.require(key, "the numbers of cells")?.problem(message, help));
@@ -41,7 +42,7 @@ pub(super) fn cells(
 ) -> Result<Cells, ReadError> {
     let fields = Fields::new(field, &keys::CELLS)?;
     let size = fields.require("size", "size = the edge length of a cell")?;
-    let size = size.number_where(|v| v > 0.0 && v.is_finite(), "a positive length")?;
+    let size = size.number_in(&keys::LENGTH)?;
     let young = fields.require("young", "young = { uniform = [low, high], seed = 1 }")?;
     let young = match young.item.value {
         Value::Table(_) => table(&young, modulus_cells(polygon, size), size, context.source)?,
@@ -53,7 +54,7 @@ pub(super) fn cells(
 /// Moduli that are random numbers or come from a file; `cells`: how many of this size there are along x and y, if they fit the
 /// body.
 fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Source) -> Result<CellModuli, ReadError> {
-    let table = Fields::new(young, &["uniform", "seed", "file", "dataset", "order"])?;
+    let table = Fields::new(young, &keys::MODULI)?;
     let beside = |key: &str, of: &str| match table.get(key) {
         Some(field) => {
             let message = format!("{} stands without {of}", field.name);
@@ -71,7 +72,7 @@ fn table(young: &Field<'_>, cells: Option<[usize; 2]>, size: f64, source: &Sourc
                 let message = format!("{} is [{low}, {high}]", uniform.name);
                 return Err(uniform.problem(message, "both must be positive moduli, the lower one first"));
             }
-            let seed = table.get("seed").map_or(Ok(0), |seed| seed.whole(0, i64::MAX as usize))? as u64;
+            let seed = table.get("seed").map_or(Ok(0), |seed| seed.whole(keys::NATURAL))? as u64;
             Ok(CellModuli::Uniform { low, high, seed })
         }
         (None, Some(file)) => {
@@ -124,8 +125,7 @@ fn from_file(
         };
         ReadError::new(Kind::Read, field.item.place, format!("cannot read Young's moduli: {why}"), help)
     };
-    let words = [("xy", TableOrder::Xy), ("rows", TableOrder::Rows)];
-    let given = given.map(|field| field.choice(&words).map(|order| (order, field))).transpose()?;
+    let given = given.map(|field| field.choice(&ORDERS).map(|order| (order, field))).transpose()?;
     let axes = load_foreign_axes(&path, name).map_err(refuse)?;
     let named = axes.as_ref().and_then(|axes| order_of(axes));
     let order = match (given, named) {

@@ -22,7 +22,11 @@ pub use steklov_problem;
 
 mod error;
 mod tree;
+mod form;
 mod keys;
+mod help;
+mod schema;
+mod reference;
 mod fields;
 mod bodies;
 mod body;
@@ -51,7 +55,9 @@ use steklov_problem::{
 use error::{ReadError, SceneErrorKind as Kind, located};
 pub use error::{SceneError, SceneErrorKind};
 pub use foreign::{HDF5, foreign};
-pub use keys::full_key;
+pub use help::full_key;
+pub use reference::reference;
+pub use schema::schema;
 pub use source::Source;
 
 use body::Parameters;
@@ -162,7 +168,7 @@ pub fn read(path: &Path, overrides: &[String]) -> Result<Scene, SceneError> {
 fn checked(source: &Source) -> Result<Scene, ReadError> {
     let root = tree::build(source)?;
     let scene = scene(&root, source)?;
-    keys::check_overrides(&scene, &root)?;
+    help::check_overrides(&scene, &root)?;
     scene.check()?;
     Ok(scene)
 }

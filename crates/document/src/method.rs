@@ -8,8 +8,16 @@ use steklov_problem::{
 
 use super::error::ReadError;
 use super::fields::{Field, Fields};
+use super::form::Range;
 use super::keys;
 use super::tree::Value;
+
+/// The word for what the program chooses.
+pub(super) const AUTO: &str = "auto";
+
+/// The degrees of stabilised multipliers that have a word.
+pub(super) const MULTIPLIER_DEGREES: [(&str, MultiplierDegree); 2] =
+    [(AUTO, MultiplierDegree::Relative(0)), ("continuous", MultiplierDegree::ContinuousLinear)];
 
 pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
     let mut method = Method::default();
@@ -19,29 +27,24 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
         match key {
             "model" => method.model = field.choice(&MODELS)?,
             "tolerance" => {
-                method.tolerance = Some(field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?);
+                method.tolerance = Some(field.number_in(&keys::FRACTION)?);
             }
             "refine" => method.refine = field.choice(&REFINES)?,
-            "elements" => method.elements = Some(field.whole(1, 1_000_000)?),
-            "degree" => method.degree = field.whole(1, 64)?,
-            "max_dofs" => method.max_dofs = Some(field.whole(1, 100_000_000)?),
-            "max_steps" => method.max_steps = field.whole(1, 1_000_000)?,
+            "elements" => method.elements = Some(field.whole(keys::ELEMENTS)?),
+            "degree" => method.degree = field.whole(keys::DEGREE)?,
+            "max_dofs" => method.max_dofs = Some(field.whole(keys::DOFS)?),
+            "max_steps" => method.max_steps = field.whole(keys::STEPS)?,
             "indicator" => method.indicator = field.choice(&INDICATORS)?,
             "estimators" => method.estimators = field.flag()?,
-            "marking" => {
-                method.marking = auto(&field, |v| v > 0.0 && v <= 1.0, "\"auto\", or a number above 0 and at most 1")?
-            }
-            "smoothness" => method.smoothness = field.number_where(|v| v > 0.0 && v <= 1.0, "above 0 and at most 1")?,
+            "marking" => method.marking = auto(&field, &keys::SHARE)?,
+            "smoothness" => method.smoothness = field.number_in(&keys::SHARE)?,
             "multiplier" => method.multiplier = field.choice(&MULTIPLIERS)?,
-            "gamma" => method.gamma = auto(&field, |v| v > 0.0 && v.is_finite(), "\"auto\", or a number above 0")?,
+            "gamma" => method.gamma = auto(&field, &keys::ABOVE_ZERO)?,
             "multiplier_mesh" => method.multiplier_mesh = field.choice(&MULTIPLIER_MESHES)?,
             "multiplier_degree" => {
                 method.multiplier_degree = match &field.item.value {
-                    Value::Text(_) => field.choice(&[
-                        ("auto", MultiplierDegree::Relative(0)),
-                        ("continuous", MultiplierDegree::ContinuousLinear),
-                    ])?,
-                    _ => MultiplierDegree::Fixed(field.whole(0, 64)?),
+                    Value::Text(_) => field.choice(&MULTIPLIER_DEGREES)?,
+                    _ => MultiplierDegree::Fixed(field.whole(keys::DEGREE_FROM_0)?),
                 };
             }
             _ => method.solver = field.choice(&SOLVERS)?,
@@ -66,11 +69,12 @@ pub(super) fn method(field: Option<Field<'_>>) -> Result<Method, ReadError> {
 }
 
 /// A number, or `None` for the word "auto".
-fn auto(field: &Field<'_>, test: impl Fn(f64) -> bool, wanted: &str) -> Result<Option<f64>, ReadError> {
+fn auto(field: &Field<'_>, range: &Range) -> Result<Option<f64>, ReadError> {
+    let wanted = format!("{AUTO:?}, or a number {}", range.wanted);
     match &field.item.value {
-        Value::Text(text) if text == "auto" => Ok(None),
+        Value::Text(text) if text == AUTO => Ok(None),
         Value::Text(text) => Err(field.problem(format!("{} is {text:?}", field.name), format!("it must be {wanted}"))),
-        _ => field.number_where(test, wanted).map(Some),
+        _ => field.number_where(|v| range.contains(v), &wanted).map(Some),
     }
 }
 
@@ -88,10 +92,10 @@ pub(super) fn expect(field: &Field<'_>, path: &str, list: &mut Vec<Expectation>)
             expect(&entry, &path, list)?;
             continue;
         }
-        let fields = Fields::new(&entry, &["value", "tol", "source"])?;
-        let value = fields.require("value", "value = the number to expect")?.number_where(f64::is_finite, "finite")?;
+        let fields = Fields::new(&entry, &keys::EXPECTATION)?;
+        let value = fields.require("value", "value = the number to expect")?.number_in(&keys::FINITE)?;
         let tol = fields.require("tol", "tol = how far the result may be off, such as 1e-6")?;
-        let tol = tol.number_where(|v| v >= 0.0 && v.is_finite(), "finite and not negative")?;
+        let tol = tol.number_in(&keys::NOT_NEGATIVE)?;
         let source = fields.get("source").map_or(Ok(""), |s| s.text())?.to_owned();
         list.push(Expectation { path, value, tol, source });
     }

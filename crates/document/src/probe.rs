@@ -1,7 +1,7 @@
 //! `[probe]`: points, lines and sides at which results are wanted.
 
 use steklov_bem_operators::{Location, Polygon};
-use steklov_problem::{DataErrorKind, MOST_POINTS, ProbeLine, Problem};
+use steklov_problem::{DataErrorKind, ProbeLine, Problem};
 
 use super::error::{ReadError, SceneErrorKind as Kind};
 use super::fields::{Field, Fields};
@@ -9,7 +9,7 @@ use super::keys;
 use super::tree::suggestion;
 
 /// Points of a line that does not say how many it has.
-const POINTS: usize = 101;
+pub(super) const POINTS: usize = 101;
 
 /// What the table names.
 #[derive(Default)]
@@ -52,7 +52,7 @@ fn points(points: &Field<'_>, polygon: &Polygon, around: bool) -> Result<Vec<[f6
 fn line(field: &Field<'_>, problem: &Problem) -> Result<ProbeLine, ReadError> {
     let fields = Fields::new(field, &keys::PROBE_LINE)?;
     let end = |key: &str| fields.require(key, &format!("{key} = [x, y]"))?.point();
-    let points = fields.get("points").map_or(Ok(POINTS), |f| f.whole(2, MOST_POINTS))?;
+    let points = fields.get("points").map_or(Ok(POINTS), |f| f.whole(keys::LINE_POINTS))?;
     let line = ProbeLine { from: end("from")?, to: end("to")?, points };
     line.check(problem).map_err(|(message, help)| field.problem(message, help))?;
     Ok(line)

@@ -13,6 +13,30 @@ use super::fields::{Context, Field, Fields};
 use super::keys;
 use super::tree::{Value, suggestion};
 
+pub(super) const UNIFORM: &str = "uniform";
+pub(super) const NORMAL: &str = "normal";
+pub(super) const LOGNORMAL: &str = "lognormal";
+pub(super) const BETA: &str = "beta";
+/// Every law of a variable and its word.
+const LAWS: [(&str, Law); 4] =
+    [(UNIFORM, Law::Uniform), (NORMAL, Law::Normal), (LOGNORMAL, Law::Lognormal), (BETA, Law::Beta)];
+/// Every covariance of a field and its word.
+pub(super) const KERNELS: [(&str, Kernel); 3] =
+    [("exponential", Kernel::Exponential), ("gaussian", Kernel::Gaussian), ("matern32", Kernel::Matern32)];
+/// Whether the modes of a field are uniform, by the word of their law.
+pub(super) const VARIABLES: [(&str, bool); 2] = [(UNIFORM, true), (NORMAL, false)];
+/// Share of the variance of a field that is kept.
+pub(super) const CAPTURED: f64 = 0.95;
+/// Every choice of outcomes and its word.
+pub(super) const SAMPLINGS: [(&str, Sampling); 4] = [
+    ("galerkin", Sampling::Galerkin),
+    ("collocation", Sampling::Collocation),
+    ("sparse", Sampling::Sparse),
+    ("monte-carlo", Sampling::MonteCarlo),
+];
+/// Whether stochastic elements are split, and the words.
+pub(super) const SPLITS: [(&str, bool); 2] = [("none", false), ("adaptive", true)];
+
 /// A random input as it stands in the scene.
 pub(super) enum Declared {
     Variable(Variable),
@@ -169,20 +193,19 @@ enum Law {
 }
 
 fn variable(field: &Field<'_>) -> Result<Variable, ReadError> {
-    let words =
-        [("uniform", Law::Uniform), ("normal", Law::Normal), ("lognormal", Law::Lognormal), ("beta", Law::Beta)];
     const EXAMPLE: &str = "distribution = \"uniform\", or covariance = \"exponential\" for a field";
-    let law = Fields::open(field)?.require("distribution", EXAMPLE)?.choice(&words)?;
-    let keys: &[&str] = match law {
-        Law::Uniform => &["distribution", "low", "high"],
-        Law::Normal | Law::Lognormal => &["distribution", "mean", "deviation", "low", "high"],
-        Law::Beta => &["distribution", "alpha", "beta", "low", "high"],
+    let law = Fields::open(field)?.require("distribution", EXAMPLE)?.choice(&LAWS)?;
+    let table = match law {
+        Law::Uniform => &keys::VARIABLE_UNIFORM,
+        Law::Normal => &keys::VARIABLE_NORMAL,
+        Law::Lognormal => &keys::VARIABLE_LOGNORMAL,
+        Law::Beta => &keys::VARIABLE_BETA,
     };
-    let fields = Fields::new(field, keys)?;
-    let finite = |key: &str| fields.require(key, &format!("{key} = a number"))?.number_where(f64::is_finite, "finite");
+    let fields = Fields::new(field, table)?;
+    let finite = |key: &str| fields.require(key, &format!("{key} = a number"))?.number_in(&keys::FINITE);
     let positive = |key: &str| {
         let number = fields.require(key, &format!("{key} = a positive number"))?;
-        number.number_where(|v| v > 0.0 && v.is_finite(), "positive and finite")
+        number.number_in(&keys::POSITIVE)
     };
     let needed = matches!(law, Law::Uniform | Law::Beta);
     let end = |key: &str, default: f64| {
@@ -206,13 +229,10 @@ fn variable(field: &Field<'_>) -> Result<Variable, ReadError> {
 
 /// A random field.
 fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, ReadError> {
-    let fields = Fields::new(field, &["covariance", "correlation", "on", "captured", "modes", "variables"])?;
-    let kernels =
-        [("exponential", Kernel::Exponential), ("gaussian", Kernel::Gaussian), ("matern32", Kernel::Matern32)];
-    let kernel = fields.require("covariance", "covariance = \"exponential\"")?.choice(&kernels)?;
+    let fields = Fields::new(field, &keys::FIELD)?;
+    let kernel = fields.require("covariance", "covariance = \"exponential\"")?.choice(&KERNELS)?;
     let correlation = fields.require("correlation", "correlation = a length")?;
-    let length =
-        |field: &Field<'_>| field.number_where(|v| v > 0.0 && v.is_finite(), "a positive length, or one for each axis");
+    let length = |field: &Field<'_>| field.number_in(&keys::LENGTHS);
     let correlation = match correlation.item.value {
         Value::Array(_) => {
             let [x, y] = correlation.components()?;
@@ -237,14 +257,12 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, ReadError> {
                 "keep captured or modes, not both",
             ));
         }
-        (None, Some(modes)) => Truncation::Modes(modes.whole(1, 10_000)?),
-        (Some(captured), None) => {
-            Truncation::Captured(captured.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?)
-        }
-        (None, None) => Truncation::Captured(0.95),
+        (None, Some(modes)) => Truncation::Modes(modes.whole(keys::MODES)?),
+        (Some(captured), None) => Truncation::Captured(captured.number_in(&keys::FRACTION)?),
+        (None, None) => Truncation::Captured(CAPTURED),
     };
     let uniform = match fields.get("variables") {
-        Some(variables) => variables.choice(&[("uniform", true), ("normal", false)])?,
+        Some(variables) => variables.choice(&VARIABLES)?,
         None => true,
     };
     let support = if word == "body" {
@@ -264,27 +282,21 @@ fn rough(field: &Field<'_>, polygon: &Polygon) -> Result<Declared, ReadError> {
 
 pub(super) fn stochastic(field: &Field<'_>) -> Result<Stochastic, ReadError> {
     let mut read = Stochastic::default();
-    let methods = [
-        ("galerkin", Sampling::Galerkin),
-        ("collocation", Sampling::Collocation),
-        ("sparse", Sampling::Sparse),
-        ("monte-carlo", Sampling::MonteCarlo),
-    ];
     let table = Fields::new(field, &keys::STOCHASTIC)?;
     for (key, _, field) in table.all() {
         match key {
-            "method" => read.method = field.choice(&methods)?,
-            "degree" => read.degree = field.whole(0, 64)?,
-            "elements" => read.elements = field.whole(1, 1_000_000)?,
-            "level" => read.level = field.whole(0, 12)?,
-            "refine" => read.refine = field.choice(&[("none", false), ("adaptive", true)])?,
-            "tolerance" => read.tolerance = field.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1")?,
-            "max_nodes" => read.max_nodes = field.whole(1, 10_000_000)?,
-            "samples" => read.samples = field.whole(2, 10_000_000)?,
-            "seed" => read.seed = field.whole(0, i64::MAX as usize)? as u64,
+            "method" => read.method = field.choice(&SAMPLINGS)?,
+            "degree" => read.degree = field.whole(keys::DEGREE_FROM_0)?,
+            "elements" => read.elements = field.whole(keys::ELEMENTS)?,
+            "level" => read.level = field.whole(keys::LEVEL)?,
+            "refine" => read.refine = field.choice(&SPLITS)?,
+            "tolerance" => read.tolerance = field.number_in(&keys::FRACTION)?,
+            "max_nodes" => read.max_nodes = field.whole(keys::NODES)?,
+            "samples" => read.samples = field.whole(keys::SAMPLES)?,
+            "seed" => read.seed = field.whole(keys::NATURAL)? as u64,
             "quantiles" => {
                 let numbers = field.list()?;
-                let number = |q: &Field<'_>| q.number_where(|v| v > 0.0 && v < 1.0, "above 0 and below 1");
+                let number = |q: &Field<'_>| q.number_in(&keys::FRACTION);
                 read.quantiles = numbers.iter().map(number).collect::<Result<_, _>>()?;
             }
             _ => {

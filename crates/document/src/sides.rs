@@ -51,8 +51,8 @@ pub(super) fn sides(
 pub(super) fn given(field: &Field<'_>, context: &Context<'_>) -> Result<Given, ReadError> {
     let fields = Fields::new(field, &keys::SIDE)?;
     let springs = fields.get("springs").map(|field| springs(&field, context)).transpose()?;
-    let beside = keys::SIDE.iter().filter(|key| **key != "springs");
-    let given: Vec<(&str, Field<'_>)> = beside.filter_map(|&key| Some((key, fields.get(key)?))).collect();
+    let beside = keys::SIDE.known().filter(|key| *key != "springs");
+    let given: Vec<(&str, Field<'_>)> = beside.filter_map(|key| Some((key, fields.get(key)?))).collect();
     let contact = match &given[..] {
         [("contact", contact)] => Some(self::contact(contact, context)?),
         _ => None,
@@ -84,7 +84,7 @@ fn springs(field: &Field<'_>, context: &Context<'_>) -> Result<Springs, ReadErro
                 Some(stiffness) => stiffness.expression(context),
                 None => Ok(Expression::number(0.0)),
             };
-            let [normal, tangential] = keys::SPRINGS.map(stiffness);
+            let [normal, tangential] = ["normal", "tangential"].map(stiffness);
             Ok(Springs::Normal { normal: normal?, tangential: tangential? })
         }
         Value::Text(_) | Value::Integer(_) | Value::Float(_) => Ok(Springs::both(field.expression(context)?)),

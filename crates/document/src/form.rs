@@ -1,0 +1,143 @@
+//! What a key of a scene is: plain data, from which the reader takes names and ranges, and the schema and the reference all of it.
+
+/// A key of a table.
+pub(super) struct Key {
+    pub(super) name: &'static str,
+    /// The values that are read.
+    pub(super) form: Form,
+    /// What holds without the key.
+    pub(super) default: Fallback,
+    /// Unit of its numbers; empty where they have none, or the key has no numbers.
+    pub(super) unit: &'static str,
+    /// Its meaning, one sentence.
+    pub(super) what: &'static str,
+}
+
+/// A table: fixed keys, or names that the user chooses.
+pub(super) struct Table {
+    /// Its full name in a scene.
+    pub(super) name: &'static str,
+    /// What it is for, one sentence.
+    pub(super) what: &'static str,
+    pub(super) keys: &'static [Key],
+    /// The values of names that the user chooses, and what such a name is.
+    pub(super) names: Option<(Form, &'static str)>,
+}
+
+/// The values that a key takes.
+pub(super) enum Form {
+    /// A number without quotes.
+    Number(Range),
+    /// A whole number.
+    Whole(Whole),
+    /// A text in quotes.
+    Text,
+    /// True or false.
+    Flag,
+    /// The word true without quotes.
+    True,
+    /// A number in this range, or the text of an expression.
+    Expression(Range),
+    /// One of these words in quotes.
+    Words(&'static [&'static str]),
+    /// A list of two numbers, x and y.
+    Point,
+    /// A list of as many values of one form, or of any number of them.
+    List(&'static Form, Option<usize>),
+    /// A table.
+    Table(&'static Table),
+    /// One of several forms.
+    OneOf(&'static [Form]),
+    /// The key is known, and no value of it can be solved: the reader says why.
+    Refused,
+}
+
+/// Without the key.
+pub(super) enum Fallback {
+    /// It must be there.
+    Required,
+    /// This value as TOML text.
+    Value(fn() -> String),
+    /// What this says.
+    Said(&'static str),
+}
+
+/// Numbers between two bounds.
+pub(super) struct Range {
+    pub(super) low: f64,
+    pub(super) high: f64,
+    /// Whether the bounds themselves belong to it.
+    pub(super) closed: [bool; 2],
+    /// The numbers in words, for messages.
+    pub(super) wanted: &'static str,
+}
+
+impl Range {
+    /// Numbers between two bounds that do not belong to them.
+    pub(super) const fn open(low: f64, high: f64, wanted: &'static str) -> Self {
+        Self { low, high, closed: [false; 2], wanted }
+    }
+
+    pub(super) fn contains(&self, v: f64) -> bool {
+        let [low, high] = self.closed;
+        (v > self.low || low && v == self.low) && (v < self.high || high && v == self.high)
+    }
+}
+
+/// The least and the greatest whole number.
+#[derive(Clone, Copy)]
+pub(super) struct Whole(pub(super) usize, pub(super) usize);
+
+/// The words of choices.
+pub(super) const fn words<T: Copy, const N: usize>(choices: &[(&'static str, T); N]) -> [&'static str; N] {
+    let mut words = [""; N];
+    let mut k = 0;
+    while k < N {
+        words[k] = choices[k].0;
+        k += 1;
+    }
+    words
+}
+
+/// The word of a choice as TOML text.
+pub(super) fn quoted<T: PartialEq>(choices: &[(&'static str, T)], choice: T) -> String {
+    let word = choices.iter().find(|(_, other)| *other == choice).map_or("", |(word, _)| word);
+    format!("{word:?}")
+}
+
+impl Table {
+    /// The names of its keys.
+    pub(super) fn known(&self) -> impl Iterator<Item = &'static str> + Clone {
+        self.keys.iter().map(|key| key.name)
+    }
+
+    pub(super) fn has(&self, key: &str) -> bool {
+        self.keys.iter().any(|k| k.name == key)
+    }
+
+    /// This table and those below it, each once, in the order of the keys.
+    pub(super) fn all(&'static self) -> Vec<&'static Table> {
+        let mut all = Vec::new();
+        self.add(&mut all);
+        all
+    }
+
+    fn add(&'static self, all: &mut Vec<&'static Table>) {
+        if !all.iter().any(|other| std::ptr::eq(*other, self)) {
+            all.push(self);
+            let names = self.names.iter().map(|(form, _)| form);
+            self.keys.iter().map(|key| &key.form).chain(names).for_each(|form| form.add(all));
+        }
+    }
+}
+
+impl Form {
+    fn add(&'static self, all: &mut Vec<&'static Table>) {
+        match self {
+            Self::Table(table) => table.add(all),
+            Self::List(of, _) => of.add(all),
+            Self::OneOf(forms) => forms.iter().for_each(|form| form.add(all)),
+            _ => {}
+        }
+    }
+}
