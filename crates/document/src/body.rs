@@ -116,7 +116,11 @@ pub(super) fn medium(fields: &Fields<'_>) -> Result<Polygon, ReadError> {
                     belongs in [[body.holes]] below the [[body]] of the medium; for a bounded body remove medium";
         return Err(ReadError::new(DataErrorKind::Conflict, field.item.place, message, help));
     }
-    fields.require("holes", "[[body.holes]] with corners and sides: where the medium meets something")?;
+    let holes = fields.require("holes", "[[body.holes]] with corners and sides: where the medium meets something")?;
+    if holes.list()?.is_empty() {
+        let message = format!("{} lists no hole, and the medium meets nothing", holes.name);
+        return Err(holes.problem(message, "write a table [[body.holes]] with corners and sides for each"));
+    }
     loops_of(fields, Vec::new(), true)
 }
 
@@ -150,7 +154,10 @@ fn geometry(error: PolygonError, listed: &[Listed<'_>], first: usize) -> ReadErr
         corners.list().ok().and_then(|list| list.get(k).map(|c| c.item.place)).unwrap_or(corners.item.place)
     };
     let names = |l: usize| &listed[l - first].sides;
-    let side = |l: usize, k: usize| names(l).list().map_or(names(l).item.place, |list| list[k].item.place);
+    let side = |l: usize, k: usize| {
+        let k = listed[l - first].origin.get(k).copied().unwrap_or(k);
+        names(l).list().ok().and_then(|list| list.get(k).map(|name| name.item.place)).unwrap_or(names(l).item.place)
+    };
     let (place, help) = match &error {
         PolygonError::TooFewCorners { loop_index, .. } => (corners(*loop_index), "list at least three corners"),
         PolygonError::SideCount { loop_index, .. } => {

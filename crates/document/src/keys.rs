@@ -423,7 +423,7 @@ pub(super) static SIDE: Table = table(
             "traction",
             VECTOR,
             "stress",
-            "Load per length, components x and y; beside a displacement it loads the free component.",
+            "Traction, components x and y; beside a displacement it loads the free component.",
         ),
         key(
             "springs",

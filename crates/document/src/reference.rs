@@ -51,7 +51,7 @@ fn values(form: &Form) -> String {
         Form::True => "`true`".to_owned(),
         Form::Expression(range) => match number(range) {
             plain if plain == "number" => "expression".to_owned(),
-            number => format!("expression, {number}"),
+            number => format!("expression; a {number}"),
         },
         Form::Words(words) => words.iter().map(|word| format!("`{word:?}`")).collect::<Vec<_>>().join(", "),
         Form::Point => "`[x, y]`".to_owned(),
