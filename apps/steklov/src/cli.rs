@@ -88,6 +88,9 @@ enum Command {
     /// List the scenes of the gallery, or print one
     #[command(after_help = help::SCENES)]
     Scenes(scenes::ScenesArgs),
+    /// Print the JSON schema of scenes, by which editors complete and check keys
+    #[command(after_help = help::SCHEMA)]
+    Schema,
     /// Print completions of a shell
     #[command(after_help = help::COMPLETIONS)]
     Completions(manual::CompletionsArgs),
@@ -194,6 +197,7 @@ impl Cli {
             Command::Report(args) => report::report(&args),
             Command::New(args) => scenes::new(&args),
             Command::Scenes(args) => scenes::scenes(&args),
+            Command::Schema => schema(),
             Command::Completions(args) => manual::completions(&args),
             Command::Man(args) => manual::man(&args),
         };
@@ -202,6 +206,11 @@ impl Cli {
             WRONG
         })
     }
+}
+
+fn schema() -> Result<u8, Failure> {
+    say(&serde_json::to_string_pretty(&steklov_document::schema())?);
+    Ok(0)
 }
 
 fn read_scene(path: &Path, overrides: &[String]) -> Result<Document, Failure> {

@@ -426,6 +426,14 @@ fn scenes_of_the_gallery_are_listed_and_printed() {
 }
 
 #[test]
+fn the_schema_is_one_json_object() {
+    let place = Place::new();
+    let schema = place.run(["schema"]).demand(0).json();
+    assert_eq!(schema["$schema"], json!("https://json-schema.org/draft/2020-12/schema"));
+    assert_eq!(schema["$defs"]["method"]["properties"]["max_steps"]["default"], json!(60));
+}
+
+#[test]
 fn completions_and_man_pages_know_every_command() {
     let place = Place::new();
     let help = place.run(["help"]).demand(0).out;

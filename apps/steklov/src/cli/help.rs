@@ -84,6 +84,13 @@ Examples:
 
 Exit status: 0; 1 there is no scene of this name.";
 
+pub(super) const SCHEMA: &str = "\
+Examples:
+  steklov schema > steklov.schema.json
+
+Editors with Taplo (Even Better TOML in VS Code) read it where the first line of a scene is
+  #:schema ./steklov.schema.json";
+
 pub(super) const COMPLETIONS: &str = "\
 Examples:
   steklov completions bash > steklov.bash
