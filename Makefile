@@ -1,7 +1,7 @@
-# make build, demo, gallery, test, bench, peers, curves, locking, doc. Each gets what is missing by scripts/setup, which says what it does.
+# make build, demo, gallery, test, bench, peers, curves, locking, doc, book. Each gets what is missing by scripts/setup, which says what it does.
 SHELL := /bin/bash
 .SHELLFLAGS := -euo pipefail -c
-.PHONY: build demo gallery test bench peers curves locking doc
+.PHONY: build demo gallery test bench peers curves locking doc book
 
 setup = scripts/setup && source target/setup.env
 
@@ -43,3 +43,7 @@ locking: build
 doc:
 	$(setup) && cargo doc --workspace --no-deps "$${STEKLOV_FEATURES[@]}"
 	@echo "the pages start at target/doc/steklov/index.html"
+
+# the guide and the theory as HTML
+book:
+	scripts/book
