@@ -38,7 +38,7 @@ Examples:
   steklov study l.toml --strategies uniform-h,hp --repeat 1 --out l-study
   steklov scenes wedge-gap > wedge.toml
   steklov study wedge.toml --what inf-sup --out wedge-inf-sup
-  steklov report l-study/l-study.h5 --out l-page
+  steklov report l-study/study.h5 --out l-page
 
 Exit status: 0 studied and stored; 1 the scene or a file is wrong, or nothing can be studied;
 2 the arguments are wrong; 3 interrupted.";
