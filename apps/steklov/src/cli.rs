@@ -3,7 +3,6 @@
 mod bar;
 mod failure;
 mod gallery;
-mod grid;
 mod help;
 mod manual;
 mod output;
@@ -35,6 +34,7 @@ use steklov_model::stochastic::OutcomeStage;
 use steklov_model::summary::{available_memory_bytes, peak_memory_bytes};
 use steklov_plan::{Plan, largest_mesh, plan, without_memory};
 use steklov_problem::{Refine, grid_of, moduli};
+use steklov_report::summary::expectation;
 use steklov_report::told::{advice, crossing_warning};
 use steklov_result::keep::Keep;
 use steklov_result::record::Record;
@@ -44,7 +44,7 @@ use steklov_result::store;
 use self::bar::Bar;
 use self::failure::{Failure, say};
 use self::output::{appeared, check_folder, check_output};
-use self::told::{cautions, expectation, print_summary};
+use self::told::{TableFormat, cautions, say_result};
 use self::view::{ViewArgs, check_window};
 use crate::explain::{explain, too_large_basis, too_many_dofs, too_many_points, too_much_memory};
 
@@ -126,6 +126,9 @@ struct SolveArgs {
     /// Print one JSON object instead of a summary
     #[arg(long)]
     json: bool,
+    /// Print the numbers as a table of a document instead of a summary
+    #[arg(long, value_enum, conflicts_with = "json")]
+    format: Option<TableFormat>,
     /// No progress on stderr
     #[arg(long)]
     quiet: bool,
@@ -315,13 +318,11 @@ fn solve_scene(args: &SolveArgs) -> Result<u8, Failure> {
         if !args.quiet {
             summary.expect.iter().filter(|e| !e.holds).for_each(|e| eprintln!("{}", expectation(e)));
         }
-        say(&serde_json::to_string_pretty(summary)?);
-    } else {
-        print_summary(&stored);
-        let kind = |f: &Path| if f.extension().is_some_and(|e| e == "csv") { "table  " } else { "picture" };
-        files.iter().for_each(|f| say(&format!("{} {}", kind(f), f.display())));
-        page.iter().for_each(|f| say(&format!("page        {}", f.display())));
     }
+    let kind = |f: &Path| if f.extension().is_some_and(|e| e == "csv") { "table" } else { "picture" };
+    let files = files.iter().map(|f| format!("{:<11} {}", kind(f), f.display()));
+    let pages = page.iter().map(|f| format!("page        {}", f.display()));
+    say_result(&stored, args.json, args.format, files.chain(pages))?;
     let holds = summary.expect.iter().all(|e| e.holds);
     Ok(if summary.converged && holds { 0 } else { NOT_REACHED })
 }

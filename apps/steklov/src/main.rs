@@ -23,7 +23,7 @@ const ELSEWHERE: [(&str, &str); 4] = [
     ("--csv", "tables come from a result: steklov show RESULT.vtkhdf --csv DIR"),
     ("--plots", "pictures come from solve and show: steklov show RESULT.vtkhdf --plots DIR"),
     ("--out", "this command stores nothing: redirect what it prints, > FILE"),
-    ("--format", "--json prints the numbers as one JSON object, tables come from steklov show RESULT.vtkhdf --csv DIR"),
+    ("--format", "tables of a document come from solve, show and study: steklov show RESULT.vtkhdf --format markdown"),
 ];
 
 /// The error about an argument that is not known with what to write, instead of the advice to give it as a value.

@@ -61,7 +61,7 @@ fn what_happens_far_away_is_told() {
     assert!(told.contains("at infinity decaying: the forces on the medium are balanced"), "{told}");
     let pushed = ["solve", "holes.toml", "--quiet", "--force", "--set", "sides.roof.traction=[\"0\", \"5\"]"];
     let told = place.run(pushed).demand(0).out;
-    for part in ["net force (", "8.000000e0)", "grows as log(L/r)", "length L = 5.220153e0"] {
+    for part in ["net force (", ", 8) on the medium", "grows as log(L/r)", "length L = 5.220153"] {
         assert!(told.contains(part), "{part}: {told}");
     }
     let o = place.json(0, &["holes.toml", "--set", "exterior.at_infinity=\"bounded\""]);

@@ -249,7 +249,7 @@ const MISTAKES: &[Mistake] = &[
         "",
         "",
         0,
-        &["doubt       reach:", "body 1 and body 2 lie 7.9", "`contact` in place of loads on its faces"],
+        &["doubt       reach:", "body 1 and body 2 lie 0.0079", "`contact` in place of loads on its faces"],
     ),
     // random input
     of(RANDOM, "young = \"E\"", "young = 2000", 0, &["warning: no datum uses the random E"]),

@@ -240,12 +240,80 @@ fn show_tells_what_solve_told() {
         let key = told.split(':').next().unwrap().trim();
         assert!(["\"file\"", "\"total\"", "\"write\""].contains(&key), "{told} and {stored}");
     }
-    let text = place.run(["show", "renamed.vtkhdf"]).demand(0).out;
+    let text = place.run(["show", "renamed.vtkhdf", "--plan"]).demand(0).out;
     for part in
-        ["A block", "boundary elements", "floor with Tresca friction F", "16 dofs, 1 step(s): solved", "renamed.vtkhdf"]
+        ["A block", "boundary elements", "floor with Tresca friction F", "16 dofs, 1 step: solved", "renamed.vtkhdf"]
     {
         assert!(text.contains(part), "no {part:?} in\n{text}");
     }
+}
+
+/// First what was solved, then forces, contact and stresses, then the energy; zeros and small numbers as people write them.
+#[test]
+fn the_summary_has_the_order_in_which_readers_ask() {
+    let place = Place::new();
+    let summary = place.run(["solve", "block.toml"]).demand(0).out;
+    let mut heads: Vec<&str> = summary.lines().skip(2).filter_map(|line| line.split("  ").next()).collect();
+    heads.retain(|head| !head.is_empty());
+    heads.dedup();
+    let wanted = ["doubt", "reaction", "contact", "stress", "probe", "energy J", "error", "audit", "seconds", "result"];
+    assert_eq!(heads, wanted, "{summary}");
+    assert!(!summary.contains("e0") && !summary.contains("0e"), "{summary}");
+    let o = place.run(["show", "block.vtkhdf", "--json"]).demand(0).json();
+    let force: f64 = summary
+        .split("force on the body (")
+        .nth(1)
+        .and_then(|s| s.split([',', ')']).nth(1))
+        .unwrap()
+        .trim()
+        .parse()
+        .unwrap();
+    let exact = o["contact"]["force"][1].as_f64().unwrap();
+    assert!((force - exact).abs() <= 5e-7 * exact.abs(), "{force} for {exact}");
+}
+
+/// The cells of a row of a table of Markdown.
+fn cells(line: &str) -> Vec<&str> {
+    line.trim_matches('|').split(" | ").map(str::trim).collect()
+}
+
+/// The same numbers as in the JSON object, each with its unit; LaTeX has their rows and letters that it takes.
+#[test]
+fn tables_for_documents_have_the_numbers_of_the_result() {
+    let place = Place::new();
+    let block = String::from_utf8(place.read("block.toml")).unwrap();
+    place.write("block.toml", block + "\n[units]\nlength = \"mm\"\nstress = \"MPa\"\n");
+    let o = place.json(0, &["block.toml"]);
+    let markdown = place.run(["show", "block.vtkhdf", "--format", "markdown"]).demand(0).out;
+    let rows: Vec<Vec<&str>> = markdown.lines().map(cells).collect();
+    assert!(rows.iter().all(|row| row.len() == 4), "{markdown}");
+    let row =
+        |name: &str| rows.iter().find(|row| row[0] == name).unwrap_or_else(|| panic!("no {name:?} in\n{markdown}"));
+    for (name, value, unit) in [
+        ("strain energy", &o["strain_energy"], "MPa mm²"),
+        ("contact: length", &o["contact"]["length"], "mm"),
+        ("contact: largest pressure", &o["contact"]["max_pressure"], "MPa"),
+        ("estimated error, energy norm", &o["estimate"], "(MPa mm²)^½"),
+    ] {
+        let (told, exact) = (row(name)[1].parse::<f64>().unwrap(), value.as_f64().unwrap());
+        assert!((told - exact).abs() <= 5e-4 * exact.abs(), "{name}: {told} for {exact}");
+        assert_eq!(row(name)[2], unit, "{name}");
+    }
+    let at = rows.iter().find(|row| row[0].starts_with("displacement at (")).unwrap();
+    assert_eq!(at[2], "mm");
+    let latex = place.run(["show", "block.vtkhdf", "--format", "latex"]).demand(0).out;
+    assert!(latex.is_ascii(), "{latex}");
+    assert_eq!(latex.lines().filter(|line| line.ends_with(r"\\")).count(), rows.len() - 2, "{latex}");
+    assert!(latex.lines().filter(|line| line.contains(" & ")).all(|line| line.matches(" & ").count() == 3), "{latex}");
+    let solved = place.run(["solve", "block.toml", "--force", "--format", "markdown"]).demand(0).out;
+    assert_eq!(solved.lines().count(), rows.len());
+    assert!(
+        place
+            .run(["show", "block.vtkhdf", "--json", "--format", "latex"])
+            .demand(2)
+            .err
+            .contains("cannot be used with")
+    );
 }
 
 #[test]

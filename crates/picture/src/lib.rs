@@ -66,7 +66,7 @@ pub use lattice::{LatticeTriangles, lattice_triangles};
 pub use mesh::{MeshFigure, MeshPanel, meshes};
 pub use page::{STYLE, data_uri};
 pub use panels::{Ends, Layer, Panel, Shape, panels};
-pub use scale::{exaggeration, short};
+pub use scale::{exaggeration, plain, short};
 pub use spread::{Spread, SpreadLoop, spread};
 pub use tiles::{DegreeBox, Tile, boxes, tiles};
 

@@ -96,8 +96,26 @@ pub(super) fn power(exponent: i32) -> String {
 
 /// A number with `digits` significant digits, with a power of ten where it is long otherwise.
 pub fn short(value: f64, digits: usize) -> String {
+    let text = match decimal(value, digits) {
+        (text, 0) => text,
+        (mantissa, exponent) if mantissa == "1" => power(exponent),
+        (mantissa, exponent) => format!("{mantissa}·{}", power(exponent)),
+    };
+    text.replace('-', "\u{2212}")
+}
+
+/// The same in the letters of a terminal, as programs read numbers: 0.0037, -1.5e-9.
+pub fn plain(value: f64, digits: usize) -> String {
+    match decimal(value, digits) {
+        (text, 0) => text,
+        (mantissa, exponent) => format!("{mantissa}e{exponent}"),
+    }
+}
+
+/// `digits` significant digits without zeros at their end, and the power of ten of a long number, otherwise 0.
+fn decimal(value: f64, digits: usize) -> (String, i32) {
     if value == 0.0 || !value.is_finite() {
-        return format!("{value}");
+        return (format!("{}", value + 0.0), 0); // + 0: no -0
     }
     // Rounding may carry into the next power of ten, so the exponent is read after it.
     let text = format!("{value:.*e}", digits.saturating_sub(1));
@@ -105,14 +123,11 @@ pub fn short(value: f64, digits: usize) -> String {
     let exponent: i32 = exponent.parse().unwrap_or(0);
     let trim =
         |s: &str| if s.contains('.') { s.trim_end_matches('0').trim_end_matches('.').to_owned() } else { s.to_owned() };
-    let plain = if (-4..=5).contains(&exponent) {
-        trim(&format!("{value:.*}", (digits as i32 - 1 - exponent).max(0) as usize))
-    } else if trim(mantissa) == "1" {
-        power(exponent)
+    if (-4..=5).contains(&exponent) {
+        (trim(&format!("{value:.*}", (digits as i32 - 1 - exponent).max(0) as usize)), 0)
     } else {
-        format!("{}·{}", trim(mantissa), power(exponent))
-    };
-    plain.replace('-', "\u{2212}")
+        (trim(mantissa), exponent)
+    }
 }
 
 #[cfg(test)]
@@ -165,9 +180,20 @@ mod tests {
         ] {
             assert_eq!(short(value, 3), text);
         }
+        let plainly = [(-1.5e-9, "-1.5e-9"), (1e9, "1e9"), (0.0037, "0.0037"), (-0.0, "0"), (f64::NAN, "NaN")];
+        for (value, text) in plainly {
+            assert_eq!(plain(value, 7), text);
+        }
     }
 
     proptest! {
+        #[test]
+        fn plain_numbers_are_read_as_what_they_were(mantissa in -10.0f64..10.0, power in -290i32..290, digits in 1usize..17) {
+            let value = mantissa * 10f64.powi(power);
+            let read: f64 = plain(value, digits).parse().unwrap();
+            prop_assert!((read - value).abs() <= 0.500001 * 10f64.powi(1 - digits as i32) * value.abs());
+        }
+
         #[test]
         fn ticks_lie_inside_are_few_and_their_labels_say_where(low in -1e3f64..1e3, width in 1e-3f64..1e3, power in -200i32..200, n in 1usize..12) {
             let unit = 10f64.powi(power);

@@ -46,10 +46,12 @@ pub use {steklov_io, steklov_result};
 mod body;
 mod contact;
 mod convergence;
+pub mod format;
 mod images;
 mod numbers;
 mod page;
 mod study;
+pub mod summary;
 pub mod told;
 
 use std::path::{Path, PathBuf};

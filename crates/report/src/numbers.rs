@@ -1,18 +1,58 @@
-//! The numbers of a result, each beside what is known of its error.
+//! The numbers of a result, each with its unit and beside what is known of its error.
 
-use serde::Serialize;
-use steklov_model::summary::{ContactSummary, Summary};
+use steklov_model::stochastic::StochasticResult;
+use steklov_model::summary::{ContactSummary, InterfaceSummary, Summary};
 use steklov_picture::short;
+use steklov_problem::Units;
+use steklov_result::record::Record;
+
+use crate::format::Piece::{self, Component, Number, Words};
 
 /// Digits of a number whose error is not known.
-const DIGITS: usize = 7;
+pub(crate) const DIGITS: usize = 7;
 
-/// A row: what the number is, the number in HTML, what is known of its error.
-#[derive(Serialize)]
+/// Components of a vector below this part of its largest one are rounding.
+const ROUNDING: f64 = 1e-10;
+
+/// A row: what the number is, the number, its unit, what is known of its error.
 pub(crate) struct Row {
     pub what: String,
-    pub value: String,
-    pub error: String,
+    pub value: Vec<Piece>,
+    pub unit: Unit,
+    pub error: Vec<Piece>,
+}
+
+/// The unit of a number, everything per unit thickness.
+#[derive(Clone, Copy, PartialEq)]
+pub(crate) enum Unit {
+    /// Of a ratio, and of what its value says itself.
+    One,
+    Length,
+    Stress,
+    /// Stress × length.
+    Force,
+    /// Stress × length².
+    Energy,
+    /// (Stress × length²)^½.
+    EnergyNorm,
+    /// 1 / stress.
+    Compliance,
+}
+
+impl Unit {
+    /// In the names of the scene; nothing if they are not known.
+    pub(crate) fn name(self, units: &Units) -> Option<String> {
+        let (length, stress) = (units.length.as_ref(), units.stress.as_ref());
+        match self {
+            Self::One => None,
+            Self::Length => length.cloned(),
+            Self::Stress => stress.cloned(),
+            Self::Force => Some(format!("{} {}", stress?, length?)),
+            Self::Energy => Some(format!("{} {}²", stress?, length?)),
+            Self::EnergyNorm => Some(format!("({} {}²)^½", stress?, length?)),
+            Self::Compliance => Some(format!("1/{}", stress?)),
+        }
+    }
 }
 
 /// A number in HTML: short for readers, with all its digits for programs.
@@ -29,95 +69,129 @@ pub(crate) fn pair([x, y]: [f64; 2]) -> String {
 }
 
 /// Digits of a value that an error of this size leaves.
-fn digits(value: f64, error: f64) -> usize {
+pub(crate) fn digits(value: f64, error: f64) -> usize {
     let known = (value.abs() / error).log10();
     if known.is_finite() { (known.ceil() + 1.0).clamp(2.0, 15.0) as usize } else { DIGITS }
 }
 
+/// A number beside a larger one of its kind: 0 where it is rounding of that.
+pub(crate) fn beside(value: f64, largest: f64) -> f64 {
+    if value.abs() < ROUNDING * largest { 0.0 } else { value }
+}
+
+fn words(text: impl Into<String>) -> Vec<Piece> {
+    vec![Words(text.into())]
+}
+
+fn one(value: f64) -> Vec<Piece> {
+    vec![Number(value, DIGITS)]
+}
+
+/// Components in parentheses.
+fn vector<const N: usize>(components: [f64; N]) -> Vec<Piece> {
+    let largest = components.iter().fold(0.0, |largest: f64, c| largest.max(c.abs()));
+    let mut pieces = words("(");
+    for (k, component) in components.into_iter().enumerate() {
+        if k > 0 {
+            pieces.push(Words(", ".into()));
+        }
+        pieces.push(Component(component, largest));
+    }
+    pieces.push(Words(")".into()));
+    pieces
+}
+
+/// A number between words.
+fn within(before: &str, value: f64, digits: usize, after: &str) -> Vec<Piece> {
+    vec![Words(before.into()), Number(value, digits), Words(after.into())]
+}
+
+fn row(what: impl Into<String>, value: Vec<Piece>, unit: Unit, error: Vec<Piece>) -> Row {
+    Row { what: what.into(), value, unit, error }
+}
+
 /// Rows of the whole result.
 pub(crate) fn rows(s: &Summary) -> Vec<Row> {
-    let mut rows = Vec::new();
-    let mut add = |what: &str, value: String, error: String| rows.push(Row { what: what.into(), value, error });
-    match (s.energy_extrapolated, s.energy_uncertainty) {
-        (Some(energy), Some(uncertainty)) => {
-            add(
-                "energy J of the last mesh",
-                number(s.energy, 10),
-                format!("{} from J extrapolated", usual_short(s.energy - energy)),
-            );
-            let value = number(energy, digits(energy, uncertainty));
-            add("J extrapolated", value, format!("± {}", number(uncertainty, 2)));
-        }
-        _ => add("energy J of the last mesh", number(s.energy, 10), "not estimated".into()),
-    }
-    let work = "not estimated by itself";
-    add("strain energy", usual(s.strain_energy), work.into());
-    if let Some(energy) = s.spring_energy {
-        add("energy of springs", usual(energy), work.into());
-    }
-    add("work of loads", usual(s.load_work), work.into());
-    if s.contact.is_some() {
-        add("work of friction", usual(s.friction_work), work.into());
-    }
-    if let (Some(estimate), Some(relative)) = (s.estimate, s.estimate_relative) {
-        let trust = match s.estimate_doubts.is_empty() {
-            true => "near the true error: nothing is in doubt".into(),
-            false => format!("not reliable: {}", s.estimate_doubts.join(", ")),
-        };
-        add("estimated error, energy norm", number(estimate, 4), trust);
-        add("the same over (2 strain energy)^½", number(relative, 4), String::new());
-    }
-    if let Some(contact) = &s.contact {
-        rows.extend(of_contact(contact));
-    }
+    let mut rows = energies(s);
+    rows.extend(s.contact.iter().flat_map(of_contact));
     rows.extend(of_forces(s));
     rows.extend(of_parts(s));
     rows
 }
 
-fn usual_short(value: f64) -> String {
-    number(value, 2)
-}
-
-fn of_contact(c: &ContactSummary) -> Vec<Row> {
-    let row = |what: &str, value: String, error: &str| Row { what: what.into(), value, error: error.into() };
-    let located = match &c.ends {
-        Some(_) => "between ends of contact that have vertices of their own",
-        None => "sum over the nodes that press: their distance is the error",
+fn energies(s: &Summary) -> Vec<Row> {
+    let last = "energy J of the last mesh";
+    let energy = vec![Number(s.energy, 10)];
+    let mut rows = match (s.energy_extrapolated, s.energy_uncertainty) {
+        (Some(extrapolated), Some(uncertainty)) => {
+            let value = vec![Number(extrapolated, digits(extrapolated, uncertainty))];
+            let apart = within("", s.energy - extrapolated, 2, " from J extrapolated");
+            vec![
+                row(last, energy, Unit::Energy, apart),
+                row("J extrapolated", value, Unit::Energy, within("± ", uncertainty, 2, "")),
+            ]
+        }
+        _ => vec![row(last, energy, Unit::Energy, words("not estimated"))],
     };
-    let mut rows = vec![
-        row("contact: length", usual(c.length), located),
-        row("contact: length that sticks", usual(c.stick), ""),
-        row("contact: length that slips", usual(c.slip), ""),
+    let parts = [
+        ("strain energy", Some(s.strain_energy)),
+        ("energy of springs", s.spring_energy),
+        ("work of loads", Some(s.load_work)),
+        ("work of friction", s.contact.as_ref().map(|_| s.friction_work)),
     ];
-    let largest = match c.max_pressure_unbounded {
-        true => "the exact one is infinite: this is a number of the mesh",
-        false => "at a node; not estimated by itself",
-    };
-    rows.push(row("contact: largest pressure", usual(c.max_pressure), largest));
-    rows.push(row("contact: force on the body", pair(c.force), ""));
-    for (k, end) in c.ends.iter().flatten().enumerate() {
-        rows.push(row(&format!("contact: end {}", k + 1), pair(*end), ""));
-    }
-    if let Some(factor) = c.contraction {
-        let settles = if factor < 1.0 { "" } else { "the fixed point of Tresca problems does not settle" };
-        rows.push(row("Coulomb friction: contraction", number(factor, 3), settles));
-    }
-    if let Some(s) = c.stabilisation {
-        let critical = format!("below the critical {}", usual(s.critical_gamma));
-        rows.push(row("stabilisation γ₀", usual(s.gamma), &critical));
+    let known = parts.into_iter().filter_map(|(what, value)| Some((what, value?)));
+    rows.extend(known.map(|(what, value)| row(what, one(value), Unit::Energy, words("not estimated by itself"))));
+    if let (Some(estimate), Some(relative)) = (s.estimate, s.estimate_relative) {
+        let trust = match s.estimate_doubts.is_empty() {
+            true => "near the true error: nothing is in doubt".to_owned(),
+            false => format!("not reliable: {}", s.estimate_doubts.join(", ")),
+        };
+        rows.push(row("estimated error, energy norm", vec![Number(estimate, 4)], Unit::EnergyNorm, words(trust)));
+        rows.push(row("the same over (2 strain energy)^½", vec![Number(relative, 4)], Unit::One, vec![]));
     }
     rows
 }
 
+fn of_contact(c: &ContactSummary) -> Vec<Row> {
+    let located = match &c.ends {
+        Some(_) => "between ends of contact that have vertices of their own",
+        None => "sum over the nodes that press: their distance is the error",
+    };
+    let largest = match c.max_pressure_unbounded {
+        true => "the exact one is infinite: this is a number of the mesh",
+        false => "at a node; not estimated by itself",
+    };
+    let mut rows = vec![
+        row("contact: length", one(c.length), Unit::Length, words(located)),
+        row("contact: length that sticks", one(c.stick), Unit::Length, vec![]),
+        row("contact: length that slips", one(c.slip), Unit::Length, vec![]),
+        row("contact: largest pressure", one(c.max_pressure), Unit::Stress, words(largest)),
+        row("contact: force on the body", vector(c.force), Unit::Force, vec![]),
+    ];
+    for (k, end) in c.ends.iter().flatten().enumerate() {
+        rows.push(row(format!("contact: end {}", k + 1), vector(*end), Unit::Length, vec![]));
+    }
+    if let Some(factor) = c.contraction {
+        let settles = if factor < 1.0 { "" } else { "the fixed point of Tresca problems does not settle" };
+        rows.push(row("Coulomb friction: contraction", vec![Number(factor, 3)], Unit::One, words(settles)));
+    }
+    if let Some(s) = c.stabilisation {
+        let critical = within("below the critical ", s.critical_gamma, DIGITS, "");
+        rows.push(row("stabilisation γ₀", one(s.gamma), Unit::Compliance, critical));
+    }
+    rows
+}
+
+/// How well forces balance.
+fn balance(equilibrium: Option<f64>) -> Vec<Piece> {
+    equilibrium.map_or(Vec::new(), |e| within("forces balance to ", e, 2, " of their size"))
+}
+
 /// Reactions, and how well forces and contact conditions hold.
 fn of_forces(s: &Summary) -> Vec<Row> {
-    let balance =
-        s.audit.map_or(String::new(), |a| format!("forces balance to {} of their size", number(a.equilibrium, 2)));
-    let reaction = |(side, force): (&String, &[f64; 2])| Row {
-        what: format!("force on the body from side {side}"),
-        value: pair(*force),
-        error: balance.clone(),
+    let equilibrium = s.audit.map(|a| a.equilibrium);
+    let reaction = |(side, force): (&String, &[f64; 2])| {
+        row(format!("force on the body from side {side}"), vector(*force), Unit::Force, balance(equilibrium))
     };
     let mut rows: Vec<Row> = s.reactions.iter().map(reaction).collect();
     if let Some(a) = s.audit {
@@ -127,41 +201,22 @@ fn of_forces(s: &Summary) -> Vec<Row> {
             ("complementarity", a.complementarity),
             ("friction law", a.friction),
         ];
-        let row = |(what, value)| Row {
-            what: format!("audit: {what}"),
-            value: number(value, 2),
-            error: "0 where the condition holds, relative to its scale".into(),
-        };
-        rows.extend(conditions.map(row));
+        rows.extend(conditions.map(|(what, value)| {
+            let holds = "0 where the condition holds, relative to its scale";
+            row(format!("audit: {what}"), vec![Number(value, 2)], Unit::One, words(holds))
+        }));
     }
     rows
 }
 
 /// Bodies, interfaces, grid and what is around.
 fn of_parts(s: &Summary) -> Vec<Row> {
-    let row = |what: String, value: String, error: String| Row { what, value, error };
     let mut rows = Vec::new();
     for body in &s.bodies {
-        let error = body.estimate.map_or(String::new(), |e| format!("estimated error of this body {}", number(e, 3)));
-        rows.push(row(format!("strain energy of body {}", body.name), usual(body.strain_energy), error));
+        let error = body.estimate.map_or(Vec::new(), |e| within("estimated error of this body ", e, 3, ""));
+        rows.push(row(format!("strain energy of body {}", body.name), one(body.strain_energy), Unit::Energy, error));
     }
-    for i in &s.interfaces {
-        let sides = i.sides[0].iter().chain(&i.sides[1]).cloned().collect::<Vec<_>>().join(", ");
-        rows.push(row(format!("interface {}, {} ({sides}): length", i.name, i.kind), usual(i.length), String::new()));
-        if let (Some(stick), Some(slip)) = (i.stick, i.slip) {
-            let value = format!("{}, {}", usual(stick), usual(slip));
-            rows.push(row(format!("interface {}: sticks, slips", i.name), value, String::new()));
-        }
-        let first = format!("interface {}: force on the body named first", i.name);
-        let balance =
-            i.audit.map_or(String::new(), |a| format!("forces balance to {} of their size", number(a.equilibrium, 2)));
-        rows.push(row(first, pair(i.force), balance));
-        if let Some(n) = i.normals {
-            let angle = format!("{}°", number(n.angle.to_degrees(), 3));
-            let change = format!("J is uncertain by {} for that", number(n.energy_change, 2));
-            rows.push(row(format!("interface {}: normals differ by", i.name), angle, change));
-        }
-    }
+    s.interfaces.iter().for_each(|i| rows.extend(of_interface(i)));
     if let Some(grid) = &s.grid {
         let parts = [
             (grid.estimate_multiscale, "coarse cells"),
@@ -169,18 +224,89 @@ fn of_parts(s: &Summary) -> Vec<Row> {
             (grid.estimate_medium, "boundary elements around"),
         ];
         for (value, what) in parts.into_iter().filter_map(|(value, what)| Some((value?, what))) {
-            rows.push(row(format!("part of the estimated error: {what}"), number(value, 4), String::new()));
+            let what = format!("part of the estimated error: {what}");
+            rows.push(row(what, vec![Number(value, 4)], Unit::EnergyNorm, vec![]));
         }
-        rows.push(row("contrast of the moduli".into(), usual(grid.contrast), String::new()));
+        rows.push(row("contrast of the moduli", one(grid.contrast), Unit::One, vec![]));
     }
     if let Some(around) = &s.exterior {
         let balanced = if around.balanced { "balanced" } else { "not balanced: displacements depend on the length L" };
-        rows.push(row("net force on the medium".into(), pair(around.resultant), balanced.into()));
+        rows.push(row("net force on the medium", vector(around.resultant), Unit::Force, words(balanced)));
         if around.radiation == "bounded" {
-            rows.push(row("displacement at infinity".into(), pair(around.constant), String::new()));
+            rows.push(row("displacement at infinity", vector(around.constant), Unit::Length, vec![]));
         }
     }
     rows
+}
+
+fn of_interface(i: &InterfaceSummary) -> Vec<Row> {
+    let sides = i.sides[0].iter().chain(&i.sides[1]).cloned().collect::<Vec<_>>().join(", ");
+    let length = format!("interface {}, {} ({sides}): length", i.name, i.kind);
+    let mut rows = vec![row(length, one(i.length), Unit::Length, vec![])];
+    if let (Some(stick), Some(slip)) = (i.stick, i.slip) {
+        let value = vec![Number(stick, DIGITS), Words(", ".into()), Number(slip, DIGITS)];
+        rows.push(row(format!("interface {}: sticks, slips", i.name), value, Unit::Length, vec![]));
+    }
+    let first = format!("interface {}: force on the body named first", i.name);
+    rows.push(row(first, vector(i.force), Unit::Force, balance(i.audit.map(|a| a.equilibrium))));
+    if let Some(n) = i.normals {
+        let angle = within("", n.angle.to_degrees(), 3, "°");
+        let change = within("J is uncertain by ", n.energy_change, 2, " for that");
+        rows.push(row(format!("interface {}: normals differ by", i.name), angle, Unit::One, change));
+    }
+    rows
+}
+
+/// Rows of the points of `[probe]`.
+pub(crate) fn of_probes(s: &Summary) -> Vec<Row> {
+    let rows = s.probe.iter().flat_map(|p| {
+        let [x, y] = p.point;
+        let (stress, known) = match p.stress_unbounded {
+            true => (words("infinite"), words("at this vertex, whatever the mesh")),
+            false => (vector(p.stress), vec![]),
+        };
+        [
+            row(format!("displacement at ({x}, {y})"), vector(p.displacement), Unit::Length, vec![]),
+            row(format!("stress (xx, yy, xy) at ({x}, {y})"), stress, Unit::Stress, known),
+        ]
+    });
+    rows.collect()
+}
+
+/// Rows of the means over all outcomes, each with its standard deviation.
+pub(crate) fn of_outcomes(result: &StochasticResult) -> Vec<Row> {
+    let rows = result.quantities.iter().map(|q| {
+        let deviation = q.variance.max(0.0).sqrt();
+        let value = match q.variance.is_nan() {
+            true => one(q.mean),
+            false => vec![Number(q.mean, DIGITS), Words(" ± ".into()), Number(deviation, 3)],
+        };
+        let mut error = Vec::new();
+        if q.variance.is_nan() {
+            error.extend(words("variance not resolved: negative by this rule; "));
+        }
+        if q.bounds_left.is_some() {
+            error.extend(words("mean not resolved: out of its bounds by this rule; "));
+        }
+        if let Some(e) = q.standard_error {
+            error.extend(within("standard error of the mean ", e, 2, "; "));
+        }
+        if let Some(e) = q.truncation {
+            error.extend(within("truncation ", e, 2, "; "));
+        }
+        if let Some(Words(last)) = error.last_mut() {
+            *last = last.trim_end_matches("; ").to_owned();
+        }
+        row(format!("mean ± deviation over outcomes: {}", q.name), value, Unit::One, error)
+    });
+    rows.collect()
+}
+
+/// All of them, for a table.
+pub(crate) fn all(stored: &Record) -> Vec<Row> {
+    let s = &stored.summary;
+    let outcomes = stored.stochastic.iter().flat_map(of_outcomes);
+    rows(s).into_iter().chain(of_probes(s)).chain(outcomes).collect()
 }
 
 #[cfg(test)]
@@ -191,5 +317,18 @@ mod tests {
     fn a_number_has_the_digits_that_its_error_leaves() {
         assert_eq!((digits(-2.99, 1.6e-7), digits(1.0, 0.5), digits(3.0, 0.0)), (9, 2, DIGITS));
         assert_eq!(number(-0.25, 7), "<data value=\"-0.25\">\u{2212}0.25</data>");
+    }
+
+    /// A unit is told where all of its parts have names.
+    #[test]
+    fn units_are_made_of_their_parts() {
+        let of = |length: Option<&str>, stress: Option<&str>| Units {
+            length: length.map(str::to_owned),
+            stress: stress.map(str::to_owned),
+        };
+        let both = of(Some("mm"), Some("MPa"));
+        assert_eq!(Unit::Energy.name(&both).as_deref(), Some("MPa mm²"));
+        assert_eq!((Unit::One.name(&both), Unit::Force.name(&of(Some("mm"), None))), (None, None));
+        assert_eq!(Unit::Length.name(&of(Some("mm"), None)).as_deref(), Some("mm"));
     }
 }

@@ -16,8 +16,9 @@ use steklov_result::store;
 
 use crate::body::body;
 use crate::contact::{Node, Side, nodes, sides};
+use crate::format::{Piece, html};
 use crate::images::{Image, image};
-use crate::numbers::{Row, number, pair, rows, usual};
+use crate::numbers::{number, pair, rows, usual};
 use crate::{LARGEST, ReportError, convergence, told};
 
 const TEMPLATE: &str = include_str!("page.html");
@@ -40,6 +41,14 @@ struct AtPoint {
     point: String,
     displacement: String,
     stress: String,
+}
+
+/// A number, with its unit, and what is known of its error.
+#[derive(Serialize)]
+struct Row {
+    what: String,
+    value: String,
+    error: String,
 }
 
 /// An entry of `[expect]`.
@@ -133,7 +142,7 @@ pub fn page(file: &File, name: &str) -> Result<String, ReportError> {
         model: &summary.model,
         modelled: &stored.plan.modelled,
         left_out: &stored.plan.left_out,
-        numbers: rows(summary),
+        numbers: numbers(summary),
         doubts: doubts(summary),
         warnings: warnings(&stored),
         expect: expect(summary),
@@ -190,6 +199,15 @@ fn rendered(page: &Page<'_>) -> Result<String, ReportError> {
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     let text = environment.render_named_str("page.html", TEMPLATE, context! { page => Serde(page) });
     text.map_err(|e| ReportError::Page(format!("{e:#}")))
+}
+
+fn numbers(summary: &Summary) -> Vec<Row> {
+    let cells = |row: crate::numbers::Row| {
+        let unit =
+            row.unit.name(&summary.units).map_or(String::new(), |unit| html(&[Piece::Words(format!(" {unit}"))]));
+        Row { what: row.what, value: html(&row.value) + &unit, error: html(&row.error) }
+    };
+    rows(summary).into_iter().map(cells).collect()
 }
 
 fn doubts(summary: &Summary) -> Vec<Doubted> {

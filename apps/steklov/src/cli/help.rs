@@ -58,6 +58,7 @@ Examples:
   steklov show block.vtkhdf
   steklov show block.vtkhdf --plots pictures --field principal-1 --range=-5:5
   steklov show block.vtkhdf --csv tables
+  steklov show block.vtkhdf --format latex > block.tex
   steklov show block.vtkhdf --json > block.json
 
 Exit status: 0 shown; 1 the file is no result, or cannot be read; 2 the arguments are wrong.";

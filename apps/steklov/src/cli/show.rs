@@ -8,7 +8,7 @@ use steklov_io::open;
 use steklov_result::store;
 
 use super::output::check_folder;
-use super::told::print_summary;
+use super::told::{TableFormat, say_result};
 use super::view::{ViewArgs, check_window};
 use super::{Failure, pictures, say, stem};
 
@@ -27,6 +27,12 @@ pub(super) struct ShowArgs {
     /// Print one JSON object instead of a summary
     #[arg(long)]
     json: bool,
+    /// Print the numbers as a table of a document instead of a summary
+    #[arg(long, value_enum, conflicts_with = "json")]
+    format: Option<TableFormat>,
+    /// Print what was modelled, and why, before the summary
+    #[arg(long, conflicts_with_all = ["json", "format"])]
+    plan: bool,
 }
 
 /// A scene, or a file of another kind, that a command is to show or report.
@@ -67,12 +73,10 @@ pub(super) fn show(args: &ShowArgs) -> Result<u8, Failure> {
                 .map_err(|e| Failure(format!("error: the tables cannot be written into {}: {e}", folder.display())))?,
         );
     }
-    if args.json {
-        say(&serde_json::to_string_pretty(&stored.summary)?);
-    } else {
-        say(&format!("{}", stored.plan));
-        print_summary(&stored);
-        files.iter().for_each(|f| say(&format!("wrote {}", f.display())));
+    if args.plan {
+        say(&stored.plan.to_string());
     }
+    let files = files.iter().map(|f| format!("wrote       {}", f.display()));
+    say_result(&stored, args.json, args.format, files)?;
     Ok(0)
 }

@@ -13,9 +13,11 @@ use steklov_io::{IoError, create_atomically};
 use steklov_picture as picture;
 use steklov_plan::plan;
 use steklov_problem::{DataError, Scene};
+use steklov_report::format::csv_table;
 use steklov_study::convergence::{self, Chosen, MULTIPLIERS, NAMES};
 use steklov_study::{Draw, Options, Report, StudyError, StudyKind, Watch, contact_sides, stability};
 
+use super::told::TableFormat;
 use super::{Failure, NOT_REACHED, explained, interrupts, read_scene, say, stem};
 use crate::explain::too_many_dofs;
 
@@ -54,6 +56,9 @@ pub(super) struct StudyArgs {
     /// Print one JSON object instead of a table
     #[arg(long)]
     json: bool,
+    /// Print the tables in the format of a document
+    #[arg(long, value_enum, conflicts_with = "json")]
+    format: Option<TableFormat>,
     /// No progress on stderr
     #[arg(long)]
     pub(super) quiet: bool,
@@ -150,7 +155,7 @@ fn carry_out(args: &StudyArgs, document: &Document, options: Options) -> Result<
         bar.show("files", "");
         let files = store(&out, args.what.file_name(), report, pictures)?;
         bar.finish();
-        say_report(args.json, report, &files, &out)?;
+        say_report(args, report, &files, &out)?;
         Ok(if report.complete { 0 } else { NOT_REACHED })
     };
     let studied = args.what.carry_out(document, options, &mut Watch::new(&stop, tell), told);
@@ -176,9 +181,14 @@ fn store(out: &Path, name: &str, report: &Report<'_>, pictures: Draw<'_>) -> Res
     Ok(files)
 }
 
-/// Prints a report, as one JSON object if wanted.
-fn say_report(json: bool, report: &Report<'_>, files: &[PathBuf], out: &Path) -> Result<(), Failure> {
-    if json {
+/// Prints a report: as one JSON object, as tables of a document under their names, or as text.
+fn say_report(args: &StudyArgs, report: &Report<'_>, files: &[PathBuf], out: &Path) -> Result<(), Failure> {
+    if let Some(format) = args.format {
+        for (name, table) in &report.tables {
+            let failed = |e| Failure(format!("error: {name}: {e}"));
+            say(&format!("{name}\n\n{}", csv_table(table, format.format()).map_err(failed)?));
+        }
+    } else if args.json {
         let mut object = report.json();
         object["files"] = files.iter().map(|f| f.display().to_string()).collect();
         say(&serde_json::to_string_pretty(&object)?);

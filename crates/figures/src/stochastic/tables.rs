@@ -3,6 +3,7 @@
 use std::fmt::Write as _;
 
 use steklov_model::stochastic::{End, Quantity, StochasticResult};
+use steklov_picture::plain;
 use steklov_result::record::Record;
 
 /// Text of a CSV field.
@@ -89,10 +90,10 @@ pub fn lines(stored: &Record) -> Vec<String> {
         let _ = write!(head, ", {}", count(cells.degree.len(), "cell"));
     }
     if let Some(truncation) = result.truncation {
-        let _ = write!(head, ", truncation {truncation:.1e} estimated, relative");
+        let _ = write!(head, ", truncation {} estimated, relative", plain(truncation, 2));
     }
     if let Some(measured) = result.truncation_measured {
-        let _ = write!(head, ", {measured:.1e} measured by {}", count(result.checks, "outcome"));
+        let _ = write!(head, ", {} measured by {}", plain(measured, 2), count(result.checks, "outcome"));
     }
     let mut lines = vec![head];
     lines.extend(shortfall(result).map(|text| format!("            {text}")));
@@ -105,23 +106,23 @@ pub fn lines(stored: &Record) -> Vec<String> {
         lines.push(format!("            field {}: {modes} with {share:.4} % of its variance", field.name));
     }
     for q in &result.quantities {
-        let mut line = format!("            {}: {:.6e}", q.name, q.mean);
+        let mut line = format!("            {}: {}", q.name, plain(q.mean, 7));
         if let Some([low, high]) = q.bounds_left {
             let _ = write!(line, " NOT RESOLVED: out of {low} to {high}, which it cannot leave, by this rule");
         }
         line += &match q.variance {
             _ if is_constant(stored, q) => ", constant but for rounding".to_owned(),
             v if v.is_nan() => ", variance NOT RESOLVED: negative by this rule".to_owned(),
-            v => format!(" ± {:.2e}", v.max(0.0).sqrt()),
+            v => format!(" ± {}", plain(v.max(0.0).sqrt(), 3)),
         };
         if let Some(error) = q.standard_error {
-            let _ = write!(line, ", standard error of the mean {error:.1e}");
+            let _ = write!(line, ", standard error of the mean {}", plain(error, 2));
         }
         if let Some(truncation) = q.truncation {
-            let _ = write!(line, ", truncation {truncation:.1e}");
+            let _ = write!(line, ", truncation {}", plain(truncation, 2));
         }
         for (k, (p, value)) in result.probabilities.iter().zip(q.quantiles.iter().flatten()).enumerate() {
-            let _ = write!(line, "{} {} % {value:.6e}", if k == 0 { "; quantiles" } else { "," }, percent(*p));
+            let _ = write!(line, "{} {} % {}", if k == 0 { "; quantiles" } else { "," }, percent(*p), plain(*value, 7));
         }
         lines.push(line);
     }

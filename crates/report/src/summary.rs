@@ -1,0 +1,350 @@
+//! The summary of a result in lines of a terminal, in the order in which readers ask: what was solved and what is in doubt; forces,
+//! contact, stresses, points and lines; then the energies and how well all of it holds.
+
+use steklov_figures::stochastic;
+use steklov_io::vtkhdf::Field;
+use steklov_model::doubt::Doubt;
+use steklov_model::estimators::Estimators;
+use steklov_model::run::adaptive_loop::Reason;
+use steklov_model::summary::{
+    Audit, ContactSummary, Expected, GridSummary, LineProbe, MediumSummary, SideProbe, Summary,
+};
+use steklov_picture::plain;
+use steklov_plan::MODULI;
+use steklov_result::record::Record;
+
+use crate::numbers::{DIGITS, beside, digits};
+use crate::told::{advice, crossing_warning, untouched};
+
+/// Digits of the energy J, which the smallest estimates need.
+const ENERGY_DIGITS: usize = 12;
+
+/// Points of infinite stress that are named at most.
+const NAMED: usize = 4;
+
+/// Parts of an estimator below this part of it are not told.
+const SMALL_PART: f64 = 1e-3;
+
+/// Lines that are gathered: a word of at most eleven letters, or blanks, and what is told.
+#[derive(Default)]
+struct Lines(Vec<String>);
+
+impl Lines {
+    fn say(&mut self, word: &str, text: impl AsRef<str>) {
+        self.0.push(format!("{word:<11} {}", text.as_ref()));
+    }
+}
+
+/// A number with the usual digits.
+fn usual(value: f64) -> String {
+    plain(value, DIGITS)
+}
+
+/// A number that is at most `largest`.
+fn part(value: f64, largest: f64) -> String {
+    usual(beside(value, largest))
+}
+
+/// Components in parentheses.
+fn vector<const N: usize>(components: [f64; N]) -> String {
+    vector_beside(components, 0.0)
+}
+
+/// The same of a field, of which `largest` is the largest value.
+fn vector_beside<const N: usize>(components: [f64; N], largest: f64) -> String {
+    let largest = components.iter().fold(largest, |largest, c| largest.max(c.abs()));
+    format!("({})", components.map(|c| part(c, largest)).join(", "))
+}
+
+/// The lines of a result.
+pub fn lines(stored: &Record) -> Vec<String> {
+    let s = &stored.summary;
+    let mut lines = Lines::default();
+    solved(stored, &mut lines);
+    for (side, force) in &s.reactions {
+        lines.say("reaction", format!("{side}: {}", vector(*force)));
+    }
+    if let Some(c) = &s.contact {
+        contact(stored, c, &mut lines);
+    }
+    interfaces(s, &mut lines);
+    stress(stored, &mut lines);
+    probes(stored, &mut lines);
+    if let Some(exterior) = &s.exterior {
+        far_away(exterior, &mut lines);
+    }
+    energies(s, &mut lines);
+    if let Some(grid) = &s.grid {
+        on_grid(stored, grid, &mut lines);
+    }
+    for body in &s.bodies {
+        let energy = usual(body.strain_energy);
+        lines.say("body", format!("{}: {} dofs, strain energy {energy}", body.name, body.dofs));
+    }
+    if let Some(a) = &s.audit {
+        audit(a, &mut lines);
+    }
+    lines.0.extend(stochastic::lines(stored));
+    lines.0.extend(s.expect.iter().map(expectation));
+    let memory = s.peak_memory_bytes as f64 / f64::from(1 << 20);
+    lines.say("seconds", format!("{:.3}, peak memory {memory:.1} MiB", s.seconds.total));
+    lines.say("result", &s.file);
+    lines.0
+}
+
+/// What was solved, why the run ended, and what is in doubt.
+fn solved(stored: &Record, lines: &mut Lines) {
+    let Record { summary: s, plan, .. } = stored;
+    // no control letter of a title reaches the terminal
+    lines.0.push(s.title.replace(char::is_control, " "));
+    let named = [("length", &s.units.length), ("stress", &s.units.stress)];
+    let named: Vec<String> = named.iter().filter_map(|(of, name)| Some(format!("{of} {}", name.as_ref()?))).collect();
+    if !named.is_empty() {
+        lines.say("units", named.join(", "));
+    }
+    let steps = if s.steps == 1 { "step" } else { "steps" };
+    let ended = if s.converged { &s.reason } else { "NOT CONVERGED" };
+    lines.0.push(format!("{} dofs, {} {steps}: {ended}", s.dofs, s.steps));
+    if !s.converged {
+        lines.say("reason", &s.reason);
+        advice(s, plan).iter().for_each(|advice| lines.say("", advice));
+    }
+    if let Some(failure) = s.failure.as_ref().filter(|_| s.reason == Reason::Failed.word()) {
+        lines.say("", format!("in the step after these: {failure}"));
+    }
+    let doubts = s.estimate_doubts.iter().filter_map(|word| Doubt::of_word(word));
+    doubts.for_each(|doubt| lines.say("doubt", doubt.to_string()));
+    for r in &s.reach {
+        let ([a, b], depth, place) = (&r.bodies, plain(r.depth, 4), vector(r.point));
+        lines.say(
+            "reach",
+            format!("{a} and {b} lie {depth} in each other at {place}: name the sides that meet there in an interface"),
+        );
+    }
+    s.grid.iter().filter_map(crossing_warning).for_each(|warning| lines.say("warning", warning));
+    if stored.stochastic.is_some() {
+        let text = "what follows is one solution, of the mean of the random input; means of all outcomes stand under `outcomes`";
+        lines.say("mean input", text);
+    }
+}
+
+fn contact(stored: &Record, c: &ContactSummary, lines: &mut Lines) {
+    let s = &stored.summary;
+    let (stick, slip) = (part(c.stick, c.length), part(c.slip, c.length));
+    let count = s.iterations;
+    lines.say("contact", format!("length {}, stick {stick}, slip {slip}, {count} iterations", usual(c.length)));
+    let largest = stored.contact.iter().max_by(|a, b| a.pressure.total_cmp(&b.pressure));
+    let place =
+        largest.filter(|row| row.pressure > 0.0).map_or(String::new(), |row| format!(" at {}", vector(row.point)));
+    let note = if c.max_pressure_unbounded { " (the exact one is infinite: this is a number of the mesh)" } else { "" };
+    lines.say("", format!("largest pressure {}{place}{note}", usual(c.max_pressure)));
+    lines.say("", format!("force on the body {}", vector(c.force)));
+    if let Some(factor) = c.contraction {
+        let note = if factor < 1.0 { "" } else { ": the fixed point of Tresca problems does not settle" };
+        lines.say("", format!("Coulomb friction, contraction {factor:.3}{note}"));
+    }
+    let tension = if s.exterior.is_some() { ": stresses far away are negative in compression" } else { "" };
+    untouched(stored).iter().for_each(|side| lines.say("", format!("nothing touches side {side}{tension}")));
+}
+
+/// The interfaces between several bodies.
+fn interfaces(s: &Summary, lines: &mut Lines) {
+    let in_doubt = s.estimate_doubts.iter().any(|word| word == Doubt::Normals.word());
+    for i in &s.interfaces {
+        let stick = i.stick.map_or(String::new(), |stick| format!(", stick {}", part(stick, i.length)));
+        // where the largest one is infinite, the line above says so
+        let bounded = s.contact.as_ref().is_some_and(|contact| !contact.max_pressure_unbounded);
+        let pressure =
+            i.max_pressure.filter(|_| bounded).map_or(String::new(), |p| format!(", largest pressure {}", usual(p)));
+        let (length, force) = (usual(i.length), vector(i.force));
+        lines.say("interface", format!("{}: {}, length {length}{stick}{pressure}, force {force}", i.name, i.kind));
+        if let Some(n) = i.normals.filter(|_| in_doubt) {
+            let (angle, change) = (n.angle.to_degrees(), plain(n.energy_change, 2));
+            let text =
+                format!("normals of the two sides differ by up to {angle:.2}°: J is uncertain by {change} for that");
+            lines.say("", text);
+        }
+    }
+}
+
+/// The largest von Mises stress of the points, or cells, of the result file, and where the exact one is infinite.
+fn stress(stored: &Record, lines: &mut Lines) {
+    let grid = &stored.grid;
+    let corners = |cell: &[usize]| {
+        let sum = |i: usize| cell.iter().map(|&p| grid.points[p][i]).sum::<f64>() / cell.len() as f64;
+        [sum(0), sum(1)]
+    };
+    let cells = || {
+        let triangles = grid.triangles.iter().map(|cell| cell.as_slice());
+        triangles.chain(grid.quads.iter().map(|cell| cell.as_slice())).map(corners)
+    };
+    let of = |fields: &'_ [Field]| fields.iter().position(|f| f.name == "von_mises");
+    let largest = |values: &[f64], places: &mut dyn Iterator<Item = [f64; 2]>| {
+        let known = values.iter().copied().zip(places).filter(|(value, _)| value.is_finite());
+        known.max_by(|a, b| a.0.total_cmp(&b.0))
+    };
+    let found = match (of(&grid.point_data), of(&grid.cell_data)) {
+        (Some(k), _) => largest(&grid.point_data[k].values, &mut grid.points.iter().copied())
+            .map(|peak| (peak, format!("at {} points", grid.points.len()))),
+        (None, Some(k)) => largest(&grid.cell_data[k].values[grid.lines.len()..], &mut cells())
+            .map(|peak| (peak, format!("at the middle of {} cells", grid.triangles.len() + grid.quads.len()))),
+        (None, None) => None,
+    };
+    let infinite = &stored.summary.infinite_stress;
+    if !infinite.is_empty() {
+        let more = if infinite.len() > NAMED { format!(" and {} more", infinite.len() - NAMED) } else { String::new() };
+        let places: Vec<String> = infinite.iter().take(NAMED).map(|place| vector(*place)).collect();
+        lines.say("stress", format!("infinite at {}{more}", places.join(", ")));
+    } else if let Some(((value, place), of)) = found {
+        lines.say(
+            "stress",
+            format!("von Mises up to {} at {}, the largest {of} of the result file", usual(value), vector(place)),
+        );
+    }
+}
+
+/// Points, lines and sides of `[probe]`, each with its stress, or the largest one at its points, or where it is infinite.
+fn probes(stored: &Record, lines: &mut Lines) {
+    let s = &stored.summary;
+    let largest = stored.displacement.as_flattened().iter().fold(0.0, |largest: f64, u| largest.max(u.abs()));
+    for p in &s.probe {
+        let ([x, y], u) = (p.point, vector_beside(p.displacement, largest));
+        let stress = match p.stress_unbounded {
+            true => "stress unbounded: infinite at this vertex, whatever the mesh".to_owned(),
+            false => format!("stress = {}", vector(p.stress)),
+        };
+        lines.say("probe", format!("({x}, {y}): u = {u}, {stress}"));
+    }
+    let peak = |points: &[(bool, f64, [f64; 2])]| {
+        let largest = || points.iter().filter(|p| p.1.is_finite()).max_by(|a, b| a.1.total_cmp(&b.1));
+        match (points.iter().find(|p| p.0), largest()) {
+            (Some((.., [x, y])), _) => format!(", stress unbounded at ({x}, {y})"),
+            (None, Some((_, value, place))) => {
+                format!(", von Mises stress up to {} at {}", usual(*value), vector(*place))
+            }
+            (None, None) => String::new(),
+        }
+    };
+    for (k, line) in (1..).zip(&s.probe_lines) {
+        let LineProbe { from: [x, y], to: [u, v], points } = line;
+        let inside = points.iter().filter(|p| !p.displacement[0].is_nan()).count();
+        let all: Vec<_> = points.iter().map(|p| (p.stress_unbounded, p.von_mises, p.point)).collect();
+        let count = points.len();
+        lines.say(
+            &format!("line {k}"),
+            format!("({x}, {y}) to ({u}, {v}): {inside} of {count} points in a body{}", peak(&all)),
+        );
+    }
+    for SideProbe { side, points } in &s.probe_sides {
+        let all: Vec<_> = points.iter().map(|p| (p.stress_unbounded, p.von_mises, p.point)).collect();
+        lines.say("side", format!("{side}: {} points{}", points.len(), peak(&all)));
+    }
+}
+
+/// What the medium does far away; with a net force also that its displacement depends on a length.
+fn far_away(exterior: &MediumSummary, lines: &mut Lines) {
+    let MediumSummary { radiation, resultant, balanced, constant, length } = exterior;
+    match (radiation.as_str(), balanced) {
+        ("bounded", _) => lines.say("at infinity", format!("bounded, displacement {}", vector(*constant))),
+        (_, true) => lines.say("at infinity", "decaying: the forces on the medium are balanced"),
+        (_, false) => {
+            let (force, length) = (vector(*resultant), usual(*length));
+            lines.say("at infinity", format!("net force {force} on the medium, which does not vanish far away"));
+            let text = "the displacement grows as log(L/r), and its translation depends on the length L";
+            lines.say("", format!("{text} = {length}:"));
+            lines.say("", "compare displacements of two points, or hold a point that is known not to move");
+        }
+    }
+}
+
+/// The energy J with its parts and its error.
+fn energies(s: &Summary, lines: &mut Lines) {
+    lines.say("energy J", plain(s.energy, ENERGY_DIGITS));
+    let springs = s.spring_energy.map_or(String::new(), |energy| format!("springs {}, ", usual(energy)));
+    let friction = part(s.friction_work, s.strain_energy.abs().max(s.load_work.abs()));
+    let (strain, work) = (usual(s.strain_energy), usual(s.load_work));
+    lines.say("", format!("strain {strain}, {springs}load work {work}, friction work {friction}"));
+    if let (Some(energy), Some(uncertainty)) = (s.energy_extrapolated, s.energy_uncertainty) {
+        let value = plain(energy, digits(energy, uncertainty));
+        lines.say("", format!("J extrapolated {value} ± {}", plain(uncertainty, 2)));
+    }
+    if let (Some(error), Some(relative)) = (s.estimate, s.estimate_relative) {
+        let doubts = match s.estimate_doubts.as_slice() {
+            [] => String::new(),
+            doubts => format!(" (not reliable: {})", doubts.join(", ")),
+        };
+        let (error, relative) = (plain(error, 4), plain(relative, 4));
+        lines.say("error", format!("{error} estimated in the energy norm, relative {relative}{doubts}"));
+    }
+    if let Some(grid) = &s.grid {
+        let parts = [
+            (grid.estimate_multiscale, "by the coarse cells"),
+            (grid.estimate_fine_grid, "by the fine grid itself"),
+            (grid.estimate_medium, "by the boundary elements around it"),
+        ];
+        let parts: Vec<String> =
+            parts.into_iter().filter_map(|(part, of)| Some(format!("{} {of}", plain(part?, 4)))).collect();
+        if parts.len() > 1 {
+            lines.say("", format!("of it {}", parts.join(", ")));
+        }
+    }
+    s.estimators.iter().for_each(|estimators| residuals(estimators, lines));
+}
+
+/// The residual estimators, the largest parts first.
+fn residuals(estimators: &Estimators, lines: &mut Lines) {
+    for (name, estimator) in estimators.named() {
+        let Some(estimator) = estimator else { continue };
+        let (value, relative) = (plain(estimator.value, 4), plain(estimator.relative, 4));
+        lines.say("residual", format!("{value} by {name}, relative {relative}"));
+        let mut parts: Vec<_> =
+            estimator.parts.iter().filter(|(_, part)| **part > SMALL_PART * estimator.value).collect();
+        parts.sort_by(|a, b| b.1.total_cmp(a.1));
+        let parts: Vec<String> = parts.iter().map(|(name, part)| format!("{name} {}", plain(**part, 2))).collect();
+        if !parts.is_empty() {
+            lines.say("", parts.join(", "));
+        }
+    }
+}
+
+/// The grid of finite elements.
+fn on_grid(stored: &Record, grid: &GridSummary, lines: &mut Lines) {
+    let ([nx, ny], unknowns) = (grid.cells, grid.fine_dofs);
+    let cells = match (&grid.basis, grid.coarse_cells, grid.patterns) {
+        (Some(basis), Some(coarse), Some(patterns)) => format!(
+            "{nx} by {ny} fine cells, {unknowns} unknowns; {coarse} coarse cells, basis {basis}, {patterns} local problem(s)"
+        ),
+        _ => format!("{nx} by {ny} cells"),
+    };
+    lines.say("grid", cells);
+    if let Some(n) = grid.boundary_elements {
+        lines.say("", format!("{n} boundary elements of the medium around it"));
+    }
+    lines.say("", format!("contrast of the moduli {}", plain(grid.contrast, 5)));
+    let moduli = stored.plan.modelled.iter().filter(|d| d.what == MODULI);
+    moduli.for_each(|d| lines.say("", format!("modulus {}", d.choice)));
+}
+
+fn audit(a: &Audit, lines: &mut Lines) {
+    let conditions = [
+        ("equilibrium", a.equilibrium),
+        ("penetration", a.penetration),
+        ("tension", a.tension),
+        ("complementarity", a.complementarity),
+        ("friction", a.friction),
+    ];
+    lines.say("audit", conditions.map(|(name, value)| format!("{name} {}", plain(value, 2))).join(", "));
+}
+
+/// An entry of `[expect]` and whether it holds.
+pub fn expectation(entry: &Expected) -> String {
+    let Expected { path, value, expected, tol, holds } = entry;
+    let word = if *holds { "holds" } else { "DOES NOT HOLD" };
+    match value {
+        Some(value) => format!(
+            "expected    {path} = {expected} ± {tol:e}: {value:?}, off by {}: {word}",
+            plain((value - expected).abs(), 2)
+        ),
+        None => format!("expected    {path} = {expected} ± {tol:e}: this result has no such number: {word}"),
+    }
+}
