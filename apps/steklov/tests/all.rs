@@ -16,6 +16,7 @@ mod grid_output;
 mod grid_pictures;
 mod grid_scenes;
 mod inclusions;
+mod json_reference;
 mod memory;
 mod multipliers;
 mod natural_mistakes;

@@ -1,7 +1,10 @@
-//! Result files of all kinds of scenes: `docs/check_result.py` finds them right, or wrong where one entry is, and
-//! `docs/result-file.md` describes every array.
+//! Result files of all kinds of scenes: `docs/check_result.py` finds them right, or wrong where one entry is,
+//! `docs/result-file.md` describes every array, and `docs/reference/json.md` every path of their JSON objects.
 
-use crate::place::{CHECK_RESULT, Place};
+use crate::json_reference::all_paths_are_described;
+use crate::place::{CHECK_RESULT, Place, Ran};
+
+use serde_json::Value;
 
 /// A scene of the gallery, solved with `--save all`.
 struct Kind {
@@ -39,7 +42,7 @@ const KINDS: [Kind; 18] = [
     kind("tied", "59-tied-blocks", &[], MATRICES),
     kind("crack", "66-crack-that-closes", &[FEW], CONTACT),
     kind("curved", "50-lame-tube", &["method.indicator=\"residual\""], MATRICES),
-    kind("random-modulus", "29-random-modulus", &[], &["outcomes", "stochastic cells     M_E"]),
+    kind("random-modulus", "29-random-modulus", &["method.estimators=true"], &["outcomes", "stochastic cells     M_E"]),
     kind(
         "random-gap",
         "30-rough-obstacle",
@@ -94,14 +97,14 @@ const CHANGED: [(&str, &str); 18] = [
     ("fem-bem", "matrices/A_interface"),
 ];
 
-fn solve(place: &Place, kind: &Kind) -> String {
-    let file = format!("{}.vtkhdf", kind.name);
+/// A command with the scene and the settings of a kind, and its JSON object.
+fn run(place: &Place, command: &str, kind: &Kind, arguments: &[&str]) -> Ran {
     let scene = format!("{}/../../scenes/{}.toml", env!("CARGO_MANIFEST_DIR"), kind.scene);
-    let save = ["--quiet", "--save", "all", "--out", &file, "--set", "method.tolerance=1e-2"];
+    let first = [command, &scene, "--json", "--set", "method.tolerance=1e-2"];
     let settings = kind.settings.iter().flat_map(|setting| ["--set", setting]);
-    let ran = place.run(["solve", &scene].into_iter().chain(save).chain(settings));
+    let ran = place.run(first.iter().chain(arguments).copied().chain(settings));
     assert!(ran.status == 0 || ran.status == 3, "{}: {}", kind.name, ran.err);
-    file
+    ran
 }
 
 fn script(name: &str) -> String {
@@ -111,7 +114,9 @@ fn script(name: &str) -> String {
 #[test]
 fn results_of_all_kinds_hold_are_described_and_wrong_entries_are_noticed() {
     let place = Place::new();
-    results_hold(&place);
+    let results = results_hold(&place);
+    let plans = KINDS.iter().map(|kind| (kind.name.to_owned(), run(&place, "plan", kind, &[]).json()));
+    all_paths_are_described(&place, results, plans.collect());
     let table = concat!(env!("CARGO_MANIFEST_DIR"), "/../../docs/result-file.md");
     let files = KINDS.map(|kind| format!("{}.vtkhdf", kind.name));
     let arguments: Vec<&str> = std::iter::once(table).chain(files.iter().map(String::as_str)).collect();
@@ -119,15 +124,19 @@ fn results_of_all_kinds_hold_are_described_and_wrong_entries_are_noticed() {
     wrong_entries_are_noticed(&place);
 }
 
-fn results_hold(place: &Place) {
-    for kind in &KINDS {
-        let file = solve(place, kind);
+/// Name and JSON object of each kind.
+fn results_hold(place: &Place) -> Vec<(String, Value)> {
+    let check = |kind: &Kind| {
+        let file = format!("{}.vtkhdf", kind.name);
+        let solved = run(place, "solve", kind, &["--quiet", "--save", "all", "--out", &file]);
         let said = place.python(CHECK_RESULT, &[&file]).demand(0).out;
         for what in kind.wanted {
             assert!(said.lines().any(|line| line.starts_with(what)), "{}: {what} is not checked:\n{said}", kind.name);
         }
         println!("{}: {}", kind.name, said.lines().last().unwrap());
-    }
+        (kind.name.to_owned(), solved.json())
+    };
+    KINDS.iter().map(check).collect()
 }
 
 fn wrong_entries_are_noticed(place: &Place) {

@@ -54,7 +54,7 @@ pub const ON_INTERFACE: [&str; 3] = ["interface_traction", "interface_displaceme
 /// Residual estimators of the last solution by kind, each null if it does not apply.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Estimators {
-    /// Boundary elements with biorthogonal multipliers, or without contact; of random input for its mean.
+    /// Boundary elements with biorthogonal multipliers, or without contact; of random input for its nominal outcome.
     pub contact: Option<Estimator>,
     /// Boundary elements with stabilised multipliers.
     pub stabilised: Option<Estimator>,

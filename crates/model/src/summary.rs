@@ -108,7 +108,7 @@ pub struct Summary {
 /// Contact in numbers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ContactSummary {
-    /// Length in contact, Σ D_i over nodes with λ_n,i > 1e-12 of the largest.
+    /// Length in contact: between the ends where they are located, else Σ D_i over nodes with λ_n,i > 1e-12 of the largest.
     pub length: f64,
     /// Part of it with |λ_t| < F_i.
     pub stick: f64,
@@ -118,7 +118,7 @@ pub struct ContactSummary {
     pub max_pressure: f64,
     /// Whether the exact one is infinite, so that `max_pressure` grows with the mesh.
     pub max_pressure_unbounded: bool,
-    /// Force of the obstacle on the body.
+    /// Force of the obstacle on the body; between bodies the sum of the forces of all interfaces in contact.
     pub force: [f64; 2],
     /// Ends of contact, where adaptivity has located them.
     pub ends: Option<Vec<[f64; 2]>>,
@@ -164,7 +164,8 @@ pub struct InterfaceSummary {
     pub force: [f64; 2],
     /// Ends of contact, where adaptivity has located them.
     pub ends: Option<Vec<[f64; 2]>>,
-    /// How well the conditions of contact hold; null for ties.
+    /// How well the conditions of contact hold, over the scales of all interfaces: equilibrium is that of the whole problem, friction
+    /// the excess of |λ_t| alone; null for ties.
     pub audit: Option<Audit>,
     /// The influence of the direction of contact; null for ties.
     #[serde(default)]
@@ -388,19 +389,19 @@ fn number_or_null<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::E
 /// Wall seconds of the parts, summed over the steps.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct SecondsSummary {
-    /// All of it, reading the scene and writing the file included.
+    /// All of it, reading the scene, outcomes of random input and writing the file included; in the file without writing it.
     pub total: f64,
     /// Meshes, loads, supports.
     pub set_up: f64,
-    /// V, K, W.
+    /// V, K, W, or the stiffness of a grid.
     pub assemble: f64,
-    /// S and its condensation.
+    /// S and its condensation, or the factor of that stiffness.
     pub factorise: f64,
     /// Contact and back substitution.
     pub solve: f64,
     /// Error estimate.
     pub estimate: f64,
-    /// Fields in the body and the result file.
+    /// Fields in the body and the result file; in the file without writing it.
     pub write: f64,
 }
 

@@ -70,13 +70,13 @@ pub struct Decision {
 /// Size and cost of the first mesh.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Cost {
-    /// Elements.
+    /// Boundary elements, or cells of the grid: coarse ones of multiscale elements.
     pub elements: usize,
     /// Displacement unknowns, held ones included.
     pub dofs: usize,
     /// Bytes of the matrices that are held at once.
     pub memory_bytes: u64,
-    /// Floating point operations of the dense algebra.
+    /// Floating point operations of the linear algebra.
     pub operations: f64,
 }
 

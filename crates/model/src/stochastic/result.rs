@@ -162,7 +162,7 @@ pub struct StochasticResult {
     pub solved: usize,
     /// Iterations of the contact solver, all points together.
     pub iterations: usize,
-    /// Points whose contact solver did not reach its criterion.
+    /// Points whose contact solver did not reach its criterion, or whose forces do not balance.
     pub unconverged: usize,
     /// Wall seconds.
     pub seconds: f64,
