@@ -317,3 +317,27 @@ fn what_nothing_holds_is_told() {
     let told = solved(&slides("traction = [\"0\", \"-7\"]"), &["method.tolerance=1e-3"]);
     assert!(told.converged && (told.reactions["lower.bottom"][1] - 7.0).abs() < 1e-9);
 }
+
+/// Blocks that are moved through each other deform by rounding alone, of either sign: only that they lie in each other is in doubt.
+#[test]
+fn rigid_motions_leave_no_doubt_about_normals() {
+    let block = |name: &str, low: f64| {
+        format!(
+            "[[body]]\nname = \"{name}\"\ncorners = [[0,{low}],[1,{low}],[1,{high}],[0,{high}]]\n\
+             sides = [\"bottom\",\"right\",\"top\",\"left\"]\n",
+            high = low + 1.0
+        )
+    };
+    for elements in [8, 12, 16] {
+        let text = format!(
+            "material = {{ young = 1.0, poisson = 0.3 }}\nmethod = {{ refine = \"none\", elements = {elements} }}\n{}{}\
+             [sides.lower.bottom]\ndisplacement = [\"0\",\"0.1\"]\n[sides.upper.top]\ndisplacement = [\"0\",\"-0.1\"]\n",
+            block("lower", 0.0),
+            block("upper", 1.1)
+        );
+        let told = summary(&parse(&text, &[]));
+        assert!(told.strain_energy.abs() < 1e-15, "{}", told.strain_energy);
+        assert!(!told.estimate_doubts.iter().any(|doubt| doubt == "normals"), "{:?}", told.estimate_doubts);
+        assert!(told.estimate_doubts.iter().any(|doubt| doubt == "reach"), "{:?}", told.estimate_doubts);
+    }
+}

@@ -57,7 +57,8 @@ pub(crate) fn doubts(
     reach: &[ReachSummary],
 ) -> Vec<Doubt> {
     let change: f64 = interfaces.iter().filter_map(|i| i.normals).map(|normals| normals.energy_change).sum();
-    let matters = change > scene.method.tolerance() * 2.0 * solved.energies.strain;
+    // of bodies that move rigidly the strain energy is rounding, of either sign
+    let matters = change > scene.method.tolerance() * 2.0 * solved.energies.strain.max(0.0);
     let found = [(Doubt::Normals, matters), (Doubt::Reach, !reach.is_empty())];
     found.into_iter().filter(|(_, is)| *is).map(|(doubt, _)| doubt).collect()
 }

@@ -36,8 +36,8 @@ pub struct Quantity {
     pub variance: f64,
     /// Standard error of the mean; Monte Carlo only.
     pub standard_error: Option<f64>,
-    /// Root mean square of the truncation error of polynomials, which is more than the error of the mean; infinite for degree
-    /// 0. For samples the largest change of the mean by outcomes that they have not seen.
+    /// Root mean square of the truncation error of polynomials, which is more than the error of the mean. For samples
+    /// the largest change of the mean by outcomes that they have not seen.
     pub truncation: Option<f64>,
     /// Quantiles at the probabilities of the scene; none for a sparse grid, whose answers are not a surrogate, and for a
     /// spread that is rounding.
